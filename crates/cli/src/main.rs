@@ -1,0 +1,2 @@
+//! The asperity command.
+fn main() {}

@@ -1,0 +1,78 @@
+//! What can go wrong between a stack and its response.
+
+use asperity_law::LawError;
+use asperity_mesh::MeshError;
+
+/// Why an equilibrium, a mode or a response cannot be computed.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum DynamicsError {
+    /// A setting of the computation is out of its range.
+    #[error("{quantity} is {value}; accepted: {accepted}")]
+    Setting {
+        /// The setting, with its unit.
+        quantity: &'static str,
+        /// The value given.
+        value: f64,
+        /// The range accepted.
+        accepted: &'static str,
+    },
+    /// The law of an interface cannot carry the weight above it.
+    #[error(
+        "no static equilibrium: the law of interface \"{interface}\" cannot carry the static pressure of {pressure_pa} Pa"
+    )]
+    NoEquilibrium {
+        /// Name of the interface.
+        interface: String,
+        /// Static pressure it would have to carry [Pa].
+        pressure_pa: f64,
+    },
+    /// A damping ratio refers to a natural frequency, and there is none.
+    #[error(
+        "a damping ratio needs a natural frequency, but the rig linearised at rest has none (interface \"{interface}\" has no stiffness at {pressure_pa} Pa); give the damping as a rate instead"
+    )]
+    NoFrequency {
+        /// The interface without stiffness.
+        interface: String,
+        /// Its static pressure [Pa].
+        pressure_pa: f64,
+    },
+    /// A force record is not usable.
+    #[error("force record, row {row}: {quantity} is {value}; it must be {accepted}")]
+    ForceRecord {
+        /// Row, counted from 0.
+        row: usize,
+        /// The quantity, with its unit.
+        quantity: &'static str,
+        /// The value given.
+        value: f64,
+        /// What is accepted.
+        accepted: &'static str,
+    },
+    /// The numbers grew beyond all bounds.
+    #[error(
+        "the integration became unstable at {time_s:.6e} s, first seen at interface \"{interface}\"; use a smaller step or cell"
+    )]
+    Unstable {
+        /// Time at which it was noticed [s].
+        time_s: f64,
+        /// The interface with the first value that is not finite.
+        interface: String,
+    },
+    /// The structure or its grid cannot be built.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
+    /// A contact law cannot be prepared for the integration.
+    #[error("interface \"{interface}\": {source}")]
+    Law {
+        /// Name of the interface.
+        interface: String,
+        /// What the law says.
+        source: LawError,
+    },
+    /// An eigenvalue computation did not converge.
+    #[error("the eigenvalues of {size} coupled equations did not converge")]
+    Eigenvalues {
+        /// Number of equations.
+        size: usize,
+    },
+}

@@ -1,0 +1,243 @@
+//! The force on the top of the stack.
+
+use std::f64::consts::{PI, TAU};
+
+use crate::DynamicsError;
+
+/// A force course, zero before `t = 0`; positive forces push down.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Excitation {
+    /// No force.
+    None,
+    /// `F (t/tr)^2 exp(2 (1 - t/tr))`: a hammer pulse with its peak F at the
+    /// rise time, a smooth start, and a spectrum without zeros.
+    GammaPulse {
+        /// Peak force F [N].
+        peak: f64,
+        /// Time of the peak tr [s].
+        rise: f64,
+    },
+    /// `F sin(pi t / T)` for `0 < t < T`; its spectrum has zeros from 1.5 / T on.
+    HalfSine {
+        /// Peak force F [N].
+        peak: f64,
+        /// Duration T [s].
+        duration: f64,
+    },
+    /// `F sin^2(pi t / T)` for `0 < t < T`; its spectrum has zeros from 2 / T on.
+    Haversine {
+        /// Peak force F [N].
+        peak: f64,
+        /// Duration T [s].
+        duration: f64,
+    },
+    /// `F sin(2 pi f t)` from `t = 0` on.
+    Harmonic {
+        /// Amplitude F [N].
+        amplitude: f64,
+        /// Frequency f [Hz].
+        frequency: f64,
+    },
+    /// A measured record, linear between its samples, zero outside.
+    Record(ForceRecord),
+}
+
+/// Past this many rise times a gamma pulse is below 1e-19 of its peak, less
+/// than half a unit in the last place of any sum it enters, and counts as over.
+const GAMMA_PULSE_END: f64 = 25.5;
+
+impl Excitation {
+    /// Force [N] at `time` [s].
+    pub fn force(&self, time: f64) -> f64 {
+        if time < 0.0 || time > self.ends_at() {
+            return 0.0;
+        }
+        match *self {
+            Self::None => 0.0,
+            Self::GammaPulse { peak, rise } => {
+                let s = time / rise;
+                peak * s * s * (2.0 * (1.0 - s)).exp()
+            }
+            Self::HalfSine { peak, duration } => peak * (PI * time / duration).sin(),
+            Self::Haversine { peak, duration } => peak * (PI * time / duration).sin().powi(2),
+            Self::Harmonic { amplitude, frequency } => amplitude * (TAU * frequency * time).sin(),
+            Self::Record(ref record) => record.force(time),
+        }
+    }
+
+    /// Fills `forces` with the force [N] at `start`, `start + step`, ... [s].
+    pub fn sample_into(&self, start: f64, step: f64, forces: &mut [f64]) {
+        if start > self.ends_at() {
+            forces.fill(0.0);
+            return;
+        }
+        for (n, force) in forces.iter_mut().enumerate() {
+            *force = self.force(start + n as f64 * step);
+        }
+    }
+
+    /// Time [s] after which the force is zero for good; infinite for a lasting one.
+    pub fn ends_at(&self) -> f64 {
+        match *self {
+            Self::None => 0.0,
+            Self::GammaPulse { rise, .. } => GAMMA_PULSE_END * rise,
+            Self::HalfSine { duration, .. } | Self::Haversine { duration, .. } => duration,
+            Self::Harmonic { .. } => f64::INFINITY,
+            Self::Record(ref record) => record.time[record.time.len() - 1],
+        }
+    }
+
+    /// Largest magnitude of the force [N].
+    pub fn peak(&self) -> f64 {
+        match *self {
+            Self::None => 0.0,
+            Self::GammaPulse { peak, .. }
+            | Self::HalfSine { peak, .. }
+            | Self::Haversine { peak, .. } => peak.abs(),
+            Self::Harmonic { amplitude, .. } => amplitude.abs(),
+            Self::Record(ref record) => record.force.iter().fold(0.0, |m, f| f.abs().max(m)),
+        }
+    }
+
+    /// Checks that every parameter is in its range.
+    ///
+    /// # Errors
+    /// [`DynamicsError::Setting`] for a force that is not finite, or a time or
+    /// frequency that is not positive and finite.
+    pub fn check(&self) -> Result<(), DynamicsError> {
+        let (force, scale, quantity) = match *self {
+            Self::None | Self::Record(_) => return Ok(()),
+            Self::GammaPulse { peak, rise } => (peak, rise, "rise time [s]"),
+            Self::HalfSine { peak, duration } | Self::Haversine { peak, duration } => {
+                (peak, duration, "pulse duration [s]")
+            }
+            Self::Harmonic { amplitude, frequency } => (amplitude, frequency, "frequency [Hz]"),
+        };
+        if !force.is_finite() {
+            let quantity = "force [N]";
+            return Err(DynamicsError::Setting { quantity, value: force, accepted: "finite" });
+        }
+        if !(scale.is_finite() && scale > 0.0) {
+            let accepted = "positive and finite";
+            return Err(DynamicsError::Setting { quantity, value: scale, accepted });
+        }
+        Ok(())
+    }
+}
+
+/// A measured force over time, with increasing times.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ForceRecord {
+    time: Vec<f64>,
+    force: Vec<f64>,
+}
+
+impl ForceRecord {
+    /// A record of `force` [N] at `time` [s].
+    ///
+    /// # Errors
+    /// [`DynamicsError::ForceRecord`] for fewer than two samples, columns of
+    /// unequal length, values that are not finite, or times that do not increase.
+    pub fn new(time: Vec<f64>, force: Vec<f64>) -> Result<Self, DynamicsError> {
+        let refuse = |row, quantity, value, accepted| {
+            Err(DynamicsError::ForceRecord { row, quantity, value, accepted })
+        };
+        if time.len() < 2 || time.len() != force.len() {
+            let accepted = "at least 2, and equal for time and force";
+            return refuse(0, "number of samples", force.len() as f64, accepted);
+        }
+        for (row, (&t, &f)) in time.iter().zip(&force).enumerate() {
+            if !f.is_finite() {
+                return refuse(row, "force [N]", f, "finite");
+            }
+            if !t.is_finite() || (row > 0 && t <= time[row - 1]) {
+                return refuse(row, "time [s]", t, "finite and later than the row before");
+            }
+        }
+        Ok(Self { time, force })
+    }
+
+    /// The same record with its largest magnitude rescaled to `|peak|` [N]; a
+    /// negative peak also turns the record around. A record of zeros stays zero.
+    #[must_use]
+    pub fn rescaled(mut self, peak: f64) -> Self {
+        let largest = self.force.iter().fold(0.0, |m: f64, f| f.abs().max(m));
+        if largest > 0.0 {
+            for force in &mut self.force {
+                *force *= peak / largest;
+            }
+        }
+        self
+    }
+
+    fn force(&self, time: f64) -> f64 {
+        let after = self.time.partition_point(|&t| t <= time);
+        if after == 0 {
+            return 0.0;
+        }
+        if after == self.time.len() {
+            return if time == self.time[after - 1] { self.force[after - 1] } else { 0.0 };
+        }
+        let (t0, t1) = (self.time[after - 1], self.time[after]);
+        let (f0, f1) = (self.force[after - 1], self.force[after]);
+        f0 + (f1 - f0) * (time - t0) / (t1 - t0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn impulse(excitation: &Excitation, until: f64) -> f64 {
+        let n = 200_000;
+        let step = until / f64::from(n);
+        (0..n).map(|i| excitation.force((f64::from(i) + 0.5) * step)).sum::<f64>() * step
+    }
+
+    /// Impulses in closed form: gamma F tr e^2 / 4, half-sine 2 F T / pi, haversine F T / 2.
+    #[test]
+    fn pulses_have_their_closed_form_impulse_and_peak() {
+        let gamma = Excitation::GammaPulse { peak: 32.0, rise: 0.34e-3 };
+        let expected = 32.0 * 0.34e-3 * 2.0_f64.exp() / 4.0;
+        assert!((impulse(&gamma, 0.01) / expected - 1.0).abs() < 1e-9);
+        assert!((gamma.force(0.34e-3) - 32.0).abs() < 1e-12);
+        let half = Excitation::HalfSine { peak: 9.0, duration: 1e-3 };
+        assert!((impulse(&half, 1e-3) / (2.0 * 9e-3 / PI) - 1.0).abs() < 1e-9);
+        let haversine = Excitation::Haversine { peak: 9.0, duration: 1e-3 };
+        assert!((impulse(&haversine, 1e-3) / 4.5e-3 - 1.0).abs() < 1e-9);
+        for pulse in [gamma, half, haversine] {
+            assert_eq!(pulse.force(-1e-9), 0.0);
+            assert_eq!(pulse.force(1.0), 0.0);
+        }
+    }
+
+    #[test]
+    fn the_cut_of_the_gamma_pulse_is_below_round_off() {
+        let gamma = Excitation::GammaPulse { peak: 1.0, rise: 1.0 };
+        assert!(gamma.force(GAMMA_PULSE_END) < 1e-18);
+    }
+
+    #[test]
+    fn a_record_is_linear_between_samples_and_zero_outside() {
+        let record = ForceRecord::new(vec![0.0, 1.0, 3.0], vec![0.0, 4.0, -2.0]).unwrap();
+        let excitation = Excitation::Record(record.clone());
+        let expected = [(-0.1, 0.0), (0.5, 2.0), (1.0, 4.0), (2.0, 1.0), (3.0, -2.0), (3.1, 0.0)];
+        for (time, force) in expected {
+            assert_eq!(excitation.force(time), force);
+        }
+        assert_eq!(excitation.peak(), 4.0);
+        assert_eq!(Excitation::Record(record.rescaled(-8.0)).force(1.0), -8.0);
+    }
+
+    #[test]
+    fn unusable_records_and_parameters_are_refused() {
+        assert!(ForceRecord::new(vec![0.0], vec![1.0]).is_err());
+        assert!(ForceRecord::new(vec![0.0, 0.0], vec![1.0, 1.0]).is_err());
+        assert!(ForceRecord::new(vec![0.0, 1.0], vec![1.0, f64::NAN]).is_err());
+        assert!(ForceRecord::new(vec![0.0, f64::NAN], vec![1.0, 1.0]).is_err());
+        assert!(ForceRecord::new(vec![0.0, 1.0], vec![1.0]).is_err());
+        assert!(Excitation::GammaPulse { peak: 1.0, rise: 0.0 }.check().is_err());
+        assert!(Excitation::Harmonic { amplitude: f64::NAN, frequency: 1.0 }.check().is_err());
+        assert!(Excitation::HalfSine { peak: -3.0, duration: 1e-3 }.check().is_ok());
+    }
+}

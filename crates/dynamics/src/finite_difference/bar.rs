@@ -1,0 +1,210 @@
+//! One body's nodes in vector lanes.
+//!
+//! Lane `l` of `W` lanes holds the nodes `l V .. (l + 1) V`, where `V` is the
+//! number of vectors: the neighbours of all nodes of vector `i` are then the
+//! vectors `i - 1` and `i + 1`, already in registers during the sweep, and only
+//! the first and last vector need a lane rotation. A sweep costs two loads, one
+//! store, an addition and three multiply-adds per vector; no load is unaligned.
+//! The grid makes the node count a multiple of every `W`, so the first node is
+//! the first lane of the first vector and the last the last of the last.
+//!
+//! The two states of the leapfrog lie in two buffers. Step number `m` reads
+//! buffer `m % 2` and overwrites the other; the parity is a constant of the
+//! code, so that no pointer changes hands between steps. The end nodes are kept
+//! as numbers as well: their update is what the contact waits for, and it must
+//! not wait for a vector to be stored and read back.
+
+use asperity_mesh::BarGrid;
+use pulp::{Simd, bytemuck};
+
+pub(super) struct Bar<S: Simd> {
+    states: [Vec<S::f64s>; 2],
+    /// Coefficients of Eq. (4) for the node, its neighbours, and its past.
+    own: f64,
+    neighbour: f64,
+    past: f64,
+    /// Share of each node in the kinetic energy: 1 inside, 1/2 at the ends, 0 for mirror nodes.
+    share: Vec<S::f64s>,
+    top: End<S>,
+    bottom: End<S>,
+    /// Displacement of an end per force on it and step, `dt^2 / (m_end (1 + a2))` [m/N].
+    pub(super) compliance: f64,
+    cell_mass: f64,
+    cell_stiffness: f64,
+    nodes: usize,
+}
+
+/// An end node: its displacement at the newest state and before, and where it lives.
+struct End<S: Simd> {
+    now: f64,
+    before: f64,
+    lane: S::m64s,
+    /// Slot of the node next to it, which is also its mirror image beyond the end.
+    inner: usize,
+}
+
+impl<S: Simd> Bar<S> {
+    pub(super) fn new(simd: S, grid: &BarGrid, step: f64, rate: f64) -> Self {
+        let lanes = S::F64_LANES;
+        let nodes = grid.nodes();
+        let vectors = nodes.div_ceil(lanes);
+        let slot_of = |node: usize| (node % vectors) * lanes + node / vectors;
+        let zero = simd.splat_f64s(0.0);
+        let mut lane_number = vec![zero; 1];
+        for (lane, entry) in flat_mut::<S>(&mut lane_number).iter_mut().enumerate() {
+            *entry = lane as f64;
+        }
+        let end = |lane: usize, inner: usize| End {
+            now: 0.0,
+            before: 0.0,
+            lane: simd.equal_f64s(lane_number[0], simd.splat_f64s(lane as f64)),
+            inner: slot_of(inner),
+        };
+        let mut share = vec![zero; vectors];
+        for node in 0..nodes {
+            let at_end = node == 0 || node == nodes - 1;
+            flat_mut::<S>(&mut share)[slot_of(node)] = if at_end { 0.5 } else { 1.0 };
+        }
+        let a1 = (step / grid.critical_step()).powi(2);
+        let a2 = rate * step;
+        Self {
+            states: [vec![zero; vectors], vec![zero; vectors]],
+            own: (2.0 * (1.0 - a1) + a2) / (1.0 + a2),
+            neighbour: a1 / (1.0 + a2),
+            past: -1.0 / (1.0 + a2),
+            share,
+            top: end(0, 1),
+            bottom: end(lanes - 1, nodes - 2),
+            compliance: step * step / (grid.end_mass() * (1.0 + a2)),
+            cell_mass: grid.cell_mass(),
+            cell_stiffness: grid.cell_stiffness(),
+            nodes,
+        }
+    }
+
+    /// The displacements [m] that the top and bottom end would reach in the
+    /// step that reads buffer `PARITY`, without forces on them.
+    #[inline(always)]
+    pub(super) fn unloaded_ends<const PARITY: usize>(&self) -> (f64, f64) {
+        let now = flat::<S>(&self.states[PARITY]);
+        let of = |end: &End<S>| {
+            let inner = 2.0 * self.neighbour * now[end.inner];
+            // The newest end is known last, so it enters last.
+            fused::<S>(self.own, end.now, fused::<S>(self.past, end.before, inner))
+        };
+        (of(&self.top), of(&self.bottom))
+    }
+
+    /// Eq. (4) for all nodes, from buffer `PARITY` into the other; the ends
+    /// take the displacements given [m].
+    #[inline(always)]
+    pub(super) fn sweep<const PARITY: usize>(&mut self, simd: S, (top, bottom): (f64, f64)) {
+        let [even, odd] = &mut self.states;
+        let (now, next) = if PARITY == 0 { (&*even, odd) } else { (&*odd, even) };
+        // Mirror images stand in for the neighbours beyond the ends.
+        let image = |end: &End<S>, wrapped| {
+            let mirrored = flat::<S>(now)[end.inner];
+            simd.select_f64s(end.lane, simd.splat_f64s(mirrored), wrapped)
+        };
+        let (Some((&first, rest)), Some(&last)) = (now.split_first(), now.last()) else { return };
+        let above = image(&self.top, simd.rotate_right_f64s(last, 1));
+        let below = image(&self.bottom, simd.rotate_left_f64s(first, 1));
+        let own = simd.splat_f64s(self.own);
+        let neighbour = simd.splat_f64s(self.neighbour);
+        let past = simd.splat_f64s(self.past);
+        let update = |left, middle, right, old| {
+            let sides = simd.add_f64s(left, right);
+            let inertia = simd.mul_add_e_f64s(own, middle, simd.mul_f64s(past, old));
+            simd.mul_add_e_f64s(neighbour, sides, inertia)
+        };
+        // The end nodes are put in before their vectors are stored: a second,
+        // partial store would make the next sweep wait for it.
+        let put = |end: &End<S>, reached, vector| {
+            simd.select_f64s(end.lane, simd.splat_f64s(reached), vector)
+        };
+        let (Some((next_first, next_rest)), Some((&second, after))) =
+            (next.split_first_mut(), rest.split_first())
+        else {
+            // All nodes in one vector.
+            let new = put(&self.top, top, update(above, first, below, next[0]));
+            next[0] = put(&self.bottom, bottom, new);
+            return self.turn(top, bottom);
+        };
+        *next_first = put(&self.top, top, update(above, first, second, *next_first));
+        let (mut left, mut middle) = (first, second);
+        if let Some((next_last, inside)) = next_rest.split_last_mut() {
+            for (&right, state) in after.iter().zip(inside) {
+                *state = update(left, middle, right, *state);
+                (left, middle) = (middle, right);
+            }
+            *next_last = put(&self.bottom, bottom, update(left, middle, below, *next_last));
+        }
+        self.turn(top, bottom);
+    }
+
+    #[inline(always)]
+    fn turn(&mut self, top: f64, bottom: f64) {
+        for (end, reached) in [(&mut self.top, top), (&mut self.bottom, bottom)] {
+            (end.before, end.now) = (end.now, reached);
+        }
+    }
+
+    /// Newest displacement of the top end, and the one before [m].
+    #[inline(always)]
+    pub(super) fn top(&self) -> (f64, f64) {
+        (self.top.now, self.top.before)
+    }
+
+    /// Twice the kinetic energy [J] half a step before the newest state, for `step` [s].
+    #[inline(always)]
+    pub(super) fn vis_viva(&self, simd: S, step: f64) -> f64 {
+        let mut sum = simd.splat_f64s(0.0);
+        let [even, odd] = &self.states;
+        for ((&a, &b), &share) in even.iter().zip(odd).zip(&self.share) {
+            let travel = simd.sub_f64s(a, b);
+            sum = simd.mul_add_e_f64s(simd.mul_f64s(share, travel), travel, sum);
+        }
+        self.cell_mass * simd.reduce_sum_f64s(sum) / (step * step)
+    }
+
+    /// Kinetic and elastic energy [J] half a step before the newest state: the
+    /// pair whose sum the undamped scheme conserves exactly.
+    pub(super) fn energy(&self, step: f64) -> (f64, f64) {
+        let [even, odd] = &self.states;
+        let (even, odd) = (self.in_order(even), self.in_order(odd));
+        let last = self.nodes - 1;
+        let mut kinetic = 0.0;
+        let mut elastic = 0.0;
+        for node in 0..self.nodes {
+            let share = if node == 0 || node == last { 0.5 } else { 1.0 };
+            let velocity = (even[node] - odd[node]) / step;
+            kinetic += 0.5 * share * self.cell_mass * velocity * velocity;
+            if node < last {
+                let stretch = (even[node + 1] - even[node]) * (odd[node + 1] - odd[node]);
+                elastic += 0.5 * self.cell_stiffness * stretch;
+            }
+        }
+        (kinetic, elastic)
+    }
+
+    fn in_order(&self, state: &[S::f64s]) -> Vec<f64> {
+        let vectors = state.len();
+        let slot_of = |node: usize| (node % vectors) * S::F64_LANES + node / vectors;
+        (0..self.nodes).map(|node| flat::<S>(state)[slot_of(node)]).collect()
+    }
+}
+
+#[inline(always)]
+fn flat<S: Simd>(state: &[S::f64s]) -> &[f64] {
+    bytemuck::cast_slice(state)
+}
+
+fn flat_mut<S: Simd>(state: &mut [S::f64s]) -> &mut [f64] {
+    bytemuck::cast_slice_mut(state)
+}
+
+/// `a b + c`, in one rounding where the instruction set does that in one instruction.
+#[inline(always)]
+pub(super) fn fused<S: Simd>(a: f64, b: f64, c: f64) -> f64 {
+    if S::F64_LANES > 1 { a.mul_add(b, c) } else { a * b + c }
+}

@@ -1,0 +1,202 @@
+//! The implicit contact step (Eq. 5).
+
+use std::sync::Arc;
+
+use asperity_law::{Compiled, ContactLaw, InSeries, LawError};
+use asperity_mesh::Interface;
+use pulp::Simd;
+
+use super::ContactForm;
+use super::bar::fused;
+use crate::{ContactRecord, DynamicsError, StaticContact};
+
+/// Largest error of a tabulated pressure, as a share of the static pressure.
+/// It is reached only where contact is nearly lost and the pressure itself is
+/// small; elsewhere the table is good to round-off.
+const TABLE_TOLERANCE: f64 = 1e-6;
+
+/// One interface during a march: its law, its closures, and its record.
+///
+/// The face nodes are linear in the contact force, so with `d*` the closure
+/// that a step would reach without a change of pressure, the closure reached is
+///
+/// ```text
+/// d = d* - b q,   b = S (compliance of the face above + of the face below)
+/// ```
+///
+/// for a pressure `p0 + q`. The law must hold at `x`, the new closure or
+/// (centred) its mean with the previous-but-one: `x + b' q(x) = c` with `c`
+/// known. That is the pressure of the law in series with an elastic layer of
+/// stiffness `1 / b'` at the total closure `c`: a function of one number, which
+/// is tabulated once, with a certified error, instead of iterated every step.
+/// Beyond the table, and to build it, the exact law is solved by safeguarded Newton.
+pub(super) struct ContactStep<'a> {
+    interface: &'a Interface,
+    area: f64,
+    at_rest: StaticContact,
+    centred: bool,
+    /// Weights of the new and the previous-but-one closure in the one that the law sees.
+    weight_new: f64,
+    weight_old: f64,
+    /// Pressure gain at which contact is lost [Pa]; -inf for a law that never separates.
+    open_below: f64,
+    series: InSeries<Arc<dyn ContactLaw>>,
+    /// None for a law that no table resolves: it is solved exactly at every step.
+    table: Option<Compiled>,
+    table_top: f64,
+    /// Closure gained since rest, at the newest state and one step before [m].
+    closure: f64,
+    closure_before: f64,
+    /// Pressure gained since rest in the latest two solves [Pa].
+    gain: f64,
+    gain_before: f64,
+    lowest: f64,
+    highest: f64,
+    open_steps: usize,
+    /// `sum q (d+ - d-) / 2`, the work done on the contact per area [J/m2].
+    work: f64,
+}
+
+impl<'a> ContactStep<'a> {
+    /// `compliance` [m/N] is the sum of both faces' displacement per force and
+    /// step; `scale` [Pa] the pressure change to expect.
+    pub(super) fn new(
+        interface: &'a Interface,
+        at_rest: StaticContact,
+        form: ContactForm,
+        compliance: f64,
+        scale: f64,
+    ) -> Result<Self, DynamicsError> {
+        let centred = form == ContactForm::Centred;
+        let (weight_new, weight_old) = if centred { (0.5, 0.5) } else { (1.0, 0.0) };
+        let separates = interface.law().domain().separates();
+        let open_below = if separates { -at_rest.pressure } else { f64::NEG_INFINITY };
+        let b = interface.area() * compliance * weight_new;
+        let named = |source| DynamicsError::Law { interface: interface.name().to_owned(), source };
+        let series = InSeries::new(Arc::clone(interface.law()), 1.0 / b).map_err(named)?;
+        let table_top = at_rest.pressure + 3.0 * scale.max(0.01 * at_rest.pressure).max(1.0);
+        let table = match Compiled::new(&series, at_rest.pressure, table_top, TABLE_TOLERANCE) {
+            Ok(table) => Some(table),
+            Err(LawError::Unresolved { .. }) => None,
+            Err(error) => return Err(named(error)),
+        };
+        Ok(Self {
+            interface,
+            area: interface.area(),
+            at_rest,
+            centred,
+            weight_new,
+            weight_old,
+            open_below,
+            series,
+            table,
+            table_top,
+            closure: 0.0,
+            closure_before: 0.0,
+            gain: 0.0,
+            gain_before: 0.0,
+            lowest: 0.0,
+            highest: 0.0,
+            open_steps: 0,
+            work: 0.0,
+        })
+    }
+
+    /// The pressure gain `q` [Pa] of a step that would bring the closure gain
+    /// to `unloaded` [m] without it.
+    #[inline(always)]
+    pub(super) fn solve<S: Simd>(&mut self, unloaded: f64) -> f64 {
+        let argument =
+            fused::<S>(self.weight_new, unloaded, self.weight_old * self.closure_before);
+        let tabulated = self
+            .table
+            .as_ref()
+            .map_or(f64::NAN, |table| table.get(argument));
+        let gain = if tabulated.is_nan() { self.solve_exactly(argument) } else { tabulated };
+        self.gain_before = self.gain;
+        self.gain = gain;
+        gain
+    }
+
+    /// Records the closure gain [m] that the step ends with.
+    #[inline(always)]
+    pub(super) fn advance(&mut self, reached: f64) {
+        self.work += 0.5 * self.gain * (reached - self.closure_before);
+        self.closure_before = self.closure;
+        self.closure = reached;
+        if self.gain < self.lowest {
+            self.lowest = self.gain;
+        }
+        if self.gain > self.highest {
+            self.highest = self.gain;
+        }
+        if self.gain <= self.open_below {
+            self.open_steps += 1;
+        }
+    }
+
+    /// Nominal contact area [m2].
+    #[inline(always)]
+    pub(super) fn area(&self) -> f64 {
+        self.area
+    }
+
+    /// Whether every number of the latest solve is finite.
+    pub(super) fn is_finite(&self) -> bool {
+        self.gain.is_finite() && self.closure.is_finite()
+    }
+
+
+    /// Beyond the table: solves the law itself, and if the pressure is the
+    /// highest yet, tabulates further for the steps to come.
+    #[cold]
+    #[inline(never)]
+    fn solve_exactly(&mut self, argument: f64) -> f64 {
+        let from = self.at_rest.pressure;
+        let gain = self.series.pressure_increment(from, argument).value;
+        if self.table.is_some() && gain.is_finite() && from + gain > self.table_top {
+            self.table_top = from + 2.0 * gain;
+            self.table =
+                Compiled::new(&self.series, from, self.table_top, TABLE_TOLERANCE).ok();
+        }
+        gain
+    }
+
+    /// Pressure [Pa], closure [m] and stiffness [Pa/m] one step before the newest state.
+    pub(super) fn observe(&self) -> (f64, f64, f64) {
+        // Centred, the latest solve spans the step before the newest; else it is the newest's.
+        let gain = if self.centred { self.gain } else { self.gain_before };
+        let pressure = self.at_rest.pressure + gain;
+        let closure = self.at_rest.closure + self.closure_before;
+        if gain <= self.open_below {
+            return (0.0, closure, 0.0);
+        }
+        (pressure, closure, self.interface.law().stiffness(pressure))
+    }
+
+    pub(super) fn record(&self, step: f64) -> ContactRecord {
+        // Next to loss of contact the table may undershoot zero within its error bound.
+        let pressure =
+            |gain: f64| self.at_rest.pressure + gain.max(self.open_below);
+        ContactRecord {
+            pressure_min: pressure(self.lowest),
+            pressure_max: pressure(self.highest),
+            lost: self.open_steps as f64 * step,
+        }
+    }
+
+    /// Energy stored beyond rest and against the static pressure, averaged over
+    /// the last two states, and the work done on the contact [J].
+    pub(super) fn energy(&self) -> (f64, f64) {
+        let law = self.interface.law();
+        let StaticContact { pressure, closure, .. } = self.at_rest;
+        let excess =
+            |gain: f64| law.energy(closure + gain) - law.energy(closure) - pressure * gain;
+        let stored = 0.5 * (excess(self.closure) + excess(self.closure_before));
+        (self.area * stored, self.area * self.work)
+    }
+
+    pub(super) fn name(&self) -> &str {
+        self.interface.name()
+    }
+}

@@ -1,0 +1,44 @@
+//! Natural frequencies of a discretised structure, by a dense eigensolver.
+
+use std::f64::consts::TAU;
+
+use asperity_mesh::LinearStructure;
+use faer::{Mat, Side};
+
+use crate::DynamicsError;
+
+/// All natural frequencies [Hz], lowest first, of `structure` with its contacts
+/// replaced by springs of `contact_stiffness` [Pa/m] per area.
+///
+/// Solves `k phi = w^2 M phi` with lumped masses as the symmetric problem of
+/// `M^(-1/2) k M^(-1/2)`. The cost grows with the cube of the node count: this
+/// is the second method beside the exact [`modes`](crate::modes::modes), and
+/// the one for structures that are no chain of bars.
+///
+/// # Errors
+/// [`DynamicsError::Eigenvalues`] if the eigensolver does not converge.
+pub fn grid_frequencies(
+    structure: &LinearStructure,
+    contact_stiffness: &[f64],
+) -> Result<Vec<f64>, DynamicsError> {
+    let size = structure.nodes();
+    let mut matrix = Mat::<f64>::zeros(size, size);
+    for &(row, column, value) in structure.stiffness() {
+        matrix[(row, column)] += value;
+    }
+    for (contact, stiffness) in structure.contacts().iter().zip(contact_stiffness) {
+        let k = stiffness * contact.area;
+        matrix[(contact.above, contact.above)] += k;
+        if let Some(below) = contact.below {
+            matrix[(below, below)] += k;
+            matrix[(contact.above, below)] -= k;
+            matrix[(below, contact.above)] -= k;
+        }
+    }
+    let root: Vec<f64> = structure.mass().iter().map(|mass| mass.sqrt()).collect();
+    let scaled = Mat::from_fn(size, size, |i, j| matrix[(i, j)] / (root[i] * root[j]));
+    let squares = scaled
+        .self_adjoint_eigenvalues(Side::Lower)
+        .map_err(|_| DynamicsError::Eigenvalues { size })?;
+    Ok(squares.into_iter().map(|square| square.max(0.0).sqrt() / TAU).collect())
+}

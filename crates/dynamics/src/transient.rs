@@ -1,0 +1,168 @@
+//! What every time integrator returns.
+
+use crate::DynamicsError;
+
+/// When the response is recorded: at `n / rate` for every `0 <= n / rate < duration`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sampling {
+    duration: f64,
+    rate: f64,
+}
+
+/// Most samples a response may have: 2e8 samples of four columns are 6.4 GB.
+const MOST_SAMPLES: f64 = 2e8;
+
+impl Sampling {
+    /// Sampling over `duration` [s] at `rate` [Hz].
+    ///
+    /// # Errors
+    /// [`DynamicsError::Setting`] unless both are positive and finite and give
+    /// at least one and at most 2e8 samples.
+    pub fn new(duration: f64, rate: f64) -> Result<Self, DynamicsError> {
+        for (quantity, value) in [("duration [s]", duration), ("output rate [Hz]", rate)] {
+            if !(value.is_finite() && value > 0.0) {
+                let accepted = "positive and finite";
+                return Err(DynamicsError::Setting { quantity, value, accepted });
+            }
+        }
+        let samples = duration * rate;
+        if !(0.5..=MOST_SAMPLES).contains(&samples) {
+            return Err(DynamicsError::Setting {
+                quantity: "number of samples, duration times output rate",
+                value: samples,
+                accepted: "1 to 2e8",
+            });
+        }
+        Ok(Self { duration, rate })
+    }
+
+    /// Number of samples.
+    pub fn samples(&self) -> usize {
+        (self.duration * self.rate).round() as usize
+    }
+
+    /// Sampling rate [Hz].
+    pub fn rate(&self) -> f64 {
+        self.rate
+    }
+
+    /// Time between samples [s].
+    pub fn interval(&self) -> f64 {
+        1.0 / self.rate
+    }
+}
+
+/// A response: its samples, what happened at each contact, and its energy balance.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Transient {
+    /// Integration step [s].
+    pub step: f64,
+    /// Number of steps taken.
+    pub steps: usize,
+    /// Samples at the output rate.
+    pub history: History,
+    /// Extremes at each interface over all steps, from the top down.
+    pub contacts: Vec<ContactRecord>,
+    /// The energy balance of the whole run.
+    pub energy: EnergyLedger,
+}
+
+/// Samples of a response at equal intervals from `t = 0` on, one vector per quantity.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct History {
+    /// Time [s].
+    pub time: Vec<f64>,
+    /// Force on the top [N].
+    pub force: Vec<f64>,
+    /// Displacement of the top from static equilibrium [m].
+    pub displacement: Vec<f64>,
+    /// Acceleration of the top [m/s2].
+    pub acceleration: Vec<f64>,
+    /// Contact quantities, from the top down.
+    pub interfaces: Vec<InterfaceHistory>,
+}
+
+/// Samples of one interface.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct InterfaceHistory {
+    /// Contact pressure [Pa]; zero while contact is lost.
+    pub pressure: Vec<f64>,
+    /// Closure [m], counted from the law's reference pressure.
+    pub closure: Vec<f64>,
+    /// Contact stiffness per area [Pa/m]; zero while contact is lost.
+    pub stiffness: Vec<f64>,
+}
+
+/// What happened at one interface, over every integration step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ContactRecord {
+    /// Lowest pressure [Pa].
+    pub pressure_min: f64,
+    /// Highest pressure [Pa].
+    pub pressure_max: f64,
+    /// Time during which contact was lost [s].
+    pub lost: f64,
+}
+
+/// The energy balance of a run, about static equilibrium.
+///
+/// `input = dissipated + stored + numerical_loss + residual`. Stored energy is
+/// counted from static equilibrium, so it holds the elastic energy of the bars,
+/// that of the contacts, and the work of the weight in one positive number:
+/// `sum S (E(d) - E(d0) - p0 (d - d0)) + w k w / 2`, plus the kinetic energy.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct EnergyLedger {
+    /// Work of the exciting force [J].
+    pub input: f64,
+    /// Viscous loss in bodies and support [J].
+    pub dissipated: f64,
+    /// Kinetic energy at the end [J].
+    pub kinetic: f64,
+    /// Elastic energy of bodies and support at the end [J].
+    pub elastic: f64,
+    /// Excess energy of the contacts at the end [J].
+    pub contact: f64,
+    /// Loss of the contact scheme itself [J]: zero but for the `new_level` form.
+    pub numerical_loss: f64,
+}
+
+impl EnergyLedger {
+    /// Kinetic, elastic and contact energy at the end [J].
+    pub fn stored(&self) -> f64 {
+        self.kinetic + self.elastic + self.contact
+    }
+
+    /// What the balance leaves over [J].
+    pub fn residual(&self) -> f64 {
+        self.input - self.dissipated - self.stored() - self.numerical_loss
+    }
+
+    /// The residual over the larger of the input and all it became; zero if nothing moved.
+    pub fn residual_relative(&self) -> f64 {
+        let became = self.dissipated.abs() + self.stored().abs() + self.numerical_loss.abs();
+        let scale = self.input.abs().max(became);
+        if scale > 0.0 { self.residual().abs() / scale } else { 0.0 }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn samples_fill_the_half_open_duration() {
+        assert_eq!(Sampling::new(0.12, 2e5).unwrap().samples(), 24_000);
+        for (duration, rate) in [(0.0, 1.0), (1.0, -1.0), (f64::NAN, 1.0), (1e9, 1e9), (1e-9, 1.0)]
+        {
+            assert!(Sampling::new(duration, rate).is_err());
+        }
+    }
+
+    #[test]
+    fn the_residual_is_relative_to_the_work_done() {
+        let ledger =
+            EnergyLedger { input: 2.0, dissipated: 1.5, kinetic: 0.4, ..EnergyLedger::default() };
+        assert!((ledger.residual_relative() - 0.05).abs() < 1e-15);
+        assert_eq!(EnergyLedger::default().residual_relative(), 0.0);
+    }
+}

@@ -1,0 +1,107 @@
+//! Panels on a page.
+
+use crate::{FigureError, Panel, layout, raster};
+
+/// Width of one column of a journal page, in millimetres.
+const COLUMN_MM: f64 = 85.0;
+/// Width of a page of two columns, in millimetres.
+const PAGE_MM: f64 = 175.0;
+
+/// Panels laid out left to right, tagged (a), (b) where there are several.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Figure {
+    pub(crate) title: String,
+    pub(crate) panels: Vec<Panel>,
+    pub(crate) width_mm: Option<f64>,
+    pub(crate) row_height_mm: Option<f64>,
+    pub(crate) columns: Option<usize>,
+    pub(crate) tags: bool,
+}
+
+impl Figure {
+    /// A figure without panels; the title is for readers that cannot see and for tooltips, since a
+    /// caption says it on paper.
+    pub fn new(title: impl Into<String>) -> Self {
+        Self {
+            title: title.into(),
+            panels: Vec::new(),
+            width_mm: None,
+            row_height_mm: None,
+            columns: None,
+            tags: true,
+        }
+    }
+
+    /// Adds a panel at the right of the last, or below when the columns are used up.
+    #[must_use]
+    pub fn panel(mut self, panel: Panel) -> Self {
+        self.panels.push(panel);
+        self
+    }
+
+    /// Sets the width; otherwise 85 mm for one column of panels and 175 mm for more.
+    #[must_use]
+    pub fn width_mm(mut self, width: f64) -> Self {
+        self.width_mm = Some(width);
+        self
+    }
+
+    /// Sets the height of each row of panels; otherwise it follows the width.
+    #[must_use]
+    pub fn row_height_mm(mut self, height: f64) -> Self {
+        self.row_height_mm = Some(height);
+        self
+    }
+
+    /// Sets the number of columns; otherwise up to three panels stand in one row, and more in rows
+    /// of two.
+    #[must_use]
+    pub fn columns(mut self, columns: usize) -> Self {
+        self.columns = Some(columns.max(1));
+        self
+    }
+
+    /// Whether several panels are tagged (a), (b), as they are unless told otherwise.
+    #[must_use]
+    pub fn tags(mut self, tags: bool) -> Self {
+        self.tags = tags;
+        self
+    }
+
+    /// Whether everything can be drawn.
+    ///
+    /// # Errors
+    /// [`FigureError::NoPanel`], [`FigureError::SeriesLengths`], [`FigureError::EmptySeries`] or
+    /// [`FigureError::AxisRange`], the first found.
+    pub fn check(&self) -> Result<(), FigureError> {
+        if self.panels.is_empty() {
+            return Err(FigureError::NoPanel { figure: self.title.clone() });
+        }
+        self.panels.iter().try_for_each(Panel::check)
+    }
+
+    /// The figure as an SVG text; what [`Figure::check`] refuses is named in red where it would
+    /// have been drawn.
+    pub fn to_svg(&self) -> String {
+        layout::draw(self)
+    }
+
+    /// The figure as a PNG, rasterised with the bundled font.
+    ///
+    /// # Errors
+    /// Those of [`Figure::check`] and of [`svg_to_png`](crate::svg_to_png).
+    pub fn to_png(&self, pixels_per_mm: f64) -> Result<Vec<u8>, FigureError> {
+        self.check()?;
+        raster::svg_to_png(&self.to_svg(), pixels_per_mm)
+    }
+
+    pub(crate) fn column_count(&self) -> usize {
+        let panels = self.panels.len().max(1);
+        self.columns.unwrap_or(if panels <= 3 { panels } else { 2 }).min(panels)
+    }
+
+    pub(crate) fn page_width_mm(&self) -> f64 {
+        let default = if self.column_count() == 1 { COLUMN_MM } else { PAGE_MM };
+        self.width_mm.filter(|width| width.is_finite()).unwrap_or(default).clamp(20.0, 2000.0)
+    }
+}

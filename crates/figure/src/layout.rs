@@ -1,0 +1,195 @@
+//! A figure on the page: frames of all panels, aligned in rows and columns.
+
+use crate::{
+    Figure, Marker, Panel,
+    legend::Key,
+    note,
+    plot::{LABEL_FONT, Plot, TICK_GAP},
+    ruler::{Ruler, TICK_FONT},
+    series::Join,
+    svg::{Canvas, HorizontalAlign, PX_PER_MM, PX_PER_PT, TextStyle},
+    text,
+    trace::Frame,
+};
+
+/// Room between neighbouring panels.
+const GAP: (f64, f64) = (12.0, 10.0);
+/// Height of the line above a frame that holds tag and title.
+const HEAD: f64 = 15.0;
+/// Least room around the frames.
+const RIM: f64 = 4.0;
+/// Height of a row of panels over its width, and its bounds in millimetres.
+const ASPECT: (f64, f64, f64) = (0.74, 46.0, 68.0);
+/// Font size of tags and titles, 8 pt.
+const HEAD_FONT: f64 = 8.0 * PX_PER_PT;
+
+/// Draws a figure as an SVG text.
+pub(crate) fn draw(figure: &Figure) -> String {
+    let page = Page::new(figure);
+    // A legend that finds no free place goes above its frame, which moves the frames: once.
+    let first = page.plots(figure, &vec![0.0; figure.panels.len()]);
+    let mut heads = Vec::new();
+    let mut above: Vec<Option<Key>> = Vec::new();
+    for plot in &first {
+        let outside = Key::new(plot.panel)
+            .filter(|key| {
+                key.place(plot.panel.legend, &plot.frame, &note::obstacles(plot)).is_none()
+            })
+            .map(|key| key.spread(plot.frame.width()));
+        heads.push(outside.as_ref().map_or(0.0, |key| key.height() + 5.0));
+        above.push(outside);
+    }
+    let mut canvas = Canvas::default();
+    for (index, plot) in page.plots(figure, &heads).iter().enumerate() {
+        plot.draw(&mut canvas);
+        if let Some(key) = &above[index] {
+            key.draw(&mut canvas, &key.above(&plot.frame));
+        } else if let Some(key) = Key::new(plot.panel) {
+            // The frame may have shrunk for a neighbour's sake; a corner is then better than none.
+            let place =
+                key.place(plot.panel.legend, &plot.frame, &note::obstacles(plot)).or_else(|| {
+                    key.place(crate::Legend::TopRight, &plot.frame, &note::obstacles(plot))
+                });
+            if let Some(place) = place {
+                key.draw(&mut canvas, &place);
+            }
+        }
+        page.head(&mut canvas, figure, index, plot, heads[index]);
+    }
+    canvas.finish(page.width, page.height(), &figure.title)
+}
+
+/// Cells of equal size.
+#[derive(Debug, Clone)]
+struct Page {
+    width: f64,
+    columns: usize,
+    rows: usize,
+    cell: (f64, f64),
+    tagged: bool,
+}
+
+impl Page {
+    fn new(figure: &Figure) -> Self {
+        let columns = figure.column_count();
+        let rows = figure.panels.len().div_ceil(columns).max(1);
+        let width = figure.page_width_mm() * PX_PER_MM;
+        let across = (width - GAP.0 * (columns - 1) as f64) / columns as f64;
+        let (aspect, least, most) = ASPECT;
+        let down = match figure.row_height_mm {
+            Some(height) if height.is_finite() => height.clamp(15.0, 2000.0),
+            _ => (aspect * across / PX_PER_MM).clamp(least, most),
+        };
+        let tagged = figure.tags && figure.panels.len() > 1;
+        Self { width, columns, rows, cell: (across, down * PX_PER_MM), tagged }
+    }
+
+    fn height(&self) -> f64 {
+        self.cell.1 * self.rows as f64 + GAP.1 * (self.rows - 1) as f64
+    }
+
+    /// Lays all panels out; `heads` is the room each needs above its frame for a legend.
+    fn plots<'a>(&self, figure: &'a Figure, heads: &[f64]) -> Vec<Plot<'a>> {
+        let panels = &figure.panels;
+        let bottom = TICK_GAP + TICK_FONT + 4.0 + LABEL_FONT + RIM;
+        let column = |index: usize| index % self.columns;
+        let row = |index: usize| index / self.columns;
+        let mut tops = vec![0.0_f64; self.rows];
+        for (index, panel) in panels.iter().enumerate() {
+            let titled = if panel.title.is_empty() { 0.0 } else { HEAD };
+            let tagged = if self.tagged { HEAD } else { 0.0 };
+            let top = (titled + heads[index]).max(tagged).max(RIM + 0.4 * TICK_FONT);
+            tops[row(index)] = tops[row(index)].max(top);
+        }
+        let spans: Vec<(f64, f64)> = (0..panels.len())
+            .map(|index| {
+                let above = row(index) as f64 * (self.cell.1 + GAP.1);
+                (above + tops[row(index)], above + self.cell.1 - bottom)
+            })
+            .collect();
+
+        let mut sides = vec![(0.0_f64, 0.0_f64); self.columns];
+        let mut verticals = Vec::new();
+        for (panel, &(top, low)) in panels.iter().zip(&spans) {
+            verticals.push(vertical(panel, top, low.max(top + 10.0)));
+        }
+        for (index, ruler) in verticals.iter().enumerate() {
+            let (left, right) = &mut sides[column(index)];
+            *left = left.max(TICK_GAP + ruler.label_width() + 6.0 + LABEL_FONT);
+            let height = spans[index].1 - spans[index].0;
+            let bar = panels[index].color_bar.as_ref().map_or(0.0, |bar| bar.room(height) + RIM);
+            *right = right.max(bar).max(RIM);
+        }
+        // The last label of a horizontal axis may stick out of its frame.
+        for (index, panel) in panels.iter().enumerate() {
+            let (left, right) = sides[column(index)];
+            let ruler = horizontal(panel, 0.0, (self.cell.0 - left - right).max(20.0));
+            let end = self.cell.0 - left;
+            let out = ruler
+                .major
+                .iter()
+                .map(|(x, label)| x + 0.5 * text::width(label, TICK_FONT, false) + 1.0 - end);
+            let out = out.fold(f64::NEG_INFINITY, f64::max);
+            if out > 0.0 {
+                sides[column(index)].1 += out;
+            }
+        }
+        panels
+            .iter()
+            .zip(verticals)
+            .enumerate()
+            .map(|(index, (panel, y))| {
+                let cell = column(index) as f64 * (self.cell.0 + GAP.0);
+                let (left, right) = sides[column(index)];
+                let (left, right) = (cell + left, cell + self.cell.0 - right);
+                let right = right.max(left + 20.0);
+                let (top, bottom) = (spans[index].0, spans[index].1.max(spans[index].0 + 10.0));
+                let frame = Frame { left, top, right, bottom };
+                Plot { panel, frame, x: horizontal(panel, left, right), y }
+            })
+            .collect()
+    }
+
+    /// Tag and title of a panel, above its frame.
+    fn head(
+        &self,
+        canvas: &mut Canvas,
+        figure: &Figure,
+        index: usize,
+        plot: &Plot<'_>,
+        legend: f64,
+    ) {
+        let panel = &figure.panels[index];
+        if self.tagged {
+            let left = (index % self.columns) as f64 * (self.cell.0 + GAP.0);
+            let style = TextStyle::new(HEAD_FONT, HorizontalAlign::Start).bold();
+            canvas.text(left + 1.0, plot.frame.top - 5.0, &tag(index), style);
+        }
+        let middle = 0.5 * (plot.frame.left + plot.frame.right);
+        let style = TextStyle::new(HEAD_FONT, HorizontalAlign::Middle);
+        canvas.text(middle, plot.frame.top - 5.0 - legend, &panel.title, style);
+    }
+}
+
+/// (a) to (z), then by number.
+fn tag(index: usize) -> String {
+    match u8::try_from(index) {
+        Ok(index) if index < 26 => format!("({})", char::from(b'a' + index)),
+        _ => format!("({})", index + 1),
+    }
+}
+
+fn vertical(panel: &Panel, top: f64, bottom: f64) -> Ruler {
+    let data = panel.series.iter().flat_map(|series| {
+        let foot = (series.join == Join::Stems).then_some(0.0);
+        series.extent().map(|point| point.1).chain(foot)
+    });
+    Ruler::new(&panel.y_axis, data, true, (bottom, top), false)
+}
+
+fn horizontal(panel: &Panel, left: f64, right: f64) -> Ruler {
+    // Curves run from side to side; markers keep clear of the sides.
+    let padded = panel.series.iter().any(|series| series.marker != Marker::None);
+    let data = panel.series.iter().flat_map(|series| series.extent().map(|point| point.0));
+    Ruler::new(&panel.x_axis, data, padded, (left, right), true)
+}

@@ -1,0 +1,209 @@
+//! The legend: its entries, their size, and a place where they cover no data.
+
+use crate::{
+    Color, Dash, Legend, Panel,
+    mark::{self, Look},
+    plot,
+    series::Join,
+    svg::{Canvas, HorizontalAlign, PX_PER_PT, TextStyle},
+    text,
+    trace::{Frame, Point},
+};
+
+/// Font size of the entries, 7 pt.
+const FONT: f64 = 7.0 * PX_PER_PT;
+/// Height of an entry.
+const LINE: f64 = FONT * 1.36;
+/// Length of the sample of a line, and of a marker where no entry has a line.
+const SAMPLES: (f64, f64) = (19.0, 8.0);
+/// Room between the sample and the name.
+const GAP: f64 = 5.0;
+/// Room between columns.
+const COLUMN_GAP: f64 = 12.0;
+/// Room between the legend and the frame, and between the legend and the data.
+const CLEAR: f64 = 5.0;
+
+/// The entries of one panel.
+#[derive(Debug, Clone)]
+pub(crate) struct Key {
+    entries: Vec<Entry>,
+    columns: usize,
+}
+
+#[derive(Debug, Clone)]
+struct Entry {
+    name: String,
+    join: Join,
+    dash: Dash,
+    width: f64,
+    look: Look,
+}
+
+impl Key {
+    /// The named series of a panel, in one column; none where there is nothing to tell.
+    pub(crate) fn new(panel: &Panel) -> Option<Self> {
+        if panel.legend == Legend::None {
+            return None;
+        }
+        let entries: Vec<Entry> = panel
+            .series
+            .iter()
+            .enumerate()
+            .filter(|(_, series)| !series.name.is_empty())
+            .map(|(index, series)| Entry {
+                name: series.name.clone(),
+                join: series.join,
+                dash: series.dash,
+                width: series.width,
+                look: plot::look(panel, index),
+            })
+            .collect();
+        (!entries.is_empty()).then_some(Self { entries, columns: 1 })
+    }
+
+    /// The same entries in as many columns as fit into `width`.
+    pub(crate) fn spread(mut self, width: f64) -> Self {
+        self.columns = self.entries.len();
+        while self.columns > 1 && self.width() > width {
+            self.columns -= 1;
+        }
+        // Equal columns: 3 + 1 entries become 2 + 2.
+        self.columns = self.entries.len().div_ceil(self.rows());
+        self
+    }
+
+    fn sample(&self) -> f64 {
+        let markers_only = self.entries.iter().all(|entry| entry.join == Join::Points);
+        if markers_only { SAMPLES.1 } else { SAMPLES.0 }
+    }
+
+    fn rows(&self) -> usize {
+        self.entries.len().div_ceil(self.columns)
+    }
+
+    fn column_width(&self, column: usize) -> f64 {
+        let names = self.entries.iter().skip(column * self.rows()).take(self.rows());
+        self.sample() + GAP + names.map(|e| text::width(&e.name, FONT, false)).fold(0.0, f64::max)
+    }
+
+    fn width(&self) -> f64 {
+        let columns: f64 = (0..self.columns).map(|column| self.column_width(column)).sum();
+        columns + COLUMN_GAP * (self.columns - 1) as f64
+    }
+
+    pub(crate) fn height(&self) -> f64 {
+        LINE * self.rows() as f64
+    }
+
+    /// The rectangle of the legend in a chosen corner, or the first that meets none of the
+    /// `obstacles`; none where every one does.
+    pub(crate) fn place(
+        &self,
+        wish: Legend,
+        frame: &Frame,
+        obstacles: &Obstacles,
+    ) -> Option<Frame> {
+        let (width, height) = (self.width(), self.height());
+        let left = frame.left + CLEAR + 2.0;
+        let right = frame.right - CLEAR - 2.0 - width;
+        let top = frame.top + CLEAR;
+        let bottom = frame.bottom - CLEAR - height;
+        let at = |x: f64, y: f64| Frame { left: x, top: y, right: x + width, bottom: y + height };
+        let (middle_x, middle_y) = (0.5 * (left + right), 0.5 * (top + bottom));
+        match wish {
+            Legend::TopRight => return Some(at(right, top)),
+            Legend::TopLeft => return Some(at(left, top)),
+            Legend::BottomRight => return Some(at(right, bottom)),
+            Legend::BottomLeft => return Some(at(left, bottom)),
+            Legend::Above | Legend::None => return None,
+            Legend::Auto => {}
+        }
+        let places = [
+            (right, top),
+            (left, top),
+            (right, bottom),
+            (left, bottom),
+            (middle_x, top),
+            (middle_x, bottom),
+            (right, middle_y),
+            (left, middle_y),
+        ];
+        let fits = left <= right && top <= bottom;
+        places.into_iter().map(|(x, y)| at(x, y)).find(|place| {
+            let room = place.grown(CLEAR - 1.0);
+            fits && !obstacles.meet(&room) && !crossed(&obstacles.areas, &room)
+        })
+    }
+
+    /// The rectangle of the legend above the frame.
+    pub(crate) fn above(&self, frame: &Frame) -> Frame {
+        let bottom = frame.top - 5.0;
+        let left = (frame.right - self.width()).max(frame.left).min(frame.left + 2.0);
+        Frame { left, top: bottom - self.height(), right: left + self.width(), bottom }
+    }
+
+    /// Draws the entries into their rectangle.
+    pub(crate) fn draw(&self, canvas: &mut Canvas, place: &Frame) {
+        let mut x = place.left;
+        for column in 0..self.columns {
+            let entries = self.entries.iter().skip(column * self.rows()).take(self.rows());
+            for (row, entry) in entries.enumerate() {
+                entry.draw(canvas, self.sample(), x, place.top + LINE * (row as f64 + 0.5));
+            }
+            x += self.column_width(column) + COLUMN_GAP;
+        }
+    }
+}
+
+impl Entry {
+    fn draw(&self, canvas: &mut Canvas, sample: f64, x: f64, y: f64) {
+        let middle = (x + 0.5 * sample, y);
+        match self.join {
+            Join::Line => {
+                let line = vec![vec![(x, y), (x + sample, y)]];
+                plot::stroke(canvas, &line, self.look.color, self.dash, self.width);
+            }
+            Join::Stems => {
+                let line = vec![vec![(middle.0, y + 0.5 * LINE - 1.0), middle]];
+                plot::stroke(canvas, &line, self.look.color, self.dash, self.width);
+            }
+            Join::Band => {
+                let fill = self.look.color.lighten(plot::BAND_LIGHTNESS);
+                let style = format!(r#"fill="{fill}""#);
+                canvas.rectangle(x, y - 0.3 * LINE, sample, 0.6 * LINE, &style);
+            }
+            Join::Points => {}
+        }
+        mark::draw(canvas, &[middle], &self.look);
+        let style = TextStyle::new(FONT, HorizontalAlign::Start).color(Color::BLACK).halo();
+        let baseline = y + 0.5 * text::CAP_HEIGHT * FONT;
+        canvas.text(x + sample + GAP, baseline, &self.name, style);
+    }
+}
+
+/// What a legend must not cover.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Obstacles {
+    pub(crate) lines: Vec<Vec<Point>>,
+    pub(crate) points: Vec<Point>,
+    pub(crate) boxes: Vec<Frame>,
+    /// Outlines of bands, which a legend keeps clear of but a note may cover.
+    pub(crate) areas: Vec<Vec<Point>>,
+}
+
+impl Obstacles {
+    /// Whether anything lies in `place`.
+    pub(crate) fn meet(&self, place: &Frame) -> bool {
+        self.boxes.iter().any(|other| place.meets(other))
+            || self.points.iter().any(|&point| place.grown(2.0).holds(point))
+            || crossed(&self.lines, place)
+    }
+}
+
+/// Whether a line passes through `place`.
+fn crossed(lines: &[Vec<Point>], place: &Frame) -> bool {
+    lines.iter().any(|line| match line[..] {
+        [only] => place.holds(only),
+        _ => line.windows(2).any(|pair| place.clip(pair[0], pair[1]).is_some()),
+    })
+}

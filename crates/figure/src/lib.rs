@@ -1,0 +1,72 @@
+//! Tables to SVG, PNG and HTML.
+//!
+//! A result is a [`Table`]: named columns with units, written as CSV. A [`Figure`] draws columns on
+//! [`Panel`]s with labelled [`Axis`] pairs; a [`Drawing`] is a free sketch in millimetres; a
+//! [`Report`](report::Report) gathers figures, tables and verdicts into one page. The room knows
+//! nothing of mechanics.
+//!
+//! ```
+//! use asperity_figure::{Axis, Color, Dash, Figure, Panel, Series};
+//! let frequency: Vec<f64> = (0..200).map(f64::from).collect();
+//! let gain: Vec<f64> = frequency.iter().map(|f| 1.0 / (1.0 + (f / 50.0).powi(4))).collect();
+//! let figure = Figure::new("Gain").panel(
+//!     Panel::new(Axis::linear("Frequency", "Hz"), Axis::log("Gain", ""))
+//!         .series(Series::line("model", &frequency, &gain).color(Color::BLUE).dash(Dash::Dashed)),
+//! );
+//! assert!(figure.to_svg().starts_with("<svg"));
+//! assert!(!figure.to_png(10.0)?.is_empty());
+//! # Ok::<(), asperity_figure::FigureError>(())
+//! ```
+//!
+//! Lengths on the page are CSS pixels of 1/96 inch, rounded to 0.01; text is measured with the
+//! bundled Inter so that nothing overlaps, and pictures are rasterised with that font alone. The
+//! same table gives the same bytes on every machine.
+//!
+//! Labels, names and notes may hold `_{...}` for a subscript and `^{...}` for a superscript.
+//!
+//! | file | idea |
+//! |---|---|
+//! | `table`, `csv` | columns and their text |
+//! | `series`, `axis`, `panel`, `figure` | what is to be drawn |
+//! | `scale`, `ticks`, `tick_label`, `trace` | data to page: mapping, marks, clipping and thinning |
+//! | `layout`, `ruler`, `plot`, `mark`, `note`, `legend`, `color_bar` | page: frames, curves, texts, keys |
+//! | `drawing`, `symbol` | sketches: springs, dampers, hatching, arrows |
+//! | `svg`, `text`, `raster` | SVG text, glyph widths, PNG |
+//! | `report` with `html`, `embed`, `markdown` | pages |
+
+mod axis;
+mod color;
+mod color_bar;
+mod csv;
+mod drawing;
+mod error;
+mod figure;
+mod layout;
+mod legend;
+mod mark;
+mod note;
+mod panel;
+mod plot;
+mod raster;
+pub mod report;
+mod ruler;
+mod scale;
+mod series;
+mod svg;
+mod symbol;
+mod table;
+mod text;
+mod tick_label;
+mod ticks;
+mod trace;
+
+pub use axis::Axis;
+pub use color::{CATEGORIES, Color};
+pub use color_bar::ColorBar;
+pub use drawing::{Align, Drawing, Stroke};
+pub use error::FigureError;
+pub use figure::Figure;
+pub use panel::{Anchor, Legend, Panel};
+pub use raster::svg_to_png;
+pub use series::{Dash, Marker, Series};
+pub use table::{Column, Table};

@@ -1,0 +1,158 @@
+//! Texts inside a frame: corner, references, notes at points.
+
+use crate::{
+    Anchor, Color, Legend,
+    legend::Obstacles,
+    panel::{Note, Reference},
+    plot::{NOTE_FONT, Plot},
+    svg::{Canvas, HorizontalAlign, TextStyle},
+    text,
+    trace::{Frame, Point},
+};
+
+/// Room between a point and its note.
+const CLEAR: f64 = 6.0;
+/// Half the height of a capital.
+const HALF: f64 = 0.5 * text::CAP_HEIGHT * NOTE_FONT;
+
+/// A line of text on the page.
+#[derive(Debug, Clone)]
+struct Label {
+    at: Point,
+    text: String,
+    style: TextStyle,
+}
+
+/// Draws the texts of a panel.
+pub(crate) fn draw(canvas: &mut Canvas, plot: &Plot<'_>) {
+    for label in labels(plot).0 {
+        canvas.text(label.at.0, label.at.1, &label.text, label.style);
+    }
+}
+
+/// What a legend must not cover: curves, markers and texts.
+pub(crate) fn obstacles(plot: &Plot<'_>) -> Obstacles {
+    labels(plot).1
+}
+
+/// The texts, each where it covers least, and all there is to cover.
+fn labels(plot: &Plot<'_>) -> (Vec<Label>, Obstacles) {
+    let mut obstacles = plot.curves();
+    let mut labels = Vec::new();
+    let mut settle = |candidates: Vec<Label>| {
+        let free = candidates.iter().find(|label| {
+            let bounds = label.bounds();
+            let inside = plot.frame.holds((bounds.left, bounds.top))
+                && plot.frame.holds((bounds.right, bounds.bottom));
+            inside && !obstacles.meet(&bounds)
+        });
+        if let Some(label) = free.or(candidates.first()) {
+            obstacles.boxes.push(label.bounds());
+            labels.push(label.clone());
+        }
+    };
+    if let Some((corner, text)) = &plot.panel.corner {
+        settle(vec![in_corner(&plot.frame, *corner, text)]);
+    }
+    for reference in plot.panel.references.iter().filter(|line| !line.text.is_empty()) {
+        settle(beside_line(plot, reference));
+    }
+    for note in &plot.panel.notes {
+        settle(beside_point(plot, note));
+    }
+    (labels, obstacles)
+}
+
+fn in_corner(frame: &Frame, corner: Legend, text: &str) -> Label {
+    let Frame { left, top, right, bottom } = frame.grown(-7.0);
+    let low = top + 2.0 * HALF;
+    let (at, align) = match corner {
+        Legend::TopRight => ((right, low), HorizontalAlign::End),
+        Legend::BottomRight => ((right, bottom), HorizontalAlign::End),
+        Legend::BottomLeft => ((left, bottom), HorizontalAlign::Start),
+        _ => ((left, low), HorizontalAlign::Start),
+    };
+    Label::new(at, text, align, Color::BLACK)
+}
+
+/// Both sides of both ends of a reference line, the last end first.
+fn beside_line(plot: &Plot<'_>, reference: &Reference) -> Vec<Label> {
+    let Some(line) = plot.reference_line(reference) else {
+        return Vec::new();
+    };
+    let ends = [line[line.len() - 1], line[0]];
+    let color = Color::GREY.mix(Color::BLACK, 0.4);
+    let label = |at, align| Label::new(at, &reference.text, align, color);
+    if reference.vertical {
+        let heights = [ends[0].1 + 14.0, ends[1].1 - 9.0];
+        let sides = |y: f64| {
+            [
+                label((ends[0].0 + 4.0, y), HorizontalAlign::Start),
+                label((ends[0].0 - 4.0, y), HorizontalAlign::End),
+            ]
+        };
+        return heights.into_iter().flat_map(sides).collect();
+    }
+    let y = ends[0].1;
+    [y - 3.5, y + 3.5 + 2.0 * HALF]
+        .into_iter()
+        .flat_map(|y| {
+            [
+                label((ends[0].0 - 7.0, y), HorizontalAlign::End),
+                label((ends[1].0 + 7.0, y), HorizontalAlign::Start),
+            ]
+        })
+        .collect()
+}
+
+/// The wished side of a point, or all eight around it.
+fn beside_point(plot: &Plot<'_>, note: &Note) -> Vec<Label> {
+    use HorizontalAlign::{End, Middle, Start};
+    let (x, y) = (plot.x.scale.datum(note.x), plot.y.scale.datum(note.y));
+    if !plot.frame.holds((x, y)) {
+        return Vec::new();
+    }
+    let label = |(dx, dy, align): (f64, f64, _)| {
+        Label::new((x + dx, y + dy), &note.text, align, note.color)
+    };
+    let (right, left) = ((CLEAR, HALF, Start), (-CLEAR, HALF, End));
+    let (above, below) = ((0.0, -CLEAR, Middle), (0.0, CLEAR + 2.0 * HALF, Middle));
+    let (up, down) = (-0.6 * CLEAR, 0.6 * CLEAR + 2.0 * HALF);
+    let side = 0.6 * CLEAR;
+    match note.anchor {
+        Anchor::Right => vec![label(right)],
+        Anchor::Left => vec![label(left)],
+        Anchor::Above => vec![label(above)],
+        Anchor::Below => vec![label(below)],
+        Anchor::Center => vec![label((0.0, HALF, Middle))],
+        Anchor::Auto => {
+            let diagonals = [(-side, up, End), (side, up, Start), (side, down, Start)];
+            let mut around = vec![right, left, above, below];
+            around.extend(diagonals);
+            around.push((-side, down, End));
+            let width = text::width(&note.text, NOTE_FONT, false);
+            if x + CLEAR + width > plot.frame.right {
+                around.swap(0, 1);
+            }
+            around.into_iter().map(label).collect()
+        }
+    }
+}
+
+impl Label {
+    fn new(at: Point, text: &str, align: HorizontalAlign, color: Color) -> Self {
+        let style = TextStyle::new(NOTE_FONT, align).color(color).halo();
+        Self { at, text: text.to_owned(), style }
+    }
+
+    fn bounds(&self) -> Frame {
+        let width = text::width(&self.text, NOTE_FONT, false);
+        let left = match self.style.align {
+            HorizontalAlign::Start => self.at.0,
+            HorizontalAlign::Middle => self.at.0 - 0.5 * width,
+            HorizontalAlign::End => self.at.0 - width,
+        };
+        let (top, bottom) = (self.at.1 - 0.8 * NOTE_FONT, self.at.1 + 0.22 * NOTE_FONT);
+        Frame { left, top, right: left + width, bottom }
+    }
+}

@@ -1,0 +1,197 @@
+//! One pair of axes and what is drawn between them.
+
+use crate::{Axis, Color, ColorBar, FigureError, Series};
+
+/// Where the legend goes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Legend {
+    /// Inside where it covers no data, else above the frame.
+    #[default]
+    Auto,
+    /// Inside, top right.
+    TopRight,
+    /// Inside, top left.
+    TopLeft,
+    /// Inside, bottom right.
+    BottomRight,
+    /// Inside, bottom left.
+    BottomLeft,
+    /// Above the frame, in columns.
+    Above,
+    /// Nowhere.
+    None,
+}
+
+/// On which side of its point a note stands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Anchor {
+    /// To the right, or to the left near the right edge.
+    #[default]
+    Auto,
+    /// To the right.
+    Right,
+    /// To the left.
+    Left,
+    /// Above.
+    Above,
+    /// Below.
+    Below,
+    /// Centred on the point.
+    Center,
+}
+
+/// Text at a data point.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Note {
+    pub(crate) x: f64,
+    pub(crate) y: f64,
+    pub(crate) text: String,
+    pub(crate) anchor: Anchor,
+    pub(crate) color: Color,
+}
+
+/// A straight reference across the panel.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Reference {
+    pub(crate) at: f64,
+    pub(crate) vertical: bool,
+    pub(crate) text: String,
+}
+
+/// Axes with series, notes, references, a legend and possibly a colour bar.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Panel {
+    pub(crate) x_axis: Axis,
+    pub(crate) y_axis: Axis,
+    pub(crate) title: String,
+    pub(crate) series: Vec<Series>,
+    pub(crate) notes: Vec<Note>,
+    pub(crate) references: Vec<Reference>,
+    pub(crate) corner: Option<(Legend, String)>,
+    pub(crate) legend: Legend,
+    pub(crate) color_bar: Option<ColorBar>,
+    pub(crate) grid: bool,
+}
+
+impl Panel {
+    /// An empty panel.
+    pub fn new(x_axis: Axis, y_axis: Axis) -> Self {
+        Self {
+            x_axis,
+            y_axis,
+            title: String::new(),
+            series: Vec::new(),
+            notes: Vec::new(),
+            references: Vec::new(),
+            corner: None,
+            legend: Legend::Auto,
+            color_bar: None,
+            grid: false,
+        }
+    }
+
+    /// Adds a series; later ones are drawn over earlier ones, bands under all.
+    #[must_use]
+    pub fn series(mut self, series: Series) -> Self {
+        self.series.push(series);
+        self
+    }
+
+    /// Adds several series.
+    #[must_use]
+    pub fn all_series(mut self, series: impl IntoIterator<Item = Series>) -> Self {
+        self.series.extend(series);
+        self
+    }
+
+    /// Writes `text` beside the data point `(x, y)`, given in data units.
+    #[must_use]
+    pub fn note(self, x: f64, y: f64, text: impl Into<String>) -> Self {
+        self.note_at(x, y, text, Anchor::Auto, Color::BLACK)
+    }
+
+    /// Writes `text` on a chosen side of the data point `(x, y)`, given in data units.
+    #[must_use]
+    pub fn note_at(
+        mut self,
+        x: f64,
+        y: f64,
+        text: impl Into<String>,
+        anchor: Anchor,
+        color: Color,
+    ) -> Self {
+        self.notes.push(Note { x, y, text: text.into(), anchor, color });
+        self
+    }
+
+    /// Writes `text` in a corner of the frame ([`Legend::TopLeft`] and the like).
+    #[must_use]
+    pub fn corner(mut self, corner: Legend, text: impl Into<String>) -> Self {
+        self.corner = Some((corner, text.into()));
+        self
+    }
+
+    /// Draws a thin dashed vertical at `x`, in data units, with a text at its top.
+    #[must_use]
+    pub fn vertical(mut self, x: f64, text: impl Into<String>) -> Self {
+        self.references.push(Reference { at: x, vertical: true, text: text.into() });
+        self
+    }
+
+    /// Draws a thin dashed horizontal at `y`, in data units, with a text at its right end.
+    #[must_use]
+    pub fn horizontal(mut self, y: f64, text: impl Into<String>) -> Self {
+        self.references.push(Reference { at: y, vertical: false, text: text.into() });
+        self
+    }
+
+    /// Places the legend; it appears when a series has a name.
+    #[must_use]
+    pub fn legend(mut self, legend: Legend) -> Self {
+        self.legend = legend;
+        self
+    }
+
+    /// Adds a colour bar at the right.
+    #[must_use]
+    pub fn color_bar(mut self, bar: ColorBar) -> Self {
+        self.color_bar = Some(bar);
+        self
+    }
+
+    /// Draws pale lines at the labelled ticks.
+    #[must_use]
+    pub fn grid(mut self, grid: bool) -> Self {
+        self.grid = grid;
+        self
+    }
+
+    /// Writes a title above the frame.
+    #[must_use]
+    pub fn title(mut self, title: impl Into<String>) -> Self {
+        self.title = title.into();
+        self
+    }
+
+    pub(crate) fn check(&self) -> Result<(), FigureError> {
+        crate::scale::check(&self.x_axis)?;
+        crate::scale::check(&self.y_axis)?;
+        for series in &self.series {
+            series.check_lengths()?;
+            let drawable = |&(x, y): &(f64, f64)| {
+                !self.x_axis.shown(x).is_nan() && !self.y_axis.shown(y).is_nan()
+            };
+            if !series.extent().any(|point| drawable(&point)) {
+                return Err(FigureError::EmptySeries { series: series.name.clone() });
+            }
+        }
+        Ok(())
+    }
+
+    /// Colour of series `index`: its own, or the next of the palette.
+    pub(crate) fn series_color(&self, index: usize) -> Color {
+        self.series[index].color.unwrap_or_else(|| {
+            Color::category(self.series[..index].iter().filter(|s| s.color.is_none()).count())
+        })
+    }
+}

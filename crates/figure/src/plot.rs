@@ -1,0 +1,263 @@
+//! One panel on the page: frame, marks, curves, notes.
+
+use crate::{
+    Color, Dash, Panel,
+    legend::Obstacles,
+    mark::{self, Look},
+    note,
+    ruler::{Ruler, TICK_FONT},
+    series::{Join, Series},
+    svg::{Canvas, HorizontalAlign, PX_PER_PT, TextStyle, number},
+    text,
+    trace::{self, Frame, Point},
+};
+
+/// Font size of axis titles, 8 pt.
+pub(crate) const LABEL_FONT: f64 = 8.0 * PX_PER_PT;
+/// Font size of notes, 7 pt.
+pub(crate) const NOTE_FONT: f64 = 7.0 * PX_PER_PT;
+/// How far the fill of a band is mixed with white.
+pub(crate) const BAND_LIGHTNESS: f64 = 0.78;
+/// Width of the frame and its marks.
+const HAIRLINE: f64 = 0.7;
+/// Lengths of labelled and short marks.
+const MARKS: (f64, f64) = (4.0, 2.2);
+/// Room between the frame and the tick labels.
+pub(crate) const TICK_GAP: f64 = 4.5;
+/// More markers than this are drawn once a third of a pixel.
+const MANY_MARKERS: usize = 2000;
+
+/// A panel with its frame and axes laid out.
+#[derive(Debug, Clone)]
+pub(crate) struct Plot<'a> {
+    pub(crate) panel: &'a Panel,
+    pub(crate) frame: Frame,
+    pub(crate) x: Ruler,
+    pub(crate) y: Ruler,
+}
+
+/// The symbols of series `index` of a panel.
+pub(crate) fn look(panel: &Panel, index: usize) -> Look {
+    let series = &panel.series[index];
+    Look {
+        marker: series.marker,
+        size: series.marker_size * PX_PER_PT,
+        line: (series.width * PX_PER_PT).min(1.1),
+        color: panel.series_color(index),
+        filled: series.filled,
+    }
+}
+
+/// Strokes the parts of a curve.
+pub(crate) fn stroke(
+    canvas: &mut Canvas,
+    parts: &[Vec<Point>],
+    color: Color,
+    dash: Dash,
+    points: f64,
+) {
+    let style = format!(r#"fill="none" {}"#, line_style(color, dash, points));
+    canvas.path(&trace::path(parts, false), &style);
+}
+
+/// The attributes of a line `points` wide.
+pub(crate) fn line_style(color: Color, dash: Dash, points: f64) -> String {
+    let width = points * PX_PER_PT;
+    let lengths: &[f64] = match dash {
+        Dash::Solid => &[],
+        Dash::Dashed => &[4.2, 2.4],
+        Dash::Dotted => &[0.01, 2.3],
+        Dash::DashDot => &[5.0, 2.2, 0.01, 2.2],
+    };
+    let cap = if dash == Dash::Dashed { "butt" } else { "round" };
+    // Dashes follow the line width, but thin lines do not get crowded dashes.
+    let unit = width.max(1.1);
+    let list: Vec<String> = lengths.iter().map(|length| number(length * unit)).collect();
+    let list = if list.is_empty() {
+        String::new()
+    } else {
+        format!(r#" stroke-dasharray="{}""#, list.join(" "))
+    };
+    format!(
+        r#"stroke="{color}" stroke-width="{}" stroke-linejoin="round" stroke-linecap="{cap}"{list}"#,
+        number(width)
+    )
+}
+
+impl Plot<'_> {
+    /// The points of a series on the page.
+    fn points(&self, series: &Series) -> Vec<Point> {
+        let place = |(&x, &y)| (self.x.scale.datum(x), self.y.scale.datum(y));
+        series.x.iter().zip(&series.y).map(place).collect()
+    }
+
+    /// The markers of a series that lie in the frame.
+    fn markers(&self, series: &Series) -> Vec<Point> {
+        if series.marker == crate::Marker::None {
+            return Vec::new();
+        }
+        let all = self.points(series).into_iter().step_by(series.marker_every);
+        let mut shown: Vec<Point> = all.filter(|&point| self.frame.holds(point)).collect();
+        if shown.len() > MANY_MARKERS {
+            let mut seen = std::collections::HashSet::new();
+            shown.retain(|p| seen.insert(((p.0 * 3.0).round() as i64, (p.1 * 3.0).round() as i64)));
+        }
+        shown
+    }
+
+    /// The line parts of a series that lie in the frame.
+    fn lines(&self, series: &Series) -> Vec<Vec<Point>> {
+        match series.join {
+            Join::Points | Join::Band => Vec::new(),
+            Join::Line => trace::visible(&self.points(series), &self.frame),
+            Join::Stems => {
+                let zero = self.y.scale.datum(0.0);
+                let foot = if zero.is_nan() { self.frame.bottom } else { zero };
+                let stems = self.points(series).into_iter();
+                stems
+                    .filter_map(|p| self.frame.clip((p.0, foot), p))
+                    .map(|(a, b)| vec![a, b])
+                    .collect()
+            }
+        }
+    }
+
+    /// The polygons of a band.
+    fn areas(&self, series: &Series) -> Vec<Vec<Point>> {
+        let rows = series.x.iter().zip(series.y.iter().zip(&series.lower));
+        let both: Vec<(Point, Point)> = rows
+            .map(|(&x, (&upper, &lower))| {
+                let x = self.x.scale.datum(x);
+                let (upper, low) = (self.y.scale.datum(upper), self.y.scale.datum(lower));
+                // A lower end that a logarithmic axis cannot show lies below the frame.
+                let below = self.y.scale.log && lower <= 0.0;
+                ((x, upper), (x, if below { self.frame.bottom } else { low }))
+            })
+            .collect();
+        both.split(|(upper, lower)| ![upper.0, upper.1, lower.1].iter().all(|v| v.is_finite()))
+            .filter(|run| run.len() > 1)
+            .map(|run| {
+                let (upper, mut lower): (Vec<Point>, Vec<Point>) = run.iter().copied().unzip();
+                lower.reverse();
+                let mut outline = trace::thinned(&upper);
+                outline.extend(trace::thinned(&lower));
+                trace::polygon(&outline, &self.frame)
+            })
+            .filter(|polygon| polygon.len() > 2)
+            .collect()
+    }
+
+    /// The curves and markers that texts keep clear of.
+    pub(crate) fn curves(&self) -> Obstacles {
+        let mut obstacles = Obstacles::default();
+        for series in &self.panel.series {
+            obstacles.lines.extend(self.lines(series));
+            obstacles.points.extend(self.markers(series));
+            for mut area in self.areas(series) {
+                area.extend(area.first().copied());
+                obstacles.areas.push(area);
+            }
+        }
+        for reference in &self.panel.references {
+            obstacles.lines.extend(self.reference_line(reference));
+        }
+        obstacles
+    }
+
+    /// Draws all but the legend.
+    pub(crate) fn draw(&self, canvas: &mut Canvas) {
+        let frame = &self.frame;
+        if self.panel.grid {
+            self.grid(canvas);
+        }
+        for (index, series) in self.panel.series.iter().enumerate() {
+            let fill = self.panel.series_color(index).lighten(BAND_LIGHTNESS);
+            let style = format!(r#"fill="{fill}""#);
+            canvas.path(&trace::path(&self.areas(series), true), &style);
+        }
+        for reference in &self.panel.references {
+            if let Some(line) = self.reference_line(reference) {
+                stroke(canvas, &[line], Color::GREY, Dash::Dashed, 0.6);
+            }
+        }
+        self.axes(canvas);
+        for (index, series) in self.panel.series.iter().enumerate() {
+            let color = self.panel.series_color(index);
+            stroke(canvas, &self.lines(series), color, series.dash, series.width);
+        }
+        for (index, series) in self.panel.series.iter().enumerate() {
+            mark::draw(canvas, &self.markers(series), &look(self.panel, index));
+        }
+        note::draw(canvas, self);
+        if let Some(bar) = &self.panel.color_bar {
+            bar.draw(canvas, frame);
+        }
+        if let Err(error) = self.panel.check() {
+            let style = TextStyle::new(NOTE_FONT, HorizontalAlign::Middle).color(Color::RED).halo();
+            let (x, y) = (0.5 * (frame.left + frame.right), 0.5 * (frame.top + frame.bottom));
+            canvas.text(x, y, &error.to_string(), style);
+        }
+    }
+
+    fn grid(&self, canvas: &mut Canvas) {
+        let Frame { left, top, right, bottom } = self.frame;
+        let mut lines: Vec<Vec<Point>> = Vec::new();
+        lines.extend(self.x.major.iter().map(|mark| vec![(mark.0, top), (mark.0, bottom)]));
+        lines.extend(self.y.major.iter().map(|mark| vec![(left, mark.0), (right, mark.0)]));
+        stroke(canvas, &lines, Color::LIGHT_GREY, Dash::Solid, 0.4);
+    }
+
+    /// Frame, marks on all four sides, labels and titles.
+    fn axes(&self, canvas: &mut Canvas) {
+        let Frame { left, top, right, bottom } = self.frame;
+        let mut marks: Vec<Vec<Point>> = Vec::new();
+        let mut cross = |length: f64, x: Option<f64>, y: Option<f64>| {
+            if let Some(x) = x {
+                marks.push(vec![(x, bottom), (x, bottom - length)]);
+                marks.push(vec![(x, top), (x, top + length)]);
+            }
+            if let Some(y) = y {
+                marks.push(vec![(left, y), (left + length, y)]);
+                marks.push(vec![(right, y), (right - length, y)]);
+            }
+        };
+        for mark in &self.x.major {
+            cross(MARKS.0, Some(mark.0), None);
+        }
+        for mark in &self.y.major {
+            cross(MARKS.0, None, Some(mark.0));
+        }
+        self.x.minor.iter().for_each(|&x| cross(MARKS.1, Some(x), None));
+        self.y.minor.iter().for_each(|&y| cross(MARKS.1, None, Some(y)));
+        let style = format!(r##"fill="none" stroke="#000000" stroke-width="{HAIRLINE}""##);
+        canvas.path(&trace::path(&marks, false), &style);
+        canvas.rectangle(left, top, right - left, bottom - top, &style);
+
+        let style = TextStyle::new(TICK_FONT, HorizontalAlign::Middle);
+        for (x, label) in &self.x.major {
+            canvas.text(*x, bottom + TICK_GAP + text::CAP_HEIGHT * TICK_FONT, label, style);
+        }
+        let style = TextStyle::new(TICK_FONT, HorizontalAlign::End);
+        for (y, label) in &self.y.major {
+            canvas.text(left - TICK_GAP, y + 0.5 * text::CAP_HEIGHT * TICK_FONT, label, style);
+        }
+        let style = TextStyle::new(LABEL_FONT, HorizontalAlign::Middle);
+        let below = bottom + TICK_GAP + TICK_FONT + 4.0 + text::CAP_HEIGHT * LABEL_FONT;
+        canvas.text(0.5 * (left + right), below, &self.x.title, style);
+        let beside = left - TICK_GAP - self.y.label_width() - 6.0;
+        let style = style.turned(90.0);
+        canvas.text(beside, 0.5 * (top + bottom), &self.y.title, style);
+    }
+
+    pub(crate) fn reference_line(&self, reference: &crate::panel::Reference) -> Option<Vec<Point>> {
+        let Frame { left, top, right, bottom } = self.frame;
+        let (start, end) = if reference.vertical {
+            let x = self.x.scale.datum(reference.at);
+            ((x, bottom), (x, top))
+        } else {
+            let y = self.y.scale.datum(reference.at);
+            ((left, y), (right, y))
+        };
+        (self.frame.holds(start) && self.frame.holds(end)).then(|| vec![start, end])
+    }
+}

@@ -1,0 +1,224 @@
+//! A report as one HTML page: style, font and figures inside, nothing fetched.
+
+use super::embed::{fonts, inline, paper_width};
+use super::{Block, Cell, Report, Verdict};
+use crate::{
+    svg::{escape, number},
+    text,
+};
+use std::collections::HashSet;
+
+const STYLE: &str = include_str!("style.css");
+/// Size of a figure on the screen over its size on paper.
+const ZOOM: f64 = 1.4;
+
+/// Renders the report.
+pub(super) fn render(report: &Report) -> String {
+    let mut page = Page::default();
+    let main: String = report.blocks.iter().map(|block| page.block(block)).collect();
+    let intro: String = report.intro.iter().map(|text| element("p class=\"lead\"", text)).collect();
+    let navigation = if page.contents.is_empty() {
+        String::new()
+    } else {
+        let contents = page.contents;
+        format!("<nav aria-label=\"Contents\"><h2>Contents</h2>\n<ol>\n{contents}</ol></nav>\n")
+    };
+    let footer =
+        if report.footer.is_empty() { String::new() } else { element("footer", &report.footer) };
+    let (title, heading) = (escape(&report.title), element("h1", &report.title));
+    let (fonts, summary) = (fonts(), summary(report));
+    format!(
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+         <title>{title}</title>\n<style>\n{fonts}{STYLE}</style>\n</head>\n<body>\n\
+         <header>\n{heading}{intro}{summary}</header>\n{navigation}\
+         <main>\n{main}</main>\n{footer}</body>\n</html>\n"
+    )
+}
+
+/// What is counted while the blocks are written in turn.
+#[derive(Debug, Default)]
+struct Page {
+    anchors: Anchors,
+    contents: String,
+    figures: usize,
+}
+
+impl Page {
+    fn block(&mut self, block: &Block) -> String {
+        match block {
+            Block::Section { title } => {
+                let anchor = self.anchors.unique(title);
+                let entry = format!("<li><a href=\"#{anchor}\">{}</a></li>\n", rich(title));
+                self.contents.push_str(&entry);
+                element(&format!("h2 id=\"{anchor}\""), title)
+            }
+            Block::Subsection { title } => element("h3", title),
+            Block::Paragraph { text } => element("p", text),
+            Block::Code { text } => format!("<pre>{}</pre>\n", preformatted(text)),
+            Block::Figure { id, caption, svg } => self.figure(id, caption, svg),
+            Block::Table { headers, rows } => table(headers, rows),
+            Block::KeyValues { pairs } => {
+                let pair =
+                    |(key, value): &(String, String)| element("dt", key) + &element("dd", value);
+                format!("<dl>\n{}</dl>\n", pairs.iter().map(pair).collect::<String>())
+            }
+        }
+    }
+
+    fn figure(&mut self, id: &str, caption: &str, svg: &str) -> String {
+        self.figures += 1;
+        let (anchor, count) = (self.anchors.unique(id), self.figures);
+        let width = paper_width(svg).map_or_else(String::new, |width| {
+            let (screen, paper) = (number(width * ZOOM), number(width));
+            format!(" style=\"--screen:{screen}mm;--paper:{paper}mm\"")
+        });
+        let (svg, caption) = (inline(svg, &anchor), rich(caption));
+        format!(
+            "<figure id=\"{anchor}\">\n<div class=\"picture\"{width}>{svg}</div>\n\
+             <figcaption><b>Figure {count}.</b> {caption}</figcaption>\n</figure>\n"
+        )
+    }
+}
+
+/// An element with rich text; `tag` may hold attributes.
+fn element(tag: &str, text: &str) -> String {
+    let name = tag.split(' ').next().unwrap_or(tag);
+    format!("<{tag}>{}</{name}>\n", rich(text))
+}
+
+/// Escaped text with sub- and superscripts.
+fn rich(text: &str) -> String {
+    text::tagged(text, escape)
+}
+
+/// Escaped text that keeps its lines.
+fn preformatted(text: &str) -> String {
+    text.lines().map(escape).collect::<Vec<_>>().join("\n")
+}
+
+fn table(headers: &[String], rows: &[Vec<Cell>]) -> String {
+    let numeric: Vec<bool> = (0..headers.len())
+        .map(|column| rows.iter().any(|row| matches!(row.get(column), Some(Cell::Number(_)))))
+        .collect();
+    let class = |column: usize| if numeric[column] { " class=\"number\"" } else { "" };
+    let head: Vec<String> = headers
+        .iter()
+        .enumerate()
+        .map(|(column, text)| element(&format!("th scope=\"col\"{}", class(column)), text))
+        .collect();
+    let row = |cells: &Vec<Cell>| {
+        let cell = |(column, cell): (usize, &Cell)| {
+            let content = match cell {
+                Cell::Text(text) | Cell::Number(text) => rich(text),
+                Cell::Verdict(verdict) => badge(*verdict, verdict.word()),
+            };
+            format!("<td{}>{content}</td>", class(column))
+        };
+        let cells: Vec<String> = cells.iter().enumerate().map(cell).collect();
+        format!("<tr>{}</tr>\n", cells.concat())
+    };
+    let (head, body) = (head.concat(), rows.iter().map(row).collect::<Vec<_>>().concat());
+    format!(
+        "<div class=\"table\"><table>\n<thead><tr>{head}</tr></thead>\n\
+         <tbody>\n{body}</tbody>\n</table></div>\n"
+    )
+}
+
+fn badge(verdict: Verdict, text: &str) -> String {
+    let class = match verdict {
+        Verdict::Pass => "pass",
+        Verdict::Fail => "fail",
+        Verdict::Warn => "warn",
+        Verdict::Skip => "skip",
+    };
+    format!("<span class=\"badge {class}\">{text}</span>")
+}
+
+/// How many cells have each verdict, where there are any.
+fn summary(report: &Report) -> String {
+    let mut badges = String::new();
+    for verdict in [Verdict::Pass, Verdict::Fail, Verdict::Warn, Verdict::Skip] {
+        let tables = report.blocks.iter().filter_map(|block| match block {
+            Block::Table { rows, .. } => Some(rows),
+            _ => None,
+        });
+        let count = tables.flatten().flatten().filter(|cell| **cell == verdict.into()).count();
+        if count > 0 {
+            badges.push_str(&badge(verdict, &format!("{count} {}", verdict.word())));
+        }
+    }
+    if badges.is_empty() { badges } else { format!("<p class=\"summary\">{badges}</p>\n") }
+}
+
+/// Anchors used so far on the page.
+#[derive(Debug, Default)]
+struct Anchors(HashSet<String>);
+
+impl Anchors {
+    /// A lower-case anchor for `text` that no other text of the page has.
+    fn unique(&mut self, text: &str) -> String {
+        let mut slug = String::new();
+        for character in text.chars() {
+            if character.is_ascii_alphanumeric() {
+                slug.push(character.to_ascii_lowercase());
+            } else if !slug.is_empty() && !slug.ends_with('-') {
+                slug.push('-');
+            }
+        }
+        let slug = slug.trim_matches('-');
+        let slug = if slug.is_empty() { "part" } else { slug };
+        let mut anchor = slug.to_owned();
+        let mut count = 1;
+        while !self.0.insert(anchor.clone()) {
+            count += 1;
+            anchor = format!("{slug}-{count}");
+        }
+        anchor
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn identifiers_are_unique_on_the_page() {
+        let svg = "<?xml version='1.0'?><svg width=\"85mm\"><clipPath id=\"c\"/>\
+                   <g clip-path=\"url(#c)\"/><use href=\"#c\"/></svg>";
+        let page = Report::new("R")
+            .section("Same")
+            .section("Same")
+            .figure("same", "one", svg)
+            .figure("f", "two", svg)
+            .figure("f", "three", svg)
+            .to_html();
+        let ids: Vec<&str> =
+            page.split(" id=\"").skip(1).filter_map(|rest| rest.split('"').next()).collect();
+        let distinct: HashSet<&str> = ids.iter().copied().collect();
+        assert_eq!(ids.len(), 2 + 3 + 3);
+        assert_eq!(distinct.len(), ids.len(), "{ids:?}");
+        for id in ["same-3--c", "f--c", "f-2--c"] {
+            assert!(distinct.contains(id), "{ids:?}");
+            assert!(page.contains(&format!("url(#{id})")) && page.contains(&format!("\"#{id}\"")));
+        }
+        assert!(!page.contains("<?xml"));
+    }
+
+    #[test]
+    fn nothing_from_outside_is_markup() {
+        let evil = "<script>alert('x')</script> & \"y\"";
+        let page = Report::new(evil)
+            .intro(evil)
+            .section(evil)
+            .paragraph(evil)
+            .code(evil)
+            .figure(evil, evil, "<svg/>")
+            .table([evil], [vec![evil.into()]])
+            .key_values([(evil, evil)])
+            .footer(evil)
+            .to_html();
+        assert!(!page.contains("<script") && !page.contains("alert('"));
+        assert!(page.contains("&lt;script&gt;"));
+    }
+}

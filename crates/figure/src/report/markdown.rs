@@ -1,0 +1,115 @@
+//! A report as Markdown.
+
+use super::{Block, Cell, Report, Verdict};
+use crate::text;
+
+/// Renders the report; `figure_path` maps figure identifiers to paths.
+pub(super) fn render(report: &Report, figure_path: impl Fn(&str) -> String) -> String {
+    let mut parts = vec![format!("# {}", line(&report.title))];
+    parts.extend(report.intro.iter().map(|text| line(text)));
+    let mut number = 0;
+    for block in &report.blocks {
+        parts.push(match block {
+            Block::Section { title } => format!("## {}", line(title)),
+            Block::Subsection { title } => format!("### {}", line(title)),
+            Block::Paragraph { text } => line(text),
+            Block::Code { text } => fenced(text),
+            Block::Figure { id, caption, .. } => {
+                number += 1;
+                let path = figure_path(id);
+                let caption = line(caption);
+                format!("![Figure {number}](<{path}>)\n\n**Figure {number}.** {caption}")
+            }
+            Block::Table { headers, rows } => table(headers, rows),
+            Block::KeyValues { pairs } => {
+                let items = pairs
+                    .iter()
+                    .map(|(key, value)| format!("- **{}:** {}", line(key), line(value)));
+                items.collect::<Vec<_>>().join("\n")
+            }
+        });
+    }
+    if !report.footer.is_empty() {
+        parts.push(format!("---\n\n{}", line(&report.footer)));
+    }
+    parts.join("\n\n") + "\n"
+}
+
+fn table(headers: &[String], rows: &[Vec<Cell>]) -> String {
+    let row = |cells: Vec<String>| format!("| {} |", cells.join(" | "));
+    let cell = |text: &str| line(text).replace('|', "\\|");
+    let numeric =
+        |column: usize| rows.iter().any(|row| matches!(row.get(column), Some(Cell::Number(_))));
+    let mut lines = vec![
+        row(headers.iter().map(|header| cell(header)).collect()),
+        row((0..headers.len())
+            .map(|column| if numeric(column) { "---:" } else { "---" }.to_owned())
+            .collect()),
+    ];
+    for cells in rows {
+        let texts = cells.iter().map(|content| match content {
+            Cell::Text(text) | Cell::Number(text) => cell(text),
+            Cell::Verdict(verdict) => badge(*verdict),
+        });
+        lines.push(row(texts.collect()));
+    }
+    lines.join("\n")
+}
+
+fn badge(verdict: Verdict) -> String {
+    let sign = match verdict {
+        Verdict::Pass => "✓",
+        Verdict::Fail => "✗",
+        Verdict::Warn => "△",
+        Verdict::Skip => "–",
+    };
+    format!("{sign} {}", verdict.word())
+}
+
+/// One line of text in which nothing is markup but `_{...}` and `^{...}`.
+fn line(text: &str) -> String {
+    let joined = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    text::tagged(&joined, escaped)
+}
+
+fn escaped(text: &str) -> String {
+    let mut escaped = String::with_capacity(text.len());
+    for character in text.chars() {
+        match character {
+            '\\' | '`' | '*' | '_' | '[' | ']' | '#' | '~' => escaped.extend(['\\', character]),
+            '<' => escaped.push_str("&lt;"),
+            '>' => escaped.push_str("&gt;"),
+            '&' => escaped.push_str("&amp;"),
+            _ => escaped.push(character),
+        }
+    }
+    escaped
+}
+
+/// A code block whose fence is longer than any run of backticks inside.
+fn fenced(text: &str) -> String {
+    let longest = text.split(|c| c != '`').map(str::len).max().unwrap_or(0);
+    let fence = "`".repeat((longest + 1).max(3));
+    format!("{fence}text\n{}\n{fence}", text.trim_end_matches('\n'))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn text_is_not_markup() {
+        assert_eq!(line("a*b* <k_c> k_{c}\n # x"), "a\\*b\\* &lt;k\\_c&gt; k<sub>c</sub> \\# x");
+        assert_eq!(fenced("a ```` b"), "`````text\na ```` b\n`````");
+    }
+
+    #[test]
+    fn figures_are_linked_and_tables_aligned() {
+        let report = Report::new("R")
+            .figure("fig-1", "Gain | phase", "<svg/>")
+            .table(["a|b", "v"], [vec!["x".into(), Cell::from(1.5)], vec![Verdict::Fail.into()]]);
+        let text = report.to_markdown(|id| format!("plots/{id}.svg"));
+        assert!(text.contains("![Figure 1](<plots/fig-1.svg>)"));
+        assert!(text.contains("| a\\|b | v |\n| --- | ---: |\n| x | 1.500 |\n| ✗ fail |  |"));
+    }
+}

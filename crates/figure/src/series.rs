@@ -1,0 +1,195 @@
+//! A named set of points and how it is drawn.
+
+use crate::{Color, FigureError};
+
+/// Line pattern.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Dash {
+    /// Unbroken.
+    #[default]
+    Solid,
+    /// Long dashes.
+    Dashed,
+    /// Dots.
+    Dotted,
+    /// A dash and a dot in turn.
+    DashDot,
+}
+
+/// Point symbol.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Marker {
+    /// No symbol.
+    #[default]
+    None,
+    /// Circle.
+    Circle,
+    /// Triangle, point up.
+    Triangle,
+    /// Diagonal cross.
+    Cross,
+    /// Square.
+    Square,
+    /// Diamond.
+    Diamond,
+    /// Upright cross.
+    Plus,
+}
+
+/// What joins the points of a series.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Join {
+    /// Nothing: markers only.
+    Points,
+    /// A polyline, broken at points that are not finite.
+    Line,
+    /// A vertical line from the axis to each point.
+    Stems,
+    /// A filled area between the ordinates and `lower`.
+    Band,
+}
+
+/// Points with a name, a colour, a line and a marker.
+///
+/// Points whose abscissa or ordinate is not finite, or not positive on a logarithmic axis, break
+/// the line. An empty name keeps the series out of the legend.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Series {
+    pub(crate) name: String,
+    pub(crate) x: Vec<f64>,
+    pub(crate) y: Vec<f64>,
+    pub(crate) lower: Vec<f64>,
+    pub(crate) join: Join,
+    pub(crate) color: Option<Color>,
+    pub(crate) dash: Dash,
+    pub(crate) marker: Marker,
+    pub(crate) marker_size: f64,
+    pub(crate) marker_every: usize,
+    pub(crate) width: f64,
+    pub(crate) filled: bool,
+}
+
+impl Series {
+    fn new(name: impl Into<String>, x: &[f64], y: &[f64], join: Join, marker: Marker) -> Self {
+        Self {
+            name: name.into(),
+            x: x.to_vec(),
+            y: y.to_vec(),
+            lower: Vec::new(),
+            join,
+            color: None,
+            dash: Dash::Solid,
+            marker,
+            marker_size: 3.6,
+            marker_every: 1,
+            width: 1.0,
+            filled: false,
+        }
+    }
+
+    /// A line through the points `(x, y)`.
+    pub fn line(name: impl Into<String>, x: impl AsRef<[f64]>, y: impl AsRef<[f64]>) -> Self {
+        Self::new(name, x.as_ref(), y.as_ref(), Join::Line, Marker::None)
+    }
+
+    /// Markers at the points `(x, y)`.
+    pub fn points(name: impl Into<String>, x: impl AsRef<[f64]>, y: impl AsRef<[f64]>) -> Self {
+        Self::new(name, x.as_ref(), y.as_ref(), Join::Points, Marker::Circle)
+    }
+
+    /// Markers at the points `(x, y)`, joined by a line.
+    pub fn line_points(
+        name: impl Into<String>,
+        x: impl AsRef<[f64]>,
+        y: impl AsRef<[f64]>,
+    ) -> Self {
+        Self::new(name, x.as_ref(), y.as_ref(), Join::Line, Marker::Circle)
+    }
+
+    /// Vertical lines from the horizontal axis to the points `(x, y)`, with markers: line spectra.
+    pub fn stems(name: impl Into<String>, x: impl AsRef<[f64]>, y: impl AsRef<[f64]>) -> Self {
+        Self::new(name, x.as_ref(), y.as_ref(), Join::Stems, Marker::Circle).filled(true)
+    }
+
+    /// A pale area between the ordinates `lower` and `upper`: an uncertainty or a range.
+    pub fn band(
+        name: impl Into<String>,
+        x: impl AsRef<[f64]>,
+        lower: impl AsRef<[f64]>,
+        upper: impl AsRef<[f64]>,
+    ) -> Self {
+        let mut series =
+            Self::new(name, x.as_ref(), upper.as_ref(), Join::Band, Marker::None).filled(true);
+        series.lower = lower.as_ref().to_vec();
+        series
+    }
+
+    /// Sets the colour; without it the panel takes the next of the categorical palette.
+    #[must_use]
+    pub fn color(mut self, color: Color) -> Self {
+        self.color = Some(color);
+        self
+    }
+
+    /// Sets the line pattern.
+    #[must_use]
+    pub fn dash(mut self, dash: Dash) -> Self {
+        self.dash = dash;
+        self
+    }
+
+    /// Sets the point symbol.
+    #[must_use]
+    pub fn marker(mut self, marker: Marker) -> Self {
+        self.marker = marker;
+        self
+    }
+
+    /// Sets the size of the point symbol, in points (3.6 unless set).
+    #[must_use]
+    pub fn marker_size(mut self, points: f64) -> Self {
+        self.marker_size = points;
+        self
+    }
+
+    /// Draws a marker at each `every`-th point only, the line through all of them.
+    #[must_use]
+    pub fn marker_every(mut self, every: usize) -> Self {
+        self.marker_every = every.max(1);
+        self
+    }
+
+    /// Sets the line width, in points (1 unless set).
+    #[must_use]
+    pub fn width(mut self, points: f64) -> Self {
+        self.width = points;
+        self
+    }
+
+    /// Fills the markers with the colour; otherwise they are white inside.
+    #[must_use]
+    pub fn filled(mut self, filled: bool) -> Self {
+        self.filled = filled;
+        self
+    }
+
+    /// Every abscissa and ordinate the series reaches, as pairs.
+    pub(crate) fn extent(&self) -> impl Iterator<Item = (f64, f64)> {
+        let pair = |values| self.x.iter().copied().zip(values);
+        pair(self.y.iter().copied()).chain(pair(self.lower.iter().copied()))
+    }
+
+    pub(crate) fn check_lengths(&self) -> Result<(), FigureError> {
+        let lower = if self.join == Join::Band { self.lower.len() } else { self.x.len() };
+        for ordinates in [self.y.len(), lower] {
+            if ordinates != self.x.len() {
+                return Err(FigureError::SeriesLengths {
+                    series: self.name.clone(),
+                    x: self.x.len(),
+                    y: ordinates,
+                });
+            }
+        }
+        Ok(())
+    }
+}

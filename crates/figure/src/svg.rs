@@ -1,0 +1,186 @@
+//! SVG text: rounded numbers, escaped text, shapes in CSS pixels.
+
+use crate::{Color, text};
+use std::fmt::Write as _;
+
+/// CSS pixels a millimetre.
+pub(crate) const PX_PER_MM: f64 = 96.0 / 25.4;
+/// CSS pixels a point.
+pub(crate) const PX_PER_PT: f64 = 96.0 / 72.0;
+
+/// Rounded to 0.01 without trailing zeros; what is not finite is 0.
+pub(crate) fn number(value: f64) -> String {
+    let hundredths = (value * 100.0).round();
+    if !hundredths.is_finite() || hundredths == 0.0 {
+        return "0".to_owned();
+    }
+    format!("{}", hundredths / 100.0)
+}
+
+/// Text with the characters that mean something to XML replaced, and those XML forbids left out.
+pub(crate) fn escape(text: &str) -> String {
+    let mut escaped = String::with_capacity(text.len());
+    for character in text.chars() {
+        match character {
+            '&' => escaped.push_str("&amp;"),
+            '<' => escaped.push_str("&lt;"),
+            '>' => escaped.push_str("&gt;"),
+            '"' => escaped.push_str("&quot;"),
+            '\'' => escaped.push_str("&#39;"),
+            '\t' | '\n' | '\r' => escaped.push(' '),
+            '\u{0}'..='\u{1f}' | '\u{fffe}' | '\u{ffff}' => {}
+            _ => escaped.push(character),
+        }
+    }
+    escaped
+}
+
+/// Horizontal alignment of a text on its point.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum HorizontalAlign {
+    Start,
+    Middle,
+    End,
+}
+
+/// How a text is set.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct TextStyle {
+    pub(crate) size: f64,
+    pub(crate) bold: bool,
+    pub(crate) align: HorizontalAlign,
+    pub(crate) color: Color,
+    /// Degrees, anticlockwise.
+    pub(crate) turn: f64,
+    /// A white rim that keeps the text legible over lines.
+    pub(crate) halo: bool,
+}
+
+impl TextStyle {
+    pub(crate) fn new(size: f64, align: HorizontalAlign) -> Self {
+        Self { size, bold: false, align, color: Color::BLACK, turn: 0.0, halo: false }
+    }
+
+    pub(crate) fn turned(mut self, degrees: f64) -> Self {
+        self.turn = degrees;
+        self
+    }
+
+    pub(crate) fn bold(mut self) -> Self {
+        self.bold = true;
+        self
+    }
+
+    pub(crate) fn color(mut self, color: Color) -> Self {
+        self.color = color;
+        self
+    }
+
+    pub(crate) fn halo(mut self) -> Self {
+        self.halo = true;
+        self
+    }
+}
+
+/// An SVG document in the making; lengths in CSS pixels, y downwards.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(crate) struct Canvas {
+    body: String,
+}
+
+impl Canvas {
+    /// Adds one element; writing to a `String` cannot fail.
+    fn element(&mut self, arguments: std::fmt::Arguments<'_>) {
+        let _ = self.body.write_fmt(arguments);
+        self.body.push('\n');
+    }
+
+    /// A path with `data` and the attributes `style`.
+    pub(crate) fn path(&mut self, data: &str, style: &str) {
+        if !data.is_empty() {
+            self.element(format_args!(r#"<path d="{data}" {style}/>"#));
+        }
+    }
+
+    /// A rectangle by its corner and size.
+    pub(crate) fn rectangle(&mut self, x: f64, y: f64, width: f64, height: f64, style: &str) {
+        let [x, y, width, height] = [x, y, width, height].map(number);
+        self.element(format_args!(
+            r#"<rect x="{x}" y="{y}" width="{width}" height="{height}" {style}/>"#
+        ));
+    }
+
+    /// A circle by its centre and radius.
+    pub(crate) fn circle(&mut self, x: f64, y: f64, radius: f64, style: &str) {
+        let [x, y, radius] = [x, y, radius].map(number);
+        self.element(format_args!(r#"<circle cx="{x}" cy="{y}" r="{radius}" {style}/>"#));
+    }
+
+    /// A text with its baseline at `(x, y)`; `_{}` and `^{}` are set low and high.
+    pub(crate) fn text(&mut self, x: f64, y: f64, content: &str, style: TextStyle) {
+        if content.is_empty() {
+            return;
+        }
+        let mut attributes = format!(r#"font-size="{}""#, number(style.size));
+        match style.align {
+            HorizontalAlign::Start => {}
+            HorizontalAlign::Middle => attributes.push_str(r#" text-anchor="middle""#),
+            HorizontalAlign::End => attributes.push_str(r#" text-anchor="end""#),
+        }
+        if style.bold {
+            attributes.push_str(r#" font-weight="700""#);
+        }
+        if style.color != Color::BLACK {
+            let _ = write!(attributes, r#" fill="{}""#, style.color);
+        }
+        if style.halo {
+            let width = number(style.size * 0.28);
+            let _ = write!(
+                attributes,
+                r##" stroke="#ffffff" stroke-width="{width}" stroke-linejoin="round" paint-order="stroke""##
+            );
+        }
+        if style.turn != 0.0 {
+            let (turn, x, y) = (number(-style.turn), number(x), number(y));
+            let _ = write!(attributes, r#" transform="rotate({turn} {x} {y})""#);
+        }
+        let spans = text::spans(content, style.size);
+        let (x, y) = (number(x), number(y));
+        self.element(format_args!(r#"<text x="{x}" y="{y}" {attributes}>{spans}</text>"#));
+    }
+
+    /// The document, `width` by `height`, with an accessible title.
+    pub(crate) fn finish(self, width: f64, height: f64, title: &str) -> String {
+        let [width_mm, height_mm] = [width / PX_PER_MM, height / PX_PER_MM].map(number);
+        let [width, height] = [width, height].map(number);
+        let title = escape(title);
+        let family = format!("{}, {}", text::FAMILY, text::MATH_FAMILY);
+        format!(
+            r##"<svg xmlns="http://www.w3.org/2000/svg" width="{width_mm}mm" height="{height_mm}mm" viewBox="0 0 {width} {height}" font-family="{family}, Helvetica, Arial, sans-serif" role="img">
+<title>{title}</title>
+<rect width="{width}" height="{height}" fill="#ffffff"/>
+{}</svg>
+"##,
+            self.body
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_short() {
+        assert_eq!(number(1.0), "1");
+        assert_eq!(number(-0.001), "0");
+        assert_eq!(number(12.345_6), "12.35");
+        assert_eq!(number(0.1 + 0.2), "0.3");
+        assert_eq!(number(f64::NAN), "0");
+    }
+
+    #[test]
+    fn markup_is_escaped() {
+        assert_eq!(escape("a<b & \"c\" 'd'\u{7}"), "a&lt;b &amp; &quot;c&quot; &#39;d&#39;");
+    }
+}

@@ -1,0 +1,160 @@
+//! Text: the bundled font, the width of a line, sub- and superscripts.
+
+use crate::svg::{escape, number};
+use skrifa::{FontRef, MetadataProvider as _, instance::LocationRef, instance::Size};
+use std::fmt::Write as _;
+
+/// Family name of the bundled font.
+pub(crate) const FAMILY: &str = "Inter";
+/// Inter Regular, subset (see `assets/LICENSE-fonts.txt`).
+pub(crate) const REGULAR: &[u8] = include_bytes!("../assets/Inter-Regular.otf");
+/// Inter Bold, subset (see `assets/LICENSE-fonts.txt`).
+pub(crate) const BOLD: &[u8] = include_bytes!("../assets/Inter-Bold.otf");
+/// Family name of the font for signs the first does not have.
+pub(crate) const MATH_FAMILY: &str = "Noto Sans Math";
+/// Noto Sans Math, subset (see `assets/LICENSE-fonts.txt`).
+pub(crate) const MATH: &[u8] = include_bytes!("../assets/NotoSansMath-Regular.ttf");
+
+/// Height of a capital over the font size.
+pub(crate) const CAP_HEIGHT: f64 = 0.727;
+/// Size of a sub- or superscript over that of the text.
+const SCRIPT_SIZE: f64 = 0.7;
+/// Rise of a superscript over the font size.
+const SUPER_RISE: f64 = 0.36;
+/// Drop of a subscript over the font size.
+const SUB_DROP: f64 = 0.18;
+/// Width taken for a character the font does not have, over the font size.
+const UNKNOWN_WIDTH: f64 = 0.65;
+
+/// A run of text on one level: `rise` 0 on the line, positive above, negative below.
+#[derive(Debug, Clone, PartialEq)]
+struct Run {
+    text: String,
+    rise: i8,
+}
+
+/// Splits `_{...}` and `^{...}` from the text around them; an unclosed brace is plain text.
+fn runs(content: &str) -> Vec<Run> {
+    let mut runs = Vec::new();
+    let mut plain = String::new();
+    let mut rest = content;
+    while let Some(character) = rest.chars().next() {
+        let script = match rest.get(..2) {
+            Some("_{") => Some(-1),
+            Some("^{") => Some(1),
+            _ => None,
+        };
+        if let (Some(rise), Some(end)) = (script, rest.find('}')) {
+            runs.push(Run { text: std::mem::take(&mut plain), rise: 0 });
+            runs.push(Run { text: rest[2..end].to_owned(), rise });
+            rest = &rest[end + 1..];
+        } else {
+            plain.push(character);
+            rest = &rest[character.len_utf8()..];
+        }
+    }
+    runs.push(Run { text: plain, rise: 0 });
+    runs.retain(|run| !run.text.is_empty());
+    runs
+}
+
+/// The content of an SVG text element, escaped.
+pub(crate) fn spans(content: &str, size: f64) -> String {
+    let mut spans = String::new();
+    let mut height = 0.0;
+    for run in runs(content) {
+        let target = match run.rise {
+            1 => SUPER_RISE * size,
+            -1 => -SUB_DROP * size,
+            _ => 0.0,
+        };
+        let text = escape(&run.text);
+        let shift = height - target;
+        if run.rise == 0 && shift == 0.0 {
+            spans.push_str(&text);
+        } else {
+            let font = if run.rise == 0 { size } else { size * SCRIPT_SIZE };
+            // Writing to a String cannot fail.
+            let _ = write!(
+                spans,
+                r#"<tspan dy="{}" font-size="{}">{text}</tspan>"#,
+                number(shift),
+                number(font)
+            );
+        }
+        height = target;
+    }
+    spans
+}
+
+/// The content of an HTML element, escaped, with `<sub>` and `<sup>`.
+pub(crate) fn tagged(content: &str, escape: impl Fn(&str) -> String) -> String {
+    runs(content)
+        .iter()
+        .map(|run| match (run.rise, escape(&run.text)) {
+            (1, text) => format!("<sup>{text}</sup>"),
+            (-1, text) => format!("<sub>{text}</sub>"),
+            (_, text) => text,
+        })
+        .collect()
+}
+
+/// Width of a line of text in the bundled font, in the unit of `size`.
+pub(crate) fn width(content: &str, size: f64, bold: bool) -> f64 {
+    let fonts: Vec<FontRef<'_>> = [if bold { BOLD } else { REGULAR }, MATH]
+        .into_iter()
+        .filter_map(|data| FontRef::new(data).ok())
+        .collect();
+    let advance = |character: char| {
+        fonts.iter().find_map(|font| {
+            let glyph = font.charmap().map(character)?;
+            font.glyph_metrics(Size::new(1.0), LocationRef::default()).advance_width(glyph)
+        })
+    };
+    runs(content)
+        .iter()
+        .map(|run| {
+            let size = if run.rise == 0 { size } else { size * SCRIPT_SIZE };
+            let em: f64 =
+                run.text.chars().map(|c| advance(c).map_or(UNKNOWN_WIDTH, f64::from)).sum();
+            em * size
+        })
+        .sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn scripts_are_split_and_escaped() {
+        assert_eq!(spans("a<b", 10.0), "a&lt;b");
+        assert_eq!(
+            spans("10^{3} N", 10.0),
+            r#"10<tspan dy="-3.6" font-size="7">3</tspan><tspan dy="3.6" font-size="10"> N</tspan>"#
+        );
+        assert_eq!(spans("k_c and k_{c", 10.0), "k_c and k_{c");
+    }
+
+    #[test]
+    fn width_follows_the_font() {
+        // Digits of Inter are 1308 to 1808 of 2816 units wide.
+        let digits = width("0123456789", 2816.0, false);
+        assert!((13_080.0..18_080.0).contains(&digits), "{digits}");
+        assert!(width("x^{2}", 10.0, false) < width("x2", 10.0, false));
+        assert!(width("Stiffness", 10.0, true) > width("Stiffness", 10.0, false));
+    }
+
+    #[test]
+    fn the_fonts_have_the_signs_labels_need() {
+        let needed = "µ°±×·−–—≤≥≈≠∞√∂∇∫∑∏→←↔αβγδεζηθκλμνξπρστφχψωΓΔΘΛΣΦΨΩ₀₁₂₃₄₅₆₇₈₉ₙₐₑₓᵣᵥ\
+                      ⁰¹²³⁴⁵⁶⁷⁸⁹⁻✓✗|∥⊥∝∼≪≫∈⟨⟩𝑘𝑝𝜔𝜁";
+        for text in [REGULAR, BOLD] {
+            let fonts = [FontRef::new(text).unwrap(), FontRef::new(MATH).unwrap()];
+            for character in needed.chars() {
+                let found = fonts.iter().any(|font| font.charmap().map(character).is_some());
+                assert!(found, "no glyph for {character}");
+            }
+        }
+    }
+}

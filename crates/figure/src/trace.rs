@@ -1,0 +1,247 @@
+//! Curves on the page: clipped to the frame and thinned without visible loss.
+
+use crate::svg::number;
+
+/// A point on the page, in CSS pixels.
+pub(crate) type Point = (f64, f64);
+
+/// Columns within which a curve is replaced by its first, lowest, highest and last point: half a
+/// CSS pixel, 0.13 mm on paper.
+const COLUMN: f64 = 0.5;
+
+/// A rectangle on the page.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Frame {
+    pub(crate) left: f64,
+    pub(crate) top: f64,
+    pub(crate) right: f64,
+    pub(crate) bottom: f64,
+}
+
+impl Frame {
+    pub(crate) fn width(&self) -> f64 {
+        self.right - self.left
+    }
+
+    pub(crate) fn height(&self) -> f64 {
+        self.bottom - self.top
+    }
+
+    /// Whether the point lies inside or within a hundredth of a pixel of the border.
+    pub(crate) fn holds(&self, (x, y): Point) -> bool {
+        x >= self.left - 0.01
+            && x <= self.right + 0.01
+            && y >= self.top - 0.01
+            && y <= self.bottom + 0.01
+    }
+
+    /// The rectangle grown by `by` on every side.
+    pub(crate) fn grown(&self, by: f64) -> Self {
+        Self {
+            left: self.left - by,
+            top: self.top - by,
+            right: self.right + by,
+            bottom: self.bottom + by,
+        }
+    }
+
+    /// Whether two rectangles share a point.
+    pub(crate) fn meets(&self, other: &Self) -> bool {
+        self.left < other.right
+            && other.left < self.right
+            && self.top < other.bottom
+            && other.top < self.bottom
+    }
+
+    /// The part of the segment inside, by the parametric method of Liang and Barsky.
+    pub(crate) fn clip(&self, a: Point, b: Point) -> Option<(Point, Point)> {
+        let (dx, dy) = (b.0 - a.0, b.1 - a.1);
+        let (mut enter, mut leave) = (0.0_f64, 1.0_f64);
+        let sides = [
+            (-dx, a.0 - self.left),
+            (dx, self.right - a.0),
+            (-dy, a.1 - self.top),
+            (dy, self.bottom - a.1),
+        ];
+        for (direction, distance) in sides {
+            if direction == 0.0 {
+                if distance < 0.0 {
+                    return None;
+                }
+            } else if direction < 0.0 {
+                enter = enter.max(distance / direction);
+            } else {
+                leave = leave.min(distance / direction);
+            }
+        }
+        let at = |t: f64| (a.0 + t * dx, a.1 + t * dy);
+        // The ends themselves, where they are inside, are kept to the bit.
+        let start = if enter == 0.0 { a } else { at(enter) };
+        let end = if leave == 1.0 { b } else { at(leave) };
+        (enter <= leave).then_some((start, end))
+    }
+}
+
+/// The runs of consecutive finite points.
+pub(crate) fn runs(points: &[Point]) -> Vec<Vec<Point>> {
+    points
+        .split(|point| !(point.0.is_finite() && point.1.is_finite()))
+        .filter(|run| !run.is_empty())
+        .map(<[Point]>::to_vec)
+        .collect()
+}
+
+/// The visible parts of a curve; points that are not finite break it.
+pub(crate) fn visible(points: &[Point], frame: &Frame) -> Vec<Vec<Point>> {
+    let mut parts: Vec<Vec<Point>> = Vec::new();
+    for run in runs(points) {
+        let run = thinned(&run);
+        if let [only] = run[..] {
+            if frame.holds(only) {
+                parts.push(vec![only]);
+            }
+            continue;
+        }
+        let mut open = false;
+        for pair in run.windows(2) {
+            let Some((start, end)) = frame.clip(pair[0], pair[1]) else {
+                open = false;
+                continue;
+            };
+            match parts.last_mut() {
+                Some(part) if open => part.push(end),
+                _ => parts.push(vec![start, end]),
+            }
+            open = end == pair[1];
+        }
+    }
+    parts
+}
+
+/// Consecutive points of one column replaced by the first, the lowest, the highest and the last, in
+/// their order: the same pixels are covered.
+pub(crate) fn thinned(points: &[Point]) -> Vec<Point> {
+    let column = |point: &Point| (point.0 / COLUMN).floor();
+    let mut kept = Vec::new();
+    for group in points.chunk_by(|a, b| column(a) == column(b)) {
+        if group.len() <= 4 {
+            kept.extend_from_slice(group);
+            continue;
+        }
+        let extreme = |sign: f64| {
+            (0..group.len()).min_by(|&i, &j| (sign * group[i].1).total_cmp(&(sign * group[j].1)))
+        };
+        let mut indices =
+            [0, extreme(1.0).unwrap_or(0), extreme(-1.0).unwrap_or(0), group.len() - 1];
+        indices.sort_unstable();
+        kept.extend(indices.iter().enumerate().filter_map(|(position, &index)| {
+            (position == 0 || indices[position - 1] != index).then_some(group[index])
+        }));
+    }
+    kept
+}
+
+/// A polygon cut to the frame, side after side (Sutherland and Hodgman).
+pub(crate) fn polygon(points: &[Point], frame: &Frame) -> Vec<Point> {
+    let sides: [(usize, f64, f64); 4] = [
+        (0, 1.0, frame.left),
+        (0, -1.0, -frame.right),
+        (1, 1.0, frame.top),
+        (1, -1.0, -frame.bottom),
+    ];
+    let mut current = points.to_vec();
+    for (coordinate, sign, limit) in sides {
+        let depth = |p: Point| sign * (if coordinate == 0 { p.0 } else { p.1 }) - limit;
+        let mut next = Vec::with_capacity(current.len());
+        for (index, &end) in current.iter().enumerate() {
+            let start = current[(index + current.len() - 1) % current.len()];
+            let (before, after) = (depth(start), depth(end));
+            if (before < 0.0) != (after < 0.0) {
+                let t = before / (before - after);
+                next.push((start.0 + t * (end.0 - start.0), start.1 + t * (end.1 - start.1)));
+            }
+            if after >= 0.0 {
+                next.push(end);
+            }
+        }
+        current = next;
+    }
+    current
+}
+
+/// SVG path data through the points of each part; a lone point becomes a dot.
+pub(crate) fn path(parts: &[Vec<Point>], closed: bool) -> String {
+    let mut data = String::new();
+    for part in parts {
+        let mut last = String::new();
+        for (index, point) in part.iter().enumerate() {
+            let pair = format!("{} {}", number(point.0), number(point.1));
+            if pair == last {
+                continue;
+            }
+            data.push_str(match index {
+                0 => "M",
+                _ if data.ends_with(|c: char| c.is_ascii_digit()) => " ",
+                _ => "",
+            });
+            data.push_str(&pair);
+            last = pair;
+        }
+        match (closed, part.len()) {
+            (true, _) => data.push('Z'),
+            (false, 1) => data.push_str("h0.01"),
+            _ => {}
+        }
+    }
+    data
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const FRAME: Frame = Frame { left: 0.0, top: 0.0, right: 100.0, bottom: 50.0 };
+
+    #[test]
+    fn nan_breaks_the_line() {
+        let points = [(0.0, 1.0), (1.0, 2.0), (2.0, f64::NAN), (3.0, 1.0), (4.0, 1.0)];
+        let parts = visible(&points, &FRAME);
+        assert_eq!(parts.len(), 2);
+        assert_eq!(path(&parts, false), "M0 1 1 2M3 1 4 1");
+        assert_eq!(path(&visible(&points[..3][1..], &FRAME), false), "M1 2h0.01");
+    }
+
+    #[test]
+    fn lines_end_at_the_frame() {
+        let parts = visible(&[(-10.0, 10.0), (110.0, 10.0), (110.0, 20.0), (50.0, 20.0)], &FRAME);
+        assert_eq!(parts, [vec![(0.0, 10.0), (100.0, 10.0)], vec![(100.0, 20.0), (50.0, 20.0)]]);
+        assert!(visible(&[(-5.0, -5.0), (105.0, -5.0)], &FRAME).is_empty());
+    }
+
+    #[test]
+    fn thinning_keeps_the_extremes() {
+        let noise = |i: u32| f64::from(i.wrapping_mul(2_654_435_761) >> 8) / f64::from(1_u32 << 24);
+        let points: Vec<Point> =
+            (0..24_000).map(|i| (f64::from(i) * 300.0 / 24_000.0, 50.0 * noise(i))).collect();
+        let kept = thinned(&points);
+        assert!(kept.len() <= 4 * 600, "{}", kept.len());
+        assert_eq!((kept.first(), kept.last()), (points.first(), points.last()));
+        for column in 0..600 {
+            let extremes = |set: &[Point]| {
+                set.iter()
+                    .filter(|p| (p.0 / COLUMN).floor() as i32 == column)
+                    .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| {
+                        (low.min(p.1), high.max(p.1))
+                    })
+            };
+            assert_eq!(extremes(&points), extremes(&kept));
+        }
+    }
+
+    #[test]
+    fn polygons_are_cut_to_the_frame() {
+        let cut = polygon(&[(-10.0, 10.0), (50.0, 10.0), (50.0, 70.0), (-10.0, 70.0)], &FRAME);
+        assert!(cut.iter().all(|&p| FRAME.holds(p)));
+        assert_eq!(cut.len(), 4);
+    }
+}

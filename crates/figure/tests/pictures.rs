@@ -1,0 +1,161 @@
+//! Figures as a reader gets them: sizes, determinism, refusals, what is on the page.
+
+use asperity_figure::{
+    Axis, Color, ColorBar, Drawing, Figure, FigureError, Legend, Marker, Panel, Series, Stroke,
+    Table, svg_to_png,
+};
+
+fn axes() -> Panel {
+    Panel::new(Axis::linear("Time", "s"), Axis::linear("Force", "N"))
+}
+
+/// Width and height from the header of a PNG.
+fn pixels(png: &[u8]) -> (u32, u32) {
+    assert_eq!(&png[..8], b"\x89PNG\r\n\x1a\n");
+    let number = |at: usize| u32::from_be_bytes([png[at], png[at + 1], png[at + 2], png[at + 3]]);
+    (number(16), number(20))
+}
+
+fn noise(index: u32) -> f64 {
+    f64::from(index.wrapping_mul(2_654_435_761) >> 8) / f64::from(1_u32 << 24) - 0.5
+}
+
+#[test]
+fn a_picture_has_the_pixels_asked_for() {
+    let figure = Figure::new("F")
+        .width_mm(85.0)
+        .row_height_mm(60.0)
+        .panel(axes().series(Series::line("a", [0.0, 1.0], [0.0, 1.0])));
+    assert_eq!(pixels(&figure.to_png(10.0).unwrap()), (850, 600));
+    let drawing = Drawing::new("D", 40.0, 20.0);
+    assert_eq!(pixels(&drawing.to_png(12.0).unwrap()), (480, 240));
+}
+
+#[test]
+fn text_leaves_ink_without_system_fonts() {
+    let blank = Drawing::new("D", 30.0, 10.0);
+    let mut written = blank.clone();
+    written.text((15.0, 5.0), "k_{n} ∝ 𝑝^{1/2} µm", 8.0, asperity_figure::Align::Center);
+    assert_ne!(blank.to_png(8.0).unwrap(), written.to_png(8.0).unwrap());
+}
+
+#[test]
+fn the_same_table_gives_the_same_bytes() {
+    let draw = || {
+        let x: Vec<f64> = (0..5000).map(f64::from).collect();
+        let y: Vec<f64> = (0..5000).map(noise).collect();
+        let table = Table::new().with_column("x_s", x).unwrap().with_column("y_n", y).unwrap();
+        let table = Table::from_csv(&table.to_csv()).unwrap();
+        let (x, y) = (table.column("x_s").unwrap(), table.column("y_n").unwrap());
+        let points = Series::points("p", x, y).marker(Marker::Cross);
+        let figure = Figure::new("F").panel(axes().series(Series::line("l", x, y)).series(points));
+        (figure.to_svg(), figure.to_png(4.0).unwrap())
+    };
+    assert_eq!(draw(), draw());
+}
+
+#[test]
+fn dense_series_stay_small() {
+    let x: Vec<f64> = (0..24_000).map(f64::from).collect();
+    let level = |k: u32| -> Vec<f64> { (0..24_000).map(|i| noise(i + 7919 * k)).collect() };
+    let panel = axes().all_series((0..8).map(|k| Series::line(format!("level {k}"), &x, level(k))));
+    let svg = Figure::new("F").panel(panel).to_svg();
+    // Eight curves of 24 000 points of white noise, the worst that can be asked for.
+    assert!(svg.len() < 300_000, "{} bytes", svg.len());
+}
+
+#[test]
+fn gaps_are_left_where_there_is_no_number() {
+    let x = [0.0, 1.0, 2.0, 3.0, 4.0];
+    let y = [1.0, 2.0, f64::NAN, f64::INFINITY, 1.0];
+    let broken = Figure::new("F").panel(axes().series(Series::line("a", x, y)));
+    assert!(broken.check().is_ok());
+    let svg = broken.to_svg();
+    assert!(svg.contains("h0.01"), "the lone last point is a dot");
+    assert!(!svg.contains("NaN") && !svg.contains("inf"));
+}
+
+#[test]
+fn what_cannot_be_drawn_is_refused_and_named() {
+    let empty = Series::line("nothing", [f64::NAN], [1.0]);
+    let negative = Series::line("negative", [1.0, 2.0], [-1.0, 0.0]);
+    let unequal = Series::line("unequal", [1.0, 2.0], [1.0]);
+    let log = || Panel::new(Axis::linear("x", ""), Axis::log("y", ""));
+    let refused = |panel: Panel| {
+        let figure = Figure::new("F").panel(panel);
+        // Shown in red where it would have been drawn.
+        assert!(figure.to_svg().contains(&Color::RED.to_string()));
+        figure.to_png(5.0).unwrap_err()
+    };
+    assert_eq!(
+        refused(axes().series(empty)),
+        FigureError::EmptySeries { series: "nothing".into() }
+    );
+    assert_eq!(
+        refused(log().series(negative)),
+        FigureError::EmptySeries { series: "negative".into() }
+    );
+    assert!(matches!(
+        refused(axes().series(unequal)),
+        FigureError::SeriesLengths { x: 2, y: 1, .. }
+    ));
+    let backwards = Panel::new(Axis::linear("x", "").range(1.0, 0.0), Axis::linear("y", ""));
+    assert!(matches!(refused(backwards), FigureError::AxisRange { .. }));
+    assert!(matches!(Figure::new("F").check(), Err(FigureError::NoPanel { .. })));
+    assert!(Figure::new("F").to_svg().starts_with("<svg"));
+}
+
+#[test]
+fn text_is_escaped_and_panels_are_tagged() {
+    let panel = || {
+        axes()
+            .series(Series::line("<b>&", [0.0, 1.0], [0.0, 1.0]))
+            .note(0.5, 0.5, "a < \"b\"")
+            .title("]]>")
+    };
+    let svg = Figure::new("</title>").panel(panel()).panel(panel()).to_svg();
+    assert!(svg.contains("&lt;b&gt;&amp;") && svg.contains("a &lt; &quot;b&quot;"));
+    assert!(svg.contains("<title>&lt;/title&gt;</title>"));
+    assert!(svg.contains(">(a)<") && svg.contains(">(b)<"));
+    assert!(!svg.contains(" id=\""), "nothing to collide when several figures share a page");
+    assert!(svg_to_png(&svg, 4.0).is_ok());
+}
+
+#[test]
+fn a_legend_without_a_free_place_goes_above_the_frame() {
+    let x: Vec<f64> = (0..600).map(f64::from).collect();
+    let y: Vec<f64> = (0..600).map(noise).collect();
+    let crowded = Figure::new("F").panel(axes().series(Series::line("name", &x, &y)));
+    let forced =
+        Figure::new("F").panel(axes().series(Series::line("name", &x, &y)).legend(Legend::Above));
+    assert_eq!(crowded.to_svg(), forced.to_svg());
+    let straight = Figure::new("F").panel(axes().series(Series::line("name", &x, &x)));
+    let corner =
+        Figure::new("F").panel(axes().series(Series::line("name", &x, &x)).legend(Legend::TopLeft));
+    assert_eq!(straight.to_svg(), corner.to_svg());
+}
+
+#[test]
+fn colours_of_levels_match_their_bar() {
+    let levels = [0.1, 0.5, 2.0];
+    let bar = ColorBar::levels("Force", "N", &levels);
+    for (index, &level) in levels.iter().enumerate() {
+        assert_eq!(bar.color(level), Color::ramp_step(index, levels.len()));
+    }
+    assert_eq!(ColorBar::continuous("p", "Pa", 1.0, 100.0).log().color(10.0), Color::ramp(0.5));
+}
+
+#[test]
+fn hostile_sizes_do_not_panic() {
+    let series = Series::line("a", [0.0, f64::MAX], [f64::MIN, f64::MAX]);
+    for width in [f64::NAN, -5.0, 0.0, 1.0, 30.0] {
+        let figure = Figure::new("F").width_mm(width).row_height_mm(width);
+        let figure = figure.columns(3).panel(axes().series(series.clone())).panel(axes());
+        assert!(figure.to_svg().ends_with("</svg>\n"));
+    }
+    let mut drawing = Drawing::new("D", 10.0, 10.0);
+    drawing.spring((1.0, 1.0), (1.0, 1.0), 0.0, Stroke::BLACK);
+    drawing.hatch((0.0, 0.0), (f64::INFINITY, 1.0), 0.0, Stroke::THIN);
+    drawing.polyline(&[(f64::NAN, 0.0)], Stroke::BLACK);
+    assert!(drawing.to_png(2.0).is_ok());
+}

@@ -1,0 +1,378 @@
+//! A law as a fast table about a state.
+
+use crate::error::{LawError, Quantity, above, finite};
+use crate::law::ContactLaw;
+
+/// A contact law compiled to a table of cubics: pressure increment against closure increment,
+/// both from a state.
+///
+/// The cells are uniform in closure, and on each the pressure increment is the cubic Hermite
+/// interpolant of the exact pressures and tangents. Where the stiffness leaves zero with a
+/// vertical tangent at loss of contact, as in a power law, the first eight cells are divided by 32
+/// once more. Nodes lie
+/// - exactly at the state: the increment at x = 0 is exactly `0.0`;
+/// - exactly at loss of contact, if the law separates: below it the increment is exactly
+///   `-pressure_state` and the tangent zero.
+///
+/// Outside the table [`get`](Self::get) gives NaN, on which the caller turns to the exact law.
+///
+/// The table covers pressures up to the top, and downwards
+/// - to open faces, without end, if the law separates;
+/// - to `pressure_state / 64` if it does not, as in the exponential law;
+/// - as far below the state as the top is above it, if the law is bilateral.
+///
+/// # Accuracy
+/// The increment is within [`error_bound_pa`](Self::error_bound_pa) of the exact one. The bound is
+/// absolute, for where contact is lost the relative error of any polynomial is large (a power law
+/// starts as `d^(1/(1-m))`). It is twice the largest error found at eight points of every cell,
+/// plus the rounding of the evaluation. Twice, because the error of a Hermite cubic has one
+/// maximum in a smooth cell, flat on the scale of the points, and next to a kink is missed by less
+/// than half. Within the bound a pressure may be slightly negative just above loss of contact.
+///
+/// The tangent is that of the cubic, one order less accurate; the bound does not cover it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Compiled {
+    /// Cell 0 is what lies below the table, open faces or NaN; then the fine cells, then the rest.
+    cells: Vec<[f64; 4]>,
+    fine_cells: u32,
+    fine_below: f64,
+    fine: CellScale,
+    coarse: CellScale,
+    pressure_state: f64,
+    x_lo: f64,
+    x_hi: f64,
+    error_bound: f64,
+}
+
+/// From closure to a place among the cells of a [`Compiled`] law, `s = x cells_per_metre + offset`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct CellScale {
+    /// Cells per closure \[1/m\].
+    pub cells_per_metre: f64,
+    /// Place of the state, a whole number.
+    pub offset: f64,
+}
+
+/// Cells next to a singular loss of contact that are divided, and into how many each. A power law
+/// `d^a`, 1 < a < 2, has errors like `i^(a-4)` in cell i, so that both numbers gain about as much.
+const DIVIDED: usize = 8;
+const DIVISION: usize = 32;
+
+/// Fewest cells of a first attempt.
+const FIRST_CELLS: usize = 16;
+
+/// Cells asked for in the last attempt; the nodes at the state and at the top may each add one.
+const LAST_CELLS: usize = Compiled::MAX_CELLS - DIVIDED * DIVISION - 2;
+
+/// Where in a cell the error is checked: Chebyshev-like, denser towards the ends.
+const CHECKS: [f64; 8] = [0.03, 0.12, 0.25, 0.42, 0.58, 0.75, 0.88, 0.97];
+
+/// Ratio of the error bound to the largest error found.
+const SAFETY: f64 = 2.0;
+
+/// Lowest pressure, as a part of the state's, of a law that never separates.
+const LOWEST: f64 = 1.0 / 64.0;
+
+impl Compiled {
+    /// Most cells of a table: 65536, which take 2 MB.
+    pub const MAX_CELLS: usize = 1 << 16;
+
+    /// Compiles `law` about the state of pressure `pressure_state` \[Pa\] up to `pressure_top`
+    /// \[Pa\]: the cells are doubled until the error bound is at most `tolerance` times
+    /// `max(|pressure_state|, (pressure_top - pressure_state) / 1000)`.
+    ///
+    /// The state must be in contact: positive, or zero for a law that separates, or any for a
+    /// bilateral law. A tolerance below 1e-12 may ask for more than rounding allows.
+    ///
+    /// # Errors
+    /// [`LawError`] if a parameter is outside these limits or not finite;
+    /// [`LawError::Unresolved`] if [`MAX_CELLS`](Self::MAX_CELLS) cells do not reach the tolerance.
+    pub fn new(
+        law: &dyn ContactLaw,
+        pressure_state: f64,
+        pressure_top: f64,
+        tolerance: f64,
+    ) -> Result<Self, LawError> {
+        finite(Quantity::PressureState, pressure_state)?;
+        above(Quantity::PressureTop, pressure_top, pressure_state)?;
+        above(Quantity::Tolerance, tolerance, 0.0)?;
+        let scale = pressure_state.abs().max((pressure_top - pressure_state) / 1000.0);
+        let limit = tolerance * scale;
+        let span = Span::of(law, pressure_state, pressure_top)?;
+
+        let mut wanted = FIRST_CELLS;
+        let mut best = (0, f64::INFINITY);
+        while let Some(grid) = span.grid(wanted.min(LAST_CELLS)) {
+            let table = Self::on_grid(law, pressure_state, &span, &grid);
+            // The last attempt is measured to its end, to be reported.
+            let last = wanted >= LAST_CELLS;
+            let stop = if last { f64::INFINITY } else { limit };
+            let bound = table.measure(law, &grid, stop);
+            if bound <= limit {
+                return Ok(Self { error_bound: bound, ..table });
+            }
+            best = (grid.count(), bound);
+            if last {
+                break;
+            }
+            wanted *= 2;
+        }
+        Err(LawError::Unresolved { cells: best.0, value: best.1, limit })
+    }
+
+    /// Pressure increment \[Pa\] at closure increment `x` \[m\]; NaN outside the table.
+    #[allow(
+        clippy::inline_always,
+        reason = "the innermost call of time stepping, in loops compiled for wider registers"
+    )]
+    #[inline(always)]
+    pub fn get(&self, x: f64) -> f64 {
+        let (i, t) = self.place(x);
+        match self.cells.get(i as usize) {
+            Some(&[c0, c1, c2, c3]) => c0 + t * (c1 + t * (c2 + t * c3)),
+            None => f64::NAN,
+        }
+    }
+
+    /// Pressure increment \[Pa\] and tangent dp/dd \[Pa/m\] at closure increment `x` \[m\]; NaN outside
+    /// the table.
+    #[allow(
+        clippy::inline_always,
+        reason = "the innermost call of time stepping, in loops compiled for wider registers"
+    )]
+    #[inline(always)]
+    pub fn get_with_tangent(&self, x: f64) -> (f64, f64) {
+        let (i, t) = self.place(x);
+        match self.cells.get(i as usize) {
+            Some(&[c0, c1, c2, c3]) => {
+                let value = c0 + t * (c1 + t * (c2 + t * c3));
+                let slope = c1 + t * (2.0 * c2 + t * (3.0 * c3));
+                let scale = if i <= self.fine_cells { &self.fine } else { &self.coarse };
+                (value, slope * scale.cells_per_metre)
+            }
+            None => (f64::NAN, f64::NAN),
+        }
+    }
+
+    /// Cell of `x` and the place in it, 0 <= t < 1. The conversion saturates, so that everything
+    /// below the table falls in cell 0.
+    #[allow(
+        clippy::inline_always,
+        reason = "the innermost call of time stepping, in loops compiled for wider registers"
+    )]
+    #[inline(always)]
+    fn place(&self, x: f64) -> (u32, f64) {
+        let scale = if x < self.fine_below { &self.fine } else { &self.coarse };
+        let s = x * scale.cells_per_metre + scale.offset;
+        let i = s as u32;
+        (i, s - f64::from(i))
+    }
+
+    /// Pressure \[Pa\] of the state.
+    pub fn pressure_state(&self) -> f64 {
+        self.pressure_state
+    }
+
+    /// Closure increment \[m\] where the table starts: loss of contact if the law separates (below
+    /// it [`get`](Self::get) still answers).
+    pub fn x_lo(&self) -> f64 {
+        self.x_lo
+    }
+
+    /// Closure increment \[m\] where the table ends.
+    pub fn x_hi(&self) -> f64 {
+        self.x_hi
+    }
+
+    /// Greatest difference \[Pa\] between the table and the law.
+    pub fn error_bound_pa(&self) -> f64 {
+        self.error_bound
+    }
+
+    /// The cells `[c0, c1, c2, c3]`, for a kernel that evaluates lanes of them: at x, with s from
+    /// [`scales`](Self::scales) and `t = s - floor(s)`, cell `floor(s)` (0 if s < 1) gives
+    /// `c0 + t (c1 + t (c2 + t c3))`.
+    pub fn cells(&self) -> &[[f64; 4]] {
+        &self.cells
+    }
+
+    /// The scale of the divided cells, for `x < fine_below`, and that of the others.
+    pub fn scales(&self) -> [CellScale; 2] {
+        [self.fine, self.coarse]
+    }
+
+    /// Closure increment \[m\] below which cells are divided; -inf if none are.
+    pub fn fine_below(&self) -> f64 {
+        self.fine_below
+    }
+
+    /// The table on a grid, its error not yet known.
+    fn on_grid(law: &dyn ContactLaw, state: f64, span: &Span, grid: &Grid) -> Self {
+        // Increment at `place` coarse cells above the lowest node, and its rise over `width` cells
+        // at the tangent there.
+        let node = |place: f64, width: f64| {
+            let at = law.pressure_increment(state, grid.closure(place));
+            let (value, tangent) = if place == 0.0 && span.separates {
+                (0.0 - state, law.stiffness(0.0))
+            } else if place == grid.below as f64 {
+                (0.0, at.tangent)
+            } else {
+                (at.value, at.tangent)
+            };
+            (value, tangent * (grid.width * width))
+        };
+        let divided = if span.singular { grid.count().min(DIVIDED) } else { 0 };
+        let fine_cells = divided * DIVISION;
+        let mut cells = Vec::with_capacity(1 + fine_cells + grid.count());
+        cells.push(if span.separates { [0.0 - state, 0.0, 0.0, 0.0] } else { [f64::NAN; 4] });
+        let mut left = node(0.0, 1.0);
+        for i in 1..=fine_cells {
+            let width = 1.0 / DIVISION as f64;
+            let right = node(i as f64 * width, width);
+            cells.push(hermite((left.0, left.1 * width), right));
+            left = (right.0, right.1 / width);
+        }
+        for i in divided + 1..=grid.count() {
+            let right = node(i as f64, 1.0);
+            cells.push(hermite(left, right));
+            left = right;
+        }
+
+        let below = grid.below as f64;
+        let (inverse, division) = (1.0 / grid.width, DIVISION as f64);
+        let mut fine =
+            CellScale { cells_per_metre: inverse * division, offset: 1.0 + below * division };
+        let mut coarse = CellScale {
+            cells_per_metre: inverse,
+            offset: 1.0 + below + (fine_cells - divided) as f64,
+        };
+        // Rounding must not place loss of contact inside the first cell, or what lies just below
+        // it would not be exactly open.
+        let first = if divided > 0 { &mut fine } else { &mut coarse };
+        while span.down * first.cells_per_metre + first.offset > 1.0 {
+            first.cells_per_metre = first.cells_per_metre.next_up();
+        }
+        Self {
+            cells,
+            fine_cells: fine_cells as u32,
+            fine_below: if divided > 0 { grid.closure(divided as f64) } else { f64::NEG_INFINITY },
+            fine,
+            coarse,
+            pressure_state: state,
+            x_lo: span.down,
+            x_hi: grid.closure(grid.count() as f64),
+            error_bound: f64::INFINITY,
+        }
+    }
+
+    /// Error bound of the table, or the first that exceeds `stop`.
+    fn measure(&self, law: &dyn ContactLaw, grid: &Grid, stop: f64) -> f64 {
+        let mut bound = 0.0_f64;
+        for (i, cell) in self.cells.iter().enumerate().skip(1) {
+            let &[c0, c1, c2, c3] = cell;
+            // An argument s of up to `count` cells is rounded by three operations, the value by
+            // as many of its own size.
+            let steepest = c1.abs().max((c1 + 2.0 * c2 + 3.0 * c3).abs());
+            let size = c0.abs().max((c0 + c1 + c2 + c3).abs());
+            let rounding = 2.0 * f64::EPSILON * (steepest * self.cells.len() as f64 + size);
+            for t in CHECKS {
+                let fine = self.fine_cells as usize;
+                let place = if i <= fine {
+                    ((i - 1) as f64 + t) / DIVISION as f64
+                } else {
+                    (i - 1 - fine + fine / DIVISION) as f64 + t
+                };
+                let x = grid.closure(place);
+                let exact = law.pressure_increment(self.pressure_state, x).value;
+                let off = (self.get(x) - exact).abs();
+                let found = SAFETY * off + rounding;
+                // A NaN must not pass for an error of zero.
+                bound = if found.is_nan() { f64::INFINITY } else { bound.max(found) };
+            }
+            if bound > stop {
+                break;
+            }
+        }
+        bound
+    }
+}
+
+/// The cubic on 0 <= t < 1 from values and rises at its ends.
+fn hermite((y0, m0): (f64, f64), (y1, m1): (f64, f64)) -> [f64; 4] {
+    let rise = y1 - y0;
+    [y0, m0, 3.0 * rise - 2.0 * m0 - m1, m0 + m1 - 2.0 * rise]
+}
+
+/// Closure increments to cover.
+struct Span {
+    separates: bool,
+    /// Contact is lost where the stiffness leaves zero with a vertical tangent.
+    singular: bool,
+    down: f64,
+    up: f64,
+}
+
+impl Span {
+    fn of(law: &dyn ContactLaw, state: f64, top: f64) -> Result<Self, LawError> {
+        let domain = law.domain();
+        let lowest = if domain.is_bilateral() {
+            state - (top - state)
+        } else if domain.separates() {
+            if state < 0.0 {
+                return Err(LawError::Below {
+                    quantity: Quantity::PressureState,
+                    value: state,
+                    limit: 0.0,
+                });
+            }
+            0.0
+        } else {
+            above(Quantity::PressureState, state, 0.0)? * LOWEST
+        };
+        let down = if lowest == state { 0.0 } else { law.closure_increment(state, lowest - state) };
+        Ok(Self {
+            separates: domain.separates(),
+            singular: domain.separates() && law.stiffness_slope(0.0) == f64::INFINITY,
+            down: finite(Quantity::PressureState, down)?,
+            up: finite(Quantity::PressureTop, law.closure_increment(state, top - state))?,
+        })
+    }
+
+    /// A grid of at least about `cells` cells with nodes at the state and at `down`; `None` if it
+    /// would take more than the most allowed.
+    fn grid(&self, cells: usize) -> Option<Grid> {
+        let (down, up) = (-self.down, self.up);
+        let share = down / (down + up);
+        // Rounded down, so that the cells do not exceed what is asked for by more than one.
+        let mut below = (share * cells as f64).floor();
+        if down > 0.0 {
+            below = below.max(1.0);
+        }
+        let width = if below > 0.0 { down / below } else { up / cells as f64 };
+        let above = (up / width).ceil().max(1.0);
+        (below + above <= (LAST_CELLS + 2) as f64).then_some(Grid {
+            below: below as usize,
+            above: above as usize,
+            width,
+        })
+    }
+}
+
+/// Uniform cells below and above the state.
+struct Grid {
+    below: usize,
+    above: usize,
+    width: f64,
+}
+
+impl Grid {
+    fn count(&self) -> usize {
+        self.below + self.above
+    }
+
+    /// Closure increment at `i` cells from the lowest node.
+    fn closure(&self, i: f64) -> f64 {
+        (i - self.below as f64) * self.width
+    }
+}

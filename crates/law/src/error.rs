@@ -1,0 +1,165 @@
+//! Why a law cannot be built.
+
+use std::fmt;
+
+/// The parameter an error speaks about; the name a user would recognise.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Quantity {
+    /// Contact stiffness per area \[Pa/m\].
+    Stiffness,
+    /// Contact pressure \[Pa\].
+    Pressure,
+    /// Coefficient C of a power law \[Pa^(1-m)/m\].
+    Coefficient,
+    /// Exponent m of a power law \[-\].
+    Exponent,
+    /// Pressure at which the closure counts zero \[Pa\].
+    ReferencePressure,
+    /// Pressure above which the modified law is the power law \[Pa\].
+    TransitionPressure,
+    /// Slope dK/dp where the modified law meets the power law \[1/m\].
+    TransitionSlope,
+    /// Length over which the exponential law gains a factor e \[m\].
+    Length,
+    /// Closure at which the hyperbolic law becomes rigid \[m\].
+    ClosureLimit,
+    /// Number of points of a table, of knots, or of data for a fit.
+    Points,
+    /// Spread of the logarithms of the pressures of a fit \[-\].
+    PressureSpread,
+    /// Pressure about which a law is compiled \[Pa\].
+    PressureState,
+    /// Highest pressure of a compiled law \[Pa\].
+    PressureTop,
+    /// Relative tolerance of a compiled law \[-\].
+    Tolerance,
+    /// Cells of a compiled law.
+    Cells,
+}
+
+impl fmt::Display for Quantity {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Stiffness => "stiffness [Pa/m]",
+            Self::Pressure => "pressure [Pa]",
+            Self::Coefficient => "coefficient [Pa^(1-m)/m]",
+            Self::Exponent => "exponent",
+            Self::ReferencePressure => "reference pressure [Pa]",
+            Self::TransitionPressure => "transition pressure [Pa]",
+            Self::TransitionSlope => "stiffness slope at the transition [1/m]",
+            Self::Length => "length [m]",
+            Self::ClosureLimit => "closure limit [m]",
+            Self::Points => "number of points",
+            Self::PressureSpread => "spread of the log pressures",
+            Self::PressureState => "pressure of the state [Pa]",
+            Self::PressureTop => "top pressure [Pa]",
+            Self::Tolerance => "tolerance",
+            Self::Cells => "number of cells",
+        })
+    }
+}
+
+/// Why a law, a fit or a compiled table was refused.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum LawError {
+    /// The value is NaN or infinite.
+    #[error("{quantity} is {value}; it must be finite")]
+    NotFinite {
+        /// What was refused.
+        quantity: Quantity,
+        /// Its value.
+        value: f64,
+    },
+    /// The value does not exceed its limit.
+    #[error("{quantity} is {value}; it must be greater than {limit}")]
+    NotAbove {
+        /// What was refused.
+        quantity: Quantity,
+        /// Its value.
+        value: f64,
+        /// What it must exceed.
+        limit: f64,
+    },
+    /// The value is below its limit.
+    #[error("{quantity} is {value}; it must be at least {limit}")]
+    Below {
+        /// What was refused.
+        quantity: Quantity,
+        /// Its value.
+        value: f64,
+        /// The least value allowed.
+        limit: f64,
+    },
+    /// The value is above its limit.
+    #[error("{quantity} is {value}; it must be at most {limit}")]
+    Above {
+        /// What was refused.
+        quantity: Quantity,
+        /// Its value.
+        value: f64,
+        /// The greatest value allowed.
+        limit: f64,
+    },
+    /// A sequence that must increase strictly does not.
+    #[error("{quantity} {index} is {value}; it must be greater than {limit}, the one before it")]
+    NotIncreasing {
+        /// What was refused.
+        quantity: Quantity,
+        /// Its place in the sequence, from zero.
+        index: usize,
+        /// Its value.
+        value: f64,
+        /// The value before it.
+        limit: f64,
+    },
+    /// The greatest number of cells does not reach the tolerance.
+    #[error("error bound {value} Pa with {cells} cells; the tolerance asks for {limit} Pa")]
+    Unresolved {
+        /// Cells of the last attempt; at most [`Compiled::MAX_CELLS`](crate::Compiled::MAX_CELLS).
+        cells: usize,
+        /// Error bound reached \[Pa\]; infinite where no table of so few cells covers the range.
+        value: f64,
+        /// Error bound asked for \[Pa\].
+        limit: f64,
+    },
+}
+
+/// `value` if it is finite.
+pub(crate) fn finite(quantity: Quantity, value: f64) -> Result<f64, LawError> {
+    if value.is_finite() { Ok(value) } else { Err(LawError::NotFinite { quantity, value }) }
+}
+
+/// `value` if it is finite and greater than `limit`.
+pub(crate) fn above(quantity: Quantity, value: f64, limit: f64) -> Result<f64, LawError> {
+    if finite(quantity, value)? > limit {
+        Ok(value)
+    } else {
+        Err(LawError::NotAbove { quantity, value, limit })
+    }
+}
+
+/// `value` if it is finite and at least `limit`.
+pub(crate) fn at_least(quantity: Quantity, value: f64, limit: f64) -> Result<f64, LawError> {
+    if finite(quantity, value)? >= limit {
+        Ok(value)
+    } else {
+        Err(LawError::Below { quantity, value, limit })
+    }
+}
+
+/// Checks that finite `values` increase strictly.
+pub(crate) fn increasing(
+    quantity: Quantity,
+    values: impl Iterator<Item = f64>,
+) -> Result<(), LawError> {
+    let mut limit = f64::NEG_INFINITY;
+    for (index, value) in values.enumerate() {
+        if finite(quantity, value)? <= limit {
+            return Err(LawError::NotIncreasing { quantity, index, value, limit });
+        }
+        limit = value;
+    }
+    Ok(())
+}

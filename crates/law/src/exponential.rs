@@ -1,0 +1,84 @@
+//! Stiffness proportional to pressure.
+
+use crate::domain::{Domain, no_less};
+use crate::error::{LawError, Quantity, above};
+use crate::law::{ContactLaw, Pressure};
+
+/// Exponential law, `K = p / u0`, so `p = p_ref exp(d / u0)`.
+///
+/// The contact of self-affine roughness at small loads: `u0` is of the order of the roughness
+/// amplitude. It never separates; closures count from the reference pressure. It is the power
+/// law with m = 1 and C = 1/u0.
+///
+/// Source: Persson, Phys. Rev. Lett. 99, 125502 (2007), doi 10.1103/PhysRevLett.99.125502.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Exponential {
+    length: f64,
+    reference_pressure: f64,
+}
+
+impl Exponential {
+    /// The law of `length` u0 > 0 \[m\], with closures counted from
+    /// `reference_pressure` > 0 \[Pa\].
+    ///
+    /// # Errors
+    /// [`LawError`] if either is not positive and finite.
+    pub fn new(length: f64, reference_pressure: f64) -> Result<Self, LawError> {
+        Ok(Self {
+            length: above(Quantity::Length, length, 0.0)?,
+            reference_pressure: above(Quantity::ReferencePressure, reference_pressure, 0.0)?,
+        })
+    }
+
+    /// Length u0 \[m\] over which the pressure gains a factor e.
+    pub fn length(&self) -> f64 {
+        self.length
+    }
+}
+
+impl ContactLaw for Exponential {
+    fn stiffness(&self, pressure: f64) -> f64 {
+        if pressure < 0.0 { 0.0 } else { pressure / self.length }
+    }
+
+    fn stiffness_slope(&self, pressure: f64) -> f64 {
+        if pressure < 0.0 { 0.0 } else { 1.0 / self.length }
+    }
+
+    fn domain(&self) -> Domain {
+        Domain { pressure_min: 0.0, closure_lost: None, closure_limit: f64::INFINITY }
+    }
+
+    fn reference_pressure(&self) -> f64 {
+        self.reference_pressure
+    }
+
+    fn closure(&self, pressure: f64) -> f64 {
+        self.length * log_ratio(no_less(pressure, 0.0), self.reference_pressure)
+    }
+
+    fn closure_increment(&self, from: f64, increment: f64) -> f64 {
+        self.length * no_less(increment / from, -1.0).ln_1p()
+    }
+
+    fn pressure(&self, closure: f64) -> Pressure {
+        let p = self.reference_pressure * (closure / self.length).exp();
+        Pressure { value: p, tangent: p / self.length }
+    }
+
+    fn pressure_increment(&self, from: f64, closure_increment: f64) -> Pressure {
+        let z = closure_increment / self.length;
+        Pressure { value: from * z.exp_m1(), tangent: from * z.exp() / self.length }
+    }
+
+    fn energy(&self, closure: f64) -> f64 {
+        // p - p_ref is exact in exp_m1, and dd = u0 dp / p.
+        self.length * self.reference_pressure * (closure / self.length).exp_m1()
+    }
+}
+
+/// `ln(p / r)` for p >= 0 and r > 0, with full relative precision next to p = r.
+pub(crate) fn log_ratio(p: f64, r: f64) -> f64 {
+    let change = (p - r) / r; // p - r is exact within a factor of two
+    if change.abs() < 0.5 { change.ln_1p() } else { (p / r).ln() }
+}

@@ -1,0 +1,137 @@
+//! Stiffness that grows without bound at a finite closure.
+
+use crate::domain::{Domain, no_less};
+use crate::error::{LawError, Quantity, above};
+use crate::law::{ContactLaw, Pressure};
+
+/// Hyperbolic law, `K = K0 (1 + p / (K0 dm))^2`, so `p = K0 d / (1 - d / dm)`.
+///
+/// The normal closure of rock joints: initial stiffness K0 and maximum closure dm. Contact is
+/// lost at zero closure; with `dm -> inf` it is the unilateral spring of stiffness K0.
+///
+/// Source: Bandis, Lumsden and Barton, Int. J. Rock Mech. Min. Sci. 20, 249 (1983),
+/// doi 10.1016/0148-9062(83)90595-8.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hyperbolic {
+    stiffness: f64,
+    closure_limit: f64,
+}
+
+impl Hyperbolic {
+    /// The law of initial `stiffness` K0 > 0 \[Pa/m\] and `closure_limit` dm > 0 \[m\].
+    ///
+    /// # Errors
+    /// [`LawError`] if either is not positive and finite.
+    pub fn new(stiffness: f64, closure_limit: f64) -> Result<Self, LawError> {
+        Ok(Self {
+            stiffness: above(Quantity::Stiffness, stiffness, 0.0)?,
+            closure_limit: above(Quantity::ClosureLimit, closure_limit, 0.0)?,
+        })
+    }
+
+    /// Stiffness K0 \[Pa/m\] at zero pressure.
+    pub fn initial_stiffness(&self) -> f64 {
+        self.stiffness
+    }
+
+    /// Closure dm \[m\] at which the pressure is infinite.
+    pub fn closure_limit(&self) -> f64 {
+        self.closure_limit
+    }
+
+    /// `q = 1 + p / (K0 dm) = 1 / (1 - d / dm)`.
+    fn stretch(&self, pressure: f64) -> f64 {
+        1.0 + pressure / self.stiffness / self.closure_limit
+    }
+}
+
+impl ContactLaw for Hyperbolic {
+    fn stiffness(&self, pressure: f64) -> f64 {
+        if pressure < 0.0 {
+            return 0.0;
+        }
+        let q = self.stretch(pressure);
+        self.stiffness * q * q
+    }
+
+    fn stiffness_slope(&self, pressure: f64) -> f64 {
+        if pressure < 0.0 {
+            return 0.0;
+        }
+        2.0 * self.stretch(pressure) / self.closure_limit
+    }
+
+    fn domain(&self) -> Domain {
+        Domain { pressure_min: 0.0, closure_lost: Some(0.0), closure_limit: self.closure_limit }
+    }
+
+    fn reference_pressure(&self) -> f64 {
+        0.0
+    }
+
+    fn closure(&self, pressure: f64) -> f64 {
+        if pressure == f64::INFINITY {
+            return self.closure_limit;
+        }
+        let p = no_less(pressure, 0.0);
+        let d = p / (self.stiffness * self.stretch(p));
+        if d > self.closure_limit {
+            self.closure_limit // by rounding alone
+        } else {
+            d
+        }
+    }
+
+    fn closure_increment(&self, from: f64, increment: f64) -> f64 {
+        // d = dm (1 - 1/q), so the difference is dm (q2 - q1) / (q1 q2).
+        let to = no_less(from + increment, 0.0);
+        let dp = no_less(increment, -from);
+        dp / (self.stiffness * self.stretch(from) * self.stretch(to))
+    }
+
+    fn pressure(&self, closure: f64) -> Pressure {
+        if closure < 0.0 {
+            return Pressure::OPEN;
+        }
+        if closure >= self.closure_limit {
+            return Pressure::RIGID;
+        }
+        let q = self.closure_limit / (self.closure_limit - closure);
+        Pressure { value: self.stiffness * closure * q, tangent: self.stiffness * q * q }
+    }
+
+    fn pressure_increment(&self, from: f64, closure_increment: f64) -> Pressure {
+        let q1 = self.stretch(from);
+        let room = 1.0 - q1 * closure_increment / self.closure_limit;
+        if room <= 0.0 {
+            return Pressure::RIGID;
+        }
+        if closure_increment < -self.closure(from) {
+            return Pressure::lost_from(from);
+        }
+        let q = q1 / room;
+        let increment = self.stiffness * q1 * q * closure_increment;
+        Pressure { value: no_less(increment, -from), tangent: self.stiffness * q * q }
+    }
+
+    fn energy(&self, closure: f64) -> f64 {
+        if closure < 0.0 {
+            return 0.0;
+        }
+        if closure >= self.closure_limit {
+            return f64::INFINITY;
+        }
+        let dm = self.closure_limit;
+        self.stiffness * dm * dm * log_remainder(closure / dm)
+    }
+}
+
+/// `-ln(1 - z) - z` for 0 <= z < 1 without cancellation.
+fn log_remainder(z: f64) -> f64 {
+    if z > 0.125 {
+        return -(-z).ln_1p() - z;
+    }
+    // z^2 (1/2 + z/3 + ... + z^16/18): the next term is below 1e-16 of the sum at z = 1/8.
+    let series = (2..=18).rev().fold(0.0, |sum, k| sum * z + 1.0 / f64::from(k));
+    z * z * series
+}

@@ -1,0 +1,146 @@
+//! Pressure of any law from its closure, by a bracketed Newton iteration.
+
+use crate::domain::no_less;
+use crate::law::{ContactLaw, Pressure};
+use crate::quadrature;
+
+/// Iterations at most; bisection of the bracket alone would need about 64.
+const ITERATIONS: usize = 200;
+
+/// Longest step in the logarithm of pressure while the root is not yet bracketed.
+const STRIDE: f64 = 40.0;
+
+/// Pressure \[Pa\] at `closure` \[m\]: the default of [`ContactLaw::pressure`].
+pub(crate) fn pressure<L: ContactLaw + ?Sized>(law: &L, closure: f64) -> Pressure {
+    let domain = law.domain();
+    if closure.is_nan() {
+        return Pressure { value: f64::NAN, tangent: f64::NAN };
+    }
+    if domain.is_open(closure) {
+        return Pressure::OPEN;
+    }
+    if closure >= domain.closure_limit {
+        return Pressure::RIGID;
+    }
+    let p = if domain.closure_lost == Some(closure) {
+        0.0
+    } else {
+        solve(law, law.reference_pressure(), closure)
+    };
+    Pressure { value: p, tangent: law.stiffness(p) }
+}
+
+/// Pressure increment \[Pa\]: the default of [`ContactLaw::pressure_increment`].
+///
+/// Newton steps on the increment itself restore the relative precision that the pressure reached
+/// has lost.
+pub(crate) fn pressure_increment<L: ContactLaw + ?Sized>(
+    law: &L,
+    from: f64,
+    closure_increment: f64,
+) -> Pressure {
+    if closure_increment == 0.0 {
+        return Pressure { value: 0.0, tangent: law.stiffness(from) };
+    }
+    let domain = law.domain();
+    if let Some(lost) = domain.closure_lost
+        && closure_increment < lost - law.closure(from)
+    {
+        return Pressure::lost_from(from);
+    }
+    let reached = solve(law, from, closure_increment);
+    if reached == f64::INFINITY {
+        return Pressure::RIGID;
+    }
+    let mut increment = reached - from;
+    for _ in 0..4 {
+        let residual = closure_increment - law.closure_increment(from, increment);
+        let step = residual * law.stiffness(from + increment);
+        let next = no_less(increment + step, domain.pressure_min - from);
+        if !next.is_finite() {
+            break;
+        }
+        increment = next;
+        if step.abs() <= 2.0 * f64::EPSILON * increment.abs() {
+            break;
+        }
+    }
+    Pressure { value: increment, tangent: law.stiffness(from + increment) }
+}
+
+/// Pressure at which the closure from pressure `origin` is `target`.
+fn solve<L: ContactLaw + ?Sized>(law: &L, origin: f64, target: f64) -> f64 {
+    if law.domain().is_bilateral() {
+        bilateral(law, origin, target)
+    } else {
+        unilateral(law, origin, target)
+    }
+}
+
+/// The root in the pressure itself.
+fn bilateral<L: ContactLaw + ?Sized>(law: &L, origin: f64, target: f64) -> f64 {
+    let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
+    let mut p = origin;
+    for _ in 0..ITERATIONS {
+        let residual = target - quadrature::closure_between(law, origin, p);
+        if residual > 0.0 {
+            low = p;
+        } else {
+            high = p;
+        }
+        let step = residual * law.stiffness(p);
+        if step.is_nan() {
+            return f64::NAN;
+        }
+        if step.abs() <= 4.0 * f64::EPSILON * p.abs() {
+            return p + step;
+        }
+        p = inside(p + step, low, high);
+    }
+    p
+}
+
+/// The root in the logarithm of the pressure; for closures from first contact in that of the
+/// closure too, which makes a power law's equation linear. Zero or +inf where no pressure reaches
+/// the target.
+fn unilateral<L: ContactLaw + ?Sized>(law: &L, origin: f64, target: f64) -> f64 {
+    let from_contact = origin == 0.0;
+    let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
+    let mut t = if from_contact { 0.0 } else { origin.ln() };
+    for _ in 0..ITERATIONS {
+        let p = t.exp();
+        if p == 0.0 || p == f64::INFINITY {
+            return p;
+        }
+        let found = quadrature::closure_between(law, origin, p);
+        if found < target {
+            low = t;
+        } else {
+            high = t;
+        }
+        let rate = law.stiffness(p) / p;
+        let newton = if from_contact {
+            (target / found).ln() * found * rate
+        } else {
+            (target - found) * rate
+        };
+        if newton.is_nan() {
+            return f64::NAN;
+        }
+        if newton.abs() <= 4.0 * f64::EPSILON * (1.0 + t.abs()) {
+            // The last correction, applied to the pressure without the rounding of its logarithm.
+            return p * (1.0 + newton);
+        }
+        t = inside(t + newton.clamp(-STRIDE, STRIDE), low, high);
+    }
+    t.exp()
+}
+
+/// `next` if it lies inside the bracket, else its middle.
+fn inside(next: f64, low: f64, high: f64) -> f64 {
+    if low < next && next < high {
+        return next;
+    }
+    let middle = 0.5 * (low + high);
+    if middle.is_finite() { middle } else { next }
+}

@@ -1,0 +1,190 @@
+//! What a contact law is, and what the rest follows from.
+
+use std::fmt::Debug;
+use std::sync::Arc;
+
+use crate::domain::Domain;
+use crate::inverse;
+use crate::quadrature;
+
+/// Pressure and tangent from one call.
+///
+/// Where the tangent jumps it is that of the closing side (higher closure). At the closure of
+/// first contact it is therefore `K(0+)`; below it both fields are zero. At and beyond the
+/// closure limit both are +inf.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pressure {
+    /// Pressure `p` \[Pa\], or its increment where the function says so.
+    pub value: f64,
+    /// Tangent `dp/dd` \[Pa/m\].
+    pub tangent: f64,
+}
+
+impl Pressure {
+    /// The pressure of faces apart.
+    pub const OPEN: Self = Self { value: 0.0, tangent: 0.0 };
+
+    /// The pressure at and beyond the closure limit.
+    pub const RIGID: Self = Self { value: f64::INFINITY, tangent: f64::INFINITY };
+
+    /// The pressure increment from `from` \[Pa\] once contact is lost: exactly `-from`.
+    pub const fn lost_from(from: f64) -> Self {
+        Self { value: 0.0 - from, tangent: 0.0 }
+    }
+}
+
+/// A pressure-dependent interface stiffness.
+///
+/// `K(p) = dp/dd`, from which `d(p) = integral of dp / K(p)` from the reference pressure, its
+/// inverse `p(d)`, and `energy = integral of p dd` follow.
+///
+/// A law supplies the first four methods. The rest default to quadrature and a safeguarded
+/// root, good to about 1e-13; closed forms override them. A law is a function of pressure alone:
+/// it knows neither where it acts nor when.
+///
+/// Pressures below `domain().pressure_min` count as that minimum everywhere but in
+/// [`stiffness`](Self::stiffness), which is zero there.
+///
+/// # Example
+/// A law of one's own, whose closures come from quadrature:
+/// ```
+/// use asperity_law::{ContactLaw, Domain};
+///
+/// #[derive(Debug)]
+/// struct Affine;
+///
+/// impl ContactLaw for Affine {
+///     fn stiffness(&self, pressure: f64) -> f64 {
+///         if pressure < 0.0 { 0.0 } else { 1e11 + 1e6 * pressure }
+///     }
+///     fn stiffness_slope(&self, pressure: f64) -> f64 {
+///         if pressure < 0.0 { 0.0 } else { 1e6 }
+///     }
+///     fn domain(&self) -> Domain {
+///         Domain { pressure_min: 0.0, closure_lost: Some(0.0), closure_limit: f64::INFINITY }
+///     }
+///     fn reference_pressure(&self) -> f64 {
+///         0.0
+///     }
+/// }
+///
+/// let exact = 1e-6 * (1e6 * 2e5 / 1e11_f64).ln_1p();
+/// assert!((Affine.closure(2e5) / exact - 1.0).abs() < 1e-13);
+/// assert!((Affine.pressure(exact).value / 2e5 - 1.0).abs() < 1e-13);
+/// ```
+pub trait ContactLaw: Debug + Send + Sync {
+    /// Stiffness `K(p) = dp/dd` \[Pa/m\] at `pressure` \[Pa\].
+    ///
+    /// Zero below `domain().pressure_min`; at zero pressure the right-hand limit.
+    fn stiffness(&self, pressure: f64) -> f64;
+
+    /// Slope `dK/dp` \[1/m\] at `pressure` \[Pa\]; at a kink that of the higher pressures.
+    ///
+    /// +inf where K leaves zero with a vertical tangent.
+    fn stiffness_slope(&self, pressure: f64) -> f64;
+
+    /// Where the law is defined.
+    fn domain(&self) -> Domain;
+
+    /// Pressure \[Pa\] at which the closure counts zero; 0 for most laws that separate.
+    fn reference_pressure(&self) -> f64;
+
+    /// Pressures \[Pa\], ascending, where K or its slope is not smooth; quadrature splits there.
+    fn kinks(&self) -> Vec<f64> {
+        Vec::new()
+    }
+
+    /// Pressures \[Pa\] between which the law rests on data; outside it is an assumption, and a
+    /// caller that goes there should say so. `None` for a law given by a formula.
+    fn measured_range(&self) -> Option<(f64, f64)> {
+        None
+    }
+
+    /// Closure `d(p) = integral of dp / K` \[m\] from the reference pressure to `pressure` \[Pa\].
+    ///
+    /// -inf at zero pressure for a law that never separates.
+    fn closure(&self, pressure: f64) -> f64 {
+        let reference = self.reference_pressure();
+        quadrature::closure_between(self, reference, pressure)
+    }
+
+    /// Closure gained \[m\] when the pressure goes from `from` by `increment` \[Pa\].
+    ///
+    /// Unlike a difference of closures it keeps its relative precision as the increment shrinks.
+    /// `from` must lie in the domain, and be positive for a law that never separates.
+    fn closure_increment(&self, from: f64, increment: f64) -> f64 {
+        quadrature::closure_increment(self, from, increment)
+    }
+
+    /// Pressure `p(d)` \[Pa\] and tangent at `closure` \[m\]: the inverse of
+    /// [`closure`](Self::closure).
+    fn pressure(&self, closure: f64) -> Pressure {
+        inverse::pressure(self, closure)
+    }
+
+    /// Pressure increment \[Pa\], and tangent, when the closure grows by `closure_increment` \[m\]
+    /// from the closure at pressure `from` \[Pa\]: the inverse of
+    /// [`closure_increment`](Self::closure_increment).
+    ///
+    /// Keeps its relative precision as the increment shrinks; exactly `-from` once contact is
+    /// lost. Valid where `closure_increment` is.
+    fn pressure_increment(&self, from: f64, closure_increment: f64) -> Pressure {
+        inverse::pressure_increment(self, from, closure_increment)
+    }
+
+    /// Stored energy `integral of p dd` \[J/m2\] at `closure` \[m\].
+    ///
+    /// Counted from first contact for a law that separates (zero when open), otherwise from the
+    /// closure at the reference pressure (negative below it). Its derivative is the pressure.
+    fn energy(&self, closure: f64) -> f64 {
+        let domain = self.domain();
+        if domain.is_open(closure) {
+            return 0.0;
+        }
+        let start = if domain.separates() { 0.0 } else { self.reference_pressure() };
+        quadrature::work_between(self, start, self.pressure(closure).value)
+    }
+}
+
+/// A pointer to a law is a law.
+macro_rules! forward {
+    ($($pointer:ty),*) => {$(
+        impl<T: ContactLaw + ?Sized> ContactLaw for $pointer {
+            fn stiffness(&self, pressure: f64) -> f64 {
+                (**self).stiffness(pressure)
+            }
+            fn stiffness_slope(&self, pressure: f64) -> f64 {
+                (**self).stiffness_slope(pressure)
+            }
+            fn domain(&self) -> Domain {
+                (**self).domain()
+            }
+            fn reference_pressure(&self) -> f64 {
+                (**self).reference_pressure()
+            }
+            fn kinks(&self) -> Vec<f64> {
+                (**self).kinks()
+            }
+            fn measured_range(&self) -> Option<(f64, f64)> {
+                (**self).measured_range()
+            }
+            fn closure(&self, pressure: f64) -> f64 {
+                (**self).closure(pressure)
+            }
+            fn closure_increment(&self, from: f64, increment: f64) -> f64 {
+                (**self).closure_increment(from, increment)
+            }
+            fn pressure(&self, closure: f64) -> Pressure {
+                (**self).pressure(closure)
+            }
+            fn pressure_increment(&self, from: f64, closure_increment: f64) -> Pressure {
+                (**self).pressure_increment(from, closure_increment)
+            }
+            fn energy(&self, closure: f64) -> f64 {
+                (**self).energy(closure)
+            }
+        }
+    )*};
+}
+
+forward!(Arc<T>, Box<T>, &T);

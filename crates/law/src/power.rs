@@ -1,0 +1,192 @@
+//! Stiffness as a power of pressure.
+
+use crate::domain::{Domain, no_less};
+use crate::error::{LawError, Quantity, above, at_least};
+use crate::exponential::log_ratio;
+use crate::law::{ContactLaw, Pressure};
+
+/// Power law, `K = C p^m`.
+///
+/// - m < 1: `p = ((1 - m) C d)^(1/(1-m))` for closures from first contact; contact is lost at a
+///   finite closure. m = 0 is the unilateral linear spring.
+/// - m = 1: the exponential law with u0 = 1/C; it never separates.
+/// - m > 1: never separates, and blows up at a finite closure.
+///
+/// One form serves all exponents: with `e = 1 - m`, from a pressure p0 the closure
+/// `p0^e (exp(e L) - 1) / (e C)` leads to the pressure `p0 exp(L)`. It is evaluated with `exp_m1`
+/// and `ln_1p`, so that neither m -> 1 nor small increments cost precision.
+///
+/// Source: Nouira et al., Lubricants 2020, 8, 73, Eq. (7), doi 10.3390/lubricants8070073.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Power {
+    coefficient: f64,
+    exponent: f64,
+    reference_pressure: f64,
+    domain: Domain,
+}
+
+impl Power {
+    /// The law of `coefficient` C > 0 \[Pa^(1-m)/m\] and `exponent` m >= 0, with closures counted
+    /// from `reference_pressure` \[Pa\]: at least 0 for m < 1 (0 counts from first contact),
+    /// positive for m >= 1.
+    ///
+    /// # Errors
+    /// [`LawError`] if a parameter is outside these limits or not finite.
+    pub fn new(coefficient: f64, exponent: f64, reference_pressure: f64) -> Result<Self, LawError> {
+        above(Quantity::Coefficient, coefficient, 0.0)?;
+        at_least(Quantity::Exponent, exponent, 0.0)?;
+        if exponent < 1.0 {
+            at_least(Quantity::ReferencePressure, reference_pressure, 0.0)?;
+        } else {
+            above(Quantity::ReferencePressure, reference_pressure, 0.0)?;
+        }
+        let mut law = Self {
+            coefficient,
+            exponent,
+            reference_pressure,
+            domain: Domain { pressure_min: 0.0, closure_lost: None, closure_limit: f64::INFINITY },
+        };
+        if exponent < 1.0 {
+            law.domain.closure_lost = Some(law.closure(0.0));
+        } else if exponent > 1.0 {
+            law.domain.closure_limit = law.closure(f64::INFINITY);
+        }
+        Ok(law)
+    }
+
+    /// Coefficient C \[Pa^(1-m)/m\].
+    pub fn coefficient(&self) -> f64 {
+        self.coefficient
+    }
+
+    /// Exponent m \[-\].
+    pub fn exponent(&self) -> f64 {
+        self.exponent
+    }
+
+    /// Closure gained from pressure `from` > 0 over the logarithmic increment `log`.
+    fn closure_over(&self, from: f64, log: f64) -> f64 {
+        let e = 1.0 - self.exponent;
+        from.powf(e) / self.coefficient * exp_m1_over(e, log)
+    }
+
+    /// Logarithmic pressure increment from `from` > 0 over a closure increment: -inf once contact
+    /// is lost, +inf from the closure limit on.
+    fn log_over(&self, from: f64, closure_increment: f64) -> f64 {
+        let e = 1.0 - self.exponent;
+        ln_1p_over(e, self.coefficient * closure_increment / from.powf(e))
+    }
+
+    /// Pressure at the end of a logarithmic increment from `from` > 0.
+    fn state(&self, value: f64, pressure: f64) -> Pressure {
+        Pressure { value, tangent: self.stiffness(pressure) }
+    }
+
+    /// Energy \[J/m2\] from the reference pressure (positive) to that of `closure`, whether or not
+    /// the law separates.
+    pub(crate) fn energy_from_reference(&self, closure: f64) -> f64 {
+        let p0 = self.reference_pressure;
+        let e = 2.0 - self.exponent;
+        let log = self.log_over(p0, closure);
+        p0.powf(e) / self.coefficient * exp_m1_over(e, log)
+    }
+}
+
+impl ContactLaw for Power {
+    fn stiffness(&self, pressure: f64) -> f64 {
+        if pressure < 0.0 { 0.0 } else { self.coefficient * pressure.powf(self.exponent) }
+    }
+
+    fn stiffness_slope(&self, pressure: f64) -> f64 {
+        let m = self.exponent;
+        if pressure < 0.0 || m == 0.0 { 0.0 } else { m * self.coefficient * pressure.powf(m - 1.0) }
+    }
+
+    fn domain(&self) -> Domain {
+        self.domain
+    }
+
+    fn reference_pressure(&self) -> f64 {
+        self.reference_pressure
+    }
+
+    fn closure(&self, pressure: f64) -> f64 {
+        let p = no_less(pressure, 0.0);
+        let p0 = self.reference_pressure;
+        if p0 > 0.0 {
+            self.closure_over(p0, log_ratio(p, p0))
+        } else {
+            let e = 1.0 - self.exponent;
+            p.powf(e) / (e * self.coefficient)
+        }
+    }
+
+    fn closure_increment(&self, from: f64, increment: f64) -> f64 {
+        let change = increment / from;
+        if from == 0.0 || change == f64::INFINITY {
+            // From zero, or so close to it that the whole closure is the increment.
+            let e = 1.0 - self.exponent;
+            no_less(increment, 0.0).powf(e) / (e * self.coefficient)
+        } else {
+            self.closure_over(from, no_less(change, -1.0).ln_1p())
+        }
+    }
+
+    fn pressure(&self, closure: f64) -> Pressure {
+        if self.domain.is_open(closure) {
+            return Pressure::OPEN;
+        }
+        if closure >= self.domain.closure_limit {
+            return Pressure::RIGID;
+        }
+        let p0 = self.reference_pressure;
+        let p = if self.domain.closure_lost == Some(closure) {
+            0.0
+        } else if p0 > 0.0 {
+            p0 * self.log_over(p0, closure).exp()
+        } else {
+            let e = 1.0 - self.exponent;
+            (e * self.coefficient * closure).powf(1.0 / e)
+        };
+        self.state(p, p)
+    }
+
+    fn pressure_increment(&self, from: f64, closure_increment: f64) -> Pressure {
+        if from > 0.0 {
+            let log = self.log_over(from, closure_increment);
+            if log == f64::NEG_INFINITY {
+                return Pressure::lost_from(from);
+            }
+            return self.state(from * log.exp_m1(), from * log.exp());
+        }
+        if closure_increment < 0.0 {
+            return Pressure::OPEN;
+        }
+        let e = 1.0 - self.exponent;
+        let p = (e * self.coefficient * closure_increment).powf(1.0 / e);
+        self.state(p, p)
+    }
+
+    fn energy(&self, closure: f64) -> f64 {
+        let m = self.exponent;
+        if m < 1.0 {
+            // From first contact: integral of p^(1-m) / C.
+            let p = self.pressure(closure).value;
+            p.powf(2.0 - m) / ((2.0 - m) * self.coefficient)
+        } else {
+            self.energy_from_reference(closure)
+        }
+    }
+}
+
+/// `(exp(e l) - 1) / e`, and its limit `l` at e = 0.
+fn exp_m1_over(e: f64, l: f64) -> f64 {
+    if e == 0.0 || (e * l).abs() < 1e-17 { l } else { (e * l).exp_m1() / e }
+}
+
+/// `ln(1 + e y) / e`, and its limit `y` at e = 0: the inverse of [`exp_m1_over`].
+///
+/// Where the argument of the logarithm is not positive: -inf for e > 0, +inf for e < 0.
+fn ln_1p_over(e: f64, y: f64) -> f64 {
+    if e == 0.0 || (e * y).abs() < 1e-17 { y } else { no_less(e * y, -1.0).ln_1p() / e }
+}

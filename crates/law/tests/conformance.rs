@@ -1,0 +1,69 @@
+//! The one suite every contact law passes, over wide ranges of parameters and pressures.
+//!
+//! Pressures run from 1 Pa to 1 GPa. What the suite asks of a law is in `suite.rs`, the families
+//! of laws in `families.rs`.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot build its law should panic")]
+
+#[path = "conformance/families.rs"]
+mod families;
+#[path = "conformance/suite.rs"]
+mod suite;
+
+use std::sync::Arc;
+
+use asperity_law::{ContactLaw, InSeries};
+use proptest::prelude::*;
+
+use suite::conform;
+
+/// One test per family: draw a law and pressures, and hold them to the suite.
+macro_rules! family {
+    ($($name:ident),* $(,)?) => {
+        proptest! {
+            #![proptest_config(ProptestConfig { cases: 96, failure_persistence: None, ..ProptestConfig::default() })]
+            $(
+                #[test]
+                fn $name(law in families::$name(), p in families::pressures()) {
+                    conform(&law, &p)?;
+                }
+            )*
+        }
+    };
+}
+
+family!(
+    constant,
+    constant_unilateral,
+    power_below_one,
+    power_below_one_referred,
+    power_from_one_on,
+    power_next_to_one,
+    exponential,
+    hyperbolic,
+    table,
+    modified_power,
+);
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 192, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn in_series(
+        inner in families::any(),
+        layer in families::log_uniform(1e8, 1e17),
+        p in families::pressures(),
+    ) {
+        conform(&InSeries::new(inner, layer).unwrap(), &p)?;
+    }
+
+    #[test]
+    fn in_series_twice(
+        inner in families::any(),
+        layers in [families::log_uniform(1e8, 1e17), families::log_uniform(1e8, 1e17)],
+        p in families::pressures(),
+    ) {
+        let once: Arc<dyn ContactLaw> = Arc::new(InSeries::new(inner, layers[0]).unwrap());
+        conform(&InSeries::new(once, layers[1]).unwrap(), &p)?;
+    }
+}

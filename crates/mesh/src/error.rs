@@ -1,0 +1,79 @@
+//! What can be wrong with a structure.
+
+/// Why a structure or its grid cannot be built.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum MeshError {
+    /// A quantity that must be positive and finite is not.
+    #[error("{owner}: {quantity} is {value}; it must be positive and finite")]
+    NotPositive {
+        /// The body, interface or support concerned.
+        owner: String,
+        /// The quantity, with its unit.
+        quantity: &'static str,
+        /// The value given.
+        value: f64,
+    },
+    /// A quantity that may be zero but not negative is negative or not finite.
+    #[error("{owner}: {quantity} is {value}; it must be finite and not negative")]
+    Negative {
+        /// The body, interface or support concerned.
+        owner: String,
+        /// The quantity, with its unit.
+        quantity: &'static str,
+        /// The value given.
+        value: f64,
+    },
+    /// A stack needs at least one body.
+    #[error("a stack needs at least one body")]
+    NoBodies,
+    /// There must be one interface below each body.
+    #[error("{bodies} bodies need as many interfaces, one below each; {interfaces} were given")]
+    InterfaceCount {
+        /// Number of bodies.
+        bodies: usize,
+        /// Number of interfaces.
+        interfaces: usize,
+    },
+    /// The Courant number violates Eq. (3).
+    #[error(
+        "the Courant number is {courant}; the explicit scheme is stable only between 0 and 1 (Eq. 3)"
+    )]
+    Courant {
+        /// The Courant number `c dt / dx` asked for.
+        courant: f64,
+    },
+    /// The cell is so small that the grid would not fit in memory.
+    #[error("cells of {cell_m} m make {nodes:.3e} nodes; at most {limit:.0e} are accepted")]
+    TooManyNodes {
+        /// The cell length asked for [m].
+        cell_m: f64,
+        /// The nodes this would take.
+        nodes: f64,
+        /// The most that is accepted.
+        limit: f64,
+    },
+}
+
+pub(crate) fn positive(
+    owner: &str,
+    quantity: &'static str,
+    value: f64,
+) -> Result<f64, MeshError> {
+    if value.is_finite() && value > 0.0 {
+        Ok(value)
+    } else {
+        Err(MeshError::NotPositive { owner: owner.to_owned(), quantity, value })
+    }
+}
+
+pub(crate) fn not_negative(
+    owner: &str,
+    quantity: &'static str,
+    value: f64,
+) -> Result<f64, MeshError> {
+    if value.is_finite() && value >= 0.0 {
+        Ok(value)
+    } else {
+        Err(MeshError::Negative { owner: owner.to_owned(), quantity, value })
+    }
+}

@@ -1,0 +1,76 @@
+//! What can be wrong with a signal.
+
+use thiserror::Error as Derive;
+
+/// The result of this crate's fallible constructors.
+pub type Result<T> = std::result::Result<T, Error>;
+
+/// Why samples were refused.
+#[derive(Debug, Clone, PartialEq, Derive)]
+#[non_exhaustive]
+pub enum Error {
+    /// A signal without samples has no spectrum.
+    #[error("the {signal} has no samples")]
+    Empty {
+        /// Which signal.
+        signal: &'static str,
+    },
+    /// Force and response must be sampled together.
+    #[error("{force} force samples but {response} response samples")]
+    LengthMismatch {
+        /// Number of force samples.
+        force: usize,
+        /// Number of response samples.
+        response: usize,
+    },
+    /// A sample is infinite or not a number.
+    #[error("sample {index} of the {signal} is {value}, not a finite number")]
+    NotFinite {
+        /// Which signal.
+        signal: &'static str,
+        /// Index of the first such sample.
+        index: usize,
+        /// Its value.
+        value: f64,
+    },
+    /// The sample rate is not a positive finite number.
+    #[error("the sample rate is {value} Hz, it must be positive and finite")]
+    SampleRate {
+        /// The rate given, in hertz.
+        value: f64,
+    },
+    /// The zero padding is outside what a spectrum accepts.
+    #[error("padding {value} is outside 1 to {limit}")]
+    Padding {
+        /// The padding factor given.
+        value: usize,
+        /// The largest factor accepted.
+        limit: usize,
+    },
+    /// Every force sample is zero, so nothing can be divided by the force.
+    #[error("all {samples} force samples are zero")]
+    NoForce {
+        /// Number of force samples.
+        samples: usize,
+    },
+}
+
+/// Refuses an empty signal and one with a sample that is not finite.
+pub(crate) fn check_samples(signal: &'static str, samples: &[f64]) -> Result<()> {
+    if samples.is_empty() {
+        return Err(Error::Empty { signal });
+    }
+    match samples.iter().position(|sample| !sample.is_finite()) {
+        Some(index) => Err(Error::NotFinite { signal, index, value: samples[index] }),
+        None => Ok(()),
+    }
+}
+
+/// Refuses a sample rate (Hz) that is not positive and finite.
+pub(crate) fn check_rate(sample_rate_hz: f64) -> Result<()> {
+    if sample_rate_hz.is_finite() && sample_rate_hz > 0.0 {
+        Ok(())
+    } else {
+        Err(Error::SampleRate { value: sample_rate_hz })
+    }
+}

@@ -1,0 +1,197 @@
+//! The fundamental and the second harmonic of a hit.
+
+use crate::peak::{Peak, PowerGrid, refine};
+use crate::response::{Response, Route};
+
+/// How [`find_harmonics`] searches.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HarmonicOptions {
+    /// Window of the fundamental, over the static frequency.
+    pub fundamental_window: (f64, f64),
+    /// Window of the second harmonic, over the fundamental found.
+    pub second_window: (f64, f64),
+    /// Zero padding of the grid on which maxima are first seen, at least 2.
+    ///
+    /// A rectangular window resolves nothing finer than one over the record,
+    /// so a padding of 4 puts several points on anything that is there.
+    pub padding: usize,
+    /// Smallest height of a peak over the higher valley beside it, over its magnitude.
+    ///
+    /// The default 1e-3 (0.01 dB) is far below any peak that could be read off
+    /// a measured curve and far above what the grid can mistake for one.
+    pub minimum_prominence: f64,
+    /// Smallest height over the valley in units of the window's leakage.
+    ///
+    /// A record that has not decayed ends in a step `x_end`, whose transform
+    /// lays ripples of amplitude `x_end / (2 pi f)`, times up to 1.8 above 1.5
+    /// times the fundamental, and of spacing `1 / duration` on the spectrum.
+    /// The default 4 is just over their height from trough to crest, so they
+    /// are not peaks. A record that has decayed is not affected.
+    pub leakage_margin: f64,
+    /// Smallest force magnitude at a peak, over its largest from zero to the end of the search.
+    ///
+    /// Below it the maximum is masked: see [`ForceMask`](crate::ForceMask). The
+    /// default 0.02 keeps the whole main lobe of a hammer pulse.
+    pub force_threshold: f64,
+}
+
+impl Default for HarmonicOptions {
+    fn default() -> Self {
+        Self {
+            fundamental_window: (0.4, 1.4),
+            second_window: (1.5, 2.3),
+            padding: 4,
+            minimum_prominence: 1e-3,
+            leakage_margin: 4.0,
+            force_threshold: 0.02,
+        }
+    }
+}
+
+/// What [`find_harmonics`] found.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Harmonics {
+    /// The fundamental: the largest peak in its window.
+    pub fundamental: Option<Peak>,
+    /// The second harmonic: the largest peak in its window; `None` for a shoulder.
+    pub second: Option<Peak>,
+    /// Frequencies (Hz) of maxima in either window rejected because the force has no content there.
+    pub masked_hz: Vec<f64>,
+}
+
+impl Harmonics {
+    /// Second-harmonic ratio `A2 / A1` of the receptance, if both peaks exist.
+    ///
+    /// It does not tend to zero with the force: a linear oscillator of damping
+    /// ratio `zeta` already has `|H(2 f1)| / |H(f1)|` of about `2 zeta / 3`.
+    pub fn ratio(&self) -> Option<f64> {
+        Some(self.second?.magnitude / self.fundamental?.magnitude)
+    }
+}
+
+/// Finds the fundamental and the second harmonic in the receptance of a hit.
+///
+/// Each is the largest local maximum of `|H|` in its window that stands out
+/// ([`HarmonicOptions::minimum_prominence`], [`HarmonicOptions::leakage_margin`])
+/// and that the force excites ([`HarmonicOptions::force_threshold`]). Maxima
+/// are seen on a zero-padded grid and refined on the exact transform, as roots
+/// of `d|H|^2/df`, to 1e-9 of their frequency or better. A shoulder, or a value
+/// that only rises towards the window's edge, is no peak.
+///
+/// - `static_frequency_hz`: where the fundamental is expected, in hertz. One
+///   that is not positive and finite finds nothing.
+///
+/// Limiting case: a linear oscillator of natural frequency `f0` has its
+/// fundamental at `f0 sqrt(1 - 2 zeta^2)` and no second harmonic.
+pub fn find_harmonics(
+    response: &Response,
+    static_frequency_hz: f64,
+    options: &HarmonicOptions,
+) -> Harmonics {
+    let mut found = Harmonics::default();
+    if !(static_frequency_hz.is_finite() && static_frequency_hz > 0.0) {
+        return found;
+    }
+    let scaled = |(low, high): (f64, f64), by: f64| (low * by, high * by);
+    let window = scaled(options.fundamental_window, static_frequency_hz);
+    let top = window.1 * options.second_window.1.max(1.0);
+    let search = Search::new(response, (window.0, top), options);
+    let masked = &mut found.masked_hz;
+
+    found.fundamental = search.largest(window, 1.0 / static_frequency_hz, masked);
+    if let Some(first) = found.fundamental {
+        let window = scaled(options.second_window, first.frequency_hz);
+        found.second = search.largest(window, 1.0 / first.frequency_hz, masked);
+    }
+    found
+}
+
+/// The receptance on a grid over both windows.
+struct Search<'a> {
+    response: &'a Response,
+    options: &'a HarmonicOptions,
+    grid: PowerGrid,
+    force_floor: f64,
+}
+
+impl<'a> Search<'a> {
+    fn new(response: &'a Response, (low, high): (f64, f64), options: &'a HarmonicOptions) -> Self {
+        let band = response.band(options.padding.max(2), high);
+        // One point beyond each end, so that a maximum next to it is seen.
+        let first = ((low / band.step) as usize).saturating_sub(1).max(1);
+        let power = band
+            .samples
+            .iter()
+            .zip(&band.force)
+            .enumerate()
+            .skip(first)
+            .map(|(k, (x, f))| {
+                let power = x.norm_sqr() / f.norm_sqr();
+                let omega = std::f64::consts::TAU * k as f64 * band.step;
+                match response.route() {
+                    // No force, no receptance: infinite, which is never below its neighbours.
+                    _ if power.is_nan() => f64::INFINITY,
+                    Route::Displacement => power,
+                    Route::Acceleration => power / omega.powi(4),
+                }
+            })
+            .collect();
+        let strongest = band.force.iter().map(|f| f.norm()).fold(0.0, f64::max);
+        Self {
+            response,
+            options,
+            grid: PowerGrid { first, step: band.step, power },
+            force_floor: options.force_threshold * strongest,
+        }
+    }
+
+    /// The largest admissible peak in a window; masked maxima are noted.
+    fn largest(&self, window: (f64, f64), period: f64, masked: &mut Vec<f64>) -> Option<Peak> {
+        let mut maxima = self.grid.maxima(window);
+        maxima.sort_by(|&a, &b| self.grid.power[b].total_cmp(&self.grid.power[a]));
+        maxima.into_iter().find_map(|index| self.peak(index, window, period, masked))
+    }
+
+    fn peak(
+        &self,
+        index: usize,
+        (low, high): (f64, f64),
+        period: f64,
+        masked: &mut Vec<f64>,
+    ) -> Option<Peak> {
+        let seen = self.grid.power[index].sqrt();
+        let saddle = self.grid.saddle(index);
+        // Refining costs more than looking: a ripple is turned away on the grid,
+        // with half the prominence asked, since the maximum lies above its grid point.
+        if seen - saddle < 0.5 * self.options.minimum_prominence * seen {
+            return None;
+        }
+        let here = self.grid.frequency(index);
+        let weak = |frequency| self.response.force_at(frequency).norm() < self.force_floor;
+        let inside = |frequency| frequency > low && frequency < high;
+        if weak(here) {
+            if inside(here) {
+                masked.push(here);
+            }
+            return None;
+        }
+        let frequency_hz = refine(self.response, &self.grid, index).filter(|f| inside(*f))?;
+        if weak(frequency_hz) {
+            masked.push(frequency_hz);
+            return None;
+        }
+        let value = self.response.receptance_at(frequency_hz);
+        let magnitude = value.norm();
+        let ripple = self.response.ripple(frequency_hz, period);
+        let height = magnitude - saddle;
+        let stands_out = height >= self.options.minimum_prominence * magnitude
+            && height >= self.options.leakage_margin * ripple.leakage
+            && height >= ripple.rounding;
+        stands_out.then_some(Peak {
+            frequency_hz,
+            magnitude,
+            value,
+            prominence: height / magnitude,
+        })
+    }
+}

@@ -1,0 +1,265 @@
+//! One hit: a force and what it caused.
+
+use crate::average::absolute_sum;
+use crate::decimate::Decimator;
+use crate::error::{Error, Result, check_rate, check_samples};
+use crate::form::FrfForm;
+use crate::frf::{Frf, convert};
+use crate::mask::ForceMask;
+use crate::spectrum::{PADDING_LIMIT, Spectrum, fast_length};
+use crate::transform::Kernel;
+use realfft::num_complex::Complex64;
+use std::borrow::Cow;
+use std::ops::Range;
+
+/// What the response samples are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Route {
+    /// Displacement from equilibrium, in metres.
+    Displacement,
+    /// Acceleration, in m/s^2, divided by `-(2 pi f)^2` in the spectrum.
+    Acceleration,
+}
+
+/// The force and response samples of one hit.
+///
+/// The receptance is the ratio of their one-sided transforms,
+///
+/// ```text
+/// H(f) = U(f) / F(f)                       from displacement,
+/// H(f) = A(f) / (-(2 pi f)^2 F(f))         from acceleration,   [m/N]
+/// ```
+///
+/// over the whole record with a rectangular window. The two routes agree when
+/// the record starts at rest and has decayed at its end: they differ by the
+/// displacement and velocity left there, over `2 pi f` and `(2 pi f)^2`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Response {
+    force: Vec<f64>,
+    samples: Vec<f64>,
+    route: Route,
+    sample_rate_hz: f64,
+    /// From the first to the last force sample that is not zero.
+    contact: Range<usize>,
+}
+
+impl Response {
+    /// A hit measured or computed as displacement.
+    ///
+    /// - `force`: in newtons, the first sample at time zero.
+    /// - `displacement`: from equilibrium, in metres, sampled with the force.
+    /// - `sample_rate_hz`: positive, in hertz.
+    ///
+    /// # Errors
+    /// [`Error::Empty`], [`Error::LengthMismatch`], [`Error::NotFinite`],
+    /// [`Error::SampleRate`], [`Error::NoForce`].
+    pub fn from_displacement(
+        force: &[f64],
+        displacement: &[f64],
+        sample_rate_hz: f64,
+    ) -> Result<Self> {
+        Self::new(force, displacement, sample_rate_hz, Route::Displacement)
+    }
+
+    /// A hit measured or computed as acceleration, in m/s^2.
+    ///
+    /// # Errors
+    /// Those of [`Response::from_displacement`].
+    pub fn from_acceleration(
+        force: &[f64],
+        acceleration: &[f64],
+        sample_rate_hz: f64,
+    ) -> Result<Self> {
+        Self::new(force, acceleration, sample_rate_hz, Route::Acceleration)
+    }
+
+    fn new(force: &[f64], samples: &[f64], sample_rate_hz: f64, route: Route) -> Result<Self> {
+        let signal = match route {
+            Route::Displacement => "displacement",
+            Route::Acceleration => "acceleration",
+        };
+        check_samples("force", force)?;
+        check_samples(signal, samples)?;
+        check_rate(sample_rate_hz)?;
+        if force.len() != samples.len() {
+            return Err(Error::LengthMismatch { force: force.len(), response: samples.len() });
+        }
+        let nonzero = |value: &f64| *value != 0.0;
+        let (Some(first), Some(last)) =
+            (force.iter().position(nonzero), force.iter().rposition(nonzero))
+        else {
+            return Err(Error::NoForce { samples: force.len() });
+        };
+        Ok(Self {
+            force: force.to_vec(),
+            samples: samples.to_vec(),
+            route,
+            sample_rate_hz,
+            contact: first..last + 1,
+        })
+    }
+
+    /// Receptance [m/N] on the grid of a zero-padded FFT, zero frequency to half the rate.
+    ///
+    /// `padding` is clamped to 1 to 1024, see [`Spectrum::new`]. From
+    /// acceleration the value at zero frequency is NaN; where the force has no
+    /// content at all the value is not finite ([`Response::force_mask`]).
+    pub fn receptance(&self, padding: usize) -> Frf {
+        let length = self.padded_length(padding);
+        let force = Spectrum::padded_to(&self.force, self.sample_rate_hz, length);
+        let response = Spectrum::padded_to(&self.samples, self.sample_rate_hz, length);
+        let frequency_hz: Vec<f64> =
+            (0..force.values().len()).map(|index| force.frequency(index)).collect();
+        let values = frequency_hz
+            .iter()
+            .zip(response.into_values().iter().zip(force.values()))
+            .map(|(&frequency, (x, f))| convert(x / f, frequency, self.form(), FrfForm::Receptance))
+            .collect();
+        Frf { frequency_hz, values, form: FrfForm::Receptance }
+    }
+
+    /// Receptance [m/N] at any frequency (Hz), from the transforms there.
+    pub fn receptance_at(&self, frequency_hz: f64) -> Complex64 {
+        let kernel = Kernel::new(self.sample_rate_hz, frequency_hz);
+        let ratio = kernel.transform(&self.samples, 0) / self.force_transform(&kernel);
+        convert(ratio, frequency_hz, self.form(), FrfForm::Receptance)
+    }
+
+    /// Transform of the force [N s] at any frequency (Hz).
+    pub fn force_at(&self, frequency_hz: f64) -> Complex64 {
+        self.force_transform(&Kernel::new(self.sample_rate_hz, frequency_hz))
+    }
+
+    /// Where the force has at least `threshold` of its largest spectral magnitude.
+    ///
+    /// On the grid of [`Response::receptance`] with the same `padding`. A
+    /// `threshold` of 0.02 leaves the main lobe of any hammer pulse and cuts
+    /// the zeros between its side lobes.
+    pub fn force_mask(&self, padding: usize, threshold: f64) -> ForceMask {
+        let length = self.padded_length(padding);
+        let force = Spectrum::padded_to(&self.force, self.sample_rate_hz, length);
+        let magnitude: Vec<f64> = force.values().iter().map(|value| value.norm()).collect();
+        let frequency_hz = (0..magnitude.len()).map(|index| force.frequency(index));
+        ForceMask::new(frequency_hz.collect(), &magnitude, threshold)
+    }
+
+    /// Sample rate, in hertz.
+    pub fn sample_rate_hz(&self) -> f64 {
+        self.sample_rate_hz
+    }
+
+    /// Length of the record, in seconds: the number of samples over their rate.
+    pub fn duration(&self) -> f64 {
+        self.samples.len() as f64 / self.sample_rate_hz
+    }
+
+    /// The force samples, in newtons.
+    pub fn force(&self) -> &[f64] {
+        &self.force
+    }
+
+    /// The response samples, in the unit of the route.
+    pub fn samples(&self) -> &[f64] {
+        &self.samples
+    }
+
+    /// What the response samples are.
+    pub fn route(&self) -> Route {
+        self.route
+    }
+
+    /// `|H|^2` and the derivative of its logarithm with frequency [1/Hz].
+    ///
+    /// `d ln |H|^2 / df = 2 Re (X'/X - F'/F)`, and `-4/f` more from acceleration.
+    pub(crate) fn power_and_slope(&self, frequency_hz: f64) -> (f64, f64) {
+        let kernel = Kernel::new(self.sample_rate_hz, frequency_hz);
+        let (x, dx) = kernel.transform_and_slope(&self.samples, 0);
+        let pulse = &self.force[self.contact.clone()];
+        let (f, df) = kernel.transform_and_slope(pulse, self.contact.start);
+        let ratio = convert(x / f, frequency_hz, self.form(), FrfForm::Receptance);
+        let twice = match self.route {
+            Route::Displacement => 0.0,
+            Route::Acceleration => 2.0 / frequency_hz,
+        };
+        (ratio.norm_sqr(), 2.0 * ((dx / x - df / f).re - twice))
+    }
+
+    /// A bound on the ripple of `|H|` at a frequency (Hz) that is not physics.
+    ///
+    /// What is left at the end of the record, `x_end` over the last `period`
+    /// seconds, is cut off by the rectangular window: `leakage` is `x_end / w`
+    /// over `|F|`. `rounding` is that of the transform, relative to `dt sum |x|`.
+    pub(crate) fn ripple(&self, frequency_hz: f64, period: f64) -> Ripple {
+        let count = (period * self.sample_rate_hz).ceil().max(1.0) as usize;
+        let tail = &self.samples[self.samples.len().saturating_sub(count)..];
+        let left = tail.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+        let omega = std::f64::consts::TAU * frequency_hz;
+        let force = self.force_at(frequency_hz).norm();
+        let scale = match self.route {
+            Route::Displacement => 1.0 / force,
+            Route::Acceleration => 1.0 / (omega * omega * force),
+        };
+        Ripple {
+            leakage: left / omega * scale,
+            rounding: 1e-14 * absolute_sum(&self.samples) / self.sample_rate_hz * scale,
+        }
+    }
+
+    /// The transforms of response and force from zero to just beyond `high` (Hz).
+    ///
+    /// Up to one common phase and to 1e-9 of their largest values, from
+    /// decimated samples where that pays.
+    pub(crate) fn band(&self, padding: usize, high: f64) -> Band {
+        let decimator = Decimator::new(self.sample_rate_hz, high, self.samples.len());
+        let (force, samples, rate) = match &decimator {
+            Some(decimator) => (
+                Cow::Owned(decimator.apply(&self.force, &self.contact)),
+                Cow::Owned(decimator.apply(&self.samples, &(0..self.samples.len()))),
+                self.sample_rate_hz / decimator.factor() as f64,
+            ),
+            None => (
+                Cow::Borrowed(self.force.as_slice()),
+                Cow::Borrowed(self.samples.as_slice()),
+                self.sample_rate_hz,
+            ),
+        };
+        let padding = padding.clamp(1, PADDING_LIMIT);
+        let length = fast_length(padding.saturating_mul(samples.len()));
+        let step = rate / length as f64;
+        let keep = ((high / step).ceil() as usize).saturating_add(2);
+        let low_part = |samples: &[f64]| {
+            let mut values = Spectrum::padded_to(samples, rate, length).into_values();
+            values.truncate(keep);
+            values
+        };
+        Band { step, samples: low_part(&samples), force: low_part(&force) }
+    }
+
+    fn force_transform(&self, kernel: &Kernel) -> Complex64 {
+        kernel.transform(&self.force[self.contact.clone()], self.contact.start)
+    }
+
+    fn padded_length(&self, padding: usize) -> usize {
+        fast_length(padding.clamp(1, PADDING_LIMIT).saturating_mul(self.samples.len()))
+    }
+
+    fn form(&self) -> FrfForm {
+        match self.route {
+            Route::Displacement => FrfForm::Receptance,
+            Route::Acceleration => FrfForm::Accelerance,
+        }
+    }
+}
+
+/// Ripples of `|H|` [m/N] that the window and the arithmetic make.
+pub(crate) struct Ripple {
+    pub(crate) leakage: f64,
+    pub(crate) rounding: f64,
+}
+
+/// The transforms of response and force at `k step`, from zero.
+pub(crate) struct Band {
+    pub(crate) step: f64,
+    pub(crate) samples: Vec<Complex64>,
+    pub(crate) force: Vec<Complex64>,
+}

@@ -1,0 +1,131 @@
+//! The Fourier sum on the whole grid of an FFT.
+
+use crate::error::{Error, Result, check_rate, check_samples};
+use realfft::RealFftPlanner;
+use realfft::num_complex::Complex64;
+use std::cell::RefCell;
+
+/// Largest zero padding; denser than this, use [`transform_at`](crate::transform_at).
+pub(crate) const PADDING_LIMIT: usize = 1024;
+
+thread_local! {
+    /// Plans are reused: a sweep transforms thousands of records of one length.
+    static PLANNER: RefCell<RealFftPlanner<f64>> = RefCell::new(RealFftPlanner::new());
+}
+
+/// One-sided Fourier transform of a real signal by the rectangle rule.
+///
+/// ```text
+/// X(f_k) = dt * sum_n x_n exp(-i 2 pi f_k n dt),   f_k = k / (M dt),   0 <= k <= M/2
+/// ```
+///
+/// Rectangular window and no detrending: the record is taken as the whole
+/// transient. Zero padding to `M` samples interpolates the transform and adds
+/// no information. The values carry the samples' unit times seconds, so they
+/// tend to the continuous transform as `dt` tends to zero.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Spectrum {
+    values: Vec<Complex64>,
+    frequency_step: f64,
+}
+
+impl Spectrum {
+    /// Transforms `samples`, zero-padded to [`fast_length`]`(padding * samples.len())`.
+    ///
+    /// - `samples`: any unit, the first at time zero.
+    /// - `sample_rate_hz`: positive, in hertz.
+    /// - `padding`: 1 (none) to 1024.
+    ///
+    /// # Errors
+    /// [`Error::Empty`], [`Error::NotFinite`], [`Error::SampleRate`], [`Error::Padding`].
+    pub fn new(samples: &[f64], sample_rate_hz: f64, padding: usize) -> Result<Self> {
+        check_samples("signal", samples)?;
+        check_rate(sample_rate_hz)?;
+        if !(1..=PADDING_LIMIT).contains(&padding) {
+            return Err(Error::Padding { value: padding, limit: PADDING_LIMIT });
+        }
+        let length = fast_length(padding * samples.len());
+        Ok(Self::padded_to(samples, sample_rate_hz, length))
+    }
+
+    /// The transform of checked samples, zero-padded to an even `length` they fit in.
+    pub(crate) fn padded_to(samples: &[f64], sample_rate_hz: f64, length: usize) -> Self {
+        let plan = PLANNER.with_borrow_mut(|planner| planner.plan_fft_forward(length));
+        let mut padded = plan.make_input_vec();
+        padded[..samples.len()].copy_from_slice(samples);
+        let mut values = plan.make_output_vec();
+        // The plan made both buffers, so their lengths fit and this cannot fail;
+        // if it ever did, NaN would say so.
+        if plan.process(&mut padded, &mut values).is_err() {
+            values.fill(Complex64::new(f64::NAN, f64::NAN));
+        }
+        let time_step = 1.0 / sample_rate_hz;
+        for value in &mut values {
+            *value *= time_step;
+        }
+        Self { values, frequency_step: sample_rate_hz / length as f64 }
+    }
+
+    /// Distance between bins `1 / (M dt)`, in hertz.
+    pub fn frequency_step(&self) -> f64 {
+        self.frequency_step
+    }
+
+    /// Frequency of bin `index`, in hertz.
+    pub fn frequency(&self, index: usize) -> f64 {
+        index as f64 * self.frequency_step
+    }
+
+    /// The transform from zero to half the sample rate, both included.
+    pub fn values(&self) -> &[Complex64] {
+        &self.values
+    }
+
+    /// The transform, without a copy.
+    pub(crate) fn into_values(self) -> Vec<Complex64> {
+        self.values
+    }
+}
+
+/// The smallest even `2^a 3^b 5^c` that is at least `minimum`: a fast FFT length.
+///
+/// Even, so that the last bin is exactly half the sample rate. Zero gives 2.
+pub fn fast_length(minimum: usize) -> usize {
+    let half = minimum.div_ceil(2).max(1);
+    let mut best = half.next_power_of_two();
+    let mut fives = 1;
+    while fives < best {
+        let mut odd = fives;
+        while odd < best {
+            let twos = half.div_ceil(odd).next_power_of_two();
+            best = best.min(odd * twos);
+            odd *= 3;
+        }
+        fives *= 5;
+    }
+    2 * best
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Verified against exhaustive factorisation.
+    #[test]
+    fn fast_length_is_the_smallest_even_five_smooth_number() {
+        let smooth = |mut n: usize| {
+            for prime in [2, 3, 5] {
+                while n.is_multiple_of(prime) {
+                    n /= prime;
+                }
+            }
+            n == 1
+        };
+        for minimum in 1..3000_usize {
+            let expected =
+                (minimum..=2 * minimum + 2).find(|n| n.is_multiple_of(2) && smooth(*n)).unwrap();
+            assert_eq!(fast_length(minimum), expected, "minimum {minimum}");
+        }
+        assert_eq!(fast_length(0), 2);
+    }
+}

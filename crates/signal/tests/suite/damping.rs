@@ -1,0 +1,118 @@
+//! Damping ratios of oscillators that have one.
+
+use crate::oscillator::{Mode, hit};
+use asperity_signal::{
+    HalfPower, HarmonicOptions, find_harmonics, half_power, half_power_crossings, half_power_of,
+    logarithmic_decrement,
+};
+
+fn mode(damping: f64) -> Mode {
+    Mode { natural_hz: 832.0, damping, mass: 1.61 }
+}
+
+fn analytic(damping: f64) -> Option<HalfPower> {
+    let mode = mode(damping);
+    let peak = mode.natural_hz * (1.0 - 2.0 * damping * damping).sqrt();
+    half_power_of(|f| mode.receptance(f).norm_sqr(), peak, 1.0, 1e5)
+}
+
+/// Verified against the damping of the analytic receptance, up to the largest that has a
+/// lower crossing, `sin(pi/8) = 0.3827`. Tolerance: crossings are found to 1e-10 of their
+/// frequency, which is 1e-10/zeta of the ratio.
+#[test]
+fn the_half_power_ratio_is_exact_for_one_mode() {
+    for damping in [1e-4, 0.01, 0.035, 0.1, 0.3, 0.38] {
+        let found = analytic(damping).unwrap();
+        assert!((found.ratio() - damping).abs() < 1e-9, "{damping}: {found:?}");
+        // The usual formula is high by 2 zeta^3.
+        let excess = found.small_damping_ratio() - damping;
+        if (0.01..0.11).contains(&damping) {
+            let expected = 2.0 * damping.powi(3);
+            assert!((excess / expected - 1.0).abs() < 0.1, "{damping}: {excess:e}");
+        }
+    }
+    assert_eq!(analytic(0.385), None, "no lower crossing");
+}
+
+/// Verified against the damping the samples were made with. Tolerance 1e-6: the sampled
+/// receptance is off by `dt^2/(12 m)`, which is `2 zeta (w dt)^2 / 12 = 4e-6` of the peak
+/// at 200 kHz, real where the receptance is imaginary, so that it shifts the two crossings alike.
+#[test]
+fn the_half_power_ratio_of_a_record_is_its_damping() {
+    let hit = hit(&[mode(0.035)], 200_000.0, 24_000);
+    let peak = find_harmonics(&hit, 800.0, &HarmonicOptions::default());
+    let peak = peak.fundamental.unwrap();
+    let ratio = half_power(&hit, &peak).unwrap();
+    assert!((ratio - 0.035).abs() < 1e-6, "{ratio}");
+    let crossings = half_power_crossings(&hit, &peak).unwrap();
+    for frequency in [crossings.lower_hz, crossings.upper_hz] {
+        let level = hit.receptance_at(frequency).norm_sqr() / peak.magnitude.powi(2);
+        assert!((level - 0.5).abs() < 1e-8, "{level}");
+    }
+}
+
+/// Verified against two modes closer than their width: there is no half-power width.
+#[test]
+fn overlapping_modes_have_no_width() {
+    let (near, far) = (mode(0.035), Mode { natural_hz: 890.0, ..mode(0.035) });
+    let hit = hit(&[near, far], 100_000.0, 25_000);
+    let found = find_harmonics(&hit, 850.0, &HarmonicOptions::default());
+    assert_eq!(half_power(&hit, &found.fundamental.unwrap()), None);
+}
+
+/// Verified against the damping and frequency of the decay, with an offset that must not
+/// matter. Tolerance: the parabola is wrong by up to `(w dt)^4 / 128` of a height, 1e-6 at
+/// 54 samples a cycle, over a decrement of 2 pi zeta; observed 10 times less.
+#[test]
+fn the_decrement_of_a_decay_is_exact_and_free_of_offset() {
+    let rate = 45_000.0;
+    for damping in [0.002, 0.035, 0.1] {
+        let mode = mode(damping);
+        for offset in [0.0, 3.0] {
+            let samples: Vec<f64> = (0..9000)
+                .map(|n| f64::from(n) / rate)
+                .map(|t| mode.impulse_response(t) * mode.mass * mode.damped_omega() + offset)
+                .collect();
+            let found = logarithmic_decrement(&samples, rate, 800.0).unwrap();
+            assert!((found.ratio / damping - 1.0).abs() < 1e-4, "{damping}: {found:?}");
+            let damped = mode.damped_omega() / std::f64::consts::TAU;
+            assert!((found.frequency_hz / damped - 1.0).abs() < 1e-4, "{found:?}");
+            assert!(found.scatter < 1e-4, "{found:?}");
+            // From the first height to 1e-4 of it, or to the end of the record.
+            let decrement = std::f64::consts::TAU * damping / (1.0 - damping * damping).sqrt();
+            let expected = (1e4_f64.ln() / decrement).min(0.2 * damped);
+            assert!((found.cycles - expected).abs() < 1.6, "{} {expected}", found.cycles);
+        }
+    }
+}
+
+/// Verified against the sampling: the heights' distance from the line falls with the third
+/// power of the step, the parabola's order on a decay. Slope within 0.4, as the samples
+/// fall differently on the extrema.
+#[test]
+fn the_decrement_converges_with_the_sampling() {
+    let mode = mode(0.05);
+    let scatter = |per_cycle: f64| {
+        let rate = 832.0 * per_cycle;
+        let samples: Vec<f64> =
+            (0..(0.02 * rate) as usize).map(|n| mode.impulse_response(n as f64 / rate)).collect();
+        logarithmic_decrement(&samples, rate, 832.0).unwrap().scatter
+    };
+    let slope = (scatter(17.3) / scatter(4.0 * 17.3)).log2() / 2.0;
+    assert!((slope - 3.0).abs() < 0.4, "slope {slope}");
+}
+
+/// Verified against the documentation: what is no decay has no decrement.
+#[test]
+fn no_decay_has_no_decrement() {
+    let ramp: Vec<f64> = (0..1000).map(f64::from).collect();
+    assert_eq!(logarithmic_decrement(&ramp, 1000.0, 50.0), None);
+    assert_eq!(logarithmic_decrement(&[], 1000.0, 50.0), None);
+    assert_eq!(logarithmic_decrement(&ramp, 1000.0, 200.0), None, "5 samples a cycle");
+    let sine: Vec<f64> = (0..1000).map(|n| (0.05 * f64::from(n)).sin()).collect();
+    let found = logarithmic_decrement(&sine, 1000.0, 8.0).unwrap();
+    // Undamped: the parabola's ripple, (0.05)^4 / 128 of a height, is all there is.
+    assert!(found.ratio.abs() < 1e-7, "{found:?}");
+    let frequency = 50.0 / std::f64::consts::TAU;
+    assert!((found.frequency_hz / frequency - 1.0).abs() < 1e-5, "{found:?}");
+}

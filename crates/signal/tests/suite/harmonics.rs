@@ -1,0 +1,179 @@
+//! Peaks that are there, and peaks that are not.
+
+use crate::oscillator::{Mode, hammer_pulse, hit, integrated, maximum, sampled_slope};
+use asperity_signal::{HarmonicOptions, Harmonics, Response, find_harmonics};
+use std::f64::consts::{PI, TAU};
+
+const RATE: f64 = 100_000.0;
+const COUNT: usize = 25_000;
+const FIRST: Mode = Mode { natural_hz: 830.0, damping: 0.035, mass: 1.61 };
+
+fn search(hit: &Response) -> Harmonics {
+    find_harmonics(hit, 850.0, &HarmonicOptions::default())
+}
+
+/// Verified against the linear oscillator: no second harmonic, and the floor
+/// `|H(2 f1)| / |H(f1)| = 2 zeta sqrt(1 - zeta^2) / |1 - r^2 + 2 i zeta r|` at `r = 2 f1/f0`,
+/// which is `2 zeta / 3` to first order in zeta^2 (within 0.5 % here).
+#[test]
+fn a_linear_oscillator_has_a_floor_but_no_second_harmonic() {
+    let hit = hit(&[FIRST], RATE, COUNT);
+    let found = search(&hit);
+    let first = found.fundamental.unwrap();
+    assert_eq!(found.second, None);
+    assert_eq!(found.ratio(), None);
+    assert!(found.masked_hz.is_empty());
+    let floor = hit.receptance_at(2.0 * first.frequency_hz).norm() / first.magnitude;
+    assert!((floor / (2.0 * 0.035 / 3.0) - 1.0).abs() < 0.005, "{floor}");
+}
+
+/// Verified against the maxima of the geometric sum, by bisection on its derivative:
+/// 1e-9 in frequency and 1e-11 in magnitude (a maximum is flat), and the continuous
+/// second mode's to 1e-3.
+#[test]
+fn a_second_peak_is_found_where_it_is() {
+    let second = Mode { natural_hz: 1634.6, damping: 0.02, mass: 40.0 };
+    let modes = [FIRST, second];
+    let hit = hit(&modes, RATE, COUNT);
+    let found = search(&hit);
+    for (peak, low, high) in
+        [(found.fundamental.unwrap(), 700.0, 900.0), (found.second.unwrap(), 1600.0, 1670.0)]
+    {
+        let exact = maximum(&modes, RATE, low, high);
+        assert!((peak.frequency_hz / exact - 1.0).abs() < 1e-9, "{peak:?} {exact}");
+        let magnitude: f64 = modes
+            .iter()
+            .map(|mode| mode.sampled_receptance(exact, RATE).0)
+            .sum::<asperity_signal::Complex64>()
+            .norm();
+        assert!((peak.magnitude / magnitude - 1.0).abs() < 1e-11, "{peak:?}");
+        assert_eq!(peak.value.norm(), peak.magnitude);
+        assert!((0.1..1.0).contains(&peak.prominence), "{peak:?}");
+    }
+    let ratio = found.second.unwrap().magnitude / found.fundamental.unwrap().magnitude;
+    assert_eq!(found.ratio(), Some(ratio));
+}
+
+/// Verified against the derivative of the geometric sum, which is negative throughout: a
+/// second mode that only bends the skirt of the first is a shoulder, and is `None`.
+#[test]
+fn a_shoulder_is_no_peak() {
+    let modes = [FIRST, Mode { natural_hz: 1660.0, damping: 0.035, mass: 300.0 }];
+    let bent = |f: f64| sampled_slope(&modes, RATE, f);
+    let slopes: Vec<f64> = (1250..1900).map(|f| bent(f64::from(f))).collect();
+    assert!(slopes.iter().all(|slope| *slope < 0.0), "the case is a shoulder");
+    let least = slopes.iter().copied().fold(f64::INFINITY, f64::min);
+    let flattest = slopes.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    assert!(flattest > 0.3 * least, "and visibly bent: {least} {flattest}");
+    assert_eq!(search(&hit(&modes, RATE, COUNT)).second, None);
+}
+
+/// Verified against a mode above the window: a value that rises to the edge is no peak.
+#[test]
+fn a_rise_to_the_edge_of_the_window_is_no_peak() {
+    let modes = [FIRST, Mode { natural_hz: 1990.0, damping: 0.02, mass: 5.0 }];
+    let hit = hit(&modes, RATE, COUNT);
+    let found = search(&hit);
+    assert!(found.fundamental.is_some());
+    assert_eq!(found.second, None);
+    let wider = HarmonicOptions { second_window: (1.5, 2.6), ..HarmonicOptions::default() };
+    assert!(find_harmonics(&hit, 850.0, &wider).second.is_some());
+}
+
+/// Verified against a linear oscillator cut off at `exp(-sigma T) = 0.03`: the ripples of the
+/// rectangular window are maxima, and only the leakage margin tells them from peaks.
+#[test]
+fn leakage_ripples_are_no_peaks() {
+    let careless = HarmonicOptions { leakage_margin: 0.0, ..HarmonicOptions::default() };
+    let mut mistaken = 0;
+    for count in (1800..2200).step_by(20) {
+        let hit = hit(&[FIRST], RATE, count);
+        let found = search(&hit);
+        assert!(found.fundamental.is_some());
+        assert_eq!(found.second, None, "{count} samples");
+        mistaken += usize::from(find_harmonics(&hit, 850.0, &careless).second.is_some());
+    }
+    assert!(mistaken > 10, "the ripples are there: {mistaken} of 20");
+}
+
+/// Verified against a response equal to the force: `H = 1`, and every maximum is rounding,
+/// even when no prominence is asked.
+#[test]
+fn rounding_is_no_peak() {
+    let options = HarmonicOptions {
+        minimum_prominence: 0.0,
+        leakage_margin: 0.0,
+        ..HarmonicOptions::default()
+    };
+    let force: Vec<f64> =
+        (0..4000).map(|n| hammer_pulse(9.0, 3.4e-4)(f64::from(n) / RATE)).collect();
+    // A power of two would divide exactly; a third leaves a rounding in every sample.
+    let response: Vec<f64> = force.iter().map(|x| x / 3.0).collect();
+    let hit = Response::from_displacement(&force, &response, RATE).unwrap();
+    for expected in [300.0, 600.0, 850.0, 1100.0] {
+        let found = find_harmonics(&hit, expected, &options);
+        assert_eq!(found, Harmonics::default(), "{expected} Hz");
+    }
+}
+
+/// Verified against the prominence reported: asked for less the peak stays, for more it goes.
+#[test]
+fn the_prominence_asked_is_the_prominence_reported() {
+    let second = Mode { natural_hz: 1634.6, damping: 0.035, mass: 100.0 };
+    let hit = hit(&[FIRST, second], RATE, COUNT);
+    let peak = search(&hit).second.unwrap();
+    for (factor, kept) in [(0.999, true), (1.001, false)] {
+        let minimum_prominence = factor * peak.prominence;
+        let options = HarmonicOptions { minimum_prominence, ..HarmonicOptions::default() };
+        assert_eq!(find_harmonics(&hit, 850.0, &options).second.is_some(), kept);
+    }
+}
+
+/// Verified against the zero of a half-sine at 1.5 over its duration: a response with a
+/// little content there has a pole of `U/F`, which is masked and reported, not a peak.
+#[test]
+fn a_force_zero_is_masked() {
+    let duration = 1.5 / 1660.0;
+    let pulse = move |t: f64| if t < duration { 20.0 * (PI * t / duration).sin() } else { 0.0 };
+    let (stiffness, viscosity) =
+        (FIRST.mass * FIRST.omega().powi(2), 2.0 * FIRST.damping * FIRST.omega() * FIRST.mass);
+    // A softening cubic and quadratic spring makes the second harmonic.
+    let restoring = |u: f64, v: f64| stiffness * u * (1.0 - 2.0e4 * u) + viscosity * v;
+    let (u, _) = integrated(FIRST.mass, restoring, pulse, RATE, COUNT, 1);
+    let force: Vec<f64> = (0..COUNT).map(|n| pulse(n as f64 / RATE)).collect();
+    let hit = Response::from_displacement(&force, &u, RATE).unwrap();
+    let found = search(&hit);
+    assert!(found.fundamental.is_some());
+    assert_eq!(found.second, None);
+    assert_eq!(found.masked_hz.len(), 1, "{found:?}");
+    assert!((found.masked_hz[0] / 1660.0 - 1.0).abs() < 0.01, "{found:?}");
+    let unmasked = HarmonicOptions { force_threshold: 0.0, ..HarmonicOptions::default() };
+    let fooled = find_harmonics(&hit, 850.0, &unmasked);
+    assert!((fooled.second.unwrap().frequency_hz / 1660.0 - 1.0).abs() < 0.01);
+}
+
+/// Verified against a mass on two faces of power-law stiffness `K = C p^m` struck by 9 N and
+/// 3 N: the second harmonic is a shallow but real peak, A2/A1 of a few per cent, growing
+/// with the force.
+#[test]
+fn a_shallow_peak_of_a_contact_is_found() {
+    let (c, m, area, mass, gravity) = (1.810e10, 0.3509, 1.15e-4, 1.61, 9.81);
+    let closure = |p: f64| 2.0 * p.powf(1.0 - m) / ((1.0 - m) * c);
+    let pressure = |x: f64| (0.5 * (1.0 - m) * c * x.max(0.0)).powf(1.0 / (1.0 - m));
+    let weight = mass * gravity / area;
+    let start = closure(weight);
+    let omega = (0.5 * c * weight.powf(m) * area / mass).sqrt();
+    let ratio = |peak: f64| {
+        let pulse = hammer_pulse(peak, 3.4e-4);
+        let restoring =
+            |u: f64, v: f64| area * (pressure(start + u) - weight) + 2.0 * 0.035 * omega * mass * v;
+        let (u, _) = integrated(mass, restoring, &pulse, 200_000.0, 24_000, 1);
+        let force: Vec<f64> = (0..24_000).map(|n| pulse(f64::from(n) / 200_000.0)).collect();
+        let hit = Response::from_displacement(&force, &u, 200_000.0).unwrap();
+        let found = find_harmonics(&hit, omega / TAU, &HarmonicOptions::default());
+        found.ratio()
+    };
+    let (small, large) = (ratio(9.0).unwrap(), ratio(20.0).unwrap());
+    assert!((0.04..0.08).contains(&small), "{small}");
+    assert!(large > 1.5 * small, "{large}");
+}

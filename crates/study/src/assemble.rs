@@ -1,0 +1,189 @@
+//! From a scenario to the structure, its equilibrium and what happens to it.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use asperity_dynamics::{
+    ContactForm, Damping, Equilibrium, Excitation, FiniteDifference, ForceRecord, Sampling,
+};
+use asperity_law::{
+    Constant, ContactLaw, Exponential, Hyperbolic, InSeries, LawError, ModifiedPower, Power, Table,
+};
+use asperity_mesh::{Body, Interface, Stack, Support};
+
+use crate::error::StudyError;
+use crate::samples::ForceSamples;
+use crate::scenario::{
+    BodySpec, ContactScheme, DampingAmount, DampingSpec, ExcitationSpec, LawRef, LawSpec, Laws,
+    MethodSpec, Scenario, Section, SupportSpec,
+};
+
+/// A scenario turned into the objects that compute.
+#[derive(Debug)]
+pub struct Assembly {
+    /// Bodies, interfaces and support.
+    pub stack: Stack,
+    /// Static equilibrium under weight.
+    pub equilibrium: Equilibrium,
+    /// Mass-proportional damping h [1/s].
+    pub damping_rate: f64,
+    /// The force on the top.
+    pub excitation: Excitation,
+    /// When the response is recorded.
+    pub sampling: Sampling,
+    /// The integrator and its settings.
+    pub method: FiniteDifference,
+}
+
+impl Assembly {
+    /// Assembles `scenario`; sample files are looked for in `folder`.
+    ///
+    /// # Errors
+    /// [`StudyError`] when a part cannot be built or there is no static equilibrium.
+    pub fn new(scenario: &Scenario, folder: &Path) -> Result<Self, StudyError> {
+        let stack = stack(scenario)?;
+        let equilibrium = Equilibrium::of(&stack)?;
+        let DampingSpec::MassProportional(amount) = scenario.damping;
+        let damping = match amount {
+            DampingAmount::Ratio(ratio) => Damping::Ratio(ratio),
+            DampingAmount::RatePerS(rate) => Damping::Rate(rate),
+        };
+        let MethodSpec::FiniteDifference(settings) = scenario.method;
+        let contact = match settings.contact {
+            ContactScheme::Centred => ContactForm::Centred,
+            ContactScheme::NewLevel => ContactForm::NewLevel,
+        };
+        Ok(Self {
+            damping_rate: damping.rate(&stack, &equilibrium)?,
+            excitation: excitation(&scenario.excitation, folder)?,
+            sampling: Sampling::new(scenario.duration_s, scenario.output_rate_hz)?,
+            method: FiniteDifference {
+                cell: settings.cell_m,
+                courant: settings.courant,
+                contact,
+                ..FiniteDifference::default()
+            },
+            stack,
+            equilibrium,
+        })
+    }
+}
+
+fn stack(scenario: &Scenario) -> Result<Stack, StudyError> {
+    let bodies = scenario.bodies.iter().map(body).collect::<Result<Vec<_>, _>>()?;
+    let areas = scenario.interfaces.iter().map(|interface| interface.area_m2);
+    let pressures =
+        asperity_mesh::stack::static_pressures(&bodies, areas, scenario.gravity_m_per_s2);
+    let mut interfaces = Vec::with_capacity(scenario.interfaces.len());
+    for (spec, &pressure) in scenario.interfaces.iter().zip(&pressures) {
+        let law = build_law(&spec.law, &scenario.laws, pressure).map_err(|source| {
+            let law = match &spec.law {
+                LawRef::Named(name) => name.clone(),
+                LawRef::InPlace(_) => "in place".to_owned(),
+            };
+            let interface = spec.name.clone();
+            StudyError::Law { law, interface, pressure_pa: pressure, source }
+        })?;
+        let interface = Interface::new(&spec.name, spec.area_m2, law);
+        interfaces.push(interface.map_err(asperity_dynamics::DynamicsError::from)?);
+    }
+    let support = match scenario.support {
+        SupportSpec::Rigid => Support::Rigid,
+        SupportSpec::SpringMass { stiffness_n_per_m, mass_kg, damping_ratio } => {
+            Support::SpringMass { stiffness: stiffness_n_per_m, mass: mass_kg, damping_ratio }
+        }
+    };
+    let stack = Stack::new(bodies, interfaces, support, scenario.gravity_m_per_s2);
+    Ok(stack.map_err(asperity_dynamics::DynamicsError::from)?)
+}
+
+fn body(spec: &BodySpec) -> Result<Body, StudyError> {
+    let BodySpec { name, length_m, youngs_modulus_pa, density_kg_per_m3, .. } = spec;
+    let body = match spec.section {
+        Section::AreaM2(area) => {
+            Body::new(name, *length_m, area, *youngs_modulus_pa, *density_kg_per_m3)
+        }
+        Section::MassKg(mass) => {
+            Body::with_mass(name, *length_m, mass, *youngs_modulus_pa, *density_kg_per_m3)
+        }
+    };
+    Ok(body.map_err(asperity_dynamics::DynamicsError::from)?)
+}
+
+/// Builds the law that `reference` names among `laws`. A law that never
+/// separates counts its closure from `static_pressure` [Pa].
+///
+/// # Errors
+/// [`LawError`] when its parameters make no law, or when it never separates
+/// and there is no pressure to hold it closed.
+pub fn build_law(
+    reference: &LawRef,
+    laws: &Laws,
+    static_pressure: f64,
+) -> Result<Arc<dyn ContactLaw>, LawError> {
+    let Some(spec) = laws.resolve(reference) else {
+        // Validation has refused names that do not exist; a law of no stiffness says so again.
+        return Ok(Arc::new(Constant::new(f64::NAN)?));
+    };
+    Ok(match spec {
+        LawSpec::Constant { stiffness_pa_per_m, unilateral: false } => {
+            Arc::new(Constant::new(*stiffness_pa_per_m)?)
+        }
+        LawSpec::Constant { stiffness_pa_per_m, unilateral: true } => {
+            Arc::new(Constant::unilateral(*stiffness_pa_per_m)?)
+        }
+        LawSpec::Power { coefficient, exponent } => {
+            let reference_pressure = if *exponent < 1.0 { 0.0 } else { static_pressure };
+            Arc::new(Power::new(*coefficient, *exponent, reference_pressure)?)
+        }
+        LawSpec::ModifiedPower { coefficient, exponent, transition_pa, knots } => {
+            let knots: Vec<_> = knots.iter().map(|&[p, k]| (p, k)).collect();
+            Arc::new(ModifiedPower::new(*coefficient, *exponent, *transition_pa, &knots)?)
+        }
+        LawSpec::Exponential { length_m } => {
+            Arc::new(Exponential::new(*length_m, static_pressure)?)
+        }
+        LawSpec::Hyperbolic { stiffness_pa_per_m, closure_limit_m } => {
+            Arc::new(Hyperbolic::new(*stiffness_pa_per_m, *closure_limit_m)?)
+        }
+        LawSpec::Table { points } => {
+            let points: Vec<_> = points.iter().map(|&[p, k]| (p, k)).collect();
+            Arc::new(Table::new(&points)?)
+        }
+        LawSpec::InSeries { law, stiffness_pa_per_m } => {
+            let inner = build_law(law, laws, static_pressure)?;
+            Arc::new(InSeries::new(inner, *stiffness_pa_per_m)?)
+        }
+    })
+}
+
+fn excitation(spec: &ExcitationSpec, folder: &Path) -> Result<Excitation, StudyError> {
+    Ok(match *spec {
+        ExcitationSpec::None => Excitation::None,
+        ExcitationSpec::GammaPulse { peak_n, rise_s } => {
+            Excitation::GammaPulse { peak: peak_n, rise: rise_s }
+        }
+        ExcitationSpec::HalfSine { peak_n, duration_s } => {
+            Excitation::HalfSine { peak: peak_n, duration: duration_s }
+        }
+        ExcitationSpec::Haversine { peak_n, duration_s } => {
+            Excitation::Haversine { peak: peak_n, duration: duration_s }
+        }
+        ExcitationSpec::Harmonic { amplitude_n, frequency_hz } => {
+            Excitation::Harmonic { amplitude: amplitude_n, frequency: frequency_hz }
+        }
+        ExcitationSpec::Samples { ref file, peak_n } => {
+            let path = folder.join(file);
+            let read = || {
+                let samples = ForceSamples::read(&path)?;
+                match peak_n {
+                    Some(peak) => samples.rescaled(peak),
+                    None => Ok(samples),
+                }
+            };
+            let samples =
+                read().map_err(|source| StudyError::Samples { path: path.clone(), source })?;
+            Excitation::Record(ForceRecord::new(samples.time_s, samples.force_n)?)
+        }
+    })
+}

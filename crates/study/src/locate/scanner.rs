@@ -1,0 +1,268 @@
+//! A recursive scan of a JSON text that builds no values.
+
+use std::collections::{BTreeSet, HashSet};
+use std::ops::Range;
+
+use super::{Expected, MOST_DEPTH, Place, Places, SyntaxError, SyntaxProblem, line_and_column};
+use crate::pointer;
+
+/// Scans the text; see [`super::locate`].
+pub(super) fn scan(text: &str, wanted: &BTreeSet<&str>) -> Result<Places, SyntaxError> {
+    let mut scanner =
+        Scanner { text, at: 0, pointer: String::new(), wanted, places: Places::default() };
+    scanner.value(None, 0)?;
+    match scanner.word() {
+        None => Ok(scanner.places),
+        Some(word) => Err(scanner.fault(word, |found| SyntaxProblem::TrailingText { found })),
+    }
+}
+
+struct Scanner<'a> {
+    text: &'a str,
+    at: usize,
+    /// Pointer to the value being scanned.
+    pointer: String,
+    wanted: &'a BTreeSet<&'a str>,
+    places: Places,
+}
+
+type Scanned<T = ()> = Result<T, SyntaxError>;
+
+impl Scanner<'_> {
+    fn value(&mut self, key: Option<Range<usize>>, depth: usize) -> Scanned {
+        self.skip_space();
+        let start = self.at;
+        match self.peek() {
+            Some('{' | '[') if depth == MOST_DEPTH => {
+                return Err(
+                    self.error(start..start + 1, SyntaxProblem::TooDeep { most: MOST_DEPTH })
+                );
+            }
+            Some('{') => self.object(depth)?,
+            Some('[') => self.array(depth)?,
+            Some('"') => drop(self.string()?),
+            _ => self.scalar()?,
+        }
+        if self.wanted.contains(self.pointer.as_str()) {
+            let value = start..self.at;
+            self.places.found.insert(self.pointer.clone(), Place { key, value });
+        }
+        Ok(())
+    }
+
+    fn object(&mut self, depth: usize) -> Scanned {
+        self.at += 1;
+        self.skip_space();
+        if self.eat('}') {
+            return Ok(());
+        }
+        let mut keys = HashSet::new();
+        let mut expected = Expected::KeyOrEnd;
+        loop {
+            self.skip_space();
+            let start = self.at;
+            if self.peek() != Some('"') {
+                return Err(self.decimal_comma().unwrap_or_else(|| self.unexpected(expected)));
+            }
+            let key = self.string()?;
+            let span = start..self.at;
+            self.skip_space();
+            if !self.eat(':') {
+                return Err(self.unexpected(Expected::Colon));
+            }
+            let parent = self.enter(&pointer::escape(&key));
+            if !keys.insert(key) {
+                self.places.repeated.push((self.pointer.clone(), span.clone()));
+            }
+            self.value(Some(span), depth + 1)?;
+            self.pointer.truncate(parent);
+            self.skip_space();
+            if self.eat('}') {
+                return Ok(());
+            }
+            self.comma('}', Expected::CommaOrBrace)?;
+            expected = Expected::Key;
+        }
+    }
+
+    fn array(&mut self, depth: usize) -> Scanned {
+        self.at += 1;
+        self.skip_space();
+        if self.eat(']') {
+            return Ok(());
+        }
+        for index in 0_usize.. {
+            let parent = self.enter(&index.to_string());
+            self.value(None, depth + 1)?;
+            self.pointer.truncate(parent);
+            self.skip_space();
+            if self.eat(']') {
+                break;
+            }
+            self.comma(']', Expected::CommaOrBracket)?;
+        }
+        Ok(())
+    }
+
+    /// A comma that is not followed by `close`.
+    fn comma(&mut self, close: char, expected: Expected) -> Scanned {
+        let start = self.at;
+        if !self.eat(',') {
+            return Err(self.unexpected(expected));
+        }
+        self.skip_space();
+        if self.peek() == Some(close) {
+            return Err(self.error(start..start + 1, SyntaxProblem::TrailingComma { close }));
+        }
+        Ok(())
+    }
+
+    /// Digits where a key should be, right after digits and a comma.
+    fn decimal_comma(&self) -> Option<SyntaxError> {
+        let is_number = |character: char| character.is_ascii_digit() || "-+.eE".contains(character);
+        let (before, rest) = (self.text.get(..self.at)?, self.text.get(self.at..)?);
+        let whole = before.strip_suffix(',')?;
+        let start = whole.trim_end_matches(is_number).len();
+        let end = self.at + rest.len() - rest.trim_start_matches(is_number).len();
+        let decimals = start < whole.len() && end > self.at;
+        decimals.then(|| self.fault(start..end, |word| SyntaxProblem::DecimalComma { word }))
+    }
+
+    /// A text in double quotes, unescaped.
+    fn string(&mut self) -> Scanned<String> {
+        let start = self.at;
+        self.at += 1;
+        loop {
+            match self.peek() {
+                None => return Err(self.unexpected(Expected::Quote)),
+                Some('"') => break,
+                Some('\\') => self.escape()?,
+                Some(character) if character < ' ' => {
+                    let span = self.at..self.at + 1;
+                    return Err(self.error(span, SyntaxProblem::ControlCharacter { character }));
+                }
+                Some(character) => self.at += character.len_utf8(),
+            }
+        }
+        self.at += 1;
+        let quoted = self.text.get(start..self.at).unwrap_or_default();
+        serde_json::from_str(quoted).map_err(|_| {
+            let from = quoted.find('\\').map_or(start, |escape| start + escape);
+            self.fault(from..self.at, |found| SyntaxProblem::BadEscape { found })
+        })
+    }
+
+    /// A backslash and the character after it.
+    fn escape(&mut self) -> Scanned {
+        let start = self.at;
+        self.at += 1;
+        let escaped = self.peek();
+        self.at += escaped.map_or(0, char::len_utf8);
+        match escaped {
+            Some('"' | '\\' | '/' | 'b' | 'f' | 'n' | 'r' | 't' | 'u') | None => Ok(()),
+            Some(_) => Err(self.fault(start..self.at, |found| SyntaxProblem::BadEscape { found })),
+        }
+    }
+
+    /// A number, `true`, `false` or `null`.
+    fn scalar(&mut self) -> Scanned {
+        let expected = if self.pointer.is_empty() { Expected::Document } else { Expected::Value };
+        let Some(span) = self.word() else {
+            return Err(self.unexpected(expected));
+        };
+        let word = self.text.get(span.clone()).unwrap_or_default();
+        let bare = word.trim_start_matches(['-', '+']).to_ascii_lowercase();
+        if matches!(bare.as_str(), "nan" | "inf" | "infinity") {
+            return Err(self.fault(span, |word| SyntaxProblem::NotFinite { word }));
+        }
+        if word.starts_with(|first: char| first.is_ascii_digit() || "+-.".contains(first)) {
+            match word.parse::<f64>() {
+                Ok(value) if value.is_infinite() => {
+                    return Err(self.fault(span, |word| SyntaxProblem::NumberTooLarge { word }));
+                }
+                _ if serde_json::from_str::<f64>(word).is_err() => {
+                    return Err(self.fault(span, |word| SyntaxProblem::BadNumber { word }));
+                }
+                _ => {}
+            }
+        } else if !matches!(word, "true" | "false" | "null") {
+            return Err(self.unexpected(expected));
+        }
+        self.at = span.end;
+        Ok(())
+    }
+
+    /// The bytes of the next word: up to white space or punctuation, and at
+    /// least one character. `None` at the end of the text.
+    fn word(&mut self) -> Option<Range<usize>> {
+        self.skip_space();
+        let rest = self.text.get(self.at..)?;
+        let first = rest.chars().next()?;
+        let stops = |character: char| character.is_whitespace() || ",:[]{}\"'".contains(character);
+        let length = rest.find(stops).unwrap_or(rest.len()).max(first.len_utf8());
+        Some(self.at..self.at + length)
+    }
+
+    fn unexpected(&mut self, expected: Expected) -> SyntaxError {
+        let Some(span) = self.word() else {
+            let end = self.text.trim_end().len();
+            return self.error(end..end, SyntaxProblem::Ended { expected });
+        };
+        let found = self.text.get(span.clone()).unwrap_or_default();
+        if found.starts_with("//") || found.starts_with("/*") || found.starts_with('#') {
+            return self.error(span, SyntaxProblem::Comment);
+        }
+        match found.chars().next() {
+            Some(quote @ ('\'' | '`' | '“' | '”' | '‘' | '’')) => {
+                self.error(span, SyntaxProblem::OtherQuotes { quote })
+            }
+            Some('"') => {
+                // Show the whole text, not only its quote.
+                let quoted = self.text.get(span.end..).unwrap_or_default();
+                let length = quoted.find(['"', '\n']).map_or(0, |end| end + 1);
+                let span = span.start..span.end + length;
+                self.fault(span, |found| SyntaxProblem::Unexpected { found, expected })
+            }
+            _ => self.fault(span, |found| SyntaxProblem::Unexpected { found, expected }),
+        }
+    }
+
+    /// A problem that quotes the text it is about.
+    fn fault(
+        &self,
+        span: Range<usize>,
+        problem: impl FnOnce(String) -> SyntaxProblem,
+    ) -> SyntaxError {
+        let found = self.text.get(span.clone()).unwrap_or_default();
+        self.error(span, problem(found.chars().take(80).collect()))
+    }
+
+    fn error(&self, span: Range<usize>, problem: SyntaxProblem) -> SyntaxError {
+        let (line, column) = line_and_column(self.text, span.start);
+        SyntaxError { line, column, span, problem }
+    }
+
+    /// Goes down into a part; returns the length of the pointer to go back to.
+    fn enter(&mut self, part: &str) -> usize {
+        let parent = self.pointer.len();
+        self.pointer.push('/');
+        self.pointer.push_str(part);
+        parent
+    }
+
+    fn peek(&self) -> Option<char> {
+        self.text.get(self.at..).and_then(|rest| rest.chars().next())
+    }
+
+    fn eat(&mut self, character: char) -> bool {
+        let there = self.peek() == Some(character);
+        self.at += if there { character.len_utf8() } else { 0 };
+        there
+    }
+
+    fn skip_space(&mut self) {
+        while matches!(self.peek(), Some(' ' | '\t' | '\n' | '\r')) {
+            self.at += 1;
+        }
+    }
+}

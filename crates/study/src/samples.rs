@@ -1,0 +1,243 @@
+//! A measured force: CSV rows `time_s,force_n`.
+
+use std::io::Read;
+use std::path::Path;
+
+use csv::{ByteRecord, ReaderBuilder, Terminator, Trim};
+use thiserror::Error;
+
+use crate::diagnostic::{brief, count, number};
+use crate::input::{self, InputError};
+
+/// Most bytes of a file of samples.
+pub const MOST_SAMPLE_BYTES: u64 = 1 << 30;
+
+/// The columns of a file of samples.
+const COLUMNS: [&str; 2] = ["time_s", "force_n"];
+
+/// A force sampled in time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ForceSamples {
+    /// Times in s, strictly increasing.
+    pub time_s: Vec<f64>,
+    /// Force in N at these times.
+    pub force_n: Vec<f64>,
+}
+
+/// A file of force samples that cannot be used.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum SamplesError {
+    /// The file cannot be opened.
+    #[error("{source}")]
+    Input {
+        /// Why.
+        source: InputError,
+    },
+    /// The file holds nothing.
+    #[error("the samples file is empty; the header time_s,force_n is expected")]
+    Empty,
+    /// The first line is not the header.
+    #[error("line 1 is {}; the header time_s,force_n is expected", brief(found))]
+    Header {
+        /// The first line.
+        found: String,
+    },
+    /// A row with another number of columns.
+    #[error(
+        "line {line} has {}; 2 are expected: time_s,force_n",
+        count(*found, "column", "columns")
+    )]
+    Columns {
+        /// Line, from 1.
+        line: u64,
+        /// Number of columns.
+        found: usize,
+    },
+    /// An entry that is not a finite number.
+    #[error("line {line}: {column} is {}; a finite number is expected", brief(found))]
+    NotANumber {
+        /// Line, from 1.
+        line: u64,
+        /// The column.
+        column: &'static str,
+        /// The entry.
+        found: String,
+    },
+    /// A time that is not after the one before.
+    #[error(
+        "line {line}: time_s {} does not come after {}; times must increase",
+        number(*time_s), number(*previous_s)
+    )]
+    TimeNotIncreasing {
+        /// Line, from 1.
+        line: u64,
+        /// The time before in s.
+        previous_s: f64,
+        /// The time in s.
+        time_s: f64,
+    },
+    /// Too few rows to interpolate between.
+    #[error(
+        "the samples file has {} after its header; at least 2 are expected",
+        count(*rows, "row", "rows")
+    )]
+    TooFewRows {
+        /// Number of rows after the header.
+        rows: usize,
+    },
+    /// A force that is zero throughout cannot be rescaled to a peak.
+    #[error("the force is zero throughout, so it cannot be rescaled to a peak")]
+    ZeroForce,
+}
+
+impl ForceSamples {
+    /// Reads a CSV file with the header `time_s,force_n` and at least two rows,
+    /// times strictly increasing. A byte order mark and either line ending are
+    /// accepted; the file is read as a stream.
+    ///
+    /// # Errors
+    /// [`SamplesError`] says why the file cannot be used, with the line.
+    pub fn read(path: &Path) -> Result<Self, SamplesError> {
+        let file = input::open(path, MOST_SAMPLE_BYTES)?;
+        Self::from_csv(file)
+    }
+
+    /// Reads the same from any stream; no more than [`MOST_SAMPLE_BYTES`] are taken.
+    ///
+    /// # Errors
+    /// [`SamplesError`] says why the samples cannot be used, with the line.
+    pub fn from_csv(stream: impl Read) -> Result<Self, SamplesError> {
+        // Rows end at a line feed, a carriage return before it is white space,
+        // and the last row is given its line feed: then the line after a row is
+        // the row's own plus one.
+        let stream = stream.take(MOST_SAMPLE_BYTES).chain(&b"\n"[..]);
+        let mut reader = ReaderBuilder::new()
+            .terminator(Terminator::Any(b'\n'))
+            .has_headers(false)
+            .flexible(true)
+            .trim(Trim::All)
+            .from_reader(stream);
+        let mut row = ByteRecord::new();
+        let header = reader.read_byte_record(&mut row)?;
+        if !header {
+            return Err(SamplesError::Empty);
+        }
+        if !row.iter().eq(COLUMNS.map(str::as_bytes)) {
+            let entries: Vec<_> = row.iter().map(String::from_utf8_lossy).collect();
+            let found = entries.join(",");
+            return Err(SamplesError::Header { found });
+        }
+        let (mut time_s, mut force_n) = (Vec::new(), Vec::<f64>::new());
+        while reader.read_byte_record(&mut row)? {
+            if row.iter().eq([b""]) {
+                continue;
+            }
+            let line = reader.position().line() - 1;
+            let (Some(time), Some(force), 2) = (row.get(0), row.get(1), row.len()) else {
+                let found = row.len();
+                return Err(SamplesError::Columns { line, found });
+            };
+            let time = finite(time, line, COLUMNS[0])?;
+            let force = finite(force, line, COLUMNS[1])?;
+            if let Some(&previous_s) = time_s.last()
+                && time <= previous_s
+            {
+                return Err(SamplesError::TimeNotIncreasing { line, previous_s, time_s: time });
+            }
+            time_s.push(time);
+            force_n.push(force);
+        }
+        match time_s.len() {
+            rows @ 0..2 => Err(SamplesError::TooFewRows { rows }),
+            _ => Ok(Self { time_s, force_n }),
+        }
+    }
+
+    /// The force of largest magnitude in N, with its sign.
+    pub fn peak_n(&self) -> f64 {
+        let larger = |peak: f64, &force: &f64| if force.abs() > peak.abs() { force } else { peak };
+        self.force_n.iter().fold(0.0, larger)
+    }
+
+    /// The same force scaled so that its largest magnitude becomes `peak_n`
+    /// in N; a negative `peak_n` reverses it.
+    ///
+    /// # Errors
+    /// [`SamplesError::ZeroForce`] when there is nothing to scale.
+    pub fn rescaled(mut self, peak_n: f64) -> Result<Self, SamplesError> {
+        let largest = self.peak_n().abs();
+        if largest == 0.0 {
+            return Err(SamplesError::ZeroForce);
+        }
+        for force in &mut self.force_n {
+            *force = *force / largest * peak_n;
+        }
+        Ok(self)
+    }
+}
+
+impl From<InputError> for SamplesError {
+    fn from(source: InputError) -> Self {
+        Self::Input { source }
+    }
+}
+
+impl From<csv::Error> for SamplesError {
+    fn from(error: csv::Error) -> Self {
+        // Rows of any length and any bytes are taken, so only reading can fail.
+        let kind = match error.into_kind() {
+            csv::ErrorKind::Io(error) => error.kind(),
+            _ => std::io::ErrorKind::InvalidData,
+        };
+        InputError::Unreadable { kind }.into()
+    }
+}
+
+fn finite(entry: &[u8], line: u64, column: &'static str) -> Result<f64, SamplesError> {
+    let value = std::str::from_utf8(entry).ok().and_then(|text| text.parse().ok());
+    value.filter(|value: &f64| value.is_finite()).ok_or_else(|| SamplesError::NotANumber {
+        line,
+        column,
+        found: String::from_utf8_lossy(entry).into_owned(),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str) -> Result<ForceSamples, SamplesError> {
+        ForceSamples::from_csv(text.as_bytes())
+    }
+
+    #[test]
+    fn plain_crlf_and_byte_order_mark_read_the_same() {
+        let plain = read("time_s,force_n\n0,0\n1e-3,-2.5\n").unwrap();
+        assert_eq!(plain.time_s, [0.0, 1e-3]);
+        assert_eq!(plain.force_n, [0.0, -2.5]);
+        let odd = read("\u{feff}time_s, force_n\r\n0, 0\r\n1e-3,-2.5").unwrap();
+        assert_eq!(odd, plain);
+        assert_eq!(plain.peak_n(), -2.5);
+        assert_eq!(plain.clone().rescaled(5.0).unwrap().force_n, [0.0, -5.0]);
+    }
+
+    #[test]
+    fn errors_name_the_line() {
+        let line_of = |text: &str| match read(text) {
+            Err(
+                SamplesError::Columns { line, .. }
+                | SamplesError::NotANumber { line, .. }
+                | SamplesError::TimeNotIncreasing { line, .. },
+            ) => line,
+            other => panic!("{other:?}"),
+        };
+        assert_eq!(line_of("time_s,force_n\n0,0\n1\n"), 3);
+        assert_eq!(line_of("time_s,force_n\r\n0,0\r\n1,x\r\n"), 3);
+        assert_eq!(line_of("time_s,force_n\n0,nan\n"), 2);
+        assert_eq!(line_of("time_s,force_n\n\n0,0\n\r\n0,1"), 5);
+        assert_eq!(read("time_s,force_n\n0,0\n"), Err(SamplesError::TooFewRows { rows: 1 }));
+        assert_eq!(read(""), Err(SamplesError::Empty));
+        let zero = read("time_s,force_n\n0,0\n1,0\n").unwrap();
+        assert_eq!(zero.rescaled(1.0), Err(SamplesError::ZeroForce));
+    }
+}

@@ -1,0 +1,126 @@
+//! One elastic body of the stack.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+/// An elastic body of the stack: a uniform bar moving along its axis.
+///
+/// In JSON the section is given by exactly one of `area_m2` and `mass_kg`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(try_from = "BodyKeys", into = "BodyKeys")]
+pub struct BodySpec {
+    /// Name of the body.
+    pub name: String,
+    /// Length along the stack in m.
+    pub length_m: f64,
+    /// Cross-section, by its area or by the mass of the body.
+    pub section: Section,
+    /// Young's modulus in Pa.
+    pub youngs_modulus_pa: f64,
+    /// Density in kg/m³.
+    pub density_kg_per_m3: f64,
+}
+
+/// How a body's cross-section is given.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Section {
+    /// Area of the cross-section in m².
+    AreaM2(f64),
+    /// Mass of the whole body in kg; the area follows as mass / (density length).
+    MassKg(f64),
+}
+
+impl BodySpec {
+    /// Area of the cross-section in m²: as given, or `m / (rho L)`.
+    pub fn area_m2(&self) -> f64 {
+        match self.section {
+            Section::AreaM2(area) => area,
+            Section::MassKg(mass) => mass / (self.density_kg_per_m3 * self.length_m),
+        }
+    }
+
+    /// Mass of the body in kg: as given, or `rho A L`.
+    pub fn mass_kg(&self) -> f64 {
+        match self.section {
+            Section::AreaM2(area) => self.density_kg_per_m3 * area * self.length_m,
+            Section::MassKg(mass) => mass,
+        }
+    }
+}
+
+/// An elastic body of the stack: a uniform bar moving along its axis, with
+/// exactly one of `area_m2` and `mass_kg`.
+#[derive(Clone, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(
+    rename = "BodySpec",
+    extend("oneOf" = [{"required": ["area_m2"]}, {"required": ["mass_kg"]}])
+)]
+struct BodyKeys {
+    /// Name of the body.
+    #[schemars(length(min = 1))]
+    name: String,
+    /// Length along the stack in m.
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    length_m: f64,
+    /// Area of the cross-section in m²; give this or `mass_kg`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "f64", extend("exclusiveMinimum" = 0.0))]
+    area_m2: Option<f64>,
+    /// Mass of the body in kg, from which the section's area follows as
+    /// mass / (density length); give this or `area_m2`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "f64", extend("exclusiveMinimum" = 0.0))]
+    mass_kg: Option<f64>,
+    /// Young's modulus in Pa.
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    youngs_modulus_pa: f64,
+    /// Density in kg/m³.
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    density_kg_per_m3: f64,
+}
+
+/// A body whose section is not given exactly once.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
+#[error("a body needs exactly one of area_m2 and mass_kg, found {found}")]
+struct SectionNotGivenOnce {
+    found: usize,
+}
+
+impl TryFrom<BodyKeys> for BodySpec {
+    type Error = SectionNotGivenOnce;
+
+    fn try_from(keys: BodyKeys) -> Result<Self, Self::Error> {
+        let section = match (keys.area_m2, keys.mass_kg) {
+            (Some(area), None) => Section::AreaM2(area),
+            (None, Some(mass)) => Section::MassKg(mass),
+            (None, None) => return Err(SectionNotGivenOnce { found: 0 }),
+            (Some(_), Some(_)) => return Err(SectionNotGivenOnce { found: 2 }),
+        };
+        Ok(Self {
+            name: keys.name,
+            length_m: keys.length_m,
+            section,
+            youngs_modulus_pa: keys.youngs_modulus_pa,
+            density_kg_per_m3: keys.density_kg_per_m3,
+        })
+    }
+}
+
+impl From<BodySpec> for BodyKeys {
+    fn from(body: BodySpec) -> Self {
+        let (area_m2, mass_kg) = match body.section {
+            Section::AreaM2(area) => (Some(area), None),
+            Section::MassKg(mass) => (None, Some(mass)),
+        };
+        Self {
+            name: body.name,
+            length_m: body.length_m,
+            area_m2,
+            mass_kg,
+            youngs_modulus_pa: body.youngs_modulus_pa,
+            density_kg_per_m3: body.density_kg_per_m3,
+        }
+    }
+}

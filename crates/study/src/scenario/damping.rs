@@ -1,0 +1,90 @@
+//! Viscous damping of the bodies.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+/// Viscous damping of the bodies.
+///
+/// In JSON the amount is given by exactly one of `ratio` and `rate_per_s`.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(try_from = "DampingKeys", into = "DampingKeys")]
+pub enum DampingSpec {
+    /// A force `h rho A u'` per length on every body: h times its momentum.
+    MassProportional(DampingAmount),
+}
+
+/// How much mass-proportional damping there is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum DampingAmount {
+    /// Damping ratio xi of the lowest mode linearised about static
+    /// equilibrium: `h = 2 xi w0`.
+    Ratio(f64),
+    /// The rate h itself, in 1/s.
+    RatePerS(f64),
+}
+
+impl DampingSpec {
+    /// The rate `h` in 1/s for a rig whose lowest linearised mode has the
+    /// angular frequency `w0_rad_per_s` in rad/s.
+    pub fn rate_per_s(&self, w0_rad_per_s: f64) -> f64 {
+        let Self::MassProportional(amount) = *self;
+        match amount {
+            DampingAmount::Ratio(xi) => 2.0 * xi * w0_rad_per_s,
+            DampingAmount::RatePerS(h) => h,
+        }
+    }
+}
+
+/// Viscous damping of the bodies.
+#[derive(Clone, Copy, Serialize, Deserialize, JsonSchema)]
+#[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
+#[schemars(rename = "DampingSpec")]
+enum DampingKeys {
+    /// A force on every body proportional to its momentum, with exactly one of
+    /// ratio and `rate_per_s`.
+    #[schemars(extend("oneOf" = [{"required": ["ratio"]}, {"required": ["rate_per_s"]}]))]
+    MassProportional {
+        /// Damping ratio of the lowest mode linearised about static
+        /// equilibrium; give this or `rate_per_s`.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(with = "f64", range(min = 0.0))]
+        ratio: Option<f64>,
+        /// The rate h of the equation of motion, in 1/s; give this or ratio.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(with = "f64", range(min = 0.0))]
+        rate_per_s: Option<f64>,
+    },
+}
+
+/// A damping whose amount is not given exactly once.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
+#[error("mass_proportional damping needs exactly one of ratio and rate_per_s, found {found}")]
+struct AmountNotGivenOnce {
+    found: usize,
+}
+
+impl TryFrom<DampingKeys> for DampingSpec {
+    type Error = AmountNotGivenOnce;
+
+    fn try_from(keys: DampingKeys) -> Result<Self, Self::Error> {
+        let DampingKeys::MassProportional { ratio, rate_per_s } = keys;
+        match (ratio, rate_per_s) {
+            (Some(xi), None) => Ok(Self::MassProportional(DampingAmount::Ratio(xi))),
+            (None, Some(h)) => Ok(Self::MassProportional(DampingAmount::RatePerS(h))),
+            (None, None) => Err(AmountNotGivenOnce { found: 0 }),
+            (Some(_), Some(_)) => Err(AmountNotGivenOnce { found: 2 }),
+        }
+    }
+}
+
+impl From<DampingSpec> for DampingKeys {
+    fn from(damping: DampingSpec) -> Self {
+        let DampingSpec::MassProportional(amount) = damping;
+        let (ratio, rate_per_s) = match amount {
+            DampingAmount::Ratio(xi) => (Some(xi), None),
+            DampingAmount::RatePerS(h) => (None, Some(h)),
+        };
+        Self::MassProportional { ratio, rate_per_s }
+    }
+}

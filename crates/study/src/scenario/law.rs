@@ -1,0 +1,200 @@
+//! Contact laws as a scenario writes them.
+
+use std::fmt;
+
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde::de::{Deserializer, MapAccess, Visitor};
+use serde::ser::Serializer;
+use serde::{Deserialize, Serialize};
+
+/// A contact law: the contact stiffness per area K as a function of the
+/// contact pressure p.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
+pub enum LawSpec {
+    /// A linear spring, K(p) = K0.
+    Constant {
+        /// Stiffness K0 in Pa/m.
+        #[schemars(extend("exclusiveMinimum" = 0.0))]
+        stiffness_pa_per_m: f64,
+        /// Whether the contact opens instead of carrying tension.
+        #[serde(default)]
+        unilateral: bool,
+    },
+    /// The power law of the paper's Eq. 7, K(p) = C p^m.
+    Power {
+        /// Coefficient C in Pa^(1-m)/m.
+        #[schemars(extend("exclusiveMinimum" = 0.0))]
+        coefficient: f64,
+        /// Exponent m.
+        #[schemars(extend("exclusiveMinimum" = 0.0))]
+        exponent: f64,
+    },
+    /// C p^m above the transition pressure; below it a smooth monotone curve
+    /// through the knots.
+    ModifiedPower {
+        /// Coefficient C in Pa^(1-m)/m.
+        #[schemars(extend("exclusiveMinimum" = 0.0))]
+        coefficient: f64,
+        /// Exponent m.
+        #[schemars(extend("exclusiveMinimum" = 0.0))]
+        exponent: f64,
+        /// Pressure in Pa from which the power law holds.
+        #[schemars(extend("exclusiveMinimum" = 0.0))]
+        transition_pa: f64,
+        /// Pairs [pressure in Pa, stiffness in Pa/m] below the transition, the
+        /// first at zero pressure, pressures and stiffnesses increasing.
+        #[schemars(length(min = 1))]
+        knots: Vec<[f64; 2]>,
+    },
+    /// K(p) = p / u0: a contact that never separates (Persson).
+    Exponential {
+        /// Length u0 in m over which the pressure grows by a factor e.
+        #[schemars(extend("exclusiveMinimum" = 0.0))]
+        length_m: f64,
+    },
+    /// K(p) = K0 (1 + p / (K0 dm))^2 (Bandis and Barton).
+    Hyperbolic {
+        /// Stiffness K0 in Pa/m at zero pressure.
+        #[schemars(extend("exclusiveMinimum" = 0.0))]
+        stiffness_pa_per_m: f64,
+        /// Largest closure dm in m, approached at infinite pressure.
+        #[schemars(extend("exclusiveMinimum" = 0.0))]
+        closure_limit_m: f64,
+    },
+    /// A smooth monotone curve through measured points, constant outside them.
+    Table {
+        /// Pairs [pressure in Pa, stiffness in Pa/m], pressures increasing.
+        #[schemars(length(min = 2))]
+        points: Vec<[f64; 2]>,
+    },
+    /// A law with an elastic layer: its compliances add, `1/K = 1/K_law + 1/K_layer`.
+    InSeries {
+        /// The law in contact: a name from "laws", or a law written in place.
+        law: LawRef,
+        /// Stiffness `K_layer` of the elastic layer in Pa/m.
+        #[schemars(extend("exclusiveMinimum" = 0.0))]
+        stiffness_pa_per_m: f64,
+    },
+}
+
+/// A contact law by its name in "laws", or written in place.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum LawRef {
+    /// The name of a law in "laws".
+    Named(String),
+    /// A law written in place.
+    InPlace(Box<LawSpec>),
+}
+
+/// Contact laws by name, in the order the scenario writes them.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Laws {
+    entries: Vec<(String, LawSpec)>,
+}
+
+impl Laws {
+    /// Whether there is no law.
+    pub fn is_empty(&self) -> bool {
+        self.entries.is_empty()
+    }
+
+    /// Number of laws.
+    pub fn len(&self) -> usize {
+        self.entries.len()
+    }
+
+    /// The law of that name.
+    pub fn get(&self, name: &str) -> Option<&LawSpec> {
+        let entry = self.entries.iter().find(|(known, _)| known == name);
+        entry.map(|(_, law)| law)
+    }
+
+    /// Names and laws, in order.
+    pub fn iter(&self) -> impl Iterator<Item = (&str, &LawSpec)> {
+        self.entries.iter().map(|(name, law)| (name.as_str(), law))
+    }
+
+    /// Names, in order.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        self.entries.iter().map(|(name, _)| name.as_str())
+    }
+
+    /// Gives `name` to a law; returns the law that had this name before.
+    pub fn insert(&mut self, name: impl Into<String>, law: LawSpec) -> Option<LawSpec> {
+        let name = name.into();
+        if let Some((_, old)) = self.entries.iter_mut().find(|(known, _)| *known == name) {
+            Some(std::mem::replace(old, law))
+        } else {
+            self.entries.push((name, law));
+            None
+        }
+    }
+
+    /// The law a reference stands for; `None` when it names none of these.
+    ///
+    /// A law in series may refer to further names: resolve its inner reference
+    /// in the same way.
+    pub fn resolve<'a>(&'a self, reference: &'a LawRef) -> Option<&'a LawSpec> {
+        match reference {
+            LawRef::Named(name) => self.get(name),
+            LawRef::InPlace(law) => Some(law),
+        }
+    }
+}
+
+impl FromIterator<(String, LawSpec)> for Laws {
+    fn from_iter<I: IntoIterator<Item = (String, LawSpec)>>(pairs: I) -> Self {
+        let mut laws = Self::default();
+        for (name, law) in pairs {
+            laws.insert(name, law);
+        }
+        laws
+    }
+}
+
+impl Serialize for Laws {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_map(self.iter())
+    }
+}
+
+impl<'de> Deserialize<'de> for Laws {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Entries;
+
+        impl<'de> Visitor<'de> for Entries {
+            type Value = Laws;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("an object of contact laws by name")
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Laws, A::Error> {
+                let mut laws = Laws::default();
+                while let Some((name, law)) = map.next_entry::<String, LawSpec>()? {
+                    laws.insert(name, law);
+                }
+                Ok(laws)
+            }
+        }
+
+        deserializer.deserialize_map(Entries)
+    }
+}
+
+impl JsonSchema for Laws {
+    fn schema_name() -> std::borrow::Cow<'static, str> {
+        "Laws".into()
+    }
+
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        let law = generator.subschema_for::<LawSpec>();
+        json_schema!({
+            "type": "object",
+            "description": "Contact laws by name.",
+            "additionalProperties": law,
+        })
+    }
+}

@@ -1,0 +1,230 @@
+//! Checks a scenario against its JSON Schema, saying where, what, and what is
+//! accepted.
+//!
+//! A general validator names the branch of a union that failed; this walker
+//! knows the few shapes that [`crate::schema::schema`] takes, picks the branch
+//! that was meant by its `kind` (or by its JSON type) and reports inside it.
+//! It accepts what the schema accepts, no more and no less; the tests hold it
+//! to an independent validator.
+
+mod accepted;
+mod union;
+
+use serde_json::{Map, Value};
+
+use crate::diagnostic::{Diagnostic, Found, Problem, brief, number};
+use crate::pointer::Pointer;
+use crate::suggest::nearest;
+
+/// Every keyword of JSON Schema that the walker applies or may pass over.
+pub const KEYWORDS: [&str; 22] = [
+    "$schema",
+    "$defs",
+    "$ref",
+    "title",
+    "description",
+    "default",
+    "format",
+    "type",
+    "const",
+    "oneOf",
+    "anyOf",
+    "properties",
+    "required",
+    "additionalProperties",
+    "items",
+    "minItems",
+    "maxItems",
+    "minLength",
+    "minimum",
+    "maximum",
+    "exclusiveMinimum",
+    "exclusiveMaximum",
+];
+
+/// All the problems of `document` under `schema`, in the order of the schema's
+/// walk; none when it is valid.
+pub fn check(schema: &Value, document: &Value) -> Vec<Diagnostic> {
+    let mut walker = Walker { root: schema, found: Vec::new() };
+    walker.node(schema, document, &Pointer::root());
+    walker.found
+}
+
+struct Walker<'s> {
+    root: &'s Value,
+    found: Vec<Diagnostic>,
+}
+
+impl<'s> Walker<'s> {
+    /// Checks `value` under `node` and whatever `node` refers to.
+    fn node(&mut self, node: &'s Value, value: &Value, at: &Pointer) {
+        if let Some(target) = self.target(node) {
+            self.node(target, value, at);
+        }
+        let kind = node.get("type").and_then(Value::as_str);
+        let only = node.get("const");
+        if kind.is_some_and(|kind| !has_type(value, kind)) || only.is_some_and(|only| only != value)
+        {
+            self.refuse(node, value, at);
+            return;
+        }
+        match value {
+            Value::Object(object) => self.object(node, object, at),
+            Value::Array(items) => self.array(node, items, at),
+            Value::Number(_) => self.bounds(node, value, at),
+            Value::String(text) => self.text(node, text, at),
+            Value::Null | Value::Bool(_) => {}
+        }
+        self.one_of(node, value, at);
+        self.any_of(node, value, at);
+    }
+
+    fn object(&mut self, node: &'s Value, object: &Map<String, Value>, at: &Pointer) {
+        let properties = node.get("properties").and_then(Value::as_object);
+        let known = |key: &str| properties.and_then(|properties| properties.get(key));
+        let names = || properties.into_iter().flat_map(Map::keys).map(String::as_str);
+        let mut meant = Vec::new();
+        for (key, value) in object {
+            let child = at.child(key);
+            match (known(key), node.get("additionalProperties")) {
+                (Some(property), _) => self.node(property, value, &child),
+                (None, Some(Value::Bool(false))) => {
+                    let free = names().filter(|name| !object.contains_key(*name));
+                    let near = nearest(key, free);
+                    meant.extend(near);
+                    let unknown =
+                        Diagnostic::new(&child, Problem::UnknownKey, accepted::keys(names()));
+                    self.found.push(unknown.suggest_word(near));
+                }
+                (None, Some(rest)) => self.node(rest, value, &child),
+                (None, None) => {}
+            }
+        }
+        let required = node.get("required").and_then(Value::as_array);
+        for key in required.into_iter().flatten().filter_map(Value::as_str) {
+            // A misspelt key is one problem, not an unknown and a missing one.
+            if !object.contains_key(key) && !meant.contains(&key) {
+                let accepted = match known(key) {
+                    Some(property) => self.accepted(property),
+                    None => brief(key),
+                };
+                let key = key.to_owned();
+                self.found.push(Diagnostic::new(at, Problem::MissingKey { key }, accepted));
+            }
+        }
+    }
+
+    fn array(&mut self, node: &'s Value, items: &[Value], at: &Pointer) {
+        let limit = |keyword: &str| node.get(keyword).and_then(Value::as_u64);
+        let count = items.len();
+        let few = limit("minItems").is_some_and(|least| (count as u64) < least);
+        let many = limit("maxItems").is_some_and(|most| count as u64 > most);
+        if few || many {
+            let problem = Problem::WrongLength { items: count };
+            self.found.push(Diagnostic::new(at, problem, self.accepted(node)));
+        }
+        if let Some(item_node) = node.get("items") {
+            for (index, item) in items.iter().enumerate() {
+                self.node(item_node, item, &at.child(index));
+            }
+        }
+    }
+
+    fn bounds(&mut self, node: &'s Value, value: &Value, at: &Pointer) {
+        let Some(size) = value.as_f64() else {
+            return;
+        };
+        for bound in accepted::bounds(node) {
+            if !bound.holds(size) {
+                let problem = Problem::OutOfBounds { value: size, bound };
+                let default = node.get("default").and_then(Value::as_f64).map(number);
+                let accepted = self.accepted(node);
+                self.found.push(Diagnostic::new(at, problem, accepted).suggest(default));
+            }
+        }
+    }
+
+    fn text(&mut self, node: &'s Value, text: &str, at: &Pointer) {
+        let least = node.get("minLength").and_then(Value::as_u64);
+        if least.is_some_and(|least| (text.chars().count() as u64) < least) {
+            self.found.push(Diagnostic::new(at, Problem::EmptyText, self.accepted(node)));
+        }
+    }
+
+    /// A value of the wrong type or the wrong word.
+    fn refuse(&mut self, node: &'s Value, value: &Value, at: &Pointer) {
+        let problem = Problem::NotAccepted { found: Found::of(value) };
+        let suggestion = self.meant(node, value);
+        let accepted = self.accepted(node);
+        self.found.push(Diagnostic::new(at, problem, accepted).suggest(suggestion));
+    }
+
+    /// The value of the right type that `value` may stand for.
+    fn meant(&self, node: &'s Value, value: &Value) -> Option<String> {
+        let kind = node.get("type").and_then(Value::as_str);
+        match (value, kind) {
+            (Value::String(text), Some("number" | "integer")) => {
+                let plain = text.trim().replace(',', ".");
+                let value = plain.parse().ok().filter(|value: &f64| value.is_finite())?;
+                Some(number(value))
+            }
+            (Value::String(text), Some("boolean")) => match text.to_lowercase().as_str() {
+                "true" | "yes" | "on" => Some("true".to_owned()),
+                "false" | "no" | "off" => Some("false".to_owned()),
+                _ => None,
+            },
+            (Value::String(text), _) => {
+                let words = self.words(node);
+                nearest(text, words.iter().copied()).map(brief)
+            }
+            _ => None,
+        }
+    }
+
+    /// The node a `$ref` stands for.
+    fn target(&self, node: &Value) -> Option<&'s Value> {
+        let reference = node.get("$ref")?.as_str()?;
+        self.root.pointer(reference.strip_prefix('#')?)
+    }
+}
+
+/// Whether `value` has the JSON Schema type `kind`.
+///
+/// A number with a fraction of zero is an integer in JSON Schema but not to
+/// serde, so an integer must be written without a fraction.
+fn has_type(value: &Value, kind: &str) -> bool {
+    match kind {
+        "null" => value.is_null(),
+        "boolean" => value.is_boolean(),
+        "object" => value.is_object(),
+        "array" => value.is_array(),
+        "number" => value.is_number(),
+        "integer" => value.is_i64() || value.is_u64(),
+        "string" => value.is_string(),
+        _ => false,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A keyword that the walker does not know would be passed over silently.
+    #[test]
+    fn the_schema_uses_no_other_keyword() {
+        fn visit(node: &Value) {
+            for (keyword, inner) in node.as_object().into_iter().flatten() {
+                assert!(KEYWORDS.contains(&keyword.as_str()), "{keyword}");
+                match (keyword.as_str(), inner) {
+                    ("properties" | "$defs", Value::Object(nodes)) => {
+                        nodes.values().for_each(visit);
+                    }
+                    ("oneOf" | "anyOf", Value::Array(nodes)) => nodes.iter().for_each(visit),
+                    ("items" | "additionalProperties", node) => visit(node),
+                    _ => {}
+                }
+            }
+        }
+        visit(&crate::schema::schema());
+    }
+}

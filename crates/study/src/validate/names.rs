@@ -1,0 +1,87 @@
+//! Names: unique, and fit for column headers and file names.
+
+use std::collections::HashMap;
+
+use super::Node;
+use crate::diagnostic::{Diagnostic, NameFault, Problem};
+
+/// Longest name in bytes.
+const LONGEST: usize = 100;
+
+/// Characters that a column header or a quoted CSV entry cannot hold plainly.
+const NOT_IN_HEADERS: &str = ",:\"";
+
+/// Characters that file names cannot hold on one system or another.
+const NOT_IN_FILES: &str = "/\\:*?\"<>|";
+
+/// Checks the names of bodies, interfaces and laws.
+pub(super) fn check(root: &Node<'_>, found: &mut Vec<Diagnostic>) {
+    family(root, "bodies", "", found);
+    family(root, "interfaces", NOT_IN_HEADERS, found);
+    let mut first = HashMap::new();
+    for (name, law) in root.entries("laws") {
+        usable(name, NOT_IN_FILES, &law, found);
+        // File names differ by more than case on every system.
+        unique(name, &name.to_lowercase(), &law, &mut first, found);
+    }
+}
+
+fn family(root: &Node<'_>, key: &str, refused: &str, found: &mut Vec<Diagnostic>) {
+    let mut first = HashMap::new();
+    for item in root.items(key) {
+        if let (Some(name), Some(node)) = (item.text("name"), item.get("name")) {
+            usable(name, refused, &node, found);
+            unique(name, name, &node, &mut first, found);
+        }
+    }
+}
+
+fn unique(
+    name: &str,
+    identity: &str,
+    node: &Node<'_>,
+    first: &mut HashMap<String, String>,
+    found: &mut Vec<Diagnostic>,
+) {
+    if let Some(first) = first.get(identity) {
+        let (name, first) = (name.to_owned(), first.clone());
+        let problem = Problem::RepeatedName { name, first };
+        found.push(Diagnostic::new(
+            &node.at,
+            problem,
+            "a name that no other one has, in upper or lower case",
+        ));
+    } else {
+        first.insert(identity.to_owned(), node.at.to_string());
+    }
+}
+
+fn usable(name: &str, refused: &str, node: &Node<'_>, found: &mut Vec<Diagnostic>) {
+    let bad = |character: &char| character.is_control() || refused.contains(*character);
+    let fault = match name.chars().find(bad) {
+        Some(character) => Some(NameFault::Character(character)),
+        None if name.len() > LONGEST => Some(NameFault::Long(LONGEST)),
+        None if name.trim_matches([' ', '.']) != name => Some(NameFault::Edge),
+        None => None,
+    };
+    if let Some(fault) = fault {
+        let problem = Problem::UnusableName { name: name.to_owned(), fault };
+        let but: String = refused.chars().flat_map(|character| [' ', character]).collect();
+        let mut accepted = "a name of letters, digits, spaces, hyphens and the like".to_owned();
+        if !but.is_empty() {
+            accepted.push_str(", without any of");
+            accepted.push_str(&but);
+        }
+        let plain: String =
+            name.trim_matches([' ', '.']).chars().map(|c| if bad(&c) { '-' } else { c }).collect();
+        let plain = plain.trim_matches([' ', '.', '-']).to_owned();
+        let plain = Some(plain).filter(|plain| !plain.is_empty() && plain.len() <= LONGEST);
+        found.push(Diagnostic::new(&node.at, problem, accepted).suggest_word(plain.as_deref()));
+    } else if name.is_empty() {
+        found.push(Diagnostic::new(
+            &node.at,
+            Problem::EmptyText,
+            "a name of at least one character",
+        ));
+    }
+}
