@@ -1,2 +1,52 @@
-//! The asperity command.
-fn main() {}
+//! The `asperity` command: parse, call the study, print. No numerics live here.
+//!
+//! | module | does |
+//! |---|---|
+//! | [`args`] | the options |
+//! | [`command`] | one file per subcommand |
+//! | [`plot`] | the figures that the subcommands write |
+//! | [`failure`] | what went wrong, its exit status, and how it is shown |
+//! | [`progress`] | bars on a terminal, logs on standard error |
+#![allow(
+    clippy::print_stdout,
+    clippy::print_stderr,
+    reason = "a command prints its answers to standard output and its errors to standard error"
+)]
+
+mod args;
+mod command;
+mod failure;
+mod plot;
+mod progress;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use args::{Args, Command};
+use failure::Failure;
+
+fn main() -> ExitCode {
+    let args = Args::parse();
+    progress::start_logging(args.verbosity());
+    match run(&args) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            failure.show();
+            failure.exit_code()
+        }
+    }
+}
+
+fn run(args: &Args) -> Result<(), Failure> {
+    match &args.command {
+        Command::Simulate { input, output } => command::simulate::run(input, output, args.quiet),
+        Command::Sweep { input, output, vary, threads } => {
+            command::sweep::run(input, output, vary, *threads, args.quiet)
+        }
+        Command::Law { input, output, fit } => command::law::run(input, output, fit.as_deref()),
+        Command::Modes { input, output, count } => command::modes::run(input, output, *count),
+        Command::Check { input, json } => command::check::run(input, *json),
+        Command::Schema => command::schema::run(),
+    }
+}

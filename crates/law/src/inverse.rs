@@ -39,9 +39,6 @@ pub(crate) fn pressure_increment<L: ContactLaw + ?Sized>(
     from: f64,
     closure_increment: f64,
 ) -> Pressure {
-    if closure_increment == 0.0 {
-        return Pressure { value: 0.0, tangent: law.stiffness(from) };
-    }
     let domain = law.domain();
     if let Some(lost) = domain.closure_lost
         && closure_increment < lost - law.closure(from)
@@ -52,11 +49,25 @@ pub(crate) fn pressure_increment<L: ContactLaw + ?Sized>(
     if reached == f64::INFINITY {
         return Pressure::RIGID;
     }
-    let mut increment = reached - from;
+    polish(law, from, closure_increment, reached - from)
+}
+
+/// Newton steps on a nearly right pressure increment.
+pub(crate) fn polish<L: ContactLaw + ?Sized>(
+    law: &L,
+    from: f64,
+    closure_increment: f64,
+    guess: f64,
+) -> Pressure {
+    if closure_increment == 0.0 {
+        return Pressure { value: 0.0, tangent: law.stiffness(from) };
+    }
+    let lowest = law.domain().pressure_min - from;
+    let mut increment = guess;
     for _ in 0..4 {
         let residual = closure_increment - law.closure_increment(from, increment);
         let step = residual * law.stiffness(from + increment);
-        let next = no_less(increment + step, domain.pressure_min - from);
+        let next = no_less(increment + step, lowest);
         if !next.is_finite() {
             break;
         }

@@ -6,6 +6,7 @@
 //! cell are stored, so that a closure costs one search and one rule.
 
 use crate::domain::{Domain, no_less};
+use crate::inverse;
 use crate::law::{ContactLaw, Pressure};
 use crate::power::Power;
 use crate::quadrature::gauss;
@@ -266,6 +267,24 @@ impl ContactLaw for Spliced {
         let room = next.start - cell.start;
         let p = cell.start + Self::advance(cell, room, closure - cell.closure);
         Pressure { value: p, tangent: cell.stiffness(p) }
+    }
+
+    fn pressure_increment(&self, from: f64, closure_increment: f64) -> Pressure {
+        let end = self.end.start;
+        let to_end = self.closure_increment(from, end - from);
+        if closure_increment >= to_end {
+            if from >= end {
+                return self.above.pressure_increment(from, closure_increment);
+            }
+            let over = self.above.pressure_increment(end, closure_increment - to_end);
+            return Pressure { value: (end - from) + over.value, ..over };
+        }
+        let start = self.closure(from);
+        if closure_increment < -start {
+            return Pressure::lost_from(from);
+        }
+        let guess = self.pressure(start + closure_increment).value - from;
+        inverse::polish(self, from, closure_increment, guess)
     }
 
     fn energy(&self, closure: f64) -> f64 {

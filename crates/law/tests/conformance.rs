@@ -1,6 +1,6 @@
 //! The one suite every contact law passes, over wide ranges of parameters and pressures.
 //!
-//! Pressures run from 1 Pa to 1 GPa. What the suite asks of a law is in `suite.rs`, the families
+//! Pressures run from 1 Pa to 1e9 Pa. What the suite asks of a law is in `suite.rs`, the families
 //! of laws in `families.rs`.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot build its law should panic")]

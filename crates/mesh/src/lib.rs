@@ -34,5 +34,5 @@ pub use bar::BarStiffness;
 pub use body::Body;
 pub use error::MeshError;
 pub use grid::{BarGrid, Grid};
-pub use stack::{Interface, Stack, Support};
+pub use stack::{Interface, Stack, Support, static_pressures};
 pub use structure::{Contact, LinearStructure};

@@ -73,7 +73,7 @@ fn stack(scenario: &Scenario) -> Result<Stack, StudyError> {
     let bodies = scenario.bodies.iter().map(body).collect::<Result<Vec<_>, _>>()?;
     let areas = scenario.interfaces.iter().map(|interface| interface.area_m2);
     let pressures =
-        asperity_mesh::stack::static_pressures(&bodies, areas, scenario.gravity_m_per_s2);
+        asperity_mesh::static_pressures(&bodies, areas, scenario.gravity_m_per_s2);
     let mut interfaces = Vec::with_capacity(scenario.interfaces.len());
     for (spec, &pressure) in scenario.interfaces.iter().zip(&pressures) {
         let law = build_law(&spec.law, &scenario.laws, pressure).map_err(|source| {
@@ -97,7 +97,7 @@ fn stack(scenario: &Scenario) -> Result<Stack, StudyError> {
     Ok(stack.map_err(asperity_dynamics::DynamicsError::from)?)
 }
 
-fn body(spec: &BodySpec) -> Result<Body, StudyError> {
+pub(crate) fn body(spec: &BodySpec) -> Result<Body, StudyError> {
     let BodySpec { name, length_m, youngs_modulus_pa, density_kg_per_m3, .. } = spec;
     let body = match spec.section {
         Section::AreaM2(area) => {

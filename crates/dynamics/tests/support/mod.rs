@@ -1,12 +1,20 @@
-//! The rigs that the tests share.
+//! The rigs, the second methods and the measures that the tests share.
 #![allow(dead_code, reason = "each test file uses its own part")]
+#![allow(unreachable_pub, reason = "a test binary has no other crate to show its items to")]
+#![allow(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
+
+pub mod absolute_scheme;
+pub mod bar_chain;
+pub mod half_spaces;
+pub mod receptance;
+pub mod statics;
 
 use std::sync::Arc;
 
-use asperity_dynamics::{
-    Damping, Equilibrium, Excitation, FiniteDifference, Sampling, Transient,
+use asperity_dynamics::{Damping, Equilibrium, Excitation, FiniteDifference, Sampling, Transient};
+use asperity_law::{
+    Constant, ContactLaw, Exponential, Hyperbolic, InSeries, ModifiedPower, Power, Table,
 };
-use asperity_law::{Constant, ContactLaw, ModifiedPower, Power};
 use asperity_mesh::{Body, Interface, Stack, Support};
 
 pub type Law = Arc<dyn ContactLaw>;
@@ -28,6 +36,30 @@ pub fn power() -> Law {
 /// The paper's constant stiffness.
 pub fn constant() -> Law {
     Arc::new(Constant::new(8.5e11).unwrap())
+}
+
+/// One of every law, and of a power law one of every kind, of about 1e12 Pa/m at
+/// the rig's static pressure.
+pub fn every_law() -> Vec<(&'static str, Law)> {
+    let points = [(0.02e6, 2e11), (0.08e6, 5e11), (0.15e6, 1e12), (0.4e6, 1.8e12), (1e6, 3e12)];
+    let series = InSeries::new(Power::new(1.81e10, 0.35, 0.0).unwrap(), 5e12).unwrap();
+    vec![
+        ("constant", constant()),
+        ("unilateral constant", Arc::new(Constant::unilateral(8.5e11).unwrap())),
+        ("power, m = 0.35", power()),
+        ("power, m = 1", Arc::new(Power::new(7e6, 1.0, 1.4e5).unwrap())),
+        ("power, m = 1.5", Arc::new(Power::new(1.9e4, 1.5, 1.4e5).unwrap())),
+        ("modified", modified()),
+        ("exponential", exponential()),
+        ("hyperbolic", Arc::new(Hyperbolic::new(3e11, 1e-6).unwrap())),
+        ("table", Arc::new(Table::new(&points).unwrap())),
+        ("in series", Arc::new(series)),
+    ]
+}
+
+/// Persson's law with 1e12 Pa/m at 0.14 MPa.
+pub fn exponential() -> Law {
+    Arc::new(Exponential::new(1.4e-7, 1.4e5).unwrap())
 }
 
 /// The paper's rig with the same law at both contacts.
@@ -54,6 +86,51 @@ pub fn rig_on(law: &Law, support: Support) -> Stack {
 /// The pulse that stands in for the paper's unpublished one.
 pub fn pulse(peak: f64) -> Excitation {
     Excitation::GammaPulse { peak, rise: 0.34e-3 }
+}
+
+/// Three bodies of different materials and sections on the modified law.
+pub fn three_bodies(support: Support) -> Stack {
+    let law = modified();
+    let contact = |name| Interface::new(name, AREA, Arc::clone(&law)).unwrap();
+    Stack::new(
+        vec![
+            Body::new("steel", 0.08, 6e-4, 210e9, 7800.0).unwrap(),
+            Body::new("aluminium", 0.03, 2e-4, 71e9, 2710.0).unwrap(),
+            Body::new("polymer", 0.02, 3e-4, 3e9, 1200.0).unwrap(),
+        ],
+        vec![contact("upper"), contact("middle"), contact("lower")],
+        support,
+        9.81,
+    )
+    .unwrap()
+}
+
+/// A compliant disc: 3 kg on a spring and damper, near 1.3 kHz.
+pub const DISC: Support =
+    Support::SpringMass { stiffness: 2e8, mass: 3.0, damping_ratio: 0.05 };
+
+/// A run of `stack` with the damping `rate` [1/s], sampled at `sampling_rate` [Hz].
+pub fn run_at(
+    stack: &Stack,
+    method: &FiniteDifference,
+    rate: f64,
+    excitation: &Excitation,
+    (duration, sampling_rate): (f64, f64),
+) -> Transient {
+    let equilibrium = Equilibrium::of(stack).unwrap();
+    let sampling = Sampling::new(duration, sampling_rate).unwrap();
+    method.integrate(stack, &equilibrium, rate, excitation, &sampling, &|_| ()).unwrap()
+}
+
+/// Largest difference of two columns over the largest magnitude of the second.
+pub fn difference(a: &[f64], b: &[f64]) -> f64 {
+    assert_eq!(a.len(), b.len());
+    let largest = b.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+    let worst = a.iter().zip(b).fold(0.0_f64, |m, (x, y)| {
+        let off = (x - y).abs();
+        if off.is_nan() { f64::NAN } else { m.max(off) }
+    });
+    worst / largest
 }
 
 /// A run of `stack` at 200 kHz with the paper's damping ratio.

@@ -11,7 +11,7 @@ pub(crate) fn log_uniform(low: f64, high: f64) -> impl Strategy<Value = f64> {
     (low.ln()..high.ln()).prop_map(f64::exp)
 }
 
-/// Six pressures from 1 Pa to 1 GPa, ascending.
+/// Six pressures from 1 Pa to 1e9 Pa, ascending.
 pub(crate) fn pressures() -> impl Strategy<Value = Vec<f64>> {
     prop::collection::vec(log_uniform(1.0, 1e9), 6).prop_map(|mut p| {
         p.sort_by(f64::total_cmp);
@@ -27,7 +27,7 @@ pub(crate) fn constant_unilateral() -> impl Strategy<Value = Constant> {
     log_uniform(1e6, 1e16).prop_map(|k| Constant::unilateral(k).unwrap())
 }
 
-/// Coefficient that gives a stiffness of 1e9 to 1e15 Pa/m at 0.1 MPa.
+/// Coefficient that gives a stiffness of 1e9 to 1e15 Pa/m at 1e5 Pa.
 fn coefficient(stiffness: f64, exponent: f64) -> f64 {
     stiffness * 1e5_f64.powf(-exponent)
 }

@@ -1,0 +1,133 @@
+//! The options of the command.
+
+use std::path::PathBuf;
+
+use clap::{ArgAction, Args as Group, Parser, Subcommand};
+
+/// Dynamics of structures with rough contact interfaces, whose stiffness depends on pressure.
+#[derive(Debug, Parser)]
+#[command(
+    name = "asperity",
+    version,
+    after_help = "Exit status: 0 done; 1 the run failed; 2 the request is wrong.\n\
+                  A scenario is a JSON file; `asperity schema` prints what it may hold."
+)]
+pub(crate) struct Args {
+    /// What to do.
+    #[command(subcommand)]
+    pub(crate) command: Command,
+
+    /// Say more on standard error; twice for still more.
+    #[arg(short, long, action = ArgAction::Count, global = true)]
+    verbose: u8,
+
+    /// No progress bar, no warnings, no answer in words.
+    #[arg(long, global = true, conflicts_with = "verbose")]
+    pub(crate) quiet: bool,
+}
+
+impl Args {
+    /// How much to log: -1 errors only, 0 warnings, 1 information, 2 details.
+    pub(crate) fn verbosity(&self) -> i8 {
+        if self.quiet { -1 } else { i8::try_from(self.verbose).unwrap_or(i8::MAX) }
+    }
+}
+
+/// The subcommands.
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// One transient run: static equilibrium, time integration, observables.
+    ///
+    /// Writes summary.json, history.csv, frf.csv, history.svg and frf.svg.
+    Simulate {
+        #[command(flatten)]
+        input: Input,
+        #[command(flatten)]
+        output: Output,
+    },
+    /// Many runs: the cartesian product of the variations, in parallel.
+    ///
+    /// Writes sweep.csv, a row per run, sweep.json and sweep.svg. Results come
+    /// in order, whatever the number of threads.
+    Sweep {
+        #[command(flatten)]
+        input: Input,
+        #[command(flatten)]
+        output: Output,
+        /// Value to vary: POINTER=start:stop:count (linear, ends included) or POINTER=v1,v2,...
+        ///
+        /// POINTER is a JSON Pointer into the scenario, e.g.
+        /// /excitation/peak_n=9:32:24. Repeatable; the last varies fastest.
+        #[arg(long, value_name = "POINTER=VALUES", required = true)]
+        vary: Vec<String>,
+        /// Number of threads; all cores if left out.
+        #[arg(long, value_name = "N")]
+        threads: Option<usize>,
+    },
+    /// Tabulates every law of the scenario: pressure, stiffness, closure, energy.
+    ///
+    /// Writes law-<name>.csv for each law, law.json and law.svg.
+    Law {
+        #[command(flatten)]
+        input: Input,
+        #[command(flatten)]
+        output: Output,
+        /// Fit C and m of K = C p^m to this CSV of pressure_pa,stiffness_pa_per_m rows.
+        #[arg(long, value_name = "TABLE.csv")]
+        fit: Option<PathBuf>,
+    },
+    /// Static equilibrium, and the natural frequencies and shapes linearised about it.
+    ///
+    /// Writes modes.json, modes.csv and modes.svg.
+    Modes {
+        #[command(flatten)]
+        input: Input,
+        #[command(flatten)]
+        output: Output,
+        /// Number of modes.
+        #[arg(long, value_name = "N", default_value_t = 4,
+              value_parser = clap::builder::RangedU64ValueParser::<usize>::new().range(1..=1000))]
+        count: usize,
+    },
+    /// Validates a scenario without running it, and says what a run would take.
+    Check {
+        #[command(flatten)]
+        input: Input,
+        /// Print the answer as JSON.
+        #[arg(long)]
+        json: bool,
+    },
+    /// Prints the JSON Schema of the scenario.
+    Schema,
+}
+
+/// Which scenario.
+#[derive(Debug, Group)]
+pub(crate) struct Input {
+    /// The scenario, a JSON file.
+    #[arg(value_name = "SCENARIO")]
+    pub(crate) scenario: PathBuf,
+
+    /// Change a value of the scenario; repeatable.
+    ///
+    /// POINTER is a JSON Pointer, e.g. /excitation/peak_n=20. VALUE is JSON, or
+    /// else taken as text.
+    #[arg(long, value_name = "POINTER=VALUE")]
+    pub(crate) set: Vec<String>,
+}
+
+/// Where the results go.
+#[derive(Debug, Group)]
+pub(crate) struct Output {
+    /// Folder for the results; out/<scenario name> if left out.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+
+    /// Write into a folder that holds other files.
+    #[arg(long)]
+    pub(crate) force: bool,
+
+    /// Print the summary as JSON on standard output, and nothing else there.
+    #[arg(long)]
+    pub(crate) json: bool,
+}

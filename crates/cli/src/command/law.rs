@@ -1,0 +1,63 @@
+//! `asperity law`.
+
+use std::path::Path;
+
+use asperity_study::laws::{fit, tabulate};
+use asperity_study::record::law_csv;
+use asperity_study::summary::Provenance;
+use serde_json::json;
+
+use crate::args::{Input, Output};
+use crate::failure::Failure;
+use crate::plot;
+
+/// Tables of every law, a figure, and the fit if one is asked for.
+pub(crate) fn run(input: &Input, output: &Output, table: Option<&Path>) -> Result<(), Failure> {
+    let document = super::read(input)?;
+    let scenario = super::checked(&document)?;
+    let fitted = table
+        .map(fit)
+        .transpose()
+        .map_err(asperity_study::error::StudyError::from)?;
+    let tables = tabulate(&scenario)?;
+    let folder = super::claim(document.path(), output)?;
+    for law in &tables {
+        folder.write(&format!("law-{}.csv", law.name), law_csv(law))?;
+    }
+    if !tables.is_empty() {
+        super::draw(&folder, "law.svg", &plot::laws(&tables))?;
+    }
+    let fit_json = fitted.as_ref().map(|fit| {
+        json!({
+            "coefficient": fit.coefficient,
+            "exponent": fit.exponent,
+            "residual_log_rms": fit.residual_log_rms,
+            "standard_error_log_coefficient": fit.errors.as_ref().map(|e| e.log_coefficient),
+            "standard_error_exponent": fit.errors.as_ref().map(|e| e.exponent),
+        })
+    });
+    let names: Vec<&str> = tables.iter().map(|law| law.name.as_str()).collect();
+    let answer = json!({
+        "schema": "asperity/law/1",
+        "laws": names,
+        "fit": fit_json,
+        "provenance": Provenance::new(document.sha256()),
+    });
+    folder.write("law.json", super::pretty(&answer))?;
+    if output.json {
+        print!("{}", super::pretty(&answer));
+        return Ok(());
+    }
+    if let Some(fit) = &fitted {
+        println!("K = C p^m with C = {:.4e} Pa^(1-m)/m, m = {:.4}", fit.coefficient, fit.exponent);
+        println!("scatter of ln K: {:.3} rms", fit.residual_log_rms);
+        if let Some(errors) = &fit.errors {
+            println!(
+                "standard errors: ln C {:.3}, m {:.3}",
+                errors.log_coefficient, errors.exponent
+            );
+        }
+    }
+    println!("{} laws tabulated in {}", tables.len(), folder.path().display());
+    Ok(())
+}

@@ -1,0 +1,67 @@
+//! `asperity modes`.
+
+use asperity_study::assemble::Assembly;
+use asperity_study::dynamics::{Mode, modes};
+use asperity_study::record::modes_csv;
+use asperity_study::run::rest_state;
+use asperity_study::summary::Provenance;
+use serde_json::json;
+
+use crate::args::{Input, Output};
+use crate::failure::Failure;
+use crate::plot;
+
+/// Places along each body at which a shape is written.
+const PLACES: usize = 51;
+
+/// Natural frequencies, damping ratios and shapes about static equilibrium.
+pub(crate) fn run(input: &Input, output: &Output, count: usize) -> Result<(), Failure> {
+    let document = super::read(input)?;
+    let scenario = super::checked(&document)?;
+    let assembly = Assembly::new(&scenario, document.folder())?;
+    let found = modes(&assembly.stack, &assembly.equilibrium, assembly.damping_rate, count)?;
+    let folder = super::claim(document.path(), output)?;
+
+    let (places, shapes) = shapes(&assembly, &found);
+    folder.write("modes.csv", modes_csv(&places, &found, &shapes))?;
+    super::draw(&folder, "modes.svg", &plot::modes(&places, &found, &shapes))?;
+    let answer = json!({
+        "schema": "asperity/modes/1",
+        "title": scenario.title,
+        "static": rest_state(&assembly),
+        "modes": found.iter().map(|mode| json!({
+            "frequency_hz": mode.frequency_hz,
+            "damping_ratio": mode.damping_ratio,
+        })).collect::<Vec<_>>(),
+        "provenance": Provenance::new(document.sha256()),
+    });
+    folder.write("modes.json", super::pretty(&answer))?;
+    if output.json {
+        print!("{}", super::pretty(&answer));
+        return Ok(());
+    }
+    for (number, mode) in found.iter().enumerate() {
+        let (hz, percent) = (mode.frequency_hz, 100.0 * mode.damping_ratio);
+        println!("mode {:<3} {hz:>12.3} Hz   damping {percent:.3} %", number + 1);
+    }
+    println!("written to {}", folder.path().display());
+    Ok(())
+}
+
+/// Places from the top of the stack down, and each mode's displacement there.
+fn shapes(assembly: &Assembly, found: &[Mode]) -> (Vec<f64>, Vec<Vec<f64>>) {
+    let mut places = Vec::new();
+    let mut shapes = vec![Vec::new(); found.len()];
+    let mut top = 0.0;
+    for (index, body) in assembly.stack.bodies().iter().enumerate() {
+        for place in 0..PLACES {
+            let fraction = place as f64 / (PLACES - 1) as f64;
+            places.push(top + fraction * body.length());
+            for (mode, shape) in found.iter().zip(&mut shapes) {
+                shape.push(mode.displacement(body, index, fraction));
+            }
+        }
+        top += body.length();
+    }
+    (places, shapes)
+}

@@ -1,0 +1,90 @@
+//! `asperity simulate`.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use asperity_study::assemble::Assembly;
+use asperity_study::record::{frf_csv, history_csv};
+use asperity_study::run::{receptance, simulate};
+use asperity_study::summary::Summary;
+use serde_json::json;
+
+use crate::args::{Input, Output};
+use crate::failure::Failure;
+use crate::plot;
+
+/// One run: summary, histories, FRF, figures.
+pub(crate) fn run(input: &Input, output: &Output, quiet: bool) -> Result<(), Failure> {
+    let document = super::read(input)?;
+    let scenario = super::checked(&document)?;
+    let folder = super::claim(document.path(), output)?;
+
+    let bar = crate::progress::bar(100, "integrating", quiet);
+    let shown = AtomicU64::new(0);
+    let run = simulate(&document, &scenario, &|fraction| {
+        let percent = (100.0 * fraction) as u64;
+        if shown.swap(percent, Ordering::Relaxed) != percent {
+            bar.set_position(percent);
+        }
+    });
+    bar.finish_and_clear();
+    let run = run?;
+
+    let names: Vec<&str> = scenario.interfaces.iter().map(|face| face.name.as_str()).collect();
+    let history = &run.transient.history;
+    folder.write("history.csv", history_csv(history, &names))?;
+    super::draw(&folder, "history.svg", &plot::history(history, &names))?;
+    let assembly = Assembly::new(&scenario, document.folder())?;
+    if let Some(frf) = receptance(&assembly, &run)? {
+        folder.write("frf.csv", frf_csv(&frf))?;
+        super::draw(&folder, "frf.svg", &plot::frf(&frf, &run.summary))?;
+    }
+    let summary = super::pretty(&json!(run.summary));
+    folder.write("summary.json", &summary)?;
+
+    if output.json {
+        print!("{summary}");
+    } else if !quiet {
+        print!("{}", in_words(&run.summary));
+        println!("written to {}", folder.path().display());
+    }
+    Ok(())
+}
+
+/// The summary for a person.
+fn in_words(summary: &Summary) -> String {
+    let mut lines = Vec::new();
+    let mut line = |name: &str, value: String| lines.push(format!("{name:<26}{value}\n"));
+    if let Some(natural) = summary.at_rest.natural_frequency_hz {
+        line("natural frequency at rest", format!("{natural:.2} Hz"));
+    }
+    match &summary.fundamental {
+        Some(f) => {
+            let (hz, receptance) = (f.frequency_hz, f.receptance_m_per_n);
+            line("fundamental", format!("{hz:.2} Hz, {receptance:.4e} m/N"));
+            if let Some(ratio) = f.damping_ratio {
+                line("damping (half power)", format!("{:.2} %", 100.0 * ratio));
+            }
+        }
+        None => line("fundamental", "no peak".to_owned()),
+    }
+    match &summary.second_harmonic {
+        Some(s) => {
+            let ratio = summary.harmonic_ratio.unwrap_or(f64::NAN);
+            line("second harmonic", format!("{:.2} Hz, A2/A1 = {ratio:.4}", s.frequency_hz));
+        }
+        None => line("second harmonic", "no peak".to_owned()),
+    }
+    for contact in &summary.interfaces {
+        let (low, high) = (contact.pressure_min_pa / 1e6, contact.pressure_max_pa / 1e6);
+        let mut text = format!("{low:.4} to {high:.4} MPa");
+        if contact.contact_lost_s > 0.0 {
+            text += &format!(", contact lost for {:.3} ms", 1e3 * contact.contact_lost_s);
+        }
+        line(&contact.name, text);
+    }
+    let residual = summary.energy.residual_relative;
+    line("energy balance", format!("closes to {residual:.1e} of the input"));
+    let numerics = &summary.numerics;
+    line("run", format!("{} steps in {:.3} s", numerics.steps, numerics.wall_s));
+    lines.concat()
+}

@@ -1,0 +1,63 @@
+//! `asperity sweep`.
+
+use std::time::Instant;
+
+use asperity_study::summary::Provenance;
+use asperity_study::sweep::{SweepRun, Variation, number_of_runs, sweep, sweep_csv};
+use serde_json::json;
+
+use crate::args::{Input, Output};
+use crate::failure::Failure;
+use crate::plot;
+
+/// The product of the variations: table, figure, provenance.
+pub(crate) fn run(
+    input: &Input,
+    output: &Output,
+    vary: &[String],
+    threads: Option<usize>,
+    quiet: bool,
+) -> Result<(), Failure> {
+    let document = super::read(input)?;
+    let variations: Vec<Variation> =
+        vary.iter().map(|text| Variation::parse(text)).collect::<Result<_, _>>()?;
+    let runs = number_of_runs(&variations)?;
+    let folder = super::claim(document.path(), output)?;
+    let bar = crate::progress::bar(runs as u64, "runs", quiet);
+    let started = Instant::now();
+    let work = || sweep(&document, &variations, &|done, _| bar.set_position(done as u64));
+    let outcome = asperity_study::sweep::on_threads(threads, work);
+    bar.finish_and_clear();
+    let results = match outcome {
+        Some(results) => results?,
+        None => return Err(Failure::Threads { threads: threads.unwrap_or_default() }),
+    };
+    let wall_s = started.elapsed().as_secs_f64();
+
+    folder.write("sweep.csv", sweep_csv(&variations, &results))?;
+    if let Some(figure) = plot::sweep(&variations, &results) {
+        super::draw(&folder, "sweep.svg", &figure)?;
+    }
+    let failed: Vec<(usize, &SweepRun)> =
+        results.iter().enumerate().filter(|(_, run)| run.outcome.is_err()).collect();
+    let report = json!({
+        "schema": "asperity/sweep/1",
+        "vary": variations.iter().map(|v| json!({"pointer": v.pointer, "values": v.values}))
+            .collect::<Vec<_>>(),
+        "runs": runs,
+        "failed": failed.len(),
+        "wall_s": wall_s,
+        "provenance": Provenance::new(document.sha256()),
+    });
+    folder.write("sweep.json", super::pretty(&report))?;
+    if output.json {
+        print!("{}", super::pretty(&report));
+    } else if !quiet {
+        println!("{runs} runs in {wall_s:.2} s, written to {}", folder.path().display());
+    }
+    if let Some((index, SweepRun { outcome: Err(error), .. })) = failed.first() {
+        let (failed, first, reason) = (failed.len(), index + 1, error.to_string());
+        return Err(Failure::Runs { failed, runs, first, reason });
+    }
+    Ok(())
+}

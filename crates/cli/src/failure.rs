@@ -1,0 +1,130 @@
+//! What went wrong, its exit status, and how it is shown.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use asperity_figure::FigureError;
+use asperity_study::diagnostic::Invalid;
+use asperity_study::document::{DocumentError, SetError};
+use asperity_study::dynamics::DynamicsError;
+use asperity_study::error::{OutputError, StudyError};
+use asperity_study::sweep::{SweepError, VariationError};
+use miette::{LabeledSpan, MietteDiagnostic, NamedSource, Report, Severity};
+use thiserror::Error;
+
+/// Most problems of one scenario that are shown.
+const MOST_SHOWN: usize = 20;
+
+/// Why the command did not do what was asked.
+#[derive(Debug, Error)]
+pub(crate) enum Failure {
+    #[error(transparent)]
+    Document(#[from] DocumentError),
+    #[error("--set {argument}: {accepted}")]
+    SetForm { argument: String, accepted: &'static str },
+    #[error("--set {source}")]
+    Set { source: SetError },
+    #[error("the scenario is invalid")]
+    Invalid { text: String, path: PathBuf, source: Invalid },
+    #[error(transparent)]
+    Study(#[from] StudyError),
+    #[error("--vary {0}")]
+    Variation(#[from] VariationError),
+    #[error(transparent)]
+    Sweep(#[from] SweepError),
+    #[error("{failed} of {runs} runs failed; the first, run {first}: {reason}")]
+    Runs { failed: usize, runs: usize, first: usize, reason: String },
+    #[error("cannot start {threads} threads; accepted: 1 to 1024")]
+    Threads { threads: usize },
+    #[error(transparent)]
+    Figure(#[from] FigureError),
+}
+
+impl From<OutputError> for Failure {
+    fn from(error: OutputError) -> Self {
+        Self::Study(error.into())
+    }
+}
+
+impl From<DynamicsError> for Failure {
+    fn from(error: DynamicsError) -> Self {
+        Self::Study(error.into())
+    }
+}
+
+impl Failure {
+    /// 2 for a wrong request, 1 for a run that failed.
+    pub(crate) fn exit_code(&self) -> ExitCode {
+        let request_is_wrong = match self {
+            Self::Study(error) => is_wrong_request(error),
+            Self::Runs { .. } | Self::Figure(_) => false,
+            _ => true,
+        };
+        ExitCode::from(if request_is_wrong { 2 } else { 1 })
+    }
+
+    /// Shows the failure on standard error, pointing into the scenario where it can.
+    pub(crate) fn show(&self) {
+        match self {
+            Self::Invalid { text, path, source } => show_invalid(text, path, source),
+            Self::Document(DocumentError::Syntax { path, text, source }) => {
+                let label = LabeledSpan::at(source.span.clone(), "here");
+                let diagnostic = MietteDiagnostic::new(self.to_string()).with_label(label);
+                let named = NamedSource::new(path.display().to_string(), text.clone());
+                eprintln!("{:?}", Report::new(diagnostic).with_source_code(named));
+            }
+            _ => eprintln!("error: {self}"),
+        }
+    }
+}
+
+fn is_wrong_request(error: &StudyError) -> bool {
+    match error {
+        StudyError::Samples { .. }
+        | StudyError::FitTable(_)
+        | StudyError::Document(_)
+        | StudyError::Law { .. } => true,
+        StudyError::Output(error) => !matches!(error, OutputError::Io { .. }),
+        StudyError::Dynamics(error) => matches!(
+            error,
+            DynamicsError::Setting { .. }
+                | DynamicsError::Mesh(_)
+                | DynamicsError::ForceRecord { .. }
+        ),
+        StudyError::Signal(_) => false,
+    }
+}
+
+/// Every problem at its place in the text. The one-line form comes first, for
+/// whoever reads the messages by program.
+fn show_invalid(text: &str, path: &std::path::Path, invalid: &Invalid) {
+    let problems = &invalid.diagnostics;
+    eprintln!(
+        "error: {} is not a valid scenario: {} {}",
+        path.display(),
+        problems.len(),
+        if problems.len() == 1 { "problem" } else { "problems" }
+    );
+    for problem in problems.iter().take(MOST_SHOWN) {
+        eprintln!("{problem}");
+    }
+    if problems.len() > MOST_SHOWN {
+        eprintln!("... and {} more", problems.len() - MOST_SHOWN);
+    }
+    let labels: Vec<LabeledSpan> = problems
+        .iter()
+        .take(MOST_SHOWN)
+        .filter_map(|problem| {
+            let label = problem.pointer.clone();
+            Some(LabeledSpan::at(problem.span.clone()?, label))
+        })
+        .collect();
+    if labels.is_empty() {
+        return;
+    }
+    let diagnostic = MietteDiagnostic::new("where they are")
+        .with_severity(Severity::Advice)
+        .with_labels(labels);
+    let named = NamedSource::new(path.display().to_string(), text.to_owned());
+    eprintln!("{:?}", Report::new(diagnostic).with_source_code(named));
+}

@@ -1,0 +1,9 @@
+//! The figures that the subcommands write, from the same numbers as their tables.
+
+mod response;
+mod structure;
+mod sweep;
+
+pub(crate) use response::{frf, history};
+pub(crate) use structure::{laws, modes};
+pub(crate) use sweep::sweep;

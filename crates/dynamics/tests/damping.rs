@@ -1,0 +1,55 @@
+//! Free decay of the linear rig against the damping ratio of its lowest mode.
+
+mod support;
+
+use std::f64::consts::TAU;
+
+use asperity_dynamics::{
+    ContactForm, Damping, Equilibrium, Excitation, FiniteDifference, modes,
+};
+use support::{DISC, constant, rig, rig_on, run_at, slope};
+
+/// Damping ratio from the logarithms of successive maxima after `from` [s], each
+/// refined by a parabola through three samples; and the number of maxima used.
+fn ratio_of_decay(displacement: &[f64], interval: f64, from: f64) -> (f64, usize) {
+    let start = (from / interval) as usize;
+    let mut number = Vec::new();
+    let mut height = Vec::new();
+    for i in start + 1..displacement.len() - 1 {
+        let [a, b, c] = [displacement[i - 1], displacement[i], displacement[i + 1]];
+        if b > a && b >= c && b > 0.0 {
+            number.push((number.len() as f64).exp());
+            height.push(b + (a - c) * (a - c) / (8.0 * (2.0 * b - a - c)));
+        }
+    }
+    let decrement = -slope(&number, &height);
+    (decrement / decrement.hypot(TAU), height.len())
+}
+
+/// The decrement of the free decay is that of mode 1: exact for the linear rig.
+#[test]
+fn free_decay_of_the_linear_rig_has_the_damping_ratio_of_its_first_mode() {
+    // A long smooth pulse leaves the higher modes, which decay no faster, alone.
+    let pulse = Excitation::Haversine { peak: 9.0, duration: 1e-3 };
+    for (name, stack) in [("rigid", rig(&constant())), ("disc", rig_on(&constant(), DISC))] {
+        let equilibrium = Equilibrium::of(&stack).unwrap();
+        let rate = Damping::Ratio(0.035).rate(&stack, &equilibrium).unwrap();
+        let expected = modes(&stack, &equilibrium, rate, 1).unwrap().swap_remove(0);
+        let decay = |contact| {
+            let method = FiniteDifference { contact, ..FiniteDifference::default() };
+            let run = run_at(&stack, &method, rate, &pulse, (0.03, 1e6));
+            ratio_of_decay(&run.history.displacement, run.history.time[1], 2e-3)
+        };
+        let (ratio, maxima) = decay(ContactForm::Centred);
+        let off = ratio / expected.damping_ratio - 1.0;
+        println!("{name}: {off:.3e} over {maxima} maxima");
+        // The one-sided damping difference, h dt / 2 = 3e-5; on the disc also
+        // the second mode, and zeta^2 of a damping that is not proportional.
+        assert!(maxima > 15 && off.abs() < 1e-3, "{name}: off by {off}");
+        // The test can see w0^2 dt, the numerical damping of the new-level form:
+        // 1 % of the damping at 1 mm.
+        let excess = decay(ContactForm::NewLevel).0 / ratio - 1.0;
+        println!("{name}: new level {excess:.3e} more");
+        assert!((4e-3..2e-2).contains(&excess), "{name}: {excess}");
+    }
+}

@@ -1,0 +1,179 @@
+//! Tabulating the laws of a scenario, and fitting the power law to measurements.
+
+use std::io::Read;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use asperity_law::{ContactLaw, LawError, PowerFit, fit_power};
+use asperity_mesh::Body;
+use thiserror::Error;
+
+use crate::assemble::{body, build_law};
+use crate::error::StudyError;
+use crate::input::{self, InputError};
+use crate::scenario::{LawRef, LawSpec, Laws, Scenario};
+
+/// Rows of a tabulated law.
+const ROWS: usize = 501;
+
+/// Highest pressure of a table unless the law or the rig asks for more, in Pa.
+const USUAL_TOP: f64 = 1e6;
+
+/// Most bytes of a table to fit.
+const MOST_FIT_BYTES: u64 = 16 << 20;
+
+/// A law in numbers.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LawTable {
+    /// Name of the law in the scenario.
+    pub name: String,
+    /// Pressure in Pa, increasing.
+    pub pressure: Vec<f64>,
+    /// Contact stiffness per area in Pa/m.
+    pub stiffness: Vec<f64>,
+    /// Closure in m, from the law's reference pressure.
+    pub closure: Vec<f64>,
+    /// Stored energy per area in J/m2.
+    pub energy: Vec<f64>,
+}
+
+/// Tabulates every named law of `scenario`, from zero pressure to at least 1 MPa.
+///
+/// The rows crowd towards zero pressure, where the laws differ most: row `i`
+/// of `n` lies at `(i / n)^2` of the top. A law that never separates counts its
+/// closure from the static pressure of the first interface that uses it, and
+/// its table starts above zero pressure, where its closure is finite.
+///
+/// # Errors
+/// [`StudyError`] when a law or a body cannot be built.
+pub fn tabulate(scenario: &Scenario) -> Result<Vec<LawTable>, StudyError> {
+    let bodies = scenario.bodies.iter().map(body).collect::<Result<Vec<Body>, _>>()?;
+    let areas = scenario.interfaces.iter().map(|interface| interface.area_m2);
+    let at_rest = asperity_mesh::static_pressures(&bodies, areas, scenario.gravity_m_per_s2);
+    let mut tables = Vec::with_capacity(scenario.laws.len());
+    for (name, spec) in scenario.laws.iter() {
+        let used = scenario
+            .interfaces
+            .iter()
+            .position(|interface| interface.law == LawRef::Named(name.to_owned()));
+        let interface = used.unwrap_or_default();
+        let pressure_pa = at_rest[interface];
+        let reference = LawRef::Named(name.to_owned());
+        let law = build_law(&reference, &scenario.laws, pressure_pa).map_err(|source| {
+            let interface = scenario.interfaces[interface].name.clone();
+            StudyError::Law { law: name.to_owned(), interface, pressure_pa, source }
+        })?;
+        let top = USUAL_TOP.max(2.0 * pressure_pa).max(highest_point(spec, &scenario.laws));
+        tables.push(table(name, &law, top));
+    }
+    Ok(tables)
+}
+
+fn highest_point(spec: &LawSpec, laws: &Laws) -> f64 {
+    match spec {
+        LawSpec::Table { points } => points.last().map_or(0.0, |point| point[0]),
+        LawSpec::ModifiedPower { transition_pa, .. } => 2.0 * transition_pa,
+        LawSpec::InSeries { law, .. } => {
+            laws.resolve(law).map_or(0.0, |inner| highest_point(inner, laws))
+        }
+        _ => 0.0,
+    }
+}
+
+fn table(name: &str, law: &Arc<dyn ContactLaw>, top: f64) -> LawTable {
+    let pressures = (0..ROWS).map(|row| top * (row as f64 / (ROWS - 1) as f64).powi(2));
+    let mut table = LawTable {
+        name: name.to_owned(),
+        pressure: Vec::with_capacity(ROWS),
+        stiffness: Vec::with_capacity(ROWS),
+        closure: Vec::with_capacity(ROWS),
+        energy: Vec::with_capacity(ROWS),
+    };
+    for pressure in pressures {
+        let closure = law.closure(pressure);
+        if closure.is_finite() {
+            table.pressure.push(pressure);
+            table.stiffness.push(law.stiffness(pressure));
+            table.closure.push(closure);
+            table.energy.push(law.energy(closure));
+        }
+    }
+    table
+}
+
+/// A table of pressures and stiffnesses that cannot be fitted.
+#[derive(Debug, Error)]
+pub enum FitTableError {
+    /// The file cannot be opened.
+    #[error("{}: {source}", path.display())]
+    Input {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: InputError,
+    },
+    /// The header is not the one expected.
+    #[error(
+        "{}: line 1 is \"{found}\"; the header pressure_pa,stiffness_pa_per_m is expected",
+        path.display()
+    )]
+    Header {
+        /// The file.
+        path: PathBuf,
+        /// The first line.
+        found: String,
+    },
+    /// A row is not two numbers.
+    #[error(
+        "{}: line {line} is \"{found}\"; two numbers are expected: pressure_pa,stiffness_pa_per_m",
+        path.display()
+    )]
+    Row {
+        /// The file.
+        path: PathBuf,
+        /// Line, from 1.
+        line: usize,
+        /// The line.
+        found: String,
+    },
+    /// The points do not determine a power law.
+    #[error("{}: {source}", path.display())]
+    Fit {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: LawError,
+    },
+}
+
+/// Fits `ln K = ln C + m ln p` to a CSV of `pressure_pa,stiffness_pa_per_m` rows.
+///
+/// The paper's Table 3 gives C = 1.810e10 and m = 0.351.
+///
+/// # Errors
+/// [`FitTableError`] for a file that cannot be read or points that cannot be fitted.
+pub fn fit(path: &Path) -> Result<PowerFit, FitTableError> {
+    let points = read_points(path)?;
+    fit_power(&points).map_err(|source| FitTableError::Fit { path: path.to_owned(), source })
+}
+
+fn read_points(path: &Path) -> Result<Vec<(f64, f64)>, FitTableError> {
+    let fail = |source| FitTableError::Input { path: path.to_owned(), source };
+    let file = input::open(path, MOST_FIT_BYTES).map_err(fail)?;
+    let mut text = String::new();
+    file.take(MOST_FIT_BYTES).read_to_string(&mut text).map_err(|error| fail(error.into()))?;
+    let mut lines = text.trim_start_matches('\u{feff}').lines().enumerate();
+    let header = lines.next().map(|(_, line)| line.trim()).unwrap_or_default();
+    if header.replace(' ', "") != "pressure_pa,stiffness_pa_per_m" {
+        return Err(FitTableError::Header { path: path.to_owned(), found: header.to_owned() });
+    }
+    let rows = lines.filter(|(_, line)| !line.trim().is_empty());
+    rows.map(|(number, line)| {
+        let parse = |field: &str| field.trim().parse::<f64>().ok();
+        let pair = line.split_once(',').and_then(|(p, k)| Some((parse(p)?, parse(k)?)));
+        let row = || (path.to_owned(), number + 1, line.to_owned());
+        pair.ok_or_else(row)
+    })
+    .map(|row| row.map_err(|(path, line, found)| FitTableError::Row { path, line, found }))
+    .collect()
+}

@@ -1,0 +1,133 @@
+//! `cargo xtask ci`: what must hold before a change is merged.
+//!
+//! Each step runs to its end with its output untouched, followed by a line
+//! with its verdict and time. The first failure ends the run.
+
+use std::io::Write;
+use std::process::Command;
+use std::time::Instant;
+
+use anyhow::{Context, Result};
+
+use crate::tidy;
+
+/// One check.
+struct Step<'a> {
+    name: &'static str,
+    check: Box<dyn Fn() -> Result<bool> + 'a>,
+}
+
+impl<'a> Step<'a> {
+    fn new(name: &'static str, check: impl Fn() -> Result<bool> + 'a) -> Self {
+        Self { name, check: Box::new(check) }
+    }
+
+    /// A run of cargo with `arguments` and `environment`.
+    fn cargo(
+        name: &'static str,
+        arguments: &'static [&'static str],
+        environment: &'static [(&'static str, &'static str)],
+    ) -> Self {
+        Self::new(name, move || {
+            let status = cargo()
+                .args(arguments)
+                .envs(environment.iter().copied())
+                .status()
+                .with_context(|| format!("cannot run cargo {}", arguments.join(" ")))?;
+            Ok(status.success())
+        })
+    }
+}
+
+/// Runs every step; true if all passed. `tasks` is the command line of xtask.
+pub(crate) fn run(tasks: &clap::Command) -> Result<bool> {
+    let mut steps = vec![
+        Step::cargo("fmt", &["fmt", "--all", "--check"], &[]),
+        Step::cargo(
+            "clippy",
+            &["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"],
+            &[],
+        ),
+        // Without target selection this includes the doc tests.
+        Step::cargo("test", &["test", "--workspace"], &[]),
+        Step::cargo(
+            "doc",
+            &["doc", "--workspace", "--no-deps"],
+            &[("RUSTDOCFLAGS", "-D warnings")],
+        ),
+        Step::new("tidy", || tidy::run(tasks)),
+    ];
+    if tasks.find_subcommand("reproduce").is_some() {
+        let arguments = &["xtask", "reproduce", "--check"];
+        steps.push(Step::cargo("reproduce --check", arguments, &[]));
+    }
+    run_steps(&steps, &mut std::io::stdout())
+}
+
+/// The cargo that runs this task, or else the one on the path.
+pub(crate) fn cargo() -> Command {
+    Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()))
+}
+
+fn run_steps(steps: &[Step<'_>], out: &mut impl Write) -> Result<bool> {
+    let started = Instant::now();
+    for (number, step) in steps.iter().enumerate() {
+        let step_started = Instant::now();
+        writeln!(out, "ci: {} ...", step.name)?;
+        out.flush()?;
+        let passed = (step.check)()?;
+        let verdict = if passed { "ok" } else { "FAILED" };
+        let seconds = step_started.elapsed().as_secs_f64();
+        writeln!(out, "ci: {} {verdict} ({seconds:.1} s)", step.name)?;
+        if !passed {
+            let left = steps.len() - number - 1;
+            writeln!(out, "ci: FAILED at {}, {left} steps not run", step.name)?;
+            return Ok(false);
+        }
+    }
+    let seconds = started.elapsed().as_secs_f64();
+    writeln!(out, "ci: all {} steps ok ({seconds:.1} s)", steps.len())?;
+    Ok(true)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::cell::RefCell;
+
+    fn outcome(verdicts: &[(&'static str, bool)]) -> (bool, Vec<&'static str>, String) {
+        let ran = RefCell::new(Vec::new());
+        let steps: Vec<_> = verdicts
+            .iter()
+            .map(|&(name, passes)| {
+                let ran = &ran;
+                Step::new(name, move || {
+                    ran.borrow_mut().push(name);
+                    Ok(passes)
+                })
+            })
+            .collect();
+        let mut out = Vec::new();
+        let passed = run_steps(&steps, &mut out).unwrap();
+        drop(steps);
+        (passed, ran.into_inner(), String::from_utf8(out).unwrap())
+    }
+
+    #[test]
+    fn the_first_failure_ends_the_run() {
+        let (passed, ran, out) = outcome(&[("one", true), ("two", false), ("three", true)]);
+        assert!(!passed);
+        assert_eq!(ran, ["one", "two"]);
+        assert!(out.contains("ci: one ok ("), "{out}");
+        assert!(out.contains("ci: two FAILED ("), "{out}");
+        assert!(out.ends_with("ci: FAILED at two, 1 steps not run\n"), "{out}");
+    }
+
+    #[test]
+    fn every_step_runs_when_all_pass() {
+        let (passed, ran, out) = outcome(&[("one", true), ("two", true)]);
+        assert!(passed);
+        assert_eq!(ran, ["one", "two"]);
+        assert!(out.contains("ci: all 2 steps ok ("), "{out}");
+    }
+}

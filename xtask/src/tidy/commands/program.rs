@@ -1,0 +1,134 @@
+//! A program's subcommands and their options.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::process::{Command, Stdio};
+
+use anyhow::{Context, Result, ensure};
+use cargo_metadata::Message;
+
+use super::{ENDS, option};
+use crate::ci::cargo;
+
+/// Options that every command has.
+const EVERYWHERE: [&str; 2] = ["--help", "--version"];
+
+/// What may follow a program's name.
+#[derive(Debug, Clone)]
+pub(crate) struct Program {
+    name: String,
+    /// Options by subcommand.
+    commands: BTreeMap<String, BTreeSet<String>>,
+}
+
+impl Program {
+    /// The workspace's binary `name`, built and asked for its help.
+    pub(crate) fn built(name: &str) -> Result<Self> {
+        // Features as in the other tasks, so that nothing is built twice.
+        let output = cargo()
+            .args(["build", "--quiet", "--workspace", "--bin", name])
+            .arg("--message-format=json-render-diagnostics")
+            .stderr(Stdio::inherit())
+            .output()
+            .context("cannot run cargo build")?;
+        ensure!(output.status.success(), "cannot build {name}");
+        let executable = Message::parse_stream(&output.stdout[..])
+            .filter_map(|message| match message {
+                Ok(Message::CompilerArtifact(artifact)) if artifact.target.name == name => {
+                    artifact.executable
+                }
+                _ => None,
+            })
+            .last()
+            .with_context(|| format!("cargo built no {name}"))?;
+        Self::of_help(name, |words| {
+            let output = Command::new(executable.as_std_path())
+                .args(words)
+                .output()
+                .with_context(|| format!("cannot run {name}"))?;
+            Ok(String::from_utf8_lossy(&output.stdout).into_owned())
+        })
+    }
+
+    /// The program that prints such help when called with `help` and with
+    /// `help` and a subcommand.
+    pub(crate) fn of_help(name: &str, help: impl Fn(&[&str]) -> Result<String>) -> Result<Self> {
+        let overview = help(&["help"])?;
+        let mut commands = BTreeMap::new();
+        let listed = overview.lines().skip_while(|line| *line != "Commands:").skip(1);
+        for line in listed.take_while(|line| !line.is_empty()) {
+            // Names stand two spaces in; further lines of a description stand further in.
+            let command = line.strip_prefix("  ").filter(|rest| !rest.starts_with(' '));
+            let Some(command) = command.and_then(|rest| rest.split_whitespace().next()) else {
+                continue;
+            };
+            let text = help(&["help", command])?;
+            let declared = text.lines().map(str::trim_start).filter(|line| line.starts_with('-'));
+            let options = declared
+                .filter_map(|line| line.split_whitespace().take(2).find_map(option))
+                .map(str::to_owned)
+                .collect();
+            commands.insert(command.to_owned(), options);
+        }
+        Ok(Self { name: name.to_owned(), commands })
+    }
+
+    /// The program that `command` parses the arguments of.
+    pub(crate) fn of_clap(name: &str, command: &clap::Command) -> Self {
+        let options = |command: &clap::Command| {
+            let named = command.get_arguments().filter_map(clap::Arg::get_long);
+            named.map(|long| format!("--{long}")).collect()
+        };
+        let commands = command
+            .get_subcommands()
+            .map(|command| (command.get_name().to_owned(), options(command)))
+            .collect();
+        Self { name: name.to_owned(), commands }
+    }
+
+    /// Whether any subcommand has this option.
+    pub(crate) fn has_option(&self, option: &str) -> bool {
+        EVERYWHERE.contains(&option) || self.commands.values().any(|known| known.contains(option))
+    }
+
+    /// The arguments that a command line gives this program, if it calls it.
+    pub(crate) fn arguments<'a>(&self, words: &'a [String]) -> Option<Vec<&'a str>> {
+        let name: Vec<&str> = self.name.split(' ').collect();
+        let words: Vec<&str> = words.iter().map(String::as_str).collect();
+        let is_name = |part: &[&str]| {
+            let (given, own) = (part[0], name[0]);
+            let same = given == own || given.rsplit('/').next() == Some(own);
+            same && part[1..] == name[1..]
+        };
+        let start = if words.starts_with(&["cargo", "run"]) {
+            let separator = words.iter().position(|word| *word == "--")?;
+            words[..separator].iter().any(|word| *word == self.name).then_some(separator + 1)?
+        } else {
+            let calls = |at: &usize| *at == 0 || ENDS.contains(&words[at - 1]);
+            let at = (0..(words.len() + 1).saturating_sub(name.len()))
+                .filter(calls)
+                .find(|&at| is_name(&words[at..at + name.len()]))?;
+            at + name.len()
+        };
+        let ends = |word: &&str| ENDS.contains(word);
+        let rest = words[start..].iter().copied();
+        Some(rest.take_while(|word| !ends(word)).collect())
+    }
+
+    /// What is wrong with these arguments, if anything.
+    pub(crate) fn wrong(&self, arguments: &[&str]) -> Option<String> {
+        let name = &self.name;
+        let (first, rest) = arguments.split_first()?;
+        let placeholder = first.starts_with(['<', '[', '…']) || first.contains("...");
+        let placeholder = placeholder || first.chars().all(|c| c.is_ascii_uppercase());
+        if placeholder || *first == "help" || EVERYWHERE.contains(first) {
+            return None;
+        }
+        let Some(known) = self.commands.get(*first) else {
+            return Some(format!("there is no `{name} {first}`"));
+        };
+        let options = rest.iter().take_while(|word| **word != "--").filter_map(|word| option(word));
+        let unknown =
+            options.into_iter().find(|word| !known.contains(*word) && !EVERYWHERE.contains(word));
+        unknown.map(|word| format!("`{name} {first}` has no {word}"))
+    }
+}
