@@ -75,7 +75,10 @@ fn run_steps(steps: &[Step<'_>], out: &mut impl Write) -> Result<bool> {
         let step_started = Instant::now();
         writeln!(out, "ci: {} ...", step.name)?;
         out.flush()?;
-        let passed = (step.check)()?;
+        let passed = (step.check)().unwrap_or_else(|error| {
+            eprintln!("error: {error:#}");
+            false
+        });
         let verdict = if passed { "ok" } else { "FAILED" };
         let seconds = step_started.elapsed().as_secs_f64();
         writeln!(out, "ci: {} {verdict} ({seconds:.1} s)", step.name)?;

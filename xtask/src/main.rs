@@ -4,12 +4,15 @@
 //! |---|---|---|
 //! | `cargo xtask ci` | `ci` | everything CI checks, in order, up to the first failure |
 //! | `cargo xtask tidy` | `tidy` | holds the repository to its rules |
+//! | `cargo xtask reproduce` | `reproduce` | every figure of the paper, every claim judged |
 #![allow(clippy::print_stdout, clippy::print_stderr, reason = "tasks report to a terminal")]
 
 mod ci;
+mod figures;
+mod reproduce;
 mod tidy;
-// WIRE reproduce (1 of 3): `mod reproduce;`, and its row in the table above.
 
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{CommandFactory, Parser, Subcommand};
@@ -28,15 +31,21 @@ enum Task {
     Ci,
     /// Hold the repository to its rules.
     Tidy,
-    // WIRE reproduce (2 of 3): `Reproduce(reproduce::Arguments)`. `ci` runs
-    // `cargo xtask reproduce --check` as soon as this subcommand exists.
+    /// Recompute every figure of the paper and judge every claim.
+    Reproduce(reproduce::Arguments),
+}
+
+/// The root of the checkout that this program was built in.
+pub(crate) fn workspace_root() -> PathBuf {
+    let own = Path::new(env!("CARGO_MANIFEST_DIR"));
+    own.parent().unwrap_or(own).to_owned()
 }
 
 fn main() -> ExitCode {
     let passed = match Cli::parse().task {
         Task::Ci => ci::run(&Cli::command()),
         Task::Tidy => tidy::run(&Cli::command()),
-        // WIRE reproduce (3 of 3): `Task::Reproduce(arguments) => reproduce::run(&arguments)`.
+        Task::Reproduce(arguments) => reproduce::run(&arguments),
     };
     match passed {
         Ok(true) => ExitCode::SUCCESS,

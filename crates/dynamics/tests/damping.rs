@@ -4,9 +4,7 @@ mod support;
 
 use std::f64::consts::TAU;
 
-use asperity_dynamics::{
-    ContactForm, Damping, Equilibrium, Excitation, FiniteDifference, modes,
-};
+use asperity_dynamics::{ContactForm, Damping, Equilibrium, Excitation, FiniteDifference, modes};
 use support::{DISC, constant, rig, rig_on, run_at, slope};
 
 /// Damping ratio from the logarithms of successive maxima after `from` [s], each

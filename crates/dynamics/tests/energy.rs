@@ -3,8 +3,8 @@
 mod support;
 
 use asperity_dynamics::{ContactForm, Excitation, FiniteDifference};
-use support::{DISC, constant, modified, power, pulse, rig, rig_on, run, run_at, slope};
 use support::three_bodies;
+use support::{DISC, constant, modified, power, pulse, rig, rig_on, run, run_at, slope};
 
 fn at(cell: f64, contact: ContactForm) -> FiniteDifference {
     FiniteDifference { cell, contact, ..FiniteDifference::default() }
@@ -16,8 +16,10 @@ fn at(cell: f64, contact: ContactForm) -> FiniteDifference {
 fn the_centred_balance_closes_and_shrinks_with_the_cell() {
     for (name, law) in [("power", power()), ("modified", modified()), ("constant", constant())] {
         let stack = rig(&law);
-        let cells = [4e-3, 2e-3, 1e-3, 0.5e-3];
-        let runs = cells.map(|cell| run(&stack, &at(cell, ContactForm::Centred), &pulse(32.0), 0.12));
+        // One step for all cells would prove nothing: the sample has 7, 15 and 31 of them.
+        let cells = [4e-3, 1e-3, 0.5e-3];
+        let runs =
+            cells.map(|cell| run(&stack, &at(cell, ContactForm::Centred), &pulse(32.0), 0.12));
         let residuals = runs.each_ref().map(|run| run.energy.residual_relative());
         let steps = runs.each_ref().map(|run| run.step);
         println!("{name}: {residuals:?}, slope {:.3} in dt", slope(&steps, &residuals));
@@ -25,11 +27,12 @@ fn the_centred_balance_closes_and_shrinks_with_the_cell() {
             let energy = &run.energy;
             assert_eq!(energy.numerical_loss, 0.0);
             assert!(energy.input > 0.0 && energy.dissipated > 0.0);
-            // The run is long: next to everything has been dissipated.
-            assert!(energy.stored() >= 0.0 && energy.stored() < 1e-3 * energy.input, "{name}");
+            // exp(-350 t) of it is left: next to everything has been dissipated.
+            assert!(energy.stored().abs() < 1e-12 * energy.input, "{name}");
         }
-        assert!(residuals[2] < 1e-4, "{name}: {residuals:?}");
-        assert!(residuals[3] < residuals[2] && residuals[2] < residuals[1], "{name}");
+        assert!(residuals[1] < 1e-4, "{name}: {residuals:?}");
+        // The ledger's viscous power is that of half steps: second order once all is at rest.
+        assert!(residuals.is_sorted_by(|a, b| a > b), "{name}: {residuals:?}");
     }
 }
 
@@ -37,9 +40,11 @@ fn the_centred_balance_closes_and_shrinks_with_the_cell() {
 #[test]
 fn the_balance_closes_in_mid_motion() {
     for stack in [rig(&modified()), rig_on(&power(), DISC), three_bodies(DISC)] {
-        for (duration, contact) in
-            [(1e-3, ContactForm::Centred), (2.3e-3, ContactForm::Centred), (2.3e-3, ContactForm::NewLevel)]
-        {
+        for (duration, contact) in [
+            (1e-3, ContactForm::Centred),
+            (2.3e-3, ContactForm::Centred),
+            (2.3e-3, ContactForm::NewLevel),
+        ] {
             let energy = run(&stack, &at(1e-3, contact), &pulse(32.0), duration).energy;
             println!("{contact:?} {duration}: {energy:?} {:.2e}", energy.residual_relative());
             assert!(energy.kinetic > 0.0 && energy.elastic > 0.0 && energy.contact > 0.0);
@@ -50,13 +55,17 @@ fn the_balance_closes_in_mid_motion() {
 }
 
 /// The new-level contact loses energy: counted, positive, of first order in the
-/// step, and with it the balance closes.
+/// step, and with it the balance closes. The power law is struck below loss of
+/// contact: each return of contact rings the sample at some 50 kHz, and that
+/// energy is lost at any of these steps, so that its order shows later (0.86 at 32 N).
 #[test]
 fn the_loss_of_the_new_level_contact_is_counted_and_of_first_order() {
-    for (name, law) in [("power", power()), ("modified", modified()), ("constant", constant())] {
+    for (name, law, force) in
+        [("power", power(), 20.0), ("modified", modified(), 32.0), ("constant", constant(), 32.0)]
+    {
         let stack = rig(&law);
-        let runs = [2e-3, 1e-3, 0.5e-3, 0.25e-3]
-            .map(|cell| run(&stack, &at(cell, ContactForm::NewLevel), &pulse(32.0), 0.03));
+        let runs = [4e-3, 1e-3, 0.5e-3, 0.25e-3]
+            .map(|cell| run(&stack, &at(cell, ContactForm::NewLevel), &pulse(force), 0.03));
         let steps = runs.each_ref().map(|run| run.step);
         let losses = runs.each_ref().map(|run| run.energy.numerical_loss / run.energy.input);
         let residuals = runs.each_ref().map(|run| run.energy.residual_relative());
@@ -84,24 +93,25 @@ fn the_numerical_loss_is_that_of_a_damper_of_stiffness_times_step() {
     }
     let ratio = run.energy.numerical_loss / expected;
     println!("loss over damper {ratio}");
-    // The next order is (w dt)^2 of modes that carry the energy, and (w 1 us)^2 / 12 of the sampling.
-    assert!((ratio - 1.0).abs() < 2e-3, "{ratio}");
+    // Sampling: (w 1 us)^2 / 12 = 2e-6 at the fundamental.
+    assert!((ratio - 1.0).abs() < 1e-4, "{ratio}");
 }
 
 /// Without damping a linear rig keeps what the pulse gave it: an identity of the
-/// discrete scheme, so to round-off of a million additions.
+/// discrete scheme, so to the round-off of half a million steps.
 #[test]
 fn an_undamped_linear_rig_keeps_its_energy() {
     for stack in [rig(&constant()), rig_on(&constant(), support_without_damper())] {
         let short = Excitation::Haversine { peak: 32.0, duration: 1e-3 };
-        for (duration, tolerance) in [(2e-3, 1e-10), (0.1, 1e-10)] {
+        for duration in [2e-3, 0.1] {
             let run = run_at(&stack, &at(1e-3, ContactForm::Centred), 0.0, &short, (duration, 2e5));
             let off = (run.energy.stored() / run.energy.input - 1.0).abs();
             println!("{} steps: {off:.2e}", run.steps);
             assert_eq!(run.energy.dissipated, 0.0);
-            assert!(off < tolerance, "{off}");
+            assert!(off < 1e-10, "{off}");
             // The same scheme at the new level does lose.
-            let lossy = run_at(&stack, &at(1e-3, ContactForm::NewLevel), 0.0, &short, (duration, 2e5));
+            let lossy =
+                run_at(&stack, &at(1e-3, ContactForm::NewLevel), 0.0, &short, (duration, 2e5));
             assert!(lossy.energy.stored() < 0.999 * lossy.energy.input);
         }
     }
@@ -119,7 +129,8 @@ fn the_damper_of_the_support_is_in_the_balance() {
         let bare = rig_on(&law, support_without_damper());
         for contact in [ContactForm::Centred, ContactForm::NewLevel] {
             let losses = [&damped, &bare].map(|stack| {
-                let energy = run_at(stack, &at(1e-3, contact), 100.0, &pulse(32.0), (0.01, 2e5)).energy;
+                let energy =
+                    run_at(stack, &at(1e-3, contact), 100.0, &pulse(32.0), (0.01, 2e5)).energy;
                 println!("{contact:?}: {:.2e}", energy.residual_relative());
                 assert!(energy.residual_relative() < 1e-4);
                 energy.dissipated / energy.input

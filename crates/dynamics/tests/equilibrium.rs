@@ -6,8 +6,8 @@ use asperity_dynamics::{Damping, DynamicsError, Equilibrium, modes};
 use asperity_law::ContactLaw;
 use asperity_mesh::{Grid, LinearStructure, Stack, Support};
 use support::statics::{static_field, weight};
-use support::{DISC, Law, constant, every_law, exponential, modified, power, rig, rig_on};
 use support::three_bodies;
+use support::{DISC, Law, constant, every_law, exponential, modified, power, rig, rig_on};
 
 /// Largest force [N] left over at any node when elastic forces, weights and the
 /// pressures that the laws give for the closures of `field` are added up.

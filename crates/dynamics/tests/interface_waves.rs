@@ -11,7 +11,7 @@ use asperity_dynamics::{Excitation, InterfaceHistory, Transient};
 use asperity_law::{Constant, ContactLaw, Power};
 use diffsol::{MatrixCommon, NalgebraMat, OdeBuilder, OdeSolverMethod};
 use faer::c64;
-use support::half_spaces::{LENGTH, delay, impedance, run, stack, wave_speed};
+use support::half_spaces::{LENGTH, delay, impedance, run, stack};
 use support::receptance::transform;
 use support::{AREA, Law, constant, exponential, modified, power, slope};
 
@@ -65,11 +65,7 @@ fn transmitted_haversine(alpha: f64, time: f64) -> f64 {
         let free = alpha * alpha * (-alpha * t).exp();
         0.5 * (1.0 - (-alpha * t).exp() - (forced - free) / (alpha * alpha + w * w))
     };
-    if time <= PULSE {
-        during(time)
-    } else {
-        during(PULSE) * (-alpha * (time - PULSE)).exp()
-    }
+    if time <= PULSE { during(time) } else { during(PULSE) * (-alpha * (time - PULSE)).exp() }
 }
 
 /// Exact solution 2 in time, with slope 2 in the cell.
@@ -83,15 +79,14 @@ fn a_linear_interface_transmits_the_exact_pulse() {
         .map(|&cells| {
             let (times, samples) = window(&run(&stack, cells, &pulse(peak), 3.0));
             let found: Vec<f64> = samples.pressure.iter().map(|p| (p - P0) / peak).collect();
-            let exact: Vec<f64> =
-                times.iter().map(|&t| transmitted_haversine(alpha, t)).collect();
+            let exact: Vec<f64> = times.iter().map(|&t| transmitted_haversine(alpha, t)).collect();
             relative_norm(&found, &exact)
         })
         .collect();
     let order = slope(&sizes(), &errors);
     println!("linear pulse: {errors:?}, slope {order:.3}");
     assert!((1.9..2.1).contains(&order), "{errors:?}");
-    // Dispersion over 25 wavelengths' worth of phase: (k dx)^2 (1 - C^2) k L / 24.
+    // Dispersion: (k dx)^2 (1 - C^2) k L / 24 = 6e-5 for k = 2 pi / (c T).
     assert!(errors[3] < 1e-4, "{errors:?}");
 }
 
@@ -137,10 +132,14 @@ fn reflection_and_transmission_follow_the_exact_coefficients() {
             worst = worst.max((t - exact_t).norm()).max((r - exact_r).norm());
             if cells == CELLS[3] {
                 let modulus = 1.0 / number.hypot(1.0);
-                println!("{frequency} Hz, W {number:.3}: |T| {:.5} {modulus:.5}, |R| {:.5}", t.norm(), r.norm());
-                // Phases aside, moduli are right to the accuracy of the contact step.
-                assert!((t.norm() - modulus).abs() < 2e-4);
-                assert!((t.norm_sqr() + r.norm_sqr() - 1.0).abs() < 5e-4);
+                println!(
+                    "{frequency} Hz, W {number:.3}: |T| {:.5} {modulus:.5}, |R| {:.5}",
+                    t.norm(),
+                    r.norm()
+                );
+                // Without the phases' error of the long way: (w dt)^2 / 8 of the contact step, 1e-5.
+                assert!((t.norm() - modulus).abs() < 1e-4, "{frequency} Hz");
+                assert!((r.norm() - number * modulus).abs() < 1e-4, "{frequency} Hz");
             }
         }
         errors.push(worst);
@@ -216,7 +215,8 @@ fn against_the_interface_equation(law: &Law, peak: f64) -> (Vec<f64>, Vec<f64>, 
 /// Exact solution 3, while contact holds: slope 2.
 #[test]
 fn a_nonlinear_interface_follows_its_own_equation() {
-    for (name, law) in [("power", power()), ("modified", modified()), ("exponential", exponential())]
+    for (name, law) in
+        [("power", power()), ("modified", modified()), ("exponential", exponential())]
     {
         for peak in [1.5 * P0, -0.6 * P0] {
             let (pressure, closure, lost) = against_the_interface_equation(&law, peak);
@@ -261,8 +261,8 @@ fn harmonics(law: &Law, number: f64, peak: f64, cells: usize) -> (f64, f64, f64)
     let points = 256;
     let last = times[times.len() - 3];
     let first = last - TAU / w;
-    // The start of the wave leaves a transient exp(-alpha t) behind: 1e-13 of it is left.
-    assert!(first * 2.0 * k1 / impedance() > 30.0, "the window is too short for W = {number}");
+    // The start of the wave leaves a transient exp(-alpha t) behind: 1e-11 of it is left.
+    assert!(first * 2.0 * k1 / impedance() > 25.0, "the window is too short for W = {number}");
     let step = TAU / w / f64::from(points);
     let wave: Vec<f64> = (0..points)
         .map(|i| cubic(&times, &samples.pressure, first + f64::from(i) * step) - P0)
@@ -307,8 +307,14 @@ fn the_second_harmonic_follows_the_perturbation_solution() {
                 let found = second / (impedance() * 2.0 * w);
                 let linear = 1.0 / number.hypot(1.0);
                 let off = (first / peak / linear - 1.0, found / expected - 1.0);
-                println!("{name} W {number} P {peak}: first off {:.2e}, second off {:.2e}", off.0, off.1);
-                assert!(off.0.abs() < 5e-3 && off.1.abs() < 2e-2, "{name} W {number}: {off:?}");
+                println!(
+                    "{name} W {number} P {peak}: first off {:.2e}, second off {:.2e}",
+                    off.0, off.1
+                );
+                // The next order is (P / p0)^2 = 4e-4 at most; the law's table adds its
+                // error of up to 1e-6 p0, of which some 1e-9 p0 fall on a second
+                // harmonic of 1e-6 p0.
+                assert!(off.0.abs() < 1e-4 && off.1.abs() < 5e-4, "{name} W {number}: {off:?}");
             }
             let order = slope(&peaks, &seconds);
             println!("{name} W {number}: slope {order:.4}");
@@ -321,12 +327,9 @@ fn the_second_harmonic_follows_the_perturbation_solution() {
 #[test]
 fn the_coefficients_of_the_power_law_are_its_taylor_series() {
     let law = Power::new(1.81e10, 0.35, 0.0).unwrap();
-    let (k1, k2) = (
-        1.81e10 * P0.powf(0.35),
-        0.5 * 0.35 * 1.81e10_f64.powi(2) * P0.powf(2.0 * 0.35 - 1.0),
-    );
+    let (k1, k2) =
+        (1.81e10 * P0.powf(0.35), 0.5 * 0.35 * 1.81e10_f64.powi(2) * P0.powf(2.0 * 0.35 - 1.0));
     let d = 1e-10;
     let q = law.pressure_increment(P0, d).value;
     assert!(((q - k1 * d) / (k2 * d * d) - 1.0).abs() < 1e-3);
-    assert!((delay() * wave_speed() - LENGTH).abs() < 1e-15);
 }

@@ -16,8 +16,7 @@ fn coarse(contact: ContactForm) -> FiniteDifference {
 /// Exact: the perturbation form holds rest to the last bit, however many steps.
 #[test]
 fn an_unstruck_rig_stays_at_rest_to_the_last_bit() {
-    let mut rigs: Vec<_> =
-        every_law().into_iter().map(|(name, law)| (name, rig(&law))).collect();
+    let mut rigs: Vec<_> = every_law().into_iter().map(|(name, law)| (name, rig(&law))).collect();
     rigs.push(("rig on a disc", rig_on(&modified(), DISC)));
     rigs.push(("three bodies", three_bodies(DISC)));
     for (name, stack) in rigs {

@@ -22,9 +22,9 @@ const GAUSS: [(f64, f64); 10] = [
     (0.986_953_264_258_585_9, 0.033_335_672_154_344_07),
 ];
 
-/// A panel is accepted when its two halves agree with it to this relative difference. The rule is
-/// of order 20, so the halves, which are kept, are then far closer to the integral than this.
-const AGREEMENT: f64 = 1e-11;
+/// A panel is accepted when its two halves agree with it to this relative difference; the halves,
+/// which are kept, are closer to the integral by three digits at least.
+const AGREEMENT: f64 = 1e-13;
 
 /// Bisections of a panel at most; what is left of a hidden kink is then 2^-24 of the panel.
 const DEPTH: u32 = 24;

@@ -157,6 +157,15 @@ mod tests {
     }
 
     #[test]
+    fn the_workspace_is_read() {
+        let metadata = cargo_metadata::MetadataCommand::new().no_deps().exec().unwrap();
+        let crates = crates(&metadata);
+        let mesh = crates.iter().find(|found| found.name == "mesh").unwrap();
+        assert_eq!(mesh.uses, set(&["law"]));
+        assert!(crates.iter().any(|found| found.name == "xtask"));
+    }
+
+    #[test]
     fn the_table_is_read() {
         let table = table(ARCHITECTURE).unwrap();
         assert_eq!(table["study"].may_use, set(&["law", "signal", "mesh"]));

@@ -33,9 +33,9 @@ fn is_member(path: &str) -> bool {
 }
 
 fn takes_workspace_lints(manifest: &str) -> bool {
-    let mut lines = manifest.lines().map(str::trim);
+    let mut lines = manifest.lines().map(|line| line.replace(' ', ""));
     lines.any(|line| line == "[lints]")
-        && lines.take_while(|line| !line.starts_with('[')).any(|line| line == "workspace = true")
+        && lines.take_while(|line| !line.starts_with('[')).any(|line| line == "workspace=true")
 }
 
 #[cfg(test)]

@@ -81,9 +81,8 @@ pub fn integrate(
         };
         for (i, interface) in interfaces.iter().enumerate() {
             let area = interface.area();
-            let compliance = |body: usize| {
-                dt * dt / (grid.bars()[body].end_mass() * (1.0 + rate * dt))
-            };
+            let compliance =
+                |body: usize| dt * dt / (grid.bars()[body].end_mass() * (1.0 + rate * dt));
             let last = grid.bars()[i].cells();
             let lowest = i + 1 == interfaces.len();
             let (free_below, soft_below, below_now, below_old) = if lowest {
@@ -123,12 +122,17 @@ pub fn integrate(
 /// within a bracket that shrinks.
 fn pressure_in_series(law: &dyn ContactLaw, c: f64, b: f64) -> f64 {
     let at_most = law.pressure(c).value;
-    let (mut low, mut high) = if at_most >= 0.0 { (c - b * at_most, c) } else { (c, c - b * at_most) };
+    let (mut low, mut high) =
+        if at_most >= 0.0 { (c - b * at_most, c) } else { (c, c - b * at_most) };
     let mut x = 0.5 * (low + high);
     for _ in 0..200 {
         let p = law.pressure(x);
         let off = x + b * p.value - c;
-        if off > 0.0 { high = x } else { low = x }
+        if off > 0.0 {
+            high = x
+        } else {
+            low = x
+        }
         let newton = x - off / (1.0 + b * p.tangent);
         let next = if newton >= low && newton <= high { newton } else { 0.5 * (low + high) };
         // Next to the last digits of a closure of about 1e-7 m.

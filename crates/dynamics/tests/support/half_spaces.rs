@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use asperity_dynamics::{FiniteDifference, Excitation, Transient};
+use asperity_dynamics::{Excitation, FiniteDifference, Transient};
 use asperity_mesh::{Body, Interface, Stack, Support};
 
 use super::{AREA, Law, constant, run_at};

@@ -106,8 +106,7 @@ pub fn three_bodies(support: Support) -> Stack {
 }
 
 /// A compliant disc: 3 kg on a spring and damper, near 1.3 kHz.
-pub const DISC: Support =
-    Support::SpringMass { stiffness: 2e8, mass: 3.0, damping_ratio: 0.05 };
+pub const DISC: Support = Support::SpringMass { stiffness: 2e8, mass: 3.0, damping_ratio: 0.05 };
 
 /// A run of `stack` with the damping `rate` [1/s], sampled at `sampling_rate` [Hz].
 pub fn run_at(

@@ -10,7 +10,8 @@ use asperity_mesh::{Body, Grid, Stack};
 pub fn static_field(stack: &Stack, equilibrium: &Equilibrium, grid: &Grid) -> Vec<f64> {
     let mut field = Vec::with_capacity(grid.nodes() + 1);
     let mut load = 0.0;
-    for ((body, &(_, bottom)), bar) in stack.bodies().iter().zip(equilibrium.faces()).zip(grid.bars())
+    for ((body, &(_, bottom)), bar) in
+        stack.bodies().iter().zip(equilibrium.faces()).zip(grid.bars())
     {
         let length = body.length();
         let weight = body.mass() * stack.gravity();

@@ -1,0 +1,60 @@
+//! Fig. 3b: the inflexion of the modified law at low pressure.
+
+use anyhow::Result;
+use asperity_figure::{Axis, Figure, Legend, Panel, Series, Table};
+use asperity_study::assemble::build_law;
+use asperity_study::law::ContactLaw;
+use asperity_study::scenario::LawRef;
+
+use super::style;
+use crate::reproduce::rig::{Law, Rig};
+use crate::reproduce::{Computed, PaperFigure};
+
+pub(crate) const FIGURE: PaperFigure = PaperFigure {
+    id: "fig03b",
+    title: "Fig. 3b: the inflexion at low pressure",
+    caption: "The modified power law (blue triangles) below 0.3 MPa, with the power law (black) \
+              for comparison and the stiffness slope dK/dp in panel (b): its maximum is the \
+              inflexion. The measurements of the paper's reference [6] (black squares there) are \
+              not published as numbers and are missing here.",
+    compute,
+    draw,
+};
+
+const ROWS: usize = 301;
+const TOP: f64 = 0.3e6;
+
+fn compute(rig: &Rig) -> Result<Computed> {
+    let case = rig.struck(Law::Modified, 32.0)?;
+    let law = |key: &str| build_law(&LawRef::Named(key.to_owned()), &case.scenario.laws, 0.14e6);
+    let (power, modified) = (law("pl")?, law("modified")?);
+    let pressure: Vec<f64> = (0..ROWS).map(|row| TOP * row as f64 / (ROWS - 1) as f64).collect();
+    let column = |of: &dyn Fn(f64) -> f64| pressure.iter().map(|&p| of(p)).collect::<Vec<_>>();
+    let slope = column(&|p| modified.stiffness_slope(p));
+    let steepest = (0..ROWS).max_by(|&a, &b| slope[a].total_cmp(&slope[b])).unwrap_or_default();
+    let values = vec![("inflexion_pressure", pressure[steepest] / 1e6)];
+    let table = Table::new()
+        .with_column("modified:stiffness_pa_per_m", column(&|p| modified.stiffness(p)))?
+        .with_column("pl:stiffness_pa_per_m", column(&|p| power.stiffness(p)))?
+        .with_column("modified:slope_1_per_m", slope)?
+        .with_column("pressure_pa", pressure)?;
+    Ok(Computed { table, values })
+}
+
+fn draw(table: &Table) -> Result<String> {
+    let pressure = table.column("pressure_pa")?;
+    let axis = || Axis::linear("Contact pressure", "MPa").scale(1e-6);
+    let line = |name: &str, column: &str| -> Result<Series> {
+        Ok(Series::line_points(name, pressure, table.column(column)?).marker_every(25))
+    };
+    let laws = Panel::new(axis(), Axis::linear("Contact stiffness", "Pa/m"))
+        .series(style::power(line("PL", "pl:stiffness_pa_per_m")?))
+        .series(style::modified(line("Modified PL", "modified:stiffness_pa_per_m")?))
+        .legend(Legend::BottomRight);
+    let slope = Series::line("", pressure, table.column("modified:slope_1_per_m")?);
+    let slope = Panel::new(axis(), Axis::linear("Slope dK/dp", "1/m"))
+        .series(slope.color(asperity_figure::Color::BLUE))
+        .legend(Legend::None);
+    let figure = Figure::new("The inflexion at low pressure").panel(laws).panel(slope);
+    style::svg(&figure.columns(2).width_mm(style::PAGE))
+}

@@ -1,0 +1,79 @@
+//! Fig. 6: receptance with nonlinear and with constant stiffness.
+
+use anyhow::{Context, Result};
+use asperity_figure::{Axis, Color, Figure, Legend, Panel, Series, Table};
+use asperity_study::signal::Response;
+use asperity_study::summary::Summary;
+
+use super::style;
+use crate::reproduce::rig::{Law, Rig};
+use crate::reproduce::{Computed, PaperFigure};
+
+pub(crate) const FIGURE: PaperFigure = PaperFigure {
+    id: "fig06",
+    title: "Fig. 6: receptance, nonlinear and constant stiffness",
+    caption: "Receptance of the top of the guide bar struck with 32 N: the modified power law \
+              (blue) and a constant stiffness of 8.5e11 Pa/m (dashed). The second harmonic \
+              appears near twice the fundamental with the nonlinear law only. The experimental \
+              curve is not published as numbers and is missing.",
+    compute,
+    draw,
+};
+
+/// Frequencies shown, in Hz.
+const TOP: f64 = 2500.0;
+const STEP: f64 = 2.5;
+
+fn compute(rig: &Rig) -> Result<Computed> {
+    let frequency: Vec<f64> = (20..).map(|n| f64::from(n) * STEP).take_while(|f| *f <= TOP).collect();
+    let receptance = |law| -> Result<(Vec<f64>, Summary)> {
+        let case = rig.struck(law, 32.0)?;
+        let run = rig.run(&case)?;
+        let history = &run.transient.history;
+        let response = Response::from_displacement(
+            &history.force,
+            &history.displacement,
+            case.scenario.output_rate_hz,
+        )?;
+        let magnitude = frequency.iter().map(|&f| response.receptance_at(f).norm()).collect();
+        Ok((magnitude, run.summary.clone()))
+    };
+    let (modified, nonlinear) = receptance(Law::Modified)?;
+    let (constant, linear) = receptance(Law::Constant)?;
+    let table = Table::new()
+        .with_column("frequency_hz", frequency)?
+        .with_column("modified:receptance_m_per_n", modified)?
+        .with_column("constant:receptance_m_per_n", constant)?;
+
+    let first = nonlinear.fundamental.context("the modified law gives no fundamental")?;
+    let flat = linear.fundamental.context("the constant stiffness gives no fundamental")?;
+    let second = nonlinear.second_harmonic;
+    let yes = |condition: bool| f64::from(u8::from(condition));
+    let values = vec![
+        ("fundamental_frequency", first.frequency_hz),
+        ("constant_same_frequency", flat.frequency_hz / first.frequency_hz),
+        ("second_harmonic_present", yes(second.is_some())),
+        (
+            "second_harmonic_at_twice",
+            second.map_or(f64::NAN, |peak| peak.frequency_hz / first.frequency_hz),
+        ),
+        ("second_harmonic_absent_constant", yes(linear.second_harmonic.is_none())),
+    ];
+    Ok(Computed { table, values })
+}
+
+fn draw(table: &Table) -> Result<String> {
+    let frequency = table.column("frequency_hz")?;
+    let nonlinear =
+        Series::line("Modified PL", frequency, table.column("modified:receptance_m_per_n")?);
+    let constant = Series::line(
+        "K = 8.5·10^{11} Pa/m",
+        frequency,
+        table.column("constant:receptance_m_per_n")?,
+    );
+    let panel = Panel::new(Axis::linear("Frequency", "Hz"), Axis::log("Receptance", "m/N"))
+        .series(nonlinear.color(Color::BLUE))
+        .series(style::constant(constant).color(Color::BLACK))
+        .legend(Legend::TopRight);
+    style::svg(&Figure::new("Receptance").panel(panel).width_mm(style::COLUMN))
+}

@@ -1,0 +1,175 @@
+//! `cargo xtask reproduce`: every figure of the paper, every claim judged.
+//!
+//! Each figure is one file under `figures/` and one constant, [`PaperFigure`]:
+//! it computes a table and the numbers that the claims ask for, and draws from
+//! the table alone. The results go to `target/reproduce/`, a CSV, an SVG and a
+//! PNG for each figure, and a report in HTML and Markdown.
+//!
+//! | module | does |
+//! |---|---|
+//! | [`rig`] | the paper's rig from the fixtures, and its runs, each computed once |
+//! | [`claims`] | what the paper states, and whether it was found |
+//! | [`references`] | the stored tables that `--check` compares with |
+//! | [`report`] | `report.html` and `report.md` |
+
+pub(crate) mod claims;
+mod references;
+mod report;
+pub(crate) mod rig;
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use anyhow::{Context, Result, bail};
+use asperity_figure::{Table, svg_to_png};
+use clap::Args;
+use indicatif::{ProgressBar, ProgressStyle};
+
+use crate::figures::FIGURES;
+use claims::{Judged, Verdict};
+use rig::Rig;
+
+/// Resolution of the PNG files, in pixels per millimetre: 300 dots per inch.
+const PIXELS_PER_MM: f64 = 12.0;
+
+/// Options of `cargo xtask reproduce`.
+#[derive(Debug, Args)]
+pub(crate) struct Arguments {
+    /// Only the figure of this id, e.g. fig06; repeatable.
+    #[arg(long, value_name = "ID")]
+    only: Vec<String>,
+    /// Compare tables and verdicts with the stored ones, and fail on a difference.
+    #[arg(long)]
+    check: bool,
+    /// Cells of 4 mm: a first look in a moment. Not for --check.
+    #[arg(long, conflicts_with = "check")]
+    quick: bool,
+    /// Store this run's tables and verdicts as the reference for --check.
+    #[arg(long, conflicts_with_all = ["check", "quick", "only"])]
+    bless: bool,
+}
+
+/// One figure of the paper.
+pub(crate) struct PaperFigure {
+    /// Short name: file name, and what `--only` takes.
+    pub(crate) id: &'static str,
+    /// Title in the report.
+    pub(crate) title: &'static str,
+    /// What is shown, how it was computed, and what the paper does not publish.
+    pub(crate) caption: &'static str,
+    /// Computes the table, and the numbers behind the claims by claim id.
+    pub(crate) compute: fn(&Rig) -> Result<Computed>,
+    /// Draws the table as SVG.
+    pub(crate) draw: fn(&Table) -> Result<String>,
+}
+
+/// What a figure computes.
+pub(crate) struct Computed {
+    /// The figure's numbers: its CSV, and all that the drawing reads.
+    pub(crate) table: Table,
+    /// The number behind each claim that this figure settles.
+    pub(crate) values: Vec<(&'static str, f64)>,
+}
+
+/// A figure, done.
+pub(crate) struct Finished {
+    pub(crate) figure: &'static PaperFigure,
+    pub(crate) table: Table,
+    pub(crate) svg: String,
+}
+
+/// Carries out the task; whether everything asked of it held.
+pub(crate) fn run(arguments: &Arguments) -> Result<bool> {
+    let started = Instant::now();
+    let root = crate::workspace_root();
+    let chosen = choose(&arguments.only)?;
+    let rig = Rig::load(&root.join("fixtures/scenarios"), arguments.quick)?;
+    let folder = root.join("target/reproduce");
+    let bar = progress(chosen.len() as u64);
+    let mut finished = Vec::new();
+    let mut values = BTreeMap::new();
+    for figure in chosen {
+        bar.set_message(figure.id);
+        let computed =
+            (figure.compute)(&rig).with_context(|| format!("computing {}", figure.id))?;
+        let svg =
+            (figure.draw)(&computed.table).with_context(|| format!("drawing {}", figure.id))?;
+        values.extend(computed.values.into_iter().map(|(id, value)| (id.to_owned(), value)));
+        finished.push(Finished { figure, table: computed.table, svg });
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+
+    let claims = claims::load(&root.join("fixtures/paper/claims.json"))?;
+    let judged = claims::judge(&claims, &values, arguments.only.is_empty())?;
+    write_all(&folder, &finished)?;
+    let seconds = started.elapsed().as_secs_f64();
+    report::write(&folder, &finished, &judged, &rig, seconds)?;
+    say(&judged, &folder, finished.len(), seconds);
+
+    let stored = root.join("fixtures/reference/figures");
+    if arguments.bless {
+        references::store(&stored, &finished)?;
+        println!("stored as the reference in {}", stored.display());
+    }
+    if !arguments.check {
+        return Ok(true);
+    }
+    let mut complaints = references::compare(&stored, &finished)?;
+    complaints.extend(judged.iter().filter_map(Judged::complaint));
+    for complaint in &complaints {
+        eprintln!("check: {complaint}");
+    }
+    if complaints.is_empty() {
+        println!("check: tables and verdicts are as stored");
+    }
+    Ok(complaints.is_empty())
+}
+
+fn choose(only: &[String]) -> Result<Vec<&'static PaperFigure>> {
+    let known: Vec<&str> = FIGURES.iter().map(|figure| figure.id).collect();
+    if let Some(unknown) = only.iter().find(|id| !known.contains(&id.as_str())) {
+        bail!("there is no figure \"{unknown}\"; accepted: {}", known.join(", "));
+    }
+    let wanted = |figure: &&PaperFigure| only.is_empty() || only.iter().any(|id| id == figure.id);
+    Ok(FIGURES.iter().copied().filter(wanted).collect())
+}
+
+fn progress(length: u64) -> ProgressBar {
+    let style = ProgressStyle::with_template("reproduce [{bar:40}] {pos}/{len} {msg} {elapsed}")
+        .unwrap_or_else(|_| ProgressStyle::default_bar());
+    ProgressBar::new(length).with_style(style)
+}
+
+fn write_all(folder: &Path, finished: &[Finished]) -> Result<()> {
+    std::fs::create_dir_all(folder)
+        .with_context(|| format!("creating the folder {}", folder.display()))?;
+    for done in finished {
+        let place = |extension: &str| folder.join(format!("{}.{extension}", done.figure.id));
+        write(&place("csv"), done.table.to_csv().as_bytes())?;
+        write(&place("svg"), done.svg.as_bytes())?;
+        write(&place("png"), &svg_to_png(&done.svg, PIXELS_PER_MM)?)?;
+    }
+    Ok(())
+}
+
+/// Writes a file whole: under another name first.
+pub(crate) fn write(place: &PathBuf, contents: &[u8]) -> Result<()> {
+    let temporary = place.with_extension("tmp");
+    std::fs::write(&temporary, contents)
+        .and_then(|()| std::fs::rename(&temporary, place))
+        .with_context(|| format!("writing {}", place.display()))
+}
+
+fn say(judged: &[Judged<'_>], folder: &Path, figures: usize, seconds: f64) {
+    let count = |verdict| judged.iter().filter(|claim| claim.verdict == verdict).count();
+    println!("{figures} figures in {seconds:.1} s: {}", folder.join("report.html").display());
+    println!(
+        "{} claims: {} reproduced, {} under a stated reading, {} not reproduced",
+        judged.len(),
+        count(Verdict::Reproduced),
+        count(Verdict::UnderReading),
+        count(Verdict::NotReproduced)
+    );
+}

@@ -1,0 +1,96 @@
+//! The stored tables that `--check` compares with.
+
+use std::path::Path;
+
+use anyhow::{Context, Result};
+use asperity_figure::Table;
+
+use super::Finished;
+
+/// Largest difference from the stored table, over the largest magnitude of its
+/// column. Machines with and without fused multiply-add round differently; over
+/// a run the difference grows to about 1e-9 of the response.
+const TOLERANCE: f64 = 1e-6;
+
+/// Most rows stored of a table: a longer one is stored in equal strides.
+const MOST_ROWS: usize = 400;
+
+/// Stores the tables.
+pub(crate) fn store(folder: &Path, finished: &[Finished]) -> Result<()> {
+    std::fs::create_dir_all(folder)?;
+    for done in finished {
+        let place = folder.join(format!("{}.csv", done.figure.id));
+        super::write(&place, thinned(&done.table)?.to_csv().as_bytes())?;
+    }
+    Ok(())
+}
+
+/// What differs from the stored tables, a line each.
+pub(crate) fn compare(folder: &Path, finished: &[Finished]) -> Result<Vec<String>> {
+    let mut complaints = Vec::new();
+    for done in finished {
+        let id = done.figure.id;
+        let place = folder.join(format!("{id}.csv"));
+        let text = std::fs::read_to_string(&place)
+            .with_context(|| format!("no reference table {}; store it with --bless", place.display()))?;
+        let stored = Table::from_csv(&text)?;
+        if let Some(difference) = difference(&stored, &thinned(&done.table)?) {
+            complaints.push(format!("{id}: {difference}"));
+        }
+    }
+    Ok(complaints)
+}
+
+fn thinned(table: &Table) -> Result<Table> {
+    let stride = table.rows().div_ceil(MOST_ROWS).max(1);
+    let mut thin = Table::new();
+    for column in table.columns() {
+        let values: Vec<f64> = column.values().iter().copied().step_by(stride).collect();
+        thin = thin.with_column(column.name(), values)?;
+    }
+    Ok(thin)
+}
+
+/// The first difference between two tables, in words.
+fn difference(stored: &Table, computed: &Table) -> Option<String> {
+    let names = |table: &Table| table.names().map(str::to_owned).collect::<Vec<_>>();
+    if names(stored) != names(computed) {
+        return Some(format!("columns {:?} are stored, {:?} computed", names(stored), names(computed)));
+    }
+    if stored.rows() != computed.rows() {
+        return Some(format!("{} rows are stored, {} computed", stored.rows(), computed.rows()));
+    }
+    for (old, new) in stored.columns().iter().zip(computed.columns()) {
+        let finite = old.values().iter().filter(|value| value.is_finite());
+        let scale = finite.fold(0.0, |largest: f64, value| largest.max(value.abs()));
+        for (row, (&a, &b)) in old.values().iter().zip(new.values()).enumerate() {
+            let same = (a.is_nan() && b.is_nan()) || (a - b).abs() <= TOLERANCE * scale;
+            if !same {
+                let name = old.name();
+                return Some(format!("{name}, row {}: {a:e} is stored, {b:e} computed", row + 1));
+            }
+        }
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn table(values: &[f64]) -> Table {
+        Table::new().with_column("a_m", values).unwrap()
+    }
+
+    #[test]
+    fn a_change_beyond_the_tolerance_is_found_and_named() {
+        let stored = table(&[1.0, -2.0, f64::NAN]);
+        assert_eq!(difference(&stored, &table(&[1.0, -2.0 + 1e-7, f64::NAN])), None);
+        let changed = difference(&stored, &table(&[1.0, -2.001, f64::NAN])).unwrap();
+        assert!(changed.contains("a_m, row 2"), "{changed}");
+        assert!(difference(&stored, &table(&[1.0, -2.0])).is_some());
+        assert!(difference(&stored, &table(&[1.0, -2.0, 0.0])).is_some());
+        let other = Table::new().with_column("b_m", vec![1.0, -2.0, f64::NAN]).unwrap();
+        assert!(difference(&stored, &other).is_some());
+    }
+}
