@@ -122,9 +122,8 @@ fn show_invalid(text: &str, path: &std::path::Path, invalid: &Invalid) {
     if labels.is_empty() {
         return;
     }
-    let diagnostic = MietteDiagnostic::new("where they are")
-        .with_severity(Severity::Advice)
-        .with_labels(labels);
+    let diagnostic =
+        MietteDiagnostic::new("where they are").with_severity(Severity::Advice).with_labels(labels);
     let named = NamedSource::new(path.display().to_string(), text.to_owned());
     eprintln!("{:?}", Report::new(diagnostic).with_source_code(named));
 }

@@ -11,12 +11,12 @@ pub enum Damping {
     /// equilibrium: `h = 2 xi w0`. The paper writes `xi = h / (2 m w0)`, whose
     /// dimension does not fit Eq. (1).
     Ratio(f64),
-    /// The rate h itself [1/s].
+    /// The rate h itself \[1/s\].
     Rate(f64),
 }
 
 impl Damping {
-    /// The rate h [1/s] for a stack at its equilibrium.
+    /// The rate h \[1/s\] for a stack at its equilibrium.
     ///
     /// # Errors
     /// [`DynamicsError::Setting`] for a value that is negative or not finite;

@@ -7,11 +7,11 @@ use crate::DynamicsError;
 /// State of one interface at rest.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StaticContact {
-    /// Contact pressure p0 [Pa].
+    /// Contact pressure p0 \[Pa\].
     pub pressure: f64,
-    /// Contact stiffness per area K(p0) [Pa/m].
+    /// Contact stiffness per area K(p0) \[Pa/m\].
     pub stiffness: f64,
-    /// Closure d0 = d(p0) [m], counted from the law's reference pressure.
+    /// Closure d0 = d(p0) \[m\], counted from the law's reference pressure.
     pub closure: f64,
 }
 
@@ -68,13 +68,13 @@ impl Equilibrium {
         &self.contacts
     }
 
-    /// Static displacement [m] of the upper and lower face of each body, from
+    /// Static displacement \[m\] of the upper and lower face of each body, from
     /// the undeformed, just-touching state (closure zero at every interface).
     pub fn faces(&self) -> &[(f64, f64)] {
         &self.faces
     }
 
-    /// Static displacement of the support [m]; zero if it is rigid.
+    /// Static displacement of the support \[m\]; zero if it is rigid.
     pub fn support(&self) -> f64 {
         self.support
     }
@@ -87,8 +87,7 @@ fn face_displacements(stack: &Stack, contacts: &[StaticContact], support: f64) -
         let load_on_top: f64 =
             stack.bodies()[..i].iter().map(Body::mass).sum::<f64>() * stack.gravity();
         let own_weight = body.mass() * stack.gravity();
-        let shortening =
-            (load_on_top + 0.5 * own_weight) * body.length() / body.axial_rigidity();
+        let shortening = (load_on_top + 0.5 * own_weight) * body.length() / body.axial_rigidity();
         let bottom = below + contacts[i].closure;
         faces[i] = (bottom + shortening, bottom);
         below = bottom + shortening;

@@ -23,7 +23,7 @@ pub enum DynamicsError {
     NoEquilibrium {
         /// Name of the interface.
         interface: String,
-        /// Static pressure it would have to carry [Pa].
+        /// Static pressure it would have to carry \[Pa\].
         pressure_pa: f64,
     },
     /// A damping ratio refers to a natural frequency, and there is none.
@@ -33,7 +33,7 @@ pub enum DynamicsError {
     NoFrequency {
         /// The interface without stiffness.
         interface: String,
-        /// Its static pressure [Pa].
+        /// Its static pressure \[Pa\].
         pressure_pa: f64,
     },
     /// A force record is not usable.
@@ -53,7 +53,7 @@ pub enum DynamicsError {
         "the integration became unstable at {time_s:.6e} s, first seen at interface \"{interface}\"; use a smaller step or cell"
     )]
     Unstable {
-        /// Time at which it was noticed [s].
+        /// Time at which it was noticed \[s\].
         time_s: f64,
         /// The interface with the first value that is not finite.
         interface: String,

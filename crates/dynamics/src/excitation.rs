@@ -12,30 +12,30 @@ pub enum Excitation {
     /// `F (t/tr)^2 exp(2 (1 - t/tr))`: a hammer pulse with its peak F at the
     /// rise time, a smooth start, and a spectrum without zeros.
     GammaPulse {
-        /// Peak force F [N].
+        /// Peak force F \[N\].
         peak: f64,
-        /// Time of the peak tr [s].
+        /// Time of the peak tr \[s\].
         rise: f64,
     },
     /// `F sin(pi t / T)` for `0 < t < T`; its spectrum has zeros from 1.5 / T on.
     HalfSine {
-        /// Peak force F [N].
+        /// Peak force F \[N\].
         peak: f64,
-        /// Duration T [s].
+        /// Duration T \[s\].
         duration: f64,
     },
     /// `F sin^2(pi t / T)` for `0 < t < T`; its spectrum has zeros from 2 / T on.
     Haversine {
-        /// Peak force F [N].
+        /// Peak force F \[N\].
         peak: f64,
-        /// Duration T [s].
+        /// Duration T \[s\].
         duration: f64,
     },
     /// `F sin(2 pi f t)` from `t = 0` on.
     Harmonic {
-        /// Amplitude F [N].
+        /// Amplitude F \[N\].
         amplitude: f64,
-        /// Frequency f [Hz].
+        /// Frequency f \[Hz\].
         frequency: f64,
     },
     /// A measured record, linear between its samples, zero outside.
@@ -47,7 +47,7 @@ pub enum Excitation {
 const GAMMA_PULSE_END: f64 = 25.5;
 
 impl Excitation {
-    /// Force [N] at `time` [s].
+    /// Force \[N\] at `time` \[s\].
     pub fn force(&self, time: f64) -> f64 {
         if time < 0.0 || time > self.ends_at() {
             return 0.0;
@@ -65,7 +65,7 @@ impl Excitation {
         }
     }
 
-    /// Fills `forces` with the force [N] at `start`, `start + step`, ... [s].
+    /// Fills `forces` with the force \[N\] at `start`, `start + step`, ... \[s\].
     pub fn sample_into(&self, start: f64, step: f64, forces: &mut [f64]) {
         if start > self.ends_at() {
             forces.fill(0.0);
@@ -76,7 +76,7 @@ impl Excitation {
         }
     }
 
-    /// Time [s] after which the force is zero for good; infinite for a lasting one.
+    /// Time \[s\] after which the force is zero for good; infinite for a lasting one.
     pub fn ends_at(&self) -> f64 {
         match *self {
             Self::None => 0.0,
@@ -87,7 +87,7 @@ impl Excitation {
         }
     }
 
-    /// Largest magnitude of the force [N].
+    /// Largest magnitude of the force \[N\].
     pub fn peak(&self) -> f64 {
         match *self {
             Self::None => 0.0,
@@ -133,7 +133,7 @@ pub struct ForceRecord {
 }
 
 impl ForceRecord {
-    /// A record of `force` [N] at `time` [s].
+    /// A record of `force` \[N\] at `time` \[s\].
     ///
     /// # Errors
     /// [`DynamicsError::ForceRecord`] for fewer than two samples, columns of
@@ -157,7 +157,7 @@ impl ForceRecord {
         Ok(Self { time, force })
     }
 
-    /// The same record with its largest magnitude rescaled to `|peak|` [N]; a
+    /// The same record with its largest magnitude rescaled to `|peak|` \[N\]; a
     /// negative peak also turns the record around. A record of zeros stays zero.
     #[must_use]
     pub fn rescaled(mut self, peak: f64) -> Self {

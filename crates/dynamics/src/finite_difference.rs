@@ -17,6 +17,7 @@
 //! | module | holds |
 //! |---|---|
 //! | `bar` | one body's nodes in vector lanes, and the sweep of Eq. (4) over them |
+//! | `lanes` | storage aligned to cache lines |
 //! | `contact` | the implicit contact step |
 //! | `support` | the step of a spring-mass support |
 //! | `ledger` | the energy balance of the discrete motion |
@@ -24,6 +25,7 @@
 
 mod bar;
 mod contact;
+mod lanes;
 mod ledger;
 mod march;
 mod support;
@@ -48,7 +50,7 @@ pub enum ContactForm {
 /// Settings of the finite-difference integrator.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FiniteDifference {
-    /// Cell length dx asked for [m].
+    /// Cell length dx asked for \[m\].
     pub cell: f64,
     /// Largest Courant number `c dt / dx`, between 0 and 1 (Eq. 3).
     pub courant: f64,
@@ -73,7 +75,7 @@ impl Default for FiniteDifference {
 impl FiniteDifference {
     /// The response of `stack`, from rest at `equilibrium`, to `excitation`.
     ///
-    /// `rate` is the mass-proportional damping h [1/s]. The step is the longest
+    /// `rate` is the mass-proportional damping h \[1/s\]. The step is the longest
     /// that keeps the Courant number and divides the output interval. `progress`
     /// hears the fraction done now and then.
     ///

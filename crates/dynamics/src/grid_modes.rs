@@ -7,8 +7,8 @@ use faer::{Mat, Side};
 
 use crate::DynamicsError;
 
-/// All natural frequencies [Hz], lowest first, of `structure` with its contacts
-/// replaced by springs of `contact_stiffness` [Pa/m] per area.
+/// All natural frequencies \[Hz\], lowest first, of `structure` with its contacts
+/// replaced by springs of `contact_stiffness` \[Pa/m\] per area.
 ///
 /// Solves `k phi = w^2 M phi` with lumped masses as the symmetric problem of
 /// `M^(-1/2) k M^(-1/2)`. The cost grows with the cube of the node count: this

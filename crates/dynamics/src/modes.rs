@@ -10,7 +10,7 @@ use crate::{DynamicsError, Equilibrium};
 /// One undamped mode of the rig linearised about static equilibrium.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mode {
-    /// Natural frequency [Hz].
+    /// Natural frequency \[Hz\].
     pub frequency_hz: f64,
     /// Damping ratio under mass-proportional damping and the support's damper,
     /// `phi^T C phi / (2 w phi^T M phi)`.
@@ -31,7 +31,7 @@ impl Mode {
 }
 
 /// The lowest `count` modes of `stack` about `equilibrium`; `rate` is the
-/// mass-proportional damping h [1/s].
+/// mass-proportional damping h \[1/s\].
 ///
 /// The contacts are springs of stiffness `K(p0) S`. The dynamic stiffness of
 /// the faces is tridiagonal, and the Wittrick-Williams count (J. Sound Vib.
@@ -184,8 +184,7 @@ impl<'a> Chain<'a> {
             Support::Rigid => (0.0, 0.0),
             Support::SpringMass { mass, .. } => (shape[2 * bodies.len()], mass),
         };
-        let viscous =
-            rate * body_mass + self.stack.support().damping() * support * support;
+        let viscous = rate * body_mass + self.stack.support().damping() * support * support;
         let total_mass = body_mass + support_mass * support * support;
         Mode {
             frequency_hz: w / TAU,

@@ -13,7 +13,7 @@ pub struct Sampling {
 const MOST_SAMPLES: f64 = 2e8;
 
 impl Sampling {
-    /// Sampling over `duration` [s] at `rate` [Hz].
+    /// Sampling over `duration` \[s\] at `rate` \[Hz\].
     ///
     /// # Errors
     /// [`DynamicsError::Setting`] unless both are positive and finite and give
@@ -41,12 +41,12 @@ impl Sampling {
         (self.duration * self.rate).round() as usize
     }
 
-    /// Sampling rate [Hz].
+    /// Sampling rate \[Hz\].
     pub fn rate(&self) -> f64 {
         self.rate
     }
 
-    /// Time between samples [s].
+    /// Time between samples \[s\].
     pub fn interval(&self) -> f64 {
         1.0 / self.rate
     }
@@ -55,7 +55,7 @@ impl Sampling {
 /// A response: its samples, what happened at each contact, and its energy balance.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Transient {
-    /// Integration step [s].
+    /// Integration step \[s\].
     pub step: f64,
     /// Number of steps taken.
     pub steps: usize,
@@ -70,13 +70,13 @@ pub struct Transient {
 /// Samples of a response at equal intervals from `t = 0` on, one vector per quantity.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct History {
-    /// Time [s].
+    /// Time \[s\].
     pub time: Vec<f64>,
-    /// Force on the top [N].
+    /// Force on the top \[N\].
     pub force: Vec<f64>,
-    /// Displacement of the top from static equilibrium [m].
+    /// Displacement of the top from static equilibrium \[m\].
     pub displacement: Vec<f64>,
-    /// Acceleration of the top [m/s2].
+    /// Acceleration of the top \[m/s2\].
     pub acceleration: Vec<f64>,
     /// Contact quantities, from the top down.
     pub interfaces: Vec<InterfaceHistory>,
@@ -85,22 +85,22 @@ pub struct History {
 /// Samples of one interface.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct InterfaceHistory {
-    /// Contact pressure [Pa]; zero while contact is lost.
+    /// Contact pressure \[Pa\]; zero while contact is lost.
     pub pressure: Vec<f64>,
-    /// Closure [m], counted from the law's reference pressure.
+    /// Closure \[m\], counted from the law's reference pressure.
     pub closure: Vec<f64>,
-    /// Contact stiffness per area [Pa/m]; zero while contact is lost.
+    /// Contact stiffness per area \[Pa/m\]; zero while contact is lost.
     pub stiffness: Vec<f64>,
 }
 
 /// What happened at one interface, over every integration step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ContactRecord {
-    /// Lowest pressure [Pa].
+    /// Lowest pressure \[Pa\].
     pub pressure_min: f64,
-    /// Highest pressure [Pa].
+    /// Highest pressure \[Pa\].
     pub pressure_max: f64,
-    /// Time during which contact was lost [s].
+    /// Time during which contact was lost \[s\].
     pub lost: f64,
 }
 
@@ -112,27 +112,27 @@ pub struct ContactRecord {
 /// `sum S (E(d) - E(d0) - p0 (d - d0)) + w k w / 2`, plus the kinetic energy.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct EnergyLedger {
-    /// Work of the exciting force [J].
+    /// Work of the exciting force \[J\].
     pub input: f64,
-    /// Viscous loss in bodies and support [J].
+    /// Viscous loss in bodies and support \[J\].
     pub dissipated: f64,
-    /// Kinetic energy at the end [J].
+    /// Kinetic energy at the end \[J\].
     pub kinetic: f64,
-    /// Elastic energy of bodies and support at the end [J].
+    /// Elastic energy of bodies and support at the end \[J\].
     pub elastic: f64,
-    /// Excess energy of the contacts at the end [J].
+    /// Excess energy of the contacts at the end \[J\].
     pub contact: f64,
     /// Loss of the contact scheme itself [J]: zero but for the `new_level` form.
     pub numerical_loss: f64,
 }
 
 impl EnergyLedger {
-    /// Kinetic, elastic and contact energy at the end [J].
+    /// Kinetic, elastic and contact energy at the end \[J\].
     pub fn stored(&self) -> f64 {
         self.kinetic + self.elastic + self.contact
     }
 
-    /// What the balance leaves over [J].
+    /// What the balance leaves over \[J\].
     pub fn residual(&self) -> f64 {
         self.input - self.dissipated - self.stored() - self.numerical_loss
     }

@@ -1,4 +1,5 @@
 //! Settings out of range are refused with the error that says so.
+#![allow(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
 
 mod support;
 
@@ -7,7 +8,7 @@ use std::sync::Arc;
 use asperity_dynamics::{
     DynamicsError, Equilibrium, Excitation, FiniteDifference, ForceRecord, InstructionSet, Sampling,
 };
-use asperity_law::{ContactLaw, Domain, Hyperbolic, Pressure};
+use asperity_law::Hyperbolic;
 use asperity_mesh::{MeshError, Stack};
 use support::{Law, modified, pulse, rig};
 
@@ -140,56 +141,5 @@ fn forces_beyond_all_bounds_end_in_an_error_or_in_numbers() {
             }
             Err(error) => assert!(!runs && matches!(error, DynamicsError::Law { .. }), "{error}"),
         }
-    }
-}
-
-/// Someone else's linear law with a hole: no number between 50 and 60 kPa below rest.
-#[derive(Debug)]
-struct Broken;
-
-impl Broken {
-    fn gain(increment: f64) -> f64 {
-        if (-6e4..-5e4).contains(&increment) { f64::NAN } else { increment }
-    }
-}
-
-impl ContactLaw for Broken {
-    fn stiffness(&self, _: f64) -> f64 {
-        1e12
-    }
-
-    fn stiffness_slope(&self, _: f64) -> f64 {
-        0.0
-    }
-
-    fn domain(&self) -> Domain {
-        Domain::BILATERAL
-    }
-
-    fn reference_pressure(&self) -> f64 {
-        0.0
-    }
-
-    fn closure_increment(&self, _: f64, increment: f64) -> f64 {
-        Self::gain(increment) / 1e12
-    }
-
-    fn pressure_increment(&self, _: f64, closure_increment: f64) -> Pressure {
-        Pressure { value: Self::gain(closure_increment * 1e12), tangent: 1e12 }
-    }
-}
-
-/// The march notices numbers that are none, and says where they came from and when.
-#[test]
-fn a_law_that_breaks_down_stops_the_run() {
-    let stack = rig(&(Arc::new(Broken) as Law));
-    assert_eq!(attempt(&stack, FiniteDifference::default(), 352.0, &pulse(1.0)), Ok(()));
-    let outcome = attempt(&stack, FiniteDifference::default(), 352.0, &pulse(32.0));
-    match outcome {
-        Err(DynamicsError::Unstable { time_s, interface }) => {
-            assert!(time_s > 0.0 && time_s < 1e-3);
-            assert!(interface == "guide-sample" || interface == "sample-disc");
-        }
-        other => panic!("{other:?}"),
     }
 }

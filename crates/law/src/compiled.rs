@@ -128,9 +128,22 @@ impl Compiled {
     )]
     #[inline(always)]
     pub fn get(&self, x: f64) -> f64 {
-        let (i, t) = self.place(x);
+        self.get_by(x, |a, b, c| a * b + c)
+    }
+
+    /// [`get`](Self::get) with the caller's `multiply_add(a, b, c) = a b + c`, for a kernel whose
+    /// instruction set does that in one instruction.
+    #[allow(
+        clippy::inline_always,
+        reason = "the innermost call of time stepping, in loops compiled for wider registers"
+    )]
+    #[inline(always)]
+    pub fn get_by(&self, x: f64, multiply_add: impl Fn(f64, f64, f64) -> f64) -> f64 {
+        let (i, t) = self.place(x, &multiply_add);
         match self.cells.get(i as usize) {
-            Some(&[c0, c1, c2, c3]) => c0 + t * (c1 + t * (c2 + t * c3)),
+            Some(&[c0, c1, c2, c3]) => {
+                multiply_add(multiply_add(multiply_add(c3, t, c2), t, c1), t, c0)
+            }
             None => f64::NAN,
         }
     }
@@ -143,7 +156,7 @@ impl Compiled {
     )]
     #[inline(always)]
     pub fn get_with_tangent(&self, x: f64) -> (f64, f64) {
-        let (i, t) = self.place(x);
+        let (i, t) = self.place(x, |a, b, c| a * b + c);
         match self.cells.get(i as usize) {
             Some(&[c0, c1, c2, c3]) => {
                 let value = c0 + t * (c1 + t * (c2 + t * c3));
@@ -162,9 +175,9 @@ impl Compiled {
         reason = "the innermost call of time stepping, in loops compiled for wider registers"
     )]
     #[inline(always)]
-    fn place(&self, x: f64) -> (u32, f64) {
+    fn place(&self, x: f64, multiply_add: impl Fn(f64, f64, f64) -> f64) -> (u32, f64) {
         let scale = if x < self.fine_below { &self.fine } else { &self.coarse };
-        let s = x * scale.cells_per_metre + scale.offset;
+        let s = multiply_add(x, scale.cells_per_metre, scale.offset);
         let i = s as u32;
         (i, s - f64::from(i))
     }

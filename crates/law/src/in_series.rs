@@ -22,6 +22,9 @@ pub struct InSeries<L> {
 /// the bracket, is returned.
 const ITERATIONS: usize = 128;
 
+/// Part of the closure below which a residual that no longer halves is rounding.
+const STALLED: f64 = 1e-13;
+
 impl<L: ContactLaw> InSeries<L> {
     /// `law` in series with a layer of `stiffness` `K_layer` > 0 \[Pa/m\].
     ///
@@ -196,13 +199,15 @@ impl<P: Fn(f64) -> Pressure, D: Fn(f64) -> f64, K: Fn(f64) -> f64> Path<P, D, K>
             } else {
                 high = at;
             }
-            // The residual is known no better than this; take one more step, from rounding to
-            // rounding, and be done.
-            let done = residual.abs() <= 4.0 * f64::EPSILON * total.abs();
-            let halved = done || residual.abs() <= 0.5 * last;
-            last = residual.abs();
-            if last < best.0 {
-                best = (last, at);
+            let size = residual.abs();
+            // The residual is known no better than this; a law that is itself the result of an
+            // iteration may not even allow that, but then stops improving.
+            let halved = size <= 0.5 * last;
+            let exact = size <= 4.0 * f64::EPSILON * total.abs();
+            let done = exact || (!halved && size <= STALLED * total.abs());
+            last = size;
+            if size < best.0 {
+                best = (size, at);
             }
             let k = at.tangent;
             at = if k <= self.layer {
@@ -215,7 +220,8 @@ impl<P: Fn(f64) -> Pressure, D: Fn(f64) -> f64, K: Fn(f64) -> f64> Path<P, D, K>
                 self.at_pressure(bounded(at.pressure + step, ends, halved, done))
             };
             if done {
-                best.1 = at;
+                // One more step, from rounding to rounding, if the last ones made progress.
+                best.1 = if exact { at } else { best.1 };
                 break;
             }
         }

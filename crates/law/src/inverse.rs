@@ -39,11 +39,14 @@ pub(crate) fn pressure_increment<L: ContactLaw + ?Sized>(
     from: f64,
     closure_increment: f64,
 ) -> Pressure {
-    let domain = law.domain();
-    if let Some(lost) = domain.closure_lost
-        && closure_increment < lost - law.closure(from)
-    {
-        return Pressure::lost_from(from);
+    if let Some(lost) = law.domain().closure_lost {
+        // The law's own figure, unless most of it would cancel.
+        let stated = lost - law.closure(from);
+        let room =
+            if stated < 1e-3 * lost { stated } else { law.closure_increment(from, 0.0 - from) };
+        if closure_increment < room {
+            return Pressure::lost_from(from);
+        }
     }
     let reached = solve(law, from, closure_increment);
     if reached == f64::INFINITY {
@@ -128,6 +131,9 @@ fn unilateral<L: ContactLaw + ?Sized>(law: &L, origin: f64, target: f64) -> f64 
             low = t;
         } else {
             high = t;
+        }
+        if found == target {
+            return p;
         }
         let rate = law.stiffness(p) / p;
         let newton = if from_contact {

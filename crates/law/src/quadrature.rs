@@ -132,6 +132,9 @@ fn linear<L: ContactLaw + ?Sized>(law: &L, weight: Weight, a: f64, b: f64) -> f6
 /// Panels in the logarithm of pressure, 0 < a < b.
 fn logarithmic<L: ContactLaw + ?Sized>(law: &L, weight: Weight, a: f64, b: f64) -> f64 {
     let log = (b / a).ln();
+    if !log.is_finite() {
+        return f64::NAN;
+    }
     let panels = (log / RATIO.ln()).ceil().max(1.0);
     let width = log / panels;
     let integrand = |t: f64| {

@@ -16,8 +16,9 @@ use crate::quadrature::gauss;
 /// three digits, which makes the halves exact to rounding.
 const AGREEMENT: f64 = 1e-13;
 
-/// Halvings of a cell at most.
+/// Halvings of a cell at most, and cells of a piece at most, should its data be extreme.
 const HALVINGS: u32 = 40;
+const CELLS: usize = 1024;
 
 /// Newton steps at most; the start is a cell's end and the bracket is kept.
 const ITERATIONS: usize = 64;
@@ -44,10 +45,14 @@ struct Cell {
 }
 
 impl Cell {
-    fn stiffness(&self, p: f64) -> f64 {
-        let s = p - self.anchor;
+    /// K at `s` from the anchor.
+    fn cubic(&self, s: f64) -> f64 {
         let [c0, c1, c2, c3] = self.coefficients;
         c0 + s * (c1 + s * (c2 + s * c3))
+    }
+
+    fn stiffness(&self, p: f64) -> f64 {
+        self.cubic(p - self.anchor)
     }
 
     fn slope(&self, p: f64) -> f64 {
@@ -56,13 +61,15 @@ impl Cell {
         c1 + s * (2.0 * c2 + s * 3.0 * c3)
     }
 
+    // Both count the distance from the anchor on its own: the rounding of a rule's pressures would
+    // be noise in a steep cell.
     fn closure_over(&self, from: f64, increment: f64) -> f64 {
-        gauss(&|s| 1.0 / self.stiffness(from + s), 0.0, increment)
+        gauss(&|s| 1.0 / self.cubic(s), from - self.anchor, increment)
     }
 
     fn work_over(&self, from: f64, increment: f64) -> f64 {
-        let integrand = |s: f64| (from + s) / self.stiffness(from + s);
-        gauss(&integrand, 0.0, increment)
+        let start = from - self.anchor;
+        gauss(&|u| (from + u) / self.cubic(start + u), 0.0, increment)
     }
 }
 
@@ -82,6 +89,7 @@ impl Spliced {
         let (mut closure, mut energy) = (0.0, 0.0);
         for &[left, right] in pieces {
             let (anchor, coefficients) = hermite(left, right);
+            let most = cells.len() + CELLS;
             let mut stack = vec![(left.pressure, right.pressure, 0)];
             while let Some((start, stop, halvings)) = stack.pop() {
                 let mut cell = Cell { start, anchor, coefficients, closure, energy };
@@ -90,7 +98,10 @@ impl Spliced {
                 let left = cell.closure_over(start, middle - start);
                 let right = cell.closure_over(middle, stop - middle);
                 let halves = left + right;
-                if (whole - halves).abs() > AGREEMENT * halves && halvings < HALVINGS {
+                if (whole - halves).abs() > AGREEMENT * halves
+                    && halvings < HALVINGS
+                    && cells.len() < most
+                {
                     stack.push((middle, stop, halvings + 1));
                     stack.push((start, middle, halvings + 1));
                     continue;

@@ -17,16 +17,16 @@ use crate::Body;
 /// the Wittrick-Williams algorithm (J. Sound Vib. 1971, 16, 419).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BarStiffness {
-    /// Force at an end per displacement of the same end [N/m].
+    /// Force at an end per displacement of the same end \[N/m\].
     pub direct: f64,
-    /// Force at an end per displacement of the other end [N/m].
+    /// Force at an end per displacement of the other end \[N/m\].
     pub cross: f64,
     /// How many natural frequencies of the bar clamped at both ends lie below `w`.
     pub clamped_modes_below: usize,
 }
 
 impl BarStiffness {
-    /// The dynamic stiffness of `body` at `angular_frequency` [rad/s], which must be positive.
+    /// The dynamic stiffness of `body` at `angular_frequency` \[rad/s\], which must be positive.
     pub fn at(body: &Body, angular_frequency: f64) -> Self {
         let th = angular_frequency * body.length() / body.wave_speed();
         let a = body.axial_rigidity() * angular_frequency / body.wave_speed();

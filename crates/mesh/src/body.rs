@@ -18,7 +18,7 @@ pub struct Body {
 }
 
 impl Body {
-    /// A bar of `length` [m], `section` [m2], `youngs_modulus` [Pa] and `density` [kg/m3].
+    /// A bar of `length` \[m\], `section` \[m2\], `youngs_modulus` \[Pa\] and `density` \[kg/m3\].
     ///
     /// # Errors
     /// [`MeshError::NotPositive`] for any value that is not positive and finite.
@@ -38,7 +38,7 @@ impl Body {
         })
     }
 
-    /// A bar of known `mass` [kg]; its section is `mass / (density length)`.
+    /// A bar of known `mass` \[kg\]; its section is `mass / (density length)`.
     ///
     /// # Errors
     /// [`MeshError::NotPositive`] for any value that is not positive and finite.
@@ -60,42 +60,42 @@ impl Body {
         &self.name
     }
 
-    /// Length L [m].
+    /// Length L \[m\].
     pub fn length(&self) -> f64 {
         self.length
     }
 
-    /// Cross-section A [m2].
+    /// Cross-section A \[m2\].
     pub fn section(&self) -> f64 {
         self.section
     }
 
-    /// Young's modulus E [Pa].
+    /// Young's modulus E \[Pa\].
     pub fn youngs_modulus(&self) -> f64 {
         self.youngs_modulus
     }
 
-    /// Density rho [kg/m3].
+    /// Density rho \[kg/m3\].
     pub fn density(&self) -> f64 {
         self.density
     }
 
-    /// Mass rho A L [kg].
+    /// Mass rho A L \[kg\].
     pub fn mass(&self) -> f64 {
         self.density * self.section * self.length
     }
 
-    /// Longitudinal wave speed c = sqrt(E / rho) [m/s].
+    /// Longitudinal wave speed c = sqrt(E / rho) \[m/s\].
     pub fn wave_speed(&self) -> f64 {
         (self.youngs_modulus / self.density).sqrt()
     }
 
-    /// Mechanical impedance rho c A [N s/m].
+    /// Mechanical impedance rho c A \[N s/m\].
     pub fn impedance(&self) -> f64 {
         self.density * self.wave_speed() * self.section
     }
 
-    /// Axial rigidity E A [N].
+    /// Axial rigidity E A \[N\].
     pub fn axial_rigidity(&self) -> f64 {
         self.youngs_modulus * self.section
     }

@@ -45,7 +45,7 @@ pub enum MeshError {
     /// The cell is so small that the grid would not fit in memory.
     #[error("cells of {cell_m} m make {nodes:.3e} nodes; at most {limit:.0e} are accepted")]
     TooManyNodes {
-        /// The cell length asked for [m].
+        /// The cell length asked for \[m\].
         cell_m: f64,
         /// The nodes this would take.
         nodes: f64,
@@ -54,11 +54,7 @@ pub enum MeshError {
     },
 }
 
-pub(crate) fn positive(
-    owner: &str,
-    quantity: &'static str,
-    value: f64,
-) -> Result<f64, MeshError> {
+pub(crate) fn positive(owner: &str, quantity: &'static str, value: f64) -> Result<f64, MeshError> {
     if value.is_finite() && value > 0.0 {
         Ok(value)
     } else {

@@ -44,27 +44,27 @@ impl BarGrid {
         self.cells + 1
     }
 
-    /// Cell length dx [m].
+    /// Cell length dx \[m\].
     pub fn cell_length(&self) -> f64 {
         self.cell_length
     }
 
-    /// Mass of a whole cell, `rho A dx` [kg]; end nodes carry half of it.
+    /// Mass of a whole cell, `rho A dx` \[kg\]; end nodes carry half of it.
     pub fn cell_mass(&self) -> f64 {
         self.cell_mass
     }
 
-    /// Mass at an end node, `rho A dx / 2` [kg].
+    /// Mass at an end node, `rho A dx / 2` \[kg\].
     pub fn end_mass(&self) -> f64 {
         0.5 * self.cell_mass
     }
 
-    /// Stiffness of one cell, `E A / dx` [N/m].
+    /// Stiffness of one cell, `E A / dx` \[N/m\].
     pub fn cell_stiffness(&self) -> f64 {
         self.cell_stiffness
     }
 
-    /// Longest stable step of this grid, `dx / c` [s] (Eq. 3).
+    /// Longest stable step of this grid, `dx / c` \[s\] (Eq. 3).
     pub fn critical_step(&self) -> f64 {
         self.cell_length / self.wave_speed
     }
@@ -78,7 +78,7 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// Divides each body into cells of at most `cell` [m], the fewest that make
+    /// Divides each body into cells of at most `cell` \[m\], the fewest that make
     /// its nodes a multiple of [`NODE_MULTIPLE`].
     ///
     /// # Errors
@@ -117,8 +117,8 @@ impl Grid {
         self.critical_step
     }
 
-    /// A step [s] of at most `courant` times the critical one that divides
-    /// `interval` [s] into a whole number of steps, and that number.
+    /// A step \[s\] of at most `courant` times the critical one that divides
+    /// `interval` \[s\] into a whole number of steps, and that number.
     ///
     /// # Errors
     /// [`MeshError::Courant`] unless `0 < courant < 1`.

@@ -16,7 +16,7 @@ pub struct Interface {
 }
 
 impl Interface {
-    /// An interface of nominal contact `area` [m2] that follows `law`.
+    /// An interface of nominal contact `area` \[m2\] that follows `law`.
     ///
     /// # Errors
     /// [`MeshError::NotPositive`] for an area that is not positive and finite.
@@ -29,7 +29,7 @@ impl Interface {
         &self.name
     }
 
-    /// Nominal contact area S [m2].
+    /// Nominal contact area S \[m2\].
     pub fn area(&self) -> f64 {
         self.area
     }
@@ -47,9 +47,9 @@ pub enum Support {
     Rigid,
     /// A mass on a spring and a viscous damper: a compliant disc.
     SpringMass {
-        /// Stiffness k [N/m].
+        /// Stiffness k \[N/m\].
         stiffness: f64,
-        /// Mass m [kg].
+        /// Mass m \[kg\].
         mass: f64,
         /// Damping ratio of the support alone, `c / (2 sqrt(k m))`.
         damping_ratio: f64,
@@ -57,7 +57,7 @@ pub enum Support {
 }
 
 impl Support {
-    /// Viscous coefficient of the support's own damper, `2 zeta sqrt(k m)` [N s/m].
+    /// Viscous coefficient of the support's own damper, `2 zeta sqrt(k m)` \[N s/m\].
     pub fn damping(&self) -> f64 {
         match *self {
             Self::Rigid => 0.0,
@@ -87,7 +87,7 @@ pub struct Stack {
 }
 
 impl Stack {
-    /// A stack under `gravity` [m/s2], bodies and interfaces from the top down.
+    /// A stack under `gravity` \[m/s2\], bodies and interfaces from the top down.
     ///
     /// # Errors
     /// [`MeshError`] when there is no body, when interfaces and bodies are not
@@ -127,12 +127,12 @@ impl Stack {
         &self.support
     }
 
-    /// Gravity g [m/s2].
+    /// Gravity g \[m/s2\].
     pub fn gravity(&self) -> f64 {
         self.gravity
     }
 
-    /// Pressure that the weight above each interface exerts on it, `sum(m) g / S` [Pa].
+    /// Pressure that the weight above each interface exerts on it, `sum(m) g / S` \[Pa\].
     ///
     /// A chain is statically determinate: these are the static pressures,
     /// whatever the laws. For the paper's rig both are about 0.14 MPa.
@@ -196,9 +196,7 @@ mod tests {
             Stack::new(bodies.clone(), interfaces[..1].to_vec(), Support::Rigid, 9.81).unwrap_err(),
             MeshError::InterfaceCount { bodies: 2, interfaces: 1 }
         );
-        assert!(
-            Stack::new(bodies.clone(), interfaces.clone(), Support::Rigid, f64::NAN).is_err()
-        );
+        assert!(Stack::new(bodies.clone(), interfaces.clone(), Support::Rigid, f64::NAN).is_err());
         for (stiffness, mass, damping_ratio) in
             [(0.0, 1.0, 0.0), (1.0, -1.0, 0.0), (1.0, 1.0, -0.1), (f64::INFINITY, 1.0, 0.0)]
         {

@@ -14,7 +14,7 @@ pub struct Contact {
     pub above: usize,
     /// Node of the lower face; `None` for an immovable support.
     pub below: Option<usize>,
-    /// Nominal contact area [m2].
+    /// Nominal contact area \[m2\].
     pub area: f64,
 }
 
@@ -82,7 +82,7 @@ impl LinearStructure {
         self.position.push(position);
     }
 
-    /// A spring of stiffness `k` [N/m] between two nodes, or a node and the ground.
+    /// A spring of stiffness `k` \[N/m\] between two nodes, or a node and the ground.
     fn push_spring(&mut self, node: usize, other: Option<usize>, k: f64) {
         self.stiffness.push((node, node, k));
         if let Some(other) = other {
@@ -95,7 +95,7 @@ impl LinearStructure {
         self.mass.len()
     }
 
-    /// Lumped mass of each node [kg].
+    /// Lumped mass of each node \[kg\].
     pub fn mass(&self) -> &[f64] {
         &self.mass
     }
@@ -105,7 +105,7 @@ impl LinearStructure {
         self.mass.iter().zip(&self.in_body).map(|(&mass, &damped)| if damped { mass } else { 0.0 })
     }
 
-    /// Distance of each node from the top [m].
+    /// Distance of each node from the top \[m\].
     pub fn position(&self) -> &[f64] {
         &self.position
     }

@@ -8,15 +8,15 @@
 /// Research Studies Press 2000, table 1.1, and ISO 7626-1.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum FrfForm {
-    /// Displacement over force, `H = U / F` [m/N].
+    /// Displacement over force, `H = U / F` \[m/N\].
     Receptance,
-    /// Velocity over force, `i w H` [m/(N s)].
+    /// Velocity over force, `i w H` \[m/(N s)\].
     Mobility,
-    /// Acceleration over force, `-w^2 H` [m/(N s^2)], which is 1/kg.
+    /// Acceleration over force, `-w^2 H` \[m/(N s^2)\], which is 1/kg.
     Accelerance,
-    /// Force over displacement, `1 / H` [N/m].
+    /// Force over displacement, `1 / H` \[N/m\].
     DynamicStiffness,
-    /// Force over velocity, `1 / (i w H)` [N s/m].
+    /// Force over velocity, `1 / (i w H)` \[N s/m\].
     MechanicalImpedance,
     /// Force over acceleration, `-1 / (w^2 H)` in kg.
     ApparentMass,

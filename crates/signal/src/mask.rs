@@ -22,7 +22,7 @@ pub struct ForceMask {
 }
 
 impl ForceMask {
-    /// The mask of the magnitudes `|F|` [N s] of a force spectrum.
+    /// The mask of the magnitudes `|F|` \[N s\] of a force spectrum.
     pub(crate) fn new(frequency_hz: Vec<f64>, magnitude: &[f64], threshold: f64) -> Self {
         let floor = threshold * magnitude.iter().copied().fold(0.0, f64::max);
         Self { frequency_hz, valid: magnitude.iter().map(|&value| value >= floor).collect(), floor }

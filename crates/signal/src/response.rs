@@ -99,7 +99,7 @@ impl Response {
         })
     }
 
-    /// Receptance [m/N] on the grid of a zero-padded FFT, zero frequency to half the rate.
+    /// Receptance \[m/N\] on the grid of a zero-padded FFT, zero frequency to half the rate.
     ///
     /// `padding` is clamped to 1 to 1024, see [`Spectrum::new`]. From
     /// acceleration the value at zero frequency is NaN; where the force has no
@@ -118,14 +118,14 @@ impl Response {
         Frf { frequency_hz, values, form: FrfForm::Receptance }
     }
 
-    /// Receptance [m/N] at any frequency (Hz), from the transforms there.
+    /// Receptance \[m/N\] at any frequency (Hz), from the transforms there.
     pub fn receptance_at(&self, frequency_hz: f64) -> Complex64 {
         let kernel = Kernel::new(self.sample_rate_hz, frequency_hz);
         let ratio = kernel.transform(&self.samples, 0) / self.force_transform(&kernel);
         convert(ratio, frequency_hz, self.form(), FrfForm::Receptance)
     }
 
-    /// Transform of the force [N s] at any frequency (Hz).
+    /// Transform of the force \[N s\] at any frequency (Hz).
     pub fn force_at(&self, frequency_hz: f64) -> Complex64 {
         self.force_transform(&Kernel::new(self.sample_rate_hz, frequency_hz))
     }
@@ -168,7 +168,7 @@ impl Response {
         self.route
     }
 
-    /// `|H|^2` and the derivative of its logarithm with frequency [1/Hz].
+    /// `|H|^2` and the derivative of its logarithm with frequency \[1/Hz\].
     ///
     /// `d ln |H|^2 / df = 2 Re (X'/X - F'/F)`, and `-4/f` more from acceleration.
     pub(crate) fn power_and_slope(&self, frequency_hz: f64) -> (f64, f64) {
@@ -251,7 +251,7 @@ impl Response {
     }
 }
 
-/// Ripples of `|H|` [m/N] that the window and the arithmetic make.
+/// Ripples of `|H|` \[m/N\] that the window and the arithmetic make.
 pub(crate) struct Ripple {
     pub(crate) leakage: f64,
     pub(crate) rounding: f64,

@@ -25,7 +25,7 @@ pub struct Assembly {
     pub stack: Stack,
     /// Static equilibrium under weight.
     pub equilibrium: Equilibrium,
-    /// Mass-proportional damping h [1/s].
+    /// Mass-proportional damping h \[1/s\].
     pub damping_rate: f64,
     /// The force on the top.
     pub excitation: Excitation,
@@ -72,8 +72,7 @@ impl Assembly {
 fn stack(scenario: &Scenario) -> Result<Stack, StudyError> {
     let bodies = scenario.bodies.iter().map(body).collect::<Result<Vec<_>, _>>()?;
     let areas = scenario.interfaces.iter().map(|interface| interface.area_m2);
-    let pressures =
-        asperity_mesh::static_pressures(&bodies, areas, scenario.gravity_m_per_s2);
+    let pressures = asperity_mesh::static_pressures(&bodies, areas, scenario.gravity_m_per_s2);
     let mut interfaces = Vec::with_capacity(scenario.interfaces.len());
     for (spec, &pressure) in scenario.interfaces.iter().zip(&pressures) {
         let law = build_law(&spec.law, &scenario.laws, pressure).map_err(|source| {
@@ -111,7 +110,7 @@ pub(crate) fn body(spec: &BodySpec) -> Result<Body, StudyError> {
 }
 
 /// Builds the law that `reference` names among `laws`. A law that never
-/// separates counts its closure from `static_pressure` [Pa].
+/// separates counts its closure from `static_pressure` \[Pa\].
 ///
 /// # Errors
 /// [`LawError`] when its parameters make no law, or when it never separates

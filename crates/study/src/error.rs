@@ -18,13 +18,15 @@ pub enum StudyError {
     #[error(transparent)]
     Dynamics(#[from] DynamicsError),
     /// A contact law cannot be built for the pressure it has to carry.
-    #[error("law \"{law}\" at interface \"{interface}\" (static pressure {pressure_pa} Pa): {source}")]
+    #[error(
+        "law \"{law}\" at interface \"{interface}\" (static pressure {pressure_pa} Pa): {source}"
+    )]
     Law {
         /// The law's name, or "in place".
         law: String,
         /// The interface that uses it.
         interface: String,
-        /// Static pressure there [Pa].
+        /// Static pressure there \[Pa\].
         pressure_pa: f64,
         /// What the law says.
         source: LawError,

@@ -34,7 +34,7 @@ pub struct Summary {
 /// State at rest.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct StaticSummary {
-    /// Lowest natural frequency of the rig linearised at rest [Hz]; none if it has no stiffness.
+    /// Lowest natural frequency of the rig linearised at rest \[Hz\]; none if it has no stiffness.
     pub natural_frequency_hz: Option<f64>,
     /// Contacts at rest, from the top down.
     pub interfaces: Vec<StaticInterface>,
@@ -45,20 +45,20 @@ pub struct StaticSummary {
 pub struct StaticInterface {
     /// Name of the interface.
     pub name: String,
-    /// Static pressure [Pa].
+    /// Static pressure \[Pa\].
     pub pressure_pa: f64,
-    /// Contact stiffness per area [Pa/m].
+    /// Contact stiffness per area \[Pa/m\].
     pub stiffness_pa_per_m: f64,
-    /// Closure from the law's reference [m].
+    /// Closure from the law's reference \[m\].
     pub closure_m: f64,
 }
 
 /// The fundamental.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Fundamental {
-    /// Frequency f1 [Hz].
+    /// Frequency f1 \[Hz\].
     pub frequency_hz: f64,
-    /// Receptance A1 [m/N].
+    /// Receptance A1 \[m/N\].
     pub receptance_m_per_n: f64,
     /// Half-power damping ratio; none where the peak does not fall to half power.
     pub damping_ratio: Option<f64>,
@@ -69,9 +69,9 @@ pub struct Fundamental {
 /// The second harmonic.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct SecondHarmonic {
-    /// Frequency f2 [Hz].
+    /// Frequency f2 \[Hz\].
     pub frequency_hz: f64,
-    /// Receptance A2 [m/N].
+    /// Receptance A2 \[m/N\].
     pub receptance_m_per_n: f64,
 }
 
@@ -80,28 +80,28 @@ pub struct SecondHarmonic {
 pub struct InterfaceSummary {
     /// Name of the interface.
     pub name: String,
-    /// Lowest pressure over all steps [Pa].
+    /// Lowest pressure over all steps \[Pa\].
     pub pressure_min_pa: f64,
-    /// Highest pressure over all steps [Pa].
+    /// Highest pressure over all steps \[Pa\].
     pub pressure_max_pa: f64,
-    /// `K_avr` of Eq. (8) over the output samples [Pa/m].
+    /// `K_avr` of Eq. (8) over the output samples \[Pa/m\].
     pub stiffness_average_pa_per_m: f64,
-    /// Stiffness of the law at the lowest pressure [Pa/m].
+    /// Stiffness of the law at the lowest pressure \[Pa/m\].
     pub stiffness_at_pressure_min_pa_per_m: f64,
-    /// Time without contact [s].
+    /// Time without contact \[s\].
     pub contact_lost_s: f64,
 }
 
 /// Energy balance of the run.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct EnergySummary {
-    /// Work of the force [J].
+    /// Work of the force \[J\].
     pub input_j: f64,
-    /// Viscous loss [J].
+    /// Viscous loss \[J\].
     pub dissipated_j: f64,
-    /// Stored at the end, counted from rest [J].
+    /// Stored at the end, counted from rest \[J\].
     pub stored_j: f64,
-    /// Loss of the contact scheme itself [J].
+    /// Loss of the contact scheme itself \[J\].
     pub numerical_loss_j: f64,
     /// What the balance leaves over, over the input.
     pub residual_relative: f64,
@@ -112,13 +112,13 @@ pub struct EnergySummary {
 pub struct Numerics {
     /// Integrator.
     pub method: &'static str,
-    /// Integration step [s].
+    /// Integration step \[s\].
     pub step_s: f64,
     /// Number of steps.
     pub steps: usize,
     /// Vector instructions used.
     pub instructions: String,
-    /// Time the integration and analysis took [s].
+    /// Time the integration and analysis took \[s\].
     pub wall_s: f64,
 }
 
@@ -145,9 +145,8 @@ impl Summary {
     pub fn scalars(&self) -> Vec<(String, Option<f64>)> {
         let fundamental = self.fundamental.as_ref();
         let second = self.second_harmonic.as_ref();
-        let mut scalars = vec![
-            ("static.natural_frequency_hz".to_owned(), self.at_rest.natural_frequency_hz),
-        ];
+        let mut scalars =
+            vec![("static.natural_frequency_hz".to_owned(), self.at_rest.natural_frequency_hz)];
         for state in &self.at_rest.interfaces {
             let name = |key: &str| format!("static.interfaces.{}.{key}", state.name);
             scalars.push((name("pressure_pa"), Some(state.pressure_pa)));

@@ -41,7 +41,9 @@ pub enum VariationError {
         pointer: String,
     },
     /// A range that is not two numbers and a count.
-    #[error("{pointer}: \"{text}\" is no range; accepted: start:stop:count with finite numbers and a count from 1 to 10000000")]
+    #[error(
+        "{pointer}: \"{text}\" is no range; accepted: start:stop:count with finite numbers and a count from 1 to 10000000"
+    )]
     Range {
         /// The pointer.
         pointer: String,
@@ -207,7 +209,8 @@ fn prepare(
     }
     let scenario = document.scenario().map_err(|source| {
         let named = variations.iter().zip(&values);
-        let values: Vec<String> = named.map(|(v, value)| format!("{}={value}", v.pointer)).collect();
+        let values: Vec<String> =
+            named.map(|(v, value)| format!("{}={value}", v.pointer)).collect();
         SweepError::Invalid { run: run + 1, values: values.join(", "), source }
     })?;
     Ok((values, document, scenario))

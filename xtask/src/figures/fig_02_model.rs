@@ -44,7 +44,7 @@ const GAP: f64 = 9.0;
 fn draw(table: &Table) -> Result<String> {
     let (body, x, mass) =
         (table.column("body")?, table.column("position_m")?, table.column("mass_kg")?);
-    let mut drawing = Drawing::new("The numerical model", 85.0, 132.0);
+    let mut drawing = Drawing::new("The numerical model", 85.0, 138.0);
     let centre = LEFT + WIDTH / 2.0;
     let line = Stroke::new(Color::BLACK, 0.8);
     let mut top = 16.0;
@@ -69,7 +69,8 @@ fn draw(table: &Table) -> Result<String> {
             if at_end || (number == 2.0) || (node - first) % 8 == 0 {
                 let fill = if at_end { Color::WHITE } else { Color::BLUE };
                 let at = (centre, top + (x[node] - x[first]) * stretch);
-                drawing.circle(at, 0.75, Some(fill), Some(Stroke::new(Color::BLUE, 0.6)));
+                let radius = if number == 1.0 { 0.75 } else { 0.5 };
+                drawing.circle(at, radius, Some(fill), Some(Stroke::new(Color::BLUE, 0.6)));
             }
         }
         let total: f64 = nodes.iter().map(|&node| mass[node]).sum();

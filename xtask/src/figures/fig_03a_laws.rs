@@ -43,10 +43,8 @@ fn compute(rig: &Rig) -> Result<Computed> {
         column
     };
     let fit = fit_power(&points).context("fitting Table 3")?;
-    let worst = points
-        .iter()
-        .map(|&(p, k)| (power.stiffness(p) / k - 1.0).abs())
-        .fold(0.0, f64::max);
+    let worst =
+        points.iter().map(|&(p, k)| (power.stiffness(p) / k - 1.0).abs()).fold(0.0, f64::max);
     let transition = 2e5;
     let values = vec![
         ("table3_coefficient", fit.coefficient),
@@ -54,13 +52,18 @@ fn compute(rig: &Rig) -> Result<Computed> {
         ("table3_agreement", worst),
         (
             "modified_equals_pl_above",
-            f64::from(u8::from([transition, 4e5, 1e6].iter().all(|&p| {
-                (modified.stiffness(p) / power.stiffness(p) - 1.0).abs() < 1e-12
-            }))),
+            f64::from(u8::from(
+                [transition, 4e5, 1e6]
+                    .iter()
+                    .all(|&p| (modified.stiffness(p) / power.stiffness(p) - 1.0).abs() < 1e-12),
+            )),
         ),
-        ("modified_below_pl", f64::from(u8::from(
-            [1e4, 5e4, 1e5, 1.4e5].iter().all(|&p| modified.stiffness(p) < power.stiffness(p)),
-        ))),
+        (
+            "modified_below_pl",
+            f64::from(u8::from(
+                [1e4, 5e4, 1e5, 1.4e5].iter().all(|&p| modified.stiffness(p) < power.stiffness(p)),
+            )),
+        ),
     ];
     let table = Table::new()
         .with_column("pl:stiffness_pa_per_m", stiffness(&power))?

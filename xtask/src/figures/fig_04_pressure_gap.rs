@@ -40,17 +40,13 @@ fn compute(rig: &Rig) -> Result<Computed> {
         .with_column("pressure_pa", pressure)?
         .with_column("static:gap_m", only_first(-law.closure(static_pressure)))?
         .with_column("static:pressure_pa", only_first(static_pressure))?;
-    let values =
-        vec![("pressure_gap_nonlinear", f64::from(u8::from(softening < 0.1)))];
+    let values = vec![("pressure_gap_nonlinear", f64::from(u8::from(softening < 0.1)))];
     Ok(Computed { table, values })
 }
 
 fn draw(table: &Table) -> Result<String> {
-    let law = Series::line_points(
-        "Modified PL",
-        table.column("gap_m")?,
-        table.column("pressure_pa")?,
-    );
+    let law =
+        Series::line_points("Modified PL", table.column("gap_m")?, table.column("pressure_pa")?);
     let rest = Series::points(
         "static equilibrium",
         table.column("static:gap_m")?,

@@ -25,7 +25,8 @@ const TOP: f64 = 2500.0;
 const STEP: f64 = 2.5;
 
 fn compute(rig: &Rig) -> Result<Computed> {
-    let frequency: Vec<f64> = (20..).map(|n| f64::from(n) * STEP).take_while(|f| *f <= TOP).collect();
+    let frequency: Vec<f64> =
+        (20..).map(|n| f64::from(n) * STEP).take_while(|f| *f <= TOP).collect();
     let receptance = |law| -> Result<(Vec<f64>, Summary)> {
         let case = rig.struck(law, 32.0)?;
         let run = rig.run(&case)?;

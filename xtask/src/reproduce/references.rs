@@ -31,8 +31,9 @@ pub(crate) fn compare(folder: &Path, finished: &[Finished]) -> Result<Vec<String
     for done in finished {
         let id = done.figure.id;
         let place = folder.join(format!("{id}.csv"));
-        let text = std::fs::read_to_string(&place)
-            .with_context(|| format!("no reference table {}; store it with --bless", place.display()))?;
+        let text = std::fs::read_to_string(&place).with_context(|| {
+            format!("no reference table {}; store it with --bless", place.display())
+        })?;
         let stored = Table::from_csv(&text)?;
         if let Some(difference) = difference(&stored, &thinned(&done.table)?) {
             complaints.push(format!("{id}: {difference}"));
@@ -55,7 +56,11 @@ fn thinned(table: &Table) -> Result<Table> {
 fn difference(stored: &Table, computed: &Table) -> Option<String> {
     let names = |table: &Table| table.names().map(str::to_owned).collect::<Vec<_>>();
     if names(stored) != names(computed) {
-        return Some(format!("columns {:?} are stored, {:?} computed", names(stored), names(computed)));
+        return Some(format!(
+            "columns {:?} are stored, {:?} computed",
+            names(stored),
+            names(computed)
+        ));
     }
     if stored.rows() != computed.rows() {
         return Some(format!("{} rows are stored, {} computed", stored.rows(), computed.rows()));

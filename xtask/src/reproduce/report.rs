@@ -5,9 +5,9 @@ use std::path::Path;
 use anyhow::Result;
 use asperity_figure::report::{Cell, Report, Verdict as Badge};
 
+use super::Finished;
 use super::claims::{Judged, Verdict};
 use super::rig::Rig;
-use super::Finished;
 
 /// Writes both forms of the report into `folder`.
 pub(crate) fn write(
@@ -40,7 +40,8 @@ pub(crate) fn write(
     report = report.section("Figures");
     for done in finished {
         let figure = done.figure;
-        report = report.subsection(figure.title).figure(figure.id, figure.caption, done.svg.clone());
+        report =
+            report.subsection(figure.title).figure(figure.id, figure.caption, done.svg.clone());
     }
     report = report.section("Provenance").key_values([
         ("asperity", env!("CARGO_PKG_VERSION").to_owned()),

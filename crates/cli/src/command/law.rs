@@ -15,10 +15,7 @@ use crate::plot;
 pub(crate) fn run(input: &Input, output: &Output, table: Option<&Path>) -> Result<(), Failure> {
     let document = super::read(input)?;
     let scenario = super::checked(&document)?;
-    let fitted = table
-        .map(fit)
-        .transpose()
-        .map_err(asperity_study::error::StudyError::from)?;
+    let fitted = table.map(fit).transpose().map_err(asperity_study::error::StudyError::from)?;
     let tables = tabulate(&scenario)?;
     let folder = super::claim(document.path(), output)?;
     for law in &tables {

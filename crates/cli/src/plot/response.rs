@@ -33,12 +33,9 @@ pub(crate) fn frf(frf: &Frf, summary: &Summary) -> Figure {
     let magnitude = frf.magnitude();
     // Zero frequency has no place among the resonances.
     let (frequency, magnitude) = (&frf.frequency_hz[1..], &magnitude[1..]);
-    let mut panel = Panel::new(
-        Axis::linear("Frequency", "Hz"),
-        Axis::log("Receptance", "m/N"),
-    )
-    .series(Series::line("", frequency, magnitude).color(Color::BLUE))
-    .legend(Legend::None);
+    let mut panel = Panel::new(Axis::linear("Frequency", "Hz"), Axis::log("Receptance", "m/N"))
+        .series(Series::line("", frequency, magnitude).color(Color::BLUE))
+        .legend(Legend::None);
     if let Some(first) = &summary.fundamental {
         let text = format!("{:.1} Hz", first.frequency_hz);
         panel = panel.note(first.frequency_hz, first.receptance_m_per_n, text);

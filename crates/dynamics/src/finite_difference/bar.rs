@@ -10,31 +10,34 @@
 //!
 //! The two states of the leapfrog lie in two buffers. Step number `m` reads
 //! buffer `m % 2` and overwrites the other; the parity is a constant of the
-//! code, so that no pointer changes hands between steps. The end nodes are kept
-//! as numbers as well: their update is what the contact waits for, and it must
-//! not wait for a vector to be stored and read back.
+//! code, so that no pointer changes hands between steps.
+//!
+//! The end nodes are kept as numbers as well: their update is what the contact
+//! solve waits for, and it must not wait for a vector to be stored and read back.
 
 use asperity_mesh::BarGrid;
-use pulp::{Simd, bytemuck};
+use pulp::Simd;
+
+use super::lanes::Lanes;
 
 pub(super) struct Bar<S: Simd> {
-    states: [Vec<S::f64s>; 2],
+    states: [Lanes; 2],
     /// Coefficients of Eq. (4) for the node, its neighbours, and its past.
     own: f64,
     neighbour: f64,
     past: f64,
     /// Share of each node in the kinetic energy: 1 inside, 1/2 at the ends, 0 for mirror nodes.
-    share: Vec<S::f64s>,
+    share: Lanes,
     top: End<S>,
     bottom: End<S>,
-    /// Displacement of an end per force on it and step, `dt^2 / (m_end (1 + a2))` [m/N].
+    /// Displacement of an end per force on it and step, `dt^2 / (m_end (1 + a2))` \[m/N\].
     pub(super) compliance: f64,
     cell_mass: f64,
     cell_stiffness: f64,
     nodes: usize,
 }
 
-/// An end node: its displacement at the newest state and before, and where it lives.
+/// An end node: its displacement at the newest state and before, and its place.
 struct End<S: Simd> {
     now: f64,
     before: f64,
@@ -47,28 +50,28 @@ impl<S: Simd> Bar<S> {
     pub(super) fn new(simd: S, grid: &BarGrid, step: f64, rate: f64) -> Self {
         let lanes = S::F64_LANES;
         let nodes = grid.nodes();
-        let vectors = nodes.div_ceil(lanes);
+        let vectors = nodes / lanes;
         let slot_of = |node: usize| (node % vectors) * lanes + node / vectors;
-        let zero = simd.splat_f64s(0.0);
-        let mut lane_number = vec![zero; 1];
-        for (lane, entry) in flat_mut::<S>(&mut lane_number).iter_mut().enumerate() {
-            *entry = lane as f64;
+        let mut lane_numbers = Lanes::zeros(lanes);
+        for (lane, number) in lane_numbers.numbers_mut().iter_mut().enumerate() {
+            *number = lane as f64;
         }
+        let lane_numbers = lane_numbers.vectors::<S>()[0];
         let end = |lane: usize, inner: usize| End {
             now: 0.0,
             before: 0.0,
-            lane: simd.equal_f64s(lane_number[0], simd.splat_f64s(lane as f64)),
+            lane: simd.equal_f64s(lane_numbers, simd.splat_f64s(lane as f64)),
             inner: slot_of(inner),
         };
-        let mut share = vec![zero; vectors];
+        let mut share = Lanes::zeros(nodes);
         for node in 0..nodes {
             let at_end = node == 0 || node == nodes - 1;
-            flat_mut::<S>(&mut share)[slot_of(node)] = if at_end { 0.5 } else { 1.0 };
+            share.numbers_mut()[slot_of(node)] = if at_end { 0.5 } else { 1.0 };
         }
         let a1 = (step / grid.critical_step()).powi(2);
         let a2 = rate * step;
         Self {
-            states: [vec![zero; vectors], vec![zero; vectors]],
+            states: [Lanes::zeros(nodes), Lanes::zeros(nodes)],
             own: (2.0 * (1.0 - a1) + a2) / (1.0 + a2),
             neighbour: a1 / (1.0 + a2),
             past: -1.0 / (1.0 + a2),
@@ -82,11 +85,11 @@ impl<S: Simd> Bar<S> {
         }
     }
 
-    /// The displacements [m] that the top and bottom end would reach in the
+    /// The displacements \[m\] that the top and bottom end would reach in the
     /// step that reads buffer `PARITY`, without forces on them.
     #[inline(always)]
     pub(super) fn unloaded_ends<const PARITY: usize>(&self) -> (f64, f64) {
-        let now = flat::<S>(&self.states[PARITY]);
+        let now = self.states[PARITY].numbers();
         let of = |end: &End<S>| {
             let inner = 2.0 * self.neighbour * now[end.inner];
             // The newest end is known last, so it enters last.
@@ -96,14 +99,19 @@ impl<S: Simd> Bar<S> {
     }
 
     /// Eq. (4) for all nodes, from buffer `PARITY` into the other; the ends
-    /// take the displacements given [m].
+    /// take the displacements given \[m\].
     #[inline(always)]
     pub(super) fn sweep<const PARITY: usize>(&mut self, simd: S, (top, bottom): (f64, f64)) {
+        for (end, reached) in [(&mut self.top, top), (&mut self.bottom, bottom)] {
+            (end.before, end.now) = (end.now, reached);
+        }
         let [even, odd] = &mut self.states;
         let (now, next) = if PARITY == 0 { (&*even, odd) } else { (&*odd, even) };
+        let numbers = now.numbers();
+        let (now, next) = (now.vectors::<S>(), next.vectors_mut::<S>());
         // Mirror images stand in for the neighbours beyond the ends.
         let image = |end: &End<S>, wrapped| {
-            let mirrored = flat::<S>(now)[end.inner];
+            let mirrored = numbers[end.inner];
             simd.select_f64s(end.lane, simd.splat_f64s(mirrored), wrapped)
         };
         let (Some((&first, rest)), Some(&last)) = (now.split_first(), now.last()) else { return };
@@ -128,7 +136,7 @@ impl<S: Simd> Bar<S> {
             // All nodes in one vector.
             let new = put(&self.top, top, update(above, first, below, next[0]));
             next[0] = put(&self.bottom, bottom, new);
-            return self.turn(top, bottom);
+            return;
         };
         *next_first = put(&self.top, top, update(above, first, second, *next_first));
         let (mut left, mut middle) = (first, second);
@@ -139,35 +147,28 @@ impl<S: Simd> Bar<S> {
             }
             *next_last = put(&self.bottom, bottom, update(left, middle, below, *next_last));
         }
-        self.turn(top, bottom);
     }
 
-    #[inline(always)]
-    fn turn(&mut self, top: f64, bottom: f64) {
-        for (end, reached) in [(&mut self.top, top), (&mut self.bottom, bottom)] {
-            (end.before, end.now) = (end.now, reached);
-        }
-    }
-
-    /// Newest displacement of the top end, and the one before [m].
+    /// Newest displacement of the top end, and the one before \[m\].
     #[inline(always)]
     pub(super) fn top(&self) -> (f64, f64) {
         (self.top.now, self.top.before)
     }
 
-    /// Twice the kinetic energy [J] half a step before the newest state, for `step` [s].
+    /// Twice the kinetic energy \[J\] half a step before the newest state, for `step` \[s\].
     #[inline(always)]
     pub(super) fn vis_viva(&self, simd: S, step: f64) -> f64 {
         let mut sum = simd.splat_f64s(0.0);
         let [even, odd] = &self.states;
-        for ((&a, &b), &share) in even.iter().zip(odd).zip(&self.share) {
+        let shares = self.share.vectors::<S>();
+        for ((&a, &b), &share) in even.vectors::<S>().iter().zip(odd.vectors::<S>()).zip(shares) {
             let travel = simd.sub_f64s(a, b);
             sum = simd.mul_add_e_f64s(simd.mul_f64s(share, travel), travel, sum);
         }
         self.cell_mass * simd.reduce_sum_f64s(sum) / (step * step)
     }
 
-    /// Kinetic and elastic energy [J] half a step before the newest state: the
+    /// Kinetic and elastic energy \[J\] half a step before the newest state: the
     /// pair whose sum the undamped scheme conserves exactly.
     pub(super) fn energy(&self, step: f64) -> (f64, f64) {
         let [even, odd] = &self.states;
@@ -187,20 +188,11 @@ impl<S: Simd> Bar<S> {
         (kinetic, elastic)
     }
 
-    fn in_order(&self, state: &[S::f64s]) -> Vec<f64> {
-        let vectors = state.len();
+    fn in_order(&self, state: &Lanes) -> Vec<f64> {
+        let vectors = self.nodes / S::F64_LANES;
         let slot_of = |node: usize| (node % vectors) * S::F64_LANES + node / vectors;
-        (0..self.nodes).map(|node| flat::<S>(state)[slot_of(node)]).collect()
+        (0..self.nodes).map(|node| state.numbers()[slot_of(node)]).collect()
     }
-}
-
-#[inline(always)]
-fn flat<S: Simd>(state: &[S::f64s]) -> &[f64] {
-    bytemuck::cast_slice(state)
-}
-
-fn flat_mut<S: Simd>(state: &mut [S::f64s]) -> &mut [f64] {
-    bytemuck::cast_slice_mut(state)
 }
 
 /// `a b + c`, in one rounding where the instruction set does that in one instruction.

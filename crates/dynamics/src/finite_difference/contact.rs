@@ -38,28 +38,28 @@ pub(super) struct ContactStep<'a> {
     /// Weights of the new and the previous-but-one closure in the one that the law sees.
     weight_new: f64,
     weight_old: f64,
-    /// Pressure gain at which contact is lost [Pa]; -inf for a law that never separates.
+    /// Pressure gain at which contact is lost \[Pa\]; -inf for a law that never separates.
     open_below: f64,
     series: InSeries<Arc<dyn ContactLaw>>,
     /// None for a law that no table resolves: it is solved exactly at every step.
     table: Option<Compiled>,
     table_top: f64,
-    /// Closure gained since rest, at the newest state and one step before [m].
+    /// Closure gained since rest, at the newest state and one step before \[m\].
     closure: f64,
     closure_before: f64,
-    /// Pressure gained since rest in the latest two solves [Pa].
+    /// Pressure gained since rest in the latest two solves \[Pa\].
     gain: f64,
     gain_before: f64,
     lowest: f64,
     highest: f64,
     open_steps: usize,
-    /// `sum q (d+ - d-) / 2`, the work done on the contact per area [J/m2].
+    /// `sum q (d+ - d-) / 2`, the work done on the contact per area \[J/m2\].
     work: f64,
 }
 
 impl<'a> ContactStep<'a> {
-    /// `compliance` [m/N] is the sum of both faces' displacement per force and
-    /// step; `scale` [Pa] the pressure change to expect.
+    /// `compliance` \[m/N\] is the sum of both faces' displacement per force and
+    /// step; `scale` \[Pa\] the pressure change to expect.
     pub(super) fn new(
         interface: &'a Interface,
         at_rest: StaticContact,
@@ -74,7 +74,10 @@ impl<'a> ContactStep<'a> {
         let b = interface.area() * compliance * weight_new;
         let named = |source| DynamicsError::Law { interface: interface.name().to_owned(), source };
         let series = InSeries::new(Arc::clone(interface.law()), 1.0 / b).map_err(named)?;
-        let table_top = at_rest.pressure + 3.0 * scale.max(0.01 * at_rest.pressure).max(1.0);
+        // The last resort is for an unloaded contact that nothing is expected to press.
+        let expected = scale.max(0.01 * at_rest.pressure);
+        let expected = if expected > 0.0 { expected } else { 1.0 };
+        let table_top = at_rest.pressure + 3.0 * expected;
         let table = match Compiled::new(&series, at_rest.pressure, table_top, TABLE_TOLERANCE) {
             Ok(table) => Some(table),
             Err(LawError::Unresolved { .. }) => None,
@@ -102,23 +105,20 @@ impl<'a> ContactStep<'a> {
         })
     }
 
-    /// The pressure gain `q` [Pa] of a step that would bring the closure gain
-    /// to `unloaded` [m] without it.
+    /// The pressure gain `q` \[Pa\] of a step that would bring the closure gain
+    /// to `unloaded` \[m\] without it.
     #[inline(always)]
     pub(super) fn solve<S: Simd>(&mut self, unloaded: f64) -> f64 {
-        let argument =
-            fused::<S>(self.weight_new, unloaded, self.weight_old * self.closure_before);
-        let tabulated = self
-            .table
-            .as_ref()
-            .map_or(f64::NAN, |table| table.get(argument));
+        let argument = fused::<S>(self.weight_new, unloaded, self.weight_old * self.closure_before);
+        let tabulated =
+            self.table.as_ref().map_or(f64::NAN, |table| table.get_by(argument, fused::<S>));
         let gain = if tabulated.is_nan() { self.solve_exactly(argument) } else { tabulated };
         self.gain_before = self.gain;
         self.gain = gain;
         gain
     }
 
-    /// Records the closure gain [m] that the step ends with.
+    /// Records the closure gain \[m\] that the step ends with.
     #[inline(always)]
     pub(super) fn advance(&mut self, reached: f64) {
         self.work += 0.5 * self.gain * (reached - self.closure_before);
@@ -135,7 +135,7 @@ impl<'a> ContactStep<'a> {
         }
     }
 
-    /// Nominal contact area [m2].
+    /// Nominal contact area \[m2\].
     #[inline(always)]
     pub(super) fn area(&self) -> f64 {
         self.area
@@ -146,7 +146,6 @@ impl<'a> ContactStep<'a> {
         self.gain.is_finite() && self.closure.is_finite()
     }
 
-
     /// Beyond the table: solves the law itself, and if the pressure is the
     /// highest yet, tabulates further for the steps to come.
     #[cold]
@@ -156,13 +155,12 @@ impl<'a> ContactStep<'a> {
         let gain = self.series.pressure_increment(from, argument).value;
         if self.table.is_some() && gain.is_finite() && from + gain > self.table_top {
             self.table_top = from + 2.0 * gain;
-            self.table =
-                Compiled::new(&self.series, from, self.table_top, TABLE_TOLERANCE).ok();
+            self.table = Compiled::new(&self.series, from, self.table_top, TABLE_TOLERANCE).ok();
         }
         gain
     }
 
-    /// Pressure [Pa], closure [m] and stiffness [Pa/m] one step before the newest state.
+    /// Pressure \[Pa\], closure \[m\] and stiffness \[Pa/m\] one step before the newest state.
     pub(super) fn observe(&self) -> (f64, f64, f64) {
         // Centred, the latest solve spans the step before the newest; else it is the newest's.
         let gain = if self.centred { self.gain } else { self.gain_before };
@@ -176,8 +174,7 @@ impl<'a> ContactStep<'a> {
 
     pub(super) fn record(&self, step: f64) -> ContactRecord {
         // Next to loss of contact the table may undershoot zero within its error bound.
-        let pressure =
-            |gain: f64| self.at_rest.pressure + gain.max(self.open_below);
+        let pressure = |gain: f64| self.at_rest.pressure + gain.max(self.open_below);
         ContactRecord {
             pressure_min: pressure(self.lowest),
             pressure_max: pressure(self.highest),
@@ -186,12 +183,11 @@ impl<'a> ContactStep<'a> {
     }
 
     /// Energy stored beyond rest and against the static pressure, averaged over
-    /// the last two states, and the work done on the contact [J].
+    /// the last two states, and the work done on the contact \[J\].
     pub(super) fn energy(&self) -> (f64, f64) {
         let law = self.interface.law();
         let StaticContact { pressure, closure, .. } = self.at_rest;
-        let excess =
-            |gain: f64| law.energy(closure + gain) - law.energy(closure) - pressure * gain;
+        let excess = |gain: f64| law.energy(closure + gain) - law.energy(closure) - pressure * gain;
         let stored = 0.5 * (excess(self.closure) + excess(self.closure_before));
         (self.area * stored, self.area * self.work)
     }

@@ -3,11 +3,11 @@
 use asperity_mesh::{Grid, Stack};
 use pulp::{Simd, WithSimd};
 
+use super::ContactForm;
 use super::bar::{Bar, fused};
 use super::contact::ContactStep;
 use super::ledger::Ledger;
 use super::support::SupportStep;
-use super::ContactForm;
 use crate::{
     DynamicsError, EnergyLedger, Equilibrium, Excitation, History, InterfaceHistory, Transient,
 };
@@ -71,7 +71,9 @@ impl WithSimd for March<'_> {
         history.acceleration[0] *= 2.0;
         (self.progress)(1.0);
         let steps = self.samples * self.stride;
-        ledger.close(steps as f64 * self.step);
+        let end = steps as f64 * self.step;
+        ledger.measure(state.viscous_power(simd), end - 0.5 * self.step);
+        ledger.close(end);
         Ok(Transient {
             step: self.step,
             steps,
@@ -97,7 +99,7 @@ impl March<'_> {
     }
 }
 
-/// The top's displacement at three successive steps [m].
+/// The top's displacement at three successive steps \[m\].
 struct Top {
     before: f64,
     now: f64,
@@ -134,7 +136,7 @@ impl<'a, S: Simd> State<'a, S> {
         Ok(Self { bars, contacts, support, rate: march.rate, step: march.step, steps: 0 })
     }
 
-    /// One step under `force` [N] on the top; adds the force's work [J] to `input`.
+    /// One step under `force` \[N\] on the top; adds the force's work \[J\] to `input`.
     #[inline(always)]
     fn step(&mut self, simd: S, force: f64, input: &mut f64) -> Top {
         self.steps += 1;
@@ -150,8 +152,8 @@ impl<'a, S: Simd> State<'a, S> {
         let (now, before) = self.bars[0].top();
         let lowest = self.bars.len() - 1;
         let (unloaded, mut bottom) = self.bars[0].unloaded_ends::<PARITY>();
-        let mut top = fused::<S>(force, self.bars[0].compliance, unloaded);
-        let after = top;
+        let after = fused::<S>(force, self.bars[0].compliance, unloaded);
+        let mut top = after;
         for (i, contact) in self.contacts.iter_mut().enumerate() {
             let (face_below, bottom_below, compliance_below) = if i == lowest {
                 (self.support.unloaded(), 0.0, self.support.compliance)
@@ -160,12 +162,13 @@ impl<'a, S: Simd> State<'a, S> {
                 let (top, bottom) = below.unloaded_ends::<PARITY>();
                 (top, bottom, below.compliance)
             };
+            let bar = &mut self.bars[i];
             let gain = contact.solve::<S>(bottom - face_below);
             let area = contact.area();
-            let reached_above = fused::<S>(-gain, area * self.bars[i].compliance, bottom);
+            let reached_above = fused::<S>(-gain, area * bar.compliance, bottom);
             let reached_below = fused::<S>(gain, area * compliance_below, face_below);
             contact.advance(reached_above - reached_below);
-            self.bars[i].sweep::<PARITY>(simd, (top, reached_above));
+            bar.sweep::<PARITY>(simd, (top, reached_above));
             (top, bottom) = (reached_below, bottom_below);
         }
         self.support.advance(top);
@@ -173,10 +176,16 @@ impl<'a, S: Simd> State<'a, S> {
         Top { before, now, after }
     }
 
-    /// Viscous power of the bodies [W] half a step before the newest state.
+    /// Viscous power of the bodies \[W\] half a step before the newest state.
     #[inline(always)]
     fn viscous_power(&self, simd: S) -> f64 {
-        self.rate * self.bars.iter().map(|bar| bar.vis_viva(simd, self.step)).sum::<f64>()
+        // A loop, not an iterator's sum: its closure would be compiled on its own,
+        // for the machine's plainest instructions, and each vector operation be a call.
+        let mut vis_viva = 0.0;
+        for bar in &self.bars {
+            vis_viva += bar.vis_viva(simd, self.step);
+        }
+        self.rate * vis_viva
     }
 
     fn record(&self, history: &mut History, time: f64, force: f64, top: &Top) {

@@ -15,13 +15,13 @@ pub(super) struct SupportStep {
     before: f64,
     own: f64,
     past: f64,
-    /// Displacement per force and step [m/N].
+    /// Displacement per force and step \[m/N\].
     pub(super) compliance: f64,
     stiffness: f64,
     mass: f64,
-    /// `c / (4 dt)`: loss per square of the travel over two steps [J/m2].
+    /// `c / (4 dt)`: loss per square of the travel over two steps \[J/m2\].
     loss_factor: f64,
-    /// Viscous loss so far [J].
+    /// Viscous loss so far \[J\].
     pub(super) loss: f64,
 }
 
@@ -43,13 +43,13 @@ impl SupportStep {
         }
     }
 
-    /// The displacement [m] that a step would reach without the contact force.
+    /// The displacement \[m\] that a step would reach without the contact force.
     #[inline(always)]
     pub(super) fn unloaded(&self) -> f64 {
         self.own * self.now - self.past * self.before
     }
 
-    /// Moves on to the displacement `reached` [m], and counts the viscous loss.
+    /// Moves on to the displacement `reached` \[m\], and counts the viscous loss.
     #[inline(always)]
     pub(super) fn advance(&mut self, reached: f64) {
         let travel = reached - self.before;
@@ -57,7 +57,7 @@ impl SupportStep {
         (self.now, self.before) = (reached, self.now);
     }
 
-    /// Kinetic and elastic energy [J] half a step before the newest state.
+    /// Kinetic and elastic energy \[J\] half a step before the newest state.
     pub(super) fn energy(&self, step: f64) -> (f64, f64) {
         let velocity = (self.now - self.before) / step;
         (0.5 * self.mass * velocity * velocity, 0.5 * self.stiffness * self.now * self.before)

@@ -129,9 +129,9 @@ fn pressure_in_series(law: &dyn ContactLaw, c: f64, b: f64) -> f64 {
         let p = law.pressure(x);
         let off = x + b * p.value - c;
         if off > 0.0 {
-            high = x
+            high = x;
         } else {
-            low = x
+            low = x;
         }
         let newton = x - off / (1.0 + b * p.tangent);
         let next = if newton >= low && newton <= high { newton } else { 0.5 * (low + high) };

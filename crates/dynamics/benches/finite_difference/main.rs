@@ -1,0 +1,84 @@
+//! Node updates per second of the finite-difference kernel, beside a plain
+//! scalar loop over the same work in the same run.
+//!
+//! `cargo bench -p asperity-dynamics` prints one table. Each row is the least of
+//! several runs, taken in turn so that a machine that slows down slows them all;
+//! the ratio to the plain loop is what carries over to other machines. A run is
+//! one hit on the paper's rig at 1 mm cells, 0.12 s at 200 kHz, contact solve,
+//! output and energy ledger included.
+#![allow(missing_docs, reason = "a benchmark has no callers")]
+#![allow(clippy::print_stdout, reason = "a benchmark prints its table")]
+
+mod plain;
+
+use std::hint::black_box;
+use std::sync::Arc;
+use std::time::Instant;
+
+use asperity_dynamics::{
+    Damping, Equilibrium, Excitation, FiniteDifference, InstructionSet, Sampling,
+};
+use asperity_law::{Constant, ContactLaw, ModifiedPower, Power};
+use asperity_mesh::{Body, Grid, Interface, Stack, Support};
+
+const AREA: f64 = 1.15e-4;
+const ROUNDS: usize = 5;
+
+fn main() {
+    let knots = [(0.0, 0.02e12), (0.025e6, 0.12e12), (0.078e6, 0.40e12), (0.14e6, 0.97e12)];
+    let laws: [(&str, Arc<dyn ContactLaw>); 3] = [
+        ("modified", Arc::new(ModifiedPower::new(1.81e10, 0.35, 2e5, &knots).unwrap())),
+        ("power", Arc::new(Power::new(1.81e10, 0.35, 0.0).unwrap())),
+        ("constant", Arc::new(Constant::new(8.5e11).unwrap())),
+    ];
+    println!("law        kernel       ms a hit   ns a step   updates/s   against plain");
+    for (name, law) in &laws {
+        measure(name, law);
+    }
+}
+
+fn measure(name: &str, law: &Arc<dyn ContactLaw>) {
+    let stack = rig(law);
+    let equilibrium = Equilibrium::of(&stack).unwrap();
+    let rate = Damping::Ratio(0.035).rate(&stack, &equilibrium).unwrap();
+    let sampling = Sampling::new(0.12, 2e5).unwrap();
+    let pulse = Excitation::GammaPulse { peak: 32.0, rise: 0.34e-3 };
+    let nodes = Grid::new(&stack, 1e-3).unwrap().nodes();
+
+    let sets = InstructionSet::available();
+    let mut least = vec![f64::INFINITY; sets.len() + 1];
+    let mut steps = 0;
+    for _ in 0..ROUNDS {
+        for (set, least) in sets.iter().zip(&mut least[1..]) {
+            let method = FiniteDifference { instructions: *set, ..FiniteDifference::default() };
+            let started = Instant::now();
+            let done =
+                method.integrate(&stack, &equilibrium, rate, &pulse, &sampling, &|_| ()).unwrap();
+            *least = least.min(started.elapsed().as_secs_f64());
+            steps = black_box(done).steps;
+        }
+        let started = Instant::now();
+        black_box(plain::march(&stack, &equilibrium, rate, &pulse, &sampling));
+        least[0] = least[0].min(started.elapsed().as_secs_f64());
+    }
+    let plain = least[0];
+    let labels = std::iter::once("plain loop".to_owned())
+        .chain(sets.iter().map(|set| format!("{set:?}").to_lowercase()));
+    for (label, seconds) in labels.zip(least) {
+        println!(
+            "{name:<10} {label:<12} {:>8.2}   {:>9.1}   {:>9.2e}   {:>12.2}",
+            1e3 * seconds,
+            1e9 * seconds / steps as f64,
+            (nodes * steps) as f64 / seconds,
+            plain / seconds
+        );
+    }
+}
+
+fn rig(law: &Arc<dyn ContactLaw>) -> Stack {
+    let guide = Body::with_mass("guide bar", 0.229, 1.61, 71e9, 2710.0).unwrap();
+    let sample = Body::new("sample", 0.015, AREA, 71e9, 2710.0).unwrap();
+    let contact = |name| Interface::new(name, AREA, Arc::clone(law)).unwrap();
+    let interfaces = vec![contact("guide-sample"), contact("sample-disc")];
+    Stack::new(vec![guide, sample], interfaces, Support::Rigid, 9.81).unwrap()
+}
