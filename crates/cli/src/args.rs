@@ -1,4 +1,5 @@
 //! The options of the command.
+#![allow(clippy::doc_markdown, reason = "these comments are help texts, shown without markup")]
 
 use std::path::PathBuf;
 

@@ -22,6 +22,10 @@
 //! | `support` | the step of a spring-mass support |
 //! | `ledger` | the energy balance of the discrete motion |
 //! | `march` | the loop over time |
+#![allow(
+    clippy::inline_always,
+    reason = "what the march calls must be compiled with it, for the vector instructions chosen"
+)]
 
 mod bar;
 mod contact;

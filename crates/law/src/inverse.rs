@@ -7,6 +7,10 @@ use crate::quadrature;
 /// Iterations at most; bisection of the bracket alone would need about 64.
 const ITERATIONS: usize = 200;
 
+/// Relative step below which an iteration that no longer advances has met the rounding of the
+/// quadrature.
+const STALLED: f64 = 1e-13;
+
 /// Longest step in the logarithm of pressure while the root is not yet bracketed.
 const STRIDE: f64 = 40.0;
 
@@ -93,23 +97,19 @@ fn solve<L: ContactLaw + ?Sized>(law: &L, origin: f64, target: f64) -> f64 {
 
 /// The root in the pressure itself.
 fn bilateral<L: ContactLaw + ?Sized>(law: &L, origin: f64, target: f64) -> f64 {
-    let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
+    let mut bracket = Bracket::OPEN;
     let mut p = origin;
     for _ in 0..ITERATIONS {
         let residual = target - quadrature::closure_between(law, origin, p);
-        if residual > 0.0 {
-            low = p;
-        } else {
-            high = p;
-        }
-        let step = residual * law.stiffness(p);
-        if step.is_nan() {
+        let newton = residual * law.stiffness(p);
+        if newton.is_nan() {
             return f64::NAN;
         }
-        if step.abs() <= 4.0 * f64::EPSILON * p.abs() {
-            return p + step;
+        let advances = bracket.narrow(p, residual);
+        if converged(newton, p.abs(), advances) {
+            return p + newton;
         }
-        p = inside(p + step, low, high);
+        p = bracket.inside(p + newton, advances);
     }
     p
 }
@@ -119,7 +119,7 @@ fn bilateral<L: ContactLaw + ?Sized>(law: &L, origin: f64, target: f64) -> f64 {
 /// the target.
 fn unilateral<L: ContactLaw + ?Sized>(law: &L, origin: f64, target: f64) -> f64 {
     let from_contact = origin == 0.0;
-    let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
+    let mut bracket = Bracket::OPEN;
     let mut t = if from_contact { 0.0 } else { origin.ln() };
     for _ in 0..ITERATIONS {
         let p = t.exp();
@@ -127,11 +127,6 @@ fn unilateral<L: ContactLaw + ?Sized>(law: &L, origin: f64, target: f64) -> f64 
             return p;
         }
         let found = quadrature::closure_between(law, origin, p);
-        if found < target {
-            low = t;
-        } else {
-            high = t;
-        }
         if found == target {
             return p;
         }
@@ -144,20 +139,53 @@ fn unilateral<L: ContactLaw + ?Sized>(law: &L, origin: f64, target: f64) -> f64 
         if newton.is_nan() {
             return f64::NAN;
         }
-        if newton.abs() <= 4.0 * f64::EPSILON * (1.0 + t.abs()) {
+        let advances = bracket.narrow(t, target - found);
+        if converged(newton, 1.0 + t.abs(), advances) {
             // The last correction, applied to the pressure without the rounding of its logarithm.
             return p * (1.0 + newton);
         }
-        t = inside(t + newton.clamp(-STRIDE, STRIDE), low, high);
+        t = bracket.inside(t + newton.clamp(-STRIDE, STRIDE), advances);
     }
     t.exp()
 }
 
-/// `next` if it lies inside the bracket, else its middle.
-fn inside(next: f64, low: f64, high: f64) -> f64 {
-    if low < next && next < high {
-        return next;
+/// Whether a Newton step is rounding: small, or as small as quadrature allows and not shrinking.
+fn converged(newton: f64, scale: f64, advances: bool) -> bool {
+    let size = newton.abs() / scale;
+    size <= 4.0 * f64::EPSILON || (!advances && size <= STALLED)
+}
+
+/// Where the root of an increasing function lies.
+struct Bracket {
+    low: f64,
+    high: f64,
+    residual: f64,
+}
+
+impl Bracket {
+    const OPEN: Self =
+        Self { low: f64::NEG_INFINITY, high: f64::INFINITY, residual: f64::INFINITY };
+
+    /// Takes in the residual at a point; whether it is at most half the last one.
+    fn narrow(&mut self, at: f64, residual: f64) -> bool {
+        if residual > 0.0 {
+            self.low = at;
+        } else {
+            self.high = at;
+        }
+        let halved = residual.abs() <= 0.5 * self.residual;
+        self.residual = residual.abs();
+        halved
     }
-    let middle = 0.5 * (low + high);
-    if middle.is_finite() { middle } else { next }
+
+    /// `next` if the iteration advances and it lies inside, else the middle; `next` in any case
+    /// while one side is open.
+    fn inside(&self, next: f64, advances: bool) -> f64 {
+        let middle = 0.5 * (self.low + self.high);
+        if !middle.is_finite() || (advances && self.low < next && next < self.high) {
+            next
+        } else {
+            middle
+        }
+    }
 }

@@ -190,8 +190,9 @@ fn adaptive(f: &impl Fn(f64) -> f64, start: f64, width: f64) -> f64 {
         let left = gauss(f, a, half);
         let right = gauss(f, a + half, half);
         spent += 1;
-        let off = (left + right - whole).abs();
-        if off > AGREEMENT * (left + right).abs() && depth < DEPTH && spent < BUDGET {
+        let off = (left + right - whole).abs() > AGREEMENT * (left + right).abs();
+        // Wide panels may agree by accident: every panel is halved once.
+        if depth == 0 || (off && depth < DEPTH && spent < BUDGET) {
             stack.push((a, half, left, depth + 1));
             stack.push((a + half, half, right, depth + 1));
         } else {

@@ -98,10 +98,10 @@ impl Spliced {
                 let left = cell.closure_over(start, middle - start);
                 let right = cell.closure_over(middle, stop - middle);
                 let halves = left + right;
-                if (whole - halves).abs() > AGREEMENT * halves
-                    && halvings < HALVINGS
-                    && cells.len() < most
-                {
+                let off = (whole - halves).abs() > AGREEMENT * halves;
+                // Wide cells may agree by accident: every piece is halved once.
+                let halve = halvings == 0 || (off && halvings < HALVINGS && cells.len() < most);
+                if halve {
                     stack.push((middle, stop, halvings + 1));
                     stack.push((start, middle, halvings + 1));
                     continue;

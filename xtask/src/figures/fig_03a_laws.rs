@@ -27,8 +27,8 @@ const ROWS: usize = 201;
 fn compute(rig: &Rig) -> Result<Computed> {
     let case = rig.struck(Law::Modified, 32.0)?;
     let laws = &case.scenario.laws;
-    let law = |key: &str| build_law(&LawRef::Named(key.to_owned()), laws, 0.14e6);
-    let (power, modified) = (law("pl")?, law("modified")?);
+    let law = |law: Law| build_law(&LawRef::Named(law.key().to_owned()), laws, 0.14e6);
+    let (power, modified) = (law(Law::Power)?, law(Law::Modified)?);
     let pressure: Vec<f64> =
         (0..ROWS).map(|row| 1e6 * (row as f64 / (ROWS - 1) as f64).powi(2)).collect();
     let stiffness =

@@ -26,8 +26,9 @@ const TOP: f64 = 0.3e6;
 
 fn compute(rig: &Rig) -> Result<Computed> {
     let case = rig.struck(Law::Modified, 32.0)?;
-    let law = |key: &str| build_law(&LawRef::Named(key.to_owned()), &case.scenario.laws, 0.14e6);
-    let (power, modified) = (law("pl")?, law("modified")?);
+    let law =
+        |law: Law| build_law(&LawRef::Named(law.key().to_owned()), &case.scenario.laws, 0.14e6);
+    let (power, modified) = (law(Law::Power)?, law(Law::Modified)?);
     let pressure: Vec<f64> = (0..ROWS).map(|row| TOP * row as f64 / (ROWS - 1) as f64).collect();
     let column = |of: &dyn Fn(f64) -> f64| pressure.iter().map(|&p| of(p)).collect::<Vec<_>>();
     let slope = column(&|p| modified.stiffness_slope(p));

@@ -20,13 +20,11 @@ pub(crate) const FIGURE: PaperFigure = PaperFigure {
     draw,
 };
 
-/// Frequencies shown, in Hz.
-const TOP: f64 = 2500.0;
+/// Step of the frequencies shown, from 50 to 2500 Hz.
 const STEP: f64 = 2.5;
 
 fn compute(rig: &Rig) -> Result<Computed> {
-    let frequency: Vec<f64> =
-        (20..).map(|n| f64::from(n) * STEP).take_while(|f| *f <= TOP).collect();
+    let frequency: Vec<f64> = (20..=1000).map(|n| f64::from(n) * STEP).collect();
     let receptance = |law| -> Result<(Vec<f64>, Summary)> {
         let case = rig.struck(law, 32.0)?;
         let run = rig.run(&case)?;

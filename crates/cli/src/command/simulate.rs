@@ -1,5 +1,6 @@
 //! `asperity simulate`.
 
+use std::fmt::Write as _;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use asperity_study::assemble::Assembly;
@@ -78,7 +79,7 @@ fn in_words(summary: &Summary) -> String {
         let (low, high) = (contact.pressure_min_pa / 1e6, contact.pressure_max_pa / 1e6);
         let mut text = format!("{low:.4} to {high:.4} MPa");
         if contact.contact_lost_s > 0.0 {
-            text += &format!(", contact lost for {:.3} ms", 1e3 * contact.contact_lost_s);
+            let _ = write!(text, ", contact lost for {:.3} ms", 1e3 * contact.contact_lost_s);
         }
         line(&contact.name, text);
     }

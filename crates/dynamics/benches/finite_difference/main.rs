@@ -8,6 +8,7 @@
 //! output and energy ledger included.
 #![allow(missing_docs, reason = "a benchmark has no callers")]
 #![allow(clippy::print_stdout, reason = "a benchmark prints its table")]
+#![allow(clippy::unwrap_used, reason = "its rig is valid")]
 
 mod plain;
 
