@@ -67,7 +67,7 @@ pub(crate) enum Command {
     },
     /// Tabulates every law of the scenario: pressure, stiffness, closure, energy.
     ///
-    /// Writes law-<name>.csv for each law, law.json and law.svg.
+    /// Writes law-NAME.csv for each law, law.json and law.svg.
     Law {
         #[command(flatten)]
         input: Input,
@@ -120,7 +120,7 @@ pub(crate) struct Input {
 /// Where the results go.
 #[derive(Debug, Group)]
 pub(crate) struct Output {
-    /// Folder for the results; out/<scenario name> if left out.
+    /// Folder for the results; out/ and the name of the scenario's file, if left out.
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
 

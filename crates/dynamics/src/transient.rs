@@ -122,7 +122,7 @@ pub struct EnergyLedger {
     pub elastic: f64,
     /// Excess energy of the contacts at the end \[J\].
     pub contact: f64,
-    /// Loss of the contact scheme itself [J]: zero but for the `new_level` form.
+    /// Loss of the contact scheme itself \[J\]: zero but for the `new_level` form.
     pub numerical_loss: f64,
 }
 

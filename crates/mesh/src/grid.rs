@@ -111,7 +111,7 @@ impl Grid {
         self.bars.iter().map(BarGrid::nodes).sum()
     }
 
-    /// Longest step at which the explicit scheme is stable [s]: the smallest
+    /// Longest step at which the explicit scheme is stable \[s\]: the smallest
     /// `dx / c` of the bodies (Eq. 3), and `2 / w` of a spring-mass support.
     pub fn critical_step(&self) -> f64 {
         self.critical_step

@@ -100,7 +100,7 @@ impl LinearStructure {
         &self.mass
     }
 
-    /// Mass of each node on which mass-proportional damping acts [kg]: zero at the support.
+    /// Mass of each node on which mass-proportional damping acts \[kg\]: zero at the support.
     pub fn damped_mass(&self) -> impl Iterator<Item = f64> + '_ {
         self.mass.iter().zip(&self.in_body).map(|(&mass, &damped)| if damped { mass } else { 0.0 })
     }

@@ -9,7 +9,7 @@
 //!
 //! | step | modules |
 //! |---|---|
-//! | read and check | [`document`], [`schema`], [`schema_check`], [`validate`], [`diagnostic`], [`locate`], [`pointer`], [`suggest`], [`input`], [`samples`] |
+//! | read and check | [`document`], [`schema`], [`schema_check`], [`validate`], [`diagnostic`], [`locate`], [`mod@pointer`], [`suggest`], [`input`], [`samples`] |
 //! | compute | [`assemble`], [`run`], [`mod@sweep`], [`laws`] |
 //! | give back | [`summary`], [`record`], [`output`], [`error`] |
 
