@@ -77,7 +77,7 @@ impl Power {
         ln_1p_over(e, self.coefficient * closure_increment / from.powf(e))
     }
 
-    /// Pressure at the end of a logarithmic increment from `from` > 0.
+    /// `value` with the tangent at `pressure`.
     fn state(&self, value: f64, pressure: f64) -> Pressure {
         Pressure { value, tangent: self.stiffness(pressure) }
     }

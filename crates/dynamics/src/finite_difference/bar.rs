@@ -98,13 +98,19 @@ impl<S: Simd> Bar<S> {
         (of(&self.top), of(&self.bottom))
     }
 
-    /// Eq. (4) for all nodes, from buffer `PARITY` into the other; the ends
-    /// take the displacements given \[m\].
+    /// Moves the ends on to the displacements \[m\] that they reach in this step.
     #[inline(always)]
-    pub(super) fn sweep<const PARITY: usize>(&mut self, simd: S, (top, bottom): (f64, f64)) {
+    pub(super) fn advance_ends(&mut self, top: f64, bottom: f64) {
         for (end, reached) in [(&mut self.top, top), (&mut self.bottom, bottom)] {
             (end.before, end.now) = (end.now, reached);
         }
+    }
+
+    /// Eq. (4) for all nodes but the ends, which have been moved on already,
+    /// from buffer `PARITY` into the other.
+    #[inline(always)]
+    pub(super) fn sweep<const PARITY: usize>(&mut self, simd: S) {
+        let (top, bottom) = (self.top.now, self.bottom.now);
         let [even, odd] = &mut self.states;
         let (now, next) = if PARITY == 0 { (&*even, odd) } else { (&*odd, even) };
         let numbers = now.numbers();

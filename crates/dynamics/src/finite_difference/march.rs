@@ -168,10 +168,15 @@ impl<'a, S: Simd> State<'a, S> {
             let reached_above = fused::<S>(-gain, area * bar.compliance, bottom);
             let reached_below = fused::<S>(gain, area * compliance_below, face_below);
             contact.advance(reached_above - reached_below);
-            bar.sweep::<PARITY>(simd, (top, reached_above));
+            bar.advance_ends(top, reached_above);
             (top, bottom) = (reached_below, bottom_below);
         }
         self.support.advance(top);
+        // After all contacts, so that their chains of dependent instructions
+        // run side by side instead of one behind the other's sweep.
+        for bar in &mut self.bars {
+            bar.sweep::<PARITY>(simd);
+        }
         *input += 0.5 * force * (after - before);
         Top { before, now, after }
     }
