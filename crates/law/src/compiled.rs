@@ -1,5 +1,6 @@
 //! A law as a fast table about a state.
 
+use crate::cell::Cell;
 use crate::error::{LawError, Quantity, above, finite};
 use crate::law::ContactLaw;
 
@@ -128,24 +129,33 @@ impl Compiled {
     )]
     #[inline(always)]
     pub fn get(&self, x: f64) -> f64 {
-        self.get_by(x, |a, b, c| a * b + c)
-    }
-
-    /// [`get`](Self::get) with the caller's `multiply_add(a, b, c) = a b + c`, for a kernel whose
-    /// instruction set does that in one instruction.
-    #[allow(
-        clippy::inline_always,
-        reason = "the innermost call of time stepping, in loops compiled for wider registers"
-    )]
-    #[inline(always)]
-    pub fn get_by(&self, x: f64, multiply_add: impl Fn(f64, f64, f64) -> f64) -> f64 {
-        let (i, t) = self.place(x, &multiply_add);
+        let (i, t) = self.place(x);
         match self.cells.get(i as usize) {
-            Some(&[c0, c1, c2, c3]) => {
-                multiply_add(multiply_add(multiply_add(c3, t, c2), t, c1), t, c0)
-            }
+            Some(&[c0, c1, c2, c3]) => c0 + t * (c1 + t * (c2 + t * c3)),
             None => f64::NAN,
         }
+    }
+
+    /// The cell that `x` \[m\] falls in, for a caller whose closures move little from one call to
+    /// the next; `None` outside the table.
+    pub fn cell(&self, x: f64) -> Option<Cell> {
+        let fine = x < self.fine_below;
+        let scale = if fine { &self.fine } else { &self.coarse };
+        let (i, _) = self.place(x);
+        let cubic = *self.cells.get(i as usize)?;
+        if x.is_nan() || cubic[0].is_nan() {
+            return None;
+        }
+        let edge = |i: f64| (i - scale.offset) / scale.cells_per_metre;
+        let index = f64::from(i);
+        Some(Cell {
+            // Cell 0 holds all that lies below the table.
+            from: if i == 0 { f64::NEG_INFINITY } else { edge(index) },
+            to: if fine { edge(index + 1.0).min(self.fine_below) } else { edge(index + 1.0) },
+            cells_per_metre: if i == 0 { 0.0 } else { scale.cells_per_metre },
+            offset: if i == 0 { 0.0 } else { scale.offset - index },
+            cubic,
+        })
     }
 
     /// Pressure increment \[Pa\] and tangent dp/dd \[Pa/m\] at closure increment `x` \[m\]; NaN outside
@@ -156,7 +166,7 @@ impl Compiled {
     )]
     #[inline(always)]
     pub fn get_with_tangent(&self, x: f64) -> (f64, f64) {
-        let (i, t) = self.place(x, |a, b, c| a * b + c);
+        let (i, t) = self.place(x);
         match self.cells.get(i as usize) {
             Some(&[c0, c1, c2, c3]) => {
                 let value = c0 + t * (c1 + t * (c2 + t * c3));
@@ -175,9 +185,9 @@ impl Compiled {
         reason = "the innermost call of time stepping, in loops compiled for wider registers"
     )]
     #[inline(always)]
-    fn place(&self, x: f64, multiply_add: impl Fn(f64, f64, f64) -> f64) -> (u32, f64) {
+    fn place(&self, x: f64) -> (u32, f64) {
         let scale = if x < self.fine_below { &self.fine } else { &self.coarse };
-        let s = multiply_add(x, scale.cells_per_metre, scale.offset);
+        let s = x * scale.cells_per_metre + scale.offset;
         let i = s as u32;
         (i, s - f64::from(i))
     }

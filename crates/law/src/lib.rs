@@ -42,6 +42,7 @@
 //! # Ok::<(), LawError>(())
 //! ```
 
+mod cell;
 mod compiled;
 mod constant;
 mod domain;
@@ -59,6 +60,7 @@ pub mod quadrature;
 mod spliced;
 mod table;
 
+pub use cell::Cell;
 pub use compiled::{CellScale, Compiled};
 pub use constant::Constant;
 pub use domain::Domain;

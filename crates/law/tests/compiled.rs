@@ -223,3 +223,31 @@ fn what_cannot_be_compiled_is_refused() {
     let error = Compiled::new(&power, 1e-3, 1e9, 1e-6).unwrap_err();
     assert!(matches!(error, LawError::Unresolved { cells: 0, .. }));
 }
+
+/// Second method: a cell gives what the table gives, wherever it says that it holds; and it
+/// never holds for a closure that it was not found for and does not contain.
+#[test]
+fn a_cell_is_its_part_of_the_table() {
+    let law = asperity_law::Power::new(1.81e10, 0.35, 0.0).unwrap();
+    let table = Compiled::new(&law, 0.137e6, 1e6, 1e-6).unwrap();
+    let span = table.x_hi() - table.x_lo();
+    let mut cell = asperity_law::Cell::EMPTY;
+    let mut kept = 0;
+    for step in 0..200_000 {
+        let x = table.x_lo() + span * (0.49 + 0.51 * (f64::from(step) * 1e-4).sin());
+        if cell.contains(x) {
+            kept += 1;
+        } else {
+            cell = table.cell(x).unwrap();
+        }
+        // The two round their place in the cell differently, by a few parts in 1e16 of the index.
+        let difference = cell.get(x, |a, b, c| a * b + c) - table.get(x);
+        assert!(difference.abs() <= 1e-12 * 1e6, "{x}: {difference}");
+    }
+    assert!(kept > 150_000, "closures that move little stay in their cell");
+    assert_eq!(table.cell(0.0).unwrap().get(0.0, |a, b, c| a * b + c), 0.0);
+    let open = table.cell(table.x_lo() - 1.0).unwrap();
+    assert!(open.contains(table.x_lo() - 1e-3));
+    assert_eq!(open.get(table.x_lo() - 1e-3, |a, b, c| a * b + c), -0.137e6);
+    assert!(table.cell(table.x_hi() + span).is_none() && table.cell(f64::NAN).is_none());
+}

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use asperity_law::{Compiled, ContactLaw, InSeries, LawError};
+use asperity_law::{Cell, Compiled, ContactLaw, InSeries, LawError};
 use asperity_mesh::Interface;
 use pulp::Simd;
 
@@ -44,6 +44,8 @@ pub(super) struct ContactStep<'a> {
     /// None for a law that no table resolves: it is solved exactly at every step.
     table: Option<Compiled>,
     table_top: f64,
+    /// The cell of the table in use: closures stay in one for many steps.
+    cell: Cell,
     /// Closure gained since rest, at the newest state and one step before \[m\].
     closure: f64,
     closure_before: f64,
@@ -94,6 +96,7 @@ impl<'a> ContactStep<'a> {
             series,
             table,
             table_top,
+            cell: Cell::EMPTY,
             closure: 0.0,
             closure_before: 0.0,
             gain: 0.0,
@@ -110,9 +113,8 @@ impl<'a> ContactStep<'a> {
     #[inline(always)]
     pub(super) fn solve<S: Simd>(&mut self, unloaded: f64) -> f64 {
         let argument = fused::<S>(self.weight_new, unloaded, self.weight_old * self.closure_before);
-        let tabulated =
-            self.table.as_ref().map_or(f64::NAN, |table| table.get_by(argument, fused::<S>));
-        let gain = if tabulated.is_nan() { self.solve_exactly(argument) } else { tabulated };
+        let outside = if self.cell.contains(argument) { None } else { self.change_cell(argument) };
+        let gain = outside.unwrap_or_else(|| self.cell.get(argument, fused::<S>));
         self.gain_before = self.gain;
         self.gain = gain;
         gain
@@ -146,10 +148,18 @@ impl<'a> ContactStep<'a> {
         self.gain.is_finite() && self.closure.is_finite()
     }
 
-    /// Beyond the table: solves the law itself, and if the pressure is the
-    /// highest yet, tabulates further for the steps to come.
+    /// Takes up the cell of the table that `argument` falls in; outside the
+    /// table, returns the pressure gain of the exact law instead.
     #[cold]
     #[inline(never)]
+    fn change_cell(&mut self, argument: f64) -> Option<f64> {
+        let found = self.table.as_ref().and_then(|table| table.cell(argument));
+        self.cell = found.unwrap_or(Cell::EMPTY);
+        if found.is_some() { None } else { Some(self.solve_exactly(argument)) }
+    }
+
+    /// Beyond the table: solves the law itself, and if the pressure is the
+    /// highest yet, tabulates further for the steps to come.
     fn solve_exactly(&mut self, argument: f64) -> f64 {
         let from = self.at_rest.pressure;
         let gain = self.series.pressure_increment(from, argument).value;
