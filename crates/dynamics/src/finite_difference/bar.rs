@@ -18,16 +18,31 @@
 use asperity_mesh::BarGrid;
 use pulp::Simd;
 
-use super::lanes::Lanes;
+use super::lanes::{Lanes, numbers};
 
-pub(super) struct Bar<S: Simd> {
-    states: [Lanes; 2],
+/// Room for one body's two states and for the share of its nodes in the kinetic energy.
+pub(super) struct Room {
+    even: Lanes,
+    odd: Lanes,
+    share: Lanes,
+}
+
+impl Room {
+    pub(super) fn new(grid: &BarGrid) -> Self {
+        let zeros = || Lanes::zeros(grid.nodes());
+        Self { even: zeros(), odd: zeros(), share: zeros() }
+    }
+}
+
+pub(super) struct Bar<'r, S: Simd> {
+    even: &'r mut [S::f64s],
+    odd: &'r mut [S::f64s],
     /// Coefficients of Eq. (4) for the node, its neighbours, and its past.
     own: f64,
     neighbour: f64,
     past: f64,
     /// Share of each node in the kinetic energy: 1 inside, 1/2 at the ends, 0 for mirror nodes.
-    share: Lanes,
+    share: &'r [S::f64s],
     top: End<S>,
     bottom: End<S>,
     /// Displacement of an end per force on it and step, `dt^2 / (m_end (1 + a2))` \[m/N\].
@@ -46,8 +61,8 @@ struct End<S: Simd> {
     inner: usize,
 }
 
-impl<S: Simd> Bar<S> {
-    pub(super) fn new(simd: S, grid: &BarGrid, step: f64, rate: f64) -> Self {
+impl<'r, S: Simd> Bar<'r, S> {
+    pub(super) fn new(simd: S, grid: &BarGrid, room: &'r mut Room, step: f64, rate: f64) -> Self {
         let lanes = S::F64_LANES;
         let nodes = grid.nodes();
         let vectors = nodes / lanes;
@@ -56,26 +71,26 @@ impl<S: Simd> Bar<S> {
         for (lane, number) in lane_numbers.numbers_mut().iter_mut().enumerate() {
             *number = lane as f64;
         }
-        let lane_numbers = lane_numbers.vectors::<S>()[0];
+        let lane_numbers = lane_numbers.vectors_mut::<S>()[0];
         let end = |lane: usize, inner: usize| End {
             now: 0.0,
             before: 0.0,
             lane: simd.equal_f64s(lane_numbers, simd.splat_f64s(lane as f64)),
             inner: slot_of(inner),
         };
-        let mut share = Lanes::zeros(nodes);
         for node in 0..nodes {
             let at_end = node == 0 || node == nodes - 1;
-            share.numbers_mut()[slot_of(node)] = if at_end { 0.5 } else { 1.0 };
+            room.share.numbers_mut()[slot_of(node)] = if at_end { 0.5 } else { 1.0 };
         }
         let a1 = (step / grid.critical_step()).powi(2);
         let a2 = rate * step;
         Self {
-            states: [Lanes::zeros(nodes), Lanes::zeros(nodes)],
+            even: room.even.vectors_mut::<S>(),
+            odd: room.odd.vectors_mut::<S>(),
             own: (2.0 * (1.0 - a1) + a2) / (1.0 + a2),
             neighbour: a1 / (1.0 + a2),
             past: -1.0 / (1.0 + a2),
-            share,
+            share: room.share.vectors_mut::<S>(),
             top: end(0, 1),
             bottom: end(lanes - 1, nodes - 2),
             compliance: step * step / (grid.end_mass() * (1.0 + a2)),
@@ -89,7 +104,7 @@ impl<S: Simd> Bar<S> {
     /// step that reads buffer `PARITY`, without forces on them.
     #[inline(always)]
     pub(super) fn unloaded_ends<const PARITY: usize>(&self) -> (f64, f64) {
-        let now = self.states[PARITY].numbers();
+        let now = numbers::<S>(if PARITY == 0 { self.even } else { self.odd });
         let of = |end: &End<S>| {
             let inner = 2.0 * self.neighbour * now[end.inner];
             // The newest end is known last, so it enters last.
@@ -111,13 +126,11 @@ impl<S: Simd> Bar<S> {
     #[inline(always)]
     pub(super) fn sweep<const PARITY: usize>(&mut self, simd: S) {
         let (top, bottom) = (self.top.now, self.bottom.now);
-        let [even, odd] = &mut self.states;
-        let (now, next) = if PARITY == 0 { (&*even, odd) } else { (&*odd, even) };
-        let numbers = now.numbers();
-        let (now, next) = (now.vectors::<S>(), next.vectors_mut::<S>());
+        let (now, next) =
+            if PARITY == 0 { (&*self.even, &mut *self.odd) } else { (&*self.odd, &mut *self.even) };
         // Mirror images stand in for the neighbours beyond the ends.
         let image = |end: &End<S>, wrapped| {
-            let mirrored = numbers[end.inner];
+            let mirrored = numbers::<S>(now)[end.inner];
             simd.select_f64s(end.lane, simd.splat_f64s(mirrored), wrapped)
         };
         let (Some((&first, rest)), Some(&last)) = (now.split_first(), now.last()) else { return };
@@ -165,9 +178,7 @@ impl<S: Simd> Bar<S> {
     #[inline(always)]
     pub(super) fn vis_viva(&self, simd: S, step: f64) -> f64 {
         let mut sum = simd.splat_f64s(0.0);
-        let [even, odd] = &self.states;
-        let shares = self.share.vectors::<S>();
-        for ((&a, &b), &share) in even.vectors::<S>().iter().zip(odd.vectors::<S>()).zip(shares) {
+        for ((&a, &b), &share) in self.even.iter().zip(&*self.odd).zip(self.share) {
             let travel = simd.sub_f64s(a, b);
             sum = simd.mul_add_e_f64s(simd.mul_f64s(share, travel), travel, sum);
         }
@@ -177,8 +188,7 @@ impl<S: Simd> Bar<S> {
     /// Kinetic and elastic energy \[J\] half a step before the newest state: the
     /// pair whose sum the undamped scheme conserves exactly.
     pub(super) fn energy(&self, step: f64) -> (f64, f64) {
-        let [even, odd] = &self.states;
-        let (even, odd) = (self.in_order(even), self.in_order(odd));
+        let (even, odd) = (self.in_order(self.even), self.in_order(self.odd));
         let last = self.nodes - 1;
         let mut kinetic = 0.0;
         let mut elastic = 0.0;
@@ -194,10 +204,10 @@ impl<S: Simd> Bar<S> {
         (kinetic, elastic)
     }
 
-    fn in_order(&self, state: &Lanes) -> Vec<f64> {
-        let vectors = self.nodes / S::F64_LANES;
+    fn in_order(&self, state: &[S::f64s]) -> Vec<f64> {
+        let vectors = state.len();
         let slot_of = |node: usize| (node % vectors) * S::F64_LANES + node / vectors;
-        (0..self.nodes).map(|node| state.numbers()[slot_of(node)]).collect()
+        (0..self.nodes).map(|node| numbers::<S>(state)[slot_of(node)]).collect()
     }
 }
 

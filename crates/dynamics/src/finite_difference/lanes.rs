@@ -27,25 +27,19 @@ impl Lanes {
         Self { numbers, start, length }
     }
 
-    #[inline(always)]
-    pub(super) fn numbers(&self) -> &[f64] {
-        &self.numbers[self.start..self.start + self.length]
-    }
-
-    #[inline(always)]
     pub(super) fn numbers_mut(&mut self) -> &mut [f64] {
         &mut self.numbers[self.start..self.start + self.length]
     }
 
-    #[inline(always)]
-    pub(super) fn vectors<S: Simd>(&self) -> &[S::f64s] {
-        bytemuck::cast_slice(self.numbers())
-    }
-
-    #[inline(always)]
     pub(super) fn vectors_mut<S: Simd>(&mut self) -> &mut [S::f64s] {
         bytemuck::cast_slice_mut(self.numbers_mut())
     }
+}
+
+/// Vectors seen as the numbers they hold.
+#[inline(always)]
+pub(super) fn numbers<S: Simd>(vectors: &[S::f64s]) -> &[f64] {
+    bytemuck::cast_slice(vectors)
 }
 
 #[cfg(test)]
@@ -55,9 +49,9 @@ mod tests {
     #[test]
     fn numbers_start_at_a_cache_line() {
         for length in [8, 16, 24, 232] {
-            let lanes = Lanes::zeros(length);
-            assert_eq!(lanes.numbers().as_ptr() as usize % LINE, 0);
-            assert_eq!(lanes.numbers().len(), length);
+            let mut lanes = Lanes::zeros(length);
+            assert_eq!(lanes.numbers_mut().as_ptr() as usize % LINE, 0);
+            assert_eq!(lanes.numbers_mut().len(), length);
         }
     }
 }

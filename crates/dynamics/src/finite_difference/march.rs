@@ -4,7 +4,7 @@ use asperity_mesh::{Grid, Stack};
 use pulp::{Simd, WithSimd};
 
 use super::ContactForm;
-use super::bar::{Bar, fused};
+use super::bar::{Bar, Room, fused};
 use super::contact::ContactStep;
 use super::ledger::Ledger;
 use super::support::SupportStep;
@@ -37,7 +37,8 @@ impl WithSimd for March<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
-        let mut state = State::new(&self, simd)?;
+        let mut rooms: Vec<Room> = self.grid.bars().iter().map(Room::new).collect();
+        let mut state = State::new(&self, simd, &mut rooms)?;
         let mut history = self.empty_history();
         let mut forces = vec![0.0; self.stride];
         let mut ledger = Ledger::default();
@@ -106,8 +107,8 @@ struct Top {
     after: f64,
 }
 
-struct State<'a, S: Simd> {
-    bars: Vec<Bar<S>>,
+struct State<'a, 'r, S: Simd> {
+    bars: Vec<Bar<'r, S>>,
     contacts: Vec<ContactStep<'a>>,
     support: SupportStep,
     rate: f64,
@@ -115,10 +116,11 @@ struct State<'a, S: Simd> {
     steps: usize,
 }
 
-impl<'a, S: Simd> State<'a, S> {
-    fn new(march: &March<'a>, simd: S) -> Result<Self, DynamicsError> {
-        let bar = |grid| Bar::new(simd, grid, march.step, march.rate);
-        let bars: Vec<_> = march.grid.bars().iter().map(bar).collect();
+impl<'a, 'r, S: Simd> State<'a, 'r, S> {
+    fn new(march: &March<'a>, simd: S, rooms: &'r mut [Room]) -> Result<Self, DynamicsError> {
+        let grids = march.grid.bars().iter();
+        let bar = |(grid, room)| Bar::new(simd, grid, room, march.step, march.rate);
+        let bars: Vec<_> = grids.zip(rooms).map(bar).collect();
         let support = SupportStep::new(march.stack.support(), march.step);
         let below = bars[1..].iter().map(|bar| bar.compliance).chain([support.compliance]);
         let contacts = march
