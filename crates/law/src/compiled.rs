@@ -1,8 +1,11 @@
 //! A law as a fast table about a state.
 
+mod span;
+
 use crate::cell::Cell;
 use crate::error::{LawError, Quantity, above, finite};
 use crate::law::ContactLaw;
+use span::{Grid, Span};
 
 /// A contact law compiled to a table of cubics: pressure increment against closure increment,
 /// both from a state.
@@ -71,9 +74,6 @@ const CHECKS: [f64; 8] = [0.03, 0.12, 0.25, 0.42, 0.58, 0.75, 0.88, 0.97];
 
 /// Ratio of the error bound to the largest error found.
 const SAFETY: f64 = 2.0;
-
-/// Lowest pressure, as a part of the state's, of a law that never separates.
-const LOWEST: f64 = 1.0 / 64.0;
 
 impl Compiled {
     /// Most cells of a table: 65536, which take 2 MB.
@@ -325,77 +325,4 @@ impl Compiled {
 fn hermite((y0, m0): (f64, f64), (y1, m1): (f64, f64)) -> [f64; 4] {
     let rise = y1 - y0;
     [y0, m0, 3.0 * rise - 2.0 * m0 - m1, m0 + m1 - 2.0 * rise]
-}
-
-/// Closure increments to cover.
-struct Span {
-    separates: bool,
-    /// Contact is lost where the stiffness leaves zero with a vertical tangent.
-    singular: bool,
-    down: f64,
-    up: f64,
-}
-
-impl Span {
-    fn of(law: &dyn ContactLaw, state: f64, top: f64) -> Result<Self, LawError> {
-        let domain = law.domain();
-        let lowest = if domain.is_bilateral() {
-            state - (top - state)
-        } else if domain.separates() {
-            if state < 0.0 {
-                return Err(LawError::Below {
-                    quantity: Quantity::PressureState,
-                    value: state,
-                    limit: 0.0,
-                });
-            }
-            0.0
-        } else {
-            above(Quantity::PressureState, state, 0.0)? * LOWEST
-        };
-        let down = if lowest == state { 0.0 } else { law.closure_increment(state, lowest - state) };
-        Ok(Self {
-            separates: domain.separates(),
-            singular: domain.separates() && law.stiffness_slope(0.0) == f64::INFINITY,
-            down: finite(Quantity::PressureState, down)?,
-            up: finite(Quantity::PressureTop, law.closure_increment(state, top - state))?,
-        })
-    }
-
-    /// A grid of at least about `cells` cells with nodes at the state and at `down`; `None` if it
-    /// would take more than the most allowed.
-    fn grid(&self, cells: usize) -> Option<Grid> {
-        let (down, up) = (-self.down, self.up);
-        let share = down / (down + up);
-        // Rounded down, so that the cells do not exceed what is asked for by more than one.
-        let mut below = (share * cells as f64).floor();
-        if down > 0.0 {
-            below = below.max(1.0);
-        }
-        let width = if below > 0.0 { down / below } else { up / cells as f64 };
-        let above = (up / width).ceil().max(1.0);
-        (below + above <= (LAST_CELLS + 2) as f64).then_some(Grid {
-            below: below as usize,
-            above: above as usize,
-            width,
-        })
-    }
-}
-
-/// Uniform cells below and above the state.
-struct Grid {
-    below: usize,
-    above: usize,
-    width: f64,
-}
-
-impl Grid {
-    fn count(&self) -> usize {
-        self.below + self.above
-    }
-
-    /// Closure increment at `i` cells from the lowest node.
-    fn closure(&self, i: f64) -> f64 {
-        (i - self.below as f64) * self.width
-    }
 }
