@@ -1,21 +1,48 @@
 //! The paper's figures, one file each.
 
+mod fig_01_rig;
 mod fig_02_model;
 mod fig_03a_laws;
 mod fig_03b_inflexion;
 mod fig_04_pressure_gap;
 mod fig_05_time_signals;
 mod fig_06_frf;
+mod fig_07_frf_levels;
+mod fig_08_fundamental;
+mod fig_09_pressure;
+mod fig_10_average_stiffness;
+mod fig_11_amplitude;
+mod fig_12_ratio;
+mod levels;
 mod style;
+mod x_1_linear_floor;
+mod x_2_pulse_shape;
+mod x_3_convergence;
+mod x_4_clapping;
+mod x_5_compliant_disc;
+mod x_6_readings;
 
 use crate::reproduce::PaperFigure;
 
-/// Every figure, in the order of the paper.
+/// Every figure, in the order of the paper, then what it could not show.
 pub(crate) const FIGURES: &[&PaperFigure] = &[
+    &fig_01_rig::FIGURE,
     &fig_02_model::FIGURE,
     &fig_03a_laws::FIGURE,
     &fig_03b_inflexion::FIGURE,
     &fig_04_pressure_gap::FIGURE,
     &fig_05_time_signals::FIGURE,
     &fig_06_frf::FIGURE,
+    &fig_07_frf_levels::FIGURE,
+    &fig_08_fundamental::FIGURE,
+    &fig_09_pressure::FIGURE,
+    &fig_10_average_stiffness::FIGURE,
+    &fig_11_amplitude::FIGURE,
+    &fig_12_ratio::FIGURE,
+    &x_1_linear_floor::FIGURE,
+    &x_2_pulse_shape::FIGURE,
+    &x_3_convergence::FIGURE,
+    &x_4_clapping::FIGURE,
+    &x_5_compliant_disc::FIGURE,
+    &x_6_readings::FIGURE,
 ];

@@ -84,13 +84,13 @@ pub(crate) fn run(arguments: &Arguments) -> Result<bool> {
     let started = Instant::now();
     let root = crate::workspace_root();
     let chosen = choose(&arguments.only)?;
-    let rig = Rig::load(&root.join("fixtures/scenarios"), arguments.quick)?;
     let folder = root.join("target/reproduce");
     let bar = progress(chosen.len() as u64);
+    let rig = Rig::load(&root.join("fixtures/scenarios"), arguments.quick, bar.clone())?;
     let mut finished = Vec::new();
     let mut values = BTreeMap::new();
     for figure in chosen {
-        bar.set_message(figure.id);
+        bar.set_prefix(figure.id);
         let computed =
             (figure.compute)(&rig).with_context(|| format!("computing {}", figure.id))?;
         let svg =
@@ -137,8 +137,9 @@ fn choose(only: &[String]) -> Result<Vec<&'static PaperFigure>> {
 }
 
 fn progress(length: u64) -> ProgressBar {
-    let style = ProgressStyle::with_template("reproduce [{bar:40}] {pos}/{len} {msg} {elapsed}")
-        .unwrap_or_else(|_| ProgressStyle::default_bar());
+    let style =
+        ProgressStyle::with_template("reproduce [{bar:40}] {pos}/{len} {elapsed} {prefix} {msg}")
+            .unwrap_or_else(|_| ProgressStyle::default_bar());
     ProgressBar::new(length).with_style(style)
 }
 

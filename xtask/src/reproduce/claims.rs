@@ -57,12 +57,19 @@ impl Expected {
 
     /// The paper's number and its tolerance, for display.
     pub(crate) fn in_words(&self) -> String {
-        match self {
-            Self::Near { value, relative } => format!("{value} ± {:.3} %", 100.0 * relative),
-            Self::Between { low, high } => format!("{low} to {high}"),
+        match *self {
+            Self::Near { value, relative } => {
+                format!("{} ± {} %", plain(value), (1e5 * relative).round() / 1e3)
+            }
+            Self::Between { low, high } => format!("{} to {}", plain(low), plain(high)),
             Self::Holds => "holds".to_owned(),
         }
     }
+}
+
+/// A number as the paper writes it: with an exponent from a million on.
+fn plain(value: f64) -> String {
+    if value.abs() < 1e6 { format!("{value}") } else { format!("{value:e}") }
 }
 
 /// Whether a claim was found.

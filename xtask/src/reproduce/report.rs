@@ -37,11 +37,17 @@ pub(crate) fn write(
             report = report.subsection(title).table(headers, rows);
         }
     }
-    report = report.section("Figures");
-    for done in finished {
-        let figure = done.figure;
-        report =
-            report.subsection(figure.title).figure(figure.id, figure.caption, done.svg.clone());
+    for (title, extra) in [("Figures", false), ("What the paper could not show", true)] {
+        let chosen: Vec<&Finished> =
+            finished.iter().filter(|done| done.figure.id.starts_with('x') == extra).collect();
+        if !chosen.is_empty() {
+            report = report.section(title);
+        }
+        for done in chosen {
+            let figure = done.figure;
+            report =
+                report.subsection(figure.title).figure(figure.id, figure.caption, done.svg.clone());
+        }
     }
     report = report.section("Provenance").key_values([
         ("asperity", env!("CARGO_PKG_VERSION").to_owned()),

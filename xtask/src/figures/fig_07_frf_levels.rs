@@ -1,0 +1,84 @@
+//! Fig. 7: receptance of the modified law from 9 to 32 N.
+
+use anyhow::Result;
+use asperity_figure::{Axis, Color, ColorBar, Figure, Legend, Panel, Series, Table};
+use asperity_study::signal::Response;
+
+use super::levels::yes;
+use super::style;
+use crate::reproduce::rig::{Case, Law, Rig, levels};
+use crate::reproduce::{Computed, PaperFigure};
+
+pub(crate) const FIGURE: PaperFigure = PaperFigure {
+    id: "fig07",
+    title: "Fig. 7: receptance from 9 to 32 N",
+    caption: "Receptance of the top of the guide bar with the modified power law, struck with 9 \
+              to 32 N in steps of 1 N (colour). The fundamental falls in frequency with the \
+              force, and the second harmonic grows out of the flank. This is panel (b) of the \
+              paper; panel (a), the experiment, is not published as numbers and is missing.",
+    compute,
+    draw,
+};
+
+/// Step of the frequencies shown, from 500 to 2000 Hz.
+const STEP: f64 = 5.0;
+
+/// Name of the column of a force level.
+fn column(force: f64) -> String {
+    format!("modified_{force:.0}_n:receptance_m_per_n")
+}
+
+fn compute(rig: &Rig) -> Result<Computed> {
+    let frequency: Vec<f64> = (100..=400).map(|n| f64::from(n) * STEP).collect();
+    let cases: Vec<Case> = levels()
+        .into_iter()
+        .map(|force| rig.struck(Law::Modified, force))
+        .collect::<Result<_>>()?;
+    let curves = rig.observe(&cases, |case, run| {
+        let history = &run.transient.history;
+        let rate = case.scenario.output_rate_hz;
+        let response = Response::from_displacement(&history.force, &history.displacement, rate)?;
+        Ok(frequency.iter().map(|&f| response.receptance_at(f).norm()).collect::<Vec<f64>>())
+    })?;
+    let second: Vec<f64> = rig
+        .sweep(Law::Modified)?
+        .iter()
+        .map(|summary| summary.second_harmonic.map_or(f64::NAN, |peak| peak.frequency_hz))
+        .collect();
+    // A level without a peak is a level without the number: the claim then has none either.
+    let found = second.iter().all(|f| f.is_finite());
+    let extreme = |pick: fn(f64, f64) -> f64, start: f64| {
+        if found { second.iter().copied().fold(start, pick) } else { f64::NAN }
+    };
+    let values = vec![
+        ("second_harmonic_every_level", yes(found)),
+        ("second_harmonic_lowest", extreme(f64::min, f64::INFINITY)),
+        ("second_harmonic_highest", extreme(f64::max, 0.0)),
+    ];
+    let mut table = Table::new().with_column("frequency_hz", frequency)?;
+    for (force, curve) in levels().into_iter().zip(curves) {
+        table.push(column(force), curve)?;
+    }
+    Ok(Computed { table, values })
+}
+
+fn draw(table: &Table) -> Result<String> {
+    let frequency = table.column("frequency_hz")?;
+    let forces = levels();
+    let (low, high) = (forces[0], forces[forces.len() - 1]);
+    let bar = ColorBar::continuous("Force", "N", low, high);
+    let mut panel = Panel::new(
+        Axis::linear("Frequency", "Hz").range(500.0, 2000.0),
+        Axis::log("Receptance", "m/N"),
+    )
+    .legend(Legend::None)
+    .vertical(1400.0, "")
+    .vertical(1800.0, "");
+    for force in forces {
+        let color: Color = bar.color(force);
+        let series = Series::line("", frequency, table.column(&column(force))?);
+        panel = panel.series(series.color(color).width(0.7));
+    }
+    let figure = Figure::new("Receptance from 9 to 32 N").panel(panel.color_bar(bar));
+    style::svg(&figure.width_mm(style::COLUMN))
+}

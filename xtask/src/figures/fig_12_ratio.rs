@@ -1,0 +1,47 @@
+//! Fig. 12: second harmonic over fundamental against force.
+
+use anyhow::Result;
+use asperity_figure::{Axis, Legend, Table};
+use asperity_study::assemble::build_law;
+use asperity_study::law::ContactLaw;
+use asperity_study::scenario::LawRef;
+
+use super::levels::{self, Sweep, rises, yes};
+use crate::reproduce::rig::{Law, Rig};
+use crate::reproduce::{Computed, PaperFigure};
+
+pub(crate) const FIGURE: PaperFigure = PaperFigure {
+    id: "fig12",
+    title: "Fig. 12: second harmonic over fundamental against force",
+    caption: "Ratio A2/A1 of the receptance at its second harmonic and at its fundamental against \
+              the peak force, power law (black circles) and modified power law (blue triangles). \
+              The measured ratios (red crosses in the paper) are not published as numbers and are \
+              missing.",
+    compute,
+    draw,
+};
+
+const QUANTITY: &str = "harmonic_ratio";
+
+fn compute(rig: &Rig) -> Result<Computed> {
+    let sweep = Sweep::new(rig, |summary| summary.harmonic_ratio)?;
+    let above = sweep.modified.iter().zip(&sweep.power).all(|(modified, power)| modified > power);
+    let case = rig.struck(Law::Modified, 32.0)?;
+    let pressure = case.assembly()?.stack.static_pressures()[0];
+    let nonlinearity = |law: Law| -> Result<f64> {
+        let law = build_law(&LawRef::Named(law.key().to_owned()), &case.scenario.laws, pressure)?;
+        Ok(law.stiffness_slope(pressure) / law.stiffness(pressure))
+    };
+    let values = vec![
+        ("ratio_rises_modified", rises(&sweep.modified)),
+        ("ratio_rises_pl", rises(&sweep.power)),
+        ("ratio_modified_above_pl", yes(above)),
+        ("modified_more_nonlinear", yes(nonlinearity(Law::Modified)? > nonlinearity(Law::Power)?)),
+    ];
+    Ok(Computed { table: sweep.table(QUANTITY)?, values })
+}
+
+fn draw(table: &Table) -> Result<String> {
+    let axis = Axis::linear("Ratio A_{2}/A_{1}", "").low(0.0);
+    levels::draw(table, "Second harmonic over fundamental", QUANTITY, axis, Legend::TopLeft)
+}

@@ -1,0 +1,131 @@
+//! x3: convergence of each reported number with the cell.
+
+use anyhow::{Context, Result};
+use asperity_figure::{Axis, Color, Dash, Figure, Legend, Marker, Panel, Series, Table};
+use asperity_study::mesh::Grid;
+use asperity_study::summary::Summary;
+
+use super::style;
+use crate::reproduce::rig::{Case, Law, Rig};
+use crate::reproduce::{Computed, PaperFigure};
+
+pub(crate) const FIGURE: PaperFigure = PaperFigure {
+    id: "x3",
+    title: "x3: convergence with the cell",
+    caption: "Relative error of each reported number against the cell of the sample, modified \
+              power law at 32 N, with (a) the centred contact step used everywhere here and (b) \
+              the contact at the new level, the plain reading of the paper's scheme. The \
+              reference is the centred step at its two finest cells, 0.24 and 0.12 mm, \
+              extrapolated linearly to none. The table has the slopes and the reference. All \
+              other figures use 1 mm.",
+    compute,
+    draw,
+};
+
+/// Cells in m, the coarsest first; the last is the reference.
+const CELLS: [f64; 5] = [2.2e-3, 1e-3, 0.5e-3, 0.25e-3, 0.125e-3];
+/// How many of them are shown.
+const SHOWN: usize = CELLS.len() - 1;
+
+type Quantity = (&'static str, &'static str, fn(&Summary) -> Option<f64>);
+const QUANTITIES: [Quantity; 5] = [
+    ("frequency", "f_{1}", |summary| summary.fundamental.map(|peak| peak.frequency_hz)),
+    ("receptance", "A_{1}", |summary| summary.fundamental.map(|peak| peak.receptance_m_per_n)),
+    ("harmonic_ratio", "A_{2}/A_{1}", |summary| summary.harmonic_ratio),
+    ("pressure_min", "p_{min}", |summary| summary.interfaces.first().map(|c| c.pressure_min_pa)),
+    ("stiffness_average", "K_{avr}", |summary| {
+        summary.interfaces.first().map(|c| c.stiffness_average_pa_per_m)
+    }),
+];
+
+fn case(rig: &Rig, contact: &str, cell: f64) -> Result<Case> {
+    let law = Law::Modified.key().to_owned();
+    rig.with(&[
+        ("/interfaces/0/law", law.clone()),
+        ("/interfaces/1/law", law),
+        ("/excitation/peak_n", "32".to_owned()),
+        ("/method/contact", contact.to_owned()),
+        ("/method/cell_m", cell.to_string()),
+    ])
+}
+
+fn compute(rig: &Rig) -> Result<Computed> {
+    let forms = ["centred", "new_level"];
+    // The longest run first, so that the others go on beside it.
+    let mut cases = vec![case(rig, "centred", CELLS[SHOWN])?];
+    for form in forms {
+        for cell in CELLS[..SHOWN].iter().rev() {
+            cases.push(case(rig, form, *cell)?);
+        }
+    }
+    let summaries = rig.summaries(&cases)?;
+    let lengths: Vec<f64> =
+        cases[1..=SHOWN].iter().rev().map(cell_length).collect::<Result<_>>()?;
+    // Linear in the cell, through the reference run and the finest one shown.
+    let (finest, fine) = (cell_length(&cases[0])?, lengths[SHOWN - 1]);
+    let exact = |of: fn(&Summary) -> Option<f64>| {
+        let value = |summary: &Summary| of(summary).unwrap_or(f64::NAN);
+        let (nearest, near) = (value(&summaries[0]), value(&summaries[1]));
+        nearest + (nearest - near) * finest / (fine - finest)
+    };
+    let mut table = Table::new().with_column("cell_m", lengths.as_slice())?;
+    for (number, form) in forms.iter().enumerate() {
+        let runs = &summaries[1 + number * SHOWN..][..SHOWN];
+        for (quantity, _, of) in QUANTITIES {
+            let value = |summary: &Summary| of(summary).unwrap_or(f64::NAN);
+            let errors: Vec<f64> =
+                runs.iter().rev().map(|run| (value(run) / exact(of) - 1.0).abs()).collect();
+            let mut slopes = vec![f64::NAN; SHOWN];
+            slopes[0] = slope(&lengths, &errors);
+            table.push(format!("{form}:{quantity}_error"), errors)?;
+            table.push(format!("{form}:{quantity}_slope"), slopes)?;
+        }
+    }
+    for (quantity, _, of) in QUANTITIES {
+        let mut column = vec![f64::NAN; SHOWN];
+        column[0] = exact(of);
+        table.push(format!("reference:{quantity}"), column)?;
+    }
+    Ok(Computed { table, values: Vec::new() })
+}
+
+/// Length of the sample's cells, in m.
+fn cell_length(case: &Case) -> Result<f64> {
+    let assembly = case.assembly()?;
+    let grid = Grid::new(&assembly.stack, assembly.method.cell)?;
+    Ok(grid.bars().last().context("the rig has no sample")?.cell_length())
+}
+
+/// Slope of the least-squares line through the logarithms.
+fn slope(x: &[f64], y: &[f64]) -> f64 {
+    let points: Vec<(f64, f64)> = x.iter().zip(y).map(|(x, y)| (x.ln(), y.ln())).collect();
+    let count = points.len() as f64;
+    let mean_x = points.iter().map(|point| point.0).sum::<f64>() / count;
+    let mean_y = points.iter().map(|point| point.1).sum::<f64>() / count;
+    let above: f64 = points.iter().map(|(x, y)| (x - mean_x) * (y - mean_y)).sum();
+    let below: f64 = points.iter().map(|(x, _)| (x - mean_x).powi(2)).sum();
+    above / below
+}
+
+fn draw(table: &Table) -> Result<String> {
+    let cell = table.column("cell_m")?;
+    let markers =
+        [Marker::Circle, Marker::Triangle, Marker::Square, Marker::Diamond, Marker::Cross];
+    let mut figure = Figure::new("Convergence with the cell").columns(2).width_mm(style::PAGE);
+    for (form, title, level, legend) in [
+        ("centred", "centred", 3e-4, Legend::TopLeft),
+        ("new_level", "new level", 3e-3, Legend::BottomRight),
+    ] {
+        let axis = Axis::log("Cell of the sample", "mm").scale(1e3).range(0.2, 3.0);
+        let error = Axis::log("Relative error", "").range(1e-7, 0.1);
+        let guide: Vec<f64> = cell.iter().map(|c| level * c / 1e-3).collect();
+        let guide = Series::line("slope 1", cell, guide).color(Color::GREY).dash(Dash::Dashed);
+        let mut panel = Panel::new(axis, error).title(title).legend(legend).series(guide);
+        for ((quantity, label, _), marker) in QUANTITIES.into_iter().zip(markers) {
+            let error = table.column(&format!("{form}:{quantity}_error"))?;
+            panel = panel.series(Series::line_points(label, cell, error).marker(marker));
+        }
+        figure = figure.panel(panel);
+    }
+    style::svg(&figure)
+}
