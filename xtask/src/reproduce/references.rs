@@ -12,9 +12,11 @@ use super::Finished;
 /// a run the difference grows to about 1e-9 of the response.
 const TOLERANCE: f64 = 1e-6;
 
-/// The same for columns of errors and of their slopes: differences of nearly
-/// equal numbers, in which that rounding weighs up to a thousand times as much.
-const TOLERANCE_OF_ERRORS: f64 = 1e-3;
+/// The same for columns of errors and of their slopes, differences of nearly
+/// equal numbers, in which that rounding weighs up to a thousand times as much,
+/// and for times and thresholds that are found in whole steps.
+const COARSE_TOLERANCE: f64 = 1e-3;
+const COARSE_COLUMNS: [&str; 4] = ["_error", "_slope", "contact_lost_s", "threshold_n"];
 
 /// Most rows stored of a table: a longer one is stored in equal strides.
 const MOST_ROWS: usize = 400;
@@ -72,8 +74,8 @@ fn difference(stored: &Table, computed: &Table) -> Option<String> {
     for (old, new) in stored.columns().iter().zip(computed.columns()) {
         let finite = old.values().iter().filter(|value| value.is_finite());
         let scale = finite.fold(0.0, |largest: f64, value| largest.max(value.abs()));
-        let is_error = ["_error", "_slope"].iter().any(|end| old.name().ends_with(end));
-        let tolerance = if is_error { TOLERANCE_OF_ERRORS } else { TOLERANCE };
+        let is_coarse = COARSE_COLUMNS.iter().any(|end| old.name().ends_with(end));
+        let tolerance = if is_coarse { COARSE_TOLERANCE } else { TOLERANCE };
         for (row, (&a, &b)) in old.values().iter().zip(new.values()).enumerate() {
             let same = (a.is_nan() && b.is_nan()) || (a - b).abs() <= tolerance * scale;
             if !same {
