@@ -13,9 +13,9 @@ type Observable = fn(&Summary) -> Option<f64>;
 
 /// The observables drawn: label, unit, value.
 const OBSERVABLES: [(&str, &str, Observable); 4] = [
-    ("Fundamental", "Hz", |s| s.fundamental.map(|f| f.frequency_hz)),
-    ("Receptance of the fundamental", "m/N", |s| s.fundamental.map(|f| f.receptance_m_per_n)),
-    ("A_{2}/A_{1}", "", |s| s.harmonic_ratio),
+    ("Fundamental f_{1}", "Hz", |s| s.fundamental.map(|f| f.frequency_hz)),
+    ("Amplitude A_{1}", "m/N", |s| s.fundamental.map(|f| f.receptance_m_per_n)),
+    ("Ratio A_{2}/A_{1}", "", |s| s.harmonic_ratio),
     ("Lowest pressure", "Pa", |s| {
         s.interfaces.iter().map(|contact| contact.pressure_min_pa).reduce(f64::min)
     }),
