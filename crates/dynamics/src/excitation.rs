@@ -157,19 +157,6 @@ impl ForceRecord {
         Ok(Self { time, force })
     }
 
-    /// The same record with its largest magnitude rescaled to `|peak|` \[N\]; a
-    /// negative peak also turns the record around. A record of zeros stays zero.
-    #[must_use]
-    pub fn rescaled(mut self, peak: f64) -> Self {
-        let largest = self.force.iter().fold(0.0, |m: f64, f| f.abs().max(m));
-        if largest > 0.0 {
-            for force in &mut self.force {
-                *force *= peak / largest;
-            }
-        }
-        self
-    }
-
     fn force(&self, time: f64) -> f64 {
         let after = self.time.partition_point(|&t| t <= time);
         if after == 0 {
@@ -220,13 +207,12 @@ mod tests {
     #[test]
     fn a_record_is_linear_between_samples_and_zero_outside() {
         let record = ForceRecord::new(vec![0.0, 1.0, 3.0], vec![0.0, 4.0, -2.0]).unwrap();
-        let excitation = Excitation::Record(record.clone());
+        let excitation = Excitation::Record(record);
         let expected = [(-0.1, 0.0), (0.5, 2.0), (1.0, 4.0), (2.0, 1.0), (3.0, -2.0), (3.1, 0.0)];
         for (time, force) in expected {
             assert_eq!(excitation.force(time), force);
         }
         assert_eq!(excitation.peak(), 4.0);
-        assert_eq!(Excitation::Record(record.rescaled(-8.0)).force(1.0), -8.0);
     }
 
     #[test]

@@ -29,6 +29,8 @@ const SUSPECT_RESIDUAL: f64 = 1e-2;
 /// A finished run.
 #[derive(Debug)]
 pub struct Run {
+    /// What was run.
+    pub assembly: Assembly,
     /// The response.
     pub transient: Transient,
     /// The answers.
@@ -49,7 +51,7 @@ pub fn simulate(
     let transient = integrate(&assembly, progress)?;
     let mut summary = summarise(scenario, &assembly, &transient, document.sha256())?;
     summary.numerics.wall_s = started.elapsed().as_secs_f64();
-    Ok(Run { transient, summary })
+    Ok(Run { assembly, transient, summary })
 }
 
 /// Integrates an assembled scenario.
@@ -153,8 +155,8 @@ pub fn rest_state(assembly: &Assembly) -> StaticSummary {
 ///
 /// # Errors
 /// [`StudyError::Signal`] when the response cannot be analysed.
-pub fn receptance(assembly: &Assembly, run: &Run) -> Result<Option<Frf>, StudyError> {
-    let rate = assembly.sampling.rate();
+pub fn receptance(run: &Run) -> Result<Option<Frf>, StudyError> {
+    let rate = run.assembly.sampling.rate();
     let Some(response) = displacement_response(&run.transient, rate)? else {
         return Ok(None);
     };

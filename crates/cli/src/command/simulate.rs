@@ -3,7 +3,6 @@
 use std::fmt::Write as _;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use asperity_study::assemble::Assembly;
 use asperity_study::record::{frf_csv, history_csv};
 use asperity_study::run::{receptance, simulate};
 use asperity_study::summary::Summary;
@@ -34,8 +33,7 @@ pub(crate) fn run(input: &Input, output: &Output, quiet: bool) -> Result<(), Fai
     let history = &run.transient.history;
     folder.write("history.csv", history_csv(history, &names))?;
     super::draw(&folder, "history.svg", &plot::history(history, &names))?;
-    let assembly = Assembly::new(&scenario, document.folder())?;
-    if let Some(frf) = receptance(&assembly, &run)? {
+    if let Some(frf) = receptance(&run)? {
         folder.write("frf.csv", frf_csv(&frf))?;
         super::draw(&folder, "frf.svg", &plot::frf(&frf, &run.summary))?;
     }

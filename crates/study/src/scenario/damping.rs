@@ -24,18 +24,6 @@ pub enum DampingAmount {
     RatePerS(f64),
 }
 
-impl DampingSpec {
-    /// The rate `h` in 1/s for a rig whose lowest linearised mode has the
-    /// angular frequency `w0_rad_per_s` in rad/s.
-    pub fn rate_per_s(&self, w0_rad_per_s: f64) -> f64 {
-        let Self::MassProportional(amount) = *self;
-        match amount {
-            DampingAmount::Ratio(xi) => 2.0 * xi * w0_rad_per_s,
-            DampingAmount::RatePerS(h) => h,
-        }
-    }
-}
-
 /// Viscous damping of the bodies.
 #[derive(Clone, Copy, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
