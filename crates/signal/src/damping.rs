@@ -1,5 +1,11 @@
 //! Damping from the half-power width of a resonance.
 
+mod circle;
+mod comparison;
+
+pub use circle::{CircleFit, circle_fit, circle_fit_of};
+pub use comparison::DampingComparison;
+
 use crate::peak::Peak;
 use crate::response::Response;
 use crate::root::bracketed_root;

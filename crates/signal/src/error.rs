@@ -53,6 +53,59 @@ pub enum Error {
         /// Number of force samples.
         samples: usize,
     },
+    /// An option is outside what makes sense.
+    #[error("{quantity} is {value}, it must be {expected}")]
+    Option {
+        /// Which option, in words.
+        quantity: &'static str,
+        /// The value given.
+        value: f64,
+        /// What is accepted, in words.
+        expected: &'static str,
+    },
+    /// A block holds another number of response channels than announced.
+    #[error("{found} response channels, {expected} expected")]
+    Channels {
+        /// Channels in the block.
+        found: usize,
+        /// Channels announced.
+        expected: usize,
+    },
+    /// A record is longer than what it is averaged with.
+    #[error("a record of {samples} samples, at most {limit} fit the average")]
+    TooLong {
+        /// Samples of the record.
+        samples: usize,
+        /// The most samples accepted.
+        limit: usize,
+    },
+    /// No force sample stands out from the noise.
+    #[error("the largest force is {largest} N, a hit needs {needed} N in this noise")]
+    NoHit {
+        /// Largest force sample, in newtons.
+        largest: f64,
+        /// What it would have to exceed, in newtons.
+        needed: f64,
+    },
+    /// A quantity that only an average of several hits has.
+    #[error("the {quantity} needs {needed} averages, there are {averages}")]
+    TooFewAverages {
+        /// What was asked for.
+        quantity: &'static str,
+        /// Hits averaged so far.
+        averages: usize,
+        /// The fewest that give an answer.
+        needed: usize,
+    },
+}
+
+/// Refuses an option (named in words) that is not positive and finite.
+pub(crate) fn check_positive(quantity: &'static str, value: f64) -> Result<()> {
+    if value.is_finite() && value > 0.0 {
+        Ok(())
+    } else {
+        Err(Error::Option { quantity, value, expected: "positive and finite" })
+    }
 }
 
 /// Refuses an empty signal and one with a sample that is not finite.

@@ -15,6 +15,21 @@
 //! width ([`half_power`]) or from the decay itself ([`logarithmic_decrement`]),
 //! and the time average of a stiffness ([`average_stiffness`]).
 //!
+//! A hammer test is a record of many hits. [`hammer_test`] goes all the way; its steps are
+//! public:
+//!
+//! | step | by |
+//! |---|---|
+//! | cut a record or a stream into hits | [`find_hits`], [`HitFinder`] |
+//! | judge them | [`inspect`], [`Verdict`] |
+//! | describe the blow, take the offset away | [`Pulse`], [`Offset`] |
+//! | window, and undo what the window did | [`ForceWindow`], [`ExponentialWindow`] |
+//! | find where the fundamental is | [`dominant_frequency`], [`find_harmonics`] |
+//! | say how sure it is | [`peak_uncertainty`], [`white_density`], [`band_density`] |
+//! | damping, three ways | [`half_power`], [`circle_fit`], [`logarithmic_decrement`] |
+//! | average: H1, H2, Hv, coherence | [`FrfEstimator`] |
+//! | frequency and damping against amplitude | [`backbone`], [`BandPass`] |
+//!
 //! A peak is a true local maximum of `|H|` refined on the transform itself.
 //! Where there is none the answer is `None`, never the edge of a search
 //! window; where the force has no content the answer is masked and says so.
@@ -49,27 +64,53 @@ mod average;
 mod damping;
 mod decimate;
 mod decrement;
+mod dominant;
 mod error;
+mod estimator;
 mod form;
 mod frf;
+mod hammer;
 mod harmonics;
+mod hit;
 mod mask;
+mod noise;
 mod peak;
 mod response;
+mod ring_down;
 mod root;
 mod spectrum;
 mod transform;
+mod uncertainty;
+mod window;
 
 pub use average::average_stiffness;
-pub use damping::{HalfPower, half_power, half_power_crossings, half_power_of};
+pub use damping::{
+    CircleFit, DampingComparison, HalfPower, circle_fit, circle_fit_of, half_power,
+    half_power_crossings, half_power_of,
+};
 pub use decrement::{Decrement, logarithmic_decrement};
+pub use dominant::dominant_frequency;
 pub use error::{Error, Result};
+pub use estimator::{Coherence, Density, Estimator, FrfEstimator, HvScaling, MagnitudeSpread};
 pub use form::FrfForm;
 pub use frf::Frf;
+pub use hammer::{
+    AnalysedHit, HammerOptions, HammerTest, HitFeatures, Reference, ResponseWindows, hammer_test,
+};
 pub use harmonics::{HarmonicOptions, Harmonics, find_harmonics};
+pub use hit::{
+    Channel, DoubleHit, Hit, HitFinder, HitLength, HitOptions, Offset, OffsetSource, Pulse,
+    QualityOptions, Trigger, TriggerLevel, Verdict, double_hits, find_hits, inspect,
+};
 pub use mask::ForceMask;
+pub use noise::{RobustLevel, band_density, robust_level, white_density};
 pub use peak::Peak;
 pub use realfft::num_complex::Complex64;
 pub use response::{Response, Route};
+pub use ring_down::{
+    Backbone, BackboneOptions, BackbonePoint, BandPass, analytic_signal, backbone,
+};
 pub use spectrum::{Spectrum, fast_length};
 pub use transform::{transform_at, transform_pair_at};
+pub use uncertainty::{NoiseDensity, PeakUncertainty, peak_uncertainty, ratio_uncertainty};
+pub use window::{ExponentialWindow, ForceWindow};

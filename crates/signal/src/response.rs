@@ -8,6 +8,7 @@ use crate::frf::{Frf, convert};
 use crate::mask::ForceMask;
 use crate::spectrum::{PADDING_LIMIT, Spectrum, fast_length};
 use crate::transform::Kernel;
+use crate::uncertainty::{Term, Terms};
 use realfft::num_complex::Complex64;
 use std::borrow::Cow;
 use std::ops::Range;
@@ -182,6 +183,16 @@ impl Response {
             Route::Acceleration => 2.0 / frequency_hz,
         };
         (ratio.norm_sqr(), 2.0 * ((dx / x - df / f).re - twice))
+    }
+
+    /// The transforms of response and force, with their derivatives, at a frequency (Hz).
+    pub(crate) fn transforms_at(&self, frequency_hz: f64) -> Terms {
+        let kernel = Kernel::new(self.sample_rate_hz, frequency_hz);
+        let (value, slope) = kernel.transform_and_slope(&self.samples, 0);
+        let response = Term { value, slope, samples: 0..self.samples.len() };
+        let pulse = &self.force[self.contact.clone()];
+        let (value, slope) = kernel.transform_and_slope(pulse, self.contact.start);
+        Terms { response, force: Term { value, slope, samples: self.contact.clone() } }
     }
 
     /// A bound on the ripple of `|H|` at a frequency (Hz) that is not physics.

@@ -1,8 +1,12 @@
 //! Whatever is sampled, nothing panics and what is returned is a number.
 
 use asperity_signal::{
-    FrfForm, HarmonicOptions, Response, Spectrum, average_stiffness, find_harmonics,
-    half_power_crossings, logarithmic_decrement, transform_at,
+    BackboneOptions, BandPass, Complex64, ExponentialWindow, ForceWindow, FrfForm, HammerOptions,
+    HarmonicOptions, Hit, HitLength, HitOptions, NoiseDensity, Offset, Pulse, QualityOptions,
+    Reference, Response, Route, Spectrum, TriggerLevel, average_stiffness, backbone, band_density,
+    circle_fit, circle_fit_of, dominant_frequency, double_hits, find_harmonics,
+    half_power_crossings, hammer_test, inspect, logarithmic_decrement, peak_uncertainty,
+    transform_at,
 };
 use proptest::prelude::*;
 
@@ -90,6 +94,94 @@ proptest! {
             prop_assert!(found.ratio().is_none_or(|ratio| ratio >= 0.0));
             let _ = hit.receptance(padding % 20).to(FrfForm::ApparentMass);
             let _ = hit.force_mask(padding % 20, frequency).coverage();
+        }
+    }
+
+    /// Verified against arbitrary bit patterns in the conditioning: verdicts and pulses, or nothing.
+    #[test]
+    fn conditioning_never_panics(
+        force in prop::collection::vec(any::<f64>(), 0..150),
+        response in prop::collection::vec(any::<f64>(), 0..150),
+        rate in any::<f64>(),
+        number in any::<f64>(),
+        count in any::<usize>(),
+    ) {
+        let _ = double_hits(&force, rate, number);
+        let _ = band_density(&force, rate, (number, rate));
+        if let Some(offset) = Offset::at_rest(&force) {
+            prop_assert!(offset.value.is_finite() && offset.samples >= 8);
+        }
+        let _ = Offset::before(&force, count % 200, count % 7);
+        if let Some(pulse) = Pulse::of(&force, rate) {
+            prop_assert!(pulse.peak_n > 0.0 && pulse.width_s >= 0.0);
+            let mut windowed = force.clone();
+            ForceWindow::around(&pulse, number, rate).apply(&mut windowed, rate, None);
+        }
+        let quality = QualityOptions {
+            second_fraction: number,
+            flat_samples: count % 10,
+            full_scale_n: Some(number),
+            full_scale_response: None,
+            constant_samples: count % 11,
+            undecayed_ratio: number,
+        };
+        let responses = vec![response.clone(), Vec::new()];
+        let hit = Hit {
+            start: 0,
+            trigger: count,
+            force: force.clone(),
+            responses,
+            sample_rate_hz: rate,
+            missing: 0,
+        };
+        let _ = inspect(&hit, &quality);
+        let values: Vec<Complex64> =
+            force.iter().zip(&response).map(|(a, b)| Complex64::new(*a, *b)).collect();
+        let _ = circle_fit_of(&force, &values);
+        let _ = circle_fit_of(&force[..values.len()], &values);
+        if let Ok(band) = BandPass::new(number, rate, force.first().copied().unwrap_or(1.0)) {
+            let _ = backbone(&response, rate, &BackboneOptions::new(band));
+        }
+    }
+
+    /// Verified against hits of finite samples: analysis gives finite numbers or says no.
+    #[test]
+    fn analysis_never_panics(
+        hit in hits(),
+        expected in 1e-3..0.4_f64,
+        tau in 1e-6..1.0_f64,
+        part in 0.01..0.9_f64,
+        density in 0.0..1e3_f64,
+    ) {
+        let rate = hit.sample_rate_hz();
+        let band = (0.5 * expected * rate, 1.2 * expected * rate);
+        if let Some(frequency) = dominant_frequency(&hit, band, FrfForm::Accelerance, 0.02) {
+            prop_assert!(frequency > band.0 && frequency < band.1);
+        }
+        let found = find_harmonics(&hit, expected * rate, &HarmonicOptions::default());
+        if let Some(peak) = found.fundamental {
+            let noise = NoiseDensity { force: density, response: density, window_rate: 0.0 };
+            if let Some(sigma) = peak_uncertainty(&hit, &peak, noise) {
+                prop_assert!(sigma.frequency_hz >= 0.0 && sigma.relative >= 0.0);
+            }
+            if let Some(circle) = circle_fit(&hit, &peak) {
+                prop_assert!(circle.ratio > 0.0 && circle.natural_hz > 0.0);
+            }
+        }
+        let cut = HitOptions {
+            level: TriggerLevel::Fraction(0.1),
+            pre_trigger: 3,
+            length: HitLength::UntilNext { limit: 90 },
+            hold_off: 10,
+        };
+        let reference = Reference::Band(band, FrfForm::Receptance);
+        let mut options = HammerOptions::new(cut, Route::Acceleration, reference);
+        options.band_part = part;
+        options.windows.exponential = ExponentialWindow::new(tau).ok();
+        options.windows.force_s = Some((3.0 / rate, 1.0 / rate));
+        if let Ok(test) = hammer_test(hit.force(), hit.samples(), rate, &options) {
+            let averaged = test.hits.iter().filter(|hit| hit.is_averaged()).count();
+            prop_assert_eq!(averaged, test.average.averages());
         }
     }
 }

@@ -1,0 +1,275 @@
+//! Damping from the circle that a mobility draws.
+
+use super::half_power_crossings;
+use crate::form::FrfForm;
+use crate::frf::convert;
+use crate::peak::Peak;
+use crate::response::Response;
+use realfft::num_complex::Complex64;
+use std::f64::consts::{PI, TAU};
+
+/// A circle through a mobility about one resonance, and the mode that sweeps it.
+///
+/// ```text
+/// Y = B + C / (1 + i q),   q = (w^2 - w0^2) / (2 zeta w0 w),   C = modal constant / (2 zeta w0)
+/// ```
+///
+/// One viscous mode gives a circle through the origin (`B = 0`); neighbours,
+/// where they hardly change over the band, shift and turn it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CircleFit {
+    /// Undamped natural frequency, in hertz.
+    pub natural_hz: f64,
+    /// Damping ratio, from how fast the angle sweeps with frequency.
+    pub ratio: f64,
+    /// Centre of the circle, in m/(N s).
+    pub centre: Complex64,
+    /// Radius of the circle, in m/(N s).
+    pub radius: f64,
+    /// `1/m` of the mode, in 1/kg; an angle other than zero is a complex mode or a neighbour.
+    pub modal_constant: Complex64,
+    /// Root mean square distance of the points from the circle over the radius.
+    pub scatter: f64,
+    /// Root mean square distance of the angles from the mode's, in radians.
+    pub angle_scatter: f64,
+    /// Angle between the first and the last point, in radians.
+    pub arc: f64,
+}
+
+impl CircleFit {
+    /// Largest receptance of the mode alone, `|C| / (w0 sqrt(1 - zeta^2))`, in m/N.
+    pub fn peak_receptance(&self) -> f64 {
+        let root = (1.0 - self.ratio * self.ratio).sqrt();
+        let omega = TAU * self.natural_hz;
+        self.modal_constant.norm() / (2.0 * self.ratio * root * omega * omega)
+    }
+}
+
+/// Points on the circle that [`circle_fit`] looks at.
+const POINTS: usize = 61;
+
+/// Circle fit of a peak between its half-power frequencies, which is half of the circle.
+///
+/// Evaluated at 61 frequencies on the exact transform. `None` where the peak
+/// has no half-power width, and as for [`circle_fit_of`].
+pub fn circle_fit(response: &Response, peak: &Peak) -> Option<CircleFit> {
+    let width = half_power_crossings(response, peak)?;
+    let step = (width.upper_hz - width.lower_hz) / (POINTS - 1) as f64;
+    let frequencies: Vec<f64> = (0..POINTS).map(|k| width.lower_hz + k as f64 * step).collect();
+    let mobility =
+        |f: &f64| convert(response.receptance_at(*f), *f, FrfForm::Receptance, FrfForm::Mobility);
+    let values: Vec<Complex64> = frequencies.iter().map(mobility).collect();
+    circle_fit_of(&frequencies, &values)
+}
+
+/// Circle fit of any mobility in a band about one resonance.
+///
+/// The circle is the least-squares one in the plane (algebraic, then refined
+/// on the distances). The angles about its centre, `2 atan(q)` from that at
+/// resonance, are then fitted for the natural frequency, the damping ratio and
+/// the angle of the diameter; without noise a single viscous mode is found
+/// exactly, whatever part of the circle is there.
+///
+/// - `frequency_hz`: increasing and positive, in hertz.
+/// - `mobility`: as many values, in m/(N s).
+///
+/// `None` for fewer than 5 points, values that are not finite, or points that
+/// are on no circle or that do not go round it clockwise.
+///
+/// Source: C. C. Kennedy and C. D. P. Pancu, J. Aeronaut. Sci. 14 (1947),
+/// 603-625; D. J. Ewins, *Modal Testing*, 2nd ed. 2000, sec. 4.4.
+pub fn circle_fit_of(frequency_hz: &[f64], mobility: &[Complex64]) -> Option<CircleFit> {
+    let count = mobility.len();
+    let valid = count >= 5
+        && frequency_hz.len() == count
+        && frequency_hz.iter().all(|f| f.is_finite() && *f > 0.0)
+        && mobility.iter().all(|y| y.re.is_finite() && y.im.is_finite());
+    if !valid {
+        return None;
+    }
+    let (centre, radius) = least_squares_circle(mobility)?;
+    let largest = (0..count).max_by(|&a, &b| mobility[a].norm().total_cmp(&mobility[b].norm()))?;
+    // Clockwise from the point farthest from the origin, which is near the resonance.
+    let reference = mobility[largest] - centre;
+    let angles: Vec<f64> =
+        mobility.iter().map(|y| -((y - centre) * reference.conj()).arg()).collect();
+    let sweep = Sweep::fitted(frequency_hz, &angles)?;
+    let direction = reference / reference.norm() * Complex64::from_polar(1.0, -sweep.turn);
+    let square = mobility.iter().map(|y| ((y - centre).norm() - radius).powi(2)).sum::<f64>();
+    let omega = TAU * sweep.natural_hz;
+    Some(CircleFit {
+        natural_hz: sweep.natural_hz,
+        ratio: sweep.ratio,
+        centre,
+        radius,
+        modal_constant: direction * (4.0 * radius * sweep.ratio * omega),
+        scatter: (square / count as f64).sqrt() / radius,
+        angle_scatter: (sweep.square(frequency_hz, &angles) / count as f64).sqrt(),
+        arc: (angles[count - 1] - angles[0]).abs(),
+    })
+}
+
+/// Steps of either iteration; both converge quadratically from a near start.
+const STEPS: usize = 50;
+
+/// Centre and radius with the least sum of squared distances.
+fn least_squares_circle(points: &[Complex64]) -> Option<(Complex64, f64)> {
+    let count = points.len() as f64;
+    let mean = points.iter().sum::<Complex64>() / count;
+    let scale = (points.iter().map(|z| (z - mean).norm_sqr()).sum::<f64>() / count).sqrt();
+    if scale.is_nan() || scale <= 0.0 {
+        return None;
+    }
+    let unit: Vec<(f64, f64)> =
+        points.iter().map(|z| (z - mean) / scale).map(|z| (z.re, z.im)).collect();
+    // |z|^2 = 2 a x + 2 b y + c, linear in the unknowns.
+    let algebraic =
+        least_squares(unit.iter().map(|&(x, y)| ([2.0 * x, 2.0 * y, 1.0], x * x + y * y)))?;
+    let [mut a, mut b, c] = algebraic;
+    let mut radius = (c + a * a + b * b).sqrt();
+    for _ in 0..STEPS {
+        let row = |&(x, y): &(f64, f64)| {
+            let distance = (x - a).hypot(y - b);
+            ([(x - a) / distance, (y - b) / distance, 1.0], distance - radius)
+        };
+        let [da, db, dr] = least_squares(unit.iter().map(row))?;
+        (a, b, radius) = (a + da, b + db, radius + dr);
+        if da.abs() + db.abs() + dr.abs() < 1e-14 * radius {
+            break;
+        }
+    }
+    let found = radius.is_finite() && radius > 0.0 && a.is_finite() && b.is_finite();
+    found.then(|| (mean + Complex64::new(a, b) * scale, radius * scale))
+}
+
+/// Natural frequency, damping and the angle at resonance.
+#[derive(Debug, Clone, Copy)]
+struct Sweep {
+    natural_hz: f64,
+    ratio: f64,
+    turn: f64,
+}
+
+impl Sweep {
+    /// Least squares of `turn + 2 atan(q)` on the angles.
+    fn fitted(frequency_hz: &[f64], angles: &[f64]) -> Option<Self> {
+        let mut best = Self::start(frequency_hz, angles)?;
+        let mut square = best.square(frequency_hz, angles);
+        for _ in 0..STEPS {
+            let pairs = frequency_hz.iter().zip(angles);
+            let step = least_squares(pairs.map(|(f, angle)| best.row(*f, *angle)))?;
+            let mut factor = 1.0;
+            let mut better = None;
+            for _ in 0..20 {
+                let trial = best.moved(&step, factor);
+                let found = trial.square(frequency_hz, angles);
+                if found < square {
+                    better = Some((trial, found));
+                    break;
+                }
+                factor *= 0.5;
+            }
+            // No shorter step is better: rounding, or the least there is.
+            let Some((trial, found)) = better else {
+                break;
+            };
+            (best, square) = (trial, found);
+        }
+        let found = best.ratio.is_finite() && best.ratio > 0.0 && best.natural_hz.is_finite();
+        found.then_some(best)
+    }
+
+    /// A start without `turn`: `x tan(angle / 2) = alpha (x^2 - 1) + (alpha - beta)`, a line,
+    /// with `x = w` over the middle one, `alpha = 1/(2 zeta x0)`, `beta = x0/(2 zeta)`.
+    fn start(frequency_hz: &[f64], angles: &[f64]) -> Option<Self> {
+        let middle = frequency_hz[frequency_hz.len() / 2];
+        let near = |angle: &f64| angle.abs() < 0.8 * PI;
+        let point = |(f, angle): (&f64, &f64)| {
+            let over = f / middle;
+            ((over - 1.0) * (over + 1.0), over * (0.5 * angle).tan())
+        };
+        let pairs = frequency_hz.iter().zip(angles).filter(|(_, angle)| near(angle));
+        let points: Vec<(f64, f64)> = pairs.map(point).collect();
+        let count = points.len() as f64;
+        let x_mean = points.iter().map(|(x, _)| x).sum::<f64>() / count;
+        let y_mean = points.iter().map(|(_, y)| y).sum::<f64>() / count;
+        let cross: f64 = points.iter().map(|(x, y)| (x - x_mean) * (y - y_mean)).sum();
+        let square: f64 = points.iter().map(|(x, _)| (x - x_mean).powi(2)).sum();
+        let alpha = cross / square;
+        let beta = alpha - (y_mean - alpha * x_mean);
+        (alpha > 0.0 && beta > 0.0 && alpha.is_finite()).then(|| Self {
+            natural_hz: middle * (beta / alpha).sqrt(),
+            ratio: 0.5 / (alpha * beta).sqrt(),
+            turn: 0.0,
+        })
+    }
+
+    fn q(&self, frequency: f64) -> f64 {
+        let over = frequency / self.natural_hz;
+        (over - 1.0 / over) / (2.0 * self.ratio)
+    }
+
+    /// Derivatives of the angle with `turn`, `ln w0` and `ln zeta`, and what is left of it.
+    fn row(&self, frequency: f64, angle: f64) -> ([f64; 3], f64) {
+        let q = self.q(frequency);
+        let over = frequency / self.natural_hz;
+        let slope = 2.0 / (1.0 + q * q);
+        let with_frequency = -slope * (over + 1.0 / over) / (2.0 * self.ratio);
+        ([1.0, with_frequency, -slope * q], self.left(frequency, angle))
+    }
+
+    fn left(&self, frequency: f64, angle: f64) -> f64 {
+        let left = angle - self.turn - 2.0 * self.q(frequency).atan();
+        left - TAU * (left / TAU).round()
+    }
+
+    fn square(&self, frequency_hz: &[f64], angles: &[f64]) -> f64 {
+        frequency_hz.iter().zip(angles).map(|(f, angle)| self.left(*f, *angle).powi(2)).sum()
+    }
+
+    fn moved(&self, step: &[f64; 3], factor: f64) -> Self {
+        Self {
+            turn: self.turn + factor * step[0],
+            natural_hz: self.natural_hz * (factor * step[1]).exp(),
+            ratio: self.ratio * (factor * step[2]).exp(),
+        }
+    }
+}
+
+/// Linear least squares in three unknowns by modified Gram-Schmidt; `None` if degenerate.
+fn least_squares(rows: impl Iterator<Item = ([f64; 3], f64)>) -> Option<[f64; 3]> {
+    let (mut columns, mut right): ([Vec<f64>; 3], Vec<f64>) = Default::default();
+    for (row, value) in rows {
+        for (column, x) in columns.iter_mut().zip(row) {
+            column.push(x);
+        }
+        right.push(value);
+    }
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
+    let mut upper = [[0.0; 3]; 3];
+    let mut projected = [0.0; 3];
+    for j in 0..3 {
+        let before = dot(&columns[j], &columns[j]);
+        for i in 0..j {
+            let basis = columns[i].clone();
+            upper[i][j] = dot(&basis, &columns[j]);
+            columns[j].iter_mut().zip(&basis).for_each(|(x, q)| *x -= upper[i][j] * q);
+        }
+        let square = dot(&columns[j], &columns[j]);
+        // A column within rounding of the others says nothing of its unknown.
+        if square.is_nan() || square <= 1e-24 * before {
+            return None;
+        }
+        upper[j][j] = square.sqrt();
+        columns[j].iter_mut().for_each(|x| *x /= upper[j][j]);
+        projected[j] = dot(&columns[j], &right);
+        let basis = &columns[j];
+        right.iter_mut().zip(basis).for_each(|(x, q)| *x -= projected[j] * q);
+    }
+    let mut unknowns = [0.0; 3];
+    for j in (0..3).rev() {
+        let known: f64 = (j + 1..3).map(|k| upper[j][k] * unknowns[k]).sum();
+        unknowns[j] = (projected[j] - known) / upper[j][j];
+    }
+    unknowns.iter().all(|x| x.is_finite()).then_some(unknowns)
+}

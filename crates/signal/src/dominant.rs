@@ -1,0 +1,63 @@
+//! The strongest resonance of a band.
+
+use crate::form::FrfForm;
+use crate::frf::convert;
+use crate::peak::{PowerGrid, refine};
+use crate::response::{Response, Route};
+
+/// Frequency (Hz) of the largest peak of `|H|` in a band where the force has content.
+///
+/// For measured hits, where no static frequency is known to tell
+/// [`find_harmonics`](crate::find_harmonics) where to look.
+///
+/// - `band_hz`: open interval, in hertz.
+/// - `form`: what is largest; accelerance prefers the higher of two modes,
+///   receptance the lower. Inverse forms are taken as their reciprocals.
+/// - `force_threshold`: smallest force magnitude over its largest up to the band's end.
+///
+/// A largest value at the band's edge is no peak. The frequency returned is
+/// that of the receptance's maximum, refined on the exact transform, so that
+/// it does not depend on the form. `None` if there is no peak.
+pub fn dominant_frequency(
+    response: &Response,
+    band_hz: (f64, f64),
+    form: FrfForm,
+    force_threshold: f64,
+) -> Option<f64> {
+    let (low, high) = band_hz;
+    let ordered = low >= 0.0 && high > low && high.is_finite();
+    if !ordered {
+        return None;
+    }
+    let band = response.band(4, high);
+    let first = ((low / band.step) as usize).saturating_sub(1).max(1);
+    let strongest = band.force.iter().map(|f| f.norm()).fold(0.0, f64::max);
+    let measured = match response.route() {
+        Route::Displacement => FrfForm::Receptance,
+        Route::Acceleration => FrfForm::Accelerance,
+    };
+    let motion = if form.is_inverse() { reciprocal(form) } else { form };
+    let power = |form: FrfForm| -> Vec<f64> {
+        let pairs = band.samples.iter().zip(&band.force).enumerate().skip(first);
+        let value = |k: usize, ratio| convert(ratio, k as f64 * band.step, measured, form);
+        pairs.map(|(k, (x, f))| value(k, x / f).norm_sqr()).collect()
+    };
+    let in_form = power(motion);
+    let grid = PowerGrid { first, step: band.step, power: power(FrfForm::Receptance) };
+    let mut maxima = grid.maxima(band_hz);
+    maxima.sort_by(|&a, &b| in_form[b].total_cmp(&in_form[a]));
+    let valid = |index: &usize| {
+        band.force.get(first + index).is_some_and(|f| f.norm() >= force_threshold * strongest)
+    };
+    let inside = |frequency: &f64| *frequency > low && *frequency < high;
+    maxima.into_iter().filter(valid).find_map(|k| refine(response, &grid, k).filter(inside))
+}
+
+/// The motion over force that an inverse form is the reciprocal of.
+fn reciprocal(form: FrfForm) -> FrfForm {
+    match form.derivatives() {
+        0 => FrfForm::Receptance,
+        1 => FrfForm::Mobility,
+        _ => FrfForm::Accelerance,
+    }
+}

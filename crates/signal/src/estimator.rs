@@ -1,0 +1,244 @@
+//! Frequency response functions averaged over hits.
+
+mod coherence;
+mod kind;
+mod spread;
+
+pub use coherence::Coherence;
+pub use kind::{Estimator, HvScaling};
+pub use spread::MagnitudeSpread;
+
+use crate::error::{Error, Result, check_rate, check_samples};
+use crate::form::FrfForm;
+use crate::frf::Frf;
+use crate::mask::ForceMask;
+use crate::response::Route;
+use crate::spectrum::{PADDING_LIMIT, Spectrum, fast_length};
+use realfft::num_complex::Complex64;
+use spread::Welford;
+
+/// The longest transform of an average; its spectra take two gigabytes.
+const TRANSFORM_LIMIT: usize = 1 << 26;
+
+/// How a spectral density is scaled.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Density {
+    /// One-sided energy density, unit^2 s / Hz: its integral over frequency is
+    /// `integral x^2 dt`. For transients, since it does not depend on the record's length.
+    Energy,
+    /// One-sided power density, unit^2 / Hz: its integral is the mean square
+    /// over the nominal record length.
+    Power,
+}
+
+/// Averages hits one by one: auto and cross spectra, and what follows from them.
+///
+/// With the transforms `F`, `X` of the hits (see [`Spectrum`]) and `< >` their mean,
+///
+/// ```text
+/// Gff = 2 <|F|^2>,   Gxx = 2 <|X|^2>,   Gfx = 2 <conj(F) X>
+/// ```
+///
+/// (not doubled at zero frequency and half the rate) are one-sided energy
+/// densities. Memory is seven numbers a frequency, whatever the number of hits.
+/// Nothing is windowed here: see [`ForceWindow`](crate::ForceWindow),
+/// [`ExponentialWindow`](crate::ExponentialWindow).
+///
+/// Source: J. S. Bendat and A. G. Piersol, *Random Data*, 4th ed., Wiley 2010,
+/// chs. 5, 6 and 9.
+#[derive(Debug, Clone)]
+pub struct FrfEstimator {
+    route: Route,
+    sample_rate_hz: f64,
+    samples: usize,
+    length: usize,
+    averages: usize,
+    /// Sums over hits of `|F|^2`, `|X|^2` and `conj(F) X`.
+    force: Vec<f64>,
+    response: Vec<f64>,
+    cross: Vec<Complex64>,
+    magnitude: Welford,
+}
+
+impl FrfEstimator {
+    /// An empty average.
+    ///
+    /// - `samples`: nominal length of a record, positive.
+    /// - `padding`: zero padding, 1 (none) to 1024; the transform has
+    ///   [`fast_length`]`(padding * samples)` samples, about `2^26` at most.
+    ///
+    /// # Errors
+    /// [`Error::Empty`], [`Error::Padding`], [`Error::SampleRate`], [`Error::TooLong`].
+    pub fn new(samples: usize, sample_rate_hz: f64, route: Route, padding: usize) -> Result<Self> {
+        check_rate(sample_rate_hz)?;
+        if samples == 0 {
+            return Err(Error::Empty { signal: "record to average" });
+        }
+        if !(1..=PADDING_LIMIT).contains(&padding) {
+            return Err(Error::Padding { value: padding, limit: PADDING_LIMIT });
+        }
+        let limit = TRANSFORM_LIMIT / padding;
+        if samples > limit {
+            return Err(Error::TooLong { samples, limit });
+        }
+        let length = fast_length(samples * padding);
+        let bins = length / 2 + 1;
+        Ok(Self {
+            route,
+            sample_rate_hz,
+            samples,
+            length,
+            averages: 0,
+            force: vec![0.0; bins],
+            response: vec![0.0; bins],
+            cross: vec![Complex64::ZERO; bins],
+            magnitude: Welford::new(bins),
+        })
+    }
+
+    /// Adds a hit and returns its own frequency response function `X/F`.
+    ///
+    /// Receptance from displacement, accelerance from acceleration; not finite
+    /// where this force has no content at all. A record shorter than the
+    /// nominal length is a transient that has ended, and is padded with zeros.
+    ///
+    /// # Errors
+    /// [`Error::Empty`], [`Error::NotFinite`], [`Error::LengthMismatch`],
+    /// [`Error::TooLong`], [`Error::NoForce`]; the hit is then not added.
+    pub fn push(&mut self, force: &[f64], response: &[f64]) -> Result<Frf> {
+        check_samples("force", force)?;
+        check_samples("response", response)?;
+        if force.len() != response.len() {
+            return Err(Error::LengthMismatch { force: force.len(), response: response.len() });
+        }
+        if force.len() > self.samples {
+            return Err(Error::TooLong { samples: force.len(), limit: self.samples });
+        }
+        if force.iter().all(|x| *x == 0.0) {
+            return Err(Error::NoForce { samples: force.len() });
+        }
+        let transform = |x| Spectrum::padded_to(x, self.sample_rate_hz, self.length).into_values();
+        let (force, mut values) = (transform(force), transform(response));
+        self.averages += 1;
+        for (k, (f, x)) in force.iter().zip(&mut values).enumerate() {
+            self.force[k] += f.norm_sqr();
+            self.response[k] += x.norm_sqr();
+            self.cross[k] += f.conj() * *x;
+            *x /= f;
+            self.magnitude.push(k, x.norm(), self.averages);
+        }
+        Ok(Frf { frequency_hz: self.frequency_hz(), values, form: self.form() })
+    }
+
+    /// Hits averaged so far.
+    pub fn averages(&self) -> usize {
+        self.averages
+    }
+
+    /// The frequencies of every result, zero to half the rate, in hertz.
+    pub fn frequency_hz(&self) -> Vec<f64> {
+        let step = self.sample_rate_hz / self.length as f64;
+        (0..self.force.len()).map(|k| k as f64 * step).collect()
+    }
+
+    /// Auto spectrum of the force `Gff`, in N^2 s / Hz or N^2 / Hz.
+    ///
+    /// # Errors
+    /// [`Error::TooFewAverages`] without a hit.
+    pub fn force_auto(&self, density: Density) -> Result<Vec<f64>> {
+        let scale = self.scale("auto spectrum", density)?;
+        Ok(self.force.iter().enumerate().map(|(k, sum)| sum * scale(k)).collect())
+    }
+
+    /// Auto spectrum of the response `Gxx`.
+    ///
+    /// # Errors
+    /// [`Error::TooFewAverages`] without a hit.
+    pub fn response_auto(&self, density: Density) -> Result<Vec<f64>> {
+        let scale = self.scale("auto spectrum", density)?;
+        Ok(self.response.iter().enumerate().map(|(k, sum)| sum * scale(k)).collect())
+    }
+
+    /// Cross spectrum `Gfx`, whose phase is that of the response after the force.
+    ///
+    /// # Errors
+    /// [`Error::TooFewAverages`] without a hit.
+    pub fn cross(&self, density: Density) -> Result<Vec<Complex64>> {
+        let scale = self.scale("cross spectrum", density)?;
+        Ok(self.cross.iter().enumerate().map(|(k, sum)| sum * scale(k)).collect())
+    }
+
+    /// The averaged frequency response function; other forms by [`Frf::to`].
+    ///
+    /// Receptance from displacement, accelerance from acceleration. Not finite
+    /// where the force has no content at all.
+    ///
+    /// # Errors
+    /// [`Error::TooFewAverages`] without a hit, [`Error::Option`] for a noise
+    /// ratio that is not positive.
+    pub fn frf(&self, estimator: Estimator) -> Result<Frf> {
+        self.need("frequency response function", 1)?;
+        estimator.check()?;
+        let spectra = self.force.iter().zip(&self.response).zip(&self.cross);
+        let values = spectra.map(|((f, x), c)| estimator.value(*f, *x, *c)).collect();
+        Ok(Frf { frequency_hz: self.frequency_hz(), values, form: self.form() })
+    }
+
+    /// Ordinary coherence and the random errors that follow from it.
+    ///
+    /// # Errors
+    /// [`Error::TooFewAverages`] for fewer than two hits: one is coherent with
+    /// itself whatever the noise.
+    pub fn coherence(&self) -> Result<Coherence> {
+        self.need("coherence", 2)?;
+        let spectra = self.force.iter().zip(&self.response).zip(&self.cross);
+        let values = spectra.map(|((f, x), c)| c.norm_sqr() / (f * x)).collect();
+        Ok(Coherence { frequency_hz: self.frequency_hz(), values, averages: self.averages })
+    }
+
+    /// Mean and standard deviation of `|X/F|` over the hits, at each frequency.
+    ///
+    /// # Errors
+    /// [`Error::TooFewAverages`] for fewer than two hits.
+    pub fn spread(&self) -> Result<MagnitudeSpread> {
+        self.need("spread", 2)?;
+        Ok(self.magnitude.spread(self.frequency_hz(), self.averages))
+    }
+
+    /// Where the averaged force `sqrt(<|F|^2>)` has at least `threshold` of its largest value.
+    ///
+    /// # Errors
+    /// [`Error::TooFewAverages`] without a hit.
+    pub fn force_mask(&self, threshold: f64) -> Result<ForceMask> {
+        self.need("force mask", 1)?;
+        let averages = self.averages as f64;
+        let magnitude: Vec<f64> = self.force.iter().map(|sum| (sum / averages).sqrt()).collect();
+        Ok(ForceMask::new(self.frequency_hz(), &magnitude, threshold))
+    }
+
+    fn form(&self) -> FrfForm {
+        match self.route {
+            Route::Displacement => FrfForm::Receptance,
+            Route::Acceleration => FrfForm::Accelerance,
+        }
+    }
+
+    /// What turns a sum into a one-sided density: both ends have no mirror image.
+    fn scale(&self, quantity: &'static str, density: Density) -> Result<impl Fn(usize) -> f64> {
+        self.need(quantity, 1)?;
+        let over = match density {
+            Density::Energy => self.averages as f64,
+            Density::Power => self.averages as f64 * self.samples as f64 / self.sample_rate_hz,
+        };
+        let last = self.force.len() - 1;
+        Ok(move |k| if k == 0 || k == last { 1.0 / over } else { 2.0 / over })
+    }
+
+    fn need(&self, quantity: &'static str, needed: usize) -> Result<()> {
+        if self.averages >= needed {
+            Ok(())
+        } else {
+            Err(Error::TooFewAverages { quantity, averages: self.averages, needed })
+        }
+    }
+}

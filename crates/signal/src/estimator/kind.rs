@@ -1,0 +1,68 @@
+//! Three ways to divide averaged spectra.
+
+use crate::error::{Result, check_positive};
+use realfft::num_complex::Complex64;
+
+/// Which noise the average is taken to have.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Estimator {
+    /// `H1 = Gfx / Gff`: least squares for noise on the response. Noise on the
+    /// force makes it too small, by `1 + Gnn/Gff`.
+    H1,
+    /// `H2 = Gxx / conj(Gfx)`: least squares for noise on the force. Noise on
+    /// the response makes it too large, by `1 + Gmm/Gxx`.
+    H2,
+    /// `Hv`: total least squares, noise on both.
+    ///
+    /// ```text
+    /// Hv = (b - a + sqrt((a - b)^2 + 4 |Gfx|^2 / s^2)) / (2 conj(Gfx) / s^2),
+    /// a = Gff,   b = Gxx / s^2
+    /// ```
+    ///
+    /// Its magnitude lies between the other two, its phase is theirs.
+    /// `s -> infinity` gives `H1`, `s -> 0` gives `H2`.
+    ///
+    /// Source: G. T. Rocklin, J. Crowley and H. Vold, "A comparison of H1, H2
+    /// and Hv frequency response functions", Proc. 3rd IMAC 1985, 272-278.
+    Hv(HvScaling),
+}
+
+/// How the two noises compare in [`Estimator::Hv`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum HvScaling {
+    /// Equal noise-to-signal ratios: `s^2 = Gxx / Gff` at each frequency, which
+    /// makes `Hv` the geometric mean of `H1` and `H2`.
+    EqualRatios,
+    /// Standard deviation `s` of the response noise over that of the force
+    /// noise, in the response's unit per newton.
+    NoiseRatio(f64),
+}
+
+impl Estimator {
+    pub(super) fn check(self) -> Result<()> {
+        match self {
+            Self::Hv(HvScaling::NoiseRatio(ratio)) => check_positive("the noise ratio", ratio),
+            _ => Ok(()),
+        }
+    }
+
+    /// The quotient of the sums of `|F|^2`, `|X|^2` and `conj(F) X`.
+    pub(super) fn value(self, force: f64, response: f64, cross: Complex64) -> Complex64 {
+        match self {
+            Self::H1 => cross / force,
+            Self::H2 => response / cross.conj(),
+            Self::Hv(HvScaling::EqualRatios) => (response / force).sqrt() * cross / cross.norm(),
+            Self::Hv(HvScaling::NoiseRatio(s)) => {
+                let (a, b, c) = (force, response / (s * s), cross / s);
+                let root = (a - b).hypot(2.0 * c.norm());
+                // The same root of the quadratic in the form that does not cancel.
+                let h = if a > b {
+                    c * 2.0 / (a - b + root)
+                } else {
+                    (b - a + root) / (c.conj() * 2.0)
+                };
+                h * s
+            }
+        }
+    }
+}

@@ -1,0 +1,153 @@
+//! The numbers of one hit.
+
+use super::HammerOptions;
+use crate::damping::DampingComparison;
+use crate::dominant::dominant_frequency;
+use crate::form::FrfForm;
+use crate::harmonics::{Harmonics, find_harmonics};
+use crate::hit::{Offset, Pulse};
+use crate::noise::{band_density, white_density};
+use crate::response::Response;
+use crate::ring_down::{Backbone, BackboneOptions, BandPass, backbone};
+use crate::uncertainty::{NoiseDensity, PeakUncertainty, peak_uncertainty, ratio_uncertainty};
+use crate::window::ExponentialWindow;
+
+/// Where the fundamental is looked for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Reference {
+    /// About this frequency, in hertz.
+    Frequency(f64),
+    /// About the [`dominant_frequency`] of a band (in hertz) in a form.
+    Band((f64, f64), FrfForm),
+}
+
+/// Harmonics, damping and backbone of one hit.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HitFeatures {
+    /// The frequency that the windows of the search refer to, in hertz.
+    pub reference_hz: f64,
+    /// Fundamental and second harmonic, with the windows' effect still in them.
+    pub harmonics: Harmonics,
+    /// Noise before any window, from which the uncertainties follow.
+    pub noise: NoiseDensity,
+    /// What noise does to the fundamental of the windowed signals; undoing an
+    /// exponential window adds the error of its damping ratio.
+    pub fundamental_uncertainty: Option<PeakUncertainty>,
+    /// What noise does to the second harmonic.
+    pub second_uncertainty: Option<PeakUncertainty>,
+    /// Standard deviation of `A2/A1`.
+    pub ratio_uncertainty: Option<f64>,
+    /// Damping ratios of the fundamental, corrected for the exponential window.
+    pub damping: DampingComparison,
+    /// Frequency of the fundamental without the exponential window, in hertz:
+    /// by the circle's damping ratio, else the half-power one; the peak's
+    /// without a window.
+    pub unwindowed_frequency_hz: Option<f64>,
+    /// Height of the fundamental without the exponential window, in m/N, by the same ratio.
+    pub unwindowed_magnitude: Option<f64>,
+    /// Frequency and damping along the decay, from the response without window.
+    pub backbone: Option<Backbone>,
+}
+
+/// The features of a good hit; `None` where there is no reference frequency.
+///
+/// `response` is windowed, `measured` the response as it was; an exponential
+/// window is one at sample `trigger`.
+pub(super) fn of_hit(
+    response: &Response,
+    measured: &[f64],
+    trigger: usize,
+    pulse: &Pulse,
+    force_offset: Option<&Offset>,
+    options: &HammerOptions,
+) -> Option<HitFeatures> {
+    let threshold = options.harmonics.force_threshold;
+    let reference_hz = match options.reference {
+        Reference::Frequency(frequency) => frequency,
+        Reference::Band(band, form) => dominant_frequency(response, band, form, threshold)?,
+    };
+    let harmonics = find_harmonics(response, reference_hz, &options.harmonics);
+    let noise = noise(response, measured, force_offset, options);
+    let in_windowed = options.windows.exponential.map_or(noise, |window| {
+        windowed(noise, window, trigger as f64 / response.sample_rate_hz())
+    });
+    let uncertainty = |peak| peak_uncertainty(response, peak, in_windowed);
+    let first = harmonics.fundamental.as_ref().and_then(uncertainty);
+    let second = harmonics.second.as_ref().and_then(uncertainty);
+    let ratio = harmonics.ratio().zip(first.zip(second));
+    let mut found = HitFeatures {
+        reference_hz,
+        noise,
+        fundamental_uncertainty: first,
+        second_uncertainty: second,
+        ratio_uncertainty: ratio.map(|(ratio, (a, b))| ratio_uncertainty(ratio, &a, &b)),
+        damping: DampingComparison::default(),
+        unwindowed_frequency_hz: harmonics.fundamental.map(|peak| peak.frequency_hz),
+        unwindowed_magnitude: harmonics.fundamental.map(|peak| peak.magnitude),
+        backbone: None,
+        harmonics,
+    };
+    let Some(peak) = found.harmonics.fundamental else {
+        return Some(found);
+    };
+    let rate = response.sample_rate_hz();
+    let begin = ((pulse.base_s.1 * rate).ceil() as usize).min(measured.len());
+    let free = &measured[begin..];
+    let band = BandPass::around(peak.frequency_hz, options.band_part).ok();
+    let settings = band.map(|band| BackboneOptions {
+        cycles: options.cycles,
+        noise_density: noise.response,
+        ..BackboneOptions::new(band)
+    });
+    found.backbone = settings.and_then(|settings| backbone(free, rate, &settings).ok());
+    // The backbone knows from where to where the filtered decay is the mode's:
+    // after the edge's ringing and above the noise.
+    let span = found.backbone.as_ref().and_then(|backbone| {
+        let (first, last) = (backbone.points.first()?, backbone.points.last()?);
+        Some((first.time_s * rate) as usize..(last.time_s * rate) as usize)
+    });
+    let mode = settings.zip(span).and_then(|(settings, span)| {
+        let mode = settings.band.apply(free, rate).ok()?;
+        mode.get(span).map(<[f64]>::to_vec)
+    });
+    found.damping = DampingComparison::of(response, &peak, &mode.unwrap_or_default());
+    if let Some(window) = options.windows.exponential {
+        let (frequency, magnitude) = (peak.frequency_hz, peak.magnitude);
+        let ratio = found.damping.circle.or(found.damping.half_power);
+        found.unwindowed_frequency_hz =
+            ratio.map(|ratio| window.corrected_peak_frequency(frequency, ratio, frequency));
+        found.unwindowed_magnitude =
+            ratio.map(|ratio| window.corrected_peak(frequency, ratio, magnitude));
+        let corrected = |ratio: f64| window.corrected_damping(frequency, ratio);
+        found.damping.half_power = found.damping.half_power.map(corrected);
+        found.damping.circle = found.damping.circle.map(corrected);
+    }
+    Some(found)
+}
+
+/// Densities of the noise, before any window.
+fn noise(
+    response: &Response,
+    measured: &[f64],
+    force_offset: Option<&Offset>,
+    options: &HammerOptions,
+) -> NoiseDensity {
+    let rate = response.sample_rate_hz();
+    let tail = || white_density(&measured[measured.len() - measured.len() / 10..], rate);
+    let found = match options.noise_band_hz {
+        Some(band) => band_density(measured, rate, band).ok().flatten(),
+        None => tail(),
+    };
+    let force = force_offset.map_or(0.0, |offset| 2.0 * offset.deviation.powi(2) / rate);
+    NoiseDensity { force, response: found.unwrap_or(0.0), window_rate: 0.0 }
+}
+
+/// The same at the first sample of signals with a window that is one at `trigger`.
+fn windowed(noise: NoiseDensity, window: ExponentialWindow, trigger_s: f64) -> NoiseDensity {
+    let grown = (2.0 * window.rate() * trigger_s).exp();
+    NoiseDensity {
+        force: noise.force * grown,
+        response: noise.response * grown,
+        window_rate: window.rate(),
+    }
+}

@@ -1,0 +1,186 @@
+//! Where a hit begins and ends.
+
+use super::Hit;
+use super::finder::HitFinder;
+use crate::error::{Error, Result, check_positive};
+use crate::noise::robust_level;
+
+/// The force at which a hit begins.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum TriggerLevel {
+    /// A force, in newtons.
+    Absolute(f64),
+    /// A fraction of the largest force in the record, 0 to 1.
+    Fraction(f64),
+    /// Between the noise and the hits.
+    ///
+    /// The peaks of everything that rises `10` robust deviations above the
+    /// median (and 1e-3 of the largest) are sorted, that bound first. The
+    /// level is the geometric middle of the widest gap of their logarithms.
+    /// So light and hard blows are told from bumps without a number to choose.
+    /// It fails where one spike is further above the hits than these are above the noise.
+    Automatic,
+}
+
+/// How much of the record belongs to a hit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum HitLength {
+    /// This many samples, the pre-trigger included; a force above the level
+    /// inside belongs to the same hit.
+    Samples(usize),
+    /// Up to the pre-trigger of the next hit, but at most this many samples.
+    UntilNext {
+        /// The most samples of a hit, the pre-trigger included.
+        limit: usize,
+    },
+}
+
+impl HitLength {
+    /// The most samples a hit can have.
+    pub fn most(self) -> usize {
+        match self {
+            Self::Samples(samples) => samples,
+            Self::UntilNext { limit } => limit,
+        }
+    }
+}
+
+/// How records are cut into hits.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HitOptions {
+    /// The force that begins a hit; the force is positive when the hammer pushes.
+    pub level: TriggerLevel,
+    /// Samples kept from before the trigger; fewer where the record begins later.
+    pub pre_trigger: usize,
+    /// Length of a hit.
+    pub length: HitLength,
+    /// Samples after a trigger in which no further hit begins.
+    ///
+    /// With [`HitLength::UntilNext`] longer than the pre-trigger, so that a
+    /// hit does not end before it began.
+    pub hold_off: usize,
+}
+
+impl HitOptions {
+    /// Refuses a length that leaves nothing after the trigger, and a hold-off too short.
+    pub(super) fn check(&self) -> Result<()> {
+        if self.length.most() < self.pre_trigger.saturating_add(2) {
+            let value = self.length.most() as f64;
+            let expected = "at least two samples longer than the pre-trigger";
+            return Err(Error::Option { quantity: "the length of a hit", value, expected });
+        }
+        let until_next = matches!(self.length, HitLength::UntilNext { .. });
+        if until_next && self.hold_off <= self.pre_trigger {
+            let value = self.hold_off as f64;
+            let expected = "longer than the pre-trigger";
+            return Err(Error::Option { quantity: "the hold-off", value, expected });
+        }
+        Ok(())
+    }
+}
+
+/// The level that was used, and why.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Trigger {
+    /// The level, in newtons.
+    pub level_n: f64,
+    /// Robust standard deviation of the force over the whole record, in newtons.
+    pub noise_n: f64,
+    /// The largest force, in newtons.
+    pub largest_n: f64,
+}
+
+/// Peaks that the automatic level looks at rise above the noise by this factor.
+const NOISE_FACTOR: f64 = 10.0;
+/// And above this fraction of the largest, where the record has no noise.
+const LEAST_FRACTION: f64 = 1e-3;
+/// A hit is at least this much higher than what noise reaches.
+const LEAST_GAP: f64 = 2.0;
+
+impl Trigger {
+    /// The level of a whole record by any of the three rules.
+    ///
+    /// # Errors
+    /// [`Error::Option`] for a level that is not positive and finite or a
+    /// fraction above 1; [`Error::NoHit`] if the force never stands out
+    /// (automatic) or is nowhere positive (fraction).
+    pub fn of(force: &[f64], options: &HitOptions) -> Result<Self> {
+        let level = robust_level(force);
+        let noise_n = level.map_or(0.0, |level| level.deviation);
+        let largest_n = force.iter().copied().filter(|x| x.is_finite()).fold(0.0, f64::max);
+        let level_n = match options.level {
+            TriggerLevel::Absolute(newtons) => {
+                check_positive("the trigger level", newtons)?;
+                newtons
+            }
+            TriggerLevel::Fraction(fraction) => {
+                if !(fraction > 0.0 && fraction <= 1.0) {
+                    let (quantity, expected) = ("the trigger fraction", "above 0 and at most 1");
+                    return Err(Error::Option { quantity, value: fraction, expected });
+                }
+                if largest_n <= 0.0 {
+                    return Err(Error::NoHit { largest: largest_n, needed: 0.0 });
+                }
+                fraction * largest_n
+            }
+            TriggerLevel::Automatic => {
+                let offset = level.map_or(0.0, |level| level.median);
+                Self::automatic(force, offset, noise_n, options.hold_off)?
+            }
+        };
+        Ok(Self { level_n, noise_n, largest_n })
+    }
+
+    /// The level in the widest gap between the noise and the hits, in newtons:
+    /// [`TriggerLevel::Automatic`].
+    fn automatic(force: &[f64], offset: f64, noise: f64, hold_off: usize) -> Result<f64> {
+        let above = |x: f64| x - offset;
+        let largest = force.iter().copied().filter(|x| x.is_finite()).map(above);
+        let largest = largest.fold(0.0, f64::max);
+        let bound = (NOISE_FACTOR * noise).max(LEAST_FRACTION * largest);
+        if largest.is_nan() || largest <= LEAST_GAP * bound {
+            return Err(Error::NoHit { largest: largest + offset, needed: LEAST_GAP * bound });
+        }
+        let mut peaks = vec![bound];
+        let mut begun: Option<usize> = None;
+        for (index, x) in force.iter().copied().map(above).enumerate() {
+            let inside = begun.is_some_and(|begin| index - begin <= hold_off);
+            if let (true, Some(peak)) = (inside, peaks.last_mut()) {
+                *peak = peak.max(x);
+            } else if x > bound {
+                begun = Some(index);
+                peaks.push(x);
+            }
+        }
+        peaks.sort_by(f64::total_cmp);
+        let gap = |pair: &&[f64]| pair[1] / pair[0];
+        let widest = peaks.windows(2).max_by(|a, b| gap(a).total_cmp(&gap(b)));
+        let middle = widest.map_or(bound, |pair| (pair[0] * pair[1]).sqrt());
+        Ok(offset + middle)
+    }
+}
+
+/// Cuts a whole record into hits.
+///
+/// - `force`: in newtons, positive when the hammer pushes.
+/// - `responses`: any number of channels, each as long as the force.
+/// - `sample_rate_hz`: positive, in hertz.
+///
+/// Samples that are not finite do not trigger; they stay in the hit for
+/// [`inspect`](super::inspect) to find. A record without a hit gives none with
+/// an absolute level.
+///
+/// # Errors
+/// Those of [`Trigger::of`] and of [`HitFinder::push`].
+pub fn find_hits(
+    force: &[f64],
+    responses: &[&[f64]],
+    sample_rate_hz: f64,
+    options: &HitOptions,
+) -> Result<(Vec<Hit>, Trigger)> {
+    let trigger = Trigger::of(force, options)?;
+    let mut finder = HitFinder::new(responses.len(), sample_rate_hz, trigger.level_n, options)?;
+    let mut hits = finder.push(force, responses)?;
+    hits.extend(finder.finish());
+    Ok((hits, trigger))
+}

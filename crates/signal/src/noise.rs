@@ -1,0 +1,121 @@
+//! How strong the noise of a signal is.
+
+use crate::error::Result;
+use crate::spectrum::Spectrum;
+
+/// Standard deviation of a normal distribution over its median absolute deviation.
+const NORMAL: f64 = 1.482_602_218_505_602;
+
+/// The level and the noise of a signal that rests most of the time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RobustLevel {
+    /// The median, in the samples' unit.
+    pub median: f64,
+    /// Standard deviation of normal noise with the same median absolute
+    /// deviation, `1.4826 median |x - median|`, in the samples' unit.
+    pub deviation: f64,
+}
+
+/// Median and robust deviation; samples that are not finite are left out.
+///
+/// Up to half of the samples may belong to pulses or ringing without moving
+/// the answer much. `None` without a finite sample. Linear in the number of samples.
+///
+/// Source: F. R. Hampel, "The influence curve and its role in robust
+/// estimation", J. Am. Stat. Assoc. 69 (1974), 383-393.
+pub fn robust_level(samples: &[f64]) -> Option<RobustLevel> {
+    let mut values: Vec<f64> = samples.iter().copied().filter(|x| x.is_finite()).collect();
+    let median = median_of(&mut values)?;
+    for value in &mut values {
+        *value = (*value - median).abs();
+    }
+    Some(RobustLevel { median, deviation: NORMAL * median_of(&mut values)? })
+}
+
+/// The upper median; reorders the values.
+pub(crate) fn median_of(values: &mut [f64]) -> Option<f64> {
+    if values.is_empty() {
+        return None;
+    }
+    let middle = values.len() / 2;
+    Some(*values.select_nth_unstable_by(middle, f64::total_cmp).1)
+}
+
+/// One-sided spectral density of the noise in quiet samples, taken as white.
+///
+/// ```text
+/// S = 2 s^2 / rate
+/// ```
+///
+/// with `s^2` the variance about the mean. `None` for fewer than 4 samples, or
+/// samples or a rate that are not finite. The unit is that of the samples squared, per hertz.
+pub fn white_density(quiet: &[f64], sample_rate_hz: f64) -> Option<f64> {
+    if quiet.len() < 4 {
+        return None;
+    }
+    let count = quiet.len() as f64;
+    let mean = quiet.iter().sum::<f64>() / count;
+    let variance = quiet.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (count - 1.0);
+    let density = 2.0 * variance / sample_rate_hz;
+    (density.is_finite() && density >= 0.0).then_some(density)
+}
+
+/// One-sided spectral density of the noise in a band, from the whole record.
+///
+/// ```text
+/// S = 2 median |X(f)|^2 / (T ln 2),    low <= f <= high
+/// ```
+///
+/// The median over the bins of an unpadded transform, so that a few peaks in
+/// the band do not matter; `ln 2` is the median of `|X|^2` over its mean for
+/// normal noise. What the structure still does in the band counts as noise,
+/// so that the answer is never too small. `None` for fewer than 16 bins.
+///
+/// # Errors
+/// Those of [`Spectrum::new`].
+pub fn band_density(
+    samples: &[f64],
+    sample_rate_hz: f64,
+    (low_hz, high_hz): (f64, f64),
+) -> Result<Option<f64>> {
+    let spectrum = Spectrum::new(samples, sample_rate_hz, 1)?;
+    let inside = |index: &usize| (low_hz..=high_hz).contains(&spectrum.frequency(*index));
+    let mut power: Vec<f64> = (0..spectrum.values().len())
+        .filter(inside)
+        .map(|index| spectrum.values()[index].norm_sqr())
+        .collect();
+    if power.len() < 16 {
+        return Ok(None);
+    }
+    let duration = samples.len() as f64 / sample_rate_hz;
+    let scale = 2.0 / (duration * std::f64::consts::LN_2);
+    Ok(median_of(&mut power).map(|median| median * scale))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Verified against values that can be counted: outliers and NaN do not move them.
+    #[test]
+    fn outliers_do_not_move_the_level() {
+        let mut samples: Vec<f64> = (-50..=50).map(f64::from).collect();
+        samples.extend([f64::NAN, 1e9, f64::INFINITY, -1e9]);
+        let level = robust_level(&samples).unwrap();
+        assert_eq!(level.median, 0.0);
+        // |x| of 103 values: 0, 1, 1, 2, 2, ...: the 52nd is 26.
+        assert_eq!(level.deviation, NORMAL * 26.0);
+        assert_eq!(robust_level(&[f64::NAN]), None);
+    }
+
+    /// Verified against the variance of an alternating signal: density over the band is power.
+    #[test]
+    fn white_density_integrates_to_the_variance() {
+        let samples: Vec<f64> = (0..1000).map(|n| if n % 2 == 0 { 0.5 } else { 1.5 }).collect();
+        let density = white_density(&samples, 2000.0).unwrap();
+        // n / (n - 1) above the plain mean square.
+        assert!((density * 1000.0 - 0.25 * 1000.0 / 999.0).abs() < 1e-12);
+        assert_eq!(white_density(&[1.0, 2.0], 1.0), None);
+        assert_eq!(white_density(&[f64::NAN; 9], 1.0), None);
+    }
+}
