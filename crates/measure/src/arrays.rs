@@ -1,0 +1,259 @@
+//! From arrays with names to records of channels.
+//!
+//! Files of arrays say nothing of what is sampled together. Here, arrays of
+//! the same length do, group by group (`record 2: force`, `hit.force`); a
+//! scalar `fs` or `dt` gives the rate, a vector `time` the axis.
+
+mod layout;
+
+use num_complex::Complex64;
+
+use crate::notice::Notices;
+use crate::source::Source;
+use crate::text::Heading;
+use crate::{
+    Abscissa, Channel, ChannelUnit, MeasureError, Notice, Origin, Quantity, ReadOptions, Record,
+    Samples, rate,
+};
+
+pub(crate) use layout::{Layout, deinterleave};
+
+/// An array with its name, cut into channels.
+pub(crate) struct Array {
+    pub(crate) name: String,
+    pub(crate) columns: Vec<Samples>,
+    /// Relative rounding of its numbers.
+    pub(crate) epsilon: f64,
+}
+
+/// Pairs of real and imaginary parts as complex numbers.
+pub(crate) fn paired(parts: &[f64]) -> Vec<Complex64> {
+    parts.chunks_exact(2).map(|pair| Complex64::new(pair[0], pair[1])).collect()
+}
+
+/// Refuses more channels than a file of that size can mean.
+pub(crate) fn check_channels(source: &Source<'_>, channels: u64) -> Result<(), MeasureError> {
+    let most = 256.max(source.len() / 128);
+    if channels <= most {
+        return Ok(());
+    }
+    let expected = format!("at most {most} in a file of {} bytes", source.len());
+    Err(source.malformed(source.place(), "the number of channels", &channels.to_string(), expected))
+}
+
+/// What the first of several columns is, if it is no channel.
+pub(crate) enum Leading {
+    /// Time: start and step.
+    Time(f64, f64),
+    /// A count of samples.
+    Count,
+}
+
+/// Looks whether a column rises evenly, as time does.
+pub(crate) fn leading(values: &[f64], epsilon: f64, notices: &mut Notices) -> Option<Leading> {
+    if values.len() < 3 {
+        return None;
+    }
+    let largest = values.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
+    let (start, step) = rate::even_axis(values, |_| epsilon * largest, notices)?;
+    let counts = step == 1.0 && start.fract() == 0.0;
+    Some(if counts { Leading::Count } else { Leading::Time(start, step) })
+}
+
+/// Records of all arrays of a file; `separator` parts a group from a name.
+pub(crate) fn records(
+    file: &str,
+    arrays: Vec<Array>,
+    separator: char,
+    options: &ReadOptions,
+    notices: &mut Notices,
+) -> Result<Vec<Record>, MeasureError> {
+    let mut groups: Vec<Gathered> = Vec::new();
+    for array in arrays {
+        let (group, name) = array.name.rsplit_once(separator).unwrap_or(("", &array.name));
+        let place = groups.iter().position(|known| known.group == group).unwrap_or_else(|| {
+            groups.push(Gathered { group: group.to_owned(), ..Gathered::default() });
+            groups.len() - 1
+        });
+        let heading = Heading::parse(name);
+        groups[place].take(&heading, array, notices);
+    }
+    let of_file = groups.iter().find(|group| group.group.is_empty());
+    let of_file = of_file.map_or((None, None), |group| (group.step, group.start));
+    let mut records = Vec::new();
+    for mut group in groups {
+        group.step = group.step.or(of_file.0);
+        group.start = group.start.or(of_file.1);
+        group.into_records(file, options, &mut records, notices)?;
+    }
+    if records.is_empty() {
+        let file = file.to_owned();
+        return Err(MeasureError::NoSamples { file, expected: "arrays of numbers" });
+    }
+    Ok(records)
+}
+
+/// The arrays of one group.
+#[derive(Default)]
+struct Gathered {
+    group: String,
+    step: Option<f64>,
+    start: Option<f64>,
+    /// Abscissa, what it is, and its relative rounding.
+    axis: Option<(Vec<f64>, Quantity, f64)>,
+    channels: Vec<(Heading, Samples, f64)>,
+}
+
+impl Gathered {
+    fn take(&mut self, heading: &Heading, array: Array, notices: &mut Notices) {
+        let mut columns = array.columns;
+        let single = match columns.as_slice() {
+            [Samples::Real(values)] if values.len() == 1 => values.first().copied(),
+            _ => None,
+        };
+        if let Some(value) = single {
+            let positive = value.is_finite() && value > 0.0;
+            match heading.name.to_lowercase().as_str() {
+                "fs" | "sr" | "rate" | "sample_rate" | "sampling_rate" | "samplerate"
+                    if positive =>
+                {
+                    self.step = Some(1.0 / value);
+                }
+                "dt" | "delta_t" | "step" if positive => {
+                    self.step = Some(value);
+                }
+                "t0" | "start" if value.is_finite() => self.start = Some(value),
+                _ => {
+                    let reason = "a single number that is no rate";
+                    notices.add(Notice::ArrayLeftOut { array: array.name, reason });
+                }
+            }
+            return;
+        }
+        let quantity = heading.quantity();
+        let is_axis = matches!(quantity, Quantity::Time | Quantity::Frequency);
+        if is_axis && self.axis.is_none() && columns.len() == 1 {
+            match columns.remove(0) {
+                Samples::Real(mut values) => {
+                    let factor = heading.unit.known().map_or(1.0, |unit| unit.factor());
+                    if factor != 1.0 {
+                        for value in &mut values {
+                            *value *= factor;
+                        }
+                    }
+                    self.axis = Some((values, quantity, array.epsilon));
+                    return;
+                }
+                complex @ Samples::Complex(_) => columns.push(complex),
+            }
+        }
+        let many = columns.len() > 1;
+        for (index, samples) in columns.into_iter().enumerate() {
+            let mut heading = heading.clone();
+            if many {
+                heading.name = format!("{}[{index}]", heading.name);
+            }
+            self.channels.push((heading, samples, array.epsilon));
+        }
+    }
+
+    fn into_records(
+        self,
+        file: &str,
+        options: &ReadOptions,
+        records: &mut Vec<Record>,
+        notices: &mut Notices,
+    ) -> Result<(), MeasureError> {
+        let mut lengths: Vec<usize> = Vec::new();
+        for (_, samples, _) in &self.channels {
+            if !lengths.contains(&samples.len()) && !samples.is_empty() {
+                lengths.push(samples.len());
+            }
+            if lengths.len() > 64 {
+                let found = format!("more than {} lengths", lengths.len() - 1);
+                return Err(MeasureError::Malformed {
+                    file: file.to_owned(),
+                    place: crate::Place::Offset(0),
+                    quantity: "the set of arrays",
+                    found,
+                    expected: "arrays sampled together, of the same length".into(),
+                });
+            }
+        }
+        let mut channels = self.channels;
+        for length in lengths {
+            let (mut own, rest): (Vec<_>, Vec<_>) =
+                channels.into_iter().partition(|(_, samples, _)| samples.len() == length);
+            channels = rest;
+            let mut step = self.step;
+            let abscissa = match &self.axis {
+                Some((values, quantity, epsilon)) if values.len() == length => {
+                    Some(axis_of(values, *quantity, *epsilon, notices))
+                }
+                _ if step.is_none() && own.len() > 1 => {
+                    let found = match &own[0] {
+                        (_, Samples::Real(values), epsilon) => leading(values, *epsilon, notices),
+                        _ => None,
+                    };
+                    match found {
+                        Some(Leading::Time(start, step)) => {
+                            let column = own.remove(0).0.name;
+                            notices.add(Notice::TimeByValues { column });
+                            Some(Abscissa::Even { start, step, quantity: Quantity::Time })
+                        }
+                        Some(Leading::Count) => {
+                            let (array, reason) = (own.remove(0).0.name, "it counts the samples");
+                            notices.add(Notice::ArrayLeftOut { array, reason });
+                            None
+                        }
+                        None => None,
+                    }
+                }
+                _ => None,
+            };
+            if abscissa.is_none() && step.is_none() {
+                let rate = options.sample_rate_hz;
+                let none = || MeasureError::NoSampleRate { file: file.to_owned() };
+                let rate_hz = rate.ok_or_else(none)?;
+                notices.add(Notice::RateOfOptions { rate_hz });
+                step = Some(1.0 / rate_hz);
+            }
+            let (start, step) = (self.start.unwrap_or(0.0), step.unwrap_or(1.0));
+            let abscissa =
+                abscissa.unwrap_or(Abscissa::Even { start, step, quantity: Quantity::Time });
+            let channels = own.into_iter().map(|(heading, samples, _)| Channel {
+                name: heading.name,
+                quantity: Quantity::Unknown,
+                unit: heading.unit,
+                abscissa: abscissa.clone(),
+                samples,
+                origin: Origin::default(),
+            });
+            let channels = channels.collect();
+            records.push(Record { channels, title: self.group.clone(), ..Record::default() });
+        }
+        Ok(())
+    }
+}
+
+fn axis_of(values: &[f64], quantity: Quantity, epsilon: f64, notices: &mut Notices) -> Abscissa {
+    let largest = values.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
+    let mut ignored = Notices::default();
+    let notices = if quantity == Quantity::Time { notices } else { &mut ignored };
+    match rate::even_axis(values, |_| epsilon * largest, notices) {
+        Some((start, step)) => Abscissa::Even { start, step, quantity },
+        None => Abscissa::Uneven { values: values.to_vec(), quantity },
+    }
+}
+
+/// A channel of an array without names.
+pub(crate) fn bare_channel(name: String, abscissa: Abscissa, samples: Samples) -> Channel {
+    Channel {
+        name,
+        quantity: Quantity::Unknown,
+        unit: ChannelUnit::Missing,
+        abscissa,
+        samples,
+        origin: Origin::default(),
+    }
+}

@@ -1,0 +1,89 @@
+//! How the samples of the channels of an array lie in a file.
+
+use std::io::Read;
+
+use crate::notice::Notices;
+use crate::number::{Endian, NumberType};
+use crate::{MeasureError, Notice, SampleAxis, Samples};
+
+/// How the samples of the channels of an array lie in a file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Layout {
+    pub(crate) channels: u64,
+    pub(crate) samples: u64,
+    /// Whether one channel follows the other; else one instant does.
+    pub(crate) contiguous: bool,
+}
+
+impl Layout {
+    /// Of an array of `rows` by `columns`, with its rows one after the other
+    /// (`row_major`) or its columns.
+    pub(crate) fn of(
+        file: &str,
+        array: &str,
+        (rows, columns): (u64, u64),
+        row_major: bool,
+        asked: Option<SampleAxis>,
+        notices: &mut Notices,
+    ) -> Result<Self, MeasureError> {
+        let by_length = || {
+            if rows == columns && rows > 1 {
+                let (file, array) = (file.to_owned(), array.to_owned());
+                return Err(MeasureError::SampleAxis { file, array, rows, columns });
+            }
+            Ok(if rows > columns { SampleAxis::First } else { SampleAxis::Last })
+        };
+        let axis = asked.map_or_else(by_length, Ok)?;
+        if asked.is_none() && rows > 1 && columns > 1 && rows.max(columns) < 16 * rows.min(columns)
+        {
+            let axis = usize::from(axis == SampleAxis::Last);
+            notices.add(Notice::SampleAxisByLength { array: array.to_owned(), axis });
+        }
+        let (samples, channels) =
+            if axis == SampleAxis::First { (rows, columns) } else { (columns, rows) };
+        let contiguous = row_major == (axis == SampleAxis::Last);
+        Ok(Self { channels, samples, contiguous })
+    }
+
+    /// Real numbers from `reader`, by channels. Memory was checked by the caller.
+    pub(crate) fn read_real(
+        self,
+        (number, endian): (NumberType, Endian),
+        reader: &mut impl Read,
+    ) -> std::io::Result<Vec<Samples>> {
+        let (channels, samples) = (self.channels as usize, self.samples as usize);
+        let mut columns: Vec<Vec<f64>> =
+            (0..channels).map(|_| Vec::with_capacity(samples)).collect();
+        if self.contiguous {
+            for column in &mut columns {
+                number.read(endian, reader, samples, column)?;
+            }
+        } else {
+            deinterleave(number, endian, reader, samples, &mut columns)?;
+        }
+        Ok(columns.into_iter().map(Samples::Real).collect())
+    }
+}
+
+/// Reads `samples` instants of all `columns`.
+pub(crate) fn deinterleave(
+    number: NumberType,
+    endian: Endian,
+    reader: &mut impl Read,
+    samples: usize,
+    columns: &mut [Vec<f64>],
+) -> std::io::Result<()> {
+    const PIECE: usize = 1024;
+    let total = samples * columns.len();
+    let (mut values, mut done) = (Vec::with_capacity(PIECE), 0);
+    while done < total {
+        values.clear();
+        number.read(endian, reader, PIECE.min(total - done), &mut values)?;
+        for value in &values {
+            let count = columns.len();
+            columns[done % count].push(*value);
+            done += 1;
+        }
+    }
+    Ok(())
+}

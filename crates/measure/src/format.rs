@@ -1,0 +1,149 @@
+//! The formats, and how a file shows which one it has.
+
+use std::fmt;
+
+use crate::MeasureError;
+use crate::source::Source;
+
+/// A file format.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Format {
+    /// Universal file with datasets 58 as text.
+    UniversalText,
+    /// Universal file with datasets 58b, binary.
+    UniversalBinary,
+    /// Columns of numbers as text: CSV, TXT, LVM.
+    Text,
+    /// One NumPy array.
+    Npy,
+    /// NumPy arrays in a zip archive.
+    Npz,
+    /// MATLAB version 5 to 7.
+    Mat,
+    /// RIFF WAVE.
+    Wav,
+    /// National Instruments TDMS.
+    Tdms,
+    /// HDF5, which MATLAB 7.3 also writes.
+    Hdf5,
+}
+
+impl Format {
+    /// Formats that [`open`](crate::open) reads, for messages.
+    pub(crate) const READABLE: &'static str = "UFF 58, text, NPY, NPZ, MAT 5, WAV";
+
+    /// The format for a file name's extension: what to write for it.
+    /// `uff`, `unv` and `uf` mean the binary universal file.
+    pub fn of_extension(extension: &str) -> Option<Self> {
+        Some(match extension.to_ascii_lowercase().as_str() {
+            "uff" | "unv" | "uf" => Self::UniversalBinary,
+            "csv" | "txt" | "lvm" => Self::Text,
+            "npy" => Self::Npy,
+            "npz" => Self::Npz,
+            "mat" => Self::Mat,
+            "wav" => Self::Wav,
+            "tdms" => Self::Tdms,
+            "h5" | "hdf5" => Self::Hdf5,
+            _ => return None,
+        })
+    }
+
+    /// The format that a file's content shows; its name does not count.
+    ///
+    /// # Errors
+    /// [`MeasureError::UnknownFormat`], or [`MeasureError::Unsupported`] for
+    /// what is known and not read.
+    pub(crate) fn of_content(source: &mut Source<'_>) -> Result<Self, MeasureError> {
+        let mut start = [0; 4096];
+        let length = source.peek(&mut start)?;
+        let start = &start[..length];
+        let unsupported = |feature, instead| {
+            Err(MeasureError::Unsupported { file: source.name().to_owned(), feature, instead })
+        };
+        if start.starts_with(b"\x93NUMPY") {
+            return Ok(Self::Npy);
+        }
+        if start.starts_with(b"PK\x03\x04") || start.starts_with(b"PK\x05\x06") {
+            return Ok(Self::Npz);
+        }
+        if start.starts_with(b"RIFF") && start.get(8..12) == Some(b"WAVE") {
+            return Ok(Self::Wav);
+        }
+        if start.starts_with(b"RF64") || start.starts_with(b"RIFX") {
+            return unsupported("a WAVE file of more than 4 GiB or big endian", "save it as RIFF");
+        }
+        if start.starts_with(b"TDSm") {
+            return Ok(Self::Tdms);
+        }
+        if start.starts_with(b"\x89HDF\r\n\x1a\n") || start.starts_with(b"MATLAB 7.3") {
+            return Ok(Self::Hdf5);
+        }
+        if matches!(start.get(126..128), Some(b"IM" | b"MI")) {
+            return Ok(Self::Mat);
+        }
+        if is_mat_4(start) {
+            return unsupported("MATLAB version 4", "save it with `save -v7`");
+        }
+        if start.starts_with(b"\xff\xfe") || start.starts_with(b"\xfe\xff") {
+            return unsupported("text in UTF-16", "save it as UTF-8");
+        }
+        if is_universal(start) {
+            return Ok(Self::UniversalText);
+        }
+        if !start.is_empty() && !start.contains(&0) {
+            return Ok(Self::Text);
+        }
+        let file = source.name().to_owned();
+        Err(MeasureError::UnknownFormat { file, expected: Self::READABLE })
+    }
+}
+
+/// A universal file opens with a line of -1 and one of a dataset's number.
+fn is_universal(start: &[u8]) -> bool {
+    let lines = start.split(|byte| *byte == b'\n').map(<[u8]>::trim_ascii);
+    let mut lines = lines.skip_while(|line| line.is_empty());
+    if lines.next() != Some(b"-1") {
+        return false;
+    }
+    let number = lines.next().unwrap_or_default();
+    let digits = number.iter().take_while(|byte| byte.is_ascii_digit()).count();
+    let ends = number.get(digits).is_none_or(|byte| byte.is_ascii_whitespace() || *byte == b'b');
+    (1..=5).contains(&digits) && ends
+}
+
+/// A MAT version 4 matrix opens with type, rows, columns, complexity and length of a name.
+fn is_mat_4(start: &[u8]) -> bool {
+    let Some(head) = start.first_chunk::<20>() else { return false };
+    let word = |index: usize, big: bool| {
+        let bytes = [head[index], head[index + 1], head[index + 2], head[index + 3]];
+        if big { u32::from_be_bytes(bytes) } else { u32::from_le_bytes(bytes) }
+    };
+    [false, true].into_iter().any(|big| {
+        let kind = word(0, big);
+        let plausible_kind =
+            kind / 1000 == u32::from(big) && kind % 100 / 10 <= 5 && kind % 10 <= 2;
+        plausible_kind
+            && kind % 1000 < 100
+            && (1..1 << 30).contains(&word(4, big))
+            && (1..1 << 30).contains(&word(8, big))
+            && word(12, big) <= 1
+            && (2..=64).contains(&word(16, big))
+    })
+}
+
+impl fmt::Display for Format {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::UniversalText => "UFF 58",
+            Self::UniversalBinary => "UFF 58b",
+            Self::Text => "text",
+            Self::Npy => "NPY",
+            Self::Npz => "NPZ",
+            Self::Mat => "MAT",
+            Self::Wav => "WAV",
+            Self::Tdms => "TDMS",
+            Self::Hdf5 => "HDF5",
+        })
+    }
+}

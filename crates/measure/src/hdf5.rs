@@ -1,0 +1,116 @@
+//! HDF5, and with it MATLAB 7.3: datasets of numbers at the root and in its groups.
+//!
+//! The file is held in memory whole; what its datasets unfold to is held
+//! against its size. Units and rates are taken from names and scalars, as in
+//! archives of NumPy; attributes are not read.
+
+use hdf5_pure::{DType, Dataset, Error, File};
+
+use crate::arrays::{Array, Layout, records};
+use crate::notice::Notices;
+use crate::npz::{Budget, Unfolded};
+use crate::number::NumberType;
+use crate::source::Source;
+use crate::{Format, MeasureError, Notice, Place, ReadOptions, Samples};
+
+/// Reads every dataset of numbers, in groups one level deep.
+pub(crate) fn open(
+    mut source: Source<'_>,
+    options: &ReadOptions,
+    notices: &mut Notices,
+) -> Result<Unfolded, MeasureError> {
+    let name = source.name().to_owned();
+    let mut budget = Budget::new(&source, options);
+    let mut bytes = vec![0; usize::try_from(source.len()).unwrap_or(usize::MAX)];
+    source.read_exact(&mut bytes, "the file")?;
+    let wrong = |error: &Error| MeasureError::Malformed {
+        file: name.clone(),
+        place: Place::Offset(0),
+        quantity: "the HDF5 file",
+        found: error.to_string(),
+        expected: "one that hdf5-pure reads".to_owned(),
+    };
+    let wrong = |error| wrong(&error);
+    let file = File::from_bytes(bytes).map_err(wrong)?;
+    let root = file.root();
+    let mut arrays = Vec::new();
+    let mut take = |name: String, dataset: &Dataset| {
+        let Some((number, plane)) = shape(dataset).map_err(wrong)? else {
+            let reason = "it holds no numbers in one or two dimensions";
+            notices.add(Notice::ArrayLeftOut { array: name, reason });
+            return Ok(());
+        };
+        // What was read stands beside the channels that it is cut into.
+        let elements = plane.0.saturating_mul(plane.1);
+        let place = Place::Offset(0);
+        budget.take(elements.saturating_mul(16), place, "the datasets")?;
+        let layout = if plane.0 == 1 || plane.1 == 1 {
+            Layout { channels: 1, samples: elements, contiguous: true }
+        } else {
+            let asked = options.sample_axis;
+            Layout::of(source.name(), &name, plane, true, asked, notices)?
+        };
+        budget.take(layout.channels.saturating_mul(512), place, "the channels")?;
+        let columns = cut(dataset.read_f64().map_err(wrong)?, layout);
+        arrays.push(Array { name, columns, epsilon: number.epsilon() });
+        Ok::<(), MeasureError>(())
+    };
+    for name in root.datasets().map_err(wrong)? {
+        take(name.clone(), &root.dataset(&name).map_err(wrong)?)?;
+    }
+    for group_name in root.groups().map_err(wrong)? {
+        // MATLAB keeps what cells refer to under this name.
+        if group_name == "#refs#" {
+            continue;
+        }
+        let group = root.group(&group_name).map_err(wrong)?;
+        for name in group.datasets().map_err(wrong)? {
+            let dataset = group.dataset(&name).map_err(wrong)?;
+            take(format!("{group_name}:{name}"), &dataset)?;
+        }
+    }
+    Ok(Unfolded::new(Format::Hdf5, records(&name, arrays, ':', options, notices)?))
+}
+
+/// The numbers of a dataset by channels.
+fn cut(values: Vec<f64>, layout: Layout) -> Vec<Samples> {
+    let (channels, samples) = (layout.channels as usize, layout.samples as usize);
+    if channels == 1 {
+        return vec![Samples::Real(values)];
+    }
+    let channel = |channel: usize| {
+        if layout.contiguous {
+            values.iter().skip(channel * samples).take(samples).copied().collect()
+        } else {
+            values.iter().skip(channel).step_by(channels).copied().collect()
+        }
+    };
+    (0..channels).map(|index| Samples::Real(channel(index))).collect()
+}
+
+/// Type of numbers, rows and columns.
+type Shape = (NumberType, (u64, u64));
+
+/// Type and shape of a dataset of numbers; none for another.
+fn shape(dataset: &Dataset) -> Result<Option<Shape>, Error> {
+    let number = match dataset.dtype()? {
+        DType::F32 => NumberType::F32,
+        DType::F64 => NumberType::F64,
+        DType::I8 => NumberType::I8,
+        DType::I16 => NumberType::I16,
+        DType::I32 => NumberType::I32,
+        DType::I64 => NumberType::I64,
+        DType::U8 => NumberType::U8,
+        DType::U16 => NumberType::U16,
+        DType::U32 => NumberType::U32,
+        DType::U64 => NumberType::U64,
+        _ => return Ok(None),
+    };
+    let plane = match dataset.shape()?[..] {
+        [] => (1, 1),
+        [length] => (1, length),
+        [rows, columns] => (rows, columns),
+        _ => return Ok(None),
+    };
+    Ok((plane.0 > 0 && plane.1 > 0).then_some((number, plane)))
+}

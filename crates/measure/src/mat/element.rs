@@ -1,0 +1,187 @@
+//! Data elements: a tag of type and length, the data, padding to eight bytes.
+
+use std::io::Read;
+
+use crate::number::Endian;
+use crate::{MeasureError, Place};
+
+/// What was wrong within an element; where it lies is known outside.
+#[derive(Debug)]
+pub(crate) enum Fault {
+    /// Not what the format asks for.
+    Unexpected { quantity: &'static str, found: String, expected: &'static str },
+    /// The stream ended or could not be unfolded.
+    Stream(std::io::Error),
+    /// An error with its place.
+    Placed(MeasureError),
+}
+
+impl Fault {
+    pub(crate) fn unexpected(
+        quantity: &'static str,
+        found: impl std::fmt::Display,
+        expected: &'static str,
+    ) -> Self {
+        Self::Unexpected { quantity, found: found.to_string(), expected }
+    }
+
+    /// The error of an element at `place`.
+    pub(crate) fn at(self, file: &str, place: Place) -> MeasureError {
+        let (quantity, found, expected) = match self {
+            Self::Placed(error) => return error,
+            Self::Unexpected { quantity, found, expected } => (quantity, found, expected),
+            Self::Stream(error) => ("an element", error.to_string(), "as long as its tag says"),
+        };
+        let file = file.to_owned();
+        MeasureError::Malformed { file, place, quantity, found, expected: expected.to_owned() }
+    }
+}
+
+impl From<std::io::Error> for Fault {
+    fn from(error: std::io::Error) -> Self {
+        Self::Stream(error)
+    }
+}
+
+/// The tag of an element.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Tag {
+    pub(crate) kind: u32,
+    pub(crate) length: u32,
+    /// Data of a small element, which lie in the tag itself.
+    small: Option<[u8; 4]>,
+}
+
+impl Tag {
+    /// From its eight bytes; none if a small element claims more than four.
+    pub(crate) fn parse(bytes: [u8; 8], endian: Endian) -> Option<Self> {
+        let [a, b, c, d, data @ ..] = bytes;
+        let word = |bytes| match endian {
+            Endian::Little => u32::from_le_bytes(bytes),
+            Endian::Big => u32::from_be_bytes(bytes),
+        };
+        let first = word([a, b, c, d]);
+        if first >> 16 == 0 {
+            return Some(Self { kind: first, length: word(data), small: None });
+        }
+        let length = first >> 16;
+        (length <= 4).then_some(Self { kind: first & 0xffff, length, small: Some(data) })
+    }
+
+    pub(crate) fn is_small(&self) -> bool {
+        self.small.is_some()
+    }
+}
+
+/// Elements one after the other, within the length of what holds them.
+pub(crate) struct Elements<R> {
+    reader: R,
+    endian: Endian,
+    left: u64,
+}
+
+impl<R: Read> Elements<R> {
+    pub(crate) fn new(reader: R, endian: Endian, length: u64) -> Self {
+        Self { reader, endian, left: length }
+    }
+
+    pub(crate) fn endian(&self) -> Endian {
+        self.endian
+    }
+
+    /// Bytes left of what holds the elements.
+    pub(crate) fn left(&self) -> u64 {
+        self.left
+    }
+
+    /// Sets the bytes left, once the tag of the holder is known.
+    pub(crate) fn limit(&mut self, length: u64) {
+        self.left = length;
+    }
+
+    /// The tag of the next element.
+    pub(crate) fn tag(&mut self) -> Result<Tag, Fault> {
+        let mut bytes = [0; 8];
+        self.fill(&mut bytes)?;
+        let tag = Tag::parse(bytes, self.endian);
+        let tag = tag.ok_or_else(|| {
+            Fault::unexpected(
+                "a tag",
+                format!("{bytes:02x?}"),
+                "at most 4 bytes in a small element",
+            )
+        })?;
+        if !tag.is_small() && u64::from(tag.length) > self.left {
+            let found = format!("{} bytes", tag.length);
+            return Err(Fault::unexpected("an element's length", found, "within what holds it"));
+        }
+        Ok(tag)
+    }
+
+    /// The data of the element of `tag`, of at most `most` bytes.
+    pub(crate) fn bytes(&mut self, tag: Tag, most: u32) -> Result<Vec<u8>, Fault> {
+        if tag.length > most {
+            let found = format!("{} bytes", tag.length);
+            return Err(Fault::unexpected("a small array", found, "a shorter one"));
+        }
+        if let Some(small) = tag.small {
+            return Ok(small[..tag.length as usize].to_vec());
+        }
+        let mut bytes = vec![0; tag.length as usize];
+        self.fill(&mut bytes)?;
+        self.pass_padding(tag)?;
+        Ok(bytes)
+    }
+
+    /// Hands a reader of exactly the data of `tag` to `read`, and passes what it leaves.
+    pub(crate) fn with_data<T>(
+        &mut self,
+        tag: Tag,
+        read: impl FnOnce(&mut dyn Read) -> std::io::Result<T>,
+    ) -> Result<T, Fault> {
+        if let Some(small) = tag.small {
+            return Ok(read(&mut &small[..tag.length as usize])?);
+        }
+        let length = u64::from(tag.length);
+        self.left -= length;
+        let mut data = (&mut self.reader).take(length);
+        let value = read(&mut data)?;
+        let copied = std::io::copy(&mut data, &mut std::io::sink())?;
+        if data.limit() > 0 && copied < length {
+            return Err(std::io::Error::from(std::io::ErrorKind::UnexpectedEof).into());
+        }
+        self.pass_padding(tag)?;
+        Ok(value)
+    }
+
+    /// Passes what lies before the last `left` bytes of the holder.
+    pub(crate) fn skip_to(&mut self, left: u64) -> Result<(), Fault> {
+        let Some(length) = self.left.checked_sub(left) else {
+            return Err(Fault::unexpected("a field", "longer than its tag says", "its end"));
+        };
+        let mut passed = (&mut self.reader).take(length);
+        if std::io::copy(&mut passed, &mut std::io::sink())? < length {
+            return Err(std::io::Error::from(std::io::ErrorKind::UnexpectedEof).into());
+        }
+        self.left = left;
+        Ok(())
+    }
+
+    /// Data fill up to a multiple of eight bytes, save where the holder ends.
+    fn pass_padding(&mut self, tag: Tag) -> Result<(), Fault> {
+        let padding = u64::from(tag.length).wrapping_neg() % 8;
+        let mut rest = [0; 8];
+        let padding = padding.min(self.left) as usize;
+        self.fill(&mut rest[..padding])
+    }
+
+    fn fill(&mut self, buffer: &mut [u8]) -> Result<(), Fault> {
+        if buffer.len() as u64 > self.left {
+            let found = format!("{} bytes left", self.left);
+            return Err(Fault::unexpected("an element", found, "the rest of it"));
+        }
+        self.reader.read_exact(buffer)?;
+        self.left -= buffer.len() as u64;
+        Ok(())
+    }
+}

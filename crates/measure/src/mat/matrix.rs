@@ -1,0 +1,246 @@
+//! Numeric arrays, and the fields of structures one level deep.
+
+use std::io::Read;
+
+use num_complex::Complex64;
+
+use crate::arrays::Layout;
+use crate::mat::MATRIX;
+use crate::mat::element::{Elements, Fault, Tag};
+use crate::notice::Notices;
+use crate::npz::Budget;
+use crate::number::{Endian, NumberType};
+use crate::{Notice, Place, ReadOptions, Samples};
+
+/// A numeric array.
+pub(crate) struct Found {
+    pub(crate) name: String,
+    pub(crate) columns: Vec<Samples>,
+    pub(crate) epsilon: f64,
+}
+
+/// What reading an array needs from around it.
+pub(crate) struct Context<'a> {
+    pub(crate) options: &'a ReadOptions,
+    pub(crate) notices: &'a mut Notices,
+    pub(crate) budget: &'a mut Budget,
+    pub(crate) file: &'a str,
+    pub(crate) place: Place,
+}
+
+/// Array classes.
+const STRUCTURE: u8 = 2;
+const NUMERIC: std::ops::RangeInclusive<u8> = 6..=15;
+const COMPLEX: u32 = 0x0800;
+
+/// Longest name of a variable or field; MATLAB allows 63.
+const LONGEST_NAME: u32 = 1 << 10;
+
+/// Reads a matrix element whose tag was read; a structure gives its numeric fields.
+pub(crate) fn read<R: Read>(
+    elements: &mut Elements<R>,
+    context: &mut Context<'_>,
+) -> Result<Vec<Found>, Fault> {
+    let head = Head::read(elements)?;
+    if NUMERIC.contains(&head.class) {
+        let found = numeric(elements, &head, head.name.clone(), context)?;
+        return Ok(found.into_iter().collect());
+    }
+    if head.class == STRUCTURE && head.elements() == 1 {
+        return structure(elements, &head, context);
+    }
+    leave_out(head.name, "it is no array of numbers", context);
+    Ok(Vec::new())
+}
+
+fn leave_out(array: String, reason: &'static str, context: &mut Context<'_>) {
+    context.notices.add(Notice::ArrayLeftOut { array, reason });
+}
+
+/// What every matrix starts with.
+struct Head {
+    class: u8,
+    complex: bool,
+    dimensions: Vec<u64>,
+    name: String,
+}
+
+impl Head {
+    fn read<R: Read>(elements: &mut Elements<R>) -> Result<Self, Fault> {
+        let endian = elements.endian();
+        let tag = elements.tag()?;
+        let flags = elements.bytes(tag, 8)?;
+        let flags = words(&flags, endian).first().copied();
+        let flags =
+            flags.ok_or_else(|| Fault::unexpected("the array flags", "empty", "8 bytes"))?;
+        let tag = elements.tag()?;
+        let dimensions = elements.bytes(tag, 128)?;
+        let dimensions: Vec<u64> = words(&dimensions, endian).into_iter().map(u64::from).collect();
+        if dimensions.len() < 2 {
+            let found = format!("{dimensions:?}");
+            return Err(Fault::unexpected("the dimensions", found, "at least two"));
+        }
+        let tag = elements.tag()?;
+        let name = elements.bytes(tag, LONGEST_NAME)?;
+        Ok(Self {
+            class: (flags & 0xff) as u8,
+            complex: flags & COMPLEX != 0,
+            dimensions,
+            name: String::from_utf8_lossy(&name).into_owned(),
+        })
+    }
+
+    fn elements(&self) -> u64 {
+        self.dimensions.iter().fold(1, |product, length| product.saturating_mul(*length))
+    }
+
+    /// Rows and columns, if there are no more dimensions than that.
+    fn plane(&self) -> Option<(u64, u64)> {
+        let beyond = self.dimensions.get(2..).unwrap_or_default();
+        let [rows, columns, ..] = self.dimensions[..] else { return None };
+        beyond.iter().all(|length| *length == 1).then_some((rows, columns))
+    }
+}
+
+fn words(bytes: &[u8], endian: Endian) -> Vec<u32> {
+    let (chunks, _) = bytes.as_chunks::<4>();
+    let word = |bytes: &[u8; 4]| match endian {
+        Endian::Little => u32::from_le_bytes(*bytes),
+        Endian::Big => u32::from_be_bytes(*bytes),
+    };
+    chunks.iter().map(word).collect()
+}
+
+/// The numbers of an array after its head; none if it is left out, its data then unread.
+fn numeric<R: Read>(
+    elements: &mut Elements<R>,
+    head: &Head,
+    name: String,
+    context: &mut Context<'_>,
+) -> Result<Option<Found>, Fault> {
+    let plane = head.plane().filter(|_| head.elements() > 0);
+    let Some((rows, columns)) = plane else {
+        leave_out(name, "it has more than two dimensions, or no elements", context);
+        return Ok(None);
+    };
+    let layout = if rows == 1 || columns == 1 {
+        Layout { channels: 1, samples: rows.saturating_mul(columns), contiguous: true }
+    } else {
+        let asked = context.options.sample_axis;
+        Layout::of(context.file, &name, (rows, columns), false, asked, context.notices)
+            .map_err(Fault::Placed)?
+    };
+    let bytes = head.elements().saturating_mul(if head.complex { 16 } else { 8 });
+    let bytes = bytes.saturating_add(layout.channels.saturating_mul(512));
+    let place = context.place;
+    context.budget.take(bytes, place, "the samples of the arrays").map_err(Fault::Placed)?;
+    let (number, tag) = part(elements, head)?;
+    let types = (number, elements.endian());
+    let mut columns = if head.complex {
+        let room = layout.samples as usize;
+        let zeros = vec![Complex64::ZERO; room];
+        let mut columns = vec![zeros; layout.channels as usize];
+        elements.with_data(tag, |data| parts(layout, types, data, &mut columns, false))?;
+        let (number, tag) = part(elements, head)?;
+        let types = (number, types.1);
+        elements.with_data(tag, |data| parts(layout, types, data, &mut columns, true))?;
+        columns.into_iter().map(Samples::Complex).collect()
+    } else {
+        elements.with_data(tag, |mut data| layout.read_real(types, &mut data))?
+    };
+    columns.shrink_to_fit();
+    // Whole numbers may be how floating-point ones were stored; their steps are exact then.
+    Ok(Some(Found { name, columns, epsilon: number.epsilon() }))
+}
+
+/// The tag of the real or the imaginary part, as long as the array.
+fn part<R: Read>(elements: &mut Elements<R>, head: &Head) -> Result<(NumberType, Tag), Fault> {
+    let tag = elements.tag()?;
+    let number = match tag.kind {
+        1 => NumberType::I8,
+        2 => NumberType::U8,
+        3 => NumberType::I16,
+        4 => NumberType::U16,
+        5 => NumberType::I32,
+        6 => NumberType::U32,
+        7 => NumberType::F32,
+        9 => NumberType::F64,
+        12 => NumberType::I64,
+        13 => NumberType::U64,
+        other => return Err(Fault::unexpected("the type of numbers", other, "1 to 7, 9, 12, 13")),
+    };
+    let needed = head.elements().saturating_mul(number.size() as u64);
+    if needed != u64::from(tag.length) {
+        let found = format!("{} bytes for {} elements", tag.length, head.elements());
+        return Err(Fault::unexpected("the length of an array", found, "as its dimensions say"));
+    }
+    Ok((number, tag))
+}
+
+/// Fills the real or imaginary parts of `columns`.
+fn parts(
+    layout: Layout,
+    (number, endian): (NumberType, Endian),
+    mut data: &mut dyn Read,
+    columns: &mut [Vec<Complex64>],
+    imaginary: bool,
+) -> std::io::Result<()> {
+    const PIECE: usize = 1024;
+    let (samples, channels) = (layout.samples as usize, columns.len());
+    let total = samples * channels;
+    let (mut values, mut done) = (Vec::with_capacity(PIECE), 0);
+    while done < total {
+        values.clear();
+        number.read(endian, &mut data, PIECE.min(total - done), &mut values)?;
+        for value in &values {
+            let (channel, sample) = if layout.contiguous {
+                (done / samples, done % samples)
+            } else {
+                (done % channels, done / channels)
+            };
+            let point = &mut columns[channel][sample];
+            *(if imaginary { &mut point.im } else { &mut point.re }) = *value;
+            done += 1;
+        }
+    }
+    Ok(())
+}
+
+/// The numeric fields of a structure after its head.
+fn structure<R: Read>(
+    elements: &mut Elements<R>,
+    head: &Head,
+    context: &mut Context<'_>,
+) -> Result<Vec<Found>, Fault> {
+    const MOST_NAMES: u32 = 1 << 16;
+    let tag = elements.tag()?;
+    let length = elements.bytes(tag, 4)?;
+    let length = words(&length, elements.endian()).first().copied().unwrap_or(0);
+    if length == 0 || length > LONGEST_NAME {
+        return Err(Fault::unexpected("the length of field names", length, "1 to 1024"));
+    }
+    let tag = elements.tag()?;
+    let names = elements.bytes(tag, MOST_NAMES)?;
+    let mut found = Vec::new();
+    for name in names.chunks_exact(length as usize) {
+        let end = name.iter().position(|byte| *byte == 0).unwrap_or(name.len());
+        let name = format!("{}.{}", head.name, String::from_utf8_lossy(&name[..end]));
+        let tag = elements.tag()?;
+        if tag.kind != MATRIX {
+            return Err(Fault::unexpected("a field's type", tag.kind, "14, a matrix"));
+        }
+        if tag.length == 0 {
+            continue;
+        }
+        // What a field does not use of its length is passed over.
+        let after = elements.left().saturating_sub(u64::from(tag.length));
+        let field = Head::read(elements)?;
+        if NUMERIC.contains(&field.class) {
+            found.extend(numeric(elements, &field, name, context)?);
+        } else {
+            leave_out(name, "it is no array of numbers", context);
+        }
+        elements.skip_to(after)?;
+    }
+    Ok(found)
+}

@@ -1,0 +1,190 @@
+//! One NumPy array (`.npy`, versions 1 to 3).
+//!
+//! Source: NumPy Enhancement Proposal 1.
+//!
+//! | module | holds |
+//! |---|---|
+//! | `header` | type, order and shape |
+
+mod header;
+
+use crate::arrays::{Layout, Leading, bare_channel, check_channels, deinterleave, leading, paired};
+use crate::notice::Notices;
+use crate::reader::Records;
+use crate::source::Source;
+use crate::{
+    Abscissa, Format, MeasureError, Notice, Place, Quantity, ReadOptions, Record, Samples,
+};
+
+pub(crate) use header::Header;
+
+/// An array being read.
+pub(crate) struct Npy<'a> {
+    source: Source<'a>,
+    header: Header,
+    layout: Layout,
+    /// Where its numbers start.
+    offset: u64,
+    next: u64,
+    block: u64,
+    rate_of_options: Option<f64>,
+    axis: Option<FirstAxis>,
+}
+
+/// How time was found in the first block.
+#[derive(Clone, Copy)]
+struct FirstAxis {
+    start: f64,
+    step: f64,
+    /// Whether the first channel is time or a count, and left out.
+    leads: bool,
+    is_time: bool,
+}
+
+impl<'a> Npy<'a> {
+    pub(crate) fn open(
+        mut source: Source<'a>,
+        options: &ReadOptions,
+        notices: &mut Notices,
+    ) -> Result<Self, MeasureError> {
+        let name = source.name().to_owned();
+        let wrong = |quantity, found: &str, expected: &'static str| MeasureError::Malformed {
+            file: name.clone(),
+            place: Place::Offset(0),
+            quantity,
+            found: crate::error::excerpt(found),
+            expected: expected.to_owned(),
+        };
+        let header = Header::read(|buffer| source.read_exact(buffer, "the NPY header"), &wrong)?;
+        let shape = || format!("{:?}", header.shape);
+        let plane = header.plane().filter(|(rows, columns)| *rows > 0 && *columns > 0);
+        let plane = plane.ok_or_else(|| {
+            wrong("the shape of the array", &shape(), "one or two dimensions, none empty")
+        })?;
+        let elements = plane.0.saturating_mul(plane.1);
+        source.need(elements.saturating_mul(header.element()), "the array")?;
+        let row_major = !header.fortran;
+        let asked = options.sample_axis;
+        let layout = if header.shape.len() < 2 {
+            Layout { channels: 1, samples: elements, contiguous: true }
+        } else {
+            Layout::of(source.name(), "array", plane, row_major, asked, notices)?
+        };
+        check_channels(&source, layout.channels)?;
+        Ok(Self {
+            offset: source.position(),
+            source,
+            header,
+            layout,
+            next: 0,
+            block: options.block as u64,
+            rate_of_options: options.sample_rate_hz,
+            axis: None,
+        })
+    }
+
+    /// Real numbers of the block, by channels; complex ones as pairs.
+    fn numbers(&mut self, count: u64) -> Result<Vec<Vec<f64>>, MeasureError> {
+        let Header { number, endian, complex, .. } = self.header;
+        let parts = if complex { 2 } else { 1 };
+        let channels = self.layout.channels;
+        let room = count as usize * parts;
+        let mut columns: Vec<Vec<f64>> = (0..channels).map(|_| Vec::with_capacity(room)).collect();
+        let element = self.header.element();
+        if self.layout.contiguous {
+            for (index, column) in columns.iter_mut().enumerate() {
+                let before = index as u64 * self.layout.samples + self.next;
+                self.source.seek_to(self.offset + before * element)?;
+                let read = number.read(endian, &mut self.source, room, column);
+                read.map_err(|error| self.source.io(error))?;
+            }
+        } else {
+            self.source.seek_to(self.offset + self.next * channels * element)?;
+            let read = if complex {
+                // Parts interleave as well: as many columns again, then paired.
+                let mut halves = vec![Vec::with_capacity(count as usize); columns.len() * 2];
+                let read =
+                    deinterleave(number, endian, &mut self.source, count as usize, &mut halves);
+                for (column, halves) in columns.iter_mut().zip(halves.chunks_exact(2)) {
+                    column.extend(halves[0].iter().zip(&halves[1]).flat_map(|(re, im)| [*re, *im]));
+                }
+                read
+            } else {
+                deinterleave(number, endian, &mut self.source, count as usize, &mut columns)
+            };
+            read.map_err(|error| self.source.io(error))?;
+        }
+        Ok(columns)
+    }
+
+    fn find_axis(
+        &self,
+        first: &[f64],
+        channels: usize,
+        notices: &mut Notices,
+    ) -> Result<FirstAxis, MeasureError> {
+        let may_lead = channels > 1 && !self.header.complex;
+        let found =
+            if may_lead { leading(first, self.header.number.epsilon(), notices) } else { None };
+        if let Some(Leading::Time(start, step)) = found {
+            notices.add(Notice::TimeByValues { column: "channel 1".into() });
+            return Ok(FirstAxis { start, step, leads: true, is_time: true });
+        }
+        let counts = found.is_some();
+        if counts {
+            let reason = "it counts the samples";
+            notices.add(Notice::ArrayLeftOut { array: "channel 1".into(), reason });
+        }
+        let file = || self.source.name().to_owned();
+        let rate = self.rate_of_options;
+        let rate_hz = rate.ok_or_else(|| MeasureError::NoSampleRate { file: file() })?;
+        notices.add(Notice::RateOfOptions { rate_hz });
+        Ok(FirstAxis { start: 0.0, step: 1.0 / rate_hz, leads: counts, is_time: false })
+    }
+}
+
+impl Records for Npy<'_> {
+    fn format(&self) -> Format {
+        Format::Npy
+    }
+
+    fn next_record(&mut self, notices: &mut Notices) -> Result<Option<Record>, MeasureError> {
+        let count = (self.layout.samples - self.next).min(self.block);
+        if count == 0 {
+            return Ok(None);
+        }
+        let columns = self.numbers(count)?;
+        let axis = match self.axis {
+            Some(axis) => axis,
+            None => self.find_axis(&columns[0], columns.len(), notices)?,
+        };
+        self.axis = Some(axis);
+        let quantity = Quantity::Time;
+        let start = axis.start + self.next as f64 * axis.step;
+        let mut abscissa = Abscissa::Even { start, step: axis.step, quantity };
+        if axis.is_time && self.next > 0 {
+            let tolerance = 4.0 * self.header.number.epsilon().max(1e-12);
+            let carries_on = columns[0].iter().enumerate().all(|(index, value)| {
+                let expected = start + index as f64 * axis.step;
+                (value - expected).abs() <= tolerance * expected.abs()
+            });
+            if !carries_on {
+                notices.add(Notice::UnevenBlock { sample: self.next });
+                abscissa = Abscissa::Uneven { values: columns[0].clone(), quantity };
+            }
+        }
+        let left_out = usize::from(axis.leads);
+        let channels = columns.into_iter().enumerate().skip(left_out).map(|(index, values)| {
+            let samples = if self.header.complex {
+                Samples::Complex(paired(&values))
+            } else {
+                Samples::Real(values)
+            };
+            bare_channel(format!("channel {}", index + 1), abscissa.clone(), samples)
+        });
+        let channels = channels.collect();
+        let continues = self.next > 0;
+        self.next += count;
+        Ok(Some(Record { channels, continues, ..Record::default() }))
+    }
+}

@@ -1,0 +1,183 @@
+//! NumPy arrays in a zip archive (`.npz`).
+//!
+//! Arrays are unfolded whole, one after the other: a zip archive cannot be
+//! read in blocks of several arrays at once. What they may take is held
+//! against the size of the file.
+
+mod write;
+
+use std::io::Read;
+
+use zip::ZipArchive;
+
+use crate::arrays::{Array, Layout, paired, records};
+use crate::notice::Notices;
+use crate::npy::Header;
+use crate::reader::Records;
+use crate::source::Source;
+use crate::{Format, MeasureError, Notice, Place, ReadOptions, Record, Samples};
+
+pub(crate) use write::write;
+
+/// Records that were unfolded at once.
+pub(crate) struct Unfolded {
+    format: Format,
+    records: std::vec::IntoIter<Record>,
+}
+
+impl Unfolded {
+    pub(crate) fn new(format: Format, records: Vec<Record>) -> Self {
+        Self { format, records: records.into_iter() }
+    }
+}
+
+impl Records for Unfolded {
+    fn format(&self) -> Format {
+        self.format
+    }
+
+    fn next_record(&mut self, _: &mut Notices) -> Result<Option<Record>, MeasureError> {
+        Ok(self.records.next())
+    }
+}
+
+/// Memory that unfolding may take.
+pub(crate) struct Budget {
+    file: String,
+    limit: u64,
+    taken: u64,
+}
+
+impl Budget {
+    pub(crate) fn new(source: &Source<'_>, options: &ReadOptions) -> Self {
+        let limit = source.len().saturating_mul(options.expansion).max(1 << 20);
+        Self { file: source.name().to_owned(), limit, taken: 0 }
+    }
+
+    /// Takes `bytes` off, or refuses them.
+    pub(crate) fn take(
+        &mut self,
+        bytes: u64,
+        place: Place,
+        quantity: &'static str,
+    ) -> Result<(), MeasureError> {
+        self.taken = self.taken.saturating_add(bytes);
+        if self.taken <= self.limit {
+            return Ok(());
+        }
+        Err(MeasureError::TooLarge {
+            file: self.file.clone(),
+            place,
+            quantity,
+            announced: self.taken,
+            limit: self.limit,
+        })
+    }
+}
+
+/// Reads every array of the archive.
+pub(crate) fn open(
+    source: Source<'_>,
+    options: &ReadOptions,
+    notices: &mut Notices,
+) -> Result<Unfolded, MeasureError> {
+    let mut budget = Budget::new(&source, options);
+    let file = source.name().to_owned();
+    let length = source.len();
+    let wrong = |place, quantity, found: &str, expected: &str| MeasureError::Malformed {
+        file: file.clone(),
+        place,
+        quantity,
+        found: crate::error::excerpt(found),
+        expected: expected.to_owned(),
+    };
+    let start = Place::Offset(0);
+    let mut archive = ZipArchive::new(source)
+        .map_err(|error| wrong(start, "the archive", &error.to_string(), "a zip archive"))?;
+    // An entry takes 76 bytes in the archive at least.
+    if archive.len() as u64 > length / 76 {
+        let found = archive.len().to_string();
+        return Err(wrong(start, "the number of arrays", &found, "fewer, for its size"));
+    }
+    let mut arrays = Vec::new();
+    for index in 0..archive.len() {
+        let mut entry = archive
+            .by_index(index)
+            .map_err(|error| wrong(start, "an entry", &error.to_string(), "an array"))?;
+        let place = Place::Offset(entry.data_start().unwrap_or(0));
+        let name = entry.name().map(std::borrow::Cow::into_owned);
+        let name = name.map_err(|error| {
+            wrong(start, "an entry's name", &error.to_string(), "a readable one")
+        })?;
+        let Some(name) = name.strip_suffix(".npy").map(str::to_owned) else {
+            let (array, reason) = (name, "it is no array of NumPy");
+            notices.add(Notice::ArrayLeftOut { array, reason });
+            continue;
+        };
+        let wrong_here =
+            |quantity, found: &str, expected: &'static str| wrong(place, quantity, found, expected);
+        let read = |error: std::io::Error| {
+            wrong(place, "an array", &error.to_string(), "as many bytes as its header announces")
+        };
+        let header = Header::read(|buffer| entry.read_exact(buffer).map_err(read), &wrong_here);
+        let header = match header {
+            Ok(header) => header,
+            Err(MeasureError::Malformed { quantity: "the type of the array", .. }) => {
+                let reason = "its elements are no numbers";
+                notices.add(Notice::ArrayLeftOut { array: name, reason });
+                continue;
+            }
+            Err(error) => return Err(error),
+        };
+        let Some(plane) = header.plane().filter(|(rows, columns)| *rows > 0 && *columns > 0) else {
+            let reason = "it has more than two dimensions, or none of its elements";
+            notices.add(Notice::ArrayLeftOut { array: name, reason });
+            continue;
+        };
+        let elements = plane.0.saturating_mul(plane.1);
+        let parts = 1 + u64::from(header.complex);
+        // Complex numbers are paired after they are read: twice their size for a moment.
+        let bytes = elements.saturating_mul(8 * parts * parts);
+        budget.take(bytes, place, "the samples of the arrays")?;
+        let layout = if header.shape.len() < 2 {
+            Layout { channels: 1, samples: elements, contiguous: true }
+        } else {
+            let asked = options.sample_axis;
+            Layout::of(&file, &name, plane, !header.fortran, asked, notices)?
+        };
+        budget.take(layout.channels.saturating_mul(512), place, "the channels of the arrays")?;
+        let columns = columns(&header, layout, &mut entry).map_err(read)?;
+        arrays.push(Array { name, columns, epsilon: header.number.epsilon() });
+    }
+    Ok(Unfolded::new(Format::Npz, records(&file, arrays, ':', options, notices)?))
+}
+
+fn columns(
+    header: &Header,
+    layout: Layout,
+    entry: &mut impl Read,
+) -> std::io::Result<Vec<Samples>> {
+    let types = (header.number, header.endian);
+    if !header.complex {
+        return layout.read_real(types, entry);
+    }
+    // Real and imaginary parts follow each other: twice the samples where
+    // channels lie one after the other, twice the channels where they do not.
+    let real = if layout.contiguous {
+        Layout { samples: 2 * layout.samples, ..layout }
+    } else {
+        Layout { channels: 2 * layout.channels, ..layout }
+    };
+    let halves = real.read_real(types, entry)?;
+    let parts: Vec<&[f64]> = halves.iter().filter_map(Samples::real).collect();
+    Ok(if layout.contiguous {
+        parts.iter().map(|parts| Samples::Complex(paired(parts))).collect()
+    } else {
+        let pairs = parts.chunks_exact(2);
+        let zipped = pairs.map(|pair| {
+            let both = pair[0].iter().zip(pair[1]);
+            both.map(|(re, im)| num_complex::Complex64::new(*re, *im)).collect()
+        });
+        zipped.map(Samples::Complex).collect()
+    })
+}

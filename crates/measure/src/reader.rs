@@ -1,0 +1,192 @@
+//! Opening a file and reading its records.
+
+use std::io::Cursor;
+use std::path::Path;
+
+use crate::notice::Notices;
+use crate::source::Source;
+use crate::{
+    ChannelUnit, Format, MeasureError, Measurement, Notice, Quantity, ReadOptions, Record, Stream,
+    Unit,
+};
+
+/// What a format supplies: its records, one after the other.
+pub(crate) trait Records: Send {
+    /// The format read.
+    fn format(&self) -> Format;
+
+    /// The next record; none at the end.
+    fn next_record(&mut self, notices: &mut Notices) -> Result<Option<Record>, MeasureError>;
+}
+
+/// A file being read, record by record.
+pub struct Reader<'a> {
+    records: Box<dyn Records + 'a>,
+    notices: Notices,
+    names: Vec<String>,
+    units: Vec<Option<Unit>>,
+    ended: bool,
+}
+
+/// Opens a file; its content tells the format.
+///
+/// # Errors
+/// Any [`MeasureError`] of reading: the file cannot be opened, is of no known
+/// format, or its header is wrong.
+pub fn open(path: &Path, options: &ReadOptions) -> Result<Reader<'static>, MeasureError> {
+    Reader::of(Source::open(path)?, options)
+}
+
+/// Reads all that a file holds, with no measurement in blocks.
+///
+/// # Errors
+/// As [`open`] and [`Reader::next_record`].
+pub fn read(path: &Path, options: &ReadOptions) -> Result<Measurement, MeasureError> {
+    let options = ReadOptions { block: usize::MAX, ..options.clone() };
+    open(path, &options)?.read_all()
+}
+
+/// Reads all that `bytes` hold, as [`read`] does a file.
+///
+/// # Errors
+/// As [`open`] and [`Reader::next_record`].
+pub fn read_bytes(bytes: &[u8], options: &ReadOptions) -> Result<Measurement, MeasureError> {
+    let options = ReadOptions { block: usize::MAX, ..options.clone() };
+    Reader::from_stream("bytes", Cursor::new(bytes), &options)?.read_all()
+}
+
+impl<'a> Reader<'a> {
+    /// Reads from any stream; `name` stands for the file in messages.
+    ///
+    /// # Errors
+    /// As [`open`].
+    pub fn from_stream(
+        name: &str,
+        stream: impl Stream + 'a,
+        options: &ReadOptions,
+    ) -> Result<Self, MeasureError> {
+        Self::of(Source::new(name, Box::new(stream))?, options)
+    }
+
+    fn of(mut source: Source<'a>, options: &ReadOptions) -> Result<Self, MeasureError> {
+        let units = units(source.name(), options)?;
+        let options = &ReadOptions { block: options.block.max(1), ..options.clone() };
+        let mut notices = Notices::default();
+        let records: Box<dyn Records + 'a> = match Format::of_content(&mut source)? {
+            Format::UniversalText | Format::UniversalBinary => {
+                Box::new(crate::uff::Universal::open(source, options, &mut notices)?)
+            }
+            Format::Text => Box::new(crate::text::Text::open(source, options, &mut notices)?),
+            Format::Npy => Box::new(crate::npy::Npy::open(source, options, &mut notices)?),
+            Format::Npz => Box::new(crate::npz::open(source, options, &mut notices)?),
+            Format::Mat => Box::new(crate::mat::open(source, options, &mut notices)?),
+            Format::Wav => Box::new(crate::wav::Wav::open(source, options)?),
+            Format::Tdms => return Err(unsupported(&source, "TDMS", "export it as UFF or CSV")),
+            #[cfg(feature = "hdf5")]
+            Format::Hdf5 => Box::new(crate::hdf5::open(source, options, &mut notices)?),
+            #[cfg(not(feature = "hdf5"))]
+            Format::Hdf5 => {
+                let instead = "build with the feature `hdf5`, or save it with `save -v7` or as NPZ";
+                return Err(unsupported(&source, "HDF5 (MATLAB 7.3)", instead));
+            }
+        };
+        Ok(Self { records, notices, names: options.names.clone(), units, ended: false })
+    }
+
+    /// The format found.
+    pub fn format(&self) -> Format {
+        self.records.format()
+    }
+
+    /// What was snapped, assumed or odd so far.
+    pub fn notices(&self) -> &[Notice] {
+        self.notices.all()
+    }
+
+    /// The next record; none at the end, and none after an error.
+    ///
+    /// # Errors
+    /// Where the file is not as its format asks, with the place.
+    pub fn next_record(&mut self) -> Result<Option<Record>, MeasureError> {
+        if self.ended {
+            return Ok(None);
+        }
+        let next = self.records.next_record(&mut self.notices);
+        self.ended = !matches!(next, Ok(Some(_)));
+        let Some(mut record) = next? else { return Ok(None) };
+        self.name_and_unit(&mut record);
+        Ok(Some(record))
+    }
+
+    fn read_all(mut self) -> Result<Measurement, MeasureError> {
+        let mut records = Vec::new();
+        while let Some(record) = self.next_record()? {
+            records.push(record);
+        }
+        Ok(Measurement { format: self.format(), records, notices: self.notices.into_all() })
+    }
+
+    /// The caller's names and units, then what quantity follows from them.
+    fn name_and_unit(&mut self, record: &mut Record) {
+        for (index, channel) in record.channels.iter_mut().enumerate() {
+            if let Some(name) = self.names.get(index).filter(|name| !name.is_empty()) {
+                channel.name.clone_from(name);
+            }
+            if let Some(Some(unit)) = self.units.get(index) {
+                channel.unit = ChannelUnit::Known(*unit);
+                channel.quantity = unit.quantity();
+            }
+            let name = || channel.name.clone();
+            match &channel.unit {
+                ChannelUnit::Known(unit) => {
+                    let (stated, by_unit) = (channel.quantity, unit.quantity());
+                    if stated != Quantity::Unknown && stated != by_unit {
+                        self.notices.add(Notice::QuantityContradictsUnit {
+                            channel: name(),
+                            stated,
+                            by_unit,
+                        });
+                    }
+                    channel.quantity = by_unit;
+                }
+                ChannelUnit::Missing => {
+                    self.notices.add(Notice::UnitMissing { channel: name() });
+                }
+                ChannelUnit::Unrecognised(text) => {
+                    let text = text.clone();
+                    self.notices.add(Notice::UnitUnrecognised { channel: name(), text });
+                }
+            }
+            if channel.quantity == Quantity::Unknown {
+                channel.quantity = Quantity::of_name(&channel.name);
+            }
+        }
+    }
+}
+
+fn unsupported(source: &Source<'_>, feature: &'static str, instead: &'static str) -> MeasureError {
+    MeasureError::Unsupported { file: source.name().to_owned(), feature, instead }
+}
+
+fn units(file: &str, options: &ReadOptions) -> Result<Vec<Option<Unit>>, MeasureError> {
+    if let Some(rate) = options.sample_rate_hz
+        && !(rate.is_finite() && rate > 0.0)
+    {
+        return Err(MeasureError::Option {
+            file: file.to_owned(),
+            option: "sample_rate_hz",
+            found: rate.to_string(),
+            expected: "a positive rate in hertz".into(),
+        });
+    }
+    let parse = |text: &String| match (text.is_empty(), Unit::parse(text)) {
+        (true, _) => Ok(None),
+        (false, Some(unit)) => Ok(Some(unit)),
+        (false, None) => Err(MeasureError::NotUnderstood {
+            quantity: "unit",
+            text: text.clone(),
+            example: "m/s^2",
+        }),
+    };
+    options.units.iter().map(parse).collect()
+}

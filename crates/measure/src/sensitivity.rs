@@ -1,0 +1,105 @@
+//! Sensors' sensitivities: what comes out for what goes in.
+
+use crate::{MeasureError, Quantity, Unit};
+
+/// A sensor's sensitivity, `output = volts_per_si * input`.
+///
+/// ```
+/// use asperity_measure::{Quantity, Sensitivity};
+/// let hammer: Sensitivity = "2.25 mV/N".parse()?;
+/// assert_eq!(hammer.measures(), Quantity::Force);
+/// let accelerometer: Sensitivity = "100 mV/g".parse()?;
+/// assert!((accelerometer.output_per_si() - 0.1 / 9.80665).abs() < 1e-15);
+/// # Ok::<(), asperity_measure::MeasureError>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sensitivity {
+    output: Quantity,
+    measures: Quantity,
+    output_per_si: f64,
+}
+
+impl Sensitivity {
+    /// What the sensor gives: [`Quantity::Voltage`], or [`Quantity::FullScale`]
+    /// where a converter was calibrated with its sensor (`0.02 FS/N`).
+    pub fn output(&self) -> Quantity {
+        self.output
+    }
+
+    /// What the sensor measures.
+    pub fn measures(&self) -> Quantity {
+        self.measures
+    }
+
+    /// Output in SI (V) for one SI unit of what is measured.
+    pub fn output_per_si(&self) -> f64 {
+        self.output_per_si
+    }
+}
+
+impl std::str::FromStr for Sensitivity {
+    type Err = MeasureError;
+
+    /// Reads `100 mV/g`, `2.25 mV/N`, `10 mV/(m/s^2)`, `0.05 FS/N`.
+    ///
+    /// # Errors
+    /// [`MeasureError::NotUnderstood`] for anything else, and for a
+    /// sensitivity that is zero or not finite.
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        parse(text).ok_or_else(|| MeasureError::NotUnderstood {
+            quantity: "sensitivity",
+            text: text.to_owned(),
+            example: "100 mV/g",
+        })
+    }
+}
+
+fn parse(text: &str) -> Option<Sensitivity> {
+    let (output, input) = text.split_once('/')?;
+    let output = output.trim();
+    let unit_start = output.rfind(|c: char| c.is_ascii_digit() || c == '.')? + 1;
+    let value: f64 = output[..unit_start].trim().parse().ok()?;
+    let output_unit = Unit::parse(&output[unit_start..])?;
+    let input_unit = Unit::parse(input)?;
+    let measures = input_unit.quantity();
+    let physical = !matches!(measures, Quantity::Voltage | Quantity::FullScale | Quantity::Time);
+    let electric = matches!(output_unit.quantity(), Quantity::Voltage | Quantity::FullScale);
+    let output_per_si = value * output_unit.factor() / input_unit.factor();
+    let usable = output_per_si.is_finite() && output_per_si != 0.0;
+    (physical && electric && usable).then_some(Sensitivity {
+        output: output_unit.quantity(),
+        measures,
+        output_per_si,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sensitivities_as_written_on_calibration_sheets() {
+        for (text, measures, per_si) in [
+            ("100 mV/g", Quantity::Acceleration, 0.1 / 9.80665),
+            ("2.25 mV/N", Quantity::Force, 2.25e-3),
+            ("10 mV/(m/s^2)", Quantity::Acceleration, 0.01),
+            ("10mV/m/s²", Quantity::Acceleration, 0.01),
+            ("11.2 mV/lbf", Quantity::Force, 11.2e-3 / 4.448_221_615_260_5),
+            ("-5e-2 V/Pa", Quantity::Pressure, -0.05),
+            ("0.02 FS/N", Quantity::Force, 0.02),
+        ] {
+            let read: Sensitivity = text.parse().unwrap();
+            assert_eq!(read.measures(), measures, "{text}");
+            assert!((read.output_per_si() / per_si - 1.0).abs() < 1e-12, "{text}");
+        }
+    }
+
+    #[test]
+    fn what_is_no_sensitivity() {
+        for text in
+            ["", "/", "100", "mV/g", "100 mV", "0 mV/g", "inf V/N", "5 pC/N", "1 N/V", "1 V/V"]
+        {
+            assert!(text.parse::<Sensitivity>().is_err(), "{text}");
+        }
+    }
+}

@@ -1,0 +1,189 @@
+//! A file, or bytes in its place: its name, its length, and how far it was read.
+
+use std::io::{BufRead, BufReader, Read, Seek, SeekFrom};
+use std::path::Path;
+use std::sync::Arc;
+
+use crate::error::excerpt;
+use crate::{MeasureError, Place};
+
+/// What measurements can be read from.
+pub trait Stream: Read + Seek + Send {}
+
+impl<T: Read + Seek + Send> Stream for T {}
+
+/// A stream with what messages and checks of sizes need.
+pub(crate) struct Source<'a> {
+    name: Arc<str>,
+    inner: BufReader<Box<dyn Stream + 'a>>,
+    length: u64,
+    position: u64,
+}
+
+/// Longest line of a text. A row of 10 000 channels has some 200 kB.
+pub(crate) const LONGEST_LINE: u64 = 1 << 20;
+
+impl<'a> Source<'a> {
+    pub(crate) fn open(path: &Path) -> Result<Self, MeasureError> {
+        let name = path.display().to_string();
+        let io = |source| MeasureError::Io { file: name.clone(), source };
+        let file = std::fs::File::open(path).map_err(io)?;
+        if file.metadata().map_err(io)?.is_dir() {
+            return Err(io(std::io::Error::from(std::io::ErrorKind::IsADirectory)));
+        }
+        Self::new(&name, Box::new(file))
+    }
+
+    pub(crate) fn new(name: &str, mut stream: Box<dyn Stream + 'a>) -> Result<Self, MeasureError> {
+        let io = |source| MeasureError::Io { file: name.to_owned(), source };
+        let length = stream.seek(SeekFrom::End(0)).map_err(io)?;
+        stream.rewind().map_err(io)?;
+        let inner = BufReader::with_capacity(1 << 16, stream);
+        Ok(Self { name: name.into(), inner, length, position: 0 })
+    }
+
+    pub(crate) fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Bytes in all.
+    pub(crate) fn len(&self) -> u64 {
+        self.length
+    }
+
+    /// Bytes read so far.
+    pub(crate) fn position(&self) -> u64 {
+        self.position
+    }
+
+    pub(crate) fn place(&self) -> Place {
+        Place::Offset(self.position)
+    }
+
+    /// Bytes left.
+    pub(crate) fn remaining(&self) -> u64 {
+        self.length.saturating_sub(self.position)
+    }
+
+    pub(crate) fn seek_to(&mut self, position: u64) -> Result<(), MeasureError> {
+        let jump = i64::try_from(i128::from(position) - i128::from(self.position));
+        let result = match jump {
+            Ok(jump) => self.inner.seek_relative(jump),
+            Err(_) => self.inner.seek(SeekFrom::Start(position)).map(|_| ()),
+        };
+        result.map_err(|source| self.io(source))?;
+        self.position = position;
+        Ok(())
+    }
+
+    /// Fills `buffer`, or says what of it is missing.
+    pub(crate) fn read_exact(
+        &mut self,
+        buffer: &mut [u8],
+        quantity: &'static str,
+    ) -> Result<(), MeasureError> {
+        self.need(buffer.len() as u64, quantity)?;
+        self.inner.read_exact(buffer).map_err(|source| self.io(source))?;
+        self.position += buffer.len() as u64;
+        Ok(())
+    }
+
+    /// Refuses what the rest of the file cannot hold, before memory is taken for it.
+    pub(crate) fn need(&self, bytes: u64, quantity: &'static str) -> Result<(), MeasureError> {
+        let available = self.remaining();
+        if bytes <= available {
+            return Ok(());
+        }
+        Err(MeasureError::Truncated {
+            file: self.name.to_string(),
+            place: self.place(),
+            quantity,
+            needed: bytes,
+            available,
+        })
+    }
+
+    /// Reads from the current place into `buffer` as far as it goes, and goes back.
+    pub(crate) fn peek(&mut self, buffer: &mut [u8]) -> Result<usize, MeasureError> {
+        let start = self.position;
+        let length = buffer.len().min(usize::try_from(self.remaining()).unwrap_or(usize::MAX));
+        self.read_exact(&mut buffer[..length], "the start")?;
+        self.seek_to(start)?;
+        Ok(length)
+    }
+
+    /// The next line into `line`, without its end; false at the end of the file.
+    /// `number` counts up with it.
+    pub(crate) fn read_line(
+        &mut self,
+        line: &mut Vec<u8>,
+        number: &mut u64,
+    ) -> Result<bool, MeasureError> {
+        line.clear();
+        *number += 1;
+        let mut limited = (&mut self.inner).take(LONGEST_LINE + 1);
+        let read = limited.read_until(b'\n', line);
+        let read = read.map_err(|source| self.io(source))? as u64;
+        self.position += read;
+        if read > LONGEST_LINE && line.last() != Some(&b'\n') {
+            return Err(self.malformed(
+                Place::Line(*number),
+                "a line",
+                &format!("longer than {LONGEST_LINE} bytes"),
+                "shorter lines of text",
+            ));
+        }
+        if line.last() == Some(&b'\n') {
+            line.pop();
+        }
+        if line.last() == Some(&b'\r') {
+            line.pop();
+        }
+        Ok(read > 0)
+    }
+
+    pub(crate) fn io(&self, source: std::io::Error) -> MeasureError {
+        MeasureError::Io { file: self.name.to_string(), source }
+    }
+
+    /// Something is not as the format asks.
+    pub(crate) fn malformed(
+        &self,
+        place: Place,
+        quantity: &'static str,
+        found: &str,
+        expected: impl Into<String>,
+    ) -> MeasureError {
+        MeasureError::Malformed {
+            file: self.name.to_string(),
+            place,
+            quantity,
+            found: excerpt(found),
+            expected: expected.into(),
+        }
+    }
+}
+
+impl Read for Source<'_> {
+    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
+        let read = self.inner.read(buffer)?;
+        self.position += read as u64;
+        Ok(read)
+    }
+}
+
+impl Seek for Source<'_> {
+    fn seek(&mut self, to: SeekFrom) -> std::io::Result<u64> {
+        let position = match to {
+            SeekFrom::Start(position) => Some(position),
+            SeekFrom::Current(jump) => self.position.checked_add_signed(jump),
+            SeekFrom::End(jump) => self.length.checked_add_signed(jump),
+        };
+        let position = position.ok_or(std::io::ErrorKind::InvalidInput)?;
+        self.seek_to(position).map_err(|error| match error {
+            MeasureError::Io { source, .. } => source,
+            _ => std::io::ErrorKind::InvalidInput.into(),
+        })?;
+        Ok(position)
+    }
+}

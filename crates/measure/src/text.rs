@@ -1,0 +1,253 @@
+//! Columns of numbers as text: CSV, TXT and LabVIEW measurement files.
+//!
+//! Nothing in such a file says how it is to be read, so its first 64 KiB are
+//! tried under every delimiter and decimal mark, and the longest run of rows of
+//! numbers wins; what stands above it are names and units.
+//!
+//! | module | holds |
+//! |---|---|
+//! | `dialect` | delimiter, decimal mark, where the numbers start |
+//! | `heading` | names and units |
+//! | `labview` | headers of `.lvm` files |
+//! | `axis` | which column is time, and at what rate |
+//! | `rows` | the numbers |
+//! | `write` | the way back |
+
+mod axis;
+mod dialect;
+mod heading;
+mod labview;
+mod rows;
+mod write;
+
+use crate::arrays::check_channels;
+use crate::notice::Notices;
+use crate::reader::Records;
+use crate::source::Source;
+use crate::{
+    Channel, Format, MeasureError, Notice, Origin, Quantity, ReadOptions, Record, Samples,
+};
+
+use axis::{Axis, AxisFinder};
+use dialect::{Dialect, Run, is_passed_over, words};
+pub(crate) use heading::Heading;
+use labview::{FileHeader, Segment};
+use rows::{Column, Rows};
+pub(crate) use write::{even_throughout, heading, write};
+
+/// A text of numbers being read.
+pub(crate) struct Text<'a> {
+    source: Source<'a>,
+    dialect: Dialect,
+    labview: Option<FileHeader>,
+    segment: Segment,
+    columns: Vec<Column>,
+    /// How the channels of the current segment lie in time; none before its first block.
+    axis: Option<Axis>,
+    line: Vec<u8>,
+    number: u64,
+    /// Rows of the current segment read so far.
+    rows: u64,
+    block: usize,
+    rate_of_options: Option<f64>,
+}
+
+impl<'a> Text<'a> {
+    pub(crate) fn open(
+        mut source: Source<'a>,
+        options: &ReadOptions,
+        notices: &mut Notices,
+    ) -> Result<Self, MeasureError> {
+        let mut start = vec![0; 1 << 16];
+        let length = source.peek(&mut start)?;
+        start.truncate(length);
+        let mut text = Self {
+            source,
+            dialect: Dialect { delimiter: b'\t', decimal: b'.' },
+            labview: None,
+            segment: Segment::default(),
+            columns: Vec::new(),
+            axis: None,
+            line: Vec::new(),
+            number: 0,
+            rows: 0,
+            block: options.block,
+            rate_of_options: options.sample_rate_hz,
+        };
+        if start.starts_with(labview::MARK) {
+            let header = FileHeader::read(&mut text.source, &mut text.number)?;
+            if header.many_abscissae {
+                return Err(MeasureError::Unsupported {
+                    file: text.source.name().to_owned(),
+                    feature: "a LabVIEW file with an X column for each channel",
+                    instead: "write it with one X column or none",
+                });
+            }
+            text.dialect = header.dialect;
+            text.labview = Some(header);
+            text.next_segment()?;
+        } else {
+            text.sniff(&start, notices)?;
+        }
+        Ok(text)
+    }
+
+    /// Finds dialect, headings and the first row; the source then stands there.
+    fn sniff(&mut self, start: &[u8], notices: &mut Notices) -> Result<(), MeasureError> {
+        let mark: &[u8] = b"\xef\xbb\xbf";
+        let body = start.strip_prefix(mark).unwrap_or(start);
+        let lines: Vec<&[u8]> = body.split(|byte| *byte == b'\n').collect();
+        // The last line is whole only if the text ends with it.
+        let whole =
+            if self.source.len() > start.len() as u64 { lines.len() - 1 } else { lines.len() };
+        let lines = &lines[..whole];
+        let Some((dialect, run)) = Dialect::sniff(lines) else {
+            let file = self.source.name().to_owned();
+            return Err(MeasureError::NoSamples { file, expected: "rows of numbers" });
+        };
+        self.dialect = dialect;
+        let headings = headings(lines, dialect, run);
+        if let Some(line) =
+            lines[..run.start].iter().position(|line| std::str::from_utf8(line).is_err())
+        {
+            notices.add(Notice::Latin1 { place: crate::Place::Line(line as u64 + 1) });
+        }
+        check_channels(&self.source, run.fields as u64)?;
+        let rows = lines[run.start..].iter().filter(|line| !is_passed_over(line)).take(run.lines);
+        let mut filled = vec![false; run.fields];
+        for row in rows {
+            for (field, filled) in dialect.fields(row).zip(&mut filled) {
+                *filled |= !field.is_empty();
+            }
+        }
+        self.columns = (0..run.fields)
+            .filter(|&index| filled[index])
+            .map(|index| Column { index, heading: headings.get(index).cloned().flatten() })
+            .collect();
+        let before: usize = lines[..run.start].iter().map(|line| line.len() + 1).sum();
+        self.source.seek_to((start.len() - body.len() + before) as u64)?;
+        self.number = run.start as u64;
+        Ok(())
+    }
+
+    /// The next segment of a LabVIEW file; false at its end.
+    fn next_segment(&mut self) -> Result<bool, MeasureError> {
+        let Some(header) = &self.labview else { return Ok(false) };
+        let has_abscissa = header.has_abscissa;
+        let segment =
+            Segment::read(&mut self.source, &mut self.line, &mut self.number, self.dialect)?;
+        let Some(segment) = segment else { return Ok(false) };
+        let last = segment.names.len() - usize::from(segment.names.len() > 1);
+        let commented = segment.names.last().is_some_and(|name| name == "Comment");
+        let names = &segment.names[..if commented { last } else { segment.names.len() }];
+        check_channels(&self.source, names.len() as u64)?;
+        let heading = |(index, name): (usize, &String)| {
+            let mut heading = Heading::parse(name);
+            // The units' line leaves out the abscissa.
+            if let Some(unit) = index.checked_sub(1).and_then(|place| segment.units.get(place)) {
+                heading.unit = crate::ChannelUnit::of_text(unit);
+            }
+            Column { index, heading: Some(heading) }
+        };
+        let skipped = usize::from(!has_abscissa);
+        self.columns = names.iter().enumerate().skip(skipped).map(heading).collect();
+        self.segment = segment;
+        self.axis = None;
+        self.rows = 0;
+        Ok(true)
+    }
+
+    fn channels(
+        &mut self,
+        rows: Rows,
+        notices: &mut Notices,
+    ) -> Result<Vec<Channel>, MeasureError> {
+        let mut values = rows.values;
+        let axis = match &mut self.axis {
+            Some(axis) => axis,
+            none => {
+                let finder = AxisFinder {
+                    file: self.source.name(),
+                    columns: &self.columns,
+                    segment: &self.segment,
+                    labview: self.labview.is_some(),
+                    rate_of_options: self.rate_of_options,
+                };
+                none.insert(finder.find(&values, rows.rounding, notices)?)
+            }
+        };
+        let abscissa = axis.take_abscissa(&mut values, self.rows, notices);
+        let left_out = axis.column();
+        let mut channels = Vec::with_capacity(values.len());
+        for (place, samples) in values.into_iter().enumerate() {
+            if left_out == Some(place) {
+                continue;
+            }
+            let column = &self.columns[place];
+            let name = column.name();
+            let unit =
+                column.heading.as_ref().map_or(crate::ChannelUnit::Missing, |h| h.unit.clone());
+            channels.push(Channel {
+                name,
+                quantity: Quantity::Unknown,
+                unit,
+                abscissa: abscissa.clone(),
+                samples: Samples::Real(samples),
+                origin: Origin::default(),
+            });
+        }
+        Ok(channels)
+    }
+}
+
+impl Records for Text<'_> {
+    fn format(&self) -> Format {
+        Format::Text
+    }
+
+    fn next_record(&mut self, notices: &mut Notices) -> Result<Option<Record>, MeasureError> {
+        loop {
+            let tracked = if self.axis.is_none() { axis::candidate(&self.columns) } else { None };
+            let rows = Rows::read(self, tracked, notices)?;
+            if rows.count > 0 {
+                let count = rows.count as u64;
+                let channels = self.channels(rows, notices)?;
+                let continues = self.rows > 0;
+                self.rows += count;
+                let (title, date) = self
+                    .labview
+                    .as_ref()
+                    .map(|header| (header.description.clone(), header.date.clone()))
+                    .unwrap_or_default();
+                return Ok(Some(Record { channels, continues, title, date }));
+            }
+            if self.labview.is_none() || !self.next_segment()? {
+                return Ok(None);
+            }
+        }
+    }
+}
+
+/// Names and units from the lines above the run: one row, or a row of names
+/// and one of units. A comment counts if it has as many words as there are columns.
+fn headings(lines: &[&[u8]], dialect: Dialect, run: Run) -> Vec<Option<Heading>> {
+    let row = |line: &&[u8]| {
+        let line = line.trim_ascii_end();
+        let bare = line.strip_prefix(b"#").or_else(|| line.strip_prefix(b"%")).unwrap_or(line);
+        let words = words(bare.trim_ascii_start(), dialect.delimiter);
+        (words.len() >= run.fields && !words.iter().all(String::is_empty)).then_some(words)
+    };
+    let above = lines[..run.start].iter().rev().filter(|line| !line.trim_ascii().is_empty());
+    let mut above = above.map(row);
+    let Some(Some(last)) = above.next() else { return Vec::new() };
+    let named = |name: &str| (!name.is_empty()).then(|| Heading::parse(name));
+    if !heading::are_units(&last) {
+        return last.iter().map(|name| named(name)).collect();
+    }
+    let names = above.next().flatten().unwrap_or_default();
+    let name = |index: usize| names.get(index).map_or("", String::as_str);
+    let with_unit = |(index, unit): (usize, &String)| {
+        Some(Heading { name: name(index).to_owned(), unit: crate::ChannelUnit::of_text(unit) })
+    };
+    last.iter().enumerate().map(with_unit).collect()
+}

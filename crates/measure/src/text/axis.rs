@@ -1,0 +1,203 @@
+//! Which column is time, and at what rate.
+
+use crate::notice::Notices;
+use crate::rate;
+use crate::text::labview::Segment;
+use crate::text::rows::{Column, Rounding};
+use crate::{Abscissa, MeasureError, Notice, Quantity};
+
+/// How the channels lie.
+#[derive(Debug, Clone)]
+pub(crate) struct Axis {
+    /// The column that is no channel: time, or a count of samples.
+    column: Option<usize>,
+    quantity: Quantity,
+    /// SI value of the column's unit.
+    factor: f64,
+    even: Option<Even>,
+    rounding: Rounding,
+    /// Whether start and step were read from the column.
+    read: bool,
+}
+
+/// An even axis.
+#[derive(Debug, Clone, Copy)]
+struct Even {
+    start: f64,
+    step: f64,
+    /// Whether its column holds exact numbers, not rounded ones.
+    exact: bool,
+}
+
+/// What decides on the axis.
+pub(crate) struct AxisFinder<'a> {
+    pub(crate) file: &'a str,
+    pub(crate) columns: &'a [Column],
+    pub(crate) segment: &'a Segment,
+    pub(crate) labview: bool,
+    pub(crate) rate_of_options: Option<f64>,
+}
+
+/// The column that may be the axis: the one named so, else the first of several.
+pub(crate) fn candidate(columns: &[Column]) -> Option<usize> {
+    named(columns).or_else(|| (columns.len() > 1).then_some(0))
+}
+
+fn named(columns: &[Column]) -> Option<usize> {
+    columns.iter().position(|column| {
+        column.heading.as_ref().is_some_and(|heading| {
+            matches!(heading.quantity(), Quantity::Time | Quantity::Frequency)
+                || heading.name == "X_Value"
+        })
+    })
+}
+
+fn counts_samples(column: &Column) -> bool {
+    const NAMES: [&str; 8] = ["n", "#", "index", "sample", "samples", "point", "no", "nr"];
+    let name = column.heading.as_ref().map(|heading| heading.name.to_lowercase());
+    name.is_some_and(|name| NAMES.contains(&name.as_str()))
+}
+
+impl AxisFinder<'_> {
+    /// Decides by the first block of rows.
+    pub(crate) fn find(
+        &self,
+        values: &[Vec<f64>],
+        rounding: Rounding,
+        notices: &mut Notices,
+    ) -> Result<Axis, MeasureError> {
+        let column = candidate(self.columns);
+        let axis =
+            |quantity, factor, even| Axis { column, quantity, factor, even, rounding, read: true };
+        if let Some(place) = named(self.columns) {
+            let heading = self.columns[place].heading.as_ref();
+            let quantity = heading.map(super::Heading::quantity);
+            let quantity = quantity.filter(|q| *q == Quantity::Frequency).unwrap_or(Quantity::Time);
+            let unit = heading.and_then(|heading| heading.unit.known());
+            let factor = unit.map_or(1.0, |unit| unit.factor());
+            let even = self.by_header(&values[place], rounding, notices);
+            let even =
+                even.or_else(|| even_axis(&values[place], factor, quantity, rounding, notices));
+            return Ok(axis(quantity, factor, even));
+        }
+        if self.labview && self.segment.step > 0.0 {
+            let (start, step) = (self.segment.start, self.step_of_header(notices));
+            let even = Even { start, step, exact: true };
+            return Ok(Axis { column: None, ..axis(Quantity::Time, 1.0, Some(even)) });
+        }
+        let rising = column.filter(|&place| values[place].len() > 2).and_then(|place| {
+            let even =
+                even_axis(&values[place], 1.0, Quantity::Time, rounding, &mut Notices::default());
+            even.map(|even| (place, even))
+        });
+        if let Some((place, Even { start, step, .. })) = rising {
+            let name = self.columns[place].name();
+            let counts = step == 1.0 && start.fract() == 0.0;
+            if !counts && !counts_samples(&self.columns[place]) {
+                notices.add(Notice::TimeByValues { column: name });
+                let even = even_axis(&values[place], 1.0, Quantity::Time, rounding, notices);
+                return Ok(axis(Quantity::Time, 1.0, even));
+            }
+            notices.add(Notice::ArrayLeftOut { array: name, reason: "it counts the samples" });
+            let even = Some(self.by_rate(notices)?);
+            return Ok(Axis { read: false, ..axis(Quantity::Time, 1.0, even) });
+        }
+        let even = self.by_rate(notices)?;
+        Ok(Axis { column: None, ..axis(Quantity::Time, 1.0, Some(even)) })
+    }
+
+    fn by_rate(&self, notices: &mut Notices) -> Result<Even, MeasureError> {
+        let none = || MeasureError::NoSampleRate { file: self.file.to_owned() };
+        let rate_hz = self.rate_of_options.ok_or_else(none)?;
+        notices.add(Notice::RateOfOptions { rate_hz });
+        Ok(Even { start: 0.0, step: 1.0 / rate_hz, exact: true })
+    }
+
+    /// A LabVIEW header gives the step in more digits than the column has.
+    fn by_header(&self, values: &[f64], rounding: Rounding, notices: &mut Notices) -> Option<Even> {
+        let start = *values.first().filter(|_| self.labview && self.segment.step > 0.0)?;
+        let step = self.step_of_header(notices);
+        let fits = values.iter().enumerate().all(|(index, &value)| {
+            let expected = start + index as f64 * step;
+            (value - expected).abs() <= 3.0 * rounding.tolerance(value) + 1e-9 * expected.abs()
+        });
+        fits.then_some(Even { start, step, exact: false })
+    }
+
+    fn step_of_header(&self, notices: &mut Notices) -> f64 {
+        let uncertainty = rate::uncertainty_of_printed_step(&self.segment.step_text);
+        rate::snapped_step(self.segment.step, uncertainty, notices)
+    }
+}
+
+impl Axis {
+    /// The column that is no channel.
+    pub(crate) fn column(&self) -> Option<usize> {
+        self.column
+    }
+
+    /// The abscissa of a block that starts at row `from`, out of its column.
+    pub(crate) fn take_abscissa(
+        &self,
+        values: &mut [Vec<f64>],
+        from: u64,
+        notices: &mut Notices,
+    ) -> Abscissa {
+        let quantity = self.quantity;
+        let mut column = self.column.map(|place| std::mem::take(&mut values[place]));
+        let scaled =
+            |values: &mut Vec<f64>| values.iter_mut().for_each(|value| *value *= self.factor);
+        match (self.even, &mut column) {
+            (Some(Even { start, step, exact }), column) => {
+                let start = start + from as f64 * step;
+                let carries_on = |values: &Vec<f64>| {
+                    values.iter().enumerate().all(|(index, &value)| {
+                        let expected = start + index as f64 * step;
+                        let rounding = if exact { 0.0 } else { self.rounding.tolerance(value) };
+                        let tolerance = 3.0 * self.factor * rounding + 1e-9 * expected.abs();
+                        (value * self.factor - expected).abs() <= tolerance
+                    })
+                };
+                match column {
+                    // A count of samples is no time that could carry on.
+                    Some(values) if from > 0 && self.read && !carries_on(values) => {
+                        notices.add(Notice::UnevenBlock { sample: from });
+                        scaled(values);
+                        Abscissa::Uneven { values: std::mem::take(values), quantity }
+                    }
+                    _ => Abscissa::Even { start, step, quantity },
+                }
+            }
+            (None, Some(values)) => {
+                scaled(values);
+                Abscissa::Uneven { values: std::mem::take(values), quantity }
+            }
+            (None, None) => Abscissa::Uneven { values: Vec::new(), quantity },
+        }
+    }
+}
+
+/// Start and step, if the column rises evenly: exactly, or within the rounding of its digits.
+fn even_axis(
+    values: &[f64],
+    factor: f64,
+    quantity: Quantity,
+    rounding: Rounding,
+    notices: &mut Notices,
+) -> Option<Even> {
+    let mut ignored = Notices::default();
+    let notices = if quantity == Quantity::Time { notices } else { &mut ignored };
+    let scaled: Vec<f64>;
+    let values = if factor == 1.0 {
+        values
+    } else {
+        scaled = values.iter().map(|value| value * factor).collect();
+        &scaled
+    };
+    if let Some((start, step)) = rate::even_axis(values, |_| 0.0, notices) {
+        return Some(Even { start, step, exact: true });
+    }
+    let tolerance = |value| factor * rounding.tolerance(value / factor);
+    let (start, step) = rate::even_axis(values, tolerance, notices)?;
+    Some(Even { start, step, exact: false })
+}

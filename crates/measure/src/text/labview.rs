@@ -1,0 +1,146 @@
+//! Headers of LabVIEW measurement files (`.lvm`).
+//!
+//! Source: National Instruments, "Specification for the LabVIEW Measurement
+//! File (.lvm)". A file header gives separator and decimal mark; each segment
+//! has a header with the start, the step and the units of its channels, a line
+//! of column names, and rows whose last column is a comment.
+
+use crate::latin1;
+use crate::source::Source;
+use crate::text::dialect::Dialect;
+use crate::{MeasureError, Place};
+
+/// What the first line of such a file starts with.
+pub(crate) const MARK: &[u8] = b"LabVIEW Measurement";
+
+const END: &[u8] = b"***End_of_Header***";
+
+/// The header of the file.
+#[derive(Debug, Clone)]
+pub(crate) struct FileHeader {
+    pub(crate) dialect: Dialect,
+    /// Whether rows open with an abscissa: `X_Columns` is not `No`.
+    pub(crate) has_abscissa: bool,
+    /// Whether every channel has its own abscissa: `X_Columns` is `Multi`.
+    pub(crate) many_abscissae: bool,
+    pub(crate) description: String,
+    pub(crate) date: String,
+}
+
+/// The header of a segment.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Segment {
+    /// Abscissa of the first sample, by the first channel.
+    pub(crate) start: f64,
+    /// Step, by the first channel; zero where none is given.
+    pub(crate) step: f64,
+    /// The step as printed.
+    pub(crate) step_text: String,
+    /// Names of all columns, the abscissa's first.
+    pub(crate) names: Vec<String>,
+    /// Units of the channels.
+    pub(crate) units: Vec<String>,
+}
+
+impl FileHeader {
+    /// Reads it from the start of the file.
+    pub(crate) fn read(source: &mut Source<'_>, number: &mut u64) -> Result<Self, MeasureError> {
+        let mut header = Self {
+            dialect: Dialect { delimiter: b'\t', decimal: b'.' },
+            has_abscissa: true,
+            many_abscissae: false,
+            description: String::new(),
+            date: String::new(),
+        };
+        let mut line = Vec::new();
+        lines_to_end(source, &mut line, number, |line| {
+            let text = latin1::decode(line).0;
+            let (key, value) = text.split_once(['\t', ',', ';']).unwrap_or((&text, ""));
+            let value = value.trim_end_matches(['\t', ',', ';']);
+            match key.trim() {
+                "Separator" if value.eq_ignore_ascii_case("comma") => {
+                    header.dialect.delimiter = b',';
+                }
+                "Decimal_Separator" if text.contains("Decimal_Separator\t,") => {
+                    header.dialect.decimal = b',';
+                }
+                "X_Columns" => {
+                    header.has_abscissa = !value.eq_ignore_ascii_case("no");
+                    header.many_abscissae = value.eq_ignore_ascii_case("multi");
+                }
+                "Description" => value.trim().clone_into(&mut header.description),
+                "Date" => value.trim().clone_into(&mut header.date),
+                _ => {}
+            }
+        })?;
+        Ok(header)
+    }
+}
+
+impl Segment {
+    /// Reads the header of a segment and its line of names; none at the end of
+    /// the file. `line` holds the first line, if that was read already.
+    pub(crate) fn read(
+        source: &mut Source<'_>,
+        line: &mut Vec<u8>,
+        number: &mut u64,
+        dialect: Dialect,
+    ) -> Result<Option<Self>, MeasureError> {
+        while line.trim_ascii().is_empty() {
+            if !source.read_line(line, number)? {
+                return Ok(None);
+            }
+        }
+        let mut segment = Self::default();
+        let mut keep = |line: &[u8]| {
+            let mut fields = dialect.fields(line);
+            match fields.next() {
+                Some(b"Delta_X") => {
+                    let field = fields.next().unwrap_or_default();
+                    segment.step = dialect.number(field).unwrap_or(0.0);
+                    segment.step_text = String::from_utf8_lossy(field).into_owned();
+                }
+                Some(b"X0") => {
+                    segment.start =
+                        fields.next().and_then(|field| dialect.number(field)).unwrap_or(0.0);
+                }
+                Some(b"Y_Unit_Label") => {
+                    segment.units =
+                        fields.map(|field| latin1::decode(field).0.into_owned()).collect();
+                }
+                _ => {}
+            }
+        };
+        keep(line);
+        lines_to_end(source, line, number, &mut keep)?;
+        source.read_line(line, number)?;
+        segment.names =
+            dialect.fields(line).map(|field| latin1::decode(field).0.into_owned()).collect();
+        line.clear();
+        Ok(Some(segment))
+    }
+
+    /// Whether a line opens another segment.
+    pub(crate) fn opens(line: &[u8]) -> bool {
+        line.starts_with(b"Channels") || line.starts_with(b"***Start_Special***")
+    }
+}
+
+fn lines_to_end(
+    source: &mut Source<'_>,
+    line: &mut Vec<u8>,
+    number: &mut u64,
+    mut each: impl FnMut(&[u8]),
+) -> Result<(), MeasureError> {
+    loop {
+        if !source.read_line(line, number)? {
+            let place = Place::Line(*number);
+            let expected = "***End_of_Header***";
+            return Err(source.malformed(place, "a LabVIEW header", "cut off", expected));
+        }
+        if line.starts_with(END) {
+            return Ok(());
+        }
+        each(line);
+    }
+}

@@ -1,0 +1,161 @@
+//! Rows of numbers, a block at a time.
+
+use crate::error::Place;
+use crate::notice::Notices;
+use crate::rate::rounding_of;
+use crate::text::heading::Heading;
+use crate::text::labview::Segment;
+use crate::text::{Text, is_passed_over};
+use crate::{MeasureError, Notice};
+
+/// A column of the file that holds numbers.
+#[derive(Debug, Clone)]
+pub(crate) struct Column {
+    /// Its place among the fields of a row, from zero.
+    pub(crate) index: usize,
+    pub(crate) heading: Option<Heading>,
+}
+
+impl Column {
+    /// The name above it, or one made from its place.
+    pub(crate) fn name(&self) -> String {
+        match &self.heading {
+            Some(heading) if !heading.name.is_empty() => heading.name.clone(),
+            _ => format!("column {}", self.index + 1),
+        }
+    }
+}
+
+/// Some rows, by columns.
+pub(crate) struct Rows {
+    pub(crate) values: Vec<Vec<f64>>,
+    pub(crate) count: usize,
+    pub(crate) rounding: Rounding,
+}
+
+/// How finely the numbers of a column are printed.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Rounding {
+    /// Most significant digits.
+    significant: u32,
+    /// Least half unit of a last digit.
+    half_unit: f64,
+}
+
+impl Rounding {
+    /// How far off a number of the column may be: by its last decimal where
+    /// they are printed to a decimal, by its last digit where to a digit.
+    pub(crate) fn tolerance(self, value: f64) -> f64 {
+        let digits = f64::from(self.significant.min(17));
+        // Of zero this is minus infinity, and its power zero.
+        let magnitude = value.abs().log10().floor();
+        let by_digit = 0.5 * 10f64.powf(magnitude + 1.0 - digits);
+        by_digit.max(self.half_unit).max(2.0 * f64::EPSILON * value.abs())
+    }
+}
+
+impl Rows {
+    /// Reads up to a block of rows; fewer at the end of the segment or file.
+    pub(crate) fn read(
+        text: &mut Text<'_>,
+        tracked: Option<usize>,
+        notices: &mut Notices,
+    ) -> Result<Self, MeasureError> {
+        let mut values: Vec<Vec<f64>> = vec![Vec::new(); text.columns.len()];
+        let mut rounding = Rounding { significant: 1, half_unit: f64::INFINITY };
+        let mut count = 0;
+        // A line that opens the next segment waits for it.
+        let ended = text.labview.is_some() && Segment::opens(&text.line);
+        while count < text.block && !ended {
+            let before = text.source.position();
+            if !text.source.read_line(&mut text.line, &mut text.number)? {
+                break;
+            }
+            if is_passed_over(&text.line) {
+                text.line.clear();
+                continue;
+            }
+            if text.labview.is_some() && Segment::opens(&text.line) {
+                break;
+            }
+            if count == 0 {
+                let width = (text.source.position() - before).max(1);
+                let left = text.source.remaining() / width + 2;
+                let room = usize::try_from(left).unwrap_or(usize::MAX).min(text.block);
+                for column in &mut values {
+                    column.reserve_exact(room);
+                }
+            } else if values.first().is_some_and(|column| column.len() == column.capacity()) {
+                // An eighth at a time: memory stays near what the rows take.
+                for column in &mut values {
+                    column.reserve_exact(column.len() / 8 + 8);
+                }
+            }
+            let filled = read_row(text, &mut values, tracked, &mut rounding)?;
+            if filled < values.len() {
+                if text.source.remaining() > 0 {
+                    return Err(wrong_row(text, filled));
+                }
+                for column in &mut values {
+                    column.truncate(count);
+                }
+                notices.add(Notice::RowCutOff { place: Place::Line(text.number) });
+                break;
+            }
+            text.line.clear();
+            count += 1;
+        }
+        if text.source.remaining() == 0 && text.labview.is_none() {
+            text.line.clear();
+        }
+        Ok(Self { values, count, rounding })
+    }
+}
+
+/// Appends the numbers of the line; how many columns it filled.
+fn read_row(
+    text: &Text<'_>,
+    values: &mut [Vec<f64>],
+    tracked: Option<usize>,
+    rounding: &mut Rounding,
+) -> Result<usize, MeasureError> {
+    let mut place = 0;
+    let wrong = |field: &[u8], expected: String| {
+        let found = String::from_utf8_lossy(field).into_owned();
+        text.source.malformed(Place::Line(text.number), "a field", &found, expected)
+    };
+    for (index, field) in text.dialect.fields(&text.line).enumerate() {
+        let Some(column) = text.columns.get(place) else {
+            // LabVIEW's last column is a comment.
+            if field.is_empty() || text.labview.is_some() {
+                continue;
+            }
+            return Err(wrong(field, format!("nothing after {} columns", text.columns.len())));
+        };
+        if index < column.index {
+            continue;
+        }
+        let Some(value) = text.dialect.number(field) else {
+            if field.is_empty() && text.source.remaining() == 0 {
+                return Ok(place);
+            }
+            return Err(wrong(field, format!("a number for `{}`", column.name())));
+        };
+        if tracked == Some(place)
+            && let Ok(printed) = std::str::from_utf8(field)
+        {
+            let (half_unit, significant) = rounding_of(printed);
+            rounding.significant = rounding.significant.max(significant);
+            rounding.half_unit = rounding.half_unit.min(half_unit);
+        }
+        values[place].push(value);
+        place += 1;
+    }
+    Ok(place)
+}
+
+fn wrong_row(text: &Text<'_>, filled: usize) -> MeasureError {
+    let found = format!("{filled} columns");
+    let expected = format!("{} columns of numbers", text.columns.len());
+    text.source.malformed(Place::Line(text.number), "a row", &found, expected)
+}

@@ -1,0 +1,90 @@
+//! One record as CSV: a header of names and units, then numbers.
+
+use std::io::Write;
+
+use crate::text::heading::Heading;
+use crate::write::WriteFault;
+use crate::{Abscissa, Channel, ChannelUnit, Format, Quantity, Record, Samples};
+
+/// Writes the only joined record; shortest decimals that read back to the same bits.
+pub(crate) fn write(out: &mut impl Write, records: &[Vec<&Record>]) -> Result<(), WriteFault> {
+    let refuse = |channel: &str, reason| Err(WriteFault::refused(Format::Text, channel, reason));
+    let parts = match records {
+        [] => return Ok(()),
+        [parts] => parts,
+        [_, other, ..] => {
+            return refuse(&other[0].channels[0].name, "text holds one record; it is in a second");
+        }
+    };
+    let first = &parts[0].channels[0];
+    let axis = match first.abscissa.quantity() {
+        Quantity::Time => "time_s",
+        Quantity::Frequency => "frequency_hz",
+        _ => return refuse(&first.name, "its axis is neither time nor frequency"),
+    };
+    out.write_all(axis.as_bytes())?;
+    for channel in &parts[0].channels {
+        write!(out, ",{}", quoted(&heading(channel, Format::Text)?))?;
+    }
+    writeln!(out)?;
+    for part in parts {
+        let first = &part.channels[0];
+        let mut columns = Vec::with_capacity(part.channels.len());
+        for channel in &part.channels {
+            if channel.abscissa != first.abscissa || channel.samples.len() != first.samples.len() {
+                return refuse(&channel.name, "its axis is not that of the first channel");
+            }
+            match &channel.samples {
+                Samples::Real(values) => columns.push(values),
+                Samples::Complex(_) => return refuse(&channel.name, "its samples are complex"),
+            }
+        }
+        for index in 0..first.samples.len() {
+            number(out, first.abscissa.at(index).unwrap_or(f64::NAN))?;
+            for column in &columns {
+                out.write_all(b",")?;
+                number(out, column[index])?;
+            }
+            out.write_all(b"\n")?;
+        }
+    }
+    Ok(())
+}
+
+fn number(out: &mut impl Write, value: f64) -> std::io::Result<()> {
+    let magnitude = value.abs();
+    if magnitude == 0.0 || (1e-4..1e15).contains(&magnitude) {
+        write!(out, "{value}")
+    } else if value.is_nan() {
+        out.write_all(b"nan")
+    } else {
+        write!(out, "{value:e}")
+    }
+}
+
+/// Name and unit in one text that reads back to both.
+pub(crate) fn heading(channel: &Channel, format: Format) -> Result<String, WriteFault> {
+    let name = channel.name.trim();
+    let plain = Heading { name: channel.name.clone(), unit: channel.unit.clone() };
+    let text = match &channel.unit {
+        ChannelUnit::Missing if Heading::parse(name) == plain => name.to_owned(),
+        ChannelUnit::Missing => format!("{name} [-]"),
+        unit => format!("{name} [{}]", unit.text()),
+    };
+    // What was read from a factor alone has no symbol to be known by.
+    let same = Heading::parse(&text) == plain;
+    if !same || name.is_empty() || text.contains('"') || text.chars().any(char::is_control) {
+        let reason = "its name or unit would not read back: brackets, quotes, blanks at the ends";
+        return Err(WriteFault::refused(format, &channel.name, reason));
+    }
+    Ok(text)
+}
+
+fn quoted(text: &str) -> String {
+    if text.contains(',') { format!("\"{text}\"") } else { text.to_owned() }
+}
+
+/// Whether every part has an even axis that carries on that of the part before.
+pub(crate) fn even_throughout(parts: &[&Record], index: usize) -> bool {
+    parts.iter().all(|part| matches!(part.channels[index].abscissa, Abscissa::Even { .. }))
+}

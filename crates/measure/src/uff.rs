@@ -1,0 +1,210 @@
+//! Universal files: functions at nodes (dataset 58 and 58b), title (151), units (164).
+//!
+//! The format is that of the SDRC I-DEAS test data universal file; its
+//! datasets lie between lines of `-1`. A first pass notes where each function
+//! lies and what its header says, so that the channels of one hit, which lie
+//! one after the other, can be read together and in blocks.
+//!
+//! | module | holds |
+//! |---|---|
+//! | `index` | the first pass |
+//! | `header`, `fields` | the lines before the numbers |
+//! | `binary`, `printed` | the numbers |
+//! | `system` | dataset 164, and units of a channel |
+//! | `group` | which functions were sampled together |
+//! | `write` | the way back |
+
+mod binary;
+mod fields;
+mod group;
+mod header;
+mod index;
+mod printed;
+mod system;
+mod write;
+
+use std::sync::Arc;
+
+use num_complex::Complex64;
+
+use crate::notice::Notices;
+use crate::reader::Records;
+use crate::source::Source;
+use crate::{
+    Abscissa, Channel, Format, MeasureError, Origin, Quantity, ReadOptions, Record, Samples,
+};
+
+use group::Group;
+use header::Header;
+use index::{Data, Entry};
+use printed::Printed;
+
+pub(crate) use write::write;
+
+/// A universal file being read.
+pub(crate) struct Universal<'a> {
+    source: Source<'a>,
+    format: Format,
+    groups: std::vec::IntoIter<Group>,
+    /// The group being read, and its first sample not yet read.
+    current: Option<(Group, u64)>,
+    /// Where the numbers of each function of the current group are read, if they are text.
+    printed: Vec<Option<Printed>>,
+    block: u64,
+    rate_of_options: Option<f64>,
+}
+
+impl<'a> Universal<'a> {
+    pub(crate) fn open(
+        mut source: Source<'a>,
+        options: &ReadOptions,
+        notices: &mut Notices,
+    ) -> Result<Self, MeasureError> {
+        let entries = index::index(&mut source, notices)?;
+        if entries.is_empty() {
+            let file = source.name().to_owned();
+            return Err(MeasureError::NoSamples { file, expected: "dataset 58 or 58b" });
+        }
+        let binary = entries.iter().any(|entry| matches!(entry.data, Data::Binary(_)));
+        let format = if binary { Format::UniversalBinary } else { Format::UniversalText };
+        let groups = group::groups(entries).into_iter();
+        Ok(Self {
+            source,
+            format,
+            groups,
+            current: None,
+            printed: Vec::new(),
+            block: options.block as u64,
+            rate_of_options: options.sample_rate_hz,
+        })
+    }
+
+    fn channel(
+        &mut self,
+        entry: &Entry,
+        slot: usize,
+        from: u64,
+        count: usize,
+        notices: &mut Notices,
+    ) -> Result<Channel, MeasureError> {
+        let header = &entry.header;
+        let mut values = Values::for_points(count, header.even, header.complex);
+        match (&entry.data, &mut self.printed[slot]) {
+            (Data::Binary(payload), _) => {
+                payload.read(&mut self.source, from, count, &mut values)?;
+            }
+            (Data::Printed(_), Some(printed)) => {
+                printed.read(&mut self.source, count, &mut values)?;
+                if from + count as u64 == header.points {
+                    printed.close(&mut self.source)?;
+                }
+            }
+            (Data::Printed(_), None) => {}
+        }
+        let abscissa = self.abscissa(header, from, values.abscissae, notices)?;
+        let name = header.channel_name(slot);
+        let (unit, quantity) =
+            system::unit_of(header, entry.context.system.as_ref(), &name, notices);
+        Ok(Channel {
+            name,
+            quantity,
+            unit,
+            abscissa,
+            samples: if header.complex {
+                Samples::Complex(values.complex)
+            } else {
+                Samples::Real(values.real)
+            },
+            origin: Origin {
+                description: header.description.clone(),
+                date: header.date.clone(),
+                response: header.response.clone(),
+                reference: header.reference.clone(),
+            },
+        })
+    }
+
+    fn abscissa(
+        &self,
+        header: &Header,
+        from: u64,
+        mut abscissae: Vec<f64>,
+        notices: &mut Notices,
+    ) -> Result<Abscissa, MeasureError> {
+        let (quantity, factor) = header.abscissa_unit();
+        if !header.even {
+            if factor != 1.0 {
+                for value in &mut abscissae {
+                    *value *= factor;
+                }
+            }
+            return Ok(Abscissa::Uneven { values: abscissae, quantity });
+        }
+        let mut step = header.step * factor;
+        if quantity == Quantity::Time {
+            if step == 0.0 {
+                let file = || self.source.name().to_owned();
+                let rate = self.rate_of_options;
+                let rate = rate.ok_or_else(|| MeasureError::NoSampleRate { file: file() })?;
+                notices.add(crate::Notice::RateOfOptions { rate_hz: rate });
+                step = 1.0 / rate;
+            }
+            step = crate::rate::snapped_step(step, header.step_uncertainty * factor, notices);
+        }
+        let start = header.start * factor + from as f64 * step;
+        Ok(Abscissa::Even { start, step, quantity })
+    }
+}
+
+impl Records for Universal<'_> {
+    fn format(&self) -> Format {
+        self.format
+    }
+
+    fn next_record(&mut self, notices: &mut Notices) -> Result<Option<Record>, MeasureError> {
+        let (group, from) = match self.current.take() {
+            Some(current) => current,
+            None => match self.groups.next() {
+                None => return Ok(None),
+                Some(group) => {
+                    self.printed = group.iter().map(|entry| Printed::of(entry)).collect();
+                    (group, 0)
+                }
+            },
+        };
+        let Some(first) = group.first() else { return Ok(None) };
+        let (points, context) = (first.header.points, Arc::clone(&first.context));
+        let count = (points - from).min(self.block);
+        let mut channels = Vec::with_capacity(group.len());
+        for (slot, entry) in group.iter().enumerate() {
+            channels.push(self.channel(entry, slot, from, count as usize, notices)?);
+        }
+        if from + count < points {
+            self.current = Some((group, from + count));
+        }
+        Ok(Some(Record {
+            channels,
+            continues: from > 0,
+            title: context.title.clone(),
+            date: context.date.clone(),
+        }))
+    }
+}
+
+/// The numbers of some points of a function.
+pub(crate) struct Values {
+    abscissae: Vec<f64>,
+    real: Vec<f64>,
+    complex: Vec<Complex64>,
+}
+
+impl Values {
+    /// Room for `count` points; the caller has held `count` against the file's length.
+    fn for_points(count: usize, even: bool, complex: bool) -> Self {
+        Self {
+            abscissae: Vec::with_capacity(if even { 0 } else { count }),
+            real: Vec::with_capacity(if complex { 0 } else { count }),
+            complex: Vec::with_capacity(if complex { count } else { 0 }),
+        }
+    }
+}

@@ -1,0 +1,160 @@
+//! The numbers of dataset 58b.
+//!
+//! Their length is points times size: bytes that look like a closing tag may
+//! lie among them, and the byte count of the header is wrong with some writers
+//! of complex data. The tag that must follow decides.
+
+use num_complex::Complex64;
+
+use crate::notice::Notices;
+use crate::number::{Endian, NumberType};
+use crate::source::Source;
+use crate::uff::Values;
+use crate::uff::fields::integer;
+use crate::uff::header::Header;
+use crate::{MeasureError, Notice, Place};
+
+/// Where binary numbers lie and how to read them.
+#[derive(Debug)]
+pub(crate) struct Payload {
+    offset: u64,
+    endian: Endian,
+    value: NumberType,
+    abscissa: Option<NumberType>,
+    complex: bool,
+}
+
+impl Payload {
+    /// From the fields after `58b` in the line at `place`; passes the closing tag.
+    pub(crate) fn locate(
+        source: &mut Source<'_>,
+        place: Place,
+        fields: &str,
+        header: &Header,
+        notices: &mut Notices,
+    ) -> Result<Self, MeasureError> {
+        let fields: Vec<&str> = fields.split_ascii_whitespace().collect();
+        let field = |index: usize| fields.get(index).copied().unwrap_or_default();
+        let wrong =
+            |quantity, index, expected| source.malformed(place, quantity, field(index), expected);
+        let endian = match field(0) {
+            "1" => Endian::Little,
+            "2" => Endian::Big,
+            _ => return Err(wrong("the byte order", 0, "1 (little endian) or 2 (big endian)")),
+        };
+        if !matches!(field(1), "2" | "0" | "") {
+            return Err(wrong("the floating-point format", 1, "2 (IEEE 754)"));
+        }
+        if !matches!(field(2), "11" | "0" | "") {
+            return Err(wrong("the number of header lines", 2, "11"));
+        }
+        let announced = integer(field(3)).and_then(|count| u64::try_from(count).ok());
+        let announced = announced.ok_or_else(|| wrong("the byte count", 3, "a count"))?;
+
+        let value = if header.double { NumberType::F64 } else { NumberType::F32 };
+        // Uneven double data come with abscissae of either width.
+        let abscissae = match (header.even, header.double) {
+            (true, _) => vec![None],
+            (false, false) => vec![Some(NumberType::F32)],
+            (false, true) => vec![Some(NumberType::F64), Some(NumberType::F32)],
+        };
+        let offset = source.position();
+        let candidates = abscissae.into_iter().map(|abscissa| {
+            let complex = header.complex;
+            Self { offset, endian, value, abscissa, complex }
+        });
+        let mut first_need = None;
+        for payload in candidates {
+            let taken = header.points.saturating_mul(payload.point_size());
+            first_need.get_or_insert(taken);
+            if taken > source.len() - offset {
+                continue;
+            }
+            // Padding up to the announced end is passed over.
+            for end in [taken, announced.max(taken)] {
+                if end <= source.len() - offset && after_tag(source, offset + end)? {
+                    if announced != 0 && announced != taken {
+                        let place = Place::Offset(offset);
+                        notices.add(Notice::ByteCount { place, announced, taken });
+                    }
+                    return Ok(payload);
+                }
+            }
+        }
+        let taken = first_need.unwrap_or(0);
+        source.seek_to(offset)?;
+        source.need(taken, "the numbers of the announced points")?;
+        let expected = format!(
+            "`    -1` after {} points in {taken} bytes ({announced} announced)",
+            header.points
+        );
+        let mut found = [0; 8];
+        source.seek_to(offset + taken)?;
+        let length = source.peek(&mut found)?;
+        let found = String::from_utf8_lossy(&found[..length]).into_owned();
+        Err(source.malformed(Place::Offset(offset + taken), "the closing tag", &found, expected))
+    }
+
+    fn point_size(&self) -> u64 {
+        let value = self.value.size() * (1 + usize::from(self.complex));
+        (value + self.abscissa.map_or(0, NumberType::size)) as u64
+    }
+
+    /// Appends `count` points from point `from` on.
+    pub(crate) fn read(
+        &self,
+        source: &mut Source<'_>,
+        from: u64,
+        count: usize,
+        values: &mut Values,
+    ) -> Result<(), MeasureError> {
+        source.seek_to(self.offset + from * self.point_size())?;
+        if self.abscissa.is_none() && !self.complex {
+            source.need((count * self.value.size()) as u64, "the numbers")?;
+            let read = self.value.read(self.endian, source, count, &mut values.real);
+            return read.map_err(|error| source.io(error));
+        }
+        let size = self.point_size() as usize;
+        let mut piece = [0; 1 << 13];
+        let per_piece = piece.len() / size;
+        let (mut left, mut parts) = (count, Vec::with_capacity(2));
+        while left > 0 {
+            let now = left.min(per_piece);
+            let bytes = &mut piece[..now * size];
+            source.read_exact(bytes, "the numbers")?;
+            for point in bytes.chunks_exact(size) {
+                let mut ordinate = point;
+                if let Some(abscissa) = self.abscissa {
+                    let (head, rest) = point.split_at(abscissa.size());
+                    abscissa.decode(self.endian, head, &mut values.abscissae);
+                    ordinate = rest;
+                }
+                if self.complex {
+                    parts.clear();
+                    self.value.decode(self.endian, ordinate, &mut parts);
+                    values.complex.push(Complex64::new(parts[0], parts[1]));
+                } else {
+                    self.value.decode(self.endian, ordinate, &mut values.real);
+                }
+            }
+            left -= now;
+        }
+        Ok(())
+    }
+}
+
+/// Whether a closing tag stands at `position`, perhaps after an end of line;
+/// then the source stands behind it.
+fn after_tag(source: &mut Source<'_>, position: u64) -> Result<bool, MeasureError> {
+    source.seek_to(position)?;
+    let mut around = [0; 16];
+    let length = source.peek(&mut around)?;
+    let around = &around[..length];
+    let blanks = around.iter().take_while(|byte| b"\r\n ".contains(byte)).count();
+    let Some(rest) = around[blanks..].strip_prefix(b"-1") else { return Ok(false) };
+    let ends = rest.first().is_none_or(u8::is_ascii_whitespace);
+    if ends {
+        source.seek_to(position + blanks as u64 + 2)?;
+    }
+    Ok(ends)
+}

@@ -1,0 +1,200 @@
+//! The eleven lines before the numbers of a function.
+
+use crate::latin1;
+use crate::notice::Notices;
+use crate::rate;
+use crate::source::Source;
+use crate::uff::fields::{columns, integer, numbers, real, text};
+use crate::{DegreeOfFreedom, MeasureError, Notice, Quantity, Unit};
+
+/// What the header of dataset 58 says.
+#[derive(Debug)]
+pub(crate) struct Header {
+    pub(crate) name: String,
+    pub(crate) description: String,
+    pub(crate) date: String,
+    /// 1 time response, 2 and 3 spectra, 4 frequency response, ...
+    pub(crate) function: i64,
+    pub(crate) response: Option<DegreeOfFreedom>,
+    pub(crate) reference: Option<DegreeOfFreedom>,
+    pub(crate) double: bool,
+    pub(crate) complex: bool,
+    pub(crate) points: u64,
+    pub(crate) even: bool,
+    pub(crate) start: f64,
+    pub(crate) step: f64,
+    pub(crate) step_uncertainty: f64,
+    pub(crate) abscissa: Axis,
+    pub(crate) ordinate: Axis,
+    pub(crate) denominator: Axis,
+}
+
+/// One of the axes of a function.
+#[derive(Debug)]
+pub(crate) struct Axis {
+    /// Specific data type: 12 acceleration, 13 force, 17 time, ...
+    pub(crate) kind: i64,
+    pub(crate) unit: String,
+}
+
+impl Axis {
+    /// The quantity of the specific data type.
+    pub(crate) fn quantity(&self) -> Quantity {
+        match self.kind {
+            2 | 15 | 21 => Quantity::Pressure,
+            3 => Quantity::Strain,
+            8 => Quantity::Displacement,
+            9 | 13 => Quantity::Force,
+            11 => Quantity::Velocity,
+            12 => Quantity::Acceleration,
+            17 => Quantity::Time,
+            18 => Quantity::Frequency,
+            _ => Quantity::Unknown,
+        }
+    }
+}
+
+impl Header {
+    /// Reads the header from the line after the dataset's number.
+    pub(crate) fn read(
+        source: &mut Source<'_>,
+        line_number: &mut u64,
+        notices: &mut Notices,
+    ) -> Result<Self, MeasureError> {
+        let mut lines = Lines { bytes: Vec::new(), number: line_number };
+        let name = text(&lines.next(source, notices)?);
+        let description = text(&lines.next(source, notices)?);
+        let date = text(&lines.next(source, notices)?);
+        lines.next(source, notices)?;
+        lines.next(source, notices)?;
+
+        let nodes = lines.next(source, notices)?;
+        let freedom = |entity: usize| {
+            let (node, direction) =
+                (columns(&nodes, entity + 10, 10), columns(&nodes, entity + 20, 4));
+            Some(DegreeOfFreedom {
+                entity: text(columns(&nodes, entity, 10)),
+                node: integer(node)?,
+                direction: integer(direction)?,
+            })
+        };
+        let function = integer(columns(&nodes, 0, 5)).unwrap_or(0);
+        let (response, reference) = (freedom(31), freedom(56));
+
+        // Lines lose their meaning once binary data lie between them: places are told in bytes.
+        let place = source.place();
+        let layout = lines.next(source, notices)?;
+        let cut = numbers(&layout, &[10, 10, 10, 13, 13, 13]);
+        let field = |index: usize| cut.get(index).copied().unwrap_or_default();
+        let wrong = |quantity, index: usize, expected: &str| {
+            source.malformed(place, quantity, field(index), expected)
+        };
+        let kind = integer(field(0));
+        let (double, complex) = match kind {
+            Some(2) => (false, false),
+            Some(4) => (true, false),
+            Some(5) => (false, true),
+            Some(6) => (true, true),
+            _ => return Err(wrong("the ordinate data type", 0, "2, 4, 5 or 6")),
+        };
+        let points = integer(field(1)).and_then(|points| u64::try_from(points).ok());
+        let points = points.ok_or_else(|| wrong("the number of points", 1, "a count"))?;
+        let even = match integer(field(2)) {
+            Some(0) => false,
+            Some(1) => true,
+            _ => return Err(wrong("the abscissa spacing", 2, "0 (uneven) or 1 (even)")),
+        };
+        let axis_number = |index: usize, quantity| {
+            let value = if field(index).is_empty() { Some(0.0) } else { real(field(index)) };
+            value
+                .filter(|value| value.is_finite())
+                .ok_or_else(|| wrong(quantity, index, "a finite number"))
+        };
+        let start = axis_number(3, "the abscissa minimum")?;
+        let step = axis_number(4, "the abscissa increment")?;
+        if even && step < 0.0 {
+            return Err(wrong("the abscissa increment", 4, "one that is not negative"));
+        }
+        let step_uncertainty = rate::uncertainty_of_printed_step(field(4));
+
+        let mut axis = || {
+            let line = lines.next(source, notices)?;
+            Ok(Axis {
+                kind: integer(columns(&line, 0, 10)).unwrap_or(0),
+                unit: text(columns(&line, 47, 20)),
+            })
+        };
+        let (abscissa, ordinate, denominator) = (axis()?, axis()?, axis()?);
+        axis()?;
+        Ok(Self {
+            name,
+            description,
+            date,
+            function,
+            response,
+            reference,
+            double,
+            complex,
+            points,
+            even,
+            start,
+            step,
+            step_uncertainty,
+            abscissa,
+            ordinate,
+            denominator,
+        })
+    }
+
+    /// Values of one point, with its abscissa if they are uneven.
+    pub(crate) fn values_per_point(&self) -> u64 {
+        1 + u64::from(self.complex) + u64::from(!self.even)
+    }
+
+    /// A name for the channel: the first line, or the response, or its number.
+    pub(crate) fn channel_name(&self, index: usize) -> String {
+        if !self.name.is_empty() {
+            return self.name.clone();
+        }
+        let entity = self.response.as_ref().map_or("", |response| response.entity.as_str());
+        if entity.is_empty() { format!("channel {}", index + 1) } else { entity.to_owned() }
+    }
+
+    /// What the abscissa is, and the SI value of its unit.
+    pub(crate) fn abscissa_unit(&self) -> (Quantity, f64) {
+        let unit = Unit::parse(&self.abscissa.unit);
+        let stated = self.abscissa.quantity();
+        match unit {
+            Some(unit) if stated == Quantity::Unknown || stated == unit.quantity() => {
+                (unit.quantity(), unit.factor())
+            }
+            // A time response whose axis is not named runs over time all the same.
+            None if stated == Quantity::Unknown && self.function == 1 => (Quantity::Time, 1.0),
+            _ => (stated, 1.0),
+        }
+    }
+}
+
+/// Lines that must be there.
+struct Lines<'n> {
+    bytes: Vec<u8>,
+    number: &'n mut u64,
+}
+
+impl Lines<'_> {
+    fn next(
+        &mut self,
+        source: &mut Source<'_>,
+        notices: &mut Notices,
+    ) -> Result<String, MeasureError> {
+        let place = source.place();
+        if !source.read_line(&mut self.bytes, self.number)? {
+            return Err(source.malformed(place, "the header", "cut off", "11 lines of dataset 58"));
+        }
+        let (line, latin1) = latin1::decode(&self.bytes);
+        if latin1 {
+            notices.add(Notice::Latin1 { place });
+        }
+        Ok(line.into_owned())
+    }
+}

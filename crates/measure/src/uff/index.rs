@@ -1,0 +1,166 @@
+//! The first pass: where each function lies.
+
+use std::sync::Arc;
+
+use crate::latin1;
+use crate::notice::Notices;
+use crate::source::Source;
+use crate::uff::binary::Payload;
+use crate::uff::fields::text;
+use crate::uff::group::Group;
+use crate::uff::header::Header;
+use crate::uff::system::System;
+use crate::{MeasureError, Notice, Place};
+
+/// A function: its header, and where its numbers are.
+#[derive(Debug)]
+pub(crate) struct Entry {
+    pub(crate) header: Header,
+    pub(crate) context: Arc<Context>,
+    pub(crate) data: Data,
+}
+
+/// Where the numbers are.
+#[derive(Debug)]
+pub(crate) enum Data {
+    Printed(Start),
+    Binary(Payload),
+}
+
+/// Start of printed numbers.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Start {
+    pub(crate) offset: u64,
+    pub(crate) line: u64,
+}
+
+/// What datasets 151 and 164 said before a function.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Context {
+    pub(crate) title: String,
+    pub(crate) date: String,
+    pub(crate) system: Option<System>,
+}
+
+/// Finds every function of the file.
+pub(crate) fn index(source: &mut Source<'_>, notices: &mut Notices) -> Result<Group, MeasureError> {
+    let mut entries = Vec::new();
+    let mut context = Arc::new(Context::default());
+    let (mut line, mut number) = (Vec::new(), 0);
+    loop {
+        let place = source.place();
+        if !source.read_line(&mut line, &mut number)? {
+            return Ok(entries);
+        }
+        match line.trim_ascii() {
+            b"" => continue,
+            b"-1" => {}
+            _ => {
+                notices.add(Notice::TextBetweenDatasets { place });
+                continue;
+            }
+        }
+        let place = source.place();
+        if !source.read_line(&mut line, &mut number)? {
+            return Ok(entries);
+        }
+        let (kind, _) = latin1::decode(&line);
+        let kind = kind.trim();
+        let (dataset, rest) =
+            kind.split_at(kind.find(|c: char| !c.is_ascii_digit()).unwrap_or(kind.len()));
+        let binary = rest.strip_prefix(['b', 'B']);
+        match dataset {
+            "" => return Err(source.malformed(place, "a dataset's number", kind, "digits")),
+            "58" => {
+                let kind = kind.to_owned();
+                let binary = binary.map(str::to_owned);
+                let header = Header::read(source, &mut number, notices)?;
+                let data = match binary {
+                    Some(fields) => {
+                        Data::Binary(Payload::locate(source, place, &fields, &header, notices)?)
+                    }
+                    None => printed(source, &mut line, &mut number, &header)?,
+                };
+                if header.points == 0 {
+                    let (array, reason) = (header.name, "it has no points");
+                    let array = if array.is_empty() { kind } else { array };
+                    notices.add(Notice::ArrayLeftOut { array, reason });
+                } else {
+                    let context = Arc::clone(&context);
+                    entries.push(Box::new(Entry { header, context, data }));
+                }
+            }
+            "151" => {
+                let lines = first_lines(source, &mut line, &mut number, place)?;
+                let said = |index: usize| text(lines.get(index).map_or("", String::as_str));
+                let title = [said(0), said(1)].into_iter().find(|line| !line.is_empty());
+                let context = Arc::make_mut(&mut context);
+                context.title = title.unwrap_or_default();
+                context.date = text(lines.get(3).map_or("", |line| date_of(line)));
+            }
+            "164" => {
+                let lines = first_lines(source, &mut line, &mut number, place)?;
+                let factors = lines.get(1..).unwrap_or_default().join(" ");
+                Arc::make_mut(&mut context).system = Some(System::parse(source, place, &factors)?);
+            }
+            _ => {
+                first_lines(source, &mut line, &mut number, place)?;
+            }
+        }
+    }
+}
+
+/// Date and time are the first two fields of ten columns.
+fn date_of(line: &str) -> &str {
+    let end = line.char_indices().nth(20).map_or(line.len(), |(index, _)| index);
+    line[..end].trim()
+}
+
+/// Passes over printed numbers; what is in them is checked when they are read.
+fn printed(
+    source: &mut Source<'_>,
+    line: &mut Vec<u8>,
+    number: &mut u64,
+    header: &Header,
+) -> Result<Data, MeasureError> {
+    let place = source.place();
+    let start = Start { offset: source.position(), line: *number };
+    // Each value takes a digit and a blank at least.
+    let values = header.points.saturating_mul(header.values_per_point());
+    source.need(values.saturating_mul(2), "the numbers of the announced points")?;
+    to_closing_tag(source, line, number, place, |_| ())?;
+    Ok(Data::Printed(start))
+}
+
+/// The first lines of a dataset up to its closing tag, which it passes.
+fn first_lines(
+    source: &mut Source<'_>,
+    line: &mut Vec<u8>,
+    number: &mut u64,
+    place: Place,
+) -> Result<Vec<String>, MeasureError> {
+    const MOST: usize = 8;
+    let mut lines = Vec::with_capacity(MOST);
+    to_closing_tag(source, line, number, place, |line| {
+        if lines.len() < MOST {
+            lines.push(latin1::decode(line).0.into_owned());
+        }
+    })?;
+    Ok(lines)
+}
+
+fn to_closing_tag(
+    source: &mut Source<'_>,
+    line: &mut Vec<u8>,
+    number: &mut u64,
+    place: Place,
+    mut each: impl FnMut(&[u8]),
+) -> Result<(), MeasureError> {
+    while source.read_line(line, number)? {
+        if line.trim_ascii() == b"-1" {
+            return Ok(());
+        }
+        each(line);
+    }
+    Err(source.malformed(place, "a dataset", "open at the end of the file", "a closing `    -1`"))
+}

@@ -1,0 +1,82 @@
+//! Dataset 164, the file's system of units, and the unit of a channel.
+
+use crate::notice::Notices;
+use crate::source::Source;
+use crate::uff::fields::real;
+use crate::uff::header::Header;
+use crate::{ChannelUnit, MeasureError, Notice, Quantity, Unit};
+
+/// Factors from SI to the units of the file: `file = factor * SI`.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct System {
+    length: f64,
+    force: f64,
+}
+
+impl System {
+    /// From the text of dataset 164 after its first line: the factors of
+    /// length, force and temperature, and the offset of temperature.
+    pub(crate) fn parse(
+        source: &Source<'_>,
+        place: crate::Place,
+        factors: &str,
+    ) -> Result<Self, MeasureError> {
+        let mut numbers = factors.split_ascii_whitespace();
+        let mut factor = |quantity| {
+            let field = numbers.next().unwrap_or_default();
+            real(field)
+                .filter(|value| value.is_finite() && *value > 0.0)
+                .ok_or_else(|| source.malformed(place, quantity, field, "a positive factor"))
+        };
+        Ok(Self { length: factor("the length factor")?, force: factor("the force factor")? })
+    }
+
+    /// SI value of the system's unit of `quantity`, for what is made of length and force.
+    fn in_si(&self, quantity: Quantity) -> Option<f64> {
+        match quantity {
+            Quantity::Force => Some(1.0 / self.force),
+            Quantity::Acceleration | Quantity::Velocity | Quantity::Displacement => {
+                Some(1.0 / self.length)
+            }
+            Quantity::Pressure => Some(self.length * self.length / self.force),
+            _ => None,
+        }
+    }
+}
+
+/// The unit of a channel: by its label, else by the file's system.
+pub(crate) fn unit_of(
+    header: &Header,
+    system: Option<&System>,
+    name: &str,
+    notices: &mut Notices,
+) -> (ChannelUnit, Quantity) {
+    let stated = header.ordinate.quantity();
+    let label = &header.ordinate.unit;
+    if !header.denominator.unit.is_empty() {
+        // A ratio, such as a frequency response in g/N, has no quantity of its own here.
+        let ratio = format!("{label}/{}", header.denominator.unit);
+        return (ChannelUnit::of_text(&ratio), Quantity::Unknown);
+    }
+    let unit = ChannelUnit::of_text(label);
+    match (&unit, system) {
+        (ChannelUnit::Known(known), Some(system)) => {
+            let channel_factor = known.factor();
+            if let Some(file_factor) = system.in_si(known.quantity())
+                && (file_factor / channel_factor - 1.0).abs() > 1e-3
+            {
+                let channel = name.to_owned();
+                notices.add(Notice::UnitsDisagree { channel, channel_factor, file_factor });
+            }
+        }
+        (ChannelUnit::Missing, Some(system)) => {
+            if let Some(factor) = system.in_si(stated) {
+                let channel = name.to_owned();
+                notices.add(Notice::UnitOfFile { channel, quantity: stated, factor });
+                return (ChannelUnit::Known(Unit::of_factor(stated, factor)), stated);
+            }
+        }
+        _ => {}
+    }
+    (unit, stated)
+}

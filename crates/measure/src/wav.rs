@@ -1,0 +1,118 @@
+//! RIFF WAVE: samples as a fraction of the converter's full scale.
+
+use hound::{SampleFormat, WavReader};
+
+use crate::arrays::bare_channel;
+use crate::notice::Notices;
+use crate::reader::Records;
+use crate::source::Source;
+use crate::{
+    Abscissa, ChannelUnit, Format, MeasureError, Place, Quantity, ReadOptions, Record, Samples,
+    Unit,
+};
+
+/// A WAVE file being read.
+pub(crate) struct Wav<'a> {
+    file: String,
+    reader: WavReader<Source<'a>>,
+    next: u64,
+    frames: u64,
+    block: u64,
+}
+
+impl<'a> Wav<'a> {
+    pub(crate) fn open(source: Source<'a>, options: &ReadOptions) -> Result<Self, MeasureError> {
+        let (file, length) = (source.name().to_owned(), source.len());
+        let reader = WavReader::new(source).map_err(|error| wrong(&file, &error))?;
+        let spec = reader.spec();
+        let malformed = |quantity, found: String, expected: &str| MeasureError::Malformed {
+            file: file.clone(),
+            place: Place::Offset(20),
+            quantity,
+            found,
+            expected: expected.to_owned(),
+        };
+        if spec.channels == 0 || u64::from(spec.channels) > 256.max(length / 128) {
+            let found = spec.channels.to_string();
+            return Err(malformed("the number of channels", found, "1 to 256"));
+        }
+        if spec.sample_rate == 0 {
+            return Err(malformed("the sample rate", "0".into(), "a positive rate"));
+        }
+        let frames = u64::from(reader.len() / u32::from(spec.channels));
+        let bytes = frames * u64::from(spec.channels) * u64::from(spec.bits_per_sample.div_ceil(8));
+        if bytes > length {
+            return Err(MeasureError::Truncated {
+                file,
+                place: Place::Offset(0),
+                quantity: "the samples",
+                needed: bytes,
+                available: length,
+            });
+        }
+        if frames == 0 {
+            return Err(MeasureError::NoSamples { file, expected: "a chunk `data`" });
+        }
+        Ok(Self { file, reader, next: 0, frames, block: options.block as u64 })
+    }
+}
+
+fn wrong(file: &str, error: &hound::Error) -> MeasureError {
+    let found = error.to_string();
+    let (file, expected) = (file.to_owned(), "PCM or IEEE float samples".to_owned());
+    MeasureError::Malformed {
+        file,
+        place: Place::Offset(0),
+        quantity: "the WAVE file",
+        found,
+        expected,
+    }
+}
+
+impl Records for Wav<'_> {
+    fn format(&self) -> Format {
+        Format::Wav
+    }
+
+    fn next_record(&mut self, _: &mut Notices) -> Result<Option<Record>, MeasureError> {
+        let spec = self.reader.spec();
+        let count = (self.frames - self.next).min(self.block) as usize;
+        if count == 0 {
+            return Ok(None);
+        }
+        let channels = usize::from(spec.channels);
+        let mut columns: Vec<Vec<f64>> = (0..channels).map(|_| Vec::with_capacity(count)).collect();
+        let taken = count * channels;
+        let file = &self.file;
+        let mut put = |index: usize, sample: Result<f64, hound::Error>| {
+            columns[index % channels].push(sample.map_err(|error| wrong(file, &error))?);
+            Ok::<(), MeasureError>(())
+        };
+        match spec.sample_format {
+            SampleFormat::Float => {
+                for (index, sample) in self.reader.samples::<f32>().take(taken).enumerate() {
+                    put(index, sample.map(f64::from))?;
+                }
+            }
+            SampleFormat::Int => {
+                let full_scale = 2f64.powi(i32::from(spec.bits_per_sample) - 1);
+                for (index, sample) in self.reader.samples::<i32>().take(taken).enumerate() {
+                    put(index, sample.map(|sample| f64::from(sample) / full_scale))?;
+                }
+            }
+        }
+        let rate = f64::from(spec.sample_rate);
+        let abscissa = Abscissa::even_time(self.next as f64 / rate, rate);
+        let unit = Unit::si(Quantity::FullScale).map_or(ChannelUnit::Missing, ChannelUnit::Known);
+        let channels = columns.into_iter().enumerate().map(|(index, values)| {
+            let name = format!("channel {}", index + 1);
+            let mut channel = bare_channel(name, abscissa.clone(), Samples::Real(values));
+            channel.unit = unit.clone();
+            channel
+        });
+        let channels = channels.collect();
+        let continues = self.next > 0;
+        self.next += count as u64;
+        Ok(Some(Record { channels, continues, ..Record::default() }))
+    }
+}

@@ -1,0 +1,17 @@
+//! Reading, converting and writing measurements.
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stderr,
+    reason = "what tests build is valid, and what they skip is told"
+)]
+
+mod build;
+mod by_hand;
+mod calibration;
+mod pyuff_check;
+mod reference_files;
+mod refusals;
+mod round_trip;
+mod shared_data;
+mod text_files;
+mod writing;

@@ -1,0 +1,111 @@
+//! What is wrong with a file is said with its name, the place and what was expected.
+
+use asperity_measure::{Format, MeasureError, ReadOptions, open, read, read_bytes};
+
+use crate::build::{reference, refused};
+
+#[test]
+fn a_file_that_is_not_there_and_a_folder() {
+    let folder = tempfile::tempdir().unwrap();
+    for path in [folder.path().join("none.uff"), folder.path().to_owned()] {
+        let error = read(&path, &ReadOptions::default()).unwrap_err();
+        assert!(matches!(error, MeasureError::Io { .. }));
+        assert!(error.to_string().starts_with(&path.display().to_string()), "{error}");
+    }
+}
+
+#[test]
+fn the_content_decides_and_not_the_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("really.csv");
+    std::fs::copy(reference("pyuff_binary.uff"), &path).unwrap();
+    let reader = open(&path, &ReadOptions::default()).unwrap();
+    assert_eq!(reader.format(), Format::UniversalBinary);
+}
+
+#[test]
+fn what_is_no_measurement_or_not_read() {
+    for (content, expected) in [
+        (&b""[..], "none of the formats"),
+        (b"\x7fELF\0\0\0\0", "none of the formats UFF 58, text"),
+        (b"TDSm\0\0\0\0", "TDMS cannot be read; export it as UFF or CSV"),
+        (b"\xff\xfe1\0\n\0", "text in UTF-16 cannot be read; save it as UTF-8"),
+        (b"RF64\0\0\0\0WAVE", "cannot be read; save it as RIFF"),
+        (b"RIFF\0\0\0\0WAVE", "the WAVE file"),
+        (b"\x93NUMPY\x07\0\0\0", "the NPY version is `7`; expected 1, 2 or 3"),
+        (b"PK\x03\x04", "a zip archive"),
+    ] {
+        let message = refused(content);
+        assert!(message.starts_with("bytes") && message.contains(expected), "{message}");
+    }
+}
+
+#[test]
+fn arrays_say_what_is_wrong_with_them() {
+    let array = |text: &str, data: usize| {
+        let mut text = text.as_bytes().to_vec();
+        text.resize(118, b' ');
+        [b"\x93NUMPY\x01\0\x76\0".as_slice(), &text, &vec![0; data]].concat()
+    };
+    for (text, data, expected) in [
+        (
+            "{'descr': '<f8', 'fortran_order': False, 'shape': (4,), }",
+            31,
+            "byte 128: the array needs 32 bytes; the file has 31",
+        ),
+        (
+            "{'descr': '<U8', 'fortran_order': False, 'shape': (4,), }",
+            128,
+            "the type of the array is `<U8`",
+        ),
+        (
+            "{'descr': [('a', '<f8')], 'fortran_order': False, 'shape': (4,), }",
+            32,
+            "the type of the array",
+        ),
+        ("{'descr': '<f8', 'fortran_order': 3, 'shape': (4,), }", 32, "expected True or False"),
+        (
+            "{'descr': '<f8', 'fortran_order': False, 'shape': (-4,), }",
+            32,
+            "the shape of the array",
+        ),
+        (
+            "{'descr': '<f8', 'fortran_order': False, 'shape': (1, 2, 2), }",
+            32,
+            "one or two dimensions",
+        ),
+        ("{'descr': '<f8', 'fortran_order': False, 'shape': (0,), }", 32, "one or two dimensions"),
+        ("{'descr': '<f8', 'fortran_order': False, 'shape': (2, 2), }", 32, "has shape 2 x 2"),
+    ] {
+        let message = refused(array(text, data));
+        assert!(message.contains(expected), "{message}");
+    }
+}
+
+#[test]
+fn options_that_mean_nothing() {
+    for rate in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        let options = ReadOptions { sample_rate_hz: Some(rate), ..ReadOptions::default() };
+        let error = read_bytes(b"1\n2\n", &options).unwrap_err();
+        assert!(matches!(error, MeasureError::Option { option: "sample_rate_hz", .. }), "{error}");
+    }
+    // A block of nothing is one of a sample.
+    let options = ReadOptions { block: 0, sample_rate_hz: Some(1.0), ..ReadOptions::default() };
+    let mut reader =
+        asperity_measure::Reader::from_stream("b", std::io::Cursor::new(b"1\n2\n"), &options)
+            .unwrap();
+    assert_eq!(reader.next_record().unwrap().unwrap().len(), 1);
+}
+
+#[test]
+fn after_an_error_there_is_nothing_more() {
+    let file = b"time_s,f_N\n0,1\n1,2\n2,x\n3,4\n";
+    let mut reader = asperity_measure::Reader::from_stream(
+        "f",
+        std::io::Cursor::new(&file[..]),
+        &ReadOptions::default(),
+    )
+    .unwrap();
+    assert!(reader.next_record().is_err());
+    assert_eq!(reader.next_record().unwrap(), None);
+}

@@ -1,0 +1,174 @@
+//! Texts as loggers, spreadsheets and LabVIEW write them.
+
+use asperity_measure::{ChannelUnit, Notice, Quantity, ReadOptions, Reader, read_bytes};
+
+use crate::build::{parsed, refused, samples};
+
+fn rows(count: u32, row: impl Fn(u32) -> String) -> String {
+    (0..count).map(row).collect::<Vec<_>>().join("\n")
+}
+
+#[test]
+fn a_german_export_with_preamble_and_a_row_of_units() {
+    // Latin-1, CR LF, decimal comma, time in milliseconds.
+    let file = b"Messung;Pr\xfcfstand 3\r\nKanalzahl;2\r\n\r\nZeit;Kraft;Beschleunigung\r\n\
+        [ms];[N];[m/s\xb2]\r\n0,00;0,5;-1,25\r\n0,02;1,5;2\r\n0,04;2,5;1e-3\r\n0,06;-3;0\r\n";
+    let measured = parsed(file);
+    let record = &measured.records[0];
+    assert_eq!(record.sample_rate_hz(), Some(50_000.0));
+    assert_eq!(samples(record, "Kraft"), [0.5, 1.5, 2.5, -3.0]);
+    assert_eq!(samples(record, "Beschleunigung"), [-1.25, 2.0, 0.001, 0.0]);
+    assert_eq!(record.of_quantity(Quantity::Acceleration).unwrap().unit.text(), "m/s^2");
+    assert!(measured.notices.iter().any(|notice| matches!(notice, Notice::Latin1 { .. })));
+}
+
+#[test]
+fn the_same_numbers_in_many_dialects() {
+    let mut expected: Option<(Vec<f64>, Vec<f64>)> = None;
+    for file in [
+        "time_s,force_N,acc_g\n0,0.5,-1\n0.001,1.5,2\n0.002,2.5,3\n",
+        "\u{feff}Time (s),Force (N),Acc (g)\n0,0.5,-1\n0.001,1.5,2\n0.002,2.5,3\n",
+        "Time [s];Force [N];Acc [g]\n0;0,5;-1\n0,001;1,5;2\n0,002;2,5;3\n",
+        "t/s\tF/N\ta/g\n0\t0.5\t-1\n0.001\t1.5\t2\n0.002\t2.5\t3\n",
+        "# time_s force_N acc_g\n 0.000e+00  0.5 -1.0\n 1.000e-03  1.5  2.0\n 2.000e-03  2.5  3.0\n",
+        "\"Time (s)\",\"Force (N)\",\"Acc (g)\"\n0,0.5,-1,\n0.001,1.5,2,\n\n0.002,2.5,3,\n",
+        "time,force,acc\ns,N,g\n0,0.5,-1\n0.001,1.5,2\n0.002,2.5,3",
+        "time_ms,force_kN,acc_g\n0,0.0005,-1\n1,0.0015,2\n2,0.0025,3\n",
+    ] {
+        let mut measured = parsed(file);
+        let record = &mut measured.records[0];
+        assert_eq!(record.sample_rate_hz(), Some(1000.0), "{file}");
+        let si = |quantity| {
+            let mut channel = record.of_quantity(quantity).unwrap().clone();
+            channel.to_si().unwrap();
+            channel.samples.real().unwrap().to_vec()
+        };
+        let found = (si(Quantity::Force), si(Quantity::Acceleration));
+        let expected = expected.get_or_insert_with(|| found.clone());
+        for (a, b) in found.0.iter().chain(&found.1).zip(expected.0.iter().chain(&expected.1)) {
+            assert!((a - b).abs() < 1e-12, "{file}");
+        }
+    }
+}
+
+#[test]
+fn rates_come_from_rounded_times() {
+    // Six decimals at 51.2 kHz: each time is off by up to half a microsecond.
+    let rows = rows(5120, |n| format!("{:.6},1", f64::from(n) / 51_200.0));
+    let measured = parsed(format!("time_s,force_N\n{rows}"));
+    assert_eq!(measured.records[0].sample_rate_hz(), Some(51_200.0));
+    assert!(measured.notices.iter().any(|notice| matches!(notice, Notice::RateSnapped { .. })));
+    // Two decimals hide it: the axis stays as it is printed.
+    let rows = self::rows(512, |n| format!("{:.2},1", f64::from(n) / 512.0));
+    assert_eq!(parsed(format!("time_s,force_N\n{rows}")).records[0].sample_rate_hz(), None);
+}
+
+#[test]
+fn an_uneven_axis_is_kept() {
+    let measured = parsed("time_s,x_mm\n0,1\n1,2\n5,3\n");
+    let channel = &measured.records[0].channels[0];
+    assert_eq!(channel.sample_rate_hz(), None);
+    assert_eq!([0, 1, 2].map(|n| channel.abscissa.at(n).unwrap()), [0.0, 1.0, 5.0]);
+}
+
+#[test]
+fn without_names_time_is_found_by_its_values_and_said_so() {
+    let measured = parsed("0 5 1\n0.5 6 1\n1 4 1\n1.5 5 1\n");
+    assert_eq!(measured.records[0].sample_rate_hz(), Some(2.0));
+    assert_eq!(samples(&measured.records[0], "column 2"), [5.0, 6.0, 4.0, 5.0]);
+    assert!(measured.notices.contains(&Notice::TimeByValues { column: "column 1".into() }));
+    assert_eq!(measured.records[0].channels[0].unit, ChannelUnit::Missing);
+}
+
+#[test]
+fn without_time_a_rate_is_asked_for() {
+    for file in
+        ["force_N\n1\n5\n2\n", "force_N,acc_g\n1,2\n5,1\n2,2\n", "n,force_N\n0,1\n1,5\n2,2\n"]
+    {
+        let message = refused(file);
+        assert!(message.ends_with("give the rate (option `sample_rate_hz`)"), "{message}");
+        let options = ReadOptions { sample_rate_hz: Some(500.0), ..ReadOptions::default() };
+        let measured = read_bytes(file.as_bytes(), &options).unwrap();
+        assert_eq!(measured.records[0].sample_rate_hz(), Some(500.0));
+        assert_eq!(samples(&measured.records[0], "force"), [1.0, 5.0, 2.0]);
+        assert!(measured.notices.contains(&Notice::RateOfOptions { rate_hz: 500.0 }));
+    }
+}
+
+const LABVIEW: &str = "LabVIEW Measurement\t\nWriter_Version\t2\nReader_Version\t2\nSeparator\tTab\n\
+    Decimal_Separator\t,\nMulti_Headings\tYes\nX_Columns\tNo\nTime_Pref\tAbsolute\nDate\t2026/11/01\n\
+    Description\thit on beam\n***End_of_Header***\t\n\t\nChannels\t2\t\t\nSamples\t3\t3\t\n\
+    Date\t2026/11/01\t2026/11/01\t\nY_Unit_Label\tNewtons\tg\t\nX_Dimension\tTime\tTime\t\n\
+    X0\t0,0E+0\t0,0E+0\t\nDelta_X\t1,953125E-5\t1,953125E-5\t\n***End_of_Header***\t\t\t\n\
+    X_Value\tHammer\tTip\tComment\n\t1,5\t-0,25\n\t2,5\t0,5\tfirst\n\t3,5\t0,75\n";
+
+#[test]
+fn labview_without_a_column_of_times() {
+    let second = LABVIEW.split_once("\t\nChannels").unwrap().1;
+    let file = format!("{LABVIEW}\t\nChannels{second}");
+    let measured = parsed(file);
+    assert_eq!(measured.records.len(), 2, "a record for each segment");
+    for record in &measured.records {
+        assert!(!record.continues);
+        assert_eq!(record.sample_rate_hz(), Some(51_200.0));
+        assert_eq!((record.title.as_str(), record.date.as_str()), ("hit on beam", "2026/11/01"));
+        assert_eq!(samples(record, "Hammer"), [1.5, 2.5, 3.5]);
+        assert_eq!(samples(record, "Tip"), [-0.25, 0.5, 0.75]);
+        assert_eq!(record.channels[1].unit.text(), "g");
+        assert_eq!(record.channels[0].unit.text(), "N");
+    }
+}
+
+#[test]
+fn labview_with_times_in_six_decimals() {
+    // The column says 0.000020, the header 1.953125E-5.
+    let file = LABVIEW
+        .replace("X_Columns\tNo", "X_Columns\tOne")
+        .replace("\n\t1,5", "\n0,000000\t1,5")
+        .replace("\n\t2,5", "\n0,000020\t2,5")
+        .replace("\n\t3,5", "\n0,000039\t3,5");
+    let measured = parsed(&file);
+    let record = &measured.records[0];
+    assert_eq!(record.sample_rate_hz(), Some(51_200.0));
+    assert_eq!((record.channels.len(), samples(record, "Tip")), (2, &[-0.25, 0.5, 0.75][..]));
+    let many = refused(file.replace("X_Columns\tOne", "X_Columns\tMulti"));
+    assert!(many.contains("an X column for each channel"), "{many}");
+}
+
+#[test]
+fn wrong_rows_are_named_by_their_line() {
+    let head = "time_s,force_N\n0,1\n1,2\n2,3\n3,4\n";
+    let message = refused(format!("{head}4,five\n5,6\n"));
+    assert!(
+        message.contains("line 6: a field is `five`; expected a number for `force`"),
+        "{message}"
+    );
+    let message = refused(format!("{head}4\n5,6\n"));
+    assert!(message.contains("line 6: a row is `1 columns`; expected 2 columns"), "{message}");
+    let message = refused(format!("{head}4,5,6\n5,6\n"));
+    assert!(
+        message.contains("line 6: a field is `6`; expected nothing after 2 columns"),
+        "{message}"
+    );
+    let cut = parsed(format!("{head}4,"));
+    assert_eq!(samples(&cut.records[0], "force"), [1.0, 2.0, 3.0, 4.0]);
+    assert!(cut.notices.iter().any(|notice| matches!(notice, Notice::RowCutOff { .. })));
+    assert!(
+        refused("nothing\nbut\nwords\n").contains("holds no samples; expected rows of numbers")
+    );
+}
+
+#[test]
+fn a_later_block_that_leaves_the_even_axis_says_so() {
+    let rows = rows(100, |n| format!("{n}.0,1")) + "\n200,1\n201,1\n";
+    let file = format!("time_s,force_N\n{rows}");
+    let options = ReadOptions { block: 50, ..ReadOptions::default() };
+    let mut reader =
+        Reader::from_stream("rows", std::io::Cursor::new(file.as_bytes()), &options).unwrap();
+    let mut rates = Vec::new();
+    while let Some(record) = reader.next_record().unwrap() {
+        rates.push((record.len(), record.continues, record.channels[0].sample_rate_hz()));
+    }
+    assert_eq!(rates, [(50, false, Some(1.0)), (50, true, Some(1.0)), (2, true, None)]);
+    assert!(reader.notices().contains(&Notice::UnevenBlock { sample: 100 }));
+}
