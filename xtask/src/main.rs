@@ -4,9 +4,11 @@
 //! |---|---|---|
 //! | `cargo xtask ci` | `ci` | everything CI checks, in order, up to the first failure |
 //! | `cargo xtask tidy` | `tidy` | holds the repository to its rules |
+//! | `cargo xtask bench` | `bench` | speed of the kernels and of a sweep, as one table |
 //! | `cargo xtask reproduce` | `reproduce` | every figure of the paper, every claim judged |
 #![allow(clippy::print_stdout, clippy::print_stderr, reason = "tasks report to a terminal")]
 
+mod bench;
 mod ci;
 mod figures;
 mod reproduce;
@@ -31,6 +33,8 @@ enum Task {
     Ci,
     /// Hold the repository to its rules.
     Tidy,
+    /// Measure the kernels and a sweep of 100 000 hits.
+    Bench,
     /// Recompute every figure of the paper and judge every claim.
     Reproduce(reproduce::Arguments),
 }
@@ -45,6 +49,7 @@ fn main() -> ExitCode {
     let passed = match Cli::parse().task {
         Task::Ci => ci::run(&Cli::command()),
         Task::Tidy => tidy::run(&Cli::command()),
+        Task::Bench => bench::run(),
         Task::Reproduce(arguments) => reproduce::run(&arguments),
     };
     match passed {

@@ -83,6 +83,9 @@ fn is_wrong_request(error: &StudyError) -> bool {
         StudyError::Samples { .. }
         | StudyError::FitTable(_)
         | StudyError::Document(_)
+        | StudyError::Set(_)
+        | StudyError::Scenario { .. }
+        | StudyError::OtherColumns
         | StudyError::Law { .. } => true,
         StudyError::Output(error) => !matches!(error, OutputError::Io { .. }),
         StudyError::Dynamics(error) => matches!(

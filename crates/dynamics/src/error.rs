@@ -58,6 +58,18 @@ pub enum DynamicsError {
         /// The interface with the first value that is not finite.
         interface: String,
     },
+    /// The energy balance does not close: the step is too long for what happens.
+    #[error(
+        "the energy balance is off by {residual:.1e} of the energy at a step of {step_s:.3e} s; accepted: {limit}; use a smaller step"
+    )]
+    Coarse {
+        /// Energy residual over the work done.
+        residual: f64,
+        /// Step \[s\].
+        step_s: f64,
+        /// Largest residual accepted.
+        limit: f64,
+    },
     /// The structure or its grid cannot be built.
     #[error(transparent)]
     Mesh(#[from] MeshError),

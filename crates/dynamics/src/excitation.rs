@@ -99,6 +99,38 @@ impl Excitation {
         }
     }
 
+    /// Time in which the force changes \[s\]: the rise of a pulse, a sixth of a period, of a record
+    /// twice the integral of its magnitude over its total variation; infinite for no force.
+    pub fn time_scale(&self) -> f64 {
+        match *self {
+            Self::None => f64::INFINITY,
+            Self::GammaPulse { rise, .. } => rise,
+            Self::HalfSine { duration, .. } | Self::Haversine { duration, .. } => 0.5 * duration,
+            Self::Harmonic { frequency, .. } => 1.0 / (TAU * frequency),
+            Self::Record(ref record) => record.time_scale(),
+        }
+    }
+
+    /// The same course with a peak or amplitude of one, and the factor on it; a record, and a
+    /// force of zero, stay as they are.
+    pub fn unit(&self) -> (Self, f64) {
+        match *self {
+            Self::GammaPulse { peak, rise } if peak != 0.0 => {
+                (Self::GammaPulse { peak: 1.0, rise }, peak)
+            }
+            Self::HalfSine { peak, duration } if peak != 0.0 => {
+                (Self::HalfSine { peak: 1.0, duration }, peak)
+            }
+            Self::Haversine { peak, duration } if peak != 0.0 => {
+                (Self::Haversine { peak: 1.0, duration }, peak)
+            }
+            Self::Harmonic { amplitude, frequency } if amplitude != 0.0 => {
+                (Self::Harmonic { amplitude: 1.0, frequency }, amplitude)
+            }
+            ref other => (other.clone(), 1.0),
+        }
+    }
+
     /// Checks that every parameter is in its range.
     ///
     /// # Errors
@@ -155,6 +187,19 @@ impl ForceRecord {
             }
         }
         Ok(Self { time, force })
+    }
+
+    /// Twice the integral of the magnitude over the total variation \[s\]: about the rise time of
+    /// a pulse, about a step of noise; at least the mean spacing.
+    fn time_scale(&self) -> f64 {
+        let last = self.time.len() - 1;
+        let spacing = (self.time[last] - self.time[0]) / last as f64;
+        let (mut area, mut variation) = (0.0, self.force[0].abs() + self.force[last].abs());
+        for (times, forces) in self.time.windows(2).zip(self.force.windows(2)) {
+            area += 0.5 * (forces[0].abs() + forces[1].abs()) * (times[1] - times[0]);
+            variation += (forces[1] - forces[0]).abs();
+        }
+        if variation > 0.0 { spacing.max(2.0 * area / variation) } else { spacing }
     }
 
     fn force(&self, time: f64) -> f64 {

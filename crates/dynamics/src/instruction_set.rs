@@ -29,6 +29,16 @@ impl InstructionSet {
             .collect()
     }
 
+    /// Numbers in one vector of this set.
+    pub fn lanes(self) -> usize {
+        match self {
+            Self::Scalar => 1,
+            Self::Neon => 2,
+            Self::Avx2 => 4,
+            Self::Avx512 => 8,
+        }
+    }
+
     /// The dispatcher of this set, if the machine has it.
     pub(crate) fn arch(self) -> Option<Arch> {
         match self {

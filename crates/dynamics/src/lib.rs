@@ -21,6 +21,8 @@
 //! | [`damping`] | mass-proportional viscosity from a damping ratio |
 //! | [`excitation`] | the hammer's pulse, the shaker's sine, a measured record |
 //! | [`finite_difference`] | the paper's explicit scheme, Eqs. (2) to (5) |
+//! | [`modal`] | exact modal steps with implicit contact, many hits in vector lanes |
+//! | [`integrator`] | either integrator behind one face |
 //! | [`transient`] | what every integrator returns: history, contact record, energy ledger |
 
 pub mod damping;
@@ -30,6 +32,8 @@ pub mod excitation;
 pub mod finite_difference;
 pub mod grid_modes;
 pub mod instruction_set;
+pub mod integrator;
+pub mod modal;
 pub mod modes;
 pub mod transient;
 
@@ -40,5 +44,7 @@ pub use excitation::{Excitation, ForceRecord};
 pub use finite_difference::{ContactForm, FiniteDifference};
 pub use grid_modes::grid_frequencies;
 pub use instruction_set::InstructionSet;
+pub use integrator::{Integrator, Outline};
+pub use modal::{Batch, Hit, HitRecord, Modal, ModalContact, ModalRig, Thinning};
 pub use modes::{Mode, modes};
 pub use transient::{ContactRecord, EnergyLedger, History, InterfaceHistory, Sampling, Transient};

@@ -8,65 +8,23 @@ mod support;
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
-use asperity_dynamics::{Excitation, InterfaceHistory, Transient};
+use asperity_dynamics::Excitation;
 use asperity_law::{Constant, ContactLaw, Power};
 use diffsol::{MatrixCommon, NalgebraMat, OdeBuilder, OdeSolverMethod};
 use faer::c64;
-use support::half_spaces::{LENGTH, delay, impedance, run, stack};
+use support::half_spaces::{LENGTH, PULSE, delay, impedance, pulse, relative_norm, run, stack};
+use support::half_spaces::{transmitted_haversine, window};
 use support::receptance::transform;
 use support::{AREA, Law, constant, exponential, modified, power, slope};
 
 /// Static pressure [Pa].
 const P0: f64 = 1.4e5;
 
-/// Pulse duration [s]: half a metre of wave, a quarter of the window.
-const PULSE: f64 = 1e-4;
-
 /// Cells a bar of the convergence studies.
 const CELLS: [usize; 4] = [127, 255, 511, 1023];
 
 fn sizes() -> Vec<f64> {
     CELLS.iter().map(|&cells| LENGTH / cells as f64).collect()
-}
-
-/// A pulse whose incident pressure peaks at `pressure` [Pa].
-fn pulse(pressure: f64) -> Excitation {
-    Excitation::Haversine { peak: pressure * AREA, duration: PULSE }
-}
-
-/// Samples of the interface from the arrival of the wave to its first echo, and
-/// their times after arrival [s].
-fn window(transient: &Transient) -> (Vec<f64>, InterfaceHistory) {
-    let history = &transient.history;
-    let arrival = history.time.iter().position(|&t| t >= delay()).unwrap();
-    let end = history.time.iter().position(|&t| t >= 2.9 * delay()).unwrap();
-    let cut = |column: &[f64]| column[arrival..end].to_vec();
-    let times = history.time[arrival..end].iter().map(|t| t - delay()).collect();
-    let interface = &history.interfaces[0];
-    let samples = InterfaceHistory {
-        pressure: cut(&interface.pressure),
-        closure: cut(&interface.closure),
-        stiffness: cut(&interface.stiffness),
-    };
-    (times, samples)
-}
-
-/// `sqrt(sum (a - b)^2 / sum b^2)`.
-fn relative_norm(a: &[f64], b: &[f64]) -> f64 {
-    assert_eq!(a.len(), b.len());
-    let off: f64 = a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum();
-    (off / b.iter().map(|b| b * b).sum::<f64>()).sqrt()
-}
-
-/// `f * alpha exp(-alpha t)` for `f = sin^2(pi t / T)` on `0 < t < T`.
-fn transmitted_haversine(alpha: f64, time: f64) -> f64 {
-    let w = TAU / PULSE;
-    let during = |t: f64| {
-        let forced = alpha * (alpha * (w * t).cos() + w * (w * t).sin());
-        let free = alpha * alpha * (-alpha * t).exp();
-        0.5 * (1.0 - (-alpha * t).exp() - (forced - free) / (alpha * alpha + w * w))
-    };
-    if time <= PULSE { during(time) } else { during(PULSE) * (-alpha * (time - PULSE)).exp() }
 }
 
 /// Exact solution 2 in time, with slope 2 in the cell.

@@ -5,7 +5,7 @@ mod span;
 use crate::cell::Cell;
 use crate::error::{LawError, Quantity, above, finite};
 use crate::law::ContactLaw;
-use span::{Grid, Span};
+use span::{Grid, Layout, Span};
 
 /// A contact law compiled to a table of cubics: pressure increment against closure increment,
 /// both from a state.
@@ -95,12 +95,37 @@ impl Compiled {
         pressure_top: f64,
         tolerance: f64,
     ) -> Result<Self, LawError> {
+        Self::build(law, (pressure_state, pressure_top), tolerance, Layout::Divided)
+    }
+
+    /// Compiles like [`new`](Self::new), but with cells of one width all through, for kernels that
+    /// look up many closures at once: there is no scale to choose. A law that never separates is
+    /// covered down to a millionth of `pressure_state`; below it the table answers with the
+    /// pressure there, which is as close to the law as that.
+    ///
+    /// # Errors
+    /// Those of [`new`](Self::new).
+    pub fn uniform(
+        law: &dyn ContactLaw,
+        pressure_state: f64,
+        pressure_top: f64,
+        tolerance: f64,
+    ) -> Result<Self, LawError> {
+        Self::build(law, (pressure_state, pressure_top), tolerance, Layout::Uniform)
+    }
+
+    fn build(
+        law: &dyn ContactLaw,
+        (pressure_state, pressure_top): (f64, f64),
+        tolerance: f64,
+        layout: Layout,
+    ) -> Result<Self, LawError> {
         finite(Quantity::PressureState, pressure_state)?;
         above(Quantity::PressureTop, pressure_top, pressure_state)?;
         above(Quantity::Tolerance, tolerance, 0.0)?;
         let scale = pressure_state.abs().max((pressure_top - pressure_state) / 1000.0);
         let limit = tolerance * scale;
-        let span = Span::of(law, pressure_state, pressure_top)?;
+        let span = Span::of(law, pressure_state, pressure_top, layout)?;
 
         let mut wanted = FIRST_CELLS;
         let mut best = (0, f64::INFINITY);
@@ -248,8 +273,14 @@ impl Compiled {
         let divided = if span.singular { grid.count().min(DIVIDED) } else { 0 };
         let fine_cells = divided * DIVISION;
         let mut cells = Vec::with_capacity(1 + fine_cells + grid.count());
-        cells.push(if span.separates { [0.0 - state, 0.0, 0.0, 0.0] } else { [f64::NAN; 4] });
         let mut left = node(0.0, 1.0);
+        cells.push(if span.separates {
+            [0.0 - state, 0.0, 0.0, 0.0]
+        } else if span.floored {
+            [left.0, 0.0, 0.0, 0.0]
+        } else {
+            [f64::NAN; 4]
+        });
         for i in 1..=fine_cells {
             let width = 1.0 / DIVISION as f64;
             let right = node(i as f64 * width, width);

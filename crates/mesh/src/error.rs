@@ -42,6 +42,26 @@ pub enum MeshError {
         /// The Courant number `c dt / dx` asked for.
         courant: f64,
     },
+    /// No mode, or more than are accepted, would be kept of a body.
+    #[error("{body}: {modes} modes; accepted: 1 to {limit} (fewer for a lower frequency bound)")]
+    ModeCount {
+        /// The body concerned.
+        body: String,
+        /// The modes asked for, or the frequency bound over the first elastic mode's.
+        modes: f64,
+        /// The most accepted.
+        limit: usize,
+    },
+    /// Modal data do not fit together.
+    #[error(
+        "modal data with {found} entries where there is one for each of {interfaces} interfaces"
+    )]
+    ModalSize {
+        /// Entries found.
+        found: usize,
+        /// Number of interfaces.
+        interfaces: usize,
+    },
     /// The cell is so small that the grid would not fit in memory.
     #[error("cells of {cell_m} m make {nodes:.3e} nodes; at most {limit:.0e} are accepted")]
     TooManyNodes {

@@ -22,11 +22,18 @@ const LANES: usize = 8;
 ///
 /// Source: J. F. Kaiser, "Nonrecursive digital filter design using the
 /// I0-sinh window function", Proc. IEEE ISCAS 1974, 20-23, for `beta` and `P`.
-/// It is for looking, not for measuring: peaks are refined on all samples.
-pub(crate) struct Decimator {
+/// Applied to a force and its response alike it drops out of their ratio, and what folds is all
+/// that is lost.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Decimator {
     factor: usize,
     taps: Vec<f64>,
 }
+
+/// What [`Decimator::keeping`] asks of attenuation \[dB\] and of the decimated rate over the
+/// highest frequency kept: enough for peaks to 1e-5 of the largest value, with few taps.
+const THRIFTY_ATTENUATION: f64 = 100.0;
+const THRIFTY_OVERSAMPLING: f64 = 4.4;
 
 impl Decimator {
     /// For frequencies up to `high` (Hz); `None` where decimation would not pay.
@@ -36,12 +43,29 @@ impl Decimator {
         if factor < 2 {
             return None;
         }
-        let transition = 2.0 * PI * (1.0 / factor as f64 - 2.0 * high / rate);
-        let half = ((ATTENUATION - 7.95) / (2.285 * transition) / 2.0).ceil() as usize;
-        if count < 4 * half {
-            return None;
+        let filter = Self::designed(factor, high / rate, ATTENUATION);
+        (count >= 2 * filter.taps.len()).then_some(filter)
+    }
+
+    /// Keeps so many samples that frequencies up to `high` (Hz) stay, with as few taps as give
+    /// 100 dB; the factor is 1, and the filter none, where nothing can be left out.
+    ///
+    /// The filter depends on the factor alone, so that records of different rates can share one.
+    pub fn keeping(rate: f64, high: f64) -> Self {
+        let factor = (rate / (THRIFTY_OVERSAMPLING * high)).min(1e6);
+        if factor < 2.0 {
+            return Self { factor: 1, taps: vec![1.0] };
         }
-        let beta = 0.1102 * (ATTENUATION - 8.7);
+        let factor = factor as usize;
+        let band = 1.0 / (THRIFTY_OVERSAMPLING * factor as f64);
+        Self::designed(factor, band, THRIFTY_ATTENUATION)
+    }
+
+    /// The filter that keeps the band up to `band` cycles a sample.
+    fn designed(factor: usize, band: f64, attenuation: f64) -> Self {
+        let transition = 2.0 * PI * (1.0 / factor as f64 - 2.0 * band);
+        let half = ((attenuation - 7.95) / (2.285 * transition) / 2.0).ceil() as usize;
+        let beta = 0.1102 * (attenuation - 8.7);
         let scale = 1.0 / bessel_i0(beta);
         let tap = |index: usize| {
             let j = index as f64 - half as f64;
@@ -55,19 +79,25 @@ impl Decimator {
         };
         let side: Vec<f64> = (0..=half).map(tap).collect();
         let taps = side.iter().chain(side[..half].iter().rev()).copied();
-        Some(Self { factor, taps: taps.collect() })
+        Self { factor, taps: taps.collect() }
+    }
+
+    /// The filter, symmetric.
+    pub fn taps(&self) -> &[f64] {
+        &self.taps
     }
 
     /// Samples left out per sample kept.
-    pub(crate) fn factor(&self) -> usize {
+    pub fn factor(&self) -> usize {
         self.factor
     }
 
-    /// Every `factor`-th filtered sample, from the filter's first touch to its last.
+    /// Every `factor`-th filtered sample, from the filter's first touch to its last: output j is
+    /// `sum of taps_l x_(j factor - l)`.
     ///
     /// Only the samples in `support` are not zero. All outputs of one decimator
     /// are late by the same half filter.
-    pub(crate) fn apply(&self, samples: &[f64], support: &Range<usize>) -> Vec<f64> {
+    pub fn apply(&self, samples: &[f64], support: &Range<usize>) -> Vec<f64> {
         let reach = self.taps.len() - 1;
         (0..=(samples.len() + reach) / self.factor)
             .map(|output| {

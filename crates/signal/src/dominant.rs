@@ -38,7 +38,7 @@ pub fn dominant_frequency(
     };
     let motion = if form.is_inverse() { reciprocal(form) } else { form };
     let power = |form: FrfForm| -> Vec<f64> {
-        let pairs = band.samples.iter().zip(&band.force).enumerate().skip(first);
+        let pairs = band.samples.iter().zip(band.force.iter()).enumerate().skip(first);
         let value = |k: usize, ratio| convert(ratio, k as f64 * band.step, measured, form);
         pairs.map(|(k, (x, f))| value(k, x / f).norm_sqr()).collect()
     };

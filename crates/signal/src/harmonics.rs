@@ -1,7 +1,7 @@
 //! The fundamental and the second harmonic of a hit.
 
 use crate::peak::{Peak, PowerGrid, refine};
-use crate::response::{Response, Route};
+use crate::response::{Response, Route, Spectra};
 
 /// How [`find_harmonics`] searches.
 #[derive(Debug, Clone, PartialEq)]
@@ -88,6 +88,15 @@ pub fn find_harmonics(
     static_frequency_hz: f64,
     options: &HarmonicOptions,
 ) -> Harmonics {
+    harmonics_of(response, static_frequency_hz, options)
+}
+
+/// [`find_harmonics`] of whatever gives the spectra of a hit.
+pub(crate) fn harmonics_of(
+    response: &impl Spectra,
+    static_frequency_hz: f64,
+    options: &HarmonicOptions,
+) -> Harmonics {
     let mut found = Harmonics::default();
     if !(static_frequency_hz.is_finite() && static_frequency_hz > 0.0) {
         return found;
@@ -107,22 +116,22 @@ pub fn find_harmonics(
 }
 
 /// The receptance on a grid over both windows.
-struct Search<'a> {
-    response: &'a Response,
+struct Search<'a, R> {
+    response: &'a R,
     options: &'a HarmonicOptions,
     grid: PowerGrid,
     force_floor: f64,
 }
 
-impl<'a> Search<'a> {
-    fn new(response: &'a Response, (low, high): (f64, f64), options: &'a HarmonicOptions) -> Self {
+impl<'a, R: Spectra> Search<'a, R> {
+    fn new(response: &'a R, (low, high): (f64, f64), options: &'a HarmonicOptions) -> Self {
         let band = response.band(options.padding.max(2), high);
         // One point beyond each end, so that a maximum next to it is seen.
         let first = ((low / band.step) as usize).saturating_sub(1).max(1);
         let power = band
             .samples
             .iter()
-            .zip(&band.force)
+            .zip(band.force.iter())
             .enumerate()
             .skip(first)
             .map(|(k, (x, f))| {
@@ -167,7 +176,7 @@ impl<'a> Search<'a> {
             return None;
         }
         let here = self.grid.frequency(index);
-        let weak = |frequency| self.response.force_at(frequency).norm() < self.force_floor;
+        let weak = |frequency| self.response.force_magnitude(frequency) < self.force_floor;
         let inside = |frequency| frequency > low && frequency < high;
         if weak(here) {
             if inside(here) {

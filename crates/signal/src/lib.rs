@@ -78,6 +78,7 @@ mod peak;
 mod response;
 mod ring_down;
 mod root;
+mod shared_force;
 mod spectrum;
 mod transform;
 mod uncertainty;
@@ -88,6 +89,7 @@ pub use damping::{
     CircleFit, DampingComparison, HalfPower, circle_fit, circle_fit_of, half_power,
     half_power_crossings, half_power_of,
 };
+pub use decimate::Decimator;
 pub use decrement::{Decrement, logarithmic_decrement};
 pub use dominant::dominant_frequency;
 pub use error::{Error, Result};
@@ -110,6 +112,7 @@ pub use response::{Response, Route};
 pub use ring_down::{
     Backbone, BackboneOptions, BackbonePoint, BandPass, analytic_signal, backbone,
 };
+pub use shared_force::{Observed, SharedForce};
 pub use spectrum::{Spectrum, fast_length};
 pub use transform::{transform_at, transform_pair_at};
 pub use uncertainty::{NoiseDensity, PeakUncertainty, peak_uncertainty, ratio_uncertainty};

@@ -1,6 +1,6 @@
 //! Local maxima of a receptance, found on a grid and refined on the transform.
 
-use crate::response::Response;
+use crate::response::Spectra;
 use crate::root::bracketed_root;
 use realfft::num_complex::Complex64;
 
@@ -68,7 +68,7 @@ impl PowerGrid {
 ///
 /// The derivative of `ln |H|^2` is bracketed by the grid points beside the
 /// maximum and its root is found; `None` if the bracket holds no maximum.
-pub(crate) fn refine(response: &Response, grid: &PowerGrid, index: usize) -> Option<f64> {
+pub(crate) fn refine(response: &impl Spectra, grid: &PowerGrid, index: usize) -> Option<f64> {
     let here = grid.frequency(index);
     let (power, slope) = response.power_and_slope(here);
     if slope == 0.0 {

@@ -220,7 +220,7 @@ impl Response {
     ///
     /// Up to one common phase and to 1e-9 of their largest values, from
     /// decimated samples where that pays.
-    pub(crate) fn band(&self, padding: usize, high: f64) -> Band {
+    pub(crate) fn band(&self, padding: usize, high: f64) -> Band<'static> {
         let decimator = Decimator::new(self.sample_rate_hz, high, self.samples.len());
         let (force, samples, rate) = match &decimator {
             Some(decimator) => (
@@ -243,7 +243,7 @@ impl Response {
             values.truncate(keep);
             values
         };
-        Band { step, samples: low_part(&samples), force: low_part(&force) }
+        Band { step, samples: low_part(&samples).into(), force: low_part(&force).into() }
     }
 
     fn force_transform(&self, kernel: &Kernel) -> Complex64 {
@@ -262,6 +262,48 @@ impl Response {
     }
 }
 
+/// Spectra of a force and what it caused: all that a search for peaks asks of a hit.
+pub(crate) trait Spectra {
+    /// The transforms from zero to just beyond `high` (Hz), on a grid of at least `padding`.
+    fn band(&self, padding: usize, high: f64) -> Band<'_>;
+    /// What the response samples are.
+    fn route(&self) -> Route;
+    /// Magnitude of the force's transform \[N s\].
+    fn force_magnitude(&self, frequency_hz: f64) -> f64;
+    /// Receptance \[m/N\].
+    fn receptance_at(&self, frequency_hz: f64) -> Complex64;
+    /// `|H|^2` and the derivative of its logarithm with frequency \[1/Hz\].
+    fn power_and_slope(&self, frequency_hz: f64) -> (f64, f64);
+    /// A bound on the ripple of `|H|` at a frequency (Hz) that is not physics.
+    fn ripple(&self, frequency_hz: f64, period: f64) -> Ripple;
+}
+
+impl Spectra for Response {
+    fn band(&self, padding: usize, high: f64) -> Band<'_> {
+        Self::band(self, padding, high)
+    }
+
+    fn route(&self) -> Route {
+        self.route
+    }
+
+    fn force_magnitude(&self, frequency_hz: f64) -> f64 {
+        self.force_at(frequency_hz).norm()
+    }
+
+    fn receptance_at(&self, frequency_hz: f64) -> Complex64 {
+        Self::receptance_at(self, frequency_hz)
+    }
+
+    fn power_and_slope(&self, frequency_hz: f64) -> (f64, f64) {
+        Self::power_and_slope(self, frequency_hz)
+    }
+
+    fn ripple(&self, frequency_hz: f64, period: f64) -> Ripple {
+        Self::ripple(self, frequency_hz, period)
+    }
+}
+
 /// Ripples of `|H|` \[m/N\] that the window and the arithmetic make.
 pub(crate) struct Ripple {
     pub(crate) leakage: f64,
@@ -269,8 +311,8 @@ pub(crate) struct Ripple {
 }
 
 /// The transforms of response and force at `k step`, from zero.
-pub(crate) struct Band {
+pub(crate) struct Band<'a> {
     pub(crate) step: f64,
-    pub(crate) samples: Vec<Complex64>,
-    pub(crate) force: Vec<Complex64>,
+    pub(crate) samples: Cow<'a, [Complex64]>,
+    pub(crate) force: Cow<'a, [Complex64]>,
 }

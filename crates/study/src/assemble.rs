@@ -4,7 +4,8 @@ use std::path::Path;
 use std::sync::Arc;
 
 use asperity_dynamics::{
-    ContactForm, Damping, Equilibrium, Excitation, FiniteDifference, ForceRecord, Sampling,
+    ContactForm, Damping, Equilibrium, Excitation, FiniteDifference, ForceRecord, Integrator,
+    Modal, Sampling,
 };
 use asperity_law::{
     Constant, ContactLaw, Exponential, Hyperbolic, InSeries, LawError, ModifiedPower, Power, Table,
@@ -32,7 +33,7 @@ pub struct Assembly {
     /// When the response is recorded.
     pub sampling: Sampling,
     /// The integrator and its settings.
-    pub method: FiniteDifference,
+    pub method: Integrator,
 }
 
 impl Assembly {
@@ -48,24 +49,33 @@ impl Assembly {
             DampingAmount::Ratio(ratio) => Damping::Ratio(ratio),
             DampingAmount::RatePerS(rate) => Damping::Rate(rate),
         };
-        let MethodSpec::FiniteDifference(settings) = scenario.method;
-        let contact = match settings.contact {
-            ContactScheme::Centred => ContactForm::Centred,
-            ContactScheme::NewLevel => ContactForm::NewLevel,
-        };
         Ok(Self {
             damping_rate: damping.rate(&stack, &equilibrium)?,
             excitation: excitation(&scenario.excitation, folder)?,
             sampling: Sampling::new(scenario.duration_s, scenario.output_rate_hz)?,
-            method: FiniteDifference {
-                cell: settings.cell_m,
-                courant: settings.courant,
-                contact,
-                ..FiniteDifference::default()
-            },
+            method: integrator(scenario.method),
             stack,
             equilibrium,
         })
+    }
+}
+
+fn integrator(method: MethodSpec) -> Integrator {
+    match method {
+        MethodSpec::FiniteDifference(settings) => Integrator::from(FiniteDifference {
+            cell: settings.cell_m,
+            courant: settings.courant,
+            contact: match settings.contact {
+                ContactScheme::Centred => ContactForm::Centred,
+                ContactScheme::NewLevel => ContactForm::NewLevel,
+            },
+            ..FiniteDifference::default()
+        }),
+        MethodSpec::Modal(settings) => Integrator::from(Modal {
+            step: settings.step_s,
+            modes_per_body: settings.modes_per_body,
+            ..Modal::default()
+        }),
     }
 }
 
@@ -156,7 +166,7 @@ pub fn build_law(
     })
 }
 
-fn excitation(spec: &ExcitationSpec, folder: &Path) -> Result<Excitation, StudyError> {
+pub(crate) fn excitation(spec: &ExcitationSpec, folder: &Path) -> Result<Excitation, StudyError> {
     Ok(match *spec {
         ExcitationSpec::None => Excitation::None,
         ExcitationSpec::GammaPulse { peak_n, rise_s } => {

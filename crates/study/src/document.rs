@@ -20,6 +20,7 @@ use crate::schema::schema;
 use crate::{schema_check, validate};
 
 pub use set::SetError;
+pub(crate) use set::set as set_value;
 
 /// Most bytes of a scenario's text.
 pub const MOST_SCENARIO_BYTES: u64 = 16 << 20;
@@ -182,7 +183,7 @@ impl Document {
     /// [`Invalid`] holds every problem found, in the order of the text.
     pub fn scenario(&self) -> Result<Scenario, Invalid> {
         let mut diagnostics = self.repeated.clone();
-        let of_schema = schema_check::check(&schema(), &self.value);
+        let of_schema = schema_check::check(schema(), &self.value);
         let of_whole = validate::check(&self.value, self.folder());
         let told: HashSet<&str> = of_schema.iter().map(|found| found.pointer.as_str()).collect();
         diagnostics

@@ -48,6 +48,18 @@ pub enum StudyError {
     /// The output folder cannot take the results.
     #[error(transparent)]
     Output(#[from] OutputError),
+    /// A value of a sweep cannot be set.
+    #[error(transparent)]
+    Set(#[from] crate::document::SetError),
+    /// A combination of values of a sweep is no scenario, though each is valid.
+    #[error("these values make no scenario: {reason}")]
+    Scenario {
+        /// Why.
+        reason: String,
+    },
+    /// A run of a sweep has other interfaces than the first, and so no place in its table.
+    #[error("this run has other interfaces than the first run of the sweep")]
+    OtherColumns,
     /// A scenario cannot be read again for a run of a sweep.
     #[error(transparent)]
     Document(#[from] DocumentError),

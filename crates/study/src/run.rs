@@ -102,7 +102,7 @@ pub fn summarise(
     if residual_relative > SUSPECT_RESIDUAL {
         tracing::warn!(
             residual_relative,
-            "the energy balance does not close: use a smaller cell, or a law without a jump"
+            "the energy balance does not close: use a smaller step or cell, or a law without a jump"
         );
     }
     Ok(Summary {
@@ -121,10 +121,10 @@ pub fn summarise(
             residual_relative,
         },
         numerics: Numerics {
-            method: "finite_difference",
+            method: assembly.method.name(),
             step_s: transient.step,
             steps: transient.steps,
-            instructions: format!("{:?}", assembly.method.instructions).to_lowercase(),
+            instructions: format!("{:?}", assembly.method.instructions()).to_lowercase(),
             wall_s: 0.0,
         },
         provenance: Provenance::new(scenario_sha256),

@@ -23,7 +23,7 @@ pub use damping::{DampingAmount, DampingSpec};
 pub use excitation::ExcitationSpec;
 pub use interface::InterfaceSpec;
 pub use law::{LawRef, LawSpec, Laws};
-pub use method::{ContactScheme, FiniteDifference, MethodSpec};
+pub use method::{ContactScheme, FiniteDifference, MethodSpec, Modal};
 pub use support::SupportSpec;
 
 /// Standard gravity as the paper rounds it, in m/s².

@@ -1,5 +1,7 @@
 //! The JSON Schema of the scenario.
 
+use std::sync::LazyLock;
+
 use schemars::generate::SchemaSettings;
 use serde_json::Value;
 
@@ -11,7 +13,10 @@ use crate::scenario::Scenario;
 /// It is the single statement of keys, types and bounds:
 /// [`crate::schema_check`] walks it to check a scenario, and editors use it to
 /// complete one.
-pub fn schema() -> Value {
-    let generator = SchemaSettings::draft2020_12().into_generator();
-    generator.into_root_schema_for::<Scenario>().to_value()
+pub fn schema() -> &'static Value {
+    static SCHEMA: LazyLock<Value> = LazyLock::new(|| {
+        let generator = SchemaSettings::draft2020_12().into_generator();
+        generator.into_root_schema_for::<Scenario>().to_value()
+    });
+    &SCHEMA
 }

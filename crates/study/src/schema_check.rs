@@ -225,6 +225,6 @@ mod tests {
                 }
             }
         }
-        visit(&crate::schema::schema());
+        visit(crate::schema::schema());
     }
 }

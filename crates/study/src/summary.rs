@@ -143,43 +143,88 @@ impl Summary {
     /// own: the columns of a sweep. Times of the machine are left out, so that
     /// equal studies give equal tables.
     pub fn scalars(&self) -> Vec<(String, Option<f64>)> {
-        let fundamental = self.fundamental.as_ref();
-        let second = self.second_harmonic.as_ref();
-        let mut scalars =
-            vec![("static.natural_frequency_hz".to_owned(), self.at_rest.natural_frequency_hz)];
+        self.names().into_iter().zip(self.values()).collect()
+    }
+
+    /// The names of [`scalars`](Self::scalars).
+    pub fn names(&self) -> Vec<String> {
+        let mut names = vec!["static.natural_frequency_hz".to_owned()];
         for state in &self.at_rest.interfaces {
-            let name = |key: &str| format!("static.interfaces.{}.{key}", state.name);
-            scalars.push((name("pressure_pa"), Some(state.pressure_pa)));
-            scalars.push((name("stiffness_pa_per_m"), Some(state.stiffness_pa_per_m)));
-            scalars.push((name("closure_m"), Some(state.closure_m)));
-        }
-        let mut push = |name: &str, value: Option<f64>| scalars.push((name.to_owned(), value));
-        push("fundamental.frequency_hz", fundamental.map(|f| f.frequency_hz));
-        push("fundamental.receptance_m_per_n", fundamental.map(|f| f.receptance_m_per_n));
-        push("fundamental.damping_ratio", fundamental.and_then(|f| f.damping_ratio));
-        let decrement = fundamental.and_then(|f| f.damping_ratio_decrement);
-        push("fundamental.damping_ratio_decrement", decrement);
-        push("second_harmonic.frequency_hz", second.map(|s| s.frequency_hz));
-        push("second_harmonic.receptance_m_per_n", second.map(|s| s.receptance_m_per_n));
-        push("harmonic_ratio", self.harmonic_ratio);
-        for contact in &self.interfaces {
-            for (key, value) in [
-                ("pressure_min_pa", contact.pressure_min_pa),
-                ("pressure_max_pa", contact.pressure_max_pa),
-                ("stiffness_average_pa_per_m", contact.stiffness_average_pa_per_m),
-                ("stiffness_at_pressure_min_pa_per_m", contact.stiffness_at_pressure_min_pa_per_m),
-                ("contact_lost_s", contact.contact_lost_s),
-            ] {
-                push(&format!("interfaces.{}.{key}", contact.name), Some(value));
+            for key in ["pressure_pa", "stiffness_pa_per_m", "closure_m"] {
+                names.push(format!("static.interfaces.{}.{key}", state.name));
             }
         }
-        push("energy.input_j", Some(self.energy.input_j));
-        push("energy.dissipated_j", Some(self.energy.dissipated_j));
-        push("energy.stored_j", Some(self.energy.stored_j));
-        push("energy.numerical_loss_j", Some(self.energy.numerical_loss_j));
-        push("energy.residual_relative", Some(self.energy.residual_relative));
-        push("numerics.step_s", Some(self.numerics.step_s));
-        push("numerics.steps", Some(self.numerics.steps as f64));
-        scalars
+        let keys = [
+            "fundamental.frequency_hz",
+            "fundamental.receptance_m_per_n",
+            "fundamental.damping_ratio",
+            "fundamental.damping_ratio_decrement",
+            "second_harmonic.frequency_hz",
+            "second_harmonic.receptance_m_per_n",
+            "harmonic_ratio",
+        ];
+        names.extend(keys.map(str::to_owned));
+        for contact in &self.interfaces {
+            for key in [
+                "pressure_min_pa",
+                "pressure_max_pa",
+                "stiffness_average_pa_per_m",
+                "stiffness_at_pressure_min_pa_per_m",
+                "contact_lost_s",
+            ] {
+                names.push(format!("interfaces.{}.{key}", contact.name));
+            }
+        }
+        let keys = [
+            "energy.input_j",
+            "energy.dissipated_j",
+            "energy.stored_j",
+            "energy.numerical_loss_j",
+            "energy.residual_relative",
+            "numerics.step_s",
+            "numerics.steps",
+        ];
+        names.extend(keys.map(str::to_owned));
+        names
+    }
+
+    /// The numbers of [`scalars`](Self::scalars), in the order of [`names`](Self::names).
+    pub fn values(&self) -> Vec<Option<f64>> {
+        let (fundamental, second) = (self.fundamental.as_ref(), self.second_harmonic.as_ref());
+        let mut values = vec![self.at_rest.natural_frequency_hz];
+        for state in &self.at_rest.interfaces {
+            let numbers = [state.pressure_pa, state.stiffness_pa_per_m, state.closure_m];
+            values.extend(numbers.map(Some));
+        }
+        values.extend([
+            fundamental.map(|f| f.frequency_hz),
+            fundamental.map(|f| f.receptance_m_per_n),
+            fundamental.and_then(|f| f.damping_ratio),
+            fundamental.and_then(|f| f.damping_ratio_decrement),
+            second.map(|s| s.frequency_hz),
+            second.map(|s| s.receptance_m_per_n),
+            self.harmonic_ratio,
+        ]);
+        for contact in &self.interfaces {
+            let numbers = [
+                contact.pressure_min_pa,
+                contact.pressure_max_pa,
+                contact.stiffness_average_pa_per_m,
+                contact.stiffness_at_pressure_min_pa_per_m,
+                contact.contact_lost_s,
+            ];
+            values.extend(numbers.map(Some));
+        }
+        let numbers = [
+            self.energy.input_j,
+            self.energy.dissipated_j,
+            self.energy.stored_j,
+            self.energy.numerical_loss_j,
+            self.energy.residual_relative,
+            self.numerics.step_s,
+            self.numerics.steps as f64,
+        ];
+        values.extend(numbers.map(Some));
+        values
     }
 }

@@ -1,143 +1,49 @@
 //! Many runs of one scenario with some of its values varied.
+//!
+//! | module | holds |
+//! |---|---|
+//! | `variation` | what is varied |
+//! | `plan` | the scenarios of a sweep, checked before the first run |
+//! | `case` | what runs share that differ in their drive alone |
+//! | `observe` | from a hit's record to its summary |
+//! | `table` | what came of it, and as CSV |
 
+mod case;
+mod observe;
+mod plan;
+mod table;
+mod variation;
+
+use std::collections::HashMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 
+use asperity_dynamics::{Batch, Hit};
 use rayon::prelude::*;
-use thiserror::Error;
 
-use crate::diagnostic::Invalid;
-use crate::document::{Document, SetError};
+use crate::document::Document;
 use crate::error::StudyError;
-use crate::record::{push_number, quoted};
 use crate::run::simulate;
-use crate::scenario::Scenario;
 use crate::summary::Summary;
+use case::Case;
+use observe::Observer;
+use plan::Plan;
 
-/// Most runs of one sweep.
-pub const MOST_RUNS: usize = 10_000_000;
+pub use plan::SweepError;
+pub use table::Sweep;
+pub use variation::{MOST_RUNS, Variation, VariationError, number_of_runs};
 
-/// One place of the scenario and the values it takes.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Variation {
-    /// JSON Pointer into the scenario.
-    pub pointer: String,
-    /// The values, as `--set` takes them.
-    pub values: Vec<String>,
-}
+/// Hits of one task, over the lanes of a batch: long enough to fill them again when some hits
+/// need a second attempt.
+const HITS_A_LANE: usize = 4;
 
-/// A `--vary POINTER=VALUES` that cannot be used.
-#[derive(Debug, Clone, PartialEq, Eq, Error)]
-pub enum VariationError {
-    /// There is no equals sign.
-    #[error("\"{text}\" has no \"=\"; accepted: POINTER=start:stop:count or POINTER=v1,v2,...")]
-    NoEquals {
-        /// The argument.
-        text: String,
-    },
-    /// There are no values.
-    #[error("{pointer}: no values; accepted: start:stop:count or v1,v2,...")]
-    Empty {
-        /// The pointer.
-        pointer: String,
-    },
-    /// A range that is not two numbers and a count.
-    #[error(
-        "{pointer}: \"{text}\" is no range; accepted: start:stop:count with finite numbers and a count from 1 to 10000000"
-    )]
-    Range {
-        /// The pointer.
-        pointer: String,
-        /// The values as given.
-        text: String,
-    },
-    /// More runs than a sweep takes.
-    #[error("the sweep would take {runs} runs; at most 10000000 are accepted")]
-    TooMany {
-        /// The number of runs.
-        runs: u128,
-    },
-}
+/// Cases kept for runs to come.
+const MOST_CASES: usize = 64;
 
-impl Variation {
-    /// Reads `POINTER=start:stop:count` (linear, ends included) or `POINTER=v1,v2,...`.
-    ///
-    /// # Errors
-    /// [`VariationError`] when it is neither.
-    pub fn parse(text: &str) -> Result<Self, VariationError> {
-        let (pointer, values) = text
-            .split_once('=')
-            .ok_or_else(|| VariationError::NoEquals { text: text.to_owned() })?;
-        let pointer = pointer.to_owned();
-        if values.trim().is_empty() {
-            return Err(VariationError::Empty { pointer });
-        }
-        let values = if values.contains(':') && !values.contains(['{', '[', '"', ',']) {
-            range(values).ok_or(VariationError::Range {
-                pointer: pointer.clone(),
-                text: values.to_owned(),
-            })?
-        } else {
-            values.split(',').map(|value| value.trim().to_owned()).collect()
-        };
-        Ok(Self { pointer, values })
-    }
-}
-
-/// The numbers of `start:stop:count`, ends included and met exactly.
-fn range(text: &str) -> Option<Vec<String>> {
-    let parts: Vec<&str> = text.split(':').map(str::trim).collect();
-    let [start, stop, count] = parts.as_slice() else { return None };
-    let (start, stop): (f64, f64) = (start.parse().ok()?, stop.parse().ok()?);
-    let count: usize = count.parse().ok()?;
-    if !start.is_finite() || !stop.is_finite() || !(1..=MOST_RUNS).contains(&count) {
-        return None;
-    }
-    let last = (count - 1).max(1) as f64;
-    let value = |i: usize| {
-        if i + 1 == count && count > 1 { stop } else { start + (stop - start) * i as f64 / last }
-    };
-    Some((0..count).map(|i| value(i).to_string()).collect())
-}
-
-/// One run of a sweep: the values it was given, and what came of it.
-#[derive(Debug)]
-pub struct SweepRun {
-    /// The value of each variation, in the order of the variations.
-    pub values: Vec<String>,
-    /// The summary, or why there is none.
-    pub outcome: Result<Summary, StudyError>,
-}
-
-/// Why a sweep cannot start.
-#[derive(Debug, Error)]
-pub enum SweepError {
-    /// A variation cannot be used.
-    #[error(transparent)]
-    Variation(#[from] VariationError),
-    /// A value cannot be set.
-    #[error("run {run}: {source}")]
-    Set {
-        /// Number of the run, from 1.
-        run: usize,
-        /// Why.
-        source: SetError,
-    },
-    /// A combination of values is no valid scenario.
-    #[error("run {run} ({values}): {source}")]
-    Invalid {
-        /// Number of the run, from 1.
-        run: usize,
-        /// The values of that run.
-        values: String,
-        /// What is wrong.
-        source: Invalid,
-    },
-}
-
-/// The cartesian product of `variations` over `document`, the last varying
-/// fastest. Every scenario is checked before the first run starts; the runs go
-/// over all threads, and their results come back in order. `done` hears how
-/// many runs are finished.
+/// The cartesian product of `variations` over `document`, the last varying fastest. The variations
+/// are checked before the first run starts; the runs go over all threads, those with the modal
+/// method many at a time in the lanes of vectors, and their results come back in order, whatever
+/// the number of threads and lanes. `done` hears how many runs are finished.
 ///
 /// # Errors
 /// [`SweepError`] when a combination is invalid. A run that fails does not end
@@ -146,36 +52,35 @@ pub fn sweep(
     document: &Document,
     variations: &[Variation],
     done: &(dyn Fn(usize, usize) + Sync),
-) -> Result<Vec<SweepRun>, SweepError> {
-    let runs = number_of_runs(variations)?;
-    let prepared: Vec<(Vec<String>, Document, Scenario)> = (0..runs)
-        .into_par_iter()
-        .map(|run| prepare(document, variations, run))
-        .collect::<Result<_, _>>()?;
+) -> Result<Sweep, SweepError> {
+    let plan = Plan::new(document, variations)?;
+    let batch = Batch::default();
+    let work = Work { plan: &plan, batch, cases: Mutex::default(), observer: Observer::default() };
+    let size = batch.room() * HITS_A_LANE;
     let finished = AtomicUsize::new(0);
-    Ok(prepared
+    let summaries: Vec<Result<Row, StudyError>> = (0..plan.runs().div_ceil(size))
         .into_par_iter()
-        .map(|(values, document, scenario)| {
-            let outcome = simulate(&document, &scenario, &|_| ()).map(|run| run.summary);
-            done(finished.fetch_add(1, Ordering::Relaxed) + 1, runs);
-            SweepRun { values, outcome }
+        .flat_map_iter(|task| {
+            let runs = task * size..((task + 1) * size).min(plan.runs());
+            let count = runs.len();
+            let rows = work.rows(runs);
+            done(finished.fetch_add(count, Ordering::Relaxed) + count, plan.runs());
+            rows
         })
-        .collect())
-}
-
-/// The number of runs of a sweep over `variations`.
-///
-/// # Errors
-/// [`VariationError::TooMany`] beyond [`MOST_RUNS`].
-pub fn number_of_runs(variations: &[Variation]) -> Result<usize, VariationError> {
-    let product = variations
-        .iter()
-        .try_fold(1u128, |runs, variation| runs.checked_mul(variation.values.len() as u128))
-        .unwrap_or(u128::MAX);
-    match usize::try_from(product) {
-        Ok(runs) if runs <= MOST_RUNS => Ok(runs),
-        _ => Err(VariationError::TooMany { runs: product }),
-    }
+        .collect();
+    let named = summaries.iter().find_map(|row| row.as_ref().ok());
+    let columns = named.map_or_else(|| Arc::from([]), |row| Arc::clone(&row.names));
+    let runs = summaries.into_iter().map(|row| {
+        let row = row?;
+        // Values may rename an interface, or add a body: such runs have no place in the table.
+        if Arc::ptr_eq(&row.names, &columns) || row.names == columns {
+            Ok(row.values)
+        } else {
+            Err(StudyError::OtherColumns)
+        }
+    });
+    let runs = runs.collect();
+    Ok(Sweep { variations: variations.to_vec(), columns: columns.to_vec(), runs })
 }
 
 /// Carries out `work` on a pool of `threads` threads, or on all cores if none are
@@ -189,91 +94,92 @@ pub fn on_threads<T: Send>(threads: Option<usize>, work: impl FnOnce() -> T + Se
     Some(pool.install(work))
 }
 
-fn prepare(
-    document: &Document,
-    variations: &[Variation],
-    run: usize,
-) -> Result<(Vec<String>, Document, Scenario), SweepError> {
-    let mut values = Vec::with_capacity(variations.len());
-    let mut rest = run;
-    for variation in variations.iter().rev() {
-        values.push(variation.values[rest % variation.values.len()].clone());
-        rest /= variation.values.len();
-    }
-    values.reverse();
-    let mut document = document.clone();
-    for (variation, value) in variations.iter().zip(&values) {
-        document
-            .set(&variation.pointer, value)
-            .map_err(|source| SweepError::Set { run: run + 1, source })?;
-    }
-    let scenario = document.scenario().map_err(|source| {
-        let named = variations.iter().zip(&values);
-        let values: Vec<String> =
-            named.map(|(v, value)| format!("{}={value}", v.pointer)).collect();
-        SweepError::Invalid { run: run + 1, values: values.join(", "), source }
-    })?;
-    Ok((values, document, scenario))
+/// The numbers of one run, and their names, which cases share.
+struct Row {
+    names: Arc<[String]>,
+    values: Box<[f64]>,
 }
 
-/// `sweep.csv`: a row per run, the varied values, the summary's numbers, and
-/// the error of a run that failed.
-pub fn sweep_csv(variations: &[Variation], runs: &[SweepRun]) -> String {
-    let names: Vec<String> = runs
-        .iter()
-        .find_map(|run| run.outcome.as_ref().ok())
-        .map(|summary| summary.scalars().into_iter().map(|(name, _)| name).collect())
-        .unwrap_or_default();
-    let mut text = String::new();
-    let pointers = variations.iter().map(|variation| variation.pointer.as_str());
-    let header: Vec<String> =
-        pointers.chain(names.iter().map(String::as_str)).chain(["error"]).map(quoted).collect();
-    text.push_str(&header.join(","));
-    text.push('\n');
-    for run in runs {
-        for value in &run.values {
-            text.push_str(&quoted(value));
-            text.push(',');
-        }
-        match &run.outcome {
-            Ok(summary) => {
-                for (_, value) in summary.scalars() {
-                    push_number(&mut text, value.unwrap_or(f64::NAN));
-                    text.push(',');
+/// What the tasks of a sweep share.
+struct Work<'a> {
+    plan: &'a Plan<'a>,
+    batch: Batch,
+    cases: Mutex<HashMap<Vec<usize>, Arc<Case>>>,
+    observer: Observer,
+}
+
+impl Work<'_> {
+    /// The rows of some runs: the modal ones in one batch, the others one by one.
+    fn rows(&self, runs: std::ops::Range<usize>) -> Vec<Result<Row, StudyError>> {
+        let mut rows: Vec<Option<Result<Row, StudyError>>> = Vec::new();
+        let mut hits: Vec<Hit> = Vec::new();
+        let mut of: Vec<(usize, Arc<Case>)> = Vec::new();
+        for run in runs {
+            let place = rows.len();
+            match self.start(run) {
+                Ok(Started::Hit(case, hit)) => {
+                    hits.push(*hit);
+                    of.push((place, case));
+                    rows.push(None);
                 }
-            }
-            Err(error) => {
-                text.push_str(&",".repeat(names.len()));
-                text.push_str(&quoted(&error.to_string()));
+                Ok(Started::Done(row)) => rows.push(Some(Ok(row))),
+                Err(error) => rows.push(Some(Err(error))),
             }
         }
-        text.push('\n');
+        let natural = |index: usize| of[index].1.at_rest.natural_frequency_hz;
+        let thinning = |index: usize, step: f64| self.observer.thinning(natural(index), step);
+        let instructions = format!("{:?}", self.batch.instructions).to_lowercase();
+        let records = self.batch.run(&hits, &thinning);
+        for ((record, hit), (place, case)) in records.into_iter().zip(&hits).zip(&of) {
+            let row = record.map_err(StudyError::from).and_then(|record| {
+                let summary = self.observer.summary(case, hit, &record, &instructions)?;
+                Ok(Row::of(&summary, case))
+            });
+            rows[*place] = Some(row);
+        }
+        rows.into_iter().map(|row| row.unwrap_or(Err(StudyError::OtherColumns))).collect()
     }
-    text
+
+    /// The hit of a run, or its row if it is not modal.
+    fn start(&self, run: usize) -> Result<Started, StudyError> {
+        let chosen = self.plan.chosen(run);
+        let case = self.case(&chosen)?;
+        if let Some(modal) = case.modal() {
+            let drive = self.plan.excitation(&chosen)?;
+            let hit = case.hit(&modal, &drive, self.plan.folder())?;
+            return Ok(Started::Hit(case, Box::new(hit)));
+        }
+        let document = self.plan.document(&chosen)?;
+        let scenario = self.plan.scenario(&chosen)?;
+        let summary = simulate(&document, &scenario, &|_| ())?.summary;
+        Ok(Started::Done(Row::of(&summary, &case)))
+    }
+
+    fn case(&self, chosen: &[usize]) -> Result<Arc<Case>, StudyError> {
+        let key = self.plan.rig(chosen);
+        let known = || self.cases.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(case) = known().get(&key) {
+            return Ok(Arc::clone(case));
+        }
+        let case = Arc::new(Case::new(&self.plan.scenario(chosen)?, self.plan.folder())?);
+        let mut cases = known();
+        if cases.len() >= MOST_CASES {
+            cases.clear();
+        }
+        // Another task may have been faster; both cases are the same.
+        Ok(Arc::clone(cases.entry(key).or_insert(case)))
+    }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
+/// A run that has been set up.
+enum Started {
+    Hit(Arc<Case>, Box<Hit>),
+    Done(Row),
+}
 
-    #[test]
-    fn ranges_meet_their_ends_and_lists_are_taken_as_they_are() {
-        let linear = Variation::parse("/excitation/peak_n=9:32:24").unwrap();
-        assert_eq!(linear.values.len(), 24);
-        assert_eq!((linear.values[0].as_str(), linear.values[23].as_str()), ("9", "32"));
-        assert_eq!(Variation::parse("/a=0.1:0.3:3").unwrap().values[2], "0.3");
-        assert_eq!(Variation::parse("/a=5:9:1").unwrap().values, ["5"]);
-        let laws = Variation::parse("/interfaces/0/law=modified, pl").unwrap();
-        assert_eq!(laws.values, ["modified", "pl"]);
-    }
-
-    #[test]
-    fn what_is_no_variation_is_refused() {
-        for text in ["/a", "/a=", "/a=1:2", "/a=1:2:0", "/a=x:2:3", "/a=1:inf:3", "/a=1:2:3:4"] {
-            assert!(Variation::parse(text).is_err(), "{text}");
-        }
-        let many = Variation::parse("/a=0:1:9999").unwrap();
-        let variations = vec![many.clone(), many.clone(), many];
-        assert!(number_of_runs(&variations).is_err());
+impl Row {
+    fn of(summary: &Summary, case: &Case) -> Self {
+        let values = summary.values().into_iter().map(|value| value.unwrap_or(f64::NAN)).collect();
+        Self { names: case.names(summary), values }
     }
 }

@@ -38,7 +38,7 @@ pub fn validate(scenario: &Scenario, folder: &Path) -> Vec<Diagnostic> {
     // A scenario holds only maps with text keys, so it always has a JSON form;
     // numbers that are not finite become null, which the schema refuses.
     let value = serde_json::to_value(scenario).unwrap_or_default();
-    let mut found = crate::schema_check::check(&crate::schema::schema(), &value);
+    let mut found = crate::schema_check::check(crate::schema::schema(), &value);
     if found.is_empty() {
         found = check(&value, folder);
     }

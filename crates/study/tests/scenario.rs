@@ -11,7 +11,7 @@ use asperity_study::locate::{self, SyntaxProblem};
 use asperity_study::samples::ForceSamples;
 use asperity_study::scenario::{
     ContactScheme, DampingAmount, DampingSpec, ExcitationSpec, FiniteDifference, LawRef, LawSpec,
-    MethodSpec, Scenario, Section, SupportSpec,
+    MethodSpec, Modal, Scenario, Section, SupportSpec,
 };
 use asperity_study::schema::schema;
 use asperity_study::schema_check;
@@ -82,14 +82,7 @@ fn what_is_left_out_takes_its_default() {
     assert_eq!(scenario.support, SupportSpec::Rigid);
     assert_eq!(scenario.excitation, ExcitationSpec::None);
     assert_eq!(scenario.output_rate_hz, 200_000.0);
-    assert_eq!(
-        scenario.method,
-        MethodSpec::FiniteDifference(FiniteDifference {
-            cell_m: 0.001,
-            courant: 0.95,
-            contact: ContactScheme::Centred
-        })
-    );
+    assert_eq!(scenario.method, MethodSpec::Modal(Modal { step_s: None, modes_per_body: None }));
     assert!(scenario.laws.is_empty());
     assert!(matches!(&scenario.interfaces[0].law, LawRef::InPlace(law)
         if matches!(**law, LawSpec::Constant { unilateral: false, .. })));
@@ -135,14 +128,20 @@ fn set_reaches_into_what_is_left_to_its_default() {
     let mut document = Document::read(format!("{FOLDER}/three-body.json")).unwrap();
     document.set("/method/cell_m", "0.0005").unwrap();
     document.set("/support", r#"{"kind": "rigid"}"#).unwrap();
-    let MethodSpec::FiniteDifference(settings) = document.scenario().unwrap().method;
+    let MethodSpec::FiniteDifference(settings) = document.scenario().unwrap().method else {
+        panic!("the scenario asks for finite differences");
+    };
     assert_eq!((settings.cell_m, settings.courant), (0.0005, 0.95));
     let mut value = document.value().clone();
     value.as_object_mut().unwrap().remove("method");
     let mut document = Document::parse(&value.to_string(), "three-body.json").unwrap();
+    document.set("/method/step_s", "1e-5").unwrap();
+    let expected = MethodSpec::Modal(Modal { step_s: Some(1e-5), modes_per_body: None });
+    assert_eq!(document.scenario().unwrap().method, expected);
+    document.set("/method", "finite_difference").unwrap();
     document.set("/method/contact", "new_level").unwrap();
-    let MethodSpec::FiniteDifference(settings) = document.scenario().unwrap().method;
-    assert_eq!(settings.contact, ContactScheme::NewLevel);
+    let expected = FiniteDifference { contact: ContactScheme::NewLevel, ..Default::default() };
+    assert_eq!(document.scenario().unwrap().method, MethodSpec::FiniteDifference(expected));
 }
 
 #[test]
@@ -319,7 +318,7 @@ proptest! {
         static SCHEMA: std::sync::LazyLock<(Value, jsonschema::Validator)> = std::sync::LazyLock::new(|| {
             let schema = schema();
             let validator = jsonschema::draft202012::new(&schema).unwrap();
-            (schema, validator)
+            (schema.clone(), validator)
         });
         let (schema, validator) = &*SCHEMA;
         let mut document = Document::read(fixture.get(&fixtures())).unwrap().value().clone();

@@ -1,7 +1,7 @@
 //! `asperity check`.
 
 use asperity_study::assemble::Assembly;
-use asperity_study::mesh::Grid;
+use asperity_study::dynamics::Integrator;
 use asperity_study::run::rest_state;
 use serde_json::json;
 
@@ -13,12 +13,10 @@ pub(crate) fn run(input: &Input, as_json: bool) -> Result<(), Failure> {
     let document = super::read(input)?;
     let scenario = super::checked(&document)?;
     let assembly = Assembly::new(&scenario, document.folder())?;
-    let grid = Grid::new(&assembly.stack, assembly.method.cell)
-        .map_err(asperity_study::dynamics::DynamicsError::from)?;
-    let (step, stride) = grid
-        .step_within(assembly.sampling.interval(), assembly.method.courant)
-        .map_err(asperity_study::dynamics::DynamicsError::from)?;
-    let steps = stride * assembly.sampling.samples();
+    let Assembly { stack, equilibrium, damping_rate, excitation, sampling, method } = &assembly;
+    let outline = method
+        .outline(stack, equilibrium, *damping_rate, excitation, sampling)
+        .map_err(asperity_study::error::StudyError::from)?;
     let natural = rest_state(&assembly).natural_frequency_hz;
     if as_json {
         let answer = json!({
@@ -26,10 +24,11 @@ pub(crate) fn run(input: &Input, as_json: bool) -> Result<(), Failure> {
             "valid": true,
             "scenario_sha256": document.sha256(),
             "natural_frequency_hz": natural,
-            "nodes": grid.nodes(),
-            "step_s": step,
-            "steps": steps,
-            "samples": assembly.sampling.samples(),
+            "method": method.name(),
+            "unknowns": outline.unknowns,
+            "step_s": outline.step,
+            "steps": outline.steps,
+            "samples": sampling.samples(),
         });
         print!("{}", super::pretty(&answer));
         return Ok(());
@@ -38,8 +37,16 @@ pub(crate) fn run(input: &Input, as_json: bool) -> Result<(), Failure> {
     if let Some(natural) = natural {
         println!("  natural frequency at rest  {natural:.2} Hz");
     }
-    println!("  grid                       {} nodes", grid.nodes());
-    println!("  run                        {steps} steps of {:.4} us", step * 1e6);
-    println!("  record                     {} samples", assembly.sampling.samples());
+    let unknowns = match method {
+        Integrator::FiniteDifference(_) => "nodes",
+        Integrator::Modal(_) => "modes",
+    };
+    println!("  {:<26} {} {unknowns}", method.name().replace('_', " "), outline.unknowns);
+    println!(
+        "  run                        {} steps of {:.4} us",
+        outline.steps,
+        outline.step * 1e6
+    );
+    println!("  record                     {} samples", sampling.samples());
     Ok(())
 }

@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use asperity_study::summary::Provenance;
-use asperity_study::sweep::{SweepRun, Variation, number_of_runs, sweep, sweep_csv};
+use asperity_study::sweep::{Variation, number_of_runs, sweep};
 use serde_json::json;
 
 use crate::args::{Input, Output};
@@ -34,18 +34,17 @@ pub(crate) fn run(
     };
     let wall_s = started.elapsed().as_secs_f64();
 
-    folder.write("sweep.csv", sweep_csv(&variations, &results))?;
-    if let Some(figure) = plot::sweep(&variations, &results) {
+    folder.write("sweep.csv", results.csv())?;
+    if let Some(figure) = plot::sweep(&results) {
         super::draw(&folder, "sweep.svg", &figure)?;
     }
-    let failed: Vec<(usize, &SweepRun)> =
-        results.iter().enumerate().filter(|(_, run)| run.outcome.is_err()).collect();
+    let failed = results.failed().count();
     let report = json!({
         "schema": "asperity/sweep/1",
         "vary": variations.iter().map(|v| json!({"pointer": v.pointer, "values": v.values}))
             .collect::<Vec<_>>(),
         "runs": runs,
-        "failed": failed.len(),
+        "failed": failed,
         "wall_s": wall_s,
         "provenance": Provenance::new(document.sha256()),
     });
@@ -55,8 +54,8 @@ pub(crate) fn run(
     } else if !quiet {
         println!("{runs} runs in {wall_s:.2} s, written to {}", folder.path().display());
     }
-    if let Some((index, SweepRun { outcome: Err(error), .. })) = failed.first() {
-        let (failed, first, reason) = (failed.len(), index + 1, error.to_string());
+    if let Some((index, error)) = results.failed().next() {
+        let (first, reason) = (index + 1, error.to_string());
         return Err(Failure::Runs { failed, runs, first, reason });
     }
     Ok(())

@@ -3,48 +3,54 @@
 use std::collections::BTreeMap;
 
 use asperity_figure::{Axis, Color, Figure, Legend, Marker, Panel, Series};
-use asperity_study::summary::Summary;
-use asperity_study::sweep::{SweepRun, Variation};
+use asperity_study::sweep::{Sweep, Variation};
 
 /// Most lines of one panel: beyond, colours say nothing any more.
 const MOST_LINES: usize = 7;
 
-type Observable = fn(&Summary) -> Option<f64>;
+/// Most points of a line: beyond, they are one smear. Every so many runs are drawn then.
+const MOST_POINTS: usize = 500;
 
-/// The observables drawn: label, unit, value.
-const OBSERVABLES: [(&str, &str, Observable); 4] = [
-    ("Fundamental f_{1}", "Hz", |s| s.fundamental.map(|f| f.frequency_hz)),
-    ("Amplitude A_{1}", "m/N", |s| s.fundamental.map(|f| f.receptance_m_per_n)),
-    ("Ratio A_{2}/A_{1}", "", |s| s.harmonic_ratio),
-    ("Lowest pressure", "Pa", |s| {
-        s.interfaces.iter().map(|contact| contact.pressure_min_pa).reduce(f64::min)
-    }),
+/// The observables drawn: label, unit, and what their columns end in. Of several columns the
+/// least value counts.
+const OBSERVABLES: [(&str, &str, &str); 4] = [
+    ("Fundamental f_{1}", "Hz", "fundamental.frequency_hz"),
+    ("Amplitude A_{1}", "m/N", "fundamental.receptance_m_per_n"),
+    ("Ratio A_{2}/A_{1}", "", "harmonic_ratio"),
+    ("Lowest pressure", "Pa", ".pressure_min_pa"),
 ];
 
 /// A panel per observable, a line per combination of the other variations;
 /// none if no variation is numeric.
-pub(crate) fn sweep(variations: &[Variation], runs: &[SweepRun]) -> Option<Figure> {
+pub(crate) fn sweep(sweep: &Sweep) -> Option<Figure> {
     let numeric = |variation: &Variation| {
         variation.values.len() > 1 && variation.values.iter().all(|v| v.parse::<f64>().is_ok())
     };
-    let across = variations.iter().position(numeric)?;
-    let mut lines: BTreeMap<String, Vec<&SweepRun>> = BTreeMap::new();
-    for run in runs {
-        let others = run.values.iter().enumerate().filter(|(index, _)| *index != across);
-        let name: Vec<&str> = others.map(|(_, value)| value.as_str()).collect();
+    let across = sweep.variations.iter().position(numeric)?;
+    let mut lines: BTreeMap<String, Vec<usize>> = BTreeMap::new();
+    for run in 0..sweep.runs.len() {
+        let values = sweep.values(run);
+        let others = values.iter().enumerate().filter(|(index, _)| *index != across);
+        let name: Vec<&str> = others.map(|(_, value)| *value).collect();
         lines.entry(name.join(", ")).or_default().push(run);
     }
-    let key = variations[across].pointer.rsplit('/').next().unwrap_or_default();
+    let key = sweep.variations[across].pointer.rsplit('/').next().unwrap_or_default();
     let mut figure = Figure::new("Sweep").columns(2).width_mm(170.0);
     let mut drawn = false;
-    for (label, unit, observable) in OBSERVABLES {
+    for (label, unit, ending) in OBSERVABLES {
+        let columns: Vec<usize> = (0..sweep.columns.len())
+            .filter(|&column| sweep.columns[column].ends_with(ending))
+            .collect();
         let mut panel = Panel::new(Axis::linear(key, ""), Axis::linear(label, unit));
         panel = panel.legend(if lines.len() > 1 { Legend::Auto } else { Legend::None });
         let mut any = false;
         for (index, (name, runs)) in lines.iter().take(MOST_LINES).enumerate() {
-            let points = runs.iter().filter_map(|run| {
-                let x = run.values[across].parse::<f64>().ok()?;
-                Some((x, observable(run.outcome.as_ref().ok()?)?))
+            let every = runs.len().div_ceil(MOST_POINTS);
+            let points = runs.iter().step_by(every).filter_map(|&run| {
+                let x = sweep.values(run)[across].parse::<f64>().ok()?;
+                let numbers = sweep.runs[run].as_ref().ok()?;
+                let found = columns.iter().map(|&column| numbers[column]);
+                Some((x, found.filter(|y| !y.is_nan()).reduce(f64::min)?))
             });
             let (x, y): (Vec<f64>, Vec<f64>) = points.unzip();
             if !x.is_empty() {

@@ -1,8 +1,9 @@
 //! Two long bars on one interface: half-spaces until an end reflects.
 
+use std::f64::consts::TAU;
 use std::sync::Arc;
 
-use asperity_dynamics::{Excitation, FiniteDifference, Transient};
+use asperity_dynamics::{Excitation, FiniteDifference, InterfaceHistory, Modal, Transient};
 use asperity_mesh::{Body, Interface, Stack, Support};
 
 use super::{AREA, Law, constant, run_at};
@@ -57,4 +58,59 @@ pub fn run(stack: &Stack, cells: usize, excitation: &Excitation, crossings: f64)
     let transient = run_at(stack, &method, 0.0, excitation, (crossings * delay(), rate));
     assert_eq!(transient.steps, transient.history.time.len());
     transient
+}
+
+/// An undamped run with `modes` of each bar at `step` [s], over `crossings` times the delay,
+/// sampled every step.
+pub fn modal_run(
+    stack: &Stack,
+    (modes, step): (usize, f64),
+    excitation: &Excitation,
+    crossings: f64,
+) -> Transient {
+    let method = Modal { step: Some(step), modes_per_body: Some(modes), ..Modal::default() };
+    run_at(stack, &method, 0.0, excitation, (crossings * delay(), 1.0 / step))
+}
+
+/// Pulse duration [s]: half a metre of wave, a quarter of the window.
+pub const PULSE: f64 = 1e-4;
+
+/// A pulse whose incident pressure peaks at `pressure` [Pa].
+pub fn pulse(pressure: f64) -> Excitation {
+    Excitation::Haversine { peak: pressure * AREA, duration: PULSE }
+}
+
+/// Samples of the interface from the arrival of the wave to its first echo, and
+/// their times after arrival [s].
+pub fn window(transient: &Transient) -> (Vec<f64>, InterfaceHistory) {
+    let history = &transient.history;
+    let arrival = history.time.iter().position(|&t| t >= delay()).unwrap();
+    let end = history.time.iter().position(|&t| t >= 2.9 * delay()).unwrap();
+    let cut = |column: &[f64]| column[arrival..end].to_vec();
+    let times = history.time[arrival..end].iter().map(|t| t - delay()).collect();
+    let interface = &history.interfaces[0];
+    let samples = InterfaceHistory {
+        pressure: cut(&interface.pressure),
+        closure: cut(&interface.closure),
+        stiffness: cut(&interface.stiffness),
+    };
+    (times, samples)
+}
+
+/// `sqrt(sum (a - b)^2 / sum b^2)`.
+pub fn relative_norm(a: &[f64], b: &[f64]) -> f64 {
+    assert_eq!(a.len(), b.len());
+    let off: f64 = a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum();
+    (off / b.iter().map(|b| b * b).sum::<f64>()).sqrt()
+}
+
+/// `f * alpha exp(-alpha t)` for `f = sin^2(pi t / T)` on `0 < t < T`.
+pub fn transmitted_haversine(alpha: f64, time: f64) -> f64 {
+    let w = TAU / PULSE;
+    let during = |t: f64| {
+        let forced = alpha * (alpha * (w * t).cos() + w * (w * t).sin());
+        let free = alpha * alpha * (-alpha * t).exp();
+        0.5 * (1.0 - (-alpha * t).exp() - (forced - free) / (alpha * alpha + w * w))
+    };
+    if time <= PULSE { during(time) } else { during(PULSE) * (-alpha * (time - PULSE)).exp() }
 }

@@ -4,6 +4,7 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
 
 pub mod absolute_scheme;
+pub mod agreement;
 pub mod bar_chain;
 pub mod half_spaces;
 pub mod receptance;
@@ -11,7 +12,7 @@ pub mod statics;
 
 use std::sync::Arc;
 
-use asperity_dynamics::{Damping, Equilibrium, Excitation, FiniteDifference, Sampling, Transient};
+use asperity_dynamics::{Damping, Equilibrium, Excitation, Integrator, Sampling, Transient};
 use asperity_law::{
     Constant, ContactLaw, Exponential, Hyperbolic, InSeries, ModifiedPower, Power, Table,
 };
@@ -111,13 +112,14 @@ pub const DISC: Support = Support::SpringMass { stiffness: 2e8, mass: 3.0, dampi
 /// A run of `stack` with the damping `rate` [1/s], sampled at `sampling_rate` [Hz].
 pub fn run_at(
     stack: &Stack,
-    method: &FiniteDifference,
+    method: &(impl Into<Integrator> + Copy),
     rate: f64,
     excitation: &Excitation,
     (duration, sampling_rate): (f64, f64),
 ) -> Transient {
     let equilibrium = Equilibrium::of(stack).unwrap();
     let sampling = Sampling::new(duration, sampling_rate).unwrap();
+    let method: Integrator = (*method).into();
     method.integrate(stack, &equilibrium, rate, excitation, &sampling, &|_| ()).unwrap()
 }
 
@@ -135,13 +137,14 @@ pub fn difference(a: &[f64], b: &[f64]) -> f64 {
 /// A run of `stack` at 200 kHz with the paper's damping ratio.
 pub fn run(
     stack: &Stack,
-    method: &FiniteDifference,
+    method: &(impl Into<Integrator> + Copy),
     excitation: &Excitation,
     duration: f64,
 ) -> Transient {
     let equilibrium = Equilibrium::of(stack).unwrap();
     let rate = Damping::Ratio(0.035).rate(stack, &equilibrium).unwrap();
     let sampling = Sampling::new(duration, 2e5).unwrap();
+    let method: Integrator = (*method).into();
     method.integrate(stack, &equilibrium, rate, excitation, &sampling, &|_| ()).unwrap()
 }
 
@@ -153,4 +156,15 @@ pub fn slope(sizes: &[f64], errors: &[f64]) -> f64 {
     let (mx, my) = (mean(&x), mean(&y));
     let top: f64 = x.iter().zip(&y).map(|(x, y)| (x - mx) * (y - my)).sum();
     top / x.iter().map(|x| (x - mx).powi(2)).sum::<f64>()
+}
+
+/// The guide bar alone on one contact.
+pub fn single_body(law: &Law, gravity: f64) -> Stack {
+    Stack::new(
+        vec![Body::with_mass("guide bar", 0.229, 1.61, 71e9, 2710.0).unwrap()],
+        vec![Interface::new("guide-disc", AREA, Arc::clone(law)).unwrap()],
+        Support::Rigid,
+        gravity,
+    )
+    .unwrap()
 }

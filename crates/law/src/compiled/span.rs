@@ -4,21 +4,38 @@ use super::LAST_CELLS;
 use crate::error::{LawError, Quantity, above, finite};
 use crate::law::ContactLaw;
 
-/// Lowest pressure, as a part of the state's, of a law that never separates.
+/// Lowest pressure, as a part of the state's, of a law that never separates: where a caller can
+/// turn to the exact law below it, and where it cannot.
 const LOWEST: f64 = 1.0 / 64.0;
+const LOWEST_UNIFORM: f64 = 1e-6;
+
+/// Whether cells next to a singular loss of contact are divided.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Layout {
+    Divided,
+    Uniform,
+}
 
 /// Closure increments to cover.
 pub(super) struct Span {
     pub(super) separates: bool,
     /// Contact is lost where the stiffness leaves zero with a vertical tangent.
     pub(super) singular: bool,
+    /// Below the table lies the pressure of its lowest node, though the law goes on falling.
+    pub(super) floored: bool,
     pub(super) down: f64,
     up: f64,
 }
 
 impl Span {
-    pub(super) fn of(law: &dyn ContactLaw, state: f64, top: f64) -> Result<Self, LawError> {
+    pub(super) fn of(
+        law: &dyn ContactLaw,
+        state: f64,
+        top: f64,
+        layout: Layout,
+    ) -> Result<Self, LawError> {
         let domain = law.domain();
+        let uniform = layout == Layout::Uniform;
         let lowest = if domain.is_bilateral() {
             state - (top - state)
         } else if domain.separates() {
@@ -31,12 +48,14 @@ impl Span {
             }
             0.0
         } else {
-            above(Quantity::PressureState, state, 0.0)? * LOWEST
+            above(Quantity::PressureState, state, 0.0)?
+                * if uniform { LOWEST_UNIFORM } else { LOWEST }
         };
         let down = if lowest == state { 0.0 } else { law.closure_increment(state, lowest - state) };
         Ok(Self {
             separates: domain.separates(),
-            singular: domain.separates() && law.stiffness_slope(0.0) == f64::INFINITY,
+            singular: domain.separates() && law.stiffness_slope(0.0) == f64::INFINITY && !uniform,
+            floored: uniform && !domain.separates() && !domain.is_bilateral(),
             down: finite(Quantity::PressureState, down)?,
             up: finite(Quantity::PressureTop, law.closure_increment(state, top - state))?,
         })

@@ -16,6 +16,7 @@ mod noise;
 mod oscillator;
 mod receptance;
 mod robustness;
+mod shared_force;
 #[allow(dead_code, reason = "names of rows and columns are for the printed table only")]
 #[path = "../../examples/estimators/simulation.rs"]
 mod simulation;

@@ -77,7 +77,7 @@ fn meant(suggestion: Option<&str>) -> String {
 }
 
 /// Sets a value inside `document`, or leaves it as it is; returns where.
-pub(super) fn set(document: &mut Value, pointer: &str, text: &str) -> Result<Pointer, SetError> {
+pub(crate) fn set(document: &mut Value, pointer: &str, text: &str) -> Result<Pointer, SetError> {
     let target: Pointer = pointer.parse()?;
     let value = parse(&target, text)?;
     let Some((last, parents)) = target.parts().split_last() else {

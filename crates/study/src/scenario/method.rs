@@ -18,6 +18,17 @@ pub const DEFAULT_COURANT: f64 = 0.95;
 pub enum MethodSpec {
     /// The paper's explicit finite differences (Eqs. 2 to 5).
     FiniteDifference(FiniteDifference),
+    /// Exact modal steps with implicit contact.
+    Modal(Modal),
+}
+
+/// Exact modal steps with implicit contact.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Modal {
+    /// Step in s; none to have it chosen from an error estimate.
+    pub step_s: Option<f64>,
+    /// Modes of each body, the rigid one included; none to have them chosen from an error bound.
+    pub modes_per_body: Option<usize>,
 }
 
 /// The paper's explicit finite differences (Eqs. 2 to 5).
@@ -52,7 +63,7 @@ impl Default for FiniteDifference {
 
 impl Default for MethodSpec {
     fn default() -> Self {
-        Self::FiniteDifference(FiniteDifference::default())
+        Self::Modal(Modal::default())
     }
 }
 
@@ -74,6 +85,8 @@ enum MethodKeys {
 enum MethodKind {
     /// The paper's explicit finite differences, 1 mm cells.
     FiniteDifference,
+    /// Exact modal steps, step and modes chosen.
+    Modal,
 }
 
 /// A method with its settings.
@@ -95,6 +108,19 @@ enum MethodSettings {
         #[serde(default)]
         contact: ContactScheme,
     },
+    /// Exact modal steps with implicit contact.
+    Modal {
+        /// Step in s; left out, it is chosen so that the lowest natural frequency and the
+        /// excitation are resolved, and halved until the energy balance closes.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(with = "f64", extend("exclusiveMinimum" = 0.0))]
+        step_s: Option<f64>,
+        /// Modes of each body, the rigid one included; left out, they are chosen so that the
+        /// inertia of the others does not matter.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(with = "usize", range(min = 1, max = 2000))]
+        modes_per_body: Option<usize>,
+    },
 }
 
 fn default_cell() -> f64 {
@@ -111,6 +137,10 @@ impl From<MethodKeys> for MethodSpec {
             MethodKeys::Kind(MethodKind::FiniteDifference) => {
                 Self::FiniteDifference(FiniteDifference::default())
             }
+            MethodKeys::Kind(MethodKind::Modal) => Self::Modal(Modal::default()),
+            MethodKeys::Settings(MethodSettings::Modal { step_s, modes_per_body }) => {
+                Self::Modal(Modal { step_s, modes_per_body })
+            }
             MethodKeys::Settings(MethodSettings::FiniteDifference { cell_m, courant, contact }) => {
                 Self::FiniteDifference(FiniteDifference { cell_m, courant, contact })
             }
@@ -120,11 +150,15 @@ impl From<MethodKeys> for MethodSpec {
 
 impl From<MethodSpec> for MethodSettings {
     fn from(method: MethodSpec) -> Self {
-        let MethodSpec::FiniteDifference(settings) = method;
-        Self::FiniteDifference {
-            cell_m: settings.cell_m,
-            courant: settings.courant,
-            contact: settings.contact,
+        match method {
+            MethodSpec::FiniteDifference(settings) => Self::FiniteDifference {
+                cell_m: settings.cell_m,
+                courant: settings.courant,
+                contact: settings.contact,
+            },
+            MethodSpec::Modal(Modal { step_s, modes_per_body }) => {
+                Self::Modal { step_s, modes_per_body }
+            }
         }
     }
 }

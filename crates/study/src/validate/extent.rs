@@ -86,9 +86,9 @@ fn cells_and_steps(root: &Node<'_>, found: &mut Vec<Diagnostic>) {
         None => Some(default),
     };
     let kind = method.as_ref().map(|method| method.text("kind").or(method.value.as_str()));
-    let (None | Some(Some("finite_difference"))) = kind else {
+    if kind.flatten() != Some("finite_difference") {
         return;
-    };
+    }
     let (Some(cell_m), Some(courant)) =
         (setting("cell_m", DEFAULT_CELL_M), setting("courant", DEFAULT_COURANT))
     else {

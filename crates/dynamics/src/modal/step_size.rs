@@ -1,0 +1,103 @@
+//! How long a step is.
+
+use std::f64::consts::TAU;
+
+use super::batch::Hit;
+use crate::DynamicsError;
+
+/// Share of a radian of the lowest natural frequency in a step: the parabola through three
+/// pressures then changes the damping by `(w h)^3 / 48`, four millionths.
+const RADIANS: f64 = 0.056;
+
+/// Most radians of the lowest natural frequency in a step that was given. The mean of both ends
+/// keeps the energy and errs in phase, by `(w h)^2 / 24`, which the energy balance does not see.
+const MOST_RADIANS: f64 = 0.2;
+
+/// Steps in the time in which the drive force changes.
+const STEPS_A_PULSE: f64 = 24.0;
+
+/// Energy residual above which a step that was chosen is halved, and how often.
+const COARSE_RESIDUAL: f64 = 5e-4;
+pub(super) const MOST_HALVINGS: u32 = 7;
+
+/// Energy residual above which a result is refused.
+const REFUSED_RESIDUAL: f64 = 2e-2;
+
+/// Most steps of a hit.
+const MOST_STEPS: f64 = 4e8;
+
+/// A step and their number.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Resolution {
+    /// Step \[s\].
+    pub(super) step: f64,
+    pub(super) steps: usize,
+}
+
+impl Resolution {
+    /// The step that a hit is first tried with: as given, or so that the lowest natural
+    /// frequency and the drive are resolved. A chosen step divides the duration.
+    pub(super) fn first(hit: &Hit) -> Result<Self, DynamicsError> {
+        let positive = |quantity, value: f64| {
+            let accepted = "positive and finite";
+            if value.is_finite() && value > 0.0 {
+                Ok(value)
+            } else {
+                Err(DynamicsError::Setting { quantity, value, accepted })
+            }
+        };
+        let duration = positive("duration [s]", hit.duration)?;
+        if let Some(step) = hit.step {
+            let step = positive("step [s]", step)?;
+            let turn = TAU * step * hit.rig.natural_frequency().unwrap_or(0.0);
+            if turn > MOST_RADIANS {
+                let quantity = "step [s] times lowest natural frequency [rad/s]";
+                return Err(DynamicsError::Setting {
+                    quantity,
+                    value: turn,
+                    accepted: "at most 0.2",
+                });
+            }
+            return Self::of(step, (duration / step - 1e-9).ceil().max(1.0));
+        }
+        let natural = hit.rig.natural_frequency();
+        let slow = natural.map_or(f64::INFINITY, |f| RADIANS / (TAU * f));
+        let step = slow.min(hit.excitation.time_scale() / STEPS_A_PULSE).min(duration / 64.0);
+        // Round down to 1, 2 or 5 times a power of ten, for numbers that people can read.
+        let decade = 10.0_f64.powf(step.log10().floor());
+        let round = [5.0, 2.0, 1.0].into_iter().find(|m| m * decade <= step * (1.0 + 1e-9));
+        let step = round.unwrap_or(1.0) * decade;
+        let steps = (duration / step - 1e-9).ceil();
+        Self::of(duration / steps, steps)
+    }
+
+    /// The step of [`first`](Self::first), halved.
+    pub(super) fn halved(hit: &Hit, halvings: u32) -> Result<Self, DynamicsError> {
+        let Self { step, steps } = Self::first(hit)?;
+        let parts = f64::from(halvings).exp2();
+        Self::of(step / parts, steps as f64 * parts)
+    }
+
+    fn of(step: f64, steps: f64) -> Result<Self, DynamicsError> {
+        if steps <= MOST_STEPS {
+            return Ok(Self { step, steps: steps as usize });
+        }
+        let quantity = "number of steps, duration over step";
+        Err(DynamicsError::Setting { quantity, value: steps, accepted: "at most 4e8" })
+    }
+
+    /// Whether an energy residual says that a chosen step should be halved.
+    pub(super) fn too_coarse(residual: f64) -> bool {
+        // A residual that is not a number is not a small one.
+        residual.is_nan() || residual > COARSE_RESIDUAL
+    }
+
+    /// Refuses a result whose energy balance does not close.
+    pub(super) fn accept(residual: f64, step: f64) -> Result<(), DynamicsError> {
+        if residual <= REFUSED_RESIDUAL {
+            Ok(())
+        } else {
+            Err(DynamicsError::Coarse { residual, step_s: step, limit: REFUSED_RESIDUAL })
+        }
+    }
+}

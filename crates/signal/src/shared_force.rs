@@ -1,0 +1,291 @@
+//! Many hits under forces of one shape.
+
+use std::borrow::Cow;
+use std::f64::consts::TAU;
+use std::fmt;
+use std::sync::Arc;
+
+use realfft::num_complex::Complex64;
+use realfft::{RealFftPlanner, RealToComplex};
+
+use crate::damping::half_power_of;
+use crate::harmonics::{HarmonicOptions, Harmonics, harmonics_of};
+use crate::response::{Band, Ripple, Route, Spectra};
+use crate::spectrum::fast_length;
+use crate::transform::transform_at;
+
+/// Zero padding of the grid of transforms.
+const PADDING: usize = 3;
+
+/// Points of the interpolation between grid frequencies.
+const POINTS: usize = 10;
+
+/// Largest relative error of `|H|` at the fundamental, between interpolation and exact transform,
+/// for the interpolation to be believed.
+const BELIEVED: f64 = 1e-6;
+
+/// The fundamental, second harmonic and damping of hits whose force is one course times a factor.
+///
+/// What depends on the force alone, and all planning, is done once. The transform of a response
+/// is computed on a grid by one short FFT, about the centre of its energy, where it varies slowly
+/// from point to point; peaks and half-power points are then found on its interpolation, which is
+/// checked against the exact transform at the fundamental. Meant for records thinned by a
+/// [`Decimator`](crate::Decimator) to the band of interest.
+///
+/// Answers are those of [`find_harmonics`](crate::find_harmonics) and
+/// [`half_power`](crate::half_power) to 1e-6.
+#[derive(Clone)]
+pub struct SharedForce {
+    rate: f64,
+    samples: Vec<f64>,
+    plan: Arc<dyn RealToComplex<f64>>,
+    force: Transform,
+    keep: usize,
+}
+
+/// What [`SharedForce::analyse`] found.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Observed {
+    /// Fundamental and second harmonic.
+    pub harmonics: Harmonics,
+    /// Damping ratio of the fundamental from its half-power width.
+    pub damping_ratio: Option<f64>,
+}
+
+impl fmt::Debug for SharedForce {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("SharedForce")
+            .field("samples", &self.samples.len())
+            .field("sample_rate_hz", &self.rate)
+            .finish_non_exhaustive()
+    }
+}
+
+impl SharedForce {
+    /// The course `force` \[N\] of unit factor, sampled at `sample_rate_hz`, for peaks up to
+    /// `high` (Hz); `None` for a force without content, or arguments that are not finite.
+    pub fn new(force: &[f64], sample_rate_hz: f64, high: f64) -> Option<Self> {
+        let finite = force.iter().all(|sample| sample.is_finite());
+        if !(finite && sample_rate_hz.is_finite() && sample_rate_hz > 0.0 && high > 0.0) {
+            return None;
+        }
+        let length = fast_length(PADDING * force.len().max(POINTS));
+        let plan = RealFftPlanner::new().plan_fft_forward(length);
+        let step = sample_rate_hz / length as f64;
+        let keep = ((high / step).ceil() as usize).saturating_add(POINTS).min(length / 2 + 1);
+        let force_transform = Transform::of(force, 1.0 / sample_rate_hz, &plan, keep)?;
+        Some(Self {
+            rate: sample_rate_hz,
+            samples: force.to_vec(),
+            plan,
+            force: force_transform,
+            keep,
+        })
+    }
+
+    /// The fundamental near `static_frequency_hz`, its second harmonic and its damping, from a
+    /// `displacement` \[m\] under `factor` times the force. `None` where the interpolation is not
+    /// to be believed, as of a record that has not decayed: turn to the exact analysis then.
+    pub fn analyse(
+        &self,
+        displacement: &[f64],
+        factor: f64,
+        static_frequency_hz: f64,
+        options: &HarmonicOptions,
+    ) -> Option<Observed> {
+        if displacement.len() != self.samples.len() || factor == 0.0 {
+            return None;
+        }
+        // Per unit of the factor, so that all that follows is as if it were one.
+        let scale = 1.0 / (self.rate * factor);
+        let response = Transform::of(displacement, scale, &self.plan, self.keep)?;
+        let hit = SharedHit { shared: self, displacement, response, factor };
+        let harmonics = harmonics_of(&hit, static_frequency_hz, options);
+        let Some(first) = harmonics.fundamental else {
+            return Some(Observed { harmonics, damping_ratio: None });
+        };
+        let f = first.frequency_hz;
+        let exact = transform_at(displacement, self.rate, f).norm()
+            / (transform_at(&self.samples, self.rate, f).norm() * factor.abs());
+        let off = (first.magnitude / exact - 1.0).abs();
+        if off.is_nan() || off > BELIEVED {
+            return None;
+        }
+        let power = |frequency| hit.power(frequency);
+        let first_step = 0.25 * self.rate / displacement.len() as f64;
+        let highest = (self.keep - POINTS) as f64 * hit.step();
+        let crossings = half_power_of(power, f, first_step, highest);
+        let damping_ratio = crossings.map(|crossings| crossings.ratio());
+        Some(Observed { harmonics, damping_ratio })
+    }
+}
+
+/// A transform on a grid of frequencies, about the centre of the signal's energy.
+#[derive(Debug, Clone)]
+struct Transform {
+    values: Vec<Complex64>,
+    /// Grid spacing in cycles a sample, and the sample that counts as time zero.
+    cycles: f64,
+    centre: f64,
+}
+
+impl Transform {
+    /// The transform times `scale`, on the grid of `plan` up to point `keep`.
+    fn of(
+        samples: &[f64],
+        scale: f64,
+        plan: &Arc<dyn RealToComplex<f64>>,
+        keep: usize,
+    ) -> Option<Self> {
+        let (mut energy, mut moment) = (0.0, 0.0);
+        for (n, sample) in samples.iter().enumerate() {
+            energy += sample * sample;
+            moment += n as f64 * (sample * sample);
+        }
+        if !(energy > 0.0 && energy.is_finite()) {
+            return None;
+        }
+        let centre = (moment / energy).round() as usize;
+        let mut padded = plan.make_input_vec();
+        let length = padded.len();
+        padded[..samples.len() - centre].copy_from_slice(&samples[centre..]);
+        padded[length - centre..].copy_from_slice(&samples[..centre]);
+        let mut values = plan.make_output_vec();
+        plan.process(&mut padded, &mut values).ok()?;
+        values.truncate(keep);
+        for value in &mut values {
+            *value *= scale;
+        }
+        Some(Self { values, cycles: 1.0 / length as f64, centre: centre as f64 })
+    }
+
+    /// Value at `place` grid points, and derivative with it, by the polynomial of `stencil`.
+    fn at(&self, stencil: &Stencil) -> (Complex64, Complex64) {
+        let Some(values) = self.values.get(stencil.first..stencil.first + POINTS) else {
+            return (Complex64::new(f64::NAN, 0.0), Complex64::new(f64::NAN, 0.0));
+        };
+        let (mut value, mut slope) = (Complex64::ZERO, Complex64::ZERO);
+        for (point, (weight, weight_slope)) in values.iter().zip(&stencil.weights) {
+            value += point * weight;
+            slope += point * weight_slope;
+        }
+        (value, slope)
+    }
+}
+
+/// Weights of the grid points around a place in the polynomial through them, and their
+/// derivatives with the place.
+struct Stencil {
+    first: usize,
+    weights: [(f64, f64); POINTS],
+}
+
+impl Stencil {
+    fn at(place: f64, count: usize) -> Self {
+        let last = count.saturating_sub(POINTS);
+        let first = (place as usize).saturating_sub(POINTS / 2 - 1).min(last);
+        let u = place - first as f64;
+        // Products of (u - m) from below and from above, with their derivatives.
+        let mut below = [(1.0, 0.0); POINTS + 1];
+        let mut above = [(1.0, 0.0); POINTS + 1];
+        for m in 0..POINTS {
+            let (value, slope): (f64, f64) = below[m];
+            let factor = u - m as f64;
+            below[m + 1] = (value * factor, slope * factor + value);
+            let n = POINTS - 1 - m;
+            let (value, slope): (f64, f64) = above[n + 1];
+            let factor = u - n as f64;
+            above[n] = (value * factor, slope * factor + value);
+        }
+        let weights = std::array::from_fn(|j| {
+            let ((low, low_slope), (high, high_slope)) = (below[j], above[j + 1]);
+            (NORMS[j] * low * high, NORMS[j] * (low_slope * high + low * high_slope))
+        });
+        Self { first, weights }
+    }
+}
+
+/// `1 / product of (j - m)` over the other points m.
+const NORMS: [f64; POINTS] = {
+    let mut norms = [1.0; POINTS];
+    let mut j = 0;
+    while j < POINTS {
+        let mut m = 0;
+        while m < POINTS {
+            if m != j {
+                norms[j] /= j as f64 - m as f64;
+            }
+            m += 1;
+        }
+        j += 1;
+    }
+    norms
+};
+
+/// One hit under the shared force, its response divided by the factor.
+struct SharedHit<'a> {
+    shared: &'a SharedForce,
+    displacement: &'a [f64],
+    response: Transform,
+    factor: f64,
+}
+
+impl SharedHit<'_> {
+    fn step(&self) -> f64 {
+        self.response.cycles * self.shared.rate
+    }
+
+    fn stencil(&self, frequency_hz: f64) -> Stencil {
+        Stencil::at(frequency_hz / self.step(), self.shared.keep)
+    }
+
+    fn power(&self, frequency_hz: f64) -> f64 {
+        let stencil = self.stencil(frequency_hz);
+        self.response.at(&stencil).0.norm_sqr() / self.shared.force.at(&stencil).0.norm_sqr()
+    }
+}
+
+impl Spectra for SharedHit<'_> {
+    fn band(&self, _: usize, _: f64) -> Band<'_> {
+        Band {
+            step: self.step(),
+            samples: Cow::Borrowed(&self.response.values),
+            force: Cow::Borrowed(&self.shared.force.values),
+        }
+    }
+
+    fn route(&self) -> Route {
+        Route::Displacement
+    }
+
+    fn force_magnitude(&self, frequency_hz: f64) -> f64 {
+        self.shared.force.at(&self.stencil(frequency_hz)).0.norm()
+    }
+
+    fn receptance_at(&self, frequency_hz: f64) -> Complex64 {
+        let stencil = self.stencil(frequency_hz);
+        let ratio = self.response.at(&stencil).0 / self.shared.force.at(&stencil).0;
+        let late = self.response.centre - self.shared.force.centre;
+        ratio * Complex64::from_polar(1.0, -TAU * frequency_hz / self.shared.rate * late)
+    }
+
+    fn power_and_slope(&self, frequency_hz: f64) -> (f64, f64) {
+        let stencil = self.stencil(frequency_hz);
+        let (x, dx) = self.response.at(&stencil);
+        let (f, df) = self.shared.force.at(&stencil);
+        ((x / f).norm_sqr(), 2.0 * (dx / x - df / f).re / self.step())
+    }
+
+    fn ripple(&self, frequency_hz: f64, period: f64) -> Ripple {
+        let rate = self.shared.rate;
+        let count = (period * rate).ceil().max(1.0) as usize;
+        let tail = &self.displacement[self.displacement.len().saturating_sub(count)..];
+        let left = tail.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+        let scale = 1.0 / (self.force_magnitude(frequency_hz) * self.factor.abs());
+        let absolute: f64 = self.displacement.iter().map(|x| x.abs()).sum();
+        Ripple {
+            leakage: left / (TAU * frequency_hz) * scale,
+            rounding: 1e-14 * absolute / rate * scale,
+        }
+    }
+}

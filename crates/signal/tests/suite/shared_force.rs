@@ -1,0 +1,105 @@
+//! Hits under a shared force: as the exact analysis finds them.
+
+use crate::oscillator::{Mode, hammer_pulse, struck};
+use asperity_signal::{
+    Decimator, HarmonicOptions, Response, SharedForce, find_harmonics, half_power,
+};
+
+const RATE: f64 = 100_000.0;
+const FIRST: Mode = Mode { natural_hz: 830.0, damping: 0.035, mass: 1.61 };
+const SECOND: Mode = Mode { natural_hz: 1634.6, damping: 0.02, mass: 40.0 };
+
+/// Force and displacement of a hit, `count` samples at `RATE`, times `factor`.
+fn records(modes: &[Mode], count: usize, factor: f64) -> (Vec<f64>, Vec<f64>) {
+    let (_, impulse) = struck(modes, RATE, count);
+    let pulse = hammer_pulse(1.0, 0.34e-3);
+    let force: Vec<f64> = (0..count).map(|n| pulse(n as f64 / RATE)).collect();
+    let displacement = (0..count)
+        .map(|n| (0..=n.min(900)).map(|k| force[k] * impulse[n - k]).sum::<f64>() / RATE)
+        .collect();
+    let scaled = |column: Vec<f64>| column.into_iter().map(|x| factor * x).collect();
+    (scaled(force), scaled(displacement))
+}
+
+/// Every so many samples of both, with the filter that keeps `high`.
+fn thinned(force: &[f64], displacement: &[f64], high: f64) -> (Vec<f64>, Vec<f64>, f64) {
+    let decimator = Decimator::keeping(RATE, high);
+    let whole = 0..force.len();
+    let rate = RATE / decimator.factor() as f64;
+    (decimator.apply(force, &whole), decimator.apply(displacement, &whole), rate)
+}
+
+/// Verified against the analysis of the full records by the exact transform. The thinning folds
+/// 1e-5 of what the spectrum has above the band, and a hammer's has little.
+#[test]
+fn thinned_hits_are_analysed_as_the_full_records() {
+    for (modes, count) in [(vec![FIRST, SECOND], 12_000), (vec![FIRST], 12_000)] {
+        let (force, displacement) = records(&modes, count, 7.0);
+        let full = Response::from_displacement(&force, &displacement, RATE).unwrap();
+        let options = HarmonicOptions::default();
+        let exact = find_harmonics(&full, 850.0, &options);
+        let high = 850.0 * 1.4 * 2.3;
+        let (few_forces, few, rate) = thinned(&force, &displacement, high);
+        let unit: Vec<f64> = few_forces.iter().map(|f| f / 7.0).collect();
+        let shared = SharedForce::new(&unit, rate, high).unwrap();
+        let found = shared.analyse(&few, 7.0, 850.0, &options).unwrap();
+        let first = found.harmonics.fundamental.unwrap();
+        let expected = exact.fundamental.unwrap();
+        assert!((first.frequency_hz / expected.frequency_hz - 1.0).abs() < 2e-6);
+        assert!((first.magnitude / expected.magnitude - 1.0).abs() < 1e-5);
+        assert!((first.value - expected.value).norm() < 2e-5 * expected.magnitude);
+        let damping = half_power(&full, &expected).unwrap();
+        assert!((found.damping_ratio.unwrap() / damping - 1.0).abs() < 5e-5);
+        assert_eq!(found.harmonics.second.is_some(), exact.second.is_some());
+        if let (Some(second), Some(expected)) = (found.harmonics.second, exact.second) {
+            assert!((second.frequency_hz / expected.frequency_hz - 1.0).abs() < 4e-6);
+            assert!((second.magnitude / expected.magnitude - 1.0).abs() < 4e-5);
+            assert!((second.prominence - expected.prominence).abs() < 1e-3);
+        }
+    }
+}
+
+/// A record cut in full swing has a transform that turns too fast to interpolate: it is passed
+/// on, or what is found is right.
+#[test]
+fn a_record_that_has_not_decayed_is_right_or_passed_on() {
+    let lasting = Mode { damping: 1e-4, ..FIRST };
+    for count in [2_000, 6_000, 25_000] {
+        let (force, displacement) = records(&[lasting], count, 1.0);
+        let options = HarmonicOptions::default();
+        let full = Response::from_displacement(&force, &displacement, RATE).unwrap();
+        let exact = find_harmonics(&full, 850.0, &options).fundamental.unwrap();
+        let shared = SharedForce::new(&force, RATE, 2700.0).unwrap();
+        if let Some(found) = shared.analyse(&displacement, 1.0, 850.0, &options) {
+            let first = found.harmonics.fundamental.unwrap();
+            let off = first.frequency_hz / exact.frequency_hz - 1.0;
+            assert!(off.abs() < 1e-7, "{count}: {off:e}");
+            assert!((first.magnitude / exact.magnitude - 1.0).abs() < 2e-6, "{count}");
+        }
+    }
+}
+
+#[test]
+fn what_cannot_be_analysed_is_none() {
+    let pulse = hammer_pulse(5.0, 0.3e-3);
+    let force: Vec<f64> = (0..1000).map(|n| pulse(f64::from(n) / RATE)).collect();
+    assert!(SharedForce::new(&[0.0; 100], RATE, 2000.0).is_none());
+    assert!(SharedForce::new(&[f64::NAN; 100], RATE, 2000.0).is_none());
+    assert!(SharedForce::new(&force, 0.0, 2000.0).is_none());
+    assert!(SharedForce::new(&force, RATE, f64::NAN).is_none());
+    let shared = SharedForce::new(&force, RATE, 2000.0).unwrap();
+    let options = HarmonicOptions::default();
+    assert!(shared.analyse(&force[1..], 1.0, 800.0, &options).is_none());
+    assert!(shared.analyse(&vec![f64::NAN; force.len()], 1.0, 800.0, &options).is_none());
+    assert!(shared.analyse(&force, 0.0, 800.0, &options).is_none());
+}
+
+/// The filter of a factor is the same at every rate, and nothing is done where there is no room.
+#[test]
+fn thinning_depends_on_the_factor_alone() {
+    let (a, b) = (Decimator::keeping(1e5, 2.5e3), Decimator::keeping(2e5, 5e3));
+    assert_eq!((a.factor(), a.taps()), (b.factor(), b.taps()));
+    assert_eq!(a.factor(), 9);
+    let none = Decimator::keeping(5e3, 2e3);
+    assert_eq!((none.factor(), none.taps()), (1, [1.0].as_slice()));
+}

@@ -1,0 +1,187 @@
+//! The scenarios of a sweep, checked before the first run.
+
+use std::path::Path;
+
+use rayon::prelude::*;
+use serde_json::{Value, json};
+use thiserror::Error;
+
+use super::variation::{Variation, VariationError, number_of_runs};
+use crate::diagnostic::Invalid;
+use crate::document::{Document, SetError, set_value};
+use crate::error::StudyError;
+use crate::scenario::{ExcitationSpec, Scenario};
+
+/// Most combinations of extreme values that are checked; beyond, each value on its own.
+const MOST_CORNERS: usize = 4096;
+
+/// Values of a variation up to which each is checked, not the extremes alone.
+const FEW: usize = 256;
+
+/// Why a sweep cannot start.
+#[derive(Debug, Error)]
+pub enum SweepError {
+    /// A variation cannot be used.
+    #[error(transparent)]
+    Variation(#[from] VariationError),
+    /// A value cannot be set.
+    #[error("{values}: {source}")]
+    Set {
+        /// The values tried.
+        values: String,
+        /// Why.
+        source: SetError,
+    },
+    /// A combination of values is no valid scenario.
+    #[error("{values}: {source}")]
+    Invalid {
+        /// The values tried.
+        values: String,
+        /// What is wrong.
+        source: Invalid,
+    },
+}
+
+/// What is varied, and the scenario it is varied in.
+#[derive(Debug)]
+pub(super) struct Plan<'a> {
+    document: &'a Document,
+    variations: &'a [Variation],
+    /// Whether a variation leaves everything but the drive force as it is.
+    drive_only: Vec<bool>,
+    runs: usize,
+}
+
+impl<'a> Plan<'a> {
+    /// Checks the variations.
+    ///
+    /// Bounds in a scenario are intervals, so of a long list of numbers the least and the
+    /// greatest stand for all; what only shows in between is the error of its run. Every value of
+    /// a short list, and everything that is not a number, is checked.
+    pub(super) fn new(
+        document: &'a Document,
+        variations: &'a [Variation],
+    ) -> Result<Self, SweepError> {
+        let runs = number_of_runs(variations)?;
+        let drive = |variation: &Variation| {
+            variation.pointer == "/excitation" || variation.pointer.starts_with("/excitation/")
+        };
+        let plan =
+            Self { document, variations, drive_only: variations.iter().map(drive).collect(), runs };
+        let telling: Vec<Vec<usize>> = variations.iter().map(telling_values).collect();
+        let corners = telling.iter().try_fold(1_usize, |n, list| n.checked_mul(list.len()));
+        let combinations: Vec<Vec<usize>> = match corners {
+            Some(corners) if corners <= MOST_CORNERS => {
+                (0..corners).map(|n| digits(n, telling.iter().map(Vec::len))).collect()
+            }
+            _ => (0..telling.len())
+                .flat_map(|v| {
+                    let count = telling.len();
+                    (0..telling[v].len()).map(move |n| {
+                        let mut at = vec![0; count];
+                        at[v] = n;
+                        at
+                    })
+                })
+                .collect(),
+        };
+        combinations.into_par_iter().try_for_each(|at| {
+            let chosen: Vec<usize> = at.iter().zip(&telling).map(|(&n, list)| list[n]).collect();
+            plan.check(&chosen)
+        })?;
+        Ok(plan)
+    }
+
+    pub(super) fn runs(&self) -> usize {
+        self.runs
+    }
+
+    pub(super) fn folder(&self) -> &Path {
+        self.document.folder()
+    }
+
+    /// Number of the value of each variation in a run, the last varying fastest.
+    pub(super) fn chosen(&self, run: usize) -> Vec<usize> {
+        digits(run, self.variations.iter().map(|variation| variation.values.len()))
+    }
+
+    /// What of `chosen` is not the drive alone: runs that share it share a rig.
+    pub(super) fn rig(&self, chosen: &[usize]) -> Vec<usize> {
+        let kept = chosen.iter().zip(&self.drive_only).filter(|(_, drive)| !**drive);
+        kept.map(|(&value, _)| value).collect()
+    }
+
+    /// The document of a run.
+    pub(super) fn document(&self, chosen: &[usize]) -> Result<Document, SetError> {
+        let mut document = self.document.clone();
+        for (variation, &value) in self.variations.iter().zip(chosen) {
+            document.set(&variation.pointer, &variation.values[value])?;
+        }
+        Ok(document)
+    }
+
+    /// The scenario of a run, whose values have been checked.
+    pub(super) fn scenario(&self, chosen: &[usize]) -> Result<Scenario, StudyError> {
+        let document = self.document(chosen)?;
+        serde_json::from_value(document.value().clone())
+            .map_err(|error| StudyError::Scenario { reason: error.to_string() })
+    }
+
+    /// The drive of a run.
+    pub(super) fn excitation(&self, chosen: &[usize]) -> Result<ExcitationSpec, StudyError> {
+        let mut part = match self.document.value().get("excitation") {
+            Some(excitation) => json!({ "excitation": excitation }),
+            None => json!({}),
+        };
+        let varied = self.variations.iter().zip(chosen).zip(&self.drive_only);
+        for ((variation, &value), _) in varied.filter(|(_, drive)| **drive) {
+            set_value(&mut part, &variation.pointer, &variation.values[value])?;
+        }
+        let excitation = part.get_mut("excitation").map(Value::take).unwrap_or_default();
+        serde_json::from_value(excitation)
+            .map_err(|error| StudyError::Scenario { reason: error.to_string() })
+    }
+
+    fn check(&self, chosen: &[usize]) -> Result<(), SweepError> {
+        let named = || {
+            let pairs = self.variations.iter().zip(chosen);
+            let texts: Vec<String> =
+                pairs.map(|(v, &value)| format!("{}={}", v.pointer, v.values[value])).collect();
+            texts.join(", ")
+        };
+        let document =
+            self.document(chosen).map_err(|source| SweepError::Set { values: named(), source })?;
+        document.scenario().map_err(|source| SweepError::Invalid { values: named(), source })?;
+        Ok(())
+    }
+}
+
+/// The values of a variation that are checked.
+fn telling_values(variation: &Variation) -> Vec<usize> {
+    let values = &variation.values;
+    let numbers: Option<Vec<f64>> =
+        values.iter().map(|text| serde_json::from_str::<f64>(text).ok()).collect();
+    let (Some(numbers), true) = (numbers, values.len() > FEW) else {
+        return (0..values.len()).collect();
+    };
+    let by = |a: &usize, b: &usize| numbers[*a].total_cmp(&numbers[*b]);
+    let extremes = [(0..numbers.len()).min_by(by), (0..numbers.len()).max_by(by)];
+    let mut telling: Vec<usize> = extremes.into_iter().flatten().collect();
+    telling.dedup();
+    telling
+}
+
+/// `number` in mixed radices, the last fastest.
+fn digits(number: usize, radices: impl DoubleEndedIterator<Item = usize>) -> Vec<usize> {
+    let mut rest = number;
+    let mut digits: Vec<usize> = radices
+        .rev()
+        .map(|radix| {
+            let digit = rest % radix;
+            rest /= radix;
+            digit
+        })
+        .collect();
+    digits.reverse();
+    digits
+}

@@ -1,0 +1,130 @@
+//! What a sweep varies.
+
+use thiserror::Error;
+
+/// Most runs of one sweep.
+pub const MOST_RUNS: usize = 10_000_000;
+
+/// One place of the scenario and the values it takes.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Variation {
+    /// JSON Pointer into the scenario.
+    pub pointer: String,
+    /// The values, as `--set` takes them.
+    pub values: Vec<String>,
+}
+
+/// A `--vary POINTER=VALUES` that cannot be used.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+pub enum VariationError {
+    /// There is no equals sign.
+    #[error("\"{text}\" has no \"=\"; accepted: POINTER=start:stop:count or POINTER=v1,v2,...")]
+    NoEquals {
+        /// The argument.
+        text: String,
+    },
+    /// There are no values.
+    #[error("{pointer}: no values; accepted: start:stop:count or v1,v2,...")]
+    Empty {
+        /// The pointer.
+        pointer: String,
+    },
+    /// A range that is not two numbers and a count.
+    #[error(
+        "{pointer}: \"{text}\" is no range; accepted: start:stop:count with finite numbers and a count from 1 to 10000000"
+    )]
+    Range {
+        /// The pointer.
+        pointer: String,
+        /// The values as given.
+        text: String,
+    },
+    /// More runs than a sweep takes.
+    #[error("the sweep would take {runs} runs; at most 10000000 are accepted")]
+    TooMany {
+        /// The number of runs.
+        runs: u128,
+    },
+}
+
+impl Variation {
+    /// Reads `POINTER=start:stop:count` (linear, ends included) or `POINTER=v1,v2,...`.
+    ///
+    /// # Errors
+    /// [`VariationError`] when it is neither.
+    pub fn parse(text: &str) -> Result<Self, VariationError> {
+        let (pointer, values) = text
+            .split_once('=')
+            .ok_or_else(|| VariationError::NoEquals { text: text.to_owned() })?;
+        let pointer = pointer.to_owned();
+        if values.trim().is_empty() {
+            return Err(VariationError::Empty { pointer });
+        }
+        let values = if values.contains(':') && !values.contains(['{', '[', '"', ',']) {
+            range(values).ok_or(VariationError::Range {
+                pointer: pointer.clone(),
+                text: values.to_owned(),
+            })?
+        } else {
+            values.split(',').map(|value| value.trim().to_owned()).collect()
+        };
+        Ok(Self { pointer, values })
+    }
+}
+
+/// The numbers of `start:stop:count`, ends included and met exactly.
+fn range(text: &str) -> Option<Vec<String>> {
+    let parts: Vec<&str> = text.split(':').map(str::trim).collect();
+    let [start, stop, count] = parts.as_slice() else { return None };
+    let (start, stop): (f64, f64) = (start.parse().ok()?, stop.parse().ok()?);
+    let count: usize = count.parse().ok()?;
+    if !start.is_finite() || !stop.is_finite() || !(1..=MOST_RUNS).contains(&count) {
+        return None;
+    }
+    let last = (count - 1).max(1) as f64;
+    let value = |i: usize| {
+        if i + 1 == count && count > 1 { stop } else { start + (stop - start) * i as f64 / last }
+    };
+    Some((0..count).map(|i| value(i).to_string()).collect())
+}
+
+/// The number of runs of a sweep over `variations`.
+///
+/// # Errors
+/// [`VariationError::TooMany`] beyond [`MOST_RUNS`].
+pub fn number_of_runs(variations: &[Variation]) -> Result<usize, VariationError> {
+    let product = variations
+        .iter()
+        .try_fold(1u128, |runs, variation| runs.checked_mul(variation.values.len() as u128))
+        .unwrap_or(u128::MAX);
+    match usize::try_from(product) {
+        Ok(runs) if runs <= MOST_RUNS => Ok(runs),
+        _ => Err(VariationError::TooMany { runs: product }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ranges_meet_their_ends_and_lists_are_taken_as_they_are() {
+        let linear = Variation::parse("/excitation/peak_n=9:32:24").unwrap();
+        assert_eq!(linear.values.len(), 24);
+        assert_eq!((linear.values[0].as_str(), linear.values[23].as_str()), ("9", "32"));
+        assert_eq!(Variation::parse("/a=0.1:0.3:3").unwrap().values[2], "0.3");
+        assert_eq!(Variation::parse("/a=5:9:1").unwrap().values, ["5"]);
+        let laws = Variation::parse("/interfaces/0/law=modified, pl").unwrap();
+        assert_eq!(laws.values, ["modified", "pl"]);
+    }
+
+    #[test]
+    fn what_is_no_variation_is_refused() {
+        for text in ["/a", "/a=", "/a=1:2", "/a=1:2:0", "/a=x:2:3", "/a=1:inf:3", "/a=1:2:3:4"] {
+            assert!(Variation::parse(text).is_err(), "{text}");
+        }
+        let many = Variation::parse("/a=0:1:9999").unwrap();
+        let variations = vec![many.clone(), many.clone(), many];
+        assert!(number_of_runs(&variations).is_err());
+    }
+}

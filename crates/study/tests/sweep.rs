@@ -1,0 +1,152 @@
+//! A sweep against single runs: the vector lanes, the thinned records and the shared analysis
+//! must give what one run with its full-length analysis gives.
+#![allow(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
+
+use asperity_study::document::Document;
+use asperity_study::run::simulate;
+use asperity_study::sweep::{Sweep, Variation, on_threads, sweep};
+
+const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/scenarios");
+
+fn document(name: &str) -> Document {
+    let mut document = Document::read(format!("{FOLDER}/{name}.json")).unwrap();
+    document.set("/method", "modal").unwrap();
+    document
+}
+
+fn swept(document: &Document, vary: &[&str]) -> Sweep {
+    let variations: Vec<Variation> = vary.iter().map(|v| Variation::parse(v).unwrap()).collect();
+    sweep(document, &variations, &|_, _| ()).unwrap()
+}
+
+/// Largest relative difference allowed between a sweep's number and a single run's.
+///
+/// The thinning folds 1e-5 of what lies above the band; a record of one in eight steps has a
+/// decrement of its own; mean stiffnesses are those of steps, not of output samples.
+///
+/// A force with corners is transformed by the rectangle rule at the step in a sweep, at the
+/// output rate in a run: `(pi h / T)^2 / 12` apart for a half-sine of duration T, and more next to
+/// a zero of its spectrum.
+fn tolerance(column: &str, corners: bool) -> f64 {
+    let spectral = column.starts_with("fundamental") || column.starts_with("second");
+    match column {
+        "fundamental.damping_ratio_decrement" => 5e-3,
+        _ if corners && spectral || corners && column == "harmonic_ratio" => 1e-3,
+        "fundamental.frequency_hz" | "fundamental.receptance_m_per_n" => 2e-6,
+        "second_harmonic.frequency_hz" | "second_harmonic.receptance_m_per_n" => 5e-5,
+        "harmonic_ratio" | "fundamental.damping_ratio" => 5e-5,
+        // Every fourth step stands for four, also where contact is lost.
+        name if name.ends_with("stiffness_average_pa_per_m") => 1e-3,
+        _ => 1e-9,
+    }
+}
+
+/// Every run of `vary` against the same run alone.
+fn compare(document: &Document, vary: &[&str], corners: bool) {
+    let sweep = swept(document, vary);
+    for run in 0..sweep.runs.len() {
+        let mut alone = document.clone();
+        for (variation, value) in sweep.variations.iter().zip(sweep.values(run)) {
+            alone.set(&variation.pointer, value).unwrap();
+        }
+        let scenario = alone.scenario().unwrap();
+        let summary = simulate(&alone, &scenario, &|_| ()).unwrap().summary;
+        assert_eq!(summary.names(), sweep.columns);
+        let numbers = sweep.runs[run].as_ref().unwrap();
+        for ((column, expected), found) in summary.scalars().into_iter().zip(numbers.iter()) {
+            let place = format!("{:?} {column}", sweep.values(run));
+            // What is left of the energy at the end is round-off.
+            if column == "energy.stored_j" || column == "energy.residual_relative" {
+                continue;
+            }
+            let Some(expected) = expected else {
+                assert!(found.is_nan(), "{place}: {found} for none");
+                continue;
+            };
+            let off = (found - expected).abs();
+            let allowed = tolerance(&column, corners) * expected.abs();
+            assert!(off <= allowed, "{place}: {found} for {expected}, off by {off:e}");
+        }
+    }
+}
+
+#[test]
+fn forces_and_laws_are_as_single_runs() {
+    let laws = "/interfaces/0/law=modified,pl,constant";
+    compare(&document("nouira2020-modified"), &["/excitation/peak_n=9,20,32", laws], false);
+}
+
+#[test]
+fn pulses_are_as_single_runs() {
+    compare(&document("nouira2020-modified"), &["/excitation/rise_s=0.2e-3:0.5e-3:4"], false);
+    let half = r#"{"kind":"half_sine","peak_n":20,"duration_s":0.9e-3}"#;
+    let mut document = document("nouira2020-modified");
+    document.set("/excitation", half).unwrap();
+    compare(&document, &["/excitation/peak_n=9,32"], true);
+}
+
+#[test]
+fn damping_preload_and_support_are_as_single_runs() {
+    let varied = ["/damping/ratio=0.02,0.05", "/bodies/0/mass_kg=1,2"];
+    compare(&document("nouira2020-modified"), &varied, false);
+    compare(&document("nouira2020-compliant-disc"), &["/support/mass_kg=2:4:3"], false);
+    compare(&document("three-body"), &["/excitation/peak_n=1:3:2"], false);
+}
+
+/// A record, and a shaker that never ends: the transform cannot be interpolated.
+#[test]
+fn lasting_and_measured_forces_are_as_single_runs() {
+    compare(&document("measured-hammer"), &["/damping/ratio=0.03,0.04"], true);
+    let sweep = swept(&document("sine-shaker"), &["/excitation/amplitude_n=0.5,1"]);
+    assert!(sweep.runs.iter().all(Result::is_ok));
+}
+
+/// Bit for bit the same, whatever the threads, and whatever else is swept.
+#[test]
+fn results_do_not_depend_on_threads_or_company() {
+    let document = document("nouira2020-modified");
+    let many = ["/excitation/peak_n=9:32:150"];
+    let one = on_threads(Some(1), || swept(&document, &many)).unwrap();
+    let two = on_threads(Some(2), || swept(&document, &many)).unwrap();
+    assert_eq!(one.csv(), two.csv());
+    let few = swept(&document, &["/excitation/peak_n=9,32"]);
+    for (run, of_many) in [(0, 0), (1, 149)] {
+        assert_eq!(few.runs[run].as_ref().unwrap(), one.runs[of_many].as_ref().unwrap());
+    }
+}
+
+/// Finite differences go run by run through the same table.
+#[test]
+fn methods_can_be_varied() {
+    let mut document = document("nouira2020-modified");
+    document.set("/duration_s", "0.03").unwrap();
+    let sweep = swept(&document, &["/method=modal,finite_difference"]);
+    let f1 = [0, 1].map(|run| sweep.number(run, "fundamental.frequency_hz").unwrap());
+    assert!((f1[0] / f1[1] - 1.0).abs() < 1e-4, "{f1:?}");
+    assert!(
+        sweep.number(1, "numerics.steps").unwrap()
+            > 10.0 * sweep.number(0, "numerics.steps").unwrap()
+    );
+}
+
+/// A step that is too long for one force is that run's error alone.
+#[test]
+fn a_run_that_fails_fails_alone() {
+    let document = document("nouira2020-modified");
+    let sweep = swept(&document, &["/method/step_s=1e-5,2e-4"]);
+    assert!(sweep.runs[0].is_ok());
+    let error = sweep.runs[1].as_ref().unwrap_err().to_string();
+    assert!(error.contains("step"), "{error}");
+    assert!(sweep.csv().lines().nth(2).unwrap().contains("at most 0.2"), "{}", sweep.csv());
+}
+
+#[test]
+fn what_cannot_be_run_is_refused_before_the_first_run() {
+    let document = document("nouira2020-modified");
+    for vary in
+        ["/excitation/peek_n=1:2:1000", "/bodies/0/length_m=-1:1:1000", "/method/step_s=0,1e-5"]
+    {
+        let variations = [Variation::parse(vary).unwrap()];
+        assert!(sweep(&document, &variations, &|_, _| ()).is_err(), "{vary}");
+    }
+}
