@@ -65,6 +65,22 @@ pub(crate) enum Command {
         #[arg(long, value_name = "N")]
         threads: Option<usize>,
     },
+    /// Steady responses to a shaker on the top, by harmonic balance: a branch over frequency for
+    /// each force amplitude, folds and unstable parts included.
+    ///
+    /// The scenario's own excitation does not matter. Writes summary.json, steady.csv and
+    /// steady.svg, and with --backbone backbone.csv.
+    Steady {
+        #[command(flatten)]
+        input: Input,
+        #[command(flatten)]
+        output: Output,
+        #[command(flatten)]
+        range: SteadyRange,
+        /// Number of threads; all cores if left out.
+        #[arg(long, value_name = "N")]
+        threads: Option<usize>,
+    },
     /// Tabulates every law of the scenario: pressure, stiffness, closure, energy.
     ///
     /// Writes law-NAME.csv for each law, law.json and law.svg.
@@ -100,6 +116,37 @@ pub(crate) enum Command {
     },
     /// Prints the JSON Schema of the scenario.
     Schema,
+}
+
+/// What steady responses are followed over.
+#[derive(Debug, Group)]
+pub(crate) struct SteadyRange {
+    /// Force amplitudes in N.
+    #[arg(long, value_name = "N[,N...]", required = true, value_delimiter = ',')]
+    pub(crate) amplitude: Vec<f64>,
+
+    /// Frequency in Hz at which each branch starts.
+    #[arg(long, value_name = "HZ")]
+    pub(crate) from: f64,
+
+    /// Frequency in Hz at which each branch ends; may be the lower one.
+    #[arg(long, value_name = "HZ")]
+    pub(crate) to: f64,
+
+    /// Number of harmonics; chosen by their truncation, up to 30, if left out.
+    #[arg(long, value_name = "H")]
+    pub(crate) harmonics: Option<usize>,
+
+    /// Follow the phase resonance and the damped nonlinear mode too.
+    #[arg(long)]
+    pub(crate) backbone: bool,
+
+    /// Integrate one response of each branch in time as well, and report the difference.
+    ///
+    /// It is the peak, or where that leans over the highest response that is alone at its
+    /// frequency.
+    #[arg(long)]
+    pub(crate) verify: bool,
 }
 
 /// Which scenario.

@@ -5,6 +5,7 @@ pub(crate) mod law;
 pub(crate) mod modes;
 pub(crate) mod schema;
 pub(crate) mod simulate;
+pub(crate) mod steady;
 pub(crate) mod sweep;
 
 use std::path::{Path, PathBuf};

@@ -8,6 +8,7 @@ use asperity_study::diagnostic::Invalid;
 use asperity_study::document::{DocumentError, SetError};
 use asperity_study::dynamics::DynamicsError;
 use asperity_study::error::{OutputError, StudyError};
+use asperity_study::harmonic::HarmonicError;
 use asperity_study::sweep::{SweepError, VariationError};
 use miette::{LabeledSpan, MietteDiagnostic, NamedSource, Report, Severity};
 use thiserror::Error;
@@ -34,6 +35,8 @@ pub(crate) enum Failure {
     Sweep(#[from] SweepError),
     #[error("{failed} of {runs} runs failed; the first, run {first}: {reason}")]
     Runs { failed: usize, runs: usize, first: usize, reason: String },
+    #[error("{failed} of {levels} force amplitudes failed; the first, {force_n} N: {reason}")]
+    Levels { failed: usize, levels: usize, force_n: f64, reason: String },
     #[error("cannot start {threads} threads; accepted: 1 to 1024")]
     Threads { threads: usize },
     #[error(transparent)]
@@ -57,7 +60,7 @@ impl Failure {
     pub(crate) fn exit_code(&self) -> ExitCode {
         let request_is_wrong = match self {
             Self::Study(error) => is_wrong_request(error),
-            Self::Runs { .. } | Self::Figure(_) => false,
+            Self::Runs { .. } | Self::Levels { .. } | Self::Figure(_) => false,
             _ => true,
         };
         ExitCode::from(if request_is_wrong { 2 } else { 1 })
@@ -94,6 +97,9 @@ fn is_wrong_request(error: &StudyError) -> bool {
                 | DynamicsError::Mesh(_)
                 | DynamicsError::ForceRecord { .. }
         ),
+        StudyError::Harmonic(error) => {
+            !matches!(error, HarmonicError::NoStart { .. } | HarmonicError::BeyondLaw { .. })
+        }
         StudyError::Signal(_) => false,
     }
 }

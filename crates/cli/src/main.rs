@@ -44,6 +44,9 @@ fn run(args: &Args) -> Result<(), Failure> {
         Command::Sweep { input, output, vary, threads } => {
             command::sweep::run(input, output, vary, *threads, args.quiet)
         }
+        Command::Steady { input, output, range, threads } => {
+            command::steady::run(input, output, range, *threads, args.quiet)
+        }
         Command::Law { input, output, fit } => command::law::run(input, output, fit.as_deref()),
         Command::Modes { input, output, count } => command::modes::run(input, output, *count),
         Command::Check { input, json } => command::check::run(input, *json),

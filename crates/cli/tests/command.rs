@@ -293,3 +293,46 @@ fn every_example_scenario_runs() {
         }
     }
 }
+
+/// The names that `steady` writes, and its numbers beside time integration.
+#[test]
+fn steady_writes_the_files_and_columns_of_the_contract() {
+    let folder = tempfile::tempdir().unwrap();
+    let scenario = rig();
+    let range =
+        ["--amplitude", "0.2,0.6", "--from", "800", "--to", "950", "--backbone", "--verify"];
+    let arguments =
+        [&["steady", &scenario, "--json", "--out", "here"], &range[..], &QUICK[..]].concat();
+    let output = asperity(folder.path(), &arguments);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let out = folder.path().join("here");
+    assert_eq!(files(&out), ["backbone.csv", "steady.csv", "steady.svg", "summary.json"]);
+    let columns = header(&out.join("steady.csv"));
+    assert!(columns.starts_with("branch,point,force_n,frequency_hz,amplitude_1_m,amplitude_2_m,"));
+    assert!(columns.ends_with(
+        ",phase_1_rad,guide-sample:pressure_min_pa,guide-sample:pressure_max_pa,\
+         sample-disc:pressure_min_pa,sample-disc:pressure_max_pa,stable,contact_lost"
+    ));
+    let summary: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(summary["schema"], "asperity/steady/1");
+    for level in summary["levels"].as_array().unwrap() {
+        assert_eq!(level["end"], "reached");
+        // Cells of 5 mm, extrapolated.
+        assert!(level["verify"]["relative_difference"].as_f64().unwrap() < 1e-3, "{level}");
+    }
+}
+
+/// No amplitude, a range of no length and a force of nothing are wrong requests.
+#[test]
+fn steady_requests_without_sense_exit_with_two() {
+    let folder = tempfile::tempdir().unwrap();
+    for range in [
+        ["--amplitude", "0", "--from", "800", "--to", "950"],
+        ["--amplitude", "1", "--from", "800", "--to", "800"],
+        ["--amplitude", "NaN", "--from", "800", "--to", "900"],
+    ] {
+        let output = asperity(folder.path(), &[&["steady", &rig()], &range[..]].concat());
+        assert_eq!(output.status.code(), Some(2), "{}", text(&output.stderr));
+        assert!(files(&folder.path().join("out")).is_empty());
+    }
+}

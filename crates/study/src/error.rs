@@ -4,6 +4,7 @@ use std::io;
 use std::path::PathBuf;
 
 use asperity_dynamics::DynamicsError;
+use asperity_harmonic::HarmonicError;
 use asperity_law::LawError;
 use asperity_signal::Error as SignalError;
 use thiserror::Error;
@@ -17,6 +18,9 @@ pub enum StudyError {
     /// The laws, bodies or interfaces do not make a structure, or it does not move as asked.
     #[error(transparent)]
     Dynamics(#[from] DynamicsError),
+    /// A steady response cannot be computed.
+    #[error(transparent)]
+    Harmonic(#[from] HarmonicError),
     /// A contact law cannot be built for the pressure it has to carry.
     #[error(
         "law \"{law}\" at interface \"{interface}\" (static pressure {pressure_pa} Pa): {source}"

@@ -10,7 +10,7 @@
 //! | step | modules |
 //! |---|---|
 //! | read and check | [`document`], [`schema`], [`schema_check`], [`validate`], [`diagnostic`], [`locate`], [`mod@pointer`], [`suggest`], [`input`], [`samples`] |
-//! | compute | [`assemble`], [`run`], [`mod@sweep`], [`laws`] |
+//! | compute | [`assemble`], [`run`], [`mod@sweep`], [`mod@steady`], [`laws`] |
 //! | give back | [`summary`], [`record`], [`output`], [`error`] |
 
 pub mod assemble;
@@ -28,12 +28,14 @@ pub mod samples;
 pub mod scenario;
 pub mod schema;
 pub mod schema_check;
+pub mod steady;
 pub mod suggest;
 pub mod summary;
 pub mod sweep;
 pub mod validate;
 
 pub use asperity_dynamics as dynamics;
+pub use asperity_harmonic as harmonic;
 pub use asperity_law as law;
 pub use asperity_mesh as mesh;
 pub use asperity_signal as signal;

@@ -37,7 +37,7 @@ fn rig() -> Document {
 #[test]
 fn every_fixture_is_accepted_and_survives_writing() {
     let schema = schema();
-    let validator = jsonschema::draft202012::new(&schema).unwrap();
+    let validator = jsonschema::draft202012::new(schema).unwrap();
     let fixtures = fixtures();
     assert!(fixtures.len() >= 7);
     for path in fixtures {
@@ -317,7 +317,7 @@ proptest! {
     ) {
         static SCHEMA: std::sync::LazyLock<(Value, jsonschema::Validator)> = std::sync::LazyLock::new(|| {
             let schema = schema();
-            let validator = jsonschema::draft202012::new(&schema).unwrap();
+            let validator = jsonschema::draft202012::new(schema).unwrap();
             (schema.clone(), validator)
         });
         let (schema, validator) = &*SCHEMA;

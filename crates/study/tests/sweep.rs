@@ -28,13 +28,15 @@ fn swept(document: &Document, vary: &[&str]) -> Sweep {
 /// output rate in a run: `(pi h / T)^2 / 12` apart for a half-sine of duration T, and more next to
 /// a zero of its spectrum.
 fn tolerance(column: &str, corners: bool) -> f64 {
-    let spectral = column.starts_with("fundamental") || column.starts_with("second");
+    let spectral = ["fundamental", "second", "harmonic"].iter().any(|s| column.starts_with(s));
     match column {
         "fundamental.damping_ratio_decrement" => 5e-3,
-        _ if corners && spectral || corners && column == "harmonic_ratio" => 1e-3,
+        _ if corners && spectral => 1e-3,
         "fundamental.frequency_hz" | "fundamental.receptance_m_per_n" => 2e-6,
-        "second_harmonic.frequency_hz" | "second_harmonic.receptance_m_per_n" => 5e-5,
-        "harmonic_ratio" | "fundamental.damping_ratio" => 5e-5,
+        "second_harmonic.frequency_hz"
+        | "second_harmonic.receptance_m_per_n"
+        | "harmonic_ratio"
+        | "fundamental.damping_ratio" => 5e-5,
         // Every fourth step stands for four, also where contact is lost.
         name if name.ends_with("stiffness_average_pa_per_m") => 1e-3,
         _ => 1e-9,

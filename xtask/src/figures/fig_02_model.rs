@@ -1,7 +1,8 @@
 //! Fig. 2: the numerical model, drawn from the scenario.
 
-use anyhow::Result;
+use anyhow::{Result, bail};
 use asperity_figure::{Align, Color, Drawing, Stroke, Table};
+use asperity_study::dynamics::Integrator;
 use asperity_study::mesh::{Grid, LinearStructure};
 
 use crate::reproduce::rig::{Law, Rig};
@@ -21,7 +22,10 @@ pub(crate) const FIGURE: PaperFigure = PaperFigure {
 
 fn compute(rig: &Rig) -> Result<Computed> {
     let assembly = rig.struck(Law::Modified, 32.0)?.assembly()?;
-    let grid = Grid::new(&assembly.stack, assembly.method.cell)?;
+    let Integrator::FiniteDifference(method) = assembly.method else {
+        bail!("the figure shows the grid of finite differences");
+    };
+    let grid = Grid::new(&assembly.stack, method.cell)?;
     let structure = LinearStructure::on_grid(&assembly.stack, &grid);
     let bodies = grid.bars().iter().enumerate();
     let body: Vec<f64> =

@@ -1,7 +1,8 @@
 //! x3: convergence of each reported number with the cell.
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use asperity_figure::{Axis, Color, Dash, Figure, Legend, Marker, Panel, Series, Table};
+use asperity_study::dynamics::Integrator;
 use asperity_study::mesh::Grid;
 use asperity_study::summary::Summary;
 
@@ -92,7 +93,10 @@ fn compute(rig: &Rig) -> Result<Computed> {
 /// Length of the sample's cells, in m.
 fn cell_length(case: &Case) -> Result<f64> {
     let assembly = case.assembly()?;
-    let grid = Grid::new(&assembly.stack, assembly.method.cell)?;
+    let Integrator::FiniteDifference(method) = assembly.method else {
+        bail!("the figure shows the grid of finite differences");
+    };
+    let grid = Grid::new(&assembly.stack, method.cell)?;
     Ok(grid.bars().last().context("the rig has no sample")?.cell_length())
 }
 

@@ -73,12 +73,11 @@ impl Rig {
             })
             .collect();
         let mut coupling = [[0.0; 2]; 2];
-        for i in 0..2 {
-            for j in 0..2 {
-                coupling[i][j] = self.structure.residual().closure[i][j] * self.areas[j];
-                for mode in &modes {
-                    coupling[i][j] += mode.shape[i] * mode.shape[j] * self.areas[j] * mode.taps[0];
-                }
+        for (i, row) in coupling.iter_mut().enumerate() {
+            for (j, entry) in row.iter_mut().enumerate() {
+                let own = modes.iter().map(|mode| mode.shape[i] * mode.shape[j] * mode.taps[0]);
+                let residual = self.structure.residual().closure[i][j];
+                *entry = (residual + own.sum::<f64>()) * self.areas[j];
             }
         }
         let (mut closures, mut lowest, mut output) = ([[0.0; 2]; 3], 0.0_f64, 0.0);

@@ -1,0 +1,103 @@
+//! `asperity steady`.
+
+use asperity_study::assemble::Assembly;
+use asperity_study::mesh::Interface;
+use asperity_study::run::rest_state;
+use asperity_study::steady::{
+    Steady, SteadyRequest, backbone_csv, steady, steady_csv, steady_summary,
+};
+use asperity_study::summary::Provenance;
+use serde_json::{Value, json};
+
+use crate::args::{Input, Output, SteadyRange};
+use crate::failure::Failure;
+use crate::plot;
+
+/// Branches of steady responses: table, figure, summary.
+pub(crate) fn run(
+    input: &Input,
+    output: &Output,
+    range: &SteadyRange,
+    threads: Option<usize>,
+    quiet: bool,
+) -> Result<(), Failure> {
+    let document = super::read(input)?;
+    let scenario = super::checked(&document)?;
+    let assembly = Assembly::new(&scenario, document.folder())?;
+    let request = SteadyRequest {
+        amplitudes: range.amplitude.clone(),
+        from_hz: range.from,
+        to_hz: range.to,
+        harmonics: range.harmonics,
+        backbone: range.backbone,
+        verify: range.verify,
+    };
+    let folder = super::claim(document.path(), output)?;
+    let bar = crate::progress::bar(request.amplitudes.len() as u64, "amplitudes", quiet);
+    let work = || steady(&assembly, &request, &|| bar.inc(1));
+    let outcome = asperity_study::sweep::on_threads(threads, work);
+    bar.finish_and_clear();
+    let found = match outcome {
+        Some(found) => found?,
+        None => return Err(Failure::Threads { threads: threads.unwrap_or_default() }),
+    };
+
+    let names: Vec<&str> = assembly.stack.interfaces().iter().map(Interface::name).collect();
+    folder.write("steady.csv", steady_csv(&found, &names))?;
+    if let Some(backbones) = &found.backbones {
+        folder.write("backbone.csv", backbone_csv(backbones))?;
+    }
+    if let Some(figure) = plot::steady(&found) {
+        super::draw(&folder, "steady.svg", &figure)?;
+    }
+    let mut summary = json!({
+        "schema": "asperity/steady/1",
+        "title": scenario.title,
+        "static": rest_state(&assembly),
+    });
+    if let (Value::Object(summary), Value::Object(more)) = (&mut summary, steady_summary(&found)) {
+        summary.extend(more);
+        summary.insert("provenance".to_owned(), json!(Provenance::new(document.sha256())));
+    }
+    folder.write("summary.json", super::pretty(&summary))?;
+    if output.json {
+        print!("{}", super::pretty(&summary));
+    } else if !quiet {
+        say(&found);
+        println!("written to {}", folder.path().display());
+    }
+    let failed: Vec<_> = found
+        .levels
+        .iter()
+        .filter_map(|level| Some((level.force_n, level.outcome.as_ref().err()?)))
+        .collect();
+    match failed.first() {
+        None => Ok(()),
+        Some(&(force_n, error)) => Err(Failure::Levels {
+            failed: failed.len(),
+            levels: found.levels.len(),
+            force_n,
+            reason: error.to_string(),
+        }),
+    }
+}
+
+/// A line per force amplitude.
+fn say(found: &Steady) {
+    for level in &found.levels {
+        let Some(peak) = level.outcome.as_ref().ok().and_then(|branch| branch.highest()) else {
+            continue;
+        };
+        print!(
+            "{:>10} N   peak {:.3} Hz   A1 {:.5e} m   A2/A1 {:.5}",
+            level.force_n,
+            peak.frequency_hz(),
+            peak.amplitude(1),
+            peak.harmonic_ratio()
+        );
+        if let Some(check) = level.check {
+            print!("   off time integration by {:.1e}", check.relative_difference());
+        }
+        println!("{}", if peak.contact_lost() { "   contact lost" } else { "" });
+    }
+}

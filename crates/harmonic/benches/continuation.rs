@@ -1,0 +1,100 @@
+//! Microseconds per continuation point, against harmonics, interfaces and stability.
+//!
+//! `cargo bench -p asperity-harmonic` prints two tables. A row is the least of several branches
+//! over a resonance, everything included: start, steps, Newton iterations, observables and located
+//! peaks. The single mass is the reference case of the tests; the rig has elastic bars.
+#![allow(missing_docs, reason = "a benchmark has no callers")]
+#![allow(clippy::print_stdout, reason = "a benchmark prints its table")]
+#![allow(clippy::unwrap_used, reason = "its systems are valid")]
+
+use std::hint::black_box;
+use std::sync::Arc;
+use std::time::Instant;
+
+use asperity_harmonic::{
+    Contact, ContactSystem, Evaluation, Floquet, FloquetMethod, Oscillator, Path, Resolution,
+    Settings, trace,
+};
+use asperity_law::{ContactLaw, InSeries, Power};
+use asperity_mesh::{Body, Interface, Stack, Support};
+
+const AREA: f64 = 1.15e-4;
+const ROUNDS: usize = 20;
+
+fn main() {
+    println!("single mass, one contact, 0.55279 N, 767 to 1054 Hz");
+    println!("law        harmonics  samples  stability      points   us a point");
+    let path = Path::Frequency { force: 0.55279, from: 767.0, to: 1054.0 };
+    for (name, evaluation) in [("tabulated", Evaluation::default()), ("exact", Evaluation::Exact)] {
+        let system = single_mass(evaluation);
+        for (harmonics, samples) in [(3, 64), (7, 128), (15, 256), (31, 512)] {
+            measure(name, &system, &path, (harmonics, samples), None);
+        }
+        for method in [FloquetMethod::KoopmanHill, FloquetMethod::RungeKutta] {
+            measure(name, &system, &path, (7, 128), Some(method));
+        }
+    }
+    println!();
+    println!("elastic bars, tabulated power law, 0.55279 N");
+    println!("interfaces harmonics  samples  stability      points   us a point");
+    for interfaces in 1..=4 {
+        let system = bars(interfaces);
+        // Softer with every interface; the window follows the resonance.
+        let centre = 1180.0 / (0.7 * interfaces as f64).sqrt();
+        let path = Path::Frequency { force: 0.55279, from: 0.7 * centre, to: 1.3 * centre };
+        for harmonics in [7, 15] {
+            let name = interfaces.to_string();
+            measure(&name, &system, &path, (harmonics, 128), None);
+        }
+        for method in [FloquetMethod::KoopmanHill, FloquetMethod::RungeKutta] {
+            measure(&interfaces.to_string(), &system, &path, (7, 128), Some(method));
+        }
+    }
+}
+
+fn measure(
+    name: &str,
+    system: &ContactSystem,
+    path: &Path,
+    (harmonics, samples): (usize, usize),
+    method: Option<FloquetMethod>,
+) {
+    let settings = Settings {
+        resolution: Resolution::Fixed { harmonics, samples },
+        stability: method.map(|method| Floquet { method, ..Floquet::default() }),
+        ..Settings::default()
+    };
+    let (mut least, mut points) = (f64::INFINITY, 0);
+    for _ in 0..if method.is_some() { 2 } else { ROUNDS } {
+        let started = Instant::now();
+        let branch = black_box(trace(system, path, &settings).unwrap());
+        least = least.min(started.elapsed().as_secs_f64());
+        points = branch.points.len();
+    }
+    let label = method.map_or("-".to_owned(), |method| format!("{method:?}"));
+    println!(
+        "{name:<10} {harmonics:>9}  {samples:>7}  {label:<12} {points:>8}   {:>10.1}",
+        1e6 * least / points as f64
+    );
+}
+
+fn single_mass(evaluation: Evaluation) -> ContactSystem {
+    let contacts = Power::new(0.5 * 1.81e10, 0.35, 0.0).unwrap();
+    let law = InSeries::new(contacts, 71e9 / 0.015).unwrap();
+    let pressure = 1.61 * 9.81 / AREA;
+    let rate = 2.0 * 0.035 * (AREA * law.stiffness(pressure) / 1.61).sqrt();
+    let contact = Contact::new("contacts", AREA, pressure, Arc::new(law), evaluation).unwrap();
+    ContactSystem::new(Arc::new(Oscillator::new(1.61, rate).unwrap()), vec![contact]).unwrap()
+}
+
+fn bars(interfaces: usize) -> ContactSystem {
+    let law = Arc::new(Power::new(1.81e10, 0.35, 0.0).unwrap());
+    let mut bodies = vec![Body::with_mass("guide bar", 0.229, 1.61, 71e9, 2710.0).unwrap()];
+    for _ in 1..interfaces {
+        bodies.push(Body::new("sample", 0.015, AREA, 71e9, 2710.0).unwrap());
+    }
+    let contact = |_: &Body| Interface::new("contact", AREA, law.clone()).unwrap();
+    let contacts = bodies.iter().map(contact).collect();
+    let stack = Stack::new(bodies, contacts, Support::Rigid, 9.81).unwrap();
+    ContactSystem::of_stack(&stack, 420.0, Evaluation::default()).unwrap()
+}

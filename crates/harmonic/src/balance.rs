@@ -1,0 +1,344 @@
+//! The equations of harmonic balance and their derivatives.
+
+use faer::c64;
+
+use crate::fourier::{Fourier, amplitude_of};
+use crate::{Compliance, ContactSystem, MeanBalance, Receptance};
+
+/// The conditions of a periodic motion beside its shape.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Conditions {
+    /// Angular frequency of the fundamental [rad/s].
+    pub(crate) angular_frequency: f64,
+    /// Anti-damping rate [1/s].
+    pub(crate) anti_damping: f64,
+    /// Amplitude F of the force `F cos(w t)` [N].
+    pub(crate) force: f64,
+}
+
+/// An interface whose law gave no finite force, and the closure increment that it was asked for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Overflow {
+    pub(crate) interface: usize,
+    pub(crate) closure: f64,
+}
+
+/// Residual of harmonic balance over the closures' series, interface after interface.
+///
+/// For harmonic k >= 1, with the compliance at k w,
+///
+/// ```text
+/// R_k = X_k + G_k P_k - g_k F_k,    F_1 = F, other F_k = 0,
+/// ```
+///
+/// and for the means the structure's [`MeanBalance`], its rows scaled to closures. P is the series
+/// of the contact forces at the samples of a period (alternating frequency-time).
+#[derive(Debug, Clone)]
+pub(crate) struct Balance<'a> {
+    system: &'a ContactSystem,
+    fourier: Fourier,
+    mean: MeanBalance,
+    compliances: Vec<Compliance>,
+    at: (f64, f64),
+    closure_samples: Vec<f64>,
+    force_samples: Vec<f64>,
+    tangent_samples: Vec<f64>,
+    tangent_series: Vec<f64>,
+    forces: Vec<f64>,
+    products: Vec<f64>,
+}
+
+impl<'a> Balance<'a> {
+    pub(crate) fn new(system: &'a ContactSystem, harmonics: usize, samples: usize) -> Self {
+        let n = system.contacts().len();
+        let fourier = Fourier::new(harmonics, samples);
+        let terms = fourier.terms();
+        let mut mean = system.linear().mean_balance();
+        // A row without closures balances forces: over the contacts' stiffness it is a closure.
+        for row in 0..n {
+            let range = row * n..(row + 1) * n;
+            if mean.closure[range.clone()].iter().all(|&a| a == 0.0) {
+                for (b, contact) in mean.force[range].iter_mut().zip(system.contacts()) {
+                    *b /= contact.stiffness();
+                }
+            }
+        }
+        Self {
+            system,
+            mean,
+            compliances: vec![Compliance::zero(n); harmonics],
+            at: (f64::NAN, f64::NAN),
+            closure_samples: vec![0.0; samples * n],
+            force_samples: vec![0.0; samples * n],
+            tangent_samples: vec![0.0; samples * n],
+            tangent_series: vec![0.0; 2 * terms - 1],
+            forces: vec![0.0; terms * n],
+            products: vec![0.0; terms * terms * n],
+            fourier,
+        }
+    }
+
+    pub(crate) fn system(&self) -> &'a ContactSystem {
+        self.system
+    }
+
+    pub(crate) fn fourier(&self) -> &Fourier {
+        &self.fourier
+    }
+
+    /// Number of unknowns, `interfaces (2 H + 1)`.
+    pub(crate) fn unknowns(&self) -> usize {
+        self.forces.len()
+    }
+
+    /// Takes up a motion: compliances, contact forces, and their derivatives by the closures.
+    pub(crate) fn evaluate(&mut self, x: &[f64], at: &Conditions) -> Result<(), Overflow> {
+        let place = (at.angular_frequency, at.anti_damping);
+        if self.at != place {
+            for (k, compliance) in (1..).map(f64::from).zip(&mut self.compliances) {
+                self.system.linear().compliance(k * place.0, place.1, compliance);
+            }
+            self.at = place;
+        }
+        let (terms, samples) = (self.fourier.terms(), self.fourier.samples());
+        for (i, contact) in self.system.contacts().iter().enumerate() {
+            let series = &x[i * terms..(i + 1) * terms];
+            let range = i * samples..(i + 1) * samples;
+            let closures = &mut self.closure_samples[range.clone()];
+            let force_samples = &mut self.force_samples[range.clone()];
+            let tangents = &mut self.tangent_samples[range];
+            self.fourier.synthesise(series, closures);
+            contact.forces(closures, force_samples, tangents);
+            let force = &mut self.forces[i * terms..(i + 1) * terms];
+            self.fourier.analyse(force_samples, force);
+            self.fourier.analyse(tangents, &mut self.tangent_series);
+            let finite = |series: &[f64]| series.iter().all(|value| value.is_finite());
+            if !(finite(force) && finite(&self.tangent_series)) {
+                let worst = |&(_, f): &(&f64, &f64)| !f.is_finite();
+                let found = closures.iter().zip(&*force_samples).find(worst);
+                let closure = found.map_or(f64::NAN, |(x, _)| *x);
+                return Err(Overflow { interface: i, closure });
+            }
+            let square = terms * terms;
+            let product = &mut self.products[i * square..(i + 1) * square];
+            self.fourier.product(&self.tangent_series, product);
+        }
+        Ok(())
+    }
+
+    /// The residual of the motion taken up.
+    pub(crate) fn residual(&self, x: &[f64], at: &Conditions, out: &mut [f64]) {
+        let (n, terms) = (self.system.contacts().len(), self.fourier.terms());
+        for i in 0..n {
+            out[i * terms] = (0..n)
+                .map(|j| {
+                    self.mean.closure[i * n + j] * x[j * terms]
+                        + self.mean.force[i * n + j] * self.forces[j * terms]
+                })
+                .sum();
+            for k in 1..=self.fourier.harmonics() {
+                let drive = if k == 1 { at.force } else { 0.0 };
+                let r = self.linear_part(i, k, drive, |receptance| receptance.value);
+                out[i * terms + 2 * k - 1] = x[i * terms + 2 * k - 1] + r.re;
+                out[i * terms + 2 * k] = x[i * terms + 2 * k] - r.im;
+            }
+        }
+    }
+
+    /// `G_k P_k - g_k F_k` of one interface, or the same of a derivative of G and g.
+    fn linear_part(&self, i: usize, k: usize, force: f64, of: impl Fn(&Receptance) -> c64) -> c64 {
+        let terms = self.fourier.terms();
+        let compliance = &self.compliances[k - 1];
+        let contact: c64 = (0..self.system.contacts().len())
+            .map(|j| {
+                of(compliance.contact(i, j)) * amplitude_of(&self.forces[j * terms..][..terms], k)
+            })
+            .sum();
+        contact - of(compliance.drive(i)) * force
+    }
+
+    /// Writes the derivative of the residual by the closures into the upper left of a matrix whose
+    /// rows are `stride` long.
+    pub(crate) fn by_closures(&self, stride: usize, out: &mut [f64]) {
+        let (n, terms) = (self.system.contacts().len(), self.fourier.terms());
+        let square = terms * terms;
+        for i in 0..n {
+            for j in 0..n {
+                let product = &self.products[j * square..(j + 1) * square];
+                let row = &mut out[i * terms * stride + j * terms..][..terms];
+                let factor = self.mean.force[i * n + j];
+                for (to, p) in row.iter_mut().zip(&product[..terms]) {
+                    *to = factor * p;
+                }
+                row[0] += self.mean.closure[i * n + j];
+                for k in 1..=self.fourier.harmonics() {
+                    let g = self.compliances[k - 1].contact(i, j).value;
+                    let (cos, sin) = product[(2 * k - 1) * terms..].split_at(terms);
+                    let start = (i * terms + 2 * k - 1) * stride + j * terms;
+                    let (first, second) = out[start..].split_at_mut(stride);
+                    let targets = first[..terms].iter_mut().zip(&mut second[..terms]);
+                    for ((a, b), (c, s)) in targets.zip(cos.iter().zip(sin)) {
+                        *a = g.re * c + g.im * s;
+                        *b = g.re * s - g.im * c;
+                    }
+                    if i == j {
+                        first[2 * k - 1] += 1.0;
+                        second[2 * k] += 1.0;
+                    }
+                }
+            }
+        }
+    }
+
+    /// Derivative of the residual by the angular frequency of the fundamental.
+    pub(crate) fn by_frequency(&self, at: &Conditions, out: &mut [f64]) {
+        self.by_conditions(out, |k| {
+            let drive = if k == 1 { at.force } else { 0.0 };
+            (k as f64, drive, |receptance: &Receptance| receptance.by_frequency)
+        });
+    }
+
+    /// Derivative of the residual by the anti-damping rate.
+    pub(crate) fn by_rate(&self, at: &Conditions, out: &mut [f64]) {
+        self.by_conditions(out, |k| {
+            let drive = if k == 1 { at.force } else { 0.0 };
+            (1.0, drive, |receptance: &Receptance| receptance.by_rate)
+        });
+    }
+
+    fn by_conditions<D: Fn(&Receptance) -> c64>(
+        &self,
+        out: &mut [f64],
+        of: impl Fn(usize) -> (f64, f64, D),
+    ) {
+        let terms = self.fourier.terms();
+        for i in 0..self.system.contacts().len() {
+            out[i * terms] = 0.0;
+            for k in 1..=self.fourier.harmonics() {
+                let (factor, drive, derivative) = of(k);
+                let r = self.linear_part(i, k, drive, derivative) * factor;
+                out[i * terms + 2 * k - 1] = r.re;
+                out[i * terms + 2 * k] = -r.im;
+            }
+        }
+    }
+
+    /// Derivative of the residual by the force amplitude.
+    pub(crate) fn by_force(&self, out: &mut [f64]) {
+        out.fill(0.0);
+        let terms = self.fourier.terms();
+        if let Some(compliance) = self.compliances.first() {
+            for i in 0..self.system.contacts().len() {
+                let g = compliance.drive(i).value;
+                out[i * terms + 1] = -g.re;
+                out[i * terms + 2] = g.im;
+            }
+        }
+    }
+
+    /// Complex amplitude of harmonic k >= 1 of the driving point's displacement [m].
+    pub(crate) fn output(&self, k: usize, at: &Conditions) -> c64 {
+        let drive = if k == 1 { at.force } else { 0.0 };
+        self.output_of(k, drive, |receptance| receptance.value)
+    }
+
+    fn output_of(&self, k: usize, force: f64, of: impl Fn(&Receptance) -> c64) -> c64 {
+        let terms = self.fourier.terms();
+        let compliance = &self.compliances[k - 1];
+        let contact: c64 = (0..self.system.contacts().len())
+            .map(|j| of(compliance.drive(j)) * amplitude_of(&self.forces[j * terms..][..terms], k))
+            .sum();
+        of(&compliance.direct) * force - contact
+    }
+
+    /// Mean displacement of the driving point from rest [m].
+    pub(crate) fn mean_output(&self, x: &[f64]) -> f64 {
+        let terms = self.fourier.terms();
+        (0..self.system.contacts().len())
+            .map(|j| {
+                self.mean.output_closure[j] * x[j * terms]
+                    + self.mean.output_force[j] * self.forces[j * terms]
+            })
+            .sum()
+    }
+
+    /// Derivatives of the fundamental output by the closures: real and imaginary parts.
+    pub(crate) fn output_by_closures(&self, real: &mut [f64], imaginary: &mut [f64]) {
+        let terms = self.fourier.terms();
+        let square = terms * terms;
+        for j in 0..self.system.contacts().len() {
+            let g = self.compliances[0].drive(j).value;
+            let (cos, sin) = self.products[j * square + terms..].split_at(terms);
+            for c in 0..terms {
+                real[j * terms + c] = -(g.re * cos[c] + g.im * sin[c]);
+                imaginary[j * terms + c] = g.re * sin[c] - g.im * cos[c];
+            }
+        }
+    }
+
+    /// Derivatives of the fundamental output by angular frequency, anti-damping rate and force.
+    pub(crate) fn output_by_conditions(&self, at: &Conditions) -> [c64; 3] {
+        [
+            self.output_of(1, at.force, |receptance| receptance.by_frequency),
+            self.output_of(1, at.force, |receptance| receptance.by_rate),
+            self.compliances[0].direct.value,
+        ]
+    }
+
+    /// `|u^T M u| / |U_1|^2` of the fundamental motion [kg]. The derivative of a receptance by the
+    /// anti-damping rate is `i w` times that product of the fields of its two forces.
+    pub(crate) fn modal_mass(&self, at: &Conditions, amplitude: f64) -> f64 {
+        let (n, terms) = (self.system.contacts().len(), self.fourier.terms());
+        let compliance = &self.compliances[0];
+        let force = |j: usize| amplitude_of(&self.forces[j * terms..], 1);
+        let mut sum = compliance.direct.by_rate * at.force * at.force;
+        for i in 0..n {
+            sum -= compliance.drive(i).by_rate * force(i) * (2.0 * at.force);
+            for j in 0..n {
+                sum += compliance.contact(i, j).by_rate * force(i) * force(j);
+            }
+        }
+        sum.norm() / (at.angular_frequency * amplitude * amplitude)
+    }
+
+    /// Tangents `S K` [N/m] of one interface at the samples.
+    pub(crate) fn tangents(&self, interface: usize) -> &[f64] {
+        self.samples_of(&self.tangent_samples, interface)
+    }
+
+    /// Closure increments [m] of one interface at the samples.
+    pub(crate) fn closures(&self, interface: usize) -> &[f64] {
+        self.samples_of(&self.closure_samples, interface)
+    }
+
+    fn samples_of<'s>(&self, all: &'s [f64], interface: usize) -> &'s [f64] {
+        let samples = self.fourier.samples();
+        &all[interface * samples..(interface + 1) * samples]
+    }
+
+    /// Largest harmonic of the closures that was left out, H < k <= 2 H, over the largest kept:
+    /// `G_k P_k` with the forces of the motion taken up.
+    pub(crate) fn left_out(&self, x: &[f64]) -> f64 {
+        let (n, terms) = (self.system.contacts().len(), self.fourier.terms());
+        let largest = x.iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
+        let mut compliance = Compliance::zero(n);
+        let mut series = vec![0.0; n * (2 * terms - 1)];
+        for (i, series) in series.chunks_exact_mut(2 * terms - 1).enumerate() {
+            self.fourier.analyse(self.samples_of(&self.force_samples, i), series);
+        }
+        let mut omitted = 0.0_f64;
+        for k in self.fourier.harmonics() + 1..=2 * self.fourier.harmonics() {
+            self.system.linear().compliance(k as f64 * self.at.0, self.at.1, &mut compliance);
+            for i in 0..n {
+                let closure: c64 = (0..n)
+                    .map(|j| {
+                        let force = amplitude_of(&series[j * (2 * terms - 1)..], k);
+                        compliance.contact(i, j).value * force
+                    })
+                    .sum();
+                omitted = omitted.max(closure.norm());
+            }
+        }
+        if largest > 0.0 { omitted / largest } else { 0.0 }
+    }
+}

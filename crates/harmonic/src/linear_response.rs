@@ -1,0 +1,96 @@
+//! The response of the linearised structure: where branches start and what they are scaled by.
+
+use std::f64::consts::TAU;
+
+use faer::c64;
+
+use crate::ContactSystem;
+use crate::balance::{Balance, Conditions};
+use crate::factorization::Factorization;
+
+/// The response with every contact at its static stiffness: closures' series (mean, cosine, sine
+/// per interface) and complex displacement of the driving point, per unit force.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct LinearResponse {
+    pub(crate) closures: Vec<f64>,
+    pub(crate) output: c64,
+}
+
+/// Solves for linear responses; keeps its memory from frequency to frequency.
+#[derive(Debug)]
+pub(crate) struct LinearSolver<'a> {
+    balance: Balance<'a>,
+    matrix: Factorization,
+    output: [Vec<f64>; 2],
+}
+
+impl<'a> LinearSolver<'a> {
+    pub(crate) fn new(system: &'a ContactSystem) -> Self {
+        let balance = Balance::new(system, 1, 8);
+        let n = balance.unknowns();
+        Self { balance, matrix: Factorization::new(n), output: [vec![0.0; n], vec![0.0; n]] }
+    }
+
+    /// The response at an angular frequency [rad/s]; `None` where it is not finite.
+    pub(crate) fn at(&mut self, angular_frequency: f64) -> Option<LinearResponse> {
+        let n = self.balance.unknowns();
+        let at = Conditions { angular_frequency, anti_damping: 0.0, force: 1.0 };
+        let mut closures = vec![0.0; n];
+        self.balance.evaluate(&closures, &at).ok()?;
+        self.balance.by_closures(n, self.matrix.matrix());
+        self.balance.by_force(&mut closures);
+        for x in &mut closures {
+            *x = -*x;
+        }
+        if !self.matrix.factorize() {
+            return None;
+        }
+        self.matrix.solve(&mut closures);
+        let [real, imaginary] = &mut self.output;
+        self.balance.output_by_closures(real, imaginary);
+        let sum = |row: &[f64]| row.iter().zip(&closures).map(|(a, x)| a * x).sum::<f64>();
+        let [_, _, direct] = self.balance.output_by_conditions(&at);
+        let output = direct + c64::new(sum(real), sum(imaginary));
+        let response = LinearResponse { closures, output };
+        response.size().is_finite().then_some(response)
+    }
+}
+
+impl LinearResponse {
+    /// Euclidean size of the closures [m/N].
+    pub(crate) fn size(&self) -> f64 {
+        self.closures.iter().map(|x| x * x).sum::<f64>().sqrt()
+    }
+}
+
+/// The receptance u/f \[m/N\] of the driving point, linearised about rest, at `frequency` \[Hz\]: the
+/// limit of the harmonic balance for small forces. NaN where it is infinite.
+pub fn linear_receptance(system: &ContactSystem, frequency: f64) -> c64 {
+    LinearSolver::new(system)
+        .at(TAU * frequency)
+        .map_or(c64::new(f64::NAN, f64::NAN), |response| response.output)
+}
+
+/// Angular frequency \[rad/s\] of the linearised resonance nearest to `near` \[rad/s\], within a
+/// factor of two: the largest response at the driving point, by a scan and golden sections.
+pub(crate) fn resonance_near(system: &ContactSystem, near: f64) -> f64 {
+    const SCAN: i32 = 400;
+    let mut solver = LinearSolver::new(system);
+    let mut size = |w: f64| solver.at(w).map_or(f64::INFINITY, |found| found.output.norm());
+    let place = |i: i32| near * 2.0_f64.powf(f64::from(i) / f64::from(SCAN));
+    let sizes: Vec<f64> = (-SCAN..=SCAN).map(|i| size(place(i))).collect();
+    // The local maximum next to `near`, if there is any.
+    let peak = (1 - SCAN..SCAN)
+        .zip(sizes.windows(3))
+        .filter(|(_, s)| s[1] >= s[0] && s[1] >= s[2])
+        .map(|(i, _)| i)
+        .min_by_key(|i| i.abs())
+        .unwrap_or(0);
+    let (mut low, mut high) = (place(peak - 1), place(peak + 1));
+    let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
+    for _ in 0..60 {
+        let (a, b) = (high - golden * (high - low), low + golden * (high - low));
+        if size(a) < size(b) { low = a } else { high = b }
+    }
+    0.5 * (low + high)
+}

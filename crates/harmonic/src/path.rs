@@ -1,0 +1,86 @@
+//! What a branch of periodic responses is followed in.
+
+use crate::HarmonicError;
+
+/// A one-parameter family of periodic motions. The drive is `F cos(2 pi f t)`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Path {
+    /// Responses to one force amplitude over frequency.
+    Frequency {
+        /// Force amplitude F \[N\].
+        force: f64,
+        /// Frequency at the start \[Hz\].
+        from: f64,
+        /// Frequency at the end \[Hz\], higher or lower.
+        to: f64,
+    },
+    /// Responses at one frequency over the force amplitude.
+    Force {
+        /// Frequency f \[Hz\].
+        frequency: f64,
+        /// Force amplitude at the start \[N\].
+        from: f64,
+        /// Force amplitude at the end \[N\].
+        to: f64,
+    },
+    /// Phase resonance over the force amplitude: the fundamental of the driving point's
+    /// displacement lags the force by a quarter period, `Re(U_1) = 0`.
+    PhaseResonance {
+        /// Frequency near which the linearised structure resonates \[Hz\].
+        near: f64,
+        /// Force amplitude at the start \[N\], low enough for a nearly linear response.
+        from: f64,
+        /// Force amplitude at the end \[N\].
+        to: f64,
+    },
+    /// A damped nonlinear mode over amplitude, by the extended periodic motion concept: no force,
+    /// and the anti-damping `xi M u'` that just keeps the motion periodic. Its damping ratio is
+    /// `xi / (2 w)`.
+    ///
+    /// The amplitude is that of the fundamental at the driving point. Source: M. Krack,
+    /// Comput. Struct. 2015, 154, 59, doi 10.1016/j.compstruc.2015.03.008.
+    Mode {
+        /// Frequency near which the linearised structure resonates \[Hz\].
+        near: f64,
+        /// Amplitude at the start \[m\], low enough for a nearly linear motion.
+        from: f64,
+        /// Amplitude at the end \[m\].
+        to: f64,
+    },
+}
+
+impl Path {
+    /// Start and end of what is varied.
+    pub fn range(&self) -> (f64, f64) {
+        match *self {
+            Self::Frequency { from, to, .. }
+            | Self::Force { from, to, .. }
+            | Self::PhaseResonance { from, to, .. }
+            | Self::Mode { from, to, .. } => (from, to),
+        }
+    }
+
+    /// What is varied, with its unit.
+    pub fn quantity(&self) -> &'static str {
+        match self {
+            Self::Frequency { .. } => "frequency [Hz]",
+            Self::Force { .. } | Self::PhaseResonance { .. } => "force amplitude [N]",
+            Self::Mode { .. } => "modal amplitude [m]",
+        }
+    }
+
+    pub(crate) fn check(&self) -> Result<(), HarmonicError> {
+        let (from, to) = self.range();
+        let fine = |value: f64| value.is_finite() && value > 0.0;
+        if !(fine(from) && fine(to)) || from == to {
+            return Err(HarmonicError::EmptyRange { quantity: self.quantity(), from, to });
+        }
+        let (quantity, value) = match *self {
+            Self::Frequency { force, .. } => ("force amplitude [N]", force),
+            Self::Force { frequency, .. } => ("frequency [Hz]", frequency),
+            Self::PhaseResonance { near, .. } | Self::Mode { near, .. } => ("frequency [Hz]", near),
+        };
+        crate::error::positive(quantity, value)?;
+        Ok(())
+    }
+}

@@ -1,0 +1,322 @@
+//! A path as equations in scaled unknowns.
+
+use std::f64::consts::TAU;
+
+use crate::arc_length::Curve;
+use crate::balance::{Balance, Conditions, Overflow};
+use crate::linear_response::{LinearSolver, resonance_near};
+use crate::{ContactSystem, HarmonicError, Path};
+
+/// Harmonic balance along a [`Path`], in unknowns of order one.
+///
+/// The unknowns are the closures over a reference `a`, then the frequency and the anti-damping
+/// rate over theirs where these are sought, last the parameter. Along a range of frequencies a is
+/// the largest linear response and the parameter the frequency over the width of the resonance;
+/// along forces and amplitudes a is proportional to them, and the parameter their logarithm, so
+/// that small motions are resolved as well as large ones.
+#[derive(Debug, Clone)]
+pub(crate) struct Problem<'a> {
+    balance: Balance<'a>,
+    path: Path,
+    /// Closures per unit: a length [m], a length per force [m/N], or a ratio.
+    closure: f64,
+    frequency: f64,
+    closures: Vec<f64>,
+    /// Gradient of the output by closures, real and imaginary parts.
+    output: [Vec<f64>; 2],
+}
+
+/// Points at which the linear response is scanned for its size and width.
+const SCAN: u32 = 200;
+
+impl<'a> Problem<'a> {
+    pub(crate) fn new(
+        system: &'a ContactSystem,
+        path: Path,
+        harmonics: usize,
+        samples: usize,
+    ) -> Result<Self, HarmonicError> {
+        let balance = Balance::new(system, harmonics, samples);
+        let mut solver = LinearSolver::new(system);
+        let mut size = |w: f64| solver.at(w).map_or(f64::NAN, |found| found.size());
+        let (closure, frequency) = match path {
+            Path::Frequency { force, from, to } => {
+                let place = |i: u32| TAU * (from + (to - from) * f64::from(i) / f64::from(SCAN));
+                let sizes: Vec<f64> = (0..=SCAN).map(|i| size(place(i))).collect();
+                let largest = sizes.iter().copied().fold(0.0, f64::max);
+                let mean = sizes.iter().sum::<f64>() / f64::from(SCAN + 1);
+                let span = TAU * (to - from).abs();
+                // The width of a resonance is that of a rectangle of its area and height.
+                let width = (0.5 * span * mean / largest).clamp(1e-4 * span, span);
+                (force * largest, width)
+            }
+            Path::Force { frequency, .. } => {
+                let w = TAU * frequency;
+                (size(w), w)
+            }
+            Path::PhaseResonance { near, .. } => {
+                let w = resonance_near(system, TAU * near);
+                (size(w), 0.1 * w)
+            }
+            Path::Mode { near, .. } => (1.0, 0.1 * resonance_near(system, TAU * near)),
+        };
+        let positive = |value: f64| value.is_finite() && value > 0.0;
+        if !(positive(closure) && positive(frequency)) {
+            return Err(HarmonicError::NoStart {
+                frequency_hz: path.range().0,
+                force_n: f64::NAN,
+                residual: f64::NAN,
+            });
+        }
+        let n = balance.unknowns();
+        let output = [vec![0.0; n], vec![0.0; n]];
+        Ok(Self { balance, path, closure, frequency, closures: vec![0.0; n], output })
+    }
+
+    pub(crate) fn balance(&self) -> &Balance<'a> {
+        &self.balance
+    }
+
+    /// The closures' series of the unknowns last evaluated [m].
+    pub(crate) fn closures(&self) -> &[f64] {
+        &self.closures
+    }
+
+    /// Value of the parameter for a frequency [Hz], a force [N] or an amplitude [m].
+    pub(crate) fn parameter(&self, value: f64) -> f64 {
+        match self.path {
+            Path::Frequency { .. } => TAU * value / self.frequency,
+            _ => value.ln(),
+        }
+    }
+
+    /// Reference of the closures and its relative slope by the parameter.
+    fn reference(&self, parameter: f64) -> (f64, f64) {
+        match self.path {
+            Path::Frequency { .. } => (self.closure, 0.0),
+            _ => (self.closure * parameter.exp(), 1.0),
+        }
+    }
+
+    pub(crate) fn conditions(&self, v: &[f64]) -> Conditions {
+        let n = self.balance.unknowns();
+        let parameter = v[v.len() - 1];
+        let mut at = Conditions { angular_frequency: 0.0, anti_damping: 0.0, force: 0.0 };
+        match self.path {
+            Path::Frequency { force, .. } => {
+                at.force = force;
+                at.angular_frequency = self.frequency * parameter;
+            }
+            Path::Force { frequency, .. } => {
+                at.force = parameter.exp();
+                at.angular_frequency = TAU * frequency;
+            }
+            Path::PhaseResonance { .. } => {
+                at.force = parameter.exp();
+                at.angular_frequency = self.frequency * v[n];
+            }
+            Path::Mode { .. } => {
+                at.angular_frequency = self.frequency * v[n];
+                at.anti_damping = self.frequency * v[n + 1];
+            }
+        }
+        at
+    }
+
+    /// Unknowns from a motion: closures' series [m] of any number of harmonics, and conditions.
+    pub(crate) fn unknowns(&self, closures: &[f64], at: &Conditions, value: f64) -> Vec<f64> {
+        let contacts = self.balance.system().contacts().len();
+        let terms = self.balance.fourier().terms();
+        let given = closures.len() / contacts;
+        let parameter = self.parameter(value);
+        let (reference, _) = self.reference(parameter);
+        let mut v = vec![0.0; self.size() + 1];
+        for i in 0..contacts {
+            for c in 0..given.min(terms) {
+                v[i * terms + c] = closures[i * given + c] / reference;
+            }
+        }
+        let n = contacts * terms;
+        match self.path {
+            Path::PhaseResonance { .. } => v[n] = at.angular_frequency / self.frequency,
+            Path::Mode { .. } => {
+                v[n] = at.angular_frequency / self.frequency;
+                v[n + 1] = at.anti_damping / self.frequency;
+            }
+            Path::Frequency { .. } | Path::Force { .. } => {}
+        }
+        v[self.size()] = parameter;
+        v
+    }
+
+    /// Unknowns of the linearised response at the start of the path.
+    pub(crate) fn linear_start(&self) -> Option<Vec<f64>> {
+        let system = self.balance.system();
+        let (from, _) = self.path.range();
+        let mut at = Conditions { angular_frequency: 0.0, anti_damping: 0.0, force: 0.0 };
+        let mut scale = from;
+        let mut turn = faer::c64::new(1.0, 0.0);
+        match self.path {
+            Path::Frequency { force, .. } => {
+                at.angular_frequency = TAU * from;
+                scale = force;
+            }
+            Path::Force { frequency, .. } => at.angular_frequency = TAU * frequency,
+            Path::PhaseResonance { .. } => at.angular_frequency = 10.0 * self.frequency,
+            Path::Mode { near, .. } => at.angular_frequency = resonance_near(system, TAU * near),
+        }
+        let linear = LinearSolver::new(system).at(at.angular_frequency)?;
+        if let Path::Mode { .. } = self.path {
+            // At resonance a force F in phase with the velocity feeds what the anti-damping will:
+            // of the order of the half-power width. Newton's method finds the rest.
+            scale = from / linear.output.norm();
+            turn = linear.output.conj() / linear.output.norm();
+            at.anti_damping = half_power_width(system, at.angular_frequency, linear.output.norm());
+        }
+        let closures: Vec<f64> = linear
+            .closures
+            .chunks_exact(3)
+            .flat_map(|series| {
+                let rotated = faer::c64::new(series[1], -series[2]) * turn;
+                [scale * series[0], scale * rotated.re, -scale * rotated.im]
+            })
+            .collect();
+        Some(self.unknowns(&closures, &at, from))
+    }
+
+    /// Slope of `ln |U_1|` of the driving point along a tangent, at the motion last evaluated.
+    pub(crate) fn amplitude_slope(&mut self, v: &[f64], tangent: &[f64]) -> f64 {
+        let at = self.conditions(v);
+        let parameter = v.len() - 1;
+        let (reference, growth) = self.reference(v[parameter]);
+        let [real, imaginary] = &mut self.output;
+        self.balance.output_by_closures(real, imaginary);
+        let by = self.balance.output_by_conditions(&at);
+        let mut slope = faer::c64::new(0.0, 0.0);
+        for (j, x) in self.closures.iter().enumerate() {
+            let change = reference * tangent[j] + x * growth * tangent[parameter];
+            slope += faer::c64::new(real[j], imaginary[j]) * change;
+        }
+        if let Path::Frequency { .. } = self.path {
+            slope += by[0] * (self.frequency * tangent[parameter]);
+        }
+        (slope / self.balance.output(1, &at)).re
+    }
+}
+
+/// Twice the distance [rad/s] from resonance to where the linear response falls to 1/sqrt(2).
+fn half_power_width(system: &ContactSystem, resonance: f64, peak: f64) -> f64 {
+    let mut solver = LinearSolver::new(system);
+    let mut lower = |w: f64| {
+        let half = std::f64::consts::FRAC_1_SQRT_2 * peak;
+        solver.at(w).is_none_or(|found| found.output.norm() < half)
+    };
+    let (mut inside, mut outside) = (0.0, 0.5 * resonance);
+    for _ in 0..50 {
+        let middle = 0.5 * (inside + outside);
+        if lower(resonance + middle) { outside = middle } else { inside = middle }
+    }
+    2.0 * inside
+}
+
+impl Curve for Problem<'_> {
+    fn size(&self) -> usize {
+        let more = match self.path {
+            Path::Frequency { .. } | Path::Force { .. } => 0,
+            Path::PhaseResonance { .. } => 1,
+            Path::Mode { .. } => 2,
+        };
+        self.balance.unknowns() + more
+    }
+
+    fn weight(&self, v: &[f64]) -> f64 {
+        v[..self.balance.unknowns()].iter().fold(0.0, |largest, value| largest.max(value.abs()))
+    }
+
+    fn evaluate(&mut self, v: &[f64]) -> Result<(), Overflow> {
+        let (reference, _) = self.reference(v[v.len() - 1]);
+        for (x, y) in self.closures.iter_mut().zip(v) {
+            *x = reference * y;
+        }
+        let at = self.conditions(v);
+        self.balance.evaluate(&self.closures, &at)
+    }
+
+    fn residual(&mut self, v: &[f64], out: &mut [f64]) {
+        let n = self.balance.unknowns();
+        let at = self.conditions(v);
+        let (reference, _) = self.reference(v[v.len() - 1]);
+        self.balance.residual(&self.closures, &at, &mut out[..n]);
+        match self.path {
+            Path::Frequency { .. } | Path::Force { .. } => {}
+            Path::PhaseResonance { .. } => out[n] = self.balance.output(1, &at).re,
+            Path::Mode { .. } => {
+                let amplitude = v[v.len() - 1].exp();
+                let output = self.balance.output(1, &at);
+                out[n] = output.re - amplitude;
+                out[n + 1] = output.im;
+            }
+        }
+        for r in out.iter_mut() {
+            *r /= reference;
+        }
+    }
+
+    fn jacobian(&mut self, v: &[f64], column: &mut [f64], out: &mut [f64]) {
+        let n = self.balance.unknowns();
+        let stride = v.len();
+        let last = stride - 1;
+        let at = self.conditions(v);
+        let (reference, growth) = self.reference(v[last]);
+        self.balance.by_closures(stride, out);
+        let rate = self.frequency / reference;
+        let put = |out: &mut [f64], column: &[f64], place: usize, factor: f64| {
+            for (row, value) in column[..n].iter().enumerate() {
+                out[row * stride + place] = factor * value;
+            }
+        };
+        // By the parameter.
+        if let Path::Frequency { .. } = self.path {
+            self.balance.by_frequency(&at, &mut column[..n]);
+            put(out, column, last, rate);
+            return;
+        }
+        // X = a Y grows with the parameter, as do force and residual.
+        self.balance.by_force(&mut column[..n]);
+        for row in 0..n {
+            let along: f64 = out[row * stride..][..n].iter().zip(v).map(|(j, y)| j * y).sum();
+            out[row * stride + last] = along + column[row] * at.force / reference;
+        }
+        self.balance.residual(&self.closures, &at, &mut column[..n]);
+        for row in 0..n {
+            out[row * stride + last] -= growth * column[row] / reference;
+        }
+        if let Path::Force { .. } = self.path {
+            return;
+        }
+        self.balance.by_frequency(&at, &mut column[..n]);
+        put(out, column, n, rate);
+        if let Path::Mode { .. } = self.path {
+            self.balance.by_rate(&at, &mut column[..n]);
+            put(out, column, n + 1, rate);
+        }
+        // The rows of the output.
+        let [real, imaginary] = &mut self.output;
+        self.balance.output_by_closures(real, imaginary);
+        let by = self.balance.output_by_conditions(&at).map(|by| [by.re, by.im]);
+        let output = self.balance.output(1, &at);
+        let output = [output.re, output.im];
+        let parts = [&*real, &*imaginary];
+        for part in 0..last - n {
+            let row = &mut out[(n + part) * stride..(n + part + 1) * stride];
+            row[..n].copy_from_slice(parts[part]);
+            row[n] = rate * by[0][part];
+            if let Path::Mode { .. } = self.path {
+                row[n + 1] = rate * by[1][part];
+            }
+            let along: f64 = row[..n].iter().zip(v).map(|(j, y)| j * y).sum();
+            // At a solution the residual's own constant, the amplitude, grows alike.
+            row[last] = along + (at.force * by[2][part] - output[part]) / reference;
+        }
+    }
+}

@@ -1,0 +1,146 @@
+//! Period doublings and Neimark-Sacker bifurcations, located and named.
+
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+use asperity_harmonic::{
+    Contact, ContactSystem, Evaluation, Floquet, ModalSystem, Oscillator, Path, Resolution,
+    Settings, Special, trace,
+};
+
+use crate::rigs::{Cubic, Law};
+use crate::stability::{BOTH, judged};
+
+/// `u'' + 2 z u' + u + q u^2 + c u^3 = F cos(W t)` near W = 2: the response modulates its own
+/// stiffness at twice the natural frequency, and where that beats damping it doubles its period.
+#[test]
+fn period_doublings_are_located() {
+    let law: Law = Arc::new(Cubic { stiffness: 1.0, square: 1.0, cube: 0.5 });
+    let contact = Contact::new("spring", 1.0, 0.0, Arc::clone(&law), Evaluation::Exact).unwrap();
+    let mass = Oscillator::new(1.0, 0.02).unwrap();
+    let system = ContactSystem::new(Arc::new(mass), vec![contact]).unwrap();
+    for method in BOTH {
+        let path = Path::Frequency { force: 0.2, from: 1.7 / TAU, to: 2.2 / TAU };
+        let found = judged(&system, path, method, 1);
+        let doublings: Vec<_> = found.of_kind(Special::PeriodDoubling).collect();
+        assert_eq!(doublings.len(), 2, "{:?}", found.special.len());
+        for doubling in &doublings {
+            let multiplier = doubling.multipliers.as_ref().unwrap()[0];
+            assert!((multiplier + 1.0).norm() < 1e-8, "{multiplier}");
+        }
+        // Mathieu: with the modulation d = 2 q U of the stiffness the edges are
+        // W = 2 w0 +- sqrt(d^2 / 4 - 4 z^2) w0 to first order, w0 the shifted natural frequency.
+        let modulation = 2.0 * doublings[0].amplitude(1);
+        let width = TAU * (doublings[1].frequency_hz() - doublings[0].frequency_hz());
+        let expected = 2.0 * (0.25 * modulation * modulation - 4.0 * 1e-4).sqrt();
+        assert!((width / expected - 1.0).abs() < 0.1, "{width} {expected}");
+        for (number, point) in found.points.iter().enumerate() {
+            let inside = found
+                .special
+                .iter()
+                .filter(|s| s.kind == Special::PeriodDoubling && s.after < number);
+            assert_eq!(point.stable(), Some(inside.count() != 1), "{number}");
+        }
+    }
+}
+
+/// The symmetric Duffing oscillator, driven hard, loses its symmetry: a branch with even harmonics
+/// crosses where a multiplier is +1 and nothing folds. The branch followed stays symmetric.
+#[test]
+fn loss_of_symmetry_is_a_branch_point() {
+    let law: Law = Arc::new(Cubic { stiffness: 1.0, square: 0.0, cube: 1.0 });
+    let contact = Contact::new("spring", 1.0, 0.0, law, Evaluation::Exact).unwrap();
+    let mass = Oscillator::new(1.0, 0.2).unwrap();
+    let system = ContactSystem::new(Arc::new(mass), vec![contact]).unwrap();
+    let path = Path::Frequency { force: 25.0, from: 3.0 / TAU, to: 2.0 / TAU };
+    let settings = Settings {
+        resolution: Resolution::Fixed { harmonics: 25, samples: 256 },
+        stability: Some(Floquet::default()),
+        ..Settings::default()
+    };
+    let found = trace(&system, &path, &settings).unwrap();
+    let crossings: Vec<_> = found.of_kind(Special::BranchPoint).collect();
+    assert_eq!(crossings.len(), 1);
+    let multipliers = crossings[0].multipliers.as_ref().unwrap();
+    // The disturbance's integration in 512 steps.
+    assert!((multipliers[0] - 1.0).norm() < 3e-6, "{multipliers:?}");
+    assert_eq!(found.points[0].stable(), Some(true));
+    assert_eq!(found.points.last().unwrap().stable(), Some(false));
+    for point in &found.points {
+        assert!(point.amplitude(2) < 1e-8 * point.amplitude(1));
+    }
+}
+
+/// Two modes whose linearised frequencies are 1 and 2, and a quadratic contact that couples them.
+const COUPLING: [f64; 2] = [1.0, 0.5];
+const UPPER_SQUARED: f64 = 3.618;
+const RATE: f64 = 0.04;
+const FORCE: f64 = 0.03;
+
+fn two_modes() -> (ContactSystem, Law) {
+    let law: Law = Arc::new(Cubic { stiffness: 1.1056, square: 1.0, cube: 1.0 });
+    let mut modal = ModalSystem::empty(1);
+    modal.push(0.0, RATE, &COUPLING[..1], 1.0);
+    modal.push(UPPER_SQUARED.sqrt(), RATE, &COUPLING[1..], 0.0);
+    let contact = Contact::new("spring", 1.0, 0.0, Arc::clone(&law), Evaluation::Exact).unwrap();
+    (ContactSystem::new(Arc::new(modal), vec![contact]).unwrap(), law)
+}
+
+/// How much the displacement once a period still varies after 400 periods from rest, relative to
+/// itself; the same equations by the classical Runge-Kutta method.
+fn wandering(law: &Law, frequency: f64) -> f64 {
+    let slope = |t: f64, x: [f64; 4]| {
+        let contact = law.pressure_increment(0.0, COUPLING[0] * x[0] + COUPLING[1] * x[1]).value;
+        let drive = FORCE * (frequency * t).cos();
+        [
+            x[2],
+            x[3],
+            drive - RATE * x[2] - COUPLING[0] * contact,
+            -RATE * x[3] - UPPER_SQUARED * x[1] - COUPLING[1] * contact,
+        ]
+    };
+    let ahead = |x: [f64; 4], k: [f64; 4], t: f64| std::array::from_fn(|i| x[i] + t * k[i]);
+    let dt = TAU / (frequency * 100.0);
+    let (mut x, mut range) = ([0.0; 4], (f64::INFINITY, f64::NEG_INFINITY));
+    for period in 0..600 {
+        for n in 0..100 {
+            let t = f64::from(n) * dt;
+            let a = slope(t, x);
+            let b = slope(t + 0.5 * dt, ahead(x, a, 0.5 * dt));
+            let c = slope(t + 0.5 * dt, ahead(x, b, 0.5 * dt));
+            let d = slope(t + dt, ahead(x, c, dt));
+            x = std::array::from_fn(|i| x[i] + dt / 6.0 * (a[i] + 2.0 * (b[i] + c[i]) + d[i]));
+        }
+        if period >= 400 {
+            range = (range.0.min(x[0]), range.1.max(x[0]));
+        }
+    }
+    (range.1 - range.0) / range.1.abs().max(range.0.abs())
+}
+
+/// Driven at the lower mode, the upper one at twice the frequency takes energy and gives it back:
+/// between two Neimark-Sacker bifurcations the motion is quasi-periodic, as integration shows.
+#[test]
+fn neimark_sacker_bifurcations_are_located() {
+    let (system, law) = two_modes();
+    let mut edges = Vec::new();
+    for method in BOTH {
+        let path = Path::Frequency { force: FORCE, from: 0.9 / TAU, to: 1.1 / TAU };
+        let found = judged(&system, path, method, 2);
+        let located: Vec<_> = found.of_kind(Special::NeimarkSacker).collect();
+        assert_eq!(located.len(), 2);
+        for point in &located {
+            let multipliers = point.multipliers.as_ref().unwrap();
+            assert!((multipliers[0].norm() - 1.0).abs() < 1e-9);
+            assert!(multipliers[0].im.abs() > 1e-3);
+            edges.push(point.angular_frequency);
+        }
+    }
+    // The two methods locate the same places.
+    assert!((edges[0] - edges[2]).abs() < 1e-6 && (edges[1] - edges[3]).abs() < 1e-6);
+    let middle = 0.5 * (edges[0] + edges[1]);
+    assert!(wandering(&law, middle) > 1e-2, "{}", wandering(&law, middle));
+    for outside in [2.0 * edges[0] - middle, 2.0 * edges[1] - middle] {
+        assert!(wandering(&law, outside) < 1e-3, "{}", wandering(&law, outside));
+    }
+}

@@ -1,0 +1,14 @@
+//! Harmonic balance against exact solutions, perturbation theory and second methods.
+#![allow(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
+
+mod backbones;
+mod bifurcations;
+mod integration;
+mod linear;
+mod perturbation;
+mod reference;
+mod refusals;
+mod rig;
+mod rigs;
+mod spectral;
+mod stability;

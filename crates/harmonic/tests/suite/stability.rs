@@ -1,0 +1,120 @@
+//! Floquet multipliers: two methods against each other, exact results, and time integration.
+
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+use asperity_dynamics::{Equilibrium, modes};
+use asperity_harmonic::{
+    Branch, ContactSystem, Evaluation, Floquet, FloquetMethod, Path, Resolution, Settings, trace,
+};
+use asperity_law::Constant;
+use asperity_mesh::Support;
+use faer::c64;
+
+use crate::integration::{Motion, state_of};
+use crate::rigs::{Law, mass_on, power, rate_on, reference_law, rig};
+
+pub(crate) const BOTH: [FloquetMethod; 2] = [FloquetMethod::KoopmanHill, FloquetMethod::RungeKutta];
+
+pub(crate) fn judged(
+    system: &ContactSystem,
+    path: Path,
+    method: FloquetMethod,
+    modes: usize,
+) -> Branch {
+    let settings = Settings {
+        resolution: Resolution::Fixed { harmonics: 9, samples: 128 },
+        stability: Some(Floquet { method, modes }),
+        ..Settings::default()
+    };
+    trace(system, &path, &settings).unwrap()
+}
+
+/// With constant stiffness every multiplier has the modulus `exp(-h T / 2)`, and the slowest pair
+/// turns by the first mode's damped frequency.
+#[test]
+fn a_linear_rig_has_the_multipliers_of_its_modes() {
+    let law: Law = Arc::new(Constant::new(8.5e11).unwrap());
+    let (stack, rate) = (rig(&law, Support::Rigid), 370.0);
+    let equilibrium = Equilibrium::of(&stack).unwrap();
+    let natural = modes(&stack, &equilibrium, rate, 1).unwrap()[0].frequency_hz;
+    let system = ContactSystem::of_stack(&stack, rate, Evaluation::Exact).unwrap();
+    for method in BOTH {
+        let path = Path::Frequency { force: 1.0, from: 900.0, to: 901.0 };
+        let found = judged(&system, path, method, 8);
+        let multipliers = found.points[0].multipliers.as_ref().unwrap();
+        assert_eq!(multipliers.len(), 16);
+        let period = 1.0 / 900.0;
+        for multiplier in multipliers {
+            let ratio = multiplier.norm() / (-0.5 * rate * period).exp();
+            // Runge-Kutta damps the fastest mode by up to 1e-3; Hill's matrix does not.
+            let bound = if method == FloquetMethod::KoopmanHill { 1e-9 } else { 1e-3 };
+            assert!((ratio - 1.0).abs() < bound, "{method:?}: {ratio}");
+        }
+        let damped = ((TAU * natural).powi(2) - 0.25 * rate * rate).sqrt();
+        let expected = c64::from_polar((-0.5 * rate * period).exp(), damped * period);
+        let nearest = multipliers.iter().map(|m| (m - expected).norm()).fold(1.0, f64::min);
+        // Eight modes with residual flexibility have the first frequency to 1e-6.
+        assert!(nearest < 1e-4, "{method:?}: {nearest:.1e}");
+    }
+}
+
+/// The monodromy matrix by differences of the nonlinear motion itself, by stable and unstable
+/// responses. Differences of 1e-4 of the amplitude are good to about 1e-8 when central.
+#[test]
+fn the_single_mass_has_the_multipliers_of_its_own_motion() {
+    let law = reference_law();
+    let system = mass_on(&law, Evaluation::Exact);
+    // Contact is about to be lost at the end; the response folds before.
+    let path = Path::Frequency { force: 1.1, from: 1000.0, to: 880.0 };
+    for method in BOTH {
+        let found = judged(&system, path, method, 1);
+        for point in found.points.iter().step_by(5).filter(|point| !point.contact_lost()) {
+            let motion = Motion {
+                law: &law,
+                rate: rate_on(&law),
+                force: 1.1,
+                frequency: point.frequency_hz(),
+            };
+            let [u, v] = state_of(point);
+            let (du, dv) = (1e-4 * point.amplitude(1), 0.6 * point.amplitude(1));
+            let after = |du: f64, dv: f64| motion.period([u + du, v + dv], |_| ());
+            let column = |a: [f64; 2], b: [f64; 2], d: f64| {
+                [(a[0] - b[0]) / (2.0 * d), (a[1] - b[1]) / (2.0 * d)]
+            };
+            let first = column(after(du, 0.0), after(-du, 0.0), du);
+            let second = column(after(0.0, dv), after(0.0, -dv), dv);
+            let sum = first[0] + second[1];
+            let product = first[0] * second[1] - first[1] * second[0];
+            let multipliers = point.multipliers.as_ref().unwrap();
+            let off = (multipliers[0] + multipliers[1] - sum).norm();
+            assert!(off < 1e-6, "{method:?}: {off:.1e}");
+            let off = (multipliers[0] * multipliers[1] - product).norm();
+            assert!(off < 1e-6, "{method:?}: {off:.1e}");
+            // Liouville: volumes shrink by the damping alone.
+            let exact = (-rate_on(&law) / point.frequency_hz()).exp();
+            assert!((product - exact).abs() < 1e-6);
+        }
+    }
+}
+
+/// On the full rig both methods agree: the slow pair closely, the fast modes of the light sample
+/// to what a step of 0.2 rad allows.
+#[test]
+fn both_methods_agree_on_the_rig() {
+    let stack = rig(&power(), Support::Rigid);
+    let system = ContactSystem::of_stack(&stack, 416.0, Evaluation::Exact).unwrap();
+    let path = Path::Force { frequency: 930.0, from: 0.5, to: 0.8 };
+    let [hill, time] = BOTH
+        .map(|method| judged(&system, path, method, 5).points.pop().unwrap().multipliers.unwrap());
+    let off: Vec<f64> = hill
+        .iter()
+        .map(|m| time.iter().map(|other| (m - other).norm()).fold(f64::INFINITY, f64::min))
+        .collect();
+    assert!(off.iter().all(|off| *off < 2e-2), "{off:?}");
+    assert_eq!(off.iter().filter(|off| **off < 1e-6).count(), 2, "{off:?}");
+    // Liouville's product: ten states, damped at one rate.
+    let product: c64 = hill.iter().product();
+    let exact = (-5.0 * 416.0 / 930.0_f64).exp();
+    assert!((product - exact).norm() < 1e-8 * exact, "{product}");
+}

@@ -1,0 +1,189 @@
+//! Steady responses to a shaker: one branch per force amplitude, and the backbones.
+
+mod check;
+mod record;
+
+use std::time::Instant;
+
+use asperity_harmonic::{
+    Branch, ContactSystem, Evaluation, Floquet, HarmonicError, Path, Resolution, Settings,
+    StepControl, trace,
+};
+use rayon::prelude::*;
+
+use crate::assemble::Assembly;
+use crate::error::StudyError;
+use crate::run::rest_state;
+
+pub use check::TimeCheck;
+pub use record::{backbone_csv, steady_csv, steady_summary};
+
+/// Truncation that the automatic choice of harmonics aims at, and most harmonics. More would reach
+/// the modes of light samples, where branches with loss of contact fold without end.
+const TOLERANCE: f64 = 1e-5;
+const MOST_HARMONICS: usize = 30;
+
+/// Most points of a branch.
+const MOST_POINTS: usize = 2000;
+
+/// Samples per harmonic where the number of harmonics is given.
+const SAMPLES_PER_HARMONIC: usize = 16;
+
+/// A backbone starts at this part of the largest force.
+const LOWEST_FORCE: f64 = 1e-3;
+
+/// What is asked for.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SteadyRequest {
+    /// Force amplitudes \[N\].
+    pub amplitudes: Vec<f64>,
+    /// Frequency at which each branch starts \[Hz\].
+    pub from_hz: f64,
+    /// Frequency at which each branch ends \[Hz\].
+    pub to_hz: f64,
+    /// Harmonics; chosen by the truncation if none are given.
+    pub harmonics: Option<usize>,
+    /// Whether backbones are followed: phase resonance and the damped mode.
+    pub backbone: bool,
+    /// Whether a response of each branch is integrated in time as well.
+    pub verify: bool,
+}
+
+/// The responses at one force amplitude.
+#[derive(Debug)]
+pub struct SteadyLevel {
+    /// Force amplitude \[N\].
+    pub force_n: f64,
+    /// The branch, or why there is none.
+    pub outcome: Result<Branch, HarmonicError>,
+    /// A response by time integration, if asked for.
+    pub check: Option<TimeCheck>,
+    /// Time it took \[s\].
+    pub wall_s: f64,
+}
+
+/// The backbones.
+#[derive(Debug)]
+pub struct Backbones {
+    /// Phase resonance over force.
+    pub phase_resonance: Result<Branch, HarmonicError>,
+    /// The damped mode over amplitude.
+    pub mode: Result<Branch, HarmonicError>,
+}
+
+/// Everything computed for a [`SteadyRequest`].
+#[derive(Debug)]
+pub struct Steady {
+    /// The levels, in the order of the request.
+    pub levels: Vec<SteadyLevel>,
+    /// The backbones, if asked for.
+    pub backbones: Option<Backbones>,
+    /// Time all of it took \[s\].
+    pub wall_s: f64,
+}
+
+/// Computes the steady responses of an assembled scenario; its own excitation does not matter.
+/// Levels go over all threads; `done` hears of each that is finished.
+///
+/// # Errors
+/// [`StudyError`] for a request out of range or a rig that cannot be balanced. A level without a
+/// response does not end the others: its outcome says why.
+pub fn steady(
+    assembly: &Assembly,
+    request: &SteadyRequest,
+    done: &(dyn Fn() + Sync),
+) -> Result<Steady, StudyError> {
+    let started = Instant::now();
+    check_range(request)?;
+    let rate = assembly.damping_rate;
+    let system = ContactSystem::of_stack(&assembly.stack, rate, Evaluation::default())?;
+    let settings = settings(request);
+    let levels = request
+        .amplitudes
+        .par_iter()
+        .map(|&force_n| {
+            let level = level(assembly, &system, request, &settings, force_n);
+            done();
+            level
+        })
+        .collect::<Result<Vec<_>, StudyError>>()?;
+    let backbones = request.backbone.then(|| backbones(assembly, &system, request, &settings));
+    Ok(Steady { levels, backbones, wall_s: started.elapsed().as_secs_f64() })
+}
+
+/// Requests that no level could answer.
+fn check_range(request: &SteadyRequest) -> Result<(), HarmonicError> {
+    let positive = |value: f64| value.is_finite() && value > 0.0;
+    let (from, to) = (request.from_hz, request.to_hz);
+    if !(positive(from) && positive(to)) || from == to {
+        return Err(HarmonicError::EmptyRange { quantity: "frequency [Hz]", from, to });
+    }
+    let bad = request.amplitudes.iter().copied().find(|&force| !positive(force));
+    if let Some(value) = bad.or(request.amplitudes.is_empty().then_some(f64::NAN)) {
+        let quantity = "force amplitude [N]";
+        return Err(HarmonicError::Setting { quantity, value, accepted: "positive and finite" });
+    }
+    if let Some(value) = request.harmonics
+        && !(1..=Resolution::MOST_HARMONICS).contains(&value)
+    {
+        let (quantity, value) = ("number of harmonics", value as f64);
+        return Err(HarmonicError::Setting { quantity, value, accepted: "1 to 400" });
+    }
+    Ok(())
+}
+
+fn settings(request: &SteadyRequest) -> Settings {
+    let resolution = match request.harmonics {
+        Some(harmonics) => {
+            Resolution::Fixed { harmonics, samples: (SAMPLES_PER_HARMONIC * harmonics).max(64) }
+        }
+        None => Resolution::Automatic { tolerance: TOLERANCE, most: MOST_HARMONICS },
+    };
+    let steps = StepControl { points: MOST_POINTS, ..StepControl::default() };
+    Settings { resolution, steps, stability: Some(Floquet::default()) }
+}
+
+fn level(
+    assembly: &Assembly,
+    system: &ContactSystem,
+    request: &SteadyRequest,
+    settings: &Settings,
+    force_n: f64,
+) -> Result<SteadyLevel, StudyError> {
+    let started = Instant::now();
+    let path = Path::Frequency { force: force_n, from: request.from_hz, to: request.to_hz };
+    let outcome = trace(system, &path, settings);
+    let wall_s = started.elapsed().as_secs_f64();
+    let check = match outcome.as_ref().ok().and_then(TimeCheck::place) {
+        Some(peak) if request.verify => Some(TimeCheck::of(assembly, peak)?),
+        _ => None,
+    };
+    Ok(SteadyLevel { force_n, outcome, check, wall_s })
+}
+
+/// Phase resonance up to the largest force, and the damped mode up to the amplitude reached there.
+fn backbones(
+    assembly: &Assembly,
+    system: &ContactSystem,
+    request: &SteadyRequest,
+    settings: &Settings,
+) -> Backbones {
+    let middle = 0.5 * (request.from_hz + request.to_hz);
+    let near = rest_state(assembly).natural_frequency_hz.unwrap_or(middle);
+    let largest = request.amplitudes.iter().copied().fold(0.0, f64::max);
+    let settings = Settings { stability: None, ..*settings };
+    let path = Path::PhaseResonance { near, from: LOWEST_FORCE * largest, to: largest };
+    let phase_resonance = trace(system, &path, &settings);
+    let reached = phase_resonance.as_ref().ok().and_then(|branch| {
+        Some((branch.points.first()?.amplitude(1), branch.points.last()?.amplitude(1)))
+    });
+    let mode = match reached {
+        Some((from, to)) => trace(system, &Path::Mode { near, from, to }, &settings),
+        None => Err(HarmonicError::NoStart {
+            frequency_hz: near,
+            force_n: LOWEST_FORCE * largest,
+            residual: f64::NAN,
+        }),
+    };
+    Backbones { phase_resonance, mode }
+}
