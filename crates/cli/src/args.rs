@@ -1,9 +1,13 @@
 //! The options of the command.
 #![allow(clippy::doc_markdown, reason = "these comments are help texts, shown without markup")]
 
+pub(crate) mod analyse;
+
 use std::path::PathBuf;
 
 use clap::{ArgAction, Args as Group, Parser, Subcommand};
+
+use analyse::{Analyse, Knowledge, RecordFormat};
 
 /// Dynamics of structures with rough contact interfaces, whose stiffness depends on pressure.
 #[derive(Debug, Parser)]
@@ -45,6 +49,10 @@ pub(crate) enum Command {
         input: Input,
         #[command(flatten)]
         output: Output,
+        /// Also write force, acceleration and displacement as a record, for `asperity analyse`:
+        /// uff (58b), uff-ascii (58), csv or npz.
+        #[arg(long, value_name = "FORMAT")]
+        record: Option<RecordFormat>,
     },
     /// Many runs: the cartesian product of the variations, in parallel.
     ///
@@ -116,6 +124,34 @@ pub(crate) enum Command {
     },
     /// Prints the JSON Schema of the scenario.
     Schema,
+    /// Measured hammer hits: FRFs, harmonics, damping and backbones of each and of the average.
+    ///
+    /// Reads universal files (58, 58b), CSV and LabVIEW text, NPY, NPZ, MATLAB 5 and WAVE; several
+    /// files are one test. Writes analysis.json, hits.csv, frf.csv, backbone.csv and figures.
+    Analyse(Box<Analyse>),
+    /// Converts a file of measurements to another format.
+    ///
+    /// The name of OUT says the format: .uff (58b), .csv, .npz. Samples keep their units unless
+    /// --si is given.
+    Convert {
+        /// The file to read.
+        #[arg(value_name = "IN")]
+        input: PathBuf,
+        /// The file to write.
+        #[arg(value_name = "OUT")]
+        output: PathBuf,
+        #[command(flatten)]
+        knowledge: Knowledge,
+        /// Format to write, whatever OUT is called: uff (58b), uff-ascii (58), csv or npz.
+        #[arg(long, value_name = "FORMAT")]
+        to: Option<RecordFormat>,
+        /// Convert all channels to SI units.
+        #[arg(long)]
+        si: bool,
+        /// Print what was done as JSON.
+        #[arg(long)]
+        json: bool,
+    },
 }
 
 /// What steady responses are followed over.

@@ -1,6 +1,8 @@
 //! One file per subcommand, and what they share: reading the scenario, claiming the folder.
 
+pub(crate) mod analyse;
 pub(crate) mod check;
+pub(crate) mod convert;
 pub(crate) mod law;
 pub(crate) mod modes;
 pub(crate) mod schema;

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use asperity_figure::FigureError;
+use asperity_study::analysis::AnalysisError;
 use asperity_study::diagnostic::Invalid;
 use asperity_study::document::{DocumentError, SetError};
 use asperity_study::dynamics::DynamicsError;
@@ -41,6 +42,13 @@ pub(crate) enum Failure {
     Threads { threads: usize },
     #[error(transparent)]
     Figure(#[from] FigureError),
+    #[error(transparent)]
+    Analysis(#[from] AnalysisError),
+    #[error(
+        "the output folder {} holds other files, such as \"{example}\"; choose another with --out, or overwrite with --overwrite",
+        folder.display()
+    )]
+    Occupied { folder: PathBuf, example: String },
 }
 
 impl From<OutputError> for Failure {
@@ -61,6 +69,7 @@ impl Failure {
         let request_is_wrong = match self {
             Self::Study(error) => is_wrong_request(error),
             Self::Runs { .. } | Self::Levels { .. } | Self::Figure(_) => false,
+            Self::Analysis(error) => error.is_wrong_request(),
             _ => true,
         };
         ExitCode::from(if request_is_wrong { 2 } else { 1 })

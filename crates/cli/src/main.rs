@@ -40,7 +40,9 @@ fn main() -> ExitCode {
 
 fn run(args: &Args) -> Result<(), Failure> {
     match &args.command {
-        Command::Simulate { input, output } => command::simulate::run(input, output, args.quiet),
+        Command::Simulate { input, output, record } => {
+            command::simulate::run(input, output, *record, args.quiet)
+        }
         Command::Sweep { input, output, vary, threads } => {
             command::sweep::run(input, output, vary, *threads, args.quiet)
         }
@@ -51,5 +53,10 @@ fn run(args: &Args) -> Result<(), Failure> {
         Command::Modes { input, output, count } => command::modes::run(input, output, *count),
         Command::Check { input, json } => command::check::run(input, *json),
         Command::Schema => command::schema::run(),
+        Command::Analyse(asked) => command::analyse::run(asked, args.quiet),
+        Command::Convert { input, output, knowledge, to, si, json } => {
+            let written = command::convert::Written { to: *to, si: *si, json: *json };
+            command::convert::run(input, output, knowledge, written, args.quiet)
+        }
     }
 }

@@ -130,6 +130,35 @@ impl FrfEstimator {
         Ok(Frf { frequency_hz: self.frequency_hz(), values, form: self.form() })
     }
 
+    /// Adds the hits of another average of the same kind, as if they had been pushed here.
+    ///
+    /// So hits can be transformed side by side. Sums agree with those of
+    /// [`FrfEstimator::push`] to rounding.
+    ///
+    /// # Errors
+    /// [`Error::TooLong`] where the lengths of the transforms differ, and
+    /// [`Error::SampleRate`] where the rates do; nothing is then added.
+    pub fn merge(&mut self, other: &Self) -> Result<()> {
+        if other.length != self.length {
+            return Err(Error::TooLong { samples: other.samples, limit: self.samples });
+        }
+        if other.sample_rate_hz != self.sample_rate_hz {
+            return Err(Error::SampleRate { value: other.sample_rate_hz });
+        }
+        if other.averages == 0 {
+            return Ok(());
+        }
+        let add = |sums: &mut [f64], more: &[f64]| {
+            sums.iter_mut().zip(more).for_each(|(sum, more)| *sum += more);
+        };
+        add(&mut self.force, &other.force);
+        add(&mut self.response, &other.response);
+        self.cross.iter_mut().zip(&other.cross).for_each(|(sum, more)| *sum += more);
+        self.magnitude.merge(self.averages, &other.magnitude, other.averages);
+        self.averages += other.averages;
+        Ok(())
+    }
+
     /// Hits averaged so far.
     pub fn averages(&self) -> usize {
         self.averages

@@ -46,6 +46,8 @@ pub struct HammerOptions {
     pub cycles: f64,
     /// Zero padding of the averaged transforms, 1 to 1024.
     pub padding: usize,
+    /// Whether hits with a disqualifying verdict are analysed and averaged like the others.
+    pub keep_all: bool,
 }
 
 impl HammerOptions {
@@ -62,6 +64,7 @@ impl HammerOptions {
             band_part: 0.3,
             cycles: 4.0,
             padding: 1,
+            keep_all: false,
         }
     }
 }
@@ -167,11 +170,21 @@ pub fn hammer_test(
         HitLength::UntilNext { .. } => hits.iter().map(|hit| hit.force.len()).max().unwrap_or(1),
     };
     let mut average = FrfEstimator::new(samples, sample_rate_hz, options.route, options.padding)?;
-    let hits = hits.into_iter().map(|hit| analysed(hit, options, &mut average)).collect();
+    let hits = hits.into_iter().map(|hit| analyse_hit(hit, options, &mut average)).collect();
     Ok(HammerTest { trigger, hits, average })
 }
 
-fn analysed(mut hit: Hit, options: &HammerOptions, average: &mut FrfEstimator) -> AnalysedHit {
+/// Judges and analyses one hit, and adds it to an average if it is good: a step of [`hammer_test`]
+/// for hits that come one by one, such as those of a [`HitFinder`](crate::HitFinder).
+///
+/// Of the options, those that cut the record and the padding are not looked at; the response is
+/// the first of the hit. A hit that cannot be transformed has neither features nor part in the
+/// average.
+pub fn analyse_hit(
+    mut hit: Hit,
+    options: &HammerOptions,
+    average: &mut FrfEstimator,
+) -> AnalysedHit {
     let rate = hit.sample_rate_hz;
     let verdicts = inspect(&hit, &options.quality);
     let force_offset = Offset::at_rest(&hit.force);
@@ -192,7 +205,7 @@ fn analysed(mut hit: Hit, options: &HammerOptions, average: &mut FrfEstimator) -
     let (Some(pulse), Some(measured)) = (pulse, hit.responses.first().cloned()) else {
         return found;
     };
-    if found.verdicts.iter().any(Verdict::is_disqualifying) {
+    if !options.keep_all && found.verdicts.iter().any(Verdict::is_disqualifying) {
         return found;
     }
     if let Some((margin, taper)) = options.windows.force_s {

@@ -97,7 +97,8 @@ pub use estimator::{Coherence, Density, Estimator, FrfEstimator, HvScaling, Magn
 pub use form::FrfForm;
 pub use frf::Frf;
 pub use hammer::{
-    AnalysedHit, HammerOptions, HammerTest, HitFeatures, Reference, ResponseWindows, hammer_test,
+    AnalysedHit, HammerOptions, HammerTest, HitFeatures, Reference, ResponseWindows, analyse_hit,
+    hammer_test,
 };
 pub use harmonics::{HarmonicOptions, Harmonics, find_harmonics};
 pub use hit::{

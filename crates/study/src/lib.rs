@@ -5,14 +5,17 @@
 //! [`Scenario`](scenario::Scenario); assembled, a stack of bodies with laws at
 //! its interfaces ([`assemble`]); run, a response and its [`summary`]; swept,
 //! many of them ([`mod@sweep`]). [`record`] writes them as CSV and [`output`]
-//! puts them on disk whole or not at all. Nothing here draws or prints.
+//! puts them on disk whole or not at all. Files of measured hits go another way
+//! to the same answers ([`analysis`]). Nothing here draws or prints.
 //!
 //! | step | modules |
 //! |---|---|
 //! | read and check | [`document`], [`schema`], [`schema_check`], [`validate`], [`diagnostic`], [`locate`], [`mod@pointer`], [`suggest`], [`input`], [`samples`] |
 //! | compute | [`assemble`], [`run`], [`mod@sweep`], [`mod@steady`], [`laws`] |
+//! | measured hits | [`analysis`] |
 //! | give back | [`summary`], [`record`], [`output`], [`error`] |
 
+pub mod analysis;
 pub mod assemble;
 pub mod diagnostic;
 pub mod document;
@@ -37,5 +40,6 @@ pub mod validate;
 pub use asperity_dynamics as dynamics;
 pub use asperity_harmonic as harmonic;
 pub use asperity_law as law;
+pub use asperity_measure as measure;
 pub use asperity_mesh as mesh;
 pub use asperity_signal as signal;

@@ -3,17 +3,26 @@
 use std::fmt::Write as _;
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use asperity_study::analysis::{AnalysisError, simulated};
+use asperity_study::error::OutputError;
+use asperity_study::measure::{MeasureError, WriteOptions, write};
 use asperity_study::record::{frf_csv, history_csv};
 use asperity_study::run::{receptance, simulate};
 use asperity_study::summary::Summary;
 use serde_json::json;
 
+use crate::args::analyse::RecordFormat;
 use crate::args::{Input, Output};
 use crate::failure::Failure;
 use crate::plot;
 
 /// One run: summary, histories, FRF, figures.
-pub(crate) fn run(input: &Input, output: &Output, quiet: bool) -> Result<(), Failure> {
+pub(crate) fn run(
+    input: &Input,
+    output: &Output,
+    record: Option<RecordFormat>,
+    quiet: bool,
+) -> Result<(), Failure> {
     let document = super::read(input)?;
     let scenario = super::checked(&document)?;
     let folder = super::claim(document.path(), output)?;
@@ -36,6 +45,16 @@ pub(crate) fn run(input: &Input, output: &Output, quiet: bool) -> Result<(), Fai
     if let Some(frf) = receptance(&run)? {
         folder.write("frf.csv", frf_csv(&frf))?;
         super::draw(&folder, "frf.svg", &plot::frf(&frf, &run.summary))?;
+    }
+    if let Some(format) = record {
+        let rate = run.assembly.sampling.rate();
+        let record = simulated::record(history, rate, scenario.title.as_deref());
+        let place = folder.path().join(format.file_name());
+        let written = write(&place, &[record], format.format(), &WriteOptions::default());
+        written.map_err(|error| match error {
+            MeasureError::Io { source, .. } => OutputError::Io { path: place, source }.into(),
+            other => Failure::from(AnalysisError::from(other)),
+        })?;
     }
     let summary = super::pretty(&json!(run.summary));
     folder.write("summary.json", &summary)?;

@@ -34,6 +34,20 @@ impl Welford {
         self.square[bin] += difference * (value - self.mean[bin]);
     }
 
+    /// Joins the values behind `other` (`more` in each bin) to those here (`count`).
+    ///
+    /// Source: T. F. Chan and others, Am. Stat. 37 (1983), 242-247.
+    pub(super) fn merge(&mut self, count: usize, other: &Self, more: usize) {
+        let (a, b) = (count as f64, more as f64);
+        let bins = self.mean.iter_mut().zip(&mut self.square);
+        let others = other.mean.iter().zip(&other.square);
+        for ((mean, square), (other_mean, other_square)) in bins.zip(others) {
+            let difference = other_mean - *mean;
+            *mean += difference * b / (a + b);
+            *square += other_square + difference * difference * a * b / (a + b);
+        }
+    }
+
     /// The spread of at least two values.
     pub(super) fn spread(&self, frequency_hz: Vec<f64>, count: usize) -> MagnitudeSpread {
         let degrees = count as f64 - 1.0;

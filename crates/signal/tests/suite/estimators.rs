@@ -33,6 +33,36 @@ fn bin(frequency: f64) -> usize {
     (frequency * COUNT as f64 / RATE).round() as usize
 }
 
+/// Verified against the hits pushed one by one: averages of one and of five hits merge to that of
+/// six, sums and deviations to rounding; an average of another length is refused.
+#[test]
+fn merged_averages_are_those_of_all_hits() {
+    let (whole, own) = noisy(6, 0.01, 0.01);
+    let (force, response) = struck(&[MODE], RATE, COUNT);
+    let mut noise = Noise::new(42);
+    let (mut first, mut others) = (estimator(1), estimator(1));
+    for hit in 0..own.len() {
+        let (f, x) = (noise.added_to(&force, 0.01), noise.added_to(&response, 0.01));
+        let average = if hit == 0 { &mut first } else { &mut others };
+        average.push(&f, &x).unwrap();
+    }
+    let mut merged = estimator(1);
+    merged.merge(&first).unwrap();
+    assert_eq!(merged.frf(Estimator::H1).unwrap().values, first.frf(Estimator::H1).unwrap().values);
+    merged.merge(&others).unwrap();
+    merged.merge(&estimator(1)).unwrap();
+    assert_eq!(merged.averages(), 6);
+    let near = |a: &[f64], b: &[f64]| {
+        // Six terms, added in another order; the deviation is a small difference of them.
+        a.iter().zip(b).all(|(a, b)| (a / b - 1.0).abs() < 1e-10)
+    };
+    assert!(near(&merged.coherence().unwrap().values, &whole.coherence().unwrap().values));
+    let (a, b) = (merged.spread().unwrap(), whole.spread().unwrap());
+    assert!(near(&a.mean, &b.mean) && near(&a.standard_deviation, &b.standard_deviation));
+    let short = FrfEstimator::new(COUNT / 2, RATE, Route::Displacement, 1).unwrap();
+    assert!(matches!(merged.merge(&short), Err(Error::TooLong { .. })));
+}
+
 /// Verified against Parseval: the energy density integrates to the energy of the samples, the
 /// power density to their mean square, padded or not. Exact up to the sum's rounding.
 #[test]

@@ -1,0 +1,179 @@
+//! The options of `asperity analyse`, and those it shares with `asperity convert`.
+#![allow(clippy::doc_markdown, reason = "these comments are help texts, shown without markup")]
+
+use std::path::PathBuf;
+
+use asperity_study::analysis::{
+    self, AnalysisError, Band, HitCount, Selector, SensorOf, WindowChoice,
+};
+use asperity_study::measure::{Format, ReadOptions, SampleAxis};
+use asperity_study::signal::{Estimator, FrfForm};
+use clap::{Args as Group, ValueEnum};
+
+/// What to analyse, and how.
+#[allow(clippy::struct_excessive_bools, reason = "each is a switch of the command line")]
+#[derive(Debug, Group)]
+pub(crate) struct Analyse {
+    /// The files, one test in this order.
+    #[arg(value_name = "FILE", required = true)]
+    pub(crate) files: Vec<PathBuf>,
+
+    #[command(flatten)]
+    pub(crate) knowledge: Knowledge,
+
+    /// Sensor of a channel in volts, such as hammer=2.25mV/N or '#2=100mV/g'; repeatable.
+    #[arg(long, value_name = "CHANNEL=SENSITIVITY")]
+    pub(crate) sensitivity: Vec<SensorOf>,
+
+    /// Channel of the force: its name, '#' and its number, or a quantity. Default: the only force.
+    #[arg(long, value_name = "CHANNEL")]
+    pub(crate) force: Option<Selector>,
+
+    /// Channel of the response. Default: the only acceleration or displacement.
+    #[arg(long, value_name = "CHANNEL")]
+    pub(crate) response: Option<Selector>,
+
+    /// The force is negative when the hammer pushes.
+    #[arg(long)]
+    pub(crate) flip_force: bool,
+
+    /// How many hits: auto, or the N strongest.
+    #[arg(long, value_name = "auto|N", default_value = "auto")]
+    pub(crate) hits: HitCount,
+
+    /// Force at which a hit begins, in N. Default: between noise and hits.
+    #[arg(long, value_name = "NEWTONS")]
+    pub(crate) level: Option<f64>,
+
+    /// Longest hit, in s. Default: the median time from hit to hit.
+    #[arg(long, value_name = "SECONDS")]
+    pub(crate) length: Option<f64>,
+
+    /// Time kept before the trigger, in s.
+    #[arg(long, value_name = "SECONDS", default_value_t = 5e-3)]
+    pub(crate) pre_trigger: f64,
+
+    /// Time after a trigger in which a further blow makes a double hit, in s.
+    #[arg(long, value_name = "SECONDS", default_value_t = 0.2)]
+    pub(crate) hold_off: f64,
+
+    /// How spectra are divided: h1, h2 or hv.
+    #[arg(long, default_value = "h1", value_parser = estimator)]
+    pub(crate) estimator: Estimator,
+
+    /// Window: none, force, exponential[:TAU], force+exponential[:TAU], TAU in s.
+    ///
+    /// The exponential window is undone in the numbers of each hit.
+    #[arg(long, default_value = "none")]
+    pub(crate) window: WindowChoice,
+
+    /// Where the fundamental is, in Hz. Default: about the strongest resonance of the first hit.
+    #[arg(long, value_name = "LO:HI")]
+    pub(crate) band: Option<Band>,
+
+    /// What frf.csv holds: receptance, mobility or accelerance.
+    #[arg(long, default_value = "receptance", value_parser = form)]
+    pub(crate) form: FrfForm,
+
+    /// Average double hits, overloads and dropouts too.
+    #[arg(long)]
+    pub(crate) keep_all: bool,
+
+    /// Folder for the results; out/ and the name of the first file, if left out.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+
+    /// Write into a folder that holds other files.
+    #[arg(long)]
+    pub(crate) overwrite: bool,
+
+    /// Print the analysis as JSON on standard output, and nothing else there.
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// What a file does not say.
+#[derive(Debug, Group)]
+pub(crate) struct Knowledge {
+    /// Names of the channels in their order, such as force,acc; an empty one keeps the file's.
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
+    names: Vec<String>,
+
+    /// Units of the channels in their order, such as N,m/s^2; an empty one keeps the file's.
+    #[arg(long, value_name = "UNIT,...", value_delimiter = ',')]
+    units: Vec<String>,
+
+    /// Samples per second, for a file without a time axis.
+    #[arg(long, value_name = "HZ")]
+    rate: Option<f64>,
+
+    /// Along which axis of an array the samples run. Default: the longer one.
+    #[arg(long, value_name = "AXIS")]
+    sample_axis: Option<Axis>,
+}
+
+/// An axis of an array.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub(crate) enum Axis {
+    /// Rows are instants.
+    First,
+    /// Columns are instants.
+    Last,
+}
+
+/// A format that is written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum RecordFormat {
+    /// Universal file, dataset 58b.
+    Uff,
+    /// Universal file, dataset 58.
+    UffAscii,
+    /// Text.
+    Csv,
+    /// NumPy arrays.
+    Npz,
+}
+
+impl Knowledge {
+    /// The same for a reader.
+    pub(crate) fn reading(&self, options: &ReadOptions) -> ReadOptions {
+        ReadOptions {
+            sample_rate_hz: self.rate,
+            sample_axis: self.sample_axis.map(|axis| match axis {
+                Axis::First => SampleAxis::First,
+                Axis::Last => SampleAxis::Last,
+            }),
+            names: self.names.clone(),
+            units: self.units.clone(),
+            ..options.clone()
+        }
+    }
+}
+
+impl RecordFormat {
+    pub(crate) fn format(self) -> Format {
+        match self {
+            Self::Uff => Format::UniversalBinary,
+            Self::UffAscii => Format::UniversalText,
+            Self::Csv => Format::Text,
+            Self::Npz => Format::Npz,
+        }
+    }
+
+    /// Name of a run's record.
+    pub(crate) fn file_name(self) -> &'static str {
+        match self {
+            Self::Uff | Self::UffAscii => "record.uff",
+            Self::Csv => "record.csv",
+            Self::Npz => "record.npz",
+        }
+    }
+}
+
+fn estimator(text: &str) -> Result<Estimator, AnalysisError> {
+    analysis::estimator(text)
+}
+
+fn form(text: &str) -> Result<FrfForm, AnalysisError> {
+    analysis::form(text)
+}

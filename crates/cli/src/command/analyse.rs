@@ -1,0 +1,142 @@
+//! `asperity analyse`.
+
+use std::fmt::Write as _;
+use std::path::PathBuf;
+
+use asperity_study::analysis::{
+    AnalysisOptions, AnalysisReport, HitReport, analyse, averaged_frf_csv, backbone_csv, hits_csv,
+};
+use asperity_study::error::OutputError;
+use asperity_study::output::OutputFolder;
+use serde_json::json;
+
+use crate::args::analyse::Analyse;
+use crate::failure::Failure;
+use crate::plot;
+
+/// Most hits that are shown in words.
+const MOST_SHOWN: usize = 30;
+
+/// One test: analysis, tables, figures.
+pub(crate) fn run(asked: &Analyse, quiet: bool) -> Result<(), Failure> {
+    let folder = claim(asked)?;
+    let bar = crate::progress::bar(2 * asked.files.len() as u64, "reading", quiet);
+    let analysis =
+        analyse(&asked.files, &options(asked), &|passes| bar.set_position(passes as u64));
+    bar.finish_and_clear();
+    let analysis = analysis?;
+
+    folder.write("hits.csv", hits_csv(&analysis.report.hits))?;
+    folder.write("frf.csv", averaged_frf_csv(&analysis.average))?;
+    folder.write("backbone.csv", backbone_csv(&analysis))?;
+    for (name, figure) in plot::figures(&analysis) {
+        super::draw(&folder, name, &figure)?;
+    }
+    let report = super::pretty(&json!(analysis.report));
+    folder.write("analysis.json", &report)?;
+
+    if asked.json {
+        print!("{report}");
+    } else if !quiet {
+        for notice in &analysis.report.notices {
+            eprintln!("note: {notice}");
+        }
+        print!("{}", in_words(&analysis.report));
+        println!("written to {}", folder.path().display());
+    }
+    Ok(())
+}
+
+fn claim(asked: &Analyse) -> Result<OutputFolder, Failure> {
+    let folder = asked.out.clone().unwrap_or_else(|| {
+        let first = asked.files.first();
+        let name = first.and_then(|file| file.file_stem()).unwrap_or("analysis".as_ref());
+        PathBuf::from("out").join(name)
+    });
+    OutputFolder::claim(folder, asked.overwrite).map_err(|error| match error {
+        // Here --force is a channel.
+        OutputError::Occupied { folder, example } => Failure::Occupied { folder, example },
+        other => other.into(),
+    })
+}
+
+fn options(asked: &Analyse) -> AnalysisOptions {
+    let default = AnalysisOptions::default();
+    AnalysisOptions {
+        reading: asked.knowledge.reading(&default.reading),
+        sensitivities: asked.sensitivity.clone(),
+        force: asked.force.clone(),
+        response: asked.response.clone(),
+        flip_force: asked.flip_force,
+        hits: asked.hits,
+        level_n: asked.level,
+        length_s: asked.length,
+        pre_trigger_s: asked.pre_trigger,
+        hold_off_s: asked.hold_off,
+        estimator: asked.estimator,
+        form: asked.form,
+        window: asked.window,
+        band_hz: asked.band,
+        keep_all: asked.keep_all,
+    }
+}
+
+/// The analysis for a person.
+fn in_words(report: &AnalysisReport) -> String {
+    let mut text = String::from(
+        " hit  force N  impulse Ns  width ms     f1 Hz    A1 m/N  damping %   A2/A1\n",
+    );
+    for hit in report.hits.iter().take(MOST_SHOWN) {
+        text.push_str(&row(hit));
+    }
+    if report.hits.len() > MOST_SHOWN {
+        // Writing to a string cannot fail.
+        let _ = writeln!(text, "... and {} more in hits.csv", report.hits.len() - MOST_SHOWN);
+    }
+    let average = &report.average;
+    let _ = write!(
+        text,
+        "average of {} of {} hits ({})",
+        average.hits,
+        report.hits.len(),
+        report.settings.estimator
+    );
+    if let Some(first) = average.fundamental {
+        let _ = write!(text, ": {:.2} Hz, {:.4e} m/N", first.frequency_hz, first.magnitude);
+        if let Some(ratio) = first.damping_ratio {
+            let _ = write!(text, ", damping {:.3} %", 100.0 * ratio);
+        }
+        if let Some(coherence) = first.coherence {
+            let _ = write!(text, ", coherence {coherence:.5}");
+        }
+    }
+    text.push('\n');
+    text
+}
+
+fn row(hit: &HitReport) -> String {
+    let number = |value: Option<f64>, factor: f64, width: usize, digits: usize| {
+        let shown = value.map_or("-".to_owned(), |value| format!("{:.digits$}", factor * value));
+        format!("{shown:>width$}")
+    };
+    let first = hit.fundamental;
+    let height = first.map_or("-".to_owned(), |first| format!("{:.3e}", first.magnitude));
+    let mut text = format!(
+        "{:>4} {} {} {} {} {height:>9} {} {}",
+        hit.index,
+        number(hit.force_peak_n, 1.0, 8, 2),
+        number(hit.impulse_ns, 1.0, 11, 5),
+        number(hit.pulse_width_s, 1e3, 9, 4),
+        number(first.map(|first| first.frequency_hz), 1.0, 9, 2),
+        number(first.and_then(|first| first.damping_ratio), 100.0, 10, 3),
+        number(hit.harmonic_ratio, 1.0, 7, 4),
+    );
+    if !hit.averaged {
+        text.push_str("  left out");
+    }
+    if !hit.verdicts.is_empty() {
+        let _ = write!(text, "  ({})", hit.verdicts.join("; "));
+    }
+    text.push('\n');
+    text
+}

@@ -1,0 +1,93 @@
+//! What is kept of some hits to be drawn.
+
+use asperity_signal::{Frf, FrfForm, Hit};
+
+/// One hit as it is drawn, thinned out.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HitCurve {
+    /// Number of the hit.
+    pub index: usize,
+    /// Largest force \[N\].
+    pub force_peak_n: f64,
+    /// Time from the trigger \[s\] and force \[N\] about the blow.
+    pub force: (Vec<f64>, Vec<f64>),
+    /// Time from the trigger \[s\] and response \[m or m/s^2\]: the extremes of each part.
+    pub response: (Vec<f64>, Vec<f64>),
+    /// Frequency \[Hz\] and magnitude of the receptance \[m/N\], without zero frequency.
+    pub receptance: (Vec<f64>, Vec<f64>),
+}
+
+/// Curves of hits throughout a test, and no more than can be told apart.
+#[derive(Debug, Default)]
+pub(super) struct Curves {
+    pub(super) kept: Vec<HitCurve>,
+    stride: usize,
+    seen: usize,
+}
+
+/// Most curves.
+const MOST: usize = 48;
+/// Most points of a drawn response, two for each part.
+const POINTS: usize = 2400;
+/// Time drawn before and after the trigger \[s\].
+const BLOW_S: (f64, f64) = (2e-3, 6e-3);
+/// Most points of a drawn receptance.
+const LINES: usize = 4000;
+
+impl Curves {
+    /// Whether the next hit is one of those that are kept.
+    pub(super) fn wants_next(&mut self) -> bool {
+        if self.kept.len() == MOST {
+            let mut odd = false;
+            self.kept.retain(|_| {
+                odd = !odd;
+                odd
+            });
+            self.stride *= 2;
+        }
+        self.stride = self.stride.max(1);
+        self.seen += 1;
+        (self.seen - 1).is_multiple_of(self.stride)
+    }
+}
+
+impl HitCurve {
+    /// The signals of a hit; the receptance follows with [`HitCurve::set_receptance`].
+    pub(super) fn of_signals(hit: &Hit) -> Self {
+        let rate = hit.sample_rate_hz;
+        let time = |sample: usize| (sample as f64 - hit.trigger as f64) / rate;
+        let first = hit.trigger.saturating_sub((BLOW_S.0 * rate).ceil() as usize);
+        let last = (hit.trigger + (BLOW_S.1 * rate).ceil() as usize).min(hit.force.len());
+        let response = hit.responses.first().map_or(&[][..], |samples| samples);
+        let part = response.len().div_ceil(POINTS / 2).max(1);
+        let mut drawn = (Vec::new(), Vec::new());
+        for (number, samples) in response.chunks(part).enumerate() {
+            let least = samples.iter().copied().fold(f64::INFINITY, f64::min);
+            let most = samples.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            drawn.0.extend([time(number * part), time(number * part + samples.len() / 2)]);
+            drawn.1.extend([least, most]);
+        }
+        Self {
+            index: 0,
+            force_peak_n: f64::NAN,
+            force: ((first..last).map(time).collect(), hit.force[first..last].to_vec()),
+            response: drawn,
+            receptance: (Vec::new(), Vec::new()),
+        }
+    }
+
+    /// The magnitude of a function up to `high_hz`, the largest of each part.
+    pub(super) fn set_receptance(&mut self, frf: &Frf, high_hz: f64) {
+        let frf = frf.to(FrfForm::Receptance);
+        let last = frf.frequency_hz.partition_point(|f| *f <= high_hz).max(1);
+        let magnitude = frf.magnitude();
+        let (frequency, magnitude) =
+            (&frf.frequency_hz[1.min(last)..last], &magnitude[1.min(last)..last]);
+        let part = frequency.len().div_ceil(LINES).max(1);
+        for (f, m) in frequency.chunks(part).zip(magnitude.chunks(part)) {
+            let largest = (0..m.len()).max_by(|&a, &b| m[a].total_cmp(&m[b])).unwrap_or(0);
+            self.receptance.0.push(f[largest]);
+            self.receptance.1.push(m[largest]);
+        }
+    }
+}
