@@ -70,6 +70,18 @@ pub enum DynamicsError {
         /// Largest residual accepted.
         limit: f64,
     },
+    /// A varied hit has no derivative with respect to what was varied.
+    #[error("parameter {parameter}: {quantity} is {value}; accepted: {accepted}")]
+    Variation {
+        /// Number of the parameter, from 0.
+        parameter: usize,
+        /// What stands in the way, with its unit.
+        quantity: &'static str,
+        /// Its value.
+        value: f64,
+        /// What is accepted.
+        accepted: &'static str,
+    },
     /// The structure or its grid cannot be built.
     #[error(transparent)]
     Mesh(#[from] MeshError),

@@ -19,6 +19,7 @@
 //! | [`modes`](mod@modes) | natural frequencies and shapes, exact for elastic bars |
 //! | [`grid_modes`] | the same from a discretised structure, by a dense eigensolver |
 //! | [`damping`] | mass-proportional viscosity from a damping ratio |
+//! | [`difference`] | the derivative of a closed form from four values |
 //! | [`excitation`] | the hammer's pulse, the shaker's sine, a measured record |
 //! | [`finite_difference`] | the paper's explicit scheme, Eqs. (2) to (5) |
 //! | [`modal`] | exact modal steps with implicit contact, many hits in vector lanes |
@@ -26,6 +27,7 @@
 //! | [`transient`] | what every integrator returns: history, contact record, energy ledger |
 
 pub mod damping;
+pub mod difference;
 pub mod equilibrium;
 pub mod error;
 pub mod excitation;
@@ -38,6 +40,7 @@ pub mod modes;
 pub mod transient;
 
 pub use damping::Damping;
+pub use difference::{RELATIVE_STEP, STENCIL, central_difference};
 pub use equilibrium::{Equilibrium, StaticContact};
 pub use error::DynamicsError;
 pub use excitation::{Excitation, ForceRecord};
@@ -45,6 +48,9 @@ pub use finite_difference::{ContactForm, FiniteDifference};
 pub use grid_modes::grid_frequencies;
 pub use instruction_set::InstructionSet;
 pub use integrator::{Integrator, Outline};
-pub use modal::{Batch, Hit, HitRecord, Modal, ModalContact, ModalRig, Thinning};
+pub use modal::{
+    Batch, ContactMeasures, Course, Hit, HitRecord, Modal, ModalContact, ModalRig, Sensitivity,
+    Thinning, Variation,
+};
 pub use modes::{Mode, modes};
 pub use transient::{ContactRecord, EnergyLedger, History, InterfaceHistory, Sampling, Transient};

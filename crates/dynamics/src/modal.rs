@@ -29,6 +29,7 @@
 //! | `step_size` | how long a step is |
 //! | `batch` | many hits, tried again where a step or a table was too short |
 //! | `dense` | the motion between steps |
+//! | `tangent` | derivatives of a hit with respect to what it depends on |
 #![allow(
     clippy::inline_always,
     reason = "what the march calls must be compiled with it, for the vector instructions chosen"
@@ -49,6 +50,7 @@ mod rig;
 mod rows;
 mod step_size;
 mod tally;
+mod tangent;
 mod thin;
 
 use std::f64::consts::TAU;
@@ -61,6 +63,7 @@ use crate::{DynamicsError, Equilibrium, Excitation, InstructionSet, Sampling, Tr
 
 pub use batch::{Batch, Hit, HitRecord};
 pub use rig::{ModalContact, ModalRig};
+pub use tangent::{ContactMeasures, Course, Sensitivity, Variation};
 pub use thin::Thinning;
 
 /// Frequencies of interest over the lowest natural one: the top of the window in which the second

@@ -165,6 +165,15 @@ impl ModalStructure {
     /// # Errors
     /// [`MeshError::ModeCount`] when `modes` asks for none or too many.
     pub fn of_stack(stack: &Stack, modes: ModeCount) -> Result<Self, MeshError> {
+        let counts = stack.bodies().iter().map(|body| modes.of(body));
+        Self::with_counts(stack, &counts.collect::<Result<Vec<_>, _>>()?)
+    }
+
+    /// [`of_stack`](Self::of_stack) with a count of modes, the rigid one included, of each body.
+    ///
+    /// # Errors
+    /// [`MeshError::ModeCount`] for no modes or too many; a body without a count has none.
+    pub fn with_counts(stack: &Stack, counts: &[usize]) -> Result<Self, MeshError> {
         let interfaces = stack.interfaces().len();
         let mut oscillators = Vec::new();
         let mut residual = ResidualFlexibility {
@@ -175,7 +184,8 @@ impl ModalStructure {
             driving_point: 0.0,
         };
         for (i, body) in stack.bodies().iter().enumerate() {
-            let kept = modes.of(body)?;
+            let count = counts.get(i).copied().unwrap_or(0);
+            let kept = ModeCount::PerBody(count).of(body)?;
             let first = PI * body.wave_speed() / body.length();
             let static_flexibility = body.length() / body.axial_rigidity();
             let (mut same, mut across) = (static_flexibility / 3.0, -static_flexibility / 6.0);

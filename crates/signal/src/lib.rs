@@ -25,6 +25,7 @@
 //! | describe the blow, take the offset away | [`Pulse`], [`Offset`] |
 //! | window, and undo what the window did | [`ForceWindow`], [`ExponentialWindow`] |
 //! | find where the fundamental is | [`dominant_frequency`], [`find_harmonics`] |
+//! | say how it follows a parameter | [`PeakTangent`] |
 //! | say how sure it is | [`peak_uncertainty`], [`white_density`], [`band_density`] |
 //! | damping, three ways | [`half_power`], [`circle_fit`], [`logarithmic_decrement`] |
 //! | average: H1, H2, Hv, coherence | [`FrfEstimator`] |
@@ -64,6 +65,7 @@ mod average;
 mod damping;
 mod decimate;
 mod decrement;
+mod derivative;
 mod dominant;
 mod error;
 mod estimator;
@@ -91,6 +93,7 @@ pub use damping::{
 };
 pub use decimate::Decimator;
 pub use decrement::{Decrement, logarithmic_decrement};
+pub use derivative::{PeakDerivative, PeakTangent};
 pub use dominant::dominant_frequency;
 pub use error::{Error, Result};
 pub use estimator::{Coherence, Density, Estimator, FrfEstimator, HvScaling, MagnitudeSpread};

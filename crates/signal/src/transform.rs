@@ -45,6 +45,7 @@ pub fn transform_pair_at(
 }
 
 /// The phasors of one frequency: `cos` and `sin` of `2 pi f j dt` over a block.
+#[derive(Debug)]
 pub(crate) struct Kernel {
     cosine: [f64; BLOCK],
     sine: [f64; BLOCK],

@@ -11,7 +11,7 @@
 //! | step | modules |
 //! |---|---|
 //! | read and check | [`document`], [`schema`], [`schema_check`], [`validate`], [`diagnostic`], [`locate`], [`mod@pointer`], [`suggest`], [`input`], [`samples`] |
-//! | compute | [`assemble`], [`run`], [`mod@sweep`], [`mod@steady`], [`laws`] |
+//! | compute | [`assemble`], [`run`], [`mod@sweep`], [`mod@steady`], [`sensitivity`], [`laws`] |
 //! | measured hits | [`analysis`] |
 //! | give back | [`summary`], [`record`], [`output`], [`error`] |
 
@@ -31,6 +31,7 @@ pub mod samples;
 pub mod scenario;
 pub mod schema;
 pub mod schema_check;
+pub mod sensitivity;
 pub mod steady;
 pub mod suggest;
 pub mod summary;

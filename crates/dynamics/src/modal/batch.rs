@@ -151,6 +151,18 @@ impl Batch {
     /// # Errors
     /// As [`Modal::integrate`](super::Modal::integrate).
     pub fn transient(&self, hit: &Hit, sampling: &Sampling) -> Result<Transient, DynamicsError> {
+        let (lane, outcome) = self.whole(hit)?;
+        Ok(Transient {
+            step: lane.prepared.model.step,
+            steps: lane.steps,
+            history: history(&lane, &outcome, &hit.excitation, sampling),
+            contacts: contact_records(&lane, &outcome),
+            energy: ledger(&lane, &outcome),
+        })
+    }
+
+    /// The steps of one hit, at the step and with the tables that it needs.
+    pub(super) fn whole(self, hit: &Hit) -> Result<(Lane, Outcome), DynamicsError> {
         let none = Arc::new(Thinning { factor: 1, taps: Arc::new([]) });
         let thinning = |_: usize, _: f64| Arc::clone(&none);
         let mut shapes = Shapes::default();
@@ -161,18 +173,10 @@ impl Batch {
                 .run(self.instructions)
                 .and_then(|outcomes| outcomes.into_iter().next())
                 .ok_or_else(|| missing(self.instructions))?;
-            if let Some(next) = attempt.next(hit, &outcome, &mut shapes, &thinning)? {
-                attempt = next;
-                continue;
+            match attempt.next(hit, &outcome, &mut shapes, &thinning)? {
+                Some(next) => attempt = next,
+                None => return Ok((attempt.lane, outcome)),
             }
-            let lane = &attempt.lane;
-            return Ok(Transient {
-                step: lane.prepared.model.step,
-                steps: lane.steps,
-                history: history(lane, &outcome, &hit.excitation, sampling),
-                contacts: contact_records(lane, &outcome),
-                energy: ledger(lane, &outcome),
-            });
         }
     }
 }

@@ -1,6 +1,6 @@
 //! All numbers of a step that do not depend on the drive force.
 
-use asperity_mesh::{ModalStructure, ResidualFlexibility};
+use asperity_mesh::{ModalStructure, Oscillator, ResidualFlexibility};
 
 use super::oscillator::{Course, Dynamics, Recurrence};
 
@@ -36,6 +36,8 @@ pub(super) struct ModeStep {
 #[derive(Debug, Clone)]
 pub(super) struct StepModel {
     pub(super) step: f64,
+    /// Course of the contact force on every oscillator of the structure; none for those left out.
+    pub(super) courses: Vec<Option<Course>>,
     pub(super) modes: Vec<ModeStep>,
     /// Closure lost at once at interface i per pressure gained at j \[m/Pa\].
     pub(super) coupling: Vec<Vec<f64>>,
@@ -55,24 +57,41 @@ impl StepModel {
         rate: f64,
         step: f64,
     ) -> Self {
+        let of = |mode: &Oscillator| {
+            let pairs = mode.closure.iter().zip(areas).zip(stiffness);
+            let stiff: f64 = pairs.map(|((g, area), k)| g * (g * area) * k * step * step).sum();
+            let damping = mode.rate + if mode.mass_damped { rate } else { 0.0 };
+            let turn = mode.angular_frequency * step;
+            (turn <= FAST).then(|| course(turn, stiff, damping * step))
+        };
+        let courses = structure.oscillators().iter().map(of).collect();
+        Self::with_courses(structure, areas, rate, step, courses)
+    }
+
+    /// The model of [`new`](Self::new) with the courses of another: what a scenario answers must
+    /// not jump as it is varied.
+    pub(super) fn with_courses(
+        structure: &ModalStructure,
+        areas: &[f64],
+        rate: f64,
+        step: f64,
+        courses: Vec<Option<Course>>,
+    ) -> Self {
         let mut residual = structure.residual().clone();
-        let (slow, fast): (Vec<_>, Vec<_>) =
-            structure.oscillators().iter().partition(|mode| mode.angular_frequency * step <= FAST);
-        for mode in fast {
-            residual.add(mode);
-        }
         let times_areas =
             |row: &[f64]| -> Vec<f64> { row.iter().zip(areas).map(|(r, area)| r * area).collect() };
+        let named = || structure.oscillators().iter().zip(&courses);
+        for (mode, _) in named().filter(|(_, course)| course.is_none()) {
+            residual.add(mode);
+        }
         let mut coupling: Vec<Vec<f64>> =
             residual.closure.iter().map(|row| times_areas(row)).collect();
-        let mut modes = Vec::with_capacity(slow.len());
-        for mode in slow {
+        let mut modes = Vec::with_capacity(courses.len());
+        for (mode, &course) in named() {
+            let Some(course) = course else { continue };
             let damping = mode.rate + if mode.mass_damped { rate } else { 0.0 };
             let dynamics = Dynamics { angular_frequency: mode.angular_frequency, rate: damping };
             let force = times_areas(&mode.closure);
-            let pairs = mode.closure.iter().zip(&force).zip(stiffness);
-            let stiff: f64 = pairs.map(|((g, gs), k)| g * gs * k * step * step).sum();
-            let course = course(mode.angular_frequency * step, stiff, damping * step);
             let recurrence = dynamics.recurrence(step, course);
             for (row, g) in coupling.iter_mut().zip(&mode.closure) {
                 for (entry, gs) in row.iter_mut().zip(&force) {
@@ -89,7 +108,8 @@ impl StepModel {
                 output: mode.output,
             });
         }
-        Self { step, modes, coupling, output_pressure: times_areas(&residual.output), residual }
+        let output_pressure = times_areas(&residual.output);
+        Self { step, courses, modes, coupling, output_pressure, residual }
     }
 }
 

@@ -98,7 +98,28 @@ impl ModalRig {
         rate: f64,
         modes: ModeCount,
     ) -> Result<Self, DynamicsError> {
-        let structure = ModalStructure::of_stack(stack, modes)?;
+        Self::of_parts(ModalStructure::of_stack(stack, modes)?, stack, equilibrium, rate)
+    }
+
+    /// The rig of a `stack` with a count of modes, the rigid one included, of each body.
+    ///
+    /// # Errors
+    /// Those of [`of_stack`](Self::of_stack).
+    pub fn with_counts(
+        stack: &Stack,
+        equilibrium: &Equilibrium,
+        rate: f64,
+        counts: &[usize],
+    ) -> Result<Self, DynamicsError> {
+        Self::of_parts(ModalStructure::with_counts(stack, counts)?, stack, equilibrium, rate)
+    }
+
+    fn of_parts(
+        structure: ModalStructure,
+        stack: &Stack,
+        equilibrium: &Equilibrium,
+        rate: f64,
+    ) -> Result<Self, DynamicsError> {
         let named = stack.interfaces().iter().zip(equilibrium.contacts());
         let contacts = named.map(|(interface, &at_rest)| ModalContact {
             name: interface.name().to_owned(),

@@ -1,0 +1,105 @@
+//! A scenario with one number varied.
+
+use std::sync::Arc;
+
+use asperity_dynamics::{
+    DynamicsError, Hit, Modal, ModalContact, ModalRig, RELATIVE_STEP, STENCIL, Variation,
+};
+
+use super::{Parameter, SensitivityError};
+use crate::assemble::Assembly;
+use crate::document::Document;
+use crate::run::rest_state;
+use crate::summary::StaticSummary;
+
+/// The hit that is varied, and how many modes of each body it keeps.
+pub(super) struct Base {
+    pub(super) hit: Hit,
+    counts: Vec<usize>,
+}
+
+/// The hit of `assembly`, whose natural frequency at rest is `natural` \[Hz\].
+pub(super) fn base(
+    assembly: &Assembly,
+    method: &Modal,
+    natural: Option<f64>,
+) -> Result<Base, DynamicsError> {
+    let modes = method.mode_count(natural, &assembly.excitation);
+    let counts = assembly.stack.bodies().iter().map(|body| modes.of(body));
+    let counts = counts.collect::<Result<Vec<_>, _>>()?;
+    let duration = assembly.sampling.samples() as f64 * assembly.sampling.interval();
+    let excitation = assembly.excitation.clone();
+    let rig = Arc::new(rig(assembly, &counts)?);
+    Ok(Base { hit: Hit { rig, excitation, duration, step: method.step }, counts })
+}
+
+fn rig(assembly: &Assembly, counts: &[usize]) -> Result<ModalRig, DynamicsError> {
+    let Assembly { stack, equilibrium, damping_rate, .. } = assembly;
+    ModalRig::with_counts(stack, equilibrium, *damping_rate, counts)
+}
+
+/// The scenario at the four places of the stencil.
+pub(super) struct Varied {
+    pub(super) parameter: Parameter,
+    pub(super) variation: Variation,
+    pub(super) rests: [StaticSummary; 4],
+}
+
+impl Varied {
+    pub(super) fn new(
+        document: &Document,
+        pointer: &str,
+        base: &Base,
+    ) -> Result<Self, SensitivityError> {
+        let named = || pointer.to_owned();
+        let number = document.value().pointer(pointer).and_then(serde_json::Value::as_f64);
+        let value = number.ok_or_else(|| SensitivityError::NotANumber { pointer: named() })?;
+        let first = pointer.split('/').nth(1).unwrap_or_default();
+        if ["method", "duration_s", "output_rate_hz"].contains(&first) {
+            return Err(SensitivityError::Setting { pointer: named() });
+        }
+        if value == 0.0 {
+            return Err(SensitivityError::Zero { pointer: named() });
+        }
+        // All else leaves the laws as they are, but for the pressure that they count from, and
+        // increments do not see that.
+        let of_law = first == "laws" || pointer.split('/').nth(3) == Some("law");
+        let step = RELATIVE_STEP * value.abs();
+        let at = |place: f64| {
+            let neighbour = value + place * step;
+            let mut document = document.clone();
+            document.set(pointer, &neighbour.to_string())?;
+            let scenario = document.scenario().map_err(|source| SensitivityError::AtLimit {
+                pointer: named(),
+                value: neighbour,
+                source: Box::new(source),
+            })?;
+            let assembly = Assembly::new(&scenario, document.folder())?;
+            let mut rig = rig(&assembly, &base.counts)?;
+            if !of_law {
+                rig = with_laws_of(&base.hit.rig, &rig)?;
+            }
+            let rest = rest_state(&assembly);
+            let excitation = assembly.excitation;
+            Ok::<_, SensitivityError>((
+                Hit { rig: Arc::new(rig), excitation, ..base.hit.clone() },
+                rest,
+            ))
+        };
+        let [a, b, c, d] = STENCIL;
+        let ((a, a_rest), (b, b_rest), (c, c_rest), (d, d_rest)) = (at(a)?, at(b)?, at(c)?, at(d)?);
+        Ok(Self {
+            parameter: Parameter { pointer: named(), value },
+            variation: Variation { hits: [a, b, c, d], step },
+            rests: [a_rest, b_rest, c_rest, d_rest],
+        })
+    }
+}
+
+/// The `rig` with the very laws of `base`, which says that they are not varied.
+fn with_laws_of(base: &ModalRig, rig: &ModalRig) -> Result<ModalRig, DynamicsError> {
+    let pairs = rig.contacts().iter().zip(base.contacts());
+    let contacts =
+        pairs.map(|(contact, base)| ModalContact { law: Arc::clone(&base.law), ..contact.clone() });
+    ModalRig::new(rig.structure().clone(), contacts.collect(), rig.rate())
+}
