@@ -145,7 +145,7 @@ impl<'a, R: Spectra> Search<'a, R> {
                 }
             })
             .collect();
-        let strongest = band.force.iter().map(|f| f.norm()).fold(0.0, f64::max);
+        let strongest = band.force.iter().map(|f| f.norm_sqr()).fold(0.0, f64::max).sqrt();
         Self {
             response,
             options,

@@ -25,6 +25,8 @@ const FREE: f64 = 1e-3;
 #[derive(Debug, Default)]
 pub(super) struct Observer {
     filters: Mutex<Vec<Arc<Filter>>>,
+    /// The filter for a rig's frequency and a step, both in bits, that was asked for last.
+    latest: Mutex<Option<(u64, u64, Arc<Thinning>)>>,
     drives: Mutex<Vec<Arc<Drive>>>,
 }
 
@@ -55,16 +57,23 @@ impl Observer {
         let options = HarmonicOptions::default();
         let band = options.fundamental_window.1 * options.second_window.1.max(1.0);
         let high = natural.map_or(f64::INFINITY, |natural| band * natural);
+        let (rig, bits) = (high.to_bits(), step.to_bits());
+        let mut latest = self.latest.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, _, thinning)) = latest.as_ref().filter(|l| (l.0, l.1) == (rig, bits)) {
+            return Arc::clone(thinning);
+        }
         let wanted = Decimator::keeping(1.0 / step, high);
         let mut filters = self.filters.lock().unwrap_or_else(PoisonError::into_inner);
         let same = |filter: &&Arc<Filter>| filter.thinning.factor == wanted.factor();
-        if let Some(filter) = filters.iter().find(same) {
-            return Arc::clone(&filter.thinning);
-        }
-        let thinning = Thinning { factor: wanted.factor(), taps: wanted.taps().into() };
-        let filter = Arc::new(Filter { thinning: Arc::new(thinning), decimator: wanted });
-        filters.push(Arc::clone(&filter));
-        Arc::clone(&filter.thinning)
+        let known = filters.iter().find(same).map(|filter| Arc::clone(&filter.thinning));
+        let thinning = known.unwrap_or_else(|| {
+            let thinning =
+                Arc::new(Thinning { factor: wanted.factor(), taps: wanted.taps().into() });
+            filters.push(Arc::new(Filter { thinning: Arc::clone(&thinning), decimator: wanted }));
+            thinning
+        });
+        *latest = Some((rig, bits, Arc::clone(&thinning)));
+        thinning
     }
 
     fn drive(&self, hit: &Hit, record: &HitRecord) -> Option<(Arc<Drive>, f64)> {
