@@ -2,6 +2,7 @@
 
 use crate::peak::{Peak, PowerGrid, refine};
 use crate::response::{Response, Route, Spectra};
+use realfft::num_complex::Complex64;
 
 /// How [`find_harmonics`] searches.
 #[derive(Debug, Clone, PartialEq)]
@@ -145,7 +146,7 @@ impl<'a, R: Spectra> Search<'a, R> {
                 }
             })
             .collect();
-        let strongest = band.force.iter().map(|f| f.norm_sqr()).fold(0.0, f64::max).sqrt();
+        let strongest = band.force.iter().map(Complex64::norm_sqr).fold(0.0, f64::max).sqrt();
         Self {
             response,
             options,
