@@ -21,6 +21,7 @@ mod x_3_convergence;
 mod x_4_clapping;
 mod x_5_compliant_disc;
 mod x_6_readings;
+mod x_7_second_path;
 
 use crate::reproduce::PaperFigure;
 
@@ -45,4 +46,5 @@ pub(crate) const FIGURES: &[&PaperFigure] = &[
     &x_4_clapping::FIGURE,
     &x_5_compliant_disc::FIGURE,
     &x_6_readings::FIGURE,
+    &x_7_second_path::FIGURE,
 ];
