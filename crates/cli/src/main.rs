@@ -2,17 +2,16 @@
 //!
 //! | module | does |
 //! |---|---|
+//! | [`mod@answer`] | answers on standard output |
 //! | [`args`] | the options |
 //! | [`command`] | one file per subcommand |
 //! | [`plot`] | the figures that the subcommands write |
 //! | [`failure`] | what went wrong, its exit status, and how it is shown |
 //! | [`progress`] | bars on a terminal, logs on standard error |
-#![allow(
-    clippy::print_stdout,
-    clippy::print_stderr,
-    reason = "a command prints its answers to standard output and its errors to standard error"
-)]
+#![allow(clippy::print_stderr, reason = "a command prints its errors to standard error")]
 
+#[macro_use]
+mod answer;
 mod args;
 mod command;
 mod failure;

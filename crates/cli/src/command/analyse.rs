@@ -36,13 +36,13 @@ pub(crate) fn run(asked: &Analyse, quiet: bool) -> Result<(), Failure> {
     folder.write("analysis.json", &report)?;
 
     if asked.json {
-        print!("{report}");
+        answer!("{report}");
     } else if !quiet {
         for notice in &analysis.report.notices {
             eprintln!("note: {notice}");
         }
-        print!("{}", in_words(&analysis.report));
-        println!("written to {}", folder.path().display());
+        answer!("{}", in_words(&analysis.report));
+        answer_line!("written to {}", folder.path().display());
     }
     Ok(())
 }

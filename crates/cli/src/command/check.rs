@@ -30,23 +30,23 @@ pub(crate) fn run(input: &Input, as_json: bool) -> Result<(), Failure> {
             "steps": outline.steps,
             "samples": sampling.samples(),
         });
-        print!("{}", super::pretty(&answer));
+        answer!("{}", super::pretty(&answer));
         return Ok(());
     }
-    println!("{}: valid", document.path().display());
+    answer_line!("{}: valid", document.path().display());
     if let Some(natural) = natural {
-        println!("  natural frequency at rest  {natural:.2} Hz");
+        answer_line!("  natural frequency at rest  {natural:.2} Hz");
     }
     let unknowns = match method {
         Integrator::FiniteDifference(_) => "nodes",
         Integrator::Modal(_) => "modes",
     };
-    println!("  {:<26} {} {unknowns}", method.name().replace('_', " "), outline.unknowns);
-    println!(
+    answer_line!("  {:<26} {} {unknowns}", method.name().replace('_', " "), outline.unknowns);
+    answer_line!(
         "  run                        {} steps of {:.4} us",
         outline.steps,
         outline.step * 1e6
     );
-    println!("  record                     {} samples", sampling.samples());
+    answer_line!("  record                     {} samples", sampling.samples());
     Ok(())
 }

@@ -33,7 +33,7 @@ pub(crate) fn run(
     let done = convert(from, to, format, written.si, &options)?;
     if written.json {
         let notices: Vec<String> = done.notices.iter().map(ToString::to_string).collect();
-        print!(
+        answer!(
             "{}",
             super::pretty(&json!({
                 "from": done.from.to_string(),
@@ -47,7 +47,7 @@ pub(crate) fn run(
             eprintln!("note: {notice}");
         }
         let records = if done.records == 1 { "record" } else { "records" };
-        println!("{} {records}, {} to {}: {}", done.records, done.from, done.to, to.display());
+        answer_line!("{} {records}, {} to {}: {}", done.records, done.from, done.to, to.display());
     }
     Ok(())
 }

@@ -42,19 +42,24 @@ pub(crate) fn run(input: &Input, output: &Output, table: Option<&Path>) -> Resul
     });
     folder.write("law.json", super::pretty(&answer))?;
     if output.json {
-        print!("{}", super::pretty(&answer));
+        answer!("{}", super::pretty(&answer));
         return Ok(());
     }
     if let Some(fit) = &fitted {
-        println!("K = C p^m with C = {:.4e} Pa^(1-m)/m, m = {:.4}", fit.coefficient, fit.exponent);
-        println!("scatter of ln K: {:.3} rms", fit.residual_log_rms);
+        answer_line!(
+            "K = C p^m with C = {:.4e} Pa^(1-m)/m, m = {:.4}",
+            fit.coefficient,
+            fit.exponent
+        );
+        answer_line!("scatter of ln K: {:.3} rms", fit.residual_log_rms);
         if let Some(errors) = &fit.errors {
-            println!(
+            answer_line!(
                 "standard errors: ln C {:.3}, m {:.3}",
-                errors.log_coefficient, errors.exponent
+                errors.log_coefficient,
+                errors.exponent
             );
         }
     }
-    println!("{} laws tabulated in {}", tables.len(), folder.path().display());
+    answer_line!("{} laws tabulated in {}", tables.len(), folder.path().display());
     Ok(())
 }

@@ -37,14 +37,14 @@ pub(crate) fn run(input: &Input, output: &Output, count: usize) -> Result<(), Fa
     });
     folder.write("modes.json", super::pretty(&answer))?;
     if output.json {
-        print!("{}", super::pretty(&answer));
+        answer!("{}", super::pretty(&answer));
         return Ok(());
     }
     for (number, mode) in found.iter().enumerate() {
         let (hz, percent) = (mode.frequency_hz, 100.0 * mode.damping_ratio);
-        println!("mode {:<3} {hz:>12.3} Hz   damping {percent:.3} %", number + 1);
+        answer_line!("mode {:<3} {hz:>12.3} Hz   damping {percent:.3} %", number + 1);
     }
-    println!("written to {}", folder.path().display());
+    answer_line!("written to {}", folder.path().display());
     Ok(())
 }
 

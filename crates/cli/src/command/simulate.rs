@@ -60,10 +60,10 @@ pub(crate) fn run(
     folder.write("summary.json", &summary)?;
 
     if output.json {
-        print!("{summary}");
+        answer!("{summary}");
     } else if !quiet {
-        print!("{}", in_words(&run.summary));
-        println!("written to {}", folder.path().display());
+        answer!("{}", in_words(&run.summary));
+        answer_line!("written to {}", folder.path().display());
     }
     Ok(())
 }

@@ -61,10 +61,10 @@ pub(crate) fn run(
     }
     folder.write("summary.json", super::pretty(&summary))?;
     if output.json {
-        print!("{}", super::pretty(&summary));
+        answer!("{}", super::pretty(&summary));
     } else if !quiet {
         say(&found);
-        println!("written to {}", folder.path().display());
+        answer_line!("written to {}", folder.path().display());
     }
     let failed: Vec<_> = found
         .levels
@@ -88,7 +88,7 @@ fn say(found: &Steady) {
         let Some(peak) = level.outcome.as_ref().ok().and_then(|branch| branch.highest()) else {
             continue;
         };
-        print!(
+        answer!(
             "{:>10} N   peak {:.3} Hz   A1 {:.5e} m   A2/A1 {:.5}",
             level.force_n,
             peak.frequency_hz(),
@@ -96,8 +96,8 @@ fn say(found: &Steady) {
             peak.harmonic_ratio()
         );
         if let Some(check) = level.check {
-            print!("   off time integration by {:.1e}", check.relative_difference());
+            answer!("   off time integration by {:.1e}", check.relative_difference());
         }
-        println!("{}", if peak.contact_lost() { "   contact lost" } else { "" });
+        answer_line!("{}", if peak.contact_lost() { "   contact lost" } else { "" });
     }
 }

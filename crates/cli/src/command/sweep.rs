@@ -50,9 +50,9 @@ pub(crate) fn run(
     });
     folder.write("sweep.json", super::pretty(&report))?;
     if output.json {
-        print!("{}", super::pretty(&report));
+        answer!("{}", super::pretty(&report));
     } else if !quiet {
-        println!("{runs} runs in {wall_s:.2} s, written to {}", folder.path().display());
+        answer_line!("{runs} runs in {wall_s:.2} s, written to {}", folder.path().display());
     }
     if let Some((index, error)) = results.failed().next() {
         let (first, reason) = (index + 1, error.to_string());
