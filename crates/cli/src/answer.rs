@@ -14,12 +14,12 @@ pub(crate) fn write(text: Arguments<'_>) {
     }
 }
 
-/// [`write`] of a format.
+/// [`write()`] of a format.
 macro_rules! answer {
     ($($part:tt)*) => { $crate::answer::write(format_args!($($part)*)) };
 }
 
-/// [`write`] of a format and a line break.
+/// [`write()`] of a format and a line break.
 macro_rules! answer_line {
     ($($part:tt)*) => { $crate::answer::write(format_args!("{}\n", format_args!($($part)*))) };
 }

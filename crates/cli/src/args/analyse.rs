@@ -61,7 +61,7 @@ pub(crate) struct Analyse {
     #[arg(long, default_value = "h1", value_parser = estimator)]
     pub(crate) estimator: Estimator,
 
-    /// Window: none, force, exponential[:TAU], force+exponential[:TAU], TAU in s.
+    /// Window: none, force, exponential or force+exponential, the latter two also with :TAU in s.
     ///
     /// The exponential window is undone in the numbers of each hit.
     #[arg(long, default_value = "none")]
