@@ -195,6 +195,11 @@ impl ModalRig {
                     break;
                 }
                 table = compile(*times);
+                tracing::warn!(
+                    interface = contact.name,
+                    share_of_static_pressure = times * TABLE_TOLERANCE,
+                    "the law is too steep for its table, which is coarser than usual"
+                );
             }
             let named = |source| DynamicsError::Law { interface: contact.name.clone(), source };
             tables.push(Arc::new(table.map_err(named)?));
