@@ -5,40 +5,12 @@
 
 mod support;
 
-use asperity_dynamics::{Equilibrium, Modal, Transient, modes};
-use support::receptance::{Peak, peak};
-use support::{Law, constant, modified, power, pulse, rig, run, slope};
+use asperity_dynamics::Modal;
+use support::struck::{Response, average_stiffness, close, respond};
+use support::{constant, modified, power, slope};
 
-const DURATION: f64 = 0.12;
-
-struct Response {
-    transient: Transient,
-    first: Peak,
-    second: Option<Peak>,
-}
-
-fn respond(law: &Law, force: f64, method: &Modal) -> Response {
-    let stack = rig(law);
-    let equilibrium = Equilibrium::of(&stack).unwrap();
-    let at_rest = modes(&stack, &equilibrium, 0.0, 1).unwrap()[0].frequency_hz;
-    let transient = run(&stack, method, &pulse(force), DURATION);
-    let first = peak(&transient.history, (0.4 * at_rest, 1.4 * at_rest)).unwrap();
-    let second = peak(&transient.history, (1.5 * first.frequency, 2.3 * first.frequency));
-    Response { transient, first, second }
-}
-
-fn average_stiffness(transient: &Transient) -> f64 {
-    let stiffness = &transient.history.interfaces[0].stiffness;
-    stiffness.iter().sum::<f64>() / stiffness.len() as f64
-}
-
-fn close(found: f64, value: f64, tolerance: f64, what: &str) {
-    println!("{what}: {found:.8e}, off by {:.2e}", found / value - 1.0);
-    assert!((found / value - 1.0).abs() < tolerance, "{what}: {found} for {value}");
-}
-
-/// Within 0.005 % in f1, 0.1 % in A1, 0.2 % in A2/A1 and in lowest pressure; the mean stiffness to the digits
-/// given. The last pair has more digits: converged at 32 N 822.794 Hz, 1.60696e-7 m/N, 0.29364,
+/// Within 0.005 % in f1, 0.1 % in A1, 0.2 % in A2/A1 and in lowest pressure; the mean stiffness to
+/// the digits given. The last pair has more digits: converged at 32 N 822.794 Hz, 1.60696e-7 m/N, 0.29364,
 /// 0.028845 MPa; at 9 N 868.428 Hz, 2.45393e-7 m/N, 0.12334, 0.082285 MPa.
 #[test]
 fn the_default_step_meets_the_converged_responses() {

@@ -6,39 +6,13 @@
 
 mod support;
 
-use asperity_dynamics::{Equilibrium, FiniteDifference, Transient, modes};
-use support::receptance::{Peak, peak};
-use support::{Law, constant, modified, power, pulse, rig, run};
+use asperity_dynamics::FiniteDifference;
+use support::struck::{Response, average_stiffness, close};
+use support::{Law, constant, modified, power};
 
-const DURATION: f64 = 0.12;
-
-struct Response {
-    transient: Transient,
-    first: Peak,
-    second: Option<Peak>,
-}
-
-/// The response at `force` [N], with its fundamental in 0.4 to 1.4 of the
-/// static frequency and its second harmonic in 1.5 to 2.3 of the fundamental.
+/// The response at `force` [N] on the default grid.
 fn respond(law: &Law, force: f64) -> Response {
-    let stack = rig(law);
-    let equilibrium = Equilibrium::of(&stack).unwrap();
-    let at_rest = modes(&stack, &equilibrium, 0.0, 1).unwrap()[0].frequency_hz;
-    let transient = run(&stack, &FiniteDifference::default(), &pulse(force), DURATION);
-    let first = peak(&transient.history, (0.4 * at_rest, 1.4 * at_rest)).unwrap();
-    let second = peak(&transient.history, (1.5 * first.frequency, 2.3 * first.frequency));
-    Response { transient, first, second }
-}
-
-/// `K_avr = mean |K(t)|` over the samples of the guide-sample interface [Pa/m].
-fn average_stiffness(transient: &Transient) -> f64 {
-    let stiffness = &transient.history.interfaces[0].stiffness;
-    stiffness.iter().sum::<f64>() / stiffness.len() as f64
-}
-
-fn close(found: f64, value: f64, tolerance: f64, what: &str) {
-    println!("{what}: {found:.8e}, off by {:.2e}", found / value - 1.0);
-    assert!((found / value - 1.0).abs() < tolerance, "{what}: {found} for {value}");
+    support::struck::respond(law, force, &FiniteDifference::default())
 }
 
 /// The scheme's error at 1 mm is some 2e-5, in the lowest pressure 2e-4; the

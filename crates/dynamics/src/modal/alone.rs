@@ -11,8 +11,7 @@ impl<S: Rows, C: Coefficient<S>, const N: usize> Block<'_, S, C, N> {
     /// Solves `y + B p(y) = y*` in the lanes that `marks` has as ones, interface by interface.
     ///
     /// With B positive definite and the pressures rising, the equations are those of the minimum
-    /// of a convex energy, and going round the interfaces descends to it: slowly, but without
-    /// fail. A lane that is not finite is left as it is.
+    /// of a convex energy, and going round the interfaces descends to it, if slowly. A lane that is not finite is left as it is.
     #[cold]
     #[inline(never)]
     pub(super) fn solve_alone(

@@ -9,6 +9,7 @@ pub mod bar_chain;
 pub mod half_spaces;
 pub mod receptance;
 pub mod statics;
+pub mod struck;
 
 use std::sync::Arc;
 

@@ -1,0 +1,39 @@
+//! The paper's rig struck, and what is read off its response.
+
+use asperity_dynamics::{Equilibrium, Integrator, Transient, modes};
+
+use super::receptance::{Peak, peak};
+use super::{Law, pulse, rig, run};
+
+const DURATION: f64 = 0.12;
+
+pub struct Response {
+    pub transient: Transient,
+    pub first: Peak,
+    pub second: Option<Peak>,
+}
+
+/// The response at `force` [N], with its fundamental in 0.4 to 1.4 of the
+/// static frequency and its second harmonic in 1.5 to 2.3 of the fundamental.
+pub fn respond(law: &Law, force: f64, method: &(impl Into<Integrator> + Copy)) -> Response {
+    let stack = rig(law);
+    let equilibrium = Equilibrium::of(&stack).unwrap();
+    let at_rest = modes(&stack, &equilibrium, 0.0, 1).unwrap()[0].frequency_hz;
+    let transient = run(&stack, method, &pulse(force), DURATION);
+    let first = peak(&transient.history, (0.4 * at_rest, 1.4 * at_rest)).unwrap();
+    let second = peak(&transient.history, (1.5 * first.frequency, 2.3 * first.frequency));
+    Response { transient, first, second }
+}
+
+/// `K_avr = mean |K(t)|` over the samples of the guide-sample interface [Pa/m].
+pub fn average_stiffness(transient: &Transient) -> f64 {
+    let stiffness = &transient.history.interfaces[0].stiffness;
+    stiffness.iter().sum::<f64>() / stiffness.len() as f64
+}
+
+/// Prints what was found and holds it to a relative tolerance.
+#[allow(clippy::print_stdout, reason = "what was found, for a test that fails")]
+pub fn close(found: f64, value: f64, tolerance: f64, what: &str) {
+    println!("{what}: {found:.8e}, off by {:.2e}", found / value - 1.0);
+    assert!((found / value - 1.0).abs() < tolerance, "{what}: {found} for {value}");
+}
