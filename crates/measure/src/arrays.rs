@@ -31,9 +31,14 @@ pub(crate) fn paired(parts: &[f64]) -> Vec<Complex64> {
     parts.chunks_exact(2).map(|pair| Complex64::new(pair[0], pair[1])).collect()
 }
 
+/// Most channels that a file of that size can mean.
+pub(crate) fn most_channels(source: &Source<'_>) -> u64 {
+    256.max(source.len() / 128)
+}
+
 /// Refuses more channels than a file of that size can mean.
 pub(crate) fn check_channels(source: &Source<'_>, channels: u64) -> Result<(), MeasureError> {
-    let most = 256.max(source.len() / 128);
+    let most = most_channels(source);
     if channels <= most {
         return Ok(());
     }

@@ -76,6 +76,9 @@ impl Format {
         if start.starts_with(b"TDSm") {
             return Ok(Self::Tdms);
         }
+        if start.starts_with(b"TDSh") {
+            return unsupported("the index of a TDMS file", "give the `.tdms` file beside it");
+        }
         if start.starts_with(b"\x89HDF\r\n\x1a\n") || start.starts_with(b"MATLAB 7.3") {
             return Ok(Self::Hdf5);
         }

@@ -27,6 +27,7 @@
 //! | `npy`, `npz`, `mat`, `arrays`, `number` | arrays of NumPy and MATLAB |
 //! | `wav` | RIFF WAVE |
 //! | `hdf5` | HDF5 and MATLAB 7.3, with the feature `hdf5` |
+//! | `tdms` | TDMS of LabVIEW, with the feature `tdms` |
 //! | `write` | files that appear whole or not at all |
 //!
 //! The crate knows files, rates and units. It knows no mechanics and no signal
@@ -65,6 +66,8 @@ mod reader;
 mod record;
 mod sensitivity;
 mod source;
+#[cfg(feature = "tdms")]
+mod tdms;
 mod text;
 mod uff;
 mod unit;

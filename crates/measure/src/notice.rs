@@ -102,6 +102,12 @@ pub enum Notice {
         /// Why.
         reason: &'static str,
     },
+    /// A segment of a TDMS file was never closed, as after a crash of its
+    /// writer; what it holds in full was read.
+    SegmentCutOff {
+        /// Where it starts.
+        place: Place,
+    },
     /// A text file ends within a row, which was left out.
     RowCutOff {
         /// Where.
@@ -154,6 +160,9 @@ impl fmt::Display for Notice {
                 write!(f, "from sample {sample} on, time does not carry on evenly")
             }
             Self::ArrayLeftOut { array, reason } => write!(f, "`{array}` left out: {reason}"),
+            Self::SegmentCutOff { place } => {
+                write!(f, "{place}: segment never closed by its writer; read as far as it is whole")
+            }
             Self::RowCutOff { place } => write!(f, "{place}: the file ends within this row"),
         }
     }

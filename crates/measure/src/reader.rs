@@ -81,7 +81,13 @@ impl<'a> Reader<'a> {
             Format::Npz => Box::new(crate::npz::open(source, options, &mut notices)?),
             Format::Mat => Box::new(crate::mat::open(source, options, &mut notices)?),
             Format::Wav => Box::new(crate::wav::Wav::open(source, options)?),
-            Format::Tdms => return Err(unsupported(&source, "TDMS", "export it as UFF or CSV")),
+            #[cfg(feature = "tdms")]
+            Format::Tdms => Box::new(crate::tdms::Tdms::open(source, options, &mut notices)?),
+            #[cfg(not(feature = "tdms"))]
+            Format::Tdms => {
+                let instead = "build with the feature `tdms`, or export it as UFF or CSV";
+                return Err(unsupported(&source, "TDMS", instead));
+            }
             #[cfg(feature = "hdf5")]
             Format::Hdf5 => Box::new(crate::hdf5::open(source, options, &mut notices)?),
             #[cfg(not(feature = "hdf5"))]
@@ -164,6 +170,7 @@ impl<'a> Reader<'a> {
     }
 }
 
+#[cfg(not(all(feature = "hdf5", feature = "tdms")))]
 fn unsupported(source: &Source<'_>, feature: &'static str, instead: &'static str) -> MeasureError {
     MeasureError::Unsupported { file: source.name().to_owned(), feature, instead }
 }

@@ -10,6 +10,7 @@
 //! | `heading` | names and units |
 //! | `labview` | headers of `.lvm` files |
 //! | `axis` | which column is time, and at what rate |
+//! | `pairs` | channels with an abscissa each |
 //! | `rows` | the numbers |
 //! | `write` | the way back |
 
@@ -17,6 +18,7 @@ mod axis;
 mod dialect;
 mod heading;
 mod labview;
+mod pairs;
 mod rows;
 mod write;
 
@@ -24,15 +26,13 @@ use crate::arrays::check_channels;
 use crate::notice::Notices;
 use crate::reader::Records;
 use crate::source::Source;
-use crate::{
-    Channel, Format, MeasureError, Notice, Origin, Quantity, ReadOptions, Record, Samples,
-};
+use crate::{Channel, Format, MeasureError, Notice, ReadOptions, Record};
 
 use axis::{Axis, AxisFinder};
 use dialect::{Dialect, Run, is_passed_over, words};
 pub(crate) use heading::Heading;
-use labview::{FileHeader, Segment};
-use rows::{Column, Rows};
+use labview::{FileHeader, HeaderAxis, Segment};
+use rows::{Column, Rows, Tracked};
 pub(crate) use write::{even_throughout, heading, write};
 
 /// A text of numbers being read.
@@ -42,8 +42,9 @@ pub(crate) struct Text<'a> {
     labview: Option<FileHeader>,
     segment: Segment,
     columns: Vec<Column>,
-    /// How the channels of the current segment lie in time; none before its first block.
-    axis: Option<Axis>,
+    /// How the channels of the current segment lie in time, all of them or each;
+    /// none before its first block.
+    axes: Vec<Axis>,
     line: Vec<u8>,
     number: u64,
     /// Rows of the current segment read so far.
@@ -67,7 +68,7 @@ impl<'a> Text<'a> {
             labview: None,
             segment: Segment::default(),
             columns: Vec::new(),
-            axis: None,
+            axes: Vec::new(),
             line: Vec::new(),
             number: 0,
             rows: 0,
@@ -76,13 +77,6 @@ impl<'a> Text<'a> {
         };
         if start.starts_with(labview::MARK) {
             let header = FileHeader::read(&mut text.source, &mut text.number)?;
-            if header.many_abscissae {
-                return Err(MeasureError::Unsupported {
-                    file: text.source.name().to_owned(),
-                    feature: "a LabVIEW file with an X column for each channel",
-                    instead: "write it with one X column or none",
-                });
-            }
             text.dialect = header.dialect;
             text.labview = Some(header);
             text.next_segment()?;
@@ -133,7 +127,7 @@ impl<'a> Text<'a> {
     /// The next segment of a LabVIEW file; false at its end.
     fn next_segment(&mut self) -> Result<bool, MeasureError> {
         let Some(header) = &self.labview else { return Ok(false) };
-        let has_abscissa = header.has_abscissa;
+        let (has_abscissa, in_pairs) = (header.has_abscissa, header.many_abscissae);
         let segment =
             Segment::read(&mut self.source, &mut self.line, &mut self.number, self.dialect)?;
         let Some(segment) = segment else { return Ok(false) };
@@ -147,12 +141,16 @@ impl<'a> Text<'a> {
             if let Some(unit) = index.checked_sub(1).and_then(|place| segment.units.get(place)) {
                 heading.unit = crate::ChannelUnit::of_text(unit);
             }
+            // Every other is an abscissa, whatever it is called.
+            if in_pairs && index.is_multiple_of(2) {
+                "X_Value".clone_into(&mut heading.name);
+            }
             Column { index, heading: Some(heading) }
         };
         let skipped = usize::from(!has_abscissa);
         self.columns = names.iter().enumerate().skip(skipped).map(heading).collect();
         self.segment = segment;
-        self.axis = None;
+        self.axes.clear();
         self.rows = 0;
         Ok(true)
     }
@@ -162,20 +160,17 @@ impl<'a> Text<'a> {
         rows: Rows,
         notices: &mut Notices,
     ) -> Result<Vec<Channel>, MeasureError> {
+        if self.in_pairs() {
+            return self.paired_channels(rows, notices);
+        }
         let mut values = rows.values;
-        let axis = match &mut self.axis {
-            Some(axis) => axis,
-            none => {
-                let finder = AxisFinder {
-                    file: self.source.name(),
-                    columns: &self.columns,
-                    segment: &self.segment,
-                    labview: self.labview.is_some(),
-                    rate_of_options: self.rate_of_options,
-                };
-                none.insert(finder.find(&values, rows.rounding, notices)?)
-            }
-        };
+        if self.axes.is_empty() {
+            let header = self.segment.axis(0);
+            let axis =
+                self.finder(&self.columns, &header).find(&values, rows.roundings[0], notices)?;
+            self.axes.push(axis);
+        }
+        let Some(axis) = self.axes.first() else { return Ok(Vec::new()) };
         let abscissa = axis.take_abscissa(&mut values, self.rows, notices);
         let left_out = axis.column();
         let mut channels = Vec::with_capacity(values.len());
@@ -183,20 +178,23 @@ impl<'a> Text<'a> {
             if left_out == Some(place) {
                 continue;
             }
-            let column = &self.columns[place];
-            let name = column.name();
-            let unit =
-                column.heading.as_ref().map_or(crate::ChannelUnit::Missing, |h| h.unit.clone());
-            channels.push(Channel {
-                name,
-                quantity: Quantity::Unknown,
-                unit,
-                abscissa: abscissa.clone(),
-                samples: Samples::Real(samples),
-                origin: Origin::default(),
-            });
+            channels.push(self.columns[place].channel(samples, abscissa.clone()));
         }
         Ok(channels)
+    }
+
+    fn in_pairs(&self) -> bool {
+        self.labview.as_ref().is_some_and(|header| header.many_abscissae)
+    }
+
+    fn finder<'f>(&'f self, columns: &'f [Column], header: &'f HeaderAxis) -> AxisFinder<'f> {
+        AxisFinder {
+            file: self.source.name(),
+            columns,
+            header,
+            labview: self.labview.is_some(),
+            rate_of_options: self.rate_of_options,
+        }
     }
 }
 
@@ -207,7 +205,11 @@ impl Records for Text<'_> {
 
     fn next_record(&mut self, notices: &mut Notices) -> Result<Option<Record>, MeasureError> {
         loop {
-            let tracked = if self.axis.is_none() { axis::candidate(&self.columns) } else { None };
+            let tracked = match axis::candidate(&self.columns) {
+                _ if !self.axes.is_empty() => Tracked::None,
+                _ if self.in_pairs() => Tracked::Pairs,
+                candidate => candidate.map_or(Tracked::None, Tracked::One),
+            };
             let rows = Rows::read(self, tracked, notices)?;
             if rows.count > 0 {
                 let count = rows.count as u64;

@@ -1,10 +1,9 @@
 //! NumPy arrays in a zip archive.
 #![no_main]
 
-use asperity_measure::{ReadOptions, read_bytes};
+use asperity_measure_fuzz::{Blocks, read};
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|data: &[u8]| {
-    let options = ReadOptions { sample_rate_hz: Some(1000.0), ..ReadOptions::default() };
-    let _ = read_bytes(&[b"PK\x03\x04".as_slice(), data].concat(), &options);
+    read(&[b"PK\x03\x04".as_slice(), data].concat(), Blocks::Free);
 });

@@ -2,7 +2,7 @@
 
 use crate::notice::Notices;
 use crate::rate;
-use crate::text::labview::Segment;
+use crate::text::labview::HeaderAxis;
 use crate::text::rows::{Column, Rounding};
 use crate::{Abscissa, MeasureError, Notice, Quantity};
 
@@ -33,7 +33,8 @@ struct Even {
 pub(crate) struct AxisFinder<'a> {
     pub(crate) file: &'a str,
     pub(crate) columns: &'a [Column],
-    pub(crate) segment: &'a Segment,
+    /// What the header of a LabVIEW segment says of it.
+    pub(crate) header: &'a HeaderAxis,
     pub(crate) labview: bool,
     pub(crate) rate_of_options: Option<f64>,
 }
@@ -80,8 +81,8 @@ impl AxisFinder<'_> {
                 even.or_else(|| even_axis(&values[place], factor, quantity, rounding, notices));
             return Ok(axis(quantity, factor, even));
         }
-        if self.labview && self.segment.step > 0.0 {
-            let (start, step) = (self.segment.start, self.step_of_header(notices));
+        if self.labview && self.header.step > 0.0 {
+            let (start, step) = (self.header.start, self.step_of_header(notices));
             let even = Even { start, step, exact: true };
             return Ok(Axis { column: None, ..axis(Quantity::Time, 1.0, Some(even)) });
         }
@@ -115,7 +116,7 @@ impl AxisFinder<'_> {
 
     /// A LabVIEW header gives the step in more digits than the column has.
     fn by_header(&self, values: &[f64], rounding: Rounding, notices: &mut Notices) -> Option<Even> {
-        let start = *values.first().filter(|_| self.labview && self.segment.step > 0.0)?;
+        let start = *values.first().filter(|_| self.labview && self.header.step > 0.0)?;
         let step = self.step_of_header(notices);
         let fits = values.iter().enumerate().all(|(index, &value)| {
             let expected = start + index as f64 * step;
@@ -125,8 +126,8 @@ impl AxisFinder<'_> {
     }
 
     fn step_of_header(&self, notices: &mut Notices) -> f64 {
-        let uncertainty = rate::uncertainty_of_printed_step(&self.segment.step_text);
-        rate::snapped_step(self.segment.step, uncertainty, notices)
+        let uncertainty = rate::uncertainty_of_printed_step(&self.header.step_text);
+        rate::snapped_step(self.header.step, uncertainty, notices)
     }
 }
 

@@ -5,6 +5,7 @@
 //! has a header with the start, the step and the units of its channels, a line
 //! of column names, and rows whose last column is a comment.
 
+use crate::arrays::{check_channels, most_channels};
 use crate::latin1;
 use crate::source::Source;
 use crate::text::dialect::Dialect;
@@ -27,15 +28,22 @@ pub(crate) struct FileHeader {
     pub(crate) date: String,
 }
 
-/// The header of a segment.
+/// What the header of a segment says of the axis of a channel.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Segment {
-    /// Abscissa of the first sample, by the first channel.
+pub(crate) struct HeaderAxis {
+    /// Abscissa of the first sample.
     pub(crate) start: f64,
-    /// Step, by the first channel; zero where none is given.
+    /// Step; zero where none is given.
     pub(crate) step: f64,
     /// The step as printed.
     pub(crate) step_text: String,
+}
+
+/// The header of a segment.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Segment {
+    /// Start and step of the columns of channels; of the first alone where all share one.
+    axes: Vec<HeaderAxis>,
     /// Names of all columns, the abscissa's first.
     pub(crate) names: Vec<String>,
     /// Units of the channels.
@@ -92,18 +100,20 @@ impl Segment {
             }
         }
         let mut segment = Self::default();
+        // More fields than there can be channels are refused with the line of names.
+        let most = most_channels(source) as usize + 1;
         let mut keep = |line: &[u8]| {
             let mut fields = dialect.fields(line);
-            match fields.next() {
-                Some(b"Delta_X") => {
-                    let field = fields.next().unwrap_or_default();
-                    segment.step = dialect.number(field).unwrap_or(0.0);
-                    segment.step_text = String::from_utf8_lossy(field).into_owned();
-                }
-                Some(b"X0") => {
-                    segment.start =
-                        fields.next().and_then(|field| dialect.number(field)).unwrap_or(0.0);
-                }
+            let first = fields.next();
+            let mut fields = fields.take(most);
+            match first {
+                Some(b"Delta_X") => segment.each_axis(&mut fields, |axis, field| {
+                    axis.step = dialect.number(field).unwrap_or(0.0);
+                    axis.step_text = String::from_utf8_lossy(field).into_owned();
+                }),
+                Some(b"X0") => segment.each_axis(&mut fields, |axis, field| {
+                    axis.start = dialect.number(field).unwrap_or(0.0);
+                }),
                 Some(b"Y_Unit_Label") => {
                     segment.units =
                         fields.map(|field| latin1::decode(field).0.into_owned()).collect();
@@ -114,10 +124,30 @@ impl Segment {
         keep(line);
         lines_to_end(source, line, number, &mut keep)?;
         source.read_line(line, number)?;
+        check_channels(source, dialect.fields(line).count() as u64)?;
         segment.names =
             dialect.fields(line).map(|field| latin1::decode(field).0.into_owned()).collect();
         line.clear();
         Ok(Some(segment))
+    }
+
+    /// What the header says of the axis of the channel in `column`.
+    pub(crate) fn axis(&self, column: usize) -> HeaderAxis {
+        // The header has its tag where the first row has its abscissa.
+        self.axes.get(column.saturating_sub(1)).cloned().unwrap_or_default()
+    }
+
+    fn each_axis(
+        &mut self,
+        fields: &mut dyn Iterator<Item = &[u8]>,
+        set: impl Fn(&mut HeaderAxis, &[u8]),
+    ) {
+        for (place, field) in fields.enumerate() {
+            if place == self.axes.len() {
+                self.axes.push(HeaderAxis::default());
+            }
+            set(&mut self.axes[place], field);
+        }
     }
 
     /// Whether a line opens another segment.

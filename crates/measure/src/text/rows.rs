@@ -1,12 +1,13 @@
 //! Rows of numbers, a block at a time.
 
+use crate::arrays::bare_channel;
 use crate::error::Place;
 use crate::notice::Notices;
 use crate::rate::rounding_of;
 use crate::text::heading::Heading;
 use crate::text::labview::Segment;
 use crate::text::{Text, is_passed_over};
-use crate::{MeasureError, Notice};
+use crate::{Abscissa, Channel, ChannelUnit, MeasureError, Notice, Samples};
 
 /// A column of the file that holds numbers.
 #[derive(Debug, Clone)]
@@ -17,6 +18,12 @@ pub(crate) struct Column {
 }
 
 impl Column {
+    /// The channel of its samples.
+    pub(crate) fn channel(&self, samples: Vec<f64>, abscissa: Abscissa) -> Channel {
+        let unit = self.heading.as_ref().map_or(ChannelUnit::Missing, |h| h.unit.clone());
+        Channel { unit, ..bare_channel(self.name(), abscissa, Samples::Real(samples)) }
+    }
+
     /// The name above it, or one made from its place.
     pub(crate) fn name(&self) -> String {
         match &self.heading {
@@ -30,7 +37,28 @@ impl Column {
 pub(crate) struct Rows {
     pub(crate) values: Vec<Vec<f64>>,
     pub(crate) count: usize,
-    pub(crate) rounding: Rounding,
+    /// Of the columns tracked.
+    pub(crate) roundings: Vec<Rounding>,
+}
+
+/// The columns whose rounding counts, since they may be an axis.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Tracked {
+    None,
+    One(usize),
+    /// The first of each pair.
+    Pairs,
+}
+
+impl Tracked {
+    /// Where the rounding of a column stands among those of the tracked.
+    fn slot(self, place: usize) -> Option<usize> {
+        match self {
+            Self::None => None,
+            Self::One(one) => (one == place).then_some(0),
+            Self::Pairs => place.is_multiple_of(2).then_some(place / 2),
+        }
+    }
 }
 
 /// How finely the numbers of a column are printed.
@@ -58,11 +86,14 @@ impl Rows {
     /// Reads up to a block of rows; fewer at the end of the segment or file.
     pub(crate) fn read(
         text: &mut Text<'_>,
-        tracked: Option<usize>,
+        tracked: Tracked,
         notices: &mut Notices,
     ) -> Result<Self, MeasureError> {
         let mut values: Vec<Vec<f64>> = vec![Vec::new(); text.columns.len()];
-        let mut rounding = Rounding { significant: 1, half_unit: f64::INFINITY };
+        let unknown = Rounding { significant: 1, half_unit: f64::INFINITY };
+        let count_tracked =
+            if let Tracked::Pairs = tracked { text.columns.len().div_ceil(2) } else { 1 };
+        let mut roundings = vec![unknown; count_tracked];
         let mut count = 0;
         // A line that opens the next segment waits for it.
         let ended = text.labview.is_some() && Segment::opens(&text.line);
@@ -91,7 +122,7 @@ impl Rows {
                     column.reserve_exact(column.len() / 8 + 8);
                 }
             }
-            let filled = read_row(text, &mut values, tracked, &mut rounding)?;
+            let filled = read_row(text, &mut values, tracked, &mut roundings)?;
             if filled < values.len() {
                 if text.source.remaining() > 0 {
                     return Err(wrong_row(text, filled));
@@ -108,7 +139,7 @@ impl Rows {
         if text.source.remaining() == 0 && text.labview.is_none() {
             text.line.clear();
         }
-        Ok(Self { values, count, rounding })
+        Ok(Self { values, count, roundings })
     }
 }
 
@@ -116,8 +147,8 @@ impl Rows {
 fn read_row(
     text: &Text<'_>,
     values: &mut [Vec<f64>],
-    tracked: Option<usize>,
-    rounding: &mut Rounding,
+    tracked: Tracked,
+    roundings: &mut [Rounding],
 ) -> Result<usize, MeasureError> {
     let mut place = 0;
     let wrong = |field: &[u8], expected: String| {
@@ -141,7 +172,7 @@ fn read_row(
             }
             return Err(wrong(field, format!("a number for `{}`", column.name())));
         };
-        if tracked == Some(place)
+        if let Some(rounding) = tracked.slot(place).and_then(|slot| roundings.get_mut(slot))
             && let Ok(printed) = std::str::from_utf8(field)
         {
             let (half_unit, significant) = rounding_of(printed);

@@ -77,7 +77,12 @@ pub(crate) fn text() -> Vec<Seed> {
         Y_Unit_Label\tN\tg\n***End_of_Header***\t\nX_Value\tforce\tacc\tComment\n\
         \t1\t2\n\t3\t4\n\t5\t6\nChannels\t1\n***End_of_Header***\t\nX_Value\ta\n\t1\n"
         .as_bytes();
+    let pairs = "LabVIEW Measurement\t\nX_Columns\tMulti\n***End_of_Header***\t\n\t\n\
+        Channels\t2\t\t\t\nX0\t0\t\t1\t\nDelta_X\t0.5\t\t0.25\t\n***End_of_Header***\n\
+        X_Value\ta\tX_Value\tb\n0\t1\t1\t4\n0.5\t2\t1.25\t5\n1\t3\t1.5\t6\n"
+        .as_bytes();
     vec![
+        ("pairs", pairs.to_vec()),
         ("ours", written(&records()[..1], Format::Text)),
         ("semicolons", format!("Zeit;Kraft;a\n[ms];[N];[g]\n{german}").into_bytes()),
         ("uneven", format!("# time_s x_mm\n{uneven}").into_bytes()),
@@ -110,6 +115,17 @@ pub(crate) fn matlab() -> Vec<Seed> {
 #[cfg(feature = "hdf5")]
 pub(crate) fn hdf5() -> Vec<Seed> {
     vec![("plain", reference("plain.h5")), ("MATLAB 7.3", reference("version73.mat"))]
+}
+
+#[cfg(feature = "tdms")]
+pub(crate) fn tdms() -> Vec<Seed> {
+    vec![
+        ("hits", reference("hits.tdms")),
+        ("scales", reference("scales.tdms")),
+        ("types", reference("types.tdms")),
+        ("interleaved", reference("interleaved.tdms")),
+        ("incremental", reference("incremental.tdms")),
+    ]
 }
 
 pub(crate) fn wave() -> Vec<Seed> {

@@ -109,3 +109,19 @@ fn a_row_of_half_a_million_columns() {
     assert!(read_bytes(&file, &ReadOptions::default()).is_err());
     assert!(peak_of() < 10 * file.len());
 }
+
+/// A line of a header with as many fields as bytes, each of them a text to hold.
+#[test]
+fn a_labview_header_of_half_a_million_fields() {
+    let head = "LabVIEW Measurement\n***End_of_Header***\n\nChannels\t1\n";
+    let fields = "\t".repeat(500_000);
+    for file in [
+        format!("{head}Y_Unit_Label{fields}\n***End_of_Header***\nX_Value\ta\n0\t1\n1\t2\n"),
+        format!("{head}Delta_X{fields}\n***End_of_Header***\nX_Value\ta\n0\t1\n1\t2\n"),
+        format!("{head}***End_of_Header***\nX_Value{fields}\n0\t1\n"),
+    ] {
+        start_counting();
+        let _ = read_bytes(file.as_bytes(), &ReadOptions::default());
+        assert!(peak_of() < 10 * file.len() + (1 << 20), "{} bytes held", peak_of());
+    }
+}

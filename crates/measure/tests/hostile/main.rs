@@ -14,6 +14,8 @@ mod corpus;
 mod counting;
 mod lies;
 mod mutate;
+#[cfg(feature = "tdms")]
+mod tdms;
 
 use asperity_measure::{ReadOptions, Reader, read_bytes};
 use std::io::Cursor;
@@ -97,6 +99,12 @@ fn matlab_files() {
 #[test]
 fn hdf5_files() {
     every_mutation_within(4 << 20, &corpus::hdf5());
+}
+
+#[cfg(feature = "tdms")]
+#[test]
+fn tdms_files() {
+    every_mutation(&corpus::tdms());
 }
 
 #[test]

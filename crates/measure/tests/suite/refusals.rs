@@ -28,7 +28,7 @@ fn what_is_no_measurement_or_not_read() {
     for (content, expected) in [
         (&b""[..], "none of the formats"),
         (b"\x7fELF\0\0\0\0", "none of the formats UFF 58, text"),
-        (b"TDSm\0\0\0\0", "TDMS cannot be read; export it as UFF or CSV"),
+        (b"TDSh\0\0\0\0", "the index of a TDMS file cannot be read; give the `.tdms` file"),
         (b"\xff\xfe1\0\n\0", "text in UTF-16 cannot be read; save it as UTF-8"),
         (b"RF64\0\0\0\0WAVE", "cannot be read; save it as RIFF"),
         (b"RIFF\0\0\0\0WAVE", "the WAVE file"),

@@ -131,8 +131,44 @@ fn labview_with_times_in_six_decimals() {
     let record = &measured.records[0];
     assert_eq!(record.sample_rate_hz(), Some(51_200.0));
     assert_eq!((record.channels.len(), samples(record, "Tip")), (2, &[-0.25, 0.5, 0.75][..]));
-    let many = refused(file.replace("X_Columns\tOne", "X_Columns\tMulti"));
-    assert!(many.contains("an X column for each channel"), "{many}");
+}
+
+/// As LabVIEW writes it: the header's fields stand above the channels.
+const PAIRS: &str = "LabVIEW Measurement\t\nSeparator\tTab\nX_Columns\tMulti\n\
+    ***End_of_Header***\t\n\t\nChannels\t2\t\t\t\nSamples\t4\t\t4\t\n\
+    Y_Unit_Label\tN\t\tg\t\nX0\t0.0E+0\t\t1.0E+0\t\nDelta_X\t0.000250\t\t0.000400\t\n\
+    ***End_of_Header***\t\t\t\t\nX_Value\tHammer\tX_Value\tTip\tComment\n\
+    0.000000\t1\t1.000000\t-5\n0.000250\t2\t1.000400\t-6\n\
+    0.000500\t3\t1.000800\t-7\n0.000750\t4\t1.001200\t-8\n";
+
+#[test]
+fn labview_with_times_for_each_channel() {
+    for options in [ReadOptions::default(), ReadOptions { block: 3, ..ReadOptions::default() }] {
+        let stream = std::io::Cursor::new(PAIRS.as_bytes());
+        let mut reader = Reader::from_stream("pairs", stream, &options).unwrap();
+        let record = reader.next_record().unwrap().unwrap();
+        let count = options.block.min(4);
+        assert_eq!(samples(&record, "Hammer"), &[1.0, 2.0, 3.0, 4.0][..count]);
+        assert_eq!(samples(&record, "Tip"), &[-5.0, -6.0, -7.0, -8.0][..count]);
+        assert_eq!(record.sample_rate_hz(), None, "each has its own");
+        let (hammer, tip) = (&record.channels[0], &record.channels[1]);
+        assert_eq!((hammer.sample_rate_hz(), tip.sample_rate_hz()), (Some(4000.0), Some(2500.0)));
+        assert_eq!((hammer.unit.text(), tip.unit.text()), ("N", "g"));
+        assert_eq!((hammer.abscissa.at(0), tip.abscissa.at(0)), (Some(0.0), Some(1.0)));
+        let rest = reader.next_record().unwrap();
+        assert_eq!(rest.map(|rest| (rest.continues, rest.len())), (count < 4).then_some((true, 1)));
+    }
+    let named = PAIRS.replace("X_Value\tTip", "t2\tTime of tip");
+    assert_eq!(samples(&parsed(named).records[0], "Time of tip"), [-5.0, -6.0, -7.0, -8.0]);
+    let same = PAIRS.replace("0.000400", "0.000250").replace("\t1.00", "\t0.00");
+    let same = same.replace("0.000400", "0.000250").replace("0.000800", "0.000500");
+    let record = &parsed(same.replace("0.001200", "0.000750")).records[0];
+    assert_eq!(record.sample_rate_hz(), Some(4000.0));
+    let uneven = refused(PAIRS.replace("1.000800", "1.001100"));
+    assert!(uneven.contains("the X column of a channel is `uneven for Tip`"), "{uneven}");
+    assert!(uneven.contains(", line "), "{uneven}");
+    let odd = refused(PAIRS.replace("\tX_Value\tTip", "\tX_Value").replace("\t-", "\t\t-"));
+    assert!(odd.contains("3 columns"), "{odd}");
 }
 
 #[test]

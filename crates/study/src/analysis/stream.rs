@@ -136,8 +136,9 @@ impl<'a> Stream<'a> {
             Ok((samples, rate, start, quantity))
         };
         let (mut force, rate, start_s, _) = take(force_at)?;
-        let (response, response_rate, _, quantity) = take(response_at)?;
-        if rate != response_rate || force.len() != response.len() {
+        let (response, response_rate, response_start_s, quantity) = take(response_at)?;
+        let apart = (start_s - response_start_s).abs() > 0.5 / rate;
+        if rate != response_rate || apart || force.len() != response.len() {
             return Err(problem("force and response are not sampled together"));
         }
         if self.options.flip_force {

@@ -1,0 +1,139 @@
+//! TDMS of National Instruments, as LabVIEW and its kin write it.
+//!
+//! Source: National Instruments, "TDMS File Format Internal Structure". A file
+//! is a row of segments, each with metadata of what is new since the segment
+//! before, and raw data. A first pass reads lead-ins and metadata; samples are
+//! then read a block at a time, for all channels that lie together at once.
+//!
+//! Scales that are linear or polynomial are applied; a channel with another is
+//! refused, since its samples would not be in its unit. So is raw data of the
+//! driver NI-DAQmx, which keeps samples as the device packs them.
+//!
+//! | module | holds |
+//! |---|---|
+//! | `lead`, `index` | segments, and the first pass over them |
+//! | `fields`, `path`, `property`, `timestamp`, `object` | what metadata are made of |
+//! | `extent`, `strand` | where samples lie, and reading them |
+//! | `gather`, `waveform`, `axis` | which channels belong together, and when they were taken |
+//! | `scale` | from raw samples to those in the channel's unit |
+
+mod axis;
+mod extent;
+mod fields;
+mod gather;
+mod index;
+mod lead;
+mod object;
+mod path;
+mod property;
+mod scale;
+mod strand;
+mod timestamp;
+mod waveform;
+
+use crate::notice::Notices;
+use crate::npz::Budget;
+use crate::reader::Records;
+use crate::source::Source;
+use crate::{Channel, Format, MeasureError, Origin, Place, Quantity, ReadOptions, Record, Samples};
+
+use axis::Axis;
+use gather::Gathered;
+use index::Index;
+use object::Object;
+use path::Path;
+
+/// Buffers of the source and of interleaved rows.
+const BUFFERS: u64 = 1 << 17;
+
+/// A TDMS file being read.
+pub(crate) struct Tdms<'a> {
+    source: Source<'a>,
+    objects: Vec<Object>,
+    records: std::vec::IntoIter<Gathered>,
+    /// The record being read, its axis, and its first sample not yet read.
+    current: Option<(Gathered, Axis, u64)>,
+    block: u64,
+    rate_of_options: Option<f64>,
+}
+
+impl<'a> Tdms<'a> {
+    pub(crate) fn open(
+        mut source: Source<'a>,
+        options: &ReadOptions,
+        notices: &mut Notices,
+    ) -> Result<Self, MeasureError> {
+        let mut budget = Budget::new(&source, options);
+        budget.take(BUFFERS, Place::Offset(0), "the buffers")?;
+        let Index { objects, mut budget, .. } = Index::read(&mut source, budget, notices)?;
+        let records = gather::gather(&source, &objects, &mut budget, notices)?;
+        if records.is_empty() {
+            let file = source.name().to_owned();
+            return Err(MeasureError::NoSamples { file, expected: "channels of numbers" });
+        }
+        Ok(Self {
+            source,
+            objects,
+            records: records.into_iter(),
+            current: None,
+            block: options.block as u64,
+            rate_of_options: options.sample_rate_hz,
+        })
+    }
+}
+
+impl Records for Tdms<'_> {
+    fn format(&self) -> Format {
+        Format::Tdms
+    }
+
+    fn next_record(&mut self, notices: &mut Notices) -> Result<Option<Record>, MeasureError> {
+        let (source, objects) = (&mut self.source, &self.objects);
+        let (mut record, mut axis, from) = if let Some(current) = self.current.take() {
+            current
+        } else {
+            let Some(record) = self.records.next() else { return Ok(None) };
+            let axis = Axis::of(source, &record, objects, self.rate_of_options, notices)?;
+            (record, axis, 0)
+        };
+        let count = (record.samples - from).min(self.block);
+        let column = || Vec::with_capacity(count as usize);
+        let mut columns: Vec<Vec<f64>> = record.members.iter().map(|_| column()).collect();
+        for strand in &mut record.strands {
+            strand.read(source, objects, count, &mut columns)?;
+        }
+        for (member, column) in record.members.iter().zip(&mut columns) {
+            member.scales.apply(column);
+        }
+        let abscissa = axis.abscissa(from, &mut columns, notices);
+        let left_out = if let Axis::Times(times) = &axis { Some(times.slot) } else { None };
+        let date = record.waveform.time.map_or(String::new(), |time| time.to_string());
+        let mut channels = Vec::with_capacity(columns.len());
+        for (slot, (member, samples)) in record.members.iter().zip(columns).enumerate() {
+            let object = &objects[member.object];
+            let Path::Channel(_, name) = &object.path else { continue };
+            if left_out == Some(slot) {
+                continue;
+            }
+            let heading = waveform::heading(name, &object.properties);
+            let description = waveform::text(&object.properties, "description");
+            channels.push(Channel {
+                name: heading.name,
+                quantity: Quantity::Unknown,
+                unit: heading.unit,
+                abscissa: abscissa.clone(),
+                samples: Samples::Real(samples),
+                origin: Origin {
+                    description: description.unwrap_or_default().to_owned(),
+                    date: date.clone(),
+                    ..Origin::default()
+                },
+            });
+        }
+        let title = record.group.clone();
+        if from + count < record.samples {
+            self.current = Some((record, axis, from + count));
+        }
+        Ok(Some(Record { channels, continues: from > 0, title, date }))
+    }
+}

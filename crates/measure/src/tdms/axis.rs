@@ -1,0 +1,112 @@
+//! Where the samples of a record lie.
+
+use crate::notice::Notices;
+use crate::source::Source;
+use crate::tdms::gather::Gathered;
+use crate::tdms::object::Object;
+use crate::tdms::path::Path;
+use crate::tdms::waveform;
+use crate::{Abscissa, MeasureError, Notice, Quantity, rate};
+
+/// The axis of a record.
+#[derive(Debug)]
+pub(crate) enum Axis {
+    /// By properties or options: start and step.
+    Even(f64, f64, Quantity),
+    /// A channel of times.
+    Times(Times),
+}
+
+/// A channel that holds the times of the others.
+#[derive(Debug)]
+pub(crate) struct Times {
+    /// Which of the channels it is.
+    pub(crate) slot: usize,
+    /// SI value of its unit.
+    factor: f64,
+    /// Start and step by its first block, if they are even.
+    even: Option<(f64, f64)>,
+}
+
+impl Axis {
+    /// By `wf_increment`, else by a channel named as a time, else by the rate of the options.
+    pub(crate) fn of(
+        source: &Source<'_>,
+        record: &Gathered,
+        objects: &[Object],
+        rate_of_options: Option<f64>,
+        notices: &mut Notices,
+    ) -> Result<Self, MeasureError> {
+        if let Some((start, step)) = record.waveform.even {
+            return Ok(Self::Even(start, step, record.waveform.quantity));
+        }
+        if let Some(times) = times_of(record, objects) {
+            return Ok(Self::Times(times));
+        }
+        let none = || MeasureError::NoSampleRate { file: source.name().to_owned() };
+        let rate_hz = rate_of_options.ok_or_else(none)?;
+        notices.add(Notice::RateOfOptions { rate_hz });
+        Ok(Self::Even(0.0, 1.0 / rate_hz, Quantity::Time))
+    }
+
+    /// The abscissa of a block that starts at sample `from`.
+    pub(crate) fn abscissa(
+        &mut self,
+        from: u64,
+        columns: &mut [Vec<f64>],
+        notices: &mut Notices,
+    ) -> Abscissa {
+        match self {
+            Self::Even(start, step, quantity) => {
+                let (step, quantity) = (*step, *quantity);
+                Abscissa::Even { start: *start + from as f64 * step, step, quantity }
+            }
+            Self::Times(times) => {
+                let mut values = std::mem::take(&mut columns[times.slot]);
+                for value in &mut values {
+                    *value *= times.factor;
+                }
+                times.abscissa(from, values, notices)
+            }
+        }
+    }
+}
+
+/// The channel of times of a record that has no step, if one beside others is named so.
+pub(crate) fn times_of(record: &Gathered, objects: &[Object]) -> Option<Times> {
+    let times = record.members.iter().enumerate().find_map(|(slot, member)| {
+        let object = &objects[member.object];
+        let Path::Channel(_, name) = &object.path else { return None };
+        let heading = waveform::heading(name, &object.properties);
+        let factor = heading.unit.known().map_or(1.0, |unit| unit.factor());
+        let is_time = heading.quantity() == Quantity::Time;
+        is_time.then_some(Times { slot, factor, even: None })
+    });
+    times.filter(|_| record.waveform.even.is_none() && record.members.len() > 1)
+}
+
+impl Times {
+    fn abscissa(&mut self, from: u64, values: Vec<f64>, notices: &mut Notices) -> Abscissa {
+        let quantity = Quantity::Time;
+        let largest = values.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
+        if from == 0 {
+            // Times may be of single precision.
+            let tolerance = |_| f64::from(f32::EPSILON) * largest;
+            let exact = rate::even_axis(&values, |_| 0.0, notices);
+            self.even = exact.or_else(|| rate::even_axis(&values, tolerance, notices));
+        }
+        let Some((start, step)) = self.even else {
+            return Abscissa::Uneven { values, quantity };
+        };
+        let start = start + from as f64 * step;
+        let tolerance = 4.0 * f64::from(f32::EPSILON) * largest.max(step);
+        let carries_on = |(index, value): (usize, &f64)| {
+            (value - (start + index as f64 * step)).abs() <= tolerance
+        };
+        if values.iter().enumerate().all(carries_on) {
+            return Abscissa::Even { start, step, quantity };
+        }
+        notices.add(Notice::UnevenBlock { sample: from });
+        Abscissa::Uneven { values, quantity }
+    }
+}

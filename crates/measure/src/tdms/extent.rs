@@ -1,0 +1,77 @@
+//! Where the samples of a channel lie.
+
+use crate::number::{Endian, NumberType};
+
+/// Chunks of samples at even distances, as a segment or a run of like segments holds them.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Extent {
+    /// Where the first chunk starts, with the samples of its first channel.
+    pub(crate) base: u64,
+    /// Where the channel starts in a chunk, or in a row of interleaved samples.
+    pub(crate) column: u64,
+    /// Bytes of a row of interleaved samples; zero where channels lie one after the other.
+    pub(crate) row: u64,
+    /// Bytes from one chunk to the next.
+    pub(crate) stride: u64,
+    pub(crate) chunks: u64,
+    /// Samples of the channel in a chunk, at least one.
+    pub(crate) values: u64,
+    pub(crate) number: NumberType,
+    pub(crate) endian: Endian,
+}
+
+impl Extent {
+    /// Where sample `value` of chunk `chunk` lies.
+    pub(crate) fn position(&self, chunk: u64, value: u64) -> u64 {
+        let step = if self.row > 0 { self.row } else { self.number.size() as u64 };
+        self.base + chunk * self.stride + self.column + value * step
+    }
+
+    /// Whether samples lie in the same chunks as those of `other`.
+    pub(crate) fn lies_with(&self, other: &Self) -> bool {
+        let shape =
+            |extent: &Self| (extent.base, extent.row, extent.stride, extent.chunks, extent.values);
+        shape(self) == shape(other)
+    }
+
+    /// Takes in the chunks of `next` if they carry on at even distances.
+    pub(crate) fn carry_on(&mut self, next: &Self) -> bool {
+        let kind = |extent: &Self| {
+            (extent.column, extent.row, extent.values, extent.number, extent.endian)
+        };
+        let gap = next.base.saturating_sub(self.base);
+        let stride = if self.chunks == 1 { gap } else { self.stride };
+        let even = (next.chunks == 1 || next.stride == stride) && stride * self.chunks == gap;
+        if kind(self) != kind(next) || !even {
+            return false;
+        }
+        self.stride = stride;
+        self.chunks += next.chunks;
+        true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn extent(base: u64, stride: u64, chunks: u64) -> Extent {
+        let (number, endian) = (NumberType::F64, Endian::Little);
+        Extent { base, column: 0, row: 0, stride, chunks, values: 2, number, endian }
+    }
+
+    #[test]
+    fn like_segments_become_one_run() {
+        let mut run = extent(100, 16, 1);
+        assert!(run.carry_on(&extent(144, 16, 1)) && run.carry_on(&extent(188, 16, 1)));
+        assert_eq!((run.stride, run.chunks), (44, 3));
+        assert_eq!(run.position(2, 1), 196);
+        assert!(!run.carry_on(&extent(233, 16, 1)), "a byte too far");
+        assert!(!run.carry_on(&extent(232, 16, 2)), "two chunks at another distance");
+        assert!(!run.carry_on(&Extent { values: 3, ..extent(232, 16, 1) }));
+        let mut chunks = extent(100, 16, 3);
+        assert!(!chunks.carry_on(&extent(176, 16, 3)), "a lead-in lies between");
+        assert!(chunks.carry_on(&extent(148, 16, 3)));
+        assert_eq!(chunks.chunks, 6);
+    }
+}

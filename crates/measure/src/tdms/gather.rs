@@ -1,0 +1,157 @@
+//! Which channels were sampled together.
+//!
+//! Those of one group with the same number of samples, the same axis and the
+//! same start, to half a step. Groups are often tasks or hits, and a file may
+//! hold the same names in each.
+
+use std::collections::BTreeMap;
+
+use crate::notice::Notices;
+use crate::npz::Budget;
+use crate::source::Source;
+use crate::tdms::axis;
+use crate::tdms::object::Object;
+use crate::tdms::path::Path;
+use crate::tdms::property::Properties;
+use crate::tdms::scale::Scales;
+use crate::tdms::strand::Strand;
+use crate::tdms::waveform::Waveform;
+use crate::{MeasureError, Notice, Place};
+
+/// Most records of one group, and strands of a record: others make no sense,
+/// and are compared one by one.
+const MOST: usize = 64;
+
+/// A channel of a record.
+#[derive(Debug)]
+pub(crate) struct Member {
+    pub(crate) object: usize,
+    pub(crate) scales: Scales,
+}
+
+/// Channels sampled together.
+#[derive(Debug)]
+pub(crate) struct Gathered {
+    pub(crate) group: String,
+    pub(crate) waveform: Waveform,
+    pub(crate) samples: u64,
+    pub(crate) members: Vec<Member>,
+    pub(crate) strands: Vec<Strand>,
+}
+
+/// Puts the channels that hold numbers into records.
+pub(crate) fn gather(
+    source: &Source<'_>,
+    objects: &[Object],
+    budget: &mut Budget,
+    notices: &mut Notices,
+) -> Result<Vec<Gathered>, MeasureError> {
+    let mut records: Vec<Gathered> = Vec::new();
+    let mut of_group: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
+    let mut above = Above::of(objects);
+    let start = Place::Offset(0);
+    for (id, object) in objects.iter().enumerate() {
+        let Path::Channel(group, name) = &object.path else { continue };
+        let waveform = Waveform::of(source, &object.properties)?;
+        let reason = object.other.or(match object.samples {
+            0 => Some("it has no samples"),
+            1 if waveform.even.is_none() => Some("a single number without a time"),
+            _ => None,
+        });
+        if let Some(reason) = reason {
+            notices.add(Notice::ArrayLeftOut { array: name.clone(), reason });
+            continue;
+        }
+        let scales = match Scales::of(source, &object.properties)? {
+            Some(scales) => scales,
+            None => above.scales(source, group)?,
+        };
+        let held = 512 + 16 * scales.len() as u64 + 4 * name.len() as u64;
+        budget.take(object.samples.saturating_mul(8).saturating_add(held), start, "the samples")?;
+
+        let known = of_group.entry(group).or_default();
+        let fits = |record: &Gathered| {
+            record.samples == object.samples && record.waveform.goes_with(&waveform)
+        };
+        let place = known.iter().copied().find(|place| fits(&records[*place]));
+        let place = place.unwrap_or_else(|| {
+            known.push(records.len());
+            let (group, samples) = (group.clone(), object.samples);
+            let (members, strands) = (Vec::new(), Vec::new());
+            records.push(Gathered { group, waveform, samples, members, strands });
+            records.len() - 1
+        });
+        let (known, record) = (known.len(), &mut records[place]);
+        let slot = record.members.len();
+        if !record.strands.iter_mut().any(|strand| strand.join(slot, id, objects)) {
+            record.strands.push(Strand::of(slot, id));
+        }
+        record.members.push(Member { object: id, scales });
+        let most = known.max(record.strands.len());
+        if most > MOST {
+            let found = format!("scattered over {most} rates, lengths or places");
+            let expected = format!("at most {MOST} in a group");
+            return Err(source.malformed(start, "a group of channels", &found, expected));
+        }
+    }
+    // Times that are not even stand beside the samples of every channel.
+    for record in records.iter().filter(|record| axis::times_of(record, objects).is_some()) {
+        let times = record.samples.saturating_mul(8 * record.members.len() as u64);
+        budget.take(times, start, "the times")?;
+    }
+    // Records that share chunks each go over all of them.
+    let passes = records.iter().flat_map(|record| &record.strands);
+    let cost = passes.map(|strand| strand.cost(objects)).fold(0, u64::saturating_add);
+    let limit = (source.len() + (1 << 20)).saturating_mul(MOST as u64);
+    if cost > limit {
+        let expected = format!("at most {MOST} passes over the file");
+        let found = "scattered: they take more to read";
+        return Err(source.malformed(start, "the layout of the channels", found, expected));
+    }
+    Ok(records)
+}
+
+/// What groups and the file say for channels without scales, each read once.
+struct Above<'o> {
+    file: Option<&'o Properties>,
+    groups: BTreeMap<&'o str, &'o Properties>,
+    of_file: Option<Scales>,
+    of_groups: BTreeMap<&'o str, Scales>,
+}
+
+impl<'o> Above<'o> {
+    fn of(objects: &'o [Object]) -> Self {
+        let (mut file, mut groups) = (None, BTreeMap::new());
+        for object in objects {
+            match &object.path {
+                Path::File => file = Some(&object.properties),
+                Path::Group(name) => {
+                    groups.insert(name.as_str(), &object.properties);
+                }
+                Path::Channel(..) => {}
+            }
+        }
+        Self { file, groups, of_file: None, of_groups: BTreeMap::new() }
+    }
+
+    /// The scales of a group, else of the file.
+    fn scales(&mut self, source: &Source<'_>, group: &'o str) -> Result<Scales, MeasureError> {
+        if let Some(known) = self.of_groups.get(group) {
+            return Ok(known.clone());
+        }
+        let read = |properties: Option<&&Properties>| match properties {
+            Some(properties) => Scales::of(source, properties),
+            None => Ok(None),
+        };
+        let scales = match (read(self.groups.get(group))?, &self.of_file) {
+            (Some(scales), _) => scales,
+            (None, Some(known)) => known.clone(),
+            (None, None) => {
+                let scales = read(self.file.as_ref())?.unwrap_or_default();
+                self.of_file.insert(scales).clone()
+            }
+        };
+        self.of_groups.insert(group, scales.clone());
+        Ok(scales)
+    }
+}

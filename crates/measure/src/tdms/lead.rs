@@ -1,0 +1,102 @@
+//! The 28 bytes that open a segment.
+
+use crate::MeasureError;
+use crate::number::Endian;
+use crate::source::Source;
+use crate::tdms::fields::Fields;
+
+/// Bytes of a lead-in.
+pub(crate) const LENGTH: u64 = 28;
+
+const METADATA: u32 = 1 << 1;
+const NEW_LIST: u32 = 1 << 2;
+const RAW_DATA: u32 = 1 << 3;
+const INTERLEAVED: u32 = 1 << 5;
+const BIG_ENDIAN: u32 = 1 << 6;
+const DAQMX: u32 = 1 << 7;
+
+/// What a segment holds, and where.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct LeadIn {
+    pub(crate) endian: Endian,
+    contents: u32,
+    /// Where the raw data start.
+    pub(crate) data: u64,
+    /// Where the segment ends; the file's end where the writer never said.
+    pub(crate) end: u64,
+    /// Whether the writer never said: it was stopped before it closed the segment.
+    pub(crate) open: bool,
+}
+
+impl LeadIn {
+    /// Reads the lead-in at the current place.
+    pub(crate) fn read(source: &mut Source<'_>) -> Result<Self, MeasureError> {
+        let (start, place) = (source.position(), source.place());
+        source.need(LENGTH, "the lead-in of a segment")?;
+        let mut tag = [0; 4];
+        source.read_exact(&mut tag, "the lead-in of a segment")?;
+        if &tag != b"TDSm" {
+            let found = String::from_utf8_lossy(&tag);
+            return Err(source.malformed(place, "the tag of a segment", &found, "`TDSm`"));
+        }
+        // The contents are little endian whatever they say of the rest.
+        let contents = Fields { source, endian: Endian::Little }.u32("the contents")?;
+        if contents & DAQMX != 0 {
+            return Err(daqmx(source));
+        }
+        let endian = if contents & BIG_ENDIAN != 0 { Endian::Big } else { Endian::Little };
+        let mut fields = Fields { source, endian };
+        let version_place = fields.source.place();
+        let version = fields.u32("the version")?;
+        if !matches!(version, 4712 | 4713) {
+            let found = version.to_string();
+            let expected = "4712 (TDMS 1.0) or 4713 (TDMS 2.0)";
+            return Err(source.malformed(version_place, "the version", &found, expected));
+        }
+        let next = fields.u64("the length of a segment")?;
+        let raw = fields.u64("the length of the metadata")?;
+        let (open, rest) = (next == u64::MAX, source.len() - start - LENGTH);
+        if !open && next > rest {
+            source.need(next, "a segment")?;
+        }
+        let length = if open { rest } else { next };
+        if raw > length && !open {
+            let expected = format!("at most the {length} bytes of its segment");
+            let found = raw.to_string();
+            return Err(source.malformed(place, "the length of the metadata", &found, expected));
+        }
+        Ok(Self {
+            endian,
+            contents,
+            data: (start + LENGTH).saturating_add(raw),
+            end: start + LENGTH + length,
+            open,
+        })
+    }
+
+    pub(crate) fn has_metadata(&self) -> bool {
+        self.contents & METADATA != 0
+    }
+
+    /// Whether the list of objects starts anew, not from that of the segment before.
+    pub(crate) fn starts_list(&self) -> bool {
+        self.contents & NEW_LIST != 0
+    }
+
+    pub(crate) fn has_raw_data(&self) -> bool {
+        self.contents & RAW_DATA != 0
+    }
+
+    pub(crate) fn is_interleaved(&self) -> bool {
+        self.contents & INTERLEAVED != 0
+    }
+}
+
+/// Raw data in the layout of the driver.
+pub(crate) fn daqmx(source: &Source<'_>) -> MeasureError {
+    MeasureError::Unsupported {
+        file: source.name().to_owned(),
+        feature: "a TDMS file with raw data of NI-DAQmx",
+        instead: "save it from LabVIEW or DIAdem as scaled TDMS, or as UFF or CSV",
+    }
+}

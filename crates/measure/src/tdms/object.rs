@@ -1,0 +1,90 @@
+//! The file, its groups and channels, and what the metadata say of their samples.
+
+use crate::MeasureError;
+use crate::number::NumberType;
+use crate::tdms::extent::Extent;
+use crate::tdms::fields::Fields;
+use crate::tdms::lead::daqmx;
+use crate::tdms::path::Path;
+use crate::tdms::property::{Properties, number_type};
+
+/// An object of the file.
+#[derive(Debug)]
+pub(crate) struct Object {
+    pub(crate) path: Path,
+    pub(crate) properties: Properties,
+    /// The latest description of its samples.
+    pub(crate) index: Option<RawIndex>,
+    /// The list of objects that it is in, by number, and its place there.
+    pub(crate) list: u64,
+    pub(crate) place: usize,
+    /// Where its samples lie.
+    pub(crate) extents: Vec<Extent>,
+    /// How many there are.
+    pub(crate) samples: u64,
+    /// What it holds, if not numbers.
+    pub(crate) other: Option<&'static str>,
+}
+
+/// What a chunk holds of a channel.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct RawIndex {
+    pub(crate) content: Content,
+    pub(crate) values: u64,
+    /// Bytes of all values.
+    pub(crate) bytes: u64,
+}
+
+/// What values are.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Content {
+    Numbers(NumberType),
+    /// Something else, for the reason to leave it out.
+    Other(&'static str),
+}
+
+impl RawIndex {
+    /// Reads the description that follows its `length`.
+    pub(crate) fn read(fields: &mut Fields<'_, '_>, length: u32) -> Result<Self, MeasureError> {
+        let place = fields.source.place();
+        let wrong = |fields: &Fields<'_, '_>, quantity, found: u64, expected: &str| {
+            Err(fields.source.malformed(place, quantity, &found.to_string(), expected))
+        };
+        // Those of the driver have lengths of their own.
+        if matches!(length, 0x1269 | 0x126a) {
+            return Err(daqmx(fields.source));
+        }
+        let code = fields.u32("the type of a channel")?;
+        if code == u32::MAX {
+            return Err(daqmx(fields.source));
+        }
+        let dimension = fields.u32("the dimension of a channel")?;
+        if dimension != 1 {
+            let quantity = "the dimension of a channel";
+            return wrong(fields, quantity, u64::from(dimension), "1");
+        }
+        let values = fields.u64("the number of samples")?;
+        let (content, size) = match (code, number_type(code)) {
+            (_, Some(number)) => (Content::Numbers(number), number.size() as u64),
+            (0x20, _) => (Content::Other("it holds texts"), 0),
+            (0x21, _) => (Content::Other("it holds truth values"), 1),
+            (0x44, _) => (Content::Other("it holds times of day"), 16),
+            (0x08_000c, _) => (Content::Other("it holds complex numbers"), 8),
+            (0x10_000d, _) => (Content::Other("it holds complex numbers"), 16),
+            (0, _) if values == 0 => (Content::Other("it holds nothing"), 0),
+            _ => {
+                let expected = "a number of 1 to 8 bytes (1 to 10, 25, 26)";
+                return wrong(fields, "the type of a channel", u64::from(code), expected);
+            }
+        };
+        let is_text = code == 0x20;
+        let announced = if is_text { 28 } else { 20 };
+        if length != announced {
+            let quantity = "the length of a raw data index";
+            return wrong(fields, quantity, u64::from(length), &announced.to_string());
+        }
+        let bytes =
+            if is_text { fields.u64("the bytes of texts")? } else { values.saturating_mul(size) };
+        Ok(Self { content, values, bytes })
+    }
+}

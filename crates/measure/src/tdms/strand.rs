@@ -1,0 +1,128 @@
+//! Channels whose samples lie in the same chunks, read in one pass.
+
+use crate::MeasureError;
+use crate::source::Source;
+use crate::tdms::object::Object;
+
+/// Most bytes of interleaved rows held at a time, but for one row.
+const PIECE: u64 = 1 << 16;
+
+/// Channels that lie together, and how far they were read.
+#[derive(Debug, Default)]
+pub(crate) struct Strand {
+    /// Where each goes among the channels of its record, and which object it is.
+    members: Vec<(usize, usize)>,
+    extent: usize,
+    chunk: u64,
+    value: u64,
+}
+
+impl Strand {
+    /// A strand of one channel.
+    pub(crate) fn of(slot: usize, object: usize) -> Self {
+        Self { members: vec![(slot, object)], ..Self::default() }
+    }
+
+    /// Takes in a channel that lies with the others.
+    pub(crate) fn join(&mut self, slot: usize, object: usize, objects: &[Object]) -> bool {
+        let Some(&(_, first)) = self.members.first() else { return false };
+        let (one, other) = (&objects[first].extents, &objects[object].extents);
+        let together =
+            one.len() == other.len() && one.iter().zip(other).all(|(a, b)| a.lies_with(b));
+        if together {
+            self.members.push((slot, object));
+        }
+        together
+    }
+
+    /// Bytes that a pass goes over, at most.
+    pub(crate) fn cost(&self, objects: &[Object]) -> u64 {
+        let Some(&(_, first)) = self.members.first() else { return 0 };
+        let channels = self.members.len() as u64;
+        let (mut cost, mut end) = (0_u64, 0);
+        for extent in &objects[first].extents {
+            let span = extent.chunks * extent.stride;
+            // What lies between is read over where it is near, and jumped over where not:
+            // then each channel of each chunk fills a buffer of its own.
+            let alone = (extent.values.saturating_mul(8) + PIECE).saturating_mul(channels);
+            let gap = extent.base.saturating_sub(end).min(PIECE);
+            let within =
+                if extent.row > 0 { span } else { span.min(alone.saturating_mul(extent.chunks)) };
+            cost = cost.saturating_add(gap).saturating_add(within);
+            end = extent.base + span;
+        }
+        cost
+    }
+
+    /// Appends the next `count` samples of every member to its column.
+    pub(crate) fn read(
+        &mut self,
+        source: &mut Source<'_>,
+        objects: &[Object],
+        count: u64,
+        columns: &mut [Vec<f64>],
+    ) -> Result<(), MeasureError> {
+        let mut left = count;
+        while left > 0 {
+            let first = self.members.first().map(|(_, object)| &objects[*object]);
+            let Some(shape) = first.and_then(|first| first.extents.get(self.extent)) else { break };
+            let now = left.min(shape.values - self.value);
+            if shape.row > 0 {
+                self.read_rows(source, objects, now, columns)?;
+            } else {
+                for &(slot, object) in &self.members {
+                    let extent = &objects[object].extents[self.extent];
+                    source.seek_to(extent.position(self.chunk, self.value))?;
+                    source.need(now * extent.number.size() as u64, "the samples")?;
+                    let column = &mut columns[slot];
+                    let read = extent.number.read(extent.endian, source, now as usize, column);
+                    read.map_err(|error| source.io(error))?;
+                }
+            }
+            left -= now;
+            self.value += now;
+            if self.value == shape.values {
+                (self.value, self.chunk) = (0, self.chunk + 1);
+            }
+            if self.chunk == shape.chunks {
+                (self.chunk, self.extent) = (0, self.extent + 1);
+            }
+        }
+        Ok(())
+    }
+
+    fn read_rows(
+        &self,
+        source: &mut Source<'_>,
+        objects: &[Object],
+        rows: u64,
+        columns: &mut [Vec<f64>],
+    ) -> Result<(), MeasureError> {
+        let extent_of = |object: usize| &objects[object].extents[self.extent];
+        let Some(&(_, first)) = self.members.first() else { return Ok(()) };
+        let (shape, row) = (extent_of(first), extent_of(first).row);
+        let per_piece = (PIECE / row).max(1).min(rows);
+        let start = shape.position(self.chunk, self.value) - shape.column;
+        source.seek_to(start)?;
+        let mut piece = vec![0; (per_piece * row) as usize];
+        let mut left = rows;
+        while left > 0 {
+            let now = left.min(per_piece);
+            let bytes = &mut piece[..(now * row) as usize];
+            source.read_exact(bytes, "the samples")?;
+            for &(slot, object) in &self.members {
+                let extent = extent_of(object);
+                let (from, size) = (extent.column as usize, extent.number.size());
+                for row in bytes.chunks_exact(row as usize) {
+                    extent.number.decode(
+                        extent.endian,
+                        &row[from..from + size],
+                        &mut columns[slot],
+                    );
+                }
+            }
+            left -= now;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,74 @@
+//! What the properties of a channel say of its axis, and of its unit.
+
+use crate::source::Source;
+use crate::tdms::property::{Properties, Property};
+use crate::tdms::timestamp::Timestamp;
+use crate::text::Heading;
+use crate::{ChannelUnit, MeasureError, Quantity, Unit, unit};
+
+/// The axis of a channel by its properties `wf_...`.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Waveform {
+    /// Start and step in SI; none without `wf_increment`.
+    pub(crate) even: Option<(f64, f64)>,
+    pub(crate) quantity: Quantity,
+    /// When the first sample was taken, less the start.
+    pub(crate) time: Option<Timestamp>,
+}
+
+impl Waveform {
+    /// Reads the properties of a channel.
+    pub(crate) fn of(source: &Source<'_>, properties: &Properties) -> Result<Self, MeasureError> {
+        let unit = text(properties, "wf_xunit_string").and_then(Unit::parse);
+        let (quantity, factor) = match unit {
+            Some(unit) => (unit.quantity(), unit.factor()),
+            None => match Quantity::of_name(text(properties, "wf_xname").unwrap_or_default()) {
+                Quantity::Frequency => (Quantity::Frequency, 1.0),
+                _ => (Quantity::Time, 1.0),
+            },
+        };
+        let number = |name: &'static str, positive: bool| {
+            let Some(property) = properties.get(name) else { return Ok(0.0) };
+            let found = property.number();
+            let usable = |number: &f64| number.is_finite() && !(positive && *number < 0.0);
+            found.filter(usable).ok_or_else(|| {
+                let found = found.map_or("no number".to_owned(), |number| number.to_string());
+                let expected = if positive { "a positive step" } else { "a finite start" };
+                source.malformed(property.place, name, &found, expected)
+            })
+        };
+        let (step, start) = (number("wf_increment", true)?, number("wf_start_offset", false)?);
+        let time = match properties.get("wf_start_time").map(|property| &property.value) {
+            Some(crate::tdms::property::Value::Time(time)) => Some(*time),
+            _ => None,
+        };
+        // LabVIEW writes a step of zero where it has none.
+        let even = (step > 0.0).then_some((start * factor, step * factor));
+        Ok(Self { even, quantity, time })
+    }
+
+    /// Whether samples at these and at the instants of `other` are the same instants.
+    pub(crate) fn goes_with(&self, other: &Self) -> bool {
+        let apart = match (self.time, other.time) {
+            (Some(one), Some(other)) => one.since(other).abs(),
+            _ => 0.0,
+        };
+        let step = self.even.map_or(f64::INFINITY, |(_, step)| step);
+        self.even == other.even && self.quantity == other.quantity && apart <= 0.5 * step
+    }
+}
+
+/// Name and unit of a channel: the unit by its properties, else by its name.
+pub(crate) fn heading(name: &str, properties: &Properties) -> Heading {
+    let said = ["unit_string", "NI_UnitDescription"].into_iter();
+    let mut said = said.filter_map(|key| text(properties, key));
+    match said.find(|text| !unit::says_none(text)) {
+        Some(text) => Heading { name: name.to_owned(), unit: ChannelUnit::of_text(text) },
+        None => Heading::parse(name),
+    }
+}
+
+/// A text among the properties.
+pub(crate) fn text<'p>(properties: &'p Properties, name: &str) -> Option<&'p str> {
+    properties.get(name).and_then(Property::text)
+}

@@ -1,0 +1,48 @@
+//! LabVIEW files with an abscissa for each channel: `X_Columns` is `Multi`.
+//!
+//! Columns come in pairs, and so do the fields of the header: start and step of
+//! a channel stand above it. Each abscissa must rise evenly; channels then have
+//! an axis each, which need not be the same.
+
+use crate::notice::Notices;
+use crate::text::Text;
+use crate::text::rows::Rows;
+use crate::{Abscissa, Channel, MeasureError, Place};
+
+impl Text<'_> {
+    /// The channels of a block of pairs.
+    pub(crate) fn paired_channels(
+        &mut self,
+        rows: Rows,
+        notices: &mut Notices,
+    ) -> Result<Vec<Channel>, MeasureError> {
+        let (mut values, last) = (rows.values, Place::Line(self.number));
+        if !values.len().is_multiple_of(2) {
+            let found = format!("{} columns", values.len());
+            let expected = "pairs, as X_Columns is Multi";
+            return Err(self.source.malformed(last, "a row", &found, expected));
+        }
+        if self.axes.is_empty() {
+            let pairs = self.columns.chunks_exact(2).zip(values.chunks_exact(2));
+            let pairs = pairs.zip(rows.roundings);
+            let axes = pairs.enumerate().map(|(place, ((columns, values), rounding))| {
+                let header = self.segment.axis(2 * place + 1);
+                self.finder(columns, &header).find(values, rounding, notices)
+            });
+            self.axes = axes.collect::<Result<_, _>>()?;
+        }
+        let mut channels = Vec::with_capacity(values.len() / 2);
+        let pairs = self.columns.chunks_exact(2).zip(values.chunks_exact_mut(2));
+        for (axis, (columns, values)) in self.axes.iter().zip(pairs) {
+            let abscissa = axis.take_abscissa(values, self.rows, notices);
+            if matches!(abscissa, Abscissa::Uneven { .. }) {
+                let expected = "an even step in every block up to this line";
+                let (quantity, name) = ("the X column of a channel", columns[1].name());
+                let found = format!("uneven for {name}");
+                return Err(self.source.malformed(last, quantity, &found, expected));
+            }
+            channels.push(columns[1].channel(std::mem::take(&mut values[1]), abscissa));
+        }
+        Ok(channels)
+    }
+}
