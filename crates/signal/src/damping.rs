@@ -7,7 +7,7 @@ pub use circle::{CircleFit, circle_fit, circle_fit_of};
 pub use comparison::DampingComparison;
 
 use crate::peak::Peak;
-use crate::response::Response;
+use crate::response::{Exact, Response};
 use crate::root::bracketed_root;
 use std::f64::consts::SQRT_2;
 
@@ -63,7 +63,13 @@ pub fn half_power(response: &Response, peak: &Peak) -> Option<f64> {
 
 /// The half-power crossings themselves; `None` as for [`half_power`].
 pub fn half_power_crossings(response: &Response, peak: &Peak) -> Option<HalfPower> {
-    let power = |frequency| response.receptance_at(frequency).norm_sqr();
+    crossings_of(response, peak)
+}
+
+/// [`half_power_crossings`] of whatever gives the spectra of a hit.
+fn crossings_of(hit: &impl Exact, peak: &Peak) -> Option<HalfPower> {
+    let response = hit.response();
+    let power = |frequency| hit.receptance_at(frequency).norm_sqr();
     let first_step = 0.25 / response.duration();
     half_power_of(power, peak.frequency_hz, first_step, 0.5 * response.sample_rate_hz())
 }

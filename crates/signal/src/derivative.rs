@@ -2,7 +2,7 @@
 
 use crate::damping::HalfPower;
 use crate::peak::Peak;
-use crate::response::{Response, Route};
+use crate::response::Response;
 use crate::transform::Kernel;
 use realfft::num_complex::Complex64;
 
@@ -78,13 +78,10 @@ impl PeakTangent {
             let second = second * Complex64::new(0.0, -std::f64::consts::TAU);
             (second / value - (slope / value).powi(2)).re
         };
-        let twice = match response.route() {
-            Route::Displacement => 0.0,
-            Route::Acceleration => 4.0 / (frequency * frequency),
-        };
+        let divided = f64::from(2 * response.route().derivatives()) / (frequency * frequency);
         let curvature = 2.0
             * (bend(top.samples, response.samples()) - bend(top.force, response.force()))
-            + twice;
+            + divided;
         let side = |frequency: f64| {
             (Place::new(response, frequency), response.power_and_slope(frequency).1)
         };

@@ -3,7 +3,7 @@
 use crate::form::FrfForm;
 use crate::frf::convert;
 use crate::peak::{PowerGrid, refine};
-use crate::response::{Response, Route};
+use crate::response::{Response, Spectra};
 
 /// Frequency (Hz) of the largest peak of `|H|` in a band where the force has content.
 ///
@@ -24,6 +24,16 @@ pub fn dominant_frequency(
     form: FrfForm,
     force_threshold: f64,
 ) -> Option<f64> {
+    dominant_of(response, band_hz, form, force_threshold)
+}
+
+/// [`dominant_frequency`] of whatever gives the spectra of a hit.
+pub(crate) fn dominant_of(
+    response: &impl Spectra,
+    band_hz: (f64, f64),
+    form: FrfForm,
+    force_threshold: f64,
+) -> Option<f64> {
     let (low, high) = band_hz;
     let ordered = low >= 0.0 && high > low && high.is_finite();
     if !ordered {
@@ -32,10 +42,7 @@ pub fn dominant_frequency(
     let band = response.band(4, high);
     let first = ((low / band.step) as usize).saturating_sub(1).max(1);
     let strongest = band.force.iter().map(|f| f.norm()).fold(0.0, f64::max);
-    let measured = match response.route() {
-        Route::Displacement => FrfForm::Receptance,
-        Route::Acceleration => FrfForm::Accelerance,
-    };
+    let measured = response.route().form();
     let motion = if form.is_inverse() { reciprocal(form) } else { form };
     let power = |form: FrfForm| -> Vec<f64> {
         let pairs = band.samples.iter().zip(band.force.iter()).enumerate().skip(first);

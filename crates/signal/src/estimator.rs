@@ -12,7 +12,7 @@ use crate::error::{Error, Result, check_rate, check_samples};
 use crate::form::FrfForm;
 use crate::frf::Frf;
 use crate::mask::ForceMask;
-use crate::response::Route;
+use crate::route::Route;
 use crate::spectrum::{PADDING_LIMIT, Spectrum, fast_length};
 use realfft::num_complex::Complex64;
 use spread::Welford;
@@ -98,7 +98,7 @@ impl FrfEstimator {
 
     /// Adds a hit and returns its own frequency response function `X/F`.
     ///
-    /// Receptance from displacement, accelerance from acceleration; not finite
+    /// Receptance from displacement, mobility from velocity, accelerance from acceleration; not finite
     /// where this force has no content at all. A record shorter than the
     /// nominal length is a transient that has ended, and is padded with zeros.
     ///
@@ -199,7 +199,7 @@ impl FrfEstimator {
 
     /// The averaged frequency response function; other forms by [`Frf::to`].
     ///
-    /// Receptance from displacement, accelerance from acceleration. Not finite
+    /// Receptance from displacement, mobility from velocity, accelerance from acceleration. Not finite
     /// where the force has no content at all.
     ///
     /// # Errors
@@ -246,10 +246,7 @@ impl FrfEstimator {
     }
 
     fn form(&self) -> FrfForm {
-        match self.route {
-            Route::Displacement => FrfForm::Receptance,
-            Route::Acceleration => FrfForm::Accelerance,
-        }
+        self.route.form()
     }
 
     /// What turns a sum into a one-sided density: both ends have no mirror image.

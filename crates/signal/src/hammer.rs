@@ -9,9 +9,10 @@ use crate::estimator::FrfEstimator;
 use crate::frf::Frf;
 use crate::harmonics::HarmonicOptions;
 use crate::hit::{
-    Hit, HitLength, HitOptions, Offset, Pulse, QualityOptions, Trigger, Verdict, find_hits, inspect,
+    Hit, HitLength, HitOptions, Offset, Pulse, QualityOptions, Trigger, Verdict, find_hits,
+    inspect_with,
 };
-use crate::response::Route;
+use crate::route::Route;
 use crate::window::{ExponentialWindow, ForceWindow};
 
 /// What is done to the signals of a hit before they are transformed.
@@ -186,11 +187,13 @@ pub fn analyse_hit(
     average: &mut FrfEstimator,
 ) -> AnalysedHit {
     let rate = hit.sample_rate_hz;
-    let verdicts = inspect(&hit, &options.quality);
     let force_offset = Offset::at_rest(&hit.force);
+    let mut force = hit.force.clone();
     if let Some(offset) = &force_offset {
-        offset.remove(&mut hit.force);
+        offset.remove(&mut force);
     }
+    let verdicts = inspect_with(&hit, &force, &options.quality);
+    hit.force = force;
     let pulse = Pulse::of(&hit.force, rate);
     let mut found = AnalysedHit {
         start: hit.start,

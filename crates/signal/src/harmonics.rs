@@ -1,7 +1,7 @@
 //! The fundamental and the second harmonic of a hit.
 
 use crate::peak::{Peak, PowerGrid, refine};
-use crate::response::{Response, Route, Spectra};
+use crate::response::{Response, Spectra};
 use realfft::num_complex::Complex64;
 
 /// How [`find_harmonics`] searches.
@@ -129,6 +129,7 @@ impl<'a, R: Spectra> Search<'a, R> {
         let band = response.band(options.padding.max(2), high);
         // One point beyond each end, so that a maximum next to it is seen.
         let first = ((low / band.step) as usize).saturating_sub(1).max(1);
+        let twice = 2 * response.route().derivatives();
         let power = band
             .samples
             .iter()
@@ -138,11 +139,11 @@ impl<'a, R: Spectra> Search<'a, R> {
             .map(|(k, (x, f))| {
                 let power = x.norm_sqr() / f.norm_sqr();
                 let omega = std::f64::consts::TAU * k as f64 * band.step;
-                match response.route() {
+                if power.is_nan() {
                     // No force, no receptance: infinite, which is never below its neighbours.
-                    _ if power.is_nan() => f64::INFINITY,
-                    Route::Displacement => power,
-                    Route::Acceleration => power / omega.powi(4),
+                    f64::INFINITY
+                } else {
+                    power / omega.powi(twice)
                 }
             })
             .collect();

@@ -18,8 +18,11 @@ pub use pulse::Pulse;
 pub use trigger::{HitLength, HitOptions, Trigger, TriggerLevel, find_hits};
 pub use verdict::{Channel, QualityOptions, Verdict, inspect};
 
+pub(crate) use verdict::inspect_with;
+
 use crate::error::{Error, Result};
-use crate::response::{Response, Route};
+use crate::response::Response;
+use crate::route::Route;
 
 /// The samples of one hit: the force and every response measured with it.
 #[derive(Debug, Clone, PartialEq)]
@@ -48,14 +51,7 @@ impl Hit {
         let found = self.responses.len();
         let samples =
             self.responses.get(channel).ok_or(Error::Channels { found, expected: channel + 1 })?;
-        match route {
-            Route::Displacement => {
-                Response::from_displacement(&self.force, samples, self.sample_rate_hz)
-            }
-            Route::Acceleration => {
-                Response::from_acceleration(&self.force, samples, self.sample_rate_hz)
-            }
-        }
+        Response::new(&self.force, samples, self.sample_rate_hz, route)
     }
 
     /// Time of a sample after the hit's first, in seconds.

@@ -1,7 +1,7 @@
 //! From samples to spectra, frequency response functions, harmonics and damping.
 //!
-//! A hit is two sampled signals: the force `F` and the displacement or
-//! acceleration it causes. Everything here starts from one sum, the one-sided
+//! A hit is two sampled signals: the force `F` and the displacement, velocity
+//! or acceleration it causes. Everything here starts from one sum, the one-sided
 //! Fourier transform by the rectangle rule,
 //!
 //! ```text
@@ -69,17 +69,20 @@ mod derivative;
 mod dominant;
 mod error;
 mod estimator;
+mod fine;
 mod form;
 mod frf;
 mod hammer;
 mod harmonics;
 mod hit;
+mod interpolation;
 mod mask;
 mod noise;
 mod peak;
 mod response;
 mod ring_down;
 mod root;
+mod route;
 mod shared_force;
 mod spectrum;
 mod transform;
@@ -112,10 +115,11 @@ pub use mask::ForceMask;
 pub use noise::{RobustLevel, band_density, robust_level, white_density};
 pub use peak::Peak;
 pub use realfft::num_complex::Complex64;
-pub use response::{Response, Route};
+pub use response::Response;
 pub use ring_down::{
     Backbone, BackboneOptions, BackbonePoint, BandPass, analytic_signal, backbone,
 };
+pub use route::Route;
 pub use shared_force::{Observed, SharedForce};
 pub use spectrum::{Spectrum, fast_length};
 pub use transform::{transform_at, transform_pair_at};

@@ -6,6 +6,7 @@ use crate::error::{Error, Result, check_rate, check_samples};
 use crate::form::FrfForm;
 use crate::frf::{Frf, convert};
 use crate::mask::ForceMask;
+use crate::route::Route;
 use crate::spectrum::{PADDING_LIMIT, Spectrum, fast_length};
 use crate::transform::Kernel;
 use crate::uncertainty::{Term, Terms};
@@ -13,25 +14,17 @@ use realfft::num_complex::Complex64;
 use std::borrow::Cow;
 use std::ops::Range;
 
-/// What the response samples are.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Route {
-    /// Displacement from equilibrium, in metres.
-    Displacement,
-    /// Acceleration, in m/s^2, divided by `-(2 pi f)^2` in the spectrum.
-    Acceleration,
-}
-
 /// The force and response samples of one hit.
 ///
 /// The receptance is the ratio of their one-sided transforms,
 ///
 /// ```text
 /// H(f) = U(f) / F(f)                       from displacement,
+/// H(f) = V(f) / (i 2 pi f F(f))            from velocity,
 /// H(f) = A(f) / (-(2 pi f)^2 F(f))         from acceleration,   [m/N]
 /// ```
 ///
-/// over the whole record with a rectangular window. The two routes agree when
+/// over the whole record with a rectangular window. The routes agree when
 /// the record starts at rest and has decayed at its end: they differ by the
 /// displacement and velocity left there, over `2 pi f` and `(2 pi f)^2`.
 #[derive(Debug, Clone, PartialEq)]
@@ -62,6 +55,14 @@ impl Response {
         Self::new(force, displacement, sample_rate_hz, Route::Displacement)
     }
 
+    /// A hit measured as velocity, in m/s.
+    ///
+    /// # Errors
+    /// Those of [`Response::from_displacement`].
+    pub fn from_velocity(force: &[f64], velocity: &[f64], sample_rate_hz: f64) -> Result<Self> {
+        Self::new(force, velocity, sample_rate_hz, Route::Velocity)
+    }
+
     /// A hit measured or computed as acceleration, in m/s^2.
     ///
     /// # Errors
@@ -74,13 +75,14 @@ impl Response {
         Self::new(force, acceleration, sample_rate_hz, Route::Acceleration)
     }
 
-    fn new(force: &[f64], samples: &[f64], sample_rate_hz: f64, route: Route) -> Result<Self> {
-        let signal = match route {
-            Route::Displacement => "displacement",
-            Route::Acceleration => "acceleration",
-        };
+    pub(crate) fn new(
+        force: &[f64],
+        samples: &[f64],
+        sample_rate_hz: f64,
+        route: Route,
+    ) -> Result<Self> {
         check_samples("force", force)?;
-        check_samples(signal, samples)?;
+        check_samples(route.name(), samples)?;
         check_rate(sample_rate_hz)?;
         if force.len() != samples.len() {
             return Err(Error::LengthMismatch { force: force.len(), response: samples.len() });
@@ -103,7 +105,7 @@ impl Response {
     /// Receptance \[m/N\] on the grid of a zero-padded FFT, zero frequency to half the rate.
     ///
     /// `padding` is clamped to 1 to 1024, see [`Spectrum::new`]. From
-    /// acceleration the value at zero frequency is NaN; where the force has no
+    /// velocity or acceleration the value at zero frequency is NaN; where the force has no
     /// content at all the value is not finite ([`Response::force_mask`]).
     pub fn receptance(&self, padding: usize) -> Frf {
         let length = self.padded_length(padding);
@@ -169,20 +171,32 @@ impl Response {
         self.route
     }
 
+    /// From the first to the last force sample that is not zero.
+    pub(crate) fn contact(&self) -> Range<usize> {
+        self.contact.clone()
+    }
+
     /// `|H|^2` and the derivative of its logarithm with frequency \[1/Hz\].
     ///
-    /// `d ln |H|^2 / df = 2 Re (X'/X - F'/F)`, and `-4/f` more from acceleration.
+    /// `d ln |H|^2 / df = 2 Re (X'/X - F'/F)`, and `-2/f` more for each derivative of the route.
     pub(crate) fn power_and_slope(&self, frequency_hz: f64) -> (f64, f64) {
         let kernel = Kernel::new(self.sample_rate_hz, frequency_hz);
-        let (x, dx) = kernel.transform_and_slope(&self.samples, 0);
+        let response = kernel.transform_and_slope(&self.samples, 0);
         let pulse = &self.force[self.contact.clone()];
-        let (f, df) = kernel.transform_and_slope(pulse, self.contact.start);
+        let force = kernel.transform_and_slope(pulse, self.contact.start);
+        self.power_and_slope_of(frequency_hz, response, force)
+    }
+
+    /// The same from the transforms and their derivatives.
+    pub(crate) fn power_and_slope_of(
+        &self,
+        frequency_hz: f64,
+        (x, dx): (Complex64, Complex64),
+        (f, df): (Complex64, Complex64),
+    ) -> (f64, f64) {
         let ratio = convert(x / f, frequency_hz, self.form(), FrfForm::Receptance);
-        let twice = match self.route {
-            Route::Displacement => 0.0,
-            Route::Acceleration => 2.0 / frequency_hz,
-        };
-        (ratio.norm_sqr(), 2.0 * ((dx / x - df / f).re - twice))
+        let derivatives = f64::from(self.route.derivatives()) / frequency_hz;
+        (ratio.norm_sqr(), 2.0 * ((dx / x - df / f).re - derivatives))
     }
 
     /// The transforms of response and force, with their derivatives, at a frequency (Hz).
@@ -201,15 +215,16 @@ impl Response {
     /// seconds, is cut off by the rectangular window: `leakage` is `x_end / w`
     /// over `|F|`. `rounding` is that of the transform, relative to `dt sum |x|`.
     pub(crate) fn ripple(&self, frequency_hz: f64, period: f64) -> Ripple {
+        self.ripple_under(self.force_at(frequency_hz).norm(), frequency_hz, period)
+    }
+
+    /// The same where the magnitude of the force's transform is known.
+    pub(crate) fn ripple_under(&self, force: f64, frequency_hz: f64, period: f64) -> Ripple {
         let count = (period * self.sample_rate_hz).ceil().max(1.0) as usize;
         let tail = &self.samples[self.samples.len().saturating_sub(count)..];
         let left = tail.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
         let omega = std::f64::consts::TAU * frequency_hz;
-        let force = self.force_at(frequency_hz).norm();
-        let scale = match self.route {
-            Route::Displacement => 1.0 / force,
-            Route::Acceleration => 1.0 / (omega * omega * force),
-        };
+        let scale = 1.0 / (omega.powi(self.route.derivatives()) * force);
         Ripple {
             leakage: left / omega * scale,
             rounding: 1e-14 * absolute_sum(&self.samples) / self.sample_rate_hz * scale,
@@ -255,10 +270,7 @@ impl Response {
     }
 
     fn form(&self) -> FrfForm {
-        match self.route {
-            Route::Displacement => FrfForm::Receptance,
-            Route::Acceleration => FrfForm::Accelerance,
-        }
+        self.route.form()
     }
 }
 
@@ -276,6 +288,24 @@ pub(crate) trait Spectra {
     fn power_and_slope(&self, frequency_hz: f64) -> (f64, f64);
     /// A bound on the ripple of `|H|` at a frequency (Hz) that is not physics.
     fn ripple(&self, frequency_hz: f64, period: f64) -> Ripple;
+}
+
+/// Spectra of one hit's own samples, at any frequency.
+pub(crate) trait Exact: Spectra {
+    /// The hit.
+    fn response(&self) -> &Response;
+    /// The transforms with their derivatives at a frequency (Hz), up to one common phase.
+    fn transforms_at(&self, frequency_hz: f64) -> Terms;
+}
+
+impl Exact for Response {
+    fn response(&self) -> &Response {
+        self
+    }
+
+    fn transforms_at(&self, frequency_hz: f64) -> Terms {
+        Self::transforms_at(self, frequency_hz)
+    }
 }
 
 impl Spectra for Response {

@@ -11,7 +11,8 @@ pub use analytic::analytic_signal;
 pub use band_pass::BandPass;
 
 use crate::error::{Error, Result, check_positive, check_rate, check_samples};
-use local::Window;
+use local::Polar;
+use realfft::num_complex::Complex64;
 
 /// How [`backbone`] looks at a decay.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -119,11 +120,21 @@ const ROUNDING: f64 = 1e-11;
 /// Source: M. Feldman, "Non-linear free vibration identification via the
 /// Hilbert transform", J. Sound Vib. 208 (1997), 475-489.
 pub fn backbone(decay: &[f64], sample_rate_hz: f64, options: &BackboneOptions) -> Result<Backbone> {
+    backbone_and_signal(decay, sample_rate_hz, options).map(|(found, _)| found)
+}
+
+/// [`backbone`], and the analytic signal it was read from.
+pub(crate) fn backbone_and_signal(
+    decay: &[f64],
+    sample_rate_hz: f64,
+    options: &BackboneOptions,
+) -> Result<(Backbone, Vec<Complex64>)> {
     check_samples("decay", decay)?;
     check_rate(sample_rate_hz)?;
     options.check()?;
     let band = options.band;
-    let envelope = analytic_signal(decay, sample_rate_hz, Some(&band))?;
+    let signal = analytic_signal(decay, sample_rate_hz, Some(&band))?;
+    let polar = Polar::of(&signal);
 
     let centre_hz = band.centre_hz();
     let half = (0.5 * options.cycles * sample_rate_hz / centre_hz).ceil().max(2.0) as usize;
@@ -141,8 +152,8 @@ pub fn backbone(decay: &[f64], sample_rate_hz: f64, options: &BackboneOptions) -
     let cycle = ((sample_rate_hz / band.low_hz()) as usize).clamp(1, decay.len());
     let (head, tail) = (most(&decay[..cycle]), most(&decay[decay.len() - cycle..]));
     for middle in (half..decay.len().saturating_sub(half)).step_by((half / 2).max(1)) {
-        let window = Window { values: &envelope[middle - half..=middle + half] };
-        let Some(line) = window.line(sample_rate_hz, centre_hz) else {
+        let Some(line) = polar.line(middle - half..=middle + half, sample_rate_hz, centre_hz)
+        else {
             found.masked_noise += 1;
             continue;
         };
@@ -169,5 +180,5 @@ pub fn backbone(decay: &[f64], sample_rate_hz: f64, options: &BackboneOptions) -
             });
         }
     }
-    Ok(found)
+    Ok((found, signal))
 }

@@ -10,7 +10,8 @@ use realfft::{RealFftPlanner, RealToComplex};
 
 use crate::damping::half_power_of;
 use crate::harmonics::{HarmonicOptions, Harmonics, harmonics_of};
-use crate::response::{Band, Ripple, Route, Spectra};
+use crate::response::{Band, Ripple, Spectra};
+use crate::route::Route;
 use crate::spectrum::fast_length;
 use crate::transform::transform_at;
 

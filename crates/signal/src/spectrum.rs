@@ -50,13 +50,19 @@ impl Spectrum {
 
     /// The transform of checked samples, zero-padded to an even `length` they fit in.
     pub(crate) fn padded_to(samples: &[f64], sample_rate_hz: f64, length: usize) -> Self {
-        let plan = PLANNER.with_borrow_mut(|planner| planner.plan_fft_forward(length));
-        let mut padded = plan.make_input_vec();
+        let mut padded = vec![0.0; length];
         padded[..samples.len()].copy_from_slice(samples);
+        Self::of(padded, sample_rate_hz)
+    }
+
+    /// The transform of checked samples of an even number.
+    pub(crate) fn of(mut samples: Vec<f64>, sample_rate_hz: f64) -> Self {
+        let length = samples.len();
+        let plan = PLANNER.with_borrow_mut(|planner| planner.plan_fft_forward(length));
         let mut values = plan.make_output_vec();
-        // The plan made both buffers, so their lengths fit and this cannot fail;
-        // if it ever did, NaN would say so.
-        if plan.process(&mut padded, &mut values).is_err() {
+        // The plan made its output, so the lengths fit and this cannot fail; if it ever did,
+        // NaN would say so.
+        if plan.process(&mut samples, &mut values).is_err() {
             values.fill(Complex64::new(f64::NAN, f64::NAN));
         }
         let time_step = 1.0 / sample_rate_hz;

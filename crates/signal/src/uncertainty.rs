@@ -1,7 +1,7 @@
 //! What noise does to a peak.
 
 use crate::peak::Peak;
-use crate::response::Response;
+use crate::response::{Exact, Response};
 use realfft::num_complex::Complex64;
 use std::f64::consts::TAU;
 use std::ops::Range;
@@ -73,6 +73,16 @@ pub fn peak_uncertainty(
     peak: &Peak,
     noise: NoiseDensity,
 ) -> Option<PeakUncertainty> {
+    uncertainty_of(response, peak, noise)
+}
+
+/// [`peak_uncertainty`] of whatever gives the spectra of a hit.
+pub(crate) fn uncertainty_of(
+    hit: &impl Exact,
+    peak: &Peak,
+    noise: NoiseDensity,
+) -> Option<PeakUncertainty> {
+    let response = hit.response();
     let valid = |density: f64| density.is_finite() && density >= 0.0;
     if ![noise.force, noise.response, noise.window_rate].into_iter().all(valid) {
         return None;
@@ -80,9 +90,9 @@ pub fn peak_uncertainty(
     let frequency = peak.frequency_hz;
     // The curve is smooth over 1/T: a small part of that gives its curvature to 1e-3.
     let step = 0.02 / response.duration();
-    let slope = |f: f64| 0.5 * response.power_and_slope(f).1;
+    let slope = |f: f64| 0.5 * hit.power_and_slope(f).1;
     let curvature = (slope(frequency + step) - slope(frequency - step)) / (2.0 * step);
-    let terms = response.transforms_at(frequency);
+    let terms = hit.transforms_at(frequency);
     let shares = [(terms.response, noise.response), (terms.force, noise.force)];
     let mut variances = [0.0; 3];
     for (term, density) in shares {

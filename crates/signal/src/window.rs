@@ -2,7 +2,7 @@
 
 use crate::error::{Result, check_positive};
 use crate::hit::{Offset, Pulse};
-use crate::response::Route;
+use crate::route::Route;
 use realfft::num_complex::Complex64;
 use std::f64::consts::{PI, TAU};
 
@@ -161,20 +161,16 @@ impl ExponentialWindow {
     /// The receptance on `s = i w + 1/tau` from what [`Response`](crate::Response) made of it.
     ///
     /// From acceleration that divides by `(i w)^2` where windowed signals need
-    /// `s^2`; this puts it right. From displacement there is nothing to do.
+    /// `s^2`, from velocity by `i w` for `s`; this puts it right. From displacement there is
+    /// nothing to do.
     pub fn corrected_receptance(
         &self,
         frequency_hz: f64,
         receptance: Complex64,
         route: Route,
     ) -> Complex64 {
-        match route {
-            Route::Displacement => receptance,
-            Route::Acceleration => {
-                let on_axis = Complex64::new(0.0, TAU * frequency_hz);
-                let ratio = on_axis / (on_axis + self.rate());
-                receptance * ratio * ratio
-            }
-        }
+        let on_axis = Complex64::new(0.0, TAU * frequency_hz);
+        let ratio = on_axis / (on_axis + self.rate());
+        (0..route.derivatives()).fold(receptance, |value, _| value * ratio)
     }
 }

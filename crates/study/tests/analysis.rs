@@ -16,6 +16,7 @@ use asperity_study::signal::{
     FrfForm, HammerOptions, HarmonicOptions, HitLength, HitOptions, Reference, Route, TriggerLevel,
     hammer_test,
 };
+use asperity_study::sweep::on_threads;
 use tempfile::TempDir;
 
 const RATE: f64 = 10_000.0;
@@ -131,6 +132,19 @@ fn level_and_length_are_found() {
     assert!(amplitudes.clone().count() > 100);
     assert!(amplitudes.clone().all(|point| point.amplitude < most));
     assert!(amplitudes.clone().any(|point| point.amplitude > 0.05 * most));
+}
+
+/// Bit for bit the same on one thread and on several: hits are added up in their order.
+#[test]
+fn an_analysis_does_not_depend_on_threads() {
+    let folder = tempfile::tempdir().unwrap();
+    let (force, response) = struck(21);
+    let path = store(&folder, "a.uff", &force, &response);
+    // As text, since a coherence may be no number.
+    let found = |threads| on_threads(Some(threads), || format!("{:?}", analysed(&path, 4096)));
+    let one = found(1).unwrap();
+    assert!(one.contains("index: 21"));
+    assert!(one == found(2).unwrap() && one == found(5).unwrap());
 }
 
 /// An overload is left out and said, and where nothing else is there the analysis says why.

@@ -29,7 +29,7 @@ pub(crate) struct Analyse {
     #[arg(long, value_name = "CHANNEL")]
     pub(crate) force: Option<Selector>,
 
-    /// Channel of the response. Default: the only acceleration or displacement.
+    /// Channel of the response. Default: the only acceleration, velocity or displacement.
     #[arg(long, value_name = "CHANNEL")]
     pub(crate) response: Option<Selector>,
 

@@ -45,6 +45,7 @@ impl Shades {
 fn records(analysis: &Analysis, shades: &Shades) -> Option<Figure> {
     let (label, unit, scale) = match analysis.route {
         Route::Displacement => ("Displacement", "µm", 1e6),
+        Route::Velocity => ("Velocity", "mm/s", 1e3),
         Route::Acceleration => ("Acceleration", "m/s²", 1.0),
     };
     let time = || Axis::linear("Time from trigger", "ms").scale(1e3);

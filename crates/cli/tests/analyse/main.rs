@@ -2,6 +2,9 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 #![allow(clippy::print_stderr, reason = "a test without its data says that it was skipped")]
 
+mod choices;
+mod exact;
+mod routes;
 mod simulated;
 mod struck;
 

@@ -1,10 +1,10 @@
 //! Damping from the circle that a mobility draws.
 
-use super::half_power_crossings;
+use super::{HalfPower, half_power_crossings};
 use crate::form::FrfForm;
 use crate::frf::convert;
 use crate::peak::Peak;
-use crate::response::Response;
+use crate::response::{Response, Spectra};
 use realfft::num_complex::Complex64;
 use std::f64::consts::{PI, TAU};
 
@@ -53,7 +53,11 @@ const POINTS: usize = 61;
 /// Evaluated at 61 frequencies on the exact transform. `None` where the peak
 /// has no half-power width, and as for [`circle_fit_of`].
 pub fn circle_fit(response: &Response, peak: &Peak) -> Option<CircleFit> {
-    let width = half_power_crossings(response, peak)?;
+    circle_within(response, &half_power_crossings(response, peak)?)
+}
+
+/// [`circle_fit`] of whatever gives the spectra of a hit, between crossings that are known.
+pub(super) fn circle_within(response: &impl Spectra, width: &HalfPower) -> Option<CircleFit> {
     let step = (width.upper_hz - width.lower_hz) / (POINTS - 1) as f64;
     let frequencies: Vec<f64> = (0..POINTS).map(|k| width.lower_hz + k as f64 * step).collect();
     let mobility =

@@ -1,9 +1,10 @@
 //! The same damping by three methods.
 
-use super::{circle_fit, half_power};
+use super::circle::circle_within;
+use super::crossings_of;
 use crate::decrement::logarithmic_decrement;
 use crate::peak::Peak;
-use crate::response::Response;
+use crate::response::{Exact, Response};
 
 /// Damping ratios of one mode by methods that fail differently.
 ///
@@ -12,9 +13,9 @@ use crate::response::Response;
 /// agree the mode is linear and alone; where they do not, their spread says so.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct DampingComparison {
-    /// From the half-power width, [`half_power`].
+    /// From the half-power width, [`half_power`](crate::half_power).
     pub half_power: Option<f64>,
-    /// From the circle, [`circle_fit`].
+    /// From the circle, [`circle_fit`](crate::circle_fit).
     pub circle: Option<f64>,
     /// From the decay, [`logarithmic_decrement`].
     pub decrement: Option<f64>,
@@ -26,11 +27,18 @@ impl DampingComparison {
     /// - `decay`: no force acts on it and no other mode is in it (see
     ///   [`BandPass`](crate::BandPass)); sampled as the response.
     pub fn of(response: &Response, peak: &Peak, decay: &[f64]) -> Self {
-        let rate = response.sample_rate_hz();
+        Self::of_exact(response, peak, decay)
+    }
+
+    /// The same of whatever gives the spectra of a hit.
+    pub(crate) fn of_exact(hit: &impl Exact, peak: &Peak, decay: &[f64]) -> Self {
+        let rate = hit.response().sample_rate_hz();
         let decrement = logarithmic_decrement(decay, rate, peak.frequency_hz);
+        let width = crossings_of(hit, peak);
+        let circle = width.and_then(|width| circle_within(hit, &width));
         Self {
-            half_power: half_power(response, peak),
-            circle: circle_fit(response, peak).map(|circle| circle.ratio),
+            half_power: width.map(|width| width.ratio()),
+            circle: circle.map(|circle| circle.ratio),
             decrement: decrement.map(|decrement| decrement.ratio),
         }
     }

@@ -2,14 +2,15 @@
 
 use super::HammerOptions;
 use crate::damping::DampingComparison;
-use crate::dominant::dominant_frequency;
+use crate::dominant::dominant_of;
+use crate::fine::FineResponse;
 use crate::form::FrfForm;
-use crate::harmonics::{Harmonics, find_harmonics};
+use crate::harmonics::{Harmonics, harmonics_of};
 use crate::hit::{Offset, Pulse};
 use crate::noise::{band_density, white_density};
 use crate::response::Response;
-use crate::ring_down::{Backbone, BackboneOptions, BandPass, backbone};
-use crate::uncertainty::{NoiseDensity, PeakUncertainty, peak_uncertainty, ratio_uncertainty};
+use crate::ring_down::{Backbone, BackboneOptions, BandPass, backbone_and_signal};
+use crate::uncertainty::{NoiseDensity, PeakUncertainty, ratio_uncertainty, uncertainty_of};
 use crate::window::ExponentialWindow;
 
 /// Where the fundamental is looked for.
@@ -17,7 +18,7 @@ use crate::window::ExponentialWindow;
 pub enum Reference {
     /// About this frequency, in hertz.
     Frequency(f64),
-    /// About the [`dominant_frequency`] of a band (in hertz) in a form.
+    /// About the [`dominant_frequency`](crate::dominant_frequency) of a band (in hertz) in a form.
     Band((f64, f64), FrfForm),
 }
 
@@ -61,17 +62,18 @@ pub(super) fn of_hit(
     force_offset: Option<&Offset>,
     options: &HammerOptions,
 ) -> Option<HitFeatures> {
+    let fine = FineResponse::new(response);
     let threshold = options.harmonics.force_threshold;
     let reference_hz = match options.reference {
         Reference::Frequency(frequency) => frequency,
-        Reference::Band(band, form) => dominant_frequency(response, band, form, threshold)?,
+        Reference::Band(band, form) => dominant_of(&fine, band, form, threshold)?,
     };
-    let harmonics = find_harmonics(response, reference_hz, &options.harmonics);
+    let harmonics = harmonics_of(&fine, reference_hz, &options.harmonics);
     let noise = noise(response, measured, force_offset, options);
     let in_windowed = options.windows.exponential.map_or(noise, |window| {
         windowed(noise, window, trigger as f64 / response.sample_rate_hz())
     });
-    let uncertainty = |peak| peak_uncertainty(response, peak, in_windowed);
+    let uncertainty = |peak| uncertainty_of(&fine, peak, in_windowed);
     let first = harmonics.fundamental.as_ref().and_then(uncertainty);
     let second = harmonics.second.as_ref().and_then(uncertainty);
     let ratio = harmonics.ratio().zip(first.zip(second));
@@ -99,18 +101,16 @@ pub(super) fn of_hit(
         noise_density: noise.response,
         ..BackboneOptions::new(band)
     });
-    found.backbone = settings.and_then(|settings| backbone(free, rate, &settings).ok());
+    let filtered = settings.and_then(|settings| backbone_and_signal(free, rate, &settings).ok());
     // The backbone knows from where to where the filtered decay is the mode's:
     // after the edge's ringing and above the noise.
-    let span = found.backbone.as_ref().and_then(|backbone| {
+    let mode = filtered.as_ref().and_then(|(backbone, signal)| {
         let (first, last) = (backbone.points.first()?, backbone.points.last()?);
-        Some((first.time_s * rate) as usize..(last.time_s * rate) as usize)
+        let span = (first.time_s * rate) as usize..(last.time_s * rate) as usize;
+        Some(signal.get(span)?.iter().map(|value| value.re).collect::<Vec<f64>>())
     });
-    let mode = settings.zip(span).and_then(|(settings, span)| {
-        let mode = settings.band.apply(free, rate).ok()?;
-        mode.get(span).map(<[f64]>::to_vec)
-    });
-    found.damping = DampingComparison::of(response, &peak, &mode.unwrap_or_default());
+    found.backbone = filtered.map(|(backbone, _)| backbone);
+    found.damping = DampingComparison::of_exact(&fine, &peak, &mode.unwrap_or_default());
     if let Some(window) = options.windows.exponential {
         let (frequency, magnitude) = (peak.frequency_hz, peak.magnitude);
         let ratio = found.damping.circle.or(found.damping.half_power);

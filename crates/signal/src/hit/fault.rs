@@ -1,5 +1,7 @@
 //! Samples that a sensor or a converter made up.
 
+use std::cell::LazyCell;
+
 /// A run of samples.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Run {
@@ -13,9 +15,12 @@ fn runs(samples: &[f64]) -> impl Iterator<Item = Run> + '_ {
     let mut first = 0;
     std::iter::from_fn(move || {
         let value = *samples.get(first)?;
-        let equal = samples[first + 1..].iter().take_while(|x| **x == value).count();
-        let run = Run { first, samples: 1 + equal, value };
-        first += run.samples;
+        let mut end = first + 1;
+        while samples.get(end) == Some(&value) {
+            end += 1;
+        }
+        let run = Run { first, samples: end - first, value };
+        first = end;
         Some(run)
     })
 }
@@ -28,25 +33,42 @@ fn runs(samples: &[f64]) -> impl Iterator<Item = Run> + '_ {
 /// two converter steps on one side, so that the top of a slow, coarsely
 /// digitised oscillation is none. The converter step is the smallest change in the record.
 pub(super) fn overloads(samples: &[f64], fewest: usize, full_scale: Option<f64>) -> Vec<Run> {
-    let finite = || samples.iter().copied().filter(|x| x.is_finite());
-    let most = finite().fold(f64::NEG_INFINITY, f64::max);
-    let least = finite().fold(f64::INFINITY, f64::min);
+    let (least, most) = extremes(samples);
     if most <= least {
         return Vec::new();
     }
-    let step = converter_step(samples);
+    // Few records have a flat top, and only those need the step.
+    let step = LazyCell::new(|| converter_step(samples));
     let abrupt = |run: &Run| {
         let neighbours = [run.first.checked_sub(1), Some(run.first + run.samples)];
         let mut neighbours = neighbours.into_iter().flatten().filter_map(|n| samples.get(n));
-        neighbours.any(|x| (x - run.value).abs() > 2.0 * step)
+        neighbours.any(|x| (x - run.value).abs() > 2.0 * *step)
     };
     let flat = |run: &Run| {
         let far = run.value.abs() >= 0.5 * most.max(-least);
-        let extreme = far && (run.value == most || run.value == least);
-        extreme && run.samples >= fewest.max(2) && abrupt(run)
+        let extreme = run.value == most || run.value == least;
+        run.samples >= fewest.max(2) && extreme && far && abrupt(run)
     };
     let beyond = |run: &Run| full_scale.is_some_and(|limit| run.value.abs() >= limit);
     runs(samples).filter(|run| flat(run) || beyond(run)).collect()
+}
+
+/// Smallest and largest finite sample; infinite and the wrong way round if there is none.
+fn extremes(samples: &[f64]) -> (f64, f64) {
+    // Several at a time: each depends on the one before it otherwise.
+    const LANES: usize = 8;
+    let (mut least, mut most) = ([f64::INFINITY; LANES], [f64::NEG_INFINITY; LANES]);
+    let (chunks, rest) = samples.as_chunks::<LANES>();
+    for chunk in chunks {
+        for lane in 0..LANES {
+            let x = chunk[lane];
+            least[lane] = if x < least[lane] && x >= f64::MIN { x } else { least[lane] };
+            most[lane] = if x > most[lane] && x <= f64::MAX { x } else { most[lane] };
+        }
+    }
+    let finite = rest.iter().copied().filter(|x| x.is_finite());
+    let (low, high) = (least.into_iter().chain(finite.clone()), most.into_iter().chain(finite));
+    (low.fold(f64::INFINITY, f64::min), high.fold(f64::NEG_INFINITY, f64::max))
 }
 
 /// Smallest change between neighbours; zero if none changes.
@@ -75,7 +97,8 @@ const ACTIVE: f64 = 0.02;
 ///
 /// Runs at the largest and smallest value are overloads, not dropouts.
 pub(super) fn response_dropouts(samples: &[f64], fewest: usize) -> Vec<Run> {
-    let largest = samples.iter().filter(|x| x.is_finite()).fold(0.0, |m: f64, x| m.max(x.abs()));
+    let (least, most) = extremes(samples);
+    let largest = most.max(-least).max(0.0);
     let active = |x: &f64| x.abs() > ACTIVE * largest;
     let Some((begin, end)) = samples.iter().position(active).zip(samples.iter().rposition(active))
     else {
@@ -95,7 +118,7 @@ const FORCE_RUN: usize = 3;
 
 /// Runs of at least three equal samples inside a force pulse.
 pub(super) fn force_dropouts(force: &[f64]) -> Vec<Run> {
-    let largest = force.iter().copied().filter(|x| x.is_finite()).fold(0.0, f64::max);
+    let largest = extremes(force).1.max(0.0);
     let high = |index: Option<usize>| {
         index.and_then(|n| force.get(n)).is_some_and(|x| *x > STRUCK * largest)
     };
@@ -103,4 +126,22 @@ pub(super) fn force_dropouts(force: &[f64]) -> Vec<Run> {
         high(run.first.checked_sub(1)) && high(Some(run.first + run.samples)) && run.value < largest
     };
     runs(force).filter(|run| run.samples >= FORCE_RUN).filter(inside).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Verified by hand, with what is not finite in chunks and in the rest.
+    #[test]
+    fn extremes_are_finite() {
+        let mut samples: Vec<f64> = (0..19).map(|n| f64::from((n * 7) % 19) - 9.0).collect();
+        assert_eq!(extremes(&samples), (-9.0, 9.0));
+        let lowest = samples.iter().position(|x| *x == -9.0).unwrap();
+        (samples[lowest], samples[18], samples[3]) = (f64::NEG_INFINITY, f64::INFINITY, f64::NAN);
+        let finite = || samples.iter().copied().filter(|x| x.is_finite());
+        let expected = (finite().fold(9.0, f64::min), finite().fold(-9.0, f64::max));
+        assert_eq!(extremes(&samples), expected);
+        assert_eq!(extremes(&[f64::NAN]), (f64::INFINITY, f64::NEG_INFINITY));
+    }
 }

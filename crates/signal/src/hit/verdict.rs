@@ -120,12 +120,17 @@ impl Default for QualityOptions {
 ///   above 2 % of its largest value before and after; three in a force that is
 ///   above a quarter of its largest value before and after.
 pub fn inspect(hit: &Hit, options: &QualityOptions) -> Vec<Verdict> {
-    let mut verdicts = Vec::new();
     let mut force = hit.force.clone();
     if let Some(offset) = Offset::at_rest(&force) {
         offset.remove(&mut force);
     }
-    let doubles = double_hits(&force, hit.sample_rate_hz, options.second_fraction);
+    inspect_with(hit, &force, options)
+}
+
+/// [`inspect`] where the force without its offset is known.
+pub(crate) fn inspect_with(hit: &Hit, force: &[f64], options: &QualityOptions) -> Vec<Verdict> {
+    let mut verdicts = Vec::new();
+    let doubles = double_hits(force, hit.sample_rate_hz, options.second_fraction);
     verdicts.extend(doubles.into_iter().map(Verdict::DoubleHit));
 
     let responses = hit.responses.iter().enumerate().map(|(n, x)| (Channel::Response(n), x));

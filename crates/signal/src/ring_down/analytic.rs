@@ -63,8 +63,12 @@ pub fn analytic_signal(
         ((above + below) * scale, (above - below) * scale)
     };
     let last = spectrum.len() - 1;
+    // Beyond the filter's end there is nothing to weigh.
+    let end = band.map_or(f64::INFINITY, BandPass::end_hz) / step;
+    let kept = (end as usize).saturating_add(1).min(spectrum.len());
+    spectrum[kept..].fill(Complex64::ZERO);
     let mut quadrature = vec![Complex64::ZERO; spectrum.len()];
-    for (k, (value, turned)) in spectrum.iter_mut().zip(&mut quadrature).enumerate() {
+    for (k, (value, turned)) in spectrum[..kept].iter_mut().zip(&mut quadrature).enumerate() {
         let (even, odd) = gains(k);
         // Real at both ends, where the quadrature has nothing.
         if k != 0 && k != last {

@@ -84,6 +84,12 @@ impl BandPass {
         self.high - self.low
     }
 
+    /// The frequency (Hz) from which on the gain is zero to rounding.
+    pub(super) fn end_hz(&self) -> f64 {
+        // exp(-37) is less than half of the last bit of one.
+        self.high + 37.0 * self.edge
+    }
+
     /// Width of a rectangular band that passes as much white noise, in hertz.
     ///
     /// `integral G^2 df = B coth(B / (2 edge)) - 2 edge`, with `B` the width.

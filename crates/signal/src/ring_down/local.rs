@@ -1,12 +1,13 @@
 //! Lines through the phase and the logarithm of the envelope over some cycles.
 
 use realfft::num_complex::Complex64;
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
+use std::ops::RangeInclusive;
 
-/// An odd number of samples of an analytic signal.
-pub(super) struct Window<'a> {
-    /// The samples.
-    pub(super) values: &'a [Complex64],
+/// Envelope and phase of an analytic signal; windows overlap, so each sample is turned once.
+pub(super) struct Polar {
+    /// Logarithm of the magnitude, and angle.
+    values: Vec<(f64, f64)>,
 }
 
 /// What the lines say at the middle of the window.
@@ -16,24 +17,33 @@ pub(super) struct Line {
     pub(super) decay_rate: f64,
 }
 
-impl Window<'_> {
-    /// Least-squares lines; `None` where the signal vanishes.
+impl Polar {
+    pub(super) fn of(signal: &[Complex64]) -> Self {
+        Self { values: signal.iter().map(|value| (value.norm().ln(), value.arg())).collect() }
+    }
+
+    /// Least-squares lines over a window; `None` where the signal vanishes.
     ///
     /// The phase is taken against a carrier, so that it turns slowly and no
     /// turn is lost; slopes of a symmetric window are free of any curvature.
-    pub(super) fn line(&self, rate: f64, carrier_hz: f64) -> Option<Line> {
-        let count = self.values.len() as f64;
+    pub(super) fn line(
+        &self,
+        window: RangeInclusive<usize>,
+        rate: f64,
+        carrier_hz: f64,
+    ) -> Option<Line> {
+        let values = self.values.get(window)?;
+        let count = values.len() as f64;
         let centre = 0.5 * (count - 1.0);
         let step = TAU * carrier_hz / rate;
         let (mut heights, mut phases) = ((0.0, 0.0), 0.0);
         let mut turned = 0.0;
         let mut before = f64::NAN;
-        for (n, value) in self.values.iter().enumerate() {
+        for (n, &(height, angle)) in values.iter().enumerate() {
             let x = n as f64 - centre;
-            let height = value.norm().ln();
-            let phase = value.arg() - step * x;
-            if n > 0 {
-                let change = phase - before;
+            let phase = angle - step * x;
+            let change = phase - before;
+            if change.abs() >= PI {
                 turned -= TAU * (change / TAU).round();
             }
             before = phase;

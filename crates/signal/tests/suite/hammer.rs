@@ -5,7 +5,8 @@ use crate::noise::Noise;
 use crate::oscillator::{Mode, hammer_pulse, integrated};
 use asperity_signal::{
     Estimator, ExponentialWindow, ForceWindow, FrfForm, HammerOptions, HammerTest, HarmonicOptions,
-    HitLength, HitOptions, Reference, ResponseWindows, Route, TriggerLevel, Verdict, hammer_test,
+    HitLength, HitOptions, Offset, Reference, ResponseWindows, Route, TriggerLevel, Verdict,
+    circle_fit, find_harmonics, find_hits, half_power, hammer_test, peak_uncertainty,
 };
 
 const RATE: f64 = 25_600.0;
@@ -155,4 +156,40 @@ fn measured_hits_agree_with_each_other() {
     assert!(coherence.values[k] > 0.98, "{}", coherence.values[k]);
     let window = ForceWindow { begin_s: 0.0, end_s: 0.0, taper_s: 0.0 };
     assert_eq!(window.weight(1.0), 0.0);
+}
+
+/// Verified against the functions that sum over all samples at each frequency: the features of a hit,
+/// whose transforms are interpolated, are theirs to 1e-12 of a frequency, where the refinement of a
+/// peak ends, and to the 2e-14 of `dt sum |x|` that an interpolation is off: that is 1e-13 of a peak,
+/// and 1e-11 of a curvature or a width of a hundredth.
+#[test]
+fn features_are_those_of_the_direct_sums() {
+    let (force, response) = record();
+    let options = options(9_500);
+    let test = hammer_test(&force, &response, RATE, &options).unwrap();
+    let (hits, _) = find_hits(&force, &[&response], RATE, &options.hits).unwrap();
+    let mut compared = 0;
+    for (found, mut hit) in test.hits.iter().zip(hits) {
+        let Some(features) = &found.features else { continue };
+        Offset::at_rest(&hit.force).unwrap().remove(&mut hit.force);
+        let response = hit.response(0, Route::Acceleration).unwrap();
+        let direct = find_harmonics(&response, features.reference_hz, &options.harmonics);
+        let (peak, exact) = (features.harmonics.fundamental.unwrap(), direct.fundamental.unwrap());
+        assert!((peak.frequency_hz / exact.frequency_hz - 1.0).abs() < 1e-12);
+        assert!((peak.value / exact.value - 1.0).norm() < 1e-11, "{peak:?} {exact:?}");
+        assert_eq!(features.harmonics.second.is_some(), direct.second.is_some());
+        let same = |a: Option<f64>, b: Option<f64>, bound: f64| {
+            let (a, b) = (a.unwrap(), b.unwrap());
+            assert!((a / b - 1.0).abs() < bound, "{a} {b} {:e}", a / b - 1.0);
+        };
+        same(features.damping.half_power, half_power(&response, &exact), 1e-9);
+        let circle = circle_fit(&response, &exact).map(|circle| circle.ratio);
+        same(features.damping.circle, circle, 1e-9);
+        let sigma = peak_uncertainty(&response, &exact, features.noise);
+        let stated = features.fundamental_uncertainty;
+        same(stated.map(|s| s.frequency_hz), sigma.map(|s| s.frequency_hz), 1e-9);
+        same(stated.map(|s| s.relative), sigma.map(|s| s.relative), 1e-11);
+        compared += 1;
+    }
+    assert_eq!(compared, 3);
 }

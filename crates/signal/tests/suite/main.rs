@@ -4,6 +4,7 @@
 #![allow(clippy::print_stderr, reason = "a test without its data says that it was skipped")]
 
 mod backbones;
+mod book;
 mod circles;
 mod damping;
 mod estimators;
@@ -16,11 +17,14 @@ mod noise;
 mod oscillator;
 mod receptance;
 mod robustness;
+mod routes;
 mod shared_force;
 #[allow(dead_code, reason = "names of rows and columns are for the printed table only")]
 #[path = "../../examples/estimators/simulation.rs"]
 mod simulation;
 mod statistics;
+#[path = "../../examples/estimators/tables.rs"]
+mod tables;
 mod transform;
 mod uncertainty;
 mod verdicts;

@@ -50,6 +50,7 @@ fn the_exponential_window_is_undone() {
         window.apply(&mut samples, RATE, 0);
         let response = match route {
             Route::Displacement => Response::from_displacement(&force, &samples, RATE),
+            Route::Velocity => Response::from_velocity(&force, &samples, RATE),
             Route::Acceleration => Response::from_acceleration(&force, &samples, RATE),
         };
         let response = response.unwrap();

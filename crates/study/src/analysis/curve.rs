@@ -11,7 +11,7 @@ pub struct HitCurve {
     pub force_peak_n: f64,
     /// Time from the trigger \[s\] and force \[N\] about the blow.
     pub force: (Vec<f64>, Vec<f64>),
-    /// Time from the trigger \[s\] and response \[m or m/s^2\]: the extremes of each part.
+    /// Time from the trigger \[s\] and response \[m, m/s or m/s^2\]: the extremes of each part.
     pub response: (Vec<f64>, Vec<f64>),
     /// Frequency \[Hz\] and magnitude of the receptance \[m/N\], without zero frequency.
     pub receptance: (Vec<f64>, Vec<f64>),

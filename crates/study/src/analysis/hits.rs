@@ -2,8 +2,8 @@
 
 use asperity_signal::{
     AnalysedHit, ExponentialWindow, FrfEstimator, FrfForm, HammerOptions, HarmonicOptions, Hit,
-    HitFinder, HitLength, HitOptions, Offset, Reference, Response, ResponseWindows, Route,
-    TriggerLevel, Verdict, analyse_hit, dominant_frequency, inspect,
+    HitFinder, HitLength, HitOptions, Offset, Reference, Response, ResponseWindows, TriggerLevel,
+    Verdict, analyse_hit, dominant_frequency, inspect,
 };
 
 use rayon::prelude::*;
@@ -201,10 +201,9 @@ impl<'a> HitByHit<'a> {
         }
         let backbone = found.features.and_then(|features| features.backbone);
         if let Some(mut backbone) = backbone.filter(|backbone| !backbone.points.is_empty()) {
-            if self.sampling.route == Route::Acceleration {
-                for point in &mut backbone.points {
-                    point.amplitude /= (std::f64::consts::TAU * point.frequency_hz).powi(2);
-                }
+            for point in &mut backbone.points {
+                let omega = std::f64::consts::TAU * point.frequency_hz;
+                point.amplitude /= omega.powi(self.sampling.route.derivatives());
             }
             let points = backbone.points;
             self.backbones.push(HitBackbone { index: report.index, force_peak_n, points });
@@ -287,6 +286,9 @@ impl<'a> HitByHit<'a> {
                 pre_trigger_s: self.options.pre_trigger_s,
                 hold_off_s: self.options.hold_off_s,
                 estimator: estimator_name(self.options.estimator),
+                measured_form: route.form().name(),
+                feature_form: FrfForm::Receptance.name(),
+                frf_form: self.options.form.name(),
                 force_window: self.options.window.force,
                 exponential_window_s: exponential.map(|window| window.tau_s()),
                 band_hz: limits.map(|(low, high)| [low, high]),

@@ -17,7 +17,7 @@ pub struct AnalysisOptions {
     pub sensitivities: Vec<SensorOf>,
     /// The force; the only channel of a force, if not given.
     pub force: Option<Selector>,
-    /// The response; the only acceleration or displacement, if not given.
+    /// The response; the only acceleration, velocity or displacement, if not given.
     pub response: Option<Selector>,
     /// Whether a negative force pushes.
     pub flip_force: bool,

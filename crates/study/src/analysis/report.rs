@@ -44,6 +44,13 @@ pub struct Settings {
     pub hold_off_s: f64,
     /// `h1`, `h2` or `hv`.
     pub estimator: &'static str,
+    /// Response over force as it was measured: `receptance` of a displacement, `mobility` of a
+    /// velocity, `accelerance` of an acceleration.
+    pub measured_form: &'static str,
+    /// What every `magnitude`, `harmonic_ratio` and frequency of a peak is of: the `receptance`.
+    pub feature_form: &'static str,
+    /// What `frf.csv` holds.
+    pub frf_form: &'static str,
     /// Whether the force was blanked but for the blow.
     pub force_window: bool,
     /// Time constant of the exponential window \[s\]; none without one.

@@ -86,7 +86,10 @@ impl Role {
     fn fits(self, quantity: Quantity) -> bool {
         match self {
             Self::Force => quantity == Quantity::Force,
-            Self::Response => matches!(quantity, Quantity::Acceleration | Quantity::Displacement),
+            Self::Response => matches!(
+                quantity,
+                Quantity::Acceleration | Quantity::Velocity | Quantity::Displacement
+            ),
         }
     }
 
@@ -94,7 +97,7 @@ impl Role {
         match self {
             Self::Force => "a force; volts become one with --sensitivity",
             Self::Response => {
-                "an acceleration or a displacement; volts become one with --sensitivity"
+                "an acceleration, a velocity or a displacement; volts become one with --sensitivity"
             }
         }
     }

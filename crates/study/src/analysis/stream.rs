@@ -19,7 +19,7 @@ pub(super) struct Block {
     pub(super) start_s: f64,
     /// Force \[N\].
     pub(super) force: Vec<f64>,
-    /// Response \[m or m/s^2\].
+    /// Response \[m, m/s or m/s^2\].
     pub(super) response: Vec<f64>,
 }
 
@@ -148,6 +148,7 @@ impl<'a> Stream<'a> {
         }
         let route = match quantity {
             Quantity::Displacement => Route::Displacement,
+            Quantity::Velocity => Route::Velocity,
             _ => Route::Acceleration,
         };
         let sampling = Sampling { rate_hz: rate, route };
@@ -191,9 +192,9 @@ impl Sampling {
         let differs = |quantity, found: String, expected: String| {
             Err(AnalysisError::Differs { file: PathBuf::from(file), quantity, found, expected })
         };
-        let name = |route| match route {
-            Route::Displacement => "a displacement".to_owned(),
-            Route::Acceleration => "an acceleration".to_owned(),
+        let name = |route: Route| {
+            let article = if route == Route::Acceleration { "an" } else { "a" };
+            format!("{article} {}", route.name())
         };
         // Rates that were printed differ by their rounding.
         if (found.rate_hz / self.rate_hz - 1.0).abs() > 1e-6 {

@@ -1,0 +1,142 @@
+//! Displacement, velocity and acceleration of one hit.
+
+use crate::oscillator::Mode;
+use asperity_signal::{
+    Complex64, Estimator, ExponentialWindow, FrfEstimator, FrfForm, HarmonicOptions, Peak,
+    Response, Route, find_harmonics, half_power,
+};
+
+const MODE: Mode = Mode { natural_hz: 831.0, damping: 0.01, mass: 1.6 };
+const RATE: f64 = 51_200.0;
+/// Where the pulse is highest \[s\].
+const RISE_S: f64 = 3.4e-4;
+const ROUTES: [Route; 3] = [Route::Displacement, Route::Velocity, Route::Acceleration];
+
+/// A mode struck by `(t / rise)^2 exp(2 (1 - t / rise))`: force and the three motions, exact.
+///
+/// With the pole `p` and `q = p + 2 / rise`, the pulse and `exp(p t)` convolve to
+/// `g = 2 e / q^3 - (t^2 / q + 2 t / q^2 + 2 / q^3) exp(-2 t / rise)`, `e = exp(p t)`; the
+/// displacement is `Im g / (m w_d)`, and `g' = p g + F`.
+fn struck(count: usize) -> [Vec<f64>; 4] {
+    let pole = Complex64::new(-MODE.damping * MODE.omega(), MODE.damped_omega());
+    let (rate, height) = (2.0 / RISE_S, 2.0_f64.exp() / (RISE_S * RISE_S));
+    let q = pole + rate;
+    let mut signals: [Vec<f64>; 4] = std::array::from_fn(|_| Vec::with_capacity(count));
+    for n in 0..count {
+        let t = n as f64 / RATE;
+        let fall = (-rate * t).exp();
+        let force = height * t * t * fall;
+        let rest = (1.0 / q * t + 2.0 / (q * q)) * t + 2.0 / (q * q * q);
+        let g = ((pole * t).exp() * 2.0 / (q * q * q) - rest * fall) * height;
+        let over = 1.0 / (MODE.mass * MODE.damped_omega());
+        let motions = [g, pole * g, pole * pole * g + pole * force].map(|z| z.im * over);
+        for (signal, x) in signals.iter_mut().zip([force, motions[0], motions[1], motions[2]]) {
+            signal.push(x);
+        }
+    }
+    signals
+}
+
+fn response(route: Route, signals: &[Vec<f64>; 4]) -> Response {
+    let [force, u, v, a] = signals;
+    match route {
+        Route::Displacement => Response::from_displacement(force, u, RATE),
+        Route::Velocity => Response::from_velocity(force, v, RATE),
+        Route::Acceleration => Response::from_acceleration(force, a, RATE),
+    }
+    .unwrap()
+}
+
+fn peak(response: &Response) -> Peak {
+    find_harmonics(response, 831.0, &HarmonicOptions::default()).fundamental.unwrap()
+}
+
+/// What the rectangle rule leaves of a receptance, relative, by Euler and Maclaurin: sums of what
+/// begins as `t^2` and `t^3` are off by `dt^4 / 720` times the third derivative at zero. With
+/// `s = i w` and `z = 2 / rise + s` that is `e = |z dt|^4 / 240` for the force; the motions make it `e |1 + d|`,
+/// `d = 0`, `1 / (3 m s z H)` and `-1 / (m s^2 H)`. 3 % are left for the next term.
+fn sampling_error(route: Route, s: Complex64, receptance: Complex64) -> f64 {
+    let z = s + 2.0 / RISE_S;
+    let force = (z / RATE).norm().powi(4) / 240.0;
+    let over = (receptance * MODE.mass).inv();
+    let motion = match route {
+        Route::Displacement => Complex64::ZERO,
+        Route::Velocity => over / (s * z * 3.0),
+        Route::Acceleration => -over / (s * s),
+    };
+    1.03 * force * (1.0 + motion).norm()
+}
+
+fn on_axis(frequency: f64) -> Complex64 {
+    Complex64::new(0.0, std::f64::consts::TAU * frequency)
+}
+
+/// Verified against the continuous receptance and the mode's peak, by each route, to what the
+/// rectangle rule leaves: 2e-6 at the peak. The peak moves by less than that over its Q, and so
+/// does the damping ratio, its width.
+#[test]
+fn three_routes_lead_to_one_receptance() {
+    let signals = struck(51_200);
+    let top = MODE.natural_hz * (1.0 - 2.0 * MODE.damping * MODE.damping).sqrt();
+    let height = MODE.receptance(top).norm();
+    for route in ROUTES {
+        let response = response(route, &signals);
+        assert_eq!((response.route(), route.form().derivatives()), (route, route.derivatives()));
+        for frequency in [400.0, 820.0, 831.0, 840.0, 1600.0] {
+            let exact = MODE.receptance(frequency);
+            let off = (response.receptance_at(frequency) / exact - 1.0).norm();
+            assert!(
+                off < sampling_error(route, on_axis(frequency), exact),
+                "{route:?} {frequency} Hz: {off:e}"
+            );
+        }
+        let peak = peak(&response);
+        assert!((peak.frequency_hz / top - 1.0).abs() < 1e-7, "{route:?} {peak:?}");
+        let bound = sampling_error(route, on_axis(top), MODE.receptance(top));
+        assert!((peak.magnitude / height - 1.0).abs() < bound, "{route:?} {peak:?}");
+        let ratio = half_power(&response, &peak).unwrap();
+        assert!((ratio / MODE.damping - 1.0).abs() < 1e-5, "{route:?} {ratio}");
+    }
+}
+
+/// Verified against the slope of differences: `d ln |H|^2 / df` of a velocity is zero at the peak,
+/// which the refinement of a peak solves for.
+#[test]
+fn a_peak_from_velocity_is_the_greatest_value_beside_it() {
+    let response = response(Route::Velocity, &struck(20_000));
+    let peak = peak(&response);
+    for step in [1e-3, 1e-2, 0.1] {
+        for beside in [peak.frequency_hz - step, peak.frequency_hz + step] {
+            assert!(response.receptance_at(beside).norm() < peak.magnitude);
+        }
+    }
+}
+
+/// Verified against each other and the shifted line of the exponential window: one hit's average
+/// is a mobility from velocity, and its receptance that of the windowed velocity, by `s` for `i w`.
+/// Tolerance as above.
+#[test]
+fn an_average_of_velocities_is_a_mobility() {
+    let signals = struck(25_600);
+    let mut average = FrfEstimator::new(25_600, RATE, Route::Velocity, 1).unwrap();
+    let own = average.push(&signals[0], &signals[2]).unwrap();
+    let h1 = average.frf(Estimator::H1).unwrap();
+    assert_eq!((own.form, h1.form), (FrfForm::Mobility, FrfForm::Mobility));
+    let window = ExponentialWindow::new(0.02).unwrap();
+    let mut windowed = signals.clone();
+    for samples in &mut windowed {
+        window.apply(samples, RATE, 0);
+    }
+    for route in ROUTES {
+        let response = response(route, &windowed);
+        for frequency in [400.0, 831.0, 1600.0] {
+            let s = Complex64::new(window.rate(), std::f64::consts::TAU * frequency);
+            let (sigma, w0) = (2.0 * MODE.damping * MODE.omega(), MODE.omega());
+            let exact = (MODE.mass * (s * s + s * sigma + w0 * w0)).inv();
+            let found = response.receptance_at(frequency);
+            let found = window.corrected_receptance(frequency, found, route);
+            let off = (found / exact - 1.0).norm();
+            assert!(off < sampling_error(route, s, exact), "{route:?} {frequency}: {off:e}");
+        }
+    }
+}
