@@ -123,7 +123,25 @@ pub(crate) enum Command {
         json: bool,
     },
     /// Prints the JSON Schema of the scenario.
-    Schema,
+    Schema {
+        /// That of a problem for `asperity identify` instead.
+        #[arg(long)]
+        identify: bool,
+    },
+    /// The contact law, or any numbers of a scenario, from measured responses, with uncertainty.
+    ///
+    /// Writes law.json and scenario.json (to be used again), identification.json, law.csv,
+    /// data.csv, posterior.csv, figures and report.html.
+    Identify {
+        /// The problem, a JSON file; `asperity schema --identify` prints what it may hold.
+        #[arg(value_name = "PROBLEM")]
+        problem: PathBuf,
+        #[command(flatten)]
+        output: Output,
+        /// Number of threads; all cores if left out.
+        #[arg(long, value_name = "N")]
+        threads: Option<usize>,
+    },
     /// Measured hammer hits: FRFs, harmonics, damping and backbones of each and of the average.
     ///
     /// Reads universal files (58, 58b), CSV and LabVIEW text, NPY, NPZ, MATLAB 5 and WAVE; several

@@ -3,6 +3,7 @@
 pub(crate) mod analyse;
 pub(crate) mod check;
 pub(crate) mod convert;
+pub(crate) mod identify;
 pub(crate) mod law;
 pub(crate) mod modes;
 pub(crate) mod schema;

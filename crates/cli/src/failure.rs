@@ -10,6 +10,7 @@ use asperity_study::document::{DocumentError, SetError};
 use asperity_study::dynamics::DynamicsError;
 use asperity_study::error::{OutputError, StudyError};
 use asperity_study::harmonic::HarmonicError;
+use asperity_study::identification::ProblemError;
 use asperity_study::sweep::{SweepError, VariationError};
 use miette::{LabeledSpan, MietteDiagnostic, NamedSource, Report, Severity};
 use thiserror::Error;
@@ -44,6 +45,8 @@ pub(crate) enum Failure {
     Figure(#[from] FigureError),
     #[error(transparent)]
     Analysis(#[from] AnalysisError),
+    #[error(transparent)]
+    Problem(Box<ProblemError>),
     #[error(
         "the output folder {} holds other files, such as \"{example}\"; choose another with --out, or overwrite with --overwrite",
         folder.display()
@@ -70,6 +73,7 @@ impl Failure {
             Self::Study(error) => is_wrong_request(error),
             Self::Runs { .. } | Self::Levels { .. } | Self::Figure(_) => false,
             Self::Analysis(error) => error.is_wrong_request(),
+            Self::Problem(error) => error.is_wrong_request(),
             _ => true,
         };
         ExitCode::from(if request_is_wrong { 2 } else { 1 })

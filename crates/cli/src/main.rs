@@ -27,7 +27,8 @@ use failure::Failure;
 
 fn main() -> ExitCode {
     let args = Args::parse();
-    progress::start_logging(args.verbosity());
+    let searching = matches!(args.command, Command::Identify { .. });
+    progress::start_logging(args.verbosity(), searching);
     match run(&args) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
@@ -51,7 +52,10 @@ fn run(args: &Args) -> Result<(), Failure> {
         Command::Law { input, output, fit } => command::law::run(input, output, fit.as_deref()),
         Command::Modes { input, output, count } => command::modes::run(input, output, *count),
         Command::Check { input, json } => command::check::run(input, *json),
-        Command::Schema => command::schema::run(),
+        Command::Schema { identify } => command::schema::run(*identify),
+        Command::Identify { problem, output, threads } => {
+            command::identify::run(problem, output, *threads, args.quiet)
+        }
         Command::Analyse(asked) => command::analyse::run(asked, args.quiet),
         Command::Convert { input, output, knowledge, to, si, json } => {
             let written = command::convert::Written { to: *to, si: *si, json: *json };

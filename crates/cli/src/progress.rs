@@ -7,8 +7,9 @@ use tracing_subscriber::layer::SubscriberExt;
 use tracing_subscriber::util::SubscriberInitExt;
 
 /// Starts logging at `verbosity`: -1 errors only, 0 warnings, 1 information, 2 and more details.
-/// The environment variable `RUST_LOG` overrides it.
-pub(crate) fn start_logging(verbosity: i8) {
+/// With `searching` the integrator's warnings wait for one more: a search goes through laws that
+/// nobody asked for. The environment variable `RUST_LOG` overrides it.
+pub(crate) fn start_logging(verbosity: i8, searching: bool) {
     let level = match verbosity {
         ..0 => LevelFilter::ERROR,
         0 => LevelFilter::WARN,
@@ -16,7 +17,10 @@ pub(crate) fn start_logging(verbosity: i8) {
         2 => LevelFilter::DEBUG,
         _ => LevelFilter::TRACE,
     };
-    let filter = EnvFilter::builder().with_default_directive(level.into()).from_env_lossy();
+    let mut filter = EnvFilter::builder().with_default_directive(level.into()).from_env_lossy();
+    if searching && verbosity == 0 && std::env::var_os("RUST_LOG").is_none() {
+        filter = EnvFilter::new("warn,asperity_dynamics=error");
+    }
     let bars = IndicatifLayer::new();
     let lines = tracing_subscriber::fmt::layer()
         .with_writer(bars.get_stderr_writer())

@@ -41,6 +41,9 @@ pub(crate) fn draw(figure: &Figure) -> String {
     }
     let mut canvas = Canvas::default();
     for (index, plot) in page.plots(figure, &heads).iter().enumerate() {
+        if plot.panel.blank {
+            continue;
+        }
         plot.draw(&mut canvas);
         if let Some(key) = &above[index] {
             key.draw(&mut canvas, &key.above(&plot.frame));
@@ -163,7 +166,8 @@ impl Page {
         if self.tagged {
             let left = (index % self.columns) as f64 * (self.cell.0 + GAP.0);
             let style = TextStyle::new(HEAD_FONT, HorizontalAlign::Start).bold();
-            canvas.text(left + 1.0, plot.frame.top - 5.0, &tag(index), style);
+            let before = figure.panels[..index].iter().filter(|panel| !panel.blank);
+            canvas.text(left + 1.0, plot.frame.top - 5.0, &tag(before.count()), style);
         }
         let middle = 0.5 * (plot.frame.left + plot.frame.right);
         let style = TextStyle::new(HEAD_FONT, HorizontalAlign::Middle);

@@ -29,7 +29,7 @@
 //! | `table`, `csv` | columns and their text |
 //! | `series`, `axis`, `panel`, `figure` | what is to be drawn |
 //! | `scale`, `ticks`, `tick_label`, `trace` | data to page: mapping, marks, clipping and thinning |
-//! | `layout`, `ruler`, `plot`, `mark`, `note`, `legend`, `color_bar` | page: frames, curves, texts, keys |
+//! | `layout`, `ruler`, `plot`, `mark`, `error_bar`, `note`, `legend`, `color_bar` | page: frames, curves, texts, keys |
 //! | `drawing`, `symbol` | sketches: springs, dampers, hatching, arrows |
 //! | `svg`, `text`, `raster` | SVG text, glyph widths, PNG |
 //! | `report` with `html`, `embed`, `markdown` | pages |
@@ -40,6 +40,7 @@ mod color_bar;
 mod csv;
 mod drawing;
 mod error;
+mod error_bar;
 mod figure;
 mod layout;
 mod legend;

@@ -67,10 +67,12 @@ pub struct Panel {
     pub(crate) series: Vec<Series>,
     pub(crate) notes: Vec<Note>,
     pub(crate) references: Vec<Reference>,
+    pub(crate) shades: Vec<(f64, f64)>,
     pub(crate) corner: Option<(Legend, String)>,
     pub(crate) legend: Legend,
     pub(crate) color_bar: Option<ColorBar>,
     pub(crate) grid: bool,
+    pub(crate) blank: bool,
 }
 
 impl Panel {
@@ -83,11 +85,19 @@ impl Panel {
             series: Vec::new(),
             notes: Vec::new(),
             references: Vec::new(),
+            shades: Vec::new(),
             corner: None,
             legend: Legend::Auto,
             color_bar: None,
             grid: false,
+            blank: false,
         }
+    }
+
+    /// A place that stays empty, so that the next panel comes further right.
+    pub fn blank() -> Self {
+        let axis = || Axis::linear("", "").ticks(std::iter::empty::<(f64, String)>());
+        Self { blank: true, ..Self::new(axis(), axis()) }
     }
 
     /// Adds a series; later ones are drawn over earlier ones, bands under all.
@@ -142,6 +152,14 @@ impl Panel {
     #[must_use]
     pub fn horizontal(mut self, y: f64, text: impl Into<String>) -> Self {
         self.references.push(Reference { at: y, vertical: false, text: text.into() });
+        self
+    }
+
+    /// Shades the part of the panel between two abscissae, in data units; infinite ones, and those
+    /// that a logarithmic axis cannot show, stand for its sides.
+    #[must_use]
+    pub fn shade(mut self, from: f64, to: f64) -> Self {
+        self.shades.push((from, to));
         self
     }
 

@@ -1,7 +1,7 @@
 //! One panel on the page: frame, marks, curves, notes.
 
 use crate::{
-    Color, Dash, Panel,
+    Color, Dash, Panel, error_bar,
     legend::Obstacles,
     mark::{self, Look},
     note,
@@ -18,6 +18,10 @@ pub(crate) const LABEL_FONT: f64 = 8.0 * PX_PER_PT;
 pub(crate) const NOTE_FONT: f64 = 7.0 * PX_PER_PT;
 /// How far the fill of a band is mixed with white.
 pub(crate) const BAND_LIGHTNESS: f64 = 0.78;
+/// Fill of a shaded part of a panel.
+const SHADE: Color = Color::hex(0xf0_f0f0);
+/// Width of error bars, in points.
+const ERROR_LINE: f64 = 0.7;
 /// Width of the frame and its marks.
 const HAIRLINE: f64 = 0.7;
 /// Lengths of labelled and short marks.
@@ -122,6 +126,11 @@ impl Plot<'_> {
         }
     }
 
+    /// The error bars of a series, each with its caps where these lie in the frame.
+    fn errors(&self, series: &Series) -> Vec<Vec<Point>> {
+        error_bar::parts(series, &self.x.scale, &self.y.scale, &self.frame)
+    }
+
     /// The polygons of a band.
     fn areas(&self, series: &Series) -> Vec<Vec<Point>> {
         let rows = series.x.iter().zip(series.y.iter().zip(&series.lower));
@@ -152,6 +161,7 @@ impl Plot<'_> {
         let mut obstacles = Obstacles::default();
         for series in &self.panel.series {
             obstacles.lines.extend(self.lines(series));
+            obstacles.lines.extend(self.errors(series));
             obstacles.points.extend(self.markers(series));
             for mut area in self.areas(series) {
                 area.extend(area.first().copied());
@@ -167,6 +177,7 @@ impl Plot<'_> {
     /// Draws all but the legend.
     pub(crate) fn draw(&self, canvas: &mut Canvas) {
         let frame = &self.frame;
+        self.shades(canvas);
         if self.panel.grid {
             self.grid(canvas);
         }
@@ -183,6 +194,7 @@ impl Plot<'_> {
         self.axes(canvas);
         for (index, series) in self.panel.series.iter().enumerate() {
             let color = self.panel.series_color(index);
+            stroke(canvas, &self.errors(series), color, Dash::Solid, series.width.min(ERROR_LINE));
             stroke(canvas, &self.lines(series), color, series.dash, series.width);
         }
         for (index, series) in self.panel.series.iter().enumerate() {
@@ -196,6 +208,21 @@ impl Plot<'_> {
             let style = TextStyle::new(NOTE_FONT, HorizontalAlign::Middle).color(Color::RED).halo();
             let (x, y) = (0.5 * (frame.left + frame.right), 0.5 * (frame.top + frame.bottom));
             canvas.text(x, y, &error.to_string(), style);
+        }
+    }
+
+    fn shades(&self, canvas: &mut Canvas) {
+        let Frame { left, top, right, bottom } = self.frame;
+        for &(from, to) in &self.panel.shades {
+            let inside = |at: f64, open: f64| {
+                let at = self.x.scale.datum(at);
+                if at.is_nan() { open } else { at.clamp(left, right) }
+            };
+            let (from, to) = (inside(from, left), inside(to, right));
+            if to > from {
+                let style = format!(r#"fill="{SHADE}""#);
+                canvas.rectangle(from, top, to - from, bottom - top, &style);
+            }
         }
     }
 

@@ -59,6 +59,8 @@ pub struct Series {
     pub(crate) x: Vec<f64>,
     pub(crate) y: Vec<f64>,
     pub(crate) lower: Vec<f64>,
+    pub(crate) error_x: Vec<f64>,
+    pub(crate) error_y: Vec<f64>,
     pub(crate) join: Join,
     pub(crate) color: Option<Color>,
     pub(crate) dash: Dash,
@@ -76,6 +78,8 @@ impl Series {
             x: x.to_vec(),
             y: y.to_vec(),
             lower: Vec::new(),
+            error_x: Vec::new(),
+            error_y: Vec::new(),
             join,
             color: None,
             dash: Dash::Solid,
@@ -173,15 +177,41 @@ impl Series {
         self
     }
 
+    /// Draws a vertical bar through each point, `errors` long above and below.
+    ///
+    /// Where an error is not finite there is no bar.
+    #[must_use]
+    pub fn errors(mut self, errors: impl AsRef<[f64]>) -> Self {
+        self.error_y = errors.as_ref().to_vec();
+        self
+    }
+
+    /// Draws a horizontal bar through each point, `errors` long to the left and to the right.
+    #[must_use]
+    pub fn horizontal_errors(mut self, errors: impl AsRef<[f64]>) -> Self {
+        self.error_x = errors.as_ref().to_vec();
+        self
+    }
+
     /// Every abscissa and ordinate the series reaches, as pairs.
     pub(crate) fn extent(&self) -> impl Iterator<Item = (f64, f64)> {
         let pair = |values| self.x.iter().copied().zip(values);
-        pair(self.y.iter().copied()).chain(pair(self.lower.iter().copied()))
+        let points = pair(self.y.iter().copied()).chain(pair(self.lower.iter().copied()));
+        points.chain(self.error_ends().flatten())
+    }
+
+    /// Both ends of every error bar.
+    pub(crate) fn error_ends(&self) -> impl Iterator<Item = [(f64, f64); 2]> {
+        let points = || self.x.iter().copied().zip(self.y.iter().copied());
+        let across = points().zip(&self.error_x).map(|((x, y), e)| [(x - e, y), (x + e, y)]);
+        let along = points().zip(&self.error_y).map(|((x, y), e)| [(x, y - e), (x, y + e)]);
+        across.chain(along)
     }
 
     pub(crate) fn check_lengths(&self) -> Result<(), FigureError> {
         let lower = if self.join == Join::Band { self.lower.len() } else { self.x.len() };
-        for ordinates in [self.y.len(), lower] {
+        let errors = |errors: &[f64]| if errors.is_empty() { self.x.len() } else { errors.len() };
+        for ordinates in [self.y.len(), lower, errors(&self.error_x), errors(&self.error_y)] {
             if ordinates != self.x.len() {
                 return Err(FigureError::SeriesLengths {
                     series: self.name.clone(),

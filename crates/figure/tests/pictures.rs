@@ -135,6 +135,73 @@ fn a_legend_without_a_free_place_goes_above_the_frame() {
     assert_eq!(straight.to_svg(), corner.to_svg());
 }
 
+/// Ends of a bar on the page: abscissae and ordinates of the first two points of a path that is
+/// drawn with the width of an error bar.
+fn bars(svg: &str) -> Vec<[f64; 4]> {
+    let paths = svg.lines().filter(|line| line.contains("stroke-width=\"0.93\""));
+    let data = paths.filter_map(|line| line.split('"').nth(1));
+    let parts = data.flat_map(|data| data.split('M').skip(1));
+    let numbers = |part: &str| part.split(' ').flat_map(str::parse).collect::<Vec<f64>>();
+    parts.filter_map(|part| numbers(part).try_into().ok()).collect()
+}
+
+#[test]
+fn error_bars_reach_as_far_as_the_errors() {
+    let panel = || Panel::new(Axis::linear("x", "").range(0.0, 5.9), Axis::linear("y", ""));
+    let figure = |series: Series| Figure::new("F").panel(panel().series(series)).to_svg();
+    let points = || Series::points("", [2.0, 5.0], [1.0, 4.0]);
+
+    // Each bar has two caps; a bar of no length and one that is not known are left out.
+    let drawn = bars(&figure(points().errors([1.0, 2.0])));
+    assert_eq!(drawn.len(), 6);
+    assert!(bars(&figure(points().errors([f64::NAN, 0.0]))).is_empty());
+    // Twice the error is twice as long, about the same middle.
+    let upright = |bar: &&[f64; 4]| bar[0] == bar[2];
+    let bodies: Vec<_> = drawn.iter().filter(upright).collect();
+    let length = |bar: &[f64; 4]| (bar[1] - bar[3]).abs();
+    assert!((length(bodies[1]) / length(bodies[0]) - 2.0).abs() < 2e-3, "{bodies:?}");
+    // The axis reaches the ends: 6 lies above the points.
+    let wide = bars(&figure(points().horizontal_errors([1.0, 1.0])));
+    assert_eq!(wide.iter().filter(|bar| bar[1] == bar[3]).count(), 2);
+    assert!(figure(points().errors([1.0, 2.0])).contains(">6<"));
+    assert!(!figure(points()).contains(">6<"));
+
+    // On a logarithmic axis a bar through zero goes down to the frame.
+    let log = Panel::new(Axis::linear("x", ""), Axis::log("y", "").range(0.1, 100.0));
+    let log = log.series(Series::points("", [1.0], [1.0]).errors([2.0]));
+    // The body and its upper cap.
+    assert_eq!(bars(&Figure::new("F").panel(log).to_svg()).len(), 3);
+
+    let short = Figure::new("F").panel(panel().series(points().errors([1.0])));
+    assert!(matches!(short.check(), Err(FigureError::SeriesLengths { x: 2, y: 1, .. })));
+}
+
+#[test]
+fn blank_places_draw_nothing_and_take_no_tag() {
+    let panel = || axes().series(Series::line("", [0.0, 1.0], [0.0, 1.0]));
+    let figure = Figure::new("F").columns(2).panel(panel()).panel(Panel::blank()).panel(panel());
+    let svg = figure.to_svg();
+    assert!(figure.check().is_ok());
+    assert!(svg.contains(">(a)<") && svg.contains(">(b)<") && !svg.contains(">(c)<"));
+    // The page, and the frames of two panels.
+    assert_eq!(svg.matches("<rect").count(), 3);
+}
+
+#[test]
+fn shades_stay_inside_the_frame() {
+    let shaded = |from: f64, to: f64| {
+        let panel = axes().series(Series::line("", [0.0, 10.0], [0.0, 1.0])).shade(from, to);
+        let svg = Figure::new("F").panel(panel).to_svg();
+        let line = svg.lines().find(|line| line.contains("#f0f0f0"))?.to_owned();
+        let width = line.split("width=\"").nth(1)?.split('"').next()?.parse::<f64>();
+        width.ok()
+    };
+    let whole = shaded(f64::NEG_INFINITY, f64::INFINITY).unwrap();
+    assert!((shaded(0.0, 5.0).unwrap() / whole - 0.5).abs() < 1e-3);
+    assert_eq!(shaded(-100.0, 100.0), Some(whole));
+    assert_eq!(shaded(11.0, 12.0), None);
+}
+
 #[test]
 fn colours_of_levels_match_their_bar() {
     let levels = [0.1, 0.5, 2.0];

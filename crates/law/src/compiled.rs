@@ -1,10 +1,12 @@
 //! A law as a fast table about a state.
 
+mod nodes;
 mod span;
 
 use crate::cell::Cell;
 use crate::error::{LawError, Quantity, above, finite};
-use crate::law::ContactLaw;
+use crate::law::{ContactLaw, Pressure};
+use nodes::{march, nodes};
 use span::{Grid, Layout, Span};
 
 /// A contact law compiled to a table of cubics: pressure increment against closure increment,
@@ -71,6 +73,15 @@ const LAST_CELLS: usize = Compiled::MAX_CELLS - DIVIDED * DIVISION - 2;
 
 /// Where in a cell the error is checked: Chebyshev-like, denser towards the ends.
 const CHECKS: [f64; 8] = [0.03, 0.12, 0.25, 0.42, 0.58, 0.75, 0.88, 0.97];
+
+/// Where it is checked in cells among smooth ones, whose error is greatest in their middle.
+const MIDDLE: [f64; 2] = [0.42, 0.58];
+
+/// Of so many cells one is checked everywhere, and against the law inverted from the state.
+const WATCHED: usize = 8;
+
+/// First cells, next to loss of contact, that are checked everywhere.
+const EDGE: usize = 16;
 
 /// Ratio of the error bound to the largest error found.
 const SAFETY: f64 = 2.0;
@@ -139,7 +150,9 @@ impl Compiled {
                 return Ok(Self { error_bound: bound, ..table });
             }
             best = (grid.count(), bound);
-            if last {
+            // Cubics gain at most the fourth power of the cells.
+            let most = (LAST_CELLS as f64 / wanted as f64).max(1.0).powi(4);
+            if last || bound > limit * most {
                 break;
             }
             wanted *= 2;
@@ -257,40 +270,25 @@ impl Compiled {
 
     /// The table on a grid, its error not yet known.
     fn on_grid(law: &dyn ContactLaw, state: f64, span: &Span, grid: &Grid) -> Self {
-        // Increment at `place` coarse cells above the lowest node, and its rise over `width` cells
-        // at the tangent there.
-        let node = |place: f64, width: f64| {
-            let at = law.pressure_increment(state, grid.closure(place));
-            let (value, tangent) = if place == 0.0 && span.separates {
-                (0.0 - state, law.stiffness(0.0))
-            } else if place == grid.below as f64 {
-                (0.0, at.tangent)
-            } else {
-                (at.value, at.tangent)
-            };
-            (value, tangent * (grid.width * width))
-        };
         let divided = if span.singular { grid.count().min(DIVIDED) } else { 0 };
         let fine_cells = divided * DIVISION;
-        let mut cells = Vec::with_capacity(1 + fine_cells + grid.count());
-        let mut left = node(0.0, 1.0);
+        let part = 1.0 / DIVISION as f64;
+        let fine = (0..fine_cells).map(|i| i as f64 * part);
+        let places: Vec<f64> = fine.chain((divided..=grid.count()).map(|i| i as f64)).collect();
+        let nodes = nodes(law, state, span, grid, &places);
+        // The rise over a cell at the tangent of a node.
+        let rise = |node: Pressure, width: f64| (node.value, node.tangent * (grid.width * width));
+        let mut cells = Vec::with_capacity(places.len());
         cells.push(if span.separates {
             [0.0 - state, 0.0, 0.0, 0.0]
         } else if span.floored {
-            [left.0, 0.0, 0.0, 0.0]
+            [nodes[0].value, 0.0, 0.0, 0.0]
         } else {
             [f64::NAN; 4]
         });
-        for i in 1..=fine_cells {
-            let width = 1.0 / DIVISION as f64;
-            let right = node(i as f64 * width, width);
-            cells.push(hermite((left.0, left.1 * width), right));
-            left = (right.0, right.1 / width);
-        }
-        for i in divided + 1..=grid.count() {
-            let right = node(i as f64, 1.0);
-            cells.push(hermite(left, right));
-            left = right;
+        for (i, pair) in nodes.windows(2).enumerate() {
+            let width = if i < fine_cells { part } else { 1.0 };
+            cells.push(hermite(rise(pair[0], width), rise(pair[1], width)));
         }
 
         let below = grid.below as f64;
@@ -322,6 +320,7 @@ impl Compiled {
 
     /// Error bound of the table, or the first that exceeds `stop`.
     fn measure(&self, law: &dyn ContactLaw, grid: &Grid, stop: f64) -> f64 {
+        let kinks = law.kinks();
         let mut bound = 0.0_f64;
         for (i, cell) in self.cells.iter().enumerate().skip(1) {
             let &[c0, c1, c2, c3] = cell;
@@ -330,7 +329,12 @@ impl Compiled {
             let steepest = c1.abs().max((c1 + 2.0 * c2 + 3.0 * c3).abs());
             let size = c0.abs().max((c0 + c1 + c2 + c3).abs());
             let rounding = 2.0 * f64::EPSILON * (steepest * self.cells.len() as f64 + size);
-            for t in CHECKS {
+            // A kink of the law may put the error anywhere.
+            let (from, to) = (self.pressure_state + c0, self.pressure_state + (c0 + c1 + c2 + c3));
+            let kinked = kinks.iter().any(|kink| (from..=to).contains(kink));
+            let watched = i % WATCHED == 0 || i <= EDGE || kinked;
+            let checks: &[f64] = if watched { &CHECKS } else { &MIDDLE };
+            for &t in checks {
                 let fine = self.fine_cells as usize;
                 let place = if i <= fine {
                     ((i - 1) as f64 + t) / DIVISION as f64
@@ -338,7 +342,17 @@ impl Compiled {
                     (i - 1 - fine + fine / DIVISION) as f64 + t
                 };
                 let x = grid.closure(place);
-                let exact = law.pressure_increment(self.pressure_state, x).value;
+                let width = if i <= fine { 1.0 / DIVISION as f64 } else { 1.0 };
+                // Most from the node below, which some from the state watch over.
+                let near = if watched {
+                    None
+                } else {
+                    march(law, self.pressure_state + c0, t * width * grid.width)
+                };
+                let exact = near.map_or_else(
+                    || law.pressure_increment(self.pressure_state, x).value,
+                    |at| c0 + at.value,
+                );
                 let off = (self.get(x) - exact).abs();
                 let found = SAFETY * off + rounding;
                 // A NaN must not pass for an error of zero.

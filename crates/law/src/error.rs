@@ -117,9 +117,10 @@ pub enum LawError {
     /// The greatest number of cells does not reach the tolerance.
     #[error("error bound {value} Pa with {cells} cells; the tolerance asks for {limit} Pa")]
     Unresolved {
-        /// Cells of the last attempt; at most [`Compiled::MAX_CELLS`](crate::Compiled::MAX_CELLS).
+        /// Cells of the last attempt; at most [`Compiled::MAX_CELLS`](crate::Compiled::MAX_CELLS),
+        /// fewer where the fourth power of that many more would not do.
         cells: usize,
-        /// Error bound reached \[Pa\]; infinite where no table of so few cells covers the range.
+        /// Error bound found \[Pa\], or a part of it; infinite where no table of so few cells covers the range.
         value: f64,
         /// Error bound asked for \[Pa\].
         limit: f64,

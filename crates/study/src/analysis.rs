@@ -17,6 +17,7 @@
 //! | `options`, `select` | what is asked for, which channel is meant |
 //! | `stream`, `scan` | files as blocks in SI; level and length of the hits |
 //! | `hits` | one hit after the other |
+//! | `cut` | the hits alone |
 //! | `average`, `curve` | the averaged function, what is drawn |
 //! | `report`, `verdict`, `tables` | `analysis.json`, its words, CSV |
 //! | `convert`, `simulated` | files to files, runs to files |
@@ -25,6 +26,7 @@
 mod average;
 pub mod convert;
 mod curve;
+mod cut;
 mod error;
 mod hits;
 mod options;
@@ -38,6 +40,7 @@ mod verdict;
 
 pub use average::AveragedFrf;
 pub use curve::HitCurve;
+pub(crate) use cut::cut;
 pub use error::AnalysisError;
 pub use options::{
     AnalysisOptions, Band, HitCount, SensorOf, TimeConstant, WindowChoice, estimator, form,

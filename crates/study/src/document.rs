@@ -7,6 +7,7 @@ use std::fmt::Write as _;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
+use serde::de::DeserializeOwned;
 use serde_json::Value;
 use sha2::{Digest, Sha256};
 use thiserror::Error;
@@ -64,7 +65,7 @@ pub enum DocumentError {
         path: PathBuf,
     },
     /// There is no text.
-    #[error("{}: the file is empty; expected a JSON object with \"schema\": \"asperity/scenario/1\"", path.display())]
+    #[error("{}: the file is empty; expected a JSON object with a \"schema\"", path.display())]
     Empty {
         /// The file.
         path: PathBuf,
@@ -182,27 +183,42 @@ impl Document {
     /// # Errors
     /// [`Invalid`] holds every problem found, in the order of the text.
     pub fn scenario(&self) -> Result<Scenario, Invalid> {
+        let whole = validate::check(&self.value, self.folder());
+        self.typed(schema(), whole, "a scenario as `asperity schema` describes it")
+    }
+
+    /// What the document holds, after every check: a `schema`, from which the type is generated,
+    /// and the problems of the `whole` found by other means.
+    pub(crate) fn typed<T: DeserializeOwned>(
+        &self,
+        schema: &Value,
+        whole: Vec<Diagnostic>,
+        accepted: &'static str,
+    ) -> Result<T, Invalid> {
         let mut diagnostics = self.repeated.clone();
-        let of_schema = schema_check::check(schema(), &self.value);
-        let of_whole = validate::check(&self.value, self.folder());
+        let of_schema = schema_check::check(schema, &self.value);
         let told: HashSet<&str> = of_schema.iter().map(|found| found.pointer.as_str()).collect();
         diagnostics
-            .extend(of_whole.into_iter().filter(|found| !told.contains(found.pointer.as_str())));
+            .extend(whole.into_iter().filter(|found| !told.contains(found.pointer.as_str())));
         diagnostics.extend(of_schema);
         if diagnostics.is_empty() {
             // The schema is generated from the types, so what passes it fits them.
             match serde_json::from_value(self.value.clone()) {
-                Ok(scenario) => return Ok(scenario),
+                Ok(found) => return Ok(found),
                 Err(error) => diagnostics.push(Diagnostic::new(
                     &Pointer::root(),
                     Problem::SchemaGap { reason: error.to_string() },
-                    "a scenario as `asperity schema` describes it",
+                    accepted,
                 )),
             }
         }
+        Err(self.invalid(diagnostics))
+    }
+
+    /// The document as an invalid one, its problems at their places in the text.
+    pub(crate) fn invalid(&self, mut diagnostics: Vec<Diagnostic>) -> Invalid {
         self.place(&mut diagnostics);
-        let path = self.path.clone();
-        Err(Invalid { path, diagnostics })
+        Invalid { path: self.path.clone(), diagnostics }
     }
 
     /// The JSON value, with every `set` applied.

@@ -6,7 +6,14 @@ use std::path::{Path, PathBuf};
 use crate::error::OutputError;
 
 /// File whose presence marks a folder as an earlier output of this command.
-const MARKS: [&str; 5] = ["summary.json", "sweep.json", "modes.json", "law.json", "analysis.json"];
+const MARKS: [&str; 6] = [
+    "summary.json",
+    "sweep.json",
+    "modes.json",
+    "law.json",
+    "analysis.json",
+    "identification.json",
+];
 
 /// A folder that takes results.
 ///

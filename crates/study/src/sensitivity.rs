@@ -20,6 +20,9 @@ use crate::error::StudyError;
 use crate::run::rest_state;
 use varied::Varied;
 
+pub(crate) use observables::Table;
+pub(crate) use varied::{rig_with, with_laws_of};
+
 /// A number of a scenario, and its value there.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Parameter {

@@ -148,44 +148,8 @@ impl Summary {
 
     /// The names of [`scalars`](Self::scalars).
     pub fn names(&self) -> Vec<String> {
-        let mut names = vec!["static.natural_frequency_hz".to_owned()];
-        for state in &self.at_rest.interfaces {
-            for key in ["pressure_pa", "stiffness_pa_per_m", "closure_m"] {
-                names.push(format!("static.interfaces.{}.{key}", state.name));
-            }
-        }
-        let keys = [
-            "fundamental.frequency_hz",
-            "fundamental.receptance_m_per_n",
-            "fundamental.damping_ratio",
-            "fundamental.damping_ratio_decrement",
-            "second_harmonic.frequency_hz",
-            "second_harmonic.receptance_m_per_n",
-            "harmonic_ratio",
-        ];
-        names.extend(keys.map(str::to_owned));
-        for contact in &self.interfaces {
-            for key in [
-                "pressure_min_pa",
-                "pressure_max_pa",
-                "stiffness_average_pa_per_m",
-                "stiffness_at_pressure_min_pa_per_m",
-                "contact_lost_s",
-            ] {
-                names.push(format!("interfaces.{}.{key}", contact.name));
-            }
-        }
-        let keys = [
-            "energy.input_j",
-            "energy.dissipated_j",
-            "energy.stored_j",
-            "energy.numerical_loss_j",
-            "energy.residual_relative",
-            "numerics.step_s",
-            "numerics.steps",
-        ];
-        names.extend(keys.map(str::to_owned));
-        names
+        let interfaces = self.at_rest.interfaces.iter().map(|state| state.name.as_str());
+        scalar_names(&interfaces.collect::<Vec<_>>())
     }
 
     /// The numbers of [`scalars`](Self::scalars), in the order of [`names`](Self::names).
@@ -227,4 +191,46 @@ impl Summary {
         values.extend(numbers.map(Some));
         values
     }
+}
+
+/// The names of a summary's numbers, for a rig with `interfaces` of these names.
+pub fn scalar_names(interfaces: &[&str]) -> Vec<String> {
+    let mut names = vec!["static.natural_frequency_hz".to_owned()];
+    for name in interfaces {
+        for key in ["pressure_pa", "stiffness_pa_per_m", "closure_m"] {
+            names.push(format!("static.interfaces.{name}.{key}"));
+        }
+    }
+    let keys = [
+        "fundamental.frequency_hz",
+        "fundamental.receptance_m_per_n",
+        "fundamental.damping_ratio",
+        "fundamental.damping_ratio_decrement",
+        "second_harmonic.frequency_hz",
+        "second_harmonic.receptance_m_per_n",
+        "harmonic_ratio",
+    ];
+    names.extend(keys.map(str::to_owned));
+    for name in interfaces {
+        for key in [
+            "pressure_min_pa",
+            "pressure_max_pa",
+            "stiffness_average_pa_per_m",
+            "stiffness_at_pressure_min_pa_per_m",
+            "contact_lost_s",
+        ] {
+            names.push(format!("interfaces.{name}.{key}"));
+        }
+    }
+    let keys = [
+        "energy.input_j",
+        "energy.dissipated_j",
+        "energy.stored_j",
+        "energy.numerical_loss_j",
+        "energy.residual_relative",
+        "numerics.step_s",
+        "numerics.steps",
+    ];
+    names.extend(keys.map(str::to_owned));
+    names
 }

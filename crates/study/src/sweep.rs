@@ -4,12 +4,8 @@
 //! |---|---|
 //! | `variation` | what is varied |
 //! | `plan` | the scenarios of a sweep, checked before the first run |
-//! | `case` | what runs share that differ in their drive alone |
-//! | `observe` | from a hit's record to its summary |
 //! | `table` | what came of it, and as CSV |
 
-mod case;
-mod observe;
 mod plan;
 mod table;
 mod variation;
@@ -24,9 +20,8 @@ use rayon::prelude::*;
 use crate::document::Document;
 use crate::error::StudyError;
 use crate::run::simulate;
+use crate::struck::{Case, Observer};
 use crate::summary::Summary;
-use case::Case;
-use observe::Observer;
 use plan::Plan;
 
 pub use plan::SweepError;
@@ -127,7 +122,7 @@ impl Work<'_> {
             }
         }
         let natural = |index: usize| of[index].1.at_rest.natural_frequency_hz;
-        let thinning = |index: usize, step: f64| self.observer.thinning(natural(index), step);
+        let thinning = |index: usize, step: f64| self.observer.thinning(natural(index), 0.0, step);
         let instructions = format!("{:?}", self.batch.instructions).to_lowercase();
         let records = self.batch.run(&hits, &thinning);
         for ((record, hit), (place, case)) in records.into_iter().zip(&hits).zip(&of) {

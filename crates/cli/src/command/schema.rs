@@ -1,10 +1,14 @@
 //! `asperity schema`.
 
+use asperity_study::identification::problem::problem_schema;
+use asperity_study::schema::schema;
+
 use crate::failure::Failure;
 
-/// Prints the JSON Schema of the scenario.
+/// Prints the JSON Schema of the scenario, or of a problem.
 #[allow(clippy::unnecessary_wraps, reason = "every subcommand has the same signature")]
-pub(crate) fn run() -> Result<(), Failure> {
-    answer!("{}", super::pretty(asperity_study::schema::schema()));
+pub(crate) fn run(identify: bool) -> Result<(), Failure> {
+    let schema = if identify { problem_schema() } else { schema() };
+    answer!("{}", super::pretty(schema));
     Ok(())
 }

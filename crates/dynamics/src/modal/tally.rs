@@ -45,17 +45,22 @@ impl<S: Simd> Tally<S> {
     ) -> Self {
         let zero = Pair(simd).splat(0.0);
         let watch = |i: usize| {
+            // Lanes without a hit are never looked at.
             let mut open_below = Pair(simd).splat(f64::NEG_INFINITY);
+            let mut look_below = open_below;
+            let mut look_above = Pair(simd).splat(f64::INFINITY);
             for (lane, hit) in block.lanes.iter().enumerate() {
                 if let Some(hit) = hit {
                     set_lane::<S>(&mut open_below, lane, hit.open_below(i));
+                    set_lane::<S>(&mut look_below, lane, 0.0);
+                    set_lane::<S>(&mut look_above, lane, 0.0);
                 }
             }
             Watch {
                 extremes: vec![Extremes::default(); 2 * S::F64_LANES],
                 tail: [zero; 2],
-                look_below: zero,
-                look_above: zero,
+                look_below,
+                look_above,
                 open_below,
             }
         };
@@ -104,6 +109,9 @@ impl<S: Simd> Watch<S> {
     #[inline(never)]
     fn look_at_lanes<const N: usize>(&mut self, chunk: &[Step<Numbers<S>, N>], i: usize) {
         for lane in 0..2 * S::F64_LANES {
+            if lane_of::<S>(&self.look_above, lane) == f64::INFINITY {
+                continue;
+            }
             let mut pressures = [0.0; CHUNK + 2];
             for (pressure, tail) in pressures.iter_mut().zip(&self.tail) {
                 *pressure = lane_of::<S>(tail, lane);

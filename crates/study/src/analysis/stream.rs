@@ -25,9 +25,9 @@ pub(super) struct Block {
 
 /// What all files share.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Sampling {
+pub(crate) struct Sampling {
     pub(super) rate_hz: f64,
-    pub(super) route: Route,
+    pub(crate) route: Route,
 }
 
 /// A channel that was analysed.

@@ -184,9 +184,9 @@ pub enum Problem {
         /// Length of a step in s.
         step_s: f64,
     },
-    /// The scenario fits the schema but not the types the schema is made from:
+    /// The document fits the schema but not the types the schema is made from:
     /// a defect of this program.
-    #[error("the scenario cannot be read although it fits the schema: {reason}")]
+    #[error("the document cannot be read although it fits the schema: {reason}")]
     SchemaGap {
         /// What the deserialiser reports.
         reason: String,

@@ -13,10 +13,10 @@ type Rate<'a> = dyn Fn(&[f64], &[f64]) -> Option<f64> + 'a;
 
 /// Answers and their derivatives, row by row.
 #[derive(Debug, Default)]
-pub(super) struct Table {
-    pub(super) columns: Vec<String>,
-    pub(super) values: Vec<Option<f64>>,
-    pub(super) jacobian: Vec<Vec<Option<f64>>>,
+pub(crate) struct Table {
+    pub(crate) columns: Vec<String>,
+    pub(crate) values: Vec<Option<f64>>,
+    pub(crate) jacobian: Vec<Vec<Option<f64>>>,
 }
 
 impl Table {
@@ -27,7 +27,7 @@ impl Table {
     }
 
     /// The state at rest, from those at the places of the stencil.
-    pub(super) fn rest(
+    pub(crate) fn rest(
         &mut self,
         at_rest: &StaticSummary,
         four: &[&[StaticSummary; 4]],
@@ -50,7 +50,7 @@ impl Table {
     }
 
     /// Fundamental, second harmonic and damping of the response.
-    pub(super) fn peaks(
+    pub(crate) fn peaks(
         &mut self,
         found: &Sensitivity,
         natural: Option<f64>,
@@ -113,7 +113,7 @@ impl Table {
     }
 
     /// Extremes and stiffnesses of the interfaces, of these `names`.
-    pub(super) fn contacts(&mut self, found: &Sensitivity, names: &[&str]) {
+    pub(crate) fn contacts(&mut self, found: &Sensitivity, names: &[&str]) {
         type Of = fn(&ContactMeasures) -> f64;
         let measures: [(&str, Of); 4] = [
             ("pressure_min_pa", |contact| contact.pressure_min),

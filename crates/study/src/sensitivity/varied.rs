@@ -29,11 +29,12 @@ pub(super) fn base(
     let counts = counts.collect::<Result<Vec<_>, _>>()?;
     let duration = assembly.sampling.samples() as f64 * assembly.sampling.interval();
     let excitation = assembly.excitation.clone();
-    let rig = Arc::new(rig(assembly, &counts)?);
+    let rig = Arc::new(rig_with(assembly, &counts)?);
     Ok(Base { hit: Hit { rig, excitation, duration, step: method.step }, counts })
 }
 
-fn rig(assembly: &Assembly, counts: &[usize]) -> Result<ModalRig, DynamicsError> {
+/// The rig of `assembly` with this many modes of each body.
+pub(crate) fn rig_with(assembly: &Assembly, counts: &[usize]) -> Result<ModalRig, DynamicsError> {
     let Assembly { stack, equilibrium, damping_rate, .. } = assembly;
     ModalRig::with_counts(stack, equilibrium, *damping_rate, counts)
 }
@@ -75,7 +76,7 @@ impl Varied {
                 source: Box::new(source),
             })?;
             let assembly = Assembly::new(&scenario, document.folder())?;
-            let mut rig = rig(&assembly, &base.counts)?;
+            let mut rig = rig_with(&assembly, &base.counts)?;
             if !of_law {
                 rig = with_laws_of(&base.hit.rig, &rig)?;
             }
@@ -97,7 +98,7 @@ impl Varied {
 }
 
 /// The `rig` with the very laws of `base`, which says that they are not varied.
-fn with_laws_of(base: &ModalRig, rig: &ModalRig) -> Result<ModalRig, DynamicsError> {
+pub(crate) fn with_laws_of(base: &ModalRig, rig: &ModalRig) -> Result<ModalRig, DynamicsError> {
     let pairs = rig.contacts().iter().zip(base.contacts());
     let contacts =
         pairs.map(|(contact, base)| ModalContact { law: Arc::clone(&base.law), ..contact.clone() });

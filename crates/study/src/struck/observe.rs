@@ -4,11 +4,11 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use asperity_dynamics::{Excitation, Hit, HitRecord, Thinning};
 use asperity_signal::{
-    Decimator, HarmonicOptions, Observed, Response, SharedForce, find_harmonics, half_power,
-    logarithmic_decrement,
+    Complex64, Decimator, HarmonicOptions, Observed, Response, SharedForce, find_harmonics,
+    half_power, logarithmic_decrement, transform_at,
 };
 
-use super::case::Case;
+use super::Case;
 use crate::error::StudyError;
 use crate::summary::{
     EnergySummary, Fundamental, InterfaceSummary, Numerics, Provenance, SUMMARY_SCHEMA,
@@ -23,7 +23,7 @@ const FREE: f64 = 1e-3;
 
 /// What hits share when their records are analysed.
 #[derive(Debug, Default)]
-pub(super) struct Observer {
+pub(crate) struct Observer {
     filters: Mutex<Vec<Arc<Filter>>>,
     /// The filter for a rig's frequency and a step, both in bits, that was asked for last.
     latest: Mutex<Option<(u64, u64, Arc<Thinning>)>>,
@@ -52,24 +52,24 @@ struct Drive {
 
 impl Observer {
     /// The filter for the output of a hit at `step` \[s\]: it keeps the windows in which peaks are
-    /// looked for, those of a rig of frequency `natural` \[Hz\].
-    pub(super) fn thinning(&self, natural: Option<f64>, step: f64) -> Arc<Thinning> {
+    /// looked for, those of a rig of frequency `natural` \[Hz\], and all below `wanted` \[Hz\].
+    pub(crate) fn thinning(&self, natural: Option<f64>, wanted: f64, step: f64) -> Arc<Thinning> {
         let options = HarmonicOptions::default();
         let band = options.fundamental_window.1 * options.second_window.1.max(1.0);
-        let high = natural.map_or(f64::INFINITY, |natural| band * natural);
+        let high = natural.map_or(f64::INFINITY, |natural| (band * natural).max(wanted));
         let (rig, bits) = (high.to_bits(), step.to_bits());
         let mut latest = self.latest.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((_, _, thinning)) = latest.as_ref().filter(|l| (l.0, l.1) == (rig, bits)) {
             return Arc::clone(thinning);
         }
-        let wanted = Decimator::keeping(1.0 / step, high);
+        let decimator = Decimator::keeping(1.0 / step, high);
         let mut filters = self.filters.lock().unwrap_or_else(PoisonError::into_inner);
-        let same = |filter: &&Arc<Filter>| filter.thinning.factor == wanted.factor();
+        let same = |filter: &&Arc<Filter>| filter.thinning.factor == decimator.factor();
         let known = filters.iter().find(same).map(|filter| Arc::clone(&filter.thinning));
         let thinning = known.unwrap_or_else(|| {
             let thinning =
-                Arc::new(Thinning { factor: wanted.factor(), taps: wanted.taps().into() });
-            filters.push(Arc::new(Filter { thinning: Arc::clone(&thinning), decimator: wanted }));
+                Arc::new(Thinning { factor: decimator.factor(), taps: decimator.taps().into() });
+            filters.push(Arc::new(Filter { thinning: Arc::clone(&thinning), decimator }));
             thinning
         });
         *latest = Some((rig, bits, Arc::clone(&thinning)));
@@ -119,8 +119,33 @@ impl Observer {
         Some((drive, factor))
     }
 
+    /// The receptance of a hit at some `frequencies` \[Hz\] that its filter keeps \[m/N\]; none
+    /// without a force.
+    pub(crate) fn receptance(
+        &self,
+        hit: &Hit,
+        record: &HitRecord,
+        frequencies: &[f64],
+    ) -> Option<Vec<Complex64>> {
+        let (drive, factor) = self.drive(hit, record)?;
+        let rate = 1.0 / (record.step * record.thinning.factor as f64);
+        let at = |&frequency: &f64| {
+            let [response, force] = [&record.displacement, &drive.force]
+                .map(|samples| transform_at(samples, rate, frequency));
+            response / (factor * force)
+        };
+        Some(frequencies.iter().map(at).collect())
+    }
+
+    /// The displacement of a hit after its force \[m\], and its rate \[Hz\]; none without a force.
+    pub(crate) fn decay<'a>(&self, hit: &Hit, record: &'a HitRecord) -> Option<(&'a [f64], f64)> {
+        let (drive, _) = self.drive(hit, record)?;
+        let rate = 1.0 / (record.step * record.thinning.factor as f64);
+        Some((record.displacement.get(drive.free..).unwrap_or_default(), rate))
+    }
+
     /// The summary of a hit from its record.
-    pub(super) fn summary(
+    pub(crate) fn summary(
         &self,
         case: &Case,
         hit: &Hit,

@@ -13,28 +13,28 @@ use crate::summary::{StaticSummary, Summary};
 
 /// An assembled scenario, with the modal rigs made of it so far.
 #[derive(Debug)]
-pub(super) struct Case {
-    pub(super) assembly: Assembly,
-    pub(super) at_rest: StaticSummary,
+pub(crate) struct Case {
+    pub(crate) assembly: Assembly,
+    pub(crate) at_rest: StaticSummary,
     /// By the number of modes of each body, which may depend on the drive.
     rigs: Mutex<Vec<(Vec<usize>, Arc<ModalRig>)>>,
     names: OnceLock<Arc<[String]>>,
 }
 
 impl Case {
-    pub(super) fn new(scenario: &Scenario, folder: &Path) -> Result<Self, StudyError> {
+    pub(crate) fn new(scenario: &Scenario, folder: &Path) -> Result<Self, StudyError> {
         let assembly = Assembly::new(scenario, folder)?;
         let at_rest = rest_state(&assembly);
         Ok(Self { assembly, at_rest, rigs: Mutex::default(), names: OnceLock::new() })
     }
 
     /// The names of the numbers of this case's runs, one of which has this summary.
-    pub(super) fn names(&self, summary: &Summary) -> Arc<[String]> {
+    pub(crate) fn names(&self, summary: &Summary) -> Arc<[String]> {
         Arc::clone(self.names.get_or_init(|| summary.names().into()))
     }
 
     /// The modal integrator, if the scenario asks for it.
-    pub(super) fn modal(&self) -> Option<Modal> {
+    pub(crate) fn modal(&self) -> Option<Modal> {
         match self.assembly.method {
             Integrator::Modal(modal) => Some(modal),
             Integrator::FiniteDifference(_) => None,
@@ -42,7 +42,7 @@ impl Case {
     }
 
     /// The hit of `drive` on this case.
-    pub(super) fn hit(
+    pub(crate) fn hit(
         &self,
         modal: &Modal,
         drive: &ExcitationSpec,
@@ -50,6 +50,11 @@ impl Case {
     ) -> Result<Hit, StudyError> {
         let excitation = excitation(drive, folder)?;
         excitation.check()?;
+        self.strike(modal, excitation)
+    }
+
+    /// The hit of a checked `excitation` on this case.
+    pub(crate) fn strike(&self, modal: &Modal, excitation: Excitation) -> Result<Hit, StudyError> {
         let rig = self.rig(modal, &excitation)?;
         let sampling = &self.assembly.sampling;
         let duration = sampling.samples() as f64 * sampling.interval();

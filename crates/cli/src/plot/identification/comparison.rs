@@ -1,0 +1,69 @@
+//! Laws compared.
+
+use asperity_figure::{Anchor, Axis, Color, Figure, Legend, Panel, Series};
+use asperity_study::identification::statistics::{CandidateOutcome, Choice, ModelVerdict};
+
+use super::fitted;
+
+/// Scores of left-out hits and information criteria, each less that of the best.
+pub(super) fn comparison(choice: &Choice) -> Figure {
+    let count = choice.candidates.len();
+    let best = choice.candidates.get(choice.best);
+    let place = |index: usize| (count - index) as f64;
+    let names = |shown: bool| {
+        let name = move |(index, candidate): (usize, &CandidateOutcome)| {
+            (place(index), if shown { fitted(&candidate.name, 34) } else { String::new() })
+        };
+        let ticks: Vec<(f64, String)> = choice.candidates.iter().enumerate().map(name).collect();
+        Axis::linear("", "").range(0.4, count as f64 + 0.6).ticks(ticks)
+    };
+    let finite = |value: f64| Some(value).filter(|value| value.is_finite());
+    let score = |candidate: &CandidateOutcome| candidate.score_difference.and_then(finite);
+    let aicc = |candidate: &CandidateOutcome| finite(candidate.aicc - best?.aicc);
+    let scores = panel("Score less the best's", names(true), choice, &place, &score, true);
+    let criteria = panel("AICc less the best's", names(false), choice, &place, &aicc, false);
+    let height = 26.0 + 9.0 * count as f64;
+    let figure = Figure::new("Laws compared").panel(scores).panel(criteria).columns(2);
+    figure.width_mm(175.0).row_height_mm(height.clamp(40.0, 200.0))
+}
+
+fn panel(
+    label: &str,
+    names: Axis,
+    choice: &Choice,
+    place: &dyn Fn(usize) -> f64,
+    value: &dyn Fn(&CandidateOutcome) -> Option<f64>,
+    errors: bool,
+) -> Panel {
+    let reach = |candidate: &CandidateOutcome| {
+        let x = value(candidate)?;
+        let error = candidate.difference_error.filter(|e| errors && e.is_finite()).unwrap_or(0.0);
+        Some([x - error, x + error])
+    };
+    let ends = || choice.candidates.iter().filter_map(reach).flatten();
+    let (low, high) = (ends().fold(0.0, f64::min), ends().fold(0.0, f64::max));
+    let room = 0.1 * (high - low).max(1.0);
+    let across = Axis::linear(label, "").range(low - room, high + room);
+    let mut panel = Panel::new(across, names).vertical(0.0, "");
+    for (index, candidate) in choice.candidates.iter().enumerate() {
+        let Some(x) = value(candidate) else { continue };
+        let color = match candidate.verdict {
+            ModelVerdict::Best => Color::GREEN,
+            ModelVerdict::Undecided => Color::ORANGE,
+            ModelVerdict::Rejected { .. } | ModelVerdict::Misfit { .. } => Color::RED,
+        };
+        let mut series = Series::points("", [x], [place(index)]).color(color).filled(true);
+        if errors && let Some(error) = candidate.difference_error.filter(|e| e.is_finite()) {
+            series = series.horizontal_errors([error]);
+        }
+        panel = panel.series(series);
+        // The best is at zero, where the vertical is.
+        if x == 0.0 {
+            continue;
+        }
+        let text = if x.abs() < 10.0 { format!("{x:.1}") } else { format!("{x:.0}") };
+        let text = text.replace('-', "−");
+        panel = panel.note_at(x, place(index), text, Anchor::Above, color);
+    }
+    panel.legend(Legend::None)
+}

@@ -1,0 +1,92 @@
+//! Stiffness over pressure with its band, and what is left of its uncertainty.
+
+use asperity_figure::{Axis, Color, Dash, Figure, Legend, Marker, Panel, Series};
+use asperity_study::identification::{INFORMED_SHARE, Identification};
+
+use super::Row;
+use super::rows::{Kind, column};
+
+/// Where a band is wider than this about the best fit it is cut, so that the law stays legible.
+const MOST_FACTOR: f64 = 6.0;
+
+/// Part of the largest pressure below which a vertical lies at the side of the frame.
+const LEAST_PLACE: f64 = 0.01;
+
+/// The law of an identification.
+pub(super) fn law(found: &Identification, rows: &[Row<'_>]) -> Figure {
+    let law = &found.law;
+    let feature = format!("stiffness of {}", law.name);
+    let points: Vec<&Row<'_>> =
+        rows.iter().filter(|row| row.kind == Kind::Stiffness && row.feature == feature).collect();
+    let top = law.pressure.last().copied().unwrap_or(1.0);
+    let top = column(&points, |row| row.at).into_iter().fold(top, f64::max);
+    let pressure = || Axis::linear("Pressure", "MPa").scale(1e-6).range(0.0, 1e-6 * top);
+
+    let band = format!("{:.0} % band", 100.0 * found.level);
+    let [low, high] = range(found, &points);
+    let stiffness = Axis::log("Contact stiffness", "Pa/m").range(low, high);
+    let drawn = |ends: &[f64]| ends.iter().any(|end| *end > 0.0 && end.is_finite());
+    let mut shown = Panel::new(pressure(), stiffness);
+    if drawn(&law.upper) {
+        let series = Series::band(band, &law.pressure, &law.lower, &law.upper);
+        shown = shown.series(series.color(Color::BLUE));
+    }
+    if drawn(&law.stiffness) {
+        let series = Series::line("best fit", &law.pressure, &law.stiffness);
+        shown = shown.series(series.color(Color::BLUE).width(1.2));
+    }
+    if !points.is_empty() {
+        let errors = column(&points, |row| 2.0 * row.standard_deviation);
+        let series = Series::points(
+            "measured, ±2 standard deviations",
+            column(&points, |row| row.at),
+            column(&points, |row| row.value),
+        );
+        shown = shown.series(series.errors(errors).color(Color::BLACK).marker(Marker::Circle));
+    }
+    // At the side there is no room for a name.
+    let lowest = if law.reached[0] > LEAST_PLACE * top { "lowest" } else { "" };
+    shown = shaded(shown, law.informed_range())
+        .vertical(law.reached[0], lowest)
+        .vertical(law.reached[1], "highest")
+        .vertical(law.at_rest, "at rest");
+
+    let usable = law.remaining.iter().copied().filter(|part| *part > 0.0 && part.is_finite());
+    let least = usable.fold(f64::INFINITY, f64::min).clamp(1e-6, 0.1);
+    let left = Axis::log("Uncertainty left, of that before", "").range(0.8 * least, 1.5);
+    let mut left = Panel::new(pressure(), left).legend(Legend::None);
+    if law.remaining.iter().any(|part| *part > 0.0 && part.is_finite()) {
+        let series = Series::line("", &law.pressure, &law.remaining);
+        left = left.series(series.color(Color::BLUE).dash(Dash::Solid));
+    }
+    left = shaded(left, law.informed_range())
+        .vertical(law.reached[0], "")
+        .vertical(law.reached[1], "")
+        .vertical(law.at_rest, "")
+        .horizontal(INFORMED_SHARE, "1/3");
+    let figure = Figure::new(format!("Contact law \"{}\"", law.name));
+    figure.panel(shown).panel(left).columns(1).width_mm(130.0).row_height_mm(66.0)
+}
+
+/// The panel with the pressures shaded that are not informed.
+fn shaded(panel: Panel, informed: Option<[f64; 2]>) -> Panel {
+    match informed {
+        Some([low, high]) => panel.shade(f64::NEG_INFINITY, low).shade(high, f64::INFINITY),
+        None => panel.shade(f64::NEG_INFINITY, f64::INFINITY),
+    }
+}
+
+/// Stiffnesses \[Pa/m\] that are drawn: those of the best fit, the points, and the band as far as it
+/// is not wide.
+fn range(found: &Identification, points: &[&Row<'_>]) -> [f64; 2] {
+    let law = &found.law;
+    let positive = |value: &f64| *value > 0.0 && value.is_finite();
+    let least = |list: &[f64]| list.iter().copied().filter(positive).fold(f64::INFINITY, f64::min);
+    let most = |list: &[f64]| list.iter().copied().filter(positive).fold(0.0, f64::max);
+    let best = [least(&law.stiffness), most(&law.stiffness)];
+    let band = [least(&law.lower), most(&law.upper)];
+    let ends = |sign: f64| column(points, |row| row.value + sign * row.standard_deviation);
+    let low = band[0].max(best[0] / MOST_FACTOR).min(best[0]).min(least(&ends(-2.0)));
+    let high = band[1].min(best[1] * MOST_FACTOR).max(best[1]).max(most(&ends(2.0)));
+    if low.is_finite() && low > 0.0 && high > low { [0.9 * low, 1.1 * high] } else { [1.0, 10.0] }
+}

@@ -1,0 +1,170 @@
+//! The contract of `asperity identify`: what is written, that it can be read, and what it says.
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+use asperity_figure::svg_to_png;
+use serde_json::{Value, json};
+
+fn asperity(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_asperity"))
+        .args(arguments)
+        .current_dir(folder)
+        .output()
+        .unwrap()
+}
+
+/// What a command that succeeds prints as JSON.
+fn answer(folder: &Path, arguments: &[&str]) -> Value {
+    let output = asperity(folder, arguments);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{arguments:?}: {said}");
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+const COEFFICIENT: f64 = 1.81e10;
+const EXPONENT: f64 = 0.35;
+
+/// The rig of the fixtures with a power law, watched for 20 ms.
+fn rig() -> Value {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../../fixtures/scenarios/nouira2020-modified.json");
+    let mut rig: Value = serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap();
+    rig["laws"] =
+        json!({"pl": {"kind": "power", "coefficient": COEFFICIENT, "exponent": EXPONENT}});
+    for interface in rig["interfaces"].as_array_mut().unwrap() {
+        interface["law"] = json!("pl");
+    }
+    rig["method"] = json!("modal");
+    rig["duration_s"] = json!(0.02);
+    rig["output_rate_hz"] = json!(20_000);
+    rig
+}
+
+/// Runs the problem and checks every file of it: pictures that can be drawn, and a page that says
+/// what the answer says and asks for nothing else.
+fn identified(problem: &Value, pictures: &[&str]) -> Value {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("problem.json"), problem.to_string()).unwrap();
+    let found = answer(folder.path(), &["identify", "problem.json", "--json", "--out", "found"]);
+    let out = folder.path().join("found");
+    let mut expected: Vec<String> = pictures.iter().map(|name| format!("{name}.svg")).collect();
+    expected.extend(
+        ["data.csv", "identification.json", "law.csv", "law.json", "posterior.csv"]
+            .map(str::to_owned),
+    );
+    expected.extend(["report.html", "scenario.json"].map(str::to_owned));
+    expected.sort();
+    let entries = std::fs::read_dir(&out).unwrap();
+    let mut files: Vec<String> =
+        entries.map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned()).collect();
+    files.sort();
+    assert_eq!(files, expected);
+
+    let read = |name: &str| std::fs::read_to_string(out.join(name)).unwrap();
+    let page = read("report.html");
+    for name in pictures {
+        let svg = read(&format!("{name}.svg"));
+        // A picture that is no XML cannot be drawn.
+        assert!(svg_to_png(&svg, 2.0).is_ok(), "{name}");
+        // What cannot be drawn is named in red.
+        for refusal in ["has no finite point", "cannot span", "abscissae and"] {
+            assert!(!svg.contains(refusal), "{name}: {refusal}");
+        }
+        assert!(page.contains(&format!("id=\"{name}\"")), "{name}");
+    }
+    for word in found["words"].as_array().unwrap() {
+        let word = word.as_str().unwrap().replace('"', "&quot;").replace('\'', "&#39;");
+        assert!(page.contains(&word), "{word}");
+    }
+    for fetched in ["<link", "<script", "src=\"http", "url(http"] {
+        assert!(!page.contains(fetched), "{fetched}");
+    }
+    let hash = found["provenance"]["problem_sha256"].as_str().unwrap();
+    assert_eq!(hash.len(), 64);
+    assert!(page.contains(hash));
+    found
+}
+
+fn estimate(found: &Value, name: &str) -> f64 {
+    let all = found["estimates"].as_array().unwrap();
+    all.iter().find(|one| one["name"] == name).unwrap()["value"].as_f64().unwrap()
+}
+
+/// Stiffnesses of a power law give its numbers again: noise-free, so to the search's tolerance.
+#[test]
+fn a_law_is_found_from_its_points() {
+    let pressures: [f64; 5] = [3e4, 6e4, 1e5, 2e5, 4e5];
+    let points: Vec<[f64; 2]> =
+        pressures.iter().map(|p| [*p, COEFFICIENT * p.powf(EXPONENT)]).collect();
+    let found = identified(
+        &json!({
+            "schema": "asperity/identify/1",
+            "title": "A power law & its \"points\"",
+            "scenario": rig(),
+            "unknowns": [
+                {"kind": "scalar", "pointer": "/laws/pl/coefficient", "bounds": [1e9, 1e11], "start": 1e10},
+                {"kind": "scalar", "pointer": "/laws/pl/exponent", "bounds": [0.1, 0.8], "start": 0.5},
+            ],
+            "data": [{"kind": "stiffness", "law": "pl", "points": points, "spread": {"relative": 0.05}}],
+            "starts": 1,
+            "draws": 100,
+        }),
+        &["comparison", "law", "pairs", "profiles", "residuals"],
+    );
+    assert!((estimate(&found, "/laws/pl/exponent") - EXPONENT).abs() < 1e-4);
+    assert!((estimate(&found, "/laws/pl/coefficient") / COEFFICIENT - 1.0).abs() < 1e-3);
+}
+
+/// Simulated hits give the law's coefficient and the damping again, and every figure that hits
+/// have; the receptance of one of them has its own.
+#[test]
+fn a_law_is_found_from_hits() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("rig.json"), rig().to_string()).unwrap();
+    let hits = [4.0, 8.0, 12.0].map(|force| {
+        let level = format!("/excitation/peak_n={force}");
+        let out = format!("{force}");
+        let asked = ["simulate", "rig.json", "--json", "--set", &level, "--out", &out];
+        let summary = answer(folder.path(), &asked);
+        let of = |key: &str, part: f64| {
+            let value = summary["fundamental"][key].as_f64().unwrap();
+            json!({"value": value, "standard_deviation": part * value})
+        };
+        json!({"force_peak_n": force, "features": {
+            "fundamental.frequency_hz": of("frequency_hz", 1e-3),
+            "fundamental.receptance_m_per_n": of("receptance_m_per_n", 1e-2),
+        }})
+    });
+    let found = identified(
+        &json!({
+            "schema": "asperity/identify/1",
+            "scenario": rig(),
+            "unknowns": [
+                {"kind": "scalar", "pointer": "/laws/pl/coefficient", "bounds": [1e10, 3e10], "start": 2e10},
+                {"kind": "scalar", "pointer": "/damping/ratio", "bounds": [0.02, 0.06], "start": 0.03},
+            ],
+            "data": [
+                {"kind": "hits", "hits": hits},
+                {"kind": "frf", "file": folder.path().join("8/frf.csv"), "hit": {"force_peak_n": 8},
+                 "band_hz": [600, 1200], "spread": {"relative": 0.02}, "points": 12},
+            ],
+            "starts": 1,
+            "draws": 100,
+            "design": {"force_peak_n": [4, 12], "set": [{}, {"/bodies/0/mass_kg": 3.2}]},
+        }),
+        &[
+            "comparison",
+            "design",
+            "features",
+            "law",
+            "pairs",
+            "profiles",
+            "receptance",
+            "residuals",
+        ],
+    );
+    assert!((estimate(&found, "/laws/pl/coefficient") / COEFFICIENT - 1.0).abs() < 1e-3);
+    assert!((estimate(&found, "/damping/ratio") / 0.035 - 1.0).abs() < 1e-3);
+}

@@ -1,0 +1,115 @@
+//! Whether Markov chains have forgotten where they began, and how much they are worth.
+//!
+//! Source: A. Vehtari, A. Gelman, D. Simpson, B. Carpenter, P.-C. Bürkner, *Rank-normalization,
+//! folding, and localization: an improved R-hat*, Bayesian Analysis 16, 667 (2021).
+
+use crate::distribution::normal_quantile;
+
+/// Rank-normalised split R-hat of chains of one quantity,
+///
+/// ```text
+/// R = sqrt(((n - 1) / n W + B / n) / W)
+/// ```
+///
+/// with the variance `W` within and `B` between half-chains of length `n`, of the normal scores
+/// of the values' ranks (eq. 1-4 and 14). Near 1 when the chains agree; above 1.01 they do not
+/// yet. Infinite if they do not move but differ; not a number with fewer than four steps or if
+/// nothing ever moves.
+pub fn r_hat(chains: &[Vec<f64>]) -> f64 {
+    let halves = rank_normalised(&split(chains));
+    let Some(moments) = Moments::of(&halves) else { return f64::NAN };
+    (moments.total / moments.within).sqrt()
+}
+
+/// Bulk effective sample size: the number of independent draws that would determine the centre
+/// of the distribution as well as these chains,
+///
+/// ```text
+/// ESS = m n / (-1 + 2 sum_t P_t),   P_t = rho_2t + rho_2t+1,
+/// ```
+///
+/// over rank-normalised half-chains, with the autocorrelations combined over chains (eq. 10-13)
+/// and Geyer's initial monotone sequence. Chains of walkers of one ensemble count as chains of
+/// their own. Not a number where [`r_hat`] is none.
+pub fn effective_sample_size(chains: &[Vec<f64>]) -> f64 {
+    let halves = rank_normalised(&split(chains));
+    let Some(moments) = Moments::of(&halves) else { return f64::NAN };
+    let (count, length) = (halves.len() as f64, halves[0].len());
+    let correlation = |lag: usize| {
+        let covariance: f64 = halves
+            .iter()
+            .zip(&moments.means)
+            .map(|(chain, mean)| {
+                let pairs = chain[lag..].iter().zip(chain);
+                pairs.map(|(a, b)| (a - mean) * (b - mean)).sum::<f64>() / (length - 1) as f64
+            })
+            .sum();
+        1.0 - (moments.within - covariance / count) / moments.total
+    };
+    let (mut sum, mut last, mut lag) = (0.0, f64::INFINITY, 0);
+    while lag + 1 < length {
+        let first = if lag == 0 { 1.0 } else { correlation(lag) };
+        let pair = (first + correlation(lag + 1)).min(last);
+        if pair < 0.0 {
+            break;
+        }
+        sum += pair;
+        last = pair;
+        lag += 2;
+    }
+    let draws = count * length as f64;
+    // Antithetic chains may be worth more than their length, but not without limit.
+    let time = (2.0 * sum - 1.0).max(1.0 / draws.log10().max(1.0));
+    draws / time
+}
+
+struct Moments {
+    means: Vec<f64>,
+    within: f64,
+    total: f64,
+}
+
+impl Moments {
+    fn of(chains: &[Vec<f64>]) -> Option<Self> {
+        let length = chains.first().map(Vec::len).filter(|&length| length >= 2)? as f64;
+        let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+        let variance = |values: &[f64]| {
+            let centre = mean(values);
+            values.iter().map(|v| (v - centre).powi(2)).sum::<f64>() / (values.len() as f64 - 1.0)
+        };
+        let means: Vec<f64> = chains.iter().map(|chain| mean(chain)).collect();
+        let within = mean(&chains.iter().map(|chain| variance(chain)).collect::<Vec<f64>>());
+        let between = if means.len() > 1 { variance(&means) } else { 0.0 };
+        Some(Self { total: (length - 1.0) / length * within + between, means, within })
+    }
+}
+
+/// Halves of the chains, all of the length of the shortest.
+fn split(chains: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    let half = chains.iter().map(Vec::len).min().unwrap_or(0) / 2;
+    let halves = |chain: &Vec<f64>| [chain[..half].to_vec(), chain[chain.len() - half..].to_vec()];
+    chains.iter().flat_map(halves).collect()
+}
+
+/// Normal scores of the ranks over all chains, ties sharing their mean rank.
+fn rank_normalised(chains: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    let mut order: Vec<(usize, usize)> =
+        (0..chains.len()).flat_map(|m| (0..chains[m].len()).map(move |n| (m, n))).collect();
+    order.sort_by(|a, b| chains[a.0][a.1].total_cmp(&chains[b.0][b.1]));
+    let mut scores: Vec<Vec<f64>> = chains.iter().map(|chain| vec![0.0; chain.len()]).collect();
+    let value = |place: usize| chains[order[place].0][order[place].1];
+    let mut first = 0;
+    while first < order.len() {
+        let mut last = first;
+        while last + 1 < order.len() && value(last + 1) == value(first) {
+            last += 1;
+        }
+        let rank = 0.5 * (first + last) as f64 + 1.0;
+        let score = normal_quantile((rank - 0.375) / (order.len() as f64 + 0.25));
+        for &(m, n) in &order[first..=last] {
+            scores[m][n] = score;
+        }
+        first = last + 1;
+    }
+    scores
+}

@@ -1,0 +1,81 @@
+//! Inverse and root of the normal matrix `A^T A` from its rows, by QR of equilibrated columns.
+
+use faer::Mat;
+
+use crate::error::IdentifyError;
+
+/// `(A^T A)^-1` and a root `L` of it, `L L^T = (A^T A)^-1`.
+pub(crate) struct InverseNormal {
+    pub(crate) matrix: Vec<Vec<f64>>,
+    /// Upper triangular in the order of the unknowns.
+    pub(crate) root: Vec<Vec<f64>>,
+}
+
+/// Inverts `A^T A` given the rows of `A`. Columns are brought to unit length first, so that
+/// units do not matter.
+pub(crate) fn inverse_normal(
+    rows: &[Vec<f64>],
+    columns: usize,
+    matrix: &'static str,
+) -> Result<InverseNormal, IdentifyError> {
+    let singular = || IdentifyError::Singular { matrix };
+    let norm = |j: usize| rows.iter().map(|row| row[j] * row[j]).sum::<f64>().sqrt();
+    let norms: Vec<f64> = (0..columns).map(norm).collect();
+    if rows.len() < columns || norms.iter().any(|norm| !(norm.is_finite() && *norm > 0.0)) {
+        return Err(singular());
+    }
+    let equilibrated = Mat::from_fn(rows.len(), columns, |i, j| rows[i][j] / norms[j]);
+    let decomposition = equilibrated.qr();
+    let upper = decomposition.thin_R();
+    // R is solved for the unit vectors by substitution: R^-1 is upper triangular too.
+    let mut root = vec![vec![0.0; columns]; columns];
+    for (i, k) in (0..columns).flat_map(|k| (0..=k).rev().map(move |i| (i, k))) {
+        let unit = if i == k { 1.0 } else { 0.0 };
+        let known: f64 = (i + 1..=k).map(|j| upper[(i, j)] * root[j][k]).sum();
+        root[i][k] = (unit - known) / upper[(i, i)];
+    }
+    for (row, norm) in root.iter_mut().zip(&norms) {
+        for entry in row {
+            *entry /= norm;
+        }
+    }
+    if root.iter().flatten().any(|entry| !entry.is_finite()) {
+        return Err(singular());
+    }
+    let dot = |a: &Vec<f64>, b: &Vec<f64>| a.iter().zip(b).map(|(a, b)| a * b).sum();
+    let matrix = root.iter().map(|a| root.iter().map(|b| dot(a, b)).collect()).collect();
+    Ok(InverseNormal { matrix, root })
+}
+
+/// The upper triangular `U` with `U U^T = C`; `None` unless `C` is positive definite.
+pub(crate) fn upper_root(matrix: &[Vec<f64>]) -> Option<Vec<Vec<f64>>> {
+    let size = matrix.len();
+    let mut root = vec![vec![0.0; size]; size];
+    for j in (0..size).rev() {
+        for i in (0..=j).rev() {
+            let known: f64 = (j + 1..size).map(|k| root[i][k] * root[j][k]).sum();
+            let rest = matrix[i][j] - known;
+            root[i][j] = if i == j { rest.sqrt() } else { rest / root[j][j] };
+            if !(root[i][j].is_finite() && (i != j || root[i][j] > 0.0)) {
+                return None;
+            }
+        }
+    }
+    Some(root)
+}
+
+/// `U z` for upper triangular `U`.
+pub(crate) fn upper_times(root: &[Vec<f64>], z: &[f64]) -> Vec<f64> {
+    let row = |i: usize| (i..z.len()).map(|k| root[i][k] * z[k]).sum();
+    (0..z.len()).map(row).collect()
+}
+
+/// The `z` with `U z = y`.
+pub(crate) fn upper_solve(root: &[Vec<f64>], y: &[f64]) -> Vec<f64> {
+    let mut z = y.to_vec();
+    for i in (0..y.len()).rev() {
+        let known: f64 = (i + 1..y.len()).map(|k| root[i][k] * z[k]).sum();
+        z[i] = (y[i] - known) / root[i][i];
+    }
+    z
+}

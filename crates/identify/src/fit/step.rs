@@ -1,0 +1,89 @@
+//! One damped least-squares step within bounds.
+
+use faer::Mat;
+use faer::linalg::solvers::SolveLstsq;
+
+/// The linearised problem at a point: weighted residual rows and their Jacobian.
+pub(crate) struct Linear {
+    /// Rows times unknowns.
+    pub(crate) jacobian: Vec<Vec<f64>>,
+    pub(crate) residuals: Vec<f64>,
+}
+
+impl Linear {
+    pub(crate) fn gradient(&self, unknowns: usize) -> Vec<f64> {
+        let mut gradient = vec![0.0; unknowns];
+        for (row, residual) in self.jacobian.iter().zip(&self.residuals) {
+            for (g, entry) in gradient.iter_mut().zip(row) {
+                *g += entry * residual;
+            }
+        }
+        gradient
+    }
+
+    pub(crate) fn column_norms(&self, unknowns: usize) -> Vec<f64> {
+        let norm = |j: usize| self.jacobian.iter().map(|row| row[j] * row[j]).sum::<f64>().sqrt();
+        (0..unknowns).map(norm).collect()
+    }
+
+    /// By how much the linear model says the cost falls along a step.
+    pub(crate) fn reduction(&self, step: &[f64]) -> f64 {
+        let change = |(row, residual): (&Vec<f64>, &f64)| {
+            let change: f64 = row.iter().zip(step).map(|(a, b)| a * b).sum();
+            -change * (residual + 0.5 * change)
+        };
+        self.jacobian.iter().zip(&self.residuals).map(change).sum()
+    }
+
+    /// Minimises `|r + J d|^2 + damping |D d|^2` over the steps `d` that stay in `room` (lower
+    /// and upper limit of each entry): a coordinate that would leave is put on its limit, and
+    /// the others are solved for again. Held unknowns have no room.
+    pub(crate) fn step(
+        &self,
+        damping: f64,
+        scaling: &[f64],
+        room: &[[f64; 2]],
+    ) -> Option<Vec<f64>> {
+        let unknowns = scaling.len();
+        let mut step = vec![0.0; unknowns];
+        let mut free: Vec<usize> = (0..unknowns).filter(|&j| room[j][1] > room[j][0]).collect();
+        for _ in 0..=unknowns {
+            if free.is_empty() {
+                break;
+            }
+            let rows = self.residuals.len();
+            let matrix =
+                Mat::from_fn(rows + free.len(), free.len(), |i, k| match i.checked_sub(rows) {
+                    None => self.jacobian[i][free[k]],
+                    Some(extra) if extra == k => damping.sqrt() * scaling[free[k]],
+                    Some(_) => 0.0,
+                });
+            let fixed = |j: &usize| !free.contains(j);
+            let right = Mat::from_fn(rows + free.len(), 1, |i, _| {
+                if i >= rows {
+                    return 0.0;
+                }
+                let row = &self.jacobian[i];
+                let moved: f64 = (0..unknowns).filter(fixed).map(|j| row[j] * step[j]).sum();
+                -(self.residuals[i] + moved)
+            });
+            let solution = matrix.col_piv_qr().solve_lstsq(&right);
+            let mut stays = Vec::with_capacity(free.len());
+            for (k, &j) in free.iter().enumerate() {
+                let wanted = solution[(k, 0)];
+                if !wanted.is_finite() {
+                    return None;
+                }
+                step[j] = wanted.clamp(room[j][0], room[j][1]);
+                if step[j] == wanted {
+                    stays.push(j);
+                }
+            }
+            if stays.len() == free.len() {
+                break;
+            }
+            free = stays;
+        }
+        Some(step)
+    }
+}

@@ -1,0 +1,109 @@
+//! Means, quantiles and bands of weighted draws.
+
+use crate::posterior::Posterior;
+
+/// Pointwise quantiles of a curve.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Band {
+    /// Probabilities, as asked for.
+    pub levels: Vec<f64>,
+    /// For every level the curve of quantiles; not a number where no draw has a value.
+    pub quantiles: Vec<Vec<f64>>,
+}
+
+impl Posterior {
+    /// The mean of an unknown's value; not a number for an unknown that does not exist.
+    pub fn mean(&self, unknown: usize) -> f64 {
+        let values = self.draws.iter().map(|draw| draw.get(unknown).copied().unwrap_or(f64::NAN));
+        values.zip(&self.weights).map(|(value, weight)| value * weight).sum()
+    }
+
+    /// The standard deviation of an unknown's value.
+    pub fn standard_deviation(&self, unknown: usize) -> f64 {
+        self.covariance(unknown, unknown).max(0.0).sqrt()
+    }
+
+    /// The correlation of two unknowns' values.
+    pub fn correlation(&self, one: usize, other: usize) -> f64 {
+        let spread = self.standard_deviation(one) * self.standard_deviation(other);
+        self.covariance(one, other) / spread
+    }
+
+    fn covariance(&self, one: usize, other: usize) -> f64 {
+        let (a, b) = (self.mean(one), self.mean(other));
+        if a.is_nan() || b.is_nan() {
+            return f64::NAN;
+        }
+        let draws = self.draws.iter().zip(&self.weights);
+        draws.map(|(draw, weight)| weight * (draw[one] - a) * (draw[other] - b)).sum()
+    }
+
+    /// The value below which an unknown lies with this probability.
+    pub fn quantile(&self, unknown: usize, probability: f64) -> f64 {
+        let values = self.draws.iter().map(|draw| draw.get(unknown).copied().unwrap_or(f64::NAN));
+        quantiles(values.zip(self.weights.iter().copied()).collect(), &[probability])[0]
+    }
+
+    /// Pointwise quantiles of a curve that is computed from the unknowns' values. Draws where the
+    /// curve is not finite are left out at that point; the curve's length is that of the first
+    /// draw's.
+    pub fn band(&self, curve: &dyn Fn(&[f64]) -> Vec<f64>, levels: &[f64]) -> Band {
+        let curves: Vec<Vec<f64>> = self.draws.iter().map(|draw| curve(draw)).collect();
+        let value = |draw: usize, point: usize| curves[draw].get(point).copied();
+        self.band_of(curves.first().map_or(0, Vec::len), levels, &value)
+    }
+
+    /// Quantiles of every prediction. They hold the uncertainty of the unknowns, not the noise of
+    /// a measurement.
+    pub fn prediction_band(&self, levels: &[f64]) -> Band {
+        let value = |draw: usize, i: usize| self.predictions[draw].get(i).copied().flatten();
+        // A refused draw has an empty row.
+        let points = self.predictions.iter().map(Vec::len).max().unwrap_or(0);
+        self.band_of(points, levels, &value)
+    }
+
+    fn band_of(
+        &self,
+        points: usize,
+        levels: &[f64],
+        value: &dyn Fn(usize, usize) -> Option<f64>,
+    ) -> Band {
+        let mut band = vec![Vec::with_capacity(points); levels.len()];
+        for point in 0..points {
+            let pairs = self.weights.iter().enumerate().filter_map(|(draw, &weight)| {
+                value(draw, point).filter(|value| value.is_finite()).map(|value| (value, weight))
+            });
+            let at = quantiles(pairs.collect(), levels);
+            band.iter_mut().zip(at).for_each(|(row, value)| row.push(value));
+        }
+        Band { levels: levels.to_vec(), quantiles: band }
+    }
+}
+
+/// Quantiles of weighted values: the cumulative weight at a value counts half its own, with
+/// straight lines between.
+fn quantiles(mut pairs: Vec<(f64, f64)>, levels: &[f64]) -> Vec<f64> {
+    pairs.retain(|pair| pair.1 > 0.0 && pair.0.is_finite());
+    pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let total: f64 = pairs.iter().map(|pair| pair.1).sum();
+    let mut below = 0.0;
+    let middles: Vec<f64> = pairs
+        .iter()
+        .map(|pair| {
+            below += pair.1;
+            (below - 0.5 * pair.1) / total
+        })
+        .collect();
+    let at = |&level: &f64| {
+        let next = middles.partition_point(|&middle| middle < level);
+        match (next.checked_sub(1), pairs.get(next)) {
+            (_, None) => pairs.last().map_or(f64::NAN, |pair| pair.0),
+            (None, Some(first)) => first.0,
+            (Some(last), Some(upper)) => {
+                let along = (level - middles[last]) / (middles[next] - middles[last]);
+                pairs[last].0 + along * (upper.0 - pairs[last].0)
+            }
+        }
+    };
+    levels.iter().map(at).collect()
+}

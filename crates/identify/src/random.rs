@@ -1,0 +1,45 @@
+//! Seeded random numbers and space-filling samples.
+
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64;
+
+use crate::distribution::normal_quantile;
+
+/// A generator whose numbers depend on the seed and the stream alone.
+pub(crate) fn generator(seed: u64, stream: u64) -> Pcg64 {
+    // The golden ratio's bits keep neighbouring streams apart.
+    Pcg64::seed_from_u64(seed ^ stream.wrapping_add(1).wrapping_mul(0x9E37_79B9_7F4A_7C15))
+}
+
+/// A uniform number in [0, 1).
+pub(crate) fn uniform(generator: &mut Pcg64) -> f64 {
+    generator.random::<f64>()
+}
+
+/// A standard normal number.
+pub(crate) fn normal(generator: &mut Pcg64) -> f64 {
+    normal_quantile((uniform(generator) + 0.5 * f64::EPSILON).min(1.0 - f64::EPSILON))
+}
+
+/// A Latin hypercube: `count` points in the unit cube, in every coordinate one per stratum.
+///
+/// Source: M. D. `McKay`, R. J. Beckman, W. J. Conover, Technometrics 21, 239 (1979).
+pub(crate) fn latin_hypercube(count: usize, dimensions: usize, seed: u64) -> Vec<Vec<f64>> {
+    let mut generator = generator(seed, 0x1a71);
+    let mut points = vec![vec![0.0; dimensions]; count];
+    let mut strata: Vec<usize> = (0..count).collect();
+    for j in 0..dimensions {
+        shuffle(&mut strata, &mut generator);
+        for (point, &stratum) in points.iter_mut().zip(&strata) {
+            point[j] = (stratum as f64 + uniform(&mut generator)) / count as f64;
+        }
+    }
+    points
+}
+
+/// A random permutation in place.
+pub(crate) fn shuffle(items: &mut [usize], generator: &mut Pcg64) {
+    for last in (1..items.len()).rev() {
+        items.swap(last, generator.random_range(0..=last));
+    }
+}

@@ -1,0 +1,104 @@
+//! Derivatives from differences: second order in a fit, fourth order at its end.
+
+use crate::model::Predictions;
+use crate::problem::Problem;
+
+/// Offsets (in steps) with their weights, and the weight of the base point.
+type Formula = (&'static [(f64, f64)], f64);
+
+const CENTRAL_2: Formula = (&[(-1.0, -0.5), (1.0, 0.5)], 0.0);
+const FORWARD_2: Formula = (&[(1.0, 2.0), (2.0, -0.5)], -1.5);
+const CENTRAL_4: Formula =
+    (&[(-2.0, 1.0 / 12.0), (-1.0, -2.0 / 3.0), (1.0, 2.0 / 3.0), (2.0, -1.0 / 12.0)], 0.0);
+const FORWARD_4: Formula =
+    (&[(1.0, 4.0), (2.0, -3.0), (3.0, 4.0 / 3.0), (4.0, -0.25)], -25.0 / 12.0);
+
+/// The order of the error in the step.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Order {
+    Second,
+    Fourth,
+}
+
+struct Column {
+    unknown: usize,
+    /// Signed: one-sided formulas look away from the bound.
+    step: f64,
+    formula: Formula,
+}
+
+/// The points around `x` that give derivatives by every unknown that is not held.
+///
+/// Next to a bound the one-sided formula of the same order keeps all points inside.
+pub(crate) struct Stencil {
+    columns: Vec<Column>,
+    pub(crate) points: Vec<Vec<f64>>,
+}
+
+impl Stencil {
+    pub(crate) fn new(
+        problem: &Problem<'_>,
+        x: &[f64],
+        held: &[bool],
+        relative_step: f64,
+        order: Order,
+    ) -> Self {
+        let (central, forward, reach) = match order {
+            Order::Second => (CENTRAL_2, FORWARD_2, 1.0),
+            Order::Fourth => (CENTRAL_4, FORWARD_4, 2.0),
+        };
+        let (mut columns, mut points) = (Vec::new(), Vec::new());
+        for j in (0..x.len()).filter(|&j| !held[j]) {
+            let step = relative_step * problem.unknowns[j].length(x[j]);
+            let column = if x[j] - reach * step < problem.lower[j] {
+                Column { unknown: j, step, formula: forward }
+            } else if x[j] + reach * step > problem.upper[j] {
+                Column { unknown: j, step: -step, formula: forward }
+            } else {
+                Column { unknown: j, step, formula: central }
+            };
+            for (offset, _) in column.formula.0 {
+                let mut point = x.to_vec();
+                point[j] += offset * column.step;
+                points.push(point);
+            }
+            columns.push(column);
+        }
+        Self { columns, points }
+    }
+
+    /// Derivatives of the predictions by the working coordinates: a row per observation, zero
+    /// where there is none. Where a point of the formula has no prediction, the base and one
+    /// neighbour that has one give a first-order difference.
+    pub(crate) fn derivatives(
+        &self,
+        base: &Predictions,
+        answers: &[Result<Predictions, String>],
+        unknowns: usize,
+    ) -> Vec<Vec<f64>> {
+        let mut rows = vec![vec![0.0; unknowns]; base.len()];
+        let mut first = 0;
+        for column in &self.columns {
+            let (terms, base_weight) = column.formula;
+            let around = &answers[first..(first + terms.len()).min(answers.len())];
+            first += terms.len();
+            for (i, row) in rows.iter_mut().enumerate() {
+                let Some(centre) = base[i] else { continue };
+                let at = |k: usize| around.get(k)?.as_ref().ok().and_then(|p| p[i]);
+                // Differences from the base, so that a constant has derivative zero exactly.
+                let sum: Option<f64> = terms
+                    .iter()
+                    .enumerate()
+                    .map(|(k, term)| Some(term.1 * (at(k)? - centre)))
+                    .sum();
+                debug_assert!((terms.iter().map(|t| t.1).sum::<f64>() + base_weight).abs() < 1e-12);
+                let one = || {
+                    let near = |(k, term): (usize, &(f64, f64))| Some((at(k)? - centre) / term.0);
+                    terms.iter().enumerate().filter(|(_, t)| t.0.abs() == 1.0).find_map(near)
+                };
+                row[column.unknown] = sum.or_else(one).unwrap_or(0.0) / column.step;
+            }
+        }
+        rows
+    }
+}

@@ -1,0 +1,305 @@
+//! A response surface: polynomials in place of the model near the optimum.
+
+use faer::Mat;
+
+use crate::covariance::Covariance;
+use crate::dense::{upper_solve, upper_times};
+use crate::distribution::normal_quantile;
+use crate::error::{IdentifyError, check_size};
+use crate::fit::{Fit, Progress, Stage};
+use crate::model::{ForwardModel, Predictions};
+use crate::polynomial::{LeastSquares, Monomials};
+use crate::problem::Problem;
+use crate::profile::Profile;
+use crate::random::{generator, latin_hypercube, normal};
+
+/// Most unknowns for which cubic terms are worth their number.
+const MOST_CUBIC: usize = 10;
+/// Standard deviation of the training points in whitened coordinates.
+const SPREAD: f64 = 1.3;
+/// Farthest training point in each whitened coordinate.
+const TRAINING_REACH: f64 = 4.0;
+/// Where the surface ends. Beyond the training points it is extrapolated: draws there lose weight
+/// if it is wrong, but what it does not reach is lost for good.
+pub(crate) const REACH: f64 = 6.0;
+/// Largest share of training points at which a prediction may be missing.
+const MOST_MISSING: f64 = 0.1;
+
+/// Options of a response surface.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SurrogateOptions {
+    /// Training points per coefficient, at least 1.2.
+    pub oversampling: f64,
+    /// Seed of the training points.
+    pub seed: u64,
+}
+
+impl Default for SurrogateOptions {
+    fn default() -> Self {
+        Self { oversampling: 2.5, seed: 1 }
+    }
+}
+
+/// Working coordinates made round: `x = centre + root z`.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Whitening {
+    pub(crate) centre: Vec<f64>,
+    /// Upper triangular.
+    pub(crate) root: Vec<Vec<f64>>,
+}
+
+impl Whitening {
+    pub(crate) fn to_working(&self, z: &[f64]) -> Vec<f64> {
+        let step = upper_times(&self.root, z);
+        self.centre.iter().zip(step).map(|(centre, step)| centre + step).collect()
+    }
+
+    /// How all coordinates follow number `j` on average: `C[i][j] / C[j][j]`.
+    fn spread_with(&self, j: usize) -> Vec<f64> {
+        let product =
+            |i: usize| -> f64 { self.root[i].iter().zip(&self.root[j]).map(|(a, b)| a * b).sum() };
+        (0..self.root.len()).map(|i| product(i) / product(j)).collect()
+    }
+
+    pub(crate) fn to_white(&self, x: &[f64]) -> Vec<f64> {
+        let step: Vec<f64> = x.iter().zip(&self.centre).map(|(x, centre)| x - centre).collect();
+        upper_solve(&self.root, &step)
+    }
+}
+
+/// Points (working coordinates) with what the model says there.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(crate) struct Training {
+    pub(crate) points: Vec<Vec<f64>>,
+    pub(crate) predictions: Vec<Predictions>,
+}
+
+/// Polynomials of degree three (two above ten unknowns) in whitened coordinates `z`, with
+/// `x = optimum + L z` and `L L^T` the covariance, one for every observation's standardised
+/// residual.
+///
+/// They are trained on a Latin hypercube of normal points with standard deviation 1.3, clipped
+/// to `|z| <= 4` and brought inside the bounds. A training point that the model refuses is left out; an
+/// observation that is missing at some points is fitted to the others, and refused if it is
+/// missing at more than a tenth.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Surrogate {
+    /// Number of training points the model answered at.
+    pub training_points: usize,
+    /// Root mean square error at left-out points for every observation, in units of its
+    /// standard deviation.
+    pub leave_out_errors: Vec<f64>,
+    whitening: Whitening,
+    monomials: Monomials,
+    /// For every monomial a coefficient per observation.
+    coefficients: Vec<f64>,
+}
+
+impl Surrogate {
+    /// Trains on the model about a fit.
+    ///
+    /// # Errors
+    ///
+    /// [`IdentifyError::TooFewTraining`], [`IdentifyError::OftenMissing`], and
+    /// [`IdentifyError::Size`] for a fit or covariance of another model.
+    pub fn train(
+        model: &dyn ForwardModel,
+        fit: &Fit,
+        covariance: &Covariance,
+        options: &SurrogateOptions,
+        progress: &(dyn Fn(Progress) + Sync),
+    ) -> Result<Self, IdentifyError> {
+        let problem = Problem::of_fit(model, fit, 1.0)?;
+        check_size("unknowns of the covariance", covariance.centre.len(), problem.unknowns.len())?;
+        let whitening =
+            Whitening { centre: covariance.centre.clone(), root: covariance.root.clone() };
+        let training = sample(&problem, &whitening, &[], options, progress)?;
+        Self::from_training(&problem, whitening, &training)
+    }
+
+    pub(crate) fn from_training(
+        problem: &Problem<'_>,
+        whitening: Whitening,
+        training: &Training,
+    ) -> Result<Self, IdentifyError> {
+        let monomials = monomials(problem.unknowns.len());
+        let (points, terms) = (training.points.len(), monomials.count());
+        if points <= terms {
+            return Err(IdentifyError::TooFewTraining { answered: points, needed: terms + 1 });
+        }
+        let mut values = Vec::with_capacity(terms);
+        let rows: Vec<Vec<f64>> = training
+            .points
+            .iter()
+            .map(|x| {
+                monomials.values(&whitening.to_white(x), &mut values);
+                values.clone()
+            })
+            .collect();
+        let design = |which: &[usize]| {
+            LeastSquares::new(Mat::from_fn(which.len(), terms, |i, k| rows[which[i]][k]))
+        };
+        let all: Vec<usize> = (0..points).collect();
+        let common = design(&all);
+        let mut coefficients: Vec<Vec<f64>> = Vec::new();
+        let mut leave_out_errors = Vec::new();
+        for (i, observation) in problem.observations.iter().enumerate() {
+            let target = |&point: &usize| {
+                let prediction = training.predictions[point][i]?;
+                Some((prediction - observation.value) / observation.standard_deviation)
+            };
+            let answered: Vec<usize> =
+                all.iter().copied().filter(|k| target(k).is_some()).collect();
+            let missing = points - answered.len();
+            if missing as f64 > MOST_MISSING * points as f64 {
+                let label = observation.label.clone();
+                return Err(IdentifyError::OftenMissing { label, missing, points });
+            }
+            if answered.len() <= terms {
+                let answered = answered.len();
+                return Err(IdentifyError::TooFewTraining { answered, needed: terms + 1 });
+            }
+            let targets: Vec<f64> = answered.iter().filter_map(target).collect();
+            let own = (missing > 0).then(|| design(&answered));
+            let fitted = own.as_ref().unwrap_or(&common).fit(&targets);
+            let fitted = fitted.ok_or(IdentifyError::Singular { matrix: "training matrix" })?;
+            coefficients.push(fitted.coefficients);
+            leave_out_errors.push(fitted.leave_out_error);
+        }
+        let coefficients =
+            (0..terms).flat_map(|k| coefficients.iter().map(move |row| row[k])).collect();
+        Ok(Self { training_points: points, leave_out_errors, whitening, monomials, coefficients })
+    }
+
+    /// Standardised residuals at whitened coordinates; `scratch` holds the monomials.
+    pub(crate) fn residuals(&self, z: &[f64], scratch: &mut Vec<f64>, out: &mut Vec<f64>) {
+        self.monomials.values(z, scratch);
+        out.clear();
+        out.resize(self.leave_out_errors.len(), 0.0);
+        // Term by term, so that neighbouring observations fill the vector lanes.
+        for (row, value) in self.coefficients.chunks_exact(out.len()).zip(&*scratch) {
+            for (sum, coefficient) in out.iter_mut().zip(row) {
+                *sum += coefficient * value;
+            }
+        }
+    }
+
+    /// Standardised residuals that the surface gives at working coordinates, one per observation;
+    /// empty if `x` has not one coordinate per unknown. Meant for `|z| <= 4`.
+    pub fn standardised_residuals(&self, x: &[f64]) -> Vec<f64> {
+        let (mut scratch, mut out) = (Vec::new(), Vec::new());
+        if x.len() == self.whitening.centre.len() {
+            self.residuals(&self.whitening.to_white(x), &mut scratch, &mut out);
+        }
+        out
+    }
+
+    pub(crate) fn whitening(&self) -> &Whitening {
+        &self.whitening
+    }
+}
+
+fn monomials(unknowns: usize) -> Monomials {
+    Monomials::new(unknowns, if unknowns <= MOST_CUBIC { 3 } else { 2 })
+}
+
+/// The working coordinates at `z`, or at `-z`, or the nearer end of the line between them and the
+/// centre that is inside the bounds: a long, thin distribution is not left sideways. Where the
+/// centre is in a corner and neither leads anywhere, each coordinate is clipped on its own.
+fn inside(problem: &Problem<'_>, whitening: &Whitening, z: &[f64]) -> Vec<f64> {
+    let centre = &whitening.centre;
+    let ends = [1.0, -1.0].map(|sign| {
+        let z: Vec<f64> = z.iter().map(|z| sign * z).collect();
+        let end = whitening.to_working(&z);
+        let share = end.iter().enumerate().map(|(j, &end)| {
+            let bound = end.clamp(problem.lower[j], problem.upper[j]);
+            if bound == end { 1.0 } else { (bound - centre[j]) / (end - centre[j]) }
+        });
+        (share.fold(1.0_f64, f64::min).max(0.0), end)
+    });
+    let (share, end) = if ends[0].0 >= ends[1].0 { &ends[0] } else { &ends[1] };
+    let share = if *share < 0.3 { 1.0 } else { *share };
+    let mut x: Vec<f64> = centre.iter().zip(end).map(|(c, end)| c + share * (end - c)).collect();
+    problem.clamp(&mut x);
+    x
+}
+
+/// Space-filling points about the centre, with what the model says there.
+pub(crate) fn sample(
+    problem: &Problem<'_>,
+    whitening: &Whitening,
+    valleys: &[Profile],
+    options: &SurrogateOptions,
+    progress: &(dyn Fn(Progress) + Sync),
+) -> Result<Training, IdentifyError> {
+    let dimensions = problem.unknowns.len();
+    if !(1.2..=100.0).contains(&options.oversampling) {
+        let (quantity, value) =
+            ("the number of training points per coefficient", options.oversampling);
+        return Err(IdentifyError::Option { quantity, value, expected: "1.2 to 100" });
+    }
+    let terms = monomials(dimensions).count();
+    let count = (options.oversampling * terms as f64).ceil() as usize;
+    let place = |unit: &Vec<f64>| {
+        let z: Vec<f64> = unit
+            .iter()
+            .map(|&u| (SPREAD * normal_quantile(u)).clamp(-TRAINING_REACH, TRAINING_REACH))
+            .collect();
+        inside(problem, whitening, &z)
+    };
+    let mut points: Vec<Vec<f64>> =
+        latin_hypercube(count, dimensions, options.seed).iter().map(place).collect();
+    points.extend(along(problem, whitening, valleys, count, options.seed));
+    let count = points.len();
+    let answers = problem.predict(&points);
+    progress(Progress { stage: Stage::Surrogate, done: count, of: count, cost: f64::INFINITY });
+    let mut training = Training::default();
+    for (x, answer) in points.into_iter().zip(answers) {
+        if let Ok(predictions) = answer {
+            training.points.push(x);
+            training.predictions.push(predictions);
+        }
+    }
+    Ok(training)
+}
+
+/// Points along profiles, for a distribution that is long and bent: as many as `count` over all of
+/// them, each moved off its profile as the other unknowns scatter at a fixed value of its own.
+fn along(
+    problem: &Problem<'_>,
+    whitening: &Whitening,
+    valleys: &[Profile],
+    count: usize,
+    seed: u64,
+) -> Vec<Vec<f64>> {
+    let mut numbers = generator(seed, ALONG);
+    let each = count.div_ceil(valleys.len().max(1));
+    let mut points = Vec::with_capacity(each * valleys.len());
+    for valley in valleys {
+        let j = valley.unknown;
+        let path: Vec<Vec<f64>> =
+            valley.points.iter().map(|point| problem.to_working(&point.point)).collect();
+        let [Some(first), Some(last)] = [path.first(), path.last()] else { continue };
+        let (start, length) = (first[j], last[j] - first[j]);
+        let spread = whitening.spread_with(j);
+        for n in 0..each {
+            let at = start + length * (n as f64 + 0.5) / each as f64;
+            let Some(pair) = path.windows(2).find(|pair| at <= pair[1][j]) else { continue };
+            let share = ((at - pair[0][j]) / (pair[1][j] - pair[0][j])).clamp(0.0, 1.0);
+            let z: Vec<f64> = (0..path[0].len()).map(|_| normal(&mut numbers)).collect();
+            let step = upper_times(&whitening.root, &z);
+            let mut x: Vec<f64> = (0..step.len())
+                .map(|i| {
+                    let middle = pair[0][i] + share * (pair[1][i] - pair[0][i]);
+                    middle + step[i] - spread[i] * step[j]
+                })
+                .collect();
+            problem.clamp(&mut x);
+            points.push(x);
+        }
+    }
+    points
+}
+
+/// Sets the numbers along profiles apart from others of the same seed.
+const ALONG: u64 = 0xa109;

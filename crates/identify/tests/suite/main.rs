@@ -1,0 +1,18 @@
+//! Exact solutions, certified values and independent programs the crate is held to.
+
+#![allow(clippy::unwrap_used, reason = "the builders of test models run in tests only")]
+
+mod bounds;
+mod certified;
+mod chains;
+mod choices;
+mod coverage;
+mod derivatives;
+mod designs;
+mod gaussian;
+mod minpack;
+mod models;
+mod posteriors;
+mod refusals;
+mod robust;
+mod surrogates;

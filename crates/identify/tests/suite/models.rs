@@ -1,0 +1,79 @@
+//! Small models for the tests.
+
+use asperity_identify::{
+    ForwardModel, Observation, Predictions, Prior, Progress, Refusal, Scale, Unknown,
+};
+
+/// A model from a formula.
+pub(crate) struct Formula<F> {
+    pub(crate) unknowns: Vec<Unknown>,
+    pub(crate) observations: Vec<Observation>,
+    pub(crate) predict: F,
+}
+
+impl<F: Fn(&[f64]) -> Vec<f64> + Sync> ForwardModel for Formula<F> {
+    fn unknowns(&self) -> &[Unknown] {
+        &self.unknowns
+    }
+
+    fn observations(&self) -> &[Observation] {
+        &self.observations
+    }
+
+    fn predict(&self, points: &[Vec<f64>]) -> Vec<Result<Predictions, Refusal>> {
+        points
+            .iter()
+            .map(|point| Ok((self.predict)(point).into_iter().map(Some).collect()))
+            .collect()
+    }
+}
+
+/// Observations with a common standard deviation, each its own block.
+pub(crate) fn observations(values: &[f64], standard_deviation: f64) -> Vec<Observation> {
+    let one = |(block, &value): (usize, &f64)| Observation {
+        label: format!("y{block}"),
+        block,
+        value,
+        standard_deviation,
+    };
+    values.iter().enumerate().map(one).collect()
+}
+
+pub(crate) fn linear(name: &str, start: f64, bounds: [f64; 2]) -> Unknown {
+    Unknown::new(name, start, bounds, Scale::Linear, None).unwrap()
+}
+
+pub(crate) fn linear_with_prior(
+    name: &str,
+    start: f64,
+    bounds: [f64; 2],
+    mean: f64,
+    standard_deviation: f64,
+) -> Unknown {
+    let prior = Prior { mean, standard_deviation };
+    Unknown::new(name, start, bounds, Scale::Linear, Some(prior)).unwrap()
+}
+
+pub(crate) fn silent(_: Progress) {}
+
+pub(crate) fn assert_close(found: f64, expected: f64, relative: f64, what: &str) {
+    let apart = (found - expected).abs();
+    assert!(apart <= relative * expected.abs(), "{what}: {found}, expected {expected}");
+}
+
+/// Standard normal numbers by the Box-Muller transform of a 64-bit congruential generator,
+/// independent of the crate's own.
+pub(crate) struct Noise(pub(crate) u64);
+
+impl Noise {
+    fn uniform(&mut self) -> f64 {
+        self.0 =
+            self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        ((self.0 >> 11) as f64 + 0.5) / (1_u64 << 53) as f64
+    }
+
+    pub(crate) fn normal(&mut self) -> f64 {
+        let radius = (-2.0 * self.uniform().ln()).sqrt();
+        radius * (std::f64::consts::TAU * self.uniform()).cos()
+    }
+}

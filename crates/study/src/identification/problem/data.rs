@@ -1,0 +1,236 @@
+//! Data as a problem writes them.
+
+use std::collections::BTreeMap;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::Changes;
+
+/// Data of one kind.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
+pub enum DataSpec {
+    /// Features of hits, written in place.
+    Hits {
+        /// A name.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(with = "String")]
+        name: Option<String>,
+        /// Changes of the scenario for these hits, such as a preload: JSON
+        /// Pointers and values.
+        #[serde(default, skip_serializing_if = "Changes::is_empty")]
+        set: Changes,
+        /// Least standard deviation of each feature, added in squares.
+        #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+        floor: BTreeMap<String, SpreadSpec>,
+        /// The hits.
+        #[schemars(length(min = 1))]
+        hits: Vec<HitSpec>,
+    },
+    /// Features of hits, from the `analysis.json` of `asperity analyse`.
+    Analysis {
+        /// A name.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(with = "String")]
+        name: Option<String>,
+        /// The file, relative to the folder of the problem.
+        #[schemars(length(min = 1))]
+        file: String,
+        /// Changes of the scenario for these hits.
+        #[serde(default, skip_serializing_if = "Changes::is_empty")]
+        set: Changes,
+        /// The features that count.
+        #[serde(default = "default_features")]
+        #[schemars(length(min = 1))]
+        features: Vec<String>,
+        /// Least standard deviation of each feature, added in squares.
+        #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+        floor: BTreeMap<String, SpreadSpec>,
+    },
+    /// The receptance of one hit in a band, from a `frf.csv`.
+    Frf {
+        /// A name.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(with = "String")]
+        name: Option<String>,
+        /// The file, relative to the folder of the problem, with the columns
+        /// `frequency_hz` and real and imaginary part in m/N.
+        #[schemars(length(min = 1))]
+        file: String,
+        /// The hit.
+        #[serde(default)]
+        hit: StrikeSpec,
+        /// Where it counts, in Hz.
+        band_hz: [f64; 2],
+        /// Standard deviation of each part: of the largest magnitude in the
+        /// band, and absolute in m/N.
+        spread: SpreadSpec,
+        /// Most frequencies that are taken, evenly spaced.
+        #[serde(default = "default_points")]
+        #[schemars(range(min = 1, max = 10_000))]
+        points: usize,
+    },
+    /// Frequency over amplitude along the decay of one hit, from a `backbone.csv`.
+    Backbone {
+        /// A name.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(with = "String")]
+        name: Option<String>,
+        /// The file, relative to the folder of the problem.
+        #[schemars(length(min = 1))]
+        file: String,
+        /// Number of the hit in the file; the only one when left out.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(with = "usize")]
+        index: Option<usize>,
+        /// The hit.
+        #[serde(default)]
+        hit: StrikeSpec,
+        /// Standard deviation of the frequency, of its value and absolute in Hz.
+        spread: SpreadSpec,
+    },
+    /// Records of hits, driven by the force that was measured, compared by
+    /// their receptance in a band.
+    Records {
+        /// A name.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(with = "String")]
+        name: Option<String>,
+        /// The files, relative to the folder of the problem.
+        #[schemars(length(min = 1))]
+        files: Vec<String>,
+        /// The channel of the force, as for `asperity analyse`.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(with = "String")]
+        force: Option<String>,
+        /// The channel of the response.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(with = "String")]
+        response: Option<String>,
+        /// Changes of the scenario for these hits.
+        #[serde(default, skip_serializing_if = "Changes::is_empty")]
+        set: Changes,
+        /// Where they count, in Hz.
+        band_hz: [f64; 2],
+        /// Standard deviation added in squares to that of the noise before the
+        /// blow: of the largest magnitude in the band, and absolute in m/N.
+        #[serde(default)]
+        spread: SpreadSpec,
+    },
+    /// Points of the law itself, from a quasi-static test.
+    Stiffness {
+        /// Name of the law in "laws".
+        law: String,
+        /// Pairs [pressure in Pa, stiffness in Pa/m].
+        #[schemars(length(min = 1))]
+        points: Vec<[f64; 2]>,
+        /// Standard deviation of the stiffness.
+        spread: SpreadSpec,
+    },
+    /// A feature of one hit over that of another.
+    Ratio {
+        /// The feature.
+        feature: String,
+        /// The hit above.
+        numerator: StrikeSpec,
+        /// The hit below.
+        denominator: StrikeSpec,
+        /// The ratio.
+        value: f64,
+        /// Its standard deviation.
+        #[schemars(extend("exclusiveMinimum" = 0.0))]
+        standard_deviation: f64,
+    },
+}
+
+/// What was struck, and how hard.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct StrikeSpec {
+    /// Largest force in N; the scenario's when left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "f64")]
+    pub force_peak_n: Option<f64>,
+    /// Changes of the scenario for this hit: JSON Pointers and values.
+    #[serde(default, skip_serializing_if = "Changes::is_empty")]
+    pub set: Changes,
+}
+
+/// A hit and its features.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct HitSpec {
+    /// Largest force in N; the scenario's when left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "f64")]
+    pub force_peak_n: Option<f64>,
+    /// Changes of the scenario for this hit: JSON Pointers and values.
+    #[serde(default, skip_serializing_if = "Changes::is_empty")]
+    pub set: Changes,
+    /// Features by the names that a summary gives them, such as
+    /// `fundamental.frequency_hz`.
+    pub features: BTreeMap<String, Measured>,
+}
+
+/// A measured number: alone, or with its standard deviation.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum Measured {
+    /// The number; its standard deviation is the floor's.
+    Alone(f64),
+    /// The number with its standard deviation.
+    Uncertain(Uncertain),
+}
+
+/// A number with its standard deviation.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Uncertain {
+    /// The number.
+    pub value: f64,
+    /// Its standard deviation.
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    pub standard_deviation: f64,
+}
+
+/// A standard deviation: the root of the sum of both squares.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SpreadSpec {
+    /// Part of the value.
+    #[serde(default)]
+    #[schemars(range(min = 0.0))]
+    pub relative: f64,
+    /// In the unit of the value.
+    #[serde(default)]
+    #[schemars(range(min = 0.0))]
+    pub absolute: f64,
+}
+
+impl Measured {
+    /// Value and, if there is one, standard deviation.
+    pub fn parts(self) -> (f64, Option<f64>) {
+        match self {
+            Self::Alone(value) => (value, None),
+            Self::Uncertain(number) => (number.value, Some(number.standard_deviation)),
+        }
+    }
+}
+
+impl SpreadSpec {
+    /// The standard deviation of a number of this `value`.
+    pub fn of(self, value: f64) -> f64 {
+        (self.relative * value).hypot(self.absolute)
+    }
+}
+
+fn default_features() -> Vec<String> {
+    ["fundamental.frequency_hz", "fundamental.receptance_m_per_n", "harmonic_ratio"]
+        .map(str::to_owned)
+        .to_vec()
+}
+
+fn default_points() -> usize {
+    60
+}

@@ -1,0 +1,108 @@
+//! Unknowns as a problem writes them.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// One unknown, or several that belong together.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
+pub enum UnknownSpec {
+    /// A number of the scenario.
+    Scalar {
+        /// JSON Pointer into the scenario, such as /damping/ratio.
+        #[schemars(length(min = 1))]
+        pointer: String,
+        /// Its name in the results; the pointer when left out.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(with = "String")]
+        name: Option<String>,
+        /// The least and the greatest value.
+        bounds: [f64; 2],
+        /// Where the fit starts; the scenario's value when left out.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(with = "f64")]
+        start: Option<f64>,
+        /// How it is varied; logarithmic when both bounds are positive.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(with = "ScaleSpec")]
+        scale: Option<ScaleSpec>,
+        /// What is known of it beforehand.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(with = "PriorSpec")]
+        prior: Option<PriorSpec>,
+    },
+    /// The stiffnesses at the knots of a modified power law or the points of a
+    /// table, as steps from one to the next, each a part of the stiffness it
+    /// leads to: any set of them is a law.
+    MonotoneLaw {
+        /// Name of the law in "laws".
+        law: String,
+        /// The least and the greatest step, 1 - K\[i\]/K\[i+1\].
+        #[serde(default = "default_steps")]
+        steps: [f64; 2],
+    },
+    /// The gain of a sensor: what it shows over what there is.
+    Gain {
+        /// The channel.
+        channel: ChannelSpec,
+        /// Its name in the results.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(with = "String")]
+        name: Option<String>,
+        /// Names of the data it holds for; all when left out.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(with = "Vec<String>")]
+        data: Option<Vec<String>>,
+        /// The least and the greatest value.
+        #[serde(default = "default_gains")]
+        bounds: [f64; 2],
+        /// What is known of it beforehand.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(with = "PriorSpec")]
+        prior: Option<PriorSpec>,
+    },
+}
+
+/// How an unknown is varied.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum ScaleSpec {
+    /// By its value.
+    Linear,
+    /// By its logarithm.
+    Logarithmic,
+}
+
+/// A normal distribution: of the value, or on a logarithmic scale of its logarithm.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PriorSpec {
+    /// Its middle.
+    pub value: f64,
+    /// Its standard deviation; give this or relative.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "f64", extend("exclusiveMinimum" = 0.0))]
+    pub standard_deviation: Option<f64>,
+    /// Its standard deviation over its middle.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "f64", extend("exclusiveMinimum" = 0.0))]
+    pub relative: Option<f64>,
+}
+
+/// A channel of a measurement.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum ChannelSpec {
+    /// The hammer's force.
+    Force,
+    /// The response.
+    Response,
+}
+
+fn default_steps() -> [f64; 2] {
+    [0.001, 0.98]
+}
+
+fn default_gains() -> [f64; 2] {
+    [0.5, 2.0]
+}

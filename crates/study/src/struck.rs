@@ -1,0 +1,12 @@
+//! Many hits at a time, as sweeps and identification run them.
+//!
+//! | module | holds |
+//! |---|---|
+//! | `case` | what runs share that differ in their drive alone |
+//! | `observe` | from a hit's record to its summary |
+
+mod case;
+mod observe;
+
+pub(crate) use case::Case;
+pub(crate) use observe::Observer;
