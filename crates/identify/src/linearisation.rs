@@ -20,7 +20,9 @@ pub struct Linearisation {
     /// Whether the derivatives are the model's own.
     pub exact: bool,
     /// Largest difference between the model's own derivatives and differences, relative to the
-    /// largest entry of the column; `None` if the model has none of its own.
+    /// largest entry of the column, or to a derivative that moves a prediction by one standard
+    /// deviation over all that is unknown beforehand, if that is larger; `None` if the model has
+    /// none of its own.
     pub derivative_difference: Option<f64>,
 }
 
@@ -46,7 +48,8 @@ pub fn linearise(model: &dyn ForwardModel, fit: &Fit) -> Result<Linearisation, I
         }
     }
     let own = own_derivatives(&problem, fit);
-    let derivative_difference = own.as_ref().map(|own| largest_difference(own, &differences));
+    let derivative_difference =
+        own.as_ref().map(|own| largest_difference(&problem, own, &differences));
     Ok(Linearisation {
         point: fit.point.clone(),
         predictions: fit.predictions.clone(),
@@ -80,10 +83,11 @@ fn own_derivatives(problem: &Problem<'_>, fit: &Fit) -> Option<Vec<Vec<f64>>> {
     .collect()
 }
 
-fn largest_difference(own: &[Vec<f64>], differences: &[Vec<f64>]) -> f64 {
+fn largest_difference(problem: &Problem<'_>, own: &[Vec<f64>], differences: &[Vec<f64>]) -> f64 {
     let unknowns = own.first().map_or(0, Vec::len);
     let column = |j: usize| {
-        let largest = own.iter().map(|row| row[j].abs()).fold(f64::MIN_POSITIVE, f64::max);
+        let least = 1.0 / problem.unknowns[j].initial_deviation();
+        let largest = own.iter().map(|row| row[j].abs()).fold(least, f64::max);
         let apart = own.iter().zip(differences).map(|(a, b)| (a[j] - b[j]).abs());
         apart.fold(0.0, f64::max) / largest
     };

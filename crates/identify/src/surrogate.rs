@@ -23,7 +23,7 @@ const TRAINING_REACH: f64 = 4.0;
 /// if it is wrong, but what it does not reach is lost for good.
 pub(crate) const REACH: f64 = 6.0;
 /// Largest share of training points at which a prediction may be missing.
-const MOST_MISSING: f64 = 0.1;
+const MOST_MISSING: f64 = 0.5;
 
 /// Options of a response surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -54,6 +54,12 @@ impl Whitening {
         self.centre.iter().zip(step).map(|(centre, step)| centre + step).collect()
     }
 
+    /// Half as wide.
+    pub(crate) fn halved(&self) -> Self {
+        let root = self.root.iter().map(|row| row.iter().map(|entry| 0.5 * entry).collect());
+        Self { centre: self.centre.clone(), root: root.collect() }
+    }
+
     /// How all coordinates follow number `j` on average: `C[i][j] / C[j][j]`.
     fn spread_with(&self, j: usize) -> Vec<f64> {
         let product =
@@ -81,7 +87,7 @@ pub(crate) struct Training {
 /// They are trained on a Latin hypercube of normal points with standard deviation 1.3, clipped
 /// to `|z| <= 4` and brought inside the bounds. A training point that the model refuses is left out; an
 /// observation that is missing at some points is fitted to the others, and refused if it is
-/// missing at more than a tenth.
+/// missing at more than half.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Surrogate {
     /// Number of training points the model answered at.

@@ -54,7 +54,7 @@ fn main() {
         for (i, &pressure) in band.pressure.iter().enumerate() {
             let exact = law.stiffness(pressure);
             if band.informed[i] {
-                off = off.max((band.stiffness[i] / exact - 1.0).abs());
+                off = off.max((band.median[i] / exact - 1.0).abs());
                 of += 1;
                 here += u32::from((band.lower[i]..=band.upper[i]).contains(&exact));
             }

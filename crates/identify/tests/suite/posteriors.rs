@@ -166,7 +166,8 @@ fn later_rounds_follow_a_strong_bend() {
         observations: observations(&[0.0], 0.3),
         predict: |p: &[f64]| vec![p[1] - 3.0 * (0.8 * p[0]).sin()],
     };
-    let found = sampled(&model, &PosteriorOptions { most_rounds: 6, ..plenty() });
+    let short = PosteriorOptions { most_rounds: 6, burn_in: 500, ..plenty() };
+    let found = sampled(&model, &short);
     assert!(found.diagnostics.rounds > 1);
     assert_trustworthy(&found);
     let deviation = (4.5 * (1.0 - (-1.28_f64).exp()) + 0.09).sqrt();

@@ -71,14 +71,14 @@ impl ForwardModel for Half {
     }
 
     fn predict(&self, points: &[Vec<f64>]) -> Vec<Result<Predictions, Refusal>> {
-        points.iter().map(|x| Ok(vec![Some(x[0]), (x[0] > 0.0).then_some(x[0])])).collect()
+        points.iter().map(|x| Ok(vec![Some(x[0]), (x[0] > 0.05).then_some(x[0])])).collect()
     }
 }
 
 #[test]
 fn an_observation_that_is_often_missing_is_refused_by_name() {
     let model = Half {
-        unknowns: vec![linear("x", 0.1, [-9.0, 9.0])],
+        unknowns: vec![linear("x", 0.1, [-9.0, 0.2])],
         observations: observations(&[0.1, 0.1], 1.0),
     };
     let (found, spread) = fitted(&model);

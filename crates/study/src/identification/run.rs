@@ -22,6 +22,10 @@ use crate::scenario::Laws;
 /// Convergence of a fit: the cost no longer falls by this part.
 const TOLERANCE: f64 = 1e-7;
 
+/// Step of difference derivatives, over an unknown's length of change: long enough for the tables'
+/// errors of 1e-6 to be small in it, and the curvature in it is yet 1e-4.
+const DIFFERENCE: f64 = 1e-2;
+
 /// Most folds of the cross-validation.
 const FOLDS: usize = 6;
 
@@ -155,7 +159,14 @@ fn fit_options(problem: &Problem, starts: usize) -> FitOptions {
         LossSpec::Cauchy { scale } => Loss::Cauchy { scale },
     };
     let seed = problem.spec.seed;
-    FitOptions { loss, starts, seed, tolerance: TOLERANCE, ..FitOptions::default() }
+    FitOptions {
+        loss,
+        starts,
+        seed,
+        tolerance: TOLERANCE,
+        difference_step: DIFFERENCE,
+        ..FitOptions::default()
+    }
 }
 
 /// The problem's law against a constant stiffness and the candidates; none where its unknowns are
