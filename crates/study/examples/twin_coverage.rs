@@ -1,6 +1,7 @@
 //! How often the bands of an identification cover the truth.
 //!
-//! `cargo run --release -p asperity-study --example twin_coverage -- REPETITIONS [HITS]`
+//! `cargo run --release -p asperity-study --example twin_coverage -- write FILE` writes the problem of
+//! `fixtures/problems/twin.json`, and `... -- REPETITIONS [HITS]`
 //! simulates hits of the paper's rig by finite differences, 9 to 32 N, gives them the noise (40 dB)
 //! and the gain errors (5 %) of sensors, identifies the law with the modal engine, and counts.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "its problems are valid")]
@@ -21,7 +22,13 @@ const SCENARIO: &str =
     concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/scenarios/nouira2020-modified.json");
 
 fn main() {
-    let mut words = std::env::args().skip(1).map(|word| word.parse::<usize>().unwrap());
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    if let [word, file] = arguments.as_slice()
+        && word == "write"
+    {
+        return write_problem(file);
+    }
+    let mut words = arguments.iter().map(|word| word.parse::<usize>().unwrap());
     let repetitions = words.next().unwrap_or(10);
     let count = words.next().unwrap_or(24);
     let peaks: Vec<f64> =
@@ -93,4 +100,46 @@ fn main() {
         100.0 * worst[worst.len() / 2],
         100.0 * worst[worst.len() - 1],
     );
+}
+
+/// Twelve hits with sensors 4 % and -3 % off, as a problem to try.
+fn write_problem(file: &str) {
+    let peaks: Vec<f64> = (0..12).map(|i| 9.0 + 23.0 * f64::from(i) / 11.0).collect();
+    let truth = Truth::new(SCENARIO, &peaks, &[("/output_rate_hz", "50000")]);
+    let sensors =
+        Sensors { signal_to_noise_db: 40.0, force_gain: 1.04, response_gain: 0.97, seed: 1 };
+    let problem = json!({
+        "schema": "asperity/identify/1",
+        "title": "Twelve hits simulated by finite differences, 40 dB, sensors 4 % and -3 % off",
+        "scenario": "../scenarios/nouira2020-modified.json",
+        "unknowns": [
+            {"kind": "monotone_law", "law": "modified"},
+            {"kind": "gain", "channel": "force", "prior": {"value": 1, "relative": 0.05}},
+            {"kind": "gain", "channel": "response", "prior": {"value": 1, "relative": 0.05}},
+        ],
+        "pressures_pa": [0, 0.25e6],
+        "compare": [
+            {"name": "power law",
+             "set": {"/laws/modified": {"kind": "power", "coefficient": 1.8e10, "exponent": 0.35}},
+             "unknowns": [
+                {"kind": "scalar", "pointer": "/laws/modified/coefficient", "bounds": [1e8, 1e12]},
+                {"kind": "scalar", "pointer": "/laws/modified/exponent", "bounds": [0.05, 1.5]}]},
+            {"name": "exponential law",
+             "set": {"/laws/modified": {"kind": "exponential", "length_m": 1.4e-7}},
+             "unknowns": [
+                {"kind": "scalar", "pointer": "/laws/modified/length_m", "bounds": [1e-8, 1e-6]}]},
+        ],
+        "design": {"force_peak_n": [5, 10, 20, 40], "set": [{}, {"/bodies/0/mass_kg": 0.8}]},
+        "data": [{
+            "kind": "hits",
+            "name": "twin",
+            "floor": {
+                "fundamental.frequency_hz": {"relative": 5e-5},
+                "fundamental.receptance_m_per_n": {"relative": 1e-3},
+                "harmonic_ratio": {"relative": 1e-3},
+            },
+            "hits": truth.measured(&sensors),
+        }],
+    });
+    std::fs::write(file, format!("{problem:#}\n")).unwrap();
 }

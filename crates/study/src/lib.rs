@@ -6,13 +6,13 @@
 //! its interfaces ([`assemble`]); run, a response and its [`summary`]; swept,
 //! many of them ([`mod@sweep`]). [`record`] writes them as CSV and [`output`]
 //! puts them on disk whole or not at all. Files of measured hits go another way
-//! to the same answers ([`analysis`]). Nothing here draws or prints.
+//! to the same answers ([`analysis`]), and from there to the law ([`identification`]). Nothing here draws or prints.
 //!
 //! | step | modules |
 //! |---|---|
 //! | read and check | [`document`], [`schema`], [`schema_check`], [`validate`], [`diagnostic`], [`locate`], [`mod@pointer`], [`suggest`], [`input`], [`samples`] |
 //! | compute | [`assemble`], [`run`], [`mod@sweep`], [`mod@steady`], [`sensitivity`], [`laws`] |
-//! | measured hits | [`analysis`] |
+//! | measured hits | [`analysis`], [`identification`] |
 //! | give back | [`summary`], [`record`], [`output`], [`error`] |
 
 pub mod analysis;
