@@ -22,6 +22,7 @@ mod x_4_clapping;
 mod x_5_compliant_disc;
 mod x_6_readings;
 mod x_7_second_path;
+mod x_8_identified_law;
 
 use crate::reproduce::PaperFigure;
 
@@ -47,4 +48,5 @@ pub(crate) const FIGURES: &[&PaperFigure] = &[
     &x_5_compliant_disc::FIGURE,
     &x_6_readings::FIGURE,
     &x_7_second_path::FIGURE,
+    &x_8_identified_law::FIGURE,
 ];

@@ -286,7 +286,8 @@ fn every_example_scenario_runs() {
         let path = entry.unwrap().path();
         if path.extension().is_some_and(|extension| extension == "json") {
             let name = path.display().to_string();
-            let arguments = ["simulate", &name, "--quiet", "--set", "/method/cell_m=0.005"];
+            let coarse = r#"/method={"kind": "finite_difference", "cell_m": 0.005}"#;
+            let arguments = ["simulate", &name, "--quiet", "--set", coarse];
             let output = asperity(folder.path(), &arguments);
             assert!(output.status.success(), "{name}: {}", text(&output.stderr));
             assert!(output.stdout.is_empty());

@@ -42,7 +42,7 @@ impl Default for ChoiceOptions {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ModelVerdict {
     /// The lowest corrected Akaike criterion among those whose cross-validation score is within
-    /// one standard error of the highest.
+    /// one standard error of the highest; among all where any has no score.
     Best,
     /// Both cross-validation and the Akaike criterion speak against it.
     Rejected {
@@ -228,12 +228,14 @@ fn judge(outcomes: &mut [CandidateOutcome]) -> usize {
     let highest = (0..outcomes.len())
         .max_by(|&a, &b| score(&outcomes[a]).total_cmp(&score(&outcomes[b])))
         .unwrap_or(0);
+    // Where too few data are left for the unknowns of any, scores are of no use for all.
+    let scored = outcomes.iter().all(|outcome| outcome.cross_validation.is_some());
     let near = |candidate: &CandidateOutcome| match difference(candidate, &outcomes[highest]) {
         Some((difference, error)) => -difference <= error,
-        None => outcomes[highest].cross_validation.is_none(),
+        None => false,
     };
     let best = (0..outcomes.len())
-        .filter(|&k| k == highest || near(&outcomes[k]))
+        .filter(|&k| !scored || k == highest || near(&outcomes[k]))
         .min_by(|&a, &b| outcomes[a].aicc.total_cmp(&outcomes[b].aicc))
         .unwrap_or(highest);
     for k in 0..outcomes.len() {

@@ -147,6 +147,14 @@ fn by_surrogate(
         training.predictions.extend(fresh.predictions);
         let surface = match Surrogate::from_training(problem, whitening.clone(), &training) {
             Ok(surface) => surface,
+            // So wide, the model often has no answer.
+            Err(IdentifyError::OftenMissing { .. } | IdentifyError::TooFewTraining { .. })
+                if best.is_none() && round < options.most_rounds =>
+            {
+                whitening = whitening.halved();
+                training = Training::default();
+                continue;
+            }
             // A later surface that fails leaves the earlier rounds' result.
             Err(error) if best.is_none() => return Err(error),
             Err(_) => break,

@@ -6,7 +6,8 @@
 //! its interfaces ([`assemble`]); run, a response and its [`summary`]; swept,
 //! many of them ([`mod@sweep`]). [`record`] writes them as CSV and [`output`]
 //! puts them on disk whole or not at all. Files of measured hits go another way
-//! to the same answers ([`analysis`]), and from there to the law ([`identification`]). Nothing here draws or prints.
+//! to the same answers ([`analysis`]), and from there to the law
+//! ([`identification`]). Nothing here draws or prints.
 //!
 //! | step | modules |
 //! |---|---|
