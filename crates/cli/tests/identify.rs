@@ -168,3 +168,34 @@ fn a_law_is_found_from_hits() {
     assert!((estimate(&found, "/laws/pl/coefficient") / COEFFICIENT - 1.0).abs() < 1e-3);
     assert!((estimate(&found, "/damping/ratio") / 0.035 - 1.0).abs() < 1e-3);
 }
+
+/// A wrong problem ends with status 2, its place on standard error, and no folder.
+#[test]
+fn bad_problems_are_refused_with_their_place() {
+    let folder = tempfile::tempdir().unwrap();
+    let number = json!({"value": 850.0, "standard_deviation": 1.0});
+    let good = json!({
+        "schema": "asperity/identify/1",
+        "scenario": rig(),
+        "unknowns": [{"kind": "scalar", "pointer": "/damping/ratio", "bounds": [0.01, 0.1]}],
+        "data": [{"kind": "hits", "hits": [
+            {"force_peak_n": 9, "features": {"fundamental.frequency_hz": number}}]}],
+    });
+    let cases = [
+        ("/data", json!([]), "/data"),
+        ("/unknowns/0/pointer", json!("/damping/rate"), "/damping/rate"),
+        ("/unknowns/0/bounds", json!([0.05, 0.1]), "outside its bounds"),
+        ("/data/0/kind", json!("hit"), "did you mean \"hits\"?"),
+        ("/scenario/bodies/0/mass_kg", json!(-1.0), "/scenario/bodies/0/mass_kg"),
+    ];
+    for (pointer, value, expected) in cases {
+        let mut problem = good.clone();
+        *problem.pointer_mut(pointer).unwrap() = value;
+        std::fs::write(folder.path().join("problem.json"), problem.to_string()).unwrap();
+        let output = asperity(folder.path(), &["identify", "problem.json", "--out", "found"]);
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{pointer}: {said}");
+        assert!(said.contains(expected), "{expected} is not in: {said}");
+        assert!(!folder.path().join("found").exists(), "{pointer}");
+    }
+}
