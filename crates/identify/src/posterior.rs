@@ -1,6 +1,7 @@
 //! The posterior distribution of the unknowns, as weighted draws.
 
 mod options;
+mod reach;
 mod summary;
 
 use std::cell::RefCell;
@@ -18,6 +19,7 @@ use crate::sampler::{Chains, Plan, run};
 use crate::surrogate::{REACH, Surrogate, SurrogateOptions, Training, Whitening, sample};
 
 pub use options::{PosteriorMethod, PosteriorOptions};
+use reach::unreached;
 pub use summary::Band;
 
 /// Walkers of the smallest ensemble: fewer move together.
@@ -389,20 +391,4 @@ fn exactly(
         predictions: answers.into_iter().map(Result::unwrap_or_default).collect(),
         diagnostics,
     })
-}
-
-/// Share of the length of a profile's interval that draws may leave out at its ends.
-const LEFT_OUT: f64 = 0.25;
-
-/// Unknowns whose draws leave out much of what their profiles allow.
-fn unreached(found: &Posterior, profiles: &[Profile]) -> Vec<usize> {
-    let lacks = |profile: &&Profile| {
-        let [low, high] = profile.interval;
-        let values = || found.draws.iter().filter_map(|draw| draw.get(profile.unknown).copied());
-        let least = values().fold(f64::INFINITY, f64::min);
-        let greatest = values().fold(f64::NEG_INFINITY, f64::max);
-        let out = (least - low).max(0.0) + (high - greatest).max(0.0);
-        out > LEFT_OUT * (high - low)
-    };
-    profiles.iter().filter(lacks).map(|profile| profile.unknown).collect()
 }
