@@ -97,6 +97,57 @@ fn derivatives_are_those_of_the_predictions() {
     assert_eq!(compared, start.len() * 21);
 }
 
+/// The same of receptances and backbones, whose files hold places only: receptances to 1e-6 of the
+/// largest part, frequencies along a decay to 1e-5 of a hundredth of the value over the unknown's,
+/// since they are differenced once more.
+#[test]
+fn derivatives_of_receptances_and_backbones_are_those_of_the_predictions() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).unwrap();
+        path
+    };
+    let frf = file("frf.csv", "frequency_hz,real,imag\n800,1e-7,0\n860,1e-7,0\n1600,1e-8,0\n");
+    let backbone = file("backbone.csv", "index,amplitude_m,frequency_hz\n1,3e-11,875\n");
+    let strike = json!({"force_peak_n": 15});
+    let data = json!([
+        {"kind": "frf", "file": frf, "hit": strike, "band_hz": [700, 1700],
+         "spread": {"relative": 0.01}},
+        {"kind": "backbone", "file": backbone, "hit": strike, "spread": {"relative": 1e-4}},
+    ]);
+    let model = problem(&unknowns(), &data).model();
+    // The gain of the half preload has no data here.
+    assert!(model.is_err());
+    let mut some = unknowns();
+    some.as_array_mut().unwrap().pop();
+    let model = problem(&some, &data).model().unwrap().forward;
+    let start: Vec<f64> = model.unknowns().iter().map(asperity_identify::Unknown::start).collect();
+    let exact = model.derivatives(&start).unwrap();
+    let largest = exact.values[..6].iter().flatten().fold(0.0_f64, |m, v| m.max(v.abs()));
+    for (j, unknown) in model.unknowns().iter().enumerate() {
+        let step = 1e-5 * start[j];
+        let four = STENCIL.map(|place| {
+            let mut point = start.clone();
+            point[j] += place * step;
+            model.derivatives(&point).unwrap().values
+        });
+        for (i, observation) in model.observations().iter().enumerate() {
+            let at = four.each_ref().map(|values| values[i].unwrap());
+            let expected = central_difference(at, step);
+            let found = exact.jacobian[i][j].unwrap();
+            let (scale, tolerance) = if i < 6 {
+                (largest / start[j], 1e-6)
+            } else {
+                (1e-2 * exact.values[i].unwrap() / start[j], 1e-5)
+            };
+            let off = (found - expected).abs() / expected.abs().max(scale);
+            println!("{} {}: {found:e} {expected:e} {off:.1e}", unknown.name(), observation.label);
+            assert!(off < tolerance, "{} {}", unknown.name(), observation.label);
+        }
+    }
+}
+
 /// What batches predict, with tables and thinned records, is what the exact marching predicts, to
 /// the tables' tolerance and the sampling.
 #[test]
