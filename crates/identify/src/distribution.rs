@@ -2,8 +2,9 @@
 
 use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
 
-/// The value below which a standard normal number lies with this probability.
-pub(crate) fn normal_quantile(probability: f64) -> f64 {
+/// The value below which a standard normal number lies with this probability, which is held to
+/// 0 and 1, where it is infinite.
+pub fn normal_quantile(probability: f64) -> f64 {
     Normal::standard().inverse_cdf(probability.clamp(0.0, 1.0))
 }
 

@@ -101,6 +101,7 @@ pub use choice::{
 pub use convergence::{effective_sample_size, r_hat};
 pub use covariance::{Covariance, GoodnessOfFit, NoiseScale, covariance, goodness_of_fit};
 pub use design::{DesignCandidate, DesignGain, design_sequence, expected_information};
+pub use distribution::normal_quantile;
 pub use error::IdentifyError;
 pub use fit::{Ending, Fit, FitOptions, Optimum, Progress, Stage, StartOutcome, fit};
 pub use identifiability::{Identifiability, UNDETERMINED_SHARE, Undetermined, identifiability};

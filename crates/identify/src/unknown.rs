@@ -133,7 +133,7 @@ impl Unknown {
     }
 
     /// The derivative of the value by the working coordinate at a value.
-    pub(crate) fn value_slope(&self, value: f64) -> f64 {
+    pub fn value_slope(&self, value: f64) -> f64 {
         match self.scale {
             Scale::Linear => 1.0,
             Scale::Logarithmic => value,

@@ -9,4 +9,4 @@ mod case;
 mod observe;
 
 pub(crate) use case::Case;
-pub(crate) use observe::Observer;
+pub(crate) use observe::{FREE, Observer};

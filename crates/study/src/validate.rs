@@ -37,12 +37,13 @@ pub const MOST_STEPS: f64 = 1e11;
 pub fn validate(scenario: &Scenario, folder: &Path) -> Vec<Diagnostic> {
     // A scenario holds only maps with text keys, so it always has a JSON form;
     // numbers that are not finite become null, which the schema refuses.
-    let value = serde_json::to_value(scenario).unwrap_or_default();
-    let mut found = crate::schema_check::check(crate::schema::schema(), &value);
-    if found.is_empty() {
-        found = check(&value, folder);
-    }
-    found
+    validate_value(&serde_json::to_value(scenario).unwrap_or_default(), folder)
+}
+
+/// The same of a scenario's JSON.
+pub(crate) fn validate_value(scenario: &Value, folder: &Path) -> Vec<Diagnostic> {
+    let found = crate::schema_check::check(crate::schema::schema(), scenario);
+    if found.is_empty() { check(scenario, folder) } else { found }
 }
 
 /// The problems of a scenario's JSON that its schema cannot state.

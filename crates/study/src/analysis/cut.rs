@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use asperity_signal::{Hit, HitFinder, HitLength, HitOptions, TriggerLevel};
+use asperity_signal::{Hit, HitFinder};
 
 use super::error::AnalysisError;
 use super::options::AnalysisOptions;
@@ -33,13 +33,7 @@ pub(crate) fn cut(
     };
     let rate = sampling.rate_hz;
     let plan = scan.plan(options, rate)?;
-    let samples = |seconds: f64| (seconds * rate).round() as usize;
-    let cut = HitOptions {
-        level: TriggerLevel::Absolute(plan.level_n),
-        pre_trigger: samples(options.pre_trigger_s),
-        length: HitLength::UntilNext { limit: plan.length },
-        hold_off: samples(options.hold_off_s).max(samples(options.pre_trigger_s) + 1),
-    };
+    let cut = plan.cut(options, rate);
     for file in files {
         let mut finder: Option<HitFinder> = None;
         stream.read(file, &mut |block, sampling| {

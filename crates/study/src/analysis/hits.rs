@@ -2,8 +2,8 @@
 
 use asperity_signal::{
     AnalysedHit, ExponentialWindow, FrfEstimator, FrfForm, HammerOptions, HarmonicOptions, Hit,
-    HitFinder, HitLength, HitOptions, Offset, Reference, Response, ResponseWindows, TriggerLevel,
-    Verdict, analyse_hit, dominant_frequency, inspect,
+    HitFinder, Offset, Reference, Response, ResponseWindows, Verdict, analyse_hit,
+    dominant_frequency, inspect,
 };
 
 use rayon::prelude::*;
@@ -74,13 +74,7 @@ impl<'a> HitByHit<'a> {
         sampling: Sampling,
     ) -> Result<Self, AnalysisError> {
         let rate = sampling.rate_hz;
-        let samples = |seconds: f64| (seconds * rate).round() as usize;
-        let cut = HitOptions {
-            level: TriggerLevel::Absolute(plan.level_n),
-            pre_trigger: samples(options.pre_trigger_s),
-            length: HitLength::UntilNext { limit: plan.length },
-            hold_off: samples(options.hold_off_s).max(samples(options.pre_trigger_s) + 1),
-        };
+        let cut = plan.cut(options, rate);
         let exponential = match options.window.exponential {
             None => None,
             Some(TimeConstant::Seconds(tau)) => Some(ExponentialWindow::new(tau)?),

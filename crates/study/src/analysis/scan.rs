@@ -4,7 +4,7 @@
 //! keeps the largest force of each millisecond, and every so many samples for
 //! the noise: some thousandths of the samples, whatever the record's length.
 
-use asperity_signal::robust_level;
+use asperity_signal::{HitLength, HitOptions, TriggerLevel, robust_level};
 
 use super::error::AnalysisError;
 use super::options::{AnalysisOptions, HitCount};
@@ -46,6 +46,19 @@ pub(super) struct Plan {
     pub(super) length: usize,
     /// Whether the force is stronger the other way.
     pub(super) points_away: bool,
+}
+
+impl Plan {
+    /// How records of this rate are cut.
+    pub(super) fn cut(&self, options: &AnalysisOptions, rate_hz: f64) -> HitOptions {
+        let samples = |seconds: f64| (seconds * rate_hz).round() as usize;
+        HitOptions {
+            level: TriggerLevel::Absolute(self.level_n),
+            pre_trigger: samples(options.pre_trigger_s),
+            length: HitLength::UntilNext { limit: self.length },
+            hold_off: samples(options.hold_off_s).max(samples(options.pre_trigger_s) + 1),
+        }
+    }
 }
 
 impl Scan {

@@ -1,6 +1,6 @@
 //! The law with its band, and where the data inform it.
 
-use asperity_identify::{Fit, ForwardModel, Posterior, Unknown};
+use asperity_identify::{Fit, ForwardModel, Posterior, Unknown, normal_quantile};
 
 use super::error::ProblemError;
 use super::forward::Forward;
@@ -58,14 +58,6 @@ impl LawBand {
     ) -> Result<Self, ProblemError> {
         let (reached, at_rest) = reached(forward, name, &best.point)?;
         let range = problem.spec.pressures_pa.unwrap_or([0.0, 1.25 * reached[1]]);
-        if !(range[0] >= 0.0 && range[1] > range[0] && range[1].is_finite()) {
-            return Err(ProblemError::Value {
-                place: "/pressures_pa".to_owned(),
-                quantity: "pressure [Pa]",
-                value: if range[0] >= 0.0 { range[1] } else { range[0] },
-                expected: "two pressures, the lower first and not negative",
-            });
-        }
         // Crowded towards low pressure, where laws differ most.
         let pressure: Vec<f64> = (0..PRESSURES)
             .map(|i| i as f64 / (PRESSURES - 1) as f64)
@@ -112,6 +104,21 @@ impl LawBand {
         let mut known = self.pressure.iter().zip(&self.informed).filter(|(_, informed)| **informed);
         let first = *known.next()?.0;
         Some([first, known.next_back().map_or(first, |(last, _)| *last)])
+    }
+}
+
+/// Refuses pressures that are no range.
+pub(super) fn check_pressures(problem: &Problem) -> Result<(), ProblemError> {
+    match problem.spec.pressures_pa {
+        Some([low, high]) if !(low >= 0.0 && high > low && high.is_finite()) => {
+            Err(ProblemError::Value {
+                place: "/pressures_pa".to_owned(),
+                quantity: "pressure [Pa]",
+                value: if low >= 0.0 { high } else { low },
+                expected: "two pressures, the lower first and not negative",
+            })
+        }
+        _ => Ok(()),
     }
 }
 
@@ -169,7 +176,7 @@ fn beforehand(unknowns: &[Unknown], seed: u64) -> Vec<Vec<f64>> {
                 let part = (offset + (n + 1) as f64 * step).fract();
                 let [low, high] = unknown.bounds().map(|value| unknown.to_working(value));
                 let x = match unknown.prior() {
-                    Some(prior) => prior.mean + prior.standard_deviation * logit(part),
+                    Some(prior) => prior.mean + prior.standard_deviation * normal_quantile(part),
                     None => low + part * (high - low),
                 };
                 unknown.from_working(x)
@@ -177,13 +184,6 @@ fn beforehand(unknowns: &[Unknown], seed: u64) -> Vec<Vec<f64>> {
             unknowns.iter().map(value).collect()
         })
         .collect()
-}
-
-/// Quantile of a logistic distribution of unit variance, near enough to the normal one to say how
-/// wide what is known beforehand is.
-fn logit(part: f64) -> f64 {
-    let part = part.clamp(1e-9, 1.0 - 1e-9);
-    (part / (1.0 - part)).ln() * 3.0_f64.sqrt() / std::f64::consts::PI
 }
 
 /// Weighted standard deviation of every column, of the finite entries.

@@ -3,8 +3,7 @@
 use std::collections::BTreeMap;
 
 use asperity_identify::{
-    Covariance, DesignCandidate, Fit, ForwardModel, Scale, Unknown, design_sequence,
-    expected_information,
+    Covariance, DesignCandidate, Fit, ForwardModel, Scale, design_sequence, expected_information,
 };
 
 use super::band::LawBand;
@@ -47,15 +46,24 @@ pub struct Designed {
     pub sequence: Vec<DesignedHit>,
 }
 
-/// Ranks the hits of a design by what they would tell about the law.
-pub(super) fn rank(
+/// The hits of a design as a forward model, which is made before any work is.
+#[derive(Debug)]
+pub(super) struct Plan {
+    forward: Forward,
+    /// Force and changes of the rig of every hit.
+    kinds: Vec<(f64, Changes)>,
+    /// Median relative standard deviation of every feature of the hits that were made, in the order of
+    /// the rows of a hit.
+    relative: Vec<f64>,
+    hits: usize,
+}
+
+/// Plans the hits of a design, with the features of those that were made.
+pub(super) fn plan(
     problem: &Problem,
     forward: &Forward,
     asked: &DesignSpec,
-    law: &LawBand,
-    best: &Fit,
-    (covariance, noise_factor): (&Covariance, f64),
-) -> Result<Designed, ProblemError> {
+) -> Result<Plan, ProblemError> {
     let features = features(forward, problem)?;
     let none = vec![Changes::new()];
     let sets = if asked.set.is_empty() { &none } else { &asked.set };
@@ -78,18 +86,29 @@ pub(super) fn rank(
             kinds.push((force, set.clone()));
         }
     }
-    let planned = problem.with_data(data).model()?.forward;
-    let derivatives = planned.derivatives(&best.point)?;
-    let slope = |(unknown, &value): (&Unknown, &f64)| match unknown.scale() {
-        Scale::Logarithmic => value,
-        Scale::Linear => 1.0,
-    };
-    let slopes: Vec<f64> = forward.unknowns().iter().zip(&best.point).map(slope).collect();
-    let relative: Vec<f64> = features.values().copied().collect();
-    let shrink = (asked.hits as f64).sqrt() / noise_factor;
+    Ok(Plan {
+        forward: problem.planned(&data)?,
+        kinds,
+        relative: features.into_values().collect(),
+        hits: asked.hits,
+    })
+}
+
+/// Ranks planned hits by what they would tell about the law.
+pub(super) fn rank(
+    plan: &Plan,
+    law: &LawBand,
+    best: &Fit,
+    (covariance, noise_factor): (&Covariance, f64),
+) -> Result<Designed, ProblemError> {
+    let Plan { forward, kinds, relative, hits } = plan;
+    let derivatives = forward.derivatives(&best.point)?;
+    let pairs = forward.unknowns().iter().zip(&best.point);
+    let slopes: Vec<f64> = pairs.map(|(unknown, &value)| unknown.value_slope(value)).collect();
+    let shrink = (*hits as f64).sqrt() / noise_factor;
     // The rows of each kind follow one another, a feature each.
-    let rows = derivatives.jacobian.chunks(features.len());
-    let values = derivatives.values.chunks(features.len());
+    let rows = derivatives.jacobian.chunks(relative.len());
+    let values = derivatives.values.chunks(relative.len());
     let candidates: Vec<DesignCandidate> = kinds
         .iter()
         .zip(rows.zip(values))
@@ -99,7 +118,7 @@ pub(super) fn rank(
                 jacobian: Vec::new(),
                 standard_deviations: Vec::new(),
             };
-            for ((row, value), relative) in rows.iter().zip(values).zip(&relative) {
+            for ((row, value), relative) in rows.iter().zip(values).zip(relative) {
                 let entries: Option<Vec<f64>> = row.iter().copied().collect();
                 // A peak that is not there tells nothing.
                 if let (Some(value), Some(entries)) = (value, entries) {
@@ -120,7 +139,7 @@ pub(super) fn rank(
     let alone = expected_information(&covariance.matrix, &candidates, &targets)?;
     let sequence = design_sequence(&covariance.matrix, &candidates, &targets, SEQUENCE)?;
     Ok(Designed {
-        hits: asked.hits,
+        hits: *hits,
         candidates: alone.iter().map(named).collect(),
         sequence: sequence.iter().map(named).collect(),
     })

@@ -15,18 +15,16 @@ use asperity_identify::Derivatives;
 use asperity_signal::{BackbonePoint, Complex64, transform_at};
 use rayon::prelude::*;
 
-use super::forward::{Forward, receptance_rate};
-use super::row::{Outcome, Outcomes, backbone_of};
+use super::forward::Forward;
+use super::row::{Outcome, Outcomes, Row, backbone_of};
 use super::strike::{Prepared, Strike};
 use crate::error::StudyError;
 use crate::sensitivity::{Table, rig_with, with_laws_of};
+use crate::struck::FREE;
 use crate::summary::StaticSummary;
 
 /// Step along the derivative of a decay, over that of the unknown's stencil.
 const ALONG: f64 = 1e-2;
-
-/// Force over its peak below which a decay counts as free.
-const FREE: f64 = 1e-3;
 
 /// The rigs at the places of the stencil of one unknown.
 struct Neighbours {
@@ -61,7 +59,7 @@ impl Forward {
             stiffness: self.stiffnesses(point)?,
         };
         let gains = self.gains(point);
-        let value = |row: &super::row::Row| row.value(&outcomes, &gains, &self.columns);
+        let value = |row: &Row| row.value(&outcomes, &gains, &self.columns);
         let values: Vec<Option<f64>> = self.rows.iter().map(value).collect();
         let mut columns = Vec::with_capacity(point.len());
         for (unknown, around) in neighbours.iter().enumerate() {
@@ -109,7 +107,7 @@ impl Forward {
         neighbours: &[Neighbours],
     ) -> Result<Differentiated, StudyError> {
         let rig = &base[strike.rig];
-        let gains = |point: &[f64]| self.unknowns.gains(&strike.data, point);
+        let gains = |point: &[f64]| strike.sensors.gains(point);
         let hit = strike.hit(rig, gains(point), &self.folder)?;
         let modal = rig.case.modal().unwrap_or_default();
         let natural = rig.case.at_rest.natural_frequency_hz;
@@ -173,9 +171,9 @@ impl Forward {
         };
         let rates = found.rates.iter().enumerate().map(|(unknown, course)| {
             let pairs = strike.frequencies.iter().zip(&at_frequencies);
-            let receptance = pairs.map(|(&f, &values)| {
-                let (_, moved) = receptance_rate(values, transforms(course, f));
-                moved
+            let receptance = pairs.map(|(&f, &[response, force])| {
+                let [response_rate, force_rate] = transforms(course, f);
+                (response_rate - response / force * force_rate) / force
             });
             Outcome {
                 columns: gather(&|place| table.jacobian[place][unknown]),

@@ -107,9 +107,12 @@ pub(super) fn frf(path: &Path, band: [f64; 2], most: usize) -> Result<Vec<Line>,
         "the columns frequency_hz, real_m_per_n (or real) and imag_m_per_n (or imag) in m/N";
     let columns = [&["frequency_hz"][..], &["real_m_per_n", "real"], &["imag_m_per_n", "imag"]];
     let rows = columns_of(path, &columns, EXPECTED)?;
+    // An analysis leaves lines empty, or marks them, where the force has too little content.
+    let counts =
+        |row: &&[f64; 3]| (band[0]..=band[1]).contains(&row[0]) && row.iter().all(|x| !x.is_nan());
     let inside: Vec<Line> = rows
         .iter()
-        .filter(|row| (band[0]..=band[1]).contains(&row[0]))
+        .filter(counts)
         .map(|row| Line {
             frequency_hz: row[0],
             value: Complex64::new(row[1], row[2]),
@@ -117,7 +120,7 @@ pub(super) fn frf(path: &Path, band: [f64; 2], most: usize) -> Result<Vec<Line>,
         })
         .collect();
     if inside.is_empty() {
-        let text = format!("no line lies between {} and {} Hz", band[0], band[1]);
+        let text = format!("no valid line lies between {} and {} Hz", band[0], band[1]);
         return Err(problem(path, text, "lines inside band_hz"));
     }
     let every = inside.len().div_ceil(most);
@@ -139,7 +142,7 @@ pub(super) fn backbone(path: &Path, index: Option<usize>) -> Result<Vec<(f64, f6
     };
     let points: Vec<(f64, f64)> = rows
         .iter()
-        .filter(|row| row[0] == wanted)
+        .filter(|row| row[0] == wanted && row.iter().all(|x| !x.is_nan()))
         .step_by(EVERY)
         .map(|row| (row[1], row[2]))
         .collect();
@@ -153,7 +156,8 @@ pub(super) fn backbone(path: &Path, index: Option<usize>) -> Result<Vec<(f64, f6
     Ok(points)
 }
 
-/// Numbers of some columns of a CSV, each under one of several names.
+/// Numbers of some columns of a CSV, each under one of several names; NaN where a field is empty,
+/// and in all columns but the first of rows that a column `valid` marks with 0.
 fn columns_of<const N: usize>(
     path: &Path,
     names: &[&[&str]; N],
@@ -171,12 +175,17 @@ fn columns_of<const N: usize>(
         *place = found
             .ok_or_else(|| problem(path, format!("there is no column {}", names[0]), expected))?;
     }
+    let valid = header.iter().position(|column| column == "valid");
     let mut rows = Vec::new();
     for record in reader.records() {
         let record = record.map_err(unreadable)?;
-        let mut row = [0.0; N];
-        for (number, &place) in row.iter_mut().zip(&places) {
+        let marked = valid.and_then(|place| record.get(place)) == Some("0");
+        let mut row = [f64::NAN; N];
+        for (index, (number, &place)) in row.iter_mut().zip(&places).enumerate() {
             let text = record.get(place).unwrap_or_default();
+            if text.is_empty() || (marked && index > 0) {
+                continue;
+            }
             let value = text.parse::<f64>().ok().filter(|value| value.is_finite());
             *number = value.ok_or_else(|| {
                 let line = record.position().map_or(0, csv::Position::line);

@@ -4,7 +4,6 @@ use std::path::PathBuf;
 
 use asperity_dynamics::{Batch, Hit, HitRecord};
 use asperity_identify::{Derivatives, ForwardModel, Observation, Predictions, Refusal, Unknown};
-use asperity_signal::Complex64;
 use rayon::prelude::*;
 use serde_json::Value;
 
@@ -67,7 +66,7 @@ impl ForwardModel for Forward {
 }
 
 #[allow(clippy::needless_pass_by_value, reason = "the shape that map_err takes")]
-pub(super) fn refusal(error: StudyError) -> Refusal {
+fn refusal(error: StudyError) -> Refusal {
     Refusal { reason: error.to_string() }
 }
 
@@ -79,7 +78,7 @@ impl Forward {
 
     /// The gains of every strike's sensors at `point`.
     pub(super) fn gains(&self, point: &[f64]) -> Vec<Gains> {
-        self.strikes.iter().map(|strike| self.unknowns.gains(&strike.data, point)).collect()
+        self.strikes.iter().map(|strike| strike.sensors.gains(point)).collect()
     }
 
     /// Points whose strikes fill the lanes of a batch best.
@@ -123,7 +122,7 @@ impl Forward {
     fn hits(&self, point: &[f64]) -> Result<Ready, StudyError> {
         let rigs = self.prepare(point)?;
         let hit = |strike: &Strike| {
-            let gains = self.unknowns.gains(&strike.data, point);
+            let gains = strike.sensors.gains(point);
             strike.hit(&rigs[strike.rig], gains, &self.folder)
         };
         let hits = self.strikes.iter().map(hit).collect::<Result<_, _>>()?;
@@ -202,13 +201,4 @@ fn stiffness(laws: &Laws, name: &str, pressure: f64) -> Result<f64, StudyError> 
         StudyError::Law { law, interface, pressure_pa: pressure, source }
     })?;
     Ok(law.stiffness(pressure))
-}
-
-/// Receptance \[m/N\] and its rate from transforms `[response, force]` and theirs.
-pub(super) fn receptance_rate(
-    [response, force]: [Complex64; 2],
-    [response_rate, force_rate]: [Complex64; 2],
-) -> (Complex64, Complex64) {
-    let value = response / force;
-    (value, (response_rate - value * force_rate) / force)
 }

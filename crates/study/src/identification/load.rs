@@ -16,7 +16,7 @@ use super::row::{Columns, Part, Row};
 use super::strike::{Rig, Strike};
 use super::unknowns::Unknowns;
 use crate::diagnostic::{Invalid, rounded};
-use crate::{schema, schema_check, validate};
+use crate::validate::validate_value;
 use strikes::StrikeDrive;
 
 /// Features that have exact derivatives, and so can be data; `*` stands for an interface.
@@ -351,10 +351,7 @@ pub(super) fn name_of(index: usize, data: &DataSpec) -> String {
 /// Every problem of a scenario.
 pub(super) fn check_scenario(scenario: &Value, path: &Path) -> Result<(), ProblemError> {
     let folder = path.parent().unwrap_or_else(|| Path::new("."));
-    let mut diagnostics = schema_check::check(schema::schema(), scenario);
-    if diagnostics.is_empty() {
-        diagnostics = validate::check(scenario, folder);
-    }
+    let diagnostics = validate_value(scenario, folder);
     if diagnostics.is_empty() {
         return Ok(());
     }

@@ -24,7 +24,8 @@ pub(super) struct Built {
 impl Problem {
     /// The model of the problem.
     pub(super) fn model(&self) -> Result<Built, ProblemError> {
-        self.build(&self.scenario, &self.spec.unknowns)
+        self.check_gains(&self.spec.unknowns)?;
+        self.build(&self.scenario, &self.spec.unknowns, &self.spec.data)
     }
 
     /// The model of a candidate: its changes, and those unknowns that are not inside them.
@@ -52,7 +53,8 @@ impl Problem {
         };
         let kept = self.spec.unknowns.iter().filter(stays);
         let unknowns: Vec<UnknownSpec> = kept.chain(&candidate.unknowns).cloned().collect();
-        self.build(&scenario, &unknowns)
+        self.check_gains(&unknowns)?;
+        self.build(&scenario, &unknowns, &self.spec.data)
     }
 
     /// The scenario with the unknowns at `point`.
@@ -63,11 +65,10 @@ impl Problem {
         Ok(scenario)
     }
 
-    /// The problem with other data.
-    pub(super) fn with_data(&self, data: Vec<DataSpec>) -> Self {
-        let mut other = self.clone();
-        other.spec.data = data;
-        other
+    /// The model of other data, that could be measured with the same unknowns. Gains of the
+    /// problem's data by name are not theirs.
+    pub(super) fn planned(&self, data: &[DataSpec]) -> Result<Forward, ProblemError> {
+        Ok(self.build(&self.scenario, &self.spec.unknowns, data)?.forward)
     }
 
     /// The law that is asked for.
@@ -100,17 +101,29 @@ impl Problem {
         }
     }
 
-    fn build(&self, scenario: &Value, specs: &[UnknownSpec]) -> Result<Built, ProblemError> {
+    /// Refuses gains of data that are not there.
+    fn check_gains(&self, unknowns: &[UnknownSpec]) -> Result<(), ProblemError> {
+        let data = self.spec.data.iter().enumerate();
+        let known: Vec<String> = data.map(|(index, data)| name_of(index, data)).collect();
+        let named = unknowns.iter().filter_map(|unknown| match unknown {
+            UnknownSpec::Gain { data, .. } => data.as_ref(),
+            _ => None,
+        });
+        match named.flatten().find(|name| !known.contains(name)) {
+            None => Ok(()),
+            Some(name) => Err(ProblemError::NoData { name: name.clone(), known: known.join(", ") }),
+        }
+    }
+
+    fn build(
+        &self,
+        scenario: &Value,
+        specs: &[UnknownSpec],
+        data: &[DataSpec],
+    ) -> Result<Built, ProblemError> {
         check_scenario(scenario, &self.scenario_path)?;
         let unknowns = Unknowns::new(specs, scenario)?;
         check_overlap(&unknowns)?;
-        let names: Vec<String> =
-            self.spec.data.iter().enumerate().map(|(index, data)| name_of(index, data)).collect();
-        if let Some(name) =
-            unknowns.named_data().find(|name| !names.iter().any(|known| known == name))
-        {
-            return Err(ProblemError::NoData { name: name.to_owned(), known: names.join(", ") });
-        }
         let items = scenario.get("interfaces").and_then(Value::as_array);
         let interfaces: Vec<&str> = items
             .into_iter()
@@ -120,7 +133,7 @@ impl Problem {
         let columns = Columns::new(&interfaces);
         let problem = self.document.folder();
         let mut loader = Loader::new(scenario, &self.scenario_path, problem, &unknowns, &columns);
-        for (index, data) in self.spec.data.iter().enumerate() {
+        for (index, data) in data.iter().enumerate() {
             loader.load(index, data)?;
         }
         let Loaded { rigs, strikes, rows, observations, stiffness, about, notices, .. } =

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use super::error::ProblemError;
 use super::problem::{ProblemSpec, ScenarioRef, problem_schema};
 use crate::document::Document;
-use crate::{schema, schema_check, validate};
+use crate::validate::validate_value;
 
 /// A problem that has been read and checked, as far as that goes without its data.
 #[derive(Debug, Clone)]
@@ -50,17 +50,15 @@ impl Problem {
             }
             ScenarioRef::InPlace(scenario) => {
                 let value = Value::Object(scenario.clone());
-                let mut found = schema_check::check(schema::schema(), &value);
-                if found.is_empty() {
-                    found = validate::check(&value, document.folder());
-                }
+                let mut found = validate_value(&value, document.folder());
                 if !found.is_empty() {
                     for diagnostic in &mut found {
                         diagnostic.pointer = format!("/scenario{}", diagnostic.pointer);
                     }
                     return Err(document.invalid(found).into());
                 }
-                (value, document.path().to_owned(), document.sha256())
+                let sha256 = Document::parse(&value.to_string(), document.path())?.sha256();
+                (value, document.path().to_owned(), sha256)
             }
         };
         let mut notices = Vec::new();

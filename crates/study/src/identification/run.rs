@@ -9,13 +9,13 @@ use asperity_identify::{
     posterior, profile,
 };
 
-use super::band::LawBand;
+use super::band::{LawBand, check_pressures};
 use super::design::{self, Designed};
 use super::error::ProblemError;
 use super::inflated::Inflated;
 use super::load::About;
 use super::model::Built;
-use super::problem::{LossSpec, NoiseSpec};
+use super::problem::{CandidateSpec, LossSpec, NoiseSpec};
 use super::read::Problem;
 use crate::scenario::Laws;
 
@@ -98,6 +98,11 @@ pub fn identify(
     let law_name = problem.law()?;
     notices.splice(0..0, problem.notices.iter().cloned());
     let spec = &problem.spec;
+    // Whatever is wrong with the request is told before any work is done.
+    check_pressures(problem)?;
+    let rivals = rivals(problem)?;
+    let plan = spec.design.as_ref().map(|asked| design::plan(problem, &forward, asked));
+    let plan = plan.transpose()?;
     let hear = |told: asperity_identify::Progress| {
         progress(Step { name: words(told.stage), done: told.done, of: told.of });
     };
@@ -123,12 +128,9 @@ pub fn identify(
     let posterior = posterior(&model, &best, &covariance, &profiles, &options, &hear)?;
     let law = LawBand::new(problem, &forward, &law_name, &best, &posterior)?;
 
-    let (choice, choice_noise_factor) = choose(problem, &forward, &law, &best, &hear)?;
-    let design = spec
-        .design
-        .as_ref()
-        .map(|asked| design::rank(problem, &forward, asked, &law, &best, (&covariance, factor)))
-        .transpose()?;
+    let (choice, choice_noise_factor) = choose(problem, &forward, &law, rivals, &hear)?;
+    let design = plan.map(|plan| design::rank(&plan, &law, &best, (&covariance, factor)));
+    let design = design.transpose()?;
     Ok(Identification {
         names: forward.unknowns().iter().map(|unknown| unknown.name().to_owned()).collect(),
         laws: forward.laws(&best.point)?,
@@ -169,6 +171,14 @@ fn fit_options(problem: &Problem, starts: usize) -> FitOptions {
     }
 }
 
+/// The laws that the problem compares with its own, by their names.
+fn rivals(problem: &Problem) -> Result<Vec<(String, Built)>, ProblemError> {
+    let candidates = problem.spec.compare.iter();
+    let build =
+        |candidate: &CandidateSpec| Ok((candidate.name.clone(), problem.candidate(candidate)?));
+    candidates.map(build).collect()
+}
+
 /// The problem's law against a constant stiffness and the candidates; none where its unknowns are
 /// not of the law. Where no law explains the data, all are compared with standard deviations as
 /// large as the best one's residuals.
@@ -176,20 +186,18 @@ fn choose(
     problem: &Problem,
     forward: &super::forward::Forward,
     law: &LawBand,
-    best: &Fit,
+    rivals: Vec<(String, Built)>,
     hear: &(dyn Fn(asperity_identify::Progress) + Sync),
 ) -> Result<(Option<Choice>, f64), ProblemError> {
-    let of_law = (0..best.point.len()).any(|unknown| forward.unknowns.is_of_law(unknown));
-    if !of_law && problem.spec.compare.is_empty() {
-        return Ok((None, 1.0));
-    }
+    let of_law = (0..forward.unknowns().len()).any(|unknown| forward.unknowns.is_of_law(unknown));
     let mut built = Vec::new();
     if of_law {
         let constant = Problem::constant(&law.name, law.stiffness_at_rest);
         built.push((constant.name.clone(), problem.candidate(&constant)?));
     }
-    for candidate in &problem.spec.compare {
-        built.push((candidate.name.clone(), problem.candidate(candidate)?));
+    built.extend(rivals);
+    if built.is_empty() {
+        return Ok((None, 1.0));
     }
     let own = format!("the problem's law \"{}\"", law.name);
     let mut factor = 1.0;

@@ -6,7 +6,7 @@ use asperity_dynamics::{Excitation, ForceRecord, Hit};
 use serde_json::{Value, json};
 
 use super::problem::Changes;
-use super::unknowns::{Gains, Unknowns};
+use super::unknowns::{Gains, Sensors, Unknowns};
 use crate::assemble::excitation;
 use crate::document::set_value;
 use crate::error::StudyError;
@@ -21,12 +21,12 @@ pub(super) struct Rig {
 }
 
 /// One strike.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub(super) struct Strike {
     /// Number of its rig.
     pub(super) rig: usize,
-    /// Name of its data.
-    pub(super) data: String,
+    /// What it was measured with.
+    pub(super) sensors: Sensors,
     /// The force.
     pub(super) drive: Drive,
     /// How long it is watched \[s\]; the scenario's duration if not given.

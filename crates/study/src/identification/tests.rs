@@ -97,6 +97,15 @@ fn derivatives_are_those_of_the_predictions() {
     assert_eq!(compared, start.len() * 21);
 }
 
+/// As `asperity analyse` writes it: no value at zero, and a line with too little force.
+const FRF: &str = "frequency_hz,real,imag,magnitude,phase_rad,coherence,valid
+0,,,,,0.9,1
+800,1e-7,0,1e-7,0,0.9,1
+830,1e-7,0,1e-7,0,0.1,0
+860,1e-7,0,1e-7,0,0.9,1
+1600,1e-8,0,1e-8,0,0.9,1
+";
+
 /// The same of receptances and backbones, whose files hold places only: receptances to 1e-6 of the
 /// largest part, frequencies along a decay to 1e-5 of a hundredth of the value over the unknown's,
 /// since they are differenced once more.
@@ -108,7 +117,7 @@ fn derivatives_of_receptances_and_backbones_are_those_of_the_predictions() {
         std::fs::write(&path, text).unwrap();
         path
     };
-    let frf = file("frf.csv", "frequency_hz,real,imag\n800,1e-7,0\n860,1e-7,0\n1600,1e-8,0\n");
+    let frf = file("frf.csv", FRF);
     let backbone = file("backbone.csv", "index,amplitude_m,frequency_hz\n1,3e-11,875\n");
     let strike = json!({"force_peak_n": 15});
     let data = json!([
@@ -161,6 +170,43 @@ fn batches_predict_what_is_differentiated() {
         assert_eq!(a, b, "{}", observation.label);
         let (Some(a), Some(exact)) = (a, exact[i]) else { panic!("{}", observation.label) };
         assert!((a / exact - 1.0).abs() < 2e-4, "{}: {a:e} {exact:e}", observation.label);
+    }
+}
+
+/// One strike serves all data of the same rig, force and sensors.
+#[test]
+fn a_strike_is_run_once() {
+    let all = json!([{"kind": "gain", "channel": "force"}]);
+    let model = problem(&all, &data()).model().unwrap().forward;
+    // 9 and 20 N, which the ratio asks for again, and 8 N on the half preload.
+    assert_eq!((model.strikes.len(), model.rigs.len()), (3, 2));
+    // Another sensor at the half preload makes no strike of the others another.
+    let model = problem(&unknowns(), &data()).model().unwrap().forward;
+    assert_eq!(model.strikes.len(), 3);
+}
+
+/// A candidate, a range or a design that cannot be is told before anything is run.
+#[test]
+fn requests_are_checked_before_any_work() {
+    for (key, value, expected) in [
+        (
+            "compare",
+            json!([{"name": "x", "set": {"/laws/modified/kind": "none"}}]),
+            "/laws/modified",
+        ),
+        ("pressures_pa", json!([2e5, 1e5]), "the lower first"),
+        (
+            "design",
+            json!({"force_peak_n": [9], "set": [{"/damping/ratio": 0.1}]}),
+            "/damping/ratio",
+        ),
+    ] {
+        let mut asked = problem(&unknowns(), &data()).document.value().clone();
+        asked[key] = value;
+        let document = Document::parse(&asked.to_string(), "problem.json").unwrap();
+        let told = |step: super::Step| panic!("{} was begun", step.name);
+        let refused = super::identify(&Problem::of(document).unwrap(), &told).unwrap_err();
+        assert!(refused.to_string().contains(expected), "{refused}");
     }
 }
 

@@ -27,6 +27,21 @@ struct Gain {
     data: Option<Vec<String>>,
 }
 
+/// Unknowns that are gains of the sensors of some data.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Sensors {
+    force: Vec<usize>,
+    response: Vec<usize>,
+}
+
+impl Sensors {
+    /// The gains at `point`.
+    pub(super) fn gains(&self, point: &[f64]) -> Gains {
+        let product = |unknowns: &[usize]| unknowns.iter().map(|&unknown| point[unknown]).product();
+        Gains { force: product(&self.force), response: product(&self.response) }
+    }
+}
+
 /// What the sensors of some data show over what there is.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Gains {
@@ -120,21 +135,16 @@ impl Unknowns {
         Ok(())
     }
 
-    /// The gains of the data of this name at `point`.
-    pub(super) fn gains(&self, data: &str, point: &[f64]) -> Gains {
-        let product = |channel: ChannelSpec| {
+    /// The unknown gains of the sensors that measured the data of this name.
+    pub(super) fn sensors(&self, data: &str) -> Sensors {
+        let of = |channel: ChannelSpec| {
             let fits = |gain: &&Gain| {
                 gain.channel == channel
                     && gain.data.as_ref().is_none_or(|names| names.iter().any(|name| name == data))
             };
-            self.gains.iter().filter(fits).map(|gain| point[gain.unknown]).product()
+            self.gains.iter().filter(fits).map(|gain| gain.unknown).collect()
         };
-        Gains { force: product(ChannelSpec::Force), response: product(ChannelSpec::Response) }
-    }
-
-    /// Names of data that gains hold for.
-    pub(super) fn named_data(&self) -> impl Iterator<Item = &str> {
-        self.gains.iter().flat_map(|gain| gain.data.iter().flatten()).map(String::as_str)
+        Sensors { force: of(ChannelSpec::Force), response: of(ChannelSpec::Response) }
     }
 
     /// Whether the unknown is a number of a contact law.

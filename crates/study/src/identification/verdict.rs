@@ -24,7 +24,7 @@ pub enum Dependence {
 /// The probability of residuals as large as they are below which the data are called unexplained.
 const LEAST_PROBABILITY: f64 = 1e-3;
 
-/// Largest share of effective draws, and R-hat, for a posterior to be called converged.
+/// Least share of effective draws, and largest R-hat, of a posterior that is called converged.
 const LEAST_DRAWS: f64 = 0.2;
 const MOST_R_HAT: f64 = 1.02;
 

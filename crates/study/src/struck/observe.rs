@@ -19,7 +19,7 @@ use crate::summary::{
 const MOST_KEPT: usize = 32;
 
 /// Force over its peak below which a decay counts as free.
-const FREE: f64 = 1e-3;
+pub(crate) const FREE: f64 = 1e-3;
 
 /// What hits share when their records are analysed.
 #[derive(Debug, Default)]

@@ -2,8 +2,7 @@
 
 use asperity_figure::{Anchor, Axis, Color, Figure, Legend, Marker, Panel, Series};
 use asperity_study::identification::Identification;
-use asperity_study::identification::statistics::{Profile, ProfileEnd};
-use statrs::distribution::{ContinuousCDF, Normal};
+use asperity_study::identification::statistics::{Profile, ProfileEnd, normal_quantile};
 
 use super::short;
 
@@ -89,7 +88,7 @@ fn curve(points: &[(f64, f64)], best: f64) -> Vec<(f64, f64)> {
 /// The deviance that a parameter's true value exceeds with a probability of 1 - `level`: the
 /// quantile of chi-square with one degree of freedom, the square of the normal half-width.
 pub(super) fn deviance_at(level: f64) -> f64 {
-    Normal::standard().inverse_cdf(0.5 + 0.5 * level.clamp(0.0, 1.0)).powi(2)
+    normal_quantile(0.5 + 0.5 * level).powi(2)
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! Standardised residuals over what they were measured at, and against a normal distribution.
 
 use asperity_figure::{Axis, Color, Dash, Figure, Legend, Marker, Panel, Series};
-use statrs::distribution::{ContinuousCDF, Normal};
+use asperity_study::identification::statistics::normal_quantile;
 
 use super::Row;
 use super::feature_name::{feature_name, order};
@@ -71,8 +71,7 @@ pub(super) fn residuals(rows: &[Row<'_>]) -> Option<Figure> {
 
 /// The normal quantiles at which `count` sorted numbers are expected: of (i - 1/2) / n.
 fn normal_quantiles(count: usize) -> Vec<f64> {
-    let normal = Normal::standard();
-    (0..count).map(|i| normal.inverse_cdf((i as f64 + 0.5) / count as f64)).collect()
+    (0..count).map(|i| normal_quantile((i as f64 + 0.5) / count as f64)).collect()
 }
 
 #[cfg(test)]

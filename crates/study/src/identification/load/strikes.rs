@@ -53,13 +53,18 @@ impl Loader<'_> {
         };
         let strike = Strike {
             rig,
-            data: data.to_owned(),
+            sensors: self.unknowns.sensors(data),
             drive,
             duration,
             frequencies: Vec::new(),
             backbone: false,
         };
-        if let Some(known) = self.found.strikes.iter().position(|known| *known == strike) {
+        let same = |known: &Strike| {
+            // What else is asked of a strike does not make it another.
+            (known.rig, &known.drive, known.duration, &known.sensors)
+                == (strike.rig, &strike.drive, strike.duration, &strike.sensors)
+        };
+        if let Some(known) = self.found.strikes.iter().position(same) {
             return Ok(known);
         }
         self.found.strikes.push(strike);
