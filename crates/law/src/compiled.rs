@@ -30,8 +30,9 @@ use span::{Grid, Layout, Span};
 /// # Accuracy
 /// The increment is within [`error_bound_pa`](Self::error_bound_pa) of the exact one. The bound is
 /// absolute, for where contact is lost the relative error of any polynomial is large (a power law
-/// starts as `d^(1/(1-m))`). It is twice the largest error found at eight points of every cell,
-/// plus the rounding of the evaluation. Twice, because the error of a Hermite cubic has one
+/// starts as `d^(1/(1-m))`). It is twice the largest error found, plus the rounding of the
+/// evaluation: at eight points of the first cells, of those with a kink and of every eighth, and
+/// at two about the middle of the others. Twice, because the error of a Hermite cubic has one
 /// maximum in a smooth cell, flat on the scale of the points, and next to a kink is missed by less
 /// than half. Within the bound a pressure may be slightly negative just above loss of contact.
 ///
