@@ -42,4 +42,4 @@ pub use report::{Estimate, IDENTIFICATION_SCHEMA, Observed};
 pub use run::{Identification, Step, identify};
 pub use verdict::Dependence;
 
-pub use asperity_identify as statistics;
+pub use asperity_inference as statistics;

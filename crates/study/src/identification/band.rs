@@ -1,6 +1,6 @@
 //! The law with its band, and where the data inform it.
 
-use asperity_identify::{Fit, ForwardModel, Posterior, Unknown, normal_quantile};
+use asperity_inference::{Fit, ForwardModel, Posterior, Unknown, normal_quantile};
 
 use super::error::ProblemError;
 use super::forward::Forward;

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use asperity_identify::{
+use asperity_inference::{
     Covariance, DesignCandidate, Fit, ForwardModel, Scale, design_sequence, expected_information,
 };
 
@@ -131,7 +131,7 @@ pub(super) fn rank(
         })
         .collect();
     let targets = targets(forward, law, best)?;
-    let named = |gain: &asperity_identify::DesignGain| {
+    let named = |gain: &asperity_inference::DesignGain| {
         let (force_peak_n, set) = kinds[gain.candidate].clone();
         let (remaining, information) = (gain.target_ratio, gain.information);
         DesignedHit { force_peak_n, set, remaining, information }

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use asperity_identify::IdentifyError;
+use asperity_inference::IdentifyError;
 use thiserror::Error;
 
 use crate::analysis::AnalysisError;

@@ -11,7 +11,7 @@ use asperity_dynamics::{
     Course, DynamicsError, Hit, ModalRig, RELATIVE_STEP, STENCIL, Sensitivity, Variation,
     central_difference,
 };
-use asperity_identify::Derivatives;
+use asperity_inference::Derivatives;
 use asperity_signal::{BackbonePoint, Complex64, transform_at};
 use rayon::prelude::*;
 

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use asperity_dynamics::{Batch, Hit, HitRecord};
-use asperity_identify::{Derivatives, ForwardModel, Observation, Predictions, Refusal, Unknown};
+use asperity_inference::{Derivatives, ForwardModel, Observation, Predictions, Refusal, Unknown};
 use rayon::prelude::*;
 use serde_json::Value;
 

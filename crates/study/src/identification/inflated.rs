@@ -1,6 +1,6 @@
 //! A model with larger standard deviations.
 
-use asperity_identify::{Derivatives, ForwardModel, Observation, Predictions, Refusal, Unknown};
+use asperity_inference::{Derivatives, ForwardModel, Observation, Predictions, Refusal, Unknown};
 
 /// A model whose observations are `factor` times as uncertain.
 pub(super) struct Inflated<'a> {

@@ -5,7 +5,7 @@ mod strikes;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use asperity_identify::Observation;
+use asperity_inference::Observation;
 use serde_json::Value;
 
 use super::error::ProblemError;

@@ -1,6 +1,6 @@
 //! `identification.json`, `law.json` and the tables.
 
-use asperity_identify::{Ending, ModelVerdict, ProfileEnd};
+use asperity_inference::{Ending, ModelVerdict, ProfileEnd};
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use asperity_identify::{
+use asperity_inference::{
     Choice, ChoiceOptions, Covariance, Fit, FitOptions, ForwardModel, GoodnessOfFit,
     Identifiability, Linearisation, Loss, NoiseScale, Posterior, PosteriorOptions, Profile,
     ProfileOptions, Stage, compare, covariance, fit, goodness_of_fit, identifiability, linearise,
@@ -82,7 +82,7 @@ pub struct Identification {
     /// Time it took \[s\].
     pub wall_s: f64,
     pub(super) about: Vec<About>,
-    pub(super) observations: Vec<asperity_identify::Observation>,
+    pub(super) observations: Vec<asperity_inference::Observation>,
 }
 
 /// Carries out the identification that `problem` describes. `progress` hears what is being done.
@@ -103,7 +103,7 @@ pub fn identify(
     let rivals = rivals(problem)?;
     let plan = spec.design.as_ref().map(|asked| design::plan(problem, &forward, asked));
     let plan = plan.transpose()?;
-    let hear = |told: asperity_identify::Progress| {
+    let hear = |told: asperity_inference::Progress| {
         progress(Step { name: words(told.stage), done: told.done, of: told.of });
     };
 
@@ -187,7 +187,7 @@ fn choose(
     forward: &super::forward::Forward,
     law: &LawBand,
     rivals: Vec<(String, Built)>,
-    hear: &(dyn Fn(asperity_identify::Progress) + Sync),
+    hear: &(dyn Fn(asperity_inference::Progress) + Sync),
 ) -> Result<(Option<Choice>, f64), ProblemError> {
     let of_law = (0..forward.unknowns().len()).any(|unknown| forward.unknowns.is_of_law(unknown));
     let mut built = Vec::new();

@@ -3,7 +3,7 @@
 #![allow(clippy::print_stdout, reason = "what was found, for a test that fails")]
 
 use asperity_dynamics::{STENCIL, central_difference};
-use asperity_identify::ForwardModel;
+use asperity_inference::ForwardModel;
 use serde_json::{Value, json};
 
 use super::Problem;
@@ -72,7 +72,7 @@ fn unknowns() -> Value {
 #[test]
 fn derivatives_are_those_of_the_predictions() {
     let model = problem(&unknowns(), &data()).model().unwrap().forward;
-    let start: Vec<f64> = model.unknowns().iter().map(asperity_identify::Unknown::start).collect();
+    let start: Vec<f64> = model.unknowns().iter().map(asperity_inference::Unknown::start).collect();
     let exact = model.derivatives(&start).unwrap();
     let mut compared = 0;
     for (j, unknown) in model.unknowns().iter().enumerate() {
@@ -131,7 +131,7 @@ fn derivatives_of_receptances_and_backbones_are_those_of_the_predictions() {
     let mut some = unknowns();
     some.as_array_mut().unwrap().pop();
     let model = problem(&some, &data).model().unwrap().forward;
-    let start: Vec<f64> = model.unknowns().iter().map(asperity_identify::Unknown::start).collect();
+    let start: Vec<f64> = model.unknowns().iter().map(asperity_inference::Unknown::start).collect();
     let exact = model.derivatives(&start).unwrap();
     let largest = exact.values[..6].iter().flatten().fold(0.0_f64, |m, v| m.max(v.abs()));
     for (j, unknown) in model.unknowns().iter().enumerate() {
@@ -162,7 +162,7 @@ fn derivatives_of_receptances_and_backbones_are_those_of_the_predictions() {
 #[test]
 fn batches_predict_what_is_differentiated() {
     let model = problem(&unknowns(), &data()).model().unwrap().forward;
-    let start: Vec<f64> = model.unknowns().iter().map(asperity_identify::Unknown::start).collect();
+    let start: Vec<f64> = model.unknowns().iter().map(asperity_inference::Unknown::start).collect();
     let exact = model.derivatives(&start).unwrap().values;
     let both = model.predict(&[start.clone(), start]);
     for (i, observation) in model.observations().iter().enumerate() {

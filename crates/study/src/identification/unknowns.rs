@@ -1,6 +1,6 @@
 //! From what a problem calls unknown to the numbers of a scenario.
 
-use asperity_identify::{Prior, Scale, Unknown};
+use asperity_inference::{Prior, Scale, Unknown};
 use serde_json::Value;
 
 use super::error::ProblemError;

@@ -1,6 +1,6 @@
 //! What an identification says, in words.
 
-use asperity_identify::{ModelVerdict, ProfileEnd};
+use asperity_inference::{ModelVerdict, ProfileEnd};
 use serde::Serialize;
 
 use super::model::CONSTANT;

@@ -1,6 +1,6 @@
 //! Model choice between polynomials of the right and the wrong degree.
 
-use asperity_identify::{ChoiceOptions, ForwardModel, ModelVerdict, compare};
+use asperity_inference::{ChoiceOptions, ForwardModel, ModelVerdict, compare};
 
 use crate::models::{Formula, Noise, assert_close, linear, observations, silent};
 

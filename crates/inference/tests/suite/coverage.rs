@@ -1,6 +1,6 @@
 //! Intervals hold the truth as often as they say.
 
-use asperity_identify::{
+use asperity_inference::{
     FitOptions, NoiseScale, ProfileOptions, covariance, fit, linearise, profile,
 };
 

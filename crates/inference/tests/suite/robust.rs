@@ -1,6 +1,6 @@
 //! Robust losses against closed forms.
 
-use asperity_identify::{FitOptions, Loss, fit};
+use asperity_inference::{FitOptions, Loss, fit};
 
 use crate::models::{Formula, linear, observations, silent};
 

@@ -1,6 +1,6 @@
 //! Small models for the tests.
 
-use asperity_identify::{
+use asperity_inference::{
     ForwardModel, Observation, Predictions, Prior, Progress, Refusal, Scale, Unknown,
 };
 

@@ -1,6 +1,6 @@
 //! Bounds, starts and missing predictions.
 
-use asperity_identify::{
+use asperity_inference::{
     FitOptions, ForwardModel, NoiseScale, Observation, Predictions, ProfileEnd, ProfileOptions,
     Refusal, Unknown, covariance, fit, linearise, profile,
 };

@@ -1,6 +1,6 @@
 //! Expected information against the closed forms of the linear normal model.
 
-use asperity_identify::{DesignCandidate, IdentifyError, design_sequence, expected_information};
+use asperity_inference::{DesignCandidate, IdentifyError, design_sequence, expected_information};
 
 use crate::models::assert_close;
 

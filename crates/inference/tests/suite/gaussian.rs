@@ -1,6 +1,6 @@
 //! A straight line with normal noise: everything has a closed form.
 
-use asperity_identify::{
+use asperity_inference::{
     FitOptions, NoiseScale, ProfileEnd, ProfileOptions, covariance, fit, identifiability,
     linearise, profile,
 };
@@ -126,7 +126,7 @@ fn a_prior_counts_as_a_measurement() {
 /// A model of the product alone says nothing about the ratio.
 #[test]
 fn an_undetermined_combination_is_found() {
-    use asperity_identify::{Scale, Unknown};
+    use asperity_inference::{Scale, Unknown};
     let log = |name| Unknown::new(name, 1.0, [0.01, 100.0], Scale::Logarithmic, None).unwrap();
     let model = Formula {
         unknowns: vec![log("a"), log("b")],

@@ -1,6 +1,6 @@
 //! Minima against the crate levenberg-marquardt, a port of MINPACK's `lmder`.
 
-use asperity_identify::{FitOptions, fit};
+use asperity_inference::{FitOptions, fit};
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
 use nalgebra::{DMatrix, DVector, Dyn, storage::Owned};
 

@@ -1,6 +1,6 @@
 //! The response surface against models it can and cannot copy.
 
-use asperity_identify::{
+use asperity_inference::{
     Covariance, Fit, FitOptions, ForwardModel, IdentifyError, NoiseScale, Observation, Predictions,
     Refusal, Surrogate, SurrogateOptions, Unknown, covariance, fit, linearise,
 };

@@ -1,6 +1,6 @@
 //! Convergence diagnostics against chains whose properties are known.
 
-use asperity_identify::{effective_sample_size, r_hat};
+use asperity_inference::{effective_sample_size, r_hat};
 
 use crate::models::Noise;
 

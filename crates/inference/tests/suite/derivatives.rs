@@ -1,6 +1,6 @@
 //! A model's own derivatives against differences.
 
-use asperity_identify::{
+use asperity_inference::{
     Derivatives, FitOptions, ForwardModel, Observation, Predictions, Refusal, Scale, Unknown, fit,
     linearise,
 };

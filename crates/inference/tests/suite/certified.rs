@@ -1,7 +1,7 @@
 //! NIST Statistical Reference Datasets, nonlinear regression: certified values and standard
 //! deviations, held to six digits (<https://www.itl.nist.gov/div898/strd/nls/nls_main.shtml>).
 
-use asperity_identify::{FitOptions, NoiseScale, covariance, fit, linearise};
+use asperity_inference::{FitOptions, NoiseScale, covariance, fit, linearise};
 
 use crate::models::{Formula, assert_close, linear, observations, silent};
 

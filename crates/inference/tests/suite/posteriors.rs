@@ -1,6 +1,6 @@
 //! Posteriors against closed forms and brute-force quadrature.
 
-use asperity_identify::{
+use asperity_inference::{
     Covariance, Fit, FitOptions, ForwardModel, NoiseScale, Posterior, PosteriorMethod,
     PosteriorOptions, covariance, fit, linearise, posterior,
 };
@@ -183,11 +183,11 @@ fn later_rounds_follow_a_strong_bend() {
 #[test]
 fn an_undetermined_combination_fills_its_bounds() {
     let log = |name, start| {
-        asperity_identify::Unknown::new(
+        asperity_inference::Unknown::new(
             name,
             start,
             [0.01, 100.0],
-            asperity_identify::Scale::Logarithmic,
+            asperity_inference::Scale::Logarithmic,
             None,
         )
         .unwrap()

@@ -26,7 +26,7 @@
 //! asked for many points at a time; all random numbers come from seeds in the options.
 //!
 //! ```
-//! use asperity_identify::{
+//! use asperity_inference::{
 //!     FitOptions, ForwardModel, NoiseScale, Observation, Predictions, Refusal, Scale, Unknown,
 //!     covariance, fit, linearise,
 //! };
@@ -67,7 +67,7 @@
 //! let sure = covariance(&model, &best, &linearise(&model, &best)?, NoiseScale::Given)?;
 //! let [low, high] = sure.interval(1, 0.95)?;
 //! assert!(low < 0.5 && 0.5 < high);
-//! # Ok::<(), asperity_identify::IdentifyError>(())
+//! # Ok::<(), asperity_inference::IdentifyError>(())
 //! ```
 
 mod choice;

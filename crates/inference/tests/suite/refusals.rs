@@ -1,6 +1,6 @@
 //! What is refused, and how it is said.
 
-use asperity_identify::{FitOptions, IdentifyError, Loss, Prior, Scale, Unknown, fit};
+use asperity_inference::{FitOptions, IdentifyError, Loss, Prior, Scale, Unknown, fit};
 
 use crate::models::{Formula, linear, observations, silent};
 
