@@ -14,9 +14,9 @@ pub(crate) mod sweep;
 use std::path::{Path, PathBuf};
 
 use asperity_figure::Figure;
-use asperity_study::document::Document;
+use asperity_scenario::Scenario;
+use asperity_scenario::document::Document;
 use asperity_study::output::OutputFolder;
-use asperity_study::scenario::Scenario;
 
 use crate::args::{Input, Output};
 use crate::failure::Failure;

@@ -3,14 +3,14 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+use asperity_dynamics::DynamicsError;
+use asperity_experiment::AnalysisError;
 use asperity_figure::FigureError;
-use asperity_study::analysis::AnalysisError;
-use asperity_study::diagnostic::Invalid;
-use asperity_study::document::{DocumentError, SetError};
-use asperity_study::dynamics::DynamicsError;
+use asperity_harmonic::HarmonicError;
+use asperity_identify::ProblemError;
+use asperity_scenario::diagnostic::Invalid;
+use asperity_scenario::document::{DocumentError, SetError};
 use asperity_study::error::{OutputError, StudyError};
-use asperity_study::harmonic::HarmonicError;
-use asperity_study::identification::ProblemError;
 use asperity_study::sweep::{SweepError, VariationError};
 use miette::{LabeledSpan, MietteDiagnostic, NamedSource, Report, Severity};
 use thiserror::Error;

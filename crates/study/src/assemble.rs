@@ -13,8 +13,8 @@ use asperity_law::{
 use asperity_mesh::{Body, Interface, Stack, Support};
 
 use crate::error::StudyError;
-use crate::samples::ForceSamples;
-use crate::scenario::{
+use asperity_scenario::samples::ForceSamples;
+use asperity_scenario::{
     BodySpec, ContactScheme, DampingAmount, DampingSpec, ExcitationSpec, LawRef, LawSpec, Laws,
     MethodSpec, Scenario, Section, SupportSpec,
 };
@@ -106,7 +106,11 @@ fn stack(scenario: &Scenario) -> Result<Stack, StudyError> {
     Ok(stack.map_err(asperity_dynamics::DynamicsError::from)?)
 }
 
-pub(crate) fn body(spec: &BodySpec) -> Result<Body, StudyError> {
+/// The body that `spec` describes.
+///
+/// # Errors
+/// [`StudyError::Dynamics`] for values that make no body.
+pub fn body(spec: &BodySpec) -> Result<Body, StudyError> {
     let BodySpec { name, length_m, youngs_modulus_pa, density_kg_per_m3, .. } = spec;
     let body = match spec.section {
         Section::AreaM2(area) => {
@@ -166,7 +170,11 @@ pub fn build_law(
     })
 }
 
-pub(crate) fn excitation(spec: &ExcitationSpec, folder: &Path) -> Result<Excitation, StudyError> {
+/// The force that `spec` describes; sample files are looked for in `folder`.
+///
+/// # Errors
+/// [`StudyError`] for samples that cannot be read or values that make no force.
+pub fn excitation(spec: &ExcitationSpec, folder: &Path) -> Result<Excitation, StudyError> {
     Ok(match *spec {
         ExcitationSpec::None => Excitation::None,
         ExcitationSpec::GammaPulse { peak_n, rise_s } => {

@@ -9,8 +9,8 @@ use asperity_law::LawError;
 use asperity_signal::Error as SignalError;
 use thiserror::Error;
 
-use crate::document::DocumentError;
-use crate::samples::SamplesError;
+use asperity_scenario::document::DocumentError;
+use asperity_scenario::samples::SamplesError;
 
 /// Why a valid scenario has no result, or its result no place to go.
 #[derive(Debug, Error)]
@@ -54,7 +54,7 @@ pub enum StudyError {
     Output(#[from] OutputError),
     /// A value of a sweep cannot be set.
     #[error(transparent)]
-    Set(#[from] crate::document::SetError),
+    Set(#[from] asperity_scenario::document::SetError),
     /// A combination of values of a sweep is no scenario, though each is valid.
     #[error("these values make no scenario: {reason}")]
     Scenario {

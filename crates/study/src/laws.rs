@@ -10,8 +10,8 @@ use thiserror::Error;
 
 use crate::assemble::{body, build_law};
 use crate::error::StudyError;
-use crate::input::{self, InputError};
-use crate::scenario::{LawRef, LawSpec, Laws, Scenario};
+use asperity_scenario::input::{self, InputError};
+use asperity_scenario::{LawRef, LawSpec, Laws, Scenario};
 
 /// Rows of a tabulated law.
 const ROWS: usize = 501;

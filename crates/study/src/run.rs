@@ -9,13 +9,13 @@ use asperity_signal::{
 };
 
 use crate::assemble::Assembly;
-use crate::document::Document;
 use crate::error::StudyError;
-use crate::scenario::Scenario;
 use crate::summary::{
     EnergySummary, Fundamental, InterfaceSummary, Numerics, Provenance, SUMMARY_SCHEMA,
     SecondHarmonic, StaticInterface, StaticSummary, Summary,
 };
+use asperity_scenario::Scenario;
+use asperity_scenario::document::Document;
 
 /// Zero padding of the FRF that is written and drawn.
 const FRF_PADDING: usize = 4;

@@ -14,14 +14,14 @@ use serde::Serialize;
 use thiserror::Error;
 
 use crate::assemble::Assembly;
-use crate::diagnostic::Invalid;
-use crate::document::{Document, SetError};
 use crate::error::StudyError;
 use crate::run::rest_state;
+use asperity_scenario::diagnostic::Invalid;
+use asperity_scenario::document::{Document, SetError};
 use varied::Varied;
 
-pub(crate) use observables::Table;
-pub(crate) use varied::{rig_with, with_laws_of};
+pub use observables::Table;
+pub use varied::{rig_with, with_laws_of};
 
 /// A number of a scenario, and its value there.
 #[derive(Debug, Clone, PartialEq, Serialize)]

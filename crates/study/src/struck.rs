@@ -8,5 +8,5 @@
 mod case;
 mod observe;
 
-pub(crate) use case::Case;
-pub(crate) use observe::{FREE, Observer};
+pub use case::Case;
+pub use observe::{FREE, Observer};

@@ -17,11 +17,11 @@ use std::sync::{Arc, Mutex, PoisonError};
 use asperity_dynamics::{Batch, Hit};
 use rayon::prelude::*;
 
-use crate::document::Document;
 use crate::error::StudyError;
 use crate::run::simulate;
 use crate::struck::{Case, Observer};
 use crate::summary::Summary;
+use asperity_scenario::document::Document;
 use plan::Plan;
 
 pub use plan::SweepError;

@@ -1,9 +1,9 @@
 //! Fig. 2: the numerical model, drawn from the scenario.
 
 use anyhow::{Result, bail};
+use asperity_dynamics::Integrator;
 use asperity_figure::{Align, Color, Drawing, Stroke, Table};
-use asperity_study::dynamics::Integrator;
-use asperity_study::mesh::{Grid, LinearStructure};
+use asperity_mesh::{Grid, LinearStructure};
 
 use crate::reproduce::rig::{Law, Rig};
 use crate::reproduce::{Computed, PaperFigure};

@@ -2,9 +2,9 @@
 
 use anyhow::{Context, Result};
 use asperity_figure::{Axis, Figure, Legend, Panel, Series, Table};
+use asperity_law::{ContactLaw, fit_power};
+use asperity_scenario::{LawRef, LawSpec};
 use asperity_study::assemble::build_law;
-use asperity_study::law::{ContactLaw, fit_power};
-use asperity_study::scenario::{LawRef, LawSpec};
 
 use super::style;
 use crate::reproduce::rig::{Law, Rig};

@@ -2,7 +2,7 @@
 
 use anyhow::{Context, Result};
 use asperity_figure::{Axis, Color, Figure, Legend, Panel, Series, Table};
-use asperity_study::signal::Response;
+use asperity_signal::Response;
 use asperity_study::summary::Summary;
 
 use super::style;

@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 use asperity_figure::{Axis, Color, ColorBar, Figure, Legend, Panel, Series, Table};
-use asperity_study::signal::Response;
+use asperity_signal::Response;
 
 use super::levels::yes;
 use super::style;

@@ -2,9 +2,9 @@
 
 use anyhow::Result;
 use asperity_figure::{Axis, Color, Dash, Figure, Legend, Panel, Series, Table};
+use asperity_law::ContactLaw;
+use asperity_scenario::LawRef;
 use asperity_study::assemble::build_law;
-use asperity_study::law::ContactLaw;
-use asperity_study::scenario::LawRef;
 
 use super::levels::yes;
 use super::style;

@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 use asperity_figure::{Axis, Color, Dash, Figure, Legend, Panel, Series, Table};
-use asperity_study::signal::Response;
+use asperity_signal::Response;
 
 use super::style;
 use crate::reproduce::rig::{Case, Law, Rig};

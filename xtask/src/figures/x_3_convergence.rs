@@ -1,9 +1,9 @@
 //! x3: convergence of each reported number with the cell.
 
 use anyhow::{Context, Result, bail};
+use asperity_dynamics::Integrator;
 use asperity_figure::{Axis, Color, Dash, Figure, Legend, Marker, Panel, Series, Table};
-use asperity_study::dynamics::Integrator;
-use asperity_study::mesh::Grid;
+use asperity_mesh::Grid;
 use asperity_study::summary::Summary;
 
 use super::style;

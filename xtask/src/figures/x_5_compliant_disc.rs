@@ -1,8 +1,8 @@
 //! x5: a disc that yields.
 
 use anyhow::{Result, ensure};
+use asperity_dynamics::modes;
 use asperity_figure::{Axis, Color, Dash, Figure, Legend, Marker, Panel, Series, Table};
-use asperity_study::dynamics::modes;
 
 use super::levels::{drop_percent, force_axis};
 use super::style;

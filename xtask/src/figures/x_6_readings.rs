@@ -1,10 +1,10 @@
 //! x6: the natural frequencies under each reading of the paper's gaps.
 
 use anyhow::{Result, ensure};
+use asperity_dynamics::modes;
 use asperity_figure::{Axis, Color, Figure, Legend, Marker, Panel, Series, Table};
-use asperity_study::dynamics::modes;
-use asperity_study::law::fit_power;
-use asperity_study::scenario::LawSpec;
+use asperity_law::fit_power;
+use asperity_scenario::LawSpec;
 
 use super::style;
 use crate::reproduce::rig::{Case, Law, Rig};

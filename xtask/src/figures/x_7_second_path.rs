@@ -3,9 +3,10 @@
 use std::slice;
 
 use anyhow::{Context, Result, ensure};
+use asperity_experiment::{AnalysisOptions, Band, HitCount, Selector, analyse};
 use asperity_figure::{Axis, Figure, Legend, Marker, Panel, Series, Table};
-use asperity_study::analysis::{AnalysisOptions, Band, HitCount, Selector, analyse, simulated};
-use asperity_study::measure::{Format, WriteOptions, write};
+use asperity_measure::{Format, WriteOptions, write};
+use asperity_study::measured_record::measured_record;
 use asperity_study::run::Run;
 
 use super::style;
@@ -69,7 +70,7 @@ fn both_paths(case: &Case, run: &Run) -> Result<(Observed, Observed)> {
     let folder = tempfile::tempdir().context("no temporary folder")?;
     let file = folder.path().join("hit.uff");
     let rate = case.assembly()?.sampling.rate();
-    let record = simulated::record(&run.transient.history, rate, None);
+    let record = measured_record(&run.transient.history, rate, None);
     write(&file, slice::from_ref(&record), Format::UniversalBinary, &WriteOptions::default())?;
     let options = AnalysisOptions {
         response: Some(Selector::of_text("acceleration")),

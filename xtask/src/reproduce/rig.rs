@@ -6,10 +6,10 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 
 use anyhow::{Context, Result, anyhow};
+use asperity_scenario::Scenario;
+use asperity_scenario::document::Document;
 use asperity_study::assemble::Assembly;
-use asperity_study::document::Document;
 use asperity_study::run::{Run, simulate};
-use asperity_study::scenario::Scenario;
 use asperity_study::summary::Summary;
 use indicatif::ProgressBar;
 use rayon::prelude::*;

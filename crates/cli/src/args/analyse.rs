@@ -3,11 +3,9 @@
 
 use std::path::PathBuf;
 
-use asperity_study::analysis::{
-    self, AnalysisError, Band, HitCount, Selector, SensorOf, WindowChoice,
-};
-use asperity_study::measure::{Format, ReadOptions, SampleAxis};
-use asperity_study::signal::{Estimator, FrfForm};
+use asperity_experiment::{AnalysisError, Band, HitCount, Selector, SensorOf, WindowChoice};
+use asperity_measure::{Format, ReadOptions, SampleAxis};
+use asperity_signal::{Estimator, FrfForm};
 use clap::{Args as Group, ValueEnum};
 
 /// What to analyse, and how.
@@ -171,9 +169,9 @@ impl RecordFormat {
 }
 
 fn estimator(text: &str) -> Result<Estimator, AnalysisError> {
-    analysis::estimator(text)
+    asperity_experiment::estimator(text)
 }
 
 fn form(text: &str) -> Result<FrfForm, AnalysisError> {
-    analysis::form(text)
+    asperity_experiment::form(text)
 }

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
-use asperity_study::analysis::{
+use asperity_experiment::{
     AnalysisOptions, AnalysisReport, HitReport, analyse, averaged_frf_csv, backbone_csv, hits_csv,
 };
 use asperity_study::error::OutputError;

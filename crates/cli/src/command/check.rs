@@ -1,7 +1,7 @@
 //! `asperity check`.
 
+use asperity_dynamics::Integrator;
 use asperity_study::assemble::Assembly;
-use asperity_study::dynamics::Integrator;
 use asperity_study::run::rest_state;
 use serde_json::json;
 

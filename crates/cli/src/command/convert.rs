@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use asperity_study::analysis::convert::convert;
-use asperity_study::measure::ReadOptions;
+use asperity_experiment::convert::convert;
+use asperity_measure::ReadOptions;
 use serde_json::json;
 
 use crate::args::analyse::{Knowledge, RecordFormat};

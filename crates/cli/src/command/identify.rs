@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::Mutex;
 
-use asperity_study::identification::{Identification, Problem, ProblemError, Step, identify};
+use asperity_identify::{Identification, Problem, ProblemError, Step, identify};
 use indicatif::ProgressBar;
 
 use crate::args::Output;

@@ -1,7 +1,7 @@
 //! `asperity modes`.
 
+use asperity_dynamics::{Mode, modes};
 use asperity_study::assemble::Assembly;
-use asperity_study::dynamics::{Mode, modes};
 use asperity_study::record::modes_csv;
 use asperity_study::run::rest_state;
 use asperity_study::summary::Provenance;

@@ -1,7 +1,7 @@
 //! `asperity schema`.
 
-use asperity_study::identification::problem::problem_schema;
-use asperity_study::schema::schema;
+use asperity_identify::problem::problem_schema;
+use asperity_scenario::schema::schema;
 
 use crate::failure::Failure;
 

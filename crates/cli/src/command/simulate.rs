@@ -3,9 +3,10 @@
 use std::fmt::Write as _;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use asperity_study::analysis::{AnalysisError, simulated};
+use asperity_experiment::AnalysisError;
+use asperity_measure::{MeasureError, WriteOptions, write};
 use asperity_study::error::OutputError;
-use asperity_study::measure::{MeasureError, WriteOptions, write};
+use asperity_study::measured_record::measured_record;
 use asperity_study::record::{frf_csv, history_csv};
 use asperity_study::run::{receptance, simulate};
 use asperity_study::summary::Summary;
@@ -48,7 +49,7 @@ pub(crate) fn run(
     }
     if let Some(format) = record {
         let rate = run.assembly.sampling.rate();
-        let record = simulated::record(history, rate, scenario.title.as_deref());
+        let record = measured_record(history, rate, scenario.title.as_deref());
         let place = folder.path().join(format.file_name());
         let written = write(&place, &[record], format.format(), &WriteOptions::default());
         written.map_err(|error| match error {

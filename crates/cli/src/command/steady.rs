@@ -1,7 +1,7 @@
 //! `asperity steady`.
 
+use asperity_mesh::Interface;
 use asperity_study::assemble::Assembly;
-use asperity_study::mesh::Interface;
 use asperity_study::run::rest_state;
 use asperity_study::steady::{
     Steady, SteadyRequest, backbone_csv, steady, steady_csv, steady_summary,

@@ -1,8 +1,8 @@
 //! Measured hits: time records, functions, coherence, features and backbones.
 
+use asperity_experiment::{Analysis, HitReport};
 use asperity_figure::{Axis, Color, ColorBar, Figure, Legend, Marker, Panel, Series};
-use asperity_study::analysis::{Analysis, HitReport};
-use asperity_study::signal::Route;
+use asperity_signal::Route;
 
 /// Most rows of the averaged function that are drawn: finer than any screen.
 const MOST_LINES: usize = 6000;
@@ -163,7 +163,7 @@ fn backbones(analysis: &Analysis, shades: &Shades) -> Option<Figure> {
     let mut any = false;
     for of in analysis.backbones.iter().step_by(every) {
         let x: Vec<f64> = of.points.iter().map(|point| point.amplitude).collect();
-        let line = |value: fn(&asperity_study::signal::BackbonePoint) -> f64| {
+        let line = |value: fn(&asperity_signal::BackbonePoint) -> f64| {
             let y: Vec<f64> = of.points.iter().map(value).collect();
             Series::line("", &x, &y).color(shades.color(of.force_peak_n)).width(0.8)
         };

@@ -23,7 +23,7 @@ mod residuals;
 mod rows;
 
 use asperity_figure::Figure;
-use asperity_study::identification::Identification;
+use asperity_identify::Identification;
 
 pub(crate) use page::identification_report;
 use rows::Row;

@@ -1,8 +1,8 @@
 //! Histories and receptance of one run.
 
+use asperity_dynamics::History;
 use asperity_figure::{Axis, Color, Dash, Figure, Legend, Panel, Series};
-use asperity_study::dynamics::History;
-use asperity_study::signal::Frf;
+use asperity_signal::Frf;
 use asperity_study::summary::Summary;
 
 /// Force, acceleration, displacement and pressures over time.

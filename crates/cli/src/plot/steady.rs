@@ -1,7 +1,7 @@
 //! Steady responses over frequency: stable parts solid, unstable dashed.
 
 use asperity_figure::{Axis, Color, Dash, Figure, Legend, Panel, Series};
-use asperity_study::harmonic::{Branch, Response};
+use asperity_harmonic::{Branch, Response};
 use asperity_study::steady::Steady;
 
 /// Most force amplitudes that are named.

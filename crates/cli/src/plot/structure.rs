@@ -1,7 +1,7 @@
 //! Laws and mode shapes.
 
+use asperity_dynamics::Mode;
 use asperity_figure::{Axis, Color, Dash, Figure, Legend, Panel, Series};
-use asperity_study::dynamics::Mode;
 use asperity_study::laws::LawTable;
 
 /// Stiffness against pressure, and pressure against closure, of every law.

@@ -3,8 +3,8 @@
 use std::f64::consts::TAU;
 use std::path::Path;
 
-use asperity_study::measure::Format;
-use asperity_study::signal::Complex64;
+use asperity_measure::Format;
+use asperity_signal::Complex64;
 
 use crate::exact::{blows, noisy, record};
 use crate::struck::{DAMPING, MASS, NATURAL_HZ};

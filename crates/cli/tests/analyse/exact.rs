@@ -2,8 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use asperity_study::measure::Record;
-use asperity_study::signal::Complex64;
+use asperity_measure::Record;
+use asperity_signal::Complex64;
 
 use crate::struck::{MASS, NATURAL_HZ, RATE, channel};
 

@@ -12,7 +12,7 @@ use std::f64::consts::{PI, TAU};
 use std::path::Path;
 use std::process::{Command, Output};
 
-use asperity_study::measure::{
+use asperity_measure::{
     Abscissa, Channel, ChannelUnit, Format, Record, Samples, WriteOptions, write,
 };
 use serde_json::Value;

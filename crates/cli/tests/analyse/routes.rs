@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use asperity_study::measure::Format;
+use asperity_measure::Format;
 
 use crate::exact::{Signals, blows, record};
 use crate::struck::{DAMPING, MASS, NATURAL_HZ, channel};

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use asperity_study::measure::{Abscissa, Channel, ChannelUnit, Origin, Quantity, Record, Samples};
+use asperity_measure::{Abscissa, Channel, ChannelUnit, Origin, Quantity, Record, Samples};
 
 pub(crate) const RATE: f64 = 25_600.0;
 pub(crate) const NATURAL_HZ: f64 = 831.0;

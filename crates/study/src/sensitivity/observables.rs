@@ -13,10 +13,13 @@ type Rate<'a> = dyn Fn(&[f64], &[f64]) -> Option<f64> + 'a;
 
 /// Answers and their derivatives, row by row.
 #[derive(Debug, Default)]
-pub(crate) struct Table {
-    pub(crate) columns: Vec<String>,
-    pub(crate) values: Vec<Option<f64>>,
-    pub(crate) jacobian: Vec<Vec<Option<f64>>>,
+pub struct Table {
+    /// Names of the answers.
+    pub columns: Vec<String>,
+    /// The answers.
+    pub values: Vec<Option<f64>>,
+    /// Row per answer, column per parameter.
+    pub jacobian: Vec<Vec<Option<f64>>>,
 }
 
 impl Table {
@@ -27,12 +30,7 @@ impl Table {
     }
 
     /// The state at rest, from those at the places of the stencil.
-    pub(crate) fn rest(
-        &mut self,
-        at_rest: &StaticSummary,
-        four: &[&[StaticSummary; 4]],
-        steps: &[f64],
-    ) {
+    pub fn rest(&mut self, at_rest: &StaticSummary, four: &[&[StaticSummary; 4]], steps: &[f64]) {
         let mut push = |name: String, of: &dyn Fn(&StaticSummary) -> Option<f64>| {
             let slope = |(four, &step): (&&[StaticSummary; 4], &f64)| {
                 let [a, b, c, d] = four.each_ref().map(of);
@@ -50,11 +48,7 @@ impl Table {
     }
 
     /// Fundamental, second harmonic and damping of the response.
-    pub(crate) fn peaks(
-        &mut self,
-        found: &Sensitivity,
-        natural: Option<f64>,
-    ) -> Result<(), SignalError> {
+    pub fn peaks(&mut self, found: &Sensitivity, natural: Option<f64>) -> Result<(), SignalError> {
         // The state at the very end is beyond the samples.
         let count = found.values.displacement.len() - 1;
         let Course { force, displacement, .. } = &found.values;
@@ -113,7 +107,7 @@ impl Table {
     }
 
     /// Extremes and stiffnesses of the interfaces, of these `names`.
-    pub(crate) fn contacts(&mut self, found: &Sensitivity, names: &[&str]) {
+    pub fn contacts(&mut self, found: &Sensitivity, names: &[&str]) {
         type Of = fn(&ContactMeasures) -> f64;
         let measures: [(&str, Of); 4] = [
             ("pressure_min_pa", |contact| contact.pressure_min),

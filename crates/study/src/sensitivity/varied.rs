@@ -8,9 +8,9 @@ use asperity_dynamics::{
 
 use super::{Parameter, SensitivityError};
 use crate::assemble::Assembly;
-use crate::document::Document;
 use crate::run::rest_state;
 use crate::summary::StaticSummary;
+use asperity_scenario::document::Document;
 
 /// The hit that is varied, and how many modes of each body it keeps.
 pub(super) struct Base {
@@ -34,7 +34,7 @@ pub(super) fn base(
 }
 
 /// The rig of `assembly` with this many modes of each body.
-pub(crate) fn rig_with(assembly: &Assembly, counts: &[usize]) -> Result<ModalRig, DynamicsError> {
+pub fn rig_with(assembly: &Assembly, counts: &[usize]) -> Result<ModalRig, DynamicsError> {
     let Assembly { stack, equilibrium, damping_rate, .. } = assembly;
     ModalRig::with_counts(stack, equilibrium, *damping_rate, counts)
 }
@@ -98,7 +98,7 @@ impl Varied {
 }
 
 /// The `rig` with the very laws of `base`, which says that they are not varied.
-pub(crate) fn with_laws_of(base: &ModalRig, rig: &ModalRig) -> Result<ModalRig, DynamicsError> {
+pub fn with_laws_of(base: &ModalRig, rig: &ModalRig) -> Result<ModalRig, DynamicsError> {
     let pairs = rig.contacts().iter().zip(base.contacts());
     let contacts =
         pairs.map(|(contact, base)| ModalContact { law: Arc::clone(&base.law), ..contact.clone() });

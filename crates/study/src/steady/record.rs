@@ -6,7 +6,7 @@ use asperity_harmonic::{Branch, BranchEnd, HarmonicError, Response, Special};
 use serde_json::{Value, json};
 
 use super::{Backbones, Steady, SteadyLevel};
-use crate::record::{push_number, quoted};
+use asperity_table::{push_number, quoted};
 
 /// `steady.csv`: a row per point of every branch, in the order of the request.
 pub fn steady_csv(steady: &Steady, interfaces: &[&str]) -> String {

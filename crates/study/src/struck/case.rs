@@ -8,33 +8,39 @@ use asperity_dynamics::{DynamicsError, Excitation, Hit, Integrator, Modal, Modal
 use crate::assemble::{Assembly, excitation};
 use crate::error::StudyError;
 use crate::run::rest_state;
-use crate::scenario::{ExcitationSpec, Scenario};
 use crate::summary::{StaticSummary, Summary};
+use asperity_scenario::{ExcitationSpec, Scenario};
 
 /// An assembled scenario, with the modal rigs made of it so far.
 #[derive(Debug)]
-pub(crate) struct Case {
-    pub(crate) assembly: Assembly,
-    pub(crate) at_rest: StaticSummary,
+pub struct Case {
+    /// The assembled scenario.
+    pub assembly: Assembly,
+    /// Its state at rest.
+    pub at_rest: StaticSummary,
     /// By the number of modes of each body, which may depend on the drive.
     rigs: Mutex<Vec<(Vec<usize>, Arc<ModalRig>)>>,
     names: OnceLock<Arc<[String]>>,
 }
 
 impl Case {
-    pub(crate) fn new(scenario: &Scenario, folder: &Path) -> Result<Self, StudyError> {
+    /// Prepares a scenario.
+    ///
+    /// # Errors
+    /// [`StudyError`] when a part cannot be built.
+    pub fn new(scenario: &Scenario, folder: &Path) -> Result<Self, StudyError> {
         let assembly = Assembly::new(scenario, folder)?;
         let at_rest = rest_state(&assembly);
         Ok(Self { assembly, at_rest, rigs: Mutex::default(), names: OnceLock::new() })
     }
 
     /// The names of the numbers of this case's runs, one of which has this summary.
-    pub(crate) fn names(&self, summary: &Summary) -> Arc<[String]> {
+    pub fn names(&self, summary: &Summary) -> Arc<[String]> {
         Arc::clone(self.names.get_or_init(|| summary.names().into()))
     }
 
     /// The modal integrator, if the scenario asks for it.
-    pub(crate) fn modal(&self) -> Option<Modal> {
+    pub fn modal(&self) -> Option<Modal> {
         match self.assembly.method {
             Integrator::Modal(modal) => Some(modal),
             Integrator::FiniteDifference(_) => None,
@@ -42,7 +48,7 @@ impl Case {
     }
 
     /// The hit of `drive` on this case.
-    pub(crate) fn hit(
+    pub fn hit(
         &self,
         modal: &Modal,
         drive: &ExcitationSpec,
@@ -54,7 +60,7 @@ impl Case {
     }
 
     /// The hit of a checked `excitation` on this case.
-    pub(crate) fn strike(&self, modal: &Modal, excitation: Excitation) -> Result<Hit, StudyError> {
+    pub fn strike(&self, modal: &Modal, excitation: Excitation) -> Result<Hit, StudyError> {
         let rig = self.rig(modal, &excitation)?;
         let sampling = &self.assembly.sampling;
         let duration = sampling.samples() as f64 * sampling.interval();

@@ -19,11 +19,11 @@ use crate::summary::{
 const MOST_KEPT: usize = 32;
 
 /// Force over its peak below which a decay counts as free.
-pub(crate) const FREE: f64 = 1e-3;
+pub const FREE: f64 = 1e-3;
 
 /// What hits share when their records are analysed.
 #[derive(Debug, Default)]
-pub(crate) struct Observer {
+pub struct Observer {
     filters: Mutex<Vec<Arc<Filter>>>,
     /// The filter for a rig's frequency and a step, both in bits, that was asked for last.
     latest: Mutex<Option<(u64, u64, Arc<Thinning>)>>,
@@ -53,7 +53,7 @@ struct Drive {
 impl Observer {
     /// The filter for the output of a hit at `step` \[s\]: it keeps the windows in which peaks are
     /// looked for, those of a rig of frequency `natural` \[Hz\], and all below `wanted` \[Hz\].
-    pub(crate) fn thinning(&self, natural: Option<f64>, wanted: f64, step: f64) -> Arc<Thinning> {
+    pub fn thinning(&self, natural: Option<f64>, wanted: f64, step: f64) -> Arc<Thinning> {
         let options = HarmonicOptions::default();
         let band = options.fundamental_window.1 * options.second_window.1.max(1.0);
         let high = natural.map_or(f64::INFINITY, |natural| (band * natural).max(wanted));
@@ -121,7 +121,7 @@ impl Observer {
 
     /// The receptance of a hit at some `frequencies` \[Hz\] that its filter keeps \[m/N\]; none
     /// without a force.
-    pub(crate) fn receptance(
+    pub fn receptance(
         &self,
         hit: &Hit,
         record: &HitRecord,
@@ -138,14 +138,14 @@ impl Observer {
     }
 
     /// The displacement of a hit after its force \[m\], and its rate \[Hz\]; none without a force.
-    pub(crate) fn decay<'a>(&self, hit: &Hit, record: &'a HitRecord) -> Option<(&'a [f64], f64)> {
+    pub fn decay<'a>(&self, hit: &Hit, record: &'a HitRecord) -> Option<(&'a [f64], f64)> {
         let (drive, _) = self.drive(hit, record)?;
         let rate = 1.0 / (record.step * record.thinning.factor as f64);
         Some((record.displacement.get(drive.free..).unwrap_or_default(), rate))
     }
 
     /// The summary of a hit from its record.
-    pub(crate) fn summary(
+    pub fn summary(
         &self,
         case: &Case,
         hit: &Hit,

@@ -7,10 +7,10 @@ use serde_json::{Value, json};
 use thiserror::Error;
 
 use super::variation::{Variation, VariationError, number_of_runs};
-use crate::diagnostic::Invalid;
-use crate::document::{Document, SetError, set_value};
 use crate::error::StudyError;
-use crate::scenario::{ExcitationSpec, Scenario};
+use asperity_scenario::diagnostic::Invalid;
+use asperity_scenario::document::{Document, SetError, set_value};
+use asperity_scenario::{ExcitationSpec, Scenario};
 
 /// Most combinations of extreme values that are checked; beyond, each value on its own.
 const MOST_CORNERS: usize = 4096;

@@ -2,7 +2,7 @@
 
 use super::variation::Variation;
 use crate::error::StudyError;
-use crate::record::{push_number, quoted};
+use asperity_table::{push_number, quoted};
 
 /// The results of a sweep: for each run the numbers of its summary, or its error.
 #[derive(Debug)]

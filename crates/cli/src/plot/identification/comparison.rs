@@ -1,7 +1,7 @@
 //! Laws compared.
 
 use asperity_figure::{Anchor, Axis, Color, Figure, Legend, Panel, Series};
-use asperity_study::identification::statistics::{CandidateOutcome, Choice, ModelVerdict};
+use asperity_inference::{CandidateOutcome, Choice, ModelVerdict};
 
 use super::fitted;
 

@@ -1,8 +1,8 @@
 //! Hits that could be made next.
 
 use asperity_figure::{Axis, Color, Figure, Legend, Marker, Panel, Series};
-use asperity_study::identification::problem::Changes;
-use asperity_study::identification::{Designed, DesignedHit};
+use asperity_identify::problem::Changes;
+use asperity_identify::{Designed, DesignedHit};
 
 use super::fitted;
 

@@ -1,8 +1,8 @@
 //! The tables of the report.
 
 use asperity_figure::report::{Cell, Report, Verdict};
-use asperity_study::identification::statistics::ModelVerdict;
-use asperity_study::identification::{DesignedHit, Identification, Problem};
+use asperity_identify::{DesignedHit, Identification, Problem};
+use asperity_inference::ModelVerdict;
 use serde_json::Value;
 
 use super::design::changes;

@@ -1,7 +1,7 @@
 //! Stiffness over pressure with its band, and what is left of its uncertainty.
 
 use asperity_figure::{Axis, Color, Dash, Figure, Legend, Marker, Panel, Series};
-use asperity_study::identification::{INFORMED_SHARE, Identification};
+use asperity_identify::{INFORMED_SHARE, Identification};
 
 use super::Row;
 use super::rows::{Kind, column};

@@ -2,7 +2,7 @@
 
 use asperity_figure::Figure;
 use asperity_figure::report::Report;
-use asperity_study::identification::{Identification, Problem};
+use asperity_identify::{Identification, Problem};
 
 use super::{findings, pairs};
 

@@ -1,7 +1,7 @@
 //! Draws from the posterior, pair by pair.
 
 use asperity_figure::{Axis, Color, Figure, Legend, Panel, Series};
-use asperity_study::identification::Identification;
+use asperity_identify::Identification;
 
 use super::short;
 

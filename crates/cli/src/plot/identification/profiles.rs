@@ -1,8 +1,8 @@
 //! The deviance over each unknown.
 
 use asperity_figure::{Anchor, Axis, Color, Figure, Legend, Marker, Panel, Series};
-use asperity_study::identification::Identification;
-use asperity_study::identification::statistics::{Profile, ProfileEnd, normal_quantile};
+use asperity_identify::Identification;
+use asperity_inference::{Profile, ProfileEnd, normal_quantile};
 
 use super::short;
 

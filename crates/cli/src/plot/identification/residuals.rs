@@ -1,7 +1,7 @@
 //! Standardised residuals over what they were measured at, and against a normal distribution.
 
 use asperity_figure::{Axis, Color, Dash, Figure, Legend, Marker, Panel, Series};
-use asperity_study::identification::statistics::normal_quantile;
+use asperity_inference::normal_quantile;
 
 use super::Row;
 use super::feature_name::{feature_name, order};

@@ -1,6 +1,6 @@
 //! Observations with their predictions and bands.
 
-use asperity_study::identification::{Identification, Observed};
+use asperity_identify::{Identification, Observed};
 
 /// What kind of number an observation is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

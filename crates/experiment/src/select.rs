@@ -1,0 +1,179 @@
+//! Which channel of a record is meant.
+
+use std::convert::Infallible;
+use std::path::Path;
+use std::str::FromStr;
+
+use asperity_measure::{Channel, Quantity, Record};
+
+use crate::error::AnalysisError;
+
+/// A channel by its place, its name, or what it measures.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Selector {
+    /// Its place, from 1: `#2`.
+    Number(usize),
+    /// Its name; else, if the text is the word for one, the quantity it measures.
+    Name(String),
+}
+
+impl FromStr for Selector {
+    type Err = Infallible;
+
+    /// Reads `#NUMBER`; anything else is a name.
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        Ok(Self::of_text(text))
+    }
+}
+
+impl std::fmt::Display for Selector {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Number(number) => write!(f, "#{number}"),
+            Self::Name(name) => f.write_str(name),
+        }
+    }
+}
+
+impl Selector {
+    /// The channel that `text` means: `#NUMBER`, or else a name.
+    pub fn of_text(text: &str) -> Self {
+        let number = text.strip_prefix('#').and_then(|number| number.trim().parse().ok());
+        number.map_or_else(|| Self::Name(text.to_owned()), Self::Number)
+    }
+
+    /// Places of the channels that are meant.
+    pub fn fitting(&self, record: &Record) -> Vec<usize> {
+        let places = |fits: &dyn Fn(&Channel) -> bool| -> Vec<usize> {
+            let channels = record.channels.iter().enumerate();
+            channels.filter(|(_, channel)| fits(channel)).map(|(place, _)| place).collect()
+        };
+        match self {
+            Self::Number(number) => (1..=record.channels.len())
+                .contains(number)
+                .then(|| number - 1)
+                .into_iter()
+                .collect(),
+            Self::Name(name) => {
+                let named = places(&|channel| channel.name.trim() == name.trim());
+                let quantity = Quantity::of_name(name);
+                let is_word = !name.trim().contains(|c: char| !c.is_alphabetic());
+                if named.is_empty() && is_word && quantity != Quantity::Unknown {
+                    places(&|channel| channel.quantity == quantity)
+                } else {
+                    named
+                }
+            }
+        }
+    }
+}
+
+/// What a channel is chosen for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Role {
+    Force,
+    Response,
+}
+
+impl Role {
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::Force => "force",
+            Self::Response => "response",
+        }
+    }
+
+    fn fits(self, quantity: Quantity) -> bool {
+        match self {
+            Self::Force => quantity == Quantity::Force,
+            Self::Response => matches!(
+                quantity,
+                Quantity::Acceleration | Quantity::Velocity | Quantity::Displacement
+            ),
+        }
+    }
+
+    fn accepted(self) -> &'static str {
+        match self {
+            Self::Force => "a force; volts become one with --sensitivity",
+            Self::Response => {
+                "an acceleration, a velocity or a displacement; volts become one with --sensitivity"
+            }
+        }
+    }
+}
+
+/// The place of the one channel for a role.
+pub(super) fn choose(
+    file: &Path,
+    record: &Record,
+    role: Role,
+    wanted: Option<&Selector>,
+) -> Result<usize, AnalysisError> {
+    let fitting: Vec<usize> = if let Some(selector) = wanted {
+        selector.fitting(record)
+    } else {
+        let channels = record.channels.iter().enumerate();
+        channels.filter(|(_, c)| role.fits(c.quantity)).map(|(place, _)| place).collect()
+    };
+    let wanted_text = || wanted.map(ToString::to_string).unwrap_or_default();
+    let (file_name, role_name) = (|| file.to_owned(), role.name());
+    let place = match fitting[..] {
+        [place] => place,
+        [] => {
+            let every: Vec<usize> = (0..record.channels.len()).collect();
+            return Err(AnalysisError::NoChannel {
+                file: file_name(),
+                role: role_name,
+                wanted: wanted_text(),
+                channels: listed(record, &every),
+            });
+        }
+        _ => {
+            return Err(AnalysisError::Ambiguous {
+                file: file_name(),
+                role: role_name,
+                wanted: wanted_text(),
+                channels: listed(record, &fitting),
+            });
+        }
+    };
+    let channel = &record.channels[place];
+    if channel.unit.known().is_none() {
+        return Err(AnalysisError::Unit {
+            file: file_name(),
+            channel: channel.name.clone(),
+            text: channel.unit.text().to_owned(),
+        });
+    }
+    if !role.fits(channel.quantity) {
+        return Err(AnalysisError::Quantity {
+            file: file_name(),
+            role: role_name,
+            channel: channel.name.clone(),
+            found: channel.quantity,
+            expected: role.accepted(),
+        });
+    }
+    Ok(place)
+}
+
+/// Most channels that a message lists.
+const MOST_LISTED: usize = 12;
+
+/// Channels as a message lists them.
+fn listed(record: &Record, places: &[usize]) -> String {
+    let one = |place: &usize| {
+        let channel = &record.channels[*place];
+        let unit = match channel.unit.text() {
+            "" => "no unit".to_owned(),
+            text => text.to_owned(),
+        };
+        format!("#{} `{}` ({}, {unit})", place + 1, channel.name, channel.quantity)
+    };
+    let mut words: Vec<String> = places.iter().take(MOST_LISTED).map(one).collect();
+    if places.len() > MOST_LISTED {
+        words.push(format!("and {} more", places.len() - MOST_LISTED));
+    }
+    if words.is_empty() { "none".to_owned() } else { words.join(", ") }
+}

@@ -1,0 +1,174 @@
+//! The analysis of files against that of whole records, block by block.
+
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+use std::f64::consts::{PI, TAU};
+use std::path::PathBuf;
+
+use asperity_experiment::{
+    Analysis, AnalysisError, AnalysisOptions, Band, analyse, backbone_csv, hits_csv,
+};
+use asperity_measure::{
+    Abscissa, Channel, ChannelUnit, Format, Origin, Quantity, ReadOptions, Record, Samples,
+    WriteOptions, write,
+};
+use asperity_signal::{
+    FrfForm, HammerOptions, HarmonicOptions, HitLength, HitOptions, Reference, Route, TriggerLevel,
+    hammer_test,
+};
+use tempfile::TempDir;
+
+const RATE: f64 = 10_000.0;
+const BAND: Band = Band { low_hz: 250.0, high_hz: 350.0 };
+
+/// A mode at 300 Hz struck every half second, ever harder.
+fn struck(hits: usize) -> (Vec<f64>, Vec<f64>) {
+    let (omega, damping, step) = (TAU * 300.0, 0.01, 1.0 / RATE);
+    let (mut u, mut v) = (0.0, 0.0);
+    let sample = |n: usize| {
+        let t = n as f64 * step;
+        let since = t % 0.5 - 0.02;
+        let peak = 5.0 + (t / 0.5).floor();
+        let f = if (0.0..2e-3).contains(&since) { peak * (PI * since / 2e-3).sin() } else { 0.0 };
+        let a = f - 2.0 * damping * omega * v - omega * omega * u;
+        v += a * step;
+        u += v * step;
+        (f, a)
+    };
+    (0..(hits as f64 * 0.5 * RATE) as usize).map(sample).unzip()
+}
+
+fn store(folder: &TempDir, name: &str, force: &[f64], response: &[f64]) -> PathBuf {
+    let channel = |name: &str, unit: &str, samples: &[f64]| Channel {
+        name: name.to_owned(),
+        quantity: Quantity::Unknown,
+        unit: ChannelUnit::of_text(unit),
+        abscissa: Abscissa::even_time(0.0, RATE),
+        samples: Samples::Real(samples.to_vec()),
+        origin: Origin::default(),
+    };
+    let channels = vec![channel("force", "N", force), channel("acc", "m/s^2", response)];
+    let path = folder.path().join(name);
+    let record = Record { channels, ..Record::default() };
+    write(&path, &[record], Format::UniversalBinary, &WriteOptions::default()).unwrap();
+    path
+}
+
+fn analysed(path: &PathBuf, block: usize) -> Analysis {
+    let reading = ReadOptions { block, ..ReadOptions::default() };
+    let options = AnalysisOptions {
+        reading,
+        band_hz: Some(BAND),
+        level_n: Some(1.0),
+        length_s: Some(0.48),
+        pre_trigger_s: 0.01,
+        ..AnalysisOptions::default()
+    };
+    analyse(std::slice::from_ref(path), &options, &|_| {}).unwrap()
+}
+
+/// Verified against [`hammer_test`] on the whole record: cut from blocks of any size, each hit has
+/// the same numbers to the last bit.
+#[test]
+fn blocks_give_what_the_whole_record_gives() {
+    let folder = tempfile::tempdir().unwrap();
+    let (force, response) = struck(5);
+    let path = store(&folder, "a.uff", &force, &response);
+    let hits = HitOptions {
+        level: TriggerLevel::Absolute(1.0),
+        pre_trigger: 100,
+        length: HitLength::UntilNext { limit: 4800 },
+        hold_off: 2000,
+    };
+    let limits = (BAND.low_hz, BAND.high_hz);
+    let reference = Reference::Band(limits, FrfForm::Receptance);
+    let mut options = HammerOptions::new(hits, Route::Acceleration, reference);
+    options.harmonics =
+        HarmonicOptions { fundamental_window: (0.97, 1.03), ..HarmonicOptions::default() };
+    options.band_part = 50.0 / 300.0;
+    let whole = hammer_test(&force, &response, RATE, &options).unwrap();
+    for block in [313, 4096, 1 << 20] {
+        let found = analysed(&path, block);
+        assert_eq!(found.report.hits.len(), 5);
+        for (hit, exact) in found.report.hits.iter().zip(&whole.hits) {
+            let features = exact.features.as_ref().unwrap();
+            let first = hit.fundamental.unwrap();
+            assert_eq!(Some(first.frequency_hz), features.unwindowed_frequency_hz);
+            assert_eq!(Some(first.magnitude), features.unwindowed_magnitude);
+            assert_eq!(first.damping_ratio_decrement, features.damping.decrement);
+            assert_eq!(hit.impulse_ns, exact.pulse.map(|pulse| pulse.impulse_n_s));
+            assert_eq!(hit.time_s, (exact.start + exact.trigger as u64) as f64 / RATE);
+        }
+        let coherence = whole.average.coherence().unwrap();
+        let same = |(a, b): (&f64, &f64)| a == b || (a.is_nan() && b.is_nan());
+        let found_coherence = found.average.coherence.unwrap();
+        // The averages differ in length by nothing: both are 4800 samples.
+        assert!(found_coherence.iter().zip(&coherence.values).all(same));
+    }
+}
+
+/// Level and length are found as they were given above, within the distance of two blows.
+#[test]
+fn level_and_length_are_found() {
+    let folder = tempfile::tempdir().unwrap();
+    let (force, response) = struck(6);
+    let path = store(&folder, "a.uff", &force, &response);
+    let options = AnalysisOptions { band_hz: Some(BAND), ..AnalysisOptions::default() };
+    let found = analyse(&[path.clone(), path], &options, &|_| {}).unwrap();
+    assert_eq!(found.report.hits.len(), 12);
+    assert!((found.report.settings.length_s - 0.5).abs() < 2e-3);
+    assert!(found.report.settings.level_n < 5.0);
+    let numbers: Vec<usize> = found.report.hits.iter().map(|hit| hit.index).collect();
+    assert_eq!(numbers, (1..=12).collect::<Vec<_>>());
+    assert_eq!(found.report.hits[6].record, 1, "records count in each file");
+    assert_eq!(hits_csv(&found.report.hits).lines().count(), 13);
+    let points: usize = found.backbones.iter().map(|backbone| backbone.points.len()).sum();
+    assert_eq!(backbone_csv(&found).lines().count(), points + 1);
+    // Amplitudes are displacements: the blow of 10 N and 2 ms moves 1 kg at 300 Hz by less than
+    // impulse over mass and circular frequency.
+    let most = 10.0 * 2e-3 * 2.0 / PI / (TAU * 300.0);
+    let amplitudes = found.backbones.iter().flat_map(|backbone| &backbone.points);
+    assert!(amplitudes.clone().count() > 100);
+    assert!(amplitudes.clone().all(|point| point.amplitude < most));
+    assert!(amplitudes.clone().any(|point| point.amplitude > 0.05 * most));
+}
+
+/// Bit for bit the same on one thread and on several: hits are added up in their order.
+#[test]
+fn an_analysis_does_not_depend_on_threads() {
+    let folder = tempfile::tempdir().unwrap();
+    let (force, response) = struck(21);
+    let path = store(&folder, "a.uff", &force, &response);
+    // As text, since a coherence may be no number.
+    let found = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| format!("{:?}", analysed(&path, 4096)))
+    };
+    let one = found(1);
+    assert!(one.contains("index: 21"));
+    assert!(one == found(2) && one == found(5));
+}
+
+/// An overload is left out and said, and where nothing else is there the analysis says why.
+#[test]
+fn an_overload_is_left_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let (force, mut response) = struck(3);
+    for a in &mut response[5000..10_000] {
+        *a = a.clamp(-2.0, 2.0);
+    }
+    let path = store(&folder, "a.uff", &force, &response);
+    let found = analysed(&path, 4096);
+    assert_eq!(found.report.average.excluded, [2]);
+    let hit = &found.report.hits[1];
+    assert!(hit.overload && !hit.averaged && hit.fundamental.is_none());
+    assert!(hit.verdicts[0].contains("overload"), "{:?}", hit.verdicts);
+
+    for a in &mut response {
+        *a = a.clamp(-1.0, 1.0);
+    }
+    let path = store(&folder, "b.uff", &force, &response);
+    let refused = analyse(&[path], &AnalysisOptions::default(), &|_| {}).unwrap_err();
+    assert!(matches!(refused, AnalysisError::NoGoodHit { hits: 3, .. }), "{refused}");
+    assert!(!refused.is_wrong_request());
+}

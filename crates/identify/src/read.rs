@@ -1,0 +1,76 @@
+//! A problem from its file, with its scenario.
+
+use std::path::{Path, PathBuf};
+
+use serde_json::{Value, json};
+
+use crate::error::ProblemError;
+use crate::problem::{ProblemSpec, ScenarioRef, problem_schema};
+use asperity_scenario::document::Document;
+use asperity_scenario::validate::validate_value;
+
+/// A problem that has been read and checked, as far as that goes without its data.
+#[derive(Debug, Clone)]
+pub struct Problem {
+    /// The text.
+    pub document: Document,
+    /// What it says.
+    pub spec: ProblemSpec,
+    /// Its scenario, whose method is modal.
+    pub(super) scenario: Value,
+    /// The scenario's file, or the problem's if it is in place.
+    pub(super) scenario_path: PathBuf,
+    /// SHA-256 of the scenario as it was written.
+    pub(super) scenario_sha256: String,
+    /// What was changed.
+    pub(super) notices: Vec<String>,
+}
+
+impl Problem {
+    /// Reads the problem at `path`.
+    ///
+    /// # Errors
+    /// [`ProblemError`] for a file that cannot be read, a problem or scenario that is not valid.
+    pub fn read(path: impl AsRef<Path>) -> Result<Self, ProblemError> {
+        Self::of(Document::read(path)?)
+    }
+
+    /// The problem that a document holds.
+    ///
+    /// # Errors
+    /// As [`read`](Self::read).
+    pub fn of(document: Document) -> Result<Self, ProblemError> {
+        let accepted = "a problem as `asperity schema --identify` describes it";
+        let spec: ProblemSpec = document.typed(problem_schema(), Vec::new(), accepted)?;
+        let (mut scenario, scenario_path, scenario_sha256) = match &spec.scenario {
+            ScenarioRef::File(file) => {
+                let scenario = Document::read(document.folder().join(file))?;
+                scenario.scenario()?;
+                (scenario.value().clone(), scenario.path().to_owned(), scenario.sha256())
+            }
+            ScenarioRef::InPlace(scenario) => {
+                let value = Value::Object(scenario.clone());
+                let mut found = validate_value(&value, document.folder());
+                if !found.is_empty() {
+                    for diagnostic in &mut found {
+                        diagnostic.pointer = format!("/scenario{}", diagnostic.pointer);
+                    }
+                    return Err(document.invalid(found).into());
+                }
+                let sha256 = Document::parse(&value.to_string(), document.path())?.sha256();
+                (value, document.path().to_owned(), sha256)
+            }
+        };
+        let mut notices = Vec::new();
+        let kind = |method: &Value| match method {
+            Value::String(kind) => kind.clone(),
+            other => other.get("kind").and_then(Value::as_str).unwrap_or_default().to_owned(),
+        };
+        let method = scenario.get("method").map(kind);
+        if let Some(other) = method.filter(|method| method != "modal") {
+            notices.push(format!("the scenario's method is {other}; identification runs modal"));
+            scenario["method"] = json!("modal");
+        }
+        Ok(Self { document, spec, scenario, scenario_path, scenario_sha256, notices })
+    }
+}

@@ -1,0 +1,106 @@
+//! Records of hits: the force that drives the model, and the receptance to compare.
+
+use std::f64::consts::TAU;
+use std::path::PathBuf;
+
+use asperity_signal::{
+    Complex64, Hit, Offset, Pulse, QualityOptions, Route, inspect, transform_pair_at, white_density,
+};
+
+use crate::error::ProblemError;
+use crate::files::Line;
+use asperity_experiment::{AnalysisOptions, Selector, cut};
+
+/// Most lines of a receptance that are compared.
+const MOST_LINES: f64 = 60.0;
+
+/// Time kept around the blow \[s\]; elsewhere the hammer does not touch, and what its sensor shows is
+/// noise.
+const MARGIN_S: f64 = 0.5e-3;
+
+/// The part of a hit, from its end, that is taken for noise.
+const TAIL: usize = 10;
+
+/// A measured hit.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct RecordedHit {
+    /// Times \[s\] from the first sample, and the force there \[N\].
+    pub(super) time_s: Vec<f64>,
+    pub(super) force_n: Vec<f64>,
+    /// How long it was watched \[s\].
+    pub(super) duration_s: f64,
+    /// Its receptance.
+    pub(super) lines: Vec<Line>,
+}
+
+/// The good hits of some files, with their receptances in a band \[Hz\].
+pub(super) fn hits(
+    files: &[PathBuf],
+    [force, response]: [Option<&str>; 2],
+    band: [f64; 2],
+) -> Result<Vec<RecordedHit>, ProblemError> {
+    let options = AnalysisOptions {
+        force: force.map(Selector::of_text),
+        response: response.map(Selector::of_text),
+        ..AnalysisOptions::default()
+    };
+    let mut found = Vec::new();
+    cut(files, &options, &mut |hit, route| found.extend(recorded(hit, route, band)))?;
+    if found.is_empty() {
+        return Err(ProblemError::File {
+            path: files.first().cloned().unwrap_or_default(),
+            problem: "no good hit was found".to_owned(),
+            expected: "records with hits that are neither double nor overloaded",
+        });
+    }
+    Ok(found)
+}
+
+/// The hit, if it is good.
+fn recorded(mut hit: Hit, route: Route, band: [f64; 2]) -> Option<RecordedHit> {
+    let rate = hit.sample_rate_hz;
+    if inspect(&hit, &QualityOptions::default())
+        .iter()
+        .any(asperity_signal::Verdict::is_disqualifying)
+    {
+        return None;
+    }
+    if let Some(offset) = Offset::at_rest(&hit.force) {
+        offset.remove(&mut hit.force);
+    }
+    let pulse = Pulse::of(&hit.force, rate)?;
+    let (begin, end) = (pulse.base_s.0 - MARGIN_S, pulse.base_s.1 + MARGIN_S);
+    for (n, force) in hit.force.iter_mut().enumerate() {
+        let time = n as f64 / rate;
+        if time < begin || time > end {
+            *force = 0.0;
+        }
+    }
+    let response = hit.responses.first()?;
+    let duration_s = hit.force.len() as f64 / rate;
+    let spacing = (1.0 / duration_s).max((band[1] - band[0]) / MOST_LINES);
+    let count = ((band[1] - band[0]) / spacing).floor() as usize + 1;
+    let noise = white_density(&response[response.len() - response.len() / TAIL..], rate);
+    // Each part of a transform over a time T of noise with one-sided density S has variance T S / 4.
+    let part = (0.25 * duration_s * noise.unwrap_or(0.0)).sqrt();
+    let lines = (0..count).map(|n| {
+        let frequency_hz = band[0] + n as f64 * spacing;
+        let (x, f) = transform_pair_at(response, &hit.force, rate, frequency_hz);
+        let to_displacement = to_displacement(route, frequency_hz);
+        Line {
+            frequency_hz,
+            value: to_displacement * x / f,
+            deviation: to_displacement.norm() * part / f.norm(),
+        }
+    });
+    let lines = lines.filter(|line| line.value.is_finite()).collect();
+    let last = ((end * rate).ceil() as usize + 1).min(hit.force.len());
+    hit.force.truncate(last.max(2));
+    let time_s = (0..hit.force.len()).map(|n| n as f64 / rate).collect();
+    Some(RecordedHit { time_s, force_n: hit.force, duration_s, lines })
+}
+
+/// What a transform of the response is multiplied by to be one of the displacement.
+fn to_displacement(route: Route, frequency_hz: f64) -> Complex64 {
+    Complex64::new(0.0, TAU * frequency_hz).powi(-route.derivatives())
+}

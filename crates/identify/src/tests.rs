@@ -1,0 +1,323 @@
+//! The forward model against itself: exact derivatives, and data of every kind.
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+#![allow(clippy::print_stdout, reason = "what was found, for a test that fails")]
+
+use asperity_dynamics::{STENCIL, central_difference};
+use asperity_inference::ForwardModel;
+use serde_json::{Value, json};
+
+use super::Problem;
+use asperity_scenario::document::Document;
+
+/// The paper's rig, with steps that are quick and few samples.
+fn scenario() -> Value {
+    let text = std::fs::read_to_string("../../fixtures/scenarios/nouira2020-modified.json");
+    let mut scenario: Value = serde_json::from_str(&text.unwrap()).unwrap();
+    scenario["method"] = json!({"kind": "modal", "step_s": 2e-5, "modes_per_body": 2});
+    scenario["duration_s"] = json!(0.08);
+    scenario
+}
+
+fn problem(unknowns: &Value, data: &Value) -> Problem {
+    let problem = json!({
+        "schema": "asperity/identify/1",
+        "scenario": scenario(),
+        "unknowns": unknowns,
+        "data": data,
+    });
+    let name = concat!(env!("CARGO_MANIFEST_DIR"), "/problem.json");
+    Problem::of(Document::parse(&problem.to_string(), name).unwrap()).unwrap()
+}
+
+/// Data of every kind that needs no file, two preloads among them.
+fn data() -> Value {
+    let number = |value: f64| json!({"value": value, "standard_deviation": 1e-3 * value});
+    let features = json!({
+        "fundamental.frequency_hz": number(850.0),
+        "fundamental.receptance_m_per_n": number(2e-7),
+        "fundamental.damping_ratio": number(0.035),
+        "second_harmonic.frequency_hz": number(1600.0),
+        "harmonic_ratio": number(0.2),
+        "interfaces.guide-sample.pressure_min_pa": number(5e4),
+    });
+    json!([
+        {"kind": "hits", "hits": [
+            {"force_peak_n": 9, "features": features},
+            {"force_peak_n": 20, "features": features},
+        ]},
+        {"kind": "hits", "name": "half preload", "set": {"/bodies/0/mass_kg": 0.8},
+         "hits": [{"force_peak_n": 8, "features": features}]},
+        {"kind": "stiffness", "law": "modified", "points": [[1e5, 6e11], [4e5, 1.65e12]],
+         "spread": {"relative": 0.05}},
+        {"kind": "ratio", "feature": "fundamental.frequency_hz",
+         "numerator": {"force_peak_n": 20}, "denominator": {"force_peak_n": 9},
+         "value": 0.98, "standard_deviation": 0.001},
+    ])
+}
+
+fn unknowns() -> Value {
+    json!([
+        {"kind": "monotone_law", "law": "modified"},
+        {"kind": "scalar", "pointer": "/laws/modified/coefficient", "bounds": [1e10, 4e10]},
+        {"kind": "scalar", "pointer": "/damping/ratio", "bounds": [0.01, 0.1]},
+        {"kind": "scalar", "pointer": "/excitation/rise_s", "bounds": [1e-4, 1e-3]},
+        {"kind": "gain", "channel": "force"},
+        {"kind": "gain", "channel": "response", "name": "gain on the half preload",
+         "data": ["half preload"]},
+    ])
+}
+
+/// Against fourth-order central differences of the predictions, both with the laws solved to rounding
+/// at the same step: to 1e-6 of the derivative, or of a hundredth of the value over the unknown's.
+#[test]
+fn derivatives_are_those_of_the_predictions() {
+    let model = problem(&unknowns(), &data()).model().unwrap().forward;
+    let start: Vec<f64> = model.unknowns().iter().map(asperity_inference::Unknown::start).collect();
+    let exact = model.derivatives(&start).unwrap();
+    let mut compared = 0;
+    for (j, unknown) in model.unknowns().iter().enumerate() {
+        let step = 1e-5 * start[j];
+        let four = STENCIL.map(|place| {
+            let mut point = start.clone();
+            point[j] += place * step;
+            model.derivatives(&point).unwrap().values
+        });
+        for (i, observation) in model.observations().iter().enumerate() {
+            let Some(value) = exact.values[i] else { continue };
+            let at = four.each_ref().map(|values| values[i].unwrap());
+            let expected = central_difference(at, step);
+            let found = exact.jacobian[i][j].unwrap();
+            let scale = expected.abs().max(1e-2 * value.abs() / start[j]);
+            let off = (found - expected).abs() / scale;
+            println!("{} {}: {found:e} {expected:e} {off:.1e}", unknown.name(), observation.label);
+            assert!(off < 1e-6, "{} {}", unknown.name(), observation.label);
+            compared += 1;
+        }
+    }
+    assert_eq!(compared, start.len() * 21);
+}
+
+/// As `asperity analyse` writes it: no value at zero, and a line with too little force.
+const FRF: &str = "frequency_hz,real,imag,magnitude,phase_rad,coherence,valid
+0,,,,,0.9,1
+800,1e-7,0,1e-7,0,0.9,1
+830,1e-7,0,1e-7,0,0.1,0
+860,1e-7,0,1e-7,0,0.9,1
+1600,1e-8,0,1e-8,0,0.9,1
+";
+
+/// The same of receptances and backbones, whose files hold places only: receptances to 1e-6 of the
+/// largest part, frequencies along a decay to 1e-5 of a hundredth of the value over the unknown's,
+/// since they are differenced once more.
+#[test]
+fn derivatives_of_receptances_and_backbones_are_those_of_the_predictions() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).unwrap();
+        path
+    };
+    let frf = file("frf.csv", FRF);
+    let backbone = file("backbone.csv", "index,amplitude_m,frequency_hz\n1,3e-11,875\n");
+    let strike = json!({"force_peak_n": 15});
+    let data = json!([
+        {"kind": "frf", "file": frf, "hit": strike, "band_hz": [700, 1700],
+         "spread": {"relative": 0.01}},
+        {"kind": "backbone", "file": backbone, "hit": strike, "spread": {"relative": 1e-4}},
+    ]);
+    let model = problem(&unknowns(), &data).model();
+    // The gain of the half preload has no data here.
+    assert!(model.is_err());
+    let mut some = unknowns();
+    some.as_array_mut().unwrap().pop();
+    let model = problem(&some, &data).model().unwrap().forward;
+    let start: Vec<f64> = model.unknowns().iter().map(asperity_inference::Unknown::start).collect();
+    let exact = model.derivatives(&start).unwrap();
+    let largest = exact.values[..6].iter().flatten().fold(0.0_f64, |m, v| m.max(v.abs()));
+    for (j, unknown) in model.unknowns().iter().enumerate() {
+        let step = 1e-5 * start[j];
+        let four = STENCIL.map(|place| {
+            let mut point = start.clone();
+            point[j] += place * step;
+            model.derivatives(&point).unwrap().values
+        });
+        for (i, observation) in model.observations().iter().enumerate() {
+            let at = four.each_ref().map(|values| values[i].unwrap());
+            let expected = central_difference(at, step);
+            let found = exact.jacobian[i][j].unwrap();
+            let (scale, tolerance) = if i < 6 {
+                (largest / start[j], 1e-6)
+            } else {
+                (1e-2 * exact.values[i].unwrap() / start[j], 1e-5)
+            };
+            let off = (found - expected).abs() / expected.abs().max(scale);
+            println!("{} {}: {found:e} {expected:e} {off:.1e}", unknown.name(), observation.label);
+            assert!(off < tolerance, "{} {}", unknown.name(), observation.label);
+        }
+    }
+}
+
+/// What batches predict, with tables and thinned records, is what the exact marching predicts, to
+/// the tables' tolerance and the sampling.
+#[test]
+fn batches_predict_what_is_differentiated() {
+    let model = problem(&unknowns(), &data()).model().unwrap().forward;
+    let start: Vec<f64> = model.unknowns().iter().map(asperity_inference::Unknown::start).collect();
+    let exact = model.derivatives(&start).unwrap().values;
+    let both = model.predict(&[start.clone(), start]);
+    for (i, observation) in model.observations().iter().enumerate() {
+        let [a, b] = [0, 1].map(|point| both[point].as_ref().unwrap()[i]);
+        assert_eq!(a, b, "{}", observation.label);
+        let (Some(a), Some(exact)) = (a, exact[i]) else { panic!("{}", observation.label) };
+        assert!((a / exact - 1.0).abs() < 2e-4, "{}: {a:e} {exact:e}", observation.label);
+    }
+}
+
+/// One strike serves all data of the same rig, force and sensors.
+#[test]
+fn a_strike_is_run_once() {
+    let all = json!([{"kind": "gain", "channel": "force"}]);
+    let model = problem(&all, &data()).model().unwrap().forward;
+    // 9 and 20 N, which the ratio asks for again, and 8 N on the half preload.
+    assert_eq!((model.strikes.len(), model.rigs.len()), (3, 2));
+    // Another sensor at the half preload makes no strike of the others another.
+    let model = problem(&unknowns(), &data()).model().unwrap().forward;
+    assert_eq!(model.strikes.len(), 3);
+}
+
+/// A candidate, a range or a design that cannot be is told before anything is run.
+#[test]
+fn requests_are_checked_before_any_work() {
+    for (key, value, expected) in [
+        (
+            "compare",
+            json!([{"name": "x", "set": {"/laws/modified/kind": "none"}}]),
+            "/laws/modified",
+        ),
+        ("pressures_pa", json!([2e5, 1e5]), "the lower first"),
+        (
+            "design",
+            json!({"force_peak_n": [9], "set": [{"/damping/ratio": 0.1}]}),
+            "/damping/ratio",
+        ),
+    ] {
+        let mut asked = problem(&unknowns(), &data()).document.value().clone();
+        asked[key] = value;
+        let document = Document::parse(&asked.to_string(), "problem.json").unwrap();
+        let told = |step: super::Step| panic!("{} was begun", step.name);
+        let refused = super::identify(&Problem::of(document).unwrap(), &told).unwrap_err();
+        assert!(refused.to_string().contains(expected), "{refused}");
+    }
+}
+
+/// Gains scale what their sensors show, and nothing else.
+#[test]
+fn gains_are_of_their_data_alone() {
+    let gains = json!([
+        {"kind": "gain", "channel": "response", "data": ["half preload"]},
+        {"kind": "scalar", "pointer": "/damping/ratio", "bounds": [0.01, 0.1]},
+    ]);
+    let model = problem(&gains, &data()).model().unwrap().forward;
+    let found = model.predict(&[vec![1.0, 0.035], vec![1.25, 0.035]]);
+    for (i, observation) in model.observations().iter().enumerate() {
+        let ratio = found[1].as_ref().unwrap()[i].unwrap() / found[0].as_ref().unwrap()[i].unwrap();
+        let scaled = observation.label.starts_with("half preload")
+            && observation.label.contains("receptance");
+        let expected = if scaled { 1.25 } else { 1.0 };
+        assert!((ratio / expected - 1.0).abs() < 1e-12, "{} {ratio}", observation.label);
+    }
+}
+
+/// Every message names the place and what is accepted.
+#[test]
+fn bad_problems_are_refused() {
+    let number = json!({"value": 850.0, "standard_deviation": 1.0});
+    let hits = |features: Value| json!([{"kind": "hits", "hits": [{"force_peak_n": 9, "features": features}]}]);
+    let frequency = hits(json!({"fundamental.frequency_hz": number}));
+    let damping = json!([{"kind": "scalar", "pointer": "/damping/ratio", "bounds": [0.01, 0.1]}]);
+    let scalar = |pointer: &str, more: Value| {
+        let mut unknown = json!({"kind": "scalar", "pointer": pointer, "bounds": [0.01, 0.1]});
+        for (key, value) in more.as_object().unwrap() {
+            unknown[key] = value.clone();
+        }
+        json!([unknown])
+    };
+    let twice = json!([
+        {"kind": "hits", "hits": [{"force_peak_n": 9, "features": {"fundamental.frequency_hz": number}}]},
+        {"kind": "hits", "name": "hits 1", "hits": [{"force_peak_n": 9, "features":
+            {"fundamental.frequency_hz": {"value": 950.0, "standard_deviation": 1.0}}}]},
+    ]);
+    let cases = [
+        (scalar("/damping/rate", json!({})), frequency.clone(), "/damping/rate"),
+        (scalar("/method/step_s", json!({})), frequency.clone(), "setting of the computation"),
+        (scalar("damping", json!({})), frequency.clone(), "damping"),
+        (scalar("/damping/ratio", json!({"start": 0.5})), frequency.clone(), "outside its bounds"),
+        (scalar("/damping/ratio", json!({"bounds": [0.1, 0.01]})), frequency.clone(), "increasing"),
+        (scalar("/damping/ratio", json!({"prior": {"value": 1.0}})), frequency.clone(), "relative"),
+        (json!([{"kind": "monotone_law", "law": "constant"}]), frequency.clone(), "constant"),
+        (
+            json!([{"kind": "gain", "channel": "force", "data": ["x"]}]),
+            frequency.clone(),
+            "there are: hits 1",
+        ),
+        (damping.clone(), hits(json!({"fundamental.frequency": number})), "expected one of"),
+        (damping.clone(), hits(json!({"energy.input_j": number})), "expected one of"),
+        (damping.clone(), hits(json!({"fundamental.frequency_hz": 850.0})), "standard deviation"),
+        (damping.clone(), twice, "standard deviations apart"),
+        (
+            damping.clone(),
+            json!([{"kind": "hits", "set": {"/damping/ratio": 0.02}, "hits": [
+                {"force_peak_n": 9, "features": {"fundamental.frequency_hz": number}}]}]),
+            "sets /damping/ratio",
+        ),
+        (
+            damping.clone(),
+            json!([{"kind": "hits", "set": {"/bodies/0/mass": 2}, "hits": [
+                {"force_peak_n": 9, "features": {"fundamental.frequency_hz": number}}]}]),
+            "mass",
+        ),
+        (
+            damping.clone(),
+            json!([{"kind": "stiffness", "law": "steel", "points": [[1e5, 1e12]],
+                    "spread": {"relative": 0.1}}]),
+            "\"steel\"",
+        ),
+        (damping.clone(), json!([{"kind": "analysis", "file": "nowhere.json"}]), "nowhere.json"),
+        (
+            damping,
+            json!([{"kind": "frf", "file": "nowhere.csv", "band_hz": [900, 800],
+                    "spread": {"relative": 0.1}}]),
+            "the lower first",
+        ),
+    ];
+    for (unknowns, data, expected) in cases {
+        let refused = problem(&unknowns, &data).model().map(|_| ()).unwrap_err().to_string();
+        println!("{refused}");
+        assert!(refused.contains(expected), "{expected} is not in: {refused}");
+    }
+}
+
+/// The schema itself refuses what has no meaning, at its place.
+#[test]
+fn a_problem_without_data_or_with_unknown_keys_is_refused() {
+    for (key, value, expected) in [
+        ("data", json!([]), "/data"),
+        ("unknowns", json!([]), "/unknowns"),
+        ("level", json!(1.5), "/level"),
+        ("colour", json!("red"), "/colour"),
+        ("scenario", json!({"schema": "asperity/scenario/1"}), "/scenario"),
+        ("scenario", json!("nowhere.json"), "nowhere.json"),
+        ("schema", json!("asperity/scenario/1"), "/schema"),
+    ] {
+        let mut text = json!({
+            "schema": "asperity/identify/1",
+            "scenario": scenario(),
+            "unknowns": unknowns(),
+            "data": data(),
+        });
+        text[key] = value;
+        let document = Document::parse(&text.to_string(), "problem.json").unwrap();
+        let refused = Problem::of(document).map(|_| ()).unwrap_err().to_string();
+        assert!(refused.contains(expected), "{expected} is not in: {refused}");
+    }
+}

@@ -1,0 +1,168 @@
+//! Twin experiments: hits simulated by finite differences, with the noise and the gain errors of
+//! sensors, analysed as measured ones are, and identified by the other engine.
+
+use asperity_identify::Problem;
+use asperity_scenario::document::Document;
+use asperity_signal::{
+    FrfEstimator, HammerOptions, Hit, HitLength, HitOptions, Reference, Route, TriggerLevel,
+    analyse_hit,
+};
+use asperity_study::run::simulate;
+use serde_json::{Value, json};
+
+/// Time before the blow \[s\].
+const BEFORE_S: f64 = 5e-3;
+
+/// What a rig does without any error of measurement.
+pub struct Truth {
+    scenario: Value,
+    rate: f64,
+    hits: Vec<(f64, Vec<f64>, Vec<f64>)>,
+}
+
+/// How it is measured.
+#[derive(Debug, Clone, Copy)]
+pub struct Sensors {
+    /// Power of each channel over the record, over that of its white noise \[dB\].
+    pub signal_to_noise_db: f64,
+    /// What the sensors show over what there is.
+    pub force_gain: f64,
+    /// The same of the response.
+    pub response_gain: f64,
+    /// Seed of the noise.
+    pub seed: u64,
+}
+
+impl Truth {
+    /// The `scenario` struck with these peaks \[N\], by finite differences.
+    pub fn new(scenario: &str, peaks: &[f64], changes: &[(&str, &str)]) -> Self {
+        let mut document = Document::read(scenario).unwrap();
+        for (pointer, value) in changes {
+            document.set(pointer, value).unwrap();
+        }
+        let method = r#"{"kind": "finite_difference", "cell_m": 0.001}"#;
+        document.set("/method", method).unwrap();
+        let hits = peaks.iter().map(|peak| {
+            document.set("/excitation/peak_n", &peak.to_string()).unwrap();
+            let typed = document.scenario().unwrap();
+            let history = simulate(&document, &typed, &|_| ()).unwrap().transient.history;
+            (*peak, history.force, history.acceleration)
+        });
+        let hits = hits.collect();
+        let rate = document.value()["output_rate_hz"].as_f64().unwrap();
+        let method = r#"{"kind": "modal", "step_s": 2e-5}"#;
+        document.set("/method", method).unwrap();
+        Self { scenario: document.value().clone(), rate, hits }
+    }
+
+    /// The features of the hits as `sensors` measure them, one JSON object a hit.
+    pub fn measured(&self, sensors: &Sensors) -> Vec<Value> {
+        let mut noise = Noise::new(sensors.seed);
+        let before = (BEFORE_S * self.rate) as usize;
+        let mut options = HammerOptions::new(
+            HitOptions {
+                level: TriggerLevel::Automatic,
+                pre_trigger: before,
+                length: HitLength::Samples(1),
+                hold_off: before + 1,
+            },
+            Route::Acceleration,
+            Reference::Frequency(850.0),
+        );
+        options.windows.force_s = Some((2e-3, 1e-3));
+        let one = |(_, force, response): &(f64, Vec<f64>, Vec<f64>)| {
+            let mut shown = |signal: &[f64], gain: f64| -> Vec<f64> {
+                let power = signal.iter().map(|x| x * x).sum::<f64>() / signal.len() as f64;
+                let deviation = power.sqrt() * 10.0_f64.powf(-sensors.signal_to_noise_db / 20.0);
+                let silence = std::iter::repeat_n(0.0, before);
+                let signal = silence.chain(signal.iter().copied());
+                signal.map(|x| gain * (x + deviation * noise.normal())).collect()
+            };
+            let force = shown(force, sensors.force_gain);
+            let response = shown(response, sensors.response_gain);
+            let mut average =
+                FrfEstimator::new(force.len(), self.rate, Route::Acceleration, 1).unwrap();
+            let hit = Hit {
+                start: 0,
+                trigger: before + 2,
+                force,
+                responses: vec![response],
+                sample_rate_hz: self.rate,
+                missing: 0,
+            };
+            let found = analyse_hit(hit, &options, &mut average);
+            let features = found.features.expect("a good hit");
+            let number = |value: f64, deviation: f64| json!({"value": value, "standard_deviation": deviation});
+            let first = features.harmonics.fundamental.unwrap();
+            let sigma = features.fundamental_uncertainty.unwrap();
+            let mut measured = json!({
+                "fundamental.frequency_hz": number(first.frequency_hz, sigma.frequency_hz),
+                "fundamental.receptance_m_per_n": number(first.magnitude, sigma.magnitude),
+            });
+            // The frequency of the second harmonic is left out: on so flat a peak noise moves it two
+            // to three times as far as its linear uncertainty says.
+            if let (Some(ratio), Some(deviation)) =
+                (features.harmonics.ratio(), features.ratio_uncertainty)
+            {
+                measured["harmonic_ratio"] = number(ratio, deviation);
+            }
+            json!({"force_peak_n": found.pulse.unwrap().refined_peak_n, "features": measured})
+        };
+        self.hits.iter().map(one).collect()
+    }
+
+    /// The problem of finding `unknowns` from measured `hits`, with what else it asks.
+    pub fn problem(&self, hits: &[Value], unknowns: &Value, more: &Value) -> Problem {
+        let mut problem = json!({
+            "schema": "asperity/identify/1",
+            "scenario": self.scenario,
+            "unknowns": unknowns,
+            "data": [{
+                "kind": "hits",
+                "name": "twin",
+                // What the engines, and the analysis of a noisy record, differ by.
+                "floor": {
+                    "fundamental.frequency_hz": {"relative": 5e-5},
+                    "fundamental.receptance_m_per_n": {"relative": 1e-3},
+                    "harmonic_ratio": {"relative": 1e-3},
+                },
+                "hits": hits,
+            }],
+        });
+        for (key, value) in more.as_object().into_iter().flatten() {
+            problem[key] = value.clone();
+        }
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/twin.json");
+        Problem::of(Document::parse(&problem.to_string(), folder).unwrap()).unwrap()
+    }
+}
+
+/// Normal random numbers: `SplitMix64` and the method of Box and Muller.
+pub struct Noise {
+    state: u64,
+    spare: Option<f64>,
+}
+
+impl Noise {
+    pub fn new(seed: u64) -> Self {
+        Self { state: seed.wrapping_mul(0x9e37_79b9_7f4a_7c15), spare: None }
+    }
+
+    fn uniform(&mut self) -> f64 {
+        self.state = self.state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.state;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    pub fn normal(&mut self) -> f64 {
+        if let Some(spare) = self.spare.take() {
+            return spare;
+        }
+        let radius = (-2.0 * (1.0 - self.uniform()).ln()).sqrt();
+        let angle = std::f64::consts::TAU * self.uniform();
+        self.spare = Some(radius * angle.sin());
+        radius * angle.cos()
+    }
+}
