@@ -18,7 +18,8 @@ use std::time::Instant;
 
 use asperity_experiment::{AnalysisOptions, Band, analyse};
 use asperity_measure::{
-    Abscissa, Channel, ChannelUnit, Format, Origin, Quantity, Record, Samples, WriteOptions, write,
+    Abscissa, Channel, ChannelQuantity, ChannelUnit, Format, Origin, Record, Samples, WriteOptions,
+    write,
 };
 
 const RATE: f64 = 51_200.0;
@@ -140,7 +141,7 @@ fn hit(peak_n: f64) -> Record {
     }
     let channel = |name: &str, unit: &str, samples| Channel {
         name: name.to_owned(),
-        quantity: Quantity::Unknown,
+        quantity: ChannelQuantity::Unknown,
         unit: ChannelUnit::of_text(unit),
         abscissa: Abscissa::even_time(0.0, RATE),
         samples: Samples::Real(samples),

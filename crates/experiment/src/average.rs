@@ -1,7 +1,7 @@
 //! The averaged frequency response function and its fundamental.
 
 use asperity_signal::{
-    Complex64, ExponentialWindow, Frf, FrfEstimator, FrfForm, Route, circle_fit_of,
+    Complex64, ExponentialWindow, Frf, FrfAverage, FrfForm, ResponseKind, circle_fit_of,
 };
 
 use crate::error::AnalysisError;
@@ -27,8 +27,8 @@ pub struct AveragedFrf {
 impl AveragedFrf {
     /// The function and its receptance.
     pub(super) fn of(
-        average: &FrfEstimator,
-        route: Route,
+        average: &FrfAverage,
+        route: ResponseKind,
         options: &AnalysisOptions,
         exponential: Option<ExponentialWindow>,
     ) -> Result<(Self, Frf), AnalysisError> {

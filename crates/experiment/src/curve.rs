@@ -1,6 +1,6 @@
 //! What is kept of some hits to be drawn.
 
-use asperity_signal::{Frf, FrfForm, Hit};
+use asperity_signal::{Frf, FrfForm, HitRecord};
 
 /// One hit as it is drawn, thinned out.
 #[derive(Debug, Clone, PartialEq)]
@@ -53,7 +53,7 @@ impl Curves {
 
 impl HitCurve {
     /// The signals of a hit; the receptance follows with [`HitCurve::set_receptance`].
-    pub(super) fn of_signals(hit: &Hit) -> Self {
+    pub(super) fn of_signals(hit: &HitRecord) -> Self {
         let rate = hit.sample_rate_hz;
         let time = |sample: usize| (sample as f64 - hit.trigger as f64) / rate;
         let first = hit.trigger.saturating_sub((BLOW_S.0 * rate).ceil() as usize);

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use asperity_signal::{Hit, HitFinder, Route};
+use asperity_signal::{HitFinder, HitRecord, ResponseKind};
 
 use crate::error::AnalysisError;
 use crate::options::AnalysisOptions;
@@ -16,7 +16,7 @@ use crate::stream::Stream;
 pub fn cut(
     files: &[PathBuf],
     options: &AnalysisOptions,
-    take: &mut dyn FnMut(Hit, Route),
+    take: &mut dyn FnMut(HitRecord, ResponseKind),
 ) -> Result<(), AnalysisError> {
     options.check()?;
     let mut stream = Stream::new(options);

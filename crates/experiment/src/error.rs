@@ -3,8 +3,8 @@
 use std::io;
 use std::path::PathBuf;
 
-use asperity_measure::{MeasureError, Quantity};
-use asperity_signal::Error as SignalError;
+use asperity_measure::{ChannelQuantity, MeasureError};
+use asperity_signal::SignalError;
 use thiserror::Error;
 
 /// Why files have no analysis.
@@ -97,7 +97,7 @@ pub enum AnalysisError {
         /// The channel.
         channel: String,
         /// What it holds.
-        found: Quantity,
+        found: ChannelQuantity,
         /// What is accepted.
         expected: &'static str,
     },

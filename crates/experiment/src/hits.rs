@@ -1,9 +1,9 @@
 //! One hit after the other: cut, judged, analysed, added to the average, forgotten.
 
 use asperity_signal::{
-    AnalysedHit, ExponentialWindow, FrfEstimator, FrfForm, HammerOptions, HarmonicOptions, Hit,
-    HitFinder, Offset, Reference, Response, ResponseWindows, Verdict, analyse_hit,
-    dominant_frequency, inspect,
+    AnalysedHit, ExponentialWindow, FrequencyResponse, FrfAverage, FrfForm, FundamentalSearch,
+    HammerOptions, HarmonicOptions, HitFinder, HitRecord, HitWindows, Offset, QualityIssue,
+    analyse_hit, dominant_frequency, quality_issues,
 };
 
 use rayon::prelude::*;
@@ -45,7 +45,7 @@ struct Waiting {
     file: String,
     record: usize,
     start_s: f64,
-    hit: Hit,
+    hit: HitRecord,
 }
 
 /// The second pass.
@@ -56,8 +56,8 @@ pub(super) struct HitByHit<'a> {
     level_n: f64,
     band: Option<Band>,
     /// An average of nothing, which each hit begins with.
-    empty: FrfEstimator,
-    average: FrfEstimator,
+    empty: FrfAverage,
+    average: FrfAverage,
     finder: Option<HitFinder>,
     waiting: Vec<Waiting>,
     record: usize,
@@ -82,15 +82,14 @@ impl<'a> HitByHit<'a> {
                 Some(ExponentialWindow::falling_to(FALL, plan.length as f64 / rate)?)
             }
         };
-        let mut hammer = HammerOptions::new(cut, sampling.route, Reference::Frequency(f64::NAN));
-        hammer.windows = ResponseWindows {
-            force_s: options.window.force.then_some(FORCE_WINDOW_S),
-            exponential,
-        };
+        let mut hammer =
+            HammerOptions::new(cut, sampling.route, FundamentalSearch::Frequency(f64::NAN));
+        hammer.windows =
+            HitWindows { force_s: options.window.force.then_some(FORCE_WINDOW_S), exponential };
         hammer.harmonics =
             HarmonicOptions { fundamental_window: ABOUT_PEAK, ..HarmonicOptions::default() };
         hammer.keep_all = options.keep_all;
-        let empty = FrfEstimator::new(plan.length, rate, sampling.route, 1)?;
+        let empty = FrfAverage::new(plan.length, rate, sampling.route, 1)?;
         let mut found = Self {
             options,
             sampling,
@@ -147,7 +146,7 @@ impl<'a> HitByHit<'a> {
     }
 
     /// Keeps a hit until there are enough for all cores.
-    fn wait(&mut self, file: &str, hit: Hit) -> Result<(), AnalysisError> {
+    fn wait(&mut self, file: &str, hit: HitRecord) -> Result<(), AnalysisError> {
         let (record, start_s) = (self.record, self.record_start_s);
         self.waiting.push(Waiting { file: file.to_owned(), record, start_s, hit });
         let samples: usize = self.waiting.iter().map(|waiting| waiting.hit.force.len()).sum();
@@ -207,16 +206,16 @@ impl<'a> HitByHit<'a> {
 
     /// Where the resonance of the first good hit lies: the largest peak of the
     /// mobility, in which modes of one decay rate and mass are equally high.
-    fn band_of_first(&self, hit: &Hit) -> Option<Band> {
-        let verdicts = inspect(hit, &self.hammer.quality);
-        if !self.options.keep_all && verdicts.iter().any(Verdict::is_disqualifying) {
+    fn band_of_first(&self, hit: &HitRecord) -> Option<Band> {
+        let issues = quality_issues(hit, &self.hammer.quality);
+        if !self.options.keep_all && issues.iter().any(QualityIssue::is_disqualifying) {
             return None;
         }
         let mut hit = hit.clone();
         if let Some(offset) = Offset::at_rest(&hit.force) {
             offset.remove(&mut hit.force);
         }
-        let response: Response = hit.response(0, self.sampling.route).ok()?;
+        let response: FrequencyResponse = hit.response(0, self.sampling.route).ok()?;
         let rate = self.sampling.rate_hz;
         let low = FEWEST_CYCLES * rate / hit.force.len() as f64;
         let threshold = self.hammer.harmonics.force_threshold;
@@ -227,7 +226,7 @@ impl<'a> HitByHit<'a> {
 
     fn search_in(&mut self, band: Band) {
         let limits = (band.low_hz, band.high_hz);
-        self.hammer.reference = Reference::Band(limits, FrfForm::Receptance);
+        self.hammer.fundamental = FundamentalSearch::Band(limits, FrfForm::Receptance);
         let part = (limits.1 - limits.0) / (limits.1 + limits.0);
         if self.options.band_hz.is_some() {
             self.hammer.band_part = part.clamp(DECAY_PART.0, DECAY_PART.1);

@@ -58,7 +58,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::sync_channel;
 use std::thread::ScopedJoinHandle;
 
-use asperity_signal::{BackbonePoint, Route};
+use asperity_signal::{BackbonePoint, ResponseKind};
 use sha2::{Digest, Sha256};
 
 use hits::HitByHit;
@@ -80,7 +80,7 @@ pub struct Analysis {
     /// Some hits, to be drawn.
     pub curves: Vec<HitCurve>,
     /// Whether the response is a displacement, a velocity or an acceleration.
-    pub route: Route,
+    pub route: ResponseKind,
 }
 
 /// The backbone of one hit.

@@ -2,8 +2,8 @@
 
 use std::str::FromStr;
 
-use asperity_measure::{ReadOptions, Sensitivity};
-use asperity_signal::{Estimator, FrfForm, HvScaling};
+use asperity_measure::{ReadOptions, SensorSensitivity};
+use asperity_signal::{FrfEstimator, FrfForm, HvScaling};
 
 use crate::error::AnalysisError;
 use crate::select::Selector;
@@ -32,7 +32,7 @@ pub struct AnalysisOptions {
     /// Time after a trigger in which a further blow is a double hit and no hit of its own \[s\].
     pub hold_off_s: f64,
     /// How the average is divided.
-    pub estimator: Estimator,
+    pub estimator: FrfEstimator,
     /// What the written frequency response function is.
     pub form: FrfForm,
     /// Windows before the transform.
@@ -56,7 +56,7 @@ impl Default for AnalysisOptions {
             length_s: None,
             pre_trigger_s: 5e-3,
             hold_off_s: 0.2,
-            estimator: Estimator::H1,
+            estimator: FrfEstimator::H1,
             form: FrfForm::Receptance,
             window: WindowChoice::default(),
             band_hz: None,
@@ -117,7 +117,7 @@ pub struct SensorOf {
     /// Which channel.
     pub channel: Selector,
     /// What it gives for what it measures.
-    pub sensitivity: Sensitivity,
+    pub sensitivity: SensorSensitivity,
 }
 
 impl FromStr for SensorOf {
@@ -205,21 +205,21 @@ impl FromStr for WindowChoice {
 ///
 /// # Errors
 /// [`AnalysisError::Option`] for anything else.
-pub fn estimator(text: &str) -> Result<Estimator, AnalysisError> {
+pub fn estimator(text: &str) -> Result<FrfEstimator, AnalysisError> {
     match text {
-        "h1" => Ok(Estimator::H1),
-        "h2" => Ok(Estimator::H2),
-        "hv" => Ok(Estimator::Hv(HvScaling::EqualRatios)),
+        "h1" => Ok(FrfEstimator::H1),
+        "h2" => Ok(FrfEstimator::H2),
+        "hv" => Ok(FrfEstimator::Hv(HvScaling::EqualRatios)),
         _ => Err(wrong("--estimator", text, "h1, h2, hv")),
     }
 }
 
 /// Name of an estimator, as [`estimator`] reads it.
-pub(super) fn estimator_name(estimator: Estimator) -> &'static str {
+pub(super) fn estimator_name(estimator: FrfEstimator) -> &'static str {
     match estimator {
-        Estimator::H1 => "h1",
-        Estimator::H2 => "h2",
-        Estimator::Hv(_) => "hv",
+        FrfEstimator::H1 => "h1",
+        FrfEstimator::H2 => "h2",
+        FrfEstimator::Hv(_) => "hv",
     }
 }
 

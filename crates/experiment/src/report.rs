@@ -1,6 +1,6 @@
 //! `analysis.json`: the answers, under the names of the contract.
 
-use asperity_signal::{AnalysedHit, HitFeatures, Verdict};
+use asperity_signal::{AnalysedHit, HitFeatures, QualityIssue};
 use serde::Serialize;
 
 use crate::stream::UsedChannel;
@@ -212,7 +212,7 @@ impl HitReport {
         rate: f64,
         hit: &AnalysedHit,
     ) -> Self {
-        let any = |fits: fn(&Verdict) -> bool| hit.verdicts.iter().any(fits);
+        let any = |fits: fn(&QualityIssue) -> bool| hit.issues.iter().any(fits);
         let features = hit.features.as_ref();
         let second = features.and_then(|found| found.harmonics.second);
         Self {
@@ -224,13 +224,13 @@ impl HitReport {
             force_peak_n: hit.pulse.map(|pulse| pulse.refined_peak_n),
             impulse_ns: hit.pulse.map(|pulse| pulse.impulse_n_s),
             pulse_width_s: hit.pulse.map(|pulse| pulse.width_s),
-            double_hit: any(|verdict| matches!(verdict, Verdict::DoubleHit(_))),
-            overload: any(|verdict| matches!(verdict, Verdict::Overload { .. })),
-            dropout: any(|verdict| {
-                matches!(verdict, Verdict::Dropout { .. } | Verdict::NotFinite { .. })
+            double_hit: any(|issue| matches!(issue, QualityIssue::DoubleHit(_))),
+            overload: any(|issue| matches!(issue, QualityIssue::Overload { .. })),
+            dropout: any(|issue| {
+                matches!(issue, QualityIssue::Dropout { .. } | QualityIssue::NotFinite { .. })
             }),
             averaged: hit.is_averaged(),
-            verdicts: hit.verdicts.iter().map(crate::verdict::in_words).collect(),
+            verdicts: hit.issues.iter().map(crate::verdict::in_words).collect(),
             fundamental: features.and_then(HitFundamental::of),
             second_harmonic: second.map(|peak| HitSecondHarmonic {
                 frequency_hz: peak.frequency_hz,

@@ -53,7 +53,7 @@ impl Plan {
     pub(super) fn cut(&self, options: &AnalysisOptions, rate_hz: f64) -> HitOptions {
         let samples = |seconds: f64| (seconds * rate_hz).round() as usize;
         HitOptions {
-            level: TriggerLevel::Absolute(self.level_n),
+            trigger_level: TriggerLevel::Absolute(self.level_n),
             pre_trigger: samples(options.pre_trigger_s),
             length: HitLength::UntilNext { limit: self.length },
             hold_off: samples(options.hold_off_s).max(samples(options.pre_trigger_s) + 1),

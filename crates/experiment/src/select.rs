@@ -4,7 +4,7 @@ use std::convert::Infallible;
 use std::path::Path;
 use std::str::FromStr;
 
-use asperity_measure::{Channel, Quantity, Record};
+use asperity_measure::{Channel, ChannelQuantity, Record};
 
 use crate::error::AnalysisError;
 
@@ -56,9 +56,9 @@ impl Selector {
                 .collect(),
             Self::Name(name) => {
                 let named = places(&|channel| channel.name.trim() == name.trim());
-                let quantity = Quantity::of_name(name);
+                let quantity = ChannelQuantity::of_name(name);
                 let is_word = !name.trim().contains(|c: char| !c.is_alphabetic());
-                if named.is_empty() && is_word && quantity != Quantity::Unknown {
+                if named.is_empty() && is_word && quantity != ChannelQuantity::Unknown {
                     places(&|channel| channel.quantity == quantity)
                 } else {
                     named
@@ -83,12 +83,14 @@ impl Role {
         }
     }
 
-    fn fits(self, quantity: Quantity) -> bool {
+    fn fits(self, quantity: ChannelQuantity) -> bool {
         match self {
-            Self::Force => quantity == Quantity::Force,
+            Self::Force => quantity == ChannelQuantity::Force,
             Self::Response => matches!(
                 quantity,
-                Quantity::Acceleration | Quantity::Velocity | Quantity::Displacement
+                ChannelQuantity::Acceleration
+                    | ChannelQuantity::Velocity
+                    | ChannelQuantity::Displacement
             ),
         }
     }

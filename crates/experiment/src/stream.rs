@@ -3,8 +3,8 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use asperity_measure::{Channel, MeasureError, Quantity, Reader, Record, Samples, open};
-use asperity_signal::Route;
+use asperity_measure::{Channel, ChannelQuantity, MeasureError, Reader, Record, Samples, open};
+use asperity_signal::ResponseKind;
 use serde::Serialize;
 
 use crate::error::AnalysisError;
@@ -27,7 +27,7 @@ pub(super) struct Block {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Sampling {
     pub(super) rate_hz: f64,
-    pub(crate) route: Route,
+    pub(crate) route: ResponseKind,
 }
 
 /// A channel that was analysed.
@@ -147,9 +147,9 @@ impl<'a> Stream<'a> {
             }
         }
         let route = match quantity {
-            Quantity::Displacement => Route::Displacement,
-            Quantity::Velocity => Route::Velocity,
-            _ => Route::Acceleration,
+            ChannelQuantity::Displacement => ResponseKind::Displacement,
+            ChannelQuantity::Velocity => ResponseKind::Velocity,
+            _ => ResponseKind::Acceleration,
         };
         let sampling = Sampling { rate_hz: rate, route };
         let expected = *self.sampling.get_or_insert(sampling);
@@ -192,8 +192,8 @@ impl Sampling {
         let differs = |quantity, found: String, expected: String| {
             Err(AnalysisError::Differs { file: PathBuf::from(file), quantity, found, expected })
         };
-        let name = |route: Route| {
-            let article = if route == Route::Acceleration { "an" } else { "a" };
+        let name = |route: ResponseKind| {
+            let article = if route == ResponseKind::Acceleration { "an" } else { "a" };
             format!("{article} {}", route.name())
         };
         // Rates that were printed differ by their rounding.
@@ -222,7 +222,7 @@ impl UsedChannel {
 
 fn is_in_time(record: &Record) -> bool {
     let first = record.channels.first();
-    first.is_some_and(|channel| channel.abscissa.quantity() == Quantity::Time)
+    first.is_some_and(|channel| channel.abscissa.quantity() == ChannelQuantity::Time)
 }
 
 /// Errors of an option of the reader, under the name it has on the command line.

@@ -9,12 +9,12 @@ use asperity_experiment::{
     Analysis, AnalysisError, AnalysisOptions, Band, analyse, backbone_csv, hits_csv,
 };
 use asperity_measure::{
-    Abscissa, Channel, ChannelUnit, Format, Origin, Quantity, ReadOptions, Record, Samples,
+    Abscissa, Channel, ChannelQuantity, ChannelUnit, Format, Origin, ReadOptions, Record, Samples,
     WriteOptions, write,
 };
 use asperity_signal::{
-    FrfForm, HammerOptions, HarmonicOptions, HitLength, HitOptions, Reference, Route, TriggerLevel,
-    hammer_test,
+    FrfForm, FundamentalSearch, HammerOptions, HarmonicOptions, HitLength, HitOptions,
+    ResponseKind, TriggerLevel, hammer_test,
 };
 use tempfile::TempDir;
 
@@ -41,7 +41,7 @@ fn struck(hits: usize) -> (Vec<f64>, Vec<f64>) {
 fn store(folder: &TempDir, name: &str, force: &[f64], response: &[f64]) -> PathBuf {
     let channel = |name: &str, unit: &str, samples: &[f64]| Channel {
         name: name.to_owned(),
-        quantity: Quantity::Unknown,
+        quantity: ChannelQuantity::Unknown,
         unit: ChannelUnit::of_text(unit),
         abscissa: Abscissa::even_time(0.0, RATE),
         samples: Samples::Real(samples.to_vec()),
@@ -75,14 +75,14 @@ fn blocks_give_what_the_whole_record_gives() {
     let (force, response) = struck(5);
     let path = store(&folder, "a.uff", &force, &response);
     let hits = HitOptions {
-        level: TriggerLevel::Absolute(1.0),
+        trigger_level: TriggerLevel::Absolute(1.0),
         pre_trigger: 100,
         length: HitLength::UntilNext { limit: 4800 },
         hold_off: 2000,
     };
     let limits = (BAND.low_hz, BAND.high_hz);
-    let reference = Reference::Band(limits, FrfForm::Receptance);
-    let mut options = HammerOptions::new(hits, Route::Acceleration, reference);
+    let reference = FundamentalSearch::Band(limits, FrfForm::Receptance);
+    let mut options = HammerOptions::new(hits, ResponseKind::Acceleration, reference);
     options.harmonics =
         HarmonicOptions { fundamental_window: (0.97, 1.03), ..HarmonicOptions::default() };
     options.band_part = 50.0 / 300.0;

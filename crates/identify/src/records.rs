@@ -4,7 +4,8 @@ use std::f64::consts::TAU;
 use std::path::PathBuf;
 
 use asperity_signal::{
-    Complex64, Hit, Offset, Pulse, QualityOptions, Route, inspect, transform_pair_at, white_density,
+    Complex64, HitRecord, Offset, Pulse, QualityOptions, ResponseKind, quality_issues,
+    transform_pair_at, white_density,
 };
 
 use crate::error::ProblemError;
@@ -57,11 +58,11 @@ pub(super) fn hits(
 }
 
 /// The hit, if it is good.
-fn recorded(mut hit: Hit, route: Route, band: [f64; 2]) -> Option<RecordedHit> {
+fn recorded(mut hit: HitRecord, route: ResponseKind, band: [f64; 2]) -> Option<RecordedHit> {
     let rate = hit.sample_rate_hz;
-    if inspect(&hit, &QualityOptions::default())
+    if quality_issues(&hit, &QualityOptions::default())
         .iter()
-        .any(asperity_signal::Verdict::is_disqualifying)
+        .any(asperity_signal::QualityIssue::is_disqualifying)
     {
         return None;
     }
@@ -101,6 +102,6 @@ fn recorded(mut hit: Hit, route: Route, band: [f64; 2]) -> Option<RecordedHit> {
 }
 
 /// What a transform of the response is multiplied by to be one of the displacement.
-fn to_displacement(route: Route, frequency_hz: f64) -> Complex64 {
+fn to_displacement(route: ResponseKind, frequency_hz: f64) -> Complex64 {
     Complex64::new(0.0, TAU * frequency_hz).powi(-route.derivatives())
 }

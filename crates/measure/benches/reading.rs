@@ -12,7 +12,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use asperity_measure::{
-    Abscissa, Channel, ChannelUnit, Format, Origin, Quantity, ReadOptions, Record, Samples,
+    Abscissa, Channel, ChannelQuantity, ChannelUnit, Format, Origin, ReadOptions, Record, Samples,
     WriteOptions, open, write,
 };
 
@@ -61,7 +61,7 @@ fn main() {
 fn hit(samples: usize) -> Record {
     let channel = |name: &str, unit: &str, scale: f64| Channel {
         name: name.to_owned(),
-        quantity: Quantity::Unknown,
+        quantity: ChannelQuantity::Unknown,
         unit: ChannelUnit::of_text(unit),
         abscissa: Abscissa::even_time(0.0, RATE),
         samples: Samples::Real((0..samples).map(|n| scale * (0.01 * n as f64).sin()).collect()),

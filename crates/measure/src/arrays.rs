@@ -12,8 +12,8 @@ use crate::notice::Notices;
 use crate::source::Source;
 use crate::text::Heading;
 use crate::{
-    Abscissa, Channel, ChannelUnit, MeasureError, Notice, Origin, Quantity, ReadOptions, Record,
-    Samples, rate,
+    Abscissa, Channel, ChannelQuantity, ChannelUnit, MeasureError, Notice, Origin, ReadOptions,
+    Record, Samples, rate,
 };
 
 pub(crate) use layout::{Layout, deinterleave};
@@ -105,7 +105,7 @@ struct Gathered {
     step: Option<f64>,
     start: Option<f64>,
     /// Abscissa, what it is, and its relative rounding.
-    axis: Option<(Vec<f64>, Quantity, f64)>,
+    axis: Option<(Vec<f64>, ChannelQuantity, f64)>,
     channels: Vec<(Heading, Samples, f64)>,
 }
 
@@ -136,7 +136,7 @@ impl Gathered {
             return;
         }
         let quantity = heading.quantity();
-        let is_axis = matches!(quantity, Quantity::Time | Quantity::Frequency);
+        let is_axis = matches!(quantity, ChannelQuantity::Time | ChannelQuantity::Frequency);
         if is_axis && self.axis.is_none() && columns.len() == 1 {
             match columns.remove(0) {
                 Samples::Real(mut values) => {
@@ -178,7 +178,7 @@ impl Gathered {
                 let found = format!("more than {} lengths", lengths.len() - 1);
                 return Err(MeasureError::Malformed {
                     file: file.to_owned(),
-                    place: crate::Place::Offset(0),
+                    place: crate::FilePosition::Offset(0),
                     quantity: "the set of arrays",
                     found,
                     expected: "arrays sampled together, of the same length".into(),
@@ -204,7 +204,7 @@ impl Gathered {
                         Some(Leading::Time(start, step)) => {
                             let column = own.remove(0).0.name;
                             notices.add(Notice::TimeByValues { column });
-                            Some(Abscissa::Even { start, step, quantity: Quantity::Time })
+                            Some(Abscissa::Even { start, step, quantity: ChannelQuantity::Time })
                         }
                         Some(Leading::Count) => {
                             let (array, reason) = (own.remove(0).0.name, "it counts the samples");
@@ -225,10 +225,10 @@ impl Gathered {
             }
             let (start, step) = (self.start.unwrap_or(0.0), step.unwrap_or(1.0));
             let abscissa =
-                abscissa.unwrap_or(Abscissa::Even { start, step, quantity: Quantity::Time });
+                abscissa.unwrap_or(Abscissa::Even { start, step, quantity: ChannelQuantity::Time });
             let channels = own.into_iter().map(|(heading, samples, _)| Channel {
                 name: heading.name,
-                quantity: Quantity::Unknown,
+                quantity: ChannelQuantity::Unknown,
                 unit: heading.unit,
                 abscissa: abscissa.clone(),
                 samples,
@@ -241,10 +241,15 @@ impl Gathered {
     }
 }
 
-fn axis_of(values: &[f64], quantity: Quantity, epsilon: f64, notices: &mut Notices) -> Abscissa {
+fn axis_of(
+    values: &[f64],
+    quantity: ChannelQuantity,
+    epsilon: f64,
+    notices: &mut Notices,
+) -> Abscissa {
     let largest = values.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
     let mut ignored = Notices::default();
-    let notices = if quantity == Quantity::Time { notices } else { &mut ignored };
+    let notices = if quantity == ChannelQuantity::Time { notices } else { &mut ignored };
     match rate::even_axis(values, |_| epsilon * largest, notices) {
         Some((start, step)) => Abscissa::Even { start, step, quantity },
         None => Abscissa::Uneven { values: values.to_vec(), quantity },
@@ -255,7 +260,7 @@ fn axis_of(values: &[f64], quantity: Quantity, epsilon: f64, notices: &mut Notic
 pub(crate) fn bare_channel(name: String, abscissa: Abscissa, samples: Samples) -> Channel {
     Channel {
         name,
-        quantity: Quantity::Unknown,
+        quantity: ChannelQuantity::Unknown,
         unit: ChannelUnit::Missing,
         abscissa,
         samples,

@@ -2,7 +2,7 @@
 
 use num_complex::Complex64;
 
-use crate::{MeasureError, Quantity, Sensitivity, Unit};
+use crate::{ChannelQuantity, MeasureError, SensorSensitivity, Unit};
 
 /// One signal of a record.
 #[derive(Debug, Clone, PartialEq)]
@@ -10,7 +10,7 @@ pub struct Channel {
     /// Its name in the file, or one made from its place there.
     pub name: String,
     /// What it measures, by its unit, else by what the file says of it, else by its name.
-    pub quantity: Quantity,
+    pub quantity: ChannelQuantity,
     /// The unit of its samples, known or not.
     pub unit: ChannelUnit,
     /// Where the samples lie.
@@ -67,25 +67,25 @@ pub enum Abscissa {
         /// Distance of two samples.
         step: f64,
         /// What the abscissa is.
-        quantity: Quantity,
+        quantity: ChannelQuantity,
     },
     /// One abscissa for each sample.
     Uneven {
         /// The abscissae.
         values: Vec<f64>,
         /// What the abscissa is.
-        quantity: Quantity,
+        quantity: ChannelQuantity,
     },
 }
 
 impl Abscissa {
     /// An even time axis from `start` seconds at `rate` hertz.
     pub fn even_time(start: f64, rate: f64) -> Self {
-        Self::Even { start, step: 1.0 / rate, quantity: Quantity::Time }
+        Self::Even { start, step: 1.0 / rate, quantity: ChannelQuantity::Time }
     }
 
     /// What it is: time, frequency, or another.
-    pub fn quantity(&self) -> Quantity {
+    pub fn quantity(&self) -> ChannelQuantity {
         match self {
             Self::Even { quantity, .. } | Self::Uneven { quantity, .. } => *quantity,
         }
@@ -94,7 +94,9 @@ impl Abscissa {
     /// Samples per second; none for an uneven axis or one that is not time.
     pub fn sample_rate_hz(&self) -> Option<f64> {
         match self {
-            Self::Even { step, quantity: Quantity::Time, .. } => Some(crate::rate::of_step(*step)),
+            Self::Even { step, quantity: ChannelQuantity::Time, .. } => {
+                Some(crate::rate::of_step(*step))
+            }
             _ => None,
         }
     }
@@ -213,7 +215,7 @@ impl Channel {
     /// [`MeasureError::UnknownUnit`] while the unit is missing or not understood,
     /// [`MeasureError::QuantityMismatch`] where the samples are not what the
     /// sensor gives, such as a channel in newtons.
-    pub fn calibrate(&mut self, sensitivity: &Sensitivity) -> Result<(), MeasureError> {
+    pub fn calibrate(&mut self, sensitivity: &SensorSensitivity) -> Result<(), MeasureError> {
         if let Some(unit) = self.unit.known()
             && unit.quantity() != sensitivity.output()
         {

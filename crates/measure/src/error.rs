@@ -2,18 +2,18 @@
 
 use std::fmt;
 
-use crate::{Format, Quantity};
+use crate::{ChannelQuantity, Format};
 
 /// Where in a file something was found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Place {
+pub enum FilePosition {
     /// Bytes from the start of the file, from zero.
     Offset(u64),
     /// Line of a text, from one.
     Line(u64),
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for FilePosition {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Offset(offset) => write!(f, "byte {offset}"),
@@ -40,7 +40,7 @@ pub enum MeasureError {
         /// The file.
         file: String,
         /// Where.
-        place: Place,
+        place: FilePosition,
         /// What was read.
         quantity: &'static str,
         /// What was found, shortened.
@@ -54,7 +54,7 @@ pub enum MeasureError {
         /// The file.
         file: String,
         /// Where.
-        place: Place,
+        place: FilePosition,
         /// What was read.
         quantity: &'static str,
         /// Bytes needed from that place on.
@@ -71,7 +71,7 @@ pub enum MeasureError {
         /// The file.
         file: String,
         /// Where.
-        place: Place,
+        place: FilePosition,
         /// What was read.
         quantity: &'static str,
         /// Bytes it would take.
@@ -162,9 +162,9 @@ pub enum MeasureError {
         /// The channel.
         channel: String,
         /// What the channel holds.
-        found: Quantity,
+        found: ChannelQuantity,
         /// What was expected.
-        expected: Quantity,
+        expected: ChannelQuantity,
     },
     /// The format of a file to write cannot hold this.
     #[error("{format} cannot hold channel `{channel}`: {reason}")]

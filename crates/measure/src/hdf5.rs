@@ -11,7 +11,7 @@ use crate::notice::Notices;
 use crate::npz::{Budget, Unfolded};
 use crate::number::NumberType;
 use crate::source::Source;
-use crate::{Format, MeasureError, Notice, Place, ReadOptions, Samples};
+use crate::{FilePosition, Format, MeasureError, Notice, ReadOptions, Samples};
 
 /// Reads every dataset of numbers, in groups one level deep.
 pub(crate) fn open(
@@ -25,7 +25,7 @@ pub(crate) fn open(
     source.read_exact(&mut bytes, "the file")?;
     let wrong = |error: &Error| MeasureError::Malformed {
         file: name.clone(),
-        place: Place::Offset(0),
+        place: FilePosition::Offset(0),
         quantity: "the HDF5 file",
         found: error.to_string(),
         expected: "one that hdf5-pure reads".to_owned(),
@@ -42,7 +42,7 @@ pub(crate) fn open(
         };
         // What was read stands beside the channels that it is cut into.
         let elements = plane.0.saturating_mul(plane.1);
-        let place = Place::Offset(0);
+        let place = FilePosition::Offset(0);
         budget.take(elements.saturating_mul(16), place, "the datasets")?;
         let layout = if plane.0 == 1 || plane.1 == 1 {
             Layout { channels: 1, samples: elements, contiguous: true }

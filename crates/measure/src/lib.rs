@@ -34,14 +34,14 @@
 //! processing.
 //!
 //! ```
-//! use asperity_measure::{Quantity, ReadOptions, read_bytes};
+//! use asperity_measure::{ChannelQuantity, ReadOptions, read_bytes};
 //!
 //! let file = "time_s,hammer (N),acc (g)\n0,0,0\n0.001,10,0.5\n0.002,0,0.25\n";
 //! let measured = read_bytes(file.as_bytes(), &ReadOptions::default())?;
 //! let hit = &measured.records[0];
 //! assert_eq!(hit.sample_rate_hz(), Some(1000.0));
-//! assert_eq!(hit.of_quantity(Quantity::Force).map(|force| force.name.as_str()), Some("hammer"));
-//! let mut response = hit.of_quantity(Quantity::Acceleration).cloned().ok_or("no response")?;
+//! assert_eq!(hit.of_quantity(ChannelQuantity::Force).map(|force| force.name.as_str()), Some("hammer"));
+//! let mut response = hit.of_quantity(ChannelQuantity::Acceleration).cloned().ok_or("no response")?;
 //! response.to_si()?;
 //! assert_eq!(response.samples.real(), Some(&[0.0, 0.5 * 9.80665, 0.25 * 9.80665][..]));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -75,15 +75,15 @@ mod wav;
 mod write;
 
 pub use channel::{Abscissa, Channel, ChannelUnit, DegreeOfFreedom, Origin, Samples};
-pub use error::{MeasureError, Place};
+pub use error::{FilePosition, MeasureError};
 pub use format::Format;
 pub use notice::Notice;
 pub use num_complex::Complex64;
 pub use options::{ReadOptions, SampleAxis};
-pub use quantity::Quantity;
+pub use quantity::ChannelQuantity;
 pub use reader::{Reader, open, read, read_bytes};
 pub use record::{Measurement, Record};
-pub use sensitivity::Sensitivity;
+pub use sensitivity::SensorSensitivity;
 pub use source::Stream;
 pub use unit::{STANDARD_GRAVITY, Unit};
 pub use write::{WriteOptions, write};

@@ -21,7 +21,7 @@ use crate::notice::Notices;
 use crate::npz::{Budget, Unfolded};
 use crate::number::Endian;
 use crate::source::Source;
-use crate::{Format, MeasureError, Place, ReadOptions};
+use crate::{FilePosition, Format, MeasureError, ReadOptions};
 
 use element::{Elements, Fault, Tag};
 use matrix::{Context, Found};
@@ -46,7 +46,7 @@ pub(crate) fn open(
         Endian::Big => u16::from_be_bytes([header[124], header[125]]),
     };
     if version != 0x0100 {
-        let place = Place::Offset(124);
+        let place = FilePosition::Offset(124);
         return Err(source.malformed(place, "the MAT version", &version.to_string(), "256"));
     }
     let mut arrays: Vec<Array> = Vec::new();

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::{Place, Quantity};
+use crate::{ChannelQuantity, FilePosition};
 
 /// Something that a reader snapped, assumed or found odd; the samples stand.
 #[derive(Debug, Clone, PartialEq)]
@@ -32,7 +32,7 @@ pub enum Notice {
         /// The channel.
         channel: String,
         /// What it measures.
-        quantity: Quantity,
+        quantity: ChannelQuantity,
         /// SI value of one unit.
         factor: f64,
     },
@@ -50,14 +50,14 @@ pub enum Notice {
         /// The channel.
         channel: String,
         /// What the file says.
-        stated: Quantity,
+        stated: ChannelQuantity,
         /// What the unit measures.
-        by_unit: Quantity,
+        by_unit: ChannelQuantity,
     },
     /// A binary dataset announces another length than its points have; the points were believed.
     ByteCount {
         /// Where the data start.
-        place: Place,
+        place: FilePosition,
         /// Bytes announced.
         announced: u64,
         /// Bytes that the points take.
@@ -66,12 +66,12 @@ pub enum Notice {
     /// Text between datasets was passed over.
     TextBetweenDatasets {
         /// Where the first such line is.
-        place: Place,
+        place: FilePosition,
     },
     /// Text is not UTF-8 and was read as Latin-1.
     Latin1 {
         /// Where the first such line is.
-        place: Place,
+        place: FilePosition,
     },
     /// No axis was said to be time; this one rises evenly and was taken.
     TimeByValues {
@@ -106,12 +106,12 @@ pub enum Notice {
     /// writer; what it holds in full was read.
     SegmentCutOff {
         /// Where it starts.
-        place: Place,
+        place: FilePosition,
     },
     /// A text file ends within a row, which was left out.
     RowCutOff {
         /// Where.
-        place: Place,
+        place: FilePosition,
     },
 }
 

@@ -13,7 +13,8 @@ use crate::notice::Notices;
 use crate::reader::Records;
 use crate::source::Source;
 use crate::{
-    Abscissa, Format, MeasureError, Notice, Place, Quantity, ReadOptions, Record, Samples,
+    Abscissa, ChannelQuantity, FilePosition, Format, MeasureError, Notice, ReadOptions, Record,
+    Samples,
 };
 
 pub(crate) use header::Header;
@@ -50,7 +51,7 @@ impl<'a> Npy<'a> {
         let name = source.name().to_owned();
         let wrong = |quantity, found: &str, expected: &'static str| MeasureError::Malformed {
             file: name.clone(),
-            place: Place::Offset(0),
+            place: FilePosition::Offset(0),
             quantity,
             found: crate::error::excerpt(found),
             expected: expected.to_owned(),
@@ -159,7 +160,7 @@ impl Records for Npy<'_> {
             None => self.find_axis(&columns[0], columns.len(), notices)?,
         };
         self.axis = Some(axis);
-        let quantity = Quantity::Time;
+        let quantity = ChannelQuantity::Time;
         let start = axis.start + self.next as f64 * axis.step;
         let mut abscissa = Abscissa::Even { start, step: axis.step, quantity };
         if axis.is_time && self.next > 0 {

@@ -15,7 +15,7 @@ use crate::notice::Notices;
 use crate::npy::Header;
 use crate::reader::Records;
 use crate::source::Source;
-use crate::{Format, MeasureError, Notice, Place, ReadOptions, Record, Samples};
+use crate::{FilePosition, Format, MeasureError, Notice, ReadOptions, Record, Samples};
 
 pub(crate) use write::write;
 
@@ -58,7 +58,7 @@ impl Budget {
     pub(crate) fn take(
         &mut self,
         bytes: u64,
-        place: Place,
+        place: FilePosition,
         quantity: &'static str,
     ) -> Result<(), MeasureError> {
         self.taken = self.taken.saturating_add(bytes);
@@ -91,7 +91,7 @@ pub(crate) fn open(
         found: crate::error::excerpt(found),
         expected: expected.to_owned(),
     };
-    let start = Place::Offset(0);
+    let start = FilePosition::Offset(0);
     let mut archive = ZipArchive::new(source)
         .map_err(|error| wrong(start, "the archive", &error.to_string(), "a zip archive"))?;
     // An entry takes 76 bytes in the archive at least.
@@ -104,7 +104,7 @@ pub(crate) fn open(
         let mut entry = archive
             .by_index(index)
             .map_err(|error| wrong(start, "an entry", &error.to_string(), "an array"))?;
-        let place = Place::Offset(entry.data_start().unwrap_or(0));
+        let place = FilePosition::Offset(entry.data_start().unwrap_or(0));
         let name = entry.name().map(std::borrow::Cow::into_owned);
         let name = name.map_err(|error| {
             wrong(start, "an entry's name", &error.to_string(), "a readable one")

@@ -5,7 +5,7 @@ use std::fmt;
 /// A measured quantity.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[non_exhaustive]
-pub enum Quantity {
+pub enum ChannelQuantity {
     /// Force, SI unit N.
     Force,
     /// Acceleration, SI unit m/s^2.
@@ -31,7 +31,7 @@ pub enum Quantity {
     Unknown,
 }
 
-impl Quantity {
+impl ChannelQuantity {
     /// Symbol of the SI unit; empty where there is none.
     pub fn si_symbol(self) -> &'static str {
         match self {
@@ -58,24 +58,24 @@ impl Quantity {
     }
 }
 
-fn of_word(word: &str) -> Quantity {
+fn of_word(word: &str) -> ChannelQuantity {
     match word {
-        "force" | "hammer" | "impact" | "kraft" => Quantity::Force,
+        "force" | "hammer" | "impact" | "kraft" => ChannelQuantity::Force,
         "acc" | "accel" | "acceleration" | "accelerometer" | "beschleunigung" => {
-            Quantity::Acceleration
+            ChannelQuantity::Acceleration
         }
-        "vel" | "velocity" | "geschwindigkeit" => Quantity::Velocity,
-        "disp" | "displacement" | "weg" => Quantity::Displacement,
-        "pressure" | "mic" | "microphone" => Quantity::Pressure,
-        "strain" => Quantity::Strain,
-        "volt" | "voltage" => Quantity::Voltage,
-        "t" | "time" | "zeit" => Quantity::Time,
-        "freq" | "frequency" | "frequenz" => Quantity::Frequency,
-        _ => Quantity::Unknown,
+        "vel" | "velocity" | "geschwindigkeit" => ChannelQuantity::Velocity,
+        "disp" | "displacement" | "weg" => ChannelQuantity::Displacement,
+        "pressure" | "mic" | "microphone" => ChannelQuantity::Pressure,
+        "strain" => ChannelQuantity::Strain,
+        "volt" | "voltage" => ChannelQuantity::Voltage,
+        "t" | "time" | "zeit" => ChannelQuantity::Time,
+        "freq" | "frequency" | "frequenz" => ChannelQuantity::Frequency,
+        _ => ChannelQuantity::Unknown,
     }
 }
 
-impl fmt::Display for Quantity {
+impl fmt::Display for ChannelQuantity {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Force => "force",
@@ -99,10 +99,10 @@ mod tests {
 
     #[test]
     fn names_speak_of_quantities_by_whole_words() {
-        assert_eq!(Quantity::of_name("Hammer force 1"), Quantity::Force);
-        assert_eq!(Quantity::of_name("acc_z"), Quantity::Acceleration);
-        assert_eq!(Quantity::of_name("Mic 01.0Scalar"), Quantity::Pressure);
-        assert_eq!(Quantity::of_name("reinforcement"), Quantity::Unknown);
-        assert_eq!(Quantity::of_name("Time"), Quantity::Time);
+        assert_eq!(ChannelQuantity::of_name("Hammer force 1"), ChannelQuantity::Force);
+        assert_eq!(ChannelQuantity::of_name("acc_z"), ChannelQuantity::Acceleration);
+        assert_eq!(ChannelQuantity::of_name("Mic 01.0Scalar"), ChannelQuantity::Pressure);
+        assert_eq!(ChannelQuantity::of_name("reinforcement"), ChannelQuantity::Unknown);
+        assert_eq!(ChannelQuantity::of_name("Time"), ChannelQuantity::Time);
     }
 }

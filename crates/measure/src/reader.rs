@@ -6,8 +6,8 @@ use std::path::Path;
 use crate::notice::Notices;
 use crate::source::Source;
 use crate::{
-    ChannelUnit, Format, MeasureError, Measurement, Notice, Quantity, ReadOptions, Record, Stream,
-    Unit,
+    ChannelQuantity, ChannelUnit, Format, MeasureError, Measurement, Notice, ReadOptions, Record,
+    Stream, Unit,
 };
 
 /// What a format supplies: its records, one after the other.
@@ -146,7 +146,7 @@ impl<'a> Reader<'a> {
             match &channel.unit {
                 ChannelUnit::Known(unit) => {
                     let (stated, by_unit) = (channel.quantity, unit.quantity());
-                    if stated != Quantity::Unknown && stated != by_unit {
+                    if stated != ChannelQuantity::Unknown && stated != by_unit {
                         self.notices.add(Notice::QuantityContradictsUnit {
                             channel: name(),
                             stated,
@@ -163,8 +163,8 @@ impl<'a> Reader<'a> {
                     self.notices.add(Notice::UnitUnrecognised { channel: name(), text });
                 }
             }
-            if channel.quantity == Quantity::Unknown {
-                channel.quantity = Quantity::of_name(&channel.name);
+            if channel.quantity == ChannelQuantity::Unknown {
+                channel.quantity = ChannelQuantity::of_name(&channel.name);
             }
         }
     }

@@ -1,6 +1,6 @@
 //! Channels sampled together, and all that a file holds.
 
-use crate::{Channel, Format, Notice, Quantity};
+use crate::{Channel, ChannelQuantity, Format, Notice};
 
 /// Channels sampled together: one hit, or one block of a long measurement.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -17,7 +17,7 @@ pub struct Record {
 
 impl Record {
     /// The first channel of a quantity.
-    pub fn of_quantity(&self, quantity: Quantity) -> Option<&Channel> {
+    pub fn of_quantity(&self, quantity: ChannelQuantity) -> Option<&Channel> {
         self.channels.iter().find(|channel| channel.quantity == quantity)
     }
 

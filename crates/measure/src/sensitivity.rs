@@ -1,33 +1,33 @@
 //! Sensors' sensitivities: what comes out for what goes in.
 
-use crate::{MeasureError, Quantity, Unit};
+use crate::{ChannelQuantity, MeasureError, Unit};
 
 /// A sensor's sensitivity, `output = volts_per_si * input`.
 ///
 /// ```
-/// use asperity_measure::{Quantity, Sensitivity};
-/// let hammer: Sensitivity = "2.25 mV/N".parse()?;
-/// assert_eq!(hammer.measures(), Quantity::Force);
-/// let accelerometer: Sensitivity = "100 mV/g".parse()?;
+/// use asperity_measure::{ChannelQuantity, SensorSensitivity};
+/// let hammer: SensorSensitivity = "2.25 mV/N".parse()?;
+/// assert_eq!(hammer.measures(), ChannelQuantity::Force);
+/// let accelerometer: SensorSensitivity = "100 mV/g".parse()?;
 /// assert!((accelerometer.output_per_si() - 0.1 / 9.80665).abs() < 1e-15);
 /// # Ok::<(), asperity_measure::MeasureError>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Sensitivity {
-    output: Quantity,
-    measures: Quantity,
+pub struct SensorSensitivity {
+    output: ChannelQuantity,
+    measures: ChannelQuantity,
     output_per_si: f64,
 }
 
-impl Sensitivity {
-    /// What the sensor gives: [`Quantity::Voltage`], or [`Quantity::FullScale`]
+impl SensorSensitivity {
+    /// What the sensor gives: [`ChannelQuantity::Voltage`], or [`ChannelQuantity::FullScale`]
     /// where a converter was calibrated with its sensor (`0.02 FS/N`).
-    pub fn output(&self) -> Quantity {
+    pub fn output(&self) -> ChannelQuantity {
         self.output
     }
 
     /// What the sensor measures.
-    pub fn measures(&self) -> Quantity {
+    pub fn measures(&self) -> ChannelQuantity {
         self.measures
     }
 
@@ -37,7 +37,7 @@ impl Sensitivity {
     }
 }
 
-impl std::str::FromStr for Sensitivity {
+impl std::str::FromStr for SensorSensitivity {
     type Err = MeasureError;
 
     /// Reads `100 mV/g`, `2.25 mV/N`, `10 mV/(m/s^2)`, `0.05 FS/N`.
@@ -54,7 +54,7 @@ impl std::str::FromStr for Sensitivity {
     }
 }
 
-fn parse(text: &str) -> Option<Sensitivity> {
+fn parse(text: &str) -> Option<SensorSensitivity> {
     let (output, input) = text.split_once('/')?;
     let output = output.trim();
     let unit_start = output.rfind(|c: char| c.is_ascii_digit() || c == '.')? + 1;
@@ -62,11 +62,15 @@ fn parse(text: &str) -> Option<Sensitivity> {
     let output_unit = Unit::parse(&output[unit_start..])?;
     let input_unit = Unit::parse(input)?;
     let measures = input_unit.quantity();
-    let physical = !matches!(measures, Quantity::Voltage | Quantity::FullScale | Quantity::Time);
-    let electric = matches!(output_unit.quantity(), Quantity::Voltage | Quantity::FullScale);
+    let physical = !matches!(
+        measures,
+        ChannelQuantity::Voltage | ChannelQuantity::FullScale | ChannelQuantity::Time
+    );
+    let electric =
+        matches!(output_unit.quantity(), ChannelQuantity::Voltage | ChannelQuantity::FullScale);
     let output_per_si = value * output_unit.factor() / input_unit.factor();
     let usable = output_per_si.is_finite() && output_per_si != 0.0;
-    (physical && electric && usable).then_some(Sensitivity {
+    (physical && electric && usable).then_some(SensorSensitivity {
         output: output_unit.quantity(),
         measures,
         output_per_si,
@@ -80,15 +84,15 @@ mod tests {
     #[test]
     fn sensitivities_as_written_on_calibration_sheets() {
         for (text, measures, per_si) in [
-            ("100 mV/g", Quantity::Acceleration, 0.1 / 9.80665),
-            ("2.25 mV/N", Quantity::Force, 2.25e-3),
-            ("10 mV/(m/s^2)", Quantity::Acceleration, 0.01),
-            ("10mV/m/s²", Quantity::Acceleration, 0.01),
-            ("11.2 mV/lbf", Quantity::Force, 11.2e-3 / 4.448_221_615_260_5),
-            ("-5e-2 V/Pa", Quantity::Pressure, -0.05),
-            ("0.02 FS/N", Quantity::Force, 0.02),
+            ("100 mV/g", ChannelQuantity::Acceleration, 0.1 / 9.80665),
+            ("2.25 mV/N", ChannelQuantity::Force, 2.25e-3),
+            ("10 mV/(m/s^2)", ChannelQuantity::Acceleration, 0.01),
+            ("10mV/m/s²", ChannelQuantity::Acceleration, 0.01),
+            ("11.2 mV/lbf", ChannelQuantity::Force, 11.2e-3 / 4.448_221_615_260_5),
+            ("-5e-2 V/Pa", ChannelQuantity::Pressure, -0.05),
+            ("0.02 FS/N", ChannelQuantity::Force, 0.02),
         ] {
-            let read: Sensitivity = text.parse().unwrap();
+            let read: SensorSensitivity = text.parse().unwrap();
             assert_eq!(read.measures(), measures, "{text}");
             assert!((read.output_per_si() / per_si - 1.0).abs() < 1e-12, "{text}");
         }
@@ -99,7 +103,7 @@ mod tests {
         for text in
             ["", "/", "100", "mV/g", "100 mV", "0 mV/g", "inf V/N", "5 pC/N", "1 N/V", "1 V/V"]
         {
-            assert!(text.parse::<Sensitivity>().is_err(), "{text}");
+            assert!(text.parse::<SensorSensitivity>().is_err(), "{text}");
         }
     }
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use crate::error::excerpt;
-use crate::{MeasureError, Place};
+use crate::{FilePosition, MeasureError};
 
 /// What measurements can be read from.
 pub trait Stream: Read + Seek + Send {}
@@ -56,8 +56,8 @@ impl<'a> Source<'a> {
         self.position
     }
 
-    pub(crate) fn place(&self) -> Place {
-        Place::Offset(self.position)
+    pub(crate) fn place(&self) -> FilePosition {
+        FilePosition::Offset(self.position)
     }
 
     /// Bytes left.
@@ -127,7 +127,7 @@ impl<'a> Source<'a> {
         self.position += read;
         if read > LONGEST_LINE && line.last() != Some(&b'\n') {
             return Err(self.malformed(
-                Place::Line(*number),
+                FilePosition::Line(*number),
                 "a line",
                 &format!("longer than {LONGEST_LINE} bytes"),
                 "shorter lines of text",
@@ -149,7 +149,7 @@ impl<'a> Source<'a> {
     /// Something is not as the format asks.
     pub(crate) fn malformed(
         &self,
-        place: Place,
+        place: FilePosition,
         quantity: &'static str,
         found: &str,
         expected: impl Into<String>,

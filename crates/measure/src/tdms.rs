@@ -35,7 +35,10 @@ use crate::notice::Notices;
 use crate::npz::Budget;
 use crate::reader::Records;
 use crate::source::Source;
-use crate::{Channel, Format, MeasureError, Origin, Place, Quantity, ReadOptions, Record, Samples};
+use crate::{
+    Channel, ChannelQuantity, FilePosition, Format, MeasureError, Origin, ReadOptions, Record,
+    Samples,
+};
 
 use axis::Axis;
 use gather::Gathered;
@@ -64,7 +67,7 @@ impl<'a> Tdms<'a> {
         notices: &mut Notices,
     ) -> Result<Self, MeasureError> {
         let mut budget = Budget::new(&source, options);
-        budget.take(BUFFERS, Place::Offset(0), "the buffers")?;
+        budget.take(BUFFERS, FilePosition::Offset(0), "the buffers")?;
         let Index { objects, mut budget, .. } = Index::read(&mut source, budget, notices)?;
         let records = gather::gather(&source, &objects, &mut budget, notices)?;
         if records.is_empty() {
@@ -119,7 +122,7 @@ impl Records for Tdms<'_> {
             let description = waveform::text(&object.properties, "description");
             channels.push(Channel {
                 name: heading.name,
-                quantity: Quantity::Unknown,
+                quantity: ChannelQuantity::Unknown,
                 unit: heading.unit,
                 abscissa: abscissa.clone(),
                 samples: Samples::Real(samples),

@@ -104,7 +104,7 @@ impl<'a> Text<'a> {
         if let Some(line) =
             lines[..run.start].iter().position(|line| std::str::from_utf8(line).is_err())
         {
-            notices.add(Notice::Latin1 { place: crate::Place::Line(line as u64 + 1) });
+            notices.add(Notice::Latin1 { place: crate::FilePosition::Line(line as u64 + 1) });
         }
         check_channels(&self.source, run.fields as u64)?;
         let rows = lines[run.start..].iter().filter(|line| !is_passed_over(line)).take(run.lines);

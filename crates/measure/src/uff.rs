@@ -31,7 +31,7 @@ use crate::notice::Notices;
 use crate::reader::Records;
 use crate::source::Source;
 use crate::{
-    Abscissa, Channel, Format, MeasureError, Origin, Quantity, ReadOptions, Record, Samples,
+    Abscissa, Channel, ChannelQuantity, Format, MeasureError, Origin, ReadOptions, Record, Samples,
 };
 
 use group::Group;
@@ -141,7 +141,7 @@ impl<'a> Universal<'a> {
             return Ok(Abscissa::Uneven { values: abscissae, quantity });
         }
         let mut step = header.step * factor;
-        if quantity == Quantity::Time {
+        if quantity == ChannelQuantity::Time {
             if step == 0.0 {
                 let file = || self.source.name().to_owned();
                 let rate = self.rate_of_options;

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::Quantity;
+use crate::ChannelQuantity;
 
 /// Standard gravity \[m/s^2\], exact (BIPM, 3rd CGPM).
 pub const STANDARD_GRAVITY: f64 = 9.80665;
@@ -15,53 +15,58 @@ const INCH: f64 = 0.0254;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Unit {
     symbol: &'static str,
-    quantity: Quantity,
+    quantity: ChannelQuantity,
     factor: f64,
 }
 
 /// Symbol, spellings once normalised (see [`normalised`]), quantity, factor to SI.
-type Row = (&'static str, &'static [&'static str], Quantity, f64);
+type Row = (&'static str, &'static [&'static str], ChannelQuantity, f64);
 
 const TABLE: &[Row] = &[
-    ("N", &["N", "Newton", "newton", "newtons"], Quantity::Force, 1.0),
-    ("kN", &["kN"], Quantity::Force, 1e3),
-    ("mN", &["mN"], Quantity::Force, 1e-3),
-    ("MN", &["MN"], Quantity::Force, 1e6),
-    ("lbf", &["lbf", "lb_f"], Quantity::Force, POUND_FORCE),
-    ("kgf", &["kgf", "kp"], Quantity::Force, STANDARD_GRAVITY),
+    ("N", &["N", "Newton", "newton", "newtons"], ChannelQuantity::Force, 1.0),
+    ("kN", &["kN"], ChannelQuantity::Force, 1e3),
+    ("mN", &["mN"], ChannelQuantity::Force, 1e-3),
+    ("MN", &["MN"], ChannelQuantity::Force, 1e6),
+    ("lbf", &["lbf", "lb_f"], ChannelQuantity::Force, POUND_FORCE),
+    ("kgf", &["kgf", "kp"], ChannelQuantity::Force, STANDARD_GRAVITY),
     // A mass is no channel of a hammer test: g is the acceleration.
-    ("g", &["g", "G", "gs", "g's", "g_n", "gn", "g0"], Quantity::Acceleration, STANDARD_GRAVITY),
-    ("mg", &["mg"], Quantity::Acceleration, 1e-3 * STANDARD_GRAVITY),
-    ("m/s^2", &["m/s2", "m/s/s", "ms-2", "m/(s2)"], Quantity::Acceleration, 1.0),
-    ("mm/s^2", &["mm/s2", "mm/s/s", "mms-2"], Quantity::Acceleration, 1e-3),
-    ("in/s^2", &["in/s2", "in/s/s"], Quantity::Acceleration, INCH),
-    ("m/s", &["m/s", "ms-1"], Quantity::Velocity, 1.0),
-    ("mm/s", &["mm/s", "mms-1"], Quantity::Velocity, 1e-3),
-    ("um/s", &["um/s"], Quantity::Velocity, 1e-6),
-    ("in/s", &["in/s", "ips"], Quantity::Velocity, INCH),
-    ("m", &["m"], Quantity::Displacement, 1.0),
-    ("mm", &["mm"], Quantity::Displacement, 1e-3),
-    ("um", &["um", "micron"], Quantity::Displacement, 1e-6),
-    ("nm", &["nm"], Quantity::Displacement, 1e-9),
-    ("in", &["in", "inch"], Quantity::Displacement, INCH),
-    ("mil", &["mil", "mils"], Quantity::Displacement, 1e-3 * INCH),
-    ("V", &["V", "Volt", "volt", "volts"], Quantity::Voltage, 1.0),
-    ("mV", &["mV"], Quantity::Voltage, 1e-3),
-    ("uV", &["uV"], Quantity::Voltage, 1e-6),
-    ("FS", &["FS"], Quantity::FullScale, 1.0),
-    ("Pa", &["Pa", "N/m2"], Quantity::Pressure, 1.0),
-    ("kPa", &["kPa"], Quantity::Pressure, 1e3),
-    ("MPa", &["MPa"], Quantity::Pressure, 1e6),
-    ("bar", &["bar"], Quantity::Pressure, 1e5),
-    ("psi", &["psi"], Quantity::Pressure, POUND_FORCE / (INCH * INCH)),
-    ("m/m", &["m/m"], Quantity::Strain, 1.0),
-    ("um/m", &["um/m", "ustrain", "microstrain"], Quantity::Strain, 1e-6),
-    ("s", &["s", "second", "seconds"], Quantity::Time, 1.0),
-    ("ms", &["ms"], Quantity::Time, 1e-3),
-    ("us", &["us"], Quantity::Time, 1e-6),
-    ("min", &["min"], Quantity::Time, 60.0),
-    ("Hz", &["Hz", "1/s"], Quantity::Frequency, 1.0),
-    ("kHz", &["kHz"], Quantity::Frequency, 1e3),
+    (
+        "g",
+        &["g", "G", "gs", "g's", "g_n", "gn", "g0"],
+        ChannelQuantity::Acceleration,
+        STANDARD_GRAVITY,
+    ),
+    ("mg", &["mg"], ChannelQuantity::Acceleration, 1e-3 * STANDARD_GRAVITY),
+    ("m/s^2", &["m/s2", "m/s/s", "ms-2", "m/(s2)"], ChannelQuantity::Acceleration, 1.0),
+    ("mm/s^2", &["mm/s2", "mm/s/s", "mms-2"], ChannelQuantity::Acceleration, 1e-3),
+    ("in/s^2", &["in/s2", "in/s/s"], ChannelQuantity::Acceleration, INCH),
+    ("m/s", &["m/s", "ms-1"], ChannelQuantity::Velocity, 1.0),
+    ("mm/s", &["mm/s", "mms-1"], ChannelQuantity::Velocity, 1e-3),
+    ("um/s", &["um/s"], ChannelQuantity::Velocity, 1e-6),
+    ("in/s", &["in/s", "ips"], ChannelQuantity::Velocity, INCH),
+    ("m", &["m"], ChannelQuantity::Displacement, 1.0),
+    ("mm", &["mm"], ChannelQuantity::Displacement, 1e-3),
+    ("um", &["um", "micron"], ChannelQuantity::Displacement, 1e-6),
+    ("nm", &["nm"], ChannelQuantity::Displacement, 1e-9),
+    ("in", &["in", "inch"], ChannelQuantity::Displacement, INCH),
+    ("mil", &["mil", "mils"], ChannelQuantity::Displacement, 1e-3 * INCH),
+    ("V", &["V", "Volt", "volt", "volts"], ChannelQuantity::Voltage, 1.0),
+    ("mV", &["mV"], ChannelQuantity::Voltage, 1e-3),
+    ("uV", &["uV"], ChannelQuantity::Voltage, 1e-6),
+    ("FS", &["FS"], ChannelQuantity::FullScale, 1.0),
+    ("Pa", &["Pa", "N/m2"], ChannelQuantity::Pressure, 1.0),
+    ("kPa", &["kPa"], ChannelQuantity::Pressure, 1e3),
+    ("MPa", &["MPa"], ChannelQuantity::Pressure, 1e6),
+    ("bar", &["bar"], ChannelQuantity::Pressure, 1e5),
+    ("psi", &["psi"], ChannelQuantity::Pressure, POUND_FORCE / (INCH * INCH)),
+    ("m/m", &["m/m"], ChannelQuantity::Strain, 1.0),
+    ("um/m", &["um/m", "ustrain", "microstrain"], ChannelQuantity::Strain, 1e-6),
+    ("s", &["s", "second", "seconds"], ChannelQuantity::Time, 1.0),
+    ("ms", &["ms"], ChannelQuantity::Time, 1e-3),
+    ("us", &["us"], ChannelQuantity::Time, 1e-6),
+    ("min", &["min"], ChannelQuantity::Time, 60.0),
+    ("Hz", &["Hz", "1/s"], ChannelQuantity::Frequency, 1.0),
+    ("kHz", &["kHz"], ChannelQuantity::Frequency, 1e3),
 ];
 
 impl Unit {
@@ -78,14 +83,14 @@ impl Unit {
         exact.or_else(|| case_blind(&normal)).map(Self::of_row)
     }
 
-    /// The SI unit of `quantity`; none for [`Quantity::Unknown`].
-    pub fn si(quantity: Quantity) -> Option<Self> {
+    /// The SI unit of `quantity`; none for [`ChannelQuantity::Unknown`].
+    pub fn si(quantity: ChannelQuantity) -> Option<Self> {
         let row = TABLE.iter().find(|row| row.2 == quantity && row.3 == 1.0);
         row.map(Self::of_row)
     }
 
     /// A unit that a file defines by its factor to SI.
-    pub(crate) fn of_factor(quantity: Quantity, factor: f64) -> Self {
+    pub(crate) fn of_factor(quantity: ChannelQuantity, factor: f64) -> Self {
         let named = TABLE.iter().find(|row| row.2 == quantity && row.3 == factor);
         named.map_or(Self { symbol: "unit of the file", quantity, factor }, Self::of_row)
     }
@@ -100,7 +105,7 @@ impl Unit {
     }
 
     /// What it measures.
-    pub fn quantity(&self) -> Quantity {
+    pub fn quantity(&self) -> ChannelQuantity {
         self.quantity
     }
 
@@ -169,7 +174,7 @@ mod tests {
         }
         for text in ["g", "G", "g's", "gs", "g_n", "[g]"] {
             let unit = Unit::parse(text).unwrap();
-            assert_eq!((unit.quantity(), unit.factor()), (Quantity::Acceleration, 9.80665));
+            assert_eq!((unit.quantity(), unit.factor()), (ChannelQuantity::Acceleration, 9.80665));
         }
     }
 
@@ -208,6 +213,6 @@ mod tests {
             assert_eq!(Unit::parse(row.0), Some(Unit::of_row(row)), "{}", row.0);
             assert_eq!(Unit::si(row.2).unwrap().symbol(), row.2.si_symbol());
         }
-        assert_eq!(Unit::si(Quantity::Unknown), None);
+        assert_eq!(Unit::si(ChannelQuantity::Unknown), None);
     }
 }

@@ -7,8 +7,8 @@ use crate::notice::Notices;
 use crate::reader::Records;
 use crate::source::Source;
 use crate::{
-    Abscissa, ChannelUnit, Format, MeasureError, Place, Quantity, ReadOptions, Record, Samples,
-    Unit,
+    Abscissa, ChannelQuantity, ChannelUnit, FilePosition, Format, MeasureError, ReadOptions,
+    Record, Samples, Unit,
 };
 
 /// A WAVE file being read.
@@ -27,7 +27,7 @@ impl<'a> Wav<'a> {
         let spec = reader.spec();
         let malformed = |quantity, found: String, expected: &str| MeasureError::Malformed {
             file: file.clone(),
-            place: Place::Offset(20),
+            place: FilePosition::Offset(20),
             quantity,
             found,
             expected: expected.to_owned(),
@@ -44,7 +44,7 @@ impl<'a> Wav<'a> {
         if bytes > length {
             return Err(MeasureError::Truncated {
                 file,
-                place: Place::Offset(0),
+                place: FilePosition::Offset(0),
                 quantity: "the samples",
                 needed: bytes,
                 available: length,
@@ -62,7 +62,7 @@ fn wrong(file: &str, error: &hound::Error) -> MeasureError {
     let (file, expected) = (file.to_owned(), "PCM or IEEE float samples".to_owned());
     MeasureError::Malformed {
         file,
-        place: Place::Offset(0),
+        place: FilePosition::Offset(0),
         quantity: "the WAVE file",
         found,
         expected,
@@ -103,7 +103,8 @@ impl Records for Wav<'_> {
         }
         let rate = f64::from(spec.sample_rate);
         let abscissa = Abscissa::even_time(self.next as f64 / rate, rate);
-        let unit = Unit::si(Quantity::FullScale).map_or(ChannelUnit::Missing, ChannelUnit::Known);
+        let unit =
+            Unit::si(ChannelQuantity::FullScale).map_or(ChannelUnit::Missing, ChannelUnit::Known);
         let channels = columns.into_iter().enumerate().map(|(index, values)| {
             let name = format!("channel {}", index + 1);
             let mut channel = bare_channel(name, abscissa.clone(), Samples::Real(values));

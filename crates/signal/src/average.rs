@@ -1,59 +1,284 @@
-//! Time averages.
+//! Frequency response functions averaged over hits.
 
-/// Samples added without compensation at the leaves of the pairwise sum.
-const LEAF: usize = 64;
+mod coherence;
+mod estimator;
+mod spread;
 
-/// Time average of a contact stiffness over a run.
+pub use coherence::Coherence;
+pub use estimator::{FrfEstimator, HvScaling};
+pub use spread::MagnitudeSpread;
+
+use crate::error::{Result, SignalError, check_rate, check_samples};
+use crate::form::FrfForm;
+use crate::form::ResponseKind;
+use crate::frf::ForceMask;
+use crate::frf::Frf;
+use crate::spectrum::{PADDING_LIMIT, Spectrum, fast_length};
+use realfft::num_complex::Complex64;
+use spread::Welford;
+
+/// The longest transform of an average; its spectra take two gigabytes.
+const TRANSFORM_LIMIT: usize = 1 << 26;
+
+/// How a spectral density is scaled.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum SpectralDensity {
+    /// One-sided energy density, unit^2 s / Hz: its integral over frequency is
+    /// `integral x^2 dt`. For transients, since it does not depend on the record's length.
+    Energy,
+    /// One-sided power density, unit^2 / Hz: its integral is the mean square
+    /// over the nominal record length.
+    Power,
+}
+
+/// Averages hits one by one: auto and cross spectra, and what follows from them.
+///
+/// With the transforms `F`, `X` of the hits (see [`Spectrum`]) and `< >` their mean,
 ///
 /// ```text
-/// K_avr = (1/T) sum |K_c(t)|
+/// Gff = 2 <|F|^2>,   Gxx = 2 <|X|^2>,   Gfx = 2 <conj(F) X>
 /// ```
 ///
-/// - `stiffness`: equally spaced samples in Pa/m (or any one unit, which the
-///   result keeps), zero while contact is lost.
+/// (not doubled at zero frequency and half the rate) are one-sided energy
+/// densities. Memory is seven numbers a frequency, whatever the number of hits.
+/// Nothing is windowed here: see [`ForceWindow`](crate::ForceWindow),
+/// [`ExponentialWindow`](crate::ExponentialWindow).
 ///
-/// Valid for any finite samples; no samples give NaN. Summed pairwise, so the
-/// relative rounding error grows with the logarithm of the number of samples
-/// (below `1e-14` for any length that fits in memory). A constant stiffness is its own average.
-///
-/// Source: Nouira et al., Lubricants 2020, 8(7), 73,
-/// doi 10.3390/lubricants8070073, Eq. (8), with `T` the number of samples.
-pub fn average_stiffness(stiffness: &[f64]) -> f64 {
-    absolute_sum(stiffness) / stiffness.len() as f64
+/// Source: J. S. Bendat and A. G. Piersol, *Random Data*, 4th ed., Wiley 2010,
+/// chs. 5, 6 and 9.
+#[derive(Debug, Clone)]
+pub struct FrfAverage {
+    kind: ResponseKind,
+    sample_rate_hz: f64,
+    samples: usize,
+    length: usize,
+    averages: usize,
+    /// Sums over hits of `|F|^2`, `|X|^2` and `conj(F) X`.
+    force: Vec<f64>,
+    response: Vec<f64>,
+    cross: Vec<Complex64>,
+    magnitude: Welford,
 }
 
-/// `sum |x|` by halves.
-pub(crate) fn absolute_sum(values: &[f64]) -> f64 {
-    if values.len() <= LEAF {
-        values.iter().map(|value| value.abs()).sum()
-    } else {
-        let (left, right) = values.split_at(values.len() / 2);
-        absolute_sum(left) + absolute_sum(right)
+impl FrfAverage {
+    /// An empty average.
+    ///
+    /// - `samples`: nominal length of a record, positive.
+    /// - `padding`: zero padding, 1 (none) to 1024; the transform has
+    ///   [`fast_length`]`(padding * samples)` samples, about `2^26` at most.
+    ///
+    /// # Errors
+    /// [`SignalError::Empty`], [`SignalError::Padding`], [`SignalError::SampleRate`], [`SignalError::TooLong`].
+    pub fn new(
+        samples: usize,
+        sample_rate_hz: f64,
+        kind: ResponseKind,
+        padding: usize,
+    ) -> Result<Self> {
+        check_rate(sample_rate_hz)?;
+        if samples == 0 {
+            return Err(SignalError::Empty { signal: "record to average" });
+        }
+        if !(1..=PADDING_LIMIT).contains(&padding) {
+            return Err(SignalError::Padding { value: padding, limit: PADDING_LIMIT });
+        }
+        let limit = TRANSFORM_LIMIT / padding;
+        if samples > limit {
+            return Err(SignalError::TooLong { samples, limit });
+        }
+        let length = fast_length(samples * padding);
+        let bins = length / 2 + 1;
+        Ok(Self {
+            kind,
+            sample_rate_hz,
+            samples,
+            length,
+            averages: 0,
+            force: vec![0.0; bins],
+            response: vec![0.0; bins],
+            cross: vec![Complex64::ZERO; bins],
+            magnitude: Welford::new(bins),
+        })
     }
-}
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Verified against the exact sum of integers, which f64 holds exactly.
-    #[test]
-    fn the_mean_magnitude_of_alternating_integers_is_exact() {
-        let samples: Vec<f64> =
-            (1..=100_000).map(|n| if n % 2 == 0 { f64::from(n) } else { -f64::from(n) }).collect();
-        assert_eq!(average_stiffness(&samples), 50_000.5);
+    /// Adds a hit and returns its own frequency response function `X/F`.
+    ///
+    /// Receptance from displacement, mobility from velocity, accelerance from acceleration; not finite
+    /// where this force has no content at all. A record shorter than the
+    /// nominal length is a transient that has ended, and is padded with zeros.
+    ///
+    /// # Errors
+    /// [`SignalError::Empty`], [`SignalError::NotFinite`], [`SignalError::LengthMismatch`],
+    /// [`SignalError::TooLong`], [`SignalError::NoForce`]; the hit is then not added.
+    pub fn push(&mut self, force: &[f64], response: &[f64]) -> Result<Frf> {
+        check_samples("force", force)?;
+        check_samples("response", response)?;
+        if force.len() != response.len() {
+            return Err(SignalError::LengthMismatch {
+                force: force.len(),
+                response: response.len(),
+            });
+        }
+        if force.len() > self.samples {
+            return Err(SignalError::TooLong { samples: force.len(), limit: self.samples });
+        }
+        if force.iter().all(|x| *x == 0.0) {
+            return Err(SignalError::NoForce { samples: force.len() });
+        }
+        let transform = |x| Spectrum::padded_to(x, self.sample_rate_hz, self.length).into_values();
+        let (force, mut values) = (transform(force), transform(response));
+        self.averages += 1;
+        for (k, (f, x)) in force.iter().zip(&mut values).enumerate() {
+            self.force[k] += f.norm_sqr();
+            self.response[k] += x.norm_sqr();
+            self.cross[k] += f.conj() * *x;
+            *x /= f;
+            self.magnitude.push(k, x.norm(), self.averages);
+        }
+        Ok(Frf { frequency_hz: self.frequency_hz(), values, form: self.form() })
     }
 
-    /// Verified against the definition: 10^7 times 0.1 summed naively is wrong by 1.6e-10
-    /// relative; pairwise rounding allows (64 + log2(10^7 / 64)) units in the last place.
-    #[test]
-    fn a_constant_is_its_own_average() {
-        let samples = vec![0.1; 10_000_000];
-        assert!((average_stiffness(&samples) / 0.1 - 1.0).abs() < 1e-14);
+    /// Adds the hits of another average of the same kind, as if they had been pushed here.
+    ///
+    /// So hits can be transformed side by side. Sums agree with those of
+    /// [`FrfAverage::push`] to rounding.
+    ///
+    /// # Errors
+    /// [`SignalError::TooLong`] where the lengths of the transforms differ, and
+    /// [`SignalError::SampleRate`] where the rates do; nothing is then added.
+    pub fn merge(&mut self, other: &Self) -> Result<()> {
+        if other.length != self.length {
+            return Err(SignalError::TooLong { samples: other.samples, limit: self.samples });
+        }
+        if other.sample_rate_hz != self.sample_rate_hz {
+            return Err(SignalError::SampleRate { value: other.sample_rate_hz });
+        }
+        if other.averages == 0 {
+            return Ok(());
+        }
+        let add = |sums: &mut [f64], more: &[f64]| {
+            sums.iter_mut().zip(more).for_each(|(sum, more)| *sum += more);
+        };
+        add(&mut self.force, &other.force);
+        add(&mut self.response, &other.response);
+        self.cross.iter_mut().zip(&other.cross).for_each(|(sum, more)| *sum += more);
+        self.magnitude.merge(self.averages, &other.magnitude, other.averages);
+        self.averages += other.averages;
+        Ok(())
     }
 
-    #[test]
-    fn no_samples_have_no_average() {
-        assert!(average_stiffness(&[]).is_nan());
+    /// Hits averaged so far.
+    pub fn averages(&self) -> usize {
+        self.averages
+    }
+
+    /// The frequencies of every result, zero to half the rate, in hertz.
+    pub fn frequency_hz(&self) -> Vec<f64> {
+        let step = self.sample_rate_hz / self.length as f64;
+        (0..self.force.len()).map(|k| k as f64 * step).collect()
+    }
+
+    /// Auto spectrum of the force `Gff`, in N^2 s / Hz or N^2 / Hz.
+    ///
+    /// # Errors
+    /// [`SignalError::TooFewAverages`] without a hit.
+    pub fn force_auto(&self, density: SpectralDensity) -> Result<Vec<f64>> {
+        let scale = self.scale("auto spectrum", density)?;
+        Ok(self.force.iter().enumerate().map(|(k, sum)| sum * scale(k)).collect())
+    }
+
+    /// Auto spectrum of the response `Gxx`.
+    ///
+    /// # Errors
+    /// [`SignalError::TooFewAverages`] without a hit.
+    pub fn response_auto(&self, density: SpectralDensity) -> Result<Vec<f64>> {
+        let scale = self.scale("auto spectrum", density)?;
+        Ok(self.response.iter().enumerate().map(|(k, sum)| sum * scale(k)).collect())
+    }
+
+    /// Cross spectrum `Gfx`, whose phase is that of the response after the force.
+    ///
+    /// # Errors
+    /// [`SignalError::TooFewAverages`] without a hit.
+    pub fn cross(&self, density: SpectralDensity) -> Result<Vec<Complex64>> {
+        let scale = self.scale("cross spectrum", density)?;
+        Ok(self.cross.iter().enumerate().map(|(k, sum)| sum * scale(k)).collect())
+    }
+
+    /// The averaged frequency response function; other forms by [`Frf::to`].
+    ///
+    /// Receptance from displacement, mobility from velocity, accelerance from acceleration. Not finite
+    /// where the force has no content at all.
+    ///
+    /// # Errors
+    /// [`SignalError::TooFewAverages`] without a hit, [`SignalError::Option`] for a noise
+    /// ratio that is not positive.
+    pub fn frf(&self, estimator: FrfEstimator) -> Result<Frf> {
+        self.need("frequency response function", 1)?;
+        estimator.check()?;
+        let spectra = self.force.iter().zip(&self.response).zip(&self.cross);
+        let values = spectra.map(|((f, x), c)| estimator.value(*f, *x, *c)).collect();
+        Ok(Frf { frequency_hz: self.frequency_hz(), values, form: self.form() })
+    }
+
+    /// Ordinary coherence and the random errors that follow from it.
+    ///
+    /// # Errors
+    /// [`SignalError::TooFewAverages`] for fewer than two hits: one is coherent with
+    /// itself whatever the noise.
+    pub fn coherence(&self) -> Result<Coherence> {
+        self.need("coherence", 2)?;
+        let spectra = self.force.iter().zip(&self.response).zip(&self.cross);
+        let values = spectra.map(|((f, x), c)| c.norm_sqr() / (f * x)).collect();
+        Ok(Coherence { frequency_hz: self.frequency_hz(), values, averages: self.averages })
+    }
+
+    /// Mean and standard deviation of `|X/F|` over the hits, at each frequency.
+    ///
+    /// # Errors
+    /// [`SignalError::TooFewAverages`] for fewer than two hits.
+    pub fn spread(&self) -> Result<MagnitudeSpread> {
+        self.need("spread", 2)?;
+        Ok(self.magnitude.spread(self.frequency_hz(), self.averages))
+    }
+
+    /// Where the averaged force `sqrt(<|F|^2>)` has at least `threshold` of its largest value.
+    ///
+    /// # Errors
+    /// [`SignalError::TooFewAverages`] without a hit.
+    pub fn force_mask(&self, threshold: f64) -> Result<ForceMask> {
+        self.need("force mask", 1)?;
+        let averages = self.averages as f64;
+        let magnitude: Vec<f64> = self.force.iter().map(|sum| (sum / averages).sqrt()).collect();
+        Ok(ForceMask::new(self.frequency_hz(), &magnitude, threshold))
+    }
+
+    fn form(&self) -> FrfForm {
+        self.kind.form()
+    }
+
+    /// What turns a sum into a one-sided density: both ends have no mirror image.
+    fn scale(
+        &self,
+        quantity: &'static str,
+        density: SpectralDensity,
+    ) -> Result<impl Fn(usize) -> f64> {
+        self.need(quantity, 1)?;
+        let over = match density {
+            SpectralDensity::Energy => self.averages as f64,
+            SpectralDensity::Power => {
+                self.averages as f64 * self.samples as f64 / self.sample_rate_hz
+            }
+        };
+        let last = self.force.len() - 1;
+        Ok(move |k| if k == 0 || k == last { 1.0 / over } else { 2.0 / over })
+    }
+
+    fn need(&self, quantity: &'static str, needed: usize) -> Result<()> {
+        if self.averages >= needed {
+            Ok(())
+        } else {
+            Err(SignalError::TooFewAverages { quantity, averages: self.averages, needed })
+        }
     }
 }

@@ -7,7 +7,7 @@ pub use circle::{CircleFit, circle_fit, circle_fit_of};
 pub use comparison::DampingComparison;
 
 use crate::peak::Peak;
-use crate::response::{Exact, Response};
+use crate::response::{Exact, FrequencyResponse};
 use crate::root::bracketed_root;
 use std::f64::consts::SQRT_2;
 
@@ -57,12 +57,12 @@ impl HalfPower {
 ///
 /// A record that ends before the response has decayed widens the peak, and the
 /// ratio is too large.
-pub fn half_power(response: &Response, peak: &Peak) -> Option<f64> {
+pub fn half_power(response: &FrequencyResponse, peak: &Peak) -> Option<f64> {
     half_power_crossings(response, peak).map(|crossings| crossings.ratio())
 }
 
 /// The half-power crossings themselves; `None` as for [`half_power`].
-pub fn half_power_crossings(response: &Response, peak: &Peak) -> Option<HalfPower> {
+pub fn half_power_crossings(response: &FrequencyResponse, peak: &Peak) -> Option<HalfPower> {
     crossings_of(response, peak)
 }
 

@@ -25,17 +25,17 @@ const LANES: usize = 8;
 /// Applied to a force and its response alike it drops out of their ratio, and what folds is all
 /// that is lost.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Decimator {
+pub struct DecimationFilter {
     factor: usize,
     taps: Vec<f64>,
 }
 
-/// What [`Decimator::keeping`] asks of attenuation \[dB\] and of the decimated rate over the
+/// What [`DecimationFilter::keeping`] asks of attenuation \[dB\] and of the decimated rate over the
 /// highest frequency kept: enough for peaks to 1e-5 of the largest value, with few taps.
 const THRIFTY_ATTENUATION: f64 = 100.0;
 const THRIFTY_OVERSAMPLING: f64 = 4.4;
 
-impl Decimator {
+impl DecimationFilter {
     /// For frequencies up to `high` (Hz); `None` where decimation would not pay.
     pub(crate) fn new(rate: f64, high: f64, count: usize) -> Option<Self> {
         // A factor beyond the record's length is no use; the cast saturates.
@@ -95,7 +95,7 @@ impl Decimator {
     /// Every `factor`-th filtered sample, from the filter's first touch to its last: output j is
     /// `sum of taps_l x_(j factor - l)`.
     ///
-    /// Only the samples in `support` are not zero. All outputs of one decimator
+    /// Only the samples in `support` are not zero. All outputs of one filter
     /// are late by the same half filter.
     pub fn apply(&self, samples: &[f64], support: &Range<usize>) -> Vec<f64> {
         let reach = self.taps.len() - 1;
@@ -148,7 +148,7 @@ fn bessel_i0(x: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::average::absolute_sum;
+    use crate::pairwise::absolute_sum;
     use crate::transform::transform_at;
 
     /// Verified against the transform of all samples: on a full-band signal (a decaying
@@ -161,9 +161,9 @@ mod tests {
             .map(|n| (-2e-3 * f64::from(n)).exp() * (1.0 + 0.5 * f64::from(n % 2)))
             .collect();
         let whole = 0..samples.len();
-        let decimator = Decimator::new(rate, high, samples.len()).unwrap();
-        assert_eq!(decimator.factor(), 12);
-        let fewer = decimator.apply(&samples, &whole);
+        let filter = DecimationFilter::new(rate, high, samples.len()).unwrap();
+        assert_eq!(filter.factor(), 12);
+        let fewer = filter.apply(&samples, &whole);
         assert!(fewer.len() < count as usize / 11);
         let absolute = absolute_sum(&samples) / rate;
         for frequency in [0.0, 400.0, 1_000.0, 2_000.0, 2_700.0] {
@@ -175,11 +175,11 @@ mod tests {
         let mut cut = samples.clone();
         cut[..300].fill(0.0);
         cut[1000..].fill(0.0);
-        assert_eq!(decimator.apply(&samples, &(300..1000)), decimator.apply(&cut, &(300..1000)));
-        let difference: f64 = decimator
+        assert_eq!(filter.apply(&samples, &(300..1000)), filter.apply(&cut, &(300..1000)));
+        let difference: f64 = filter
             .apply(&cut, &whole)
             .iter()
-            .zip(decimator.apply(&cut, &(300..1000)))
+            .zip(filter.apply(&cut, &(300..1000)))
             .map(|(a, b)| (a - b).abs())
             .sum();
         assert!(difference < 1e-12);
@@ -204,9 +204,9 @@ mod tests {
     /// Verified against the documentation: no decimation where there is nothing to gain.
     #[test]
     fn wide_bands_and_short_records_stay() {
-        assert!(Decimator::new(1000.0, 200.0, 10_000).is_none());
-        assert!(Decimator::new(200_000.0, 2_700.0, 300).is_none());
-        assert!(Decimator::new(200_000.0, f64::INFINITY, 10_000).is_none());
-        assert!(Decimator::new(200_000.0, f64::NAN, 10_000).is_none());
+        assert!(DecimationFilter::new(1000.0, 200.0, 10_000).is_none());
+        assert!(DecimationFilter::new(200_000.0, 2_700.0, 300).is_none());
+        assert!(DecimationFilter::new(200_000.0, f64::INFINITY, 10_000).is_none());
+        assert!(DecimationFilter::new(200_000.0, f64::NAN, 10_000).is_none());
     }
 }

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 /// The logarithmic decrement of a free decay.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Decrement {
+pub struct LogarithmicDecrement {
     /// Damping ratio, `delta / sqrt(4 pi^2 + delta^2)`; negative for a growing oscillation.
     pub ratio: f64,
     /// Logarithmic decrement `delta`: the loss of `ln` amplitude per cycle.
@@ -51,7 +51,7 @@ pub fn logarithmic_decrement(
     samples: &[f64],
     sample_rate_hz: f64,
     frequency_hz: f64,
-) -> Option<Decrement> {
+) -> Option<LogarithmicDecrement> {
     let per_cycle = sample_rate_hz / frequency_hz;
     let valid = per_cycle.is_finite() && per_cycle >= 8.0 && frequency_hz > 0.0;
     if !valid || samples.iter().any(|sample| !sample.is_finite()) {
@@ -66,7 +66,7 @@ pub fn logarithmic_decrement(
     let decrement = -2.0 * slope;
     let times: Vec<f64> = extrema[..=heights.len()].iter().map(|e| e.time).collect();
     let (half_cycle, _) = fitted_line(&times);
-    Some(Decrement {
+    Some(LogarithmicDecrement {
         ratio: decrement / (4.0 * PI * PI + decrement * decrement).sqrt(),
         decrement,
         frequency_hz: 0.5 * sample_rate_hz / half_cycle,

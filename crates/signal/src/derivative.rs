@@ -2,7 +2,7 @@
 
 use crate::damping::HalfPower;
 use crate::peak::Peak;
-use crate::response::Response;
+use crate::response::FrequencyResponse;
 use crate::transform::Kernel;
 use realfft::num_complex::Complex64;
 
@@ -24,7 +24,7 @@ struct Place {
 }
 
 impl Place {
-    fn new(response: &Response, frequency_hz: f64) -> Self {
+    fn new(response: &FrequencyResponse, frequency_hz: f64) -> Self {
         let terms = response.transforms_at(frequency_hz);
         Self {
             kernel: Kernel::new(response.sample_rate_hz(), frequency_hz),
@@ -54,7 +54,7 @@ impl Place {
 /// derivatives of the samples. The crossings of half power, where `L` has fallen by `ln 2`, move by
 /// `(L_t(peak) - L_t) / L_f`.
 #[derive(Debug)]
-pub struct PeakTangent {
+pub struct PeakSensitivity {
     peak: Peak,
     top: Place,
     /// `d2 ln |H|^2 / df2` at the peak \[1/Hz^2\].
@@ -62,11 +62,11 @@ pub struct PeakTangent {
     sides: Option<(HalfPower, [(Place, f64); 2])>,
 }
 
-impl PeakTangent {
+impl PeakSensitivity {
     /// The tangent of `peak`; `half_power` are its crossings, if it has any.
     ///
     /// The curvature is that of the samples themselves, `d2X/df2 = dt sum -(2 pi n dt)^2 x_n e`.
-    pub fn new(response: &Response, peak: &Peak, half_power: Option<HalfPower>) -> Self {
+    pub fn new(response: &FrequencyResponse, peak: &Peak, half_power: Option<HalfPower>) -> Self {
         let frequency = peak.frequency_hz;
         let top = Place::new(response, frequency);
         let bend = |[value, slope]: [Complex64; 2], samples: &[f64]| {
@@ -78,7 +78,7 @@ impl PeakTangent {
             let second = second * Complex64::new(0.0, -std::f64::consts::TAU);
             (second / value - (slope / value).powi(2)).re
         };
-        let divided = f64::from(2 * response.route().derivatives()) / (frequency * frequency);
+        let divided = f64::from(2 * response.kind().derivatives()) / (frequency * frequency);
         let curvature = 2.0
             * (bend(top.samples, response.samples()) - bend(top.force, response.force()))
             + divided;
@@ -122,7 +122,7 @@ mod tests {
 
     /// An oscillator struck by a short pulse, and the pulse: samples as functions of frequency,
     /// damping ratio and pulse width.
-    fn hit([natural, ratio, width]: [f64; 3]) -> Response {
+    fn hit([natural, ratio, width]: [f64; 3]) -> FrequencyResponse {
         let omega = std::f64::consts::TAU * natural;
         let damped = omega * (1.0 - ratio * ratio).sqrt();
         let time = |n: usize| n as f64 / RATE;
@@ -132,10 +132,10 @@ mod tests {
         let force: Vec<f64> = (0..6000)
             .map(|n| if time(n) > 20.0 * width { 0.0 } else { time(n) * (-time(n) / width).exp() })
             .collect();
-        Response::from_displacement(&force, &samples, RATE).unwrap()
+        FrequencyResponse::from_displacement(&force, &samples, RATE).unwrap()
     }
 
-    fn measures(response: &Response) -> [f64; 3] {
+    fn measures(response: &FrequencyResponse) -> [f64; 3] {
         let peak =
             find_harmonics(response, 800.0, &HarmonicOptions::default()).fundamental.unwrap();
         let ratio = half_power_crossings(response, &peak).unwrap().ratio();
@@ -150,7 +150,8 @@ mod tests {
         let response = hit(base);
         let peak =
             find_harmonics(&response, 800.0, &HarmonicOptions::default()).fundamental.unwrap();
-        let tangent = PeakTangent::new(&response, &peak, half_power_crossings(&response, &peak));
+        let tangent =
+            PeakSensitivity::new(&response, &peak, half_power_crossings(&response, &peak));
         for parameter in 0..3 {
             let step = 1e-4 * base[parameter];
             let four = [-2.0, -1.0, 1.0, 2.0].map(|place| {
@@ -159,10 +160,11 @@ mod tests {
                 hit(varied)
             });
             let slope = |v: [f64; 4]| (8.0 * (v[2] - v[1]) - (v[3] - v[0])) / (12.0 * step);
-            let rates = |of: &dyn Fn(&Response) -> &[f64]| -> Vec<f64> {
+            let rates = |of: &dyn Fn(&FrequencyResponse) -> &[f64]| -> Vec<f64> {
                 (0..6000).map(|n| slope(four.each_ref().map(|hit| of(hit)[n]))).collect()
             };
-            let (samples, force) = (rates(&Response::samples), rates(&Response::force));
+            let (samples, force) =
+                (rates(&FrequencyResponse::samples), rates(&FrequencyResponse::force));
             let found = tangent.peak(&samples, &force);
             let ratio = tangent.damping_ratio(&samples, &force).unwrap();
             let all = four.each_ref().map(measures);

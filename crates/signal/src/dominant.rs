@@ -3,7 +3,7 @@
 use crate::form::FrfForm;
 use crate::frf::convert;
 use crate::peak::{PowerGrid, refine};
-use crate::response::{Response, Spectra};
+use crate::response::{FrequencyResponse, Spectra};
 
 /// Frequency (Hz) of the largest peak of `|H|` in a band where the force has content.
 ///
@@ -19,7 +19,7 @@ use crate::response::{Response, Spectra};
 /// that of the receptance's maximum, refined on the exact transform, so that
 /// it does not depend on the form. `None` if there is no peak.
 pub fn dominant_frequency(
-    response: &Response,
+    response: &FrequencyResponse,
     band_hz: (f64, f64),
     form: FrfForm,
     force_threshold: f64,
@@ -42,7 +42,7 @@ pub(crate) fn dominant_of(
     let band = response.band(4, high);
     let first = ((low / band.step) as usize).saturating_sub(1).max(1);
     let strongest = band.force.iter().map(|f| f.norm()).fold(0.0, f64::max);
-    let measured = response.route().form();
+    let measured = response.kind().form();
     let motion = if form.is_inverse() { reciprocal(form) } else { form };
     let power = |form: FrfForm| -> Vec<f64> {
         let pairs = band.samples.iter().zip(band.force.iter()).enumerate().skip(first);

@@ -3,12 +3,12 @@
 use thiserror::Error as Derive;
 
 /// The result of this crate's fallible constructors.
-pub type Result<T> = std::result::Result<T, Error>;
+pub(crate) type Result<T> = std::result::Result<T, SignalError>;
 
 /// Why samples were refused.
 #[derive(Debug, Clone, PartialEq, Derive)]
 #[non_exhaustive]
-pub enum Error {
+pub enum SignalError {
     /// A signal without samples has no spectrum.
     #[error("the {signal} has no samples")]
     Empty {
@@ -104,17 +104,17 @@ pub(crate) fn check_positive(quantity: &'static str, value: f64) -> Result<()> {
     if value.is_finite() && value > 0.0 {
         Ok(())
     } else {
-        Err(Error::Option { quantity, value, expected: "positive and finite" })
+        Err(SignalError::Option { quantity, value, expected: "positive and finite" })
     }
 }
 
 /// Refuses an empty signal and one with a sample that is not finite.
 pub(crate) fn check_samples(signal: &'static str, samples: &[f64]) -> Result<()> {
     if samples.is_empty() {
-        return Err(Error::Empty { signal });
+        return Err(SignalError::Empty { signal });
     }
     match samples.iter().position(|sample| !sample.is_finite()) {
-        Some(index) => Err(Error::NotFinite { signal, index, value: samples[index] }),
+        Some(index) => Err(SignalError::NotFinite { signal, index, value: samples[index] }),
         None => Ok(()),
     }
 }
@@ -124,6 +124,6 @@ pub(crate) fn check_rate(sample_rate_hz: f64) -> Result<()> {
     if sample_rate_hz.is_finite() && sample_rate_hz > 0.0 {
         Ok(())
     } else {
-        Err(Error::SampleRate { value: sample_rate_hz })
+        Err(SignalError::SampleRate { value: sample_rate_hz })
     }
 }

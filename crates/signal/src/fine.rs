@@ -1,10 +1,10 @@
 //! A hit whose transforms are wanted at many frequencies.
 
 use crate::form::FrfForm;
+use crate::form::ResponseKind;
 use crate::frf::convert;
 use crate::interpolation::Interpolation;
-use crate::response::{Band, Exact, Response, Ripple, Spectra};
-use crate::route::Route;
+use crate::response::{Band, Exact, FrequencyResponse, Ripple, Spectra};
 use crate::uncertainty::{Term, Terms};
 use realfft::num_complex::Complex64;
 
@@ -14,13 +14,13 @@ use realfft::num_complex::Complex64;
 /// Transforms are those about the middle sample; their ratios do not know.
 #[derive(Debug)]
 pub(crate) struct FineResponse<'a> {
-    response: &'a Response,
+    response: &'a FrequencyResponse,
     force: Interpolation,
     samples: Interpolation,
 }
 
 impl<'a> FineResponse<'a> {
-    pub(crate) fn new(response: &'a Response) -> Self {
+    pub(crate) fn new(response: &'a FrequencyResponse) -> Self {
         let rate = response.sample_rate_hz();
         Self {
             response,
@@ -41,8 +41,8 @@ impl Spectra for FineResponse<'_> {
         }
     }
 
-    fn route(&self) -> Route {
-        self.response.route()
+    fn kind(&self) -> ResponseKind {
+        self.response.kind()
     }
 
     fn force_magnitude(&self, frequency_hz: f64) -> f64 {
@@ -51,7 +51,7 @@ impl Spectra for FineResponse<'_> {
 
     fn receptance_at(&self, frequency_hz: f64) -> Complex64 {
         let ratio = self.samples.value(frequency_hz) / self.force.value(frequency_hz);
-        convert(ratio, frequency_hz, self.route().form(), FrfForm::Receptance)
+        convert(ratio, frequency_hz, self.kind().form(), FrfForm::Receptance)
     }
 
     fn power_and_slope(&self, frequency_hz: f64) -> (f64, f64) {
@@ -66,7 +66,7 @@ impl Spectra for FineResponse<'_> {
 }
 
 impl Exact for FineResponse<'_> {
-    fn response(&self) -> &Response {
+    fn response(&self) -> &FrequencyResponse {
         self.response
     }
 

@@ -2,22 +2,22 @@
 
 mod features;
 
-pub use features::{HitFeatures, Reference};
+pub use features::{FundamentalSearch, HitFeatures};
 
+use crate::average::FrfAverage;
 use crate::error::{Result, check_positive};
-use crate::estimator::FrfEstimator;
+use crate::form::ResponseKind;
 use crate::frf::Frf;
 use crate::harmonics::HarmonicOptions;
 use crate::hit::{
-    Hit, HitLength, HitOptions, Offset, Pulse, QualityOptions, Trigger, Verdict, find_hits,
-    inspect_with,
+    HitLength, HitOptions, HitRecord, Offset, Pulse, QualityIssue, QualityOptions, Trigger,
+    find_hits, issues_with_force,
 };
-use crate::route::Route;
 use crate::window::{ExponentialWindow, ForceWindow};
 
 /// What is done to the signals of a hit before they are transformed.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct ResponseWindows {
+pub struct HitWindows {
     /// Margin and taper of the [`ForceWindow`] around each blow, in seconds; none if `None`.
     pub force_s: Option<(f64, f64)>,
     /// Window of force and response, one at the trigger.
@@ -32,13 +32,13 @@ pub struct HammerOptions {
     /// What is a good hit.
     pub quality: QualityOptions,
     /// What the response is.
-    pub route: Route,
+    pub response_kind: ResponseKind,
     /// Where the fundamental is looked for.
-    pub reference: Reference,
+    pub fundamental: FundamentalSearch,
     /// How the fundamental and the second harmonic are looked for.
     pub harmonics: HarmonicOptions,
     /// Windows.
-    pub windows: ResponseWindows,
+    pub windows: HitWindows,
     /// Band in which the response is noise, in hertz; `None` takes its last tenth for noise.
     pub noise_band_hz: Option<(f64, f64)>,
     /// Half width of the band of the decay, over the fundamental.
@@ -47,20 +47,24 @@ pub struct HammerOptions {
     pub cycles: f64,
     /// Zero padding of the averaged transforms, 1 to 1024.
     pub padding: usize,
-    /// Whether hits with a disqualifying verdict are analysed and averaged like the others.
+    /// Whether hits with a disqualifying issue are analysed and averaged like the others.
     pub keep_all: bool,
 }
 
 impl HammerOptions {
     /// Unwindowed, unpadded; the decay in 0.7 to 1.3 of the fundamental, four cycles a point.
-    pub fn new(hits: HitOptions, route: Route, reference: Reference) -> Self {
+    pub fn new(
+        hits: HitOptions,
+        response_kind: ResponseKind,
+        fundamental: FundamentalSearch,
+    ) -> Self {
         Self {
             hits,
             quality: QualityOptions::default(),
-            route,
-            reference,
+            response_kind,
+            fundamental,
             harmonics: HarmonicOptions::default(),
-            windows: ResponseWindows::default(),
+            windows: HitWindows::default(),
             noise_band_hz: None,
             band_part: 0.3,
             cycles: 4.0,
@@ -80,7 +84,7 @@ pub struct AnalysedHit {
     /// Number of samples.
     pub samples: usize,
     /// What is wrong with it.
-    pub verdicts: Vec<Verdict>,
+    pub issues: Vec<QualityIssue>,
     /// Offset of the force that was taken away.
     pub force_offset: Option<Offset>,
     /// The blow, without offset and before any window.
@@ -92,7 +96,7 @@ pub struct AnalysedHit {
 }
 
 impl AnalysedHit {
-    /// Whether the hit is in the average: no verdict disqualifies it and it can be transformed.
+    /// Whether the hit is in the average: no issue disqualifies it and it can be transformed.
     pub fn is_averaged(&self) -> bool {
         self.frf.is_some()
     }
@@ -106,26 +110,26 @@ pub struct HammerTest {
     /// Every hit, the bad ones too.
     pub hits: Vec<AnalysedHit>,
     /// The average of the good ones.
-    pub average: FrfEstimator,
+    pub average: FrfAverage,
 }
 
 /// Cuts a record into hits, judges and analyses each, and averages the good ones.
 ///
-/// For each hit the force loses its offset at rest, the verdicts are found,
+/// For each hit the force loses its offset at rest, the issues are found,
 /// the windows applied, and for a good hit the features found. A hit with a
-/// disqualifying verdict ([`Verdict::is_disqualifying`]) is kept with its
-/// verdicts and its pulse, and not averaged.
+/// disqualifying issue ([`QualityIssue::is_disqualifying`]) is kept with its
+/// issues and its pulse, and not averaged.
 ///
 /// - `force`: in newtons, positive when the hammer pushes.
-/// - `response`: in metres or m/s^2, as [`HammerOptions::route`] says, sampled with the force.
+/// - `response`: in metres or m/s^2, as [`HammerOptions::response_kind`] says, sampled with the force.
 ///
 /// # Errors
-/// Those of [`find_hits`] and [`FrfEstimator::new`], and
-/// [`Error::Option`](crate::Error::Option) for a band or number of cycles out of range.
+/// Those of [`find_hits`] and [`FrfAverage::new`], and
+/// [`SignalError::Option`](crate::SignalError::Option) for a band or number of cycles out of range.
 ///
 /// ```
 /// use asperity_signal::{
-///     Estimator, HammerOptions, HitLength, HitOptions, Reference, Route, TriggerLevel, hammer_test,
+///     FrfEstimator, HammerOptions, HitLength, HitOptions, FundamentalSearch, ResponseKind, TriggerLevel, hammer_test,
 /// };
 ///
 /// // A 1 kg oscillator at 200 Hz with 2 % of critical damping, struck twice by one sample.
@@ -140,12 +144,12 @@ pub struct HammerTest {
 ///     }
 /// }
 /// let hits = HitOptions {
-///     level: TriggerLevel::Automatic,
+///     trigger_level: TriggerLevel::Automatic,
 ///     pre_trigger: 100,
 ///     length: HitLength::Samples(10_000),
 ///     hold_off: 2_000,
 /// };
-/// let options = HammerOptions::new(hits, Route::Displacement, Reference::Frequency(190.0));
+/// let options = HammerOptions::new(hits, ResponseKind::Displacement, FundamentalSearch::Frequency(190.0));
 /// let test = hammer_test(&force, &displacement, rate, &options)?;
 /// assert_eq!((test.hits.len(), test.average.averages()), (2, 2));
 /// for hit in &test.hits {
@@ -153,7 +157,7 @@ pub struct HammerTest {
 ///     let ratio = features.damping.mean().ok_or("and damping")?;
 ///     assert!((ratio - damping).abs() < 1e-4);
 /// }
-/// let receptance = test.average.frf(Estimator::H1)?;
+/// let receptance = test.average.frf(FrfEstimator::H1)?;
 /// assert_eq!(receptance.len(), 5_001);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -170,7 +174,8 @@ pub fn hammer_test(
         HitLength::Samples(samples) => samples,
         HitLength::UntilNext { .. } => hits.iter().map(|hit| hit.force.len()).max().unwrap_or(1),
     };
-    let mut average = FrfEstimator::new(samples, sample_rate_hz, options.route, options.padding)?;
+    let mut average =
+        FrfAverage::new(samples, sample_rate_hz, options.response_kind, options.padding)?;
     let hits = hits.into_iter().map(|hit| analyse_hit(hit, options, &mut average)).collect();
     Ok(HammerTest { trigger, hits, average })
 }
@@ -182,9 +187,9 @@ pub fn hammer_test(
 /// the first of the hit. A hit that cannot be transformed has neither features nor part in the
 /// average.
 pub fn analyse_hit(
-    mut hit: Hit,
+    mut hit: HitRecord,
     options: &HammerOptions,
-    average: &mut FrfEstimator,
+    average: &mut FrfAverage,
 ) -> AnalysedHit {
     let rate = hit.sample_rate_hz;
     let force_offset = Offset::at_rest(&hit.force);
@@ -192,14 +197,14 @@ pub fn analyse_hit(
     if let Some(offset) = &force_offset {
         offset.remove(&mut force);
     }
-    let verdicts = inspect_with(&hit, &force, &options.quality);
+    let issues = issues_with_force(&hit, &force, &options.quality);
     hit.force = force;
     let pulse = Pulse::of(&hit.force, rate);
     let mut found = AnalysedHit {
         start: hit.start,
         trigger: hit.trigger,
         samples: hit.force.len(),
-        verdicts,
+        issues,
         force_offset,
         pulse,
         frf: None,
@@ -208,7 +213,7 @@ pub fn analyse_hit(
     let (Some(pulse), Some(measured)) = (pulse, hit.responses.first().cloned()) else {
         return found;
     };
-    if !options.keep_all && found.verdicts.iter().any(Verdict::is_disqualifying) {
+    if !options.keep_all && found.issues.iter().any(QualityIssue::is_disqualifying) {
         return found;
     }
     if let Some((margin, taper)) = options.windows.force_s {
@@ -218,7 +223,7 @@ pub fn analyse_hit(
         let windowed = std::iter::once(&mut hit.force).chain(&mut hit.responses);
         windowed.for_each(|samples| window.apply(samples, rate, hit.trigger));
     }
-    let Ok(response) = hit.response(0, options.route) else {
+    let Ok(response) = hit.response(0, options.response_kind) else {
         return found;
     };
     // What a response accepts, the average accepts, of this length at most.

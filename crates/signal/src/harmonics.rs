@@ -1,7 +1,7 @@
 //! The fundamental and the second harmonic of a hit.
 
 use crate::peak::{Peak, PowerGrid, refine};
-use crate::response::{Response, Spectra};
+use crate::response::{FrequencyResponse, Spectra};
 use realfft::num_complex::Complex64;
 
 /// How [`find_harmonics`] searches.
@@ -85,7 +85,7 @@ impl Harmonics {
 /// Limiting case: a linear oscillator of natural frequency `f0` has its
 /// fundamental at `f0 sqrt(1 - 2 zeta^2)` and no second harmonic.
 pub fn find_harmonics(
-    response: &Response,
+    response: &FrequencyResponse,
     static_frequency_hz: f64,
     options: &HarmonicOptions,
 ) -> Harmonics {
@@ -129,7 +129,7 @@ impl<'a, R: Spectra> Search<'a, R> {
         let band = response.band(options.padding.max(2), high);
         // One point beyond each end, so that a maximum next to it is seen.
         let first = ((low / band.step) as usize).saturating_sub(1).max(1);
-        let twice = 2 * response.route().derivatives();
+        let twice = 2 * response.kind().derivatives();
         let power = band
             .samples
             .iter()

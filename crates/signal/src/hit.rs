@@ -1,6 +1,6 @@
 //! One hit cut out of a record, and how records are cut.
 //!
-//! [`HitFinder`] cuts, [`inspect`] judges, [`Pulse`] describes the blow and
+//! [`HitFinder`] cuts, [`quality_issues`] judges, [`Pulse`] describes the blow and
 //! [`Offset`] takes the sensors' offset away.
 
 mod double;
@@ -8,25 +8,25 @@ mod fault;
 mod finder;
 mod offset;
 mod pulse;
+mod quality;
 mod trigger;
-mod verdict;
 
 pub use double::{DoubleHit, double_hits};
 pub use finder::HitFinder;
 pub use offset::{Offset, OffsetSource};
 pub use pulse::Pulse;
+pub use quality::{HitChannel, QualityIssue, QualityOptions, quality_issues};
 pub use trigger::{HitLength, HitOptions, Trigger, TriggerLevel, find_hits};
-pub use verdict::{Channel, QualityOptions, Verdict, inspect};
 
-pub(crate) use verdict::inspect_with;
+pub(crate) use quality::issues_with_force;
 
-use crate::error::{Error, Result};
-use crate::response::Response;
-use crate::route::Route;
+use crate::error::{Result, SignalError};
+use crate::form::ResponseKind;
+use crate::response::FrequencyResponse;
 
 /// The samples of one hit: the force and every response measured with it.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Hit {
+pub struct HitRecord {
     /// Index in the record of the first sample.
     pub start: u64,
     /// Index in the hit of the first sample at or above the trigger level.
@@ -41,17 +41,19 @@ pub struct Hit {
     pub missing: usize,
 }
 
-impl Hit {
-    /// Force and one response as a [`Response`].
+impl HitRecord {
+    /// Force and one response as a [`FrequencyResponse`].
     ///
     /// # Errors
-    /// [`Error::Channels`] for a channel there is not, and those of
-    /// [`Response::from_displacement`].
-    pub fn response(&self, channel: usize, route: Route) -> Result<Response> {
+    /// [`SignalError::Channels`] for a channel there is not, and those of
+    /// [`FrequencyResponse::from_displacement`].
+    pub fn response(&self, channel: usize, kind: ResponseKind) -> Result<FrequencyResponse> {
         let found = self.responses.len();
-        let samples =
-            self.responses.get(channel).ok_or(Error::Channels { found, expected: channel + 1 })?;
-        Response::new(&self.force, samples, self.sample_rate_hz, route)
+        let samples = self
+            .responses
+            .get(channel)
+            .ok_or(SignalError::Channels { found, expected: channel + 1 })?;
+        FrequencyResponse::new(&self.force, samples, self.sample_rate_hz, kind)
     }
 
     /// Time of a sample after the hit's first, in seconds.

@@ -190,7 +190,7 @@ fn large_bessel_i0(x: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::average::absolute_sum;
+    use crate::pairwise::absolute_sum;
     use crate::transform::Kernel;
 
     fn noise(count: usize) -> Vec<f64> {

@@ -9,7 +9,7 @@
 //! ```
 //!
 //! evaluated on a grid by FFT ([`Spectrum`]) or at any single frequency
-//! ([`transform_at`]). The receptance `H(f) = U(f) / F(f)` of a [`Response`]
+//! ([`transform_at`]). The receptance `H(f) = U(f) / F(f)` of a [`FrequencyResponse`]
 //! follows, and from it the observables of a vibration test: the fundamental
 //! and its second harmonic ([`find_harmonics`]), damping from the half-power
 //! width ([`half_power`]) or from the decay itself ([`logarithmic_decrement`]),
@@ -21,14 +21,14 @@
 //! | step | by |
 //! |---|---|
 //! | cut a record or a stream into hits | [`find_hits`], [`HitFinder`] |
-//! | judge them | [`inspect`], [`Verdict`] |
+//! | judge them | [`quality_issues`], [`QualityIssue`] |
 //! | describe the blow, take the offset away | [`Pulse`], [`Offset`] |
 //! | window, and undo what the window did | [`ForceWindow`], [`ExponentialWindow`] |
 //! | find where the fundamental is | [`dominant_frequency`], [`find_harmonics`] |
-//! | say how it follows a parameter | [`PeakTangent`] |
+//! | say how it follows a parameter | [`PeakSensitivity`] |
 //! | say how sure it is | [`peak_uncertainty`], [`white_density`], [`band_density`] |
 //! | damping, three ways | [`half_power`], [`circle_fit`], [`logarithmic_decrement`] |
-//! | average: H1, H2, Hv, coherence | [`FrfEstimator`] |
+//! | average: H1, H2, Hv, coherence | [`FrfAverage`] |
 //! | frequency and damping against amplitude | [`backbone`], [`BandPass`] |
 //!
 //! A peak is a true local maximum of `|H|` refined on the transform itself.
@@ -39,7 +39,7 @@
 //! no contact, no units beyond those in the documentation.
 //!
 //! ```
-//! use asperity_signal::{HarmonicOptions, Response, find_harmonics, half_power};
+//! use asperity_signal::{HarmonicOptions, FrequencyResponse, find_harmonics, half_power};
 //!
 //! // A 1 kg oscillator at 800 Hz with 3.5 % of critical damping, struck by an impulse.
 //! let (rate, natural, damping) = (2.0e5, 800.0, 0.035_f64);
@@ -52,7 +52,7 @@
 //! let mut force = vec![0.0; displacement.len()];
 //! force[0] = rate;
 //!
-//! let hit = Response::from_displacement(&force, &displacement, rate)?;
+//! let hit = FrequencyResponse::from_displacement(&force, &displacement, rate)?;
 //! let found = find_harmonics(&hit, 820.0, &HarmonicOptions::default());
 //! let peak = found.fundamental.ok_or("a linear oscillator has a peak")?;
 //! assert!((peak.frequency_hz - natural * (1.0 - 2.0 * damping * damping).sqrt()).abs() < 0.1);
@@ -68,7 +68,6 @@ mod decrement;
 mod derivative;
 mod dominant;
 mod error;
-mod estimator;
 mod fine;
 mod form;
 mod frf;
@@ -76,51 +75,51 @@ mod hammer;
 mod harmonics;
 mod hit;
 mod interpolation;
-mod mask;
 mod noise;
+mod pairwise;
 mod peak;
 mod response;
 mod ring_down;
 mod root;
-mod route;
 mod shared_force;
 mod spectrum;
 mod transform;
 mod uncertainty;
 mod window;
 
-pub use average::average_stiffness;
+pub use average::{
+    Coherence, FrfAverage, FrfEstimator, HvScaling, MagnitudeSpread, SpectralDensity,
+};
 pub use damping::{
     CircleFit, DampingComparison, HalfPower, circle_fit, circle_fit_of, half_power,
     half_power_crossings, half_power_of,
 };
-pub use decimate::Decimator;
-pub use decrement::{Decrement, logarithmic_decrement};
-pub use derivative::{PeakDerivative, PeakTangent};
+pub use decimate::DecimationFilter;
+pub use decrement::{LogarithmicDecrement, logarithmic_decrement};
+pub use derivative::{PeakDerivative, PeakSensitivity};
 pub use dominant::dominant_frequency;
-pub use error::{Error, Result};
-pub use estimator::{Coherence, Density, Estimator, FrfEstimator, HvScaling, MagnitudeSpread};
-pub use form::FrfForm;
-pub use frf::Frf;
+pub use error::SignalError;
+pub use form::{FrfForm, ResponseKind};
+pub use frf::{ForceMask, Frf};
 pub use hammer::{
-    AnalysedHit, HammerOptions, HammerTest, HitFeatures, Reference, ResponseWindows, analyse_hit,
-    hammer_test,
+    AnalysedHit, FundamentalSearch, HammerOptions, HammerTest, HitFeatures, HitWindows,
+    analyse_hit, hammer_test,
 };
 pub use harmonics::{HarmonicOptions, Harmonics, find_harmonics};
 pub use hit::{
-    Channel, DoubleHit, Hit, HitFinder, HitLength, HitOptions, Offset, OffsetSource, Pulse,
-    QualityOptions, Trigger, TriggerLevel, Verdict, double_hits, find_hits, inspect,
+    DoubleHit, HitChannel, HitFinder, HitLength, HitOptions, HitRecord, Offset, OffsetSource,
+    Pulse, QualityIssue, QualityOptions, Trigger, TriggerLevel, double_hits, find_hits,
+    quality_issues,
 };
-pub use mask::ForceMask;
 pub use noise::{RobustLevel, band_density, robust_level, white_density};
+pub use pairwise::average_stiffness;
 pub use peak::Peak;
 pub use realfft::num_complex::Complex64;
-pub use response::Response;
+pub use response::FrequencyResponse;
 pub use ring_down::{
     Backbone, BackboneOptions, BackbonePoint, BandPass, analytic_signal, backbone,
 };
-pub use route::Route;
-pub use shared_force::{Observed, SharedForce};
+pub use shared_force::{SharedForce, SharedForceFeatures};
 pub use spectrum::{Spectrum, fast_length};
 pub use transform::{transform_at, transform_pair_at};
 pub use uncertainty::{NoiseDensity, PeakUncertainty, peak_uncertainty, ratio_uncertainty};

@@ -1,12 +1,12 @@
 //! One hit: a force and what it caused.
 
-use crate::average::absolute_sum;
-use crate::decimate::Decimator;
-use crate::error::{Error, Result, check_rate, check_samples};
+use crate::decimate::DecimationFilter;
+use crate::error::{Result, SignalError, check_rate, check_samples};
 use crate::form::FrfForm;
+use crate::form::ResponseKind;
+use crate::frf::ForceMask;
 use crate::frf::{Frf, convert};
-use crate::mask::ForceMask;
-use crate::route::Route;
+use crate::pairwise::absolute_sum;
 use crate::spectrum::{PADDING_LIMIT, Spectrum, fast_length};
 use crate::transform::Kernel;
 use crate::uncertainty::{Term, Terms};
@@ -24,20 +24,20 @@ use std::ops::Range;
 /// H(f) = A(f) / (-(2 pi f)^2 F(f))         from acceleration,   [m/N]
 /// ```
 ///
-/// over the whole record with a rectangular window. The routes agree when
+/// over the whole record with a rectangular window. The kinds agree when
 /// the record starts at rest and has decayed at its end: they differ by the
 /// displacement and velocity left there, over `2 pi f` and `(2 pi f)^2`.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Response {
+pub struct FrequencyResponse {
     force: Vec<f64>,
     samples: Vec<f64>,
-    route: Route,
+    kind: ResponseKind,
     sample_rate_hz: f64,
     /// From the first to the last force sample that is not zero.
     contact: Range<usize>,
 }
 
-impl Response {
+impl FrequencyResponse {
     /// A hit measured or computed as displacement.
     ///
     /// - `force`: in newtons, the first sample at time zero.
@@ -45,58 +45,61 @@ impl Response {
     /// - `sample_rate_hz`: positive, in hertz.
     ///
     /// # Errors
-    /// [`Error::Empty`], [`Error::LengthMismatch`], [`Error::NotFinite`],
-    /// [`Error::SampleRate`], [`Error::NoForce`].
+    /// [`SignalError::Empty`], [`SignalError::LengthMismatch`], [`SignalError::NotFinite`],
+    /// [`SignalError::SampleRate`], [`SignalError::NoForce`].
     pub fn from_displacement(
         force: &[f64],
         displacement: &[f64],
         sample_rate_hz: f64,
     ) -> Result<Self> {
-        Self::new(force, displacement, sample_rate_hz, Route::Displacement)
+        Self::new(force, displacement, sample_rate_hz, ResponseKind::Displacement)
     }
 
     /// A hit measured as velocity, in m/s.
     ///
     /// # Errors
-    /// Those of [`Response::from_displacement`].
+    /// Those of [`FrequencyResponse::from_displacement`].
     pub fn from_velocity(force: &[f64], velocity: &[f64], sample_rate_hz: f64) -> Result<Self> {
-        Self::new(force, velocity, sample_rate_hz, Route::Velocity)
+        Self::new(force, velocity, sample_rate_hz, ResponseKind::Velocity)
     }
 
     /// A hit measured or computed as acceleration, in m/s^2.
     ///
     /// # Errors
-    /// Those of [`Response::from_displacement`].
+    /// Those of [`FrequencyResponse::from_displacement`].
     pub fn from_acceleration(
         force: &[f64],
         acceleration: &[f64],
         sample_rate_hz: f64,
     ) -> Result<Self> {
-        Self::new(force, acceleration, sample_rate_hz, Route::Acceleration)
+        Self::new(force, acceleration, sample_rate_hz, ResponseKind::Acceleration)
     }
 
     pub(crate) fn new(
         force: &[f64],
         samples: &[f64],
         sample_rate_hz: f64,
-        route: Route,
+        kind: ResponseKind,
     ) -> Result<Self> {
         check_samples("force", force)?;
-        check_samples(route.name(), samples)?;
+        check_samples(kind.name(), samples)?;
         check_rate(sample_rate_hz)?;
         if force.len() != samples.len() {
-            return Err(Error::LengthMismatch { force: force.len(), response: samples.len() });
+            return Err(SignalError::LengthMismatch {
+                force: force.len(),
+                response: samples.len(),
+            });
         }
         let nonzero = |value: &f64| *value != 0.0;
         let (Some(first), Some(last)) =
             (force.iter().position(nonzero), force.iter().rposition(nonzero))
         else {
-            return Err(Error::NoForce { samples: force.len() });
+            return Err(SignalError::NoForce { samples: force.len() });
         };
         Ok(Self {
             force: force.to_vec(),
             samples: samples.to_vec(),
-            route,
+            kind,
             sample_rate_hz,
             contact: first..last + 1,
         })
@@ -106,7 +109,7 @@ impl Response {
     ///
     /// `padding` is clamped to 1 to 1024, see [`Spectrum::new`]. From
     /// velocity or acceleration the value at zero frequency is NaN; where the force has no
-    /// content at all the value is not finite ([`Response::force_mask`]).
+    /// content at all the value is not finite ([`FrequencyResponse::force_mask`]).
     pub fn receptance(&self, padding: usize) -> Frf {
         let length = self.padded_length(padding);
         let force = Spectrum::padded_to(&self.force, self.sample_rate_hz, length);
@@ -135,7 +138,7 @@ impl Response {
 
     /// Where the force has at least `threshold` of its largest spectral magnitude.
     ///
-    /// On the grid of [`Response::receptance`] with the same `padding`. A
+    /// On the grid of [`FrequencyResponse::receptance`] with the same `padding`. A
     /// `threshold` of 0.02 leaves the main lobe of any hammer pulse and cuts
     /// the zeros between its side lobes.
     pub fn force_mask(&self, padding: usize, threshold: f64) -> ForceMask {
@@ -161,14 +164,14 @@ impl Response {
         &self.force
     }
 
-    /// The response samples, in the unit of the route.
+    /// The response samples, in the unit of the kind.
     pub fn samples(&self) -> &[f64] {
         &self.samples
     }
 
     /// What the response samples are.
-    pub fn route(&self) -> Route {
-        self.route
+    pub fn kind(&self) -> ResponseKind {
+        self.kind
     }
 
     /// From the first to the last force sample that is not zero.
@@ -178,7 +181,7 @@ impl Response {
 
     /// `|H|^2` and the derivative of its logarithm with frequency \[1/Hz\].
     ///
-    /// `d ln |H|^2 / df = 2 Re (X'/X - F'/F)`, and `-2/f` more for each derivative of the route.
+    /// `d ln |H|^2 / df = 2 Re (X'/X - F'/F)`, and `-2/f` more for each derivative of the kind.
     pub(crate) fn power_and_slope(&self, frequency_hz: f64) -> (f64, f64) {
         let kernel = Kernel::new(self.sample_rate_hz, frequency_hz);
         let response = kernel.transform_and_slope(&self.samples, 0);
@@ -195,7 +198,7 @@ impl Response {
         (f, df): (Complex64, Complex64),
     ) -> (f64, f64) {
         let ratio = convert(x / f, frequency_hz, self.form(), FrfForm::Receptance);
-        let derivatives = f64::from(self.route.derivatives()) / frequency_hz;
+        let derivatives = f64::from(self.kind.derivatives()) / frequency_hz;
         (ratio.norm_sqr(), 2.0 * ((dx / x - df / f).re - derivatives))
     }
 
@@ -224,7 +227,7 @@ impl Response {
         let tail = &self.samples[self.samples.len().saturating_sub(count)..];
         let left = tail.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
         let omega = std::f64::consts::TAU * frequency_hz;
-        let scale = 1.0 / (omega.powi(self.route.derivatives()) * force);
+        let scale = 1.0 / (omega.powi(self.kind.derivatives()) * force);
         Ripple {
             leakage: left / omega * scale,
             rounding: 1e-14 * absolute_sum(&self.samples) / self.sample_rate_hz * scale,
@@ -236,12 +239,12 @@ impl Response {
     /// Up to one common phase and to 1e-9 of their largest values, from
     /// decimated samples where that pays.
     pub(crate) fn band(&self, padding: usize, high: f64) -> Band<'static> {
-        let decimator = Decimator::new(self.sample_rate_hz, high, self.samples.len());
-        let (force, samples, rate) = match &decimator {
-            Some(decimator) => (
-                Cow::Owned(decimator.apply(&self.force, &self.contact)),
-                Cow::Owned(decimator.apply(&self.samples, &(0..self.samples.len()))),
-                self.sample_rate_hz / decimator.factor() as f64,
+        let filter = DecimationFilter::new(self.sample_rate_hz, high, self.samples.len());
+        let (force, samples, rate) = match &filter {
+            Some(filter) => (
+                Cow::Owned(filter.apply(&self.force, &self.contact)),
+                Cow::Owned(filter.apply(&self.samples, &(0..self.samples.len()))),
+                self.sample_rate_hz / filter.factor() as f64,
             ),
             None => (
                 Cow::Borrowed(self.force.as_slice()),
@@ -270,7 +273,7 @@ impl Response {
     }
 
     fn form(&self) -> FrfForm {
-        self.route.form()
+        self.kind.form()
     }
 }
 
@@ -279,7 +282,7 @@ pub(crate) trait Spectra {
     /// The transforms from zero to just beyond `high` (Hz), on a grid of at least `padding`.
     fn band(&self, padding: usize, high: f64) -> Band<'_>;
     /// What the response samples are.
-    fn route(&self) -> Route;
+    fn kind(&self) -> ResponseKind;
     /// Magnitude of the force's transform \[N s\].
     fn force_magnitude(&self, frequency_hz: f64) -> f64;
     /// Receptance \[m/N\].
@@ -293,13 +296,13 @@ pub(crate) trait Spectra {
 /// Spectra of one hit's own samples, at any frequency.
 pub(crate) trait Exact: Spectra {
     /// The hit.
-    fn response(&self) -> &Response;
+    fn response(&self) -> &FrequencyResponse;
     /// The transforms with their derivatives at a frequency (Hz), up to one common phase.
     fn transforms_at(&self, frequency_hz: f64) -> Terms;
 }
 
-impl Exact for Response {
-    fn response(&self) -> &Response {
+impl Exact for FrequencyResponse {
+    fn response(&self) -> &FrequencyResponse {
         self
     }
 
@@ -308,13 +311,13 @@ impl Exact for Response {
     }
 }
 
-impl Spectra for Response {
+impl Spectra for FrequencyResponse {
     fn band(&self, padding: usize, high: f64) -> Band<'_> {
         Self::band(self, padding, high)
     }
 
-    fn route(&self) -> Route {
-        self.route
+    fn kind(&self) -> ResponseKind {
+        self.kind
     }
 
     fn force_magnitude(&self, frequency_hz: f64) -> f64 {

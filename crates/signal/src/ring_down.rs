@@ -10,7 +10,7 @@ mod local;
 pub use analytic::analytic_signal;
 pub use band_pass::BandPass;
 
-use crate::error::{Error, Result, check_positive, check_rate, check_samples};
+use crate::error::{Result, SignalError, check_positive, check_rate, check_samples};
 use local::Polar;
 use realfft::num_complex::Complex64;
 
@@ -42,14 +42,14 @@ impl BackboneOptions {
         check_positive("the edge level", self.edge_level)?;
         if !(self.cycles >= 1.0 && self.cycles.is_finite()) {
             let (value, expected) = (self.cycles, "at least 1 and finite");
-            return Err(Error::Option { quantity: "the cycles of a line", value, expected });
+            return Err(SignalError::Option { quantity: "the cycles of a line", value, expected });
         }
         let named =
             [("the noise density", self.noise_density), ("the noise factor", self.noise_factor)];
         for (quantity, value) in named {
             if !(value >= 0.0 && value.is_finite()) {
                 let expected = "not negative, and finite";
-                return Err(Error::Option { quantity, value, expected });
+                return Err(SignalError::Option { quantity, value, expected });
             }
         }
         Ok(())
@@ -114,8 +114,8 @@ const ROUNDING: f64 = 1e-11;
 /// amplitude. No band, no backbone: with two modes inside, they beat.
 ///
 /// # Errors
-/// [`Error::Empty`], [`Error::NotFinite`], [`Error::SampleRate`],
-/// [`Error::Option`] also for a band beyond half the sample rate.
+/// [`SignalError::Empty`], [`SignalError::NotFinite`], [`SignalError::SampleRate`],
+/// [`SignalError::Option`] also for a band beyond half the sample rate.
 ///
 /// Source: M. Feldman, "Non-linear free vibration identification via the
 /// Hilbert transform", J. Sound Vib. 208 (1997), 475-489.

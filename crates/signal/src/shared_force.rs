@@ -9,9 +9,9 @@ use realfft::num_complex::Complex64;
 use realfft::{RealFftPlanner, RealToComplex};
 
 use crate::damping::half_power_of;
+use crate::form::ResponseKind;
 use crate::harmonics::{HarmonicOptions, Harmonics, harmonics_of};
 use crate::response::{Band, Ripple, Spectra};
-use crate::route::Route;
 use crate::spectrum::fast_length;
 use crate::transform::transform_at;
 
@@ -31,7 +31,7 @@ const BELIEVED: f64 = 1e-6;
 /// is computed on a grid by one short FFT, about the centre of its energy, where it varies slowly
 /// from point to point; peaks and half-power points are then found on its interpolation, which is
 /// checked against the exact transform at the fundamental. Meant for records thinned by a
-/// [`Decimator`](crate::Decimator) to the band of interest.
+/// [`DecimationFilter`](crate::DecimationFilter) to the band of interest.
 ///
 /// Answers are those of [`find_harmonics`](crate::find_harmonics) and
 /// [`half_power`](crate::half_power) to 1e-6.
@@ -46,7 +46,7 @@ pub struct SharedForce {
 
 /// What [`SharedForce::analyse`] found.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Observed {
+pub struct SharedForceFeatures {
     /// Fundamental and second harmonic.
     pub harmonics: Harmonics,
     /// Damping ratio of the fundamental from its half-power width.
@@ -93,7 +93,7 @@ impl SharedForce {
         factor: f64,
         static_frequency_hz: f64,
         options: &HarmonicOptions,
-    ) -> Option<Observed> {
+    ) -> Option<SharedForceFeatures> {
         if displacement.len() != self.samples.len() || factor == 0.0 {
             return None;
         }
@@ -103,7 +103,7 @@ impl SharedForce {
         let hit = SharedHit { shared: self, displacement, response, factor };
         let harmonics = harmonics_of(&hit, static_frequency_hz, options);
         let Some(first) = harmonics.fundamental else {
-            return Some(Observed { harmonics, damping_ratio: None });
+            return Some(SharedForceFeatures { harmonics, damping_ratio: None });
         };
         let f = first.frequency_hz;
         let exact = transform_at(displacement, self.rate, f).norm()
@@ -117,7 +117,7 @@ impl SharedForce {
         let highest = (self.keep - POINTS) as f64 * hit.step();
         let crossings = half_power_of(power, f, first_step, highest);
         let damping_ratio = crossings.map(|crossings| crossings.ratio());
-        Some(Observed { harmonics, damping_ratio })
+        Some(SharedForceFeatures { harmonics, damping_ratio })
     }
 }
 
@@ -255,8 +255,8 @@ impl Spectra for SharedHit<'_> {
         }
     }
 
-    fn route(&self) -> Route {
-        Route::Displacement
+    fn kind(&self) -> ResponseKind {
+        ResponseKind::Displacement
     }
 
     fn force_magnitude(&self, frequency_hz: f64) -> f64 {

@@ -1,6 +1,6 @@
 //! The Fourier sum on the whole grid of an FFT.
 
-use crate::error::{Error, Result, check_rate, check_samples};
+use crate::error::{Result, SignalError, check_rate, check_samples};
 use realfft::RealFftPlanner;
 use realfft::num_complex::Complex64;
 use std::cell::RefCell;
@@ -37,12 +37,12 @@ impl Spectrum {
     /// - `padding`: 1 (none) to 1024.
     ///
     /// # Errors
-    /// [`Error::Empty`], [`Error::NotFinite`], [`Error::SampleRate`], [`Error::Padding`].
+    /// [`SignalError::Empty`], [`SignalError::NotFinite`], [`SignalError::SampleRate`], [`SignalError::Padding`].
     pub fn new(samples: &[f64], sample_rate_hz: f64, padding: usize) -> Result<Self> {
         check_samples("signal", samples)?;
         check_rate(sample_rate_hz)?;
         if !(1..=PADDING_LIMIT).contains(&padding) {
-            return Err(Error::Padding { value: padding, limit: PADDING_LIMIT });
+            return Err(SignalError::Padding { value: padding, limit: PADDING_LIMIT });
         }
         let length = fast_length(padding * samples.len());
         Ok(Self::padded_to(samples, sample_rate_hz, length))

@@ -1,7 +1,7 @@
 //! What noise does to a peak.
 
 use crate::peak::Peak;
-use crate::response::{Exact, Response};
+use crate::response::{Exact, FrequencyResponse};
 use realfft::num_complex::Complex64;
 use std::f64::consts::TAU;
 use std::ops::Range;
@@ -69,7 +69,7 @@ impl PeakUncertainty {
 ///
 /// `None` if the densities are negative or not finite, or the peak is flat.
 pub fn peak_uncertainty(
-    response: &Response,
+    response: &FrequencyResponse,
     peak: &Peak,
     noise: NoiseDensity,
 ) -> Option<PeakUncertainty> {

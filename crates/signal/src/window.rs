@@ -1,8 +1,8 @@
 //! Windows for transients, and what they do to a frequency response function.
 
 use crate::error::{Result, check_positive};
+use crate::form::ResponseKind;
 use crate::hit::{Offset, Pulse};
-use crate::route::Route;
 use realfft::num_complex::Complex64;
 use std::f64::consts::{PI, TAU};
 
@@ -87,7 +87,7 @@ impl ExponentialWindow {
     /// A window of time constant `tau_s`, in seconds.
     ///
     /// # Errors
-    /// [`Error::Option`](crate::Error::Option) unless it is positive and finite.
+    /// [`SignalError::Option`](crate::SignalError::Option) unless it is positive and finite.
     pub fn new(tau_s: f64) -> Result<Self> {
         check_positive("the time constant", tau_s)?;
         Ok(Self { tau: tau_s })
@@ -96,7 +96,7 @@ impl ExponentialWindow {
     /// The window that falls to `fraction` (between 0 and 1) at a time (seconds).
     ///
     /// # Errors
-    /// [`Error::Option`](crate::Error::Option) unless that is a falling window.
+    /// [`SignalError::Option`](crate::SignalError::Option) unless that is a falling window.
     pub fn falling_to(fraction: f64, after_s: f64) -> Result<Self> {
         Self::new(-after_s / fraction.ln())
     }
@@ -158,7 +158,7 @@ impl ExponentialWindow {
         if without > 0.0 { magnitude * sigma / without } else { f64::NAN }
     }
 
-    /// The receptance on `s = i w + 1/tau` from what [`Response`](crate::Response) made of it.
+    /// The receptance on `s = i w + 1/tau` from what [`FrequencyResponse`](crate::FrequencyResponse) made of it.
     ///
     /// From acceleration that divides by `(i w)^2` where windowed signals need
     /// `s^2`, from velocity by `i w` for `s`; this puts it right. From displacement there is
@@ -167,10 +167,10 @@ impl ExponentialWindow {
         &self,
         frequency_hz: f64,
         receptance: Complex64,
-        route: Route,
+        kind: ResponseKind,
     ) -> Complex64 {
         let on_axis = Complex64::new(0.0, TAU * frequency_hz);
         let ratio = on_axis / (on_axis + self.rate());
-        (0..route.derivatives()).fold(receptance, |value, _| value * ratio)
+        (0..kind.derivatives()).fold(receptance, |value, _| value * ratio)
     }
 }

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use asperity_dynamics::DynamicsError;
 use asperity_harmonic::HarmonicError;
 use asperity_law::LawError;
-use asperity_signal::Error as SignalError;
+use asperity_signal::SignalError;
 use thiserror::Error;
 
 use asperity_scenario::document::DocumentError;

@@ -1,7 +1,7 @@
 //! Simulated runs as the records of a measurement.
 
 use asperity_dynamics::History;
-use asperity_measure::{Abscissa, Channel, ChannelUnit, Origin, Quantity, Record, Samples};
+use asperity_measure::{Abscissa, Channel, ChannelQuantity, ChannelUnit, Origin, Record, Samples};
 
 /// Force, acceleration and displacement of a run, as a data acquisition system
 /// would have recorded them at the output rate (Hz).
@@ -17,9 +17,9 @@ pub fn measured_record(history: &History, rate_hz: f64, title: Option<&str>) -> 
     };
     Record {
         channels: vec![
-            channel("force", "N", Quantity::Force, &history.force),
-            channel("acceleration", "m/s^2", Quantity::Acceleration, &history.acceleration),
-            channel("displacement", "m", Quantity::Displacement, &history.displacement),
+            channel("force", "N", ChannelQuantity::Force, &history.force),
+            channel("acceleration", "m/s^2", ChannelQuantity::Acceleration, &history.acceleration),
+            channel("displacement", "m", ChannelQuantity::Displacement, &history.displacement),
         ],
         continues: false,
         title: title.unwrap_or_default().to_owned(),

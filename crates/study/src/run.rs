@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use asperity_dynamics::{Transient, modes};
 use asperity_signal::{
-    Frf, HarmonicOptions, Response, average_stiffness, find_harmonics, half_power,
+    FrequencyResponse, Frf, HarmonicOptions, average_stiffness, find_harmonics, half_power,
     logarithmic_decrement,
 };
 
@@ -169,12 +169,15 @@ pub fn receptance(run: &Run) -> Result<Option<Frf>, StudyError> {
     Ok(Some(frf))
 }
 
-fn displacement_response(transient: &Transient, rate: f64) -> Result<Option<Response>, StudyError> {
+fn displacement_response(
+    transient: &Transient,
+    rate: f64,
+) -> Result<Option<FrequencyResponse>, StudyError> {
     let history = &transient.history;
     if history.force.iter().all(|&force| force == 0.0) {
         return Ok(None);
     }
-    Ok(Some(Response::from_displacement(&history.force, &history.displacement, rate)?))
+    Ok(Some(FrequencyResponse::from_displacement(&history.force, &history.displacement, rate)?))
 }
 
 /// Damping ratio of the displacement once the force has died down to a

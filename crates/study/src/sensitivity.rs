@@ -9,7 +9,7 @@ mod observables;
 mod varied;
 
 use asperity_dynamics::{Batch, DynamicsError, Integrator};
-use asperity_signal::Error as SignalError;
+use asperity_signal::SignalError;
 use serde::Serialize;
 use thiserror::Error;
 

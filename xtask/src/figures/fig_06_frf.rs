@@ -2,7 +2,7 @@
 
 use anyhow::{Context, Result};
 use asperity_figure::{Axis, Color, Figure, Legend, Panel, Series, Table};
-use asperity_signal::Response;
+use asperity_signal::FrequencyResponse;
 use asperity_study::summary::Summary;
 
 use super::style;
@@ -29,7 +29,7 @@ fn compute(rig: &Rig) -> Result<Computed> {
         let case = rig.struck(law, 32.0)?;
         let run = rig.run(&case)?;
         let history = &run.transient.history;
-        let response = Response::from_displacement(
+        let response = FrequencyResponse::from_displacement(
             &history.force,
             &history.displacement,
             case.scenario.output_rate_hz,

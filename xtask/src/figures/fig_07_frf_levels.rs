@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 use asperity_figure::{Axis, Color, ColorBar, Figure, Legend, Panel, Series, Table};
-use asperity_signal::Response;
+use asperity_signal::FrequencyResponse;
 
 use super::levels::yes;
 use super::style;
@@ -37,7 +37,8 @@ fn compute(rig: &Rig) -> Result<Computed> {
     let curves = rig.observe(&cases, |case, run| {
         let history = &run.transient.history;
         let rate = case.scenario.output_rate_hz;
-        let response = Response::from_displacement(&history.force, &history.displacement, rate)?;
+        let response =
+            FrequencyResponse::from_displacement(&history.force, &history.displacement, rate)?;
         Ok(frequency.iter().map(|&f| response.receptance_at(f).norm()).collect::<Vec<f64>>())
     })?;
     let second: Vec<f64> = rig

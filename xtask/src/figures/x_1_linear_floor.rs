@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 use asperity_figure::{Axis, Color, Dash, Figure, Legend, Panel, Series, Table};
-use asperity_signal::Response;
+use asperity_signal::FrequencyResponse;
 
 use super::style;
 use crate::reproduce::rig::{Case, Law, Rig};
@@ -47,13 +47,13 @@ fn compute(rig: &Rig) -> Result<Computed> {
             let half = |sign: f64| -> Vec<f64> {
                 push.iter().zip(pull).map(|(a, b)| 0.5 * (a + sign * b)).collect()
             };
-            let odd = Response::from_displacement(force, &half(-1.0), rate)?;
-            let even = Response::from_displacement(force, &half(1.0), rate)?;
+            let odd = FrequencyResponse::from_displacement(force, &half(-1.0), rate)?;
+            let even = FrequencyResponse::from_displacement(force, &half(1.0), rate)?;
             let first = summary.fundamental.map_or(f64::NAN, |peak| peak.frequency_hz);
-            let ratio = |of: &Response, over: &Response| {
+            let ratio = |of: &FrequencyResponse, over: &FrequencyResponse| {
                 of.receptance_at(2.0 * first).norm() / over.receptance_at(first).norm()
             };
-            let whole = Response::from_displacement(force, push, rate)?;
+            let whole = FrequencyResponse::from_displacement(force, push, rate)?;
             columns[0].push(ratio(&whole, &whole));
             let split = peak <= SPLIT;
             columns[1].push(if split { ratio(&even, &odd) } else { f64::NAN });

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use asperity_experiment::{AnalysisError, Band, HitCount, Selector, SensorOf, WindowChoice};
 use asperity_measure::{Format, ReadOptions, SampleAxis};
-use asperity_signal::{Estimator, FrfForm};
+use asperity_signal::{FrfEstimator, FrfForm};
 use clap::{Args as Group, ValueEnum};
 
 /// What to analyse, and how.
@@ -57,7 +57,7 @@ pub(crate) struct Analyse {
 
     /// How spectra are divided: h1, h2 or hv.
     #[arg(long, default_value = "h1", value_parser = estimator)]
-    pub(crate) estimator: Estimator,
+    pub(crate) estimator: FrfEstimator,
 
     /// Window: none, force, exponential or force+exponential, the latter two also with :TAU in s.
     ///
@@ -168,7 +168,7 @@ impl RecordFormat {
     }
 }
 
-fn estimator(text: &str) -> Result<Estimator, AnalysisError> {
+fn estimator(text: &str) -> Result<FrfEstimator, AnalysisError> {
     asperity_experiment::estimator(text)
 }
 

@@ -2,7 +2,7 @@
 
 use asperity_experiment::{Analysis, HitReport};
 use asperity_figure::{Axis, Color, ColorBar, Figure, Legend, Marker, Panel, Series};
-use asperity_signal::Route;
+use asperity_signal::ResponseKind;
 
 /// Most rows of the averaged function that are drawn: finer than any screen.
 const MOST_LINES: usize = 6000;
@@ -44,9 +44,9 @@ impl Shades {
 /// Blow and response of the hits over time.
 fn records(analysis: &Analysis, shades: &Shades) -> Option<Figure> {
     let (label, unit, scale) = match analysis.route {
-        Route::Displacement => ("Displacement", "µm", 1e6),
-        Route::Velocity => ("Velocity", "mm/s", 1e3),
-        Route::Acceleration => ("Acceleration", "m/s²", 1.0),
+        ResponseKind::Displacement => ("Displacement", "µm", 1e6),
+        ResponseKind::Velocity => ("Velocity", "mm/s", 1e3),
+        ResponseKind::Acceleration => ("Acceleration", "m/s²", 1.0),
     };
     let time = || Axis::linear("Time from trigger", "ms").scale(1e3);
     let mut blow = Panel::new(time(), Axis::linear("Force", "N")).legend(Legend::None);

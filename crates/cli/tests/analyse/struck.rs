@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use asperity_measure::{Abscissa, Channel, ChannelUnit, Origin, Quantity, Record, Samples};
+use asperity_measure::{Abscissa, Channel, ChannelQuantity, ChannelUnit, Origin, Record, Samples};
 
 pub(crate) const RATE: f64 = 25_600.0;
 pub(crate) const NATURAL_HZ: f64 = 831.0;
@@ -12,7 +12,7 @@ pub(crate) const MASS: f64 = 1.6;
 pub(crate) fn channel(name: &str, unit: &str, samples: Vec<f64>) -> Channel {
     Channel {
         name: name.to_owned(),
-        quantity: Quantity::Unknown,
+        quantity: ChannelQuantity::Unknown,
         unit: ChannelUnit::of_text(unit),
         abscissa: Abscissa::even_time(0.0, RATE),
         samples: Samples::Real(samples),

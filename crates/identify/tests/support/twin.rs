@@ -4,8 +4,8 @@
 use asperity_identify::Problem;
 use asperity_scenario::document::Document;
 use asperity_signal::{
-    FrfEstimator, HammerOptions, Hit, HitLength, HitOptions, Reference, Route, TriggerLevel,
-    analyse_hit,
+    FrfAverage, FundamentalSearch, HammerOptions, HitLength, HitOptions, HitRecord, ResponseKind,
+    TriggerLevel, analyse_hit,
 };
 use asperity_study::run::simulate;
 use serde_json::{Value, json};
@@ -61,13 +61,13 @@ impl Truth {
         let before = (BEFORE_S * self.rate) as usize;
         let mut options = HammerOptions::new(
             HitOptions {
-                level: TriggerLevel::Automatic,
+                trigger_level: TriggerLevel::Automatic,
                 pre_trigger: before,
                 length: HitLength::Samples(1),
                 hold_off: before + 1,
             },
-            Route::Acceleration,
-            Reference::Frequency(850.0),
+            ResponseKind::Acceleration,
+            FundamentalSearch::Frequency(850.0),
         );
         options.windows.force_s = Some((2e-3, 1e-3));
         let one = |(_, force, response): &(f64, Vec<f64>, Vec<f64>)| {
@@ -81,8 +81,8 @@ impl Truth {
             let force = shown(force, sensors.force_gain);
             let response = shown(response, sensors.response_gain);
             let mut average =
-                FrfEstimator::new(force.len(), self.rate, Route::Acceleration, 1).unwrap();
-            let hit = Hit {
+                FrfAverage::new(force.len(), self.rate, ResponseKind::Acceleration, 1).unwrap();
+            let hit = HitRecord {
                 start: 0,
                 trigger: before + 2,
                 force,

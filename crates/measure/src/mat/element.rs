@@ -3,7 +3,7 @@
 use std::io::Read;
 
 use crate::number::Endian;
-use crate::{MeasureError, Place};
+use crate::{FilePosition, MeasureError};
 
 /// What was wrong within an element; where it lies is known outside.
 #[derive(Debug)]
@@ -26,7 +26,7 @@ impl Fault {
     }
 
     /// The error of an element at `place`.
-    pub(crate) fn at(self, file: &str, place: Place) -> MeasureError {
+    pub(crate) fn at(self, file: &str, place: FilePosition) -> MeasureError {
         let (quantity, found, expected) = match self {
             Self::Placed(error) => return error,
             Self::Unexpected { quantity, found, expected } => (quantity, found, expected),

@@ -10,7 +10,7 @@ use crate::mat::element::{Elements, Fault, Tag};
 use crate::notice::Notices;
 use crate::npz::Budget;
 use crate::number::{Endian, NumberType};
-use crate::{Notice, Place, ReadOptions, Samples};
+use crate::{FilePosition, Notice, ReadOptions, Samples};
 
 /// A numeric array.
 pub(crate) struct Found {
@@ -25,7 +25,7 @@ pub(crate) struct Context<'a> {
     pub(crate) notices: &'a mut Notices,
     pub(crate) budget: &'a mut Budget,
     pub(crate) file: &'a str,
-    pub(crate) place: Place,
+    pub(crate) place: FilePosition,
 }
 
 /// Array classes.

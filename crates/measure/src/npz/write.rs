@@ -9,7 +9,7 @@ use crate::npy::Header;
 use crate::rate;
 use crate::text::{Heading, even_throughout, heading};
 use crate::write::{WriteFault, joined_len};
-use crate::{Abscissa, Channel, Format, Quantity, Record, Samples};
+use crate::{Abscissa, Channel, ChannelQuantity, Format, Record, Samples};
 
 /// Writes joined records: an array for each channel, named `name [unit]`, with
 /// the scalars `fs` or `dt` and `t0`, or an array of the axis. With several
@@ -38,14 +38,16 @@ fn write_axis<W: Write + Seek>(
 ) -> Result<(), WriteFault> {
     let first = &parts[0].channels[0];
     let name = match (&first.abscissa, first.abscissa.quantity()) {
-        (&Abscissa::Even { start, step, .. }, Quantity::Time) if even_throughout(parts, 0) => {
+        (&Abscissa::Even { start, step, .. }, ChannelQuantity::Time)
+            if even_throughout(parts, 0) =>
+        {
             let rate = rate::of_step(step);
             let (name, value) = if 1.0 / rate == step { ("fs", rate) } else { ("dt", step) };
             archive.scalar(name, value)?;
             return if start == 0.0 { Ok(()) } else { archive.scalar("t0", start) };
         }
-        (_, Quantity::Time) => "time [s]",
-        (_, Quantity::Frequency) => "frequency [Hz]",
+        (_, ChannelQuantity::Time) => "time [s]",
+        (_, ChannelQuantity::Frequency) => "frequency [Hz]",
         _ => return Err(refused(first, "its axis is neither time nor frequency")),
     };
     archive.array(name, joined_len(parts, 0), false, |put| {
@@ -71,7 +73,7 @@ fn write_channel<W: Write + Seek>(
     }
     let name = heading(channel, Format::Npz)?;
     let read_back = Heading::parse(&name).quantity();
-    if matches!(read_back, Quantity::Time | Quantity::Frequency) || length < 2 {
+    if matches!(read_back, ChannelQuantity::Time | ChannelQuantity::Frequency) || length < 2 {
         return Err(refused(channel, "it would read back as the axis, or as a single number"));
     }
     if name.contains(':') {

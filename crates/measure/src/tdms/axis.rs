@@ -6,13 +6,13 @@ use crate::tdms::gather::Gathered;
 use crate::tdms::object::Object;
 use crate::tdms::path::Path;
 use crate::tdms::waveform;
-use crate::{Abscissa, MeasureError, Notice, Quantity, rate};
+use crate::{Abscissa, ChannelQuantity, MeasureError, Notice, rate};
 
 /// The axis of a record.
 #[derive(Debug)]
 pub(crate) enum Axis {
     /// By properties or options: start and step.
-    Even(f64, f64, Quantity),
+    Even(f64, f64, ChannelQuantity),
     /// A channel of times.
     Times(Times),
 }
@@ -46,7 +46,7 @@ impl Axis {
         let none = || MeasureError::NoSampleRate { file: source.name().to_owned() };
         let rate_hz = rate_of_options.ok_or_else(none)?;
         notices.add(Notice::RateOfOptions { rate_hz });
-        Ok(Self::Even(0.0, 1.0 / rate_hz, Quantity::Time))
+        Ok(Self::Even(0.0, 1.0 / rate_hz, ChannelQuantity::Time))
     }
 
     /// The abscissa of a block that starts at sample `from`.
@@ -79,7 +79,7 @@ pub(crate) fn times_of(record: &Gathered, objects: &[Object]) -> Option<Times> {
         let Path::Channel(_, name) = &object.path else { return None };
         let heading = waveform::heading(name, &object.properties);
         let factor = heading.unit.known().map_or(1.0, |unit| unit.factor());
-        let is_time = heading.quantity() == Quantity::Time;
+        let is_time = heading.quantity() == ChannelQuantity::Time;
         is_time.then_some(Times { slot, factor, even: None })
     });
     times.filter(|_| record.waveform.even.is_none() && record.members.len() > 1)
@@ -87,7 +87,7 @@ pub(crate) fn times_of(record: &Gathered, objects: &[Object]) -> Option<Times> {
 
 impl Times {
     fn abscissa(&mut self, from: u64, values: Vec<f64>, notices: &mut Notices) -> Abscissa {
-        let quantity = Quantity::Time;
+        let quantity = ChannelQuantity::Time;
         let largest = values.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
         if from == 0 {
             // Times may be of single precision.

@@ -16,7 +16,7 @@ use crate::tdms::property::Properties;
 use crate::tdms::scale::Scales;
 use crate::tdms::strand::Strand;
 use crate::tdms::waveform::Waveform;
-use crate::{MeasureError, Notice, Place};
+use crate::{FilePosition, MeasureError, Notice};
 
 /// Most records of one group, and strands of a record: others make no sense,
 /// and are compared one by one.
@@ -49,7 +49,7 @@ pub(crate) fn gather(
     let mut records: Vec<Gathered> = Vec::new();
     let mut of_group: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
     let mut above = Above::of(objects);
-    let start = Place::Offset(0);
+    let start = FilePosition::Offset(0);
     for (id, object) in objects.iter().enumerate() {
         let Path::Channel(group, name) = &object.path else { continue };
         let waveform = Waveform::of(source, &object.properties)?;

@@ -20,7 +20,7 @@ use crate::tdms::lead::LeadIn;
 use crate::tdms::object::{Content, Object, RawIndex};
 use crate::tdms::path::Path;
 use crate::tdms::property::{Properties, Property, Value};
-use crate::{MeasureError, Notice, Place};
+use crate::{FilePosition, MeasureError, Notice};
 
 /// What the metadata of all segments say.
 pub(crate) struct Index {
@@ -122,7 +122,7 @@ impl Index {
         &mut self,
         source: &Source<'_>,
         text: String,
-        place: Place,
+        place: FilePosition,
     ) -> Result<usize, MeasureError> {
         if let Some(id) = self.by_path.get(&text) {
             return Ok(*id);
@@ -192,13 +192,13 @@ impl Index {
         &mut self,
         source: &Source<'_>,
         lead: &LeadIn,
-        start: Place,
+        start: FilePosition,
     ) -> Result<bool, MeasureError> {
         let available = lead.end - lead.data;
         if available == 0 {
             return Ok(true);
         }
-        let place = Place::Offset(lead.data);
+        let place = FilePosition::Offset(lead.data);
         let wrong = |found: String, expected: &str| {
             Err(source.malformed(place, "the raw data of a segment", &found, expected))
         };
@@ -243,7 +243,7 @@ impl Index {
         lead: &LeadIn,
         (row, stride, chunks): (u64, u64, u64),
         values: Option<u64>,
-        place: Place,
+        place: FilePosition,
     ) -> Result<(), MeasureError> {
         let mut column = 0;
         for id in self.chunk.values() {

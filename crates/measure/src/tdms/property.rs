@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use crate::number::{Endian, NumberType};
 use crate::tdms::fields::Fields;
 use crate::tdms::timestamp::Timestamp;
-use crate::{MeasureError, Place};
+use crate::{FilePosition, MeasureError};
 
 /// The properties of an object that are kept, by name.
 pub(crate) type Properties = BTreeMap<String, Property>;
@@ -13,7 +13,7 @@ pub(crate) type Properties = BTreeMap<String, Property>;
 /// A property and where it stands.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Property {
-    pub(crate) place: Place,
+    pub(crate) place: FilePosition,
     pub(crate) value: Value,
 }
 

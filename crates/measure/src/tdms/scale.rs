@@ -7,7 +7,7 @@
 
 use crate::source::Source;
 use crate::tdms::property::{Properties, Property};
-use crate::{MeasureError, Place};
+use crate::{FilePosition, MeasureError};
 
 /// Most scales of a channel, and most coefficients of one.
 const MOST: u64 = 64;
@@ -50,7 +50,7 @@ impl Scales {
 fn count(
     source: &Source<'_>,
     properties: &Properties,
-) -> Result<Option<(u64, Place)>, MeasureError> {
+) -> Result<Option<(u64, FilePosition)>, MeasureError> {
     if let Some(number) = properties.get("NI_Number_Of_Scales") {
         let found = number.number().unwrap_or(-1.0);
         if found.fract() != 0.0 || !(0.0..=MOST as f64).contains(&found) {
@@ -77,7 +77,7 @@ fn count(
 struct Level<'s, 'a, 'p> {
     source: &'s Source<'a>,
     properties: &'p Properties,
-    place: Place,
+    place: FilePosition,
     count: u64,
 }
 
@@ -165,7 +165,7 @@ impl Level<'_, '_, '_> {
 
     fn wrong(
         &self,
-        place: Place,
+        place: FilePosition,
         quantity: &'static str,
         found: &str,
         expected: &str,

@@ -4,14 +4,14 @@ use crate::source::Source;
 use crate::tdms::property::{Properties, Property};
 use crate::tdms::timestamp::Timestamp;
 use crate::text::Heading;
-use crate::{ChannelUnit, MeasureError, Quantity, Unit, unit};
+use crate::{ChannelQuantity, ChannelUnit, MeasureError, Unit, unit};
 
 /// The axis of a channel by its properties `wf_...`.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Waveform {
     /// Start and step in SI; none without `wf_increment`.
     pub(crate) even: Option<(f64, f64)>,
-    pub(crate) quantity: Quantity,
+    pub(crate) quantity: ChannelQuantity,
     /// When the first sample was taken, less the start.
     pub(crate) time: Option<Timestamp>,
 }
@@ -22,10 +22,12 @@ impl Waveform {
         let unit = text(properties, "wf_xunit_string").and_then(Unit::parse);
         let (quantity, factor) = match unit {
             Some(unit) => (unit.quantity(), unit.factor()),
-            None => match Quantity::of_name(text(properties, "wf_xname").unwrap_or_default()) {
-                Quantity::Frequency => (Quantity::Frequency, 1.0),
-                _ => (Quantity::Time, 1.0),
-            },
+            None => {
+                match ChannelQuantity::of_name(text(properties, "wf_xname").unwrap_or_default()) {
+                    ChannelQuantity::Frequency => (ChannelQuantity::Frequency, 1.0),
+                    _ => (ChannelQuantity::Time, 1.0),
+                }
+            }
         };
         let number = |name: &'static str, positive: bool| {
             let Some(property) = properties.get(name) else { return Ok(0.0) };

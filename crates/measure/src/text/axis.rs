@@ -4,14 +4,14 @@ use crate::notice::Notices;
 use crate::rate;
 use crate::text::labview::HeaderAxis;
 use crate::text::rows::{Column, Rounding};
-use crate::{Abscissa, MeasureError, Notice, Quantity};
+use crate::{Abscissa, ChannelQuantity, MeasureError, Notice};
 
 /// How the channels lie.
 #[derive(Debug, Clone)]
 pub(crate) struct Axis {
     /// The column that is no channel: time, or a count of samples.
     column: Option<usize>,
-    quantity: Quantity,
+    quantity: ChannelQuantity,
     /// SI value of the column's unit.
     factor: f64,
     even: Option<Even>,
@@ -47,7 +47,7 @@ pub(crate) fn candidate(columns: &[Column]) -> Option<usize> {
 fn named(columns: &[Column]) -> Option<usize> {
     columns.iter().position(|column| {
         column.heading.as_ref().is_some_and(|heading| {
-            matches!(heading.quantity(), Quantity::Time | Quantity::Frequency)
+            matches!(heading.quantity(), ChannelQuantity::Time | ChannelQuantity::Frequency)
                 || heading.name == "X_Value"
         })
     })
@@ -73,7 +73,9 @@ impl AxisFinder<'_> {
         if let Some(place) = named(self.columns) {
             let heading = self.columns[place].heading.as_ref();
             let quantity = heading.map(super::Heading::quantity);
-            let quantity = quantity.filter(|q| *q == Quantity::Frequency).unwrap_or(Quantity::Time);
+            let quantity = quantity
+                .filter(|q| *q == ChannelQuantity::Frequency)
+                .unwrap_or(ChannelQuantity::Time);
             let unit = heading.and_then(|heading| heading.unit.known());
             let factor = unit.map_or(1.0, |unit| unit.factor());
             let even = self.by_header(&values[place], rounding, notices);
@@ -84,11 +86,16 @@ impl AxisFinder<'_> {
         if self.labview && self.header.step > 0.0 {
             let (start, step) = (self.header.start, self.step_of_header(notices));
             let even = Even { start, step, exact: true };
-            return Ok(Axis { column: None, ..axis(Quantity::Time, 1.0, Some(even)) });
+            return Ok(Axis { column: None, ..axis(ChannelQuantity::Time, 1.0, Some(even)) });
         }
         let rising = column.filter(|&place| values[place].len() > 2).and_then(|place| {
-            let even =
-                even_axis(&values[place], 1.0, Quantity::Time, rounding, &mut Notices::default());
+            let even = even_axis(
+                &values[place],
+                1.0,
+                ChannelQuantity::Time,
+                rounding,
+                &mut Notices::default(),
+            );
             even.map(|even| (place, even))
         });
         if let Some((place, Even { start, step, .. })) = rising {
@@ -96,15 +103,15 @@ impl AxisFinder<'_> {
             let counts = step == 1.0 && start.fract() == 0.0;
             if !counts && !counts_samples(&self.columns[place]) {
                 notices.add(Notice::TimeByValues { column: name });
-                let even = even_axis(&values[place], 1.0, Quantity::Time, rounding, notices);
-                return Ok(axis(Quantity::Time, 1.0, even));
+                let even = even_axis(&values[place], 1.0, ChannelQuantity::Time, rounding, notices);
+                return Ok(axis(ChannelQuantity::Time, 1.0, even));
             }
             notices.add(Notice::ArrayLeftOut { array: name, reason: "it counts the samples" });
             let even = Some(self.by_rate(notices)?);
-            return Ok(Axis { read: false, ..axis(Quantity::Time, 1.0, even) });
+            return Ok(Axis { read: false, ..axis(ChannelQuantity::Time, 1.0, even) });
         }
         let even = self.by_rate(notices)?;
-        Ok(Axis { column: None, ..axis(Quantity::Time, 1.0, Some(even)) })
+        Ok(Axis { column: None, ..axis(ChannelQuantity::Time, 1.0, Some(even)) })
     }
 
     fn by_rate(&self, notices: &mut Notices) -> Result<Even, MeasureError> {
@@ -182,12 +189,12 @@ impl Axis {
 fn even_axis(
     values: &[f64],
     factor: f64,
-    quantity: Quantity,
+    quantity: ChannelQuantity,
     rounding: Rounding,
     notices: &mut Notices,
 ) -> Option<Even> {
     let mut ignored = Notices::default();
-    let notices = if quantity == Quantity::Time { notices } else { &mut ignored };
+    let notices = if quantity == ChannelQuantity::Time { notices } else { &mut ignored };
     let scaled: Vec<f64>;
     let values = if factor == 1.0 {
         values

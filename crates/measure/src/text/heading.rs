@@ -1,6 +1,6 @@
 //! Names and units from the words above a column.
 
-use crate::{ChannelUnit, Quantity, Unit};
+use crate::{ChannelQuantity, ChannelUnit, Unit};
 
 /// Name and unit of a column.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,9 +21,9 @@ impl Heading {
     }
 
     /// What the column is, by its unit, else by its name.
-    pub(crate) fn quantity(&self) -> Quantity {
+    pub(crate) fn quantity(&self) -> ChannelQuantity {
         let by_unit = self.unit.known().map(|unit| unit.quantity());
-        by_unit.unwrap_or_else(|| Quantity::of_name(&self.name))
+        by_unit.unwrap_or_else(|| ChannelQuantity::of_name(&self.name))
     }
 }
 
@@ -61,10 +61,11 @@ fn after_underscore(text: &str) -> Option<Heading> {
     starts.take(8).find_map(|start| {
         let (name, suffix) = (&text[..start], &text[start + 1..]);
         let unit = suffix_unit(suffix)?;
-        let (stated, by_unit) = (Quantity::of_name(name), unit.quantity());
-        let sensor = matches!(by_unit, Quantity::Voltage | Quantity::FullScale);
+        let (stated, by_unit) = (ChannelQuantity::of_name(name), unit.quantity());
+        let sensor = matches!(by_unit, ChannelQuantity::Voltage | ChannelQuantity::FullScale);
         // `force_in` is an input, not a length.
-        let fits = sensor || stated == by_unit || stated == Quantity::Unknown && suffix != "in";
+        let fits =
+            sensor || stated == by_unit || stated == ChannelQuantity::Unknown && suffix != "in";
         (fits && !name.is_empty())
             .then(|| Heading { name: name.to_owned(), unit: ChannelUnit::Known(unit) })
     })

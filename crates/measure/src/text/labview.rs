@@ -9,7 +9,7 @@ use crate::arrays::{check_channels, most_channels};
 use crate::latin1;
 use crate::source::Source;
 use crate::text::dialect::Dialect;
-use crate::{MeasureError, Place};
+use crate::{FilePosition, MeasureError};
 
 /// What the first line of such a file starts with.
 pub(crate) const MARK: &[u8] = b"LabVIEW Measurement";
@@ -164,7 +164,7 @@ fn lines_to_end(
 ) -> Result<(), MeasureError> {
     loop {
         if !source.read_line(line, number)? {
-            let place = Place::Line(*number);
+            let place = FilePosition::Line(*number);
             let expected = "***End_of_Header***";
             return Err(source.malformed(place, "a LabVIEW header", "cut off", expected));
         }

@@ -7,7 +7,7 @@
 use crate::notice::Notices;
 use crate::text::Text;
 use crate::text::rows::Rows;
-use crate::{Abscissa, Channel, MeasureError, Place};
+use crate::{Abscissa, Channel, FilePosition, MeasureError};
 
 impl Text<'_> {
     /// The channels of a block of pairs.
@@ -16,7 +16,7 @@ impl Text<'_> {
         rows: Rows,
         notices: &mut Notices,
     ) -> Result<Vec<Channel>, MeasureError> {
-        let (mut values, last) = (rows.values, Place::Line(self.number));
+        let (mut values, last) = (rows.values, FilePosition::Line(self.number));
         if !values.len().is_multiple_of(2) {
             let found = format!("{} columns", values.len());
             let expected = "pairs, as X_Columns is Multi";

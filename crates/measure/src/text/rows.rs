@@ -1,7 +1,7 @@
 //! Rows of numbers, a block at a time.
 
 use crate::arrays::bare_channel;
-use crate::error::Place;
+use crate::error::FilePosition;
 use crate::notice::Notices;
 use crate::rate::rounding_of;
 use crate::text::heading::Heading;
@@ -130,7 +130,7 @@ impl Rows {
                 for column in &mut values {
                     column.truncate(count);
                 }
-                notices.add(Notice::RowCutOff { place: Place::Line(text.number) });
+                notices.add(Notice::RowCutOff { place: FilePosition::Line(text.number) });
                 break;
             }
             text.line.clear();
@@ -153,7 +153,7 @@ fn read_row(
     let mut place = 0;
     let wrong = |field: &[u8], expected: String| {
         let found = String::from_utf8_lossy(field).into_owned();
-        text.source.malformed(Place::Line(text.number), "a field", &found, expected)
+        text.source.malformed(FilePosition::Line(text.number), "a field", &found, expected)
     };
     for (index, field) in text.dialect.fields(&text.line).enumerate() {
         let Some(column) = text.columns.get(place) else {
@@ -188,5 +188,5 @@ fn read_row(
 fn wrong_row(text: &Text<'_>, filled: usize) -> MeasureError {
     let found = format!("{filled} columns");
     let expected = format!("{} columns of numbers", text.columns.len());
-    text.source.malformed(Place::Line(text.number), "a row", &found, expected)
+    text.source.malformed(FilePosition::Line(text.number), "a row", &found, expected)
 }

@@ -4,7 +4,7 @@ use std::io::Write;
 
 use crate::text::heading::Heading;
 use crate::write::WriteFault;
-use crate::{Abscissa, Channel, ChannelUnit, Format, Quantity, Record, Samples};
+use crate::{Abscissa, Channel, ChannelQuantity, ChannelUnit, Format, Record, Samples};
 
 /// Writes the only joined record; shortest decimals that read back to the same bits.
 pub(crate) fn write(out: &mut impl Write, records: &[Vec<&Record>]) -> Result<(), WriteFault> {
@@ -18,8 +18,8 @@ pub(crate) fn write(out: &mut impl Write, records: &[Vec<&Record>]) -> Result<()
     };
     let first = &parts[0].channels[0];
     let axis = match first.abscissa.quantity() {
-        Quantity::Time => "time_s",
-        Quantity::Frequency => "frequency_hz",
+        ChannelQuantity::Time => "time_s",
+        ChannelQuantity::Frequency => "frequency_hz",
         _ => return refuse(&first.name, "its axis is neither time nor frequency"),
     };
     out.write_all(axis.as_bytes())?;

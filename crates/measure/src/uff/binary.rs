@@ -12,7 +12,7 @@ use crate::source::Source;
 use crate::uff::Values;
 use crate::uff::fields::integer;
 use crate::uff::header::Header;
-use crate::{MeasureError, Notice, Place};
+use crate::{FilePosition, MeasureError, Notice};
 
 /// Where binary numbers lie and how to read them.
 #[derive(Debug)]
@@ -28,7 +28,7 @@ impl Payload {
     /// From the fields after `58b` in the line at `place`; passes the closing tag.
     pub(crate) fn locate(
         source: &mut Source<'_>,
-        place: Place,
+        place: FilePosition,
         fields: &str,
         header: &Header,
         notices: &mut Notices,
@@ -74,7 +74,7 @@ impl Payload {
             for end in [taken, announced.max(taken)] {
                 if end <= source.len() - offset && after_tag(source, offset + end)? {
                     if announced != 0 && announced != taken {
-                        let place = Place::Offset(offset);
+                        let place = FilePosition::Offset(offset);
                         notices.add(Notice::ByteCount { place, announced, taken });
                     }
                     return Ok(payload);
@@ -92,7 +92,12 @@ impl Payload {
         source.seek_to(offset + taken)?;
         let length = source.peek(&mut found)?;
         let found = String::from_utf8_lossy(&found[..length]).into_owned();
-        Err(source.malformed(Place::Offset(offset + taken), "the closing tag", &found, expected))
+        Err(source.malformed(
+            FilePosition::Offset(offset + taken),
+            "the closing tag",
+            &found,
+            expected,
+        ))
     }
 
     fn point_size(&self) -> u64 {

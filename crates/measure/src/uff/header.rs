@@ -5,7 +5,7 @@ use crate::notice::Notices;
 use crate::rate;
 use crate::source::Source;
 use crate::uff::fields::{columns, integer, numbers, real, text};
-use crate::{DegreeOfFreedom, MeasureError, Notice, Quantity, Unit};
+use crate::{ChannelQuantity, DegreeOfFreedom, MeasureError, Notice, Unit};
 
 /// What the header of dataset 58 says.
 #[derive(Debug)]
@@ -39,17 +39,17 @@ pub(crate) struct Axis {
 
 impl Axis {
     /// The quantity of the specific data type.
-    pub(crate) fn quantity(&self) -> Quantity {
+    pub(crate) fn quantity(&self) -> ChannelQuantity {
         match self.kind {
-            2 | 15 | 21 => Quantity::Pressure,
-            3 => Quantity::Strain,
-            8 => Quantity::Displacement,
-            9 | 13 => Quantity::Force,
-            11 => Quantity::Velocity,
-            12 => Quantity::Acceleration,
-            17 => Quantity::Time,
-            18 => Quantity::Frequency,
-            _ => Quantity::Unknown,
+            2 | 15 | 21 => ChannelQuantity::Pressure,
+            3 => ChannelQuantity::Strain,
+            8 => ChannelQuantity::Displacement,
+            9 | 13 => ChannelQuantity::Force,
+            11 => ChannelQuantity::Velocity,
+            12 => ChannelQuantity::Acceleration,
+            17 => ChannelQuantity::Time,
+            18 => ChannelQuantity::Frequency,
+            _ => ChannelQuantity::Unknown,
         }
     }
 }
@@ -161,15 +161,17 @@ impl Header {
     }
 
     /// What the abscissa is, and the SI value of its unit.
-    pub(crate) fn abscissa_unit(&self) -> (Quantity, f64) {
+    pub(crate) fn abscissa_unit(&self) -> (ChannelQuantity, f64) {
         let unit = Unit::parse(&self.abscissa.unit);
         let stated = self.abscissa.quantity();
         match unit {
-            Some(unit) if stated == Quantity::Unknown || stated == unit.quantity() => {
+            Some(unit) if stated == ChannelQuantity::Unknown || stated == unit.quantity() => {
                 (unit.quantity(), unit.factor())
             }
             // A time response whose axis is not named runs over time all the same.
-            None if stated == Quantity::Unknown && self.function == 1 => (Quantity::Time, 1.0),
+            None if stated == ChannelQuantity::Unknown && self.function == 1 => {
+                (ChannelQuantity::Time, 1.0)
+            }
             _ => (stated, 1.0),
         }
     }

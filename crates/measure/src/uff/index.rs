@@ -10,7 +10,7 @@ use crate::uff::fields::text;
 use crate::uff::group::Group;
 use crate::uff::header::Header;
 use crate::uff::system::System;
-use crate::{MeasureError, Notice, Place};
+use crate::{FilePosition, MeasureError, Notice};
 
 /// A function: its header, and where its numbers are.
 #[derive(Debug)]
@@ -137,7 +137,7 @@ fn first_lines(
     source: &mut Source<'_>,
     line: &mut Vec<u8>,
     number: &mut u64,
-    place: Place,
+    place: FilePosition,
 ) -> Result<Vec<String>, MeasureError> {
     const MOST: usize = 8;
     let mut lines = Vec::with_capacity(MOST);
@@ -153,7 +153,7 @@ fn to_closing_tag(
     source: &mut Source<'_>,
     line: &mut Vec<u8>,
     number: &mut u64,
-    place: Place,
+    place: FilePosition,
     mut each: impl FnMut(&[u8]),
 ) -> Result<(), MeasureError> {
     while source.read_line(line, number)? {

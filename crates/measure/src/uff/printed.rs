@@ -7,7 +7,7 @@ use crate::uff::Values;
 use crate::uff::fields::real;
 use crate::uff::header::Header;
 use crate::uff::index::{Data, Entry, Start};
-use crate::{MeasureError, Place};
+use crate::{FilePosition, MeasureError};
 
 /// How far the printed numbers of a function have been read.
 #[derive(Debug)]
@@ -86,7 +86,7 @@ impl Printed {
     /// Checks that nothing but the closing tag is left.
     pub(crate) fn close(&mut self, source: &mut Source<'_>) -> Result<(), MeasureError> {
         source.seek_to(self.position.offset)?;
-        let place = Place::Line(self.position.line);
+        let place = FilePosition::Line(self.position.line);
         if !self.pending.is_empty() {
             let found = format!("{} values too many", self.pending.len());
             return Err(source.malformed(place, "the data", &found, "as many as points"));
@@ -98,7 +98,7 @@ impl Printed {
                 b"-1" => return Ok(()),
                 _ => {
                     let found = String::from_utf8_lossy(&self.line).into_owned();
-                    let place = Place::Line(self.position.line);
+                    let place = FilePosition::Line(self.position.line);
                     let expected = "`    -1` after the announced points";
                     return Err(source.malformed(place, "the closing tag", &found, expected));
                 }
@@ -109,7 +109,7 @@ impl Printed {
     /// The values of the next line, behind those pending.
     fn next_line(&mut self, source: &mut Source<'_>, left: usize) -> Result<(), MeasureError> {
         let more = source.read_line(&mut self.line, &mut self.position.line)?;
-        let place = Place::Line(self.position.line);
+        let place = FilePosition::Line(self.position.line);
         if !more || self.line.trim_ascii() == b"-1" {
             let expected = format!("numbers for {left} more points");
             return Err(source.malformed(place, "the data", "their end", expected));

@@ -4,7 +4,7 @@ use crate::notice::Notices;
 use crate::source::Source;
 use crate::uff::fields::real;
 use crate::uff::header::Header;
-use crate::{ChannelUnit, MeasureError, Notice, Quantity, Unit};
+use crate::{ChannelQuantity, ChannelUnit, MeasureError, Notice, Unit};
 
 /// Factors from SI to the units of the file: `file = factor * SI`.
 #[derive(Debug, Clone, PartialEq)]
@@ -18,7 +18,7 @@ impl System {
     /// length, force and temperature, and the offset of temperature.
     pub(crate) fn parse(
         source: &Source<'_>,
-        place: crate::Place,
+        place: crate::FilePosition,
         factors: &str,
     ) -> Result<Self, MeasureError> {
         let mut numbers = factors.split_ascii_whitespace();
@@ -32,13 +32,13 @@ impl System {
     }
 
     /// SI value of the system's unit of `quantity`, for what is made of length and force.
-    fn in_si(&self, quantity: Quantity) -> Option<f64> {
+    fn in_si(&self, quantity: ChannelQuantity) -> Option<f64> {
         match quantity {
-            Quantity::Force => Some(1.0 / self.force),
-            Quantity::Acceleration | Quantity::Velocity | Quantity::Displacement => {
-                Some(1.0 / self.length)
-            }
-            Quantity::Pressure => Some(self.length * self.length / self.force),
+            ChannelQuantity::Force => Some(1.0 / self.force),
+            ChannelQuantity::Acceleration
+            | ChannelQuantity::Velocity
+            | ChannelQuantity::Displacement => Some(1.0 / self.length),
+            ChannelQuantity::Pressure => Some(self.length * self.length / self.force),
             _ => None,
         }
     }
@@ -50,13 +50,13 @@ pub(crate) fn unit_of(
     system: Option<&System>,
     name: &str,
     notices: &mut Notices,
-) -> (ChannelUnit, Quantity) {
+) -> (ChannelUnit, ChannelQuantity) {
     let stated = header.ordinate.quantity();
     let label = &header.ordinate.unit;
     if !header.denominator.unit.is_empty() {
         // A ratio, such as a frequency response in g/N, has no quantity of its own here.
         let ratio = format!("{label}/{}", header.denominator.unit);
-        return (ChannelUnit::of_text(&ratio), Quantity::Unknown);
+        return (ChannelUnit::of_text(&ratio), ChannelQuantity::Unknown);
     }
     let unit = ChannelUnit::of_text(label);
     match (&unit, system) {

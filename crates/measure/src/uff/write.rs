@@ -5,7 +5,9 @@ use std::io::Write;
 
 use crate::uff::fields::text;
 use crate::write::{WriteFault, WriteOptions, joined_len};
-use crate::{Abscissa, Channel, ChannelUnit, DegreeOfFreedom, Format, Quantity, Record, Samples};
+use crate::{
+    Abscissa, Channel, ChannelQuantity, ChannelUnit, DegreeOfFreedom, Format, Record, Samples,
+};
 
 /// Writes joined records; samples as doubles, binary ones little endian.
 ///
@@ -75,8 +77,8 @@ fn header(
         return refuse("its unit is longer than 20 characters, or not printable");
     }
     let kind = match channel.abscissa.quantity() {
-        Quantity::Time => (1, 17, "Time", "s"),
-        Quantity::Frequency => (12, 18, "Frequency", "Hz"),
+        ChannelQuantity::Time => (1, 17, "Time", "s"),
+        ChannelQuantity::Frequency => (12, 18, "Frequency", "Hz"),
         _ => (0, 0, "NONE", "NONE"),
     };
     writeln!(out, "{:>6}", -1)?;
@@ -129,7 +131,7 @@ fn header(
         unit => unit.text(),
     };
     // A quantity without a unit of its own would claim the SI unit of dataset 164.
-    let quantity = channel.unit.known().map_or(Quantity::Unknown, |unit| unit.quantity());
+    let quantity = channel.unit.known().map_or(ChannelQuantity::Unknown, |unit| unit.quantity());
     let (code, label) = specific_type(quantity);
     axis(code, label, unit)?;
     axis(0, "NONE", "NONE")?;
@@ -138,16 +140,16 @@ fn header(
 }
 
 /// Specific data type and label of a quantity.
-fn specific_type(quantity: Quantity) -> (i32, &'static str) {
+fn specific_type(quantity: ChannelQuantity) -> (i32, &'static str) {
     match quantity {
-        Quantity::Force => (13, "Force"),
-        Quantity::Acceleration => (12, "Acceleration"),
-        Quantity::Velocity => (11, "Velocity"),
-        Quantity::Displacement => (8, "Displacement"),
-        Quantity::Pressure => (15, "Pressure"),
-        Quantity::Strain => (3, "Strain"),
-        Quantity::Time => (17, "Time"),
-        Quantity::Frequency => (18, "Frequency"),
+        ChannelQuantity::Force => (13, "Force"),
+        ChannelQuantity::Acceleration => (12, "Acceleration"),
+        ChannelQuantity::Velocity => (11, "Velocity"),
+        ChannelQuantity::Displacement => (8, "Displacement"),
+        ChannelQuantity::Pressure => (15, "Pressure"),
+        ChannelQuantity::Strain => (3, "Strain"),
+        ChannelQuantity::Time => (17, "Time"),
+        ChannelQuantity::Frequency => (18, "Frequency"),
         _ => (0, "NONE"),
     }
 }

@@ -1,8 +1,8 @@
 //! Small valid files to start from: by our writers, by hand, and by other programs.
 
 use asperity_measure::{
-    Abscissa, Channel, ChannelUnit, Complex64, Format, Origin, Quantity, Record, Samples, Unit,
-    WriteOptions, write,
+    Abscissa, Channel, ChannelQuantity, ChannelUnit, Complex64, Format, Origin, Record, Samples,
+    Unit, WriteOptions, write,
 };
 
 /// A file, by name.
@@ -35,9 +35,11 @@ fn records() -> Vec<Record> {
 fn odd_records() -> Vec<Record> {
     let complex = (0..20).map(|n| Complex64::new(f64::from(n), -1.0)).collect();
     let mut uneven = channel("bent", "m", Samples::Real(vec![1.0, -2.0, 3.0]));
-    uneven.abscissa = Abscissa::Uneven { values: vec![0.0, 1.0, 5.0], quantity: Quantity::Time };
+    uneven.abscissa =
+        Abscissa::Uneven { values: vec![0.0, 1.0, 5.0], quantity: ChannelQuantity::Time };
     let mut spectrum = channel("spectrum", "N", Samples::Complex(complex));
-    spectrum.abscissa = Abscissa::Even { start: 0.0, step: 2.5, quantity: Quantity::Frequency };
+    spectrum.abscissa =
+        Abscissa::Even { start: 0.0, step: 2.5, quantity: ChannelQuantity::Frequency };
     [spectrum, uneven]
         .map(|channel| Record { channels: vec![channel], ..Record::default() })
         .to_vec()

@@ -3,14 +3,14 @@
 use std::path::PathBuf;
 
 use asperity_measure::{
-    Abscissa, Channel, ChannelUnit, Measurement, Origin, Quantity, ReadOptions, Record, Samples,
-    read, read_bytes,
+    Abscissa, Channel, ChannelQuantity, ChannelUnit, Measurement, Origin, ReadOptions, Record,
+    Samples, read, read_bytes,
 };
 
 /// A channel at `rate` hertz.
 pub(crate) fn channel(name: &str, unit: &str, rate: f64, samples: Vec<f64>) -> Channel {
     let unit = ChannelUnit::of_text(unit);
-    let quantity = unit.known().map_or(Quantity::of_name(name), |unit| unit.quantity());
+    let quantity = unit.known().map_or(ChannelQuantity::of_name(name), |unit| unit.quantity());
     Channel {
         name: name.to_owned(),
         quantity,

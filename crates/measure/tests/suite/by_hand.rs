@@ -2,7 +2,8 @@
 //! (SDRC universal dataset 58; the binary form of MTS I-DEAS), not by our writer.
 
 use asperity_measure::{
-    Complex64, Format, MeasureError, Notice, Place, Quantity, ReadOptions, Samples, read_bytes,
+    ChannelQuantity, Complex64, FilePosition, Format, MeasureError, Notice, ReadOptions, Samples,
+    read_bytes,
 };
 
 use crate::build::{parsed, refused};
@@ -64,7 +65,10 @@ fn every_width_and_byte_order() {
             assert_eq!(channel.samples.real(), Some(&values[..]), "{kind} {order}");
             // 9.76563E-04 is 1/1024 in six digits.
             assert_eq!(channel.sample_rate_hz(), Some(1024.0));
-            assert_eq!((channel.name.as_str(), channel.quantity), ("hammer", Quantity::Force));
+            assert_eq!(
+                (channel.name.as_str(), channel.quantity),
+                ("hammer", ChannelQuantity::Force)
+            );
             let (response, reference) = (&channel.origin.response, &channel.origin.reference);
             assert_eq!(response.as_ref().map(|node| (node.node, node.direction)), Some((7, 3)));
             assert_eq!(reference.as_ref().map(|node| (node.node, node.direction)), Some((2, -3)));
@@ -135,7 +139,7 @@ fn a_payload_without_its_closing_tag_is_refused_at_its_end() {
     let error = read_bytes(&file, &ReadOptions::default()).unwrap_err();
     let end = file.len() - 7 - 8;
     assert!(
-        matches!(&error, MeasureError::Malformed { place: Place::Offset(place), .. } if *place == end as u64),
+        matches!(&error, MeasureError::Malformed { place: FilePosition::Offset(place), .. } if *place == end as u64),
         "{error}"
     );
     assert!(error.to_string().contains("`    -1` after 2 points in 16 bytes"), "{error}");
@@ -192,11 +196,11 @@ fn channels_without_a_unit_take_the_systems() {
     let unit_less =
         |kind: u32| format!("{kind:>10}    0    0    0 NONE                 NONE                ");
     for (kind, quantity, factor) in [
-        (13, Quantity::Force, 1e-3),
-        (12, Quantity::Acceleration, 1e-3),
-        (8, Quantity::Displacement, 1e-3),
+        (13, ChannelQuantity::Force, 1e-3),
+        (12, ChannelQuantity::Acceleration, 1e-3),
+        (8, ChannelQuantity::Displacement, 1e-3),
         // mN per square millimetre: 1000 Pa.
-        (15, Quantity::Pressure, 1e3),
+        (15, ChannelQuantity::Pressure, 1e3),
     ] {
         let function = header(2, 2, true, &unit_less(kind));
         let file = format!("{system}    -1\n    58\n{function} 2.0 -4.0\n    -1\n");

@@ -1,7 +1,7 @@
 //! From what a sensor gives to what it measures.
 
 use asperity_measure::{
-    MeasureError, Quantity, ReadOptions, STANDARD_GRAVITY, Sensitivity, read_bytes,
+    ChannelQuantity, MeasureError, ReadOptions, STANDARD_GRAVITY, SensorSensitivity, read_bytes,
 };
 
 use crate::build::{channel, parsed, record, samples};
@@ -11,10 +11,10 @@ fn volts_become_newtons_and_accelerations() {
     let file = "time_s,hammer_mV,acc [V]\n0,0,0\n0.001,22.5,1\n0.002,4.5,-0.5\n";
     let mut measured = parsed(file);
     let [hammer, response] = &mut measured.records[0].channels[..] else { panic!("two channels") };
-    hammer.calibrate(&"2.25 mV/N".parse::<Sensitivity>().unwrap()).unwrap();
-    response.calibrate(&"100 mV/g".parse::<Sensitivity>().unwrap()).unwrap();
-    assert_eq!((hammer.quantity, hammer.unit.text()), (Quantity::Force, "N"));
-    assert_eq!((response.quantity, response.unit.text()), (Quantity::Acceleration, "m/s^2"));
+    hammer.calibrate(&"2.25 mV/N".parse::<SensorSensitivity>().unwrap()).unwrap();
+    response.calibrate(&"100 mV/g".parse::<SensorSensitivity>().unwrap()).unwrap();
+    assert_eq!((hammer.quantity, hammer.unit.text()), (ChannelQuantity::Force, "N"));
+    assert_eq!((response.quantity, response.unit.text()), (ChannelQuantity::Acceleration, "m/s^2"));
     let near = |values: &[f64], expected: [f64; 3]| {
         values.iter().zip(expected).all(|(value, expected)| (value - expected).abs() < 1e-12)
     };
@@ -42,12 +42,15 @@ fn a_wave_file_is_calibrated_from_full_scale() {
     assert_eq!(record.sample_rate_hz(), Some(48_000.0));
     assert_eq!(samples(record, "channel 1"), [0.0, -1.0, 0.5]);
     assert_eq!(samples(record, "channel 2"), [0.5, 1.0 / 8_388_608.0, -1.0 / 8_388_608.0]);
-    assert_eq!(record.channels[0].quantity, Quantity::FullScale);
+    assert_eq!(record.channels[0].quantity, ChannelQuantity::FullScale);
     record.channels[0].calibrate(&"0.005 FS/N".parse().unwrap()).unwrap();
     assert_eq!(samples(record, "channel 1"), [0.0, -200.0, 100.0]);
     // A sensitivity in volts needs to know how many volts full scale is.
     let error = record.channels[1].calibrate(&"100 mV/g".parse().unwrap()).unwrap_err();
-    assert!(matches!(error, MeasureError::QuantityMismatch { found: Quantity::FullScale, .. }));
+    assert!(matches!(
+        error,
+        MeasureError::QuantityMismatch { found: ChannelQuantity::FullScale, .. }
+    ));
 }
 
 #[test]
@@ -97,7 +100,7 @@ fn names_and_units_of_the_caller_go_before_those_of_the_file() {
     let record = &measured.records[0];
     assert_eq!(
         (record.channels[0].name.as_str(), record.channels[0].quantity),
-        ("a", Quantity::Force)
+        ("a", ChannelQuantity::Force)
     );
     assert_eq!((record.channels[1].name.as_str(), record.channels[1].unit.text()), ("tip", "g"));
     let options = ReadOptions { units: vec!["parsec".into()], ..options };
@@ -110,7 +113,7 @@ fn records_find_their_channels() {
         channel("f", "N", 10.0, vec![1.0, 2.0]),
         channel("a", "g", 10.0, vec![3.0, 4.0]),
     ]);
-    assert_eq!(hit.of_quantity(Quantity::Acceleration).unwrap().name, "a");
+    assert_eq!(hit.of_quantity(ChannelQuantity::Acceleration).unwrap().name, "a");
     assert_eq!((hit.len(), hit.is_empty(), hit.sample_rate_hz()), (2, false, Some(10.0)));
-    assert!(hit.named("x").is_none() && hit.of_quantity(Quantity::Velocity).is_none());
+    assert!(hit.named("x").is_none() && hit.of_quantity(ChannelQuantity::Velocity).is_none());
 }

@@ -1,8 +1,8 @@
 //! Files written by pyuff, NumPy and SciPy; see PROVENANCE.md beside them.
 
 use asperity_measure::{
-    Complex64, Format, MeasureError, Notice, Quantity, ReadOptions, Record, SampleAxis, Samples,
-    read,
+    ChannelQuantity, Complex64, Format, MeasureError, Notice, ReadOptions, Record, SampleAxis,
+    Samples, read,
 };
 
 use crate::build::{read_reference, reference, samples};
@@ -39,7 +39,7 @@ fn universal_files_by_pyuff() {
         // Both signals have six decimals at most, fewer than either format.
         assert_eq!(samples(record, "hammer"), samples(&expected, "force"));
         assert_eq!(samples(record, "top"), samples(&expected, "acc"));
-        let top = record.of_quantity(Quantity::Acceleration).unwrap();
+        let top = record.of_quantity(ChannelQuantity::Acceleration).unwrap();
         assert_eq!(top.unit.text(), "g");
         let node = top.origin.response.as_ref().unwrap();
         assert_eq!((node.entity.as_str(), node.node, node.direction), ("BEAM", 3, -3));
@@ -54,7 +54,7 @@ fn complex_functions_by_pyuff_with_a_wrong_byte_count() {
     let record = &measured.records[0];
     assert_eq!(record.channels.len(), 2);
     for (channel, tolerance) in record.channels.iter().zip([5.1e-12, 0.0]) {
-        assert_eq!(channel.abscissa.quantity(), Quantity::Frequency);
+        assert_eq!(channel.abscissa.quantity(), ChannelQuantity::Frequency);
         assert_eq!(channel.abscissa.at(4), Some(50.0));
         for (k, value) in complex(&channel.samples).iter().enumerate() {
             // Text has twelve digits; NumPy may divide differently in the last bit.
@@ -106,7 +106,7 @@ fn arrays_by_numpy() {
     let counts: Vec<f64> = force.iter().map(|value| (value * 100.0).round()).collect();
     assert_eq!(samples(record, "hammer"), counts);
     record.channels[0].to_si().unwrap();
-    assert_eq!(record.channels[0].quantity, Quantity::Force);
+    assert_eq!(record.channels[0].quantity, ChannelQuantity::Force);
     assert_eq!(samples(record, "hammer")[12], 1e-3 * 4000.0);
 
     let spectra = read(&reference("complex.npy"), &options).unwrap();

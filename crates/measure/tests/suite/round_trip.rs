@@ -2,7 +2,8 @@
 //! text of universal files to its last digit.
 
 use asperity_measure::{
-    Abscissa, Complex64, Format, Quantity, ReadOptions, Record, Samples, WriteOptions, read, write,
+    Abscissa, ChannelQuantity, Complex64, Format, ReadOptions, Record, Samples, WriteOptions, read,
+    write,
 };
 use proptest::prelude::*;
 
@@ -85,11 +86,11 @@ proptest! {
         let complex = parts.iter().map(|(re, im, _)| Complex64::new(*re, *im)).collect();
         let mut spectrum = channel("spectrum", "N", 1.0, vec![]);
         spectrum.samples = Samples::Complex(complex);
-        spectrum.abscissa = Abscissa::Even { start: 10.0, step: 2.5, quantity: Quantity::Frequency };
+        spectrum.abscissa = Abscissa::Even { start: 10.0, step: 2.5, quantity: ChannelQuantity::Frequency };
         let mut bent = channel("bent", "mm", 1.0, parts.iter().map(|part| part.0).collect());
         let mut time = 0.0;
         let times: Vec<f64> = parts.iter().map(|(_, _, step)| { time += step; time }).collect();
-        bent.abscissa = Abscissa::Uneven { values: times, quantity: Quantity::Time };
+        bent.abscissa = Abscissa::Uneven { values: times, quantity: ChannelQuantity::Time };
         for format in [Format::UniversalBinary, Format::Npz] {
             for channel in [&spectrum, &bent] {
                 let back = there_and_back(&[record(vec![channel.clone()])], format);

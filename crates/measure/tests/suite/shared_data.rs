@@ -4,7 +4,7 @@
 
 use std::path::PathBuf;
 
-use asperity_measure::{Format, Measurement, Notice, Quantity, ReadOptions, open, read};
+use asperity_measure::{ChannelQuantity, Format, Measurement, Notice, ReadOptions, open, read};
 
 fn data(name: &str) -> Option<PathBuf> {
     let path =
@@ -37,8 +37,8 @@ fn three_hits_of_force_and_acceleration() {
         for record in &measured.records {
             assert_eq!(record.sample_rate_hz(), Some(25_600.0));
             assert_eq!((record.channels.len(), record.len()), (2, 25_600));
-            let force = record.of_quantity(Quantity::Force).unwrap();
-            let acceleration = record.of_quantity(Quantity::Acceleration).unwrap();
+            let force = record.of_quantity(ChannelQuantity::Force).unwrap();
+            let acceleration = record.of_quantity(ChannelQuantity::Acceleration).unwrap();
             assert_eq!((force.unit.text(), acceleration.unit.text()), ("N", "m/s^2"));
             let peak = force.samples.real().unwrap().iter().copied().fold(0.0, f64::max);
             assert!((68.5..89.5).contains(&peak), "the data's own note: peaks of 69 to 89");
@@ -83,7 +83,7 @@ fn a_microphone_as_text_and_binary() {
     let (Some(text), Some(binary)) = (text, binary) else { return };
     for measured in [&text, &binary] {
         let channel = &measured.records[0].channels[0];
-        assert_eq!((channel.quantity, channel.unit.text()), (Quantity::Pressure, "Pa"));
+        assert_eq!((channel.quantity, channel.unit.text()), (ChannelQuantity::Pressure, "Pa"));
         // The step is printed as 1.52588E-05, by which the rate were 65535.95 Hz.
         assert_eq!(channel.sample_rate_hz(), Some(65_536.0));
         let snapped =

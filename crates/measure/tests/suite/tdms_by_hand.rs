@@ -1,6 +1,6 @@
 //! TDMS files of a few bytes, from "TDMS File Format Internal Structure".
 
-use asperity_measure::{Abscissa, MeasureError, Notice, Quantity, ReadOptions, read_bytes};
+use asperity_measure::{Abscissa, ChannelQuantity, MeasureError, Notice, ReadOptions, read_bytes};
 
 use crate::build::{parsed, refused, samples};
 
@@ -103,7 +103,7 @@ fn units_and_axes_by_properties() {
 
     let spectrum = [number("wf_increment", 2.5), string("wf_xunit_string", "Hz")];
     let measured = parsed(one_channel(&spectrum, &values));
-    let even = Abscissa::Even { start: 0.0, step: 2.5, quantity: Quantity::Frequency };
+    let even = Abscissa::Even { start: 0.0, step: 2.5, quantity: ChannelQuantity::Frequency };
     assert_eq!(measured.records[0].channels[0].abscissa, even);
     let in_ms = [
         number("wf_increment", 0.5),

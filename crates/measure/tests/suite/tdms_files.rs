@@ -1,7 +1,7 @@
 //! TDMS files written by npTDMS and by hand; see PROVENANCE.md beside them.
 
 use asperity_measure::{
-    Abscissa, ChannelUnit, Format, MeasureError, Notice, Quantity, ReadOptions, open, read,
+    Abscissa, ChannelQuantity, ChannelUnit, Format, MeasureError, Notice, ReadOptions, open, read,
 };
 
 use crate::build::{read_reference, reference, samples};
@@ -32,7 +32,7 @@ fn hits_in_segments_by_nptdms() {
     assert_eq!(samples(first, "hammer"), force, "doubles to the last bit");
     let single: Vec<f64> = acc.iter().map(|value| f64::from(*value as f32)).collect();
     assert_eq!(samples(first, "top"), single);
-    assert_eq!(first.of_quantity(Quantity::Force).unwrap().name, "hammer");
+    assert_eq!(first.of_quantity(ChannelQuantity::Force).unwrap().name, "hammer");
     assert_eq!(first.named("top").unwrap().unit.text(), "g");
     assert_eq!(first.named("hammer").unwrap().origin.description, "tip: steel");
     let second = &measured.records[1];

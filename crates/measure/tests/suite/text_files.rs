@@ -1,6 +1,6 @@
 //! Texts as loggers, spreadsheets and LabVIEW write them.
 
-use asperity_measure::{ChannelUnit, Notice, Quantity, ReadOptions, Reader, read_bytes};
+use asperity_measure::{ChannelQuantity, ChannelUnit, Notice, ReadOptions, Reader, read_bytes};
 
 use crate::build::{parsed, refused, samples};
 
@@ -18,7 +18,7 @@ fn a_german_export_with_preamble_and_a_row_of_units() {
     assert_eq!(record.sample_rate_hz(), Some(50_000.0));
     assert_eq!(samples(record, "Kraft"), [0.5, 1.5, 2.5, -3.0]);
     assert_eq!(samples(record, "Beschleunigung"), [-1.25, 2.0, 0.001, 0.0]);
-    assert_eq!(record.of_quantity(Quantity::Acceleration).unwrap().unit.text(), "m/s^2");
+    assert_eq!(record.of_quantity(ChannelQuantity::Acceleration).unwrap().unit.text(), "m/s^2");
     assert!(measured.notices.iter().any(|notice| matches!(notice, Notice::Latin1 { .. })));
 }
 
@@ -43,7 +43,7 @@ fn the_same_numbers_in_many_dialects() {
             channel.to_si().unwrap();
             channel.samples.real().unwrap().to_vec()
         };
-        let found = (si(Quantity::Force), si(Quantity::Acceleration));
+        let found = (si(ChannelQuantity::Force), si(ChannelQuantity::Acceleration));
         let expected = expected.get_or_insert_with(|| found.clone());
         for (a, b) in found.0.iter().chain(&found.1).zip(expected.0.iter().chain(&expected.1)) {
             assert!((a - b).abs() < 1e-12, "{file}");

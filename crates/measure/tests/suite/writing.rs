@@ -1,8 +1,8 @@
 //! Files appear whole or not at all, and look as other tools expect.
 
 use asperity_measure::{
-    Abscissa, Complex64, DegreeOfFreedom, Format, MeasureError, Quantity, ReadOptions, Samples,
-    WriteOptions, read, write,
+    Abscissa, ChannelQuantity, Complex64, DegreeOfFreedom, Format, MeasureError, ReadOptions,
+    Samples, WriteOptions, read, write,
 };
 
 use crate::build::{channel, record};
@@ -79,9 +79,9 @@ fn a_failed_write_leaves_what_was_there() {
     let path = folder.path().join("kept");
     std::fs::write(&path, "as it was").unwrap();
     let mut bad = channel("bad", "N", 1.0, vec![1.0, 2.0]);
-    bad.abscissa = Abscissa::Uneven { values: vec![0.0], quantity: Quantity::Time };
+    bad.abscissa = Abscissa::Uneven { values: vec![0.0], quantity: ChannelQuantity::Time };
     let mut order = channel("order", "N", 1.0, vec![1.0, 2.0]);
-    order.abscissa = Abscissa::Even { start: 0.0, step: 1.0, quantity: Quantity::Unknown };
+    order.abscissa = Abscissa::Even { start: 0.0, step: 1.0, quantity: ChannelQuantity::Unknown };
     let good = channel("good", "N", 1.0, vec![1.0, 2.0]);
     let long = channel(&"n".repeat(81), "N", 1.0, vec![1.0, 2.0]);
     let brackets = channel("a [b] c [", "N", 1.0, vec![1.0, 2.0]);

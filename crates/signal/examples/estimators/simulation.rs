@@ -2,9 +2,9 @@
 
 use crate::noise::Noise;
 use asperity_signal::{
-    Complex64, Density, Estimator, ExponentialWindow, FrfEstimator, HammerOptions, HitFeatures,
-    HitLength, HitOptions, HvScaling, Peak, PeakUncertainty, Reference, ResponseWindows, Route,
-    TriggerLevel, hammer_test,
+    Complex64, ExponentialWindow, FrfAverage, FrfEstimator, FundamentalSearch, HammerOptions,
+    HitFeatures, HitLength, HitOptions, HitWindows, HvScaling, Peak, PeakUncertainty, ResponseKind,
+    SpectralDensity, TriggerLevel, hammer_test,
 };
 use std::f64::consts::TAU;
 
@@ -240,24 +240,24 @@ fn clean(count: usize) -> (Vec<f64>, Vec<f64>) {
 
 fn options(case: &Case, samples: usize) -> HammerOptions {
     let hits = HitOptions {
-        level: TriggerLevel::Fraction(0.05),
+        trigger_level: TriggerLevel::Fraction(0.05),
         pre_trigger: BEFORE - 4,
         length: HitLength::Samples(samples - 16),
         hold_off: samples,
     };
     let after = samples as f64 / RATE;
     let falling = |fraction| ExponentialWindow::falling_to(fraction, after).ok();
-    let windows = ResponseWindows {
+    let windows = HitWindows {
         force_s: case.force_window.then_some((0.3e-3, 0.3e-3)),
         exponential: case.exponential.and_then(falling),
     };
-    let reference = Reference::Frequency(MODES[0].0);
+    let reference = FundamentalSearch::Frequency(MODES[0].0);
     // The last tenth of a whole record is noise; a short one has not decayed there.
     let noise_band_hz = (case.samples == SHORT).then_some((10_000.0, 12_500.0));
     HammerOptions {
         windows,
         noise_band_hz,
-        ..HammerOptions::new(hits, Route::Displacement, reference)
+        ..HammerOptions::new(hits, ResponseKind::Displacement, reference)
     }
 }
 
@@ -278,13 +278,13 @@ pub(crate) fn averages(
     let (force, response) = clean(WHOLE);
     let mut noise = Noise::new(seed);
     let mut estimates: [Vec<f64>; 4] = Default::default();
-    let estimator = || FrfEstimator::new(WHOLE, RATE, Route::Displacement, 1).ok();
+    let estimator = || FrfAverage::new(WHOLE, RATE, ResponseKind::Displacement, 1).ok();
     let bin = (MODES[0].0 * WHOLE as f64 / RATE).round() as usize;
     // One clean hit says how large the spectra are, and what is true in this bin.
     let reference = estimator().and_then(|mut reference| {
         let own = reference.push(&force, &response).ok()?;
-        let force = reference.force_auto(Density::Energy).ok()?;
-        let response = reference.response_auto(Density::Energy).ok()?;
+        let force = reference.force_auto(SpectralDensity::Energy).ok()?;
+        let response = reference.response_auto(SpectralDensity::Energy).ok()?;
         Some((own.values[bin].norm(), force[bin], response[bin]))
     });
     let Some((exact, force_energy, response_energy)) = reference else {
@@ -298,10 +298,10 @@ pub(crate) fn averages(
     // Where only one signal is noisy the true ratio is zero or infinite.
     let true_ratio = ratio * (noise_of.1 + 1e-6) / (noise_of.0 + 1e-6);
     let kinds = [
-        Estimator::H1,
-        Estimator::H2,
-        Estimator::Hv(HvScaling::EqualRatios),
-        Estimator::Hv(HvScaling::NoiseRatio(true_ratio)),
+        FrfEstimator::H1,
+        FrfEstimator::H2,
+        FrfEstimator::Hv(HvScaling::EqualRatios),
+        FrfEstimator::Hv(HvScaling::NoiseRatio(true_ratio)),
     ];
     for _ in 0..runs {
         let Some(mut average) = estimator() else {

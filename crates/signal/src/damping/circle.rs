@@ -4,7 +4,7 @@ use super::{HalfPower, half_power_crossings};
 use crate::form::FrfForm;
 use crate::frf::convert;
 use crate::peak::Peak;
-use crate::response::{Response, Spectra};
+use crate::response::{FrequencyResponse, Spectra};
 use realfft::num_complex::Complex64;
 use std::f64::consts::{PI, TAU};
 
@@ -52,7 +52,7 @@ const POINTS: usize = 61;
 ///
 /// Evaluated at 61 frequencies on the exact transform. `None` where the peak
 /// has no half-power width, and as for [`circle_fit_of`].
-pub fn circle_fit(response: &Response, peak: &Peak) -> Option<CircleFit> {
+pub fn circle_fit(response: &FrequencyResponse, peak: &Peak) -> Option<CircleFit> {
     circle_within(response, &half_power_crossings(response, peak)?)
 }
 

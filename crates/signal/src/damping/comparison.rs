@@ -4,7 +4,7 @@ use super::circle::circle_within;
 use super::crossings_of;
 use crate::decrement::logarithmic_decrement;
 use crate::peak::Peak;
-use crate::response::{Exact, Response};
+use crate::response::{Exact, FrequencyResponse};
 
 /// Damping ratios of one mode by methods that fail differently.
 ///
@@ -26,7 +26,7 @@ impl DampingComparison {
     ///
     /// - `decay`: no force acts on it and no other mode is in it (see
     ///   [`BandPass`](crate::BandPass)); sampled as the response.
-    pub fn of(response: &Response, peak: &Peak, decay: &[f64]) -> Self {
+    pub fn of(response: &FrequencyResponse, peak: &Peak, decay: &[f64]) -> Self {
         Self::of_exact(response, peak, decay)
     }
 

@@ -8,14 +8,14 @@ use crate::form::FrfForm;
 use crate::harmonics::{Harmonics, harmonics_of};
 use crate::hit::{Offset, Pulse};
 use crate::noise::{band_density, white_density};
-use crate::response::Response;
+use crate::response::FrequencyResponse;
 use crate::ring_down::{Backbone, BackboneOptions, BandPass, backbone_and_signal};
 use crate::uncertainty::{NoiseDensity, PeakUncertainty, ratio_uncertainty, uncertainty_of};
 use crate::window::ExponentialWindow;
 
 /// Where the fundamental is looked for.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Reference {
+pub enum FundamentalSearch {
     /// About this frequency, in hertz.
     Frequency(f64),
     /// About the [`dominant_frequency`](crate::dominant_frequency) of a band (in hertz) in a form.
@@ -55,7 +55,7 @@ pub struct HitFeatures {
 /// `response` is windowed, `measured` the response as it was; an exponential
 /// window is one at sample `trigger`.
 pub(super) fn of_hit(
-    response: &Response,
+    response: &FrequencyResponse,
     measured: &[f64],
     trigger: usize,
     pulse: &Pulse,
@@ -64,9 +64,9 @@ pub(super) fn of_hit(
 ) -> Option<HitFeatures> {
     let fine = FineResponse::new(response);
     let threshold = options.harmonics.force_threshold;
-    let reference_hz = match options.reference {
-        Reference::Frequency(frequency) => frequency,
-        Reference::Band(band, form) => dominant_of(&fine, band, form, threshold)?,
+    let reference_hz = match options.fundamental {
+        FundamentalSearch::Frequency(frequency) => frequency,
+        FundamentalSearch::Band(band, form) => dominant_of(&fine, band, form, threshold)?,
     };
     let harmonics = harmonics_of(&fine, reference_hz, &options.harmonics);
     let noise = noise(response, measured, force_offset, options);
@@ -127,7 +127,7 @@ pub(super) fn of_hit(
 
 /// Densities of the noise, before any window.
 fn noise(
-    response: &Response,
+    response: &FrequencyResponse,
     measured: &[f64],
     force_offset: Option<&Offset>,
     options: &HammerOptions,

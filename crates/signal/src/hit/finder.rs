@@ -1,8 +1,8 @@
 //! Hits out of a stream of blocks.
 
-use super::Hit;
+use super::HitRecord;
 use super::trigger::{HitLength, HitOptions};
-use crate::error::{Error, Result, check_positive, check_rate};
+use crate::error::{Result, SignalError, check_positive, check_rate};
 
 /// Samples beyond the pre-trigger that may wait before they are dropped together.
 const SLACK: usize = 4096;
@@ -13,7 +13,7 @@ const SLACK: usize = 4096;
 /// of the hit before is over. The answer does not depend on how the record is
 /// cut into blocks. Memory is bounded by one hit and one block.
 ///
-/// [`HitOptions::level`] is not looked at: a stream has no largest value yet,
+/// [`HitOptions::trigger_level`] is not looked at: a stream has no largest value yet,
 /// so the level is given in newtons.
 #[derive(Debug, Clone)]
 pub struct HitFinder {
@@ -43,7 +43,7 @@ impl HitFinder {
     /// - `level_n`: the trigger level, positive, in newtons.
     ///
     /// # Errors
-    /// [`Error::SampleRate`], [`Error::Option`].
+    /// [`SignalError::SampleRate`], [`SignalError::Option`].
     pub fn new(
         channels: usize,
         sample_rate_hz: f64,
@@ -72,15 +72,15 @@ impl HitFinder {
     /// - `responses`: one slice for each channel, as long as the force.
     ///
     /// # Errors
-    /// [`Error::Channels`], [`Error::LengthMismatch`]; the block is then not taken.
-    pub fn push(&mut self, force: &[f64], responses: &[&[f64]]) -> Result<Vec<Hit>> {
+    /// [`SignalError::Channels`], [`SignalError::LengthMismatch`]; the block is then not taken.
+    pub fn push(&mut self, force: &[f64], responses: &[&[f64]]) -> Result<Vec<HitRecord>> {
         if responses.len() != self.responses.len() {
             let (found, expected) = (responses.len(), self.responses.len());
-            return Err(Error::Channels { found, expected });
+            return Err(SignalError::Channels { found, expected });
         }
         if let Some(channel) = responses.iter().find(|channel| channel.len() != force.len()) {
             let response = channel.len();
-            return Err(Error::LengthMismatch { force: force.len(), response });
+            return Err(SignalError::LengthMismatch { force: force.len(), response });
         }
         let first = self.base + self.force.len() as u64;
         self.force.extend_from_slice(force);
@@ -101,17 +101,17 @@ impl HitFinder {
     /// Ends the record: the hit still open, if there is one.
     ///
     /// Its `missing` says how many samples of a fixed length it lacks.
-    pub fn finish(mut self) -> Option<Hit> {
+    pub fn finish(mut self) -> Option<HitRecord> {
         let open = self.open.take()?;
         let end = self.base + self.force.len() as u64;
         let missing = match self.options.length {
             HitLength::Samples(samples) => samples - (end - open.start) as usize,
             HitLength::UntilNext { .. } => 0,
         };
-        Some(Hit { missing, ..self.cut(open, end) })
+        Some(HitRecord { missing, ..self.cut(open, end) })
     }
 
-    fn advance(&mut self, index: u64, crossing: bool, hits: &mut Vec<Hit>) {
+    fn advance(&mut self, index: u64, crossing: bool, hits: &mut Vec<HitRecord>) {
         let rested =
             self.last_trigger.is_none_or(|last| index - last >= self.options.hold_off as u64);
         let begins = crossing && rested;
@@ -133,9 +133,9 @@ impl HitFinder {
         }
     }
 
-    fn cut(&self, open: Open, end: u64) -> Hit {
+    fn cut(&self, open: Open, end: u64) -> HitRecord {
         let range = (open.start - self.base) as usize..(end - self.base) as usize;
-        Hit {
+        HitRecord {
             start: open.start,
             trigger: (open.trigger - open.start) as usize,
             force: self.force[range.clone()].to_vec(),

@@ -1,8 +1,8 @@
 //! Where a hit begins and ends.
 
-use super::Hit;
+use super::HitRecord;
 use super::finder::HitFinder;
-use crate::error::{Error, Result, check_positive};
+use crate::error::{Result, SignalError, check_positive};
 use crate::noise::robust_level;
 
 /// The force at which a hit begins.
@@ -49,7 +49,7 @@ impl HitLength {
 #[derive(Debug, Clone, PartialEq)]
 pub struct HitOptions {
     /// The force that begins a hit; the force is positive when the hammer pushes.
-    pub level: TriggerLevel,
+    pub trigger_level: TriggerLevel,
     /// Samples kept from before the trigger; fewer where the record begins later.
     pub pre_trigger: usize,
     /// Length of a hit.
@@ -67,13 +67,13 @@ impl HitOptions {
         if self.length.most() < self.pre_trigger.saturating_add(2) {
             let value = self.length.most() as f64;
             let expected = "at least two samples longer than the pre-trigger";
-            return Err(Error::Option { quantity: "the length of a hit", value, expected });
+            return Err(SignalError::Option { quantity: "the length of a hit", value, expected });
         }
         let until_next = matches!(self.length, HitLength::UntilNext { .. });
         if until_next && self.hold_off <= self.pre_trigger {
             let value = self.hold_off as f64;
             let expected = "longer than the pre-trigger";
-            return Err(Error::Option { quantity: "the hold-off", value, expected });
+            return Err(SignalError::Option { quantity: "the hold-off", value, expected });
         }
         Ok(())
     }
@@ -101,14 +101,14 @@ impl Trigger {
     /// The level of a whole record by any of the three rules.
     ///
     /// # Errors
-    /// [`Error::Option`] for a level that is not positive and finite or a
-    /// fraction above 1; [`Error::NoHit`] if the force never stands out
+    /// [`SignalError::Option`] for a level that is not positive and finite or a
+    /// fraction above 1; [`SignalError::NoHit`] if the force never stands out
     /// (automatic) or is nowhere positive (fraction).
     pub fn of(force: &[f64], options: &HitOptions) -> Result<Self> {
         let level = robust_level(force);
         let noise_n = level.map_or(0.0, |level| level.deviation);
         let largest_n = force.iter().copied().filter(|x| x.is_finite()).fold(0.0, f64::max);
-        let level_n = match options.level {
+        let level_n = match options.trigger_level {
             TriggerLevel::Absolute(newtons) => {
                 check_positive("the trigger level", newtons)?;
                 newtons
@@ -116,10 +116,10 @@ impl Trigger {
             TriggerLevel::Fraction(fraction) => {
                 if !(fraction > 0.0 && fraction <= 1.0) {
                     let (quantity, expected) = ("the trigger fraction", "above 0 and at most 1");
-                    return Err(Error::Option { quantity, value: fraction, expected });
+                    return Err(SignalError::Option { quantity, value: fraction, expected });
                 }
                 if largest_n <= 0.0 {
-                    return Err(Error::NoHit { largest: largest_n, needed: 0.0 });
+                    return Err(SignalError::NoHit { largest: largest_n, needed: 0.0 });
                 }
                 fraction * largest_n
             }
@@ -139,7 +139,10 @@ impl Trigger {
         let largest = largest.fold(0.0, f64::max);
         let bound = (NOISE_FACTOR * noise).max(LEAST_FRACTION * largest);
         if largest.is_nan() || largest <= LEAST_GAP * bound {
-            return Err(Error::NoHit { largest: largest + offset, needed: LEAST_GAP * bound });
+            return Err(SignalError::NoHit {
+                largest: largest + offset,
+                needed: LEAST_GAP * bound,
+            });
         }
         let mut peaks = vec![bound];
         let mut begun: Option<usize> = None;
@@ -167,7 +170,7 @@ impl Trigger {
 /// - `sample_rate_hz`: positive, in hertz.
 ///
 /// Samples that are not finite do not trigger; they stay in the hit for
-/// [`inspect`](super::inspect) to find. A record without a hit gives none with
+/// [`quality_issues`](super::quality_issues) to find. A record without a hit gives none with
 /// an absolute level.
 ///
 /// # Errors
@@ -177,7 +180,7 @@ pub fn find_hits(
     responses: &[&[f64]],
     sample_rate_hz: f64,
     options: &HitOptions,
-) -> Result<(Vec<Hit>, Trigger)> {
+) -> Result<(Vec<HitRecord>, Trigger)> {
     let trigger = Trigger::of(force, options)?;
     let mut finder = HitFinder::new(responses.len(), sample_rate_hz, trigger.level_n, options)?;
     let mut hits = finder.push(force, responses)?;

@@ -25,9 +25,9 @@ thread_local! {
 /// falls only as one over time.
 ///
 /// # Errors
-/// [`Error::Empty`](crate::Error::Empty), [`Error::NotFinite`](crate::Error::NotFinite),
-/// [`Error::SampleRate`](crate::Error::SampleRate), and
-/// [`Error::Option`](crate::Error::Option) for a band beyond half the sample rate.
+/// [`SignalError::Empty`](crate::SignalError::Empty), [`SignalError::NotFinite`](crate::SignalError::NotFinite),
+/// [`SignalError::SampleRate`](crate::SignalError::SampleRate), and
+/// [`SignalError::Option`](crate::SignalError::Option) for a band beyond half the sample rate.
 pub fn analytic_signal(
     samples: &[f64],
     sample_rate_hz: f64,

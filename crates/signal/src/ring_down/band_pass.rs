@@ -1,7 +1,7 @@
 //! A band-pass filter without phase.
 
 use super::analytic::analytic_signal;
-use crate::error::{Error, Result, check_positive};
+use crate::error::{Result, SignalError, check_positive};
 use std::f64::consts::PI;
 
 /// A zero-phase band-pass filter with smooth edges.
@@ -35,14 +35,14 @@ impl BandPass {
     /// From 0.0025 to 0.9975 an edge is 12 times `edge_hz` wide.
     ///
     /// # Errors
-    /// [`Error::Option`].
+    /// [`SignalError::Option`].
     pub fn new(low_hz: f64, high_hz: f64, edge_hz: f64) -> Result<Self> {
         check_positive("the band's lower limit", low_hz)?;
         check_positive("the band's upper limit", high_hz)?;
         check_positive("the band's edge", edge_hz)?;
         if high_hz <= low_hz {
             let (quantity, expected) = ("the band's upper limit", "above the lower limit");
-            return Err(Error::Option { quantity, value: high_hz, expected });
+            return Err(SignalError::Option { quantity, value: high_hz, expected });
         }
         Ok(Self { low: low_hz, high: high_hz, edge: edge_hz })
     }
@@ -52,7 +52,7 @@ impl BandPass {
     /// The gain at the centre is 0.995; [`backbone`](super::backbone) divides it out.
     ///
     /// # Errors
-    /// [`Error::Option`], for a `part` that is not between 0 and 1 too.
+    /// [`SignalError::Option`], for a `part` that is not between 0 and 1 too.
     pub fn around(centre_hz: f64, part: f64) -> Result<Self> {
         let half = part * centre_hz;
         Self::new(centre_hz - half, centre_hz + half, EDGE * half)
@@ -126,5 +126,5 @@ pub(super) fn check_band(band: &BandPass, sample_rate_hz: f64) -> Result<()> {
         return Ok(());
     }
     let (quantity, expected) = ("the band's upper limit", "at most half the sample rate");
-    Err(Error::Option { quantity, value: band.high, expected })
+    Err(SignalError::Option { quantity, value: band.high, expected })
 }

@@ -2,7 +2,9 @@
 
 use crate::noise::Noise;
 use crate::oscillator::{Mode, integrated};
-use asperity_signal::{Backbone, BackboneOptions, BandPass, Error, analytic_signal, backbone};
+use asperity_signal::{
+    Backbone, BackboneOptions, BandPass, SignalError, analytic_signal, backbone,
+};
 use std::f64::consts::{PI, TAU};
 
 const RATE: f64 = 20_000.0;
@@ -189,14 +191,14 @@ fn the_analytic_signal_turns_a_tone() {
         assert!((z - expected).norm() < 1e-12, "{n}");
     }
     let band = BandPass::around(9000.0, 0.5).unwrap();
-    assert!(matches!(analytic_signal(&tone, RATE, Some(&band)), Err(Error::Option { .. })));
+    assert!(matches!(analytic_signal(&tone, RATE, Some(&band)), Err(SignalError::Option { .. })));
     assert!(BandPass::around(100.0, 1.0).is_err());
     assert!(BandPass::around(-100.0, 0.5).is_err());
     assert!(BandPass::new(5.0, 4.0, 1.0).is_err());
     assert!(BandPass::new(5.0, 6.0, 0.0).is_err());
     let band = BandPass::around(830.0, 0.3).unwrap();
     let wrong = BackboneOptions { cycles: 0.5, ..BackboneOptions::new(band) };
-    assert!(matches!(backbone(&tone, RATE, &wrong), Err(Error::Option { .. })));
+    assert!(matches!(backbone(&tone, RATE, &wrong), Err(SignalError::Option { .. })));
     let short = backbone(&tone[..50], RATE, &BackboneOptions::new(band)).unwrap();
     assert_eq!(short.points, []);
 }

@@ -4,19 +4,20 @@ use crate::measured;
 use crate::noise::Noise;
 use crate::oscillator::{Mode, struck};
 use asperity_signal::{
-    Complex64, Density, Error, Estimator, Frf, FrfEstimator, FrfForm, HvScaling, Response, Route,
+    Complex64, FrequencyResponse, Frf, FrfAverage, FrfEstimator, FrfForm, HvScaling, ResponseKind,
+    SignalError, SpectralDensity,
 };
 
 const MODE: Mode = Mode { natural_hz: 830.0, damping: 0.02, mass: 1.5 };
 const RATE: f64 = 20_000.0;
 const COUNT: usize = 4000;
 
-fn estimator(padding: usize) -> FrfEstimator {
-    FrfEstimator::new(COUNT, RATE, Route::Displacement, padding).unwrap()
+fn estimator(padding: usize) -> FrfAverage {
+    FrfAverage::new(COUNT, RATE, ResponseKind::Displacement, padding).unwrap()
 }
 
 /// Hits of one mode with normal noise on force and response.
-fn noisy(hits: u64, force_noise: f64, response_noise: f64) -> (FrfEstimator, Vec<Frf>) {
+fn noisy(hits: u64, force_noise: f64, response_noise: f64) -> (FrfAverage, Vec<Frf>) {
     let (force, response) = struck(&[MODE], RATE, COUNT);
     let mut noise = Noise::new(42);
     let mut average = estimator(1);
@@ -48,7 +49,10 @@ fn merged_averages_are_those_of_all_hits() {
     }
     let mut merged = estimator(1);
     merged.merge(&first).unwrap();
-    assert_eq!(merged.frf(Estimator::H1).unwrap().values, first.frf(Estimator::H1).unwrap().values);
+    assert_eq!(
+        merged.frf(FrfEstimator::H1).unwrap().values,
+        first.frf(FrfEstimator::H1).unwrap().values
+    );
     merged.merge(&others).unwrap();
     merged.merge(&estimator(1)).unwrap();
     assert_eq!(merged.averages(), 6);
@@ -59,8 +63,8 @@ fn merged_averages_are_those_of_all_hits() {
     assert!(near(&merged.coherence().unwrap().values, &whole.coherence().unwrap().values));
     let (a, b) = (merged.spread().unwrap(), whole.spread().unwrap());
     assert!(near(&a.mean, &b.mean) && near(&a.standard_deviation, &b.standard_deviation));
-    let short = FrfEstimator::new(COUNT / 2, RATE, Route::Displacement, 1).unwrap();
-    assert!(matches!(merged.merge(&short), Err(Error::TooLong { .. })));
+    let short = FrfAverage::new(COUNT / 2, RATE, ResponseKind::Displacement, 1).unwrap();
+    assert!(matches!(merged.merge(&short), Err(SignalError::TooLong { .. })));
 }
 
 /// Verified against Parseval: the energy density integrates to the energy of the samples, the
@@ -76,12 +80,12 @@ fn densities_keep_energy_and_power() {
         average.push(&stronger, &response).unwrap();
         let step = average.frequency_hz()[1];
         let integral = |values: Vec<f64>| values.iter().sum::<f64>() * step;
-        let found = integral(average.force_auto(Density::Energy).unwrap());
+        let found = integral(average.force_auto(SpectralDensity::Energy).unwrap());
         let expected = 0.5 * (energy(&force) + energy(&stronger));
         assert!((found / expected - 1.0).abs() < 1e-12, "{found} {expected}");
-        let found = integral(average.response_auto(Density::Energy).unwrap());
+        let found = integral(average.response_auto(SpectralDensity::Energy).unwrap());
         assert!((found / energy(&response) - 1.0).abs() < 1e-12);
-        let power = integral(average.response_auto(Density::Power).unwrap());
+        let power = integral(average.response_auto(SpectralDensity::Power).unwrap());
         let mean_square = energy(&response) * RATE / COUNT as f64;
         assert!((power / mean_square - 1.0).abs() < 1e-12);
     }
@@ -95,12 +99,13 @@ fn without_noise_all_estimators_agree() {
     let mut average = estimator(1);
     let own = average.push(&force, &response).unwrap();
     average.push(&force, &response).unwrap();
-    let exact = Response::from_displacement(&force, &response, RATE).unwrap().receptance(1);
+    let exact =
+        FrequencyResponse::from_displacement(&force, &response, RATE).unwrap().receptance(1);
     let kinds = [
-        Estimator::H1,
-        Estimator::H2,
-        Estimator::Hv(HvScaling::EqualRatios),
-        Estimator::Hv(HvScaling::NoiseRatio(1e-6)),
+        FrfEstimator::H1,
+        FrfEstimator::H2,
+        FrfEstimator::Hv(HvScaling::EqualRatios),
+        FrfEstimator::Hv(HvScaling::NoiseRatio(1e-6)),
     ];
     for kind in kinds {
         let found = average.frf(kind).unwrap();
@@ -118,7 +123,7 @@ fn without_noise_all_estimators_agree() {
     assert!((spread.mean[k] / exact.values[k].norm() - 1.0).abs() < 1e-13);
     assert!(spread.standard_deviation[k] < 1e-13 * spread.mean[k]);
     for form in FrfForm::ALL {
-        assert_eq!(average.frf(Estimator::H1).unwrap().to(form).form, form);
+        assert_eq!(average.frf(FrfEstimator::H1).unwrap().to(form).form, form);
     }
 }
 
@@ -129,21 +134,21 @@ fn without_noise_all_estimators_agree() {
 fn total_least_squares_has_its_limits() {
     let (average, _) = noisy(5, 2000.0, 2e-5);
     let at = |kind| average.frf(kind).unwrap().values[bin(700.0)];
-    let (h1, h2) = (at(Estimator::H1), at(Estimator::H2));
+    let (h1, h2) = (at(FrfEstimator::H1), at(FrfEstimator::H2));
     assert!(h2.norm() > 1.01 * h1.norm(), "the noise matters: {h1} {h2}");
-    let hv = |ratio| at(Estimator::Hv(HvScaling::NoiseRatio(ratio)));
+    let hv = |ratio| at(FrfEstimator::Hv(HvScaling::NoiseRatio(ratio)));
     assert!((hv(1e3) / h1 - 1.0).norm() < 1e-9);
     assert!((hv(1e-16) / h2 - 1.0).norm() < 1e-9);
-    let mean = at(Estimator::Hv(HvScaling::EqualRatios));
+    let mean = at(FrfEstimator::Hv(HvScaling::EqualRatios));
     assert!((mean.norm() / (h1.norm() * h2.norm()).sqrt() - 1.0).abs() < 1e-12);
     assert!((mean / h1).arg().abs() < 1e-12 && (h2 / h1).arg().abs() < 1e-12);
 
     let s = 1e-8;
     let h = hv(s) / s;
     let k = bin(700.0);
-    let gff = average.force_auto(Density::Energy).unwrap()[k];
-    let gxx = average.response_auto(Density::Energy).unwrap()[k] / (s * s);
-    let gfx: Complex64 = average.cross(Density::Energy).unwrap()[k] / s;
+    let gff = average.force_auto(SpectralDensity::Energy).unwrap()[k];
+    let gxx = average.response_auto(SpectralDensity::Energy).unwrap()[k] / (s * s);
+    let gfx: Complex64 = average.cross(SpectralDensity::Energy).unwrap()[k] / s;
     // (1, h) is an eigenvector of [[Gff, conj(Gfx)], [Gfx, Gxx]]; the sum is the larger root.
     let first = gff + gfx.conj() * h;
     let second = gfx + gxx * h;
@@ -158,9 +163,10 @@ fn total_least_squares_has_its_limits() {
 #[test]
 fn each_estimator_stands_its_own_noise() {
     let (force, response) = struck(&[MODE], RATE, COUNT);
-    let exact = Response::from_displacement(&force, &response, RATE).unwrap().receptance(1);
+    let exact =
+        FrequencyResponse::from_displacement(&force, &response, RATE).unwrap().receptance(1);
     let bins = bin(780.0)..bin(880.0);
-    let ratio = |average: &FrfEstimator, kind| {
+    let ratio = |average: &FrfAverage, kind| {
         let found = average.frf(kind).unwrap();
         let each = bins.clone().map(|k| (found.values[k] / exact.values[k]).re);
         each.sum::<f64>() / bins.len() as f64
@@ -169,18 +175,18 @@ fn each_estimator_stands_its_own_noise() {
     let share = 0.1_f64;
     let force_noise = (share * RATE * RATE / COUNT as f64).sqrt();
     let (on_force, _) = noisy(400, force_noise, 0.0);
-    assert!((ratio(&on_force, Estimator::H1) * (1.0 + share) - 1.0).abs() < 0.015);
-    assert!((ratio(&on_force, Estimator::H2) - 1.0).abs() < 0.015);
+    assert!((ratio(&on_force, FrfEstimator::H1) * (1.0 + share) - 1.0).abs() < 0.015);
+    assert!((ratio(&on_force, FrfEstimator::H2) - 1.0).abs() < 0.015);
 
     let response_noise = 0.05 * exact.values[bin(830.0)].norm() * RATE / (COUNT as f64).sqrt();
     let (on_response, _) = noisy(400, 0.0, response_noise);
-    assert!((ratio(&on_response, Estimator::H1) - 1.0).abs() < 0.015);
-    assert!(ratio(&on_response, Estimator::H2) > 1.01);
+    assert!((ratio(&on_response, FrfEstimator::H1) - 1.0).abs() < 0.015);
+    assert!(ratio(&on_response, FrfEstimator::H2) > 1.01);
 
     let (on_both, _) = noisy(400, force_noise, response_noise);
-    let true_ratio = Estimator::Hv(HvScaling::NoiseRatio(response_noise / force_noise));
+    let true_ratio = FrfEstimator::Hv(HvScaling::NoiseRatio(response_noise / force_noise));
     assert!((ratio(&on_both, true_ratio) - 1.0).abs() < 0.015);
-    assert!(ratio(&on_both, Estimator::H1) < 0.93);
+    assert!(ratio(&on_both, FrfEstimator::H1) < 0.93);
 }
 
 /// Verified against the scatter of many averages: the stated random error of |H1| is what 200
@@ -189,7 +195,8 @@ fn each_estimator_stands_its_own_noise() {
 #[test]
 fn stated_random_errors_are_the_scatter() {
     let (force, response) = struck(&[MODE], RATE, COUNT);
-    let exact = Response::from_displacement(&force, &response, RATE).unwrap().receptance(1);
+    let exact =
+        FrequencyResponse::from_displacement(&force, &response, RATE).unwrap().receptance(1);
     let k = bin(845.0);
     let deviation = 0.2 * exact.values[k].norm() * RATE / (COUNT as f64).sqrt();
     let mut noise = Noise::new(9);
@@ -201,7 +208,7 @@ fn stated_random_errors_are_the_scatter() {
         for _ in 0..hits {
             average.push(&force, &noise.added_to(&response, deviation)).unwrap();
         }
-        let found = average.frf(Estimator::H1).unwrap().values[k] / exact.values[k];
+        let found = average.frf(FrfEstimator::H1).unwrap().values[k] / exact.values[k];
         magnitudes += (found.norm() - 1.0).powi(2);
         phases += found.arg().powi(2);
         let coherence = average.coherence().unwrap();
@@ -241,32 +248,40 @@ fn the_spread_is_that_of_the_hits() {
 #[test]
 fn what_cannot_be_said_is_refused() {
     let mut average = estimator(1);
-    let few = |quantity, averages, needed| Error::TooFewAverages { quantity, averages, needed };
-    let none = average.frf(Estimator::H1).unwrap_err();
+    let few =
+        |quantity, averages, needed| SignalError::TooFewAverages { quantity, averages, needed };
+    let none = average.frf(FrfEstimator::H1).unwrap_err();
     assert_eq!(none, few("frequency response function", 0, 1));
     assert_eq!(average.force_mask(0.02).unwrap_err(), few("force mask", 0, 1));
-    assert_eq!(average.force_auto(Density::Energy).unwrap_err(), few("auto spectrum", 0, 1));
+    assert_eq!(
+        average.force_auto(SpectralDensity::Energy).unwrap_err(),
+        few("auto spectrum", 0, 1)
+    );
     let (force, response) = struck(&[MODE], RATE, COUNT);
     average.push(&force, &response).unwrap();
     assert_eq!(average.coherence().unwrap_err(), few("coherence", 1, 2));
     assert_eq!(average.spread().unwrap_err(), few("spread", 1, 2));
-    let ratio = Estimator::Hv(HvScaling::NoiseRatio(0.0));
-    assert!(matches!(average.frf(ratio), Err(Error::Option { .. })));
+    let ratio = FrfEstimator::Hv(HvScaling::NoiseRatio(0.0));
+    assert!(matches!(average.frf(ratio), Err(SignalError::Option { .. })));
 
-    let before = average.frf(Estimator::H1).unwrap();
+    let before = average.frf(FrfEstimator::H1).unwrap();
     let long = vec![1.0; COUNT + 1];
     assert_eq!(
         average.push(&long, &long),
-        Err(Error::TooLong { samples: COUNT + 1, limit: COUNT })
+        Err(SignalError::TooLong { samples: COUNT + 1, limit: COUNT })
     );
-    assert!(matches!(average.push(&force, &response[1..]), Err(Error::LengthMismatch { .. })));
-    assert_eq!(average.push(&[0.0; 9], &[1.0; 9]), Err(Error::NoForce { samples: 9 }));
-    assert!(matches!(average.push(&[1.0], &[f64::NAN]), Err(Error::NotFinite { .. })));
-    assert_eq!((average.averages(), average.frf(Estimator::H1).unwrap()), (1, before));
-    let new = |samples, padding| FrfEstimator::new(samples, RATE, Route::Displacement, padding);
-    assert!(matches!(new(0, 1), Err(Error::Empty { .. })));
-    assert!(matches!(new(10, 0), Err(Error::Padding { .. })));
-    assert!(matches!(new(usize::MAX, 2), Err(Error::TooLong { .. })));
+    assert!(matches!(
+        average.push(&force, &response[1..]),
+        Err(SignalError::LengthMismatch { .. })
+    ));
+    assert_eq!(average.push(&[0.0; 9], &[1.0; 9]), Err(SignalError::NoForce { samples: 9 }));
+    assert!(matches!(average.push(&[1.0], &[f64::NAN]), Err(SignalError::NotFinite { .. })));
+    assert_eq!((average.averages(), average.frf(FrfEstimator::H1).unwrap()), (1, before));
+    let new =
+        |samples, padding| FrfAverage::new(samples, RATE, ResponseKind::Displacement, padding);
+    assert!(matches!(new(0, 1), Err(SignalError::Empty { .. })));
+    assert!(matches!(new(10, 0), Err(SignalError::Padding { .. })));
+    assert!(matches!(new(usize::MAX, 2), Err(SignalError::TooLong { .. })));
 }
 
 /// Verified against SciPy's cross and auto spectral densities of three measured hits (see
@@ -276,16 +291,17 @@ fn measured_hits_give_the_reference() {
     let Some(hits) = measured::hits("measured_hits_give_the_reference") else {
         return;
     };
-    let mut average = FrfEstimator::new(25_600, measured::RATE, Route::Acceleration, 1).unwrap();
+    let mut average =
+        FrfAverage::new(25_600, measured::RATE, ResponseKind::Acceleration, 1).unwrap();
     for (force, response) in &hits {
         average.push(force, response).unwrap();
     }
     let table = include_str!("../../../../fixtures/reference/hammer/reference.csv");
-    let (h1, h2) = (average.frf(Estimator::H1).unwrap(), average.frf(Estimator::H2).unwrap());
+    let (h1, h2) = (average.frf(FrfEstimator::H1).unwrap(), average.frf(FrfEstimator::H2).unwrap());
     assert_eq!(h1.form, FrfForm::Accelerance);
     let coherence = average.coherence().unwrap();
-    let force = average.force_auto(Density::Power).unwrap();
-    let response = average.response_auto(Density::Power).unwrap();
+    let force = average.force_auto(SpectralDensity::Power).unwrap();
+    let response = average.response_auto(SpectralDensity::Power).unwrap();
     let mask = average.force_mask(0.02).unwrap();
     let mut rows = 0;
     for line in table.lines().skip(1) {

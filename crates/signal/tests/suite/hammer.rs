@@ -4,9 +4,10 @@ use crate::measured;
 use crate::noise::Noise;
 use crate::oscillator::{Mode, hammer_pulse, integrated};
 use asperity_signal::{
-    Estimator, ExponentialWindow, ForceWindow, FrfForm, HammerOptions, HammerTest, HarmonicOptions,
-    HitLength, HitOptions, Offset, Reference, ResponseWindows, Route, TriggerLevel, Verdict,
-    circle_fit, find_harmonics, find_hits, half_power, hammer_test, peak_uncertainty,
+    ExponentialWindow, ForceWindow, FrfEstimator, FrfForm, FundamentalSearch, HammerOptions,
+    HammerTest, HarmonicOptions, HitLength, HitOptions, HitWindows, Offset, QualityIssue,
+    ResponseKind, TriggerLevel, circle_fit, find_harmonics, find_hits, half_power, hammer_test,
+    peak_uncertainty,
 };
 
 const RATE: f64 = 25_600.0;
@@ -14,9 +15,13 @@ const MODE: Mode = Mode { natural_hz: 831.0, damping: 0.01, mass: 1.6 };
 
 fn options(samples: usize) -> HammerOptions {
     let length = HitLength::Samples(samples);
-    let hits =
-        HitOptions { level: TriggerLevel::Automatic, pre_trigger: 15, length, hold_off: 4000 };
-    HammerOptions::new(hits, Route::Acceleration, Reference::Frequency(840.0))
+    let hits = HitOptions {
+        trigger_level: TriggerLevel::Automatic,
+        pre_trigger: 15,
+        length,
+        hold_off: 4000,
+    };
+    HammerOptions::new(hits, ResponseKind::Acceleration, FundamentalSearch::Frequency(840.0))
 }
 
 /// Four blows on one mode, the third a double hit, with noise and an offset of the force.
@@ -56,7 +61,7 @@ fn a_test_finds_the_mode() {
     let averaged: Vec<bool> =
         test.hits.iter().map(asperity_signal::AnalysedHit::is_averaged).collect();
     assert_eq!(averaged, [true, true, false, true]);
-    assert!(matches!(test.hits[2].verdicts[..], [Verdict::DoubleHit(_)]), "{:?}", test.hits[2]);
+    assert!(matches!(test.hits[2].issues[..], [QualityIssue::DoubleHit(_)]), "{:?}", test.hits[2]);
     let top = MODE.natural_hz * (1.0 - 2.0 * MODE.damping * MODE.damping).sqrt();
     for (hit, peak) in test.hits.iter().zip([10.0, 20.0, 20.0, 30.0]) {
         assert!((hit.pulse.unwrap().refined_peak_n / peak - 1.0).abs() < 5e-3);
@@ -85,7 +90,7 @@ fn a_test_finds_the_mode() {
         }
         assert_eq!(features.unwindowed_magnitude, Some(found.magnitude));
     }
-    let average = test.average.frf(Estimator::H1).unwrap().to(FrfForm::Receptance);
+    let average = test.average.frf(FrfEstimator::H1).unwrap().to(FrfForm::Receptance);
     let k = (831.0 * 2.0 * (average.len() - 1) as f64 / RATE).round() as usize;
     let exact = MODE.receptance(average.frequency_hz[k]);
     assert!((average.values[k] / exact - 1.0).norm() < 0.02, "{} {exact}", average.values[k]);
@@ -99,7 +104,7 @@ fn a_windowed_test_is_corrected() {
     let (force, response) = record();
     let mut options = options(2_500);
     let exponential = Some(ExponentialWindow::falling_to(2e-3, 2_500.0 / RATE).unwrap());
-    options.windows = ResponseWindows { force_s: Some((0.5e-3, 0.5e-3)), exponential };
+    options.windows = HitWindows { force_s: Some((0.5e-3, 0.5e-3)), exponential };
     let test = hammer_test(&force, &response, RATE, &options).unwrap();
     let height = MODE.receptance(MODE.natural_hz).norm();
     for hit in test.hits.iter().filter(|hit| hit.is_averaged()) {
@@ -125,7 +130,7 @@ fn measured_test(options: &HammerOptions, name: &str) -> Option<HammerTest> {
 #[test]
 fn measured_hits_agree_with_each_other() {
     let mut options = options(25_500);
-    options.reference = Reference::Band((500.0, 1400.0), FrfForm::Receptance);
+    options.fundamental = FundamentalSearch::Band((500.0, 1400.0), FrfForm::Receptance);
     options.harmonics =
         HarmonicOptions { fundamental_window: (0.9, 1.1), ..HarmonicOptions::default() };
     options.windows.force_s = Some((0.5e-3, 0.5e-3));
@@ -172,7 +177,7 @@ fn features_are_those_of_the_direct_sums() {
     for (found, mut hit) in test.hits.iter().zip(hits) {
         let Some(features) = &found.features else { continue };
         Offset::at_rest(&hit.force).unwrap().remove(&mut hit.force);
-        let response = hit.response(0, Route::Acceleration).unwrap();
+        let response = hit.response(0, ResponseKind::Acceleration).unwrap();
         let direct = find_harmonics(&response, features.reference_hz, &options.harmonics);
         let (peak, exact) = (features.harmonics.fundamental.unwrap(), direct.fundamental.unwrap());
         assert!((peak.frequency_hz / exact.frequency_hz - 1.0).abs() < 1e-12);

@@ -1,14 +1,14 @@
 //! Peaks that are there, and peaks that are not.
 
 use crate::oscillator::{Mode, hammer_pulse, hit, integrated, maximum, sampled_slope};
-use asperity_signal::{HarmonicOptions, Harmonics, Response, find_harmonics};
+use asperity_signal::{FrequencyResponse, HarmonicOptions, Harmonics, find_harmonics};
 use std::f64::consts::{PI, TAU};
 
 const RATE: f64 = 100_000.0;
 const COUNT: usize = 25_000;
 const FIRST: Mode = Mode { natural_hz: 830.0, damping: 0.035, mass: 1.61 };
 
-fn search(hit: &Response) -> Harmonics {
+fn search(hit: &FrequencyResponse) -> Harmonics {
     find_harmonics(hit, 850.0, &HarmonicOptions::default())
 }
 
@@ -109,7 +109,7 @@ fn rounding_is_no_peak() {
         (0..4000).map(|n| hammer_pulse(9.0, 3.4e-4)(f64::from(n) / RATE)).collect();
     // A power of two would divide exactly; a third leaves a rounding in every sample.
     let response: Vec<f64> = force.iter().map(|x| x / 3.0).collect();
-    let hit = Response::from_displacement(&force, &response, RATE).unwrap();
+    let hit = FrequencyResponse::from_displacement(&force, &response, RATE).unwrap();
     for expected in [300.0, 600.0, 850.0, 1100.0] {
         let found = find_harmonics(&hit, expected, &options);
         assert_eq!(found, Harmonics::default(), "{expected} Hz");
@@ -141,7 +141,7 @@ fn a_force_zero_is_masked() {
     let restoring = |u: f64, v: f64| stiffness * u * (1.0 - 2.0e4 * u) + viscosity * v;
     let (u, _) = integrated(FIRST.mass, restoring, pulse, RATE, COUNT, 1);
     let force: Vec<f64> = (0..COUNT).map(|n| pulse(n as f64 / RATE)).collect();
-    let hit = Response::from_displacement(&force, &u, RATE).unwrap();
+    let hit = FrequencyResponse::from_displacement(&force, &u, RATE).unwrap();
     let found = search(&hit);
     assert!(found.fundamental.is_some());
     assert_eq!(found.second, None);
@@ -169,7 +169,7 @@ fn a_shallow_peak_of_a_contact_is_found() {
             |u: f64, v: f64| area * (pressure(start + u) - weight) + 2.0 * 0.035 * omega * mass * v;
         let (u, _) = integrated(mass, restoring, &pulse, 200_000.0, 24_000, 1);
         let force: Vec<f64> = (0..24_000).map(|n| pulse(f64::from(n) / 200_000.0)).collect();
-        let hit = Response::from_displacement(&force, &u, 200_000.0).unwrap();
+        let hit = FrequencyResponse::from_displacement(&force, &u, 200_000.0).unwrap();
         let found = find_harmonics(&hit, omega / TAU, &HarmonicOptions::default());
         found.ratio()
     };

@@ -4,8 +4,8 @@ use crate::measured;
 use crate::noise::Noise;
 use crate::oscillator::hammer_pulse;
 use asperity_signal::{
-    Error, HitFinder, HitLength, HitOptions, Offset, Pulse, QualityOptions, TriggerLevel, Verdict,
-    find_hits, inspect,
+    HitFinder, HitLength, HitOptions, Offset, Pulse, QualityIssue, QualityOptions, SignalError,
+    TriggerLevel, find_hits, quality_issues,
 };
 use proptest::prelude::*;
 
@@ -13,7 +13,7 @@ const RATE: f64 = 51_200.0;
 
 fn options(level: TriggerLevel) -> HitOptions {
     let length = HitLength::Samples(2048);
-    HitOptions { level, pre_trigger: 32, length, hold_off: 1024 }
+    HitOptions { trigger_level: level, pre_trigger: 32, length, hold_off: 1024 }
 }
 
 /// Five blows from 3 to 90 N on noise of 0.02 N with an offset, and their onsets.
@@ -48,16 +48,16 @@ fn the_automatic_level_finds_every_blow() {
         let range = hit.start as usize..hit.start as usize + 2048;
         assert_eq!(hit.force, force[range.clone()]);
         assert_eq!(hit.responses[0], response[range]);
-        let verdicts = inspect(hit, &QualityOptions::default());
+        let issues = quality_issues(hit, &QualityOptions::default());
         // The response is nothing but noise and does not decay.
-        assert!(verdicts.iter().all(|v| matches!(v, Verdict::NotDecayed { .. })), "{verdicts:?}");
+        assert!(issues.iter().all(|v| matches!(v, QualityIssue::NotDecayed { .. })), "{issues:?}");
     }
     assert!((trigger.noise_n / 0.02 - 1.0).abs() < 0.1, "{trigger:?}");
     assert!((89.9..90.2).contains(&trigger.largest_n));
     assert!(trigger.level_n > 0.2 && trigger.level_n < 3.0, "{trigger:?}");
     let rest: Vec<f64> = Noise::new(3).added_to(&vec![0.0; 4000], 0.02);
     let none = find_hits(&rest, &[], RATE, &options(TriggerLevel::Automatic));
-    assert!(matches!(none, Err(Error::NoHit { .. })), "{none:?}");
+    assert!(matches!(none, Err(SignalError::NoHit { .. })), "{none:?}");
 }
 
 /// Verified against the onsets: the other rules, hits up to the next one, and a record that
@@ -87,9 +87,9 @@ fn levels_lengths_and_ends() {
     assert!(last[0].trigger < 8, "nothing before the record: {}", last[0].trigger);
     let last = last.last().unwrap();
     assert_eq!(last.force.len() + last.missing, 5000);
-    let verdicts = inspect(last, &QualityOptions::default());
+    let issues = quality_issues(last, &QualityOptions::default());
     let samples = last.force.len();
-    assert_eq!(verdicts, [Verdict::Truncated { samples, missing: last.missing }]);
+    assert_eq!(issues, [QualityIssue::Truncated { samples, missing: last.missing }]);
 }
 
 /// Verified against the documentation: requests that make no sense are refused.
@@ -97,7 +97,7 @@ fn levels_lengths_and_ends() {
 fn faulty_requests_are_refused() {
     let wrong = |options: HitOptions| find_hits(&[1.0; 50], &[], RATE, &options).unwrap_err();
     let base = options(TriggerLevel::Absolute(0.5));
-    let option = |error: &Error| matches!(error, Error::Option { .. });
+    let option = |error: &SignalError| matches!(error, SignalError::Option { .. });
     assert!(option(&wrong(HitOptions { length: HitLength::Samples(33), ..base.clone() })));
     let length = HitLength::UntilNext { limit: 100 };
     assert!(option(&wrong(HitOptions { length, hold_off: 32, ..base.clone() })));
@@ -105,11 +105,14 @@ fn faulty_requests_are_refused() {
         assert!(option(&wrong(options(TriggerLevel::Absolute(level)))));
     }
     assert!(option(&wrong(options(TriggerLevel::Fraction(1.5)))));
-    assert_eq!(find_hits(&[], &[], 0.0, &base), Err(Error::SampleRate { value: 0.0 }));
+    assert_eq!(find_hits(&[], &[], 0.0, &base), Err(SignalError::SampleRate { value: 0.0 }));
     let mut finder = HitFinder::new(2, RATE, 1.0, &base).unwrap();
-    assert_eq!(finder.push(&[1.0], &[&[1.0]]), Err(Error::Channels { found: 1, expected: 2 }));
+    assert_eq!(
+        finder.push(&[1.0], &[&[1.0]]),
+        Err(SignalError::Channels { found: 1, expected: 2 })
+    );
     let uneven = finder.push(&[1.0], &[&[1.0], &[]]);
-    assert_eq!(uneven, Err(Error::LengthMismatch { force: 1, response: 0 }));
+    assert_eq!(uneven, Err(SignalError::LengthMismatch { force: 1, response: 0 }));
 }
 
 proptest! {
@@ -132,7 +135,7 @@ proptest! {
             HitLength::Samples(length)
         };
         let hold_off = if until_next { hold_off + pre_trigger + 1 } else { hold_off };
-        let options = HitOptions { level: TriggerLevel::Absolute(1.0), pre_trigger, length, hold_off };
+        let options = HitOptions { trigger_level: TriggerLevel::Absolute(1.0), pre_trigger, length, hold_off };
         let response: Vec<f64> = (0..force.len()).map(|n| n as f64).collect();
         let finder = || HitFinder::new(1, RATE, 1.0, &options).unwrap();
 
@@ -195,12 +198,16 @@ fn measured_hits_are_good() {
     let force: Vec<f64> = data.iter().flat_map(|(force, _)| force.clone()).collect();
     let response: Vec<f64> = data.iter().flat_map(|(_, response)| response.clone()).collect();
     let length = HitLength::Samples(25_500);
-    let options =
-        HitOptions { level: TriggerLevel::Automatic, pre_trigger: 15, length, hold_off: 12_800 };
+    let options = HitOptions {
+        trigger_level: TriggerLevel::Automatic,
+        pre_trigger: 15,
+        length,
+        hold_off: 12_800,
+    };
     let (hits, trigger) = find_hits(&force, &[&response], measured::RATE, &options).unwrap();
     assert_eq!(hits.len(), 3, "{trigger:?}");
     for hit in &hits {
-        assert_eq!(inspect(hit, &QualityOptions::default()), [], "{}", hit.start);
+        assert_eq!(quality_issues(hit, &QualityOptions::default()), [], "{}", hit.start);
         let pulse = Pulse::of(&hit.force, hit.sample_rate_hz).unwrap();
         // 68 to 86 N within a quarter of a millisecond: read off the samples.
         assert!((68.0..87.0).contains(&pulse.peak_n) && pulse.width_s < 3e-4, "{pulse:?}");
@@ -210,9 +217,9 @@ fn measured_hits_are_good() {
     for n in 77..25_500 {
         twice.force[n] += 0.3 * hits[0].force[n - 77];
     }
-    let verdicts = inspect(&twice, &QualityOptions::default());
-    let [Verdict::DoubleHit(double)] = verdicts[..] else {
-        panic!("{verdicts:?}");
+    let issues = quality_issues(&twice, &QualityOptions::default());
+    let [QualityIssue::DoubleHit(double)] = issues[..] else {
+        panic!("{issues:?}");
     };
     assert!((double.ratio - 0.3).abs() < 0.01, "{double:?}");
 }

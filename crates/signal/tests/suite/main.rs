@@ -15,9 +15,10 @@ mod hits;
 mod measured;
 mod noise;
 mod oscillator;
+mod quality;
 mod receptance;
+mod response_kinds;
 mod robustness;
-mod routes;
 mod shared_force;
 #[allow(dead_code, reason = "names of rows and columns are for the printed table only")]
 #[path = "../../examples/estimators/simulation.rs"]
@@ -27,5 +28,4 @@ mod statistics;
 mod tables;
 mod transform;
 mod uncertainty;
-mod verdicts;
 mod windows;

@@ -1,6 +1,6 @@
 //! Linear modes whose sampled transform is a geometric sum.
 
-use asperity_signal::{Complex64, Response};
+use asperity_signal::{Complex64, FrequencyResponse};
 use std::f64::consts::TAU;
 
 /// One viscously damped mode.
@@ -67,9 +67,9 @@ pub(crate) fn struck(modes: &[Mode], rate: f64, count: usize) -> (Vec<f64>, Vec<
 }
 
 /// [`struck`] as a hit.
-pub(crate) fn hit(modes: &[Mode], rate: f64, count: usize) -> Response {
+pub(crate) fn hit(modes: &[Mode], rate: f64, count: usize) -> FrequencyResponse {
     let (force, displacement) = struck(modes, rate, count);
-    Response::from_displacement(&force, &displacement, rate).unwrap()
+    FrequencyResponse::from_displacement(&force, &displacement, rate).unwrap()
 }
 
 /// The frequency between `low` and `high` where the sampled `|H|` of the modes is

@@ -1,7 +1,7 @@
 //! Receptances of oscillators struck and integrated.
 
 use crate::oscillator::{Mode, hammer_pulse, hit, integrated, struck};
-use asperity_signal::{Complex64, Error, HarmonicOptions, Response, find_harmonics};
+use asperity_signal::{Complex64, FrequencyResponse, HarmonicOptions, SignalError, find_harmonics};
 use std::f64::consts::TAU;
 
 const MODE: Mode = Mode { natural_hz: 831.98, damping: 0.035, mass: 1.61 };
@@ -53,8 +53,8 @@ fn the_grid_and_single_frequencies_are_the_same_function() {
     }
 }
 
-/// One hit of the smooth pulse, integrated with 4 Runge-Kutta steps a sample, by both routes.
-fn both_routes(rate: f64) -> [Response; 2] {
+/// One hit of the smooth pulse, integrated with 4 Runge-Kutta steps a sample, by both kinds.
+fn both_routes(rate: f64) -> [FrequencyResponse; 2] {
     let count = (0.25 * rate) as usize;
     let stiffness = MODE.mass * MODE.omega().powi(2);
     let viscosity = 2.0 * MODE.damping * MODE.omega() * MODE.mass;
@@ -63,8 +63,8 @@ fn both_routes(rate: f64) -> [Response; 2] {
     let restoring = |u: f64, v: f64| stiffness * u + viscosity * v;
     let (u, a) = integrated(MODE.mass, restoring, &pulse, rate, count, 4);
     [
-        Response::from_displacement(&force, &u, rate).unwrap(),
-        Response::from_acceleration(&force, &a, rate).unwrap(),
+        FrequencyResponse::from_displacement(&force, &u, rate).unwrap(),
+        FrequencyResponse::from_acceleration(&force, &a, rate).unwrap(),
     ]
 }
 
@@ -85,12 +85,13 @@ fn both_routes_converge_to_one_receptance() {
         let inertia = MODE.mass * (TAU * frequency).powi(2);
         let predicted = [1.0, (1.0 + (exact * inertia).inv()).norm()].map(|by| by * leading);
         for ((coarse, fine), predicted) in coarse.iter().zip(&fine).zip(predicted) {
-            let error =
-                |hit: &Response| (hit.receptance_at(frequency) - exact).norm() / exact.norm();
+            let error = |hit: &FrequencyResponse| {
+                (hit.receptance_at(frequency) - exact).norm() / exact.norm()
+            };
             let seen = error(fine) / predicted;
-            assert!((seen - 1.0).abs() < 0.02, "{:?} {frequency} Hz: {seen}", fine.route());
+            assert!((seen - 1.0).abs() < 0.02, "{:?} {frequency} Hz: {seen}", fine.kind());
             let slope = (error(coarse) / error(fine)).log2();
-            assert!((slope - 4.0).abs() < 0.03, "{:?}: slope {slope}", fine.route());
+            assert!((slope - 4.0).abs() < 0.03, "{:?}: slope {slope}", fine.kind());
         }
     }
     let options = HarmonicOptions::default();
@@ -113,7 +114,7 @@ fn the_force_mask_cuts_the_zeros_of_a_half_sine() {
         .map(|n| f64::from(n) / rate)
         .map(|t| if t < duration { (TAU * t / (2.0 * duration)).sin() } else { 0.0 })
         .collect();
-    let hit = Response::from_displacement(&force, &force, rate).unwrap();
+    let hit = FrequencyResponse::from_displacement(&force, &force, rate).unwrap();
     let mask = hit.force_mask(8, 0.02);
     let valid_at = |frequency: f64| {
         let step = mask.frequency_hz[1];
@@ -144,23 +145,23 @@ fn the_force_mask_cuts_the_zeros_of_a_half_sine() {
 fn faulty_signals_are_refused() {
     let (force, displacement) = struck(&[MODE], 1e4, 10);
     let refused = |force: &[f64], displacement: &[f64], rate| {
-        Response::from_displacement(force, displacement, rate).unwrap_err()
+        FrequencyResponse::from_displacement(force, displacement, rate).unwrap_err()
     };
-    assert_eq!(refused(&[], &displacement, 1e4), Error::Empty { signal: "force" });
+    assert_eq!(refused(&[], &displacement, 1e4), SignalError::Empty { signal: "force" });
     assert_eq!(
         refused(&force[..9], &displacement, 1e4),
-        Error::LengthMismatch { force: 9, response: 10 }
+        SignalError::LengthMismatch { force: 9, response: 10 }
     );
-    assert_eq!(refused(&force, &displacement, -1.0), Error::SampleRate { value: -1.0 });
-    assert_eq!(refused(&[0.0; 10], &displacement, 1e4), Error::NoForce { samples: 10 });
+    assert_eq!(refused(&force, &displacement, -1.0), SignalError::SampleRate { value: -1.0 });
+    assert_eq!(refused(&[0.0; 10], &displacement, 1e4), SignalError::NoForce { samples: 10 });
     let mut broken = displacement.clone();
     broken[7] = f64::INFINITY;
     assert_eq!(
         refused(&force, &broken, 1e4),
-        Error::NotFinite { signal: "displacement", index: 7, value: f64::INFINITY }
+        SignalError::NotFinite { signal: "displacement", index: 7, value: f64::INFINITY }
     );
     assert_eq!(
         asperity_signal::Spectrum::new(&force, 1e4, 0).unwrap_err(),
-        Error::Padding { value: 0, limit: 1024 }
+        SignalError::Padding { value: 0, limit: 1024 }
     );
 }

@@ -1,12 +1,12 @@
 //! Whatever is sampled, nothing panics and what is returned is a number.
 
 use asperity_signal::{
-    BackboneOptions, BandPass, Complex64, ExponentialWindow, ForceWindow, FrfForm, HammerOptions,
-    HarmonicOptions, Hit, HitLength, HitOptions, NoiseDensity, Offset, Pulse, QualityOptions,
-    Reference, Response, Route, Spectrum, TriggerLevel, average_stiffness, backbone, band_density,
-    circle_fit, circle_fit_of, dominant_frequency, double_hits, find_harmonics,
-    half_power_crossings, hammer_test, inspect, logarithmic_decrement, peak_uncertainty,
-    transform_at,
+    BackboneOptions, BandPass, Complex64, ExponentialWindow, ForceWindow, FrequencyResponse,
+    FrfForm, FundamentalSearch, HammerOptions, HarmonicOptions, HitLength, HitOptions, HitRecord,
+    NoiseDensity, Offset, Pulse, QualityOptions, ResponseKind, Spectrum, TriggerLevel,
+    average_stiffness, backbone, band_density, circle_fit, circle_fit_of, dominant_frequency,
+    double_hits, find_harmonics, half_power_crossings, hammer_test, logarithmic_decrement,
+    peak_uncertainty, quality_issues, transform_at,
 };
 use proptest::prelude::*;
 
@@ -26,7 +26,7 @@ fn options() -> impl Strategy<Value = HarmonicOptions> {
     )
 }
 
-fn hits() -> impl Strategy<Value = Response> {
+fn hits() -> impl Strategy<Value = FrequencyResponse> {
     let sample = prop_oneof![4 => -1.0..1.0_f64, 1 => Just(0.0), 1 => -1e-300..1e300_f64];
     let pairs = prop::collection::vec((sample.clone(), sample), 1..300);
     (pairs, 1.0..1e6_f64, any::<bool>()).prop_filter_map(
@@ -34,9 +34,9 @@ fn hits() -> impl Strategy<Value = Response> {
         |(pairs, rate, displacement)| {
             let (force, samples): (Vec<f64>, Vec<f64>) = pairs.into_iter().unzip();
             if displacement {
-                Response::from_displacement(&force, &samples, rate).ok()
+                FrequencyResponse::from_displacement(&force, &samples, rate).ok()
             } else {
-                Response::from_acceleration(&force, &samples, rate).ok()
+                FrequencyResponse::from_acceleration(&force, &samples, rate).ok()
             }
         },
     )
@@ -89,7 +89,7 @@ proptest! {
         if let Ok(spectrum) = Spectrum::new(&samples, rate, padding % 20) {
             prop_assert!(spectrum.frequency_step() >= 0.0);
         }
-        if let Ok(hit) = Response::from_acceleration(&samples, &samples, rate) {
+        if let Ok(hit) = FrequencyResponse::from_acceleration(&samples, &samples, rate) {
             let found = find_harmonics(&hit, frequency, &HarmonicOptions::default());
             prop_assert!(found.ratio().is_none_or(|ratio| ratio >= 0.0));
             let _ = hit.receptance(padding % 20).to(FrfForm::ApparentMass);
@@ -97,7 +97,7 @@ proptest! {
         }
     }
 
-    /// Verified against arbitrary bit patterns in the conditioning: verdicts and pulses, or nothing.
+    /// Verified against arbitrary bit patterns in the conditioning: issues and pulses, or nothing.
     #[test]
     fn conditioning_never_panics(
         force in prop::collection::vec(any::<f64>(), 0..150),
@@ -126,7 +126,7 @@ proptest! {
             undecayed_ratio: number,
         };
         let responses = vec![response.clone(), Vec::new()];
-        let hit = Hit {
+        let hit = HitRecord {
             start: 0,
             trigger: count,
             force: force.clone(),
@@ -134,7 +134,7 @@ proptest! {
             sample_rate_hz: rate,
             missing: 0,
         };
-        let _ = inspect(&hit, &quality);
+        let _ = quality_issues(&hit, &quality);
         let values: Vec<Complex64> =
             force.iter().zip(&response).map(|(a, b)| Complex64::new(*a, *b)).collect();
         let _ = circle_fit_of(&force, &values);
@@ -169,13 +169,13 @@ proptest! {
             }
         }
         let cut = HitOptions {
-            level: TriggerLevel::Fraction(0.1),
+            trigger_level: TriggerLevel::Fraction(0.1),
             pre_trigger: 3,
             length: HitLength::UntilNext { limit: 90 },
             hold_off: 10,
         };
-        let reference = Reference::Band(band, FrfForm::Receptance);
-        let mut options = HammerOptions::new(cut, Route::Acceleration, reference);
+        let reference = FundamentalSearch::Band(band, FrfForm::Receptance);
+        let mut options = HammerOptions::new(cut, ResponseKind::Acceleration, reference);
         options.band_part = part;
         options.windows.exponential = ExponentialWindow::new(tau).ok();
         options.windows.force_s = Some((3.0 / rate, 1.0 / rate));

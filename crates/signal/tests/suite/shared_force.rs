@@ -2,7 +2,7 @@
 
 use crate::oscillator::{Mode, hammer_pulse, struck};
 use asperity_signal::{
-    Decimator, HarmonicOptions, Response, SharedForce, find_harmonics, half_power,
+    DecimationFilter, FrequencyResponse, HarmonicOptions, SharedForce, find_harmonics, half_power,
 };
 
 const RATE: f64 = 100_000.0;
@@ -23,10 +23,10 @@ fn records(modes: &[Mode], count: usize, factor: f64) -> (Vec<f64>, Vec<f64>) {
 
 /// Every so many samples of both, with the filter that keeps `high`.
 fn thinned(force: &[f64], displacement: &[f64], high: f64) -> (Vec<f64>, Vec<f64>, f64) {
-    let decimator = Decimator::keeping(RATE, high);
+    let filter = DecimationFilter::keeping(RATE, high);
     let whole = 0..force.len();
-    let rate = RATE / decimator.factor() as f64;
-    (decimator.apply(force, &whole), decimator.apply(displacement, &whole), rate)
+    let rate = RATE / filter.factor() as f64;
+    (filter.apply(force, &whole), filter.apply(displacement, &whole), rate)
 }
 
 /// Verified against the analysis of the full records by the exact transform. The thinning folds
@@ -35,7 +35,7 @@ fn thinned(force: &[f64], displacement: &[f64], high: f64) -> (Vec<f64>, Vec<f64
 fn thinned_hits_are_analysed_as_the_full_records() {
     for (modes, count) in [(vec![FIRST, SECOND], 12_000), (vec![FIRST], 12_000)] {
         let (force, displacement) = records(&modes, count, 7.0);
-        let full = Response::from_displacement(&force, &displacement, RATE).unwrap();
+        let full = FrequencyResponse::from_displacement(&force, &displacement, RATE).unwrap();
         let options = HarmonicOptions::default();
         let exact = find_harmonics(&full, 850.0, &options);
         let high = 850.0 * 1.4 * 2.3;
@@ -67,7 +67,7 @@ fn a_record_that_has_not_decayed_is_right_or_passed_on() {
     for count in [2_000, 6_000, 25_000] {
         let (force, displacement) = records(&[lasting], count, 1.0);
         let options = HarmonicOptions::default();
-        let full = Response::from_displacement(&force, &displacement, RATE).unwrap();
+        let full = FrequencyResponse::from_displacement(&force, &displacement, RATE).unwrap();
         let exact = find_harmonics(&full, 850.0, &options).fundamental.unwrap();
         let shared = SharedForce::new(&force, RATE, 2700.0).unwrap();
         if let Some(found) = shared.analyse(&displacement, 1.0, 850.0, &options) {
@@ -97,9 +97,9 @@ fn what_cannot_be_analysed_is_none() {
 /// The filter of a factor is the same at every rate, and nothing is done where there is no room.
 #[test]
 fn thinning_depends_on_the_factor_alone() {
-    let (a, b) = (Decimator::keeping(1e5, 2.5e3), Decimator::keeping(2e5, 5e3));
+    let (a, b) = (DecimationFilter::keeping(1e5, 2.5e3), DecimationFilter::keeping(2e5, 5e3));
     assert_eq!((a.factor(), a.taps()), (b.factor(), b.taps()));
     assert_eq!(a.factor(), 9);
-    let none = Decimator::keeping(5e3, 2e3);
+    let none = DecimationFilter::keeping(5e3, 2e3);
     assert_eq!((none.factor(), none.taps()), (1, [1.0].as_slice()));
 }

@@ -3,7 +3,7 @@
 use crate::noise::Noise;
 use crate::oscillator::{Mode, hit, integrated, struck};
 use asperity_signal::{
-    ForceWindow, FrfForm, HarmonicOptions, NoiseDensity, Pulse, Response, band_density,
+    ForceWindow, FrequencyResponse, FrfForm, HarmonicOptions, NoiseDensity, Pulse, band_density,
     dominant_frequency, find_harmonics, peak_uncertainty, ratio_uncertainty, white_density,
 };
 use std::f64::consts::PI;
@@ -32,7 +32,7 @@ fn scatter_over_stated(force_noise: f64, response_noise: f64) -> [f64; 5] {
     for _ in 0..runs {
         let f = noise.added_to(&force, force_noise);
         let x = noise.added_to(&response, response_noise);
-        let noisy = Response::from_displacement(&f, &x, RATE).unwrap();
+        let noisy = FrequencyResponse::from_displacement(&f, &x, RATE).unwrap();
         let options = HarmonicOptions { leakage_margin: 0.0, ..HarmonicOptions::default() };
         let found = find_harmonics(&noisy, 830.0, &options);
         let peaks = [found.fundamental.unwrap(), found.second.unwrap()];
@@ -85,7 +85,7 @@ fn noise_is_found_and_windowed_away() {
     let mut with_noise = noise.added_to(&force, 3.0);
     let densities = NoiseDensity { force: 18.0 / RATE, ..NoiseDensity::default() };
     let sigma = |force: &[f64]| {
-        let hit = Response::from_displacement(force, &response, RATE).unwrap();
+        let hit = FrequencyResponse::from_displacement(force, &response, RATE).unwrap();
         let peak = find_harmonics(&hit, 830.0, &HarmonicOptions::default()).fundamental.unwrap();
         peak_uncertainty(&hit, &peak, densities).unwrap().relative
     };
@@ -135,7 +135,7 @@ fn the_dominant_mode_is_not_a_zero_of_the_force() {
     let largest = u.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
     u[40] += 0.1 * largest;
     let force: Vec<f64> = (0..COUNT).map(|n| pulse(n as f64 / RATE)).collect();
-    let hit = Response::from_displacement(&force, &u, RATE).unwrap();
+    let hit = FrequencyResponse::from_displacement(&force, &u, RATE).unwrap();
     let found =
         |threshold| dominant_frequency(&hit, (1450.0, 1900.0), FrfForm::Receptance, threshold);
     assert!((found(0.0).unwrap() / 1660.0 - 1.0).abs() < 0.01, "{:?}", found(0.0));

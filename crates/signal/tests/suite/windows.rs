@@ -2,8 +2,8 @@
 
 use crate::oscillator::{Mode, hammer_pulse, integrated, struck};
 use asperity_signal::{
-    ExponentialWindow, ForceWindow, HarmonicOptions, Offset, Pulse, Response, Route, circle_fit,
-    find_harmonics, half_power,
+    ExponentialWindow, ForceWindow, FrequencyResponse, HarmonicOptions, Offset, Pulse,
+    ResponseKind, circle_fit, find_harmonics, half_power,
 };
 
 const MODE: Mode = Mode { natural_hz: 400.0, damping: 0.002, mass: 2.0 };
@@ -37,21 +37,26 @@ fn the_exponential_window_is_undone() {
             * MODE.omega()
             * MODE.omega()
             * (1.0 - MODE.damping.powi(2)).sqrt());
-    let plain = Response::from_displacement(&force[..cut], &displacement[..cut], RATE).unwrap();
+    let plain =
+        FrequencyResponse::from_displacement(&force[..cut], &displacement[..cut], RATE).unwrap();
     let peak = find_harmonics(&plain, 400.0, &HarmonicOptions::default()).fundamental.unwrap();
     assert!(half_power(&plain, &peak).unwrap() > 1.2 * MODE.damping);
 
     let window = ExponentialWindow::falling_to(4e-3, 0.5).unwrap();
-    for (route, samples) in
-        [(Route::Displacement, displacement), (Route::Acceleration, acceleration)]
+    for (kind, samples) in
+        [(ResponseKind::Displacement, displacement), (ResponseKind::Acceleration, acceleration)]
     {
         let (mut force, mut samples) = (force[..cut].to_vec(), samples[..cut].to_vec());
         window.apply(&mut force, RATE, 0);
         window.apply(&mut samples, RATE, 0);
-        let response = match route {
-            Route::Displacement => Response::from_displacement(&force, &samples, RATE),
-            Route::Velocity => Response::from_velocity(&force, &samples, RATE),
-            Route::Acceleration => Response::from_acceleration(&force, &samples, RATE),
+        let response = match kind {
+            ResponseKind::Displacement => {
+                FrequencyResponse::from_displacement(&force, &samples, RATE)
+            }
+            ResponseKind::Velocity => FrequencyResponse::from_velocity(&force, &samples, RATE),
+            ResponseKind::Acceleration => {
+                FrequencyResponse::from_acceleration(&force, &samples, RATE)
+            }
         };
         let response = response.unwrap();
         let peak = find_harmonics(&response, 400.0, &HarmonicOptions::default());
@@ -62,15 +67,15 @@ fn the_exponential_window_is_undone() {
         assert!((mass / MODE.mass - 1.0).abs() < 5e-3, "{mass}");
         for ratio in [circle.ratio, half_power(&response, &peak).unwrap()] {
             let damping = window.corrected_damping(circle.natural_hz, ratio);
-            assert!((damping / MODE.damping - 1.0).abs() < 0.01, "{route:?} {damping}");
+            assert!((damping / MODE.damping - 1.0).abs() < 0.01, "{kind:?} {damping}");
             let height = window.corrected_peak(circle.natural_hz, ratio, peak.magnitude);
-            assert!((height / exact_height - 1.0).abs() < 0.01, "{route:?} {height}");
+            assert!((height / exact_height - 1.0).abs() < 0.01, "{kind:?} {height}");
         }
     }
 }
 
 /// Verified against the receptance on the shifted line: with both signals windowed, `H_w(iw)`
-/// is `1 / (m (s^2 + 2 zeta w0 s + w0^2))` at `s = iw + 1/tau`, by both routes, whatever the
+/// is `1 / (m (s^2 + 2 zeta w0 s + w0^2))` at `s = iw + 1/tau`, by both kinds, whatever the
 /// window's origin. The sampled pulse differs from the pulse by
 /// what folds, `(rise/2 2 pi rate)^-3 = 5e-5`; asserted to twice that.
 #[test]
@@ -89,14 +94,18 @@ fn a_windowed_receptance_lies_on_a_shifted_line() {
             samples
         };
         let force = windowed(&force);
-        let by_u = Response::from_displacement(&force, &windowed(&displacement), RATE).unwrap();
-        let by_a = Response::from_acceleration(&force, &windowed(&acceleration), RATE).unwrap();
-        for (response, route) in [(by_u, Route::Displacement), (by_a, Route::Acceleration)] {
+        let by_u =
+            FrequencyResponse::from_displacement(&force, &windowed(&displacement), RATE).unwrap();
+        let by_a =
+            FrequencyResponse::from_acceleration(&force, &windowed(&acceleration), RATE).unwrap();
+        for (response, kind) in
+            [(by_u, ResponseKind::Displacement), (by_a, ResponseKind::Acceleration)]
+        {
             for frequency in [150.0, 390.0, 400.0, 405.0, 900.0] {
                 let found = response.receptance_at(frequency);
-                let found = window.corrected_receptance(frequency, found, route);
+                let found = window.corrected_receptance(frequency, found, kind);
                 let error = (found / shifted(frequency) - 1.0).norm();
-                assert!(error < 1e-4, "{route:?} {frequency}: {error:e}");
+                assert!(error < 1e-4, "{kind:?} {frequency}: {error:e}");
             }
         }
     }
@@ -142,7 +151,7 @@ fn corrections_are_exact_for_a_pole() {
 #[test]
 fn the_force_window_keeps_the_blow_and_nothing_else() {
     let (force, displacement, _) = measured();
-    let exact = Response::from_displacement(&force, &displacement, RATE).unwrap();
+    let exact = FrequencyResponse::from_displacement(&force, &displacement, RATE).unwrap();
     let mut spoilt: Vec<f64> = force.iter().map(|x| x + 0.125).collect();
     let offset = Offset::at_rest(&spoilt).unwrap();
     let pulse = Pulse::of(&force, RATE).unwrap();
@@ -155,7 +164,7 @@ fn the_force_window_keeps_the_blow_and_nothing_else() {
     assert_eq!(window.weight(window.end_s + 0.5e-3), 0.0);
     assert_eq!(window.weight(window.begin_s - 1.0), 0.0);
     let (_, response, _) = measured();
-    let found = Response::from_displacement(&spoilt, &response, RATE).unwrap();
+    let found = FrequencyResponse::from_displacement(&spoilt, &response, RATE).unwrap();
     for frequency in [100.0, 400.0, 800.0] {
         let (a, b) = (found.receptance_at(frequency), exact.receptance_at(frequency));
         // A gamma pulse has a tail: 1e-4 of it is beyond the window.

@@ -2,7 +2,7 @@
 
 use asperity_dynamics::{ContactMeasures, Course, Sensitivity, central_difference};
 use asperity_signal::{
-    Error as SignalError, HarmonicOptions, Peak, PeakTangent, Response, find_harmonics,
+    FrequencyResponse, HarmonicOptions, Peak, PeakSensitivity, SignalError, find_harmonics,
     half_power_crossings,
 };
 
@@ -55,7 +55,11 @@ impl Table {
         let struck = force[..count].iter().any(|force| *force != 0.0);
         let response = if struck && natural.is_some() {
             let rate = 1.0 / found.step;
-            Some(Response::from_displacement(&force[..count], &displacement[..count], rate)?)
+            Some(FrequencyResponse::from_displacement(
+                &force[..count],
+                &displacement[..count],
+                rate,
+            )?)
         } else {
             None
         };
@@ -74,7 +78,7 @@ impl Table {
             let (peak, response) = (peak?, response.as_ref()?);
             let crossings = if damped { half_power_crossings(response, &peak) } else { None };
             let ratio = crossings.map(|crossings| crossings.ratio());
-            Some((peak, ratio, PeakTangent::new(response, &peak, crossings)))
+            Some((peak, ratio, PeakSensitivity::new(response, &peak, crossings)))
         };
         let first = tangent(harmonics.fundamental, true);
         let second = tangent(harmonics.second, false);

@@ -4,8 +4,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use asperity_dynamics::{Excitation, Hit, HitRecord, Thinning};
 use asperity_signal::{
-    Complex64, Decimator, HarmonicOptions, Observed, Response, SharedForce, find_harmonics,
-    half_power, logarithmic_decrement, transform_at,
+    Complex64, DecimationFilter, FrequencyResponse, HarmonicOptions, SharedForce,
+    SharedForceFeatures, find_harmonics, half_power, logarithmic_decrement, transform_at,
 };
 
 use super::Case;
@@ -34,7 +34,7 @@ pub struct Observer {
 #[derive(Debug)]
 struct Filter {
     thinning: Arc<Thinning>,
-    decimator: Decimator,
+    decimator: DecimationFilter,
 }
 
 /// The drive of hits of one shape, thinned.
@@ -62,7 +62,7 @@ impl Observer {
         if let Some((_, _, thinning)) = latest.as_ref().filter(|l| (l.0, l.1) == (rig, bits)) {
             return Arc::clone(thinning);
         }
-        let decimator = Decimator::keeping(1.0 / step, high);
+        let decimator = DecimationFilter::keeping(1.0 / step, high);
         let mut filters = self.filters.lock().unwrap_or_else(PoisonError::into_inner);
         let same = |filter: &&Arc<Filter>| filter.thinning.factor == decimator.factor();
         let known = filters.iter().find(same).map(|filter| Arc::clone(&filter.thinning));
@@ -152,7 +152,7 @@ impl Observer {
         record: &HitRecord,
         instructions: &str,
     ) -> Result<Summary, StudyError> {
-        let mut observed = Observed::default();
+        let mut observed = SharedForceFeatures::default();
         let mut decrement = None;
         let drive = self.drive(hit, record);
         if let (Some(natural), Some((drive, factor))) = (case.at_rest.natural_frequency_hz, &drive)
@@ -214,13 +214,13 @@ fn exactly(
     factor: f64,
     record: &HitRecord,
     natural: f64,
-) -> Result<Observed, StudyError> {
+) -> Result<SharedForceFeatures, StudyError> {
     let rate = 1.0 / (record.step * record.thinning.factor as f64);
     let force: Vec<f64> = drive.force.iter().map(|force| factor * force).collect();
-    let response = Response::from_displacement(&force, &record.displacement, rate)?;
+    let response = FrequencyResponse::from_displacement(&force, &record.displacement, rate)?;
     let harmonics = find_harmonics(&response, natural, &HarmonicOptions::default());
     let damping_ratio = harmonics.fundamental.and_then(|peak| half_power(&response, &peak));
-    Ok(Observed { harmonics, damping_ratio })
+    Ok(SharedForceFeatures { harmonics, damping_ratio })
 }
 
 fn interfaces(case: &Case, record: &HitRecord) -> Vec<InterfaceSummary> {

@@ -1,13 +1,13 @@
 //! Whether a hit can be believed.
 
-use super::Hit;
+use super::HitRecord;
 use super::double::{DoubleHit, double_hits};
 use super::fault::{Run, force_dropouts, not_finite, overloads, response_dropouts};
 use super::offset::Offset;
 
 /// A signal of a hit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Channel {
+pub enum HitChannel {
     /// The force.
     Force,
     /// A response, by its index.
@@ -17,13 +17,13 @@ pub enum Channel {
 /// What is wrong with a hit, with its evidence. Times count from the hit's first sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
-pub enum Verdict {
+pub enum QualityIssue {
     /// The hammer touched again.
     DoubleHit(DoubleHit),
     /// A converter or amplifier was at its limit.
     Overload {
         /// Which signal.
-        channel: Channel,
+        channel: HitChannel,
         /// Time of the first such sample, in seconds.
         time_s: f64,
         /// Samples in a row.
@@ -36,7 +36,7 @@ pub enum Verdict {
     /// The signal stands still while it should move.
     Dropout {
         /// Which signal.
-        channel: Channel,
+        channel: HitChannel,
         /// Time of the first such sample, in seconds.
         time_s: f64,
         /// Equal samples in a row.
@@ -47,7 +47,7 @@ pub enum Verdict {
     /// Samples that are infinite or not a number.
     NotFinite {
         /// Which signal.
-        channel: Channel,
+        channel: HitChannel,
         /// Time of the first such sample, in seconds.
         time_s: f64,
         /// Such samples in a row.
@@ -63,7 +63,7 @@ pub enum Verdict {
     /// The response still moves where the hit ends: the spectrum leaks.
     NotDecayed {
         /// Which signal.
-        channel: Channel,
+        channel: HitChannel,
         /// Root mean square of the last twentieth over the largest value.
         ratio: f64,
         /// The ratio accepted.
@@ -71,17 +71,17 @@ pub enum Verdict {
     },
 }
 
-impl Verdict {
+impl QualityIssue {
     /// Whether a spectrum of the hit would be wrong.
     ///
-    /// A truncated or undecayed hit leaks but is a hit; the other verdicts
+    /// A truncated or undecayed hit leaks but is a hit; the other issues
     /// say that force and response do not belong together.
     pub fn is_disqualifying(&self) -> bool {
         !matches!(self, Self::Truncated { .. } | Self::NotDecayed { .. })
     }
 }
 
-/// What [`inspect`] accepts.
+/// What [`quality_issues`] accepts.
 #[derive(Debug, Clone, PartialEq)]
 pub struct QualityOptions {
     /// Height of a further force maximum over the first, from which it is a double hit.
@@ -119,65 +119,69 @@ impl Default for QualityOptions {
 /// - Dropouts: [`QualityOptions::constant_samples`] equal samples in a response
 ///   above 2 % of its largest value before and after; three in a force that is
 ///   above a quarter of its largest value before and after.
-pub fn inspect(hit: &Hit, options: &QualityOptions) -> Vec<Verdict> {
+pub fn quality_issues(hit: &HitRecord, options: &QualityOptions) -> Vec<QualityIssue> {
     let mut force = hit.force.clone();
     if let Some(offset) = Offset::at_rest(&force) {
         offset.remove(&mut force);
     }
-    inspect_with(hit, &force, options)
+    issues_with_force(hit, &force, options)
 }
 
-/// [`inspect`] where the force without its offset is known.
-pub(crate) fn inspect_with(hit: &Hit, force: &[f64], options: &QualityOptions) -> Vec<Verdict> {
-    let mut verdicts = Vec::new();
+/// [`quality_issues`] where the force without its offset is known.
+pub(crate) fn issues_with_force(
+    hit: &HitRecord,
+    force: &[f64],
+    options: &QualityOptions,
+) -> Vec<QualityIssue> {
+    let mut issues = Vec::new();
     let doubles = double_hits(force, hit.sample_rate_hz, options.second_fraction);
-    verdicts.extend(doubles.into_iter().map(Verdict::DoubleHit));
+    issues.extend(doubles.into_iter().map(QualityIssue::DoubleHit));
 
-    let responses = hit.responses.iter().enumerate().map(|(n, x)| (Channel::Response(n), x));
-    for (channel, samples) in std::iter::once((Channel::Force, &hit.force)).chain(responses) {
+    let responses = hit.responses.iter().enumerate().map(|(n, x)| (HitChannel::Response(n), x));
+    for (channel, samples) in std::iter::once((HitChannel::Force, &hit.force)).chain(responses) {
         let (full_scale, dropouts) = match channel {
-            Channel::Force => (options.full_scale_n, force_dropouts(samples)),
-            Channel::Response(_) => {
+            HitChannel::Force => (options.full_scale_n, force_dropouts(samples)),
+            HitChannel::Response(_) => {
                 let dropouts = response_dropouts(samples, options.constant_samples);
                 (options.full_scale_response, dropouts)
             }
         };
-        let overload = |run: Run| Verdict::Overload {
+        let overload = |run: Run| QualityIssue::Overload {
             channel,
             time_s: hit.time(run.first),
             samples: run.samples,
             value: run.value,
             full_scale,
         };
-        let dropout = |run: Run| Verdict::Dropout {
+        let dropout = |run: Run| QualityIssue::Dropout {
             channel,
             time_s: hit.time(run.first),
             samples: run.samples,
             value: run.value,
         };
-        let lost = |run: Run| Verdict::NotFinite {
+        let lost = |run: Run| QualityIssue::NotFinite {
             channel,
             time_s: hit.time(run.first),
             samples: run.samples,
         };
-        verdicts
+        issues
             .extend(overloads(samples, options.flat_samples, full_scale).into_iter().map(overload));
-        verdicts.extend(dropouts.into_iter().map(dropout));
-        verdicts.extend(not_finite(samples).into_iter().map(lost));
-        if let Channel::Response(_) = channel {
-            verdicts.extend(undecayed(channel, samples, options.undecayed_ratio));
+        issues.extend(dropouts.into_iter().map(dropout));
+        issues.extend(not_finite(samples).into_iter().map(lost));
+        if let HitChannel::Response(_) = channel {
+            issues.extend(undecayed(channel, samples, options.undecayed_ratio));
         }
     }
     if hit.missing > 0 {
-        verdicts.push(Verdict::Truncated { samples: hit.force.len(), missing: hit.missing });
+        issues.push(QualityIssue::Truncated { samples: hit.force.len(), missing: hit.missing });
     }
-    verdicts
+    issues
 }
 
-fn undecayed(channel: Channel, samples: &[f64], threshold: f64) -> Option<Verdict> {
+fn undecayed(channel: HitChannel, samples: &[f64], threshold: f64) -> Option<QualityIssue> {
     let largest = samples.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
     let tail = &samples[samples.len() - samples.len() / 20..];
     let square = tail.iter().map(|x| x * x).sum::<f64>() / tail.len() as f64;
     let ratio = square.sqrt() / largest;
-    (ratio > threshold).then_some(Verdict::NotDecayed { channel, ratio, threshold })
+    (ratio > threshold).then_some(QualityIssue::NotDecayed { channel, ratio, threshold })
 }

@@ -5,7 +5,7 @@ use realfft::num_complex::Complex64;
 
 /// Which noise the average is taken to have.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Estimator {
+pub enum FrfEstimator {
     /// `H1 = Gfx / Gff`: least squares for noise on the response. Noise on the
     /// force makes it too small, by `1 + Gnn/Gff`.
     H1,
@@ -27,7 +27,7 @@ pub enum Estimator {
     Hv(HvScaling),
 }
 
-/// How the two noises compare in [`Estimator::Hv`].
+/// How the two noises compare in [`FrfEstimator::Hv`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum HvScaling {
     /// Equal noise-to-signal ratios: `s^2 = Gxx / Gff` at each frequency, which
@@ -38,7 +38,7 @@ pub enum HvScaling {
     NoiseRatio(f64),
 }
 
-impl Estimator {
+impl FrfEstimator {
     pub(super) fn check(self) -> Result<()> {
         match self {
             Self::Hv(HvScaling::NoiseRatio(ratio)) => check_positive("the noise ratio", ratio),

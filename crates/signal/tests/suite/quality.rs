@@ -2,7 +2,9 @@
 
 use crate::noise::Noise;
 use crate::oscillator::hammer_pulse;
-use asperity_signal::{Channel, Hit, Pulse, QualityOptions, Verdict, double_hits, inspect};
+use asperity_signal::{
+    HitChannel, HitRecord, Pulse, QualityIssue, QualityOptions, double_hits, quality_issues,
+};
 use std::f64::consts::PI;
 
 const RATE: f64 = 51_200.0;
@@ -93,9 +95,9 @@ fn two_blows_are_found() {
     assert_eq!(double_hits(&sampled(2000, weak), RATE, f64::NAN), []);
 }
 
-fn hit(force: Vec<f64>, response: Vec<f64>) -> Hit {
+fn hit(force: Vec<f64>, response: Vec<f64>) -> HitRecord {
     let (responses, sample_rate_hz) = (vec![response], RATE);
-    Hit { start: 0, trigger: 2, force, responses, sample_rate_hz, missing: 0 }
+    HitRecord { start: 0, trigger: 2, force, responses, sample_rate_hz, missing: 0 }
 }
 
 /// Verified against faults put in one by one: each is named with its place, nothing else is.
@@ -104,16 +106,17 @@ fn faults_are_named() {
     let force = sampled(4000, half_sine(20.0, 1.0e-3));
     let decay = |t: f64| 50.0 * (-120.0 * t).exp() * (2.0 * PI * 800.0 * t).sin();
     let response = sampled(4000, decay);
-    let judged = |force: &[f64], response: &[f64]| {
-        inspect(&hit(force.to_vec(), response.to_vec()), &QualityOptions::default())
+    let issues_of = |force: &[f64], response: &[f64]| {
+        quality_issues(&hit(force.to_vec(), response.to_vec()), &QualityOptions::default())
     };
-    assert_eq!(judged(&force, &response), []);
+    assert_eq!(issues_of(&force, &response), []);
 
     let clipped: Vec<f64> = force.iter().map(|x| x.min(15.0)).collect();
-    let verdicts = judged(&clipped, &response);
-    let [Verdict::Overload { channel: Channel::Force, samples, value, time_s, .. }] = verdicts[..]
+    let issues = issues_of(&clipped, &response);
+    let [QualityIssue::Overload { channel: HitChannel::Force, samples, value, time_s, .. }] =
+        issues[..]
     else {
-        panic!("{verdicts:?}");
+        panic!("{issues:?}");
     };
     assert_eq!(value, 15.0);
     // Above 15 N of 20 N for acos(0.75) of the quarter turn: 23.5 of 51.2 samples.
@@ -122,32 +125,35 @@ fn faults_are_named() {
 
     let mut held = response.clone();
     held[300..315].fill(response[300]);
-    let verdicts = judged(&force, &held);
-    let [Verdict::Dropout { channel: Channel::Response(0), samples: 15, time_s, .. }] =
-        verdicts[..]
+    let issues = issues_of(&force, &held);
+    let [QualityIssue::Dropout { channel: HitChannel::Response(0), samples: 15, time_s, .. }] =
+        issues[..]
     else {
-        panic!("{verdicts:?}");
+        panic!("{issues:?}");
     };
     assert_eq!(time_s, 300.0 / RATE);
 
     let mut dead = force.clone();
     dead[22..26].fill(0.0);
-    let verdicts = judged(&dead, &response);
-    let dropout = |v: &Verdict| {
-        matches!(v, Verdict::Dropout { channel: Channel::Force, samples: 4, value: 0.0, .. })
+    let issues = issues_of(&dead, &response);
+    let dropout = |v: &QualityIssue| {
+        matches!(
+            v,
+            QualityIssue::Dropout { channel: HitChannel::Force, samples: 4, value: 0.0, .. }
+        )
     };
-    assert_eq!(verdicts.iter().filter(|v| dropout(v)).count(), 1, "{verdicts:?}");
+    assert_eq!(issues.iter().filter(|v| dropout(v)).count(), 1, "{issues:?}");
 
     let mut lost = response.clone();
     lost[77..79].fill(f64::NAN);
-    let verdicts = judged(&force, &lost);
+    let issues = issues_of(&force, &lost);
     let time_s = 77.0 / RATE;
-    let expected = Verdict::NotFinite { channel: Channel::Response(0), time_s, samples: 2 };
-    assert_eq!(verdicts, [expected]);
+    let expected = QualityIssue::NotFinite { channel: HitChannel::Response(0), time_s, samples: 2 };
+    assert_eq!(issues, [expected]);
 
     let short = &response[..800];
-    let verdicts = judged(&force[..800], short);
-    assert!(matches!(verdicts[..], [Verdict::NotDecayed { ratio, .. }] if ratio > 0.05));
+    let issues = issues_of(&force[..800], short);
+    assert!(matches!(issues[..], [QualityIssue::NotDecayed { ratio, .. }] if ratio > 0.05));
 }
 
 /// Verified against the converter's full scale, and against a slow oscillation digitised so
@@ -165,11 +171,14 @@ fn coarse_steps_are_no_overload() {
     };
     let mut force_long = force.clone();
     force_long.resize(6000, 0.0);
-    assert_eq!(inspect(&hit(force_long.clone(), coarse.clone()), &quality), []);
+    assert_eq!(quality_issues(&hit(force_long.clone(), coarse.clone()), &quality), []);
     let limited = QualityOptions { full_scale_response: Some(30.0), ..quality };
-    let verdicts = inspect(&hit(force_long, coarse), &limited);
-    assert!(!verdicts.is_empty());
-    for verdict in verdicts {
-        assert!(matches!(verdict, Verdict::Overload { full_scale: Some(30.0), .. }), "{verdict:?}");
+    let issues = quality_issues(&hit(force_long, coarse), &limited);
+    assert!(!issues.is_empty());
+    for issue in issues {
+        assert!(
+            matches!(issue, QualityIssue::Overload { full_scale: Some(30.0), .. }),
+            "{issue:?}"
+        );
     }
 }

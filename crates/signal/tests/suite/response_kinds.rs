@@ -2,15 +2,16 @@
 
 use crate::oscillator::Mode;
 use asperity_signal::{
-    Complex64, Estimator, ExponentialWindow, FrfEstimator, FrfForm, HarmonicOptions, Peak,
-    Response, Route, find_harmonics, half_power,
+    Complex64, ExponentialWindow, FrequencyResponse, FrfAverage, FrfEstimator, FrfForm,
+    HarmonicOptions, Peak, ResponseKind, find_harmonics, half_power,
 };
 
 const MODE: Mode = Mode { natural_hz: 831.0, damping: 0.01, mass: 1.6 };
 const RATE: f64 = 51_200.0;
 /// Where the pulse is highest \[s\].
 const RISE_S: f64 = 3.4e-4;
-const ROUTES: [Route; 3] = [Route::Displacement, Route::Velocity, Route::Acceleration];
+const KINDS: [ResponseKind; 3] =
+    [ResponseKind::Displacement, ResponseKind::Velocity, ResponseKind::Acceleration];
 
 /// A mode struck by `(t / rise)^2 exp(2 (1 - t / rise))`: force and the three motions, exact.
 ///
@@ -37,17 +38,17 @@ fn struck(count: usize) -> [Vec<f64>; 4] {
     signals
 }
 
-fn response(route: Route, signals: &[Vec<f64>; 4]) -> Response {
+fn response(kind: ResponseKind, signals: &[Vec<f64>; 4]) -> FrequencyResponse {
     let [force, u, v, a] = signals;
-    match route {
-        Route::Displacement => Response::from_displacement(force, u, RATE),
-        Route::Velocity => Response::from_velocity(force, v, RATE),
-        Route::Acceleration => Response::from_acceleration(force, a, RATE),
+    match kind {
+        ResponseKind::Displacement => FrequencyResponse::from_displacement(force, u, RATE),
+        ResponseKind::Velocity => FrequencyResponse::from_velocity(force, v, RATE),
+        ResponseKind::Acceleration => FrequencyResponse::from_acceleration(force, a, RATE),
     }
     .unwrap()
 }
 
-fn peak(response: &Response) -> Peak {
+fn peak(response: &FrequencyResponse) -> Peak {
     find_harmonics(response, 831.0, &HarmonicOptions::default()).fundamental.unwrap()
 }
 
@@ -55,14 +56,14 @@ fn peak(response: &Response) -> Peak {
 /// begins as `t^2` and `t^3` are off by `dt^4 / 720` times the third derivative at zero. With
 /// `s = i w` and `z = 2 / rise + s` that is `e = |z dt|^4 / 240` for the force; the motions make it `e |1 + d|`,
 /// `d = 0`, `1 / (3 m s z H)` and `-1 / (m s^2 H)`. 3 % are left for the next term.
-fn sampling_error(route: Route, s: Complex64, receptance: Complex64) -> f64 {
+fn sampling_error(kind: ResponseKind, s: Complex64, receptance: Complex64) -> f64 {
     let z = s + 2.0 / RISE_S;
     let force = (z / RATE).norm().powi(4) / 240.0;
     let over = (receptance * MODE.mass).inv();
-    let motion = match route {
-        Route::Displacement => Complex64::ZERO,
-        Route::Velocity => over / (s * z * 3.0),
-        Route::Acceleration => -over / (s * s),
+    let motion = match kind {
+        ResponseKind::Displacement => Complex64::ZERO,
+        ResponseKind::Velocity => over / (s * z * 3.0),
+        ResponseKind::Acceleration => -over / (s * s),
     };
     1.03 * force * (1.0 + motion).norm()
 }
@@ -71,7 +72,7 @@ fn on_axis(frequency: f64) -> Complex64 {
     Complex64::new(0.0, std::f64::consts::TAU * frequency)
 }
 
-/// Verified against the continuous receptance and the mode's peak, by each route, to what the
+/// Verified against the continuous receptance and the mode's peak, by each kind, to what the
 /// rectangle rule leaves: 2e-6 at the peak. The peak moves by less than that over its Q, and so
 /// does the damping ratio, its width.
 #[test]
@@ -79,23 +80,23 @@ fn three_routes_lead_to_one_receptance() {
     let signals = struck(51_200);
     let top = MODE.natural_hz * (1.0 - 2.0 * MODE.damping * MODE.damping).sqrt();
     let height = MODE.receptance(top).norm();
-    for route in ROUTES {
-        let response = response(route, &signals);
-        assert_eq!((response.route(), route.form().derivatives()), (route, route.derivatives()));
+    for kind in KINDS {
+        let response = response(kind, &signals);
+        assert_eq!((response.kind(), kind.form().derivatives()), (kind, kind.derivatives()));
         for frequency in [400.0, 820.0, 831.0, 840.0, 1600.0] {
             let exact = MODE.receptance(frequency);
             let off = (response.receptance_at(frequency) / exact - 1.0).norm();
             assert!(
-                off < sampling_error(route, on_axis(frequency), exact),
-                "{route:?} {frequency} Hz: {off:e}"
+                off < sampling_error(kind, on_axis(frequency), exact),
+                "{kind:?} {frequency} Hz: {off:e}"
             );
         }
         let peak = peak(&response);
-        assert!((peak.frequency_hz / top - 1.0).abs() < 1e-7, "{route:?} {peak:?}");
-        let bound = sampling_error(route, on_axis(top), MODE.receptance(top));
-        assert!((peak.magnitude / height - 1.0).abs() < bound, "{route:?} {peak:?}");
+        assert!((peak.frequency_hz / top - 1.0).abs() < 1e-7, "{kind:?} {peak:?}");
+        let bound = sampling_error(kind, on_axis(top), MODE.receptance(top));
+        assert!((peak.magnitude / height - 1.0).abs() < bound, "{kind:?} {peak:?}");
         let ratio = half_power(&response, &peak).unwrap();
-        assert!((ratio / MODE.damping - 1.0).abs() < 1e-5, "{route:?} {ratio}");
+        assert!((ratio / MODE.damping - 1.0).abs() < 1e-5, "{kind:?} {ratio}");
     }
 }
 
@@ -103,7 +104,7 @@ fn three_routes_lead_to_one_receptance() {
 /// which the refinement of a peak solves for.
 #[test]
 fn a_peak_from_velocity_is_the_greatest_value_beside_it() {
-    let response = response(Route::Velocity, &struck(20_000));
+    let response = response(ResponseKind::Velocity, &struck(20_000));
     let peak = peak(&response);
     for step in [1e-3, 1e-2, 0.1] {
         for beside in [peak.frequency_hz - step, peak.frequency_hz + step] {
@@ -118,25 +119,25 @@ fn a_peak_from_velocity_is_the_greatest_value_beside_it() {
 #[test]
 fn an_average_of_velocities_is_a_mobility() {
     let signals = struck(25_600);
-    let mut average = FrfEstimator::new(25_600, RATE, Route::Velocity, 1).unwrap();
+    let mut average = FrfAverage::new(25_600, RATE, ResponseKind::Velocity, 1).unwrap();
     let own = average.push(&signals[0], &signals[2]).unwrap();
-    let h1 = average.frf(Estimator::H1).unwrap();
+    let h1 = average.frf(FrfEstimator::H1).unwrap();
     assert_eq!((own.form, h1.form), (FrfForm::Mobility, FrfForm::Mobility));
     let window = ExponentialWindow::new(0.02).unwrap();
     let mut windowed = signals.clone();
     for samples in &mut windowed {
         window.apply(samples, RATE, 0);
     }
-    for route in ROUTES {
-        let response = response(route, &windowed);
+    for kind in KINDS {
+        let response = response(kind, &windowed);
         for frequency in [400.0, 831.0, 1600.0] {
             let s = Complex64::new(window.rate(), std::f64::consts::TAU * frequency);
             let (sigma, w0) = (2.0 * MODE.damping * MODE.omega(), MODE.omega());
             let exact = (MODE.mass * (s * s + s * sigma + w0 * w0)).inv();
             let found = response.receptance_at(frequency);
-            let found = window.corrected_receptance(frequency, found, route);
+            let found = window.corrected_receptance(frequency, found, kind);
             let off = (found / exact - 1.0).norm();
-            assert!(off < sampling_error(route, s, exact), "{route:?} {frequency}: {off:e}");
+            assert!(off < sampling_error(kind, s, exact), "{kind:?} {frequency}: {off:e}");
         }
     }
 }
