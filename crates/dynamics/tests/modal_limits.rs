@@ -8,7 +8,7 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use asperity_dynamics::{DynamicsError, Excitation, Modal};
-use asperity_law::{Constant, ContactLaw, Hyperbolic, Table};
+use asperity_law::{Constant, ContactLaw, Hyperbolic, Tabulated};
 use asperity_mesh::{Stack, Support};
 use support::agreement::{agrees, attempt, off};
 use support::{Law, constant, every_law, exponential, modified, power, pulse, rig};
@@ -64,7 +64,7 @@ fn a_step_too_long_is_refused_or_confessed() {
 #[test]
 fn laws_with_kinks() {
     let points = [(0.0, 1e10), (1e5, 1e10), (1.2e5, 5e12), (2e5, 5e12), (2.1e5, 2e10), (1e6, 2e10)];
-    let abrupt: Law = Arc::new(Table::new(&points).unwrap());
+    let abrupt: Law = Arc::new(Tabulated::new(&points).unwrap());
     let unilateral = every_law()[1].1.clone();
     agrees("abrupt", &rig(&abrupt), &pulse(20.0), (3e-3, 0.5e-3), (5e-3, 0.1));
     agrees("unilateral", &rig(&unilateral), &pulse(20.0), (2e-3, 0.5e-3), (1e-2, 0.3));

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use asperity_law::{Compiled, ContactLaw};
+use asperity_law::{CompiledLaw, ContactLaw};
 
 use crate::HarmonicError;
 use crate::error::{not_negative, positive};
@@ -34,7 +34,7 @@ pub struct Contact {
     area: f64,
     pressure: f64,
     law: Arc<dyn ContactLaw>,
-    table: Option<Compiled>,
+    table: Option<CompiledLaw>,
 }
 
 impl Contact {
@@ -63,7 +63,7 @@ impl Contact {
         }
         let table = match evaluation {
             Evaluation::Tabulated(tolerance) if pressure > 0.0 => Some(
-                Compiled::new(&law, pressure, TABLE_TOP * pressure, tolerance)
+                CompiledLaw::new(&law, pressure, TABLE_TOP * pressure, tolerance)
                     .map_err(|source| HarmonicError::Law { interface: name.to_owned(), source })?,
             ),
             Evaluation::Exact | Evaluation::Tabulated(_) => None,

@@ -1,16 +1,17 @@
 //! Constant stiffness: the linear spring.
 
+use crate::contact_law::{ContactLaw, Pressure};
 use crate::domain::Domain;
-use crate::error::{LawError, Quantity, above};
-use crate::law::{ContactLaw, Pressure};
+use crate::error::{LawError, LawQuantity, above};
 
-/// Constant stiffness, `p = K0 d`.
+/// Constant stiffness, `K = K0`, so `p = K0 d`.
 ///
-/// Bilateral ([`new`](Self::new): it carries tension) or unilateral
-/// ([`unilateral`](Self::unilateral): contact is lost at zero closure). It is the limit of every
-/// law for small motions about a state; closures count from zero pressure.
+/// `K0` \[Pa/m\] is the stiffness; closures count from zero pressure. The law is bilateral
+/// ([`new`](Self::new): it carries tension) or unilateral ([`unilateral`](Self::unilateral):
+/// contact is lost at zero closure). It is the limit of every law for small motions about a state,
+/// and valid for these alone.
 ///
-/// Source: the comparison case of Nouira et al., Lubricants 2020, 8, 73,
+/// Source: the comparison case of Nouira et al., Lubricants 8, 73 (2020),
 /// doi 10.3390/lubricants8070073.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Constant {
@@ -24,7 +25,7 @@ impl Constant {
     /// # Errors
     /// [`LawError`] if the stiffness is not positive and finite.
     pub fn new(stiffness: f64) -> Result<Self, LawError> {
-        Ok(Self { stiffness: above(Quantity::Stiffness, stiffness, 0.0)?, unilateral: false })
+        Ok(Self { stiffness: above(LawQuantity::Stiffness, stiffness, 0.0)?, unilateral: false })
     }
 
     /// A linear spring of `stiffness` K0 > 0 \[Pa/m\] that separates at zero closure.
@@ -35,12 +36,12 @@ impl Constant {
         Ok(Self { unilateral: true, ..Self::new(stiffness)? })
     }
 
-    /// Whether contact is lost at zero closure.
+    /// True if contact is lost at zero closure.
     pub fn is_unilateral(&self) -> bool {
         self.unilateral
     }
 
-    /// `pressure`, no lower than the law admits.
+    /// `pressure`, not below zero for a unilateral law.
     fn admitted(&self, pressure: f64) -> f64 {
         if self.unilateral && pressure < 0.0 { 0.0 } else { pressure }
     }

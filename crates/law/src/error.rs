@@ -1,11 +1,11 @@
-//! Why a law cannot be built.
+//! Errors of laws, fits and tables.
 
 use std::fmt;
 
-/// The parameter an error speaks about; the name a user would recognise.
+/// The quantity that an error is about.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
-pub enum Quantity {
+pub enum LawQuantity {
     /// Contact stiffness per area \[Pa/m\].
     Stiffness,
     /// Contact pressure \[Pa\].
@@ -20,7 +20,7 @@ pub enum Quantity {
     TransitionPressure,
     /// Slope dK/dp where the modified law meets the power law \[1/m\].
     TransitionSlope,
-    /// Length over which the exponential law gains a factor e \[m\].
+    /// Closure over which the pressure of the exponential law grows by a factor e \[m\].
     Length,
     /// Closure at which the hyperbolic law becomes rigid \[m\].
     ClosureLimit,
@@ -28,17 +28,17 @@ pub enum Quantity {
     Points,
     /// Spread of the logarithms of the pressures of a fit \[-\].
     PressureSpread,
-    /// Pressure about which a law is compiled \[Pa\].
+    /// Pressure about which a law is tabulated \[Pa\].
     PressureState,
-    /// Highest pressure of a compiled law \[Pa\].
+    /// Highest pressure of a tabulated law \[Pa\].
     PressureTop,
-    /// Relative tolerance of a compiled law \[-\].
+    /// Relative tolerance of a tabulated law \[-\].
     Tolerance,
-    /// Cells of a compiled law.
+    /// Cells of a tabulated law.
     Cells,
 }
 
-impl fmt::Display for Quantity {
+impl fmt::Display for LawQuantity {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Stiffness => "stiffness [Pa/m]",
@@ -60,33 +60,33 @@ impl fmt::Display for Quantity {
     }
 }
 
-/// Why a law, a fit or a compiled table was refused.
+/// Errors of laws, fits and tables.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum LawError {
     /// The value is NaN or infinite.
     #[error("{quantity} is {value}; it must be finite")]
     NotFinite {
-        /// What was refused.
-        quantity: Quantity,
+        /// The quantity.
+        quantity: LawQuantity,
         /// Its value.
         value: f64,
     },
     /// The value does not exceed its limit.
     #[error("{quantity} is {value}; it must be greater than {limit}")]
     NotAbove {
-        /// What was refused.
-        quantity: Quantity,
+        /// The quantity.
+        quantity: LawQuantity,
         /// Its value.
         value: f64,
-        /// What it must exceed.
+        /// The value it must exceed.
         limit: f64,
     },
     /// The value is below its limit.
     #[error("{quantity} is {value}; it must be at least {limit}")]
     Below {
-        /// What was refused.
-        quantity: Quantity,
+        /// The quantity.
+        quantity: LawQuantity,
         /// Its value.
         value: f64,
         /// The least value allowed.
@@ -95,8 +95,8 @@ pub enum LawError {
     /// The value is above its limit.
     #[error("{quantity} is {value}; it must be at most {limit}")]
     Above {
-        /// What was refused.
-        quantity: Quantity,
+        /// The quantity.
+        quantity: LawQuantity,
         /// Its value.
         value: f64,
         /// The greatest value allowed.
@@ -105,8 +105,8 @@ pub enum LawError {
     /// A sequence that must increase strictly does not.
     #[error("{quantity} {index} is {value}; it must be greater than {limit}, the one before it")]
     NotIncreasing {
-        /// What was refused.
-        quantity: Quantity,
+        /// The quantity.
+        quantity: LawQuantity,
         /// Its place in the sequence, from zero.
         index: usize,
         /// Its value.
@@ -115,25 +115,28 @@ pub enum LawError {
         limit: f64,
     },
     /// The greatest number of cells does not reach the tolerance.
-    #[error("error bound {value} Pa with {cells} cells; the tolerance asks for {limit} Pa")]
+    #[error(
+        "the estimated error is {value} Pa with {cells} cells; the tolerance asks for {limit} Pa"
+    )]
     Unresolved {
-        /// Cells of the last attempt; at most [`Compiled::MAX_CELLS`](crate::Compiled::MAX_CELLS),
-        /// fewer where the fourth power of that many more would not do.
+        /// Cells of the last attempt: at most
+        /// [`CompiledLaw::MAX_CELLS`](crate::CompiledLaw::MAX_CELLS), fewer if even these would not
+        /// reach the tolerance at fourth order; 0 if no table of so few cells covers the range.
         cells: usize,
-        /// Error bound found \[Pa\], or a part of it; infinite where no table of so few cells covers the range.
+        /// Error estimate found \[Pa\], or a part of it; infinite without a table.
         value: f64,
-        /// Error bound asked for \[Pa\].
+        /// Error asked for \[Pa\].
         limit: f64,
     },
 }
 
 /// `value` if it is finite.
-pub(crate) fn finite(quantity: Quantity, value: f64) -> Result<f64, LawError> {
+pub(crate) fn finite(quantity: LawQuantity, value: f64) -> Result<f64, LawError> {
     if value.is_finite() { Ok(value) } else { Err(LawError::NotFinite { quantity, value }) }
 }
 
 /// `value` if it is finite and greater than `limit`.
-pub(crate) fn above(quantity: Quantity, value: f64, limit: f64) -> Result<f64, LawError> {
+pub(crate) fn above(quantity: LawQuantity, value: f64, limit: f64) -> Result<f64, LawError> {
     if finite(quantity, value)? > limit {
         Ok(value)
     } else {
@@ -142,7 +145,7 @@ pub(crate) fn above(quantity: Quantity, value: f64, limit: f64) -> Result<f64, L
 }
 
 /// `value` if it is finite and at least `limit`.
-pub(crate) fn at_least(quantity: Quantity, value: f64, limit: f64) -> Result<f64, LawError> {
+pub(crate) fn at_least(quantity: LawQuantity, value: f64, limit: f64) -> Result<f64, LawError> {
     if finite(quantity, value)? >= limit {
         Ok(value)
     } else {
@@ -152,7 +155,7 @@ pub(crate) fn at_least(quantity: Quantity, value: f64, limit: f64) -> Result<f64
 
 /// Checks that finite `values` increase strictly.
 pub(crate) fn increasing(
-    quantity: Quantity,
+    quantity: LawQuantity,
     values: impl Iterator<Item = f64>,
 ) -> Result<(), LawError> {
     let mut limit = f64::NEG_INFINITY;

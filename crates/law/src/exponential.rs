@@ -1,14 +1,17 @@
 //! Stiffness proportional to pressure.
 
+use crate::contact_law::{ContactLaw, Pressure};
 use crate::domain::{Domain, no_less};
-use crate::error::{LawError, Quantity, above};
-use crate::law::{ContactLaw, Pressure};
+use crate::error::{LawError, LawQuantity, above};
 
 /// Exponential law, `K = p / u0`, so `p = p_ref exp(d / u0)`.
 ///
-/// The contact of self-affine roughness at small loads: `u0` is of the order of the roughness
-/// amplitude. It never separates; closures count from the reference pressure. It is the power
-/// law with m = 1 and C = 1/u0.
+/// `u0` \[m\] is a length of the order of the root mean square roughness; closures count from the
+/// reference pressure `p_ref`, and contact is never lost. It is the power law with m = 1 and
+/// C = 1/u0.
+///
+/// Valid for elastic contact of randomly rough, self-affine faces at squeezing pressures where the
+/// real contact area is still a small part of the nominal one.
 ///
 /// Source: Persson, Phys. Rev. Lett. 99, 125502 (2007), doi 10.1103/PhysRevLett.99.125502.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -25,12 +28,12 @@ impl Exponential {
     /// [`LawError`] if either is not positive and finite.
     pub fn new(length: f64, reference_pressure: f64) -> Result<Self, LawError> {
         Ok(Self {
-            length: above(Quantity::Length, length, 0.0)?,
-            reference_pressure: above(Quantity::ReferencePressure, reference_pressure, 0.0)?,
+            length: above(LawQuantity::Length, length, 0.0)?,
+            reference_pressure: above(LawQuantity::ReferencePressure, reference_pressure, 0.0)?,
         })
     }
 
-    /// Length u0 \[m\] over which the pressure gains a factor e.
+    /// Length u0 \[m\] over which the pressure grows by a factor e.
     pub fn length(&self) -> f64 {
         self.length
     }

@@ -1,13 +1,17 @@
 //! Stiffness that grows without bound at a finite closure.
 
+use crate::contact_law::{ContactLaw, Pressure};
 use crate::domain::{Domain, no_less};
-use crate::error::{LawError, Quantity, above};
-use crate::law::{ContactLaw, Pressure};
+use crate::error::{LawError, LawQuantity, above};
 
 /// Hyperbolic law, `K = K0 (1 + p / (K0 dm))^2`, so `p = K0 d / (1 - d / dm)`.
 ///
-/// The normal closure of rock joints: initial stiffness K0 and maximum closure dm. Contact is
-/// lost at zero closure; with `dm -> inf` it is the unilateral spring of stiffness K0.
+/// The normal closure of joints (Barton-Bandis): initial stiffness `K0` \[Pa/m\] and maximum closure
+/// `dm` \[m\]. Contact is lost at zero closure; with `dm -> inf` it is the unilateral spring of
+/// stiffness K0.
+///
+/// Fitted to unweathered and weathered rock joints under monotonic loading; hysteresis between
+/// loading and unloading is not part of it.
 ///
 /// Source: Bandis, Lumsden and Barton, Int. J. Rock Mech. Min. Sci. 20, 249 (1983),
 /// doi 10.1016/0148-9062(83)90595-8.
@@ -24,8 +28,8 @@ impl Hyperbolic {
     /// [`LawError`] if either is not positive and finite.
     pub fn new(stiffness: f64, closure_limit: f64) -> Result<Self, LawError> {
         Ok(Self {
-            stiffness: above(Quantity::Stiffness, stiffness, 0.0)?,
-            closure_limit: above(Quantity::ClosureLimit, closure_limit, 0.0)?,
+            stiffness: above(LawQuantity::Stiffness, stiffness, 0.0)?,
+            closure_limit: above(LawQuantity::ClosureLimit, closure_limit, 0.0)?,
         })
     }
 

@@ -1,25 +1,25 @@
 //! A law in series with an elastic layer.
 
+use crate::contact_law::{ContactLaw, Pressure};
 use crate::domain::{Domain, no_less};
-use crate::error::{LawError, Quantity, above};
-use crate::law::{ContactLaw, Pressure};
+use crate::error::{LawError, LawQuantity, above};
 
 /// A law and a linear spring in series, `1/K = 1/K_law + 1/K_layer`.
 ///
-/// The closures add: `d(p) = d_law(p) + (p - p_ref) / K_layer`, with the law's reference
-/// pressure; the energies add too. With `K_layer -> inf` it is the law itself. It is also the
-/// exact solution of an implicit contact step: `x + b p(x) = c` has the pressure of the law in
-/// series with a layer of stiffness `1/b`, at closure c.
+/// The closures add, `d(p) = d_law(p) + (p - p_ref) / K_layer` with the reference pressure of the
+/// law; so do the energies. With `K_layer -> inf` it is the law itself. It also solves an implicit
+/// contact step: the pressure of `x + b p(x) = c` is that of the law in series with a layer of
+/// stiffness `1/b`, at closure c. Valid while the layer is linear elastic.
 ///
-/// A law that separates still does; a closure limit is lifted to +inf.
+/// Loss of contact remains; a closure limit becomes +inf.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct InSeries<L> {
     law: L,
     stiffness: f64,
 }
 
-/// Iterations at most; about five are usual, and if all are spent the last iterate, which lies in
-/// the bracket, is returned.
+/// Largest number of iterations; about five are usual. After the last one the best iterate, which
+/// lies in the bracket, is returned.
 const ITERATIONS: usize = 128;
 
 /// Part of the closure below which a residual that no longer halves is rounding.
@@ -31,7 +31,7 @@ impl<L: ContactLaw> InSeries<L> {
     /// # Errors
     /// [`LawError`] if the stiffness is not positive and finite.
     pub fn new(law: L, stiffness: f64) -> Result<Self, LawError> {
-        Ok(Self { law, stiffness: above(Quantity::Stiffness, stiffness, 0.0)? })
+        Ok(Self { law, stiffness: above(LawQuantity::Stiffness, stiffness, 0.0)? })
     }
 
     /// The law without the layer.
@@ -54,7 +54,7 @@ impl<L: ContactLaw> InSeries<L> {
         increment / self.stiffness
     }
 
-    /// The law's state as the pair's, with the tangent of both.
+    /// The state of the law with the tangent of law and layer.
     fn paired(&self, inner: Pressure) -> Pressure {
         Pressure { value: inner.value, tangent: in_series(inner.tangent, self.stiffness) }
     }
@@ -116,14 +116,14 @@ impl<L: ContactLaw> ContactLaw for InSeries<L> {
         if domain.closure_lost == Some(closure) {
             return Pressure { value: 0.0, tangent: self.stiffness(0.0) };
         }
-        let path = Path {
+        let curve = SeriesCurve {
             pressure: |x| self.law.pressure(x),
             closure: |p| self.law.closure(p),
             stiffness: |p| self.law.stiffness(p),
             origin: self.reference_pressure(),
             layer: self.stiffness,
         };
-        self.paired(path.solve(closure))
+        self.paired(curve.solve(closure))
     }
 
     fn pressure_increment(&self, from: f64, closure_increment: f64) -> Pressure {
@@ -132,14 +132,14 @@ impl<L: ContactLaw> ContactLaw for InSeries<L> {
         {
             return Pressure::lost_from(from);
         }
-        let path = Path {
+        let curve = SeriesCurve {
             pressure: |x| self.law.pressure_increment(from, x),
             closure: |dp| self.law.closure_increment(from, dp),
             stiffness: |dp| self.law.stiffness(from + dp),
             origin: 0.0,
             layer: self.stiffness,
         };
-        self.paired(path.solve(closure_increment))
+        self.paired(curve.solve(closure_increment))
     }
 
     fn energy(&self, closure: f64) -> f64 {
@@ -153,9 +153,8 @@ impl<L: ContactLaw> ContactLaw for InSeries<L> {
     }
 }
 
-/// The law's curve from a state where its closure is zero and its pressure is `origin`, and the
-/// layer in series.
-struct Path<P, D, K> {
+/// The curve of a law from a state of zero closure and pressure `origin`, and the layer in series.
+struct SeriesCurve<P, D, K> {
     pressure: P,
     closure: D,
     stiffness: K,
@@ -163,33 +162,32 @@ struct Path<P, D, K> {
     layer: f64,
 }
 
-/// A point of the law's curve.
+/// A point of that curve.
 #[derive(Clone, Copy)]
-struct Point {
+struct CurvePoint {
     closure: f64,
     pressure: f64,
     tangent: f64,
 }
 
-impl<P: Fn(f64) -> Pressure, D: Fn(f64) -> f64, K: Fn(f64) -> f64> Path<P, D, K> {
+impl<P: Fn(f64) -> Pressure, D: Fn(f64) -> f64, K: Fn(f64) -> f64> SeriesCurve<P, D, K> {
     /// State of the law where `x + (p - origin) / K_layer = total`.
     ///
-    /// Newton on the law's closure x where the law is softer than the layer, on its pressure p
-    /// where it is stiffer. In its own variable each equation has a slope between once and twice
-    /// that of its linear part, so that Newton's step is never off by more than a factor of two,
-    /// however steep or flat the law. A bracket is halved instead where a step fails to halve the
-    /// residual, as it may where the regimes alternate or the law has kinks.
+    /// Newton's method for the closure x of the law where the law is softer than the layer, for its
+    /// pressure p where it is stiffer. Each equation then has a slope between once and twice that of
+    /// its linear part, so that a step is never wrong by more than a factor of two. The bracket is
+    /// halved instead where a step fails to halve the residual, as it may next to kinks.
     fn solve(&self, total: f64) -> Pressure {
-        // The law alone or the layer alone would be pressed at least as far from the origin; the
-        // lesser of the two bounds the root, and is finite.
+        // The law alone or the layer alone reaches at least as far from the origin; the lesser of
+        // the two bounds the root, and is finite.
         let alone = self.at_closure(total);
-        let reach = self.layer * total;
-        let mut at = if (alone.pressure - self.origin).abs() <= reach.abs() {
+        let of_layer = self.layer * total;
+        let mut at = if (alone.pressure - self.origin).abs() <= of_layer.abs() {
             alone
         } else {
-            self.at_pressure(self.origin + reach)
+            self.at_pressure(self.origin + of_layer)
         };
-        let origin = Point { closure: 0.0, pressure: self.origin, tangent: 0.0 };
+        let origin = CurvePoint { closure: 0.0, pressure: self.origin, tangent: 0.0 };
         let (mut low, mut high) = if total < 0.0 { (at, origin) } else { (origin, at) };
         let (mut last, mut best) = (f64::INFINITY, (f64::INFINITY, at));
         for _ in 0..ITERATIONS {
@@ -200,8 +198,8 @@ impl<P: Fn(f64) -> Pressure, D: Fn(f64) -> f64, K: Fn(f64) -> f64> Path<P, D, K>
                 high = at;
             }
             let size = residual.abs();
-            // The residual is known no better than this; a law that is itself the result of an
-            // iteration may not even allow that, but then stops improving.
+            // The residual is known to rounding; that of a law that is itself iterated only until
+            // it no longer improves.
             let halved = size <= 0.5 * last;
             let exact = size <= 4.0 * f64::EPSILON * total.abs();
             let done = exact || (!halved && size <= STALLED * total.abs());
@@ -220,27 +218,31 @@ impl<P: Fn(f64) -> Pressure, D: Fn(f64) -> f64, K: Fn(f64) -> f64> Path<P, D, K>
                 self.at_pressure(bounded(at.pressure + step, ends, halved, done))
             };
             if done {
-                // One more step, from rounding to rounding, if the last ones made progress.
+                // The step beyond an exact residual, else the best point.
                 best.1 = if exact { at } else { best.1 };
                 break;
             }
         }
-        let Point { pressure: value, tangent, .. } = best.1;
+        let CurvePoint { pressure: value, tangent, .. } = best.1;
         Pressure { value, tangent }
     }
 
-    fn at_closure(&self, closure: f64) -> Point {
+    fn at_closure(&self, closure: f64) -> CurvePoint {
         let p = (self.pressure)(closure);
-        Point { closure, pressure: p.value, tangent: p.tangent }
+        CurvePoint { closure, pressure: p.value, tangent: p.tangent }
     }
 
-    fn at_pressure(&self, pressure: f64) -> Point {
-        Point { closure: (self.closure)(pressure), pressure, tangent: (self.stiffness)(pressure) }
+    fn at_pressure(&self, pressure: f64) -> CurvePoint {
+        CurvePoint {
+            closure: (self.closure)(pressure),
+            pressure,
+            tangent: (self.stiffness)(pressure),
+        }
     }
 }
 
-/// `v` if the iteration converges and it lies in the bracket, else the bracket's middle; the last
-/// step is small and only kept from leaving the bracket.
+/// `v` if the iteration converges and it lies in the bracket, else the midpoint; the last step is
+/// only clamped to the bracket.
 fn bounded(v: f64, (low, high): (f64, f64), converges: bool, last: bool) -> f64 {
     if last {
         no_less(if v > high { high } else { v }, low)

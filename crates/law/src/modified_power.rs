@@ -1,22 +1,21 @@
 //! The power law, softened at low pressure.
 
-use crate::domain::Domain;
-use crate::error::{LawError, Quantity, above, at_least, increasing};
-use crate::law::{ContactLaw, Pressure};
+use crate::contact_law::{ContactLaw, forward};
+use crate::error::{LawError, LawQuantity, above, at_least, increasing};
 use crate::pchip;
 use crate::power::Power;
 use crate::spliced::Spliced;
 
-/// Modified power law: `K = C p^m` from the transition pressure on, below it a monotone cubic
-/// through knots.
+/// Modified power law: `K = C p^m` for `p >= p_t`, a monotone cubic through knots for `p < p_t`.
 ///
-/// The knots lead from pressure zero, where K(0) > 0, to the transition; the cubic is once
-/// continuously differentiable, with PCHIP slopes at the knots and the power law's slope
-/// `m C p_t^(m-1)` at the transition. Contact is lost at zero closure. With knots on a power law
-/// it tends to that law as they are refined.
+/// The knots lead from zero pressure, where K(0) > 0, to the transition pressure `p_t`; the cubic
+/// is once continuously differentiable, with PCHIP slopes at the knots and the slope of the power
+/// law, `m C p_t^(m-1)`, at the transition. Contact is lost at zero closure. With refined knots on
+/// a power law it tends to that law.
 ///
-/// Source: "Modified PL" of Nouira et al., Lubricants 2020, 8, 73, doi 10.3390/lubricants8070073,
-/// who give no formula; the paper's quoted pairs of pressure and stiffness serve as knots.
+/// Source: "Modified PL" of Nouira et al., Lubricants 8, 73 (2020), doi 10.3390/lubricants8070073,
+/// who give no formula; the pairs of pressure and stiffness quoted there serve as knots. Monotone
+/// slopes: Fritsch and Carlson, SIAM J. Numer. Anal. 17, 238 (1980), doi 10.1137/0717021.
 ///
 /// # Example
 /// ```
@@ -44,7 +43,7 @@ impl ModifiedPower {
     ///
     /// # Errors
     /// [`LawError`] if a parameter or knot is outside these limits or not finite, and
-    /// [`LawError::Above`] with [`Quantity::TransitionSlope`] if the power law's slope at the
+    /// [`LawError::Above`] with [`LawQuantity::TransitionSlope`] if the power law's slope at the
     /// transition is too steep for a monotone cubic from the last knot: move that knot.
     pub fn new(
         coefficient: f64,
@@ -52,20 +51,24 @@ impl ModifiedPower {
         transition_pressure: f64,
         knots: &[(f64, f64)],
     ) -> Result<Self, LawError> {
-        above(Quantity::TransitionPressure, transition_pressure, 0.0)?;
+        above(LawQuantity::TransitionPressure, transition_pressure, 0.0)?;
         let power = Power::new(coefficient, exponent, transition_pressure)?;
         let &[(first, softest), ..] = knots else {
-            return Err(LawError::Below { quantity: Quantity::Points, value: 0.0, limit: 1.0 });
+            return Err(LawError::Below { quantity: LawQuantity::Points, value: 0.0, limit: 1.0 });
         };
-        at_least(Quantity::Pressure, first, 0.0)?;
+        at_least(LawQuantity::Pressure, first, 0.0)?;
         if first > 0.0 {
-            return Err(LawError::Above { quantity: Quantity::Pressure, value: first, limit: 0.0 });
+            return Err(LawError::Above {
+                quantity: LawQuantity::Pressure,
+                value: first,
+                limit: 0.0,
+            });
         }
-        above(Quantity::Stiffness, softest, 0.0)?;
+        above(LawQuantity::Stiffness, softest, 0.0)?;
         let mut points = knots.to_vec();
         points.push((transition_pressure, power.stiffness(transition_pressure)));
-        increasing(Quantity::Pressure, points.iter().map(|point| point.0))?;
-        increasing(Quantity::Stiffness, points.iter().map(|point| point.1))?;
+        increasing(LawQuantity::Pressure, points.iter().map(|point| point.0))?;
+        increasing(LawQuantity::Stiffness, points.iter().map(|point| point.1))?;
 
         let mut slopes = pchip::slopes(&points);
         let last = points.len() - 1;
@@ -74,7 +77,7 @@ impl ModifiedPower {
         let limit = secant * pchip::steepest(slopes[last - 1] / secant);
         if joint > limit {
             return Err(LawError::Above {
-                quantity: Quantity::TransitionSlope,
+                quantity: LawQuantity::TransitionSlope,
                 value: joint,
                 limit,
             });
@@ -109,44 +112,10 @@ impl ModifiedPower {
 }
 
 impl ContactLaw for ModifiedPower {
-    fn stiffness(&self, pressure: f64) -> f64 {
-        self.spliced.stiffness(pressure)
-    }
-
-    fn stiffness_slope(&self, pressure: f64) -> f64 {
-        self.spliced.stiffness_slope(pressure)
-    }
-
-    fn domain(&self) -> Domain {
-        self.spliced.domain()
-    }
-
-    fn reference_pressure(&self) -> f64 {
-        0.0
-    }
+    forward!(self => self.spliced);
 
     fn kinks(&self) -> Vec<f64> {
         let inner = self.knots.iter().skip(1).map(|knot| knot.0);
         inner.chain([self.transition_pressure()]).collect()
-    }
-
-    fn closure(&self, pressure: f64) -> f64 {
-        self.spliced.closure(pressure)
-    }
-
-    fn closure_increment(&self, from: f64, increment: f64) -> f64 {
-        self.spliced.closure_increment(from, increment)
-    }
-
-    fn pressure(&self, closure: f64) -> Pressure {
-        self.spliced.pressure(closure)
-    }
-
-    fn pressure_increment(&self, from: f64, closure_increment: f64) -> Pressure {
-        self.spliced.pressure_increment(from, closure_increment)
-    }
-
-    fn energy(&self, closure: f64) -> f64 {
-        self.spliced.energy(closure)
     }
 }

@@ -1,13 +1,13 @@
 //! Slopes of a monotone piecewise cubic through points (PCHIP).
 
-use crate::spliced::Node;
+use crate::spliced::SplicedNode;
 
 /// The pieces between points `(pressure, stiffness)` with given slopes.
-pub(crate) fn pieces(points: &[(f64, f64)], slopes: &[f64]) -> Vec<[Node; 2]> {
-    let nodes: Vec<Node> = points
+pub(crate) fn pieces(points: &[(f64, f64)], slopes: &[f64]) -> Vec<[SplicedNode; 2]> {
+    let nodes: Vec<SplicedNode> = points
         .iter()
         .zip(slopes)
-        .map(|(&(pressure, stiffness), &slope)| Node { pressure, stiffness, slope })
+        .map(|(&(pressure, stiffness), &slope)| SplicedNode { pressure, stiffness, slope })
         .collect();
     nodes.windows(2).map(|pair| [pair[0], pair[1]]).collect()
 }
@@ -15,7 +15,7 @@ pub(crate) fn pieces(points: &[(f64, f64)], slopes: &[f64]) -> Vec<[Node; 2]> {
 /// Slopes at the points `(x, y)`, x strictly increasing, at least two points.
 ///
 /// Inside, the weighted harmonic mean of the neighbouring secants, zero at a local extremum; at
-/// the ends the one-sided three-point formula, limited to keep the shape. Two points give a
+/// the ends the one-sided three-point formula, limited so that the cell stays monotone. Two points give a
 /// straight line.
 ///
 /// Source: Fritsch and Butland, SIAM J. Sci. Stat. Comput. 5, 300 (1984), doi 10.1137/0905021;

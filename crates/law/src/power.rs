@@ -1,22 +1,29 @@
 //! Stiffness as a power of pressure.
 
+use crate::contact_law::{ContactLaw, Pressure};
 use crate::domain::{Domain, no_less};
-use crate::error::{LawError, Quantity, above, at_least};
+use crate::error::{LawError, LawQuantity, above, at_least};
 use crate::exponential::log_ratio;
-use crate::law::{ContactLaw, Pressure};
 
 /// Power law, `K = C p^m`.
 ///
+/// With the coefficient `C` \[Pa^(1-m)/m\] and the exponent `m` \[-\]:
 /// - m < 1: `p = ((1 - m) C d)^(1/(1-m))` for closures from first contact; contact is lost at a
 ///   finite closure. m = 0 is the unilateral linear spring.
-/// - m = 1: the exponential law with u0 = 1/C; it never separates.
-/// - m > 1: never separates, and blows up at a finite closure.
+/// - m = 1: the exponential law with u0 = 1/C; contact is never lost.
+/// - m > 1: contact is never lost, and the pressure is infinite at a finite closure.
 ///
-/// One form serves all exponents: with `e = 1 - m`, from a pressure p0 the closure
-/// `p0^e (exp(e L) - 1) / (e C)` leads to the pressure `p0 exp(L)`. It is evaluated with `exp_m1`
-/// and `ln_1p`, so that neither m -> 1 nor small increments cost precision.
+/// One form serves all exponents: with `e = 1 - m`, the closure increment from pressure `p0` to
+/// `p0 exp(L)` is
 ///
-/// Source: Nouira et al., Lubricants 2020, 8, 73, Eq. (7), doi 10.3390/lubricants8070073.
+/// ```text
+/// p0^e (exp(e L) - 1) / (e C),
+/// ```
+///
+/// evaluated with `exp_m1` and `ln_1p`, so that neither m near 1 nor small increments lose
+/// precision. Valid in the range of pressures to which it was fitted (0.14 to 1 MPa in the source).
+///
+/// Source: Nouira et al., Lubricants 8, 73 (2020), Eq. (7), doi 10.3390/lubricants8070073.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Power {
     coefficient: f64,
@@ -33,12 +40,12 @@ impl Power {
     /// # Errors
     /// [`LawError`] if a parameter is outside these limits or not finite.
     pub fn new(coefficient: f64, exponent: f64, reference_pressure: f64) -> Result<Self, LawError> {
-        above(Quantity::Coefficient, coefficient, 0.0)?;
-        at_least(Quantity::Exponent, exponent, 0.0)?;
+        above(LawQuantity::Coefficient, coefficient, 0.0)?;
+        at_least(LawQuantity::Exponent, exponent, 0.0)?;
         if exponent < 1.0 {
-            at_least(Quantity::ReferencePressure, reference_pressure, 0.0)?;
+            at_least(LawQuantity::ReferencePressure, reference_pressure, 0.0)?;
         } else {
-            above(Quantity::ReferencePressure, reference_pressure, 0.0)?;
+            above(LawQuantity::ReferencePressure, reference_pressure, 0.0)?;
         }
         let mut law = Self {
             coefficient,
@@ -64,14 +71,14 @@ impl Power {
         self.exponent
     }
 
-    /// Closure gained from pressure `from` > 0 over the logarithmic increment `log`.
+    /// Closure increment from pressure `from` > 0 over the logarithmic increment `log`.
     fn closure_over(&self, from: f64, log: f64) -> f64 {
         let e = 1.0 - self.exponent;
         from.powf(e) / self.coefficient * exp_m1_over(e, log)
     }
 
-    /// Logarithmic pressure increment from `from` > 0 over a closure increment: -inf once contact
-    /// is lost, +inf from the closure limit on.
+    /// Logarithmic pressure increment from `from` > 0 over a closure increment: -inf after
+    /// loss of contact, +inf from the closure limit on.
     fn log_over(&self, from: f64, closure_increment: f64) -> f64 {
         let e = 1.0 - self.exponent;
         ln_1p_over(e, self.coefficient * closure_increment / from.powf(e))
@@ -82,8 +89,8 @@ impl Power {
         Pressure { value, tangent: self.stiffness(pressure) }
     }
 
-    /// Energy \[J/m2\] from the reference pressure (positive) to that of `closure`, whether or not
-    /// the law separates.
+    /// Energy \[J/m2\] from the reference pressure (positive) to that of `closure`, for laws that
+    /// separate too.
     pub(crate) fn energy_from_reference(&self, closure: f64) -> f64 {
         let p0 = self.reference_pressure;
         let e = 2.0 - self.exponent;

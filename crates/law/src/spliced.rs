@@ -5,18 +5,17 @@
 //! halved, once, at construction, until the rule is exact to rounding. The integrals up to every
 //! cell are stored, so that a closure costs one search and one rule.
 
+use crate::contact_law::quadrature::gauss;
+use crate::contact_law::{ContactLaw, Pressure, refine_increment};
 use crate::domain::{Domain, no_less};
-use crate::inverse;
-use crate::law::{ContactLaw, Pressure};
 use crate::power::Power;
-use crate::quadrature::gauss;
 
 /// Relative difference between the rule on a cell and on its halves below which the halves are
-/// kept. The rule is of order 20: even with a pole of 1/K so near that it decides, halving gains
-/// three digits, which makes the halves exact to rounding.
+/// kept. The rule is of order 20: even next to a pole of 1/K halving improves it by three digits,
+/// so that the halves are exact to rounding.
 const AGREEMENT: f64 = 1e-13;
 
-/// Halvings of a cell at most, and cells of a piece at most, should its data be extreme.
+/// Largest number of halvings of a cell, and of cells of a piece, for extreme data.
 const HALVINGS: u32 = 40;
 const CELLS: usize = 1024;
 
@@ -25,7 +24,7 @@ const ITERATIONS: usize = 64;
 
 /// Stiffness and slope at an end of a cubic piece.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Node {
+pub(crate) struct SplicedNode {
     pub(crate) pressure: f64,
     pub(crate) stiffness: f64,
     pub(crate) slope: f64,
@@ -34,9 +33,9 @@ pub(crate) struct Node {
 /// A cubic `K = sum of c_i s^i`, `s = p - anchor`, valid from `start` to the next cell, and the
 /// integrals from zero pressure to `start`.
 ///
-/// The anchor is the point of lesser stiffness, so that K has full relative precision there.
+/// The anchor is the end of lesser stiffness, where K then has full relative precision.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Cell {
+struct SplicedCell {
     start: f64,
     anchor: f64,
     coefficients: [f64; 4],
@@ -44,7 +43,7 @@ struct Cell {
     energy: f64,
 }
 
-impl Cell {
+impl SplicedCell {
     /// K at `s` from the anchor.
     fn cubic(&self, s: f64) -> f64 {
         let [c0, c1, c2, c3] = self.coefficients;
@@ -61,8 +60,8 @@ impl Cell {
         c1 + s * (2.0 * c2 + s * 3.0 * c3)
     }
 
-    // Both count the distance from the anchor on its own: the rounding of a rule's pressures would
-    // be noise in a steep cell.
+    // Both integrate over the distance from the anchor: the rounding of absolute pressures would be
+    // noise in a steep cell.
     fn closure_over(&self, from: f64, increment: f64) -> f64 {
         gauss(&|s| 1.0 / self.cubic(s), from - self.anchor, increment)
     }
@@ -73,26 +72,26 @@ impl Cell {
     }
 }
 
-/// The spliced law; closures count from zero pressure.
+/// The law of cubics below a power law; closures count from zero pressure.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Spliced {
-    cells: Vec<Cell>,
+    cells: Vec<SplicedCell>,
     above: Power,
-    end: Cell,
+    end: SplicedCell,
 }
 
 impl Spliced {
     /// The cubics of `pieces`, which join from pressure zero on and are positive, and `above`,
     /// whose reference pressure must be where they end, from there on.
-    pub(crate) fn new(pieces: &[[Node; 2]], above: Power) -> Self {
-        let mut cells: Vec<Cell> = Vec::new();
+    pub(crate) fn new(pieces: &[[SplicedNode; 2]], above: Power) -> Self {
+        let mut cells: Vec<SplicedCell> = Vec::new();
         let (mut closure, mut energy) = (0.0, 0.0);
         for &[left, right] in pieces {
             let (anchor, coefficients) = hermite(left, right);
             let most = cells.len() + CELLS;
             let mut stack = vec![(left.pressure, right.pressure, 0)];
             while let Some((start, stop, halvings)) = stack.pop() {
-                let mut cell = Cell { start, anchor, coefficients, closure, energy };
+                let mut cell = SplicedCell { start, anchor, coefficients, closure, energy };
                 let middle = 0.5 * (start + stop);
                 let whole = cell.closure_over(start, stop - start);
                 let left = cell.closure_over(start, middle - start);
@@ -115,7 +114,7 @@ impl Spliced {
                 energy = cell.energy + cell.work_over(middle, stop - middle);
             }
         }
-        let end = Cell {
+        let end = SplicedCell {
             start: above.reference_pressure(),
             anchor: above.reference_pressure(),
             coefficients: [0.0; 4],
@@ -127,7 +126,7 @@ impl Spliced {
 
     /// The cell that holds pressure `p`, and the pressure and closure where it ends; `None` from
     /// the end pressure on.
-    fn find(&self, p: f64) -> Option<(&Cell, &Cell)> {
+    fn find(&self, p: f64) -> Option<(&SplicedCell, &SplicedCell)> {
         if p >= self.end.start {
             return None;
         }
@@ -136,7 +135,7 @@ impl Spliced {
     }
 
     /// The cell that holds closure `d`, likewise.
-    fn find_closure(&self, d: f64) -> Option<(&Cell, &Cell)> {
+    fn find_closure(&self, d: f64) -> Option<(&SplicedCell, &SplicedCell)> {
         if d >= self.end.closure {
             return None;
         }
@@ -167,7 +166,7 @@ impl Spliced {
     /// Closure increment downwards, `dp` < 0, likewise.
     fn fall(&self, from: f64, dp: f64) -> f64 {
         let below = self.cells.partition_point(|cell| cell.start < from).max(1) - 1;
-        let (cell, within): (&Cell, &dyn Fn(f64) -> f64) = if from > self.end.start {
+        let (cell, within): (&SplicedCell, &dyn Fn(f64) -> f64) = if from > self.end.start {
             (&self.end, &|dp| self.above.closure_increment(from, dp))
         } else {
             let cell = &self.cells[below];
@@ -188,7 +187,7 @@ impl Spliced {
 
     /// Pressure increment from the start of `cell`, at most `room`, that takes the closure
     /// `target` >= 0: Newton within a bracket.
-    fn advance(cell: &Cell, room: f64, target: f64) -> f64 {
+    fn advance(cell: &SplicedCell, room: f64, target: f64) -> f64 {
         let from = cell.start;
         let (mut low, mut high) = (0.0, room);
         let mut step = (target * cell.stiffness(from)).clamp(low, high);
@@ -211,7 +210,7 @@ impl Spliced {
 }
 
 /// The cubic between two nodes: its anchor and coefficients.
-fn hermite(left: Node, right: Node) -> (f64, [f64; 4]) {
+fn hermite(left: SplicedNode, right: SplicedNode) -> (f64, [f64; 4]) {
     let (near, far) = if right.stiffness < left.stiffness { (right, left) } else { (left, right) };
     let h = far.pressure - near.pressure;
     let secant = (far.stiffness - near.stiffness) / h;
@@ -296,7 +295,7 @@ impl ContactLaw for Spliced {
             return Pressure::lost_from(from);
         }
         let guess = self.pressure(start + closure_increment).value - from;
-        inverse::polish(self, from, closure_increment, guess)
+        refine_increment(self, from, closure_increment, guess)
     }
 
     fn energy(&self, closure: f64) -> f64 {

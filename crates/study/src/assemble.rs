@@ -8,7 +8,8 @@ use asperity_dynamics::{
     Modal, Sampling,
 };
 use asperity_law::{
-    Constant, ContactLaw, Exponential, Hyperbolic, InSeries, LawError, ModifiedPower, Power, Table,
+    Constant, ContactLaw, Exponential, Hyperbolic, InSeries, LawError, ModifiedPower, Power,
+    Tabulated,
 };
 use asperity_mesh::{Body, Interface, Stack, Support};
 
@@ -161,7 +162,7 @@ pub fn build_law(
         }
         LawSpec::Table { points } => {
             let points: Vec<_> = points.iter().map(|&[p, k]| (p, k)).collect();
-            Arc::new(Table::new(&points)?)
+            Arc::new(Tabulated::new(&points)?)
         }
         LawSpec::InSeries { law, stiffness_pa_per_m } => {
             let inner = build_law(law, laws, static_pressure)?;

@@ -2,7 +2,7 @@
 //! arithmetic, left to the compiler's own vectorisation for its default target.
 
 use asperity_dynamics::{Equilibrium, Excitation, Sampling};
-use asperity_law::{Compiled, InSeries};
+use asperity_law::{CompiledLaw, InSeries};
 use asperity_mesh::{Grid, Stack};
 
 struct Bar {
@@ -16,7 +16,7 @@ struct Bar {
 
 struct Contact {
     area: f64,
-    table: Compiled,
+    table: CompiledLaw,
     now: f64,
     before: f64,
 }
@@ -73,7 +73,7 @@ fn contacts(
             let b = 0.5 * interface.area() * (bars[i].compliance + below);
             let series = InSeries::new(interface.law().clone(), 1.0 / b).unwrap();
             let top = at_rest.pressure + 3.0 * excitation.peak() / interface.area();
-            let table = Compiled::new(&series, at_rest.pressure, top, 1e-6).unwrap();
+            let table = CompiledLaw::new(&series, at_rest.pressure, top, 1e-6).unwrap();
             Contact { area: interface.area(), table, now: 0.0, before: 0.0 }
         })
         .collect()

@@ -2,13 +2,13 @@
 //! the bodies and averaged for the last, two contacts by Newton's method on tabulated laws.
 
 use asperity_dynamics::{Equilibrium, Excitation};
-use asperity_law::Compiled;
+use asperity_law::CompiledLaw;
 use asperity_mesh::{ModalStructure, ModeCount, Stack};
 
 pub(crate) struct Rig {
     structure: ModalStructure,
     areas: [f64; 2],
-    tables: [Compiled; 2],
+    tables: [CompiledLaw; 2],
     rate: f64,
 }
 
@@ -34,7 +34,7 @@ impl Rig {
         let table = |i: usize| {
             let state = equilibrium.contacts()[i].pressure;
             let law = stack.interfaces()[i].law();
-            Compiled::uniform(law, state, state + 1e6, 1e-5).unwrap()
+            CompiledLaw::uniform(law, state, state + 1e6, 1e-5).unwrap()
         };
         Self {
             structure: ModalStructure::of_stack(stack, modes).unwrap(),

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use asperity_law::{Cell, Compiled, ContactLaw, InSeries, LawError};
+use asperity_law::{CompiledLaw, ContactLaw, CubicCell, InSeries, LawError};
 use asperity_mesh::Interface;
 use pulp::Simd;
 
@@ -42,10 +42,10 @@ pub(super) struct ContactStep<'a> {
     open_below: f64,
     series: InSeries<Arc<dyn ContactLaw>>,
     /// None for a law that no table resolves: it is solved exactly at every step.
-    table: Option<Compiled>,
+    table: Option<CompiledLaw>,
     table_top: f64,
     /// The cell of the table in use: closures stay in one for many steps.
-    cell: Cell,
+    cell: CubicCell,
     /// Closure gained since rest, at the newest state and one step before \[m\].
     closure: f64,
     closure_before: f64,
@@ -80,7 +80,7 @@ impl<'a> ContactStep<'a> {
         let expected = scale.max(0.01 * at_rest.pressure);
         let expected = if expected > 0.0 { expected } else { 1.0 };
         let table_top = at_rest.pressure + 3.0 * expected;
-        let table = match Compiled::new(&series, at_rest.pressure, table_top, TABLE_TOLERANCE) {
+        let table = match CompiledLaw::new(&series, at_rest.pressure, table_top, TABLE_TOLERANCE) {
             Ok(table) => Some(table),
             Err(LawError::Unresolved { .. }) => None,
             Err(error) => return Err(named(error)),
@@ -96,7 +96,7 @@ impl<'a> ContactStep<'a> {
             series,
             table,
             table_top,
-            cell: Cell::EMPTY,
+            cell: CubicCell::EMPTY,
             closure: 0.0,
             closure_before: 0.0,
             gain: 0.0,
@@ -154,7 +154,7 @@ impl<'a> ContactStep<'a> {
     #[inline(never)]
     fn change_cell(&mut self, argument: f64) -> Option<f64> {
         let found = self.table.as_ref().and_then(|table| table.cell(argument));
-        self.cell = found.unwrap_or(Cell::EMPTY);
+        self.cell = found.unwrap_or(CubicCell::EMPTY);
         if found.is_some() { None } else { Some(self.solve_exactly(argument)) }
     }
 
@@ -165,7 +165,7 @@ impl<'a> ContactStep<'a> {
         let gain = self.series.pressure_increment(from, argument).value;
         if self.table.is_some() && gain.is_finite() && from + gain > self.table_top {
             self.table_top = from + 2.0 * gain;
-            self.table = Compiled::new(&self.series, from, self.table_top, TABLE_TOLERANCE).ok();
+            self.table = CompiledLaw::new(&self.series, from, self.table_top, TABLE_TOLERANCE).ok();
         }
         gain
     }

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::f64::consts::TAU;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use asperity_law::{Compiled, ContactLaw, LawError};
+use asperity_law::{CompiledLaw, ContactLaw, LawError};
 use asperity_mesh::{ModalStructure, ModeCount, Stack};
 use faer::{Mat, Side};
 
@@ -51,7 +51,7 @@ pub struct ModalRig {
 #[derive(Debug)]
 pub(super) struct Prepared {
     pub(super) model: StepModel,
-    pub(super) tables: Vec<Arc<Compiled>>,
+    pub(super) tables: Vec<Arc<CompiledLaw>>,
     /// Pressure \[Pa\] at which each table ends.
     pub(super) tops: Vec<f64>,
     /// Newton correction at each interface, in cells, below which the tangent stands for the law.
@@ -181,14 +181,14 @@ impl ModalRig {
         Ok(prepared)
     }
 
-    fn compile(&self, reach: i32) -> Result<(Vec<Arc<Compiled>>, Vec<f64>), DynamicsError> {
+    fn compile(&self, reach: i32) -> Result<(Vec<Arc<CompiledLaw>>, Vec<f64>), DynamicsError> {
         let mut tables = Vec::with_capacity(self.contacts.len());
         let mut tops = Vec::with_capacity(self.contacts.len());
         for contact in &self.contacts {
             let state = contact.at_rest.pressure;
             let top = state + f64::from(reach).exp2();
             let compile =
-                |times| Compiled::uniform(&contact.law, state, top, times * TABLE_TOLERANCE);
+                |times| CompiledLaw::uniform(&contact.law, state, top, times * TABLE_TOLERANCE);
             let mut table = compile(TOLERANCES[0]);
             for times in &TOLERANCES[1..] {
                 if !matches!(table, Err(LawError::Unresolved { .. })) {
@@ -214,7 +214,7 @@ impl ModalRig {
 /// A correction `x` leaves an error of pressure `p'' x^2 / 2`; it may be as large as the table's
 /// own. The steepest tenth of the cells, those next to a singular loss of contact, do not count:
 /// there a correction is larger than this anyway, and is followed by another.
-fn tolerance(table: &Compiled) -> f64 {
+fn tolerance(table: &CompiledLaw) -> f64 {
     let cells = table.cells().iter().skip(1);
     let mut bends: Vec<f64> =
         cells.map(|[_, _, c2, c3]| (2.0 * c2).abs().max((2.0 * c2 + 6.0 * c3).abs())).collect();
@@ -223,7 +223,7 @@ fn tolerance(table: &Compiled) -> f64 {
         Some(_) => *bends.select_nth_unstable_by(tenth, f64::total_cmp).1,
         None => 0.0,
     };
-    let bound = table.error_bound_pa().max(TABLE_TOLERANCE * table.pressure_state().abs());
+    let bound = table.error_estimate().max(TABLE_TOLERANCE * table.pressure_state().abs());
     (2.0 * bound / steep).sqrt().clamp(0.05, 4.0)
 }
 

@@ -15,7 +15,7 @@ use std::sync::Arc;
 
 use asperity_dynamics::{Damping, Equilibrium, Excitation, Integrator, Sampling, Transient};
 use asperity_law::{
-    Constant, ContactLaw, Exponential, Hyperbolic, InSeries, ModifiedPower, Power, Table,
+    Constant, ContactLaw, Exponential, Hyperbolic, InSeries, ModifiedPower, Power, Tabulated,
 };
 use asperity_mesh::{Body, Interface, Stack, Support};
 
@@ -54,7 +54,7 @@ pub fn every_law() -> Vec<(&'static str, Law)> {
         ("modified", modified()),
         ("exponential", exponential()),
         ("hyperbolic", Arc::new(Hyperbolic::new(3e11, 1e-6).unwrap())),
-        ("table", Arc::new(Table::new(&points).unwrap())),
+        ("table", Arc::new(Tabulated::new(&points).unwrap())),
         ("in series", Arc::new(series)),
     ]
 }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use asperity_law::Compiled;
+use asperity_law::CompiledLaw;
 use pulp::Simd;
 
 use super::{Block, Coefficient, Contact, Drive, Mode, Pair, WHOLE, numbers, set_lane};
@@ -14,7 +14,7 @@ use crate::modal::rows::Row;
 /// interface by interface.
 fn lay_out(lanes: &[&Lane], interfaces: usize) -> (Vec<Row>, Vec<Vec<usize>>) {
     let mut rows: Vec<Row> = vec![[0.0; 4]];
-    let mut laid: Vec<(*const Compiled, usize)> = Vec::new();
+    let mut laid: Vec<(*const CompiledLaw, usize)> = Vec::new();
     let starts = (0..interfaces).map(|i| {
         let of = |lane: &&Lane| {
             let table = &lane.prepared.tables[i];

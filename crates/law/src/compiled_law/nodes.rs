@@ -1,10 +1,9 @@
 //! The nodes of a table: the law inverted along a grid.
 
-use super::span::{Grid, Span};
-use crate::law::{ContactLaw, Pressure};
+use super::grid::{ClosureGrid, TableRange};
+use crate::contact_law::{ContactLaw, Pressure};
 
-/// Relative correction of a [`march`] after which the next, of the order of its square, is below
-/// rounding.
+/// Relative correction of a [`march`] whose square is below rounding.
 const SETTLED: f64 = 1e-7;
 
 /// The increments, with tangents, at `places` in coarse cells above the lowest node, found from
@@ -12,14 +11,14 @@ const SETTLED: f64 = 1e-7;
 pub(super) fn nodes(
     law: &dyn ContactLaw,
     state: f64,
-    span: &Span,
-    grid: &Grid,
+    range: &TableRange,
+    grid: &ClosureGrid,
     places: &[f64],
 ) -> Vec<Pressure> {
     let below = grid.below as f64;
     let at_state = places.partition_point(|place| *place < below);
     let node = |place: f64, from: f64, last: Option<Pressure>| {
-        if place == 0.0 && span.separates {
+        if place == 0.0 && range.separates {
             return Pressure { value: 0.0 - state, tangent: law.stiffness(0.0) };
         }
         let near = last.and_then(|last| {
@@ -44,28 +43,30 @@ pub(super) fn nodes(
     nodes
 }
 
-/// The pressure gained \[Pa\] over a further closure `x` \[m\], of either sign, from `pressure` \[Pa\],
-/// with the tangent there: a step of Runge and Kutta on `dp/dx = K(p)`, corrected by Newton on the
-/// closure it takes, which for a law without a closed inverse is far cheaper than inverting it.
-/// `None` where pressure or stiffness is not positive, or the step is too far off for one or two
-/// corrections.
+/// The pressure increment \[Pa\] over a closure increment `x` \[m\] of either sign from `pressure`
+/// \[Pa\], with the tangent there: a Runge-Kutta step of `dp/dx = K(p)`, corrected by Newton steps
+/// on the closure, which is far cheaper than inverting a law without a closed inverse. `None` where
+/// pressure or stiffness is not positive, or two corrections do not suffice.
 pub(super) fn march(law: &dyn ContactLaw, pressure: f64, x: f64) -> Option<Pressure> {
     let k1 = law.stiffness(pressure);
     let k2 = law.stiffness(pressure + 0.5 * x * k1);
     let k3 = law.stiffness(pressure + 0.5 * x * k2);
     let k4 = law.stiffness(pressure + x * k3);
-    let mut gained = x * (k1 + 2.0 * (k2 + k3) + k4) / 6.0;
+    let mut increment = x * (k1 + 2.0 * (k2 + k3) + k4) / 6.0;
     for _ in 0..2 {
-        let reached = pressure + gained;
-        // Beyond half of the pressure down, a step is too coarse for what comes next to zero.
-        if !(pressure > 0.0 && k1 > 0.0 && gained.is_finite() && reached > 0.5 * pressure) {
+        let reached = pressure + increment;
+        // A step down by more than half of the pressure is too coarse next to zero.
+        if !(pressure > 0.0 && k1 > 0.0 && increment.is_finite() && reached > 0.5 * pressure) {
             return None;
         }
-        let off = law.stiffness(reached) * (x - law.closure_increment(pressure, gained));
-        gained += off;
-        // What is left is of the order of the square, times the bend of the law.
-        if off.abs() <= SETTLED * gained.abs() {
-            return Some(Pressure { value: gained, tangent: law.stiffness(pressure + gained) });
+        let off = law.stiffness(reached) * (x - law.closure_increment(pressure, increment));
+        increment += off;
+        // The remaining error is of the order of the square, times the curvature of the law.
+        if off.abs() <= SETTLED * increment.abs() {
+            return Some(Pressure {
+                value: increment,
+                tangent: law.stiffness(pressure + increment),
+            });
         }
     }
     None

@@ -1,6 +1,6 @@
 //! A power law fitted to measured stiffnesses.
 
-use crate::error::{LawError, Quantity, above, at_least};
+use crate::error::{LawError, LawQuantity, above, at_least};
 use crate::power::Power;
 
 /// A power law `K = C p^m` fitted by least squares of `ln K` on `ln p`.
@@ -9,12 +9,11 @@ use crate::power::Power;
 pub struct PowerFit {
     /// Coefficient C \[Pa^(1-m)/m\].
     pub coefficient: f64,
-    /// Exponent m \[-\]; negative if the stiffness falls with pressure, of which no
-    /// [`Power`] law can be made.
+    /// Exponent m \[-\]; negative if the stiffness falls with pressure, which no [`Power`] law has.
     pub exponent: f64,
     /// Root mean square of the residuals of `ln K` \[-\].
     pub residual_log_rms: f64,
-    /// Standard errors, from the residuals; `None` with two points, which leave none.
+    /// Standard errors from the residuals; `None` with two points, which leave no residual.
     pub errors: Option<PowerFitErrors>,
 }
 
@@ -43,7 +42,14 @@ impl PowerFit {
 /// Fits a power law to `points` (pressure \[Pa\], stiffness \[Pa/m\]), at least two, of at least two
 /// different pressures, all positive.
 ///
-/// Every point weighs the same in the logarithms: relative errors of K are taken as equal.
+/// All points have equal weight in the logarithms, which assumes equal relative errors of K:
+///
+/// ```text
+/// minimise sum_i (ln K_i - ln C - m ln p_i)^2 over ln C and m.
+/// ```
+///
+/// Valid within the range of the data. Source of the law: Nouira et al., Lubricants 8, 73 (2020),
+/// Eq. (7), doi 10.3390/lubricants8070073.
 ///
 /// # Errors
 /// [`LawError`] if the points are outside these limits or not finite.
@@ -58,11 +64,11 @@ impl PowerFit {
 /// # Ok::<(), LawError>(())
 /// ```
 pub fn fit_power(points: &[(f64, f64)]) -> Result<PowerFit, LawError> {
-    at_least(Quantity::Points, points.len() as f64, 2.0)?;
+    at_least(LawQuantity::Points, points.len() as f64, 2.0)?;
     let mut logs = Vec::with_capacity(points.len());
     for &(p, k) in points {
-        above(Quantity::Pressure, p, 0.0)?;
-        above(Quantity::Stiffness, k, 0.0)?;
+        above(LawQuantity::Pressure, p, 0.0)?;
+        above(LawQuantity::Stiffness, k, 0.0)?;
         logs.push((p.ln(), k.ln()));
     }
     let n = logs.len() as f64;
@@ -72,9 +78,9 @@ pub fn fit_power(points: &[(f64, f64)]) -> Result<PowerFit, LawError> {
         logs.iter().map(|l| term(l.0 - mean_x, l.1 - mean_y)).sum()
     };
     let spread = sum(&|x, _| x * x);
-    // The mean's rounding must not pass for a spread.
+    // The rounding of the mean is not a spread.
     let rounding = (8.0 * f64::EPSILON * mean_x.abs()).powi(2) * n;
-    above(Quantity::PressureSpread, spread.sqrt(), rounding.sqrt())?;
+    above(LawQuantity::PressureSpread, spread.sqrt(), rounding.sqrt())?;
 
     let exponent = sum(&|x, y| x * y) / spread;
     let squares = sum(&|x, y| (y - exponent * x).powi(2));

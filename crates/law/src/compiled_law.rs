@@ -1,45 +1,64 @@
-//! A law as a fast table about a state.
+//! A law tabulated about a state.
 
+mod cubic_cell;
+mod grid;
 mod nodes;
-mod span;
 
-use crate::cell::Cell;
-use crate::error::{LawError, Quantity, above, finite};
-use crate::law::{ContactLaw, Pressure};
+use crate::contact_law::{ContactLaw, Pressure};
+use crate::error::{LawError, LawQuantity, above, finite};
+use grid::{CellLayout, ClosureGrid, TableRange};
 use nodes::{march, nodes};
-use span::{Grid, Layout, Span};
 
-/// A contact law compiled to a table of cubics: pressure increment against closure increment,
-/// both from a state.
+pub use cubic_cell::CubicCell;
+
+/// A contact law tabulated by cubics: the pressure increment over the closure increment `x`, both
+/// from a state.
 ///
-/// The cells are uniform in closure, and on each the pressure increment is the cubic Hermite
-/// interpolant of the exact pressures and tangents. Where the stiffness leaves zero with a
-/// vertical tangent at loss of contact, as in a power law, the first eight cells are divided by 32
-/// once more. Nodes lie
+/// The cells are uniform in closure. In each the pressure increment is the cubic Hermite
+/// interpolant of the exact pressures and tangents,
+///
+/// ```text
+/// p(x) - p_state = c0 + c1 t + c2 t^2 + c3 t^3,    t = x cells_per_metre + offset - i.
+/// ```
+///
+/// Where the stiffness leaves zero with a vertical tangent at loss of contact, as in a power law,
+/// each of the first eight cells is divided by 32. Nodes lie
 /// - exactly at the state: the increment at x = 0 is exactly `0.0`;
 /// - exactly at loss of contact, if the law separates: below it the increment is exactly
 ///   `-pressure_state` and the tangent zero.
 ///
-/// Outside the table [`get`](Self::get) gives NaN, on which the caller turns to the exact law.
+/// Outside the table [`get`](Self::get) gives NaN; the caller then evaluates the law itself.
 ///
 /// The table covers pressures up to the top, and downwards
-/// - to open faces, without end, if the law separates;
-/// - to `pressure_state / 64` if it does not, as in the exponential law;
+/// - all closures of open faces, if the law separates;
+/// - to `pressure_state / 64` if it does not, as the exponential law;
 /// - as far below the state as the top is above it, if the law is bilateral.
 ///
 /// # Accuracy
-/// The increment is within [`error_bound_pa`](Self::error_bound_pa) of the exact one. The bound is
-/// absolute, for where contact is lost the relative error of any polynomial is large (a power law
-/// starts as `d^(1/(1-m))`). It is twice the largest error found, plus the rounding of the
-/// evaluation: at eight points of the first cells, of those with a kink and of every eighth, and
-/// at two about the middle of the others. Twice, because the error of a Hermite cubic has one
-/// maximum in a smooth cell, flat on the scale of the points, and next to a kink is missed by less
-/// than half. Within the bound a pressure may be slightly negative just above loss of contact.
+/// The absolute error of the increment is estimated by sampling, not proven:
+/// [`error_estimate`](Self::error_estimate) is twice the largest difference from the law found at
+/// eight points of the first cells, of cells with a kink and of every eighth cell, and at two
+/// points about the middle of the others, plus the rounding of the evaluation. In a smooth cell
+/// the error of a Hermite cubic has one flat maximum; next to a kink the samples find more than
+/// half of it. The estimate is absolute because the relative error of any polynomial is large at
+/// loss of contact, where a power law starts as `d^(1/(1-m))`. Just above loss of contact a
+/// pressure may be negative within the estimate.
 ///
-/// The tangent is that of the cubic, one order less accurate; the bound does not cover it.
+/// The tangent is that of the cubic, one order less accurate, and not part of the estimate.
+///
+/// # Example
+/// ```
+/// use asperity_law::{CompiledLaw, ContactLaw, LawError, Power};
+///
+/// let law = Power::new(1.81e10, 0.35, 0.0)?;
+/// let table = CompiledLaw::new(&law, 1.4e5, 1e6, 1e-6)?;
+/// let exact = law.pressure_increment(1.4e5, 1e-8).value;
+/// assert!((table.get(1e-8) - exact).abs() <= table.error_estimate());
+/// # Ok::<(), LawError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
-pub struct Compiled {
-    /// Cell 0 is what lies below the table, open faces or NaN; then the fine cells, then the rest.
+pub struct CompiledLaw {
+    /// CubicCell 0 is what lies below the table, open faces or NaN; then the fine cells, then the rest.
     cells: Vec<[f64; 4]>,
     fine_cells: u32,
     fine_below: f64,
@@ -48,21 +67,21 @@ pub struct Compiled {
     pressure_state: f64,
     x_lo: f64,
     x_hi: f64,
-    error_bound: f64,
+    error_estimate: f64,
 }
 
-/// From closure to a place among the cells of a [`Compiled`] law, `s = x cells_per_metre + offset`.
+/// The map from closure to cells of a [`CompiledLaw`], `s = x cells_per_metre + offset`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct CellScale {
     /// Cells per closure \[1/m\].
     pub cells_per_metre: f64,
-    /// Place of the state, a whole number.
+    /// Value of `s` at the state, a whole number.
     pub offset: f64,
 }
 
-/// Cells next to a singular loss of contact that are divided, and into how many each. A power law
-/// `d^a`, 1 < a < 2, has errors like `i^(a-4)` in cell i, so that both numbers gain about as much.
+/// Number of cells next to a singular loss of contact that are divided, and the division of each. A
+/// power law `d^a`, 1 < a < 2, has errors like `i^(a-4)` in cell i; both numbers reduce them alike.
 const DIVIDED: usize = 8;
 const DIVISION: usize = 32;
 
@@ -70,29 +89,29 @@ const DIVISION: usize = 32;
 const FIRST_CELLS: usize = 16;
 
 /// Cells asked for in the last attempt; the nodes at the state and at the top may each add one.
-const LAST_CELLS: usize = Compiled::MAX_CELLS - DIVIDED * DIVISION - 2;
+const LAST_CELLS: usize = CompiledLaw::MAX_CELLS - DIVIDED * DIVISION - 2;
 
-/// Where in a cell the error is checked: Chebyshev-like, denser towards the ends.
+/// Places in a cell at which the error is sampled, denser towards the ends.
 const CHECKS: [f64; 8] = [0.03, 0.12, 0.25, 0.42, 0.58, 0.75, 0.88, 0.97];
 
-/// Where it is checked in cells among smooth ones, whose error is greatest in their middle.
+/// Places in cells among smooth ones, whose error is greatest in the middle.
 const MIDDLE: [f64; 2] = [0.42, 0.58];
 
-/// Of so many cells one is checked everywhere, and against the law inverted from the state.
+/// Every so many cells one is sampled at all places, against the law inverted from the state.
 const WATCHED: usize = 8;
 
-/// First cells, next to loss of contact, that are checked everywhere.
+/// Number of first cells, next to loss of contact, that are sampled at all places.
 const EDGE: usize = 16;
 
-/// Ratio of the error bound to the largest error found.
+/// Ratio of the error estimate to the largest error found.
 const SAFETY: f64 = 2.0;
 
-impl Compiled {
-    /// Most cells of a table: 65536, which take 2 MB.
+impl CompiledLaw {
+    /// Largest number of cells of a table: 65536, which take 2 MB.
     pub const MAX_CELLS: usize = 1 << 16;
 
-    /// Compiles `law` about the state of pressure `pressure_state` \[Pa\] up to `pressure_top`
-    /// \[Pa\]: the cells are doubled until the error bound is at most `tolerance` times
+    /// Tabulates `law` about the state of pressure `pressure_state` \[Pa\] up to `pressure_top`
+    /// \[Pa\]: the cells are doubled until the error estimate is at most `tolerance` times
     /// `max(|pressure_state|, (pressure_top - pressure_state) / 1000)`.
     ///
     /// The state must be in contact: positive, or zero for a law that separates, or any for a
@@ -107,13 +126,12 @@ impl Compiled {
         pressure_top: f64,
         tolerance: f64,
     ) -> Result<Self, LawError> {
-        Self::build(law, (pressure_state, pressure_top), tolerance, Layout::Divided)
+        Self::build(law, (pressure_state, pressure_top), tolerance, CellLayout::Divided)
     }
 
-    /// Compiles like [`new`](Self::new), but with cells of one width all through, for kernels that
-    /// look up many closures at once: there is no scale to choose. A law that never separates is
-    /// covered down to a millionth of `pressure_state`; below it the table answers with the
-    /// pressure there, which is as close to the law as that.
+    /// Tabulates like [`new`](Self::new), but with cells of one width, for kernels that look up many
+    /// closures at once. A law that never separates is covered down to a millionth of
+    /// `pressure_state`; below it the table gives the pressure there.
     ///
     /// # Errors
     /// Those of [`new`](Self::new).
@@ -123,32 +141,32 @@ impl Compiled {
         pressure_top: f64,
         tolerance: f64,
     ) -> Result<Self, LawError> {
-        Self::build(law, (pressure_state, pressure_top), tolerance, Layout::Uniform)
+        Self::build(law, (pressure_state, pressure_top), tolerance, CellLayout::Uniform)
     }
 
     fn build(
         law: &dyn ContactLaw,
         (pressure_state, pressure_top): (f64, f64),
         tolerance: f64,
-        layout: Layout,
+        layout: CellLayout,
     ) -> Result<Self, LawError> {
-        finite(Quantity::PressureState, pressure_state)?;
-        above(Quantity::PressureTop, pressure_top, pressure_state)?;
-        above(Quantity::Tolerance, tolerance, 0.0)?;
+        finite(LawQuantity::PressureState, pressure_state)?;
+        above(LawQuantity::PressureTop, pressure_top, pressure_state)?;
+        above(LawQuantity::Tolerance, tolerance, 0.0)?;
         let scale = pressure_state.abs().max((pressure_top - pressure_state) / 1000.0);
         let limit = tolerance * scale;
-        let span = Span::of(law, pressure_state, pressure_top, layout)?;
+        let range = TableRange::of(law, pressure_state, pressure_top, layout)?;
 
         let mut wanted = FIRST_CELLS;
         let mut best = (0, f64::INFINITY);
-        while let Some(grid) = span.grid(wanted.min(LAST_CELLS)) {
-            let table = Self::on_grid(law, pressure_state, &span, &grid);
-            // The last attempt is measured to its end, to be reported.
+        while let Some(grid) = range.grid(wanted.min(LAST_CELLS)) {
+            let table = Self::on_grid(law, pressure_state, &range, &grid);
+            // The last attempt is sampled completely, for the error message.
             let last = wanted >= LAST_CELLS;
             let stop = if last { f64::INFINITY } else { limit };
-            let bound = table.measure(law, &grid, stop);
+            let bound = table.estimate_error(law, &grid, stop);
             if bound <= limit {
-                return Ok(Self { error_bound: bound, ..table });
+                return Ok(Self { error_estimate: bound, ..table });
             }
             best = (grid.count(), bound);
             // Cubics gain at most the fourth power of the cells.
@@ -175,9 +193,9 @@ impl Compiled {
         }
     }
 
-    /// The cell that `x` \[m\] falls in, for a caller whose closures move little from one call to
-    /// the next; `None` outside the table.
-    pub fn cell(&self, x: f64) -> Option<Cell> {
+    /// The cell that contains `x` \[m\], for callers whose successive closures differ little; `None`
+    /// outside the table.
+    pub fn cell(&self, x: f64) -> Option<CubicCell> {
         let fine = x < self.fine_below;
         let scale = if fine { &self.fine } else { &self.coarse };
         let (i, _) = self.place(x);
@@ -187,8 +205,8 @@ impl Compiled {
         }
         let edge = |i: f64| (i - scale.offset) / scale.cells_per_metre;
         let index = f64::from(i);
-        Some(Cell {
-            // Cell 0 holds all that lies below the table.
+        Some(CubicCell {
+            // CubicCell 0 holds all that lies below the table.
             from: if i == 0 { f64::NEG_INFINITY } else { edge(index) },
             to: if fine { edge(index + 1.0).min(self.fine_below) } else { edge(index + 1.0) },
             cells_per_metre: if i == 0 { 0.0 } else { scale.cells_per_metre },
@@ -217,7 +235,7 @@ impl Compiled {
         }
     }
 
-    /// Cell of `x` and the place in it, 0 <= t < 1. The conversion saturates, so that everything
+    /// CubicCell of `x` and the place in it, 0 <= t < 1. The conversion saturates, so that everything
     /// below the table falls in cell 0.
     #[allow(
         clippy::inline_always,
@@ -236,8 +254,8 @@ impl Compiled {
         self.pressure_state
     }
 
-    /// Closure increment \[m\] where the table starts: loss of contact if the law separates (below
-    /// it [`get`](Self::get) still answers).
+    /// Closure increment \[m\] where the table starts: loss of contact if the law separates ([`get`](Self::get)
+    /// is defined below it too).
     pub fn x_lo(&self) -> f64 {
         self.x_lo
     }
@@ -247,12 +265,12 @@ impl Compiled {
         self.x_hi
     }
 
-    /// Greatest difference \[Pa\] between the table and the law.
-    pub fn error_bound_pa(&self) -> f64 {
-        self.error_bound
+    /// Estimate of the greatest difference \[Pa\] between table and law, from samples.
+    pub fn error_estimate(&self) -> f64 {
+        self.error_estimate
     }
 
-    /// The cells `[c0, c1, c2, c3]`, for a kernel that evaluates lanes of them: at x, with s from
+    /// The cells `[c0, c1, c2, c3]`, for kernels that evaluate several at a time: at x, with s from
     /// [`scales`](Self::scales) and `t = s - floor(s)`, cell `floor(s)` (0 if s < 1) gives
     /// `c0 + t (c1 + t (c2 + t c3))`.
     pub fn cells(&self) -> &[[f64; 4]] {
@@ -269,20 +287,20 @@ impl Compiled {
         self.fine_below
     }
 
-    /// The table on a grid, its error not yet known.
-    fn on_grid(law: &dyn ContactLaw, state: f64, span: &Span, grid: &Grid) -> Self {
-        let divided = if span.singular { grid.count().min(DIVIDED) } else { 0 };
+    /// The table on a grid, before its error is estimated.
+    fn on_grid(law: &dyn ContactLaw, state: f64, range: &TableRange, grid: &ClosureGrid) -> Self {
+        let divided = if range.singular { grid.count().min(DIVIDED) } else { 0 };
         let fine_cells = divided * DIVISION;
         let part = 1.0 / DIVISION as f64;
         let fine = (0..fine_cells).map(|i| i as f64 * part);
         let places: Vec<f64> = fine.chain((divided..=grid.count()).map(|i| i as f64)).collect();
-        let nodes = nodes(law, state, span, grid, &places);
+        let nodes = nodes(law, state, range, grid, &places);
         // The rise over a cell at the tangent of a node.
         let rise = |node: Pressure, width: f64| (node.value, node.tangent * (grid.width * width));
         let mut cells = Vec::with_capacity(places.len());
-        cells.push(if span.separates {
+        cells.push(if range.separates {
             [0.0 - state, 0.0, 0.0, 0.0]
-        } else if span.floored {
+        } else if range.floored {
             [nodes[0].value, 0.0, 0.0, 0.0]
         } else {
             [f64::NAN; 4]
@@ -303,7 +321,7 @@ impl Compiled {
         // Rounding must not place loss of contact inside the first cell, or what lies just below
         // it would not be exactly open.
         let first = if divided > 0 { &mut fine } else { &mut coarse };
-        while span.down * first.cells_per_metre + first.offset > 1.0 {
+        while range.down * first.cells_per_metre + first.offset > 1.0 {
             first.cells_per_metre = first.cells_per_metre.next_up();
         }
         Self {
@@ -313,14 +331,14 @@ impl Compiled {
             fine,
             coarse,
             pressure_state: state,
-            x_lo: span.down,
+            x_lo: range.down,
             x_hi: grid.closure(grid.count() as f64),
-            error_bound: f64::INFINITY,
+            error_estimate: f64::INFINITY,
         }
     }
 
-    /// Error bound of the table, or the first that exceeds `stop`.
-    fn measure(&self, law: &dyn ContactLaw, grid: &Grid, stop: f64) -> f64 {
+    /// Error estimate of the table, or the first partial one that exceeds `stop`.
+    fn estimate_error(&self, law: &dyn ContactLaw, grid: &ClosureGrid, stop: f64) -> f64 {
         let kinks = law.kinks();
         let mut bound = 0.0_f64;
         for (i, cell) in self.cells.iter().enumerate().skip(1) {
@@ -344,7 +362,7 @@ impl Compiled {
                 };
                 let x = grid.closure(place);
                 let width = if i <= fine { 1.0 / DIVISION as f64 } else { 1.0 };
-                // Most from the node below, which some from the state watch over.
+                // From the node below; the watched cells check the nodes from the state.
                 let near = if watched {
                     None
                 } else {
@@ -356,7 +374,7 @@ impl Compiled {
                 );
                 let off = (self.get(x) - exact).abs();
                 let found = SAFETY * off + rounding;
-                // A NaN must not pass for an error of zero.
+                // A NaN is not an error of zero.
                 bound = if found.is_nan() { f64::INFINITY } else { bound.max(found) };
             }
             if bound > stop {

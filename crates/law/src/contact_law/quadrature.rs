@@ -1,12 +1,12 @@
 //! Closure and work of any law, by adaptive Gauss-Legendre quadrature of `1/K` and `p/K`.
 //!
-//! Panels are linear in pressure where the range is short against the pressure, logarithmic where
-//! it is long. Next to zero pressure K may vanish like p^m: the part of the integral below the
-//! panels is then taken from the local exponent `m = p K'/K`, and panels are added downwards
-//! until panels and rest agree.
+//! Panels are linear in pressure where the range is short compared with the pressure, else
+//! logarithmic. Next to zero pressure K may vanish like p^m: the part of the integral below the
+//! panels then follows from the local exponent `m = p K'/K`, and panels are added downwards until
+//! the sum no longer changes. The functions serve implementations of new laws.
 
+use super::ContactLaw;
 use crate::domain::no_less;
-use crate::law::ContactLaw;
 
 /// Points and weights of the 10-point Gauss-Legendre rule on (0, 1).
 const GAUSS: [(f64, f64); 10] = [
@@ -35,7 +35,7 @@ const BUDGET: usize = 4096;
 /// Ratio of the end pressures of a logarithmic panel.
 const RATIO: f64 = 16.0;
 
-/// Closure \[m\] gained from pressure `from` to pressure `to` \[Pa\] by quadrature of `1/K`.
+/// Closure increment \[m\] from pressure `from` to pressure `to` \[Pa\] by quadrature of `1/K`.
 ///
 /// Relative precision about 1e-13 for a law smooth between its kinks. -inf if `to` is zero and
 /// the law never separates. Pressures below the law's minimum count as the minimum.
@@ -43,8 +43,8 @@ pub fn closure_between<L: ContactLaw + ?Sized>(law: &L, from: f64, to: f64) -> f
     between(law, Weight::One, from, to)
 }
 
-/// Closure \[m\] gained from pressure `from` over `increment` \[Pa\] by quadrature of `1/K`,
-/// keeping its relative precision as the increment shrinks.
+/// Closure increment \[m\] from pressure `from` over `increment` \[Pa\] by quadrature of `1/K`,
+/// with its relative precision kept for small increments.
 pub fn closure_increment<L: ContactLaw + ?Sized>(law: &L, from: f64, increment: f64) -> f64 {
     let to = from + increment;
     let short = increment.abs() < 0.5 * from.abs();
@@ -72,7 +72,7 @@ pub fn work_between<L: ContactLaw + ?Sized>(law: &L, from: f64, to: f64) -> f64 
     between(law, Weight::Pressure, from, to)
 }
 
-/// What multiplies `1/K` under the integral.
+/// The factor of `1/K` in the integrand.
 #[derive(Clone, Copy)]
 enum Weight {
     One,
@@ -174,7 +174,7 @@ fn from_zero<L: ContactLaw + ?Sized>(law: &L, weight: Weight, b: f64) -> f64 {
     estimate
 }
 
-/// The rule itself over a signed `width` from `start`.
+/// The ten-point rule over a signed `width` from `start`.
 pub(crate) fn gauss(f: &impl Fn(f64) -> f64, start: f64, width: f64) -> f64 {
     let sum: f64 = GAUSS.iter().map(|(t, w)| w * f(start + width * t)).sum();
     sum * width

@@ -1,12 +1,10 @@
-//! Compiled tables against the laws they stand for.
-
-#![allow(clippy::unwrap_used, reason = "a test that cannot build its law should panic")]
+//! Tabulated laws against the laws themselves.
 
 use std::sync::Arc;
 
 use asperity_law::{
-    Compiled, Constant, ContactLaw, Exponential, Hyperbolic, InSeries, LawError, ModifiedPower,
-    Power, Quantity, Table,
+    CompiledLaw, Constant, ContactLaw, Exponential, Hyperbolic, InSeries, LawError, LawQuantity,
+    ModifiedPower, Power, Tabulated,
 };
 use proptest::prelude::*;
 
@@ -31,7 +29,7 @@ fn laws() -> Vec<Arc<dyn ContactLaw>> {
         Arc::new(ModifiedPower::new(1.81e10, 0.35, 2e5, &KNOTS).unwrap()),
         Arc::new(Exponential::new(1e-7, 1e5).unwrap()),
         Arc::new(Hyperbolic::new(1e11, 3e-6).unwrap()),
-        Arc::new(Table::new(&TABLE).unwrap()),
+        Arc::new(Tabulated::new(&TABLE).unwrap()),
     ];
     for law in laws.clone() {
         laws.push(Arc::new(InSeries::new(law.clone(), 3e11).unwrap()));
@@ -41,14 +39,14 @@ fn laws() -> Vec<Arc<dyn ContactLaw>> {
 }
 
 /// The bound is kept at points other than those it was found at, and is what was asked for.
-fn bound_holds(
+fn estimate_holds(
     law: &dyn ContactLaw,
     top: f64,
     tolerance: f64,
     shares: &[f64],
 ) -> Result<(), TestCaseError> {
-    let table = Compiled::new(law, STATE, top, tolerance).unwrap();
-    let bound = table.error_bound_pa();
+    let table = CompiledLaw::new(law, STATE, top, tolerance).unwrap();
+    let bound = table.error_estimate();
     prop_assert!(bound <= tolerance * STATE.max((top - STATE) / 1000.0));
     for share in shares {
         let x = table.x_lo() + share * (table.x_hi() - table.x_lo());
@@ -65,44 +63,44 @@ proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn the_bound_holds_at_any_point(
+    fn the_error_estimate_holds_at_any_point(
         which in 0..33_usize,
         top in 1.5e5..2e6_f64,
         exponent in 3.0..6.0_f64,
         shares in prop::collection::vec(0.0..1.0_f64, 256),
     ) {
-        bound_holds(&laws()[which], top, 10.0_f64.powf(-exponent), &shares)?;
+        estimate_holds(&laws()[which], top, 10.0_f64.powf(-exponent), &shares)?;
     }
 
     /// Next to loss of contact, where the curvature of a power law is unbounded.
     #[test]
-    fn the_bound_holds_next_to_loss_of_contact(
+    fn the_error_estimate_holds_next_to_loss_of_contact(
         which in 0..33_usize,
         logs in prop::collection::vec(-12.0..-1.0_f64, 64),
     ) {
         let shares: Vec<f64> = logs.into_iter().map(|log| 10.0_f64.powf(log)).collect();
-        bound_holds(&laws()[which], 1e6, 1e-6, &shares)?;
+        estimate_holds(&laws()[which], 1e6, 1e-6, &shares)?;
     }
 
     #[test]
-    fn the_bound_holds_for_any_power(
+    fn the_error_estimate_holds_for_any_power(
         m in prop_oneof![Just(0.0), 0.2..1.8_f64],
         state in 10.0..1e6_f64,
         ratio in 1.1..50.0_f64,
         share in 0.0..1.0_f64,
     ) {
         let law = Power::new(1e12 * 1e5_f64.powf(-m), m, state).unwrap();
-        let table = Compiled::new(&law, state, ratio * state, 1e-5).unwrap();
+        let table = CompiledLaw::new(&law, state, ratio * state, 1e-5).unwrap();
         let x = table.x_lo() + share * (table.x_hi() - table.x_lo());
         let off = (table.get(x) - law.pressure_increment(state, x).value).abs();
-        prop_assert!(off <= table.error_bound_pa());
+        prop_assert!(off <= table.error_estimate());
     }
 }
 
 #[test]
 fn the_state_is_exact() {
     for law in laws() {
-        let table = Compiled::new(&law, STATE, 1e6, 1e-6).unwrap();
+        let table = CompiledLaw::new(&law, STATE, 1e6, 1e-6).unwrap();
         let (value, tangent) = table.get_with_tangent(0.0);
         assert_eq!(value, 0.0, "{law:?}");
         assert_eq!(table.get(0.0), 0.0);
@@ -115,7 +113,7 @@ fn the_state_is_exact() {
 #[test]
 fn open_faces_are_exact_from_loss_of_contact_on() {
     for law in laws().into_iter().filter(|law| law.domain().separates()) {
-        let table = Compiled::new(&law, STATE, 1e6, 1e-6).unwrap();
+        let table = CompiledLaw::new(&law, STATE, 1e6, 1e-6).unwrap();
         let lost = table.x_lo();
         let expected = law.closure_increment(STATE, -STATE);
         assert_eq!(lost, expected);
@@ -132,16 +130,16 @@ fn open_faces_are_exact_from_loss_of_contact_on() {
 #[test]
 fn a_state_may_be_loss_of_contact_itself() {
     let law = Power::new(1.81e10, 0.35, 0.0).unwrap();
-    let table = Compiled::new(&law, 0.0, 1e6, 1e-5).unwrap();
+    let table = CompiledLaw::new(&law, 0.0, 1e6, 1e-5).unwrap();
     assert_eq!((table.get(0.0), table.get(-1e-9), table.x_lo()), (0.0, 0.0, 0.0));
     let x = 0.37 * table.x_hi();
-    assert!((table.get(x) - law.pressure(x).value).abs() <= table.error_bound_pa());
+    assert!((table.get(x) - law.pressure(x).value).abs() <= table.error_estimate());
 }
 
 #[test]
 fn outside_the_table_is_nan() {
     for law in laws() {
-        let table = Compiled::new(&law, STATE, 1e6, 1e-6).unwrap();
+        let table = CompiledLaw::new(&law, STATE, 1e6, 1e-6).unwrap();
         let beyond = table.x_hi() * (1.0 + 1e-9) + 1e-18;
         for x in [beyond, 10.0 * beyond, 1e300, f64::INFINITY, f64::NAN] {
             assert!(table.get(x).is_nan() && table.get_with_tangent(x).1.is_nan(), "{law:?} {x:e}");
@@ -156,14 +154,14 @@ fn outside_the_table_is_nan() {
 }
 
 #[test]
-fn a_table_reaches_as_low_as_it_says() {
+fn the_lowest_pressure_is_as_documented() {
     let exponential = Exponential::new(1e-7, 1e5).unwrap();
-    let table = Compiled::new(&exponential, STATE, 1e6, 1e-6).unwrap();
+    let table = CompiledLaw::new(&exponential, STATE, 1e6, 1e-6).unwrap();
     let lowest = STATE + table.get(table.x_lo() * (1.0 - 1e-12));
     assert!((lowest * 64.0 / STATE - 1.0).abs() < 1e-4, "{lowest}");
 
     let spring = Constant::new(8.5e11).unwrap();
-    let table = Compiled::new(&spring, STATE, 1e6, 1e-6).unwrap();
+    let table = CompiledLaw::new(&spring, STATE, 1e6, 1e-6).unwrap();
     assert!((table.x_lo() + (1e6 - STATE) / 8.5e11).abs() < 1e-18);
 }
 
@@ -172,8 +170,8 @@ fn a_table_reaches_as_low_as_it_says() {
 fn the_error_falls_with_the_fourth_power_of_the_cell() {
     let law = Exponential::new(1e-7, 1e5).unwrap();
     let sized = |tolerance| {
-        let table = Compiled::new(&law, STATE, 1e6, tolerance).unwrap();
-        (table.cells().len() as f64, table.error_bound_pa())
+        let table = CompiledLaw::new(&law, STATE, 1e6, tolerance).unwrap();
+        (table.cells().len() as f64, table.error_estimate())
     };
     let ((coarse, more), (fine, less)) = (sized(1e-3), sized(1e-8));
     let slope = (more / less).ln() / (fine / coarse).ln();
@@ -184,7 +182,7 @@ fn the_error_falls_with_the_fourth_power_of_the_cell() {
 #[test]
 fn the_cells_are_as_documented() {
     let law = Power::new(1.81e10, 0.35, 0.0).unwrap();
-    let table = Compiled::new(&law, STATE, 1e6, 1e-6).unwrap();
+    let table = CompiledLaw::new(&law, STATE, 1e6, 1e-6).unwrap();
     for share in [0.0, 0.001, 0.1, 0.5, 0.99] {
         let x = table.x_lo() + share * (table.x_hi() - table.x_lo());
         let [fine, coarse] = table.scales();
@@ -198,42 +196,42 @@ fn the_cells_are_as_documented() {
 }
 
 #[test]
-fn what_cannot_be_compiled_is_refused() {
+fn invalid_tables() {
     let power = Power::new(1.81e10, 0.35, 0.0).unwrap();
     let exponential = Exponential::new(1e-7, 1e5).unwrap();
     for bad in [f64::NAN, f64::INFINITY, -1.0] {
-        assert!(Compiled::new(&power, bad, 1e6, 1e-6).is_err());
-        assert!(Compiled::new(&power, STATE, bad, 1e-6).is_err());
-        assert!(Compiled::new(&power, STATE, 1e6, bad).is_err());
+        assert!(CompiledLaw::new(&power, bad, 1e6, 1e-6).is_err());
+        assert!(CompiledLaw::new(&power, STATE, bad, 1e-6).is_err());
+        assert!(CompiledLaw::new(&power, STATE, 1e6, bad).is_err());
     }
-    assert!(Compiled::new(&power, STATE, STATE, 1e-6).is_err());
-    assert!(Compiled::new(&power, STATE, 1e6, 0.0).is_err());
-    let error = Compiled::new(&exponential, 0.0, 1e6, 1e-6).unwrap_err();
-    let quantity = Quantity::PressureState;
+    assert!(CompiledLaw::new(&power, STATE, STATE, 1e-6).is_err());
+    assert!(CompiledLaw::new(&power, STATE, 1e6, 0.0).is_err());
+    let error = CompiledLaw::new(&exponential, 0.0, 1e6, 1e-6).unwrap_err();
+    let quantity = LawQuantity::PressureState;
     assert_eq!(error, LawError::NotAbove { quantity, value: 0.0, limit: 0.0 });
 
     // More than 65536 cells, or so many more that it is plain from fewer.
-    match Compiled::new(&power, STATE, 1e6, 1e-13).unwrap_err() {
+    match CompiledLaw::new(&power, STATE, 1e6, 1e-13).unwrap_err() {
         LawError::Unresolved { cells, value, limit } => {
-            let gain = (Compiled::MAX_CELLS as f64 / cells as f64).powi(4);
-            assert!(cells <= Compiled::MAX_CELLS);
+            let gain = (CompiledLaw::MAX_CELLS as f64 / cells as f64).powi(4);
+            assert!(cells <= CompiledLaw::MAX_CELLS);
             assert!(value > limit && limit == 1e-13 * STATE);
             assert!(cells > 60_000 || value > limit * gain);
         }
         other => panic!("{other}"),
     }
-    let error = Compiled::new(&power, 1e-3, 1e9, 1e-6).unwrap_err();
+    let error = CompiledLaw::new(&power, 1e-3, 1e9, 1e-6).unwrap_err();
     assert!(matches!(error, LawError::Unresolved { cells: 0, .. }));
 }
 
 /// Second method: a cell gives what the table gives, wherever it says that it holds; and it
 /// never holds for a closure that it was not found for and does not contain.
 #[test]
-fn a_cell_is_its_part_of_the_table() {
+fn a_cell_gives_the_value_of_the_table() {
     let law = asperity_law::Power::new(1.81e10, 0.35, 0.0).unwrap();
-    let table = Compiled::new(&law, 0.137e6, 1e6, 1e-6).unwrap();
+    let table = CompiledLaw::new(&law, 0.137e6, 1e6, 1e-6).unwrap();
     let span = table.x_hi() - table.x_lo();
-    let mut cell = asperity_law::Cell::EMPTY;
+    let mut cell = asperity_law::CubicCell::EMPTY;
     let mut kept = 0;
     for step in 0..200_000 {
         let x = table.x_lo() + span * (0.49 + 0.51 * (f64::from(step) * 1e-4).sin());

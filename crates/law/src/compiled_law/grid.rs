@@ -1,23 +1,23 @@
-//! The closures a table covers, and its nodes.
+//! The range of closures of a table, and its nodes.
 
 use super::LAST_CELLS;
-use crate::error::{LawError, Quantity, above, finite};
-use crate::law::ContactLaw;
+use crate::contact_law::ContactLaw;
+use crate::error::{LawError, LawQuantity, above, finite};
 
-/// Lowest pressure, as a part of the state's, of a law that never separates: where a caller can
-/// turn to the exact law below it, and where it cannot.
+/// Lowest pressure over that of the state, for a law that never separates: in tables that end
+/// there, and in uniform ones, which hold that pressure below it.
 const LOWEST: f64 = 1.0 / 64.0;
 const LOWEST_UNIFORM: f64 = 1e-6;
 
-/// Whether cells next to a singular loss of contact are divided.
+/// Division of the cells next to a singular loss of contact.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Layout {
+pub(super) enum CellLayout {
     Divided,
     Uniform,
 }
 
 /// Closure increments to cover.
-pub(super) struct Span {
+pub(super) struct TableRange {
     pub(super) separates: bool,
     /// Contact is lost where the stiffness leaves zero with a vertical tangent.
     pub(super) singular: bool,
@@ -27,28 +27,28 @@ pub(super) struct Span {
     up: f64,
 }
 
-impl Span {
+impl TableRange {
     pub(super) fn of(
         law: &dyn ContactLaw,
         state: f64,
         top: f64,
-        layout: Layout,
+        layout: CellLayout,
     ) -> Result<Self, LawError> {
         let domain = law.domain();
-        let uniform = layout == Layout::Uniform;
+        let uniform = layout == CellLayout::Uniform;
         let lowest = if domain.is_bilateral() {
             state - (top - state)
         } else if domain.separates() {
             if state < 0.0 {
                 return Err(LawError::Below {
-                    quantity: Quantity::PressureState,
+                    quantity: LawQuantity::PressureState,
                     value: state,
                     limit: 0.0,
                 });
             }
             0.0
         } else {
-            above(Quantity::PressureState, state, 0.0)?
+            above(LawQuantity::PressureState, state, 0.0)?
                 * if uniform { LOWEST_UNIFORM } else { LOWEST }
         };
         let down = if lowest == state { 0.0 } else { law.closure_increment(state, lowest - state) };
@@ -56,14 +56,14 @@ impl Span {
             separates: domain.separates(),
             singular: domain.separates() && law.stiffness_slope(0.0) == f64::INFINITY && !uniform,
             floored: uniform && !domain.separates() && !domain.is_bilateral(),
-            down: finite(Quantity::PressureState, down)?,
-            up: finite(Quantity::PressureTop, law.closure_increment(state, top - state))?,
+            down: finite(LawQuantity::PressureState, down)?,
+            up: finite(LawQuantity::PressureTop, law.closure_increment(state, top - state))?,
         })
     }
 
     /// A grid of at least about `cells` cells with nodes at the state and at `down`; `None` if it
     /// would take more than the most allowed.
-    pub(super) fn grid(&self, cells: usize) -> Option<Grid> {
+    pub(super) fn grid(&self, cells: usize) -> Option<ClosureGrid> {
         let (down, up) = (-self.down, self.up);
         let share = down / (down + up);
         // Rounded down, so that the cells do not exceed what is asked for by more than one.
@@ -73,7 +73,7 @@ impl Span {
         }
         let width = if below > 0.0 { down / below } else { up / cells as f64 };
         let above = (up / width).ceil().max(1.0);
-        (below + above <= (LAST_CELLS + 2) as f64).then_some(Grid {
+        (below + above <= (LAST_CELLS + 2) as f64).then_some(ClosureGrid {
             below: below as usize,
             above: above as usize,
             width,
@@ -82,13 +82,13 @@ impl Span {
 }
 
 /// Uniform cells below and above the state.
-pub(super) struct Grid {
+pub(super) struct ClosureGrid {
     pub(super) below: usize,
     above: usize,
     pub(super) width: f64,
 }
 
-impl Grid {
+impl ClosureGrid {
     pub(super) fn count(&self) -> usize {
         self.below + self.above
     }

@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
-use asperity_law::{Constant, ContactLaw, Exponential, Hyperbolic, ModifiedPower, Power, Table};
+use asperity_law::{
+    Constant, ContactLaw, Exponential, Hyperbolic, ModifiedPower, Power, Tabulated,
+};
 use proptest::prelude::*;
 
 pub(crate) type AnyLaw = Arc<dyn ContactLaw>;
@@ -67,7 +69,7 @@ pub(crate) fn hyperbolic() -> impl Strategy<Value = Hyperbolic> {
 }
 
 /// Two to seven points, from zero pressure or not, whose stiffnesses rise and fall.
-pub(crate) fn table() -> impl Strategy<Value = Table> {
+pub(crate) fn table() -> impl Strategy<Value = Tabulated> {
     let step = (log_uniform(1.2, 30.0), log_uniform(0.1, 10.0));
     let first = prop_oneof![Just(0.0), log_uniform(1e2, 1e6)];
     let start = (first, log_uniform(1e9, 1e14));
@@ -78,7 +80,7 @@ pub(crate) fn table() -> impl Strategy<Value = Table> {
             (p, k) = (p * dp, k * dk);
             points.push((p, k));
         }
-        Table::new(&points).unwrap()
+        Tabulated::new(&points).unwrap()
     })
 }
 

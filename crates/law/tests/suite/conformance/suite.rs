@@ -1,4 +1,4 @@
-//! What every contact law owes.
+//! Properties that every contact law has.
 //!
 //! Tolerances are multiples of the rounding `EPS` and of the condition number of what is computed:
 //! a pressure found from a closure of magnitude d, known to EPS d, is known to K EPS d.
@@ -14,7 +14,7 @@ const QUADRATURE: f64 = 1e-12;
 
 type Outcome = Result<(), TestCaseError>;
 
-/// A law stripped of its closed forms: only what the trait requires.
+/// A law without its closed forms: only the methods that the trait requires.
 #[derive(Debug)]
 struct Bare<'a>(&'a dyn ContactLaw);
 

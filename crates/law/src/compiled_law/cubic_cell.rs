@@ -1,13 +1,12 @@
-//! One cell of a compiled law.
+//! One cell of a tabulated law.
 
-/// One cell of a [`Compiled`](crate::Compiled) law: a cubic, and the closures it holds for.
+/// One cell of a [`CompiledLaw`](crate::CompiledLaw): a cubic and the closures for which it holds.
 ///
-/// Finding the cell of a closure is a chain of dependent instructions longer than evaluating the
+/// Finding the cell of a closure is a longer chain of dependent instructions than evaluating the
 /// cubic. Closures of a motion stay in one cell for many steps: a caller that keeps the cell and
-/// asks whether it still [`contains`](Self::contains) the closure leaves that chain to the
-/// processor's branch prediction.
+/// tests [`contains`](Self::contains) leaves the search to branch prediction.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Cell {
+pub struct CubicCell {
     pub(crate) from: f64,
     pub(crate) to: f64,
     pub(crate) cells_per_metre: f64,
@@ -19,7 +18,7 @@ pub struct Cell {
     clippy::inline_always,
     reason = "the innermost calls of time stepping, in loops compiled for wider registers"
 )]
-impl Cell {
+impl CubicCell {
     /// A cell that contains nothing.
     pub const EMPTY: Self = Self {
         from: f64::INFINITY,
@@ -29,7 +28,7 @@ impl Cell {
         cubic: [f64::NAN; 4],
     };
 
-    /// Whether closure increment `x` \[m\] lies in this cell.
+    /// True if closure increment `x` \[m\] lies in this cell.
     #[inline(always)]
     pub fn contains(&self, x: f64) -> bool {
         self.from <= x && x < self.to

@@ -1,17 +1,20 @@
-//! What a contact law is, and what the rest follows from.
+//! The trait of contact laws, and the macro by which one law forwards to another.
+
+mod inverse;
+pub mod quadrature;
 
 use std::fmt::Debug;
 use std::sync::Arc;
 
 use crate::domain::Domain;
-use crate::inverse;
-use crate::quadrature;
+
+pub(crate) use inverse::refine_increment;
 
 /// Pressure and tangent from one call.
 ///
-/// Where the tangent jumps it is that of the closing side (higher closure). At the closure of
-/// first contact it is therefore `K(0+)`; below it both fields are zero. At and beyond the
-/// closure limit both are +inf.
+/// Where the tangent jumps, it is the one-sided value towards higher closure: at first contact
+/// `K(0+)`. Below first contact both fields are zero; at and beyond the closure limit both are
+/// +inf.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pressure {
     /// Pressure `p` \[Pa\], or its increment where the function says so.
@@ -21,32 +24,35 @@ pub struct Pressure {
 }
 
 impl Pressure {
-    /// The pressure of faces apart.
+    /// The pressure of separated faces.
     pub const OPEN: Self = Self { value: 0.0, tangent: 0.0 };
 
     /// The pressure at and beyond the closure limit.
     pub const RIGID: Self = Self { value: f64::INFINITY, tangent: f64::INFINITY };
 
-    /// The pressure increment from `from` \[Pa\] once contact is lost: exactly `-from`.
+    /// The pressure increment from `from` \[Pa\] after loss of contact: exactly `-from`.
     pub const fn lost_from(from: f64) -> Self {
         Self { value: 0.0 - from, tangent: 0.0 }
     }
 }
 
-/// A pressure-dependent interface stiffness.
+/// A pressure-dependent interface stiffness,
 ///
-/// `K(p) = dp/dd`, from which `d(p) = integral of dp / K(p)` from the reference pressure, its
-/// inverse `p(d)`, and `energy = integral of p dd` follow.
+/// ```text
+/// K(p) = dp/dd,    d(p) = integral of dp / K(p) from the reference pressure,    e = integral of p dd.
+/// ```
 ///
-/// A law supplies the first four methods. The rest default to quadrature and a safeguarded
-/// root, good to about 1e-13; closed forms override them. A law is a function of pressure alone:
-/// it knows neither where it acts nor when.
+/// An implementation supplies the first four methods. The others default to quadrature and a
+/// safeguarded root, with a relative precision of about 1e-13; closed forms override them. A law
+/// depends on the pressure alone.
+///
+/// Source: Nouira et al., Lubricants 8, 73 (2020), Eq. (6), doi 10.3390/lubricants8070073.
 ///
 /// Pressures below `domain().pressure_min` count as that minimum everywhere but in
 /// [`stiffness`](Self::stiffness), which is zero there.
 ///
 /// # Example
-/// A law of one's own, whose closures come from quadrature:
+/// A new law, whose closures follow by quadrature:
 /// ```
 /// use asperity_law::{ContactLaw, Domain};
 ///
@@ -83,7 +89,7 @@ pub trait ContactLaw: Debug + Send + Sync {
     /// +inf where K leaves zero with a vertical tangent.
     fn stiffness_slope(&self, pressure: f64) -> f64;
 
-    /// Where the law is defined.
+    /// Pressures and closures for which the law is defined.
     fn domain(&self) -> Domain;
 
     /// Pressure \[Pa\] at which the closure counts zero; 0 for most laws that separate.
@@ -94,8 +100,8 @@ pub trait ContactLaw: Debug + Send + Sync {
         Vec::new()
     }
 
-    /// Pressures \[Pa\] between which the law rests on data; outside it is an assumption, and a
-    /// caller that goes there should say so. `None` for a law given by a formula.
+    /// Range of the measured pressures \[Pa\]; outside it the law is extrapolated. `None` for a law
+    /// given by a formula.
     fn measured_range(&self) -> Option<(f64, f64)> {
         None
     }
@@ -108,9 +114,9 @@ pub trait ContactLaw: Debug + Send + Sync {
         quadrature::closure_between(self, reference, pressure)
     }
 
-    /// Closure gained \[m\] when the pressure goes from `from` by `increment` \[Pa\].
+    /// Closure increment \[m\] when the pressure rises from `from` by `increment` \[Pa\].
     ///
-    /// Unlike a difference of closures it keeps its relative precision as the increment shrinks.
+    /// In contrast to a difference of closures it keeps its relative precision for small increments.
     /// `from` must lie in the domain, and be positive for a law that never separates.
     fn closure_increment(&self, from: f64, increment: f64) -> f64 {
         quadrature::closure_increment(self, from, increment)
@@ -126,8 +132,7 @@ pub trait ContactLaw: Debug + Send + Sync {
     /// from the closure at pressure `from` \[Pa\]: the inverse of
     /// [`closure_increment`](Self::closure_increment).
     ///
-    /// Keeps its relative precision as the increment shrinks; exactly `-from` once contact is
-    /// lost. Valid where `closure_increment` is.
+    /// Keeps its relative precision for small increments; exactly `-from` after loss of contact. Valid where `closure_increment` is.
     fn pressure_increment(&self, from: f64, closure_increment: f64) -> Pressure {
         inverse::pressure_increment(self, from, closure_increment)
     }
@@ -146,45 +151,53 @@ pub trait ContactLaw: Debug + Send + Sync {
     }
 }
 
-/// A pointer to a law is a law.
+/// The methods that depend on the stiffness, forwarded to another law.
 macro_rules! forward {
+    ($self:ident => $law:expr) => {
+        fn stiffness(&$self, pressure: f64) -> f64 {
+            $law.stiffness(pressure)
+        }
+        fn stiffness_slope(&$self, pressure: f64) -> f64 {
+            $law.stiffness_slope(pressure)
+        }
+        fn domain(&$self) -> $crate::Domain {
+            $law.domain()
+        }
+        fn reference_pressure(&$self) -> f64 {
+            $law.reference_pressure()
+        }
+        fn closure(&$self, pressure: f64) -> f64 {
+            $law.closure(pressure)
+        }
+        fn closure_increment(&$self, from: f64, increment: f64) -> f64 {
+            $law.closure_increment(from, increment)
+        }
+        fn pressure(&$self, closure: f64) -> $crate::Pressure {
+            $law.pressure(closure)
+        }
+        fn pressure_increment(&$self, from: f64, closure_increment: f64) -> $crate::Pressure {
+            $law.pressure_increment(from, closure_increment)
+        }
+        fn energy(&$self, closure: f64) -> f64 {
+            $law.energy(closure)
+        }
+    };
+}
+pub(crate) use forward;
+
+/// Pointers to a law are laws.
+macro_rules! pointers {
     ($($pointer:ty),*) => {$(
         impl<T: ContactLaw + ?Sized> ContactLaw for $pointer {
-            fn stiffness(&self, pressure: f64) -> f64 {
-                (**self).stiffness(pressure)
-            }
-            fn stiffness_slope(&self, pressure: f64) -> f64 {
-                (**self).stiffness_slope(pressure)
-            }
-            fn domain(&self) -> Domain {
-                (**self).domain()
-            }
-            fn reference_pressure(&self) -> f64 {
-                (**self).reference_pressure()
-            }
+            forward!(self => (**self));
             fn kinks(&self) -> Vec<f64> {
                 (**self).kinks()
             }
             fn measured_range(&self) -> Option<(f64, f64)> {
                 (**self).measured_range()
             }
-            fn closure(&self, pressure: f64) -> f64 {
-                (**self).closure(pressure)
-            }
-            fn closure_increment(&self, from: f64, increment: f64) -> f64 {
-                (**self).closure_increment(from, increment)
-            }
-            fn pressure(&self, closure: f64) -> Pressure {
-                (**self).pressure(closure)
-            }
-            fn pressure_increment(&self, from: f64, closure_increment: f64) -> Pressure {
-                (**self).pressure_increment(from, closure_increment)
-            }
-            fn energy(&self, closure: f64) -> f64 {
-                (**self).energy(closure)
-            }
         }
     )*};
 }
 
-forward!(Arc<T>, Box<T>, &T);
+pointers!(Arc<T>, Box<T>, &T);

@@ -1,7 +1,7 @@
 //! Laws against values computed elsewhere: SciPy 1.17.1 for the interpolants, mpmath at 40 digits
 //! for the integrals and the power law.
 
-use asperity_law::{ContactLaw, ModifiedPower, Power, Table, fit_power};
+use asperity_law::{ContactLaw, ModifiedPower, Power, Tabulated, fit_power};
 
 const TABLE_3: [(f64, f64); 4] =
     [(0.14e6, 1.15e12), (0.35e6, 1.75e12), (0.57e6, 1.63e12), (1e6, 2.46e12)];
@@ -17,7 +17,7 @@ fn close(what: &str, found: f64, expected: f64, relative: f64) {
 /// `PchipInterpolator` and its derivative; 1e-13 is the rounding of two cubics in other forms.
 #[test]
 fn table_is_scipys_pchip() {
-    let law = Table::new(&TABLE_3).unwrap();
+    let law = Tabulated::new(&TABLE_3).unwrap();
     for (p, k, slope) in [
         (0.2e6, 1_407_283_390_553.442_9, 3_959_652.118_171_34),
         (0.3e6, 1_705_143_680_345.388_7, 1_726_485.822_356_728_6),
@@ -36,7 +36,7 @@ fn table_is_scipys_pchip() {
 
 #[test]
 fn table_is_held_outside_its_points() {
-    let law = Table::new(&TABLE_3).unwrap();
+    let law = Tabulated::new(&TABLE_3).unwrap();
     assert_eq!(law.measured_range(), Some((0.14e6, 1e6)));
     for p in [0.0, 0.07e6, 0.139e6] {
         assert_eq!((law.stiffness(p), law.stiffness_slope(p)), (1.15e12, 0.0));
@@ -62,14 +62,14 @@ fn slopes_are_scipys() {
         (&[(0.0, 1.0), (3.0, 4.0), (4.0, 1.5)], &[3.0, 0.0]),
     ];
     for (points, slopes) in cases {
-        let law = Table::new(points).unwrap();
+        let law = Tabulated::new(points).unwrap();
         for (point, slope) in points.iter().zip(slopes) {
             let found = law.stiffness_slope(point.0);
             assert!((found - slope).abs() < 1e-14 * (1.0 + slope), "{found}, expected {slope}");
         }
     }
     // From the left of the last point.
-    let law = Table::new(&[(0.0, 4.0), (3.0, 5.0), (4.0, 30.0)]).unwrap();
+    let law = Tabulated::new(&[(0.0, 4.0), (3.0, 5.0), (4.0, 30.0)]).unwrap();
     close("last slope", law.stiffness_slope(4.0_f64.next_down()), 31.166_666_666_666_67, 1e-13);
 }
 

@@ -1,14 +1,13 @@
 //! Pressure of any law from its closure, by a bracketed Newton iteration.
 
+use super::{ContactLaw, Pressure, quadrature};
 use crate::domain::no_less;
-use crate::law::{ContactLaw, Pressure};
-use crate::quadrature;
 
 /// Iterations at most; bisection of the bracket alone would need about 64.
 const ITERATIONS: usize = 200;
 
-/// Relative step below which an iteration that no longer advances has met the rounding of the
-/// quadrature.
+/// Relative step below which an iteration that no longer advances is limited by the rounding of
+/// the quadrature.
 const STALLED: f64 = 1e-13;
 
 /// Longest step in the logarithm of pressure while the root is not yet bracketed.
@@ -36,15 +35,15 @@ pub(crate) fn pressure<L: ContactLaw + ?Sized>(law: &L, closure: f64) -> Pressur
 
 /// Pressure increment \[Pa\]: the default of [`ContactLaw::pressure_increment`].
 ///
-/// Newton steps on the increment itself restore the relative precision that the pressure reached
-/// has lost.
+/// Newton steps on the increment itself restore the relative precision that is lost in the
+/// difference of two pressures.
 pub(crate) fn pressure_increment<L: ContactLaw + ?Sized>(
     law: &L,
     from: f64,
     closure_increment: f64,
 ) -> Pressure {
     if let Some(lost) = law.domain().closure_lost {
-        // The law's own figure, unless most of it would cancel.
+        // The closure at loss of contact, unless the difference would cancel.
         let stated = lost - law.closure(from);
         let room =
             if stated < 1e-3 * lost { stated } else { law.closure_increment(from, 0.0 - from) };
@@ -56,11 +55,11 @@ pub(crate) fn pressure_increment<L: ContactLaw + ?Sized>(
     if reached == f64::INFINITY {
         return Pressure::RIGID;
     }
-    polish(law, from, closure_increment, reached - from)
+    refine_increment(law, from, closure_increment, reached - from)
 }
 
-/// Newton steps on a nearly right pressure increment.
-pub(crate) fn polish<L: ContactLaw + ?Sized>(
+/// Newton steps on a pressure increment, from a close `guess`.
+pub(crate) fn refine_increment<L: ContactLaw + ?Sized>(
     law: &L,
     from: f64,
     closure_increment: f64,
@@ -130,11 +129,12 @@ fn unilateral<L: ContactLaw + ?Sized>(law: &L, origin: f64, target: f64) -> f64 
         if found == target {
             return p;
         }
-        let rate = law.stiffness(p) / p;
+        // d(ln p)/dd
+        let slope = law.stiffness(p) / p;
         let newton = if from_contact {
-            (target / found).ln() * found * rate
+            (target / found).ln() * found * slope
         } else {
-            (target - found) * rate
+            (target - found) * slope
         };
         if newton.is_nan() {
             return f64::NAN;
@@ -149,13 +149,13 @@ fn unilateral<L: ContactLaw + ?Sized>(law: &L, origin: f64, target: f64) -> f64 
     t.exp()
 }
 
-/// Whether a Newton step is rounding: small, or as small as quadrature allows and not shrinking.
+/// True if a Newton step is rounding: small, or as small as quadrature allows and not shrinking.
 fn converged(newton: f64, scale: f64, advances: bool) -> bool {
     let size = newton.abs() / scale;
     size <= 4.0 * f64::EPSILON || (!advances && size <= STALLED)
 }
 
-/// Where the root of an increasing function lies.
+/// The interval that holds the root of an increasing function.
 struct Bracket {
     low: f64,
     high: f64,
@@ -166,7 +166,7 @@ impl Bracket {
     const OPEN: Self =
         Self { low: f64::NEG_INFINITY, high: f64::INFINITY, residual: f64::INFINITY };
 
-    /// Takes in the residual at a point; whether it is at most half the last one.
+    /// Updates the interval with the residual at a point; true if it is at most half the last one.
     fn narrow(&mut self, at: f64, residual: f64) -> bool {
         if residual > 0.0 {
             self.low = at;
@@ -178,8 +178,8 @@ impl Bracket {
         halved
     }
 
-    /// `next` if the iteration advances and it lies inside, else the middle; `next` in any case
-    /// while one side is open.
+    /// `next` if the iteration advances and `next` lies inside, else the midpoint; `next` in any
+    /// case while one side is open.
     fn inside(&self, next: f64, advances: bool) -> f64 {
         let middle = 0.5 * (self.low + self.high);
         if !middle.is_finite() || (advances && self.low < next && next < self.high) {

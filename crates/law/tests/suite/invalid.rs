@@ -1,8 +1,8 @@
-//! What cannot be built.
+//! Laws and fits with invalid input.
 
 use asperity_law::{
-    Constant, ContactLaw, Exponential, Hyperbolic, InSeries, LawError, ModifiedPower, Power,
-    Quantity, Table, fit_power,
+    Constant, ContactLaw, Exponential, Hyperbolic, InSeries, LawError, LawQuantity, ModifiedPower,
+    Power, Tabulated, fit_power,
 };
 
 const NOT_POSITIVE: [f64; 5] = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, -1.0, 0.0];
@@ -25,8 +25,8 @@ fn parameters_that_must_be_positive() {
         assert!(InSeries::new(Constant::new(1e11).unwrap(), bad).is_err());
         assert!(ModifiedPower::new(bad, 0.35, 2e5, &KNOTS).is_err());
         assert!(ModifiedPower::new(1.81e10, 0.35, bad, &KNOTS).is_err());
-        assert!(Table::new(&[(0.0, 1e12), (1e5, bad)]).is_err());
-        assert!(Table::new(&[(0.0, bad), (1e5, 1e12)]).is_err());
+        assert!(Tabulated::new(&[(0.0, 1e12), (1e5, bad)]).is_err());
+        assert!(Tabulated::new(&[(0.0, bad), (1e5, 1e12)]).is_err());
         assert!(fit_power(&[(1e5, 1e12), (2e5, bad)]).is_err());
         assert!(fit_power(&[(1e5, 1e12), (bad, 2e12)]).is_err());
     }
@@ -38,36 +38,36 @@ fn parameters_that_must_not_be_negative() {
         assert!(Power::new(1e10, bad, 1e5).is_err());
         assert!(Power::new(1e10, 0.35, bad).is_err());
         assert!(ModifiedPower::new(1.81e10, bad, 2e5, &KNOTS).is_err());
-        assert!(Table::new(&[(bad, 1e12), (1e5, 1.5e12)]).is_err());
+        assert!(Tabulated::new(&[(bad, 1e12), (1e5, 1.5e12)]).is_err());
     }
     assert!(Power::new(1e10, 0.0, 0.0).is_ok());
 }
 
 #[test]
-fn errors_say_what_and_why() {
-    let quantity = Quantity::Stiffness;
+fn errors_name_quantity_and_limit() {
+    let quantity = LawQuantity::Stiffness;
     let error = Constant::new(-1.0).unwrap_err();
     assert_eq!(error, LawError::NotAbove { quantity, value: -1.0, limit: 0.0 });
     assert_eq!(error.to_string(), "stiffness [Pa/m] is -1; it must be greater than 0");
-    let quantity = Quantity::ReferencePressure;
+    let quantity = LawQuantity::ReferencePressure;
     let error = Power::new(1e10, 1.0, 0.0).unwrap_err();
     assert_eq!(error, LawError::NotAbove { quantity, value: 0.0, limit: 0.0 });
-    let quantity = Quantity::Points;
-    let error = Table::new(&[(1.0, 2.0)]).unwrap_err();
+    let quantity = LawQuantity::Points;
+    let error = Tabulated::new(&[(1.0, 2.0)]).unwrap_err();
     assert_eq!(error, LawError::Below { quantity, value: 1.0, limit: 2.0 });
 }
 
 #[test]
 fn tables_out_of_order() {
-    assert!(Table::new(&[]).is_err());
-    let quantity = Quantity::Pressure;
+    assert!(Tabulated::new(&[]).is_err());
+    let quantity = LawQuantity::Pressure;
     for second in [1e5, 0.5e5] {
-        let error = Table::new(&[(1e5, 1e12), (second, 2e12)]).unwrap_err();
+        let error = Tabulated::new(&[(1e5, 1e12), (second, 2e12)]).unwrap_err();
         let expected = LawError::NotIncreasing { quantity, index: 1, value: second, limit: 1e5 };
         assert_eq!(error, expected);
     }
     // Stiffnesses may fall.
-    assert!(Table::new(&[(1e5, 2e12), (2e5, 1e12)]).is_ok());
+    assert!(Tabulated::new(&[(1e5, 2e12), (2e5, 1e12)]).is_ok());
 }
 
 #[test]
@@ -93,7 +93,7 @@ fn a_joint_too_steep_for_a_monotone_cubic() {
         ModifiedPower::new(1.81e10, 0.35, 2e5, &[(0.0, 0.1e12), (1.5e5, stiffness_at(share))])
     };
     let error = build(0.999).unwrap_err();
-    let LawError::Above { quantity: Quantity::TransitionSlope, value, limit } = error else {
+    let LawError::Above { quantity: LawQuantity::TransitionSlope, value, limit } = error else {
         panic!("{error}");
     };
     assert!(value > limit && (value / (0.35 * stiffness_at(1.0) / 2e5) - 1.0).abs() < 1e-14);
@@ -117,10 +117,10 @@ fn a_joint_too_steep_for_a_monotone_cubic() {
 }
 
 #[test]
-fn fits_of_too_little() {
+fn fits_of_too_few_points() {
     assert!(fit_power(&[]).is_err());
     assert!(fit_power(&[(1e5, 1e12)]).is_err());
     let error = fit_power(&[(1e5, 1e12), (1e5, 2e12), (1e5, 3e12)]).unwrap_err();
-    assert!(matches!(error, LawError::NotAbove { quantity: Quantity::PressureSpread, .. }));
+    assert!(matches!(error, LawError::NotAbove { quantity: LawQuantity::PressureSpread, .. }));
     assert!(fit_power(&[(1e5, 1e12), (1.000_001e5, 2e12)]).is_ok());
 }

@@ -1,13 +1,9 @@
-//! The one suite every contact law passes, over wide ranges of parameters and pressures.
+//! One suite for all contact laws, over wide ranges of parameters and pressures.
 //!
-//! Pressures run from 1 Pa to 1e9 Pa. What the suite asks of a law is in `suite.rs`, the families
+//! Pressures are 1 Pa to 1e9 Pa. The properties are in `suite.rs`, the families
 //! of laws in `families.rs`.
 
-#![allow(clippy::unwrap_used, reason = "a test that cannot build its law should panic")]
-
-#[path = "conformance/families.rs"]
 mod families;
-#[path = "conformance/suite.rs"]
 mod suite;
 
 use std::sync::Arc;
@@ -17,7 +13,7 @@ use proptest::prelude::*;
 
 use suite::conform;
 
-/// One test per family: draw a law and pressures, and hold them to the suite.
+/// One test per family, with random laws and pressures.
 macro_rules! family {
     ($($name:ident),* $(,)?) => {
         proptest! {

@@ -1,0 +1,8 @@
+//! Contact laws: one conformance suite for all, reference values, compiled tables, invalid laws.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot build its law panics")]
+
+mod compiled;
+mod conformance;
+mod invalid;
+mod reference;
