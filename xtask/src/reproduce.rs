@@ -22,7 +22,8 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
-use asperity_figure::{Table, svg_to_png};
+use asperity_figure::svg_to_png;
+use asperity_table::Table;
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 

@@ -4,22 +4,39 @@ use asperity_signal::BackbonePoint;
 
 use crate::report::HitReport;
 use crate::{Analysis, AveragedFrf};
-use asperity_table::{csv, push_number, quoted};
+use asperity_table::{CsvWriter, columns_to_csv};
 
 /// `hits.csv`: a row per hit. Flags are 0 and 1.
 pub fn hits_csv(hits: &[HitReport]) -> String {
-    let mut text = String::from(
-        "file,index,record,time_s,force_peak_n,impulse_ns,pulse_width_s,double_hit,overload,\
-         dropout,averaged,frequency_hz,magnitude_m_per_n,damping_ratio,damping_ratio_circle,\
-         damping_ratio_decrement,frequency_uncertainty_hz,magnitude_uncertainty_m_per_n,\
-         second_frequency_hz,second_magnitude_m_per_n,harmonic_ratio,harmonic_ratio_uncertainty,\
-         verdicts\n",
-    );
+    let mut csv = CsvWriter::with_header([
+        "file",
+        "index",
+        "record",
+        "time_s",
+        "force_peak_n",
+        "impulse_ns",
+        "pulse_width_s",
+        "double_hit",
+        "overload",
+        "dropout",
+        "averaged",
+        "frequency_hz",
+        "magnitude_m_per_n",
+        "damping_ratio",
+        "damping_ratio_circle",
+        "damping_ratio_decrement",
+        "frequency_uncertainty_hz",
+        "magnitude_uncertainty_m_per_n",
+        "second_frequency_hz",
+        "second_magnitude_m_per_n",
+        "harmonic_ratio",
+        "harmonic_ratio_uncertainty",
+        "verdicts",
+    ]);
     for hit in hits {
         let first = hit.fundamental;
         let second = hit.second_harmonic;
         let flag = |flag: bool| Some(f64::from(u8::from(flag)));
-        text.push_str(&quoted(&hit.file));
         let numbers = [
             Some(hit.index as f64),
             Some(hit.record as f64),
@@ -43,15 +60,9 @@ pub fn hits_csv(hits: &[HitReport]) -> String {
             hit.harmonic_ratio,
             hit.harmonic_ratio_uncertainty,
         ];
-        for number in numbers {
-            text.push(',');
-            push_number(&mut text, number.unwrap_or(f64::NAN));
-        }
-        text.push(',');
-        text.push_str(&quoted(&hit.verdicts.join("; ")));
-        text.push('\n');
+        csv.text(&hit.file).numbers(numbers).text(&hit.verdicts.join("; ")).end_row();
     }
-    text
+    csv.into_string()
 }
 
 /// `frf.csv`: a row per frequency; the coherence is empty for one hit, `valid` is 0 or 1.
@@ -62,14 +73,14 @@ pub fn averaged_frf_csv(average: &AveragedFrf) -> String {
     let none = || vec![f64::NAN; values.len()];
     let coherence = average.coherence.clone().unwrap_or_else(none);
     let valid: Vec<f64> = average.valid.iter().map(|valid| f64::from(u8::from(*valid))).collect();
-    csv(&[
-        ("frequency_hz".to_owned(), &average.frf.frequency_hz),
-        ("real".to_owned(), &real),
-        ("imag".to_owned(), &imag),
-        ("magnitude".to_owned(), &average.frf.magnitude()),
-        ("phase_rad".to_owned(), &average.frf.phase()),
-        ("coherence".to_owned(), &coherence),
-        ("valid".to_owned(), &valid),
+    columns_to_csv([
+        ("frequency_hz", &average.frf.frequency_hz),
+        ("real", &real),
+        ("imag", &imag),
+        ("magnitude", &average.frf.magnitude()),
+        ("phase_rad", &average.frf.phase()),
+        ("coherence", &coherence),
+        ("valid", &valid),
     ])
 }
 
@@ -79,13 +90,13 @@ pub fn backbone_csv(analysis: &Analysis) -> String {
     let column = |value: fn(&BackbonePoint) -> f64| -> Vec<f64> {
         rows().map(|(_, point)| value(point)).collect()
     };
-    csv(&[
-        ("index".to_owned(), &rows().map(|(of, _)| of.index as f64).collect::<Vec<_>>()),
-        ("force_peak_n".to_owned(), &rows().map(|(of, _)| of.force_peak_n).collect::<Vec<_>>()),
-        ("time_s".to_owned(), &column(|point| point.time_s)),
-        ("amplitude_m".to_owned(), &column(|point| point.amplitude)),
-        ("frequency_hz".to_owned(), &column(|point| point.frequency_hz)),
-        ("decay_rate_per_s".to_owned(), &column(|point| point.decay_rate)),
-        ("damping_ratio".to_owned(), &column(|point| point.damping_ratio)),
+    columns_to_csv([
+        ("index", &rows().map(|(of, _)| of.index as f64).collect::<Vec<_>>()),
+        ("force_peak_n", &rows().map(|(of, _)| of.force_peak_n).collect::<Vec<_>>()),
+        ("time_s", &column(|point| point.time_s)),
+        ("amplitude_m", &column(|point| point.amplitude)),
+        ("frequency_hz", &column(|point| point.frequency_hz)),
+        ("decay_rate_per_s", &column(|point| point.decay_rate)),
+        ("damping_ratio", &column(|point| point.damping_ratio)),
     ])
 }

@@ -1,56 +1,9 @@
-//! What can go wrong between a table and a picture.
+//! Errors of figures and pictures.
 
-/// The ways a table, a figure or a picture can be refused.
+/// Reasons why a figure or a picture cannot be made.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum FigureError {
-    /// A column does not have the length of the columns before it.
-    #[error("column `{name}` has {found} rows, the table has {expected}")]
-    UnequalLengths {
-        /// The offending column.
-        name: String,
-        /// Rows of the table so far.
-        expected: usize,
-        /// Rows of the column.
-        found: usize,
-    },
-    /// A column name is used twice.
-    #[error("column `{name}` is already in the table")]
-    DuplicateColumn {
-        /// The repeated name.
-        name: String,
-    },
-    /// A table has no column of that name.
-    #[error("no column `{name}`; the table has {available:?}")]
-    UnknownColumn {
-        /// The name asked for.
-        name: String,
-        /// The names there are.
-        available: Vec<String>,
-    },
-    /// A line of a CSV text has the wrong number of fields.
-    #[error("line {line} has {found} fields, the header has {expected}")]
-    FieldCount {
-        /// One-based line number.
-        line: usize,
-        /// Fields in the header.
-        expected: usize,
-        /// Fields in the line.
-        found: usize,
-    },
-    /// A field of a CSV text is not a number.
-    #[error("line {line}, column `{column}`: `{field}` is not a number")]
-    NotANumber {
-        /// One-based line number.
-        line: usize,
-        /// The column of the field.
-        column: String,
-        /// The field as written.
-        field: String,
-    },
-    /// A CSV text has no header line.
-    #[error("the CSV text has no header line")]
-    MissingHeader,
     /// A figure has no panel.
     #[error("figure `{figure}` has no panel")]
     NoPanel {

@@ -1,7 +1,6 @@
 //! Tables to SVG, PNG and HTML.
 //!
-//! A result is a [`Table`]: named columns with units, written as CSV. A [`Figure`] draws columns on
-//! [`Panel`]s with labelled [`Axis`] pairs; a [`Drawing`] is a free sketch in millimetres; a
+//! A [`Figure`] draws columns of numbers on [`Panel`]s with labelled [`Axis`] pairs; a [`Drawing`] is a free sketch in millimetres; a
 //! [`Report`](report::Report) gathers figures, tables and verdicts into one page. The room knows
 //! nothing of mechanics.
 //!
@@ -26,7 +25,6 @@
 //!
 //! | file | idea |
 //! |---|---|
-//! | `table`, `csv` | columns and their text |
 //! | `series`, `axis`, `panel`, `figure` | what is to be drawn |
 //! | `scale`, `ticks`, `tick_label`, `trace` | data to page: mapping, marks, clipping and thinning |
 //! | `layout`, `ruler`, `plot`, `mark`, `error_bar`, `note`, `legend`, `color_bar` | page: frames, curves, texts, keys |
@@ -37,7 +35,6 @@
 mod axis;
 mod color;
 mod color_bar;
-mod csv;
 mod drawing;
 mod error;
 mod error_bar;
@@ -55,7 +52,6 @@ mod scale;
 mod series;
 mod svg;
 mod symbol;
-mod table;
 mod text;
 mod tick_label;
 mod ticks;
@@ -70,4 +66,3 @@ pub use figure::Figure;
 pub use panel::{Anchor, Legend, Panel};
 pub use raster::svg_to_png;
 pub use series::{Dash, Marker, Series};
-pub use table::{Column, Table};

@@ -7,7 +7,7 @@ use serde_json::{Map, Value, json};
 use crate::error::ProblemError;
 use crate::read::Problem;
 use crate::run::Identification;
-use asperity_table::{csv, quoted};
+use asperity_table::{CsvWriter, columns_to_csv};
 
 /// Identifier of the format.
 pub const IDENTIFICATION_SCHEMA: &str = "asperity/identification/1";
@@ -199,22 +199,31 @@ impl Identification {
     pub fn law_csv(&self) -> String {
         let informed: Vec<f64> =
             self.law.informed.iter().map(|informed| f64::from(u8::from(*informed))).collect();
-        csv(&[
-            ("pressure_pa".to_owned(), &self.law.pressure),
-            ("stiffness_pa_per_m".to_owned(), &self.law.stiffness),
-            ("median_pa_per_m".to_owned(), &self.law.median),
-            ("lower_pa_per_m".to_owned(), &self.law.lower),
-            ("upper_pa_per_m".to_owned(), &self.law.upper),
-            ("remaining".to_owned(), &self.law.remaining),
-            ("informed".to_owned(), &informed),
+        columns_to_csv([
+            ("pressure_pa", &self.law.pressure),
+            ("stiffness_pa_per_m", &self.law.stiffness),
+            ("median_pa_per_m", &self.law.median),
+            ("lower_pa_per_m", &self.law.lower),
+            ("upper_pa_per_m", &self.law.upper),
+            ("remaining", &self.law.remaining),
+            ("informed", &informed),
         ])
     }
 
     /// `data.csv`: what was measured against what is predicted.
     pub fn data_csv(&self) -> String {
-        let mut text =
-            "data,feature,at,value,standard_deviation,predicted,lower,upper,residual,weight\n"
-                .to_owned();
+        let mut csv = CsvWriter::with_header([
+            "data",
+            "feature",
+            "at",
+            "value",
+            "standard_deviation",
+            "predicted",
+            "lower",
+            "upper",
+            "residual",
+            "weight",
+        ]);
         let [lower, upper] = self.predicted_band();
         for (i, (about, observation)) in self.about.iter().zip(&self.observations).enumerate() {
             let numbers = [
@@ -227,16 +236,9 @@ impl Identification {
                 Some(self.fit.residuals[i]),
                 Some(self.fit.weights[i]),
             ];
-            text.push_str(&quoted(&about.data));
-            text.push(',');
-            text.push_str(&quoted(&about.feature));
-            for number in numbers {
-                text.push(',');
-                asperity_table::push_number(&mut text, number.unwrap_or(f64::NAN));
-            }
-            text.push('\n');
+            csv.text(&about.data).text(&about.feature).numbers(numbers).end_row();
         }
-        text
+        csv.into_string()
     }
 
     /// `posterior.csv`: the draws with their weights.
@@ -247,9 +249,7 @@ impl Identification {
             let values = self.posterior.draws.iter().map(|draw| draw[unknown]);
             columns.push((name.clone(), values.collect()));
         }
-        let borrowed: Vec<(String, &[f64])> =
-            columns.iter().map(|(name, values)| (name.clone(), values.as_slice())).collect();
-        csv(&borrowed)
+        columns_to_csv(columns)
     }
 
     /// Lower and upper end of the interval of every prediction.

@@ -3,7 +3,7 @@
 use asperity_dynamics::{History, Mode};
 use asperity_signal::Frf;
 
-use asperity_table::csv;
+use asperity_table::columns_to_csv;
 
 use crate::laws::LawTable;
 
@@ -20,29 +20,29 @@ pub fn history_csv(history: &History, interfaces: &[&str]) -> String {
         columns.push((format!("{name}:closure_m"), &columns_of.closure));
         columns.push((format!("{name}:stiffness_pa_per_m"), &columns_of.stiffness));
     }
-    csv(&columns)
+    columns_to_csv(columns)
 }
 
 /// `frf.csv`: a row per frequency.
 pub fn frf_csv(frf: &Frf) -> String {
     let real: Vec<f64> = frf.values.iter().map(|value| value.re).collect();
     let imag: Vec<f64> = frf.values.iter().map(|value| value.im).collect();
-    csv(&[
-        ("frequency_hz".to_owned(), &frf.frequency_hz),
-        ("real_m_per_n".to_owned(), &real),
-        ("imag_m_per_n".to_owned(), &imag),
-        ("magnitude_m_per_n".to_owned(), &frf.magnitude()),
-        ("phase_rad".to_owned(), &frf.phase()),
+    columns_to_csv([
+        ("frequency_hz", &frf.frequency_hz),
+        ("real_m_per_n", &real),
+        ("imag_m_per_n", &imag),
+        ("magnitude_m_per_n", &frf.magnitude()),
+        ("phase_rad", &frf.phase()),
     ])
 }
 
 /// `law-<name>.csv`: a row per pressure.
 pub fn law_csv(table: &LawTable) -> String {
-    csv(&[
-        ("pressure_pa".to_owned(), &table.pressure),
-        ("stiffness_pa_per_m".to_owned(), &table.stiffness),
-        ("closure_m".to_owned(), &table.closure),
-        ("energy_j_per_m2".to_owned(), &table.energy),
+    columns_to_csv([
+        ("pressure_pa", &table.pressure),
+        ("stiffness_pa_per_m", &table.stiffness),
+        ("closure_m", &table.closure),
+        ("energy_j_per_m2", &table.energy),
     ])
 }
 
@@ -52,5 +52,5 @@ pub fn modes_csv(places: &[f64], modes: &[Mode], shapes: &[Vec<f64>]) -> String 
     for (number, (mode, shape)) in modes.iter().zip(shapes).enumerate() {
         columns.push((format!("mode_{}:{:.3}_hz", number + 1, mode.frequency_hz), shape));
     }
-    csv(&columns)
+    columns_to_csv(columns)
 }

@@ -1,7 +1,8 @@
 //! Fig. 1: the rig, as a schematic with the numbers of Tables 1 and 2.
 
 use anyhow::Result;
-use asperity_figure::{Align, Color, Drawing, Stroke, Table};
+use asperity_figure::{Align, Color, Drawing, Stroke};
+use asperity_table::Table;
 
 use super::style;
 use crate::reproduce::rig::{Law, Rig};

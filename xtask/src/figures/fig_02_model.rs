@@ -2,8 +2,9 @@
 
 use anyhow::{Result, bail};
 use asperity_dynamics::Integrator;
-use asperity_figure::{Align, Color, Drawing, Stroke, Table};
+use asperity_figure::{Align, Color, Drawing, Stroke};
 use asperity_mesh::{Grid, LinearStructure};
+use asperity_table::Table;
 
 use crate::reproduce::rig::{Law, Rig};
 use crate::reproduce::{Computed, PaperFigure};

@@ -1,10 +1,11 @@
 //! Fig. 3a: the contact laws, and the measurements of Table 3.
 
 use anyhow::{Context, Result};
-use asperity_figure::{Axis, Figure, Legend, Panel, Series, Table};
+use asperity_figure::{Axis, Figure, Legend, Panel, Series};
 use asperity_law::{ContactLaw, fit_power};
 use asperity_scenario::{LawRef, LawSpec};
 use asperity_study::assemble::build_law;
+use asperity_table::Table;
 
 use super::style;
 use crate::reproduce::rig::{Law, Rig};

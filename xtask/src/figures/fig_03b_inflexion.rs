@@ -1,10 +1,11 @@
 //! Fig. 3b: the inflexion of the modified law at low pressure.
 
 use anyhow::Result;
-use asperity_figure::{Axis, Figure, Legend, Panel, Series, Table};
+use asperity_figure::{Axis, Figure, Legend, Panel, Series};
 use asperity_law::ContactLaw;
 use asperity_scenario::LawRef;
 use asperity_study::assemble::build_law;
+use asperity_table::Table;
 
 use super::style;
 use crate::reproduce::rig::{Law, Rig};

@@ -1,10 +1,11 @@
 //! Fig. 4: pressure against interfacial gap, integrated from the modified law.
 
 use anyhow::Result;
-use asperity_figure::{Axis, Color, Figure, Legend, Panel, Series, Table};
+use asperity_figure::{Axis, Color, Figure, Legend, Panel, Series};
 use asperity_law::ContactLaw;
 use asperity_scenario::LawRef;
 use asperity_study::assemble::build_law;
+use asperity_table::Table;
 
 use super::style;
 use crate::reproduce::rig::{Law, Rig};

@@ -1,7 +1,8 @@
 //! Fig. 5: force and acceleration at 32 N.
 
 use anyhow::Result;
-use asperity_figure::{Axis, Color, Figure, Legend, Panel, Series, Table};
+use asperity_figure::{Axis, Color, Figure, Legend, Panel, Series};
+use asperity_table::Table;
 
 use super::style;
 use crate::reproduce::rig::{Law, Rig};

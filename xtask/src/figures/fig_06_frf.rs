@@ -1,9 +1,10 @@
 //! Fig. 6: receptance with nonlinear and with constant stiffness.
 
 use anyhow::{Context, Result};
-use asperity_figure::{Axis, Color, Figure, Legend, Panel, Series, Table};
+use asperity_figure::{Axis, Color, Figure, Legend, Panel, Series};
 use asperity_signal::FrequencyResponse;
 use asperity_study::summary::Summary;
+use asperity_table::Table;
 
 use super::style;
 use crate::reproduce::rig::{Law, Rig};

@@ -1,8 +1,9 @@
 //! Fig. 7: receptance of the modified law from 9 to 32 N.
 
 use anyhow::Result;
-use asperity_figure::{Axis, Color, ColorBar, Figure, Legend, Panel, Series, Table};
+use asperity_figure::{Axis, Color, ColorBar, Figure, Legend, Panel, Series};
 use asperity_signal::FrequencyResponse;
+use asperity_table::Table;
 
 use super::levels::yes;
 use super::style;

@@ -1,7 +1,8 @@
 //! Fig. 8: frequency of the fundamental against force.
 
 use anyhow::Result;
-use asperity_figure::{Axis, Legend, Table};
+use asperity_figure::{Axis, Legend};
+use asperity_table::Table;
 
 use super::levels::{self, Sweep, drop_percent, falls, yes};
 use crate::reproduce::rig::Rig;

@@ -1,10 +1,11 @@
 //! Fig. 9: contact pressure and stiffness at 9 and 32 N.
 
 use anyhow::Result;
-use asperity_figure::{Axis, Color, Dash, Figure, Legend, Panel, Series, Table};
+use asperity_figure::{Axis, Color, Dash, Figure, Legend, Panel, Series};
 use asperity_law::ContactLaw;
 use asperity_scenario::LawRef;
 use asperity_study::assemble::build_law;
+use asperity_table::Table;
 
 use super::levels::yes;
 use super::style;

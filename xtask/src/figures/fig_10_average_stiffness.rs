@@ -1,7 +1,8 @@
 //! Fig. 10: average contact stiffness against force.
 
 use anyhow::Result;
-use asperity_figure::{Axis, Legend, Table};
+use asperity_figure::{Axis, Legend};
+use asperity_table::Table;
 
 use super::levels::{self, Sweep, falls};
 use crate::reproduce::rig::Rig;

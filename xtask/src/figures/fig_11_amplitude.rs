@@ -1,7 +1,8 @@
 //! Fig. 11: amplitude of the fundamental against force.
 
 use anyhow::Result;
-use asperity_figure::{Axis, Legend, Table};
+use asperity_figure::{Axis, Legend};
+use asperity_table::Table;
 
 use super::levels::{self, Sweep, yes};
 use crate::reproduce::rig::Rig;

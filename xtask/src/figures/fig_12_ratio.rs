@@ -1,10 +1,11 @@
 //! Fig. 12: second harmonic over fundamental against force.
 
 use anyhow::Result;
-use asperity_figure::{Axis, Legend, Table};
+use asperity_figure::{Axis, Legend};
 use asperity_law::ContactLaw;
 use asperity_scenario::LawRef;
 use asperity_study::assemble::build_law;
+use asperity_table::Table;
 
 use super::levels::{self, Sweep, rises, yes};
 use crate::reproduce::rig::{Law, Rig};

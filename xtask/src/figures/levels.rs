@@ -1,8 +1,9 @@
 //! Figures against force: the table of both laws, and its drawing.
 
 use anyhow::Result;
-use asperity_figure::{Axis, Figure, Legend, Panel, Series, Table};
+use asperity_figure::{Axis, Figure, Legend, Panel, Series};
 use asperity_study::summary::Summary;
+use asperity_table::Table;
 
 use super::style;
 use crate::reproduce::rig::{Law, Rig, levels};

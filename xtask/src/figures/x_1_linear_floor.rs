@@ -1,8 +1,9 @@
 //! x1: how much of A2/A1 is the second harmonic.
 
 use anyhow::Result;
-use asperity_figure::{Axis, Color, Dash, Figure, Legend, Panel, Series, Table};
+use asperity_figure::{Axis, Color, Dash, Figure, Legend, Panel, Series};
 use asperity_signal::FrequencyResponse;
+use asperity_table::Table;
 
 use super::style;
 use crate::reproduce::rig::{Case, Law, Rig};

@@ -1,8 +1,9 @@
 //! x2: what the unpublished shape of the blow does.
 
 use anyhow::Result;
-use asperity_figure::{Axis, Color, Dash, Figure, Legend, Marker, Panel, Series, Table};
+use asperity_figure::{Axis, Color, Dash, Figure, Legend, Marker, Panel, Series};
 use asperity_study::summary::Summary;
+use asperity_table::Table;
 
 use super::levels::force_axis;
 use super::style;

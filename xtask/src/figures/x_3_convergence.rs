@@ -2,9 +2,10 @@
 
 use anyhow::{Context, Result, bail};
 use asperity_dynamics::Integrator;
-use asperity_figure::{Axis, Color, Dash, Figure, Legend, Marker, Panel, Series, Table};
+use asperity_figure::{Axis, Color, Dash, Figure, Legend, Marker, Panel, Series};
 use asperity_mesh::Grid;
 use asperity_study::summary::Summary;
+use asperity_table::Table;
 
 use super::style;
 use crate::reproduce::rig::{Case, Law, Rig};

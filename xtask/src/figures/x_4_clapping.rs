@@ -1,8 +1,9 @@
 //! x4: where contact is lost, and what follows.
 
 use anyhow::Result;
-use asperity_figure::{Axis, Figure, Legend, Panel, Series, Table};
+use asperity_figure::{Axis, Figure, Legend, Panel, Series};
 use asperity_study::summary::Summary;
+use asperity_table::Table;
 
 use super::style;
 use crate::reproduce::rig::{Case, Law, Rig};

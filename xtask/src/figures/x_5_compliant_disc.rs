@@ -2,7 +2,8 @@
 
 use anyhow::{Result, ensure};
 use asperity_dynamics::modes;
-use asperity_figure::{Axis, Color, Dash, Figure, Legend, Marker, Panel, Series, Table};
+use asperity_figure::{Axis, Color, Dash, Figure, Legend, Marker, Panel, Series};
+use asperity_table::Table;
 
 use super::levels::{drop_percent, force_axis};
 use super::style;

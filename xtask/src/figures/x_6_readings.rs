@@ -2,9 +2,10 @@
 
 use anyhow::{Result, ensure};
 use asperity_dynamics::modes;
-use asperity_figure::{Axis, Color, Figure, Legend, Marker, Panel, Series, Table};
+use asperity_figure::{Axis, Color, Figure, Legend, Marker, Panel, Series};
 use asperity_law::fit_power;
 use asperity_scenario::LawSpec;
+use asperity_table::Table;
 
 use super::style;
 use crate::reproduce::rig::{Case, Law, Rig};

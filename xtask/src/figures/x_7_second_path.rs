@@ -4,10 +4,11 @@ use std::slice;
 
 use anyhow::{Context, Result, ensure};
 use asperity_experiment::{AnalysisOptions, Band, HitCount, Selector, analyse};
-use asperity_figure::{Axis, Figure, Legend, Marker, Panel, Series, Table};
+use asperity_figure::{Axis, Figure, Legend, Marker, Panel, Series};
 use asperity_measure::{Format, WriteOptions, write};
 use asperity_study::measured_record::measured_record;
 use asperity_study::run::Run;
+use asperity_table::Table;
 
 use super::style;
 use crate::reproduce::rig::{Case, Law, Rig};

@@ -3,13 +3,14 @@
 use std::sync::Arc;
 
 use anyhow::{Result, bail, ensure};
-use asperity_figure::{Axis, Color, Dash, Figure, Legend, Marker, Panel, Series, Table};
+use asperity_figure::{Axis, Color, Dash, Figure, Legend, Marker, Panel, Series};
 use asperity_identify::{Identification, Problem, identify};
 use asperity_law::ContactLaw;
 use asperity_scenario::document::Document;
 use asperity_scenario::{ExcitationSpec, LawRef, LawSpec, Laws, Scenario};
 use asperity_study::assemble::build_law;
 use asperity_study::summary::Summary;
+use asperity_table::Table;
 
 use super::levels::force_axis;
 use super::style;

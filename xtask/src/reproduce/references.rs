@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use anyhow::{Context, Result};
-use asperity_figure::Table;
+use asperity_table::Table;
 
 use super::Finished;
 
@@ -43,15 +43,31 @@ pub(crate) fn compare(folder: &Path, finished: &[Finished]) -> Result<Vec<String
     for done in finished {
         let id = done.figure.id;
         let place = folder.join(format!("{id}.csv"));
-        let text = std::fs::read_to_string(&place).with_context(|| {
-            format!("no reference table {}; store it with --bless", place.display())
-        })?;
-        let stored = Table::from_csv(&text)?;
+        let stored = read(&place)?;
         if let Some(difference) = difference(&stored, &thinned(&done.table)?) {
             complaints.push(format!("{id}: {difference}"));
         }
     }
     Ok(complaints)
+}
+
+/// A stored table; NaN where a field is empty.
+fn read(place: &Path) -> Result<Table> {
+    let mut reader = csv::Reader::from_path(place).with_context(|| {
+        format!("no reference table {}; store it with --bless", place.display())
+    })?;
+    let names: Vec<String> = reader.headers()?.iter().map(str::to_owned).collect();
+    let mut columns = vec![Vec::new(); names.len()];
+    for row in reader.records() {
+        for (column, field) in columns.iter_mut().zip(&row?) {
+            column.push(if field.is_empty() { f64::NAN } else { field.parse()? });
+        }
+    }
+    let mut table = Table::new();
+    for (name, values) in names.into_iter().zip(columns) {
+        table.push(name, values)?;
+    }
+    Ok(table)
 }
 
 fn thinned(table: &Table) -> Result<Table> {

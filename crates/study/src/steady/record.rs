@@ -1,86 +1,74 @@
-//! Steady responses as CSV and as a summary. Writing to a string cannot fail.
-
-use std::fmt::Write as _;
+//! Steady responses as CSV and as a summary.
 
 use asperity_harmonic::{Branch, BranchEnd, HarmonicError, Response, Special};
 use serde_json::{Value, json};
 
 use super::{Backbones, Steady, SteadyLevel};
-use asperity_table::{push_number, quoted};
+use asperity_table::CsvWriter;
 
 /// `steady.csv`: a row per point of every branch, in the order of the request.
 pub fn steady_csv(steady: &Steady, interfaces: &[&str]) -> String {
     let branches: Vec<&Branch> =
         steady.levels.iter().filter_map(|level| level.outcome.as_ref().ok()).collect();
     let harmonics = branches.iter().map(|branch| branch.harmonics).max().unwrap_or(1);
-    let mut text = String::from("branch,point,force_n,frequency_hz");
-    for k in 1..=harmonics {
-        let _ = write!(text, ",amplitude_{k}_m");
-    }
-    text.push_str(",phase_1_rad");
+    let mut names: Vec<String> =
+        ["branch", "point", "force_n", "frequency_hz"].map(str::to_owned).into();
+    names.extend((1..=harmonics).map(|k| format!("amplitude_{k}_m")));
+    names.push("phase_1_rad".to_owned());
     for name in interfaces {
-        for what in ["pressure_min_pa", "pressure_max_pa"] {
-            text.push(',');
-            text.push_str(&quoted(&format!("{name}:{what}")));
-        }
+        names.extend([format!("{name}:pressure_min_pa"), format!("{name}:pressure_max_pa")]);
     }
-    text.push_str(",stable,contact_lost\n");
+    names.extend(["stable", "contact_lost"].map(str::to_owned));
+    let mut csv = CsvWriter::with_header(names);
     for (index, level) in steady.levels.iter().enumerate() {
         let points = level.outcome.as_ref().map_or(&[][..], |branch| &branch.points);
         for (number, point) in points.iter().enumerate() {
-            let _ = write!(text, "{},{}", index + 1, number + 1);
-            push(&mut text, &[point.force, point.frequency_hz()]);
-            for k in 1..=harmonics {
-                let kept = k <= point.harmonics();
-                push(&mut text, &[if kept { point.amplitude(k) } else { f64::NAN }]);
-            }
-            push(&mut text, &[point.phase()]);
+            csv.numbers([(index + 1) as f64, (number + 1) as f64]);
+            csv.numbers([point.force, point.frequency_hz()]);
+            csv.numbers(
+                (1..=harmonics).map(|k| (k <= point.harmonics()).then(|| point.amplitude(k))),
+            );
+            csv.number(point.phase());
             for range in &point.pressures {
-                push(&mut text, &[range.lowest, range.highest]);
+                csv.numbers([range.lowest, range.highest]);
             }
-            let stable = point.stable().map_or("", |stable| if stable { "true" } else { "false" });
-            let _ = writeln!(text, ",{stable},{}", point.contact_lost());
+            csv.text(point.stable().map_or("", truth)).text(truth(point.contact_lost())).end_row();
         }
     }
-    text
+    csv.into_string()
+}
+
+fn truth(value: bool) -> &'static str {
+    if value { "true" } else { "false" }
 }
 
 /// `backbone.csv`: a row per point of both backbones. Modes have a damping ratio, phase resonances
 /// a force.
 pub fn backbone_csv(backbones: &Backbones) -> String {
-    let mut text = String::from(
-        "backbone,point,force_n,frequency_hz,amplitude_1_m,harmonic_ratio,damping_ratio,\
-         modal_amplitude_m_sqrt_kg,contact_lost\n",
-    );
+    let mut csv = CsvWriter::with_header([
+        "backbone",
+        "point",
+        "force_n",
+        "frequency_hz",
+        "amplitude_1_m",
+        "harmonic_ratio",
+        "damping_ratio",
+        "modal_amplitude_m_sqrt_kg",
+        "contact_lost",
+    ]);
     let named = [("phase_resonance", &backbones.phase_resonance), ("mode", &backbones.mode)];
     for (name, outcome) in named {
         let points = outcome.as_ref().map_or(&[][..], |branch| &branch.points);
         for (number, point) in points.iter().enumerate() {
             let is_mode = name == "mode";
-            let only = |given: bool, value: f64| if given { value } else { f64::NAN };
-            let _ = write!(text, "{name},{}", number + 1);
-            push(
-                &mut text,
-                &[
-                    only(!is_mode, point.force),
-                    point.frequency_hz(),
-                    point.amplitude(1),
-                    point.harmonic_ratio(),
-                    only(is_mode, point.damping_ratio()),
-                    point.modal_amplitude(),
-                ],
-            );
-            let _ = writeln!(text, ",{}", point.contact_lost());
+            csv.text(name).number((number + 1) as f64);
+            csv.number((!is_mode).then_some(point.force));
+            csv.numbers([point.frequency_hz(), point.amplitude(1), point.harmonic_ratio()]);
+            csv.number(is_mode.then(|| point.damping_ratio())).number(point.modal_amplitude());
+            csv.text(truth(point.contact_lost())).end_row();
         }
     }
-    text
-}
-
-fn push(text: &mut String, values: &[f64]) {
-    for value in values {
-        text.push(',');
-        push_number(text, *value);
-    }
+    csv.into_string()
 }
 
 /// The levels and backbones as they stand in `summary.json`.

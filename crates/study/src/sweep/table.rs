@@ -2,7 +2,7 @@
 
 use super::variation::Variation;
 use crate::error::StudyError;
-use asperity_table::{push_number, quoted};
+use asperity_table::CsvWriter;
 
 /// The results of a sweep: for each run the numbers of its summary, or its error.
 #[derive(Debug)]
@@ -47,29 +47,19 @@ impl Sweep {
     pub fn csv(&self) -> String {
         let pointers = self.variations.iter().map(|variation| variation.pointer.as_str());
         let names = pointers.chain(self.columns.iter().map(String::as_str)).chain(["error"]);
-        let header: Vec<String> = names.map(quoted).collect();
-        let mut text = String::with_capacity(self.runs.len() * (self.columns.len() * 20 + 40));
-        text.push_str(&header.join(","));
-        text.push('\n');
+        let mut csv = CsvWriter::with_header(names);
         for (run, outcome) in self.runs.iter().enumerate() {
             for value in self.values(run) {
-                text.push_str(&quoted(value));
-                text.push(',');
+                csv.text(value);
             }
             match outcome {
-                Ok(numbers) => {
-                    for &number in numbers {
-                        push_number(&mut text, number);
-                        text.push(',');
-                    }
-                }
+                Ok(numbers) => csv.numbers(numbers.iter().copied()).text(""),
                 Err(error) => {
-                    text.push_str(&",".repeat(self.columns.len()));
-                    text.push_str(&quoted(&error.to_string()));
+                    csv.numbers(self.columns.iter().map(|_| None)).text(&error.to_string())
                 }
-            }
-            text.push('\n');
+            };
+            csv.end_row();
         }
-        text
+        csv.into_string()
     }
 }

@@ -1,6 +1,6 @@
-//! Named columns of equal length: what a figure draws and what its CSV file holds.
+//! Named columns of equal length.
 
-use crate::FigureError;
+use crate::columns_to_csv;
 
 /// A named column; the name ends with its unit, such as `frequency_hz`.
 #[derive(Debug, Clone, PartialEq)]
@@ -22,18 +22,39 @@ impl Column {
 }
 
 /// Columns of equal length with distinct names.
-///
-/// ```
-/// use asperity_figure::Table;
-/// let table = Table::new()
-///     .with_column("frequency_hz", vec![1.0, 2.0])?
-///     .with_column("gain", vec![0.5, f64::NAN])?;
-/// assert_eq!(table.to_csv(), "frequency_hz,gain\n1,0.5\n2,\n");
-/// # Ok::<(), asperity_figure::FigureError>(())
-/// ```
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Table {
     columns: Vec<Column>,
+}
+
+/// Reasons why a table refuses a column.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum TableError {
+    /// A column does not have the length of the columns before it.
+    #[error("column `{name}` has {found} rows, the table has {expected}")]
+    UnequalLengths {
+        /// Name of the column.
+        name: String,
+        /// Rows of the table so far.
+        expected: usize,
+        /// Rows of the column.
+        found: usize,
+    },
+    /// A column name is used twice.
+    #[error("column `{name}` is already in the table")]
+    DuplicateColumn {
+        /// The repeated name.
+        name: String,
+    },
+    /// A table has no column of that name.
+    #[error("no column `{name}`; the table has {available:?}")]
+    UnknownColumn {
+        /// The name asked for.
+        name: String,
+        /// Names of all columns.
+        available: Vec<String>,
+    },
 }
 
 impl Table {
@@ -45,12 +66,12 @@ impl Table {
     /// The table with one more column.
     ///
     /// # Errors
-    /// [`FigureError::UnequalLengths`] or [`FigureError::DuplicateColumn`].
+    /// [`TableError::UnequalLengths`] or [`TableError::DuplicateColumn`].
     pub fn with_column(
         mut self,
         name: impl Into<String>,
         values: impl Into<Vec<f64>>,
-    ) -> Result<Self, FigureError> {
+    ) -> Result<Self, TableError> {
         self.push(name, values)?;
         Ok(self)
     }
@@ -58,18 +79,18 @@ impl Table {
     /// Adds a column.
     ///
     /// # Errors
-    /// [`FigureError::UnequalLengths`] or [`FigureError::DuplicateColumn`].
+    /// [`TableError::UnequalLengths`] or [`TableError::DuplicateColumn`].
     pub fn push(
         &mut self,
         name: impl Into<String>,
         values: impl Into<Vec<f64>>,
-    ) -> Result<(), FigureError> {
+    ) -> Result<(), TableError> {
         let (name, values) = (name.into(), values.into());
-        if self.columns.iter().any(|column| column.name == name) {
-            return Err(FigureError::DuplicateColumn { name });
+        if self.has_column(&name) {
+            return Err(TableError::DuplicateColumn { name });
         }
         if !self.columns.is_empty() && values.len() != self.rows() {
-            return Err(FigureError::UnequalLengths {
+            return Err(TableError::UnequalLengths {
                 name,
                 expected: self.rows(),
                 found: values.len(),
@@ -82,18 +103,18 @@ impl Table {
     /// Values of the column called `name`.
     ///
     /// # Errors
-    /// [`FigureError::UnknownColumn`].
-    pub fn column(&self, name: &str) -> Result<&[f64], FigureError> {
+    /// [`TableError::UnknownColumn`].
+    pub fn column(&self, name: &str) -> Result<&[f64], TableError> {
         match self.columns.iter().find(|column| column.name == name) {
             Some(column) => Ok(&column.values),
-            None => Err(FigureError::UnknownColumn {
+            None => Err(TableError::UnknownColumn {
                 name: name.to_owned(),
                 available: self.names().map(str::to_owned).collect(),
             }),
         }
     }
 
-    /// Whether there is a column called `name`.
+    /// True if there is a column called `name`.
     pub fn has_column(&self, name: &str) -> bool {
         self.columns.iter().any(|column| column.name == name)
     }
@@ -113,9 +134,9 @@ impl Table {
         self.columns.first().map_or(0, |column| column.values.len())
     }
 
-    /// Whether the table has no value.
-    pub fn is_empty(&self) -> bool {
-        self.rows() == 0
+    /// The table as CSV text, in the number format of [`CsvWriter`](crate::CsvWriter).
+    pub fn to_csv(&self) -> String {
+        columns_to_csv(self.columns.iter().map(|column| (column.name(), column.values())))
     }
 }
 
@@ -124,17 +145,17 @@ mod tests {
     use super::*;
 
     #[test]
-    fn refuses_unequal_lengths_and_repeated_names() {
-        let table = Table::new().with_column("a", vec![1.0, 2.0]).unwrap();
+    fn unequal_lengths_and_repeated_names_are_errors() {
+        let table = Table::new().with_column("a", [1.0, 2.0]).unwrap();
         assert!(matches!(
-            table.clone().with_column("b", vec![1.0]),
-            Err(FigureError::UnequalLengths { expected: 2, found: 1, .. })
+            table.clone().with_column("b", [1.0]),
+            Err(TableError::UnequalLengths { expected: 2, found: 1, .. })
         ));
         assert!(matches!(
-            table.clone().with_column("a", vec![1.0, 2.0]),
-            Err(FigureError::DuplicateColumn { .. })
+            table.clone().with_column("a", [1.0, 2.0]),
+            Err(TableError::DuplicateColumn { .. })
         ));
-        assert!(matches!(table.column("z"), Err(FigureError::UnknownColumn { .. })));
+        assert!(matches!(table.column("z"), Err(TableError::UnknownColumn { .. })));
         assert_eq!(table.column("a").unwrap(), [1.0, 2.0]);
     }
 }

@@ -1,0 +1,151 @@
+//! CSV text (RFC 4180, but for its line ends, which are LF).
+
+use std::fmt::Write as _;
+
+/// CSV text, written field by field.
+///
+/// ```
+/// let mut csv = asperity_table::CsvWriter::with_header(["name", "force_n", "ratio"]);
+/// csv.text("a,b").number(1e-5).number(None).end_row();
+/// assert_eq!(csv.into_string(), "name,force_n,ratio\n\"a,b\",1e-5,\n");
+/// ```
+#[derive(Debug, Clone, Default)]
+pub struct CsvWriter {
+    text: String,
+    row_start: usize,
+    fields: usize,
+}
+
+impl CsvWriter {
+    /// Text that starts with a row of column names.
+    pub fn with_header<T: AsRef<str>>(names: impl IntoIterator<Item = T>) -> Self {
+        let mut csv = Self::default();
+        for name in names {
+            csv.text(name.as_ref());
+        }
+        csv.end_row();
+        csv
+    }
+
+    /// Appends a field of text, in quotes where it holds a comma, a quote or a line break.
+    pub fn text(&mut self, field: &str) -> &mut Self {
+        self.separate();
+        if field.contains([',', '"', '\n', '\r']) {
+            // Writing to a string cannot fail.
+            let _ = write!(self.text, "\"{}\"", field.replace('"', "\"\""));
+        } else {
+            self.text.push_str(field);
+        }
+        self
+    }
+
+    /// Appends a number: the shortest decimal that reads back to the same bits, with an exponent
+    /// below 1e-4 and from 1e15 on. Nothing, NaN and infinities are an empty field.
+    pub fn number(&mut self, value: impl Into<Option<f64>>) -> &mut Self {
+        self.separate();
+        if let Some(value) = value.into().filter(|value| value.is_finite()) {
+            let plain = value == 0.0 || (1e-4..1e15).contains(&value.abs());
+            let text = &mut self.text;
+            let _ = if plain { write!(text, "{value}") } else { write!(text, "{value:e}") };
+        }
+        self
+    }
+
+    /// Appends several numbers.
+    pub fn numbers<T: Into<Option<f64>>>(
+        &mut self,
+        values: impl IntoIterator<Item = T>,
+    ) -> &mut Self {
+        for value in values {
+            self.number(value);
+        }
+        self
+    }
+
+    /// Ends the row. An empty field that is the only one of its row is written as `""`, since
+    /// readers skip blank lines.
+    pub fn end_row(&mut self) {
+        if self.fields == 1 && self.text.len() == self.row_start {
+            self.text.push_str("\"\"");
+        }
+        self.text.push('\n');
+        self.row_start = self.text.len();
+        self.fields = 0;
+    }
+
+    /// The text, with an LF at the end of each row.
+    pub fn into_string(self) -> String {
+        self.text
+    }
+
+    fn separate(&mut self) {
+        if self.fields > 0 {
+            self.text.push(',');
+        }
+        self.fields += 1;
+    }
+}
+
+/// Columns as CSV text, without copying them into a [`Table`](crate::Table).
+///
+/// A column shorter than the longest ends in empty fields.
+///
+/// ```
+/// let text = asperity_table::columns_to_csv([("time_s", [0.0, 0.5]), ("force_n", [0.0, 32.0])]);
+/// assert_eq!(text, "time_s,force_n\n0,0\n0.5,32\n");
+/// ```
+pub fn columns_to_csv<N: AsRef<str>, V: AsRef<[f64]>>(
+    columns: impl IntoIterator<Item = (N, V)>,
+) -> String {
+    let (names, columns): (Vec<N>, Vec<V>) = columns.into_iter().unzip();
+    let mut csv = CsvWriter::with_header(&names);
+    let rows = columns.iter().map(|values| values.as_ref().len()).max().unwrap_or(0);
+    csv.text.reserve(rows * columns.len() * 20);
+    for row in 0..rows {
+        csv.numbers(columns.iter().map(|values| values.as_ref().get(row).copied())).end_row();
+    }
+    csv.into_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// Header and numbers of a text, read with the `csv` crate; NaN for an empty field.
+    fn read(text: &str) -> (Vec<String>, Vec<Vec<f64>>) {
+        let mut reader = ::csv::Reader::from_reader(text.as_bytes());
+        let header = reader.headers().unwrap().iter().map(str::to_owned).collect();
+        let number = |field: &str| {
+            if field.is_empty() { f64::NAN } else { field.parse().unwrap() }
+        };
+        let row =
+            |row: ::csv::Result<::csv::StringRecord>| row.unwrap().iter().map(number).collect();
+        (header, reader.records().map(row).collect())
+    }
+
+    #[test]
+    fn text_is_quoted_where_needed() {
+        let names = ["force, measured_n", "say \"k\"", "two\nlines"];
+        assert_eq!(read(&columns_to_csv(names.map(|name| (name, [1.0])))).0, names);
+    }
+
+    #[test]
+    fn a_single_column_keeps_its_empty_rows() {
+        let text = columns_to_csv([("a", [1.0, f64::NAN, f64::INFINITY, 2.0])]);
+        assert_eq!(text, "a\n1\n\"\"\n\"\"\n2\n");
+        assert_eq!(read(&text).1.len(), 4);
+    }
+
+    proptest! {
+        #[test]
+        fn every_finite_number_reads_back_to_the_same_bits(
+            values in prop::collection::vec(any::<f64>(), 1..50)
+        ) {
+            let (_, rows) = read(&columns_to_csv([("x", &values), ("y", &values)]));
+            for (row, x) in rows.iter().zip(&values) {
+                prop_assert!(row[1].to_bits() == x.to_bits() || (row[1].is_nan() && !x.is_finite()));
+            }
+        }
+    }
+}
