@@ -1,51 +1,51 @@
-//! An identification: the law with its band, data against predictions, residuals, profiles, draws.
+//! Figures and report of an identification.
 //!
-//! | file | idea |
+//! | file | draws |
 //! |---|---|
-//! | `law` | stiffness over pressure, and what is left of its uncertainty |
-//! | `rows`, `feature_name` | data with their predictions; names and units of features |
-//! | `measured` | features, receptance and backbone against predictions |
-//! | `residuals` | standardised residuals |
-//! | `profiles`, `pairs` | deviance and draws of the unknowns |
-//! | `comparison`, `design` | other laws; hits to come |
-//! | `page`, `findings` | the report |
+//! | `law` | stiffness over pressure, and the uncertainty left |
+//! | `observations` | nothing: data with their predictions, names and units of features |
+//! | `predictions` | measured against predicted; standardised residuals |
+//! | `uncertainty` | profile likelihoods and posterior draws of the parameters |
+//! | `comparison`, `design` | other laws; proposed hits |
+//! | `report` | `report.html` |
 
 mod comparison;
 mod design;
-mod feature_name;
-mod findings;
 mod law;
-mod measured;
-mod page;
-mod pairs;
-mod profiles;
-mod residuals;
-mod rows;
+mod observations;
+mod predictions;
+mod report;
+mod uncertainty;
 
 use asperity_figure::Figure;
 use asperity_identify::Identification;
 
-pub(crate) use page::identification_report;
-use rows::Row;
+pub(crate) use report::identification_report;
 
 /// The figures with their names; those without anything to draw are left out.
 pub(crate) fn identification(found: &Identification) -> Vec<(&'static str, Figure)> {
-    let rows = rows::rows(found);
+    let rows = observations::rows(found);
     let all = [
         ("law", Some(law::law(found, &rows))),
-        ("features", measured::features(&rows)),
-        ("receptance", measured::receptance(&rows)),
-        ("backbone", measured::backbone(&rows)),
-        ("residuals", residuals::residuals(&rows)),
-        ("profiles", profiles::profiles(found)),
-        ("pairs", pairs::pairs(found)),
+        ("features", predictions::features(&rows)),
+        ("receptance", predictions::receptance(&rows)),
+        ("backbone", predictions::backbone(&rows)),
+        ("residuals", predictions::residuals(&rows)),
+        ("profiles", uncertainty::profiles(found)),
+        ("pairs", uncertainty::pairs(found)),
         ("comparison", found.choice.as_ref().map(comparison::comparison)),
         ("design", found.design.as_ref().map(design::design)),
     ];
     all.into_iter().filter_map(|(name, figure)| Some((name, figure?))).collect()
 }
 
-/// A text that fits beside an axis.
+/// A probability in percent.
+pub(super) fn percent(probability: f64) -> String {
+    let text = format!("{:.3}", 100.0 * probability);
+    format!("{} %", text.trim_end_matches('0').trim_end_matches('.'))
+}
+
+/// The text, cut to `most` characters.
 fn fitted(text: &str, most: usize) -> String {
     if text.chars().count() <= most {
         return text.to_owned();
@@ -54,7 +54,7 @@ fn fitted(text: &str, most: usize) -> String {
     format!("{}…", kept.trim_end())
 }
 
-/// The name of an unknown for an axis: of a JSON Pointer the last key.
+/// The name of a parameter for an axis: of a JSON Pointer the last key.
 fn short(name: &str, most: usize) -> String {
     let last = if name.starts_with('/') { name.rsplit('/').next().unwrap_or(name) } else { name };
     fitted(&last.replace("~1", "/").replace("~0", "~"), most)
@@ -62,13 +62,20 @@ fn short(name: &str, most: usize) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::short;
+    use super::*;
 
     #[test]
-    fn unknowns_are_named_in_short() {
+    fn parameters_have_short_names() {
         assert_eq!(short("/laws/modified/exponent", 20), "exponent");
         assert_eq!(short("/laws/a~1b", 20), "a/b");
         assert_eq!(short("modified: step 1", 20), "modified: step 1");
         assert_eq!(short("a rather long name", 8), "a rathe…");
+    }
+
+    #[test]
+    fn percentages_have_no_trailing_zeros() {
+        assert_eq!(percent(0.95), "95 %");
+        assert_eq!(percent(0.6827), "68.27 %");
+        assert_eq!(percent(0.9), "90 %");
     }
 }

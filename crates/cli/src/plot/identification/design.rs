@@ -9,7 +9,7 @@ use super::fitted;
 /// Most changes of the rig that are drawn.
 const MOST_CHANGES: usize = 7;
 
-/// What is left of the law's uncertainty, and what is learned about all unknowns, over force.
+/// What is left of the law's uncertainty, and the information about all parameters, over force.
 pub(super) fn design(design: &Designed) -> Figure {
     let force = || Axis::linear("Peak force", "N");
     let label = "Uncertainty of ln K left";

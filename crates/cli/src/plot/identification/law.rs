@@ -3,8 +3,7 @@
 use asperity_figure::{Axis, Color, Dash, Figure, Legend, Marker, Panel, Series};
 use asperity_identify::{INFORMED_SHARE, Identification};
 
-use super::Row;
-use super::rows::{Kind, column};
+use super::observations::{ObservationKind, ObservationRow, column};
 
 /// Where a band is wider than this about the best fit it is cut, so that the law stays legible.
 const MOST_FACTOR: f64 = 6.0;
@@ -13,11 +12,13 @@ const MOST_FACTOR: f64 = 6.0;
 const LEAST_PLACE: f64 = 0.01;
 
 /// The law of an identification.
-pub(super) fn law(found: &Identification, rows: &[Row<'_>]) -> Figure {
+pub(super) fn law(found: &Identification, rows: &[ObservationRow<'_>]) -> Figure {
     let law = &found.law;
     let feature = format!("stiffness of {}", law.name);
-    let points: Vec<&Row<'_>> =
-        rows.iter().filter(|row| row.kind == Kind::Stiffness && row.feature == feature).collect();
+    let points: Vec<&ObservationRow<'_>> = rows
+        .iter()
+        .filter(|row| row.kind == ObservationKind::Stiffness && row.feature == feature)
+        .collect();
     let top = law.pressure.last().copied().unwrap_or(1.0);
     let top = column(&points, |row| row.at).into_iter().fold(top, f64::max);
     let pressure = || Axis::linear("Pressure", "MPa").scale(1e-6).range(0.0, 1e-6 * top);
@@ -78,7 +79,7 @@ fn shaded(panel: Panel, informed: Option<[f64; 2]>) -> Panel {
 
 /// Stiffnesses \[Pa/m\] that are drawn: those of the best fit, the points, and the band as far as it
 /// is not wide.
-fn range(found: &Identification, points: &[&Row<'_>]) -> [f64; 2] {
+fn range(found: &Identification, points: &[&ObservationRow<'_>]) -> [f64; 2] {
     let law = &found.law;
     let positive = |value: &f64| *value > 0.0 && value.is_finite();
     let least = |list: &[f64]| list.iter().copied().filter(positive).fold(f64::INFINITY, f64::min);

@@ -1,23 +1,145 @@
-//! The tables of the report.
+//! `report.html`: the answer in words, the tables, the figures.
 
+use asperity_figure::Figure;
 use asperity_figure::report::{Cell, Report, Verdict};
 use asperity_identify::{DesignedHit, Identification, Problem};
 use asperity_inference::ModelVerdict;
 use serde_json::Value;
 
 use super::design::changes;
+use super::percent;
+use super::uncertainty::MOST_PARAMETERS;
 
-/// Combinations in which an unknown has less weight than this do not name it.
+/// Least weight with which a parameter is named in a combination.
 const LEAST_WEIGHT: f64 = 0.2;
 
-/// A probability in percent.
-pub(super) fn percent(probability: f64) -> String {
-    let text = format!("{:.3}", 100.0 * probability);
-    format!("{} %", text.trim_end_matches('0').trim_end_matches('.'))
+/// `report.html`.
+pub(crate) fn identification_report(
+    problem: &Problem,
+    found: &Identification,
+    figures: &[(&'static str, Figure)],
+) -> String {
+    let title = problem.spec.title.clone().unwrap_or_else(|| "Identification".to_owned());
+    let mut report = found.words().into_iter().fold(Report::new(title), Report::intro);
+    let percent = percent(found.level);
+
+    report = report.section("Parameters").paragraph(format!(
+        "Best fit with its standard deviation, and intervals that hold the value with a probability \
+         of {percent}. R-hat and the effective sample size (ESS) measure how far the chains agree."
+    ));
+    report = estimates(report, found);
+    for (section, names) in [
+        ("Contact law", &["law"][..]),
+        ("Data and predictions", &["features", "receptance", "backbone", "residuals"]),
+        ("Uncertainty", &["profiles", "pairs"]),
+    ] {
+        report = draw(report, found, figures, Some(section), names);
+    }
+    report = undetermined(report, found);
+    if found.choice.is_some() {
+        report = report.section("Laws compared");
+        report = comparison(report, found);
+        report = draw(report, found, figures, None, &["comparison"]);
+    }
+    if found.design.is_some() {
+        report = report.section("What to measure next");
+        report = draw(report, found, figures, None, &["design"]);
+        report = design(report, found);
+    }
+    report = diagnostics(report, found);
+    if !found.notices.is_empty() {
+        report = report.section("Notices");
+        report = found.notices.iter().cloned().fold(report, Report::paragraph);
+    }
+    provenance(report, problem, found).to_html()
 }
 
-/// The unknowns, identified.
-pub(super) fn estimates(report: Report, found: &Identification) -> Report {
+/// The figures of these names under a heading; nothing where none of them was drawn.
+fn draw(
+    mut report: Report,
+    found: &Identification,
+    figures: &[(&'static str, Figure)],
+    section: Option<&str>,
+    names: &[&str],
+) -> Report {
+    let of = |name: &&str| figures.iter().find(|figure| figure.0 == *name);
+    let drawn: Vec<_> = names.iter().filter_map(of).collect();
+    if let (Some(section), false) = (section, drawn.is_empty()) {
+        report = report.section(section);
+    }
+    for (name, figure) in drawn {
+        report = report.figure(*name, caption(name, found), figure.to_svg());
+    }
+    report
+}
+
+/// The caption of a figure.
+fn caption(name: &str, found: &Identification) -> String {
+    let percent = percent(found.level);
+    match name {
+        "law" => format!(
+            "(a) Contact stiffness of law \u{201c}{}\u{201d} over pressure: best fit and {percent} \
+             band. (b) Uncertainty of ln K left, over that before the data. Shaded \
+             pressures are not informed by the data: they were not reached, or more than a third of \
+             the uncertainty is left. Where (b) has no line, no parameter acts on \
+             the law. Dashed verticals: lowest and highest pressure reached, and the pressure at rest.",
+            found.law.name
+        ),
+        "features" => format!(
+            "Features of the hits over the peak force. Marks: measured, with two standard \
+             deviations to either side; lines: best fit; bands: where the prediction lies with a \
+             probability of {percent}, without the noise of a measurement."
+        ),
+        "receptance" => format!(
+            "Parts of the receptance. Marks: measured, with two standard deviations to either \
+             side; lines: best fit with its {percent} band."
+        ),
+        "backbone" => format!(
+            "Frequency along the decay. Marks: measured, with two standard deviations to either \
+             side; lines: best fit with its {percent} band."
+        ),
+        "residuals" => "Residuals, predicted less measured, in standard deviations as given, with lines at ±2. Last panel: \
+             in their order against a normal distribution; on the dashed line they are as large as \
+             the standard deviations say. Data without a prediction are left out."
+            .to_owned(),
+        "profiles" => format!(
+            "Deviance over each parameter, all others fitted again at every point. Where it is below \
+             the dashed horizontal the value is within the {percent} interval, whose ends are the \
+             dashed verticals; a side without one is open."
+        ),
+        "pairs" => {
+            let count = found.names.len();
+            let part = if count > MOST_PARAMETERS {
+                format!(" Of {count} parameters the first {MOST_PARAMETERS} are drawn.")
+            } else {
+                String::new()
+            };
+            format!(
+                "Draws from the posterior: each parameter on the diagonal, pairs below it. The area \
+                 of a mark follows the weight of the draw.{part}"
+            )
+        }
+        "comparison" => {
+            "(a) Logarithm of the probability of hits that were left out, less that of \
+             the best law, with one standard error: further left is worse. (b) AICc less that of \
+             the best law: further right is worse. Green: best; orange: not distinguished from it; red: \
+             rejected."
+                .to_owned()
+        }
+        "design" => {
+            let hits = found.design.as_ref().map_or(0, |design| design.hits);
+            format!(
+                "Effect of {hits} more hits of each kind. (a) Standard deviation of ln K left, \
+                 over that now, averaged over the pressures reached: lower is better. (b) Information \
+                 about all parameters."
+            )
+        }
+        _ => String::new(),
+    }
+}
+
+/// Estimates of the parameters.
+fn estimates(report: Report, found: &Identification) -> Report {
     let interval = |ends: [Option<f64>; 2]| -> Cell {
         if ends == [None, None] {
             return "open".into();
@@ -37,16 +159,16 @@ pub(super) fn estimates(report: Report, found: &Identification) -> Report {
             if estimate.at_bound { "on a bound".into() } else { "".into() },
         ]
     });
-    let headers = ["Unknown", "Value", "Std. dev.", "Profile", "Posterior", "R-hat", "ESS", ""];
+    let headers = ["Parameter", "Value", "Std. dev.", "Profile", "Posterior", "R-hat", "ESS", ""];
     report.table(headers, rows)
 }
 
-/// Combinations of unknowns that the data leave open.
-pub(super) fn undetermined(report: Report, found: &Identification) -> Report {
+/// Combinations of parameters that the data leave open.
+fn undetermined(report: Report, found: &Identification) -> Report {
     let report = report.section("What the data do not determine");
     let open = &found.identifiability.undetermined;
     if open.is_empty() {
-        return report.paragraph("Every combination of the unknowns is determined by the data.");
+        return report.paragraph("Every combination of the parameters is determined by the data.");
     }
     let rows = open.iter().map(|combination| {
         let parts = combination.weights.iter().filter(|(_, weight)| weight.abs() > LEAST_WEIGHT);
@@ -54,18 +176,18 @@ pub(super) fn undetermined(report: Report, found: &Identification) -> Report {
             parts.map(|(name, weight)| format!("{weight:+.2} {name}").replace('-', "−")).collect();
         vec![parts.join("  ").into(), Cell::Number(percent_of(combination.remaining))]
     });
-    let text = "Weights are per standard deviation beforehand.";
+    let text = "Weights are per standard deviation before the data.";
     report.paragraph(text).table(["Combination", "Uncertainty left"], rows)
 }
 
-/// The laws compared.
-pub(super) fn comparison(mut report: Report, found: &Identification) -> Report {
+/// Comparison of the laws.
+fn comparison(mut report: Report, found: &Identification) -> Report {
     let Some(choice) = &found.choice else { return report };
     let Some(best) = choice.candidates.get(choice.best) else { return report };
     if found.choice_noise_factor > 1.0 {
         report = report.paragraph(format!(
-            "No law explains the data as they are: all were compared with standard deviations {:.2} \
-             times as large, so that the best one does.",
+            "No law explains the data within their standard deviations: all were compared with \
+             standard deviations {:.2} times as large, for which the best one does.",
             found.choice_noise_factor
         ));
     }
@@ -102,8 +224,8 @@ pub(super) fn comparison(mut report: Report, found: &Identification) -> Report {
     report.table(headers, rows)
 }
 
-/// The proposed sequence, and all hits that were weighed.
-pub(super) fn design(report: Report, found: &Identification) -> Report {
+/// The proposed sequence, and each candidate hit alone.
+fn design(report: Report, found: &Identification) -> Report {
     let Some(design) = &found.design else { return report };
     let row = |hit: &DesignedHit| {
         vec![
@@ -121,14 +243,14 @@ pub(super) fn design(report: Report, found: &Identification) -> Report {
     let headers = ["Peak force (N)", "Rig", "Uncertainty of ln K left", "Information (nat)"];
     report
         .subsection("Proposed sequence")
-        .paragraph(format!("Each is {} hits, measured after those before; its uncertainty left is of what those leave.", design.hits))
+        .paragraph(format!("Each is {} hits, measured after those above; its uncertainty left is relative to what those leave.", design.hits))
         .table(std::iter::once("").chain(headers), numbered)
         .subsection("Each alone")
         .table(headers, design.candidates.iter().map(row))
 }
 
-/// Whether fit and posterior can be trusted.
-pub(super) fn diagnostics(report: Report, found: &Identification) -> Report {
+/// Convergence of fit and posterior.
+fn diagnostics(report: Report, found: &Identification) -> Report {
     let goodness = &found.goodness;
     let chains = &found.posterior.diagnostics;
     let (fit, starts) = (&found.fit, &found.fit.starts);
@@ -199,7 +321,7 @@ pub(super) fn diagnostics(report: Report, found: &Identification) -> Report {
 }
 
 /// Versions, hashes, time.
-pub(super) fn provenance(report: Report, problem: &Problem, found: &Identification) -> Report {
+fn provenance(report: Report, problem: &Problem, found: &Identification) -> Report {
     let record = found.report(problem);
     let text = |pointer: &str| {
         record.pointer(pointer).and_then(Value::as_str).unwrap_or_default().to_owned()
@@ -224,17 +346,5 @@ fn written(value: f64) -> String {
     match Cell::from(value) {
         Cell::Number(text) | Cell::Text(text) => text,
         Cell::Verdict(_) => String::new(),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::percent;
-
-    #[test]
-    fn percent_has_no_idle_decimals() {
-        assert_eq!(percent(0.95), "95 %");
-        assert_eq!(percent(0.6827), "68.27 %");
-        assert_eq!(percent(0.9), "90 %");
     }
 }

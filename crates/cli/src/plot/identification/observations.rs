@@ -1,0 +1,194 @@
+//! Observations with their predictions and bands, and the labels of their features.
+
+use asperity_identify::{Identification, Observed};
+
+/// What kind of number an observation is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum ObservationKind {
+    /// A number of a hit, over its peak force \[N\].
+    Hit,
+    /// A part of a receptance \[m/N\], over frequency \[Hz\].
+    Receptance,
+    /// The frequency \[Hz\] along a decay, over amplitude \[m\].
+    Backbone,
+    /// The stiffness \[Pa/m\] of a law, over pressure \[Pa\].
+    Stiffness,
+}
+
+/// One observation with its prediction.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct ObservationRow<'a> {
+    pub(super) kind: ObservationKind,
+    pub(super) data: &'a str,
+    pub(super) feature: &'a str,
+    /// The abscissa of its kind; NaN for a hit of the scenario's own force.
+    pub(super) at: f64,
+    pub(super) value: f64,
+    pub(super) standard_deviation: f64,
+    /// As predicted by the best fit; NaN where it predicts nothing.
+    pub(super) predicted: f64,
+    /// Ends of the interval of the prediction; NaN where there is none.
+    pub(super) band: [f64; 2],
+    /// Predicted less measured, in standard deviations; NaN where nothing is predicted.
+    pub(super) residual: f64,
+}
+
+/// The observations of an identification, in its order.
+pub(super) fn rows(found: &Identification) -> Vec<ObservationRow<'_>> {
+    let ends = found.predicted_band();
+    let end = |side: usize, i: usize| ends[side].get(i).copied().unwrap_or(f64::NAN);
+    found.observed().enumerate().map(|(i, of)| row(of, [end(0, i), end(1, i)])).collect()
+}
+
+fn row(of: Observed<'_>, band: [f64; 2]) -> ObservationRow<'_> {
+    ObservationRow {
+        kind: kind(of.feature),
+        data: of.data,
+        feature: of.feature,
+        at: of.at.unwrap_or(f64::NAN),
+        value: of.value,
+        standard_deviation: of.standard_deviation,
+        predicted: of.predicted.unwrap_or(f64::NAN),
+        band,
+        residual: of.predicted.map_or(f64::NAN, |_| of.residual),
+    }
+}
+
+fn kind(feature: &str) -> ObservationKind {
+    if feature.starts_with("stiffness of ") {
+        ObservationKind::Stiffness
+    } else if feature.starts_with("receptance, ") {
+        ObservationKind::Receptance
+    } else if feature.starts_with("backbone.") {
+        ObservationKind::Backbone
+    } else {
+        ObservationKind::Hit
+    }
+}
+
+/// The rows in groups of one key, in the order in which the keys come.
+pub(super) fn groups<'a>(
+    rows: impl IntoIterator<Item = &'a ObservationRow<'a>>,
+    key: fn(&ObservationRow<'a>) -> &'a str,
+) -> Vec<(&'a str, Vec<&'a ObservationRow<'a>>)> {
+    let mut groups: Vec<(&str, Vec<&ObservationRow<'_>>)> = Vec::new();
+    for row in rows {
+        let name = key(row);
+        match groups.iter_mut().find(|group| group.0 == name) {
+            Some(group) => group.1.push(row),
+            None => groups.push((name, vec![row])),
+        }
+    }
+    groups
+}
+
+/// One column of some rows.
+pub(super) fn column(
+    rows: &[&ObservationRow<'_>],
+    value: impl Fn(&ObservationRow<'_>) -> f64,
+) -> Vec<f64> {
+    rows.iter().map(|row| value(row)).collect()
+}
+
+/// Endings of a feature's name and the unit that they carry, longer ones first.
+const UNITS: [(&str, &str); 8] = [
+    ("_pa_per_m", "Pa/m"),
+    ("_m_per_n", "m/N"),
+    ("_hz", "Hz"),
+    ("_pa", "Pa"),
+    ("_n", "N"),
+    ("_m", "m"),
+    ("_s", "s"),
+    ("_j", "J"),
+];
+
+/// Features with a name of their own, in the order in which they are drawn.
+const NAMES: [(&str, &str); 8] = [
+    ("fundamental.frequency_hz", "Fundamental f_{1}"),
+    ("fundamental.receptance_m_per_n", "Amplitude A_{1}"),
+    ("second_harmonic.frequency_hz", "Harmonic f_{2}"),
+    ("second_harmonic.receptance_m_per_n", "Amplitude A_{2}"),
+    ("harmonic_ratio", "Ratio A_{2}/A_{1}"),
+    ("fundamental.damping_ratio", "Damping ratio"),
+    ("backbone.frequency_hz", "Frequency"),
+    ("static.natural_frequency_hz", "Natural frequency at rest"),
+];
+
+/// Label and unit of a feature.
+pub(super) fn feature_name(feature: &str) -> (String, &'static str) {
+    if let Some(of) = feature.strip_prefix("ratio of ") {
+        return (format!("Ratio of hits: {}", feature_name(of).0), "");
+    }
+    if feature.starts_with("receptance, ") {
+        return (capital(feature), "m/N");
+    }
+    if feature.starts_with("stiffness of ") {
+        return (capital(feature), "Pa/m");
+    }
+    let (stem, unit) = UNITS
+        .iter()
+        .find_map(|(ending, unit)| Some((feature.strip_suffix(ending)?, *unit)))
+        .unwrap_or((feature, ""));
+    if let Some((_, name)) = NAMES.iter().find(|(known, _)| *known == feature) {
+        return ((*name).to_owned(), unit);
+    }
+    // interfaces.guide-sample.pressure_min is the pressure min of guide-sample.
+    let mut parts: Vec<&str> = stem.split('.').collect();
+    let last = parts.pop().unwrap_or_default().replace('_', " ");
+    let of = parts.last().map_or_else(String::new, |of| format!(", {of}"));
+    (format!("{}{of}", capital(&last)), unit)
+}
+
+/// Place of a feature among others: those with a name of their own come first.
+pub(super) fn order(feature: &str) -> usize {
+    NAMES.iter().position(|(known, _)| *known == feature).unwrap_or(NAMES.len())
+}
+
+/// The text with a capital first.
+pub(super) fn capital(text: &str) -> String {
+    let mut characters = text.chars();
+    let first = characters.next().map(|first| first.to_uppercase().collect::<String>());
+    first.unwrap_or_default() + characters.as_str()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_know_their_abscissa_and_what_is_missing() {
+        let of = Observed {
+            data: "d",
+            feature: "stiffness of pl",
+            at: Some(1e5),
+            value: 1e12,
+            standard_deviation: 1e11,
+            predicted: None,
+            residual: 10.0,
+        };
+        let row = row(of, [f64::NAN; 2]);
+        assert_eq!((row.kind, row.at), (ObservationKind::Stiffness, 1e5));
+        // The stand-in for a missing prediction is no residual.
+        assert!(row.residual.is_nan() && row.predicted.is_nan());
+        assert_eq!(kind("receptance, real part"), ObservationKind::Receptance);
+        assert_eq!(kind("backbone.frequency_hz"), ObservationKind::Backbone);
+        assert_eq!(kind("ratio of harmonic_ratio"), ObservationKind::Hit);
+    }
+
+    #[test]
+    fn features_have_names_and_units() {
+        for (feature, label, unit) in [
+            ("fundamental.frequency_hz", "Fundamental f_{1}", "Hz"),
+            ("fundamental.receptance_m_per_n", "Amplitude A_{1}", "m/N"),
+            ("harmonic_ratio", "Ratio A_{2}/A_{1}", ""),
+            ("ratio of fundamental.frequency_hz", "Ratio of hits: Fundamental f_{1}", ""),
+            ("receptance, real part", "Receptance, real part", "m/N"),
+            ("stiffness of pl", "Stiffness of pl", "Pa/m"),
+            ("interfaces.top.pressure_min_pa", "Pressure min, top", "Pa"),
+            ("interfaces.top.stiffness_average_pa_per_m", "Stiffness average, top", "Pa/m"),
+            ("energy.residual_relative", "Residual relative, energy", ""),
+        ] {
+            assert_eq!(feature_name(feature), (label.to_owned(), unit), "{feature}");
+        }
+    }
+}
