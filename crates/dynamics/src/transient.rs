@@ -61,7 +61,7 @@ pub struct Transient {
     pub steps: usize,
     /// Samples at the output rate.
     pub history: History,
-    /// Extremes at each interface over all steps, from the top down.
+    /// Extremes and averages at each interface over all steps, from the top down.
     pub contacts: Vec<ContactRecord>,
     /// The energy balance of the whole run.
     pub energy: EnergyLedger,
@@ -93,7 +93,7 @@ pub struct InterfaceHistory {
     pub stiffness: Vec<f64>,
 }
 
-/// What happened at one interface, over every integration step.
+/// Extremes and averages at one interface over the integration steps.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ContactRecord {
     /// Lowest pressure \[Pa\].
@@ -102,6 +102,16 @@ pub struct ContactRecord {
     pub pressure_max: f64,
     /// Time during which contact was lost \[s\].
     pub lost: f64,
+    /// Time average of the stiffness per area (Eq. 8) \[Pa/m\],
+    ///
+    /// ```text
+    /// K_avr = (1/T) sum |K_c(t_n)| dt,   t_n = 0, dt, ..., T - dt
+    /// ```
+    ///
+    /// with K = 0 while contact is lost. The integrators evaluate the stiffness at every fourth
+    /// (modal) or at least every thirty-second (finite differences) of their steps; each value
+    /// stands for the steps up to the next.
+    pub stiffness_average: f64,
 }
 
 /// The energy balance of a run, about static equilibrium.

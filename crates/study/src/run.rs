@@ -4,8 +4,7 @@ use std::time::Instant;
 
 use asperity_dynamics::{Transient, modes};
 use asperity_signal::{
-    FrequencyResponse, Frf, HarmonicOptions, average_stiffness, find_harmonics, half_power,
-    logarithmic_decrement,
+    FrequencyResponse, Frf, HarmonicOptions, find_harmonics, half_power, logarithmic_decrement,
 };
 
 use crate::assemble::Assembly;
@@ -193,11 +192,10 @@ fn ring_down(assembly: &Assembly, transient: &Transient, frequency_hz: f64) -> O
 
 fn contacts(assembly: &Assembly, transient: &Transient) -> Vec<InterfaceSummary> {
     let interfaces = assembly.stack.interfaces();
-    let records = transient.contacts.iter().zip(&transient.history.interfaces);
     interfaces
         .iter()
-        .zip(records)
-        .map(|(interface, (record, history))| {
+        .zip(&transient.contacts)
+        .map(|(interface, record)| {
             let law = interface.law();
             if let Some((low, high)) = law.measured_range()
                 && (record.pressure_min < low || record.pressure_max > high)
@@ -213,7 +211,7 @@ fn contacts(assembly: &Assembly, transient: &Transient) -> Vec<InterfaceSummary>
                 name: interface.name().to_owned(),
                 pressure_min_pa: record.pressure_min,
                 pressure_max_pa: record.pressure_max,
-                stiffness_average_pa_per_m: average_stiffness(&history.stiffness),
+                stiffness_average_pa_per_m: record.stiffness_average,
                 stiffness_at_pressure_min_pa_per_m: law.stiffness(record.pressure_min),
                 contact_lost_s: record.lost,
             }

@@ -22,7 +22,7 @@ fn swept(document: &Document, vary: &[&str]) -> Sweep {
 /// Largest relative difference allowed between a sweep's number and a single run's.
 ///
 /// The thinning folds 1e-5 of what lies above the band; a record of one in eight steps has a
-/// decrement of its own; mean stiffnesses are those of steps, not of output samples.
+/// decrement of its own.
 ///
 /// A force with corners is transformed by the rectangle rule at the step in a sweep, at the
 /// output rate in a run: `(pi h / T)^2 / 12` apart for a half-sine of duration T, and more next to
@@ -37,8 +37,6 @@ fn tolerance(column: &str, corners: bool) -> f64 {
         | "second_harmonic.receptance_m_per_n"
         | "harmonic_ratio"
         | "fundamental.damping_ratio" => 5e-5,
-        // Every fourth step stands for four, also where contact is lost.
-        name if name.ends_with("stiffness_average_pa_per_m") => 1e-3,
         _ => 1e-9,
     }
 }

@@ -55,6 +55,8 @@ pub(super) struct ContactStep<'a> {
     lowest: f64,
     highest: f64,
     open_steps: usize,
+    /// Sum of the stiffness over the steps \[Pa/m\].
+    stiffness_sum: f64,
     /// `sum q (d+ - d-) / 2`, the work done on the contact per area \[J/m2\].
     work: f64,
 }
@@ -104,6 +106,7 @@ impl<'a> ContactStep<'a> {
             lowest: 0.0,
             highest: 0.0,
             open_steps: 0,
+            stiffness_sum: 0.0,
             work: 0.0,
         })
     }
@@ -182,13 +185,19 @@ impl<'a> ContactStep<'a> {
         (pressure, closure, self.interface.law().stiffness(pressure))
     }
 
-    pub(super) fn record(&self, step: f64) -> ContactRecord {
+    /// Counts a `stiffness` \[Pa/m\] for this many steps in the time average.
+    pub(super) fn average(&mut self, stiffness: f64, steps: usize) {
+        self.stiffness_sum += stiffness * steps as f64;
+    }
+
+    pub(super) fn record(&self, step: f64, steps: usize) -> ContactRecord {
         // Next to loss of contact the table may undershoot zero within its error bound.
         let pressure = |gain: f64| self.at_rest.pressure + gain.max(self.open_below);
         ContactRecord {
             pressure_min: pressure(self.lowest),
             pressure_max: pressure(self.highest),
             lost: self.open_steps as f64 * step,
+            stiffness_average: self.stiffness_sum / steps as f64,
         }
     }
 

@@ -52,9 +52,8 @@ impl WithSimd for March<'_> {
             }
             for (part, forces) in forces.chunks(LEDGER_STEPS).enumerate() {
                 let top = state.step(simd, forces[0], &mut ledger.input);
-                if part == 0 {
-                    state.record(&mut history, start, force_at_sample, &top);
-                }
+                let sample = (part == 0).then_some((start, force_at_sample, &top));
+                state.record(&mut history, sample, forces.len());
                 let half_step_on = start + ((part * LEDGER_STEPS) as f64 + 0.5) * self.step;
                 ledger.measure(state.viscous_power(simd), half_step_on);
                 for &force in &forces[1..] {
@@ -78,7 +77,11 @@ impl WithSimd for March<'_> {
         Ok(Transient {
             step: self.step,
             steps,
-            contacts: state.contacts.iter().map(|contact| contact.record(self.step)).collect(),
+            contacts: state
+                .contacts
+                .iter()
+                .map(|contact| contact.record(self.step, steps))
+                .collect(),
             energy: state.balance(&ledger, self.form),
             history,
         })
@@ -195,17 +198,24 @@ impl<'a, 'r, S: Simd> State<'a, 'r, S> {
         self.rate * vis_viva
     }
 
-    fn record(&self, history: &mut History, time: f64, force: f64, top: &Top) {
-        history.time.push(time);
-        history.force.push(force);
-        history.displacement.push(top.now);
-        let acceleration = (top.after - 2.0 * top.now + top.before) / (self.step * self.step);
-        history.acceleration.push(acceleration);
-        for (contact, columns) in self.contacts.iter().zip(&mut history.interfaces) {
+    /// Counts the state one step before the newest for `steps` in the averages, and keeps it in
+    /// the history if it is a `sample`: time, force and motion of the top.
+    fn record(&mut self, history: &mut History, sample: Option<(f64, f64, &Top)>, steps: usize) {
+        if let Some((time, force, top)) = sample {
+            history.time.push(time);
+            history.force.push(force);
+            history.displacement.push(top.now);
+            let acceleration = (top.after - 2.0 * top.now + top.before) / (self.step * self.step);
+            history.acceleration.push(acceleration);
+        }
+        for (contact, columns) in self.contacts.iter_mut().zip(&mut history.interfaces) {
             let (pressure, closure, stiffness) = contact.observe();
-            columns.pressure.push(pressure);
-            columns.closure.push(closure);
-            columns.stiffness.push(stiffness);
+            contact.average(stiffness, steps);
+            if sample.is_some() {
+                columns.pressure.push(pressure);
+                columns.closure.push(closure);
+                columns.stiffness.push(stiffness);
+            }
         }
     }
 

@@ -52,10 +52,8 @@ pub struct HitRecord {
     pub displacement: Vec<f64>,
     /// The filter.
     pub thinning: Arc<Thinning>,
-    /// Extremes and time lost at each contact, from the top down.
+    /// Extremes and averages at each contact, from the top down.
     pub contacts: Vec<ContactRecord>,
-    /// Mean stiffness of each contact over all steps, zero counting while open \[Pa/m\].
-    pub stiffness_average: Vec<f64>,
     /// The energy balance.
     pub energy: EnergyLedger,
 }
@@ -302,14 +300,13 @@ impl Attempt {
             steps: self.lane.steps,
             thinning: Arc::clone(&self.thinning),
             contacts: contact_records(&self.lane, &outcome),
-            stiffness_average: outcome.contacts.iter().map(|contact| contact.stiffness).collect(),
             energy: ledger(&self.lane, &outcome),
             displacement: outcome.displacement,
         }
     }
 }
 
-/// Extremes as pressures, none below loss of contact.
+/// Extremes as pressures, none below loss of contact, and the average stiffness.
 pub(super) fn contact_records(lane: &Lane, outcome: &Outcome) -> Vec<ContactRecord> {
     let named = lane.rig.contacts().iter().zip(&outcome.contacts).enumerate();
     named
@@ -318,10 +315,17 @@ pub(super) fn contact_records(lane: &Lane, outcome: &Outcome) -> Vec<ContactReco
             let open = seen.lowest <= lane.open_below(i);
             // A parabola through three steps can dip below what the law knows.
             let lowest = (state + seen.lowest).max(contact.law.domain().pressure_min);
+            let stiffness = |gained: f64| {
+                let closed = gained > lane.open_below(i);
+                if closed { contact.law.stiffness(state + gained) } else { 0.0 }
+            };
+            // From steps 1 to N to steps 0 to N - 1.
+            let shifted = (stiffness(0.0) - stiffness(outcome.pressure)) / lane.steps as f64;
             ContactRecord {
                 pressure_min: if open { 0.0 } else { lowest },
                 pressure_max: state + seen.highest,
                 lost: seen.open_steps as f64 * lane.prepared.model.step,
+                stiffness_average: outcome.stiffness + shifted,
             }
         })
         .collect()

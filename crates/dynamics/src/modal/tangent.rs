@@ -37,7 +37,7 @@ mod motion;
 use super::drive::DriveCourse;
 use super::lane::Lane;
 use super::model::StepModel;
-use super::{Batch, Hit};
+use super::{Batch, Hit, ModalContact};
 use crate::DynamicsError;
 use contact::Contacts;
 use extreme::Extreme;
@@ -79,7 +79,7 @@ pub struct ContactMeasures {
     pub pressure_min: f64,
     /// Highest pressure \[Pa\].
     pub pressure_max: f64,
-    /// Mean stiffness over the steps after the first instant, zero counting while open \[Pa/m\].
+    /// Time average of the stiffness over the steps, zero counting while open \[Pa/m\].
     pub stiffness_average: f64,
     /// Stiffness of the law at the lowest pressure \[Pa/m\].
     pub stiffness_at_pressure_min: f64,
@@ -137,6 +137,8 @@ struct Tangent {
     motion: Motion,
     closure: Vec<f64>,
     pressure: Vec<f64>,
+    /// Of the stiffness at the newest step.
+    stiffness: Vec<f64>,
     course: Course,
 }
 
@@ -183,10 +185,16 @@ impl Tangent {
         }
         let course = Course::new(rates.force(lane.steps), &rates.pressure);
         let zero = || vec![0.0; base.len()];
+        let at_rest = base.iter().zip(&laws).map(|(contact, law)| {
+            let pressure = contact.at_rest.pressure;
+            let slope = law.slope(pressure, law.pressure_rate);
+            if open_at(contact, 0.0) { 0.0 } else { slope + law.stiffness(pressure) }
+        });
         Ok(Self {
             motion: Motion::at_rest(rates.modes.len()),
             closure: zero(),
             pressure: zero(),
+            stiffness: at_rest.collect(),
             rates,
             laws,
             course,
@@ -224,6 +232,11 @@ fn march(
     let mut found = Contacts::at_rest(contacts.len());
     let mut target = vec![0.0; contacts.len()];
     let mut open = vec![false; contacts.len()];
+    let at_rest = contacts.iter().map(|contact| {
+        let stiffness = contact.law.stiffness(contact.at_rest.pressure);
+        if open_at(contact, 0.0) { 0.0 } else { stiffness }
+    });
+    let mut stiffness: Vec<f64> = at_rest.collect();
     let mut course = Course::new(inputs.force(lane.steps), &inputs.pressure);
     for n in 0..lane.steps {
         let drive = inputs.drive(n);
@@ -242,10 +255,10 @@ fn march(
         let output = motion.settle(inputs, &drive, &found.pressure);
         course.displacement.push(output);
         for (i, contact) in contacts.iter().enumerate() {
-            let (rest, gained) = (contact.at_rest.pressure, found.pressure[i]);
-            open[i] = contact.law.domain().separates() && gained <= -rest;
-            course.pressure[i].push(rest + gained);
-            course.contacts[i].stiffness_average += share * found.tangent[i];
+            open[i] = open_at(contact, found.pressure[i]);
+            course.pressure[i].push(contact.at_rest.pressure + found.pressure[i]);
+            course.contacts[i].stiffness_average += share * stiffness[i];
+            stiffness[i] = found.tangent[i];
         }
         for tangent in &mut tangents {
             tangent.step(n, (inputs, &motion), &found, &open, share);
@@ -255,6 +268,11 @@ fn march(
     let finished = tangents.into_iter().map(|tangent| tangent.finish(&course, lane, &extremes));
     let rates = finished.collect();
     Ok(Sensitivity { step: lane.prepared.model.step, values: course, rates })
+}
+
+/// Whether a contact is open once its pressure has risen by `gained` \[Pa\] from rest.
+fn open_at(contact: &ModalContact, gained: f64) -> bool {
+    contact.law.domain().separates() && gained <= -contact.at_rest.pressure
 }
 
 fn unstable(lane: &Lane, n: usize, found: &Contacts) -> DynamicsError {
@@ -292,11 +310,9 @@ impl Tangent {
             self.pressure[i] = found.tangent[i] * self.closure[i] + answer.pressure;
             let rate = self.laws[i].pressure_rate + self.pressure[i];
             self.course.pressure[i].push(rate);
-            if !open[i] {
-                let rest = inputs.pressure[i];
-                let slope = self.laws[i].slope(rest + found.pressure[i], rate);
-                self.course.contacts[i].stiffness_average += share * (slope + answer.stiffness);
-            }
+            self.course.contacts[i].stiffness_average += share * self.stiffness[i];
+            let slope = self.laws[i].slope(inputs.pressure[i] + found.pressure[i], rate);
+            self.stiffness[i] = if open[i] { 0.0 } else { slope + answer.stiffness };
         }
         let drives = (&inputs.drive(n), &self.rates.drive(n));
         let pressures = (found.pressure.as_slice(), self.pressure.as_slice());

@@ -25,12 +25,6 @@ pub fn respond(law: &Law, force: f64, method: &(impl Into<Integrator> + Copy)) -
     Response { transient, first, second }
 }
 
-/// `K_avr = mean |K(t)|` over the samples of the guide-sample interface [Pa/m].
-pub fn average_stiffness(transient: &Transient) -> f64 {
-    let stiffness = &transient.history.interfaces[0].stiffness;
-    stiffness.iter().sum::<f64>() / stiffness.len() as f64
-}
-
 /// Prints what was found and holds it to a relative tolerance.
 #[allow(clippy::print_stdout, reason = "what was found, for a test that fails")]
 pub fn close(found: f64, value: f64, tolerance: f64, what: &str) {

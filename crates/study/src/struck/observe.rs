@@ -225,14 +225,13 @@ fn exactly(
 
 fn interfaces(case: &Case, record: &HitRecord) -> Vec<InterfaceSummary> {
     let named = case.assembly.stack.interfaces().iter();
-    let found = record.contacts.iter().zip(&record.stiffness_average);
     named
-        .zip(found)
-        .map(|(interface, (contact, &average))| InterfaceSummary {
+        .zip(&record.contacts)
+        .map(|(interface, contact)| InterfaceSummary {
             name: interface.name().to_owned(),
             pressure_min_pa: contact.pressure_min,
             pressure_max_pa: contact.pressure_max,
-            stiffness_average_pa_per_m: average,
+            stiffness_average_pa_per_m: contact.stiffness_average,
             stiffness_at_pressure_min_pa_per_m: interface.law().stiffness(contact.pressure_min),
             contact_lost_s: contact.lost,
         })
