@@ -1,12 +1,10 @@
 //! Frequency response functions averaged over hits.
 
-mod coherence;
 mod estimator;
-mod spread;
+mod statistics;
 
-pub use coherence::Coherence;
 pub use estimator::{FrfEstimator, HvScaling};
-pub use spread::MagnitudeSpread;
+pub use statistics::{Coherence, MagnitudeSpread};
 
 use crate::error::{Result, SignalError, check_rate, check_samples};
 use crate::form::FrfForm;
@@ -14,38 +12,54 @@ use crate::form::ResponseKind;
 use crate::frf::ForceMask;
 use crate::frf::Frf;
 use crate::spectrum::{PADDING_LIMIT, Spectrum, fast_length};
-use realfft::num_complex::Complex64;
-use spread::Welford;
+use num_complex::Complex64;
+use statistics::RunningVariance;
 
-/// The longest transform of an average; its spectra take two gigabytes.
+/// Longest transform of an average; its spectra take two gigabytes.
 const TRANSFORM_LIMIT: usize = 1 << 26;
 
-/// How a spectral density is scaled.
+/// Scaling of a one-sided spectral density.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum SpectralDensity {
-    /// One-sided energy density, unit^2 s / Hz: its integral over frequency is
-    /// `integral x^2 dt`. For transients, since it does not depend on the record's length.
+    /// Energy density, unit^2 s / Hz, with the integral `integral x^2 dt` over frequency. For
+    /// transients, since it does not depend on the length of the record.
     Energy,
-    /// One-sided power density, unit^2 / Hz: its integral is the mean square
+    /// Power density, unit^2 / Hz, with the integral of the mean square
     /// over the nominal record length.
     Power,
 }
 
-/// Averages hits one by one: auto and cross spectra, and what follows from them.
+/// The average of hits: auto and cross spectra, frequency response function and coherence.
 ///
-/// With the transforms `F`, `X` of the hits (see [`Spectrum`]) and `< >` their mean,
+/// With the transforms `F`, `X` of the hits (see [`Spectrum`]) and their mean `< >`,
 ///
 /// ```text
 /// Gff = 2 <|F|^2>,   Gxx = 2 <|X|^2>,   Gfx = 2 <conj(F) X>
 /// ```
 ///
 /// (not doubled at zero frequency and half the rate) are one-sided energy
-/// densities. Memory is seven numbers a frequency, whatever the number of hits.
-/// Nothing is windowed here: see [`ForceWindow`](crate::ForceWindow),
+/// densities. Memory is seven numbers a frequency for any number of hits. Signals are windowed
+/// before, by [`ForceWindow`](crate::ForceWindow) and
 /// [`ExponentialWindow`](crate::ExponentialWindow).
 ///
 /// Source: J. S. Bendat and A. G. Piersol, *Random Data*, 4th ed., Wiley 2010,
-/// chs. 5, 6 and 9.
+/// chs. 5, 6 and 9, doi 10.1002/9781118032428.
+///
+/// ```
+/// use asperity_signal::{FrfAverage, FrfEstimator, ResponseKind};
+///
+/// // Two hits on a spring of 1e6 N/m.
+/// let mut average = FrfAverage::new(8, 1e4, ResponseKind::Displacement, 1)?;
+/// for peak in [10.0, 20.0] {
+///     let force = [0.0, peak, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+///     average.push(&force, &force.map(|f| 1e-6 * f))?;
+/// }
+/// for estimator in [FrfEstimator::H1, FrfEstimator::H2] {
+///     assert!((average.frf(estimator)?.values[1].re - 1e-6).abs() < 1e-18);
+/// }
+/// assert!((average.coherence()?.values[1] - 1.0).abs() < 1e-12);
+/// # Ok::<(), asperity_signal::SignalError>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct FrfAverage {
     kind: ResponseKind,
@@ -57,7 +71,7 @@ pub struct FrfAverage {
     force: Vec<f64>,
     response: Vec<f64>,
     cross: Vec<Complex64>,
-    magnitude: Welford,
+    magnitude: RunningVariance,
 }
 
 impl FrfAverage {
@@ -65,7 +79,7 @@ impl FrfAverage {
     ///
     /// - `samples`: nominal length of a record, positive.
     /// - `padding`: zero padding, 1 (none) to 1024; the transform has
-    ///   [`fast_length`]`(padding * samples)` samples, about `2^26` at most.
+    ///   [`fast_length`]`(padding * samples)` samples, at most about `2^26`.
     ///
     /// # Errors
     /// [`SignalError::Empty`], [`SignalError::Padding`], [`SignalError::SampleRate`], [`SignalError::TooLong`].
@@ -97,15 +111,15 @@ impl FrfAverage {
             force: vec![0.0; bins],
             response: vec![0.0; bins],
             cross: vec![Complex64::ZERO; bins],
-            magnitude: Welford::new(bins),
+            magnitude: RunningVariance::new(bins),
         })
     }
 
     /// Adds a hit and returns its own frequency response function `X/F`.
     ///
-    /// Receptance from displacement, mobility from velocity, accelerance from acceleration; not finite
-    /// where this force has no content at all. A record shorter than the
-    /// nominal length is a transient that has ended, and is padded with zeros.
+    /// Receptance from displacement, mobility from velocity, accelerance from acceleration; not
+    /// finite where the transform of the force is zero. A record shorter than the
+    /// nominal length is padded with zeros.
     ///
     /// # Errors
     /// [`SignalError::Empty`], [`SignalError::NotFinite`], [`SignalError::LengthMismatch`],
@@ -138,10 +152,8 @@ impl FrfAverage {
         Ok(Frf { frequency_hz: self.frequency_hz(), values, form: self.form() })
     }
 
-    /// Adds the hits of another average of the same kind, as if they had been pushed here.
-    ///
-    /// So hits can be transformed side by side. Sums agree with those of
-    /// [`FrfAverage::push`] to rounding.
+    /// Adds the hits of another average, so that hits can be transformed in parallel. The sums agree
+    /// with those of [`FrfAverage::push`] to rounding.
     ///
     /// # Errors
     /// [`SignalError::TooLong`] where the lengths of the transforms differ, and
@@ -172,7 +184,7 @@ impl FrfAverage {
         self.averages
     }
 
-    /// The frequencies of every result, zero to half the rate, in hertz.
+    /// Frequencies of every result, zero to half the sample rate, in hertz.
     pub fn frequency_hz(&self) -> Vec<f64> {
         let step = self.sample_rate_hz / self.length as f64;
         (0..self.force.len()).map(|k| k as f64 * step).collect()
@@ -196,7 +208,7 @@ impl FrfAverage {
         Ok(self.response.iter().enumerate().map(|(k, sum)| sum * scale(k)).collect())
     }
 
-    /// Cross spectrum `Gfx`, whose phase is that of the response after the force.
+    /// Cross spectrum `Gfx`, with the phase of the response relative to the force.
     ///
     /// # Errors
     /// [`SignalError::TooFewAverages`] without a hit.
@@ -207,8 +219,8 @@ impl FrfAverage {
 
     /// The averaged frequency response function; other forms by [`Frf::to`].
     ///
-    /// Receptance from displacement, mobility from velocity, accelerance from acceleration. Not finite
-    /// where the force has no content at all.
+    /// Receptance from displacement, mobility from velocity, accelerance from acceleration. Not
+    /// finite where the transform of the force is zero.
     ///
     /// # Errors
     /// [`SignalError::TooFewAverages`] without a hit, [`SignalError::Option`] for a noise
@@ -224,8 +236,7 @@ impl FrfAverage {
     /// Ordinary coherence and the random errors that follow from it.
     ///
     /// # Errors
-    /// [`SignalError::TooFewAverages`] for fewer than two hits: one is coherent with
-    /// itself whatever the noise.
+    /// [`SignalError::TooFewAverages`] for fewer than two hits, since the coherence of one is 1.
     pub fn coherence(&self) -> Result<Coherence> {
         self.need("coherence", 2)?;
         let spectra = self.force.iter().zip(&self.response).zip(&self.cross);
@@ -242,7 +253,8 @@ impl FrfAverage {
         Ok(self.magnitude.spread(self.frequency_hz(), self.averages))
     }
 
-    /// Where the averaged force `sqrt(<|F|^2>)` has at least `threshold` of its largest value.
+    /// The frequencies at which the averaged force `sqrt(<|F|^2>)` has at least `threshold` of its
+    /// largest value.
     ///
     /// # Errors
     /// [`SignalError::TooFewAverages`] without a hit.
@@ -257,7 +269,7 @@ impl FrfAverage {
         self.kind.form()
     }
 
-    /// What turns a sum into a one-sided density: both ends have no mirror image.
+    /// Factors from sums to one-sided densities, not doubled at zero and half the rate.
     fn scale(
         &self,
         quantity: &'static str,

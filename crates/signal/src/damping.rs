@@ -1,4 +1,4 @@
-//! Damping from the half-power width of a resonance.
+//! Damping of a resonance: half-power width, circle fit, comparison of methods.
 
 mod circle;
 mod comparison;
@@ -7,11 +7,12 @@ pub use circle::{CircleFit, circle_fit, circle_fit_of};
 pub use comparison::DampingComparison;
 
 use crate::peak::Peak;
-use crate::response::{Exact, FrequencyResponse};
+use crate::response::FrequencyResponse;
 use crate::root::bracketed_root;
+use crate::spectra::ExactSpectra;
 use std::f64::consts::SQRT_2;
 
-/// The frequencies beside a peak at which `|H|^2` has fallen to half.
+/// The frequencies on either side of a peak at which `|H|^2` is half of its maximum.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HalfPower {
     /// Crossing below the peak, in hertz.
@@ -29,13 +30,13 @@ impl HalfPower {
     /// zeta = sin(atan(q) / 2),   q = (f_b^2 - f_a^2) / (f_b^2 + f_a^2)
     /// ```
     ///
-    /// With `s = (f/f_n)^2`, `1/|H|^2` is proportional to
-    /// `s^2 - 2 (1 - 2 zeta^2) s + 1`, least at `s = 1 - 2 zeta^2` where it is
-    /// `4 zeta^2 (1 - zeta^2)`; it has doubled at
+    /// Derivation: with `s = (f/f_n)^2`, `1/|H|^2` is proportional to
+    /// `s^2 - 2 (1 - 2 zeta^2) s + 1`, with the minimum `4 zeta^2 (1 - zeta^2)` at
+    /// `s = 1 - 2 zeta^2` and twice that at
     /// `s = 1 - 2 zeta^2 -+ 2 zeta sqrt(1 - zeta^2)`. With `zeta = sin a` these
-    /// are `cos 2a -+ sin 2a`, so that `q = tan 2a`, without the natural
+    /// are `cos 2a -+ sin 2a`, so that `q = tan 2a`, independent of the natural
     /// frequency. Valid below `sin(pi/8) = 0.383`, where the lower crossing
-    /// reaches zero frequency. As damping vanishes it tends to
+    /// is at zero frequency. As damping vanishes it tends to
     /// [`HalfPower::small_damping_ratio`].
     pub fn ratio(&self) -> f64 {
         let (a, b) = (self.lower_hz, self.upper_hz);
@@ -43,7 +44,7 @@ impl HalfPower {
         (0.5 * q.atan()).sin()
     }
 
-    /// The usual formula `(f_b - f_a) / (2 f_p)`, high by about `2 zeta^3`.
+    /// Damping ratio by the usual formula `(f_b - f_a) / (2 f_p)`, too large by about `2 zeta^3`.
     pub fn small_damping_ratio(&self) -> f64 {
         (self.upper_hz - self.lower_hz) / (2.0 * self.peak_hz)
     }
@@ -52,22 +53,41 @@ impl HalfPower {
 /// Damping ratio of a peak from its half-power crossings, [`HalfPower::ratio`].
 ///
 /// The crossings are found on the exact transform of the record to 1e-10.
-/// `None` if `|H|^2` does not fall to half on each side before it rises again:
-/// the modes overlap, or the peak is a bump on a slope.
+/// `None` if `|H|^2` does not fall to half on each side before it rises again, as with
+/// overlapping modes.
 ///
-/// A record that ends before the response has decayed widens the peak, and the
-/// ratio is too large.
+/// A record that ends before the response has decayed widens the peak and
+/// increases the ratio.
+///
+/// ```
+/// use asperity_signal::{FrequencyResponse, HarmonicOptions, find_harmonics, half_power};
+///
+/// // Impulse response of a 1 kg oscillator at 200 Hz with 2 % of critical damping.
+/// let (rate, omega, zeta) = (2e4, std::f64::consts::TAU * 200.0, 0.02_f64);
+/// let damped = omega * (1.0 - zeta * zeta).sqrt();
+/// let displacement: Vec<f64> = (0..20_000)
+///     .map(|n| f64::from(n) / rate)
+///     .map(|t| (-zeta * omega * t).exp() * (damped * t).sin() / damped)
+///     .collect();
+/// let mut force = vec![0.0; displacement.len()];
+/// force[0] = rate;
+/// let hit = FrequencyResponse::from_displacement(&force, &displacement, rate)?;
+/// let found = find_harmonics(&hit, 190.0, &HarmonicOptions::default());
+/// let ratio = found.fundamental.and_then(|peak| half_power(&hit, &peak));
+/// assert!((ratio.ok_or("a peak of one mode has a width")? - zeta).abs() < 1e-5);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn half_power(response: &FrequencyResponse, peak: &Peak) -> Option<f64> {
     half_power_crossings(response, peak).map(|crossings| crossings.ratio())
 }
 
-/// The half-power crossings themselves; `None` as for [`half_power`].
+/// Half-power crossings of a peak; `None` as for [`half_power`].
 pub fn half_power_crossings(response: &FrequencyResponse, peak: &Peak) -> Option<HalfPower> {
     crossings_of(response, peak)
 }
 
-/// [`half_power_crossings`] of whatever gives the spectra of a hit.
-fn crossings_of(hit: &impl Exact, peak: &Peak) -> Option<HalfPower> {
+/// [`half_power_crossings`] of any spectra of a hit.
+fn crossings_of(hit: &impl ExactSpectra, peak: &Peak) -> Option<HalfPower> {
     let response = hit.response();
     let power = |frequency| hit.receptance_at(frequency).norm_sqr();
     let first_step = 0.25 / response.duration();
@@ -78,12 +98,25 @@ fn crossings_of(hit: &impl Exact, peak: &Peak) -> Option<HalfPower> {
 ///
 /// - `power`: `|H|^2`, any unit, of a frequency in hertz.
 /// - `peak_hz`: its local maximum, in hertz.
-/// - `first_step_hz`: how far from the peak to look first; each further step is
-///   1.4 times longer. A feature narrower than the steps is overlooked.
-/// - `upper_limit_hz`: where to give up; the lower limit is zero.
+/// - `first_step_hz`: first step away from the peak; each further step is
+///   1.4 times longer. Features narrower than the steps are missed.
+/// - `upper_limit_hz`: upper limit of the search; the lower limit is zero.
 ///
-/// `None` if a side does not fall to half, or rises on the way, or if an
+/// `None` if a side does not fall monotonically to half, or if an
 /// argument is not positive and finite.
+///
+/// ```
+/// // 1/|H|^2 of a damping ratio sin(a) about 100 Hz.
+/// let zeta = 0.05_f64;
+/// let power = |f: f64| {
+///     let s = (f / 100.0).powi(2);
+///     1.0 / ((1.0 - s).powi(2) + 4.0 * zeta * zeta * s)
+/// };
+/// let peak = 100.0 * (1.0 - 2.0 * zeta * zeta).sqrt();
+/// let crossings = asperity_signal::half_power_of(power, peak, 0.1, 200.0).ok_or("no width")?;
+/// assert!((crossings.ratio() - zeta).abs() < 1e-9);
+/// # Ok::<(), &str>(())
+/// ```
 pub fn half_power_of(
     mut power: impl FnMut(f64) -> f64,
     peak_hz: f64,
@@ -102,14 +135,14 @@ pub fn half_power_of(
     Some(HalfPower { lower_hz, peak_hz, upper_hz })
 }
 
-/// Growth of the steps away from the peak.
+/// Ratio of successive steps away from the peak.
 const GROWTH: f64 = 1.4;
 /// Steps away from the peak: `1.4^200` is more than any ratio of frequencies.
 const STEPS: usize = 200;
 /// Relative tolerance of a crossing.
 const TOLERANCE: f64 = 1e-10;
 
-/// Walks from the peak until `level` is negative, and finds its root there.
+/// The root of `level` on one side of the peak, bracketed by growing steps.
 fn crossing(
     mut level: impl FnMut(f64) -> f64,
     peak_hz: f64,
@@ -119,7 +152,7 @@ fn crossing(
     let (mut near, mut at_near) = (peak_hz, SQRT_2 - 1.0);
     for _ in 0..STEPS {
         let beyond = near + step;
-        // The last step ends on a limit: an exact zero frequency is still looked at.
+        // The last step ends on a limit, which may be zero frequency itself.
         let far = beyond.clamp(low, high);
         let at_far = level(far);
         if at_far <= 0.0 {

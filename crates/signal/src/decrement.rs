@@ -1,5 +1,6 @@
-//! Damping from a free decay.
+//! Damping from the logarithmic decrement of a free decay.
 
+use crate::fit::{fitted_line, parabola_vertex};
 use std::f64::consts::PI;
 
 /// The logarithmic decrement of a free decay.
@@ -7,19 +8,19 @@ use std::f64::consts::PI;
 pub struct LogarithmicDecrement {
     /// Damping ratio, `delta / sqrt(4 pi^2 + delta^2)`; negative for a growing oscillation.
     pub ratio: f64,
-    /// Logarithmic decrement `delta`: the loss of `ln` amplitude per cycle.
+    /// Logarithmic decrement `delta`, the decrease of the logarithm of the amplitude per cycle.
     pub decrement: f64,
-    /// Frequency of the decay (the damped natural frequency), in hertz.
+    /// Damped natural frequency, in hertz.
     pub frequency_hz: f64,
-    /// Cycles over which the line was fitted.
+    /// Number of cycles fitted.
     pub cycles: f64,
-    /// Root mean square distance of the `ln` amplitudes from the line.
+    /// Root mean square residual of the logarithms of the amplitudes.
     pub scatter: f64,
 }
 
-/// Peak-to-peak heights below this fraction of the first are left out.
+/// Smallest peak-to-peak height used, over the first.
 const FLOOR: f64 = 1e-4;
-/// Fewest heights to fit a line to and know its scatter.
+/// Fewest heights for a line and its scatter.
 const FEWEST: usize = 3;
 
 /// Damping of a free decay from its successive maxima and minima.
@@ -30,23 +31,37 @@ const FEWEST: usize = 3;
 /// ```
 ///
 /// with `u_k` the alternating extrema, refined by a parabola through three
-/// samples. Their differences are free of the offset `c`; the line is least
-/// squares over all of them.
+/// samples. Their differences do not contain the offset `c`; the line is fitted by least
+/// squares.
 ///
-/// - `samples`: a decay without force from the first sample on, any unit.
-/// - `sample_rate_hz`: in hertz; the parabola's error is third order in the
-///   phase per sample (fourth without damping), 1e-4 of the ratio or less from
+/// - `samples`: free decay from the first sample on, any unit.
+/// - `sample_rate_hz`: in hertz. The error of the parabola is third order in the
+///   phase per sample (fourth without damping): at most 1e-4 of the ratio from
 ///   50 samples a cycle.
-/// - `frequency_hz`: of the oscillation, within a quarter, in hertz. It only
-///   says which extrema belong to it: those that dominate a quarter of a cycle
-///   on either side and follow each other after 0.3 to 0.7 of one. The count
-///   ends at the first that does not, or at `1e-4` of the first height.
+/// - `frequency_hz`: of the oscillation, to within a quarter, in hertz. It
+///   selects the extrema: each is the largest or smallest sample within a quarter of a cycle
+///   and follows the one before it after 0.3 to 0.7 of a cycle. The first that does not, or a
+///   height below `1e-4` of the first, ends the series.
 ///
-/// `None` for fewer than 8 samples a cycle, for fewer than four extrema, and
-/// for samples or arguments that are not finite.
+/// `None` for fewer than 8 samples a cycle, fewer than four extrema, and
+/// samples or arguments that are not finite. Limiting case: zero without damping.
 ///
-/// Source: D. J. Inman, *Engineering Vibration*, sec. 1.6. The limiting case
-/// of no damping gives zero.
+/// Source: D. J. Inman, *Engineering Vibration*, 4th ed., Pearson 2014, sec. 1.6.
+///
+/// ```
+/// use asperity_signal::logarithmic_decrement;
+///
+/// let (rate, frequency, damping) = (1e4, 100.0, 0.02_f64);
+/// let sigma = std::f64::consts::TAU * frequency * damping / (1.0 - damping * damping).sqrt();
+/// let decay: Vec<f64> = (0..2000)
+///     .map(|n| n as f64 / rate)
+///     .map(|t| (-sigma * t).exp() * (std::f64::consts::TAU * frequency * t).cos())
+///     .collect();
+/// let found = logarithmic_decrement(&decay, rate, frequency).ok_or("a decay has a decrement")?;
+/// assert!((found.ratio - damping).abs() < 1e-5);
+/// assert!((found.frequency_hz - frequency).abs() < 1e-3);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn logarithmic_decrement(
     samples: &[f64],
     sample_rate_hz: f64,
@@ -102,7 +117,7 @@ fn alternating_extrema(samples: &[f64], per_cycle: f64) -> Vec<Extremum> {
     extrema
 }
 
-/// The extremum at sample `n`, if it dominates a quarter of a cycle on either side.
+/// The extremum at sample `n`, if no sample within a quarter of a cycle exceeds it.
 fn extremum_at(samples: &[f64], n: usize, quarter: usize) -> Option<Extremum> {
     let here = samples[n];
     let (before, after) = (samples[n - 1], samples[n + 1]);
@@ -111,15 +126,12 @@ fn extremum_at(samples: &[f64], n: usize, quarter: usize) -> Option<Extremum> {
     if !(is_maximum || is_minimum) {
         return None;
     }
-    let dominated = |x: &f64| if is_maximum { *x <= here } else { *x >= here };
-    if !samples[n - quarter..=n + quarter].iter().all(dominated) {
+    let inside = |x: &f64| if is_maximum { *x <= here } else { *x >= here };
+    if !samples[n - quarter..=n + quarter].iter().all(inside) {
         return None;
     }
-    // Vertex of the parabola through three samples; the curvature is not zero.
-    let slope = 0.5 * (after - before);
-    let curvature = (after - here) - (here - before);
-    let shift = -slope / curvature;
-    Some(Extremum { time: n as f64 + shift, value: here + 0.5 * slope * shift, is_maximum })
+    let (shift, value) = parabola_vertex([before, here, after])?;
+    Some(Extremum { time: n as f64 + shift, value, is_maximum })
 }
 
 /// `ln |u_k - u_{k+1}|` down to the floor.
@@ -137,21 +149,4 @@ fn heights(extrema: &[Extremum]) -> Vec<f64> {
         kept.push(height.ln());
     }
     kept
-}
-
-/// Slope and root mean square residual of the least-squares line through `(k, y_k)`.
-fn fitted_line(values: &[f64]) -> (f64, f64) {
-    let count = values.len() as f64;
-    let centre = 0.5 * (count - 1.0);
-    let mean = values.iter().sum::<f64>() / count;
-    let (mut cross, mut square) = (0.0, 0.0);
-    for (k, value) in values.iter().enumerate() {
-        let x = k as f64 - centre;
-        cross += x * (value - mean);
-        square += x * x;
-    }
-    let slope = cross / square;
-    let residual = |(k, value): (usize, &f64)| value - mean - slope * (k as f64 - centre);
-    let sum: f64 = values.iter().enumerate().map(residual).map(|r| r * r).sum();
-    (slope, (sum / count).sqrt())
 }

@@ -1,23 +1,25 @@
-//! The strongest resonance of a band.
+//! The dominant resonance of a band.
 
 use crate::form::FrfForm;
 use crate::frf::convert;
 use crate::peak::{PowerGrid, refine};
-use crate::response::{FrequencyResponse, Spectra};
+use crate::response::FrequencyResponse;
+use crate::spectra::HitSpectra;
 
-/// Frequency (Hz) of the largest peak of `|H|` in a band where the force has content.
+/// Frequency (Hz) of the largest peak of `|H|` in a band.
 ///
-/// For measured hits, where no static frequency is known to tell
-/// [`find_harmonics`](crate::find_harmonics) where to look.
+/// The reference of [`find_harmonics`](crate::find_harmonics) for measured hits, whose static
+/// frequency is not known.
 ///
 /// - `band_hz`: open interval, in hertz.
-/// - `form`: what is largest; accelerance prefers the higher of two modes,
-///   receptance the lower. Inverse forms are taken as their reciprocals.
-/// - `force_threshold`: smallest force magnitude over its largest up to the band's end.
+/// - `form`: the form whose magnitudes are compared; accelerance weighs the higher of two modes
+///   more, receptance the lower. Inverse forms are compared by their reciprocals.
+/// - `force_threshold`: smallest admissible magnitude of the force's transform, over its largest up
+///   to the end of the band.
 ///
-/// A largest value at the band's edge is no peak. The frequency returned is
-/// that of the receptance's maximum, refined on the exact transform, so that
-/// it does not depend on the form. `None` if there is no peak.
+/// The frequency is that of the maximum of the receptance, refined on the exact transform,
+/// whatever the form. `None` if there is no peak; a value that only rises towards a limit of the
+/// band is none.
 pub fn dominant_frequency(
     response: &FrequencyResponse,
     band_hz: (f64, f64),
@@ -27,9 +29,9 @@ pub fn dominant_frequency(
     dominant_of(response, band_hz, form, force_threshold)
 }
 
-/// [`dominant_frequency`] of whatever gives the spectra of a hit.
+/// [`dominant_frequency`] of any spectra of a hit.
 pub(crate) fn dominant_of(
-    response: &impl Spectra,
+    response: &impl HitSpectra,
     band_hz: (f64, f64),
     form: FrfForm,
     force_threshold: f64,
@@ -60,7 +62,7 @@ pub(crate) fn dominant_of(
     maxima.into_iter().filter(valid).find_map(|k| refine(response, &grid, k).filter(inside))
 }
 
-/// The motion over force that an inverse form is the reciprocal of.
+/// The form of motion over force of which an inverse form is the reciprocal.
 fn reciprocal(form: FrfForm) -> FrfForm {
     match form.derivatives() {
         0 => FrfForm::Receptance,

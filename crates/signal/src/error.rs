@@ -1,105 +1,105 @@
-//! What can be wrong with a signal.
+//! Errors of invalid samples and options.
 
 use thiserror::Error as Derive;
 
-/// The result of this crate's fallible constructors.
+/// The result of this crate's fallible functions.
 pub(crate) type Result<T> = std::result::Result<T, SignalError>;
 
-/// Why samples were refused.
+/// Invalid samples or options.
 #[derive(Debug, Clone, PartialEq, Derive)]
 #[non_exhaustive]
 pub enum SignalError {
-    /// A signal without samples has no spectrum.
-    #[error("the {signal} has no samples")]
+    /// A signal without samples.
+    #[error("the {signal} has no samples; at least one is needed")]
     Empty {
-        /// Which signal.
+        /// The signal.
         signal: &'static str,
     },
-    /// Force and response must be sampled together.
-    #[error("{force} force samples but {response} response samples")]
+    /// Force and response of different lengths.
+    #[error("{force} force samples but {response} response samples; the numbers must be equal")]
     LengthMismatch {
         /// Number of force samples.
         force: usize,
         /// Number of response samples.
         response: usize,
     },
-    /// A sample is infinite or not a number.
-    #[error("sample {index} of the {signal} is {value}, not a finite number")]
+    /// An infinite sample or one that is not a number.
+    #[error("sample {index} of the {signal} is {value}; samples must be finite")]
     NotFinite {
-        /// Which signal.
+        /// The signal.
         signal: &'static str,
         /// Index of the first such sample.
         index: usize,
         /// Its value.
         value: f64,
     },
-    /// The sample rate is not a positive finite number.
-    #[error("the sample rate is {value} Hz, it must be positive and finite")]
+    /// A sample rate that is not a positive finite number.
+    #[error("the sample rate is {value} Hz; it must be positive and finite")]
     SampleRate {
         /// The rate given, in hertz.
         value: f64,
     },
-    /// The zero padding is outside what a spectrum accepts.
-    #[error("padding {value} is outside 1 to {limit}")]
+    /// A zero padding outside the accepted range.
+    #[error("the padding is {value}; it must be 1 to {limit}")]
     Padding {
         /// The padding factor given.
         value: usize,
         /// The largest factor accepted.
         limit: usize,
     },
-    /// Every force sample is zero, so nothing can be divided by the force.
-    #[error("all {samples} force samples are zero")]
+    /// A force that is zero throughout, by which nothing can be divided.
+    #[error("all {samples} force samples are zero; at least one must not be")]
     NoForce {
         /// Number of force samples.
         samples: usize,
     },
-    /// An option is outside what makes sense.
+    /// An option outside its valid range.
     #[error("{quantity} is {value}, it must be {expected}")]
     Option {
-        /// Which option, in words.
+        /// The option, in words.
         quantity: &'static str,
         /// The value given.
         value: f64,
-        /// What is accepted, in words.
+        /// The values accepted, in words.
         expected: &'static str,
     },
-    /// A block holds another number of response channels than announced.
+    /// A number of response channels other than that announced.
     #[error("{found} response channels, {expected} expected")]
     Channels {
-        /// Channels in the block.
+        /// Channels found.
         found: usize,
         /// Channels announced.
         expected: usize,
     },
-    /// A record is longer than what it is averaged with.
-    #[error("a record of {samples} samples, at most {limit} fit the average")]
+    /// A record longer than the average it is added to.
+    #[error("a record of {samples} samples; the average accepts at most {limit}")]
     TooLong {
         /// Samples of the record.
         samples: usize,
         /// The most samples accepted.
         limit: usize,
     },
-    /// No force sample stands out from the noise.
+    /// A force that does not rise above its noise.
     #[error("the largest force is {largest} N, a hit needs {needed} N in this noise")]
     NoHit {
         /// Largest force sample, in newtons.
         largest: f64,
-        /// What it would have to exceed, in newtons.
+        /// The force needed, in newtons.
         needed: f64,
     },
-    /// A quantity that only an average of several hits has.
+    /// Fewer hits than an averaged quantity needs.
     #[error("the {quantity} needs {needed} averages, there are {averages}")]
     TooFewAverages {
-        /// What was asked for.
+        /// The quantity.
         quantity: &'static str,
         /// Hits averaged so far.
         averages: usize,
-        /// The fewest that give an answer.
+        /// The fewest hits needed.
         needed: usize,
     },
 }
 
-/// Refuses an option (named in words) that is not positive and finite.
+/// Rejects an option (named in words) that is not positive and finite.
 pub(crate) fn check_positive(quantity: &'static str, value: f64) -> Result<()> {
     if value.is_finite() && value > 0.0 {
         Ok(())
@@ -108,7 +108,7 @@ pub(crate) fn check_positive(quantity: &'static str, value: f64) -> Result<()> {
     }
 }
 
-/// Refuses an empty signal and one with a sample that is not finite.
+/// Rejects an empty signal and one with a sample that is not finite.
 pub(crate) fn check_samples(signal: &'static str, samples: &[f64]) -> Result<()> {
     if samples.is_empty() {
         return Err(SignalError::Empty { signal });
@@ -119,7 +119,7 @@ pub(crate) fn check_samples(signal: &'static str, samples: &[f64]) -> Result<()>
     }
 }
 
-/// Refuses a sample rate (Hz) that is not positive and finite.
+/// Rejects a sample rate (Hz) that is not positive and finite.
 pub(crate) fn check_rate(sample_rate_hz: f64) -> Result<()> {
     if sample_rate_hz.is_finite() && sample_rate_hz > 0.0 {
         Ok(())

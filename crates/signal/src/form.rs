@@ -1,6 +1,6 @@
-//! The six forms of a frequency response function.
+//! Forms of a frequency response function, and quantities of a response.
 
-/// What a frequency response function divides by what.
+/// The form of a frequency response function: its numerator and denominator.
 ///
 /// With the harmonic displacement `U`, velocity `i w U`, acceleration
 /// `-w^2 U` and force `F`, `w = 2 pi f`. Names and order follow
@@ -23,7 +23,7 @@ pub enum FrfForm {
 }
 
 impl FrfForm {
-    /// All six, motion over force first.
+    /// The six forms, motion over force first.
     pub const ALL: [Self; 6] = [
         Self::Receptance,
         Self::Mobility,
@@ -57,12 +57,12 @@ impl FrfForm {
         }
     }
 
-    /// Whether force is divided by motion, not motion by force.
+    /// True for force over motion.
     pub const fn is_inverse(self) -> bool {
         matches!(self, Self::DynamicStiffness | Self::MechanicalImpedance | Self::ApparentMass)
     }
 
-    /// Time derivatives of the displacement in the motion: 0, 1 or 2.
+    /// Order of the time derivative of the displacement: 0, 1 or 2.
     pub const fn derivatives(self) -> i32 {
         match self {
             Self::Receptance | Self::DynamicStiffness => 0,
@@ -78,24 +78,24 @@ impl std::fmt::Display for FrfForm {
     }
 }
 
-/// What the response samples are.
+/// Quantity of the response samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum ResponseKind {
     /// Displacement from equilibrium, in metres.
     Displacement,
-    /// Velocity, in m/s, divided by `i 2 pi f` in the spectrum.
+    /// Velocity, in m/s; its transform is `i 2 pi f` times that of displacement.
     Velocity,
-    /// Acceleration, in m/s^2, divided by `-(2 pi f)^2` in the spectrum.
+    /// Acceleration, in m/s^2; its transform is `-(2 pi f)^2` times that of displacement.
     Acceleration,
 }
 
 impl ResponseKind {
-    /// Time derivatives of the displacement in the samples: 0, 1 or 2.
+    /// Order of the time derivative of the displacement: 0, 1 or 2.
     pub const fn derivatives(self) -> i32 {
         self.form().derivatives()
     }
 
-    /// What the samples' transform over the force's is: receptance, mobility or accelerance.
+    /// Form of response over force: receptance, mobility or accelerance.
     pub const fn form(self) -> FrfForm {
         match self {
             Self::Displacement => FrfForm::Receptance,
@@ -104,7 +104,7 @@ impl ResponseKind {
         }
     }
 
-    /// The samples' name in running text.
+    /// The name in running text.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Displacement => "displacement",

@@ -1,7 +1,7 @@
-//! Frequency response functions and their conversion.
+//! Frequency response functions, their conversion and their validity.
 
 use crate::form::FrfForm;
-use realfft::num_complex::{Complex64, ComplexFloat};
+use num_complex::{Complex64, ComplexFloat};
 use std::f64::consts::TAU;
 
 /// A frequency response function sampled at given frequencies.
@@ -11,19 +11,28 @@ pub struct Frf {
     pub frequency_hz: Vec<f64>,
     /// Values at these frequencies, in the unit of [`FrfForm::unit`].
     pub values: Vec<Complex64>,
-    /// What is divided by what.
+    /// The form.
     pub form: FrfForm,
 }
 
 impl Frf {
-    /// The same function in another form: `i w` per derivative, and the reciprocal.
+    /// The function in another form: a factor `i w` per time derivative, and the reciprocal for
+    /// force over motion.
     ///
-    /// Exact up to rounding at every frequency but zero. There `i w = 0`, and
-    /// only what exists is returned: forms of more derivatives of the motion
-    /// are zero (a mobility at rest), and conversions that would divide by
-    /// zero, such as accelerance to receptance or receptance to mechanical
-    /// impedance, are NaN. [`Frf::without_dc`] drops that value. A function
-    /// that is itself zero has NaN as its reciprocal.
+    /// At zero frequency a conversion that multiplies by `i w` gives zero, and one that divides by
+    /// it, such as accelerance to receptance, gives NaN; [`Frf::without_dc`] removes that value. The
+    /// reciprocal of zero is NaN.
+    ///
+    /// ```
+    /// use asperity_signal::{Complex64, Frf, FrfForm};
+    ///
+    /// let spring = Frf {
+    ///     frequency_hz: vec![0.0, 50.0],
+    ///     values: vec![Complex64::new(1e-6, 0.0); 2],
+    ///     form: FrfForm::Receptance,
+    /// };
+    /// assert_eq!(spring.to(FrfForm::DynamicStiffness).values[1].re, 1e6);
+    /// ```
     #[must_use]
     pub fn to(&self, form: FrfForm) -> Self {
         let values = self
@@ -35,7 +44,7 @@ impl Frf {
         Self { frequency_hz: self.frequency_hz.clone(), values, form }
     }
 
-    /// The function without its values at zero frequency.
+    /// The function without zero frequency.
     #[must_use]
     pub fn without_dc(&self) -> Self {
         let (frequency_hz, values) = self
@@ -57,22 +66,22 @@ impl Frf {
         self.values.iter().map(|value| value.arg()).collect()
     }
 
-    /// Number of frequencies that have a value.
+    /// Number of frequencies with a value.
     pub fn len(&self) -> usize {
         self.values.len().min(self.frequency_hz.len())
     }
 
-    /// Whether there is no frequency.
+    /// True without frequencies.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 }
 
-/// Frequencies at which a frequency response function can be believed.
+/// Frequencies at which the force is strong enough for a valid frequency response function.
 ///
-/// A force pulse has a spectrum with zeros (a half-sine at 1.5, 2.5, ... over
-/// its duration) and a fall-off; there `U / F` divides noise, or a nonlinear
-/// response, by nothing. A frequency is valid where
+/// The spectrum of a force pulse has zeros (a half-sine at 1.5, 2.5, ... over
+/// its duration) and decreases with frequency; `U / F` is meaningless near a zero. A frequency is
+/// valid where
 ///
 /// ```text
 /// |F(f)| >= threshold * max |F|
@@ -83,9 +92,9 @@ impl Frf {
 pub struct ForceMask {
     /// Frequencies, in hertz.
     pub frequency_hz: Vec<f64>,
-    /// Whether the force is strong enough there.
+    /// Validity at each frequency.
     pub valid: Vec<bool>,
-    /// The smallest `|F|` accepted: the threshold times the maximum, in N s.
+    /// Smallest valid `|F|`, the threshold times the maximum, in N s.
     pub floor: f64,
 }
 
@@ -96,7 +105,7 @@ impl ForceMask {
         Self { frequency_hz, valid: magnitude.iter().map(|&value| value >= floor).collect(), floor }
     }
 
-    /// Fraction of the frequencies that are valid, 0 to 1; NaN for no frequency.
+    /// Valid fraction of the frequencies, 0 to 1; NaN without frequencies.
     pub fn coverage(&self) -> f64 {
         let valid = self.valid.iter().filter(|valid| **valid).count();
         valid as f64 / self.valid.len() as f64
@@ -109,9 +118,9 @@ impl ForceMask {
     }
 }
 
-/// One value, from one form to another; NaN where a division by zero is asked.
+/// Converts one value to another form; NaN for a division by zero.
 pub(crate) fn convert(value: Complex64, frequency: f64, from: FrfForm, to: FrfForm) -> Complex64 {
-    // Each derivative multiplies a motion by i w and divides its reciprocal by it.
+    // Each time derivative multiplies a motion by i w and divides its reciprocal by it.
     let derivatives = to.derivatives() - from.derivatives();
     match (from.is_inverse(), to.is_inverse()) {
         (false, false) => differentiate(value, frequency, derivatives),

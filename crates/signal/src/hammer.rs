@@ -1,4 +1,4 @@
-//! A hammer test from records to features and average.
+//! Analysis of a hammer test, from records to features and average.
 
 mod features;
 
@@ -15,44 +15,44 @@ use crate::hit::{
 };
 use crate::window::{ExponentialWindow, ForceWindow};
 
-/// What is done to the signals of a hit before they are transformed.
+/// Windows of the signals of a hit.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct HitWindows {
-    /// Margin and taper of the [`ForceWindow`] around each blow, in seconds; none if `None`.
+    /// Margin and taper of the [`ForceWindow`] around each pulse, in seconds; none if `None`.
     pub force_s: Option<(f64, f64)>,
-    /// Window of force and response, one at the trigger.
+    /// Exponential window of force and response, with the value one at the trigger.
     pub exponential: Option<ExponentialWindow>,
 }
 
-/// How [`hammer_test`] works.
+/// Options of [`hammer_test`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct HammerOptions {
-    /// How the record is cut.
+    /// Division of the record into hits.
     pub hits: HitOptions,
-    /// What is a good hit.
+    /// Limits of the quality of a hit.
     pub quality: QualityOptions,
-    /// What the response is.
+    /// Quantity of the response.
     pub response_kind: ResponseKind,
-    /// Where the fundamental is looked for.
+    /// Reference of the search for the fundamental.
     pub fundamental: FundamentalSearch,
-    /// How the fundamental and the second harmonic are looked for.
+    /// Options of the search for the fundamental and the second harmonic.
     pub harmonics: HarmonicOptions,
-    /// Windows.
+    /// Windows of force and response.
     pub windows: HitWindows,
-    /// Band in which the response is noise, in hertz; `None` takes its last tenth for noise.
+    /// Band in which the response is noise, in hertz; `None` for its last tenth in time.
     pub noise_band_hz: Option<(f64, f64)>,
-    /// Half width of the band of the decay, over the fundamental.
+    /// Half width of the band of the decay, over the frequency of the fundamental.
     pub band_part: f64,
-    /// Cycles over which a point of the backbone is fitted.
+    /// Cycles per fitted line of the backbone.
     pub cycles: f64,
     /// Zero padding of the averaged transforms, 1 to 1024.
     pub padding: usize,
-    /// Whether hits with a disqualifying issue are analysed and averaged like the others.
+    /// Analyses and averages hits with a disqualifying issue too.
     pub keep_all: bool,
 }
 
 impl HammerOptions {
-    /// Unwindowed, unpadded; the decay in 0.7 to 1.3 of the fundamental, four cycles a point.
+    /// Without windows and padding; the decay in 0.7 to 1.3 of the fundamental, four cycles a line.
     pub fn new(
         hits: HitOptions,
         response_kind: ResponseKind,
@@ -74,54 +74,55 @@ impl HammerOptions {
     }
 }
 
-/// One hit, judged and analysed.
+/// The quality, pulse and features of one hit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AnalysedHit {
-    /// Index in the record of the hit's first sample.
+    /// Index in the record of the first sample of the hit.
     pub start: u64,
     /// Index in the hit of the trigger.
     pub trigger: usize,
     /// Number of samples.
     pub samples: usize,
-    /// What is wrong with it.
+    /// Quality issues.
     pub issues: Vec<QualityIssue>,
-    /// Offset of the force that was taken away.
+    /// Offset of the force, which was subtracted.
     pub force_offset: Option<Offset>,
-    /// The blow, without offset and before any window.
+    /// The force pulse, without offset and before any window.
     pub pulse: Option<Pulse>,
-    /// The hit's own frequency response function, if it was averaged.
+    /// Frequency response function of the hit, if it was averaged.
     pub frf: Option<Frf>,
     /// Harmonics, damping and backbone, if it was averaged.
     pub features: Option<HitFeatures>,
 }
 
 impl AnalysedHit {
-    /// Whether the hit is in the average: no issue disqualifies it and it can be transformed.
+    /// True if the hit is in the average: without a disqualifying issue, and with a transform.
     pub fn is_averaged(&self) -> bool {
         self.frf.is_some()
     }
 }
 
-/// A whole test.
+/// The results of [`hammer_test`].
 #[derive(Debug, Clone)]
 pub struct HammerTest {
-    /// The trigger level and its evidence.
+    /// The trigger level used.
     pub trigger: Trigger,
-    /// Every hit, the bad ones too.
+    /// All hits, also those that were not averaged.
     pub hits: Vec<AnalysedHit>,
-    /// The average of the good ones.
+    /// The average of the hits without disqualifying issues.
     pub average: FrfAverage,
 }
 
-/// Cuts a record into hits, judges and analyses each, and averages the good ones.
+/// Divides a record into hits, analyses each, and averages those without disqualifying issues.
 ///
-/// For each hit the force loses its offset at rest, the issues are found,
-/// the windows applied, and for a good hit the features found. A hit with a
-/// disqualifying issue ([`QualityIssue::is_disqualifying`]) is kept with its
-/// issues and its pulse, and not averaged.
+/// For each hit the offset of the force is subtracted, quality issues are detected,
+/// windows are applied and features extracted. A hit with a
+/// disqualifying issue ([`QualityIssue::is_disqualifying`]) has
+/// issues and a pulse only, and is not averaged.
 ///
 /// - `force`: in newtons, positive when the hammer pushes.
-/// - `response`: in metres or m/s^2, as [`HammerOptions::response_kind`] says, sampled with the force.
+/// - `response`: in m, m/s or m/s^2 according to [`HammerOptions::response_kind`], sampled with the
+///   force.
 ///
 /// # Errors
 /// Those of [`find_hits`] and [`FrfAverage::new`], and
@@ -132,13 +133,13 @@ pub struct HammerTest {
 ///     FrfEstimator, HammerOptions, HitLength, HitOptions, FundamentalSearch, ResponseKind, TriggerLevel, hammer_test,
 /// };
 ///
-/// // A 1 kg oscillator at 200 Hz with 2 % of critical damping, struck twice by one sample.
+/// // A 1 kg oscillator at 200 Hz with 2 % of critical damping, and two impulses.
 /// let (rate, omega, damping) = (2.0e4, std::f64::consts::TAU * 200.0, 0.02_f64);
 /// let damped = omega * (1.0 - damping * damping).sqrt();
 /// let (mut force, mut displacement) = (vec![0.0; 24_000], vec![0.0; 24_000]);
-/// for (blow, impulse) in [(500, 0.01), (12_500, 0.02)] {
-///     force[blow] = impulse * rate;
-///     for (n, u) in displacement[blow..].iter_mut().enumerate() {
+/// for (start, impulse) in [(500, 0.01), (12_500, 0.02)] {
+///     force[start] = impulse * rate;
+///     for (n, u) in displacement[start..].iter_mut().enumerate() {
 ///         let t = n as f64 / rate;
 ///         *u += impulse * (-damping * omega * t).exp() * (damped * t).sin() / damped;
 ///     }
@@ -167,7 +168,7 @@ pub fn hammer_test(
     sample_rate_hz: f64,
     options: &HammerOptions,
 ) -> Result<HammerTest> {
-    check_positive("the half width of the decay's band", options.band_part)?;
+    check_positive("the half width of the band of the decay", options.band_part)?;
     check_positive("the cycles of a line", options.cycles)?;
     let (hits, trigger) = find_hits(force, &[response], sample_rate_hz, &options.hits)?;
     let samples = match options.hits.length {
@@ -180,12 +181,11 @@ pub fn hammer_test(
     Ok(HammerTest { trigger, hits, average })
 }
 
-/// Judges and analyses one hit, and adds it to an average if it is good: a step of [`hammer_test`]
-/// for hits that come one by one, such as those of a [`HitFinder`](crate::HitFinder).
+/// Analyses one hit and adds it to an average unless an issue disqualifies it: the step of
+/// [`hammer_test`] for the hits of a [`HitFinder`](crate::HitFinder).
 ///
-/// Of the options, those that cut the record and the padding are not looked at; the response is
-/// the first of the hit. A hit that cannot be transformed has neither features nor part in the
-/// average.
+/// [`HammerOptions::hits`] and [`HammerOptions::padding`] are not used; the response is
+/// the first of the hit. A hit that cannot be transformed has no features and is not averaged.
 pub fn analyse_hit(
     mut hit: HitRecord,
     options: &HammerOptions,
@@ -226,7 +226,7 @@ pub fn analyse_hit(
     let Ok(response) = hit.response(0, options.response_kind) else {
         return found;
     };
-    // What a response accepts, the average accepts, of this length at most.
+    // Fails for a hit longer than the average only, which then has no transform.
     found.frf = average.push(response.force(), response.samples()).ok();
     found.features =
         features::of_hit(&response, &measured, hit.trigger, &pulse, force_offset.as_ref(), options);

@@ -1,37 +1,39 @@
 //! The fundamental and the second harmonic of a hit.
 
 use crate::peak::{Peak, PowerGrid, refine};
-use crate::response::{FrequencyResponse, Spectra};
-use realfft::num_complex::Complex64;
+use crate::response::FrequencyResponse;
+use crate::spectra::HitSpectra;
+use num_complex::Complex64;
 
-/// How [`find_harmonics`] searches.
+/// Options of [`find_harmonics`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct HarmonicOptions {
     /// Window of the fundamental, over the static frequency.
     pub fundamental_window: (f64, f64),
     /// Window of the second harmonic, over the fundamental found.
     pub second_window: (f64, f64),
-    /// Zero padding of the grid on which maxima are first seen, at least 2.
+    /// Zero padding of the grid on which maxima are detected, at least 2.
     ///
-    /// A rectangular window resolves nothing finer than one over the record,
-    /// so a padding of 4 puts several points on anything that is there.
+    /// The resolution of a rectangular window is `1 / T`, so a padding of 4 gives several points to
+    /// every maximum.
     pub padding: usize,
-    /// Smallest height of a peak over the higher valley beside it, over its magnitude.
+    /// Smallest height of a peak above the higher minimum beside it, over its magnitude.
     ///
-    /// The default 1e-3 (0.01 dB) is far below any peak that could be read off
-    /// a measured curve and far above what the grid can mistake for one.
+    /// The default 1e-3 (0.01 dB) is far below any peak visible in
+    /// a measured curve and far above the errors of the grid.
     pub minimum_prominence: f64,
-    /// Smallest height over the valley in units of the window's leakage.
+    /// Smallest height above the minimum in units of the window's leakage.
     ///
     /// A record that has not decayed ends in a step `x_end`, whose transform
-    /// lays ripples of amplitude `x_end / (2 pi f)`, times up to 1.8 above 1.5
-    /// times the fundamental, and of spacing `1 / duration` on the spectrum.
-    /// The default 4 is just over their height from trough to crest, so they
-    /// are not peaks. A record that has decayed is not affected.
+    /// adds ripples of amplitude `x_end / (2 pi f)`, times up to 1.8 above 1.5
+    /// times the fundamental, and of spacing `1 / T`.
+    /// The default 4 just exceeds their height from trough to crest.
+    /// A record that has decayed is not affected.
     pub leakage_margin: f64,
-    /// Smallest force magnitude at a peak, over its largest from zero to the end of the search.
+    /// Smallest magnitude of the force's transform at a peak, over its largest from zero to the end
+    /// of the search.
     ///
-    /// Below it the maximum is masked: see [`ForceMask`](crate::ForceMask). The
+    /// Maxima below it are masked, see [`ForceMask`](crate::ForceMask). The
     /// default 0.02 keeps the whole main lobe of a hammer pulse.
     pub force_threshold: f64,
 }
@@ -49,22 +51,24 @@ impl Default for HarmonicOptions {
     }
 }
 
-/// What [`find_harmonics`] found.
+/// The fundamental and the second harmonic, found by [`find_harmonics`].
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Harmonics {
     /// The fundamental: the largest peak in its window.
     pub fundamental: Option<Peak>,
     /// The second harmonic: the largest peak in its window; `None` for a shoulder.
     pub second: Option<Peak>,
-    /// Frequencies (Hz) of maxima in either window rejected because the force has no content there.
+    /// Frequencies (Hz) of maxima in either window where the force is too weak.
     pub masked_hz: Vec<f64>,
 }
 
 impl Harmonics {
-    /// Second-harmonic ratio `A2 / A1` of the receptance, if both peaks exist.
+    /// The second-harmonic ratio `A2/A1 = |H(f2)| / |H(f1)|`, if both peaks exist.
     ///
-    /// It does not tend to zero with the force: a linear oscillator of damping
-    /// ratio `zeta` already has `|H(2 f1)| / |H(f1)|` of about `2 zeta / 3`.
+    /// A ratio of receptances \[m/N\], not of displacement amplitudes: each displacement is divided
+    /// by the force at its own frequency. Limiting case: as the force tends to zero the ratio tends
+    /// to that of the linear system, not to zero; one mode of damping ratio `zeta` has
+    /// `|H(2 f1)| / |H(f1)|` of about `2 zeta / 3`.
     pub fn ratio(&self) -> Option<f64> {
         Some(self.second?.magnitude / self.fundamental?.magnitude)
     }
@@ -72,18 +76,38 @@ impl Harmonics {
 
 /// Finds the fundamental and the second harmonic in the receptance of a hit.
 ///
-/// Each is the largest local maximum of `|H|` in its window that stands out
+/// Each is the largest local maximum of `|H|` in its window that is prominent enough
 /// ([`HarmonicOptions::minimum_prominence`], [`HarmonicOptions::leakage_margin`])
-/// and that the force excites ([`HarmonicOptions::force_threshold`]). Maxima
-/// are seen on a zero-padded grid and refined on the exact transform, as roots
+/// and excited by the force ([`HarmonicOptions::force_threshold`]). Maxima
+/// are detected on a zero-padded grid and refined on the exact transform, as roots
 /// of `d|H|^2/df`, to 1e-9 of their frequency or better. A shoulder, or a value
-/// that only rises towards the window's edge, is no peak.
+/// that only rises towards a limit of the window, is not a peak.
 ///
-/// - `static_frequency_hz`: where the fundamental is expected, in hertz. One
-///   that is not positive and finite finds nothing.
+/// - `static_frequency_hz`: expected fundamental, in hertz; nothing is found unless it is positive
+///   and finite.
 ///
 /// Limiting case: a linear oscillator of natural frequency `f0` has its
 /// fundamental at `f0 sqrt(1 - 2 zeta^2)` and no second harmonic.
+///
+/// ```
+/// use asperity_signal::{FrequencyResponse, HarmonicOptions, find_harmonics};
+///
+/// // Impulse response with a fundamental at 200 Hz and a harmonic of a tenth at 400 Hz.
+/// let rate = 2e4;
+/// let sine = |f: f64, t: f64| (std::f64::consts::TAU * f * t).sin();
+/// let displacement: Vec<f64> = (0..10_000)
+///     .map(|n| f64::from(n) / rate)
+///     .map(|t| 1e-6 * (-40.0 * t).exp() * (sine(200.0, t) + 0.1 * sine(400.0, t)))
+///     .collect();
+/// let mut force = vec![0.0; displacement.len()];
+/// force[0] = 10.0;
+/// let hit = FrequencyResponse::from_displacement(&force, &displacement, rate)?;
+/// let found = find_harmonics(&hit, 190.0, &HarmonicOptions::default());
+/// let second = found.second.ok_or("a second harmonic")?;
+/// assert!((second.frequency_hz - 400.0).abs() < 1.0);
+/// assert!((found.ratio().ok_or("and a ratio")? - 0.1).abs() < 0.01);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn find_harmonics(
     response: &FrequencyResponse,
     static_frequency_hz: f64,
@@ -92,9 +116,9 @@ pub fn find_harmonics(
     harmonics_of(response, static_frequency_hz, options)
 }
 
-/// [`find_harmonics`] of whatever gives the spectra of a hit.
+/// [`find_harmonics`] of any spectra of a hit.
 pub(crate) fn harmonics_of(
-    response: &impl Spectra,
+    response: &impl HitSpectra,
     static_frequency_hz: f64,
     options: &HarmonicOptions,
 ) -> Harmonics {
@@ -105,7 +129,7 @@ pub(crate) fn harmonics_of(
     let scaled = |(low, high): (f64, f64), by: f64| (low * by, high * by);
     let window = scaled(options.fundamental_window, static_frequency_hz);
     let top = window.1 * options.second_window.1.max(1.0);
-    let search = Search::new(response, (window.0, top), options);
+    let search = HarmonicSearch::new(response, (window.0, top), options);
     let masked = &mut found.masked_hz;
 
     found.fundamental = search.largest(window, 1.0 / static_frequency_hz, masked);
@@ -116,18 +140,18 @@ pub(crate) fn harmonics_of(
     found
 }
 
-/// The receptance on a grid over both windows.
-struct Search<'a, R> {
+/// The search in the receptance on a grid over both windows.
+struct HarmonicSearch<'a, R> {
     response: &'a R,
     options: &'a HarmonicOptions,
     grid: PowerGrid,
     force_floor: f64,
 }
 
-impl<'a, R: Spectra> Search<'a, R> {
+impl<'a, R: HitSpectra> HarmonicSearch<'a, R> {
     fn new(response: &'a R, (low, high): (f64, f64), options: &'a HarmonicOptions) -> Self {
         let band = response.band(options.padding.max(2), high);
-        // One point beyond each end, so that a maximum next to it is seen.
+        // One point beyond each end, to detect a maximum next to it.
         let first = ((low / band.step) as usize).saturating_sub(1).max(1);
         let twice = 2 * response.kind().derivatives();
         let power = band
@@ -140,7 +164,7 @@ impl<'a, R: Spectra> Search<'a, R> {
                 let power = x.norm_sqr() / f.norm_sqr();
                 let omega = std::f64::consts::TAU * k as f64 * band.step;
                 if power.is_nan() {
-                    // No force, no receptance: infinite, which is never below its neighbours.
+                    // Undefined without force: infinite, which is never below its neighbours.
                     f64::INFINITY
                 } else {
                     power / omega.powi(twice)
@@ -156,7 +180,8 @@ impl<'a, R: Spectra> Search<'a, R> {
         }
     }
 
-    /// The largest admissible peak in a window; masked maxima are noted.
+    /// The largest admissible peak in a window; the frequencies of masked maxima are added to
+    /// `masked`.
     fn largest(&self, window: (f64, f64), period: f64, masked: &mut Vec<f64>) -> Option<Peak> {
         let mut maxima = self.grid.maxima(window);
         maxima.sort_by(|&a, &b| self.grid.power[b].total_cmp(&self.grid.power[a]));
@@ -170,11 +195,11 @@ impl<'a, R: Spectra> Search<'a, R> {
         period: f64,
         masked: &mut Vec<f64>,
     ) -> Option<Peak> {
-        let seen = self.grid.power[index].sqrt();
+        let on_grid = self.grid.power[index].sqrt();
         let saddle = self.grid.saddle(index);
-        // Refining costs more than looking: a ripple is turned away on the grid,
-        // with half the prominence asked, since the maximum lies above its grid point.
-        if seen - saddle < 0.5 * self.options.minimum_prominence * seen {
+        // Ripples are rejected before the costly refinement, at half the prominence required since
+        // the maximum lies above its grid point.
+        if on_grid - saddle < 0.5 * self.options.minimum_prominence * on_grid {
             return None;
         }
         let here = self.grid.frequency(index);
@@ -195,10 +220,10 @@ impl<'a, R: Spectra> Search<'a, R> {
         let magnitude = value.norm();
         let ripple = self.response.ripple(frequency_hz, period);
         let height = magnitude - saddle;
-        let stands_out = height >= self.options.minimum_prominence * magnitude
+        let is_prominent = height >= self.options.minimum_prominence * magnitude
             && height >= self.options.leakage_margin * ripple.leakage
             && height >= ripple.rounding;
-        stands_out.then_some(Peak {
+        is_prominent.then_some(Peak {
             frequency_hz,
             magnitude,
             value,

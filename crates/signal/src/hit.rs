@@ -1,7 +1,4 @@
-//! One hit cut out of a record, and how records are cut.
-//!
-//! [`HitFinder`] cuts, [`quality_issues`] judges, [`Pulse`] describes the blow and
-//! [`Offset`] takes the sensors' offset away.
+//! Hits in a record: detection, samples, force pulse, sensor offset, quality.
 
 mod double;
 mod fault;
@@ -12,11 +9,11 @@ mod quality;
 mod trigger;
 
 pub use double::{DoubleHit, double_hits};
-pub use finder::HitFinder;
+pub use finder::{HitFinder, find_hits};
 pub use offset::{Offset, OffsetSource};
 pub use pulse::Pulse;
 pub use quality::{HitChannel, QualityIssue, QualityOptions, quality_issues};
-pub use trigger::{HitLength, HitOptions, Trigger, TriggerLevel, find_hits};
+pub use trigger::{HitLength, HitOptions, Trigger, TriggerLevel};
 
 pub(crate) use quality::issues_with_force;
 
@@ -24,7 +21,7 @@ use crate::error::{Result, SignalError};
 use crate::form::ResponseKind;
 use crate::response::FrequencyResponse;
 
-/// The samples of one hit: the force and every response measured with it.
+/// The samples of one hit: the force and the responses measured with it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HitRecord {
     /// Index in the record of the first sample.
@@ -37,15 +34,15 @@ pub struct HitRecord {
     pub responses: Vec<Vec<f64>>,
     /// Sample rate, in hertz.
     pub sample_rate_hz: f64,
-    /// Samples the record ended too early for; zero where it did not.
+    /// Number of samples missing because the record ended inside the hit.
     pub missing: usize,
 }
 
 impl HitRecord {
-    /// Force and one response as a [`FrequencyResponse`].
+    /// The [`FrequencyResponse`] of one response channel.
     ///
     /// # Errors
-    /// [`SignalError::Channels`] for a channel there is not, and those of
+    /// [`SignalError::Channels`] for a channel that does not exist, and those of
     /// [`FrequencyResponse::from_displacement`].
     pub fn response(&self, channel: usize, kind: ResponseKind) -> Result<FrequencyResponse> {
         let found = self.responses.len();
@@ -56,7 +53,7 @@ impl HitRecord {
         FrequencyResponse::new(&self.force, samples, self.sample_rate_hz, kind)
     }
 
-    /// Time of a sample after the hit's first, in seconds.
+    /// Time of a sample after the first sample of the hit, in seconds.
     pub fn time(&self, index: usize) -> f64 {
         index as f64 / self.sample_rate_hz
     }

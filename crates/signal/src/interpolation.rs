@@ -1,24 +1,25 @@
-//! The Fourier sum at any frequency from one FFT.
+//! The Fourier sum at any frequency by interpolation of one FFT.
 
+use crate::bessel::bessel_i0;
 use crate::spectrum::{Spectrum, fast_length};
-use realfft::num_complex::Complex64;
+use num_complex::Complex64;
 use std::cell::RefCell;
 use std::f64::consts::{PI, TAU};
 use std::rc::Rc;
 
-/// Grid points on either side of a frequency that an interpolated value is made of.
+/// Grid points on either side of a frequency in an interpolated value.
 const REACH: usize = 9;
-/// Points of an interpolated value.
+/// Grid points of an interpolated value.
 const POINTS: usize = 2 * REACH;
-/// Points of the transform over samples, at least.
+/// Smallest ratio of the points of the FFT to the samples.
 const OVERSAMPLING: usize = 2;
-/// `pi (2 - 1 / OVERSAMPLING)`: where the window's own transform ends, in radians a grid point.
+/// `pi (2 - 1 / OVERSAMPLING)`: the end of the window's transform, in radians a grid point.
 const EDGE: f64 = 1.5 * PI;
 
 /// The transform of one signal, and its derivative, at any frequency.
 ///
-/// A sum over `N` samples is smooth on the grid of an FFT of `M >= 2 N` points, and any value of it
-/// is a short sum over neighbours: with the window `w` and its transform `W` (Kaiser and Bessel's),
+/// The transform of `N` samples is smooth on the grid of an FFT of `M >= 2 N` points, and any value
+/// is a short sum over neighbours, with the Kaiser-Bessel window `w` and its transform `W`:
 ///
 /// ```text
 /// sum_n x_n exp(-i 2 pi v n / M) = sum_l w(v - l) G_l,   |v - l| <= 9,
@@ -26,11 +27,12 @@ const EDGE: f64 = 1.5 * PI;
 /// W(n) = I0(9 sqrt(b^2 - (2 pi n / M)^2)),   |n| <= N / 2.
 /// ```
 ///
-/// What is left out is `1 / W(M/4)` of `sum |x_n|`, below 1e-16; the rounding of exponentials of
+/// The truncation error is `1 / W(M/4)` of `sum |x_n|`, below 1e-16; rounding of exponentials of
 /// up to 42 makes it 2e-14, twice that of the direct sum. One value costs 18 products for any `N`.
 ///
 /// Source: J. Keiner, S. Kunis and D. Potts, "Using NFFT 3: a software library for various
-/// nonequispaced fast Fourier transforms", ACM Trans. Math. Softw. 36 (2009), 19, appendix C.
+/// nonequispaced fast Fourier transforms", ACM Trans. Math. Softw. 36 (2009), 19, appendix C,
+/// doi 10.1145/1555386.1555388.
 #[derive(Debug)]
 pub(crate) struct Interpolation {
     /// `G` of the samples, and of the samples times their index.
@@ -38,13 +40,13 @@ pub(crate) struct Interpolation {
     ramped: Vec<Complex64>,
     /// Points of the FFT.
     length: usize,
-    /// The sample that counts as time zero: the middle one.
+    /// Index of the sample at time zero: the middle one.
     middle: usize,
     sample_rate_hz: f64,
 }
 
 impl Interpolation {
-    /// Of checked samples, not empty.
+    /// The interpolation of checked samples, not empty.
     pub(crate) fn new(samples: &[f64], sample_rate_hz: f64) -> Self {
         let length = fast_length(OVERSAMPLING * samples.len());
         let middle = samples.len() / 2;
@@ -64,17 +66,17 @@ impl Interpolation {
         Self { plain, ramped, length, middle, sample_rate_hz }
     }
 
-    /// `X(f) exp(i 2 pi f t)`, with the time `t` of the middle sample: signals of one length
-    /// share this factor, and it drops out of their ratios.
+    /// `X(f) exp(i 2 pi f t)`, with the time `t` of the middle sample: the factor of signals of one
+    /// length is the same and cancels in their ratios.
     pub(crate) fn value(&self, frequency_hz: f64) -> Complex64 {
-        self.place(frequency_hz).sum(&self.plain, self.length)
+        self.stencil(frequency_hz).sum(&self.plain, self.length)
     }
 
     /// `X` and `dX/df`, both with the factor of [`Interpolation::value`].
     pub(crate) fn value_and_slope(&self, frequency_hz: f64) -> (Complex64, Complex64) {
-        let place = self.place(frequency_hz);
-        let value = place.sum(&self.plain, self.length);
-        let ramped = place.sum(&self.ramped, self.length);
+        let stencil = self.stencil(frequency_hz);
+        let value = stencil.sum(&self.plain, self.length);
+        let ramped = stencil.sum(&self.ramped, self.length);
         let turn = Complex64::new(0.0, -TAU / self.sample_rate_hz);
         (value, turn * (ramped + value * self.middle as f64))
     }
@@ -88,38 +90,39 @@ impl Interpolation {
         let windows: Vec<[f64; POINTS]> =
             (0..parts).map(|part| window(part as f64 / parts as f64)).collect();
         let value = |k: usize| {
-            let place = Place { below: k / parts, weights: windows[k % parts] };
-            place.sum(&self.plain, self.length)
+            let stencil = GridStencil { below: k / parts, weights: windows[k % parts] };
+            stencil.sum(&self.plain, self.length)
         };
         (0..count).map(value).collect()
     }
 
-    /// Distance of the values of [`Interpolation::grid`], in hertz.
+    /// Spacing of the values of [`Interpolation::grid`], in hertz.
     pub(crate) fn step(&self, parts: usize) -> f64 {
         self.sample_rate_hz / (parts * self.length) as f64
     }
 
-    fn place(&self, frequency_hz: f64) -> Place {
+    fn stencil(&self, frequency_hz: f64) -> GridStencil {
         let length = self.length as f64;
-        // The product's own rounding is carried along, and whole turns left out.
+        // The rounding error of the product is carried along; whole turns are left out.
         let cycles = frequency_hz / self.sample_rate_hz;
-        let lost = (-cycles).mul_add(self.sample_rate_hz, frequency_hz) / self.sample_rate_hz;
+        let cycles_tail =
+            (-cycles).mul_add(self.sample_rate_hz, frequency_hz) / self.sample_rate_hz;
         let product = cycles * length;
-        let tail = cycles.mul_add(length, -product) + lost * length;
+        let tail = cycles.mul_add(length, -product) + cycles_tail * length;
         let below = product.floor();
         let whole = below - length * (below / length).floor();
-        Place { below: whole as usize, weights: window(product - below + tail) }
+        GridStencil { below: whole as usize, weights: window(product - below + tail) }
     }
 }
 
-/// Weights of the grid points about a place.
-struct Place {
-    /// The grid point below, less than the FFT's length.
+/// Weights of the grid points about a frequency.
+struct GridStencil {
+    /// Index of the grid point below, less than the length of the FFT.
     below: usize,
     weights: [f64; POINTS],
 }
 
-impl Place {
+impl GridStencil {
     fn sum(&self, values: &[Complex64], length: usize) -> Complex64 {
         let first = self.below.checked_sub(REACH - 1);
         let inside = first.and_then(|at| values.get(at..at + POINTS));
@@ -127,7 +130,7 @@ impl Place {
             let pairs = values.iter().zip(&self.weights);
             return pairs.fold(Complex64::ZERO, |sum, (value, weight)| sum + value * weight);
         }
-        // A real signal: what lies beyond either end is the mirror image.
+        // The signal is real: beyond either end lies the mirror image.
         let at = |index: usize| {
             let index = index % length;
             if index < values.len() { values[index] } else { values[length - index].conj() }
@@ -138,8 +141,7 @@ impl Place {
     }
 }
 
-/// `w` at the grid points from eight below to nine above the one below a place, which lies
-/// `fraction` of a step above it.
+/// `w` at the 18 grid points about a frequency that lies `fraction` of a step above the ninth.
 fn window(fraction: f64) -> [f64; POINTS] {
     std::array::from_fn(|point| {
         let distance = fraction + (REACH as f64 - 1.0) - point as f64;
@@ -150,7 +152,7 @@ fn window(fraction: f64) -> [f64; POINTS] {
 }
 
 thread_local! {
-    /// The last table: hits of a test are mostly of one length.
+    /// The last table used; the hits of a test mostly have one length.
     static RECIPROCALS: RefCell<Option<(usize, Rc<[f64]>)>> = const { RefCell::new(None) };
 }
 
@@ -161,7 +163,7 @@ fn reciprocals(length: usize) -> Rc<[f64]> {
         _ => {
             let reciprocal = |n: usize| {
                 let phase = TAU * n as f64 / length as f64;
-                1.0 / large_bessel_i0(REACH as f64 * (EDGE * EDGE - phase * phase).sqrt())
+                1.0 / bessel_i0(REACH as f64 * (EDGE * EDGE - phase * phase).sqrt())
             };
             let table: Rc<[f64]> = (0..=length / (2 * OVERSAMPLING)).map(reciprocal).collect();
             *kept = Some((length, Rc::clone(&table)));
@@ -170,28 +172,11 @@ fn reciprocals(length: usize) -> Rc<[f64]> {
     })
 }
 
-/// `I0(x)` for `x` above 39, by its asymptotic series.
-///
-/// Source: M. Abramowitz and I. A. Stegun, *Handbook of Mathematical Functions*, 9.7.1.
-fn large_bessel_i0(x: f64) -> f64 {
-    let (mut term, mut sum) = (1.0, 1.0);
-    // Terms fall until k = 2 x; the twelfth is below 1e-17 here.
-    for k in 1..=20_u32 {
-        let odd = f64::from(2 * k - 1);
-        term *= odd * odd / (8.0 * x * f64::from(k));
-        sum += term;
-        if term < 1e-17 {
-            break;
-        }
-    }
-    x.exp() / (TAU * x).sqrt() * sum
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::pairwise::absolute_sum;
-    use crate::transform::Kernel;
+    use crate::transform::FourierKernel;
 
     fn noise(count: usize) -> Vec<f64> {
         let mut state = 0x2545_f491_4f6c_dd1d_u64;
@@ -205,8 +190,8 @@ mod tests {
     }
 
     /// Verified against the direct sum, for white noise and for a pulse at either end, at
-    /// frequencies over the whole range and beyond: the stated 2e-14 of `dt sum |x|`, and as much of
-    /// it times `2 pi T` for the slope.
+    /// frequencies over the whole range and beyond, to 2e-14 of `dt sum |x|`, times `2 pi T` for the
+    /// slope.
     #[test]
     fn values_and_slopes_are_those_of_the_direct_sum() {
         let rate = 51_200.0;
@@ -220,9 +205,9 @@ mod tests {
                 let duration = count as f64 / rate;
                 for part in [0.0, 1e-7, 1e-3, 0.015_627, 0.123_4, 0.3, 0.499_99, 0.5, 0.7, -0.2] {
                     let frequency = part * rate;
-                    let kernel = Kernel::new(rate, frequency);
+                    let kernel = FourierKernel::new(rate, frequency);
                     let (value, slope) = kernel.transform_and_slope(&samples, 0);
-                    let shift = Kernel::new(rate, -frequency).transform(&[rate], count / 2);
+                    let shift = FourierKernel::new(rate, -frequency).transform(&[rate], count / 2);
                     let (found, found_slope) = fine.value_and_slope(frequency);
                     assert_eq!(found, fine.value(frequency));
                     let off = (found - value * shift).norm();
@@ -234,7 +219,7 @@ mod tests {
         }
     }
 
-    /// Verified against the same at single frequencies; the grid shares their products.
+    /// Verified against values at single frequencies.
     #[test]
     fn the_grid_has_the_values_of_its_frequencies() {
         let (samples, rate) = (noise(777), 1000.0);
@@ -249,21 +234,6 @@ mod tests {
                 assert!(off < 2e-14 * absolute, "{parts} {k}: {off:e}");
             }
         }
-        // All there is, and no more.
         assert_eq!(fine.grid(2, f64::INFINITY).len(), 2 * (fine.length / 2) + 1);
-    }
-
-    /// Verified against the power series of I0 at both ends of the range, to rounding of exp(42).
-    #[test]
-    fn the_asymptotic_series_is_the_power_series() {
-        for x in [39.5, 42.5] {
-            let quarter = 0.25 * x * x;
-            let (mut term, mut sum) = (1.0, 1.0);
-            for k in 1..200_u32 {
-                term *= quarter / f64::from(k * k);
-                sum += term;
-            }
-            assert!((large_bessel_i0(x) / sum - 1.0).abs() < 2e-14);
-        }
     }
 }

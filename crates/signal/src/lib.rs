@@ -1,7 +1,7 @@
-//! From samples to spectra, frequency response functions, harmonics and damping.
+//! Spectra, frequency response functions, harmonics and damping of sampled signals.
 //!
-//! A hit is two sampled signals: the force `F` and the displacement, velocity
-//! or acceleration it causes. Everything here starts from one sum, the one-sided
+//! A hit of a hammer test is two sampled signals: the force `F` and the displacement, velocity
+//! or acceleration that responds to it. All results start from the one-sided
 //! Fourier transform by the rectangle rule,
 //!
 //! ```text
@@ -9,39 +9,38 @@
 //! ```
 //!
 //! evaluated on a grid by FFT ([`Spectrum`]) or at any single frequency
-//! ([`transform_at`]). The receptance `H(f) = U(f) / F(f)` of a [`FrequencyResponse`]
-//! follows, and from it the observables of a vibration test: the fundamental
-//! and its second harmonic ([`find_harmonics`]), damping from the half-power
-//! width ([`half_power`]) or from the decay itself ([`logarithmic_decrement`]),
-//! and the time average of a stiffness ([`average_stiffness`]).
+//! ([`transform_at`]). The receptance `H(f) = U(f) / F(f)` \[m/N\] of a [`FrequencyResponse`]
+//! gives the fundamental `(f1, A1 = |H(f1)|)` and the second harmonic `(f2, A2 = |H(f2)|)`
+//! ([`find_harmonics`]), with the ratio of receptances `A2/A1` ([`Harmonics::ratio`]), and damping
+//! from the half-power width ([`half_power`]). [`logarithmic_decrement`] gives damping from the
+//! decay itself.
 //!
-//! A hammer test is a record of many hits. [`hammer_test`] goes all the way; its steps are
-//! public:
+//! [`hammer_test`] analyses a record of many hits. Its steps:
 //!
-//! | step | by |
+//! | step | items |
 //! |---|---|
-//! | cut a record or a stream into hits | [`find_hits`], [`HitFinder`] |
-//! | judge them | [`quality_issues`], [`QualityIssue`] |
-//! | describe the blow, take the offset away | [`Pulse`], [`Offset`] |
-//! | window, and undo what the window did | [`ForceWindow`], [`ExponentialWindow`] |
-//! | find where the fundamental is | [`dominant_frequency`], [`find_harmonics`] |
-//! | say how it follows a parameter | [`PeakSensitivity`] |
-//! | say how sure it is | [`peak_uncertainty`], [`white_density`], [`band_density`] |
-//! | damping, three ways | [`half_power`], [`circle_fit`], [`logarithmic_decrement`] |
-//! | average: H1, H2, Hv, coherence | [`FrfAverage`] |
+//! | detect hits in a record or a stream | [`find_hits`], [`HitFinder`] |
+//! | check their quality | [`quality_issues`], [`QualityIssue`] |
+//! | force pulse and sensor offset | [`Pulse`], [`Offset`] |
+//! | windows and their correction | [`ForceWindow`], [`ExponentialWindow`] |
+//! | fundamental and second harmonic | [`dominant_frequency`], [`find_harmonics`] |
+//! | derivatives of a peak | [`PeakSensitivity`] |
+//! | uncertainty from noise | [`peak_uncertainty`], [`white_density`], [`band_density`] |
+//! | damping by three methods | [`half_power`], [`circle_fit`], [`logarithmic_decrement`] |
+//! | averages: H1, H2, Hv, coherence | [`FrfAverage`], [`FrfEstimator`] |
 //! | frequency and damping against amplitude | [`backbone`], [`BandPass`] |
 //!
-//! A peak is a true local maximum of `|H|` refined on the transform itself.
-//! Where there is none the answer is `None`, never the edge of a search
-//! window; where the force has no content the answer is masked and says so.
+//! A peak is a true local maximum of `|H|`, refined on the transform itself. A search without a
+//! peak returns `None`, never a limit of its window; frequencies at which the force is too weak are
+//! masked.
 //!
-//! The crate knows samples, rates and hertz. It knows no mechanics: no mesh,
-//! no contact, no units beyond those in the documentation.
+//! The crate contains no mechanics. Fast transforms are those of `realfft`, which wraps `rustfft`
+//! for real signals.
 //!
 //! ```
 //! use asperity_signal::{HarmonicOptions, FrequencyResponse, find_harmonics, half_power};
 //!
-//! // A 1 kg oscillator at 800 Hz with 3.5 % of critical damping, struck by an impulse.
+//! // Impulse response of a 1 kg oscillator at 800 Hz with 3.5 % of critical damping.
 //! let (rate, natural, damping) = (2.0e5, 800.0, 0.035_f64);
 //! let omega = std::f64::consts::TAU * natural;
 //! let damped = omega * (1.0 - damping * damping).sqrt();
@@ -54,34 +53,37 @@
 //!
 //! let hit = FrequencyResponse::from_displacement(&force, &displacement, rate)?;
 //! let found = find_harmonics(&hit, 820.0, &HarmonicOptions::default());
-//! let peak = found.fundamental.ok_or("a linear oscillator has a peak")?;
+//! let peak = found.fundamental.ok_or("an oscillator has a peak")?;
 //! assert!((peak.frequency_hz - natural * (1.0 - 2.0 * damping * damping).sqrt()).abs() < 0.1);
-//! assert!((half_power(&hit, &peak).ok_or("and a width")? - damping).abs() < 1e-4);
-//! assert!(found.second.is_none(), "and no second harmonic");
+//! assert!((half_power(&hit, &peak).ok_or("a mode has a width")? - damping).abs() < 1e-4);
+//! assert!(found.second.is_none());
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
 mod average;
+mod bessel;
 mod damping;
-mod decimate;
+mod decimation;
 mod decrement;
-mod derivative;
 mod dominant;
 mod error;
-mod fine;
+mod fit;
 mod form;
 mod frf;
 mod hammer;
 mod harmonics;
 mod hit;
+mod interpolated_response;
 mod interpolation;
 mod noise;
 mod pairwise;
 mod peak;
+mod peak_sensitivity;
 mod response;
 mod ring_down;
 mod root;
 mod shared_force;
+mod spectra;
 mod spectrum;
 mod transform;
 mod uncertainty;
@@ -94,9 +96,8 @@ pub use damping::{
     CircleFit, DampingComparison, HalfPower, circle_fit, circle_fit_of, half_power,
     half_power_crossings, half_power_of,
 };
-pub use decimate::DecimationFilter;
+pub use decimation::DecimationFilter;
 pub use decrement::{LogarithmicDecrement, logarithmic_decrement};
-pub use derivative::{PeakDerivative, PeakSensitivity};
 pub use dominant::dominant_frequency;
 pub use error::SignalError;
 pub use form::{FrfForm, ResponseKind};
@@ -112,9 +113,10 @@ pub use hit::{
     quality_issues,
 };
 pub use noise::{RobustLevel, band_density, robust_level, white_density};
+pub use num_complex::Complex64;
 pub use pairwise::average_stiffness;
 pub use peak::Peak;
-pub use realfft::num_complex::Complex64;
+pub use peak_sensitivity::{PeakDerivative, PeakSensitivity};
 pub use response::FrequencyResponse;
 pub use ring_down::{
     Backbone, BackboneOptions, BackbonePoint, BandPass, analytic_signal, backbone,

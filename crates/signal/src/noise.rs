@@ -1,28 +1,34 @@
-//! How strong the noise of a signal is.
+//! Level and spectral density of noise.
 
 use crate::error::Result;
 use crate::spectrum::Spectrum;
 
-/// Standard deviation of a normal distribution over its median absolute deviation.
+/// Standard deviation of a normal distribution, over its median absolute deviation.
 const NORMAL: f64 = 1.482_602_218_505_602;
 
-/// The level and the noise of a signal that rests most of the time.
+/// Median and robust deviation of a signal that is at rest most of the time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RobustLevel {
-    /// The median, in the samples' unit.
+    /// Median, in the unit of the samples.
     pub median: f64,
     /// Standard deviation of normal noise with the same median absolute
-    /// deviation, `1.4826 median |x - median|`, in the samples' unit.
+    /// deviation, `1.4826 median |x - median|`, in the unit of the samples.
     pub deviation: f64,
 }
 
-/// Median and robust deviation; samples that are not finite are left out.
+/// Median and robust deviation of the finite samples.
 ///
-/// Up to half of the samples may belong to pulses or ringing without moving
-/// the answer much. `None` without a finite sample. Linear in the number of samples.
+/// Insensitive to pulses and ringing in up to half of the samples. `None` without a finite sample.
+/// Linear in the number of samples.
 ///
 /// Source: F. R. Hampel, "The influence curve and its role in robust
-/// estimation", J. Am. Stat. Assoc. 69 (1974), 383-393.
+/// estimation", J. Am. Stat. Assoc. 69 (1974), 383-393, doi 10.1080/01621459.1974.10482962.
+///
+/// ```
+/// let level = asperity_signal::robust_level(&[1.0, -1.0, 0.0, 1e6, 0.5]).ok_or("no samples")?;
+/// assert_eq!(level.median, 0.5);
+/// # Ok::<(), &str>(())
+/// ```
 pub fn robust_level(samples: &[f64]) -> Option<RobustLevel> {
     let mut values: Vec<f64> = samples.iter().copied().filter(|x| x.is_finite()).collect();
     let median = median_of(&mut values)?;
@@ -32,7 +38,7 @@ pub fn robust_level(samples: &[f64]) -> Option<RobustLevel> {
     Some(RobustLevel { median, deviation: NORMAL * median_of(&mut values)? })
 }
 
-/// The upper median; reorders the values.
+/// The upper median; the values are reordered.
 pub(crate) fn median_of(values: &mut [f64]) -> Option<f64> {
     if values.is_empty() {
         return None;
@@ -41,14 +47,14 @@ pub(crate) fn median_of(values: &mut [f64]) -> Option<f64> {
     Some(*values.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
 
-/// One-sided spectral density of the noise in quiet samples, taken as white.
+/// One-sided spectral density of white noise from quiet samples.
 ///
 /// ```text
 /// S = 2 s^2 / rate
 /// ```
 ///
-/// with `s^2` the variance about the mean. `None` for fewer than 4 samples, or
-/// samples or a rate that are not finite. The unit is that of the samples squared, per hertz.
+/// with `s^2` the variance about the mean, in the unit of the samples squared per hertz. `None` for
+/// fewer than 4 samples, and for samples or a rate that are not finite.
 pub fn white_density(quiet: &[f64], sample_rate_hz: f64) -> Option<f64> {
     if quiet.len() < 4 {
         return None;
@@ -66,10 +72,10 @@ pub fn white_density(quiet: &[f64], sample_rate_hz: f64) -> Option<f64> {
 /// S = 2 median |X(f)|^2 / (T ln 2),    low <= f <= high
 /// ```
 ///
-/// The median over the bins of an unpadded transform, so that a few peaks in
-/// the band do not matter; `ln 2` is the median of `|X|^2` over its mean for
-/// normal noise. What the structure still does in the band counts as noise,
-/// so that the answer is never too small. `None` for fewer than 16 bins.
+/// The median is over the bins of an unpadded transform and insensitive to a few peaks in
+/// the band; `ln 2` is the median of `|X|^2` over its mean for
+/// normal noise. Vibration of the structure in the band counts as noise. `None` for fewer than 16
+/// bins.
 ///
 /// # Errors
 /// Those of [`Spectrum::new`].
@@ -92,13 +98,18 @@ pub fn band_density(
     Ok(median_of(&mut power).map(|median| median * scale))
 }
 
+/// `max |x|`; zero without samples.
+pub(crate) fn largest_magnitude(samples: &[f64]) -> f64 {
+    samples.iter().fold(0.0, |largest: f64, x| largest.max(x.abs()))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// Verified against values that can be counted: outliers and NaN do not move them.
+    /// Verified against values that can be counted, with outliers and NaN.
     #[test]
-    fn outliers_do_not_move_the_level() {
+    fn outliers_hardly_change_the_level() {
         let mut samples: Vec<f64> = (-50..=50).map(f64::from).collect();
         samples.extend([f64::NAN, 1e9, f64::INFINITY, -1e9]);
         let level = robust_level(&samples).unwrap();
@@ -108,7 +119,7 @@ mod tests {
         assert_eq!(robust_level(&[f64::NAN]), None);
     }
 
-    /// Verified against the variance of an alternating signal: density over the band is power.
+    /// Verified against the variance of an alternating signal, the integral of the density.
     #[test]
     fn white_density_integrates_to_the_variance() {
         let samples: Vec<f64> = (0..1000).map(|n| if n % 2 == 0 { 0.5 } else { 1.5 }).collect();

@@ -1,4 +1,4 @@
-//! Time averages.
+//! Pairwise sums of magnitudes.
 
 /// Samples added without compensation at the leaves of the pairwise sum.
 const LEAF: usize = 64;

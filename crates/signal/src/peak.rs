@@ -1,8 +1,8 @@
 //! Local maxima of a receptance, found on a grid and refined on the transform.
 
-use crate::response::Spectra;
 use crate::root::bracketed_root;
-use realfft::num_complex::Complex64;
+use crate::spectra::HitSpectra;
+use num_complex::Complex64;
 
 /// Relative width to which a maximum is refined.
 const TOLERANCE: f64 = 1e-12;
@@ -14,9 +14,9 @@ pub struct Peak {
     pub frequency_hz: f64,
     /// Magnitude of the receptance there, in m/N.
     pub magnitude: f64,
-    /// The receptance itself there, in m/N.
+    /// The receptance there, in m/N.
     pub value: Complex64,
-    /// Height over the higher of the two valleys beside it, over `magnitude`: 0 to 1.
+    /// Height above the higher of the two minima beside it, over `magnitude`: 0 to 1.
     pub prominence: f64,
 }
 
@@ -32,7 +32,7 @@ impl PowerGrid {
         (self.first + index) as f64 * self.step
     }
 
-    /// Interior grid points no lower than their neighbours, inside a window one step wider.
+    /// Local maxima of the grid inside the window, one step wider.
     pub(crate) fn maxima(&self, (low, high): (f64, f64)) -> Vec<usize> {
         let inside = |k: &usize| {
             let frequency = self.frequency(*k);
@@ -47,36 +47,33 @@ impl PowerGrid {
             .collect()
     }
 
-    /// `|H|` at the higher of the valleys beside a grid maximum.
+    /// `|H|` at the higher of the minima on either side of a grid maximum.
     ///
-    /// Each valley is the lowest point before `|H|` is higher than the maximum
-    /// again, or before the grid ends.
+    /// Each is the lowest point before `|H|` exceeds the maximum again or the grid ends.
     pub(crate) fn saddle(&self, index: usize) -> f64 {
         let top = self.power[index];
-        let valley = |sequence: &mut dyn Iterator<Item = &f64>| {
+        let minimum = |sequence: &mut dyn Iterator<Item = &f64>| {
             sequence
                 .take_while(|power| **power <= top)
                 .fold(top, |lowest, power| lowest.min(*power))
         };
-        let left = valley(&mut self.power[..index].iter().rev());
-        let right = valley(&mut self.power[index + 1..].iter());
+        let left = minimum(&mut self.power[..index].iter().rev());
+        let right = minimum(&mut self.power[index + 1..].iter());
         left.max(right).sqrt()
     }
 }
 
-/// Frequency of the maximum of `|H|` near a grid maximum, from the exact transform.
-///
-/// The derivative of `ln |H|^2` is bracketed by the grid points beside the
-/// maximum and its root is found; `None` if the bracket holds no maximum.
-pub(crate) fn refine(response: &impl Spectra, grid: &PowerGrid, index: usize) -> Option<f64> {
+/// Frequency of the maximum of `|H|` near a grid maximum: the root of the derivative of `ln |H|^2`
+/// between the neighbouring grid points; `None` if there is no maximum between them.
+pub(crate) fn refine(response: &impl HitSpectra, grid: &PowerGrid, index: usize) -> Option<f64> {
     let here = grid.frequency(index);
     let (power, slope) = response.power_and_slope(here);
     if slope == 0.0 {
         return Some(here);
     }
     let neighbour = if slope > 0.0 { index + 1 } else { index - 1 };
-    // Between a point that rises towards a lower one and that one lies a
-    // maximum: halve until the far end falls, and the root is bracketed.
+    // A maximum lies between a point that rises towards a lower one and that one: bisect until
+    // the far end falls, which brackets the root.
     let (mut near, mut near_power, mut near_slope) = (here, power, slope);
     let mut far = grid.frequency(neighbour);
     let (mut far_power, mut far_slope) = response.power_and_slope(far);

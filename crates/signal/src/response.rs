@@ -1,22 +1,21 @@
-//! One hit: a force and what it caused.
+//! The frequency response of one hit from its force and response samples.
 
-use crate::decimate::DecimationFilter;
+use crate::decimation::DecimationFilter;
 use crate::error::{Result, SignalError, check_rate, check_samples};
-use crate::form::FrfForm;
-use crate::form::ResponseKind;
-use crate::frf::ForceMask;
-use crate::frf::{Frf, convert};
-use crate::pairwise::absolute_sum;
+use crate::form::{FrfForm, ResponseKind};
+use crate::frf::{ForceMask, Frf, convert};
+use crate::spectra::{
+    BandSpectra, ExactSpectra, HitSpectra, HitTransforms, Ripple, SignalTransform,
+};
 use crate::spectrum::{PADDING_LIMIT, Spectrum, fast_length};
-use crate::transform::Kernel;
-use crate::uncertainty::{Term, Terms};
-use realfft::num_complex::Complex64;
+use crate::transform::FourierKernel;
+use num_complex::Complex64;
 use std::borrow::Cow;
 use std::ops::Range;
 
-/// The force and response samples of one hit.
+/// The frequency response of one hit, from its force and response samples.
 ///
-/// The receptance is the ratio of their one-sided transforms,
+/// The receptance is the ratio of the one-sided transforms,
 ///
 /// ```text
 /// H(f) = U(f) / F(f)                       from displacement,
@@ -24,9 +23,21 @@ use std::ops::Range;
 /// H(f) = A(f) / (-(2 pi f)^2 F(f))         from acceleration,   [m/N]
 /// ```
 ///
-/// over the whole record with a rectangular window. The kinds agree when
-/// the record starts at rest and has decayed at its end: they differ by the
-/// displacement and velocity left there, over `2 pi f` and `(2 pi f)^2`.
+/// over the whole record with a rectangular window. The three agree if
+/// the record starts at rest and has decayed at its end; otherwise they differ by the
+/// final displacement and velocity over `2 pi f` and `(2 pi f)^2`.
+///
+/// ```
+/// use asperity_signal::FrequencyResponse;
+///
+/// // A mass of 2 kg pushed by 1 N for a millisecond, then stopped: 5e-7 m further.
+/// let force = [vec![1.0; 10], vec![-1.0; 10], vec![0.0; 80]].concat();
+/// let acceleration: Vec<f64> = force.iter().map(|f| f / 2.0).collect();
+/// let hit = FrequencyResponse::from_acceleration(&force, &acceleration, 1e4)?;
+/// let omega = std::f64::consts::TAU * 100.0;
+/// assert!((hit.receptance_at(100.0).re * omega * omega + 0.5).abs() < 1e-12);
+/// # Ok::<(), asperity_signal::SignalError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct FrequencyResponse {
     force: Vec<f64>,
@@ -38,7 +49,7 @@ pub struct FrequencyResponse {
 }
 
 impl FrequencyResponse {
-    /// A hit measured or computed as displacement.
+    /// The frequency response from force and displacement.
     ///
     /// - `force`: in newtons, the first sample at time zero.
     /// - `displacement`: from equilibrium, in metres, sampled with the force.
@@ -47,6 +58,17 @@ impl FrequencyResponse {
     /// # Errors
     /// [`SignalError::Empty`], [`SignalError::LengthMismatch`], [`SignalError::NotFinite`],
     /// [`SignalError::SampleRate`], [`SignalError::NoForce`].
+    ///
+    /// ```
+    /// use asperity_signal::FrequencyResponse;
+    ///
+    /// // A spring of 1e6 N/m without mass: H = 1e-6 m/N at every frequency.
+    /// let force = [0.0, 3.0, 5.0, 3.0, 0.0, 0.0];
+    /// let displacement = force.map(|f| 1e-6 * f);
+    /// let hit = FrequencyResponse::from_displacement(&force, &displacement, 1e4)?;
+    /// assert!((hit.receptance_at(440.0).re - 1e-6).abs() < 1e-20);
+    /// # Ok::<(), asperity_signal::SignalError>(())
+    /// ```
     pub fn from_displacement(
         force: &[f64],
         displacement: &[f64],
@@ -55,7 +77,7 @@ impl FrequencyResponse {
         Self::new(force, displacement, sample_rate_hz, ResponseKind::Displacement)
     }
 
-    /// A hit measured as velocity, in m/s.
+    /// The frequency response from force and velocity (m/s).
     ///
     /// # Errors
     /// Those of [`FrequencyResponse::from_displacement`].
@@ -63,7 +85,7 @@ impl FrequencyResponse {
         Self::new(force, velocity, sample_rate_hz, ResponseKind::Velocity)
     }
 
-    /// A hit measured or computed as acceleration, in m/s^2.
+    /// The frequency response from force and acceleration (m/s^2).
     ///
     /// # Errors
     /// Those of [`FrequencyResponse::from_displacement`].
@@ -105,11 +127,12 @@ impl FrequencyResponse {
         })
     }
 
-    /// Receptance \[m/N\] on the grid of a zero-padded FFT, zero frequency to half the rate.
+    /// Receptance \[m/N\] on the grid of a zero-padded FFT, from zero frequency to half the sample
+    /// rate.
     ///
-    /// `padding` is clamped to 1 to 1024, see [`Spectrum::new`]. From
-    /// velocity or acceleration the value at zero frequency is NaN; where the force has no
-    /// content at all the value is not finite ([`FrequencyResponse::force_mask`]).
+    /// `padding` is clamped to 1 to 1024, see [`Spectrum::new`]. The value at zero frequency is NaN
+    /// from velocity or acceleration; values are not finite where the transform of the force is
+    /// zero ([`FrequencyResponse::force_mask`]).
     pub fn receptance(&self, padding: usize) -> Frf {
         let length = self.padded_length(padding);
         let force = Spectrum::padded_to(&self.force, self.sample_rate_hz, length);
@@ -124,22 +147,23 @@ impl FrequencyResponse {
         Frf { frequency_hz, values, form: FrfForm::Receptance }
     }
 
-    /// Receptance \[m/N\] at any frequency (Hz), from the transforms there.
+    /// Receptance \[m/N\] at any frequency (Hz), from the Fourier sums at that frequency.
     pub fn receptance_at(&self, frequency_hz: f64) -> Complex64 {
-        let kernel = Kernel::new(self.sample_rate_hz, frequency_hz);
+        let kernel = FourierKernel::new(self.sample_rate_hz, frequency_hz);
         let ratio = kernel.transform(&self.samples, 0) / self.force_transform(&kernel);
         convert(ratio, frequency_hz, self.form(), FrfForm::Receptance)
     }
 
     /// Transform of the force \[N s\] at any frequency (Hz).
     pub fn force_at(&self, frequency_hz: f64) -> Complex64 {
-        self.force_transform(&Kernel::new(self.sample_rate_hz, frequency_hz))
+        self.force_transform(&FourierKernel::new(self.sample_rate_hz, frequency_hz))
     }
 
-    /// Where the force has at least `threshold` of its largest spectral magnitude.
+    /// The frequencies at which the force has at least `threshold` of its largest spectral
+    /// magnitude.
     ///
     /// On the grid of [`FrequencyResponse::receptance`] with the same `padding`. A
-    /// `threshold` of 0.02 leaves the main lobe of any hammer pulse and cuts
+    /// `threshold` of 0.02 keeps the main lobe of any hammer pulse and excludes
     /// the zeros between its side lobes.
     pub fn force_mask(&self, padding: usize, threshold: f64) -> ForceMask {
         let length = self.padded_length(padding);
@@ -154,7 +178,7 @@ impl FrequencyResponse {
         self.sample_rate_hz
     }
 
-    /// Length of the record, in seconds: the number of samples over their rate.
+    /// Length of the record, the number of samples over their rate, in seconds.
     pub fn duration(&self) -> f64 {
         self.samples.len() as f64 / self.sample_rate_hz
     }
@@ -164,12 +188,12 @@ impl FrequencyResponse {
         &self.force
     }
 
-    /// The response samples, in the unit of the kind.
+    /// The response samples, in m, m/s or m/s^2 according to [`FrequencyResponse::kind`].
     pub fn samples(&self) -> &[f64] {
         &self.samples
     }
 
-    /// What the response samples are.
+    /// Quantity of the response samples.
     pub fn kind(&self) -> ResponseKind {
         self.kind
     }
@@ -179,66 +203,42 @@ impl FrequencyResponse {
         self.contact.clone()
     }
 
-    /// `|H|^2` and the derivative of its logarithm with frequency \[1/Hz\].
-    ///
-    /// `d ln |H|^2 / df = 2 Re (X'/X - F'/F)`, and `-2/f` more for each derivative of the kind.
-    pub(crate) fn power_and_slope(&self, frequency_hz: f64) -> (f64, f64) {
-        let kernel = Kernel::new(self.sample_rate_hz, frequency_hz);
-        let response = kernel.transform_and_slope(&self.samples, 0);
-        let pulse = &self.force[self.contact.clone()];
-        let force = kernel.transform_and_slope(pulse, self.contact.start);
-        self.power_and_slope_of(frequency_hz, response, force)
-    }
-
-    /// The same from the transforms and their derivatives.
+    /// `|H|^2` and `d ln |H|^2 / df` \[1/Hz\] from the transforms: `2 Re (X'/X - F'/F)`, less `2/f` for
+    /// each time derivative in the response.
     pub(crate) fn power_and_slope_of(
         &self,
         frequency_hz: f64,
-        (x, dx): (Complex64, Complex64),
-        (f, df): (Complex64, Complex64),
+        transforms: &HitTransforms,
     ) -> (f64, f64) {
-        let ratio = convert(x / f, frequency_hz, self.form(), FrfForm::Receptance);
+        let HitTransforms { response: x, force: f } = transforms;
+        let ratio = convert(x.value / f.value, frequency_hz, self.form(), FrfForm::Receptance);
         let derivatives = f64::from(self.kind.derivatives()) / frequency_hz;
-        (ratio.norm_sqr(), 2.0 * ((dx / x - df / f).re - derivatives))
+        let slope = (x.slope / x.value - f.slope / f.value).re;
+        (ratio.norm_sqr(), 2.0 * (slope - derivatives))
     }
 
-    /// The transforms of response and force, with their derivatives, at a frequency (Hz).
-    pub(crate) fn transforms_at(&self, frequency_hz: f64) -> Terms {
-        let kernel = Kernel::new(self.sample_rate_hz, frequency_hz);
-        let (value, slope) = kernel.transform_and_slope(&self.samples, 0);
-        let response = Term { value, slope, samples: 0..self.samples.len() };
-        let pulse = &self.force[self.contact.clone()];
-        let (value, slope) = kernel.transform_and_slope(pulse, self.contact.start);
-        Terms { response, force: Term { value, slope, samples: self.contact.clone() } }
-    }
-
-    /// A bound on the ripple of `|H|` at a frequency (Hz) that is not physics.
-    ///
-    /// What is left at the end of the record, `x_end` over the last `period`
-    /// seconds, is cut off by the rectangular window: `leakage` is `x_end / w`
-    /// over `|F|`. `rounding` is that of the transform, relative to `dt sum |x|`.
-    pub(crate) fn ripple(&self, frequency_hz: f64, period: f64) -> Ripple {
-        self.ripple_under(self.force_at(frequency_hz).norm(), frequency_hz, period)
-    }
-
-    /// The same where the magnitude of the force's transform is known.
+    /// [`Ripple::of`] under a known magnitude of the force's transform.
     pub(crate) fn ripple_under(&self, force: f64, frequency_hz: f64, period: f64) -> Ripple {
-        let count = (period * self.sample_rate_hz).ceil().max(1.0) as usize;
-        let tail = &self.samples[self.samples.len().saturating_sub(count)..];
-        let left = tail.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
-        let omega = std::f64::consts::TAU * frequency_hz;
-        let scale = 1.0 / (omega.powi(self.kind.derivatives()) * force);
-        Ripple {
-            leakage: left / omega * scale,
-            rounding: 1e-14 * absolute_sum(&self.samples) / self.sample_rate_hz * scale,
-        }
+        let sampling = (self.sample_rate_hz, self.kind);
+        Ripple::of(&self.samples, sampling, force, (frequency_hz, period))
     }
 
-    /// The transforms of response and force from zero to just beyond `high` (Hz).
-    ///
-    /// Up to one common phase and to 1e-9 of their largest values, from
-    /// decimated samples where that pays.
-    pub(crate) fn band(&self, padding: usize, high: f64) -> Band<'static> {
+    fn force_transform(&self, kernel: &FourierKernel) -> Complex64 {
+        kernel.transform(&self.force[self.contact.clone()], self.contact.start)
+    }
+
+    fn padded_length(&self, padding: usize) -> usize {
+        fast_length(padding.clamp(1, PADDING_LIMIT).saturating_mul(self.samples.len()))
+    }
+
+    fn form(&self) -> FrfForm {
+        self.kind.form()
+    }
+}
+
+impl HitSpectra for FrequencyResponse {
+    /// From decimated samples where that is faster, to 1e-9 of the largest values.
+    fn band(&self, padding: usize, high: f64) -> BandSpectra<'_> {
         let filter = DecimationFilter::new(self.sample_rate_hz, high, self.samples.len());
         let (force, samples, rate) = match &filter {
             Some(filter) => (
@@ -261,59 +261,7 @@ impl FrequencyResponse {
             values.truncate(keep);
             values
         };
-        Band { step, samples: low_part(&samples).into(), force: low_part(&force).into() }
-    }
-
-    fn force_transform(&self, kernel: &Kernel) -> Complex64 {
-        kernel.transform(&self.force[self.contact.clone()], self.contact.start)
-    }
-
-    fn padded_length(&self, padding: usize) -> usize {
-        fast_length(padding.clamp(1, PADDING_LIMIT).saturating_mul(self.samples.len()))
-    }
-
-    fn form(&self) -> FrfForm {
-        self.kind.form()
-    }
-}
-
-/// Spectra of a force and what it caused: all that a search for peaks asks of a hit.
-pub(crate) trait Spectra {
-    /// The transforms from zero to just beyond `high` (Hz), on a grid of at least `padding`.
-    fn band(&self, padding: usize, high: f64) -> Band<'_>;
-    /// What the response samples are.
-    fn kind(&self) -> ResponseKind;
-    /// Magnitude of the force's transform \[N s\].
-    fn force_magnitude(&self, frequency_hz: f64) -> f64;
-    /// Receptance \[m/N\].
-    fn receptance_at(&self, frequency_hz: f64) -> Complex64;
-    /// `|H|^2` and the derivative of its logarithm with frequency \[1/Hz\].
-    fn power_and_slope(&self, frequency_hz: f64) -> (f64, f64);
-    /// A bound on the ripple of `|H|` at a frequency (Hz) that is not physics.
-    fn ripple(&self, frequency_hz: f64, period: f64) -> Ripple;
-}
-
-/// Spectra of one hit's own samples, at any frequency.
-pub(crate) trait Exact: Spectra {
-    /// The hit.
-    fn response(&self) -> &FrequencyResponse;
-    /// The transforms with their derivatives at a frequency (Hz), up to one common phase.
-    fn transforms_at(&self, frequency_hz: f64) -> Terms;
-}
-
-impl Exact for FrequencyResponse {
-    fn response(&self) -> &FrequencyResponse {
-        self
-    }
-
-    fn transforms_at(&self, frequency_hz: f64) -> Terms {
-        Self::transforms_at(self, frequency_hz)
-    }
-}
-
-impl Spectra for FrequencyResponse {
-    fn band(&self, padding: usize, high: f64) -> Band<'_> {
-        Self::band(self, padding, high)
+        BandSpectra { step, samples: low_part(&samples).into(), force: low_part(&force).into() }
     }
 
     fn kind(&self) -> ResponseKind {
@@ -329,23 +277,29 @@ impl Spectra for FrequencyResponse {
     }
 
     fn power_and_slope(&self, frequency_hz: f64) -> (f64, f64) {
-        Self::power_and_slope(self, frequency_hz)
+        self.power_and_slope_of(frequency_hz, &self.transforms_at(frequency_hz))
     }
 
     fn ripple(&self, frequency_hz: f64, period: f64) -> Ripple {
-        Self::ripple(self, frequency_hz, period)
+        self.ripple_under(self.force_magnitude(frequency_hz), frequency_hz, period)
     }
 }
 
-/// Ripples of `|H|` \[m/N\] that the window and the arithmetic make.
-pub(crate) struct Ripple {
-    pub(crate) leakage: f64,
-    pub(crate) rounding: f64,
-}
+impl ExactSpectra for FrequencyResponse {
+    fn response(&self) -> &FrequencyResponse {
+        self
+    }
 
-/// The transforms of response and force at `k step`, from zero.
-pub(crate) struct Band<'a> {
-    pub(crate) step: f64,
-    pub(crate) samples: Cow<'a, [Complex64]>,
-    pub(crate) force: Cow<'a, [Complex64]>,
+    fn transforms_at(&self, frequency_hz: f64) -> HitTransforms {
+        let kernel = FourierKernel::new(self.sample_rate_hz, frequency_hz);
+        let transform = |signal: &[f64], samples: Range<usize>| {
+            let (value, slope) =
+                kernel.transform_and_slope(&signal[samples.clone()], samples.start);
+            SignalTransform { value, slope, samples }
+        };
+        HitTransforms {
+            response: transform(&self.samples, 0..self.samples.len()),
+            force: transform(&self.force, self.contact.clone()),
+        }
+    }
 }

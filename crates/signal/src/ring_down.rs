@@ -1,7 +1,4 @@
-//! Frequency and damping against amplitude, from one free decay.
-//!
-//! [`BandPass`] isolates a mode without shifting its phase, its analytic signal
-//! gives envelope and phase, and [`backbone`] fits lines to both.
+//! Backbone curves: frequency and damping against amplitude from a free decay.
 
 mod analytic;
 mod band_pass;
@@ -11,29 +8,30 @@ pub use analytic::analytic_signal;
 pub use band_pass::BandPass;
 
 use crate::error::{Result, SignalError, check_positive, check_rate, check_samples};
+use crate::noise::largest_magnitude;
 use local::Polar;
-use realfft::num_complex::Complex64;
+use num_complex::Complex64;
 
-/// How [`backbone`] looks at a decay.
+/// Options of [`backbone`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BackboneOptions {
     /// The band around the mode.
     pub band: BandPass,
-    /// Cycles (of the band's middle) over which a line is fitted, at least 1.
+    /// Cycles (of the centre of the band) over which a line is fitted, at least 1.
     ///
-    /// What ripples on the envelope, noise or a neighbouring mode, counts
-    /// against its fall over a line, `2 pi zeta` a cycle: light damping needs more cycles.
+    /// Ripples of the envelope from noise or a neighbouring mode compete with its decrease
+    /// of `2 pi zeta` a cycle: light damping needs more cycles.
     pub cycles: f64,
-    /// Largest part of the filtered signal that may come from the record's ends.
+    /// Largest part of the filtered signal that the ends of the record may contribute.
     pub edge_level: f64,
     /// One-sided spectral density of the noise, in the samples' unit squared per hertz.
     pub noise_density: f64,
-    /// Smallest envelope over the root mean square of the filtered noise's envelope.
+    /// Smallest envelope, over the root mean square of the envelope of the filtered noise.
     pub noise_factor: f64,
 }
 
 impl BackboneOptions {
-    /// Four cycles, edges to 3e-4, no noise known, five times it.
+    /// Four cycles, edge level 3e-4, no noise, noise factor 5.
     pub fn new(band: BandPass) -> Self {
         Self { band, cycles: 4.0, edge_level: 3e-4, noise_density: 0.0, noise_factor: 5.0 }
     }
@@ -56,14 +54,14 @@ impl BackboneOptions {
     }
 }
 
-/// A moment of a decay.
+/// Frequency and damping at one amplitude of a decay.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BackbonePoint {
     /// Time after the first sample, in seconds.
     pub time_s: f64,
     /// Amplitude of the oscillation, in the samples' unit.
     pub amplitude: f64,
-    /// Instantaneous frequency (of the damped oscillation), in hertz.
+    /// Instantaneous frequency of the damped oscillation, in hertz.
     pub frequency_hz: f64,
     /// Decay rate `-d ln A / dt`, in 1/s.
     pub decay_rate: f64,
@@ -71,47 +69,46 @@ pub struct BackbonePoint {
     pub damping_ratio: f64,
 }
 
-/// The backbone: frequency and damping along a decay, and what was left out.
+/// Frequency and damping along a decay, and the number of points left out.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Backbone {
     /// In the order of time, a quarter of a line apart.
     pub points: Vec<BackbonePoint>,
-    /// Points left out because the record's ends reach them.
+    /// Points left out because of the ends of the record.
     pub masked_edges: usize,
     /// Points left out because the envelope is below the floor.
     pub masked_noise: usize,
-    /// Points left out because their frequency is outside the band: something
-    /// else leaks in louder than what is left of the mode.
+    /// Points left out because their frequency is outside the band: a neighbour exceeds the mode.
     pub masked_outside: usize,
     /// The smallest amplitude accepted, in the samples' unit.
     pub floor: f64,
-    /// Time for which an end of the record is felt, before counting that the
-    /// signal decays: [`BandPass::settling_s`] of the edge level, in seconds.
+    /// [`BandPass::settling_s`] of the edge level, in seconds: the longest effect of an end of the
+    /// record.
     pub settling_s: f64,
 }
 
-/// The transforms' rounding, over the largest sample, with room for three digits above it.
+/// Rounding of the transforms over the largest sample, with a margin of three digits.
 const ROUNDING: f64 = 1e-11;
 
-/// Instantaneous frequency and damping of a free decay.
+/// The backbone curve of a mode from its free decay (ring-down).
 ///
-/// The band-passed signal is made analytic, `z = A exp(i phi)`; over each
-/// window of some cycles lines are fitted to `phi(t)` and `ln A(t)` by least squares:
+/// From the analytic signal `z = A exp(i phi)` of the band-passed samples, with the slopes of the
+/// least-squares lines of `phi(t)` and `ln A(t)` over windows of some cycles:
 ///
 /// ```text
 /// f = phi' / 2 pi,   sigma = -(ln A)',   zeta = sigma / sqrt(sigma^2 + (2 pi f)^2)
 /// ```
 ///
-/// The ends of the record are jumps, which the filter rings with. A jump of
-/// size `x` is felt for a time `t` as `(4/pi) x exp(-2 pi^2 edge t)`; points
-/// where that is more than [`BackboneOptions::edge_level`] of the envelope are
-/// left out. So are points whose envelope is below the noise, and those whose
-/// frequency is not in the band. All are counted.
+/// The filter responds to the steps at the ends of the record: to one of
+/// size `x` with `(4/pi) x exp(-2 pi^2 edge t)`. Points
+/// where that exceeds [`BackboneOptions::edge_level`] of the envelope are
+/// left out and counted, and likewise points with an envelope below the noise or a
+/// frequency outside the band.
 ///
-/// - `decay`: without force from the first sample on, any unit, without offset.
+/// - `decay`: free decay from the first sample on, any unit, without offset.
 ///
-/// A linear oscillator has one frequency and one damping ratio at every
-/// amplitude. No band, no backbone: with two modes inside, they beat.
+/// Valid for one mode in the band; two modes beat. Limiting case: a linear oscillator has one
+/// frequency and one damping ratio at every amplitude.
 ///
 /// # Errors
 /// [`SignalError::Empty`], [`SignalError::NotFinite`], [`SignalError::SampleRate`],
@@ -119,11 +116,27 @@ const ROUNDING: f64 = 1e-11;
 ///
 /// Source: M. Feldman, "Non-linear free vibration identification via the
 /// Hilbert transform", J. Sound Vib. 208 (1997), 475-489.
+///
+/// ```
+/// use asperity_signal::{BackboneOptions, BandPass, backbone};
+///
+/// let (rate, omega, zeta) = (1e4, std::f64::consts::TAU * 200.0, 0.01);
+/// let decay: Vec<f64> = (0..4000)
+///     .map(|n| f64::from(n) / rate)
+///     .map(|t| (-zeta * omega * t).exp() * (omega * t).cos())
+///     .collect();
+/// let curve = backbone(&decay, rate, &BackboneOptions::new(BandPass::around(200.0, 0.3)?))?;
+/// for point in &curve.points {
+///     assert!((point.frequency_hz - 200.0).abs() < 0.1 && (point.damping_ratio - zeta).abs() < 1e-3);
+/// }
+/// assert!(curve.points.len() > 20);
+/// # Ok::<(), asperity_signal::SignalError>(())
+/// ```
 pub fn backbone(decay: &[f64], sample_rate_hz: f64, options: &BackboneOptions) -> Result<Backbone> {
     backbone_and_signal(decay, sample_rate_hz, options).map(|(found, _)| found)
 }
 
-/// [`backbone`], and the analytic signal it was read from.
+/// [`backbone`] and its analytic signal.
 pub(crate) fn backbone_and_signal(
     decay: &[f64],
     sample_rate_hz: f64,
@@ -138,9 +151,8 @@ pub(crate) fn backbone_and_signal(
 
     let centre_hz = band.centre_hz();
     let half = (0.5 * options.cycles * sample_rate_hz / centre_hz).ceil().max(2.0) as usize;
-    let most = |part: &[f64]| part.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
     let noise = (2.0 * options.noise_density * band.noise_width_hz()).sqrt();
-    let floor = (options.noise_factor * noise).max(ROUNDING * most(decay));
+    let floor = (options.noise_factor * noise).max(ROUNDING * largest_magnitude(decay));
     let mut found = Backbone {
         points: Vec::new(),
         masked_edges: 0,
@@ -150,7 +162,8 @@ pub(crate) fn backbone_and_signal(
         settling_s: band.settling_s(options.edge_level),
     };
     let cycle = ((sample_rate_hz / band.low_hz()) as usize).clamp(1, decay.len());
-    let (head, tail) = (most(&decay[..cycle]), most(&decay[decay.len() - cycle..]));
+    let head = largest_magnitude(&decay[..cycle]);
+    let tail = largest_magnitude(&decay[decay.len() - cycle..]);
     for middle in (half..decay.len().saturating_sub(half)).step_by((half / 2).max(1)) {
         let Some(line) = polar.line(middle - half..=middle + half, sample_rate_hz, centre_hz)
         else {
@@ -162,9 +175,9 @@ pub(crate) fn backbone_and_signal(
             continue;
         }
         let amplitude = line.amplitude / band.gain(line.frequency_hz);
-        // The line's own end is what the jump reaches first.
-        let reach = |samples: usize| band.ringing(samples as f64 / sample_rate_hz);
-        let edge = head * reach(middle - half) + tail * reach(decay.len() - 1 - middle - half);
+        // The nearest sample of the line is affected most.
+        let ringing = |samples: usize| band.ringing(samples as f64 / sample_rate_hz);
+        let edge = head * ringing(middle - half) + tail * ringing(decay.len() - 1 - middle - half);
         if edge > options.edge_level * amplitude {
             found.masked_edges += 1;
         } else if amplitude < floor {

@@ -1,15 +1,16 @@
-//! A bracketed root.
+//! Roots of functions of one variable.
 
-/// Steps after which the best estimate is returned as it is; bisection alone needs 52.
+/// Most steps; bisection alone needs 52.
 const LIMIT: usize = 100;
 
 /// A root of `function` between two points where its values have opposite signs.
 ///
-/// Chandrupatla's method (Adv. Eng. Software 28, 1997, 145-149): inverse
-/// quadratic interpolation where three points lie on a curve gentle enough for
-/// it, bisection elsewhere. Stops when the bracket is within `tolerance` of
-/// its position, relative, and returns the end with the smaller value; a
-/// function that is NaN inside returns NaN or an end.
+/// Chandrupatla's method: inverse quadratic interpolation or bisection. It stops when the width of
+/// the bracket over its position is below `tolerance` and returns the end with the smaller value;
+/// NaN or an end if the function is NaN inside.
+///
+/// Source: T. R. Chandrupatla, Adv. Eng. Software 28 (1997), 145-149,
+/// doi 10.1016/S0965-9978(96)00051-8.
 pub(crate) fn bracketed_root(
     mut function: impl FnMut(f64) -> f64,
     (mut a, mut at_a): (f64, f64),

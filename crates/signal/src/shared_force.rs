@@ -1,18 +1,18 @@
-//! Many hits under forces of one shape.
+//! Harmonics and damping of many hits under forces of one shape.
 
 use std::borrow::Cow;
 use std::f64::consts::TAU;
 use std::fmt;
 use std::sync::Arc;
 
-use realfft::num_complex::Complex64;
-use realfft::{RealFftPlanner, RealToComplex};
+use num_complex::Complex64;
+use realfft::RealToComplex;
 
 use crate::damping::half_power_of;
 use crate::form::ResponseKind;
 use crate::harmonics::{HarmonicOptions, Harmonics, harmonics_of};
-use crate::response::{Band, Ripple, Spectra};
-use crate::spectrum::fast_length;
+use crate::spectra::{BandSpectra, HitSpectra, Ripple};
+use crate::spectrum::{fast_length, forward_plan};
 use crate::transform::transform_at;
 
 /// Zero padding of the grid of transforms.
@@ -21,30 +21,50 @@ const PADDING: usize = 3;
 /// Points of the interpolation between grid frequencies.
 const POINTS: usize = 10;
 
-/// Largest relative error of `|H|` at the fundamental, between interpolation and exact transform,
-/// for the interpolation to be believed.
-const BELIEVED: f64 = 1e-6;
+/// Largest accepted relative error of the interpolated `|H|` at the fundamental.
+const ACCEPTED: f64 = 1e-6;
 
-/// The fundamental, second harmonic and damping of hits whose force is one course times a factor.
+/// The analysis of many hits whose forces are one time history times a factor.
 ///
-/// What depends on the force alone, and all planning, is done once. The transform of a response
-/// is computed on a grid by one short FFT, about the centre of its energy, where it varies slowly
-/// from point to point; peaks and half-power points are then found on its interpolation, which is
-/// checked against the exact transform at the fundamental. Meant for records thinned by a
+/// The transform of the force is computed once. The transform of each response
+/// is computed on a grid by one short FFT about the centre of its energy, where it varies slowly
+/// from point to point; peaks and half-power crossings are found on its interpolation, which is
+/// verified against the exact transform at the fundamental. Intended for records decimated by a
 /// [`DecimationFilter`](crate::DecimationFilter) to the band of interest.
 ///
-/// Answers are those of [`find_harmonics`](crate::find_harmonics) and
+/// The results are those of [`find_harmonics`](crate::find_harmonics) and
 /// [`half_power`](crate::half_power) to 1e-6.
+///
+/// ```
+/// use asperity_signal::{HarmonicOptions, SharedForce};
+///
+/// let (rate, omega, zeta) = (1e4, std::f64::consts::TAU * 800.0, 0.03);
+/// let mut force = vec![0.0; 2000];
+/// force[0] = rate;
+/// let shared = SharedForce::new(&force, rate, 2500.0).ok_or("a force with content")?;
+/// for factor in [1.0, 2.0] {
+///     let displacement: Vec<f64> = (0..2000)
+///         .map(|n| f64::from(n) / rate)
+///         .map(|t| factor * 1e-6 * (-zeta * omega * t).exp() * (omega * t).sin())
+///         .collect();
+///     let features = shared
+///         .analyse(&displacement, factor, 800.0, &HarmonicOptions::default())
+///         .ok_or("a record that has decayed")?;
+///     let ratio = features.damping_ratio.ok_or("a peak with a width")?;
+///     assert!((ratio - zeta).abs() < 1e-3);
+/// }
+/// # Ok::<(), &str>(())
+/// ```
 #[derive(Clone)]
 pub struct SharedForce {
     rate: f64,
     samples: Vec<f64>,
     plan: Arc<dyn RealToComplex<f64>>,
-    force: Transform,
+    force: CentredTransform,
     keep: usize,
 }
 
-/// What [`SharedForce::analyse`] found.
+/// Harmonics and damping of a hit, from [`SharedForce::analyse`].
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct SharedForceFeatures {
     /// Fundamental and second harmonic.
@@ -63,18 +83,18 @@ impl fmt::Debug for SharedForce {
 }
 
 impl SharedForce {
-    /// The course `force` \[N\] of unit factor, sampled at `sample_rate_hz`, for peaks up to
-    /// `high` (Hz); `None` for a force without content, or arguments that are not finite.
+    /// The analysis for a time history `force` \[N\] of unit factor, sampled at `sample_rate_hz`, and
+    /// peaks up to `high` (Hz); `None` if the force is zero or an argument is not finite.
     pub fn new(force: &[f64], sample_rate_hz: f64, high: f64) -> Option<Self> {
         let finite = force.iter().all(|sample| sample.is_finite());
         if !(finite && sample_rate_hz.is_finite() && sample_rate_hz > 0.0 && high > 0.0) {
             return None;
         }
         let length = fast_length(PADDING * force.len().max(POINTS));
-        let plan = RealFftPlanner::new().plan_fft_forward(length);
+        let plan = forward_plan(length);
         let step = sample_rate_hz / length as f64;
         let keep = ((high / step).ceil() as usize).saturating_add(POINTS).min(length / 2 + 1);
-        let force_transform = Transform::of(force, 1.0 / sample_rate_hz, &plan, keep)?;
+        let force_transform = CentredTransform::of(force, 1.0 / sample_rate_hz, &plan, keep)?;
         Some(Self {
             rate: sample_rate_hz,
             samples: force.to_vec(),
@@ -85,8 +105,8 @@ impl SharedForce {
     }
 
     /// The fundamental near `static_frequency_hz`, its second harmonic and its damping, from a
-    /// `displacement` \[m\] under `factor` times the force. `None` where the interpolation is not
-    /// to be believed, as of a record that has not decayed: turn to the exact analysis then.
+    /// `displacement` \[m\] under `factor` times the force. `None` if the interpolation is not
+    /// accurate enough, as for a record that has not decayed; use the exact analysis then.
     pub fn analyse(
         &self,
         displacement: &[f64],
@@ -97,9 +117,9 @@ impl SharedForce {
         if displacement.len() != self.samples.len() || factor == 0.0 {
             return None;
         }
-        // Per unit of the factor, so that all that follows is as if it were one.
+        // Normalised to a factor of one.
         let scale = 1.0 / (self.rate * factor);
-        let response = Transform::of(displacement, scale, &self.plan, self.keep)?;
+        let response = CentredTransform::of(displacement, scale, &self.plan, self.keep)?;
         let hit = SharedHit { shared: self, displacement, response, factor };
         let harmonics = harmonics_of(&hit, static_frequency_hz, options);
         let Some(first) = harmonics.fundamental else {
@@ -109,7 +129,7 @@ impl SharedForce {
         let exact = transform_at(displacement, self.rate, f).norm()
             / (transform_at(&self.samples, self.rate, f).norm() * factor.abs());
         let off = (first.magnitude / exact - 1.0).abs();
-        if off.is_nan() || off > BELIEVED {
+        if off.is_nan() || off > ACCEPTED {
             return None;
         }
         let power = |frequency| hit.power(frequency);
@@ -123,14 +143,14 @@ impl SharedForce {
 
 /// A transform on a grid of frequencies, about the centre of the signal's energy.
 #[derive(Debug, Clone)]
-struct Transform {
+struct CentredTransform {
     values: Vec<Complex64>,
-    /// Grid spacing in cycles a sample, and the sample that counts as time zero.
+    /// Grid spacing in cycles a sample, and the index of the sample at time zero.
     cycles: f64,
     centre: f64,
 }
 
-impl Transform {
+impl CentredTransform {
     /// The transform times `scale`, on the grid of `plan` up to point `keep`.
     fn of(
         samples: &[f64],
@@ -160,8 +180,9 @@ impl Transform {
         Some(Self { values, cycles: 1.0 / length as f64, centre: centre as f64 })
     }
 
-    /// Value at `place` grid points, and derivative with it, by the polynomial of `stencil`.
-    fn at(&self, stencil: &Stencil) -> (Complex64, Complex64) {
+    /// Value, and derivative with respect to the position on the grid, by the polynomial of
+    /// `stencil`.
+    fn at(&self, stencil: &PolynomialStencil) -> (Complex64, Complex64) {
         let Some(values) = self.values.get(stencil.first..stencil.first + POINTS) else {
             return (Complex64::new(f64::NAN, 0.0), Complex64::new(f64::NAN, 0.0));
         };
@@ -174,18 +195,18 @@ impl Transform {
     }
 }
 
-/// Weights of the grid points around a place in the polynomial through them, and their
-/// derivatives with the place.
-struct Stencil {
+/// Weights of the grid points around a position in the polynomial through them, and their
+/// derivatives with respect to the position.
+struct PolynomialStencil {
     first: usize,
     weights: [(f64, f64); POINTS],
 }
 
-impl Stencil {
-    fn at(place: f64, count: usize) -> Self {
+impl PolynomialStencil {
+    fn at(position: f64, count: usize) -> Self {
         let last = count.saturating_sub(POINTS);
-        let first = (place as usize).saturating_sub(POINTS / 2 - 1).min(last);
-        let u = place - first as f64;
+        let first = (position as usize).saturating_sub(POINTS / 2 - 1).min(last);
+        let u = position - first as f64;
         // Products of (u - m) from below and from above, with their derivatives.
         let mut below = [(1.0, 0.0); POINTS + 1];
         let mut above = [(1.0, 0.0); POINTS + 1];
@@ -227,7 +248,7 @@ const NORMS: [f64; POINTS] = {
 struct SharedHit<'a> {
     shared: &'a SharedForce,
     displacement: &'a [f64],
-    response: Transform,
+    response: CentredTransform,
     factor: f64,
 }
 
@@ -236,8 +257,8 @@ impl SharedHit<'_> {
         self.response.cycles * self.shared.rate
     }
 
-    fn stencil(&self, frequency_hz: f64) -> Stencil {
-        Stencil::at(frequency_hz / self.step(), self.shared.keep)
+    fn stencil(&self, frequency_hz: f64) -> PolynomialStencil {
+        PolynomialStencil::at(frequency_hz / self.step(), self.shared.keep)
     }
 
     fn power(&self, frequency_hz: f64) -> f64 {
@@ -246,9 +267,9 @@ impl SharedHit<'_> {
     }
 }
 
-impl Spectra for SharedHit<'_> {
-    fn band(&self, _: usize, _: f64) -> Band<'_> {
-        Band {
+impl HitSpectra for SharedHit<'_> {
+    fn band(&self, _: usize, _: f64) -> BandSpectra<'_> {
+        BandSpectra {
             step: self.step(),
             samples: Cow::Borrowed(&self.response.values),
             force: Cow::Borrowed(&self.shared.force.values),
@@ -266,8 +287,8 @@ impl Spectra for SharedHit<'_> {
     fn receptance_at(&self, frequency_hz: f64) -> Complex64 {
         let stencil = self.stencil(frequency_hz);
         let ratio = self.response.at(&stencil).0 / self.shared.force.at(&stencil).0;
-        let late = self.response.centre - self.shared.force.centre;
-        ratio * Complex64::from_polar(1.0, -TAU * frequency_hz / self.shared.rate * late)
+        let delay = self.response.centre - self.shared.force.centre;
+        ratio * Complex64::from_polar(1.0, -TAU * frequency_hz / self.shared.rate * delay)
     }
 
     fn power_and_slope(&self, frequency_hz: f64) -> (f64, f64) {
@@ -278,15 +299,8 @@ impl Spectra for SharedHit<'_> {
     }
 
     fn ripple(&self, frequency_hz: f64, period: f64) -> Ripple {
-        let rate = self.shared.rate;
-        let count = (period * rate).ceil().max(1.0) as usize;
-        let tail = &self.displacement[self.displacement.len().saturating_sub(count)..];
-        let left = tail.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
-        let scale = 1.0 / (self.force_magnitude(frequency_hz) * self.factor.abs());
-        let absolute: f64 = self.displacement.iter().map(|x| x.abs()).sum();
-        Ripple {
-            leakage: left / (TAU * frequency_hz) * scale,
-            rounding: 1e-14 * absolute / rate * scale,
-        }
+        let force = self.force_magnitude(frequency_hz) * self.factor.abs();
+        let sampling = (self.shared.rate, self.kind());
+        Ripple::of(self.displacement, sampling, force, (frequency_hz, period))
     }
 }

@@ -1,11 +1,12 @@
-//! The Fourier sum on the whole grid of an FFT.
+//! The Fourier sum on the grid of an FFT.
 
 use crate::error::{Result, SignalError, check_rate, check_samples};
-use realfft::RealFftPlanner;
-use realfft::num_complex::Complex64;
+use num_complex::Complex64;
+use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 use std::cell::RefCell;
+use std::sync::Arc;
 
-/// Largest zero padding; denser than this, use [`transform_at`](crate::transform_at).
+/// Largest zero padding; use [`transform_at`](crate::transform_at) for denser grids.
 pub(crate) const PADDING_LIMIT: usize = 1024;
 
 thread_local! {
@@ -19,10 +20,20 @@ thread_local! {
 /// X(f_k) = dt * sum_n x_n exp(-i 2 pi f_k n dt),   f_k = k / (M dt),   0 <= k <= M/2
 /// ```
 ///
-/// Rectangular window and no detrending: the record is taken as the whole
+/// Rectangular window and no detrending: the record is the whole
 /// transient. Zero padding to `M` samples interpolates the transform and adds
-/// no information. The values carry the samples' unit times seconds, so they
+/// no information. The values have the unit of the samples times seconds and
 /// tend to the continuous transform as `dt` tends to zero.
+///
+/// ```
+/// use asperity_signal::Spectrum;
+///
+/// let spectrum = Spectrum::new(&[1.0; 8], 8.0, 1)?;
+/// assert_eq!(spectrum.frequency_step(), 1.0);
+/// assert!((spectrum.values()[0].re - 1.0).abs() < 1e-15);
+/// assert!(spectrum.values()[1].norm() < 1e-15);
+/// # Ok::<(), asperity_signal::SignalError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Spectrum {
     values: Vec<Complex64>,
@@ -55,13 +66,12 @@ impl Spectrum {
         Self::of(padded, sample_rate_hz)
     }
 
-    /// The transform of checked samples of an even number.
+    /// The transform of an even number of checked samples.
     pub(crate) fn of(mut samples: Vec<f64>, sample_rate_hz: f64) -> Self {
         let length = samples.len();
-        let plan = PLANNER.with_borrow_mut(|planner| planner.plan_fft_forward(length));
+        let plan = forward_plan(length);
         let mut values = plan.make_output_vec();
-        // The plan made its output, so the lengths fit and this cannot fail; if it ever did,
-        // NaN would say so.
+        // Cannot fail, since the plan made the buffers; NaN otherwise.
         if plan.process(&mut samples, &mut values).is_err() {
             values.fill(Complex64::new(f64::NAN, f64::NAN));
         }
@@ -72,7 +82,7 @@ impl Spectrum {
         Self { values, frequency_step: sample_rate_hz / length as f64 }
     }
 
-    /// Distance between bins `1 / (M dt)`, in hertz.
+    /// Spacing of the bins `1 / (M dt)`, in hertz.
     pub fn frequency_step(&self) -> f64 {
         self.frequency_step
     }
@@ -87,15 +97,25 @@ impl Spectrum {
         &self.values
     }
 
-    /// The transform, without a copy.
+    /// The transform, by value.
     pub(crate) fn into_values(self) -> Vec<Complex64> {
         self.values
     }
 }
 
-/// The smallest even `2^a 3^b 5^c` that is at least `minimum`: a fast FFT length.
+/// The plan of a forward transform, from the cache of the thread.
+pub(crate) fn forward_plan(length: usize) -> Arc<dyn RealToComplex<f64>> {
+    PLANNER.with_borrow_mut(|planner| planner.plan_fft_forward(length))
+}
+
+/// The plan of an inverse transform, from the cache of the thread.
+pub(crate) fn inverse_plan(length: usize) -> Arc<dyn ComplexToReal<f64>> {
+    PLANNER.with_borrow_mut(|planner| planner.plan_fft_inverse(length))
+}
+
+/// The smallest even `2^a 3^b 5^c` not below `minimum`, a fast length of an FFT.
 ///
-/// Even, so that the last bin is exactly half the sample rate. Zero gives 2.
+/// Even, so that the last bin is at half the sample rate; zero gives 2.
 pub fn fast_length(minimum: usize) -> usize {
     let half = minimum.div_ceil(2).max(1);
     let mut best = half.next_power_of_two();

@@ -1,11 +1,11 @@
-//! The Fourier sum at one frequency, anywhere between the bins of an FFT.
+//! The Fourier sum at any frequency.
 
-use realfft::num_complex::Complex64;
+use num_complex::Complex64;
 use std::f64::consts::TAU;
 
-/// Samples that share one table of phasors; the phase restarts exactly at each block.
+/// Samples per table of phasors; the phase is computed anew for each block.
 const BLOCK: usize = 256;
-/// Independent accumulators, so that the compiler can use vector registers.
+/// Independent partial sums, so that the compiler can use vector registers.
 const LANES: usize = 8;
 /// Side of the phasor table: `BLOCK = SIDE * SIDE`.
 const SIDE: usize = 16;
@@ -16,40 +16,47 @@ const SIDE: usize = 16;
 /// X(f) = dt * sum_n x_n exp(-i 2 pi f n dt)
 /// ```
 ///
-/// The same sum as the bins of [`Spectrum`](crate::Spectrum), at any frequency.
+/// This is the sum of [`Spectrum`](crate::Spectrum) at any frequency.
 ///
 /// - `samples`: any unit, the first at time zero; empty gives zero.
 /// - `sample_rate_hz`: positive, in hertz.
 /// - `frequency_hz`: any finite frequency in hertz; negative gives the conjugate.
 ///
-/// The result has the samples' unit times seconds. Phases are reduced with a
-/// two-term product every 256 samples, so rounding stays below `1e-14` of
-/// `dt * sum |x_n|`; what remains is the frequency's own last bit, which turns
+/// The result has the unit of the samples times seconds. The rounding error is below `1e-14` of
+/// `dt * sum |x_n|`, besides that of the frequency itself, which changes
 /// the phase of sample `n` by up to `2 pi f n dt * 1.1e-16`.
 ///
-/// Samples or rates that are not finite give NaN. As `f` tends to zero the
-/// transform tends to the rectangle-rule integral of the samples.
+/// Samples or rates that are not finite give NaN. Limiting case: the rectangle-rule integral of the
+/// samples at `f = 0`.
+///
+/// ```
+/// use asperity_signal::transform_at;
+///
+/// let cosine: Vec<f64> =
+///     (0..1000).map(|n| (std::f64::consts::TAU * 5.0 * f64::from(n) / 1000.0).cos()).collect();
+/// assert!((transform_at(&cosine, 1000.0, 5.0).re - 0.5).abs() < 1e-12);
+/// ```
 pub fn transform_at(samples: &[f64], sample_rate_hz: f64, frequency_hz: f64) -> Complex64 {
-    Kernel::new(sample_rate_hz, frequency_hz).transform(samples, 0)
+    FourierKernel::new(sample_rate_hz, frequency_hz).transform(samples, 0)
 }
 
-/// [`transform_at`] of two signals sampled together, sharing the phasors.
+/// [`transform_at`] of two signals sampled together, from one table of phasors.
 pub fn transform_pair_at(
     first: &[f64],
     second: &[f64],
     sample_rate_hz: f64,
     frequency_hz: f64,
 ) -> (Complex64, Complex64) {
-    let kernel = Kernel::new(sample_rate_hz, frequency_hz);
+    let kernel = FourierKernel::new(sample_rate_hz, frequency_hz);
     (kernel.transform(first, 0), kernel.transform(second, 0))
 }
 
-/// The phasors of one frequency: `cos` and `sin` of `2 pi f j dt` over a block.
+/// Phasors of one frequency: `cos` and `sin` of `2 pi f j dt` over a block.
 #[derive(Debug)]
-pub(crate) struct Kernel {
+pub(crate) struct FourierKernel {
     cosine: [f64; BLOCK],
     sine: [f64; BLOCK],
-    /// Cycles per sample `f dt` and the part of it lost in rounding.
+    /// Cycles per sample `f dt`, and its rounding error.
     cycles: f64,
     cycles_tail: f64,
     time_step: f64,
@@ -61,7 +68,7 @@ struct BlockSums {
     ramped: Complex64,
 }
 
-impl Kernel {
+impl FourierKernel {
     pub(crate) fn new(sample_rate_hz: f64, frequency_hz: f64) -> Self {
         let cycles = frequency_hz / sample_rate_hz;
         let cycles_tail = (-cycles).mul_add(sample_rate_hz, frequency_hz) / sample_rate_hz;
@@ -92,11 +99,11 @@ impl Kernel {
         TAU * ((product - product.round()) + tail)
     }
 
-    /// `dt * sum x_n exp(-i 2 pi f n dt)`, the first sample having index `first`.
+    /// `dt * sum x_n exp(-i 2 pi f n dt)`, where the first sample has the index `first`.
     pub(crate) fn transform(&self, samples: &[f64], first: usize) -> Complex64 {
         let mut total = Complex64::ZERO;
         for (block, values) in samples.chunks(BLOCK).enumerate() {
-            total += self.turn(first + block * BLOCK) * self.block_sum(values);
+            total += self.turn(first + block * BLOCK) * self.block_sums::<false>(values).plain;
         }
         total * self.time_step
     }
@@ -111,7 +118,7 @@ impl Kernel {
         for (block, values) in samples.chunks(BLOCK).enumerate() {
             let start = first + block * BLOCK;
             let turn = self.turn(start);
-            let sums = self.block_sums(values);
+            let sums = self.block_sums::<true>(values);
             total += turn * sums.plain;
             ramped += turn * (sums.plain * start as f64 + sums.ramped);
         }
@@ -125,25 +132,8 @@ impl Kernel {
         Complex64::new(cosine, -sine)
     }
 
-    fn block_sum(&self, values: &[f64]) -> Complex64 {
-        let (mut real, mut imaginary) = ([0.0; LANES], [0.0; LANES]);
-        let (chunks, rest) = values.as_chunks::<LANES>();
-        let (cosines, _) = self.cosine.as_chunks::<LANES>();
-        let (sines, _) = self.sine.as_chunks::<LANES>();
-        for ((x, c), s) in chunks.iter().zip(cosines).zip(sines) {
-            for lane in 0..LANES {
-                real[lane] += x[lane] * c[lane];
-                imaginary[lane] += x[lane] * s[lane];
-            }
-        }
-        for (j, x) in (chunks.len() * LANES..).zip(rest) {
-            real[0] += x * self.cosine[j];
-            imaginary[0] += x * self.sine[j];
-        }
-        Complex64::new(lane_sum(&real), -lane_sum(&imaginary))
-    }
-
-    fn block_sums(&self, values: &[f64]) -> BlockSums {
+    /// The sums over a block; `ramped` is zero unless `RAMPED`.
+    fn block_sums<const RAMPED: bool>(&self, values: &[f64]) -> BlockSums {
         let (mut real, mut imaginary) = ([0.0; LANES], [0.0; LANES]);
         let (mut ramped_real, mut ramped_imaginary) = ([0.0; LANES], [0.0; LANES]);
         let (chunks, rest) = values.as_chunks::<LANES>();
@@ -155,17 +145,21 @@ impl Kernel {
                 let (even, odd) = (x[lane] * c[lane], x[lane] * s[lane]);
                 real[lane] += even;
                 imaginary[lane] += odd;
-                ramped_real[lane] += ramp[lane] * even;
-                ramped_imaginary[lane] += ramp[lane] * odd;
-                ramp[lane] += LANES as f64;
+                if RAMPED {
+                    ramped_real[lane] += ramp[lane] * even;
+                    ramped_imaginary[lane] += ramp[lane] * odd;
+                    ramp[lane] += LANES as f64;
+                }
             }
         }
         for (j, x) in (chunks.len() * LANES..).zip(rest) {
             let (even, odd) = (x * self.cosine[j], x * self.sine[j]);
             real[0] += even;
             imaginary[0] += odd;
-            ramped_real[0] += j as f64 * even;
-            ramped_imaginary[0] += j as f64 * odd;
+            if RAMPED {
+                ramped_real[0] += j as f64 * even;
+                ramped_imaginary[0] += j as f64 * odd;
+            }
         }
         BlockSums {
             plain: Complex64::new(lane_sum(&real), -lane_sum(&imaginary)),

@@ -1,50 +1,47 @@
-//! What noise does to a peak.
+//! Uncertainty of a peak from noise.
 
 use crate::peak::Peak;
-use crate::response::{Exact, FrequencyResponse};
-use realfft::num_complex::Complex64;
+use crate::response::FrequencyResponse;
+use crate::spectra::{ExactSpectra, SignalTransform};
+use num_complex::Complex64;
 use std::f64::consts::TAU;
-use std::ops::Range;
 
 /// One-sided spectral densities of the noise near a peak.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct NoiseDensity {
-    /// Of the force, in N^2 / Hz.
+    /// Density of the force noise, in N^2 / Hz.
     pub force: f64,
-    /// Of the response, in its unit squared per hertz.
+    /// Density of the response noise, in its unit squared per hertz.
     pub response: f64,
-    /// Rate `r` at which an exponential window takes the noise down, `exp(-r t)`
-    /// from the first sample on, in 1/s; zero without one. The densities are
-    /// then those at the first sample.
+    /// Decay rate `r` of an exponential window `exp(-r t)` from the first sample on, in 1/s; zero
+    /// without one. The densities are those at the first sample.
     pub window_rate: f64,
 }
 
-/// Standard deviations of a peak that noise causes.
+/// Standard deviations of a peak caused by noise.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PeakUncertainty {
-    /// Of the peak's frequency, in hertz.
+    /// Standard deviation of the frequency, in hertz.
     pub frequency_hz: f64,
-    /// Of the peak's magnitude, in m/N.
+    /// Standard deviation of the magnitude, in m/N.
     pub magnitude: f64,
-    /// Of the magnitude over the magnitude.
+    /// Standard deviation of the magnitude over the magnitude.
     pub relative: f64,
-    /// Standard deviation of the curvature that noise adds, over the peak's own.
+    /// Standard deviation of the curvature of the noise over the curvature of the peak.
     ///
-    /// The first order holds while this is below about 0.1
-    /// ([`PeakUncertainty::is_first_order`]). Beyond, noise makes
-    /// maxima of its own, the peak picked may be one of them (they are sharp,
-    /// so that this ratio stays below one), and the deviations mean nothing. A
-    /// record much longer than the decay is mostly noise; shorten or window it.
+    /// The first order is valid up to about 0.1
+    /// ([`PeakUncertainty::is_first_order`]). Above, the noise itself has
+    /// maxima, the peak found may be one of them, and the deviations are meaningless. A
+    /// record much longer than the decay is mostly noise: shorten or window it.
     pub roughness: f64,
 }
 
-/// Largest roughness for which the first order holds.
+/// Largest roughness for which the first order is valid.
 const ROUGH: f64 = 0.1;
 
 impl PeakUncertainty {
-    /// Whether the first order holds: the roughness is below 0.1.
-    ///
-    /// Where it does not, the peak itself may be noise.
+    /// True if the first order is valid, with a roughness below 0.1; otherwise the peak itself may
+    /// be noise.
     pub fn is_first_order(&self) -> bool {
         self.roughness < ROUGH
     }
@@ -53,7 +50,7 @@ impl PeakUncertainty {
 /// Standard deviations of a peak's frequency and magnitude, to first order in the noise.
 ///
 /// Noise adds `N` to the transform `X` of the response. The maximum of
-/// `ln |X/F|` then moves by its slope's change over its curvature, its height
+/// `ln |X/F|` moves by the change of its slope over its curvature, and its height
 /// changes by the real part of `N/X`:
 ///
 /// ```text
@@ -61,13 +58,13 @@ impl PeakUncertainty {
 /// var Re sum n_k g_k = (S rate / 4) sum exp(-2 r t_k) |g_k|^2
 /// ```
 ///
-/// and alike for the force, over the samples from its first to its last that
-/// is not zero: a [`ForceWindow`](crate::ForceWindow) shortens them. For
-/// stationary noise with the given density about the peak, as many cycles long
-/// that its real and imaginary parts are alike, and small against `X` in height
-/// and in curvature ([`PeakUncertainty::roughness`]).
+/// and likewise for the force, over the samples from its first to its last that
+/// is not zero, which a [`ForceWindow`](crate::ForceWindow) shortens. Valid for
+/// stationary noise of the given density about the peak in a record of many cycles
+/// (equal variances of real and imaginary parts), small against `X` in height
+/// and in curvature ([`PeakUncertainty::roughness`]). Without noise the deviations are zero.
 ///
-/// `None` if the densities are negative or not finite, or the peak is flat.
+/// `None` if a density is negative or not finite, or the peak is flat.
 pub fn peak_uncertainty(
     response: &FrequencyResponse,
     peak: &Peak,
@@ -76,9 +73,9 @@ pub fn peak_uncertainty(
     uncertainty_of(response, peak, noise)
 }
 
-/// [`peak_uncertainty`] of whatever gives the spectra of a hit.
+/// [`peak_uncertainty`] of any spectra of a hit.
 pub(crate) fn uncertainty_of(
-    hit: &impl Exact,
+    hit: &impl ExactSpectra,
     peak: &Peak,
     noise: NoiseDensity,
 ) -> Option<PeakUncertainty> {
@@ -88,18 +85,19 @@ pub(crate) fn uncertainty_of(
         return None;
     }
     let frequency = peak.frequency_hz;
-    // The curve is smooth over 1/T: a small part of that gives its curvature to 1e-3.
+    // The curve varies over 1/T: a step of 2 % of that gives the curvature to 1e-3.
     let step = 0.02 / response.duration();
     let slope = |f: f64| 0.5 * hit.power_and_slope(f).1;
     let curvature = (slope(frequency + step) - slope(frequency - step)) / (2.0 * step);
-    let terms = hit.transforms_at(frequency);
-    let shares = [(terms.response, noise.response), (terms.force, noise.force)];
-    let mut variances = [0.0; 3];
-    for (term, density) in shares {
-        let share = term.variances(density, noise.window_rate, response.sample_rate_hz());
-        variances.iter_mut().zip(share).for_each(|(sum, share)| *sum += share);
+    let transforms = hit.transforms_at(frequency);
+    let mut sums = [0.0; 3];
+    for (signal, density) in
+        [(transforms.response, noise.response), (transforms.force, noise.force)]
+    {
+        let added = variances(&signal, density, noise.window_rate, response.sample_rate_hz());
+        sums.iter_mut().zip(added).for_each(|(sum, added)| *sum += added);
     }
-    let [relative, slope, roughness] = variances.map(f64::sqrt);
+    let [relative, slope, roughness] = sums.map(f64::sqrt);
     let frequency_hz = slope / curvature.abs();
     (frequency_hz.is_finite() && relative.is_finite()).then_some(PeakUncertainty {
         frequency_hz,
@@ -111,46 +109,31 @@ pub(crate) fn uncertainty_of(
 
 /// Standard deviation of the ratio `second / first` of two peaks with independent noise.
 ///
-/// Noise is independent at frequencies further apart than one over the record.
+/// The noise of two peaks is independent if their frequencies are further apart than `1 / T`.
 pub fn ratio_uncertainty(ratio: f64, first: &PeakUncertainty, second: &PeakUncertainty) -> f64 {
     ratio * first.relative.hypot(second.relative)
 }
 
-/// A transform, its derivative with frequency, and the samples it is taken over.
-pub(crate) struct Term {
-    pub(crate) value: Complex64,
-    pub(crate) slope: Complex64,
-    pub(crate) samples: Range<usize>,
-}
-
-/// Those of the response and of the force at one frequency.
-pub(crate) struct Terms {
-    pub(crate) response: Term,
-    pub(crate) force: Term,
-}
-
-impl Term {
-    /// Variances of `ln |X|`, its slope and its curvature for white noise that falls.
-    fn variances(&self, density: f64, window_rate: f64, rate: f64) -> [f64; 3] {
-        if density == 0.0 {
-            return [0.0; 3];
-        }
-        let dt = 1.0 / rate;
-        // N/X, its slope and its curvature are sums over the noise with weights
-        // dt (a t + b)^n exp(-i w t) / X, n = 0, 1, 2 (but for the curvature of ln X).
-        let b = self.slope / self.value * Complex64::new(0.0, -1.0);
-        let mut sums = [0.0; 3];
-        // exp(-2 r t) by a product: its rounding grows with the samples, to 1e-10.
-        let mut weight = (-2.0 * window_rate * self.samples.start as f64 * dt).exp();
-        let fall = (-2.0 * window_rate * dt).exp();
-        for index in self.samples.clone() {
-            let square = (b + TAU * index as f64 * dt).norm_sqr();
-            sums[0] += weight;
-            sums[1] += weight * square;
-            sums[2] += weight * square * square;
-            weight *= fall;
-        }
-        let scale = 0.25 * density * rate * dt * dt / self.value.norm_sqr();
-        sums.map(|sum| scale * sum)
+/// Variances of `ln |X|`, its slope and its curvature for white noise under an exponential window.
+fn variances(signal: &SignalTransform, density: f64, window_rate: f64, rate: f64) -> [f64; 3] {
+    if density == 0.0 {
+        return [0.0; 3];
     }
+    let dt = 1.0 / rate;
+    // N/X, its slope and its curvature are sums over the noise with weights
+    // dt (a t + b)^n exp(-i w t) / X, n = 0, 1, 2 (but for the curvature of ln X).
+    let b = signal.slope / signal.value * Complex64::new(0.0, -1.0);
+    let mut sums = [0.0; 3];
+    // exp(-2 r t) by a product: its rounding grows with the samples, to 1e-10.
+    let mut weight = (-2.0 * window_rate * signal.samples.start as f64 * dt).exp();
+    let factor = (-2.0 * window_rate * dt).exp();
+    for index in signal.samples.clone() {
+        let square = (b + TAU * index as f64 * dt).norm_sqr();
+        sums[0] += weight;
+        sums[1] += weight * square;
+        sums[2] += weight * square * square;
+        weight *= factor;
+    }
+    let scale = 0.25 * density * rate * dt * dt / signal.value.norm_sqr();
+    sums.map(|sum| scale * sum)
 }

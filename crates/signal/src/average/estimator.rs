@@ -1,33 +1,33 @@
-//! Three ways to divide averaged spectra.
+//! Estimators of the frequency response function from averaged spectra.
 
 use crate::error::{Result, check_positive};
-use realfft::num_complex::Complex64;
+use num_complex::Complex64;
 
-/// Which noise the average is taken to have.
+/// Estimator of the frequency response function, by its assumption on the noise.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum FrfEstimator {
     /// `H1 = Gfx / Gff`: least squares for noise on the response. Noise on the
-    /// force makes it too small, by `1 + Gnn/Gff`.
+    /// force biases it low, by `1 + Gnn/Gff`.
     H1,
     /// `H2 = Gxx / conj(Gfx)`: least squares for noise on the force. Noise on
-    /// the response makes it too large, by `1 + Gmm/Gxx`.
+    /// the response biases it high, by `1 + Gmm/Gxx`.
     H2,
-    /// `Hv`: total least squares, noise on both.
+    /// `Hv`: total least squares, for noise on both.
     ///
     /// ```text
     /// Hv = (b - a + sqrt((a - b)^2 + 4 |Gfx|^2 / s^2)) / (2 conj(Gfx) / s^2),
     /// a = Gff,   b = Gxx / s^2
     /// ```
     ///
-    /// Its magnitude lies between the other two, its phase is theirs.
-    /// `s -> infinity` gives `H1`, `s -> 0` gives `H2`.
+    /// Its magnitude lies between those of `H1` (`s -> infinity`) and `H2` (`s -> 0`); the three
+    /// phases are equal.
     ///
     /// Source: G. T. Rocklin, J. Crowley and H. Vold, "A comparison of H1, H2
     /// and Hv frequency response functions", Proc. 3rd IMAC 1985, 272-278.
     Hv(HvScaling),
 }
 
-/// How the two noises compare in [`FrfEstimator::Hv`].
+/// Ratio of the two noises in [`FrfEstimator::Hv`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum HvScaling {
     /// Equal noise-to-signal ratios: `s^2 = Gxx / Gff` at each frequency, which
@@ -55,7 +55,7 @@ impl FrfEstimator {
             Self::Hv(HvScaling::NoiseRatio(s)) => {
                 let (a, b, c) = (force, response / (s * s), cross / s);
                 let root = (a - b).hypot(2.0 * c.norm());
-                // The same root of the quadratic in the form that does not cancel.
+                // The root of the quadratic in the form without cancellation.
                 let h = if a > b {
                     c * 2.0 / (a - b + root)
                 } else {

@@ -1,36 +1,38 @@
-//! Damping from the circle that a mobility draws.
+//! Circle fit of a mobility.
 
 use super::{HalfPower, half_power_crossings};
+use crate::fit::least_squares;
 use crate::form::FrfForm;
 use crate::frf::convert;
 use crate::peak::Peak;
-use crate::response::{FrequencyResponse, Spectra};
-use realfft::num_complex::Complex64;
+use crate::response::FrequencyResponse;
+use crate::spectra::HitSpectra;
+use num_complex::Complex64;
 use std::f64::consts::{PI, TAU};
 
-/// A circle through a mobility about one resonance, and the mode that sweeps it.
+/// The circle of a mobility about one resonance, and the mode that describes it.
 ///
 /// ```text
 /// Y = B + C / (1 + i q),   q = (w^2 - w0^2) / (2 zeta w0 w),   C = modal constant / (2 zeta w0)
 /// ```
 ///
-/// One viscous mode gives a circle through the origin (`B = 0`); neighbours,
-/// where they hardly change over the band, shift and turn it.
+/// One viscous mode gives a circle through the origin (`B = 0`); neighbouring modes, nearly
+/// constant over the band, shift and rotate it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CircleFit {
     /// Undamped natural frequency, in hertz.
     pub natural_hz: f64,
-    /// Damping ratio, from how fast the angle sweeps with frequency.
+    /// Damping ratio, from the change of the angle with frequency.
     pub ratio: f64,
     /// Centre of the circle, in m/(N s).
     pub centre: Complex64,
     /// Radius of the circle, in m/(N s).
     pub radius: f64,
-    /// `1/m` of the mode, in 1/kg; an angle other than zero is a complex mode or a neighbour.
+    /// Modal constant `1/m`, in 1/kg; its angle is not zero for a complex mode or with neighbours.
     pub modal_constant: Complex64,
-    /// Root mean square distance of the points from the circle over the radius.
+    /// Root mean square distance of the points from the circle, over the radius.
     pub scatter: f64,
-    /// Root mean square distance of the angles from the mode's, in radians.
+    /// Root mean square difference of the angles from those of the mode, in radians.
     pub angle_scatter: f64,
     /// Angle between the first and the last point, in radians.
     pub arc: f64,
@@ -45,19 +47,19 @@ impl CircleFit {
     }
 }
 
-/// Points on the circle that [`circle_fit`] looks at.
+/// Number of frequencies of [`circle_fit`].
 const POINTS: usize = 61;
 
-/// Circle fit of a peak between its half-power frequencies, which is half of the circle.
+/// Circle fit of a peak between its half-power frequencies, half of the circle.
 ///
-/// Evaluated at 61 frequencies on the exact transform. `None` where the peak
+/// The mobility is evaluated at 61 frequencies on the exact transform. `None` if the peak
 /// has no half-power width, and as for [`circle_fit_of`].
 pub fn circle_fit(response: &FrequencyResponse, peak: &Peak) -> Option<CircleFit> {
     circle_within(response, &half_power_crossings(response, peak)?)
 }
 
-/// [`circle_fit`] of whatever gives the spectra of a hit, between crossings that are known.
-pub(super) fn circle_within(response: &impl Spectra, width: &HalfPower) -> Option<CircleFit> {
+/// [`circle_fit`] of any spectra of a hit, between known crossings.
+pub(super) fn circle_within(response: &impl HitSpectra, width: &HalfPower) -> Option<CircleFit> {
     let step = (width.upper_hz - width.lower_hz) / (POINTS - 1) as f64;
     let frequencies: Vec<f64> = (0..POINTS).map(|k| width.lower_hz + k as f64 * step).collect();
     let mobility =
@@ -68,20 +70,38 @@ pub(super) fn circle_within(response: &impl Spectra, width: &HalfPower) -> Optio
 
 /// Circle fit of any mobility in a band about one resonance.
 ///
-/// The circle is the least-squares one in the plane (algebraic, then refined
-/// on the distances). The angles about its centre, `2 atan(q)` from that at
-/// resonance, are then fitted for the natural frequency, the damping ratio and
-/// the angle of the diameter; without noise a single viscous mode is found
-/// exactly, whatever part of the circle is there.
+/// The circle is fitted by least squares in the complex plane (algebraic, then on the distances).
+/// The angles about its centre, `2 atan(q)` from that at
+/// resonance, then give the natural frequency, the damping ratio and
+/// the angle of the diameter. Limiting case: exact for a single viscous mode without noise,
+/// from any arc.
 ///
 /// - `frequency_hz`: increasing and positive, in hertz.
 /// - `mobility`: as many values, in m/(N s).
 ///
-/// `None` for fewer than 5 points, values that are not finite, or points that
-/// are on no circle or that do not go round it clockwise.
+/// `None` for fewer than 5 points, values that are not finite, and points that
+/// are not on a circle or do not follow it clockwise.
 ///
 /// Source: C. C. Kennedy and C. D. P. Pancu, J. Aeronaut. Sci. 14 (1947),
 /// 603-625; D. J. Ewins, *Modal Testing*, 2nd ed. 2000, sec. 4.4.
+///
+/// ```
+/// use asperity_signal::{Complex64, circle_fit_of};
+///
+/// // Mobility of a mode of 2 kg at 100 Hz with 1 % of critical damping.
+/// let tau = std::f64::consts::TAU;
+/// let frequencies: Vec<f64> = (0..21).map(|k| 99.0 + 0.1 * f64::from(k)).collect();
+/// let mobility = |f: &f64| {
+///     let (w0, w) = (tau * 100.0, tau * f);
+///     let stiffness = Complex64::new(w0 * w0 - w * w, 2.0 * 0.01 * w0 * w);
+///     Complex64::new(0.0, w) / (stiffness * 2.0)
+/// };
+/// let values: Vec<Complex64> = frequencies.iter().map(mobility).collect();
+/// let fit = circle_fit_of(&frequencies, &values).ok_or("a mode is a circle")?;
+/// assert!((fit.ratio - 0.01).abs() < 1e-9);
+/// assert!((fit.modal_constant.re - 0.5).abs() < 1e-6);
+/// # Ok::<(), &str>(())
+/// ```
 pub fn circle_fit_of(frequency_hz: &[f64], mobility: &[Complex64]) -> Option<CircleFit> {
     let count = mobility.len();
     let valid = count >= 5
@@ -93,11 +113,11 @@ pub fn circle_fit_of(frequency_hz: &[f64], mobility: &[Complex64]) -> Option<Cir
     }
     let (centre, radius) = least_squares_circle(mobility)?;
     let largest = (0..count).max_by(|&a, &b| mobility[a].norm().total_cmp(&mobility[b].norm()))?;
-    // Clockwise from the point farthest from the origin, which is near the resonance.
+    // Clockwise from the point farthest from the origin, near the resonance.
     let reference = mobility[largest] - centre;
     let angles: Vec<f64> =
         mobility.iter().map(|y| -((y - centre) * reference.conj()).arg()).collect();
-    let sweep = Sweep::fitted(frequency_hz, &angles)?;
+    let sweep = AngleFit::fitted(frequency_hz, &angles)?;
     let direction = reference / reference.norm() * Complex64::from_polar(1.0, -sweep.turn);
     let square = mobility.iter().map(|y| ((y - centre).norm() - radius).powi(2)).sum::<f64>();
     let omega = TAU * sweep.natural_hz;
@@ -113,7 +133,7 @@ pub fn circle_fit_of(frequency_hz: &[f64], mobility: &[Complex64]) -> Option<Cir
     })
 }
 
-/// Steps of either iteration; both converge quadratically from a near start.
+/// Most steps of either iteration; both converge quadratically.
 const STEPS: usize = 50;
 
 /// Centre and radius with the least sum of squared distances.
@@ -126,17 +146,17 @@ fn least_squares_circle(points: &[Complex64]) -> Option<(Complex64, f64)> {
     }
     let unit: Vec<(f64, f64)> =
         points.iter().map(|z| (z - mean) / scale).map(|z| (z.re, z.im)).collect();
-    // |z|^2 = 2 a x + 2 b y + c, linear in the unknowns.
+    // |z|^2 = 2 a x + 2 b y + c, linear in a, b and c.
     let algebraic =
         least_squares(unit.iter().map(|&(x, y)| ([2.0 * x, 2.0 * y, 1.0], x * x + y * y)))?;
     let [mut a, mut b, c] = algebraic;
     let mut radius = (c + a * a + b * b).sqrt();
     for _ in 0..STEPS {
-        let row = |&(x, y): &(f64, f64)| {
+        let observation = |&(x, y): &(f64, f64)| {
             let distance = (x - a).hypot(y - b);
             ([(x - a) / distance, (y - b) / distance, 1.0], distance - radius)
         };
-        let [da, db, dr] = least_squares(unit.iter().map(row))?;
+        let [da, db, dr] = least_squares(unit.iter().map(observation))?;
         (a, b, radius) = (a + da, b + db, radius + dr);
         if da.abs() + db.abs() + dr.abs() < 1e-14 * radius {
             break;
@@ -146,22 +166,22 @@ fn least_squares_circle(points: &[Complex64]) -> Option<(Complex64, f64)> {
     found.then(|| (mean + Complex64::new(a, b) * scale, radius * scale))
 }
 
-/// Natural frequency, damping and the angle at resonance.
+/// Natural frequency, damping ratio and the angle at resonance (`turn`).
 #[derive(Debug, Clone, Copy)]
-struct Sweep {
+struct AngleFit {
     natural_hz: f64,
     ratio: f64,
     turn: f64,
 }
 
-impl Sweep {
+impl AngleFit {
     /// Least squares of `turn + 2 atan(q)` on the angles.
     fn fitted(frequency_hz: &[f64], angles: &[f64]) -> Option<Self> {
         let mut best = Self::start(frequency_hz, angles)?;
         let mut square = best.square(frequency_hz, angles);
         for _ in 0..STEPS {
             let pairs = frequency_hz.iter().zip(angles);
-            let step = least_squares(pairs.map(|(f, angle)| best.row(*f, *angle)))?;
+            let step = least_squares(pairs.map(|(f, angle)| best.observation(*f, *angle)))?;
             let mut factor = 1.0;
             let mut better = None;
             for _ in 0..20 {
@@ -173,7 +193,7 @@ impl Sweep {
                 }
                 factor *= 0.5;
             }
-            // No shorter step is better: rounding, or the least there is.
+            // No shorter step reduces the sum: the minimum to rounding.
             let Some((trial, found)) = better else {
                 break;
             };
@@ -183,7 +203,7 @@ impl Sweep {
         found.then_some(best)
     }
 
-    /// A start without `turn`: `x tan(angle / 2) = alpha (x^2 - 1) + (alpha - beta)`, a line,
+    /// The start, without `turn`: `x tan(angle / 2) = alpha (x^2 - 1) + (alpha - beta)`, a line,
     /// with `x = w` over the middle one, `alpha = 1/(2 zeta x0)`, `beta = x0/(2 zeta)`.
     fn start(frequency_hz: &[f64], angles: &[f64]) -> Option<Self> {
         let middle = frequency_hz[frequency_hz.len() / 2];
@@ -213,22 +233,22 @@ impl Sweep {
         (over - 1.0 / over) / (2.0 * self.ratio)
     }
 
-    /// Derivatives of the angle with `turn`, `ln w0` and `ln zeta`, and what is left of it.
-    fn row(&self, frequency: f64, angle: f64) -> ([f64; 3], f64) {
+    /// Derivatives of the angle with respect to `turn`, `ln w0` and `ln zeta`, and its residual.
+    fn observation(&self, frequency: f64, angle: f64) -> ([f64; 3], f64) {
         let q = self.q(frequency);
         let over = frequency / self.natural_hz;
         let slope = 2.0 / (1.0 + q * q);
-        let with_frequency = -slope * (over + 1.0 / over) / (2.0 * self.ratio);
-        ([1.0, with_frequency, -slope * q], self.left(frequency, angle))
+        let d_frequency = -slope * (over + 1.0 / over) / (2.0 * self.ratio);
+        ([1.0, d_frequency, -slope * q], self.residual(frequency, angle))
     }
 
-    fn left(&self, frequency: f64, angle: f64) -> f64 {
-        let left = angle - self.turn - 2.0 * self.q(frequency).atan();
-        left - TAU * (left / TAU).round()
+    fn residual(&self, frequency: f64, angle: f64) -> f64 {
+        let residual = angle - self.turn - 2.0 * self.q(frequency).atan();
+        residual - TAU * (residual / TAU).round()
     }
 
     fn square(&self, frequency_hz: &[f64], angles: &[f64]) -> f64 {
-        frequency_hz.iter().zip(angles).map(|(f, angle)| self.left(*f, *angle).powi(2)).sum()
+        frequency_hz.iter().zip(angles).map(|(f, angle)| self.residual(*f, *angle).powi(2)).sum()
     }
 
     fn moved(&self, step: &[f64; 3], factor: f64) -> Self {
@@ -238,42 +258,4 @@ impl Sweep {
             ratio: self.ratio * (factor * step[2]).exp(),
         }
     }
-}
-
-/// Linear least squares in three unknowns by modified Gram-Schmidt; `None` if degenerate.
-fn least_squares(rows: impl Iterator<Item = ([f64; 3], f64)>) -> Option<[f64; 3]> {
-    let (mut columns, mut right): ([Vec<f64>; 3], Vec<f64>) = Default::default();
-    for (row, value) in rows {
-        for (column, x) in columns.iter_mut().zip(row) {
-            column.push(x);
-        }
-        right.push(value);
-    }
-    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
-    let mut upper = [[0.0; 3]; 3];
-    let mut projected = [0.0; 3];
-    for j in 0..3 {
-        let before = dot(&columns[j], &columns[j]);
-        for i in 0..j {
-            let basis = columns[i].clone();
-            upper[i][j] = dot(&basis, &columns[j]);
-            columns[j].iter_mut().zip(&basis).for_each(|(x, q)| *x -= upper[i][j] * q);
-        }
-        let square = dot(&columns[j], &columns[j]);
-        // A column within rounding of the others says nothing of its unknown.
-        if square.is_nan() || square <= 1e-24 * before {
-            return None;
-        }
-        upper[j][j] = square.sqrt();
-        columns[j].iter_mut().for_each(|x| *x /= upper[j][j]);
-        projected[j] = dot(&columns[j], &right);
-        let basis = &columns[j];
-        right.iter_mut().zip(basis).for_each(|(x, q)| *x -= projected[j] * q);
-    }
-    let mut unknowns = [0.0; 3];
-    for j in (0..3).rev() {
-        let known: f64 = (j + 1..3).map(|k| upper[j][k] * unknowns[k]).sum();
-        unknowns[j] = (projected[j] - known) / upper[j][j];
-    }
-    unknowns.iter().all(|x| x.is_finite()).then_some(unknowns)
 }

@@ -1,16 +1,17 @@
-//! The same damping by three methods.
+//! Damping of one mode by three methods.
 
 use super::circle::circle_within;
 use super::crossings_of;
 use crate::decrement::logarithmic_decrement;
 use crate::peak::Peak;
-use crate::response::{Exact, FrequencyResponse};
+use crate::response::FrequencyResponse;
+use crate::spectra::ExactSpectra;
 
-/// Damping ratios of one mode by methods that fail differently.
+/// Damping ratios of one mode by three methods with different errors.
 ///
-/// A record that ends too early, a second mode, and a frequency that moves
-/// with amplitude widen a peak, but do not speed up a decay. Where the methods
-/// agree the mode is linear and alone; where they do not, their spread says so.
+/// A record that ends too early, a second mode, and a frequency that varies
+/// with amplitude widen a peak but do not change the decay rate. The methods agree
+/// for a linear, isolated mode.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct DampingComparison {
     /// From the half-power width, [`half_power`](crate::half_power).
@@ -22,16 +23,16 @@ pub struct DampingComparison {
 }
 
 impl DampingComparison {
-    /// All three, from a peak and from the free decay of the same mode.
+    /// The damping ratios of a peak and of the free decay of the same mode.
     ///
-    /// - `decay`: no force acts on it and no other mode is in it (see
-    ///   [`BandPass`](crate::BandPass)); sampled as the response.
+    /// - `decay`: without force and without other modes (see
+    ///   [`BandPass`](crate::BandPass)), at the sample rate of the response.
     pub fn of(response: &FrequencyResponse, peak: &Peak, decay: &[f64]) -> Self {
         Self::of_exact(response, peak, decay)
     }
 
-    /// The same of whatever gives the spectra of a hit.
-    pub(crate) fn of_exact(hit: &impl Exact, peak: &Peak, decay: &[f64]) -> Self {
+    /// [`DampingComparison::of`] any spectra of a hit.
+    pub(crate) fn of_exact(hit: &impl ExactSpectra, peak: &Peak, decay: &[f64]) -> Self {
         let rate = hit.response().sample_rate_hz();
         let decrement = logarithmic_decrement(decay, rate, peak.frequency_hz);
         let width = crossings_of(hit, peak);
@@ -43,18 +44,18 @@ impl DampingComparison {
         }
     }
 
-    /// The ratios there are, in the order of the fields.
+    /// The ratios that were found, in the order of the fields.
     pub fn ratios(&self) -> impl Iterator<Item = f64> {
         [self.half_power, self.circle, self.decrement].into_iter().flatten()
     }
 
-    /// Their mean; `None` if there is none.
+    /// Mean of the ratios; `None` if there is none.
     pub fn mean(&self) -> Option<f64> {
         let count = self.ratios().count();
         (count > 0).then(|| self.ratios().sum::<f64>() / count as f64)
     }
 
-    /// Largest less smallest, over the mean; `None` for fewer than two.
+    /// Largest less smallest ratio, over the mean; `None` for fewer than two.
     pub fn spread(&self) -> Option<f64> {
         let mean = self.mean().filter(|_| self.ratios().count() >= 2)?;
         let largest = self.ratios().fold(f64::NEG_INFINITY, f64::max);

@@ -1,59 +1,59 @@
-//! The numbers of one hit.
+//! Features of one hit.
 
 use super::HammerOptions;
 use crate::damping::DampingComparison;
 use crate::dominant::dominant_of;
-use crate::fine::FineResponse;
 use crate::form::FrfForm;
 use crate::harmonics::{Harmonics, harmonics_of};
 use crate::hit::{Offset, Pulse};
+use crate::interpolated_response::InterpolatedResponse;
 use crate::noise::{band_density, white_density};
 use crate::response::FrequencyResponse;
 use crate::ring_down::{Backbone, BackboneOptions, BandPass, backbone_and_signal};
 use crate::uncertainty::{NoiseDensity, PeakUncertainty, ratio_uncertainty, uncertainty_of};
 use crate::window::ExponentialWindow;
 
-/// Where the fundamental is looked for.
+/// Reference of the search for the fundamental.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum FundamentalSearch {
-    /// About this frequency, in hertz.
+    /// A known frequency near the fundamental, in hertz.
     Frequency(f64),
-    /// About the [`dominant_frequency`](crate::dominant_frequency) of a band (in hertz) in a form.
+    /// The [`dominant_frequency`](crate::dominant_frequency) of a band (in hertz) in a form.
     Band((f64, f64), FrfForm),
 }
 
 /// Harmonics, damping and backbone of one hit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HitFeatures {
-    /// The frequency that the windows of the search refer to, in hertz.
+    /// Reference frequency of the windows of the search, in hertz.
     pub reference_hz: f64,
-    /// Fundamental and second harmonic, with the windows' effect still in them.
+    /// Fundamental and second harmonic, not corrected for the windows.
     pub harmonics: Harmonics,
-    /// Noise before any window, from which the uncertainties follow.
+    /// Noise before any window, the source of the uncertainties.
     pub noise: NoiseDensity,
-    /// What noise does to the fundamental of the windowed signals; undoing an
-    /// exponential window adds the error of its damping ratio.
+    /// Uncertainty of the fundamental of the windowed signals; the correction for an
+    /// exponential window adds the error of the damping ratio.
     pub fundamental_uncertainty: Option<PeakUncertainty>,
-    /// What noise does to the second harmonic.
+    /// Uncertainty of the second harmonic.
     pub second_uncertainty: Option<PeakUncertainty>,
-    /// Standard deviation of `A2/A1`.
+    /// Standard deviation of the ratio of receptances `A2/A1`.
     pub ratio_uncertainty: Option<f64>,
     /// Damping ratios of the fundamental, corrected for the exponential window.
     pub damping: DampingComparison,
-    /// Frequency of the fundamental without the exponential window, in hertz:
-    /// by the circle's damping ratio, else the half-power one; the peak's
-    /// without a window.
+    /// Frequency of the fundamental corrected for the exponential window, in hertz, with the
+    /// damping ratio of the circle fit or else of the half-power width.
     pub unwindowed_frequency_hz: Option<f64>,
-    /// Height of the fundamental without the exponential window, in m/N, by the same ratio.
+    /// Magnitude of the fundamental corrected for the exponential window, in m/N, with the same
+    /// ratio.
     pub unwindowed_magnitude: Option<f64>,
-    /// Frequency and damping along the decay, from the response without window.
+    /// Backbone from the decay of the response without window.
     pub backbone: Option<Backbone>,
 }
 
-/// The features of a good hit; `None` where there is no reference frequency.
+/// The features of a hit; `None` without a reference frequency.
 ///
-/// `response` is windowed, `measured` the response as it was; an exponential
-/// window is one at sample `trigger`.
+/// `response` is windowed, `measured` is not; an exponential
+/// window has the value one at sample `trigger`.
 pub(super) fn of_hit(
     response: &FrequencyResponse,
     measured: &[f64],
@@ -62,7 +62,7 @@ pub(super) fn of_hit(
     force_offset: Option<&Offset>,
     options: &HammerOptions,
 ) -> Option<HitFeatures> {
-    let fine = FineResponse::new(response);
+    let fine = InterpolatedResponse::new(response);
     let threshold = options.harmonics.force_threshold;
     let reference_hz = match options.fundamental {
         FundamentalSearch::Frequency(frequency) => frequency,
@@ -102,8 +102,8 @@ pub(super) fn of_hit(
         ..BackboneOptions::new(band)
     });
     let filtered = settings.and_then(|settings| backbone_and_signal(free, rate, &settings).ok());
-    // The backbone knows from where to where the filtered decay is the mode's:
-    // after the edge's ringing and above the noise.
+    // Between its first and last point the filtered decay is that of the mode, after the ringing
+    // of the edges and above the noise.
     let mode = filtered.as_ref().and_then(|(backbone, signal)| {
         let (first, last) = (backbone.points.first()?, backbone.points.last()?);
         let span = (first.time_s * rate) as usize..(last.time_s * rate) as usize;
@@ -125,7 +125,7 @@ pub(super) fn of_hit(
     Some(found)
 }
 
-/// Densities of the noise, before any window.
+/// Densities of the noise before any window.
 fn noise(
     response: &FrequencyResponse,
     measured: &[f64],
@@ -142,7 +142,7 @@ fn noise(
     NoiseDensity { force, response: found.unwrap_or(0.0), window_rate: 0.0 }
 }
 
-/// The same at the first sample of signals with a window that is one at `trigger`.
+/// Densities at the first sample of windowed signals; the window has the value one at `trigger_s`.
 fn windowed(noise: NoiseDensity, window: ExponentialWindow, trigger_s: f64) -> NoiseDensity {
     let grown = (2.0 * window.rate() * trigger_s).exp();
     NoiseDensity {

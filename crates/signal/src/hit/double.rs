@@ -1,44 +1,50 @@
-//! A hammer that touches twice.
+//! Double hits.
 
 use crate::noise::robust_level;
 
-/// Two blows in one hit.
+/// A second force maximum in one hit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DoubleHit {
     /// Time of the first maximum after the hit's first sample, in seconds.
     pub first_s: f64,
     /// Time of the further maximum, in seconds.
     pub second_s: f64,
-    /// Its height over the first.
+    /// Height of the further maximum over the first.
     pub ratio: f64,
-    /// The lowest force between the two over the first.
+    /// Lowest force between the two over the first maximum.
     pub valley: f64,
-    /// The ratio from which a maximum counts.
+    /// Smallest ratio of a double hit.
     pub threshold: f64,
 }
 
-/// A valley is at least this fraction of the threshold deep.
+/// Depth of a minimum over the threshold, at least.
 const DEPTH: f64 = 0.5;
-/// And this many robust deviations of the noise.
+/// Depth of a minimum over the robust deviation of the noise, at least.
 const NOISE_FACTOR: f64 = 6.0;
 
-/// Further force maxima that are blows of their own.
+/// Further force maxima of a hit.
 ///
-/// Maxima and the valleys between them are told by hysteresis: a maximum
-/// counts once the force has fallen by `h`, a valley once it has risen by `h`,
+/// Maxima and the minima between them are detected with hysteresis: a maximum
+/// counts once the force has fallen by `h`, a minimum once it has risen by `h`,
 ///
 /// ```text
 /// h = max(fraction / 2 * largest, 6 s)
 /// ```
 ///
 /// with `s` the robust deviation of the force. The first maximum of at least
-/// `fraction` of the largest is the first blow; each later one of at least
-/// `fraction` of the first, and above the undershoot before it, is another.
-/// A shoulder has no valley and is none; the ringing of a sensor overshoots
-/// less than it undershot and is none either.
+/// `fraction` of the largest is the first hit; each later one of at least
+/// `fraction` of the first, and above the undershoot before it, is a further hit.
+/// A shoulder has no minimum before it and is none; the ringing of a sensor overshoots
+/// less than it undershoots and is none.
 ///
 /// - `force`: in newtons, without offset; samples that are not finite are skipped.
-/// - `fraction`: 0.1 is usual; one that is not between 0 and 1 finds nothing.
+/// - `fraction`: between 0 and 1, otherwise nothing is found; 0.1 is usual.
+///
+/// ```
+/// let force = [0.0, 5.0, 10.0, 5.0, 0.0, 0.0, 2.0, 4.0, 2.0, 0.0];
+/// let found = asperity_signal::double_hits(&force, 1e3, 0.1);
+/// assert_eq!((found[0].second_s, found[0].ratio), (7e-3, 0.4));
+/// ```
 pub fn double_hits(force: &[f64], sample_rate_hz: f64, fraction: f64) -> Vec<DoubleHit> {
     let largest = force.iter().copied().filter(|x| x.is_finite()).fold(0.0, f64::max);
     if !(fraction > 0.0 && fraction < 1.0) || largest <= 0.0 {
@@ -46,21 +52,21 @@ pub fn double_hits(force: &[f64], sample_rate_hz: f64, fraction: f64) -> Vec<Dou
     }
     let noise = robust_level(force).map_or(0.0, |level| level.deviation);
     let hysteresis = (DEPTH * fraction * largest).max(NOISE_FACTOR * noise);
-    let extrema = extrema(force, hysteresis);
-    let Some(begin) = extrema.iter().position(|extremum| extremum.top >= fraction * largest) else {
+    let maxima = maxima(force, hysteresis);
+    let Some(begin) = maxima.iter().position(|maximum| maximum.top >= fraction * largest) else {
         return Vec::new();
     };
-    let first = extrema[begin];
+    let first = maxima[begin];
     let time = |index: usize| index as f64 / sample_rate_hz;
     let mut valley = f64::INFINITY;
     let mut found = Vec::new();
-    for extremum in &extrema[begin + 1..] {
-        valley = valley.min(extremum.valley);
-        if extremum.top >= fraction * first.top && extremum.top > -extremum.valley {
+    for maximum in &maxima[begin + 1..] {
+        valley = valley.min(maximum.valley);
+        if maximum.top >= fraction * first.top && maximum.top > -maximum.valley {
             found.push(DoubleHit {
                 first_s: time(first.index),
-                second_s: time(extremum.index),
-                ratio: extremum.top / first.top,
+                second_s: time(maximum.index),
+                ratio: maximum.top / first.top,
                 valley: valley / first.top,
                 threshold: fraction,
             });
@@ -70,16 +76,16 @@ pub fn double_hits(force: &[f64], sample_rate_hz: f64, fraction: f64) -> Vec<Dou
     found
 }
 
-/// A maximum and the valley before it.
+/// A maximum and the minimum before it.
 #[derive(Debug, Clone, Copy)]
-struct Extremum {
+struct ForceMaximum {
     index: usize,
     top: f64,
     valley: f64,
 }
 
-/// Maxima that rise above the valley before and fall after by the hysteresis.
-fn extrema(force: &[f64], hysteresis: f64) -> Vec<Extremum> {
+/// Maxima above the minimum before and the force after by the hysteresis.
+fn maxima(force: &[f64], hysteresis: f64) -> Vec<ForceMaximum> {
     let mut found = Vec::new();
     let mut valley = f64::INFINITY;
     let mut rising: Option<(usize, f64)> = None;
@@ -88,7 +94,7 @@ fn extrema(force: &[f64], hysteresis: f64) -> Vec<Extremum> {
         match rising {
             Some((_, top)) if x > top => rising = Some((index, x)),
             Some((at, top)) if x < top - hysteresis => {
-                found.push(Extremum { index: at, top, valley });
+                found.push(ForceMaximum { index: at, top, valley });
                 (rising, valley) = (None, x);
             }
             None if x < valley => valley = x,
@@ -96,7 +102,7 @@ fn extrema(force: &[f64], hysteresis: f64) -> Vec<Extremum> {
             _ => {}
         }
     }
-    // A blow that the record ends in has no fall after it.
-    found.extend(rising.map(|(index, top)| Extremum { index, top, valley }));
+    // The record may end before the force falls.
+    found.extend(rising.map(|(index, top)| ForceMaximum { index, top, valley }));
     found
 }

@@ -1,17 +1,17 @@
-//! Samples that a sensor or a converter made up.
+//! Overloads, dropouts and invalid samples of a signal.
 
 use std::cell::LazyCell;
 
-/// A run of samples.
+/// A run of equal samples.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Run {
+pub(super) struct SampleRun {
     pub(super) first: usize,
     pub(super) samples: usize,
     pub(super) value: f64,
 }
 
-/// Runs of exactly equal samples; those that are not finite equal nothing.
-fn runs(samples: &[f64]) -> impl Iterator<Item = Run> + '_ {
+/// Runs of exactly equal samples.
+fn runs(samples: &[f64]) -> impl Iterator<Item = SampleRun> + '_ {
     let mut first = 0;
     std::iter::from_fn(move || {
         let value = *samples.get(first)?;
@@ -19,7 +19,7 @@ fn runs(samples: &[f64]) -> impl Iterator<Item = Run> + '_ {
         while samples.get(end) == Some(&value) {
             end += 1;
         }
-        let run = Run { first, samples: end - first, value };
+        let run = SampleRun { first, samples: end - first, value };
         first = end;
         Some(run)
     })
@@ -29,33 +29,33 @@ fn runs(samples: &[f64]) -> impl Iterator<Item = Run> + '_ {
 /// smallest, or beyond `full_scale`.
 ///
 /// Without a full scale a flat top must be at least half of the largest
-/// magnitude, so that a force at rest is none, and end in a step of more than
-/// two converter steps on one side, so that the top of a slow, coarsely
-/// digitised oscillation is none. The converter step is the smallest change in the record.
-pub(super) fn overloads(samples: &[f64], fewest: usize, full_scale: Option<f64>) -> Vec<Run> {
+/// magnitude, which excludes a force at rest, and end in a step of more than
+/// two converter steps on one side, which excludes the maxima of a coarsely
+/// digitised oscillation. The converter step is the smallest change in the record.
+pub(super) fn overloads(samples: &[f64], fewest: usize, full_scale: Option<f64>) -> Vec<SampleRun> {
     let (least, most) = extremes(samples);
     if most <= least {
         return Vec::new();
     }
-    // Few records have a flat top, and only those need the step.
+    // Needed for records with a flat top only.
     let step = LazyCell::new(|| converter_step(samples));
-    let abrupt = |run: &Run| {
+    let abrupt = |run: &SampleRun| {
         let neighbours = [run.first.checked_sub(1), Some(run.first + run.samples)];
         let mut neighbours = neighbours.into_iter().flatten().filter_map(|n| samples.get(n));
         neighbours.any(|x| (x - run.value).abs() > 2.0 * *step)
     };
-    let flat = |run: &Run| {
+    let flat = |run: &SampleRun| {
         let far = run.value.abs() >= 0.5 * most.max(-least);
         let extreme = run.value == most || run.value == least;
         run.samples >= fewest.max(2) && extreme && far && abrupt(run)
     };
-    let beyond = |run: &Run| full_scale.is_some_and(|limit| run.value.abs() >= limit);
+    let beyond = |run: &SampleRun| full_scale.is_some_and(|limit| run.value.abs() >= limit);
     runs(samples).filter(|run| flat(run) || beyond(run)).collect()
 }
 
-/// Smallest and largest finite sample; infinite and the wrong way round if there is none.
+/// Smallest and largest finite sample; `(inf, -inf)` without one.
 fn extremes(samples: &[f64]) -> (f64, f64) {
-    // Several at a time: each depends on the one before it otherwise.
+    // Independent lanes, which the compiler can put into vector registers.
     const LANES: usize = 8;
     let (mut least, mut most) = ([f64::INFINITY; LANES], [f64::NEG_INFINITY; LANES]);
     let (chunks, rest) = samples.as_chunks::<LANES>();
@@ -71,7 +71,7 @@ fn extremes(samples: &[f64]) -> (f64, f64) {
     (low.fold(f64::INFINITY, f64::min), high.fold(f64::NEG_INFINITY, f64::max))
 }
 
-/// Smallest change between neighbours; zero if none changes.
+/// Smallest change between neighbours; zero for a constant.
 fn converter_step(samples: &[f64]) -> f64 {
     let changes = samples.windows(2).map(|pair| (pair[1] - pair[0]).abs());
     let least = changes.filter(|change| *change > 0.0).fold(f64::INFINITY, f64::min);
@@ -79,24 +79,24 @@ fn converter_step(samples: &[f64]) -> f64 {
 }
 
 /// Runs of samples that are not finite.
-pub(super) fn not_finite(samples: &[f64]) -> Vec<Run> {
-    let mut found: Vec<Run> = Vec::new();
+pub(super) fn not_finite(samples: &[f64]) -> Vec<SampleRun> {
+    let mut found: Vec<SampleRun> = Vec::new();
     for (index, &value) in samples.iter().enumerate().filter(|(_, x)| !x.is_finite()) {
         match found.last_mut() {
             Some(run) if run.first + run.samples == index => run.samples += 1,
-            _ => found.push(Run { first: index, samples: 1, value }),
+            _ => found.push(SampleRun { first: index, samples: 1, value }),
         }
     }
     found
 }
 
-/// A response is active while it is above this fraction of its largest value.
+/// Smallest magnitude of an active response over its largest value.
 const ACTIVE: f64 = 0.02;
 
 /// Runs of at least `fewest` equal samples while a response is active.
 ///
 /// Runs at the largest and smallest value are overloads, not dropouts.
-pub(super) fn response_dropouts(samples: &[f64], fewest: usize) -> Vec<Run> {
+pub(super) fn response_dropouts(samples: &[f64], fewest: usize) -> Vec<SampleRun> {
     let (least, most) = extremes(samples);
     let largest = most.max(-least).max(0.0);
     let active = |x: &f64| x.abs() > ACTIVE * largest;
@@ -104,25 +104,24 @@ pub(super) fn response_dropouts(samples: &[f64], fewest: usize) -> Vec<Run> {
     else {
         return Vec::new();
     };
-    let inside = |run: &Run| {
+    let inside = |run: &SampleRun| {
         run.first > begin && run.first + run.samples <= end && run.value.abs() < largest
     };
     runs(samples).filter(|run| run.samples >= fewest.max(2)).filter(inside).collect()
 }
 
-/// A blow does not stand still in mid-air: the samples beside a force dropout
-/// are above this fraction of the largest.
-const STRUCK: f64 = 0.25;
-/// Fewest equal samples in a force that are a dropout.
+/// Smallest force beside a dropout over the largest force.
+const IN_PULSE: f64 = 0.25;
+/// Fewest equal samples of a force dropout.
 const FORCE_RUN: usize = 3;
 
 /// Runs of at least three equal samples inside a force pulse.
-pub(super) fn force_dropouts(force: &[f64]) -> Vec<Run> {
+pub(super) fn force_dropouts(force: &[f64]) -> Vec<SampleRun> {
     let largest = extremes(force).1.max(0.0);
     let high = |index: Option<usize>| {
-        index.and_then(|n| force.get(n)).is_some_and(|x| *x > STRUCK * largest)
+        index.and_then(|n| force.get(n)).is_some_and(|x| *x > IN_PULSE * largest)
     };
-    let inside = |run: &Run| {
+    let inside = |run: &SampleRun| {
         high(run.first.checked_sub(1)) && high(Some(run.first + run.samples)) && run.value < largest
     };
     runs(force).filter(|run| run.samples >= FORCE_RUN).filter(inside).collect()
@@ -132,9 +131,9 @@ pub(super) fn force_dropouts(force: &[f64]) -> Vec<Run> {
 mod tests {
     use super::*;
 
-    /// Verified by hand, with what is not finite in chunks and in the rest.
+    /// Verified by hand, with samples that are not finite in chunks and in the rest.
     #[test]
-    fn extremes_are_finite() {
+    fn extremes_are_those_of_the_finite_samples() {
         let mut samples: Vec<f64> = (0..19).map(|n| f64::from((n * 7) % 19) - 9.0).collect();
         assert_eq!(extremes(&samples), (-9.0, 9.0));
         let lowest = samples.iter().position(|x| *x == -9.0).unwrap();

@@ -1,20 +1,36 @@
-//! Hits out of a stream of blocks.
+//! Detection of hits in records and streams.
 
 use super::HitRecord;
-use super::trigger::{HitLength, HitOptions};
+use super::trigger::{HitLength, HitOptions, Trigger};
 use crate::error::{Result, SignalError, check_positive, check_rate};
 
-/// Samples beyond the pre-trigger that may wait before they are dropped together.
+/// Fewest samples dropped at a time.
 const SLACK: usize = 4096;
 
-/// Cuts hits out of blocks of any size, as they arrive.
+/// Detects hits in a stream of blocks of any size.
 ///
-/// A hit begins where the force reaches the level from below and the hold-off
-/// of the hit before is over. The answer does not depend on how the record is
-/// cut into blocks. Memory is bounded by one hit and one block.
+/// A hit begins where the force reaches the trigger level from below after the hold-off
+/// of the hit before. The result does not depend on the division into blocks. Memory is bounded by
+/// one hit and one block.
 ///
-/// [`HitOptions::trigger_level`] is not looked at: a stream has no largest value yet,
-/// so the level is given in newtons.
+/// [`HitOptions::trigger_level`] is not used, since the largest force of a stream is not known; the
+/// level is given in newtons.
+///
+/// ```
+/// use asperity_signal::{HitFinder, HitLength, HitOptions, TriggerLevel};
+///
+/// let options = HitOptions {
+///     trigger_level: TriggerLevel::Absolute(1.0),
+///     pre_trigger: 2,
+///     length: HitLength::Samples(6),
+///     hold_off: 4,
+/// };
+/// let mut finder = HitFinder::new(1, 1e3, 1.0, &options)?;
+/// assert!(finder.push(&[0.0, 0.0, 0.0, 0.5], &[&[0.0; 4]])?.is_empty());
+/// let hits = finder.push(&[5.0, 0.0, 0.0, 0.0], &[&[0.0; 4]])?;
+/// assert_eq!((hits[0].start, hits[0].trigger, hits[0].force.len()), (2, 2, 6));
+/// # Ok::<(), asperity_signal::SignalError>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct HitFinder {
     options: HitOptions,
@@ -24,21 +40,21 @@ pub struct HitFinder {
     responses: Vec<Vec<f64>>,
     /// Index in the record of the first sample kept.
     base: u64,
-    /// Whether the last sample looked at was below the level.
+    /// True if the last sample was below the level.
     below: bool,
     last_trigger: Option<u64>,
-    open: Option<Open>,
+    open: Option<OpenHit>,
 }
 
 /// A hit that has begun.
 #[derive(Debug, Clone, Copy)]
-struct Open {
+struct OpenHit {
     start: u64,
     trigger: u64,
 }
 
 impl HitFinder {
-    /// A finder for a force and `channels` responses.
+    /// Detection in a force with `channels` responses.
     ///
     /// - `level_n`: the trigger level, positive, in newtons.
     ///
@@ -66,13 +82,13 @@ impl HitFinder {
         })
     }
 
-    /// Takes the next block and returns the hits that ended in it.
+    /// Adds the next block and returns the hits that end in it.
     ///
     /// - `force`: in newtons; an empty block is allowed.
     /// - `responses`: one slice for each channel, as long as the force.
     ///
     /// # Errors
-    /// [`SignalError::Channels`], [`SignalError::LengthMismatch`]; the block is then not taken.
+    /// [`SignalError::Channels`], [`SignalError::LengthMismatch`]; the block is then not added.
     pub fn push(&mut self, force: &[f64], responses: &[&[f64]]) -> Result<Vec<HitRecord>> {
         if responses.len() != self.responses.len() {
             let (found, expected) = (responses.len(), self.responses.len());
@@ -94,13 +110,12 @@ impl HitFinder {
             self.below = !at_level;
             self.advance(index, crossing, &mut hits);
         }
-        self.forget();
+        self.discard();
         Ok(hits)
     }
 
-    /// Ends the record: the hit still open, if there is one.
-    ///
-    /// Its `missing` says how many samples of a fixed length it lacks.
+    /// Ends the record and returns the hit that has not ended, if there is one, with its number of
+    /// missing samples.
     pub fn finish(mut self) -> Option<HitRecord> {
         let open = self.open.take()?;
         let end = self.base + self.force.len() as u64;
@@ -122,7 +137,7 @@ impl HitFinder {
             self.open = None;
         }
         if begins && self.open.is_none() {
-            self.open = Some(Open { start, trigger: index });
+            self.open = Some(OpenHit { start, trigger: index });
             self.last_trigger = Some(index);
         }
         if let Some(open) = self.open
@@ -133,7 +148,7 @@ impl HitFinder {
         }
     }
 
-    fn cut(&self, open: Open, end: u64) -> HitRecord {
+    fn cut(&self, open: OpenHit, end: u64) -> HitRecord {
         let range = (open.start - self.base) as usize..(end - self.base) as usize;
         HitRecord {
             start: open.start,
@@ -145,8 +160,8 @@ impl HitFinder {
         }
     }
 
-    /// Drops what no hit can need any more, many samples at a time.
-    fn forget(&mut self) {
+    /// Drops samples that no further hit needs, many at a time.
+    fn discard(&mut self) {
         let end = self.base + self.force.len() as u64;
         let needed = end.saturating_sub(self.options.pre_trigger as u64);
         let needed = self.open.map_or(needed, |open| open.start.min(needed));
@@ -160,4 +175,28 @@ impl HitFinder {
         }
         self.base += excess as u64;
     }
+}
+
+/// Divides a record into hits.
+///
+/// - `force`: in newtons, positive when the hammer pushes.
+/// - `responses`: any number of channels, each as long as the force.
+/// - `sample_rate_hz`: positive, in hertz.
+///
+/// Samples that are not finite do not trigger and are kept in the hit; see
+/// [`quality_issues`](super::quality_issues). With an absolute level a record may have no hit.
+///
+/// # Errors
+/// Those of [`Trigger::of`] and of [`HitFinder::push`].
+pub fn find_hits(
+    force: &[f64],
+    responses: &[&[f64]],
+    sample_rate_hz: f64,
+    options: &HitOptions,
+) -> Result<(Vec<HitRecord>, Trigger)> {
+    let trigger = Trigger::of(force, options)?;
+    let mut finder = HitFinder::new(responses.len(), sample_rate_hz, trigger.level_n, options)?;
+    let mut hits = finder.push(force, responses)?;
+    hits.extend(finder.finish());
+    Ok((hits, trigger))
 }

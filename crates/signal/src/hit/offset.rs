@@ -1,39 +1,39 @@
-//! The offset of a sensor.
+//! Offset of a sensor signal.
 
 use crate::noise::robust_level;
 
-/// Where an offset was read.
+/// Samples an offset was determined from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum OffsetSource {
-    /// The mean of the samples before the trigger.
+    /// Samples before the trigger.
     PreTrigger,
-    /// The mean of all samples that rest near the median.
+    /// All samples near the median.
     Quiet,
 }
 
-/// The constant added to a signal by its sensor, with the evidence.
+/// The constant offset of a sensor signal.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Offset {
-    /// The offset, in the samples' unit.
+    /// The offset, in the unit of the samples.
     pub value: f64,
-    /// Standard deviation of the samples it was read from, in the same unit.
+    /// Standard deviation of the samples used, in the same unit.
     pub deviation: f64,
-    /// Number of samples it was read from.
+    /// Number of samples used.
     pub samples: usize,
-    /// Where it was read.
+    /// Samples used.
     pub source: OffsetSource,
 }
 
-/// Quiet samples lie within this many robust deviations of the median.
+/// Largest distance of quiet samples from the median, in robust deviations.
 const QUIET: f64 = 5.0;
-/// Fewest samples with a mean and a deviation worth the name.
+/// Fewest samples of an offset.
 const FEWEST: usize = 8;
 
 impl Offset {
-    /// The mean before the trigger, the last `guard` samples left out.
+    /// The mean before the trigger, without the last `guard` samples.
     ///
-    /// The guard keeps out the foot of the pulse, and the ringing that a steep
-    /// anti-alias filter puts before it. `None` for fewer than 8 samples, or
+    /// The guard excludes the foot of the pulse and the ringing of
+    /// anti-alias filters before it. `None` for fewer than 8 samples, or
     /// if one is not finite.
     pub fn before(samples: &[f64], trigger: usize, guard: usize) -> Option<Self> {
         let quiet = samples.get(..trigger.checked_sub(guard)?)?;
@@ -42,20 +42,20 @@ impl Offset {
 
     /// The mean of the samples within five robust deviations of the median.
     ///
-    /// For a force, which rests except during the blow; for a response only
-    /// where more than half of the record has decayed. `None` for fewer than 8 samples.
+    /// Valid for a force, and for a response
+    /// that has decayed in more than half of the record. `None` for fewer than 8 samples.
     pub fn at_rest(samples: &[f64]) -> Option<Self> {
         let level = robust_level(samples)?;
         let quiet = |x: &f64| (x - level.median).abs() <= QUIET * level.deviation;
         Self::mean(samples.iter().copied().filter(quiet), OffsetSource::Quiet)
     }
 
-    /// Standard error of the offset for uncorrelated noise, in the samples' unit.
+    /// Standard error of the offset for uncorrelated noise, in the unit of the samples.
     pub fn standard_error(&self) -> f64 {
         self.deviation / (self.samples as f64).sqrt()
     }
 
-    /// Takes the offset away.
+    /// Subtracts the offset.
     pub fn remove(&self, samples: &mut [f64]) {
         for sample in samples {
             *sample -= self.value;
@@ -63,7 +63,7 @@ impl Offset {
     }
 
     fn mean(quiet: impl Iterator<Item = f64>, source: OffsetSource) -> Option<Self> {
-        // Welford: one pass, and no loss where the offset is far above the noise.
+        // Welford: one pass, without cancellation if the offset is far above the noise.
         let (mut samples, mut value, mut square) = (0_usize, 0.0, 0.0);
         for x in quiet {
             samples += 1;

@@ -1,9 +1,11 @@
-//! The blow itself: its height, impulse and widths.
+//! Peak, impulse and widths of a force pulse.
 
-/// What a force pulse is.
+use crate::fit::parabola_vertex;
+
+/// Peak, impulse and widths of a force pulse.
 ///
-/// Read around the largest sample. The threshold crossings are those nearest
-/// to the peak on either side, by linear interpolation.
+/// The crossings of a fraction of the largest sample are those nearest
+/// to it on either side, by linear interpolation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pulse {
     /// The largest force sample, in newtons.
@@ -17,9 +19,9 @@ pub struct Pulse {
     pub peak_time_s: f64,
     /// `integral F dt` over the pulse by the trapezoidal rule, in N s.
     ///
-    /// From the last to the next crossing of 1 % of the largest sample.
+    /// Between the crossings of 1 % of the largest sample.
     pub impulse_n_s: f64,
-    /// Time from the first to the last crossing of 1 %: the range of the impulse, in seconds.
+    /// Times of the two crossings of 1 %, the range of the impulse, in seconds.
     pub base_s: (f64, f64),
     /// Full width at half of the largest sample, in seconds.
     pub width_s: f64,
@@ -27,7 +29,7 @@ pub struct Pulse {
     pub duration_s: f64,
 }
 
-/// The fraction of the peak at which the impulse begins and ends.
+/// Fraction of the peak at which the impulse begins and ends.
 const BASE: f64 = 0.01;
 
 impl Pulse {
@@ -36,10 +38,21 @@ impl Pulse {
     /// - `force`: in newtons.
     /// - `sample_rate_hz`: positive, in hertz.
     ///
-    /// `None` if no sample is positive, one is not finite, or the rate is not
-    /// positive. A record that begins or ends inside the pulse gives what is
-    /// in it. Limiting case: a half-sine of duration `T` has impulse
+    /// `None` if no sample is positive, a sample is not finite, or the rate is not
+    /// positive. A pulse cut by an end of the record is measured up to there.
+    /// Limiting case: a half-sine of duration `T` has impulse
     /// `2 F T / pi`, width `2 T / 3` and duration `0.936 T`.
+    ///
+    /// ```
+    /// use asperity_signal::Pulse;
+    ///
+    /// let force: Vec<f64> =
+    ///     (0..=100).map(|n| 9.0 * (std::f64::consts::PI * f64::from(n) / 100.0).sin()).collect();
+    /// let pulse = Pulse::of(&force, 1e5).ok_or("a positive force has a pulse")?;
+    /// assert!((pulse.peak_n - 9.0).abs() < 1e-12);
+    /// assert!((pulse.width_s - 2e-3 / 3.0).abs() < 1e-6);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn of(force: &[f64], sample_rate_hz: f64) -> Option<Self> {
         let rate = sample_rate_hz;
         if !(rate > 0.0 && rate.is_finite()) || force.iter().any(|x| !x.is_finite()) {
@@ -72,22 +85,17 @@ impl Pulse {
     }
 }
 
-/// Shift (samples) and height of the parabola through three samples.
+/// Shift (samples) and height of the parabola about the largest sample.
 fn vertex(force: &[f64], index: usize) -> (f64, f64) {
     let here = force[index];
     let neighbours = index.checked_sub(1).map(|before| (force[before], force.get(index + 1)));
     let Some((before, Some(&after))) = neighbours else {
         return (0.0, here);
     };
-    let (slope, curvature) = (0.5 * (after - before), (after - here) - (here - before));
-    if curvature >= 0.0 {
-        return (0.0, here);
-    }
-    let shift = (-slope / curvature).clamp(-0.5, 0.5);
-    (shift, here + 0.5 * slope * shift)
+    parabola_vertex([before, here, after]).unwrap_or((0.0, here))
 }
 
-/// Where the force falls to `level` on either side of a peak, in samples.
+/// Crossings of `level` on either side of a peak, in samples.
 fn crossings(force: &[f64], peak: usize, level: f64) -> (f64, f64) {
     let between = |inside: usize, outside: usize| {
         let (a, b) = (force[inside], force[outside]);

@@ -1,9 +1,10 @@
-//! Whether a hit can be believed.
+//! Quality of a hit.
 
 use super::HitRecord;
 use super::double::{DoubleHit, double_hits};
-use super::fault::{Run, force_dropouts, not_finite, overloads, response_dropouts};
+use super::fault::{SampleRun, force_dropouts, not_finite, overloads, response_dropouts};
 use super::offset::Offset;
+use crate::noise::largest_magnitude;
 
 /// A signal of a hit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -14,87 +15,85 @@ pub enum HitChannel {
     Response(usize),
 }
 
-/// What is wrong with a hit, with its evidence. Times count from the hit's first sample.
+/// A defect of a hit. Times are counted from the first sample of the hit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum QualityIssue {
-    /// The hammer touched again.
+    /// A double hit.
     DoubleHit(DoubleHit),
-    /// A converter or amplifier was at its limit.
+    /// Saturation of a converter or amplifier.
     Overload {
-        /// Which signal.
+        /// The signal.
         channel: HitChannel,
         /// Time of the first such sample, in seconds.
         time_s: f64,
         /// Samples in a row.
         samples: usize,
-        /// The value they stand at, in the signal's unit.
+        /// Their value, in the unit of the signal.
         value: f64,
-        /// The full scale given, if one was, in the signal's unit.
+        /// The full scale, if given, in the unit of the signal.
         full_scale: Option<f64>,
     },
-    /// The signal stands still while it should move.
+    /// A constant signal where it should vary.
     Dropout {
-        /// Which signal.
+        /// The signal.
         channel: HitChannel,
         /// Time of the first such sample, in seconds.
         time_s: f64,
         /// Equal samples in a row.
         samples: usize,
-        /// The value they stand at, in the signal's unit.
+        /// Their value, in the unit of the signal.
         value: f64,
     },
     /// Samples that are infinite or not a number.
     NotFinite {
-        /// Which signal.
+        /// The signal.
         channel: HitChannel,
         /// Time of the first such sample, in seconds.
         time_s: f64,
-        /// Such samples in a row.
+        /// Number of such samples in a row.
         samples: usize,
     },
     /// The record ended inside the hit.
     Truncated {
-        /// Samples there are.
+        /// Number of samples.
         samples: usize,
-        /// Samples missing.
+        /// Number of missing samples.
         missing: usize,
     },
-    /// The response still moves where the hit ends: the spectrum leaks.
+    /// A response that has not decayed at the end of the hit, which causes leakage.
     NotDecayed {
-        /// Which signal.
+        /// The signal.
         channel: HitChannel,
         /// Root mean square of the last twentieth over the largest value.
         ratio: f64,
-        /// The ratio accepted.
+        /// Largest ratio accepted.
         threshold: f64,
     },
 }
 
 impl QualityIssue {
-    /// Whether a spectrum of the hit would be wrong.
-    ///
-    /// A truncated or undecayed hit leaks but is a hit; the other issues
-    /// say that force and response do not belong together.
+    /// True if the frequency response of the hit is invalid: for every issue but a truncated hit and
+    /// one that has not decayed, which have leakage only.
     pub fn is_disqualifying(&self) -> bool {
         !matches!(self, Self::Truncated { .. } | Self::NotDecayed { .. })
     }
 }
 
-/// What [`quality_issues`] accepts.
+/// Limits of [`quality_issues`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct QualityOptions {
-    /// Height of a further force maximum over the first, from which it is a double hit.
+    /// Smallest height of a further force maximum of a double hit, over the first.
     pub second_fraction: f64,
-    /// Equal samples in a row at the largest or smallest value that are an overload.
+    /// Fewest equal samples in a row of an overload, at the largest or smallest value.
     pub flat_samples: usize,
     /// Full scale of the force, in newtons, if known.
     pub full_scale_n: Option<f64>,
     /// Full scale of the responses, in their unit, if known.
     pub full_scale_response: Option<f64>,
-    /// Equal samples in a row of an active response that are a dropout.
+    /// Fewest equal samples in a row of a dropout, in an active response.
     pub constant_samples: usize,
-    /// Root mean square of the last twentieth of a response over its largest value.
+    /// Largest root mean square of the last twentieth of a response, over its largest value.
     pub undecayed_ratio: f64,
 }
 
@@ -111,9 +110,9 @@ impl Default for QualityOptions {
     }
 }
 
-/// Everything that is wrong with a hit; nothing for a good one.
+/// The quality issues of a hit; none for a good one.
 ///
-/// - Double hits by [`double_hits`], on the force without its offset at rest.
+/// - Double hits by [`double_hits`], of the force without its offset at rest.
 /// - Overloads: flat tops of [`QualityOptions::flat_samples`] whose edge is
 ///   steeper than two converter steps, and samples at or beyond a full scale.
 /// - Dropouts: [`QualityOptions::constant_samples`] equal samples in a response
@@ -127,7 +126,7 @@ pub fn quality_issues(hit: &HitRecord, options: &QualityOptions) -> Vec<QualityI
     issues_with_force(hit, &force, options)
 }
 
-/// [`quality_issues`] where the force without its offset is known.
+/// [`quality_issues`] with a known force without offset.
 pub(crate) fn issues_with_force(
     hit: &HitRecord,
     force: &[f64],
@@ -146,20 +145,20 @@ pub(crate) fn issues_with_force(
                 (options.full_scale_response, dropouts)
             }
         };
-        let overload = |run: Run| QualityIssue::Overload {
+        let overload = |run: SampleRun| QualityIssue::Overload {
             channel,
             time_s: hit.time(run.first),
             samples: run.samples,
             value: run.value,
             full_scale,
         };
-        let dropout = |run: Run| QualityIssue::Dropout {
+        let dropout = |run: SampleRun| QualityIssue::Dropout {
             channel,
             time_s: hit.time(run.first),
             samples: run.samples,
             value: run.value,
         };
-        let lost = |run: Run| QualityIssue::NotFinite {
+        let not_finite_run = |run: SampleRun| QualityIssue::NotFinite {
             channel,
             time_s: hit.time(run.first),
             samples: run.samples,
@@ -167,7 +166,7 @@ pub(crate) fn issues_with_force(
         issues
             .extend(overloads(samples, options.flat_samples, full_scale).into_iter().map(overload));
         issues.extend(dropouts.into_iter().map(dropout));
-        issues.extend(not_finite(samples).into_iter().map(lost));
+        issues.extend(not_finite(samples).into_iter().map(not_finite_run));
         if let HitChannel::Response(_) = channel {
             issues.extend(undecayed(channel, samples, options.undecayed_ratio));
         }
@@ -179,7 +178,7 @@ pub(crate) fn issues_with_force(
 }
 
 fn undecayed(channel: HitChannel, samples: &[f64], threshold: f64) -> Option<QualityIssue> {
-    let largest = samples.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+    let largest = largest_magnitude(samples);
     let tail = &samples[samples.len() - samples.len() / 20..];
     let square = tail.iter().map(|x| x * x).sum::<f64>() / tail.len() as f64;
     let ratio = square.sqrt() / largest;

@@ -1,7 +1,5 @@
-//! Where a hit begins and ends.
+//! Trigger level and length of hits.
 
-use super::HitRecord;
-use super::finder::HitFinder;
 use crate::error::{Result, SignalError, check_positive};
 use crate::noise::robust_level;
 
@@ -12,21 +10,19 @@ pub enum TriggerLevel {
     Absolute(f64),
     /// A fraction of the largest force in the record, 0 to 1.
     Fraction(f64),
-    /// Between the noise and the hits.
+    /// A level between the noise and the hits, from the record itself.
     ///
-    /// The peaks of everything that rises `10` robust deviations above the
-    /// median (and 1e-3 of the largest) are sorted, that bound first. The
-    /// level is the geometric middle of the widest gap of their logarithms.
-    /// So light and hard blows are told from bumps without a number to choose.
-    /// It fails where one spike is further above the hits than these are above the noise.
+    /// The peaks of every pulse above `10` robust deviations from the
+    /// median (and 1e-3 of the largest) are sorted, preceded by that bound. The
+    /// level is the geometric mean of the two values on either side of the widest gap of their
+    /// logarithms. It fails if one spike exceeds the hits by more than the hits exceed the noise.
     Automatic,
 }
 
-/// How much of the record belongs to a hit.
+/// Length of a hit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum HitLength {
-    /// This many samples, the pre-trigger included; a force above the level
-    /// inside belongs to the same hit.
+    /// This many samples, the pre-trigger included; further pulses inside belong to the same hit.
     Samples(usize),
     /// Up to the pre-trigger of the next hit, but at most this many samples.
     UntilNext {
@@ -45,24 +41,23 @@ impl HitLength {
     }
 }
 
-/// How records are cut into hits.
+/// Options of the division of records into hits.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HitOptions {
-    /// The force that begins a hit; the force is positive when the hammer pushes.
+    /// Trigger level; the force is positive when the hammer pushes.
     pub trigger_level: TriggerLevel,
-    /// Samples kept from before the trigger; fewer where the record begins later.
+    /// Samples kept before the trigger, fewer at the beginning of the record.
     pub pre_trigger: usize,
     /// Length of a hit.
     pub length: HitLength,
     /// Samples after a trigger in which no further hit begins.
     ///
-    /// With [`HitLength::UntilNext`] longer than the pre-trigger, so that a
-    /// hit does not end before it began.
+    /// With [`HitLength::UntilNext`] it must exceed the pre-trigger.
     pub hold_off: usize,
 }
 
 impl HitOptions {
-    /// Refuses a length that leaves nothing after the trigger, and a hold-off too short.
+    /// Rejects a length without samples after the trigger and a hold-off that is too short.
     pub(super) fn check(&self) -> Result<()> {
         if self.length.most() < self.pre_trigger.saturating_add(2) {
             let value = self.length.most() as f64;
@@ -79,7 +74,7 @@ impl HitOptions {
     }
 }
 
-/// The level that was used, and why.
+/// The trigger level used, with the noise and the largest force of the record.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Trigger {
     /// The level, in newtons.
@@ -90,19 +85,19 @@ pub struct Trigger {
     pub largest_n: f64,
 }
 
-/// Peaks that the automatic level looks at rise above the noise by this factor.
+/// Smallest peak of the automatic level, over the noise.
 const NOISE_FACTOR: f64 = 10.0;
-/// And above this fraction of the largest, where the record has no noise.
+/// Smallest peak of the automatic level, over the largest force.
 const LEAST_FRACTION: f64 = 1e-3;
-/// A hit is at least this much higher than what noise reaches.
+/// Smallest ratio of the largest force to the smallest peak.
 const LEAST_GAP: f64 = 2.0;
 
 impl Trigger {
-    /// The level of a whole record by any of the three rules.
+    /// The trigger level of a record.
     ///
     /// # Errors
     /// [`SignalError::Option`] for a level that is not positive and finite or a
-    /// fraction above 1; [`SignalError::NoHit`] if the force never stands out
+    /// fraction above 1; [`SignalError::NoHit`] if the force does not rise above the noise
     /// (automatic) or is nowhere positive (fraction).
     pub fn of(force: &[f64], options: &HitOptions) -> Result<Self> {
         let level = robust_level(force);
@@ -131,8 +126,7 @@ impl Trigger {
         Ok(Self { level_n, noise_n, largest_n })
     }
 
-    /// The level in the widest gap between the noise and the hits, in newtons:
-    /// [`TriggerLevel::Automatic`].
+    /// The level of [`TriggerLevel::Automatic`], in newtons.
     fn automatic(force: &[f64], offset: f64, noise: f64, hold_off: usize) -> Result<f64> {
         let above = |x: f64| x - offset;
         let largest = force.iter().copied().filter(|x| x.is_finite()).map(above);
@@ -161,29 +155,4 @@ impl Trigger {
         let middle = widest.map_or(bound, |pair| (pair[0] * pair[1]).sqrt());
         Ok(offset + middle)
     }
-}
-
-/// Cuts a whole record into hits.
-///
-/// - `force`: in newtons, positive when the hammer pushes.
-/// - `responses`: any number of channels, each as long as the force.
-/// - `sample_rate_hz`: positive, in hertz.
-///
-/// Samples that are not finite do not trigger; they stay in the hit for
-/// [`quality_issues`](super::quality_issues) to find. A record without a hit gives none with
-/// an absolute level.
-///
-/// # Errors
-/// Those of [`Trigger::of`] and of [`HitFinder::push`].
-pub fn find_hits(
-    force: &[f64],
-    responses: &[&[f64]],
-    sample_rate_hz: f64,
-    options: &HitOptions,
-) -> Result<(Vec<HitRecord>, Trigger)> {
-    let trigger = Trigger::of(force, options)?;
-    let mut finder = HitFinder::new(responses.len(), sample_rate_hz, trigger.level_n, options)?;
-    let mut hits = finder.push(force, responses)?;
-    hits.extend(finder.finish());
-    Ok((hits, trigger))
 }

@@ -1,28 +1,20 @@
-//! The analytic signal: envelope and phase.
+//! The analytic signal.
 
 use super::band_pass::{BandPass, check_band};
 use crate::error::{Result, check_rate, check_samples};
-use crate::spectrum::fast_length;
-use realfft::RealFftPlanner;
-use realfft::num_complex::Complex64;
-use std::cell::RefCell;
+use crate::spectrum::{fast_length, forward_plan, inverse_plan};
+use num_complex::Complex64;
 
-/// Padding lasts until the filter has fallen to this.
+/// Impulse response of the filter at which the zero padding ends.
 const WRAPPED: f64 = 1e-12;
 
-thread_local! {
-    static PLANNER: RefCell<RealFftPlanner<f64>> = RefCell::new(RealFftPlanner::new());
-}
-
-/// `x + i Hilbert(x)`, filtered by a band if one is given.
+/// The analytic signal `x + i Hilbert(x)`, filtered by a band if one is given.
 ///
 /// The transform of the result is twice that of `x` above zero frequency and
 /// zero below; with a band it is twice the gain at every frequency, of either
 /// sign, times that of `x`. Its magnitude is the envelope and its angle the phase of a
-/// signal that oscillates about zero. The record is padded with zeros so that
-/// its end does not wrap around to its beginning: by the band's settling time,
-/// or to twice its length without one, where the Hilbert transform of the ends
-/// falls only as one over time.
+/// signal that oscillates about zero. Against circular convolution the record is padded with zeros
+/// for the settling time of the band, or to twice its length without a band.
 ///
 /// # Errors
 /// [`SignalError::Empty`](crate::SignalError::Empty), [`SignalError::NotFinite`](crate::SignalError::NotFinite),
@@ -38,24 +30,21 @@ pub fn analytic_signal(
     let mut padding = samples.len();
     if let Some(band) = band {
         check_band(band, sample_rate_hz)?;
-        // At most once more: a filter that rings longer than the record is no use anyway.
         padding = padding.min((band.settling_s(WRAPPED) * sample_rate_hz) as usize);
     }
     let length = fast_length(samples.len() + padding);
-    let (forward, inverse) = PLANNER.with_borrow_mut(|planner| {
-        (planner.plan_fft_forward(length), planner.plan_fft_inverse(length))
-    });
+    let (forward, inverse) = (forward_plan(length), inverse_plan(length));
     let mut buffer = forward.make_input_vec();
     buffer[..samples.len()].copy_from_slice(samples);
     let mut spectrum = forward.make_output_vec();
-    // Lengths fit, as the plans made the buffers; NaN would tell otherwise.
+    // Cannot fail, since the plan made the buffers; NaN otherwise.
     if forward.process(&mut buffer, &mut spectrum).is_err() {
         spectrum.fill(Complex64::new(f64::NAN, f64::NAN));
     }
     let step = sample_rate_hz / length as f64;
     let scale = 1.0 / length as f64;
-    // The band's gain is not cut at zero frequency, which would ring for ever: both
-    // signs of frequency pass, the even part to the signal, the odd to its quadrature.
+    // A gain cut at zero frequency would have a slowly decaying impulse response. Both signs of
+    // frequency pass, the even part of the gain to the signal, the odd part to its quadrature.
     let gains = |k: usize| {
         let frequency = k as f64 * step;
         let sides = |band: &BandPass| (band.gain(frequency), band.gain(-frequency));
@@ -63,16 +52,16 @@ pub fn analytic_signal(
         ((above + below) * scale, (above - below) * scale)
     };
     let last = spectrum.len() - 1;
-    // Beyond the filter's end there is nothing to weigh.
+    // The gain is zero above the end of the filter.
     let end = band.map_or(f64::INFINITY, BandPass::end_hz) / step;
     let kept = (end as usize).saturating_add(1).min(spectrum.len());
     spectrum[kept..].fill(Complex64::ZERO);
     let mut quadrature = vec![Complex64::ZERO; spectrum.len()];
-    for (k, (value, turned)) in spectrum[..kept].iter_mut().zip(&mut quadrature).enumerate() {
+    for (k, (value, shifted)) in spectrum[..kept].iter_mut().zip(&mut quadrature).enumerate() {
         let (even, odd) = gains(k);
-        // Real at both ends, where the quadrature has nothing.
+        // The spectrum is real at both ends, where the quadrature is zero.
         if k != 0 && k != last {
-            *turned = Complex64::new(value.im, -value.re) * odd;
+            *shifted = Complex64::new(value.im, -value.re) * odd;
         }
         *value *= even;
     }
@@ -92,4 +81,15 @@ pub fn analytic_signal(
     };
     let (real, imaginary) = (invert(spectrum), invert(quadrature));
     Ok(real.into_iter().zip(imaginary).map(|(re, im)| Complex64::new(re, im)).collect())
+}
+
+impl BandPass {
+    /// The filtered samples, as many as were given, at the same times.
+    ///
+    /// # Errors
+    /// Those of [`analytic_signal`].
+    pub fn apply(&self, samples: &[f64], sample_rate_hz: f64) -> Result<Vec<f64>> {
+        let analytic = analytic_signal(samples, sample_rate_hz, Some(self))?;
+        Ok(analytic.into_iter().map(|value| value.re).collect())
+    }
 }

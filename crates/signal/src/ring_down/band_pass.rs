@@ -1,6 +1,5 @@
-//! A band-pass filter without phase.
+//! A zero-phase band-pass filter.
 
-use super::analytic::analytic_signal;
 use crate::error::{Result, SignalError, check_positive};
 use std::f64::consts::PI;
 
@@ -10,15 +9,27 @@ use std::f64::consts::PI;
 /// G(f) = 1/(1 + exp(-(f - low)/edge)) - 1/(1 + exp(-(f - high)/edge))
 /// ```
 ///
-/// is flat in the band and half at its limits. The edges are analytic, so the
-/// impulse response falls exponentially,
+/// is flat in the band and half at its limits. Its edges are analytic, so the
+/// impulse response of the analytic filter decays exponentially,
 ///
 /// ```text
 /// |h(t)| <= 4 pi edge / sinh(2 pi^2 edge t)
 /// ```
 ///
-/// (of the analytic filter), and a filter for narrow bands stays short: what
-/// counts is the width of the edges, not of the band.
+/// at a rate set by the width of the edges, not of the band.
+///
+/// ```
+/// use asperity_signal::BandPass;
+///
+/// let filter = BandPass::around(800.0, 0.3)?;
+/// let sine = |f: f64| -> Vec<f64> {
+///     (0..4096).map(|n| (std::f64::consts::TAU * f * f64::from(n) / 8192.0).sin()).collect()
+/// };
+/// let (inside, outside) = (filter.apply(&sine(800.0), 8192.0)?, filter.apply(&sine(1600.0), 8192.0)?);
+/// assert!((inside[2048 + 64] - filter.gain(800.0) * sine(800.0)[2048 + 64]).abs() < 1e-6);
+/// assert!(outside[2048].abs() < 1e-6);
+/// # Ok::<(), asperity_signal::SignalError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BandPass {
     low: f64,
@@ -26,13 +37,13 @@ pub struct BandPass {
     edge: f64,
 }
 
-/// Edges of [`BandPass::around`] over half the band's width.
+/// Edges of [`BandPass::around`] over half the width of the band.
 const EDGE: f64 = 1.0 / 6.0;
 
 impl BandPass {
     /// A filter from `low_hz` to `high_hz` with edges of `edge_hz`, all positive.
     ///
-    /// From 0.0025 to 0.9975 an edge is 12 times `edge_hz` wide.
+    /// The gain rises from 0.0025 to 0.9975 over 12 times `edge_hz`.
     ///
     /// # Errors
     /// [`SignalError::Option`].
@@ -47,12 +58,13 @@ impl BandPass {
         Ok(Self { low: low_hz, high: high_hz, edge: edge_hz })
     }
 
-    /// A filter for one mode: `centre (1 -+ part)`, its edges a sixth of half its width.
+    /// A filter for one mode, with the limits `centre (1 -+ part)` and edges of a sixth of half its
+    /// width.
     ///
-    /// The gain at the centre is 0.995; [`backbone`](super::backbone) divides it out.
+    /// The gain at the centre is 0.995; [`backbone`](super::backbone) divides by it.
     ///
     /// # Errors
-    /// [`SignalError::Option`], for a `part` that is not between 0 and 1 too.
+    /// [`SignalError::Option`], also for a `part` that is not between 0 and 1.
     pub fn around(centre_hz: f64, part: f64) -> Result<Self> {
         let half = part * centre_hz;
         Self::new(centre_hz - half, centre_hz + half, EDGE * half)
@@ -79,18 +91,18 @@ impl BandPass {
         0.5 * (self.low + self.high)
     }
 
-    /// Width of the band, which is also the integral of the gain, in hertz.
+    /// Width of the band, equal to the integral of the gain, in hertz.
     pub fn width_hz(&self) -> f64 {
         self.high - self.low
     }
 
-    /// The frequency (Hz) from which on the gain is zero to rounding.
+    /// The frequency (Hz) above which the gain is zero to rounding.
     pub(super) fn end_hz(&self) -> f64 {
-        // exp(-37) is less than half of the last bit of one.
+        // exp(-37) is below half of the last bit of one.
         self.high + 37.0 * self.edge
     }
 
-    /// Width of a rectangular band that passes as much white noise, in hertz.
+    /// Equivalent noise bandwidth, in hertz.
     ///
     /// `integral G^2 df = B coth(B / (2 edge)) - 2 edge`, with `B` the width.
     pub fn noise_width_hz(&self) -> f64 {
@@ -98,29 +110,18 @@ impl BandPass {
         width / (0.5 * width / self.edge).tanh() - 2.0 * self.edge
     }
 
-    /// How much of a jump is still felt after a time (seconds): `(4/pi) exp(-2 pi^2 edge t)`.
-    ///
-    /// The integral of the impulse response's bound from there on.
+    /// Bound on the response to a unit step a time (seconds) after it, `(4/pi) exp(-2 pi^2 edge t)`.
     pub fn ringing(&self, time_s: f64) -> f64 {
         4.0 / PI * (-2.0 * PI * PI * self.edge * time_s).exp()
     }
 
-    /// The time after which a jump is felt less than `level`, in seconds.
+    /// The time after which the response to a unit step is below `level`, in seconds.
     pub fn settling_s(&self, level: f64) -> f64 {
         ((4.0 / (PI * level)).ln() / (2.0 * PI * PI * self.edge)).max(0.0)
     }
-
-    /// The filtered samples, as many as were given, at the same times.
-    ///
-    /// # Errors
-    /// Those of [`analytic_signal`].
-    pub fn apply(&self, samples: &[f64], sample_rate_hz: f64) -> Result<Vec<f64>> {
-        let analytic = analytic_signal(samples, sample_rate_hz, Some(self))?;
-        Ok(analytic.into_iter().map(|value| value.re).collect())
-    }
 }
 
-/// Refuses a band that reaches beyond half the sample rate.
+/// Rejects a band that extends beyond half the sample rate.
 pub(super) fn check_band(band: &BandPass, sample_rate_hz: f64) -> Result<()> {
     if band.high <= 0.5 * sample_rate_hz {
         return Ok(());

@@ -1,25 +1,26 @@
-//! A hit whose transforms are wanted at many frequencies.
+//! The frequency response of a hit with interpolated transforms.
 
-use crate::form::FrfForm;
-use crate::form::ResponseKind;
+use crate::form::{FrfForm, ResponseKind};
 use crate::frf::convert;
 use crate::interpolation::Interpolation;
-use crate::response::{Band, Exact, FrequencyResponse, Ripple, Spectra};
-use crate::uncertainty::{Term, Terms};
-use realfft::num_complex::Complex64;
+use crate::response::FrequencyResponse;
+use crate::spectra::{
+    BandSpectra, ExactSpectra, HitSpectra, HitTransforms, Ripple, SignalTransform,
+};
+use num_complex::Complex64;
 
-/// A response with both transforms by interpolation: what costs a sum over all samples
-/// at each frequency otherwise costs a few products, to 2e-14 of `dt sum |x|`.
+/// A frequency response whose transforms cost a few products per frequency instead of a sum over
+/// all samples, to 2e-14 of `dt sum |x|`.
 ///
-/// Transforms are those about the middle sample; their ratios do not know.
+/// Transforms are taken about the middle sample; the common phase cancels in ratios.
 #[derive(Debug)]
-pub(crate) struct FineResponse<'a> {
+pub(crate) struct InterpolatedResponse<'a> {
     response: &'a FrequencyResponse,
     force: Interpolation,
     samples: Interpolation,
 }
 
-impl<'a> FineResponse<'a> {
+impl<'a> InterpolatedResponse<'a> {
     pub(crate) fn new(response: &'a FrequencyResponse) -> Self {
         let rate = response.sample_rate_hz();
         Self {
@@ -30,11 +31,11 @@ impl<'a> FineResponse<'a> {
     }
 }
 
-impl Spectra for FineResponse<'_> {
-    fn band(&self, padding: usize, high: f64) -> Band<'_> {
-        // The transforms are on twice as many points already.
+impl HitSpectra for InterpolatedResponse<'_> {
+    fn band(&self, padding: usize, high: f64) -> BandSpectra<'_> {
+        // The transforms have twice as many points as samples already.
         let parts = padding.div_ceil(2).max(1);
-        Band {
+        BandSpectra {
             step: self.samples.step(parts),
             samples: self.samples.grid(parts, high).into(),
             force: self.force.grid(parts, high).into(),
@@ -55,9 +56,7 @@ impl Spectra for FineResponse<'_> {
     }
 
     fn power_and_slope(&self, frequency_hz: f64) -> (f64, f64) {
-        let response = self.samples.value_and_slope(frequency_hz);
-        let force = self.force.value_and_slope(frequency_hz);
-        self.response.power_and_slope_of(frequency_hz, response, force)
+        self.response.power_and_slope_of(frequency_hz, &self.transforms_at(frequency_hz))
     }
 
     fn ripple(&self, frequency_hz: f64, period: f64) -> Ripple {
@@ -65,18 +64,19 @@ impl Spectra for FineResponse<'_> {
     }
 }
 
-impl Exact for FineResponse<'_> {
+impl ExactSpectra for InterpolatedResponse<'_> {
     fn response(&self) -> &FrequencyResponse {
         self.response
     }
 
-    fn transforms_at(&self, frequency_hz: f64) -> Terms {
-        let term = |signal: &Interpolation, samples| {
+    fn transforms_at(&self, frequency_hz: f64) -> HitTransforms {
+        let transform = |signal: &Interpolation, samples| {
             let (value, slope) = signal.value_and_slope(frequency_hz);
-            Term { value, slope, samples }
+            SignalTransform { value, slope, samples }
         };
-        let count = self.response.samples().len();
-        let contact = self.response.contact();
-        Terms { response: term(&self.samples, 0..count), force: term(&self.force, contact) }
+        HitTransforms {
+            response: transform(&self.samples, 0..self.response.samples().len()),
+            force: transform(&self.force, self.response.contact()),
+        }
     }
 }
