@@ -24,7 +24,7 @@ pub(crate) fn parabola_vertex([before, here, after]: [f64; 3]) -> Option<(f64, f
     let slope = 0.5 * (after - before);
     let curvature = (after - here) - (here - before);
     let shift = -slope / curvature;
-    (curvature != 0.0).then(|| (shift, here + 0.5 * slope * shift))
+    (curvature != 0.0).then_some((shift, here + 0.5 * slope * shift))
 }
 
 /// Slope and root mean square residual of the least-squares line through `(k, y_k)`.

@@ -92,20 +92,20 @@ impl Harmonics {
 /// ```
 /// use asperity_signal::{FrequencyResponse, HarmonicOptions, find_harmonics};
 ///
-/// // Impulse response with a fundamental at 200 Hz and a harmonic of a tenth at 400 Hz.
+/// // Impulse response with a fundamental at 200 Hz and half of it at 400 Hz.
 /// let rate = 2e4;
 /// let sine = |f: f64, t: f64| (std::f64::consts::TAU * f * t).sin();
 /// let displacement: Vec<f64> = (0..10_000)
 ///     .map(|n| f64::from(n) / rate)
-///     .map(|t| 1e-6 * (-40.0 * t).exp() * (sine(200.0, t) + 0.1 * sine(400.0, t)))
+///     .map(|t| 1e-6 * (-40.0 * t).exp() * (sine(200.0, t) + 0.5 * sine(400.0, t)))
 ///     .collect();
 /// let mut force = vec![0.0; displacement.len()];
 /// force[0] = 10.0;
 /// let hit = FrequencyResponse::from_displacement(&force, &displacement, rate)?;
 /// let found = find_harmonics(&hit, 190.0, &HarmonicOptions::default());
 /// let second = found.second.ok_or("a second harmonic")?;
-/// assert!((second.frequency_hz - 400.0).abs() < 1.0);
-/// assert!((found.ratio().ok_or("and a ratio")? - 0.1).abs() < 0.01);
+/// assert!((second.frequency_hz - 400.0).abs() < 2.0);
+/// assert!((found.ratio().ok_or("and a ratio")? - 0.5).abs() < 0.05);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn find_harmonics(

@@ -13,43 +13,46 @@ const RATE: f64 = 25_600.0;
 /// Samples of a record, and of one cut short.
 const WHOLE: usize = 6400;
 const SHORT: usize = 1600;
-/// Samples before the blow.
+/// Samples before the pulse.
 const BEFORE: usize = 32;
-/// The blow: its peak in newtons and its rise in seconds.
-const BLOW: (f64, f64) = (20.0, 0.34e-3);
+/// The pulse: its peak in newtons and its rise in seconds.
+const PULSE: (f64, f64) = (20.0, 0.34e-3);
 /// Natural frequency in hertz, damping ratio and mass in kg of each mode.
 const MODES: [(f64, f64, f64); 2] = [(830.0, 0.02, 1.6), (1640.0, 0.02, 16.0)];
 
-/// How hits are spoilt and analysed.
+/// Noise and windows of simulated hits.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Case {
+pub(crate) struct NoiseCase {
     pub(crate) name: &'static str,
-    /// Noise on the force over the blow's peak.
+    /// Noise on the force over the peak of the pulse.
     force_noise: f64,
     /// Noise on the response over its largest value.
     response_noise: f64,
     force_window: bool,
-    /// What an exponential window falls to at the end of the record.
+    /// Value of an exponential window at the end of the record.
     exponential: Option<f64>,
     samples: usize,
 }
 
 /// The columns of the table.
-pub(crate) const CASES: [Case; 7] = [
-    Case::new("no noise", 0.0, 0.0),
-    Case::new("response 0.1 %", 0.0, 1e-3),
-    Case::new("response 1 %", 0.0, 1e-2),
-    Case::new("force 0.1 %", 1e-3, 0.0),
-    Case { force_window: true, ..Case::new("the same, force window", 1e-3, 0.0) },
-    Case { exponential: Some(1e-2), ..Case::new("response 0.1 %, exponential window", 0.0, 1e-3) },
-    Case {
+pub(crate) const CASES: [NoiseCase; 7] = [
+    NoiseCase::new("no noise", 0.0, 0.0),
+    NoiseCase::new("response 0.1 %", 0.0, 1e-3),
+    NoiseCase::new("response 1 %", 0.0, 1e-2),
+    NoiseCase::new("force 0.1 %", 1e-3, 0.0),
+    NoiseCase { force_window: true, ..NoiseCase::new("the same, force window", 1e-3, 0.0) },
+    NoiseCase {
+        exponential: Some(1e-2),
+        ..NoiseCase::new("response 0.1 %, exponential window", 0.0, 1e-3)
+    },
+    NoiseCase {
         exponential: Some(1e-2),
         samples: SHORT,
-        ..Case::new("the same, record cut short", 0.0, 1e-3)
+        ..NoiseCase::new("the same, record cut short", 0.0, 1e-3)
     },
 ];
 
-impl Case {
+impl NoiseCase {
     const fn new(name: &'static str, force_noise: f64, response_noise: f64) -> Self {
         Self {
             name,
@@ -89,7 +92,7 @@ pub(crate) const ROWS: [&str; 9] = [
 ];
 
 /// The statistics of every row over `runs` hits of a case.
-pub(crate) fn statistics(case: &Case, runs: usize, seed: u64) -> [Statistic; 9] {
+pub(crate) fn statistics(case: &NoiseCase, runs: usize, seed: u64) -> [Statistic; 9] {
     let (force, response) = clean(case.samples);
     let largest = response.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
     let options = options(case, force.len());
@@ -98,7 +101,7 @@ pub(crate) fn statistics(case: &Case, runs: usize, seed: u64) -> [Statistic; 9] 
     let mut estimates: [Vec<f64>; 9] = Default::default();
     let mut stated: [Vec<(f64, f64)>; 9] = Default::default();
     for _ in 0..runs {
-        let force = noise.added_to(&force, case.force_noise * BLOW.0);
+        let force = noise.added_to(&force, case.force_noise * PULSE.0);
         let response = noise.added_to(&response, case.response_noise * largest);
         let features = hammer_test(&force, &response, RATE, &options)
             .ok()
@@ -185,7 +188,7 @@ fn truth() -> [f64; 9] {
     [f1, a1, f2, a2, a2 / a1, damping, damping, damping, damping]
 }
 
-/// What the sampled impulse response transforms to, from its geometric series.
+/// Transform of the sampled impulse response, from its geometric series.
 fn receptance(frequency: f64) -> Complex64 {
     let mode = |&(natural, damping, mass): &(f64, f64, f64)| {
         let (w0, root) = (TAU * natural, (1.0_f64 - damping * damping).sqrt());
@@ -213,9 +216,9 @@ fn maximum(mut low: f64, mut high: f64) -> (f64, f64) {
     (low, receptance(low).norm())
 }
 
-/// Force and displacement without noise: the sampled blow and its convolution.
+/// Force and displacement without noise: the sampled pulse and its convolution.
 fn clean(count: usize) -> (Vec<f64>, Vec<f64>) {
-    let pulse = |t: f64| BLOW.0 * (t / BLOW.1).powi(2) * (2.0 * (1.0 - t / BLOW.1)).exp();
+    let pulse = |t: f64| PULSE.0 * (t / PULSE.1).powi(2) * (2.0 * (1.0 - t / PULSE.1)).exp();
     let time = |n: usize| n as f64 / RATE;
     let mut force = vec![0.0; count];
     for (n, x) in force[BEFORE..].iter_mut().take(200).enumerate() {
@@ -238,7 +241,7 @@ fn clean(count: usize) -> (Vec<f64>, Vec<f64>) {
     (force, response)
 }
 
-fn options(case: &Case, samples: usize) -> HammerOptions {
+fn options(case: &NoiseCase, samples: usize) -> HammerOptions {
     let hits = HitOptions {
         trigger_level: TriggerLevel::Fraction(0.05),
         pre_trigger: BEFORE - 4,
@@ -280,7 +283,7 @@ pub(crate) fn averages(
     let mut estimates: [Vec<f64>; 4] = Default::default();
     let estimator = || FrfAverage::new(WHOLE, RATE, ResponseKind::Displacement, 1).ok();
     let bin = (MODES[0].0 * WHOLE as f64 / RATE).round() as usize;
-    // One clean hit says how large the spectra are, and what is true in this bin.
+    // A hit without noise gives the size of the spectra and the exact value in this bin.
     let reference = estimator().and_then(|mut reference| {
         let own = reference.push(&force, &response).ok()?;
         let force = reference.force_auto(SpectralDensity::Energy).ok()?;
@@ -295,7 +298,7 @@ pub(crate) fn averages(
     let force_noise = noise_of.0 * deviation(force_energy);
     let response_noise = noise_of.1 * deviation(response_energy);
     let ratio = deviation(response_energy) / deviation(force_energy);
-    // Where only one signal is noisy the true ratio is zero or infinite.
+    // With one noisy signal only the true ratio is zero or infinite.
     let true_ratio = ratio * (noise_of.1 + 1e-6) / (noise_of.0 + 1e-6);
     let kinds = [
         FrfEstimator::H1,

@@ -52,7 +52,7 @@ fn line(text: &mut String, name: &str, cells: &[String]) {
     let _ = writeln!(text, "| {name} | {} |", cells.join(" | "));
 }
 
-/// How many hits, where it is not all of them.
+/// Number of hits, if not all of them.
 fn part(found: usize) -> String {
     if found < RUNS { format!(" ({found} of {RUNS})") } else { String::new() }
 }

@@ -73,7 +73,7 @@ impl RunningVariance {
 
     /// Adds the `more` values in each bin of `other` to the `count` here.
     ///
-    /// Source: T. F. Chan, G. H. Golub and R. J. LeVeque, Am. Stat. 37 (1983), 242-247,
+    /// Source: T. F. Chan and others, Am. Stat. 37 (1983), 242-247,
     /// doi 10.1080/00031305.1983.10483115.
     pub(super) fn merge(&mut self, count: usize, other: &Self, more: usize) {
         let (a, b) = (count as f64, more as f64);

@@ -41,7 +41,9 @@ const NOISE_FACTOR: f64 = 6.0;
 /// - `fraction`: between 0 and 1, otherwise nothing is found; 0.1 is usual.
 ///
 /// ```
-/// let force = [0.0, 5.0, 10.0, 5.0, 0.0, 0.0, 2.0, 4.0, 2.0, 0.0];
+/// let mut force = [0.0; 40];
+/// force[1..4].copy_from_slice(&[5.0, 10.0, 5.0]);
+/// force[6..9].copy_from_slice(&[2.0, 4.0, 2.0]);
 /// let found = asperity_signal::double_hits(&force, 1e3, 0.1);
 /// assert_eq!((found[0].second_s, found[0].ratio), (7e-3, 0.4));
 /// ```

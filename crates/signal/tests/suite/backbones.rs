@@ -1,4 +1,4 @@
-//! Decays whose frequency and damping at each amplitude are known.
+//! Backbones of decays with known frequency and damping at each amplitude.
 
 use crate::noise::Noise;
 use crate::oscillator::{Mode, integrated};
@@ -21,7 +21,7 @@ fn found(samples: &[f64], centre: f64, part: f64) -> Backbone {
 
 /// Verified against a linear oscillator: one frequency within 1e-4, one damping ratio within
 /// 1 %, and the amplitude of the decay within 1 %, at every amplitude; from one and from two
-/// modes, of which the band holds one. Edges let 3e-4 of the envelope through, which over
+/// modes, of which the band holds one. Edges contribute 3e-4 of the envelope, which over
 /// four cycles is 1 % of a damping ratio of 0.2 %.
 #[test]
 fn a_linear_decay_has_one_frequency_and_damping() {
@@ -34,8 +34,8 @@ fn a_linear_decay_has_one_frequency_and_damping() {
         for samples in [alone, beside] {
             let found = found(&samples, 850.0, 0.5);
             assert!(found.points.len() > 10, "{damping}: {} points", found.points.len());
-            // The other mode leaks in with exp(-19); when a heavily damped one has
-            // fallen to that, it takes over.
+            // The other mode passes with exp(-19) and dominates once a heavily damped one has
+            // fallen to that.
             for point in found.points.iter().filter(|point| point.amplitude > 1e-4) {
                 let damped = mode.damped_omega() / TAU;
                 assert!((point.frequency_hz / damped - 1.0).abs() < 1e-4, "{damping} {point:?}");
@@ -48,8 +48,8 @@ fn a_linear_decay_has_one_frequency_and_damping() {
     }
 }
 
-/// Verified against a linear oscillator of 5 % of critical damping: what the filter's edges hide of
-/// a decay, and that the rest is right (frequency within 1e-4, damping within 1 %). The ringing of
+/// Verified against a linear oscillator of 5 % of critical damping: the part of a decay that the edges
+/// of the filter mask, and the rest (frequency within 1e-4, damping within 1 %). The ringing of
 /// a band of 0.3 falls by `2 pi^2 0.3 / 6 = 0.99` a cycle and the decay by 0.31, so that the first
 /// point is some 15 cycles late and at 1 % of the first amplitude; a band of 0.5 shows the decay
 /// from more than 5 % on.
@@ -117,10 +117,10 @@ fn quadratic_damping_grows_with_amplitude() {
     }
 }
 
-/// Verified against the noise put in: points below five times its filtered envelope go, are
-/// counted, and the rest are right; the floor is that of `sqrt(2 S B)`, checked on noise alone.
+/// Verified against the noise added: points below five times its filtered envelope are left out
+/// and counted, and the rest are right; the floor is that of `sqrt(2 S B)`, checked on noise alone.
 #[test]
-fn noise_ends_the_backbone() {
+fn points_below_the_noise_are_left_out() {
     let mode = Mode { natural_hz: 830.0, damping: 0.01, mass: 1.0 };
     let deviation = 0.02;
     let mut noise = Noise::new(5);
@@ -150,10 +150,10 @@ fn noise_ends_the_backbone() {
     );
 }
 
-/// Verified against the bound the filter states: a step is felt less than `ringing`, and the
-/// band is passed without phase and without loss.
+/// Verified against the documented bound: the response to a step is below `ringing`, and the
+/// band is passed without phase shift and without loss.
 #[test]
-fn the_band_pass_keeps_its_promises() {
+fn the_band_pass_rings_and_passes_as_documented() {
     let band = BandPass::new(500.0, 1500.0, 60.0).unwrap();
     let mut step = vec![0.0; 4000];
     step[2000..].fill(1.0);
@@ -178,9 +178,9 @@ fn the_band_pass_keeps_its_promises() {
     }
 }
 
-/// Verified against closed forms: the analytic signal of a windowed tone, and refusals.
+/// Verified against closed forms: the analytic signal of a windowed tone, and errors.
 #[test]
-fn the_analytic_signal_turns_a_tone() {
+fn the_analytic_signal_of_a_tone() {
     let count = 4000;
     let bell = |n: usize| (-((n as f64 - 2000.0) / 300.0).powi(2)).exp();
     let tone: Vec<f64> = (0..count).map(|n| bell(n) * (0.3 * n as f64).cos()).collect();

@@ -1,10 +1,10 @@
-//! The tables of the book are what the example prints.
+//! Tables of the book against those the example prints.
 
 use crate::tables::tables;
 
-/// Verified against the page of the book, line by line: its tables are those of today's estimators,
-/// to one in the last digit printed (mathematical libraries differ in their last bits). Skipped
-/// where the book is not there, as in a published crate.
+/// Verified against the page of the book, line by line: to one in the last digit printed
+/// (mathematical libraries differ in their last bits). Skipped without the book, as in a published
+/// crate.
 #[test]
 fn the_table_of_bias_and_spread_is_that_of_the_book() {
     let page = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/src/explanation/estimators.md");
@@ -36,9 +36,9 @@ fn same(a: &str, b: &str) -> bool {
     }
 }
 
-/// A number that moved, a count, a name and a missing digit are all seen.
+/// Verified against differing numbers, counts, names and digits.
 #[test]
-fn a_row_that_differs_is_seen() {
+fn differing_rows_are_detected() {
     assert!(same("0.017", "0.018") && same("0", "0.001") && same("f1", "f1"));
     assert!(!same("0.017", "0.019") && !same("0", "0.002"));
     assert!(!same("(186", "(187") && !same("186", "187") && !same("H1", "H2"));

@@ -1,4 +1,4 @@
-//! Circles through mobilities that are known.
+//! Circle fits of known mobilities.
 
 use crate::noise::Noise;
 use crate::oscillator::{Mode, hit};
@@ -41,9 +41,9 @@ fn one_mode_is_a_circle() {
 }
 
 /// Verified against a mode with a complex constant and a constant neighbour: the circle is
-/// shifted and turned, and the mode is still exact.
+/// shifted and rotated, and the mode is exact.
 #[test]
-fn a_shifted_and_turned_circle_is_still_the_mode() {
+fn a_shifted_and_rotated_circle_gives_the_mode() {
     let mode = Mode { natural_hz: 830.0, damping: 0.01, mass: 1.6 };
     let frequencies = band(&mode, (-1.2, 1.0), 41);
     let turn = Complex64::from_polar(1.0, 0.4);
@@ -60,18 +60,18 @@ fn a_shifted_and_turned_circle_is_still_the_mode() {
 /// Verified against the mode under noise: 200 fits of 61 points over half the circle with
 /// noise of 2 % of the radius. The mean is right within 1 % and the scatter below 3 %.
 #[test]
-fn noise_does_not_bend_the_circle() {
+fn circle_fits_under_noise_are_unbiased() {
     let mode = Mode { natural_hz: 830.0, damping: 0.02, mass: 1.6 };
     let frequencies = band(&mode, (-1.0, 1.0), 61);
     let radius = 0.25 / (mode.mass * mode.damping * mode.omega());
     let mut noise = Noise::new(21);
     let (mut sum, mut square) = (0.0, 0.0);
     for _ in 0..200 {
-        let mut spoilt = |f: &f64| {
+        let mut noisy = |f: &f64| {
             let error = Complex64::new(noise.normal(), noise.normal());
             mobility(&mode, *f) + error * (0.02 * radius)
         };
-        let values: Vec<Complex64> = frequencies.iter().map(&mut spoilt).collect();
+        let values: Vec<Complex64> = frequencies.iter().map(&mut noisy).collect();
         let error = circle_fit_of(&frequencies, &values).unwrap().ratio / mode.damping - 1.0;
         sum += error;
         square += error * error;
@@ -81,8 +81,8 @@ fn noise_does_not_bend_the_circle() {
 }
 
 /// Verified against the samples of a mode: the three methods agree within their own errors
-/// (the decrement's parabola, 1e-4 at 60 samples a cycle), and a frequency that does not
-/// belong to them shows as a spread.
+/// (parabola of the decrement, 1e-4 at 60 samples a cycle); a wrong
+/// frequency gives a spread.
 #[test]
 fn three_methods_agree_on_one_mode() {
     let mode = Mode { natural_hz: 832.0, damping: 0.02, mass: 1.61 };
@@ -101,9 +101,9 @@ fn three_methods_agree_on_one_mode() {
     assert_eq!(circle_fit(&hit, &peak).map(|circle| circle.ratio), found.circle);
 }
 
-/// Verified against points that are on no circle of a mode.
+/// Verified against points that are not on the circle of a mode.
 #[test]
-fn what_is_no_circle_is_refused() {
+fn points_on_no_circle_are_rejected() {
     let frequencies = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0];
     let line: Vec<Complex64> = frequencies.iter().map(|f| Complex64::new(*f, 2.0 * f)).collect();
     assert_eq!(circle_fit_of(&frequencies, &line), None);

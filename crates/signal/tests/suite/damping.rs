@@ -1,4 +1,4 @@
-//! Damping ratios of oscillators that have one.
+//! Damping ratios of oscillators from half-power widths and decays.
 
 use crate::oscillator::{Mode, hit};
 use asperity_signal::{
@@ -51,7 +51,7 @@ fn the_half_power_ratio_of_a_record_is_its_damping() {
     }
 }
 
-/// Verified against two modes closer than their width: there is no half-power width.
+/// Verified against two modes closer than their width, without half-power crossings.
 #[test]
 fn overlapping_modes_have_no_width() {
     let (near, far) = (mode(0.035), Mode { natural_hz: 890.0, ..mode(0.035) });
@@ -60,8 +60,8 @@ fn overlapping_modes_have_no_width() {
     assert_eq!(half_power(&hit, &found.fundamental.unwrap()), None);
 }
 
-/// Verified against the damping and frequency of the decay, with an offset that must not
-/// matter. Tolerance: the parabola is wrong by up to `(w dt)^4 / 128` of a height, 1e-6 at
+/// Verified against the damping and frequency of the decay, for any
+/// offset. Tolerance: the error of the parabola is up to `(w dt)^4 / 128` of a height, 1e-6 at
 /// 54 samples a cycle, over a decrement of 2 pi zeta; observed 10 times less.
 #[test]
 fn the_decrement_of_a_decay_is_exact_and_free_of_offset() {
@@ -102,9 +102,9 @@ fn the_decrement_converges_with_the_sampling() {
     assert!((slope - 3.0).abs() < 0.4, "slope {slope}");
 }
 
-/// Verified against the documentation: what is no decay has no decrement.
+/// Verified against the documentation: signals that are no decay give `None`.
 #[test]
-fn no_decay_has_no_decrement() {
+fn signals_without_decay_have_no_decrement() {
     let ramp: Vec<f64> = (0..1000).map(f64::from).collect();
     assert_eq!(logarithmic_decrement(&ramp, 1000.0, 50.0), None);
     assert_eq!(logarithmic_decrement(&[], 1000.0, 50.0), None);

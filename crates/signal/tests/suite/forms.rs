@@ -14,7 +14,7 @@ fn receptance() -> Frf {
 /// Verified against the definitions, written out for one oscillator: `m`, `c`, `k` give
 /// `k - m w^2 + i c w` and its quotients by `i w`. Tolerance: a few roundings.
 #[test]
-fn each_form_is_what_it_says() {
+fn each_form_follows_its_definition() {
     let (mass, omega_0, damping) = (1.61, TAU * 832.0, 0.035);
     let (stiffness, viscosity) = (mass * omega_0 * omega_0, 2.0 * damping * omega_0 * mass);
     let converted = FrfForm::ALL.map(|form| receptance().to(form).without_dc());
@@ -33,7 +33,7 @@ fn each_form_is_what_it_says() {
 
 /// Verified against the identity: all 36 conversions and back. Tolerance: at most six roundings.
 #[test]
-fn every_conversion_is_undone_by_its_inverse() {
+fn every_conversion_is_inverted() {
     let receptance = receptance().without_dc();
     for from in FrfForm::ALL {
         let original = receptance.to(from);
@@ -47,9 +47,9 @@ fn every_conversion_is_undone_by_its_inverse() {
     }
 }
 
-/// Verified against the documentation: at zero frequency what exists is kept, the rest is NaN.
+/// Verified against the documentation: at zero frequency products are zero and quotients NaN.
 #[test]
-fn zero_frequency_is_explicit() {
+fn zero_frequency_gives_zero_or_nan() {
     let receptance = receptance();
     let dc = |frf: &Frf| frf.values[0];
     assert_eq!(dc(&receptance.to(FrfForm::Mobility)).norm(), 0.0);

@@ -1,4 +1,4 @@
-//! Whole hammer tests: records in, features and averages out.
+//! Whole hammer tests, from records to features and averages.
 
 use crate::measured;
 use crate::noise::Noise;
@@ -24,13 +24,13 @@ fn options(samples: usize) -> HammerOptions {
     HammerOptions::new(hits, ResponseKind::Acceleration, FundamentalSearch::Frequency(840.0))
 }
 
-/// Four blows on one mode, the third a double hit, with noise and an offset of the force.
+/// four hits on one mode, the third a double hit, with noise and an offset of the force.
 fn record() -> (Vec<f64>, Vec<f64>) {
     let spacing = 10_000;
-    let blow = hammer_pulse(20.0, 3.4e-4);
+    let pulse = hammer_pulse(20.0, 3.4e-4);
     let pulse = move |t: f64| {
         let begin = |k: f64| 0.01 + k * f64::from(spacing) / RATE;
-        let one = |at: f64, size: f64| if t > at { size * blow(t - at) } else { 0.0 };
+        let one = |at: f64, size: f64| if t > at { size * pulse(t - at) } else { 0.0 };
         one(begin(0.0), 0.5)
             + one(begin(1.0), 1.0)
             + one(begin(2.0), 1.0)
@@ -47,7 +47,7 @@ fn record() -> (Vec<f64>, Vec<f64>) {
     (noise.added_to(&force, 0.005), noise.added_to(&a, 0.01))
 }
 
-/// Verified against the mode that was struck: three hits are averaged and the double hit is
+/// Verified against the mode of the record: three hits are averaged and the double hit is
 /// not; every hit has the mode's frequency within four of its stated deviations and 1e-4, its
 /// damping within 2 % by all three methods, and the average has its height within 1 %.
 #[test]
@@ -97,8 +97,8 @@ fn a_test_finds_the_mode() {
     assert!(test.average.coherence().unwrap().values[k] > 0.999);
 }
 
-/// Verified against the same mode, with records cut short by an exponential window: damping
-/// and height come out as without.
+/// Verified against the same mode, with short records under an exponential window: damping
+/// and height are corrected.
 #[test]
 fn a_windowed_test_is_corrected() {
     let (force, response) = record();
@@ -124,7 +124,7 @@ fn measured_test(options: &HammerOptions, name: &str) -> Option<HammerTest> {
     Some(hammer_test(&force, &response, measured::RATE, options).unwrap())
 }
 
-/// Verified against each other: three measured blows of 69 to 85 N on one structure give one
+/// Verified against each other: three measured hits of 69 to 85 N on one structure give one
 /// frequency within 0.02 Hz, one height within 10 %, and one damping ratio by each method within
 /// 10 %. The resonance at 900 Hz was read off the spectra beforehand.
 #[test]

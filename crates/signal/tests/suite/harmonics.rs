@@ -1,4 +1,4 @@
-//! Peaks that are there, and peaks that are not.
+//! Search for the fundamental and the second harmonic.
 
 use crate::oscillator::{Mode, hammer_pulse, hit, integrated, maximum, sampled_slope};
 use asperity_signal::{FrequencyResponse, HarmonicOptions, Harmonics, find_harmonics};
@@ -31,7 +31,7 @@ fn a_linear_oscillator_has_a_floor_but_no_second_harmonic() {
 /// 1e-9 in frequency and 1e-11 in magnitude (a maximum is flat), and the continuous
 /// second mode's to 1e-3.
 #[test]
-fn a_second_peak_is_found_where_it_is() {
+fn a_second_peak_is_located() {
     let second = Mode { natural_hz: 1634.6, damping: 0.02, mass: 40.0 };
     let modes = [FIRST, second];
     let hit = hit(&modes, RATE, COUNT);
@@ -57,7 +57,7 @@ fn a_second_peak_is_found_where_it_is() {
 /// Verified against the derivative of the geometric sum, which is negative throughout: a
 /// second mode that only bends the skirt of the first is a shoulder, and is `None`.
 #[test]
-fn a_shoulder_is_no_peak() {
+fn a_shoulder_is_not_a_peak() {
     let modes = [FIRST, Mode { natural_hz: 1660.0, damping: 0.035, mass: 300.0 }];
     let bent = |f: f64| sampled_slope(&modes, RATE, f);
     let slopes: Vec<f64> = (1250..1900).map(|f| bent(f64::from(f))).collect();
@@ -68,9 +68,9 @@ fn a_shoulder_is_no_peak() {
     assert_eq!(search(&hit(&modes, RATE, COUNT)).second, None);
 }
 
-/// Verified against a mode above the window: a value that rises to the edge is no peak.
+/// Verified against a mode above the window: a value that rises to the edge is not a peak.
 #[test]
-fn a_rise_to_the_edge_of_the_window_is_no_peak() {
+fn a_rise_to_the_edge_of_the_window_is_not_a_peak() {
     let modes = [FIRST, Mode { natural_hz: 1990.0, damping: 0.02, mass: 5.0 }];
     let hit = hit(&modes, RATE, COUNT);
     let found = search(&hit);
@@ -81,9 +81,9 @@ fn a_rise_to_the_edge_of_the_window_is_no_peak() {
 }
 
 /// Verified against a linear oscillator cut off at `exp(-sigma T) = 0.03`: the ripples of the
-/// rectangular window are maxima, and only the leakage margin tells them from peaks.
+/// rectangular window are maxima, which the leakage margin rejects.
 #[test]
-fn leakage_ripples_are_no_peaks() {
+fn leakage_ripples_are_not_peaks() {
     let careless = HarmonicOptions { leakage_margin: 0.0, ..HarmonicOptions::default() };
     let mut mistaken = 0;
     for count in (1800..2200).step_by(20) {
@@ -97,9 +97,9 @@ fn leakage_ripples_are_no_peaks() {
 }
 
 /// Verified against a response equal to the force: `H = 1`, and every maximum is rounding,
-/// even when no prominence is asked.
+/// even without a minimum prominence.
 #[test]
-fn rounding_is_no_peak() {
+fn rounding_is_not_a_peak() {
     let options = HarmonicOptions {
         minimum_prominence: 0.0,
         leakage_margin: 0.0,
@@ -116,7 +116,7 @@ fn rounding_is_no_peak() {
     }
 }
 
-/// Verified against the prominence reported: asked for less the peak stays, for more it goes.
+/// Verified against the prominence reported: the peak is found for a smaller minimum and not for a larger one.
 #[test]
 fn the_prominence_asked_is_the_prominence_reported() {
     let second = Mode { natural_hz: 1634.6, damping: 0.035, mass: 100.0 };

@@ -1,4 +1,4 @@
-//! Hits cut out of records, and judged.
+//! Detection of hits in records.
 
 use crate::measured;
 use crate::noise::Noise;
@@ -16,7 +16,7 @@ fn options(level: TriggerLevel) -> HitOptions {
     HitOptions { trigger_level: level, pre_trigger: 32, length, hold_off: 1024 }
 }
 
-/// Five blows from 3 to 90 N on noise of 0.02 N with an offset, and their onsets.
+/// Five hits from 3 to 90 N on noise of 0.02 N with an offset, and their onsets.
 fn train() -> (Vec<f64>, Vec<f64>, [usize; 5]) {
     let onsets = [3000, 9000, 15_500, 21_000, 27_777];
     let mut force = vec![0.0; 32_000];
@@ -32,17 +32,17 @@ fn train() -> (Vec<f64>, Vec<f64>, [usize; 5]) {
     (force, response, onsets)
 }
 
-/// Verified against the onsets the record was made with: the automatic level finds blows of
+/// Verified against the onsets the record was made with: the automatic level finds hits of
 /// very different strength, and the level and noise it reports make sense of them.
 #[test]
-fn the_automatic_level_finds_every_blow() {
+fn the_automatic_level_finds_every_hit() {
     let (force, response, onsets) = train();
     let (hits, trigger) =
         find_hits(&force, &[&response], RATE, &options(TriggerLevel::Automatic)).unwrap();
     assert_eq!(hits.len(), 5);
     for (hit, onset) in hits.iter().zip(onsets) {
         let at = hit.start as usize + hit.trigger;
-        // A blow of 3 N reaches the level within five samples.
+        // A pulse of 3 N reaches the level within five samples.
         assert!((onset..onset + 8).contains(&at), "{at} {onset}");
         assert_eq!((hit.trigger, hit.force.len(), hit.missing), (32, 2048, 0));
         let range = hit.start as usize..hit.start as usize + 2048;
@@ -63,7 +63,7 @@ fn the_automatic_level_finds_every_blow() {
 /// Verified against the onsets: the other rules, hits up to the next one, and a record that
 /// begins and ends inside a hit.
 #[test]
-fn levels_lengths_and_ends() {
+fn trigger_levels_lengths_and_ends_of_records() {
     let (force, response, onsets) = train();
     let cut = |options: &HitOptions| find_hits(&force, &[&response], RATE, options).unwrap().0;
     assert_eq!(cut(&options(TriggerLevel::Absolute(10.0))).len(), 3);
@@ -75,7 +75,7 @@ fn levels_lengths_and_ends() {
     let hits = cut(&until);
     let expected = [6000, 6000, 5500, 6000, 32_000 - 27_777 + 32];
     for ((hit, length), onset) in hits.iter().zip(expected).zip(onsets) {
-        // Each blow reaches 1 N at its own time, some samples after its onset.
+        // Each pulse reaches 1 N at its own time, some samples after its onset.
         assert!(hit.force.len().abs_diff(length) < 8, "{} {length}", hit.force.len());
         assert!((hit.start as usize + 32).abs_diff(onset) < 8);
         assert_eq!(hit.missing, 0);
@@ -92,9 +92,9 @@ fn levels_lengths_and_ends() {
     assert_eq!(issues, [QualityIssue::Truncated { samples, missing: last.missing }]);
 }
 
-/// Verified against the documentation: requests that make no sense are refused.
+/// Verified against the documentation: requests that make no sense are rejected.
 #[test]
-fn faulty_requests_are_refused() {
+fn invalid_options_are_rejected() {
     let wrong = |options: HitOptions| find_hits(&[1.0; 50], &[], RATE, &options).unwrap_err();
     let base = options(TriggerLevel::Absolute(0.5));
     let option = |error: &SignalError| matches!(error, SignalError::Option { .. });
@@ -119,7 +119,7 @@ proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
 
     /// Verified against the whole record pushed at once: block sizes do not change the answer,
-    /// what is cut is the record at the place it says, and the level is reached from below.
+    /// the samples are those of the record at the index given, and the level is reached from below.
     #[test]
     fn blocks_do_not_matter(
         force in prop::collection::vec(prop_oneof![6 => -0.5..0.5_f64, 1 => 0.5..3.0_f64, 1 => Just(f64::NAN)], 0..12_000),
@@ -187,8 +187,8 @@ fn offsets_are_found_with_their_error() {
     assert!(removed.iter().all(|x| (x - 1.0).abs() < 1e-15));
 }
 
-/// Verified against three measured hits laid end to end: each is found, and none is judged a
-/// double hit, overload or dropout, although their sensor rings before and after the blow and
+/// Verified against three measured hits laid end to end: each is found, and none is checked a
+/// double hit, overload or dropout, although their sensor rings before and after the pulse and
 /// their flank has a shoulder.
 #[test]
 fn measured_hits_are_good() {
@@ -212,7 +212,7 @@ fn measured_hits_are_good() {
         // 68 to 86 N within a quarter of a millisecond: read off the samples.
         assert!((68.0..87.0).contains(&pulse.peak_n) && pulse.width_s < 3e-4, "{pulse:?}");
     }
-    // The same blow with a third of it repeated 3 ms later is a double hit.
+    // The same pulse with a third of it repeated 3 ms later is a double hit.
     let mut twice = hits[0].clone();
     for n in 77..25_500 {
         twice.force[n] += 0.3 * hits[0].force[n - 77];

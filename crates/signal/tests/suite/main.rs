@@ -1,13 +1,13 @@
-//! Exact solutions the crate is held to.
+//! Tests against exact solutions.
 
 #![allow(clippy::unwrap_used, reason = "the builders of test hits run in tests only")]
-#![allow(clippy::print_stderr, reason = "a test without its data says that it was skipped")]
+#![allow(clippy::print_stderr, reason = "a test without its data reports that it was skipped")]
 
+mod averages;
 mod backbones;
 mod book;
 mod circles;
 mod damping;
-mod estimators;
 mod forms;
 mod hammer;
 mod harmonics;

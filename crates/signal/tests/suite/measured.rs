@@ -1,4 +1,4 @@
-//! Three measured hammer hits, where the data are at hand.
+//! Three measured hammer hits, if the data are available.
 
 use std::path::Path;
 

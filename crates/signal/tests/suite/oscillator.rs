@@ -1,4 +1,4 @@
-//! Linear modes whose sampled transform is a geometric sum.
+//! Linear modes and the geometric sums of their sampled transforms.
 
 use asperity_signal::{Complex64, FrequencyResponse};
 use std::f64::consts::TAU;
@@ -35,7 +35,7 @@ impl Mode {
     }
 
     /// `dt sum h(n dt) exp(-i w n dt)` over all n >= 0 and its derivative with
-    /// frequency, from the geometric series: what a decayed record transforms to.
+    /// frequency, from the geometric series: the transform of a decayed record.
     pub(crate) fn sampled_receptance(&self, frequency: f64, rate: f64) -> (Complex64, Complex64) {
         let dt = 1.0 / rate;
         let scale = dt / (self.mass * self.damped_omega());
@@ -53,8 +53,8 @@ impl Mode {
     }
 }
 
-/// Sampled impulse response of modes added up, struck by one sample of unit impulse.
-pub(crate) fn struck(modes: &[Mode], rate: f64, count: usize) -> (Vec<f64>, Vec<f64>) {
+/// Sampled impulse response of modes added up, under one sample of unit impulse.
+pub(crate) fn impulse_response(modes: &[Mode], rate: f64, count: usize) -> (Vec<f64>, Vec<f64>) {
     let displacement = (0..count)
         .map(|n| {
             let t = n as f64 / rate;
@@ -66,9 +66,9 @@ pub(crate) fn struck(modes: &[Mode], rate: f64, count: usize) -> (Vec<f64>, Vec<
     (force, displacement)
 }
 
-/// [`struck`] as a hit.
+/// [`impulse_response`] as a hit.
 pub(crate) fn hit(modes: &[Mode], rate: f64, count: usize) -> FrequencyResponse {
-    let (force, displacement) = struck(modes, rate, count);
+    let (force, displacement) = impulse_response(modes, rate, count);
     FrequencyResponse::from_displacement(&force, &displacement, rate).unwrap()
 }
 

@@ -1,4 +1,4 @@
-//! Pulses described, and hits judged.
+//! Force pulses and quality of hits.
 
 use crate::noise::Noise;
 use crate::oscillator::hammer_pulse;
@@ -40,12 +40,12 @@ fn a_half_sine_has_its_widths() {
     assert_eq!(Pulse::of(&[1.0; 3], 0.0), None);
 }
 
-/// Verified against signals that hold one blow: none is called two.
+/// Verified against signals with one pulse, none of them a double hit.
 #[test]
-fn one_blow_is_one_blow() {
+fn single_hits_are_not_double_hits() {
     let clean = half_sine(30.0, 1.0e-3);
     let gamma = hammer_pulse(30.0, 3.4e-4);
-    // A sensor that undershoots by a quarter and rings back by 14 % after the blow.
+    // A sensor that undershoots by a quarter and rings back by 14 % after the pulse.
     let ringing = |t: f64| {
         let after = (t - 1.0e-3).max(0.0);
         -9.0 * (-2500.0 * after).exp() * (PI * after / 2.0e-4).sin()
@@ -67,10 +67,10 @@ fn one_blow_is_one_blow() {
     }
 }
 
-/// Verified against the second blow put in: found at its time with its ratio, apart or
+/// Verified against an added second pulse: found at its time with its ratio, apart or
 /// overlapping with a valley, weaker or stronger; below the fraction it is not.
 #[test]
-fn two_blows_are_found() {
+fn double_hits_are_found() {
     let duration = 1.0e-3;
     for (ratio, delay) in [(0.3, 1.0e-3), (0.3, 1.4e-3), (0.3, 8.0e-3), (0.12, 5.0e-3), (3.0, 2e-3)]
     {
@@ -84,7 +84,7 @@ fn two_blows_are_found() {
         assert!((found[0].ratio / ratio - 1.0).abs() < 0.03, "{found:?}");
         assert!(found[0].valley < 0.1 && found[0].threshold == 0.1);
     }
-    // Overlapping: two blows of 1 ms, 0.8 ms apart, leave a valley.
+    // Overlapping: two hits of 1 ms, 0.8 ms apart, leave a valley.
     let both = |t: f64| half_sine(20.0, duration)(t) + half_sine(12.0, duration)(t - 0.85e-3);
     let found = double_hits(&sampled(2000, both), RATE, 0.1);
     assert_eq!(found.len(), 1);
@@ -100,9 +100,9 @@ fn hit(force: Vec<f64>, response: Vec<f64>) -> HitRecord {
     HitRecord { start: 0, trigger: 2, force, responses, sample_rate_hz, missing: 0 }
 }
 
-/// Verified against faults put in one by one: each is named with its place, nothing else is.
+/// Verified against faults added one by one: each is reported at its time, and nothing else.
 #[test]
-fn faults_are_named() {
+fn each_fault_is_reported() {
     let force = sampled(4000, half_sine(20.0, 1.0e-3));
     let decay = |t: f64| 50.0 * (-120.0 * t).exp() * (2.0 * PI * 800.0 * t).sin();
     let response = sampled(4000, decay);
@@ -156,10 +156,10 @@ fn faults_are_named() {
     assert!(matches!(issues[..], [QualityIssue::NotDecayed { ratio, .. }] if ratio > 0.05));
 }
 
-/// Verified against the converter's full scale, and against a slow oscillation digitised so
-/// coarsely that its tops are flat: the first is an overload, the second is not.
+/// Verified against the full scale of the converter, an overload, and against a coarsely digitised
+/// slow oscillation with flat maxima, which is none.
 #[test]
-fn coarse_steps_are_no_overload() {
+fn coarse_steps_are_not_an_overload() {
     let force = sampled(4000, half_sine(20.0, 1.0e-3));
     let slow =
         |t: f64| (40.0 * (-60.0 * t).exp() * (2.0 * PI * 100.0 * t).sin() / 0.5).round() * 0.5;

@@ -1,6 +1,6 @@
-//! Receptances of oscillators struck and integrated.
+//! Receptances of integrated oscillators.
 
-use crate::oscillator::{Mode, hammer_pulse, hit, integrated, struck};
+use crate::oscillator::{Mode, hammer_pulse, hit, impulse_response, integrated};
 use asperity_signal::{Complex64, FrequencyResponse, HarmonicOptions, SignalError, find_harmonics};
 use std::f64::consts::TAU;
 
@@ -11,7 +11,7 @@ const MODE: Mode = Mode { natural_hz: 831.98, damping: 0.035, mass: 1.61 };
 /// zero with slope 1/m, so the rectangle rule is the trapezoidal rule and its error is
 /// `-dt^2/(12 m)` at every frequency: slope 2, asserted within 2 %.
 #[test]
-fn an_oscillators_receptance_converges_with_the_sampling() {
+fn the_receptance_of_an_oscillator_converges_with_the_sampling() {
     let stiffness = MODE.mass * MODE.omega().powi(2);
     let root = (1.0 - MODE.damping * MODE.damping).sqrt();
     let exact = 1.0 / (2.0 * stiffness * MODE.damping * root);
@@ -75,7 +75,7 @@ fn both_routes(rate: f64) -> [FrequencyResponse; 2] {
 /// and adds nothing; an acceleration makes it `e |1 + 1 / (m w^2 H)|`. Asserted within 2 %
 /// (the next term is `(dt / tp)^2` of it), as is the slope 4 that follows.
 #[test]
-fn both_routes_converge_to_one_receptance() {
+fn displacement_and_acceleration_converge_to_one_receptance() {
     let coarse = both_routes(50_000.0);
     let fine = both_routes(100_000.0);
     for frequency in [300.0, 700.0, 831.98, 1200.0, 1664.0] {
@@ -108,7 +108,7 @@ fn both_routes_converge_to_one_receptance() {
 
 /// Verified against the half-sine's zeros at 1.5, 2.5, ... over its duration.
 #[test]
-fn the_force_mask_cuts_the_zeros_of_a_half_sine() {
+fn the_force_mask_excludes_the_zeros_of_a_half_sine() {
     let (rate, duration) = (200_000.0, 1e-3);
     let force: Vec<f64> = (0..4000)
         .map(|n| f64::from(n) / rate)
@@ -142,22 +142,22 @@ fn the_force_mask_cuts_the_zeros_of_a_half_sine() {
 
 /// Verified against the documentation: each fault has its own error.
 #[test]
-fn faulty_signals_are_refused() {
-    let (force, displacement) = struck(&[MODE], 1e4, 10);
-    let refused = |force: &[f64], displacement: &[f64], rate| {
+fn invalid_signals_are_rejected() {
+    let (force, displacement) = impulse_response(&[MODE], 1e4, 10);
+    let rejected = |force: &[f64], displacement: &[f64], rate| {
         FrequencyResponse::from_displacement(force, displacement, rate).unwrap_err()
     };
-    assert_eq!(refused(&[], &displacement, 1e4), SignalError::Empty { signal: "force" });
+    assert_eq!(rejected(&[], &displacement, 1e4), SignalError::Empty { signal: "force" });
     assert_eq!(
-        refused(&force[..9], &displacement, 1e4),
+        rejected(&force[..9], &displacement, 1e4),
         SignalError::LengthMismatch { force: 9, response: 10 }
     );
-    assert_eq!(refused(&force, &displacement, -1.0), SignalError::SampleRate { value: -1.0 });
-    assert_eq!(refused(&[0.0; 10], &displacement, 1e4), SignalError::NoForce { samples: 10 });
+    assert_eq!(rejected(&force, &displacement, -1.0), SignalError::SampleRate { value: -1.0 });
+    assert_eq!(rejected(&[0.0; 10], &displacement, 1e4), SignalError::NoForce { samples: 10 });
     let mut broken = displacement.clone();
     broken[7] = f64::INFINITY;
     assert_eq!(
-        refused(&force, &broken, 1e4),
+        rejected(&force, &broken, 1e4),
         SignalError::NotFinite { signal: "displacement", index: 7, value: f64::INFINITY }
     );
     assert_eq!(

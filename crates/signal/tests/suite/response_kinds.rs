@@ -8,17 +8,17 @@ use asperity_signal::{
 
 const MODE: Mode = Mode { natural_hz: 831.0, damping: 0.01, mass: 1.6 };
 const RATE: f64 = 51_200.0;
-/// Where the pulse is highest \[s\].
+/// Time of the maximum of the pulse \[s\].
 const RISE_S: f64 = 3.4e-4;
 const KINDS: [ResponseKind; 3] =
     [ResponseKind::Displacement, ResponseKind::Velocity, ResponseKind::Acceleration];
 
-/// A mode struck by `(t / rise)^2 exp(2 (1 - t / rise))`: force and the three motions, exact.
+/// A mode under the pulse `(t / rise)^2 exp(2 (1 - t / rise))`: force and the three motions, exact.
 ///
 /// With the pole `p` and `q = p + 2 / rise`, the pulse and `exp(p t)` convolve to
 /// `g = 2 e / q^3 - (t^2 / q + 2 t / q^2 + 2 / q^3) exp(-2 t / rise)`, `e = exp(p t)`; the
 /// displacement is `Im g / (m w_d)`, and `g' = p g + F`.
-fn struck(count: usize) -> [Vec<f64>; 4] {
+fn impulse_response(count: usize) -> [Vec<f64>; 4] {
     let pole = Complex64::new(-MODE.damping * MODE.omega(), MODE.damped_omega());
     let (rate, height) = (2.0 / RISE_S, 2.0_f64.exp() / (RISE_S * RISE_S));
     let q = pole + rate;
@@ -52,8 +52,8 @@ fn peak(response: &FrequencyResponse) -> Peak {
     find_harmonics(response, 831.0, &HarmonicOptions::default()).fundamental.unwrap()
 }
 
-/// What the rectangle rule leaves of a receptance, relative, by Euler and Maclaurin: sums of what
-/// begins as `t^2` and `t^3` are off by `dt^4 / 720` times the third derivative at zero. With
+/// Relative error of a receptance by the rectangle rule, by Euler and Maclaurin: sums of signals that
+/// begin as `t^2` and `t^3` are off by `dt^4 / 720` times the third derivative at zero. With
 /// `s = i w` and `z = 2 / rise + s` that is `e = |z dt|^4 / 240` for the force; the motions make it `e |1 + d|`,
 /// `d = 0`, `1 / (3 m s z H)` and `-1 / (m s^2 H)`. 3 % are left for the next term.
 fn sampling_error(kind: ResponseKind, s: Complex64, receptance: Complex64) -> f64 {
@@ -72,12 +72,12 @@ fn on_axis(frequency: f64) -> Complex64 {
     Complex64::new(0.0, std::f64::consts::TAU * frequency)
 }
 
-/// Verified against the continuous receptance and the mode's peak, by each kind, to what the
-/// rectangle rule leaves: 2e-6 at the peak. The peak moves by less than that over its Q, and so
-/// does the damping ratio, its width.
+/// Verified against the continuous receptance and the mode's peak, by each kind, to the
+/// error of the rectangle rule, 2e-6 at the peak. The peak frequency and the damping ratio change by
+/// less than that over Q.
 #[test]
-fn three_routes_lead_to_one_receptance() {
-    let signals = struck(51_200);
+fn three_response_kinds_give_one_receptance() {
+    let signals = impulse_response(51_200);
     let top = MODE.natural_hz * (1.0 - 2.0 * MODE.damping * MODE.damping).sqrt();
     let height = MODE.receptance(top).norm();
     for kind in KINDS {
@@ -104,7 +104,7 @@ fn three_routes_lead_to_one_receptance() {
 /// which the refinement of a peak solves for.
 #[test]
 fn a_peak_from_velocity_is_the_greatest_value_beside_it() {
-    let response = response(ResponseKind::Velocity, &struck(20_000));
+    let response = response(ResponseKind::Velocity, &impulse_response(20_000));
     let peak = peak(&response);
     for step in [1e-3, 1e-2, 0.1] {
         for beside in [peak.frequency_hz - step, peak.frequency_hz + step] {
@@ -118,7 +118,7 @@ fn a_peak_from_velocity_is_the_greatest_value_beside_it() {
 /// Tolerance as above.
 #[test]
 fn an_average_of_velocities_is_a_mobility() {
-    let signals = struck(25_600);
+    let signals = impulse_response(25_600);
     let mut average = FrfAverage::new(25_600, RATE, ResponseKind::Velocity, 1).unwrap();
     let own = average.push(&signals[0], &signals[2]).unwrap();
     let h1 = average.frf(FrfEstimator::H1).unwrap();

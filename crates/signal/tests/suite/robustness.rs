@@ -1,4 +1,4 @@
-//! Whatever is sampled, nothing panics and what is returned is a number.
+//! Arbitrary samples: no panic, and finite results or none.
 
 use asperity_signal::{
     BackboneOptions, BandPass, Complex64, ExponentialWindow, ForceWindow, FrequencyResponse,
@@ -43,10 +43,10 @@ fn hits() -> impl Strategy<Value = FrequencyResponse> {
 }
 
 proptest! {
-    // A failure prints its minimal case; it becomes a test of its own, not a file.
+    // A failure prints its minimal case, which becomes a test of its own.
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// Verified against the promises of `Peak`: inside its window, no lower than beside it.
+    /// Verified against the documentation of `Peak`: inside its window, no lower than beside it.
     #[test]
     fn a_peak_is_a_local_maximum_inside_its_window(
         hit in hits(),
@@ -144,7 +144,7 @@ proptest! {
         }
     }
 
-    /// Verified against hits of finite samples: analysis gives finite numbers or says no.
+    /// Verified against hits of finite samples: the analysis gives finite numbers or none.
     #[test]
     fn analysis_never_panics(
         hit in hits(),

@@ -1,6 +1,6 @@
-//! Hits under a shared force: as the exact analysis finds them.
+//! Hits under a shared force against the exact analysis.
 
-use crate::oscillator::{Mode, hammer_pulse, struck};
+use crate::oscillator::{Mode, hammer_pulse, impulse_response};
 use asperity_signal::{
     DecimationFilter, FrequencyResponse, HarmonicOptions, SharedForce, find_harmonics, half_power,
 };
@@ -11,7 +11,7 @@ const SECOND: Mode = Mode { natural_hz: 1634.6, damping: 0.02, mass: 40.0 };
 
 /// Force and displacement of a hit, `count` samples at `RATE`, times `factor`.
 fn records(modes: &[Mode], count: usize, factor: f64) -> (Vec<f64>, Vec<f64>) {
-    let (_, impulse) = struck(modes, RATE, count);
+    let (_, impulse) = impulse_response(modes, RATE, count);
     let pulse = hammer_pulse(1.0, 0.34e-3);
     let force: Vec<f64> = (0..count).map(|n| pulse(n as f64 / RATE)).collect();
     let displacement = (0..count)
@@ -21,25 +21,25 @@ fn records(modes: &[Mode], count: usize, factor: f64) -> (Vec<f64>, Vec<f64>) {
     (scaled(force), scaled(displacement))
 }
 
-/// Every so many samples of both, with the filter that keeps `high`.
-fn thinned(force: &[f64], displacement: &[f64], high: f64) -> (Vec<f64>, Vec<f64>, f64) {
+/// Both signals decimated by the filter that keeps `high`.
+fn decimated(force: &[f64], displacement: &[f64], high: f64) -> (Vec<f64>, Vec<f64>, f64) {
     let filter = DecimationFilter::keeping(RATE, high);
     let whole = 0..force.len();
     let rate = RATE / filter.factor() as f64;
     (filter.apply(force, &whole), filter.apply(displacement, &whole), rate)
 }
 
-/// Verified against the analysis of the full records by the exact transform. The thinning folds
-/// 1e-5 of what the spectrum has above the band, and a hammer's has little.
+/// Verified against the analysis of the full records by the exact transform. The decimation aliases
+/// 1e-5 of the spectrum above the band, which is small for a hammer pulse.
 #[test]
-fn thinned_hits_are_analysed_as_the_full_records() {
+fn decimated_hits_are_analysed_as_the_full_records() {
     for (modes, count) in [(vec![FIRST, SECOND], 12_000), (vec![FIRST], 12_000)] {
         let (force, displacement) = records(&modes, count, 7.0);
         let full = FrequencyResponse::from_displacement(&force, &displacement, RATE).unwrap();
         let options = HarmonicOptions::default();
         let exact = find_harmonics(&full, 850.0, &options);
         let high = 850.0 * 1.4 * 2.3;
-        let (few_forces, few, rate) = thinned(&force, &displacement, high);
+        let (few_forces, few, rate) = decimated(&force, &displacement, high);
         let unit: Vec<f64> = few_forces.iter().map(|f| f / 7.0).collect();
         let shared = SharedForce::new(&unit, rate, high).unwrap();
         let found = shared.analyse(&few, 7.0, 850.0, &options).unwrap();
@@ -59,10 +59,10 @@ fn thinned_hits_are_analysed_as_the_full_records() {
     }
 }
 
-/// A record cut in full swing has a transform that turns too fast to interpolate: it is passed
-/// on, or what is found is right.
+/// Verified against the exact analysis: the transform of a truncated record varies too fast for the
+/// interpolation, so the analysis is exact or `None`.
 #[test]
-fn a_record_that_has_not_decayed_is_right_or_passed_on() {
+fn a_record_that_has_not_decayed_is_exact_or_none() {
     let lasting = Mode { damping: 1e-4, ..FIRST };
     for count in [2_000, 6_000, 25_000] {
         let (force, displacement) = records(&[lasting], count, 1.0);
@@ -80,7 +80,7 @@ fn a_record_that_has_not_decayed_is_right_or_passed_on() {
 }
 
 #[test]
-fn what_cannot_be_analysed_is_none() {
+fn invalid_signals_have_no_analysis() {
     let pulse = hammer_pulse(5.0, 0.3e-3);
     let force: Vec<f64> = (0..1000).map(|n| pulse(f64::from(n) / RATE)).collect();
     assert!(SharedForce::new(&[0.0; 100], RATE, 2000.0).is_none());
@@ -94,9 +94,10 @@ fn what_cannot_be_analysed_is_none() {
     assert!(shared.analyse(&force, 0.0, 800.0, &options).is_none());
 }
 
-/// The filter of a factor is the same at every rate, and nothing is done where there is no room.
+/// Verified against the documentation: filters of one factor are equal at every rate, and low rates
+/// are not decimated.
 #[test]
-fn thinning_depends_on_the_factor_alone() {
+fn the_filter_depends_on_the_factor_alone() {
     let (a, b) = (DecimationFilter::keeping(1e5, 2.5e3), DecimationFilter::keeping(2e5, 5e3));
     assert_eq!((a.factor(), a.taps()), (b.factor(), b.taps()));
     assert_eq!(a.factor(), 9);

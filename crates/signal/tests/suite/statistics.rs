@@ -66,7 +66,7 @@ fn the_force_window_removes_noise_of_the_force() {
 /// Verified against the modes simulated: a record a quarter as long, windowed, with noise,
 /// has the fundamental's frequency, height and damping after correction.
 #[test]
-fn a_window_on_a_short_record_is_undone() {
+fn a_window_on_a_short_record_is_corrected() {
     let found = statistics(&CASES[6], RUNS, 1);
     within(&found[F1], 2e-4, 1e-4);
     within(&found[A1], 3e-3, 1e-3);
@@ -83,7 +83,7 @@ fn a_window_on_a_short_record_is_undone() {
 /// signal: each estimator is right for its own noise. Eight hits leave a spread of 7 %, so the
 /// mean of 40 averages is known to 1.1 %, and the two estimators of one average share it.
 #[test]
-fn averages_are_right_for_their_own_noise() {
+fn averages_are_unbiased_under_their_noise() {
     let of = |case: usize| {
         let (_, force, response) = AVERAGE_NOISE[case];
         averages((force, response), 8, RUNS, 2)

@@ -18,7 +18,7 @@ fn noise(count: usize) -> Vec<f64> {
 /// Verified against Parseval's theorem: `dt sum x^2 = df sum |X|^2` over both sides.
 /// Tolerance: rounding of an FFT of 10 000 points and of two sums.
 #[test]
-fn energy_is_kept() {
+fn the_transform_conserves_energy() {
     for (count, padding) in [(1, 1), (997, 1), (4096, 1), (5000, 3)] {
         let (samples, rate) = (noise(count), 51_200.0);
         let spectrum = Spectrum::new(&samples, rate, padding).unwrap();
@@ -38,7 +38,7 @@ fn energy_is_kept() {
 
 /// Verified against the geometric sum of a decaying exponential,
 /// `dt (1 - r^N) / (1 - r)` with `r = exp(-(a + i 2 pi f) dt)`.
-/// Tolerance: 1e-13 of `dt sum |x|`, the rounding the documentation promises with room
+/// Tolerance: 1e-13 of `dt sum |x|`, the rounding of the documentation with room
 /// for the closed form's own.
 #[test]
 fn a_decaying_exponential_has_its_geometric_sum() {
@@ -97,7 +97,7 @@ fn single_frequencies_agree_with_every_bin() {
 /// Verified against phases reduced in integers: 17 kHz at 48 kHz is no binary fraction, and a
 /// phase of 17/48 in one rounding would be off by 2e-10 after 10^6 samples.
 #[test]
-fn long_records_keep_their_phase() {
+fn phases_of_long_records_are_exact() {
     let (samples, rate) = (noise(1_000_000), 48_000.0);
     let turns = |n: usize| (17_000 * n % 48_000) as f64 / rate;
     let direct: Complex64 = samples
@@ -113,7 +113,7 @@ fn long_records_keep_their_phase() {
     assert!(error < 1e-13 * absolute, "{:e}", error / absolute);
 }
 
-/// Verified against the definition of the grid: no padding asked, none done but to a fast length.
+/// Verified against the definition of the grid: without padding the length is a fast length.
 #[test]
 fn the_grid_is_that_of_the_padded_length() {
     let spectrum = Spectrum::new(&noise(24_000), 200_000.0, 16).unwrap();

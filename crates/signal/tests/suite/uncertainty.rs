@@ -1,7 +1,7 @@
-//! Stated uncertainties against the scatter they state, and peaks where nothing is known.
+//! Stated uncertainties against scatter, and dominant frequencies.
 
 use crate::noise::Noise;
-use crate::oscillator::{Mode, hit, integrated, struck};
+use crate::oscillator::{Mode, hit, impulse_response, integrated};
 use asperity_signal::{
     ForceWindow, FrequencyResponse, FrfForm, HarmonicOptions, NoiseDensity, Pulse, band_density,
     dominant_frequency, find_harmonics, peak_uncertainty, ratio_uncertainty, white_density,
@@ -13,9 +13,9 @@ const COUNT: usize = 1024;
 const FIRST: Mode = Mode { natural_hz: 830.0, damping: 0.03, mass: 1.6 };
 const SECOND: Mode = Mode { natural_hz: 1560.0, damping: 0.02, mass: 3.0 };
 
-/// Scatter of f1, A1, f2, A2 and A2/A1 over 200 noisy records, over what was stated.
+/// Scatter of f1, A1, f2, A2 and A2/A1 over 200 noisy records, over the stated deviations.
 fn scatter_over_stated(force_noise: f64, response_noise: f64) -> [f64; 5] {
-    let (force, response) = struck(&[FIRST, SECOND], RATE, COUNT);
+    let (force, response) = impulse_response(&[FIRST, SECOND], RATE, COUNT);
     let exact =
         find_harmonics(&hit(&[FIRST, SECOND], RATE, COUNT), 830.0, &HarmonicOptions::default());
     let exact = [exact.fundamental.unwrap(), exact.second.unwrap()];
@@ -55,7 +55,7 @@ fn scatter_over_stated(force_noise: f64, response_noise: f64) -> [f64; 5] {
 /// on both: the stated deviations are right within 20 % (a deviation from 200 has an error of
 /// 5 %; the rest is the second order, noise of a roughness of up to a tenth).
 #[test]
-fn stated_deviations_are_the_scatter() {
+fn deviations_are_those_of_many_records() {
     let peak = FIRST.sampled_receptance(829.0, RATE).0.norm();
     let on_response = 2.5e-4 * peak * RATE / (COUNT as f64).sqrt();
     let on_force = 2.5e-4 * RATE / (COUNT as f64).sqrt();
@@ -65,22 +65,22 @@ fn stated_deviations_are_the_scatter() {
     }
 }
 
-/// Verified against the densities' definition and the noise put in: white noise is found by its
-/// variance and by its spectrum in a band beside the modes, and a force window takes away what
-/// noise on the force did.
+/// Verified against the noise added: the density of white noise from its
+/// variance and from its spectrum in a band beside the modes; a force window removes the effect of
+/// noise on the force.
 #[test]
-fn noise_is_found_and_windowed_away() {
-    let (force, response) = struck(&[FIRST, SECOND], RATE, COUNT);
+fn noise_is_measured_and_windowed() {
+    let (force, response) = impulse_response(&[FIRST, SECOND], RATE, COUNT);
     let mut noise = Noise::new(77);
     let deviation = 1e-9 * RATE;
-    let spoilt = noise.added_to(&response, deviation);
+    let noisy = noise.added_to(&response, deviation);
     let expected = 2.0 * deviation * deviation / RATE;
     // The median of 104 bins has an error of about 1 / sqrt(104) / ln 2 = 14 %.
-    let found = band_density(&spoilt, RATE, (5000.0, 6300.0)).unwrap().unwrap();
+    let found = band_density(&noisy, RATE, (5000.0, 6300.0)).unwrap().unwrap();
     assert!((found / expected - 1.0).abs() < 0.4, "{found:e} {expected:e}");
     let quiet = noise.added_to(&vec![0.0; 2000], deviation);
     assert!((white_density(&quiet, RATE).unwrap() / expected - 1.0).abs() < 0.1);
-    assert_eq!(band_density(&spoilt, RATE, (5000.0, 5001.0)), Ok(None));
+    assert_eq!(band_density(&noisy, RATE, (5000.0, 5001.0)), Ok(None));
 
     let mut with_noise = noise.added_to(&force, 3.0);
     let densities = NoiseDensity { force: 18.0 / RATE, ..NoiseDensity::default() };
@@ -100,9 +100,9 @@ fn noise_is_found_and_windowed_away() {
     assert_eq!(peak_uncertainty(&clean, &peak, wrong), None);
 }
 
-/// Verified against the modes put in: the largest receptance is the lower mode's, the largest
+/// Verified against the modes simulated: the largest receptance is the lower mode's, the largest
 /// accelerance the higher's where that is heavier by less than the square of their ratio; a
-/// band's edge is no peak.
+/// band's edge is not a peak.
 #[test]
 fn the_dominant_mode_depends_on_the_form() {
     let high = Mode { natural_hz: 2900.0, damping: 0.01, mass: 3.0 };
@@ -122,8 +122,8 @@ fn the_dominant_mode_depends_on_the_form() {
     assert!((refined / plain.frequency_hz - 1.0).abs() < 1e-9);
 }
 
-/// Verified against the zero of a half-sine at 1.5 over its duration: what the response has
-/// there is divided by nothing, which is the largest value of the band and no mode.
+/// Verified against the zero of a half-sine at 1.5 over its duration: the response
+/// there is divided by nearly zero, which gives the largest value of the band and no mode.
 #[test]
 fn the_dominant_mode_is_not_a_zero_of_the_force() {
     let duration = 1.5 / 1660.0;

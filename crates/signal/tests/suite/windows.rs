@@ -1,6 +1,6 @@
-//! Windows on transients, and what they leave of frequency, damping and amplitude.
+//! Windows on transients and the correction of frequency, damping and amplitude.
 
-use crate::oscillator::{Mode, hammer_pulse, integrated, struck};
+use crate::oscillator::{Mode, hammer_pulse, impulse_response, integrated};
 use asperity_signal::{
     ExponentialWindow, ForceWindow, FrequencyResponse, HarmonicOptions, Offset, Pulse,
     ResponseKind, circle_fit, find_harmonics, half_power,
@@ -27,7 +27,7 @@ fn measured() -> (Vec<f64>, Vec<f64>, Vec<f64>) {
 /// window the cut widens the peak by more than a fifth. Both windowed signals have fallen to
 /// 3e-4 at the end, which is the error to expect.
 #[test]
-fn the_exponential_window_is_undone() {
+fn the_exponential_window_is_corrected() {
     let (force, displacement, acceleration) = measured();
     let cut = 12_800;
     let exact_height = 1.0
@@ -77,7 +77,7 @@ fn the_exponential_window_is_undone() {
 /// Verified against the receptance on the shifted line: with both signals windowed, `H_w(iw)`
 /// is `1 / (m (s^2 + 2 zeta w0 s + w0^2))` at `s = iw + 1/tau`, by both kinds, whatever the
 /// window's origin. The sampled pulse differs from the pulse by
-/// what folds, `(rise/2 2 pi rate)^-3 = 5e-5`; asserted to twice that.
+/// aliasing, `(rise/2 2 pi rate)^-3 = 5e-5`; asserted to twice that.
 #[test]
 fn a_windowed_receptance_lies_on_a_shifted_line() {
     let (force, displacement, acceleration) = measured();
@@ -111,8 +111,7 @@ fn a_windowed_receptance_lies_on_a_shifted_line() {
     }
 }
 
-/// Verified against the pole itself, to rounding, for any damping; and against requests that
-/// make no sense.
+/// Verified against the pole to rounding, for any damping, and against invalid time constants.
 #[test]
 fn corrections_are_exact_for_a_pole() {
     let window = ExponentialWindow::new(0.05).unwrap();
@@ -146,30 +145,30 @@ fn corrections_are_exact_for_a_pole() {
     assert!(((-2.0 / falling.tau_s()).exp() - 0.01).abs() < 1e-15);
 }
 
-/// Verified against its own definition: the blow stays to the last bit, offset and noise go,
-/// and the taper is a cosine. The receptance of a force with an offset is then right again.
+/// Verified against its definition: the pulse is unchanged, offset and noise are removed,
+/// and the taper is a cosine. The receptance of a force with an offset is corrected.
 #[test]
-fn the_force_window_keeps_the_blow_and_nothing_else() {
+fn the_force_window_keeps_the_pulse_only() {
     let (force, displacement, _) = measured();
     let exact = FrequencyResponse::from_displacement(&force, &displacement, RATE).unwrap();
-    let mut spoilt: Vec<f64> = force.iter().map(|x| x + 0.125).collect();
-    let offset = Offset::at_rest(&spoilt).unwrap();
+    let mut noisy: Vec<f64> = force.iter().map(|x| x + 0.125).collect();
+    let offset = Offset::at_rest(&noisy).unwrap();
     let pulse = Pulse::of(&force, RATE).unwrap();
     let window = ForceWindow::around(&pulse, 1e-3, 0.5e-3);
-    window.apply(&mut spoilt, RATE, Some(&offset));
-    assert!(spoilt.iter().zip(&force).take(60).all(|(a, b)| (a - b).abs() < 1e-12));
-    assert!(spoilt[200..].iter().all(|x| *x == 0.0));
+    window.apply(&mut noisy, RATE, Some(&offset));
+    assert!(noisy.iter().zip(&force).take(60).all(|(a, b)| (a - b).abs() < 1e-12));
+    assert!(noisy[200..].iter().all(|x| *x == 0.0));
     assert_eq!(window.weight(window.end_s), 1.0);
     assert!((window.weight(window.end_s + 0.25e-3) - 0.5).abs() < 1e-9);
     assert_eq!(window.weight(window.end_s + 0.5e-3), 0.0);
     assert_eq!(window.weight(window.begin_s - 1.0), 0.0);
     let (_, response, _) = measured();
-    let found = FrequencyResponse::from_displacement(&spoilt, &response, RATE).unwrap();
+    let found = FrequencyResponse::from_displacement(&noisy, &response, RATE).unwrap();
     for frequency in [100.0, 400.0, 800.0] {
         let (a, b) = (found.receptance_at(frequency), exact.receptance_at(frequency));
         // A gamma pulse has a tail: 1e-4 of it is beyond the window.
         assert!((a / b - 1.0).norm() < 1e-4, "{frequency}: {a} {b}");
     }
-    let (force, _) = struck(&[MODE], RATE, 100);
+    let (force, _) = impulse_response(&[MODE], RATE, 100);
     assert!(Pulse::of(&force, RATE).is_some());
 }

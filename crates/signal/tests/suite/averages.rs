@@ -1,8 +1,8 @@
-//! Averages of hits, against definitions, closed forms and an independent computation.
+//! Averages of hits against definitions, closed forms and an independent computation.
 
 use crate::measured;
 use crate::noise::Noise;
-use crate::oscillator::{Mode, struck};
+use crate::oscillator::{Mode, impulse_response};
 use asperity_signal::{
     Complex64, FrequencyResponse, Frf, FrfAverage, FrfEstimator, FrfForm, HvScaling, ResponseKind,
     SignalError, SpectralDensity,
@@ -18,7 +18,7 @@ fn estimator(padding: usize) -> FrfAverage {
 
 /// Hits of one mode with normal noise on force and response.
 fn noisy(hits: u64, force_noise: f64, response_noise: f64) -> (FrfAverage, Vec<Frf>) {
-    let (force, response) = struck(&[MODE], RATE, COUNT);
+    let (force, response) = impulse_response(&[MODE], RATE, COUNT);
     let mut noise = Noise::new(42);
     let mut average = estimator(1);
     let own = (0..hits).map(|_| {
@@ -35,11 +35,11 @@ fn bin(frequency: f64) -> usize {
 }
 
 /// Verified against the hits pushed one by one: averages of one and of five hits merge to that of
-/// six, sums and deviations to rounding; an average of another length is refused.
+/// six, sums and deviations to rounding; an average of another length is rejected.
 #[test]
 fn merged_averages_are_those_of_all_hits() {
     let (whole, own) = noisy(6, 0.01, 0.01);
-    let (force, response) = struck(&[MODE], RATE, COUNT);
+    let (force, response) = impulse_response(&[MODE], RATE, COUNT);
     let mut noise = Noise::new(42);
     let (mut first, mut others) = (estimator(1), estimator(1));
     for hit in 0..own.len() {
@@ -70,8 +70,8 @@ fn merged_averages_are_those_of_all_hits() {
 /// Verified against Parseval: the energy density integrates to the energy of the samples, the
 /// power density to their mean square, padded or not. Exact up to the sum's rounding.
 #[test]
-fn densities_keep_energy_and_power() {
-    let (force, response) = struck(&[MODE], RATE, COUNT);
+fn densities_integrate_to_energy_and_power() {
+    let (force, response) = impulse_response(&[MODE], RATE, COUNT);
     let energy = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>() / RATE;
     for padding in [1, 3] {
         let mut average = estimator(padding);
@@ -91,11 +91,11 @@ fn densities_keep_energy_and_power() {
     }
 }
 
-/// Verified against the response's own receptance: without noise all estimators are it, and
-/// each hit's own function is too; all forms follow.
+/// Verified against the receptance of the response: without noise all estimators and the function of
+/// each hit are equal to it, in all forms.
 #[test]
 fn without_noise_all_estimators_agree() {
-    let (force, response) = struck(&[MODE], RATE, COUNT);
+    let (force, response) = impulse_response(&[MODE], RATE, COUNT);
     let mut average = estimator(1);
     let own = average.push(&force, &response).unwrap();
     average.push(&force, &response).unwrap();
@@ -131,7 +131,7 @@ fn without_noise_all_estimators_agree() {
 /// much smaller gives H2, equal ratios their geometric mean; and against the defining
 /// property, that H fits the smallest eigenvector of the spectral matrix.
 #[test]
-fn total_least_squares_has_its_limits() {
+fn total_least_squares_has_h1_and_h2_as_limits() {
     let (average, _) = noisy(5, 2000.0, 2e-5);
     let at = |kind| average.frf(kind).unwrap().values[bin(700.0)];
     let (h1, h2) = (at(FrfEstimator::H1), at(FrfEstimator::H2));
@@ -156,13 +156,13 @@ fn total_least_squares_has_its_limits() {
     assert!(first.re > 0.5 * (gff + gxx));
 }
 
-/// Verified against what noise does in the limit of many hits: H1 is low by 1 + Gnn/Gff with
+/// Verified against the expectations of many hits: H1 is low by 1 + Gnn/Gff with
 /// noise on the force and right with noise on the response, H2 the reverse, Hv with the true
 /// ratio right in both. 400 hits, averaged over 20 bins: errors of the mean below
 /// 0.3 / sqrt(8000) = 0.4 %, asserted to 1.5 %.
 #[test]
-fn each_estimator_stands_its_own_noise() {
-    let (force, response) = struck(&[MODE], RATE, COUNT);
+fn each_estimator_is_unbiased_under_its_noise() {
+    let (force, response) = impulse_response(&[MODE], RATE, COUNT);
     let exact =
         FrequencyResponse::from_displacement(&force, &response, RATE).unwrap().receptance(1);
     let bins = bin(780.0)..bin(880.0);
@@ -189,12 +189,12 @@ fn each_estimator_stands_its_own_noise() {
     assert!(ratio(&on_both, FrfEstimator::H1) < 0.93);
 }
 
-/// Verified against the scatter of many averages: the stated random error of |H1| is what 200
-/// averages of 8 noisy hits show, and that of the phase too; and the spread over hits is the
+/// Verified against the scatter of many averages: the stated random errors of |H1| and its phase
+/// are the deviations of 200 averages of 8 noisy hits, and the spread over hits is the
 /// error of one hit. A deviation from 200 has an error of 5 %; asserted within 15 %.
 #[test]
-fn stated_random_errors_are_the_scatter() {
-    let (force, response) = struck(&[MODE], RATE, COUNT);
+fn random_errors_are_those_of_many_averages() {
+    let (force, response) = impulse_response(&[MODE], RATE, COUNT);
     let exact =
         FrequencyResponse::from_displacement(&force, &response, RATE).unwrap().receptance(1);
     let k = bin(845.0);
@@ -243,10 +243,10 @@ fn the_spread_is_that_of_the_hits() {
     }
 }
 
-/// Verified against the documentation: one hit has no coherence, none has nothing, and faulty
-/// hits are refused without a trace.
+/// Verified against the documentation: one hit has no coherence, no hit has no average, and invalid
+/// hits are rejected without being added.
 #[test]
-fn what_cannot_be_said_is_refused() {
+fn quantities_without_enough_hits_are_rejected() {
     let mut average = estimator(1);
     let few =
         |quantity, averages, needed| SignalError::TooFewAverages { quantity, averages, needed };
@@ -257,7 +257,7 @@ fn what_cannot_be_said_is_refused() {
         average.force_auto(SpectralDensity::Energy).unwrap_err(),
         few("auto spectrum", 0, 1)
     );
-    let (force, response) = struck(&[MODE], RATE, COUNT);
+    let (force, response) = impulse_response(&[MODE], RATE, COUNT);
     average.push(&force, &response).unwrap();
     assert_eq!(average.coherence().unwrap_err(), few("coherence", 1, 2));
     assert_eq!(average.spread().unwrap_err(), few("spread", 1, 2));
