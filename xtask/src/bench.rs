@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use anyhow::{Context, Result, ensure};
 
-use crate::workspace_root;
+use crate::{ci, workspace_root};
 
 /// Runs of the sweep that is timed.
 const RUNS: usize = 100_000;
@@ -44,7 +44,7 @@ pub(crate) fn run() -> Result<bool> {
 }
 
 fn cargo(arguments: &[&str]) -> Command {
-    let mut command = Command::new(env!("CARGO"));
+    let mut command = ci::cargo();
     command.args(arguments).current_dir(workspace_root());
     command
 }

@@ -1,7 +1,7 @@
-//! `cargo xtask ci`: what must hold before a change is merged.
+//! `cargo xtask ci`: the checks that a change must pass before it is merged.
 //!
-//! Each step runs to its end with its output untouched, followed by a line
-//! with its verdict and time. The first failure ends the run.
+//! Each step runs to its end with its output untouched, followed by a line with its outcome and
+//! time. The first failure ends the run.
 
 use std::io::Write;
 use std::process::Command;
@@ -9,7 +9,27 @@ use std::time::Instant;
 
 use anyhow::{Context, Result};
 
-use crate::tidy;
+use crate::{tidy, workspace_root};
+
+/// Steps of the inner loop, as arguments of cargo.
+const QUICK: [(&str, &str); 3] = [
+    ("fmt", "fmt --all --check"),
+    ("clippy", "clippy --workspace --all-targets -- -D warnings"),
+    ("unit tests", "test --workspace --lib --bins --quiet"),
+];
+
+/// Steps of the whole run, as arguments of cargo.
+const ALL: [(&str, &str); 7] = [
+    ("fmt", "fmt --all --check"),
+    ("clippy", "clippy --workspace --all-targets --all-features -- -D warnings"),
+    ("clippy, no features", "clippy --workspace --no-default-features -- -D warnings"),
+    // Without target selection this includes the doc tests.
+    ("test", "test --workspace --all-features"),
+    ("test, no features", "test --package asperity-measure --no-default-features"),
+    ("doc", "doc --workspace --no-deps --all-features"),
+    // Each package is built from its own archive; uncommitted changes are packaged too.
+    ("package", "package --workspace --exclude xtask --allow-dirty --quiet"),
+];
 
 /// One check.
 struct Step<'a> {
@@ -22,44 +42,32 @@ impl<'a> Step<'a> {
         Self { name, check: Box::new(check) }
     }
 
-    /// A run of cargo with `arguments` and `environment`.
-    fn cargo(
-        name: &'static str,
-        arguments: &'static [&'static str],
-        environment: &'static [(&'static str, &'static str)],
-    ) -> Self {
+    /// A run of cargo with `arguments`, separated by spaces.
+    fn cargo((name, arguments): (&'static str, &'static str)) -> Self {
         Self::new(name, move || {
-            let status = cargo()
-                .args(arguments)
-                .envs(environment.iter().copied())
-                .status()
-                .with_context(|| format!("cannot run cargo {}", arguments.join(" ")))?;
+            let mut command = cargo();
+            command.args(arguments.split(' ')).current_dir(workspace_root());
+            match name {
+                "doc" => command.env("RUSTDOCFLAGS", "-D warnings"),
+                // One target folder, so that the packages share their dependencies.
+                "package" => command.env("CARGO_TARGET_DIR", "target/packages"),
+                _ => &mut command,
+            };
+            let status =
+                command.status().with_context(|| format!("cannot run cargo {arguments}"))?;
             Ok(status.success())
         })
     }
 }
 
-/// Runs every step; true if all passed. `tasks` is the command line of xtask.
-pub(crate) fn run(tasks: &clap::Command) -> Result<bool> {
-    let mut steps = vec![
-        Step::cargo("fmt", &["fmt", "--all", "--check"], &[]),
-        Step::cargo(
-            "clippy",
-            &["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"],
-            &[],
-        ),
-        // Without target selection this includes the doc tests.
-        Step::cargo("test", &["test", "--workspace"], &[]),
-        Step::cargo(
-            "doc",
-            &["doc", "--workspace", "--no-deps"],
-            &[("RUSTDOCFLAGS", "-D warnings")],
-        ),
-        Step::new("tidy", || tidy::run(tasks)),
-    ];
-    if tasks.find_subcommand("reproduce").is_some() {
-        let arguments = &["xtask", "reproduce", "--check"];
-        steps.push(Step::cargo("reproduce --check", arguments, &[]));
+/// Runs every step up to the first failure; true if all passed. `tasks` is the command line of
+/// xtask. With `quick` only the steps of the inner loop run: format, lints, unit tests, tidy.
+pub(crate) fn run(quick: bool, tasks: &clap::Command) -> Result<bool> {
+    let mut steps: Vec<Step<'_>> =
+        if quick { QUICK.map(Step::cargo).into() } else { ALL.map(Step::cargo).into() };
+    steps.push(Step::new("tidy", || tidy::run(tasks)));
+    if !quick {
+        steps.push(Step::cargo(("reproduce --check", "xtask reproduce --check")));
     }
     run_steps(&steps, &mut std::io::stdout())
 }
@@ -79,9 +87,9 @@ fn run_steps(steps: &[Step<'_>], out: &mut impl Write) -> Result<bool> {
             eprintln!("error: {error:#}");
             false
         });
-        let verdict = if passed { "ok" } else { "FAILED" };
+        let outcome = if passed { "ok" } else { "FAILED" };
         let seconds = step_started.elapsed().as_secs_f64();
-        writeln!(out, "ci: {} {verdict} ({seconds:.1} s)", step.name)?;
+        writeln!(out, "ci: {} {outcome} ({seconds:.1} s)", step.name)?;
         if !passed {
             let left = steps.len() - number - 1;
             writeln!(out, "ci: FAILED at {}, {left} steps not run", step.name)?;
