@@ -14,8 +14,7 @@ pub(crate) mod sweep;
 use std::path::{Path, PathBuf};
 
 use asperity_figure::Figure;
-use asperity_scenario::Scenario;
-use asperity_scenario::document::Document;
+use asperity_scenario::{Document, Scenario};
 use asperity_study::output::OutputFolder;
 
 use crate::args::{Input, Output};

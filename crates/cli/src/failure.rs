@@ -8,8 +8,7 @@ use asperity_experiment::AnalysisError;
 use asperity_figure::FigureError;
 use asperity_harmonic::HarmonicError;
 use asperity_identify::ProblemError;
-use asperity_scenario::diagnostic::Invalid;
-use asperity_scenario::document::{DocumentError, SetError};
+use asperity_scenario::{DocumentError, InvalidDocument, SetError};
 use asperity_study::error::{OutputError, StudyError};
 use asperity_study::sweep::{SweepError, VariationError};
 use miette::{LabeledSpan, MietteDiagnostic, NamedSource, Report, Severity};
@@ -28,7 +27,7 @@ pub(crate) enum Failure {
     #[error("--set {source}")]
     Set { source: SetError },
     #[error("the scenario is invalid")]
-    Invalid { text: String, path: PathBuf, source: Invalid },
+    Invalid { text: String, path: PathBuf, source: InvalidDocument },
     #[error(transparent)]
     Study(#[from] StudyError),
     #[error("--vary {0}")]
@@ -119,7 +118,7 @@ fn is_wrong_request(error: &StudyError) -> bool {
 
 /// Every problem at its place in the text. The one-line form comes first, for
 /// whoever reads the messages by program.
-fn show_invalid(text: &str, path: &std::path::Path, invalid: &Invalid) {
+fn show_invalid(text: &str, path: &std::path::Path, invalid: &InvalidDocument) {
     let problems = &invalid.diagnostics;
     eprintln!(
         "error: {} is not a valid scenario: {} {}",

@@ -6,10 +6,7 @@ use asperity_inference::IdentifyError;
 use thiserror::Error;
 
 use asperity_experiment::AnalysisError;
-use asperity_scenario::diagnostic::Invalid;
-use asperity_scenario::document::{DocumentError, SetError};
-use asperity_scenario::input::InputError;
-use asperity_scenario::pointer::PointerError;
+use asperity_scenario::{DocumentError, InputError, InvalidDocument, PointerError, SetError};
 use asperity_study::error::StudyError;
 
 /// Why an identification cannot be set up or carried out.
@@ -20,7 +17,7 @@ pub enum ProblemError {
     Document(#[from] DocumentError),
     /// The problem, or its scenario, is not valid.
     #[error(transparent)]
-    Invalid(#[from] Invalid),
+    Invalid(#[from] InvalidDocument),
     /// A pointer is not a JSON Pointer.
     #[error("unknown {pointer}: {source}")]
     Pointer {

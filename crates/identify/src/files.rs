@@ -9,7 +9,7 @@ use serde_json::Value;
 
 use crate::error::ProblemError;
 use crate::problem::{HitSpec, Measured, Uncertain};
-use asperity_scenario::input;
+use asperity_scenario::open_input;
 
 /// Most bytes of a file of data.
 const MOST_BYTES: u64 = 1 << 28;
@@ -30,7 +30,7 @@ pub(super) struct Line {
 
 fn read(path: &Path) -> Result<String, ProblemError> {
     let fail = |source| ProblemError::Input { path: path.to_owned(), source };
-    let file = input::open(path, MOST_BYTES).map_err(fail)?;
+    let file = open_input(path, MOST_BYTES).map_err(fail)?;
     let mut text = String::new();
     file.take(MOST_BYTES).read_to_string(&mut text).map_err(|error| fail(error.into()))?;
     Ok(text)

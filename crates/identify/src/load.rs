@@ -15,8 +15,7 @@ use crate::records;
 use crate::row::{Columns, Part, Row};
 use crate::strike::{Rig, Strike};
 use crate::unknowns::Unknowns;
-use asperity_scenario::diagnostic::{Invalid, rounded};
-use asperity_scenario::validate::validate_value;
+use asperity_scenario::{InvalidDocument, four_digits, validate_json};
 use strikes::StrikeDrive;
 
 /// Features that have exact derivatives, and so can be data; `*` stands for an interface.
@@ -298,7 +297,7 @@ impl<'a> Loader<'a> {
                 });
             }
         }
-        let at = about.at.map_or_else(String::new, |at| format!(" at {}", rounded(at)));
+        let at = about.at.map_or_else(String::new, |at| format!(" at {}", four_digits(at)));
         self.found.rows.push(row);
         self.found.observations.push(Observation {
             label: format!("{}: {}{at}", about.data, about.feature),
@@ -351,11 +350,11 @@ pub(super) fn name_of(index: usize, data: &DataSpec) -> String {
 /// Every problem of a scenario.
 pub(super) fn check_scenario(scenario: &Value, path: &Path) -> Result<(), ProblemError> {
     let folder = path.parent().unwrap_or_else(|| Path::new("."));
-    let diagnostics = validate_value(scenario, folder);
+    let diagnostics = validate_json(scenario, folder);
     if diagnostics.is_empty() {
         return Ok(());
     }
-    Err(Invalid { path: path.to_owned(), diagnostics }.into())
+    Err(InvalidDocument { path: path.to_owned(), diagnostics }.into())
 }
 
 /// The error of a law that is not there.

@@ -10,7 +10,7 @@ use crate::problem::{CandidateSpec, DataSpec, UnknownSpec};
 use crate::read::Problem;
 use crate::row::Columns;
 use crate::unknowns::Unknowns;
-use asperity_scenario::document::set_value;
+use asperity_scenario::{JsonPointer, set_value};
 use asperity_study::struck::Observer;
 
 /// A forward model with what its observations are about.
@@ -47,7 +47,7 @@ impl Problem {
         let stays = |unknown: &&UnknownSpec| match unknown {
             UnknownSpec::Scalar { pointer, .. } => !changed(pointer),
             UnknownSpec::MonotoneLaw { law, .. } => {
-                !changed(&format!("/laws/{}", asperity_scenario::pointer::escape(law)))
+                !changed(&JsonPointer::root().child("laws").child(law).to_string())
             }
             UnknownSpec::Gain { .. } => true,
         };
@@ -85,7 +85,7 @@ impl Problem {
     /// The candidate of no dependence on pressure: a constant stiffness, as `law` has it at the
     /// static `pressure` \[Pa\] now.
     pub(super) fn constant(law: &str, stiffness: f64) -> CandidateSpec {
-        let pointer = format!("/laws/{}", asperity_scenario::pointer::escape(law));
+        let pointer = JsonPointer::root().child("laws").child(law).to_string();
         let spec = json!({"kind": "constant", "stiffness_pa_per_m": stiffness});
         CandidateSpec {
             name: CONSTANT.to_owned(),

@@ -13,6 +13,7 @@
 //! where `s_min` keeps the last secant at a third of the power law's slope at least, so that the
 //! cubic there is monotone (Fritsch and Carlson). Any steps between 0 and 1 make a law.
 
+use asperity_scenario::JsonPointer;
 use serde_json::Value;
 
 /// Stiffnesses of a law that are unknown.
@@ -33,7 +34,7 @@ pub(super) struct MonotoneLaw {
 impl MonotoneLaw {
     /// The law of that name in a scenario; `None` if it is neither a table nor a modified power law.
     pub(super) fn find(scenario: &Value, name: &str) -> Option<Self> {
-        let law = format!("/laws/{}", asperity_scenario::pointer::escape(name));
+        let law = JsonPointer::root().child("laws").child(name).to_string();
         let spec = scenario.pointer(&law)?;
         let (key, below_power) = match spec.get("kind")?.as_str()? {
             "modified_power" => ("knots", true),

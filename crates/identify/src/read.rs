@@ -6,8 +6,7 @@ use serde_json::{Value, json};
 
 use crate::error::ProblemError;
 use crate::problem::{ProblemSpec, ScenarioRef, problem_schema};
-use asperity_scenario::document::Document;
-use asperity_scenario::validate::validate_value;
+use asperity_scenario::{Document, validate_json};
 
 /// A problem that has been read and checked, as far as that goes without its data.
 #[derive(Debug, Clone)]
@@ -41,7 +40,7 @@ impl Problem {
     /// As [`read`](Self::read).
     pub fn of(document: Document) -> Result<Self, ProblemError> {
         let accepted = "a problem as `asperity schema --identify` describes it";
-        let spec: ProblemSpec = document.typed(problem_schema(), Vec::new(), accepted)?;
+        let spec: ProblemSpec = document.checked(problem_schema(), Vec::new(), accepted)?;
         let (mut scenario, scenario_path, scenario_sha256) = match &spec.scenario {
             ScenarioRef::File(file) => {
                 let scenario = Document::read(document.folder().join(file))?;
@@ -50,12 +49,12 @@ impl Problem {
             }
             ScenarioRef::InPlace(scenario) => {
                 let value = Value::Object(scenario.clone());
-                let mut found = validate_value(&value, document.folder());
+                let mut found = validate_json(&value, document.folder());
                 if !found.is_empty() {
                     for diagnostic in &mut found {
                         diagnostic.pointer = format!("/scenario{}", diagnostic.pointer);
                     }
-                    return Err(document.invalid(found).into());
+                    return Err(document.with_spans(found).into());
                 }
                 let sha256 = Document::parse(&value.to_string(), document.path())?.sha256();
                 (value, document.path().to_owned(), sha256)

@@ -7,8 +7,7 @@ use serde_json::{Value, json};
 
 use crate::problem::Changes;
 use crate::unknowns::{Gains, Sensors, Unknowns};
-use asperity_scenario::document::set_value;
-use asperity_scenario::{ExcitationSpec, Scenario};
+use asperity_scenario::{ExcitationSpec, Scenario, set_value};
 use asperity_study::assemble::excitation;
 use asperity_study::error::StudyError;
 use asperity_study::struck::Case;

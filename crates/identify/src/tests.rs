@@ -7,7 +7,7 @@ use asperity_inference::ForwardModel;
 use serde_json::{Value, json};
 
 use super::Problem;
-use asperity_scenario::document::Document;
+use asperity_scenario::Document;
 
 /// The paper's rig, with steps that are quick and few samples.
 fn scenario() -> Value {

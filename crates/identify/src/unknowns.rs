@@ -6,7 +6,7 @@ use serde_json::Value;
 use crate::error::ProblemError;
 use crate::monotone::MonotoneLaw;
 use crate::problem::{ChannelSpec, PriorSpec, ScaleSpec, UnknownSpec};
-use asperity_scenario::pointer::Pointer;
+use asperity_scenario::JsonPointer;
 
 /// The unknowns of a problem, and where their values go.
 #[derive(Debug, Clone)]
@@ -168,7 +168,7 @@ impl Unknowns {
 const BASE_RANGE: f64 = 1e3;
 
 fn number_at(scenario: &Value, pointer: &str) -> Result<f64, ProblemError> {
-    let parsed: Pointer = pointer
+    let parsed: JsonPointer = pointer
         .parse()
         .map_err(|source| ProblemError::Pointer { pointer: pointer.to_owned(), source })?;
     let first = parsed.parts().first().map(String::as_str);

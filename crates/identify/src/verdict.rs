@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use crate::model::CONSTANT;
 use crate::run::Identification;
-use asperity_scenario::diagnostic::rounded;
+use asperity_scenario::four_digits;
 
 /// What the data say of the law.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -125,9 +125,9 @@ impl Identification {
                 format!(
                     "The stiffness of law \"{}\" is informed from {} to {} MPa; there its {} % band is at most {:.1} % to either side.",
                     self.law.name,
-                    rounded(1e-6 * low),
-                    rounded(1e-6 * high),
-                    rounded(100.0 * self.level),
+                    four_digits(1e-6 * low),
+                    four_digits(1e-6 * high),
+                    four_digits(100.0 * self.level),
                     100.0 * widest,
                 )
             }

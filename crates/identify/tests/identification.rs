@@ -13,7 +13,7 @@ use asperity_identify::{Dependence, Identification, Problem, identify};
 use asperity_inference::ModelVerdict;
 use asperity_law::{ContactLaw, ModifiedPower};
 use asperity_measure::{Format, WriteOptions, write};
-use asperity_scenario::document::Document;
+use asperity_scenario::Document;
 use asperity_study::measured_record::measured_record;
 use asperity_study::run::simulate;
 use serde_json::{Value, json};

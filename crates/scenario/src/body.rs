@@ -1,12 +1,25 @@
-//! One elastic body of the stack.
+//! Elastic bodies of the stack.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-/// An elastic body of the stack: a uniform bar moving along its axis.
+/// Elastic body of the stack: a uniform bar moving along its axis.
 ///
 /// In JSON the section is given by exactly one of `area_m2` and `mass_kg`.
+///
+/// ```
+/// use asperity_scenario::{BodySpec, SectionSpec};
+///
+/// let bar = BodySpec {
+///     name: "bar".to_owned(),
+///     length_m: 0.1,
+///     section: SectionSpec::AreaM2(1e-4),
+///     youngs_modulus_pa: 71e9,
+///     density_kg_per_m3: 2700.0,
+/// };
+/// assert_eq!(bar.mass_kg(), 0.027);
+/// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(try_from = "BodyKeys", into = "BodyKeys")]
 pub struct BodySpec {
@@ -14,17 +27,17 @@ pub struct BodySpec {
     pub name: String,
     /// Length along the stack in m.
     pub length_m: f64,
-    /// Cross-section, by its area or by the mass of the body.
-    pub section: Section,
+    /// Cross-section.
+    pub section: SectionSpec,
     /// Young's modulus in Pa.
     pub youngs_modulus_pa: f64,
     /// Density in kg/m³.
     pub density_kg_per_m3: f64,
 }
 
-/// How a body's cross-section is given.
+/// Cross-section of a body, by its area or by the mass of the body.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Section {
+pub enum SectionSpec {
     /// Area of the cross-section in m².
     AreaM2(f64),
     /// Mass of the whole body in kg; the area follows as mass / (density length).
@@ -35,22 +48,22 @@ impl BodySpec {
     /// Area of the cross-section in m²: as given, or `m / (rho L)`.
     pub fn area_m2(&self) -> f64 {
         match self.section {
-            Section::AreaM2(area) => area,
-            Section::MassKg(mass) => mass / (self.density_kg_per_m3 * self.length_m),
+            SectionSpec::AreaM2(area) => area,
+            SectionSpec::MassKg(mass) => mass / (self.density_kg_per_m3 * self.length_m),
         }
     }
 
     /// Mass of the body in kg: as given, or `rho A L`.
     pub fn mass_kg(&self) -> f64 {
         match self.section {
-            Section::AreaM2(area) => self.density_kg_per_m3 * area * self.length_m,
-            Section::MassKg(mass) => mass,
+            SectionSpec::AreaM2(area) => self.density_kg_per_m3 * area * self.length_m,
+            SectionSpec::MassKg(mass) => mass,
         }
     }
 }
 
-/// An elastic body of the stack: a uniform bar moving along its axis, with
-/// exactly one of `area_m2` and `mass_kg`.
+/// Elastic body of the stack: a uniform bar moving along its axis, with exactly one of `area_m2`
+/// and `mass_kg`.
 #[derive(Clone, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(
@@ -68,8 +81,7 @@ struct BodyKeys {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64", extend("exclusiveMinimum" = 0.0))]
     area_m2: Option<f64>,
-    /// Mass of the body in kg, from which the section's area follows as
-    /// mass / (density length); give this or `area_m2`.
+    /// Mass of the body in kg, with the area mass / (density length); give this or `area_m2`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64", extend("exclusiveMinimum" = 0.0))]
     mass_kg: Option<f64>,
@@ -81,7 +93,7 @@ struct BodyKeys {
     density_kg_per_m3: f64,
 }
 
-/// A body whose section is not given exactly once.
+/// Body whose section is not given exactly once.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 #[error("a body needs exactly one of area_m2 and mass_kg, found {found}")]
 struct SectionNotGivenOnce {
@@ -93,8 +105,8 @@ impl TryFrom<BodyKeys> for BodySpec {
 
     fn try_from(keys: BodyKeys) -> Result<Self, Self::Error> {
         let section = match (keys.area_m2, keys.mass_kg) {
-            (Some(area), None) => Section::AreaM2(area),
-            (None, Some(mass)) => Section::MassKg(mass),
+            (Some(area), None) => SectionSpec::AreaM2(area),
+            (None, Some(mass)) => SectionSpec::MassKg(mass),
             (None, None) => return Err(SectionNotGivenOnce { found: 0 }),
             (Some(_), Some(_)) => return Err(SectionNotGivenOnce { found: 2 }),
         };
@@ -111,8 +123,8 @@ impl TryFrom<BodyKeys> for BodySpec {
 impl From<BodySpec> for BodyKeys {
     fn from(body: BodySpec) -> Self {
         let (area_m2, mass_kg) = match body.section {
-            Section::AreaM2(area) => (Some(area), None),
-            Section::MassKg(mass) => (None, Some(mass)),
+            SectionSpec::AreaM2(area) => (Some(area), None),
+            SectionSpec::MassKg(mass) => (None, Some(mass)),
         };
         Self {
             name: body.name,

@@ -10,17 +10,16 @@ use thiserror::Error;
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(try_from = "DampingKeys", into = "DampingKeys")]
 pub enum DampingSpec {
-    /// A force `h rho A u'` per length on every body: h times its momentum.
+    /// Force `h rho A u'` per length on every body: h times its momentum per length.
     MassProportional(DampingAmount),
 }
 
-/// How much mass-proportional damping there is.
+/// Amount of mass-proportional damping.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum DampingAmount {
-    /// Damping ratio xi of the lowest mode linearised about static
-    /// equilibrium: `h = 2 xi w0`.
+    /// Damping ratio xi of the lowest mode linearised about static equilibrium, `h = 2 xi w0`.
     Ratio(f64),
-    /// The rate h itself, in 1/s.
+    /// Damping rate h in 1/s.
     RatePerS(f64),
 }
 
@@ -29,23 +28,23 @@ pub enum DampingAmount {
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
 #[schemars(rename = "DampingSpec")]
 enum DampingKeys {
-    /// A force on every body proportional to its momentum, with exactly one of
-    /// ratio and `rate_per_s`.
+    /// Force on every body proportional to its momentum, with exactly one of ratio and
+    /// `rate_per_s`.
     #[schemars(extend("oneOf" = [{"required": ["ratio"]}, {"required": ["rate_per_s"]}]))]
     MassProportional {
-        /// Damping ratio of the lowest mode linearised about static
-        /// equilibrium; give this or `rate_per_s`.
+        /// Damping ratio of the lowest mode linearised about static equilibrium; give this or
+        /// `rate_per_s`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         #[schemars(with = "f64", range(min = 0.0))]
         ratio: Option<f64>,
-        /// The rate h of the equation of motion, in 1/s; give this or ratio.
+        /// Damping rate h of the equation of motion in 1/s; give this or ratio.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         #[schemars(with = "f64", range(min = 0.0))]
         rate_per_s: Option<f64>,
     },
 }
 
-/// A damping whose amount is not given exactly once.
+/// Damping whose amount is not given exactly once.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 #[error("mass_proportional damping needs exactly one of ratio and rate_per_s, found {found}")]
 struct AmountNotGivenOnce {

@@ -1,57 +1,52 @@
-//! What is wrong with a scenario, where, and what would be accepted.
-
-mod problem;
-mod words;
+//! One fault at its place in a document, and all faults of an invalid document.
 
 use std::fmt;
 use std::ops::Range;
 use std::path::PathBuf;
 
-use crate::pointer::Pointer;
+use crate::fault::Fault;
+use crate::pointer::JsonPointer;
+use crate::wording::{brief, one_line};
 
-pub use problem::{Bound, Found, NameFault, Problem};
-pub use words::rounded;
-pub(crate) use words::{brief, count, joined, list, number, one_line};
-
-/// One problem of a scenario: where, what, and what would be accepted.
+/// Fault of a document: its place, its kind, and the accepted values.
 ///
-/// Its `Display` is one line that says all of it.
+/// `Display` gives all of it in one line.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Diagnostic {
     /// JSON Pointer (RFC 6901) to the value; empty for the whole document.
     pub pointer: String,
-    /// What is wrong there.
-    pub problem: Problem,
-    /// What would be accepted there, in words.
+    /// Fault of the value.
+    pub fault: Fault,
+    /// Accepted values, in words.
     pub accepted: String,
-    /// What may have been meant, as JSON text.
+    /// Value that may have been meant, as JSON text.
     pub suggestion: Option<String>,
-    /// The bytes of the scenario's text to underline: the key for an unknown or
-    /// repeated key, else the value. `None` when the text does not hold it,
-    /// as for a value that was set on the command line.
+    /// Bytes of the text to underline: the key for an unknown or repeated key, else the value.
+    /// `None` for a value that is not in the text, such as one changed by
+    /// [`Document::set`](crate::Document::set).
     pub span: Option<Range<usize>>,
 }
 
 impl Diagnostic {
-    /// A problem at `pointer`, with what would be accepted there.
-    pub fn new(pointer: &Pointer, problem: Problem, accepted: impl Into<String>) -> Self {
+    /// Fault at `pointer`, with the accepted values in words.
+    pub fn new(pointer: &JsonPointer, fault: Fault, accepted: impl Into<String>) -> Self {
         Self {
             pointer: pointer.to_string(),
-            problem,
+            fault,
             accepted: accepted.into(),
             suggestion: None,
             span: None,
         }
     }
 
-    /// The same with what may have been meant, as JSON text.
+    /// The same diagnostic with a suggested value, as JSON text.
     #[must_use]
     pub fn suggest(mut self, suggestion: Option<String>) -> Self {
         self.suggestion = suggestion;
         self
     }
 
-    /// The same with a word that may have been meant, put in quotes.
+    /// The same diagnostic with a suggested word, which is put in quotes.
     #[must_use]
     pub fn suggest_word(self, word: Option<&str>) -> Self {
         self.suggest(word.map(brief))
@@ -64,7 +59,7 @@ impl fmt::Display for Diagnostic {
             "" => f.write_str("(top level)")?,
             pointer => f.write_str(&one_line(pointer))?,
         }
-        write!(f, ": {}; ", self.problem)?;
+        write!(f, ": {}; ", self.fault)?;
         if let Some(suggestion) = &self.suggestion {
             write!(f, "did you mean {suggestion}? ")?;
         }
@@ -72,18 +67,18 @@ impl fmt::Display for Diagnostic {
     }
 }
 
-/// A scenario that is not valid, with every problem found.
+/// Document that is not valid, with all its faults.
 ///
-/// Its `Display` is one line a problem, in the order of the text.
+/// `Display` gives one line a fault, in the order of the text.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Invalid {
-    /// The scenario's file, or the name its text was given.
+pub struct InvalidDocument {
+    /// File, or the name given to the text.
     pub path: PathBuf,
-    /// The problems, in the order of the text; never empty.
+    /// Faults in the order of the text; never empty.
     pub diagnostics: Vec<Diagnostic>,
 }
 
-impl fmt::Display for Invalid {
+impl fmt::Display for InvalidDocument {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (index, diagnostic) in self.diagnostics.iter().enumerate() {
             if index > 0 {
@@ -95,4 +90,4 @@ impl fmt::Display for Invalid {
     }
 }
 
-impl std::error::Error for Invalid {}
+impl std::error::Error for InvalidDocument {}

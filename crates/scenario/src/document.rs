@@ -1,6 +1,4 @@
-//! A scenario's text: read from a file, changed by `--set`, checked as a whole.
-
-mod set;
+//! JSON document of a scenario: read from a file, changed value by value, checked as a whole.
 
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 use std::fmt::Write as _;
@@ -12,78 +10,88 @@ use serde_json::Value;
 use sha2::{Digest, Sha256};
 use thiserror::Error;
 
-use crate::Scenario;
-use crate::diagnostic::{Diagnostic, Invalid, Problem};
-use crate::input::{self, InputError};
+use crate::diagnostic::{Diagnostic, InvalidDocument};
+use crate::fault::Fault;
+use crate::input_file::{InputError, open_input};
 use crate::locate::{self, SyntaxError};
-use crate::pointer::Pointer;
-use crate::schema::schema;
-use crate::{schema_check, validate};
+use crate::pointer::JsonPointer;
+use crate::scenario::{Scenario, scenario_schema};
+use crate::schema_check::check_schema;
+use crate::set_value::{SetError, set_value};
+use crate::validate;
 
-pub use set::SetError;
-pub use set::set as set_value;
+/// Largest size of a document in bytes.
+pub const MAX_DOCUMENT_BYTES: u64 = 16 << 20;
 
-/// Most bytes of a scenario's text.
-pub const MOST_SCENARIO_BYTES: u64 = 16 << 20;
-
-/// A scenario as text and as JSON, with the place it came from.
+/// JSON document as text and as value, with the file it comes from.
+///
+/// ```
+/// use asperity_scenario::Document;
+///
+/// let mut document = Document::parse(r#"{"title": "a", "duration_s": 1}"#, "a.json")?;
+/// document.set("/title", "b")?;
+/// assert_eq!(document.value()["title"], "b");
+/// assert!(document.scenario().is_err());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Document {
     path: PathBuf,
     text: String,
     value: Value,
-    /// Pointers changed since the text was read.
-    changed: Vec<Pointer>,
+    /// Pointers to the values changed since the text was read.
+    changed: Vec<JsonPointer>,
     repeated: Vec<Diagnostic>,
 }
 
-/// A text that cannot be read as a JSON document.
+/// Error of a text that is not a JSON document.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum DocumentError {
-    /// The file cannot be opened or read.
+    /// File that cannot be opened or read.
     #[error("{}: {source}", path.display())]
     Input {
-        /// The file.
+        /// File.
         path: PathBuf,
-        /// Why.
+        /// Cause.
         source: InputError,
     },
-    /// The text is not UTF-8.
-    #[error("{}: line {line} holds a byte that is not UTF-8; expected a JSON text saved as UTF-8", path.display())]
+    /// Text that is not UTF-8.
+    #[error("{}: line {line} contains a byte that is not UTF-8; expected a JSON text saved as UTF-8", path.display())]
     NotUtf8 {
-        /// The file.
+        /// File.
         path: PathBuf,
         /// Line, from 1.
         line: usize,
-        /// The first byte that does not belong to a character, from 0.
+        /// First byte that is not part of a character, from 0.
         offset: usize,
     },
-    /// The text is UTF-16, as some editors save it.
+    /// Text in UTF-16, as some editors save it.
     #[error("{}: the text is saved as UTF-16; expected a JSON text saved as UTF-8", path.display())]
     Utf16 {
-        /// The file.
+        /// File.
         path: PathBuf,
     },
-    /// There is no text.
+    /// Empty text.
     #[error("{}: the file is empty; expected a JSON object with a \"schema\"", path.display())]
     Empty {
-        /// The file.
+        /// File.
         path: PathBuf,
     },
-    /// The text is not JSON.
+    /// Text that is not JSON.
     #[error("{}: {source}", path.display())]
     Syntax {
-        /// The file.
+        /// File.
         path: PathBuf,
-        /// The text, to show the place in.
+        /// Text that the spans of the error refer to.
         text: String,
-        /// What is wrong, and where.
+        /// Cause, with its place.
         source: SyntaxError,
     },
-    /// The text is refused by the JSON parser although the scan has passed it.
+    /// Text that passes the syntax check but not the JSON parser: a defect of this program.
     #[error("{}: line {line}, column {column} is not JSON", path.display())]
-    Refused {
-        /// The file.
+    Unparsed {
+        /// File.
         path: PathBuf,
         /// Line, from 1.
         line: usize,
@@ -93,21 +101,20 @@ pub enum DocumentError {
 }
 
 impl Document {
-    /// Reads a scenario's file, of at most [`MOST_SCENARIO_BYTES`].
+    /// Reads a file of at most [`MAX_DOCUMENT_BYTES`].
     ///
     /// # Errors
-    /// [`DocumentError`] when it cannot be read, or is not a JSON text.
+    /// [`DocumentError`] for a file that cannot be read or is not JSON.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, DocumentError> {
         let path = path.as_ref();
         let fail = |source| DocumentError::Input { path: path.to_owned(), source };
-        let file = input::open(path, MOST_SCENARIO_BYTES).map_err(fail)?;
+        let file = open_input(path, MAX_DOCUMENT_BYTES).map_err(fail)?;
         let mut bytes = Vec::new();
-        file.take(MOST_SCENARIO_BYTES)
+        file.take(MAX_DOCUMENT_BYTES)
             .read_to_end(&mut bytes)
             .map_err(|error| fail(error.into()))?;
         if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) {
-            let path = path.to_owned();
-            return Err(DocumentError::Utf16 { path });
+            return Err(DocumentError::Utf16 { path: path.to_owned() });
         }
         let text = String::from_utf8(bytes).map_err(|error| {
             let offset = error.utf8_error().valid_up_to();
@@ -121,11 +128,13 @@ impl Document {
         Self::parse(&text, path)
     }
 
-    /// Takes a scenario's text; `name` stands for its file in messages, and its
-    /// folder is where samples are looked for. A byte order mark is passed over.
+    /// Parses a text.
+    ///
+    /// `name` stands for the file in messages, and relative file names in the document start from
+    /// its folder. A byte order mark is ignored.
     ///
     /// # Errors
-    /// [`DocumentError`] when it is not a JSON text.
+    /// [`DocumentError`] for a text that is not JSON.
     pub fn parse(text: &str, name: impl Into<PathBuf>) -> Result<Self, DocumentError> {
         let path = name.into();
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
@@ -143,12 +152,12 @@ impl Document {
             Ok(value) => value,
             Err(error) => {
                 let (line, column) = (error.line(), error.column());
-                return Err(DocumentError::Refused { path, line, column });
+                return Err(DocumentError::Unparsed { path, line, column });
             }
         };
         let repeated = places.repeated.into_iter().map(|(pointer, span)| Diagnostic {
             pointer,
-            problem: Problem::RepeatedKey,
+            fault: Fault::RepeatedKey,
             accepted: "each key once".to_owned(),
             suggestion: None,
             span: Some(span),
@@ -162,81 +171,94 @@ impl Document {
         })
     }
 
-    /// Sets the value at a JSON Pointer, as `--set POINTER=VALUE` does. The
-    /// value is taken as JSON where it is JSON, else as a text; the pointer
-    /// leads to something that exists, to a new key of an object, or to `-`
-    /// after the last item of an array.
-    ///
-    /// An object that the scenario leaves to its default is filled in when
-    /// something inside it is set, e.g. `/method/cell_m`.
+    /// Sets the value at a JSON Pointer; see [`set_value`].
     ///
     /// # Errors
-    /// [`SetError`] names the deepest part that exists and what is there.
+    /// [`SetError`] names the deepest part of the pointer that exists, and its keys or indices.
     pub fn set(&mut self, pointer: &str, value_text: &str) -> Result<(), SetError> {
-        let changed = set::set(&mut self.value, pointer, value_text)?;
-        self.changed.push(changed);
+        self.changed.push(set_value(&mut self.value, pointer, value_text)?);
         Ok(())
     }
 
-    /// The scenario, after every check: schema, cross conditions, samples file.
+    /// Returns the scenario after all checks: schema, conditions between values, samples file.
     ///
     /// # Errors
-    /// [`Invalid`] holds every problem found, in the order of the text.
-    pub fn scenario(&self) -> Result<Scenario, Invalid> {
-        let whole = validate::check(&self.value, self.folder());
-        self.typed(schema(), whole, "a scenario as `asperity schema` describes it")
+    /// [`InvalidDocument`] with all faults, in the order of the text.
+    pub fn scenario(&self) -> Result<Scenario, InvalidDocument> {
+        let conditions = validate::check(&self.value, self.folder());
+        let accepted = "a scenario that fits its JSON Schema";
+        self.checked(scenario_schema(), conditions, accepted)
     }
 
-    /// What the document holds, after every check: a `schema`, from which the type is generated,
-    /// and the problems of the `whole` found by other means.
-    pub fn typed<T: DeserializeOwned>(
+    /// Deserialises the document after a check against `schema`, which is generated from `T`.
+    ///
+    /// `others` are faults found by other means; those at a place where the schema reports a fault
+    /// are dropped. `accepted` describes a `T` in words.
+    ///
+    /// # Errors
+    /// [`InvalidDocument`] with all faults, in the order of the text.
+    pub fn checked<T: DeserializeOwned>(
         &self,
         schema: &Value,
-        whole: Vec<Diagnostic>,
-        accepted: &'static str,
-    ) -> Result<T, Invalid> {
+        others: Vec<Diagnostic>,
+        accepted: &str,
+    ) -> Result<T, InvalidDocument> {
         let mut diagnostics = self.repeated.clone();
-        let of_schema = schema_check::check(schema, &self.value);
-        let told: HashSet<&str> = of_schema.iter().map(|found| found.pointer.as_str()).collect();
-        diagnostics
-            .extend(whole.into_iter().filter(|found| !told.contains(found.pointer.as_str())));
+        let of_schema = check_schema(schema, &self.value);
+        let reported: HashSet<&str> = of_schema.iter().map(|d| d.pointer.as_str()).collect();
+        diagnostics.extend(others.into_iter().filter(|d| !reported.contains(d.pointer.as_str())));
         diagnostics.extend(of_schema);
         if diagnostics.is_empty() {
-            // The schema is generated from the types, so what passes it fits them.
+            // The schema is generated from the type, so a value that passes it deserialises.
             match serde_json::from_value(self.value.clone()) {
-                Ok(found) => return Ok(found),
+                Ok(value) => return Ok(value),
                 Err(error) => diagnostics.push(Diagnostic::new(
-                    &Pointer::root(),
-                    Problem::SchemaGap { reason: error.to_string() },
+                    &JsonPointer::root(),
+                    Fault::SchemaGap { reason: error.to_string() },
                     accepted,
                 )),
             }
         }
-        Err(self.invalid(diagnostics))
+        Err(self.with_spans(diagnostics))
     }
 
-    /// The document as an invalid one, its problems at their places in the text.
-    pub fn invalid(&self, mut diagnostics: Vec<Diagnostic>) -> Invalid {
-        self.place(&mut diagnostics);
-        Invalid { path: self.path.clone(), diagnostics }
+    /// Collects faults of this document, with their spans and in the order of the text.
+    pub fn with_spans(&self, mut diagnostics: Vec<Diagnostic>) -> InvalidDocument {
+        let wanted: BTreeSet<&str> = diagnostics.iter().map(|d| d.pointer.as_str()).collect();
+        let places = locate::locate(&self.text, &wanted).unwrap_or_default();
+        for diagnostic in diagnostics.iter_mut().filter(|d| d.span.is_none()) {
+            let Some(place) = places.found.get(&diagnostic.pointer) else {
+                continue;
+            };
+            let pointer: JsonPointer = diagnostic.pointer.parse().unwrap_or_default();
+            let contains = |changed: &JsonPointer| pointer.parts().starts_with(changed.parts());
+            if !self.changed.iter().any(contains) {
+                diagnostic.span = match (&diagnostic.fault, &place.key) {
+                    (Fault::UnknownKey, Some(key)) => Some(key.clone()),
+                    _ => Some(place.value.clone()),
+                };
+            }
+        }
+        diagnostics.sort_by_key(|d| d.span.as_ref().map_or(usize::MAX, |span| span.start));
+        InvalidDocument { path: self.path.clone(), diagnostics }
     }
 
-    /// The JSON value, with every `set` applied.
+    /// JSON value, with all changes applied.
     pub fn value(&self) -> &Value {
         &self.value
     }
 
-    /// The text as it was read, for showing the spans of diagnostics.
+    /// Text as it was read, which the spans of diagnostics refer to.
     pub fn text(&self) -> &str {
         &self.text
     }
 
-    /// The file, or the name that the text was given.
+    /// File, or the name given to the text.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// The folder that relative file names of the scenario start from.
+    /// Folder that relative file names in the document start from.
     pub fn folder(&self) -> &Path {
         match self.path.parent() {
             Some(folder) if !folder.as_os_str().is_empty() => folder,
@@ -244,8 +266,7 @@ impl Document {
         }
     }
 
-    /// SHA-256, in hexadecimal, of the scenario with every `set` applied: its
-    /// JSON without white space and with the keys of every object sorted.
+    /// SHA-256, in hexadecimal, of the value: its JSON without white space and with sorted keys.
     pub fn sha256(&self) -> String {
         let canonical = sorted(&self.value).to_string();
         let mut hexadecimal = String::with_capacity(64);
@@ -254,27 +275,6 @@ impl Document {
             let _ = write!(hexadecimal, "{byte:02x}");
         }
         hexadecimal
-    }
-
-    /// Gives the diagnostics their spans, and the order of the text.
-    fn place(&self, diagnostics: &mut [Diagnostic]) {
-        let wanted: BTreeSet<&str> =
-            diagnostics.iter().map(|found| found.pointer.as_str()).collect();
-        let places = locate::locate(&self.text, &wanted).unwrap_or_default();
-        for diagnostic in diagnostics.iter_mut().filter(|found| found.span.is_none()) {
-            let Some(place) = places.found.get(&diagnostic.pointer) else {
-                continue;
-            };
-            let pointer: Pointer = diagnostic.pointer.parse().unwrap_or_default();
-            let changed = |changed: &Pointer| pointer.parts().starts_with(changed.parts());
-            if !self.changed.iter().any(changed) {
-                diagnostic.span = match (&diagnostic.problem, &place.key) {
-                    (Problem::UnknownKey, Some(key)) => Some(key.clone()),
-                    _ => Some(place.value.clone()),
-                };
-            }
-        }
-        diagnostics.sort_by_key(|found| found.span.as_ref().map_or(usize::MAX, |span| span.start));
     }
 }
 

@@ -1,4 +1,4 @@
-//! Contact laws as a scenario writes them.
+//! Contact laws in a scenario.
 
 use std::fmt;
 
@@ -7,21 +7,20 @@ use serde::de::{Deserializer, MapAccess, Visitor};
 use serde::ser::Serializer;
 use serde::{Deserialize, Serialize};
 
-/// A contact law: the contact stiffness per area K as a function of the
-/// contact pressure p.
+/// Contact law: stiffness per area K as a function of the contact pressure p.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
 pub enum LawSpec {
-    /// A linear spring, K(p) = K0.
+    /// Linear spring, K(p) = K0.
     Constant {
         /// Stiffness K0 in Pa/m.
         #[schemars(extend("exclusiveMinimum" = 0.0))]
         stiffness_pa_per_m: f64,
-        /// Whether the contact opens instead of carrying tension.
+        /// Contact opens at zero pressure instead of carrying tension.
         #[serde(default)]
         unilateral: bool,
     },
-    /// The power law of the paper's Eq. 7, K(p) = C p^m.
+    /// Power law K(p) = C p^m (Eq. 7 of the paper).
     Power {
         /// Coefficient C in Pa^(1-m)/m.
         #[schemars(extend("exclusiveMinimum" = 0.0))]
@@ -30,8 +29,8 @@ pub enum LawSpec {
         #[schemars(extend("exclusiveMinimum" = 0.0))]
         exponent: f64,
     },
-    /// C p^m above the transition pressure; below it a smooth monotone curve
-    /// through the knots.
+    /// Power law C p^m above the transition pressure, a smooth monotone curve through the knots
+    /// below it.
     ModifiedPower {
         /// Coefficient C in Pa^(1-m)/m.
         #[schemars(extend("exclusiveMinimum" = 0.0))]
@@ -39,21 +38,21 @@ pub enum LawSpec {
         /// Exponent m.
         #[schemars(extend("exclusiveMinimum" = 0.0))]
         exponent: f64,
-        /// Pressure in Pa from which the power law holds.
+        /// Transition pressure in Pa, above which the power law holds.
         #[schemars(extend("exclusiveMinimum" = 0.0))]
         transition_pa: f64,
-        /// Pairs [pressure in Pa, stiffness in Pa/m] below the transition, the
-        /// first at zero pressure, pressures and stiffnesses increasing.
+        /// Pairs [pressure in Pa, stiffness in Pa/m] below the transition, the first at zero
+        /// pressure, pressures and stiffnesses increasing.
         #[schemars(length(min = 1))]
         knots: Vec<[f64; 2]>,
     },
-    /// K(p) = p / u0: a contact that never separates (Persson).
+    /// Exponential law K(p) = p / u0, which never separates (Persson).
     Exponential {
         /// Length u0 in m over which the pressure grows by a factor e.
         #[schemars(extend("exclusiveMinimum" = 0.0))]
         length_m: f64,
     },
-    /// K(p) = K0 (1 + p / (K0 dm))^2 (Bandis and Barton).
+    /// Hyperbolic law K(p) = K0 (1 + p / (K0 dm))^2 (Bandis and Barton).
     Hyperbolic {
         /// Stiffness K0 in Pa/m at zero pressure.
         #[schemars(extend("exclusiveMinimum" = 0.0))]
@@ -62,15 +61,15 @@ pub enum LawSpec {
         #[schemars(extend("exclusiveMinimum" = 0.0))]
         closure_limit_m: f64,
     },
-    /// A smooth monotone curve through measured points, constant outside them.
+    /// Smooth monotone curve through measured points, constant outside them.
     Table {
         /// Pairs [pressure in Pa, stiffness in Pa/m], pressures increasing.
         #[schemars(length(min = 2))]
         points: Vec<[f64; 2]>,
     },
-    /// A law with an elastic layer: its compliances add, `1/K = 1/K_law + 1/K_layer`.
+    /// Law in series with an elastic layer, `1/K = 1/K_law + 1/K_layer`.
     InSeries {
-        /// The law in contact: a name from "laws", or a law written in place.
+        /// Law of the contact: a name from "laws", or a law written in place.
         law: LawRef,
         /// Stiffness `K_layer` of the elastic layer in Pa/m.
         #[schemars(extend("exclusiveMinimum" = 0.0))]
@@ -78,24 +77,24 @@ pub enum LawSpec {
     },
 }
 
-/// A contact law by its name in "laws", or written in place.
+/// Contact law, by its name in "laws" or written in place.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum LawRef {
-    /// The name of a law in "laws".
+    /// Name of a law in "laws".
     Named(String),
-    /// A law written in place.
+    /// Law written in place.
     InPlace(Box<LawSpec>),
 }
 
-/// Contact laws by name, in the order the scenario writes them.
+/// Contact laws by name, in the order of the scenario.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Laws {
     entries: Vec<(String, LawSpec)>,
 }
 
 impl Laws {
-    /// Whether there is no law.
+    /// True without any law.
     pub fn is_empty(&self) -> bool {
         self.entries.is_empty()
     }
@@ -105,7 +104,7 @@ impl Laws {
         self.entries.len()
     }
 
-    /// The law of that name.
+    /// Law of that name.
     pub fn get(&self, name: &str) -> Option<&LawSpec> {
         let entry = self.entries.iter().find(|(known, _)| known == name);
         entry.map(|(_, law)| law)
@@ -121,7 +120,7 @@ impl Laws {
         self.entries.iter().map(|(name, _)| name.as_str())
     }
 
-    /// Gives `name` to a law; returns the law that had this name before.
+    /// Adds a law, or replaces the law of that name and returns it.
     pub fn insert(&mut self, name: impl Into<String>, law: LawSpec) -> Option<LawSpec> {
         let name = name.into();
         if let Some((_, old)) = self.entries.iter_mut().find(|(known, _)| *known == name) {
@@ -132,10 +131,9 @@ impl Laws {
         }
     }
 
-    /// The law a reference stands for; `None` when it names none of these.
+    /// Law that a reference stands for; `None` for a name that is not among these.
     ///
-    /// A law in series may refer to further names: resolve its inner reference
-    /// in the same way.
+    /// The inner reference of a law in series is resolved in the same way.
     pub fn resolve<'a>(&'a self, reference: &'a LawRef) -> Option<&'a LawSpec> {
         match reference {
             LawRef::Named(name) => self.get(name),

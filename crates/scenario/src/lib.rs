@@ -1,41 +1,86 @@
-//! Scenario files: what is computed, as typed data, and every fault of a text at its place.
+//! Scenario files: one computation as typed data, with every fault of a text at its place.
 //!
-//! A [`Document`](document::Document) is the text of a scenario with its `--set` changes. Checked
-//! against the schema that the types generate ([`mod@schema`], [`schema_check`]) and against the
-//! conditions between values ([`validate`](mod@validate)), it becomes a typed [`Scenario`].
+//! A scenario is a JSON object that states a stack of elastic bodies with rough contacts, its
+//! damping, the force on its top and the method of time integration. [`Document::read`] (or
+//! [`Document::parse`]) takes the text, [`Document::set`] changes single values, and
+//! [`Document::scenario`] returns the typed [`Scenario`] or all faults of the text:
 //!
-//! | step | modules |
+//! ```text
+//! text -> JSON value -> JSON Schema of the types -> conditions between values -> Scenario
+//! ```
+//!
+//! ```
+//! use asperity_scenario::Document;
+//!
+//! let text = r#"{
+//!   "schema": "asperity/scenario/1",
+//!   "bodies": [{"name": "bar", "length_m": 0.1, "area_m2": 1e-4,
+//!               "youngs_modulus_pa": 71e9, "density_kg_per_m3": 2710}],
+//!   "interfaces": [{"name": "foot", "area_m2": 1e-4,
+//!                   "law": {"kind": "power", "coefficient": 1.81e10, "exponent": 0.35}}],
+//!   "damping": {"kind": "mass_proportional", "ratio": 0.035},
+//!   "duration_s": 0.05
+//! }"#;
+//! let mut document = Document::parse(text, "bar.json")?;
+//! document.set("/bodies/0/length_m", "0.2")?;
+//! let scenario = document.scenario()?;
+//! assert_eq!(scenario.bodies[0].length_m, 0.2);
+//! assert_eq!(scenario.output_rate_hz, asperity_scenario::DEFAULT_OUTPUT_RATE_HZ);
+//!
+//! document.set("/duration_s", "-1")?;
+//! let invalid = document.scenario().unwrap_err();
+//! assert_eq!(invalid.diagnostics[0].pointer, "/duration_s");
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! | step | items |
 //! |---|---|
-//! | types | [`scenario`], [`body`], [`damping`], [`excitation`], [`interface`], [`law`], [`method`], [`support`] |
-//! | read and change | [`document`], [`input`], [`samples`], [`locate`], [`mod@pointer`] |
-//! | check | [`mod@schema`], [`schema_check`], [`validate`](mod@validate), [`diagnostic`], [`suggest`] |
+//! | data | [`Scenario`], [`BodySpec`], [`InterfaceSpec`], [`LawSpec`], [`SupportSpec`], [`DampingSpec`], [`ExcitationSpec`], [`MethodSpec`] |
+//! | text | [`Document`], [`JsonPointer`], [`set_value`], [`open_input`], [`SyntaxError`] |
+//! | checks | [`scenario_schema`], [`check_schema`], [`validate`], [`validate_json`] |
+//! | faults | [`InvalidDocument`], [`Diagnostic`], [`Fault`] |
+//! | measured force | [`ForceSamples`] |
 
-pub mod body;
-pub mod damping;
-pub mod diagnostic;
-pub mod document;
-pub mod excitation;
-pub mod input;
-pub mod interface;
-pub mod law;
-pub mod locate;
-pub mod method;
-pub mod pointer;
-pub mod samples;
-pub mod scenario;
-pub mod schema;
-pub mod schema_check;
-pub mod suggest;
-pub mod support;
-pub mod validate;
+mod body;
+mod damping;
+mod diagnostic;
+mod document;
+mod excitation;
+mod fault;
+mod force_samples;
+mod input_file;
+mod law;
+mod locate;
+mod method;
+mod pointer;
+mod scenario;
+mod schema_check;
+mod set_value;
+mod suggest;
+mod validate;
+mod wording;
 
-pub use body::{BodySpec, Section};
+pub use body::{BodySpec, SectionSpec};
 pub use damping::{DampingAmount, DampingSpec};
+pub use diagnostic::{Diagnostic, InvalidDocument};
+pub use document::{Document, DocumentError, MAX_DOCUMENT_BYTES};
 pub use excitation::ExcitationSpec;
-pub use interface::InterfaceSpec;
+pub use fault::{Bound, Fault, FoundValue, NameFault};
+pub use force_samples::{ForceSamples, MAX_SAMPLE_BYTES, SamplesError};
+pub use input_file::{InputError, open_input};
 pub use law::{LawRef, LawSpec, Laws};
-pub use method::{ContactScheme, FiniteDifference, MethodSpec, Modal};
-pub use scenario::{
-    DEFAULT_GRAVITY_M_PER_S2, DEFAULT_OUTPUT_RATE_HZ, MOST_OUTPUT_RATE_HZ, Scenario, SchemaId,
+pub use locate::{ExpectedToken, MAX_NESTING, SyntaxError, SyntaxFault};
+pub use method::{
+    ContactScheme, DEFAULT_CELL_M, DEFAULT_COURANT, FiniteDifferenceSpec, MethodSpec, ModalSpec,
 };
-pub use support::SupportSpec;
+pub use pointer::{JsonPointer, PointerError};
+pub use scenario::{
+    DEFAULT_GRAVITY_M_PER_S2, DEFAULT_OUTPUT_RATE_HZ, InterfaceSpec, MAX_OUTPUT_RATE_HZ, Scenario,
+    SchemaId, SupportSpec, scenario_schema,
+};
+pub use schema_check::check_schema;
+pub use set_value::{SetError, set_value};
+pub use validate::{
+    MAX_CELLS, MAX_SAMPLES, MAX_SERIES_DEPTH, MAX_STEPS, MIN_SAMPLES, validate, validate_json,
+};
+pub use wording::four_digits;

@@ -1,9 +1,8 @@
-//! Where the values of a JSON text are: a scanner that gives the bytes of a
-//! pointer's key and value, finds repeated keys, and says precisely what is
-//! wrong with a text that is not JSON.
+//! Places of values in a JSON text: the bytes of the key and the value of a pointer, repeated keys,
+//! and syntax errors.
 //!
-//! The scanner accepts a subset of what `serde_json` accepts (it nests less
-//! deep), so a text that it has passed can be parsed.
+//! The scanner accepts the texts that `serde_json` accepts, except for deeper nesting, so a text
+//! that passes it can be parsed.
 
 mod scanner;
 mod syntax;
@@ -11,42 +10,40 @@ mod syntax;
 use std::collections::{BTreeSet, HashMap};
 use std::ops::Range;
 
-pub use syntax::{Expected, SyntaxError, SyntaxProblem};
+pub use syntax::{ExpectedToken, SyntaxError, SyntaxFault};
 
-/// Deepest nesting of arrays and objects accepted.
-pub const MOST_DEPTH: usize = 100;
+/// Deepest accepted nesting of arrays and objects.
+pub const MAX_NESTING: usize = 100;
 
-/// Where a value is in the text.
+/// Place of a value in the text.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Place {
+pub(crate) struct Place {
     /// Bytes of the key with its quotes; `None` for array items and the whole document.
     pub key: Option<Range<usize>>,
     /// Bytes of the value.
     pub value: Range<usize>,
 }
 
-/// What a scan finds.
+/// Places found by a scan.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub struct Places {
-    /// The wanted pointers that the text holds, with their places.
+pub(crate) struct Places {
+    /// Places of the wanted pointers that exist.
     pub found: HashMap<String, Place>,
-    /// Keys written more than once in their object: their pointers, with the
-    /// bytes of the repetition.
+    /// Pointers of keys written more than once in their object, with the bytes of the repetition.
     pub repeated: Vec<(String, Range<usize>)>,
 }
 
-/// Scans a JSON text for the places of the `wanted` pointers and for repeated
-/// keys. Of a repeated key the last place is given.
+/// Scans a JSON text for the places of the `wanted` pointers (of a repeated key, the last one) and
+/// for repeated keys.
 ///
 /// # Errors
-/// [`SyntaxError`] where the text is not JSON, or nests deeper than
-/// [`MOST_DEPTH`].
-pub fn locate(text: &str, wanted: &BTreeSet<&str>) -> Result<Places, SyntaxError> {
+/// [`SyntaxError`] for a text that is not JSON, or is nested deeper than [`MAX_NESTING`].
+pub(crate) fn locate(text: &str, wanted: &BTreeSet<&str>) -> Result<Places, SyntaxError> {
     scanner::scan(text, wanted)
 }
 
 /// Line and column of a byte of the text, both from 1; columns count characters.
-pub fn line_and_column(text: &str, offset: usize) -> (usize, usize) {
+fn line_and_column(text: &str, offset: usize) -> (usize, usize) {
     let before = text.get(..offset).unwrap_or(text);
     let line = before.matches('\n').count() + 1;
     let start = before.rfind('\n').map_or(0, |newline| newline + 1);
@@ -59,7 +56,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn finds_keys_values_and_repetitions() {
+    fn keys_values_and_repetitions_are_found() {
         let text = r#"{ "a": [1, {"b/c": "x\u00e9"}], "a\n": -0.5e3, "d": {}, "d": [] }"#;
         let wanted = BTreeSet::from(["", "/a/0", "/a/1/b~1c", "/a\n", "/d", "/none"]);
         let places = locate(text, &wanted).unwrap();
@@ -80,8 +77,8 @@ mod tests {
     }
 
     #[test]
-    fn nothing_is_accepted_that_serde_json_refuses() {
-        let nested = "[".repeat(MOST_DEPTH + 1);
+    fn texts_that_are_not_json_are_rejected() {
+        let nested = "[".repeat(MAX_NESTING + 1);
         for text in [
             "",
             " ",

@@ -1,61 +1,59 @@
-//! How the equation of motion is integrated in time.
+//! Methods of time integration.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Length of a finite-difference cell in m, when the scenario does not say.
+/// Default length of a finite-difference cell in m.
 pub const DEFAULT_CELL_M: f64 = 0.001;
 
-/// Courant number when the scenario does not say.
+/// Default Courant number.
 pub const DEFAULT_COURANT: f64 = 0.95;
 
-/// The method of time integration.
+/// Method of time integration.
 ///
-/// In JSON an object with its `kind`, or the kind alone as a string for the
-/// method's defaults.
+/// In JSON an object with its `kind`, or the kind alone as a string for the defaults of the method.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(from = "MethodKeys", into = "MethodSettings")]
 pub enum MethodSpec {
-    /// The paper's explicit finite differences (Eqs. 2 to 5).
-    FiniteDifference(FiniteDifference),
+    /// Explicit finite differences of the paper (Eqs. 2 to 5).
+    FiniteDifference(FiniteDifferenceSpec),
     /// Exact modal steps with implicit contact.
-    Modal(Modal),
+    Modal(ModalSpec),
 }
 
 /// Exact modal steps with implicit contact.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Modal {
-    /// Step in s; none to have it chosen from an error estimate.
+pub struct ModalSpec {
+    /// Step in s; `None` for a step chosen from an error estimate.
     pub step_s: Option<f64>,
-    /// Modes of each body, the rigid one included; none to have them chosen from an error bound.
+    /// Modes of each body, the rigid one included; `None` for a number chosen from an error bound.
     pub modes_per_body: Option<usize>,
 }
 
-/// The paper's explicit finite differences (Eqs. 2 to 5).
+/// Explicit finite differences of the paper (Eqs. 2 to 5).
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FiniteDifference {
+pub struct FiniteDifferenceSpec {
     /// Largest length of a cell in m; each body takes a whole number of cells.
     pub cell_m: f64,
     /// Courant number c dt / dx, below 1 (Eq. 3).
     pub courant: f64,
-    /// The contact pressure's place in the time step.
+    /// Time at which the contact pressure is taken.
     pub contact: ContactScheme,
 }
 
-/// Where in the time step the contact pressure is taken.
+/// Time at which the contact pressure is taken within a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum ContactScheme {
-    /// At the mean of the new and the previous-but-one closure: no first-order
-    /// numerical loss.
+    /// Mean of the new closure and the one two steps before: no numerical dissipation of first
+    /// order.
     #[default]
     Centred,
-    /// At the new time, the plain reading of the paper: damps the fundamental
-    /// by about w0^2 dt.
+    /// New closure, as the paper reads: damps the fundamental by about w0^2 dt.
     NewLevel,
 }
 
-impl Default for FiniteDifference {
+impl Default for FiniteDifferenceSpec {
     fn default() -> Self {
         Self { cell_m: DEFAULT_CELL_M, courant: DEFAULT_COURANT, contact: ContactScheme::default() }
     }
@@ -63,40 +61,38 @@ impl Default for FiniteDifference {
 
 impl Default for MethodSpec {
     fn default() -> Self {
-        Self::Modal(Modal::default())
+        Self::Modal(ModalSpec::default())
     }
 }
 
-/// The method of time integration: its kind with settings, or the kind alone
-/// for the defaults.
+/// Method of time integration: its kind with settings, or the kind alone for the defaults.
 #[derive(Deserialize, JsonSchema)]
 #[serde(untagged)]
 #[schemars(rename = "MethodSpec")]
 enum MethodKeys {
-    /// The kind alone: the defaults.
+    /// Kind alone, with the defaults.
     Kind(MethodKind),
-    /// The kind with its settings.
+    /// Kind with settings.
     Settings(MethodSettings),
 }
 
-/// A method by its kind alone, with its defaults.
+/// Method by its kind alone, with its defaults.
 #[derive(Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 enum MethodKind {
-    /// The paper's explicit finite differences, 1 mm cells.
+    /// Explicit finite differences of the paper, with cells of 1 mm.
     FiniteDifference,
-    /// Exact modal steps, step and modes chosen.
+    /// Exact modal steps, with step and modes chosen from error bounds.
     Modal,
 }
 
-/// A method with its settings.
+/// Method with its settings.
 #[derive(Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
 enum MethodSettings {
-    /// The paper's explicit finite differences (Eqs. 2 to 5).
+    /// Explicit finite differences of the paper (Eqs. 2 to 5).
     FiniteDifference {
-        /// Largest length of a cell in m; each body takes a whole number of
-        /// cells.
+        /// Largest length of a cell in m; each body takes a whole number of cells.
         #[serde(default = "default_cell")]
         #[schemars(extend("exclusiveMinimum" = 0.0))]
         cell_m: f64,
@@ -104,7 +100,7 @@ enum MethodSettings {
         #[serde(default = "default_courant")]
         #[schemars(extend("exclusiveMinimum" = 0.0, "exclusiveMaximum" = 1.0))]
         courant: f64,
-        /// Where in the time step the contact pressure is taken.
+        /// Time at which the contact pressure is taken within a step.
         #[serde(default)]
         contact: ContactScheme,
     },
@@ -115,8 +111,8 @@ enum MethodSettings {
         #[serde(default, skip_serializing_if = "Option::is_none")]
         #[schemars(with = "f64", extend("exclusiveMinimum" = 0.0))]
         step_s: Option<f64>,
-        /// Modes of each body, the rigid one included; left out, they are chosen so that the
-        /// inertia of the others does not matter.
+        /// Modes of each body, the rigid one included; left out, the number is chosen so that the
+        /// inertia of the omitted modes is negligible.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         #[schemars(with = "usize", range(min = 1, max = 2000))]
         modes_per_body: Option<usize>,
@@ -135,14 +131,14 @@ impl From<MethodKeys> for MethodSpec {
     fn from(keys: MethodKeys) -> Self {
         match keys {
             MethodKeys::Kind(MethodKind::FiniteDifference) => {
-                Self::FiniteDifference(FiniteDifference::default())
+                Self::FiniteDifference(FiniteDifferenceSpec::default())
             }
-            MethodKeys::Kind(MethodKind::Modal) => Self::Modal(Modal::default()),
+            MethodKeys::Kind(MethodKind::Modal) => Self::Modal(ModalSpec::default()),
             MethodKeys::Settings(MethodSettings::Modal { step_s, modes_per_body }) => {
-                Self::Modal(Modal { step_s, modes_per_body })
+                Self::Modal(ModalSpec { step_s, modes_per_body })
             }
             MethodKeys::Settings(MethodSettings::FiniteDifference { cell_m, courant, contact }) => {
-                Self::FiniteDifference(FiniteDifference { cell_m, courant, contact })
+                Self::FiniteDifference(FiniteDifferenceSpec { cell_m, courant, contact })
             }
         }
     }
@@ -151,12 +147,10 @@ impl From<MethodKeys> for MethodSpec {
 impl From<MethodSpec> for MethodSettings {
     fn from(method: MethodSpec) -> Self {
         match method {
-            MethodSpec::FiniteDifference(settings) => Self::FiniteDifference {
-                cell_m: settings.cell_m,
-                courant: settings.courant,
-                contact: settings.contact,
-            },
-            MethodSpec::Modal(Modal { step_s, modes_per_body }) => {
+            MethodSpec::FiniteDifference(FiniteDifferenceSpec { cell_m, courant, contact }) => {
+                Self::FiniteDifference { cell_m, courant, contact }
+            }
+            MethodSpec::Modal(ModalSpec { step_s, modes_per_body }) => {
                 Self::Modal { step_s, modes_per_body }
             }
         }

@@ -1,59 +1,60 @@
-//! JSON Pointers (RFC 6901): the address of a value inside a scenario.
+//! JSON Pointers (RFC 6901): addresses of values in a document.
 
 use std::fmt;
 
 use thiserror::Error;
 
-/// A JSON Pointer, as its unescaped parts; no part addresses the whole document.
+/// JSON Pointer (RFC 6901), as its unescaped parts; none for the whole document.
 ///
 /// ```
-/// use asperity_study::pointer::Pointer;
+/// use asperity_scenario::JsonPointer;
 ///
-/// let pointer: Pointer = "/laws/a~1b/knots/0".parse()?;
+/// let pointer: JsonPointer = "/laws/a~1b/knots/0".parse()?;
 /// assert_eq!(pointer.parts(), ["laws", "a/b", "knots", "0"]);
 /// assert_eq!(pointer.to_string(), "/laws/a~1b/knots/0");
-/// # Ok::<(), asperity_study::pointer::PointerError>(())
+/// # Ok::<(), asperity_scenario::PointerError>(())
 /// ```
 #[derive(Debug, Clone, PartialEq, Eq, Hash, Default)]
-pub struct Pointer {
+pub struct JsonPointer {
     parts: Vec<String>,
 }
 
-/// A text that is not a JSON Pointer.
+/// Error of a text that is not a JSON Pointer.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[non_exhaustive]
 pub enum PointerError {
-    /// It does not start with a slash.
+    /// Text without a leading slash.
     #[error(
         "{text:?} is not a JSON Pointer: it must start with \"/\"; did you mean {suggestion:?}?"
     )]
     NoLeadingSlash {
-        /// The text.
+        /// Text.
         text: String,
-        /// The pointer it may stand for.
+        /// Pointer that may have been meant.
         suggestion: String,
     },
-    /// A `~` that is not followed by 0 or 1.
+    /// Tilde that is not followed by 0 or 1.
     #[error(
         "{text:?} is not a JSON Pointer: inside a key \"~\" is written \"~0\" and \"/\" is written \"~1\""
     )]
     BadEscape {
-        /// The text.
+        /// Text.
         text: String,
     },
 }
 
-impl Pointer {
-    /// The pointer to the whole document.
+impl JsonPointer {
+    /// Pointer to the whole document.
     pub fn root() -> Self {
         Self::default()
     }
 
-    /// The unescaped parts, outermost first.
+    /// Unescaped parts, outermost first.
     pub fn parts(&self) -> &[String] {
         &self.parts
     }
 
-    /// The pointer to the value under `part` (a key or an index).
+    /// Pointer to the value under `part`, a key or an index.
     #[must_use]
     pub fn child(&self, part: impl fmt::Display) -> Self {
         let mut parts = self.parts.clone();
@@ -61,7 +62,7 @@ impl Pointer {
         Self { parts }
     }
 
-    /// The pointer made of the first `count` parts.
+    /// Pointer made of the first `count` parts.
     #[must_use]
     pub fn ancestor(&self, count: usize) -> Self {
         let parts = self.parts.iter().take(count).cloned().collect();
@@ -69,7 +70,7 @@ impl Pointer {
     }
 }
 
-impl std::str::FromStr for Pointer {
+impl std::str::FromStr for JsonPointer {
     type Err = PointerError;
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
@@ -91,7 +92,7 @@ impl std::str::FromStr for Pointer {
     }
 }
 
-impl fmt::Display for Pointer {
+impl fmt::Display for JsonPointer {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for part in &self.parts {
             write!(f, "/{}", escape(part))?;
@@ -100,8 +101,8 @@ impl fmt::Display for Pointer {
     }
 }
 
-/// One part as it is written inside a pointer: `~` as `~0`, `/` as `~1`.
-pub fn escape(part: &str) -> String {
+/// Part in the notation of a pointer: `~` as `~0`, `/` as `~1`.
+pub(crate) fn escape(part: &str) -> String {
     part.replace('~', "~0").replace('/', "~1")
 }
 
@@ -128,17 +129,17 @@ mod tests {
     #[test]
     fn escapes_round_trip() {
         for text in ["", "/", "/a", "/a~1b/~0~01/0/-", "/ /%"] {
-            let pointer: Pointer = text.parse().unwrap();
+            let pointer: JsonPointer = text.parse().unwrap();
             assert_eq!(pointer.to_string(), text);
         }
-        let pointer: Pointer = "/~01".parse().unwrap();
+        let pointer: JsonPointer = "/~01".parse().unwrap();
         assert_eq!(pointer.parts(), ["~1"]);
     }
 
     #[test]
-    fn nearly_pointers_are_suggested() {
+    fn a_pointer_is_suggested_for_a_similar_text() {
         for (text, expected) in [("a/b", "/a/b"), ("a.b", "/a/b"), ("a", "/a")] {
-            match text.parse::<Pointer>() {
+            match text.parse::<JsonPointer>() {
                 Err(PointerError::NoLeadingSlash { suggestion, .. }) => {
                     assert_eq!(suggestion, expected);
                 }
@@ -146,7 +147,7 @@ mod tests {
             }
         }
         for text in ["/~", "/a~2"] {
-            assert!(matches!(text.parse::<Pointer>(), Err(PointerError::BadEscape { .. })));
+            assert!(matches!(text.parse::<JsonPointer>(), Err(PointerError::BadEscape { .. })));
         }
     }
 }

@@ -1,77 +1,133 @@
-//! The scenario: everything one study needs, as typed data.
+//! The scenario, its interfaces and its support, and the JSON Schema of all of it.
 //!
-//! The JSON keys are the field names, each carrying its unit; unknown keys are
-//! refused. The bounds that one value must keep by itself are part of the
-//! schema these types generate (see [`crate::schema`]); the conditions that tie
-//! several values together are checked by [`crate::validate`]. Read a scenario
-//! through [`crate::document::Document`], which applies both and reports every
-//! problem with its place in the text.
+//! JSON keys are the field names, each with its unit; unknown keys are refused. Bounds on single
+//! values are part of the schema that these types generate; conditions between values are checked
+//! in [`crate::validate`].
+
+use std::sync::LazyLock;
 
 use schemars::JsonSchema;
+use schemars::generate::SchemaSettings;
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 
-use crate::{BodySpec, DampingSpec, ExcitationSpec, InterfaceSpec, Laws, MethodSpec, SupportSpec};
+use crate::body::BodySpec;
+use crate::damping::DampingSpec;
+use crate::excitation::ExcitationSpec;
+use crate::law::{LawRef, Laws};
+use crate::method::MethodSpec;
 
-/// Standard gravity as the paper rounds it, in m/s².
+/// Default gravity in m/s², as the paper rounds it.
 pub const DEFAULT_GRAVITY_M_PER_S2: f64 = 9.81;
 
-/// Rate of the output samples in Hz when the scenario does not say.
+/// Default sample rate of the output in Hz.
 pub const DEFAULT_OUTPUT_RATE_HZ: f64 = 200_000.0;
 
-/// Highest rate of the output samples, in Hz.
-pub const MOST_OUTPUT_RATE_HZ: f64 = 1e9;
+/// Largest sample rate of the output in Hz.
+pub const MAX_OUTPUT_RATE_HZ: f64 = 1e9;
 
-/// A stack of bodies with rough contacts, what excites it, and how long it is
-/// watched.
+/// Stack of elastic bodies with rough contacts, its excitation and its time integration.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Scenario {
-    /// The version of this format.
+    /// Version of the scenario format.
     pub schema: SchemaId,
-    /// A line for people: what is studied.
+    /// Title, for the reader.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "String")]
     pub title: Option<String>,
-    /// Gravity in m/s², pointing down the stack.
+    /// Gravity in m/s², positive down the stack.
     #[serde(default = "default_gravity")]
     #[schemars(range(min = 0.0))]
     pub gravity_m_per_s2: f64,
-    /// The bodies, from the free top down to the support.
+    /// Bodies, from the free top down to the support.
     #[schemars(length(min = 1))]
     pub bodies: Vec<BodySpec>,
-    /// What the lowest body stands on.
+    /// Support below the lowest interface.
     #[serde(default)]
     pub support: SupportSpec,
-    /// The contact interfaces: one below each body, the last onto the support.
+    /// Contact interfaces: one below each body, the last onto the support.
     #[schemars(length(min = 1))]
     pub interfaces: Vec<InterfaceSpec>,
-    /// Contact laws by name, for the interfaces to share.
+    /// Contact laws by name, to be shared by interfaces.
     #[serde(default, skip_serializing_if = "Laws::is_empty")]
     pub laws: Laws,
     /// Viscous damping of the bodies.
     pub damping: DampingSpec,
-    /// The force on the top of the stack.
+    /// Force on the top of the stack.
     #[serde(default)]
     pub excitation: ExcitationSpec,
-    /// Length of the simulated time in s.
+    /// Simulated time in s.
     #[schemars(extend("exclusiveMinimum" = 0.0))]
     pub duration_s: f64,
-    /// Rate in Hz of the samples written and analysed.
+    /// Sample rate of the output in Hz.
     #[serde(default = "default_output_rate")]
-    #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = MOST_OUTPUT_RATE_HZ))]
+    #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = MAX_OUTPUT_RATE_HZ))]
     pub output_rate_hz: f64,
-    /// How the equation of motion is integrated in time.
+    /// Method of time integration.
     #[serde(default)]
     pub method: MethodSpec,
 }
 
-/// The version of the scenario format.
+/// Rough contact between a body and the body or support below it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct InterfaceSpec {
+    /// Name of the interface, used in the headers of the results.
+    #[schemars(length(min = 1))]
+    pub name: String,
+    /// Apparent area of contact in m².
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    pub area_m2: f64,
+    /// Contact law: a name from "laws", or a law written in place.
+    pub law: LawRef,
+}
+
+/// Support below the lowest interface.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
+pub enum SupportSpec {
+    /// Immovable support.
+    #[default]
+    Rigid,
+    /// Mass on a spring and a damper to the ground, e.g. a compliant disc.
+    SpringMass {
+        /// Stiffness of the spring in N/m.
+        #[schemars(extend("exclusiveMinimum" = 0.0))]
+        stiffness_n_per_m: f64,
+        /// Moving mass of the support in kg.
+        #[schemars(extend("exclusiveMinimum" = 0.0))]
+        mass_kg: f64,
+        /// Damping ratio of the support alone on its spring, c / (2 sqrt(k m)).
+        #[schemars(range(min = 0.0))]
+        damping_ratio: f64,
+    },
+}
+
+/// Version of the scenario format.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 pub enum SchemaId {
     /// Version 1.
     #[default]
     #[serde(rename = "asperity/scenario/1")]
     V1,
+}
+
+/// JSON Schema (draft 2020-12) of a scenario, generated from [`Scenario`].
+///
+/// It states all keys, types and bounds once: [`check_schema`](crate::check_schema) applies it, and
+/// editors complete scenarios with it.
+///
+/// ```
+/// let schema = asperity_scenario::scenario_schema();
+/// assert_eq!(schema["properties"]["gravity_m_per_s2"]["default"], 9.81);
+/// ```
+pub fn scenario_schema() -> &'static Value {
+    static SCHEMA: LazyLock<Value> = LazyLock::new(|| {
+        let generator = SchemaSettings::draft2020_12().into_generator();
+        generator.into_root_schema_for::<Scenario>().to_value()
+    });
+    &SCHEMA
 }
 
 fn default_gravity() -> f64 {

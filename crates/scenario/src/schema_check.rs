@@ -1,52 +1,33 @@
-//! Checks a scenario against its JSON Schema, saying where, what, and what is
-//! accepted.
+//! Check of a document against a JSON Schema, with a fault at each place.
 //!
-//! A general validator names the branch of a union that failed; this walker
-//! knows the few shapes that [`crate::schema::schema`] takes, picks the branch
-//! that was meant by its `kind` (or by its JSON type) and reports inside it.
-//! It accepts what the schema accepts, no more and no less; the tests hold it
-//! to an independent validator.
+//! A general validator reports that no branch of a union fits. This one is restricted to the
+//! schemas that the types of a scenario generate: it selects the branch by its `kind`, or by its
+//! JSON type, and reports faults inside it. The tests compare it with an independent validator.
 
 mod accepted;
 mod union;
 
 use serde_json::{Map, Value};
 
-use crate::diagnostic::{Diagnostic, Found, Problem, brief, number};
-use crate::pointer::Pointer;
+use crate::diagnostic::Diagnostic;
+use crate::fault::Fault;
+use crate::pointer::JsonPointer;
 use crate::suggest::nearest;
+use crate::wording::{brief, number};
 
-/// Every keyword of JSON Schema that the walker applies or may pass over.
-pub const KEYWORDS: [&str; 22] = [
-    "$schema",
-    "$defs",
-    "$ref",
-    "title",
-    "description",
-    "default",
-    "format",
-    "type",
-    "const",
-    "oneOf",
-    "anyOf",
-    "properties",
-    "required",
-    "additionalProperties",
-    "items",
-    "minItems",
-    "maxItems",
-    "minLength",
-    "minimum",
-    "maximum",
-    "exclusiveMinimum",
-    "exclusiveMaximum",
-];
-
-/// All the problems of `document` under `schema`, in the order of the schema's
-/// walk; none when it is valid.
-pub fn check(schema: &Value, document: &Value) -> Vec<Diagnostic> {
+/// Checks a JSON value against a schema generated from a Rust type, and returns all faults.
+///
+/// The keywords of [`scenario_schema`](crate::scenario_schema) are applied; others are ignored.
+///
+/// ```
+/// use asperity_scenario::{check_schema, scenario_schema};
+///
+/// let faults = check_schema(scenario_schema(), &serde_json::json!({"duration_s": -1.0}));
+/// assert!(faults.iter().any(|fault| fault.pointer == "/duration_s"));
+/// ```
+pub fn check_schema(schema: &Value, document: &Value) -> Vec<Diagnostic> {
     let mut walker = Walker { root: schema, found: Vec::new() };
-    walker.node(schema, document, &Pointer::root());
+    walker.node(schema, document, &JsonPointer::root());
     walker.found
 }
 
@@ -57,7 +38,7 @@ struct Walker<'s> {
 
 impl<'s> Walker<'s> {
     /// Checks `value` under `node` and whatever `node` refers to.
-    fn node(&mut self, node: &'s Value, value: &Value, at: &Pointer) {
+    fn node(&mut self, node: &'s Value, value: &Value, at: &JsonPointer) {
         if let Some(target) = self.target(node) {
             self.node(target, value, at);
         }
@@ -79,7 +60,7 @@ impl<'s> Walker<'s> {
         self.any_of(node, value, at);
     }
 
-    fn object(&mut self, node: &'s Value, object: &Map<String, Value>, at: &Pointer) {
+    fn object(&mut self, node: &'s Value, object: &Map<String, Value>, at: &JsonPointer) {
         let properties = node.get("properties").and_then(Value::as_object);
         let known = |key: &str| properties.and_then(|properties| properties.get(key));
         let names = || properties.into_iter().flat_map(Map::keys).map(String::as_str);
@@ -93,7 +74,7 @@ impl<'s> Walker<'s> {
                     let near = nearest(key, free);
                     meant.extend(near);
                     let unknown =
-                        Diagnostic::new(&child, Problem::UnknownKey, accepted::keys(names()));
+                        Diagnostic::new(&child, Fault::UnknownKey, accepted::keys(names()));
                     self.found.push(unknown.suggest_word(near));
                 }
                 (None, Some(rest)) => self.node(rest, value, &child),
@@ -102,26 +83,26 @@ impl<'s> Walker<'s> {
         }
         let required = node.get("required").and_then(Value::as_array);
         for key in required.into_iter().flatten().filter_map(Value::as_str) {
-            // A misspelt key is one problem, not an unknown and a missing one.
+            // A misspelt key is one fault, not an unknown and a missing key.
             if !object.contains_key(key) && !meant.contains(&key) {
                 let accepted = match known(key) {
                     Some(property) => self.accepted(property),
                     None => brief(key),
                 };
                 let key = key.to_owned();
-                self.found.push(Diagnostic::new(at, Problem::MissingKey { key }, accepted));
+                self.found.push(Diagnostic::new(at, Fault::MissingKey { key }, accepted));
             }
         }
     }
 
-    fn array(&mut self, node: &'s Value, items: &[Value], at: &Pointer) {
+    fn array(&mut self, node: &'s Value, items: &[Value], at: &JsonPointer) {
         let limit = |keyword: &str| node.get(keyword).and_then(Value::as_u64);
         let count = items.len();
         let few = limit("minItems").is_some_and(|least| (count as u64) < least);
         let many = limit("maxItems").is_some_and(|most| count as u64 > most);
         if few || many {
-            let problem = Problem::WrongLength { items: count };
-            self.found.push(Diagnostic::new(at, problem, self.accepted(node)));
+            let fault = Fault::WrongLength { items: count };
+            self.found.push(Diagnostic::new(at, fault, self.accepted(node)));
         }
         if let Some(item_node) = node.get("items") {
             for (index, item) in items.iter().enumerate() {
@@ -130,36 +111,36 @@ impl<'s> Walker<'s> {
         }
     }
 
-    fn bounds(&mut self, node: &'s Value, value: &Value, at: &Pointer) {
+    fn bounds(&mut self, node: &'s Value, value: &Value, at: &JsonPointer) {
         let Some(size) = value.as_f64() else {
             return;
         };
         for bound in accepted::bounds(node) {
             if !bound.holds(size) {
-                let problem = Problem::OutOfBounds { value: size, bound };
+                let fault = Fault::OutOfBounds { value: size, bound };
                 let default = node.get("default").and_then(Value::as_f64).map(number);
                 let accepted = self.accepted(node);
-                self.found.push(Diagnostic::new(at, problem, accepted).suggest(default));
+                self.found.push(Diagnostic::new(at, fault, accepted).suggest(default));
             }
         }
     }
 
-    fn text(&mut self, node: &'s Value, text: &str, at: &Pointer) {
+    fn text(&mut self, node: &'s Value, text: &str, at: &JsonPointer) {
         let least = node.get("minLength").and_then(Value::as_u64);
         if least.is_some_and(|least| (text.chars().count() as u64) < least) {
-            self.found.push(Diagnostic::new(at, Problem::EmptyText, self.accepted(node)));
+            self.found.push(Diagnostic::new(at, Fault::EmptyText, self.accepted(node)));
         }
     }
 
-    /// A value of the wrong type or the wrong word.
-    fn refuse(&mut self, node: &'s Value, value: &Value, at: &Pointer) {
-        let problem = Problem::NotAccepted { found: Found::of(value) };
+    /// Reports a value of the wrong type or the wrong word.
+    fn refuse(&mut self, node: &'s Value, value: &Value, at: &JsonPointer) {
+        let fault = Fault::NotAccepted { found: value.into() };
         let suggestion = self.meant(node, value);
         let accepted = self.accepted(node);
-        self.found.push(Diagnostic::new(at, problem, accepted).suggest(suggestion));
+        self.found.push(Diagnostic::new(at, fault, accepted).suggest(suggestion));
     }
 
-    /// The value of the right type that `value` may stand for.
+    /// Value of the right type that may have been meant by `value`.
     fn meant(&self, node: &'s Value, value: &Value) -> Option<String> {
         let kind = node.get("type").and_then(Value::as_str);
         match (value, kind) {
@@ -181,17 +162,17 @@ impl<'s> Walker<'s> {
         }
     }
 
-    /// The node a `$ref` stands for.
+    /// Node that a `$ref` refers to.
     fn target(&self, node: &Value) -> Option<&'s Value> {
         let reference = node.get("$ref")?.as_str()?;
         self.root.pointer(reference.strip_prefix('#')?)
     }
 }
 
-/// Whether `value` has the JSON Schema type `kind`.
+/// True where `value` has the JSON Schema type `kind`.
 ///
-/// A number with a fraction of zero is an integer in JSON Schema but not to
-/// serde, so an integer must be written without a fraction.
+/// JSON Schema accepts 1.0 as an integer and serde does not, so an integer is written without a
+/// fraction.
 fn has_type(value: &Value, kind: &str) -> bool {
     match kind {
         "null" => value.is_null(),
@@ -209,7 +190,33 @@ fn has_type(value: &Value, kind: &str) -> bool {
 mod tests {
     use super::*;
 
-    /// A keyword that the walker does not know would be passed over silently.
+    /// Keywords of JSON Schema that are applied, or carry no constraint.
+    const KEYWORDS: [&str; 22] = [
+        "$schema",
+        "$defs",
+        "$ref",
+        "title",
+        "description",
+        "default",
+        "format",
+        "type",
+        "const",
+        "oneOf",
+        "anyOf",
+        "properties",
+        "required",
+        "additionalProperties",
+        "items",
+        "minItems",
+        "maxItems",
+        "minLength",
+        "minimum",
+        "maximum",
+        "exclusiveMinimum",
+        "exclusiveMaximum",
+    ];
+
+    /// An unsupported keyword would be ignored silently.
     #[test]
     fn the_schema_uses_no_other_keyword() {
         fn visit(node: &Value) {
@@ -225,6 +232,6 @@ mod tests {
                 }
             }
         }
-        visit(crate::schema::schema());
+        visit(crate::scenario::scenario_schema());
     }
 }

@@ -1,13 +1,16 @@
-//! The nearest known word to one that is not known.
+//! Suggestion of a known word for a misspelt one.
 
-/// Candidates beyond this many are not compared.
-const MOST_COMPARED: usize = 1000;
+/// Most candidates that are compared.
+const MAX_COMPARED: usize = 1000;
 
-/// The candidate nearest to `word`, if one is near enough to be meant.
+/// Candidate nearest to `word` in the Damerau-Levenshtein distance, if it is a likely misspelling.
 ///
-/// Near enough: equal but for case and separators, one a prefix of the other
-/// (at least three letters), or no more than a third of the letters mistyped.
-pub fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+/// A likely misspelling differs in case and separators only, is a prefix (or has one) of at least
+/// three letters, or differs in at most a third of the letters.
+pub(crate) fn nearest<'a>(
+    word: &str,
+    candidates: impl IntoIterator<Item = &'a str>,
+) -> Option<&'a str> {
     let word = normalised(word);
     let letters = word.chars().count();
     if letters == 0 || letters > 200 {
@@ -15,7 +18,7 @@ pub fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) ->
     }
     candidates
         .into_iter()
-        .take(MOST_COMPARED)
+        .take(MAX_COMPARED)
         .filter_map(|candidate| {
             let known = normalised(candidate);
             let distance = strsim::damerau_levenshtein(&word, &known);
@@ -38,7 +41,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn finds_what_is_meant() {
+    fn the_nearest_word_is_found() {
         let keys = ["name", "length_m", "area_m2", "mass_kg", "density_kg_per_m3"];
         for (typed, meant) in [
             ("lenght_m", "length_m"),
@@ -53,7 +56,7 @@ mod tests {
     }
 
     #[test]
-    fn stays_silent_when_nothing_is_near() {
+    fn a_distant_word_has_no_suggestion() {
         for typed in ["", "colour", "x", "temperature_k"] {
             assert_eq!(nearest(typed, ["name", "length_m", ""]), None, "{typed}");
         }

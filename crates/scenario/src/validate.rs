@@ -1,7 +1,7 @@
-//! The conditions that tie several values of a scenario together.
+//! Conditions between values of a scenario, which its schema cannot state.
 //!
-//! They are checked on the JSON value and pass over whatever the schema already
-//! refuses, so that one reading reports every problem of either sort.
+//! They are checked on the JSON value. Values that the schema rejects are skipped, so one pass
+//! reports the faults of both.
 
 mod extent;
 mod laws;
@@ -11,45 +11,51 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use crate::Scenario;
-use crate::diagnostic::{Diagnostic, Problem, count};
-use crate::pointer::Pointer;
-use crate::samples::{ForceSamples, SamplesError};
+use crate::diagnostic::Diagnostic;
+use crate::fault::Fault;
+use crate::force_samples::{ForceSamples, SamplesError};
+use crate::input_file::InputError;
+use crate::pointer::JsonPointer;
+use crate::scenario::{Scenario, scenario_schema};
+use crate::schema_check::check_schema;
+use crate::suggest::nearest;
+use crate::wording::count;
 
 /// Deepest nesting of laws in series.
-pub const MOST_SERIES_DEPTH: usize = 8;
+pub const MAX_SERIES_DEPTH: usize = 8;
 
 /// Fewest output samples of a run.
-pub const FEWEST_SAMPLES: f64 = 16.0;
+pub const MIN_SAMPLES: f64 = 16.0;
 
 /// Most output samples of a run.
-pub const MOST_SAMPLES: f64 = 2e8;
+pub const MAX_SAMPLES: f64 = 2e8;
 
 /// Most finite-difference cells of one body.
-pub const MOST_CELLS: f64 = 1e6;
+pub const MAX_CELLS: f64 = 1e6;
 
 /// Most time steps of a run.
-pub const MOST_STEPS: f64 = 1e11;
+pub const MAX_STEPS: f64 = 1e11;
 
-/// All the problems of a scenario built or changed in code, as
-/// [`crate::document::Document::scenario`] finds them in a text. Relative
-/// file names start from `folder`.
+/// Checks a scenario built or changed in code, and returns all its faults.
+///
+/// Relative file names start from `folder`. The checks are those of
+/// [`Document::scenario`](crate::Document::scenario).
 pub fn validate(scenario: &Scenario, folder: &Path) -> Vec<Diagnostic> {
-    // A scenario holds only maps with text keys, so it always has a JSON form;
-    // numbers that are not finite become null, which the schema refuses.
-    validate_value(&serde_json::to_value(scenario).unwrap_or_default(), folder)
+    // All keys are strings, so a scenario always has a JSON form; numbers that are not finite
+    // become null, which the schema rejects.
+    validate_json(&serde_json::to_value(scenario).unwrap_or_default(), folder)
 }
 
-/// The same of a scenario's JSON.
-pub fn validate_value(scenario: &Value, folder: &Path) -> Vec<Diagnostic> {
-    let found = crate::schema_check::check(crate::schema::schema(), scenario);
+/// Checks the JSON value of a scenario, as [`validate`] does.
+pub fn validate_json(scenario: &Value, folder: &Path) -> Vec<Diagnostic> {
+    let found = check_schema(scenario_schema(), scenario);
     if found.is_empty() { check(scenario, folder) } else { found }
 }
 
-/// The problems of a scenario's JSON that its schema cannot state.
+/// Faults that the schema cannot state.
 pub(crate) fn check(scenario: &Value, folder: &Path) -> Vec<Diagnostic> {
     let mut found = Vec::new();
-    let root = Node { value: scenario, at: Pointer::root() };
+    let root = Node { value: scenario, at: JsonPointer::root() };
     interface_count(&root, &mut found);
     names::check(&root, &mut found);
     laws::check(&root, &mut found);
@@ -58,11 +64,11 @@ pub(crate) fn check(scenario: &Value, folder: &Path) -> Vec<Diagnostic> {
     found
 }
 
-/// A value and its place.
+/// Value and its place.
 #[derive(Clone)]
 struct Node<'a> {
     value: &'a Value,
-    at: Pointer,
+    at: JsonPointer,
 }
 
 impl<'a> Node<'a> {
@@ -80,7 +86,7 @@ impl<'a> Node<'a> {
         self.value.get(key)?.as_str()
     }
 
-    /// The items of the array at `key`; none if there is no array.
+    /// Items of the array at `key`; none without an array.
     fn items(&self, key: &str) -> Vec<Node<'a>> {
         let items = self.value.get(key).and_then(Value::as_array);
         let at = self.at.child(key);
@@ -88,7 +94,7 @@ impl<'a> Node<'a> {
         items.into_iter().flatten().enumerate().map(item).collect()
     }
 
-    /// The keys and values of the object at `key`; none if there is no object.
+    /// Keys and values of the object at `key`; none without an object.
     fn entries(&self, key: &str) -> Vec<(&'a str, Node<'a>)> {
         let entries = self.value.get(key).and_then(Value::as_object);
         let at = self.at.child(key);
@@ -106,12 +112,12 @@ fn interface_count(root: &Node<'_>, found: &mut Vec<Diagnostic>) {
         && bodies != interfaces
         && bodies > 0
     {
-        let problem = Problem::InterfaceCount { interfaces, bodies };
+        let fault = Fault::InterfaceCount { interfaces, bodies };
         let accepted = format!(
             "{}: one below each body, the last onto the support",
             count(bodies, "interface", "interfaces")
         );
-        found.push(Diagnostic::new(&root.at.child("interfaces"), problem, accepted));
+        found.push(Diagnostic::new(&root.at.child("interfaces"), fault, accepted));
     }
 }
 
@@ -133,22 +139,20 @@ fn samples(root: &Node<'_>, folder: &Path, found: &mut Vec<Diagnostic>) {
             "file" => {
                 "a CSV file with the header time_s,force_n and rows of increasing time, relative to the scenario's folder"
             }
-            _ => "no peak_n, or samples with a force that is not zero",
+            _ => "no peak_n, or samples of a force that is not zero throughout",
         };
         let near = match source {
-            SamplesError::Input { source: crate::input::InputError::NotFound } => {
-                neighbour(folder, file)
-            }
+            SamplesError::Input { source: InputError::NotFound } => neighbour(folder, file),
             _ => None,
         };
         let file = file.to_owned();
-        let problem = Problem::Samples { file, source };
-        let diagnostic = Diagnostic::new(&excitation.at.child(key), problem, accepted);
+        let fault = Fault::Samples { file, source };
+        let diagnostic = Diagnostic::new(&excitation.at.child(key), fault, accepted);
         found.push(diagnostic.suggest_word(near.as_deref()));
     }
 }
 
-/// The CSV file in the same folder whose name is nearest to the one asked for.
+/// CSV file in the same folder whose name is nearest to `file`.
 fn neighbour(folder: &Path, file: &str) -> Option<String> {
     let asked = Path::new(file);
     let beside = asked.parent()?;
@@ -160,6 +164,6 @@ fn neighbour(folder: &Path, file: &str) -> Option<String> {
         .filter(|name| name.to_lowercase().ends_with(".csv"))
         .collect();
     names.sort();
-    let near = crate::suggest::nearest(wanted, names.iter().map(String::as_str))?;
+    let near = nearest(wanted, names.iter().map(String::as_str))?;
     Some(beside.join(near).to_string_lossy().into_owned())
 }

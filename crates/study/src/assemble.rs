@@ -14,10 +14,9 @@ use asperity_law::{
 use asperity_mesh::{Body, Interface, Stack, Support};
 
 use crate::error::StudyError;
-use asperity_scenario::samples::ForceSamples;
 use asperity_scenario::{
-    BodySpec, ContactScheme, DampingAmount, DampingSpec, ExcitationSpec, LawRef, LawSpec, Laws,
-    MethodSpec, Scenario, Section, SupportSpec,
+    BodySpec, ContactScheme, DampingAmount, DampingSpec, ExcitationSpec, ForceSamples, LawRef,
+    LawSpec, Laws, MethodSpec, Scenario, SectionSpec, SupportSpec,
 };
 
 /// A scenario turned into the objects that compute.
@@ -114,10 +113,10 @@ fn stack(scenario: &Scenario) -> Result<Stack, StudyError> {
 pub fn body(spec: &BodySpec) -> Result<Body, StudyError> {
     let BodySpec { name, length_m, youngs_modulus_pa, density_kg_per_m3, .. } = spec;
     let body = match spec.section {
-        Section::AreaM2(area) => {
+        SectionSpec::AreaM2(area) => {
             Body::new(name, *length_m, area, *youngs_modulus_pa, *density_kg_per_m3)
         }
-        Section::MassKg(mass) => {
+        SectionSpec::MassKg(mass) => {
             Body::with_mass(name, *length_m, mass, *youngs_modulus_pa, *density_kg_per_m3)
         }
     };

@@ -9,8 +9,7 @@ use asperity_law::LawError;
 use asperity_signal::SignalError;
 use thiserror::Error;
 
-use asperity_scenario::document::DocumentError;
-use asperity_scenario::samples::SamplesError;
+use asperity_scenario::{DocumentError, SamplesError};
 
 /// Why a valid scenario has no result, or its result no place to go.
 #[derive(Debug, Error)]
@@ -54,7 +53,7 @@ pub enum StudyError {
     Output(#[from] OutputError),
     /// A value of a sweep cannot be set.
     #[error(transparent)]
-    Set(#[from] asperity_scenario::document::SetError),
+    Set(#[from] asperity_scenario::SetError),
     /// A combination of values of a sweep is no scenario, though each is valid.
     #[error("these values make no scenario: {reason}")]
     Scenario {

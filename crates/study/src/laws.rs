@@ -10,8 +10,7 @@ use thiserror::Error;
 
 use crate::assemble::{body, build_law};
 use crate::error::StudyError;
-use asperity_scenario::input::{self, InputError};
-use asperity_scenario::{LawRef, LawSpec, Laws, Scenario};
+use asperity_scenario::{InputError, LawRef, LawSpec, Laws, Scenario, open_input};
 
 /// Rows of a tabulated law.
 const ROWS: usize = 501;
@@ -159,7 +158,7 @@ pub fn fit(path: &Path) -> Result<PowerFit, FitTableError> {
 
 fn read_points(path: &Path) -> Result<Vec<(f64, f64)>, FitTableError> {
     let fail = |source| FitTableError::Input { path: path.to_owned(), source };
-    let file = input::open(path, MOST_FIT_BYTES).map_err(fail)?;
+    let file = open_input(path, MOST_FIT_BYTES).map_err(fail)?;
     let mut text = String::new();
     file.take(MOST_FIT_BYTES).read_to_string(&mut text).map_err(|error| fail(error.into()))?;
     let mut lines = text.trim_start_matches('\u{feff}').lines().enumerate();

@@ -13,8 +13,7 @@ use crate::summary::{
     EnergySummary, Fundamental, InterfaceSummary, Numerics, Provenance, SUMMARY_SCHEMA,
     SecondHarmonic, StaticInterface, StaticSummary, Summary,
 };
-use asperity_scenario::Scenario;
-use asperity_scenario::document::Document;
+use asperity_scenario::{Document, Scenario};
 
 /// Zero padding of the FRF that is written and drawn.
 const FRF_PADDING: usize = 4;

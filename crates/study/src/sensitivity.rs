@@ -16,8 +16,7 @@ use thiserror::Error;
 use crate::assemble::Assembly;
 use crate::error::StudyError;
 use crate::run::rest_state;
-use asperity_scenario::diagnostic::Invalid;
-use asperity_scenario::document::{Document, SetError};
+use asperity_scenario::{Document, InvalidDocument, SetError};
 use varied::Varied;
 
 pub use observables::Table;
@@ -57,7 +56,7 @@ pub struct Sensitivities {
 pub enum SensitivityError {
     /// The scenario is not valid.
     #[error(transparent)]
-    Invalid(#[from] Invalid),
+    Invalid(#[from] InvalidDocument),
     /// A parameter cannot be set.
     #[error(transparent)]
     Set(#[from] SetError),
@@ -89,7 +88,7 @@ pub enum SensitivityError {
         /// The neighbour.
         value: f64,
         /// What is wrong with it.
-        source: Box<Invalid>,
+        source: Box<InvalidDocument>,
     },
     /// The scenario asks for another integrator.
     #[error("method \"{method}\" has no derivatives; expected \"modal\"")]

@@ -21,7 +21,7 @@ use crate::error::StudyError;
 use crate::run::simulate;
 use crate::struck::{Case, Observer};
 use crate::summary::Summary;
-use asperity_scenario::document::Document;
+use asperity_scenario::Document;
 use plan::Plan;
 
 pub use plan::SweepError;

@@ -3,7 +3,7 @@
 #![allow(clippy::print_stdout, reason = "what was found, for a test that fails")]
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use asperity_scenario::document::Document;
+use asperity_scenario::Document;
 use asperity_study::sensitivity::{Sensitivities, SensitivityError, sensitivities};
 
 const POINTERS: [&str; 12] = [

@@ -2,7 +2,7 @@
 //! must give what one run with its full-length analysis gives.
 #![allow(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
 
-use asperity_scenario::document::Document;
+use asperity_scenario::Document;
 use asperity_study::run::simulate;
 use asperity_study::sweep::{Sweep, Variation, on_threads, sweep};
 

@@ -6,8 +6,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 
 use anyhow::{Context, Result, anyhow};
-use asperity_scenario::Scenario;
-use asperity_scenario::document::Document;
+use asperity_scenario::{Document, Scenario};
 use asperity_study::assemble::Assembly;
 use asperity_study::run::{Run, simulate};
 use asperity_study::summary::Summary;

@@ -7,7 +7,7 @@ use crate::error::ProblemError;
 use crate::problem::{Changes, StrikeSpec};
 use crate::records;
 use crate::strike::{Drive, Rig, Strike};
-use asperity_scenario::document::set_value;
+use asperity_scenario::set_value;
 
 /// The force of a strike as data give it.
 #[derive(Clone, Copy)]

@@ -2,7 +2,7 @@
 //! sensors, analysed as measured ones are, and identified by the other engine.
 
 use asperity_identify::Problem;
-use asperity_scenario::document::Document;
+use asperity_scenario::Document;
 use asperity_signal::{
     FrfAverage, FundamentalSearch, HammerOptions, HitLength, HitOptions, HitRecord, ResponseKind,
     TriggerLevel, analyse_hit,

@@ -1,9 +1,9 @@
-//! A recursive scan of a JSON text that builds no values.
+//! Recursive scan of a JSON text, which builds no values.
 
 use std::collections::{BTreeSet, HashSet};
 use std::ops::Range;
 
-use super::{Expected, MOST_DEPTH, Place, Places, SyntaxError, SyntaxProblem, line_and_column};
+use super::{ExpectedToken, MAX_NESTING, Place, Places, SyntaxError, SyntaxFault, line_and_column};
 use crate::pointer;
 
 /// Scans the text; see [`super::locate`].
@@ -13,14 +13,14 @@ pub(super) fn scan(text: &str, wanted: &BTreeSet<&str>) -> Result<Places, Syntax
     scanner.value(None, 0)?;
     match scanner.word() {
         None => Ok(scanner.places),
-        Some(word) => Err(scanner.fault(word, |found| SyntaxProblem::TrailingText { found })),
+        Some(word) => Err(scanner.quoting(word, |found| SyntaxFault::TrailingText { found })),
     }
 }
 
 struct Scanner<'a> {
     text: &'a str,
     at: usize,
-    /// Pointer to the value being scanned.
+    /// JsonPointer to the value being scanned.
     pointer: String,
     wanted: &'a BTreeSet<&'a str>,
     places: Places,
@@ -33,10 +33,8 @@ impl Scanner<'_> {
         self.skip_space();
         let start = self.at;
         match self.peek() {
-            Some('{' | '[') if depth == MOST_DEPTH => {
-                return Err(
-                    self.error(start..start + 1, SyntaxProblem::TooDeep { most: MOST_DEPTH })
-                );
+            Some('{' | '[') if depth == MAX_NESTING => {
+                return Err(self.error(start..start + 1, SyntaxFault::TooDeep { max: MAX_NESTING }));
             }
             Some('{') => self.object(depth)?,
             Some('[') => self.array(depth)?,
@@ -57,7 +55,7 @@ impl Scanner<'_> {
             return Ok(());
         }
         let mut keys = HashSet::new();
-        let mut expected = Expected::KeyOrEnd;
+        let mut expected = ExpectedToken::KeyOrEnd;
         loop {
             self.skip_space();
             let start = self.at;
@@ -68,7 +66,7 @@ impl Scanner<'_> {
             let span = start..self.at;
             self.skip_space();
             if !self.eat(':') {
-                return Err(self.unexpected(Expected::Colon));
+                return Err(self.unexpected(ExpectedToken::Colon));
             }
             let parent = self.enter(&pointer::escape(&key));
             if !keys.insert(key) {
@@ -80,8 +78,8 @@ impl Scanner<'_> {
             if self.eat('}') {
                 return Ok(());
             }
-            self.comma('}', Expected::CommaOrBrace)?;
-            expected = Expected::Key;
+            self.comma('}', ExpectedToken::CommaOrBrace)?;
+            expected = ExpectedToken::Key;
         }
     }
 
@@ -99,25 +97,25 @@ impl Scanner<'_> {
             if self.eat(']') {
                 break;
             }
-            self.comma(']', Expected::CommaOrBracket)?;
+            self.comma(']', ExpectedToken::CommaOrBracket)?;
         }
         Ok(())
     }
 
-    /// A comma that is not followed by `close`.
-    fn comma(&mut self, close: char, expected: Expected) -> Scanned {
+    /// Reads a comma that is not followed by `close`.
+    fn comma(&mut self, close: char, expected: ExpectedToken) -> Scanned {
         let start = self.at;
         if !self.eat(',') {
             return Err(self.unexpected(expected));
         }
         self.skip_space();
         if self.peek() == Some(close) {
-            return Err(self.error(start..start + 1, SyntaxProblem::TrailingComma { close }));
+            return Err(self.error(start..start + 1, SyntaxFault::TrailingComma { close }));
         }
         Ok(())
     }
 
-    /// Digits where a key should be, right after digits and a comma.
+    /// Error of a decimal comma: digits in place of a key, after digits and a comma.
     fn decimal_comma(&self) -> Option<SyntaxError> {
         let is_number = |character: char| character.is_ascii_digit() || "-+.eE".contains(character);
         let (before, rest) = (self.text.get(..self.at)?, self.text.get(self.at..)?);
@@ -125,21 +123,21 @@ impl Scanner<'_> {
         let start = whole.trim_end_matches(is_number).len();
         let end = self.at + rest.len() - rest.trim_start_matches(is_number).len();
         let decimals = start < whole.len() && end > self.at;
-        decimals.then(|| self.fault(start..end, |word| SyntaxProblem::DecimalComma { word }))
+        decimals.then(|| self.quoting(start..end, |word| SyntaxFault::DecimalComma { word }))
     }
 
-    /// A text in double quotes, unescaped.
+    /// Reads a string, and returns it unescaped.
     fn string(&mut self) -> Scanned<String> {
         let start = self.at;
         self.at += 1;
         loop {
             match self.peek() {
-                None => return Err(self.unexpected(Expected::Quote)),
+                None => return Err(self.unexpected(ExpectedToken::Quote)),
                 Some('"') => break,
                 Some('\\') => self.escape()?,
                 Some(character) if character < ' ' => {
                     let span = self.at..self.at + 1;
-                    return Err(self.error(span, SyntaxProblem::ControlCharacter { character }));
+                    return Err(self.error(span, SyntaxFault::ControlCharacter { character }));
                 }
                 Some(character) => self.at += character.len_utf8(),
             }
@@ -148,11 +146,11 @@ impl Scanner<'_> {
         let quoted = self.text.get(start..self.at).unwrap_or_default();
         serde_json::from_str(quoted).map_err(|_| {
             let from = quoted.find('\\').map_or(start, |escape| start + escape);
-            self.fault(from..self.at, |found| SyntaxProblem::BadEscape { found })
+            self.quoting(from..self.at, |found| SyntaxFault::BadEscape { found })
         })
     }
 
-    /// A backslash and the character after it.
+    /// Reads a backslash and the character after it.
     fn escape(&mut self) -> Scanned {
         let start = self.at;
         self.at += 1;
@@ -160,28 +158,29 @@ impl Scanner<'_> {
         self.at += escaped.map_or(0, char::len_utf8);
         match escaped {
             Some('"' | '\\' | '/' | 'b' | 'f' | 'n' | 'r' | 't' | 'u') | None => Ok(()),
-            Some(_) => Err(self.fault(start..self.at, |found| SyntaxProblem::BadEscape { found })),
+            Some(_) => Err(self.quoting(start..self.at, |found| SyntaxFault::BadEscape { found })),
         }
     }
 
-    /// A number, `true`, `false` or `null`.
+    /// Reads a number, `true`, `false` or `null`.
     fn scalar(&mut self) -> Scanned {
-        let expected = if self.pointer.is_empty() { Expected::Document } else { Expected::Value };
+        let expected =
+            if self.pointer.is_empty() { ExpectedToken::Document } else { ExpectedToken::Value };
         let Some(span) = self.word() else {
             return Err(self.unexpected(expected));
         };
         let word = self.text.get(span.clone()).unwrap_or_default();
         let bare = word.trim_start_matches(['-', '+']).to_ascii_lowercase();
         if matches!(bare.as_str(), "nan" | "inf" | "infinity") {
-            return Err(self.fault(span, |word| SyntaxProblem::NotFinite { word }));
+            return Err(self.quoting(span, |word| SyntaxFault::NotFinite { word }));
         }
         if word.starts_with(|first: char| first.is_ascii_digit() || "+-.".contains(first)) {
             match word.parse::<f64>() {
                 Ok(value) if value.is_infinite() => {
-                    return Err(self.fault(span, |word| SyntaxProblem::NumberTooLarge { word }));
+                    return Err(self.quoting(span, |word| SyntaxFault::NumberTooLarge { word }));
                 }
                 _ if serde_json::from_str::<f64>(word).is_err() => {
-                    return Err(self.fault(span, |word| SyntaxProblem::BadNumber { word }));
+                    return Err(self.quoting(span, |word| SyntaxFault::BadNumber { word }));
                 }
                 _ => {}
             }
@@ -192,8 +191,8 @@ impl Scanner<'_> {
         Ok(())
     }
 
-    /// The bytes of the next word: up to white space or punctuation, and at
-    /// least one character. `None` at the end of the text.
+    /// Bytes of the next word, up to white space or punctuation and at least one character; `None`
+    /// at the end of the text.
     fn word(&mut self) -> Option<Range<usize>> {
         self.skip_space();
         let rest = self.text.get(self.at..)?;
@@ -203,46 +202,46 @@ impl Scanner<'_> {
         Some(self.at..self.at + length)
     }
 
-    fn unexpected(&mut self, expected: Expected) -> SyntaxError {
+    fn unexpected(&mut self, expected: ExpectedToken) -> SyntaxError {
         let Some(span) = self.word() else {
             let end = self.text.trim_end().len();
-            return self.error(end..end, SyntaxProblem::Ended { expected });
+            return self.error(end..end, SyntaxFault::Ended { expected });
         };
         let found = self.text.get(span.clone()).unwrap_or_default();
         if found.starts_with("//") || found.starts_with("/*") || found.starts_with('#') {
-            return self.error(span, SyntaxProblem::Comment);
+            return self.error(span, SyntaxFault::Comment);
         }
         match found.chars().next() {
             Some(quote @ ('\'' | '`' | '“' | '”' | '‘' | '’')) => {
-                self.error(span, SyntaxProblem::OtherQuotes { quote })
+                self.error(span, SyntaxFault::OtherQuotes { quote })
             }
             Some('"') => {
-                // Show the whole text, not only its quote.
+                // The whole string is quoted, not only its quote.
                 let quoted = self.text.get(span.end..).unwrap_or_default();
                 let length = quoted.find(['"', '\n']).map_or(0, |end| end + 1);
                 let span = span.start..span.end + length;
-                self.fault(span, |found| SyntaxProblem::Unexpected { found, expected })
+                self.quoting(span, |found| SyntaxFault::Unexpected { found, expected })
             }
-            _ => self.fault(span, |found| SyntaxProblem::Unexpected { found, expected }),
+            _ => self.quoting(span, |found| SyntaxFault::Unexpected { found, expected }),
         }
     }
 
-    /// A problem that quotes the text it is about.
-    fn fault(
+    /// Error that quotes the text of its span.
+    fn quoting(
         &self,
         span: Range<usize>,
-        problem: impl FnOnce(String) -> SyntaxProblem,
+        fault: impl FnOnce(String) -> SyntaxFault,
     ) -> SyntaxError {
         let found = self.text.get(span.clone()).unwrap_or_default();
-        self.error(span, problem(found.chars().take(80).collect()))
+        self.error(span, fault(found.chars().take(80).collect()))
     }
 
-    fn error(&self, span: Range<usize>, problem: SyntaxProblem) -> SyntaxError {
+    fn error(&self, span: Range<usize>, fault: SyntaxFault) -> SyntaxError {
         let (line, column) = line_and_column(self.text, span.start);
-        SyntaxError { line, column, span, problem }
+        SyntaxError { line, column, span, fault }
     }
 
-    /// Goes down into a part; returns the length of the pointer to go back to.
+    /// Descends into a part; returns the length of the pointer to its parent.
     fn enter(&mut self, part: &str) -> usize {
         let parent = self.pointer.len();
         self.pointer.push('/');

@@ -1,150 +1,151 @@
-//! What is wrong with a text that is not JSON.
+//! Syntax errors of a JSON text.
 
 use std::fmt;
 use std::ops::Range;
 
 use thiserror::Error;
 
-use crate::diagnostic::one_line;
+use crate::wording::one_line;
 
-/// A text that is not JSON, and where.
+/// Syntax error of a text, with its place.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
-#[error("line {line}, column {column}: {problem}")]
+#[error("line {line}, column {column}: {fault}")]
 pub struct SyntaxError {
     /// Line, from 1.
     pub line: usize,
     /// Column in characters, from 1.
     pub column: usize,
-    /// The bytes of the text to underline.
+    /// Bytes of the text to underline.
     pub span: Range<usize>,
-    /// What is wrong there.
-    pub problem: SyntaxProblem,
+    /// Fault of the text.
+    pub fault: SyntaxFault,
 }
 
-/// What is wrong with a JSON text.
+/// Kind of a syntax error.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
-pub enum SyntaxProblem {
-    /// The text stops in the middle.
-    #[error("the text ends too early; expected {expected}")]
+#[non_exhaustive]
+pub enum SyntaxFault {
+    /// End of the text inside a value.
+    #[error("unexpected end of the text; expected {expected}")]
     Ended {
-        /// What should come next.
-        expected: Expected,
+        /// Expected token.
+        expected: ExpectedToken,
     },
-    /// Something else than what should come next.
+    /// Token other than the expected one.
     #[error("found `{}`; expected {expected}", shown(found))]
     Unexpected {
-        /// What is there.
+        /// Text found.
         found: String,
-        /// What should be there.
-        expected: Expected,
+        /// Expected token.
+        expected: ExpectedToken,
     },
-    /// A comma before a closing bracket or brace.
+    /// Comma before a closing bracket or brace.
     #[error("a comma before {close:?}; expected another item after it, or no comma")]
     TrailingComma {
-        /// The closing bracket or brace.
+        /// Closing bracket or brace.
         close: char,
     },
-    /// A comment.
+    /// Comment.
     #[error("JSON has no comments; expected a value, a key or punctuation")]
     Comment,
-    /// A text in other quotes.
-    #[error("found a quote {quote}; expected texts and keys in double quotes, \"like this\"")]
+    /// String in other quotes.
+    #[error("found a quote {quote}; expected strings and keys in double quotes, \"like this\"")]
     OtherQuotes {
-        /// The quote.
+        /// Quote.
         quote: char,
     },
-    /// A number with a comma before its decimals.
+    /// Number with a decimal comma.
     #[error("`{}` has a decimal comma; expected a decimal point, as in 0.5", shown(word))]
     DecimalComma {
-        /// The number.
+        /// Number.
         word: String,
     },
     /// NaN or infinity.
     #[error("`{}` is not a JSON number; expected a finite number such as 0.5 or 2e5", shown(word))]
     NotFinite {
-        /// The word.
+        /// Word.
         word: String,
     },
-    /// A malformed number.
+    /// Malformed number.
     #[error("`{}` is not a JSON number; expected digits as in 12, -0.5 or 2.5e-3", shown(word))]
     BadNumber {
-        /// The word.
+        /// Word.
         word: String,
     },
-    /// A number too large to be stored.
+    /// Number above the range of double precision.
     #[error("the number `{}` is too large; expected a magnitude below 1.8e308", shown(word))]
     NumberTooLarge {
-        /// The word.
+        /// Word.
         word: String,
     },
-    /// A backslash that starts no escape.
+    /// Backslash that does not start an escape sequence.
     #[error(
         r#"`{}` is not an escape; expected \\ for a backslash or \" for a quote"#,
         shown(found)
     )]
     BadEscape {
-        /// The backslash and what follows.
+        /// Backslash and the characters after it.
         found: String,
     },
-    /// A line break or another control character inside a text.
+    /// Line break or another control character inside a string.
     #[error(
-        "a text holds the control character {character:?}; expected a closing quote before it, or an escape such as \\n"
+        "a string contains the control character {character:?}; expected a closing quote before it, or an escape such as \\n"
     )]
     ControlCharacter {
-        /// The character.
+        /// Character.
         character: char,
     },
-    /// Arrays and objects inside one another beyond any scenario.
-    #[error("arrays and objects are nested more than {most} deep; expected a scenario object")]
+    /// Arrays and objects nested too deep.
+    #[error("arrays and objects are nested more than {max} deep; expected a scenario object")]
     TooDeep {
-        /// Deepest nesting accepted.
-        most: usize,
+        /// Deepest accepted nesting.
+        max: usize,
     },
-    /// Text after the end of the value.
+    /// Text after the end of the document.
     #[error("found `{}` after the end of the document; expected nothing more", shown(found))]
     TrailingText {
-        /// What is there.
+        /// Text found.
         found: String,
     },
 }
 
-/// What should come next in a JSON text.
+/// Token expected in a JSON text.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Expected {
-    /// The object that a scenario is.
+pub enum ExpectedToken {
+    /// Object of the whole document.
     Document,
-    /// A value.
+    /// Value.
     Value,
-    /// A key, after a comma.
+    /// Key, after a comma.
     Key,
-    /// A key or the end of the object.
+    /// Key or the end of the object.
     KeyOrEnd,
-    /// The colon after a key.
+    /// Colon after a key.
     Colon,
-    /// A comma or the end of the array.
+    /// Comma or the end of the array.
     CommaOrBracket,
-    /// A comma or the end of the object.
+    /// Comma or the end of the object.
     CommaOrBrace,
-    /// The closing quote of a text.
+    /// Closing quote of a string.
     Quote,
 }
 
-impl fmt::Display for Expected {
+impl fmt::Display for ExpectedToken {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Document => "a JSON object, starting with \"{\"",
-            Self::Value => "a value: an object, an array, a text in double quotes, a number, true, false or null",
+            Self::Value => "a value: an object, an array, a string, a number, true, false or null",
             Self::Key => "a key in double quotes",
             Self::KeyOrEnd => "a key in double quotes, or \"}\"",
             Self::Colon => "\":\" after the key",
             Self::CommaOrBracket => "\",\" or \"]\" before it",
             Self::CommaOrBrace => "\",\" or \"}\" before it",
-            Self::Quote => "the closing quote of a text",
+            Self::Quote => "the closing quote of a string",
         })
     }
 }
 
-/// What the text holds, without the escapes that quotes would need.
+/// Text on one line, without the escapes of quotes and backslashes.
 fn shown(found: &str) -> String {
     one_line(found).replace("\\\"", "\"").replace("\\\\", "\\")
 }

@@ -1,12 +1,13 @@
-//! What a node of the schema accepts, in words.
+//! Accepted values of a node of the schema, in words.
 
 use serde_json::Value;
 
 use super::Walker;
-use crate::diagnostic::{Bound, brief, list};
+use crate::fault::Bound;
+use crate::wording::{brief, list};
 
 impl<'s> Walker<'s> {
-    /// What `node` accepts, in words, with its meaning.
+    /// Accepted values of `node` in words, with its description.
     pub(super) fn accepted(&self, node: &'s Value) -> String {
         let shape = self.shape(node);
         match node.get("description").and_then(first_sentence) {
@@ -15,7 +16,7 @@ impl<'s> Walker<'s> {
         }
     }
 
-    /// What `node` accepts, in words.
+    /// Accepted values of `node` in words.
     fn shape(&self, node: &'s Value) -> String {
         if let Some(only) = node.get("const") {
             return only.to_string();
@@ -39,10 +40,8 @@ impl<'s> Walker<'s> {
             Some("number") => with_bounds("a number", node),
             Some("integer") => with_bounds("a whole number", node),
             Some("boolean") => "true or false".to_owned(),
-            Some("string") if node.get("minLength").is_some() => {
-                "a text in quotes, not empty".to_owned()
-            }
-            Some("string") => "a text in quotes".to_owned(),
+            Some("string") if node.get("minLength").is_some() => "a non-empty string".to_owned(),
+            Some("string") => "a string".to_owned(),
             Some("array") => self.array_shape(node),
             Some("object") => match node.get("properties").and_then(Value::as_object) {
                 Some(properties) => format!("an object with the keys {}", list(properties.keys())),
@@ -67,7 +66,7 @@ impl<'s> Walker<'s> {
         }
     }
 
-    /// The words that `node` accepts, when it accepts words only.
+    /// Words that `node` accepts, if it accepts words only.
     pub(super) fn words(&self, node: &'s Value) -> Vec<&'s str> {
         if let Some(word) = node.get("const").and_then(Value::as_str) {
             return vec![word];
@@ -78,7 +77,7 @@ impl<'s> Walker<'s> {
         branches(node).flat_map(|branch| self.words(branch)).collect()
     }
 
-    /// The kinds of a tagged union; none when `node` is not one.
+    /// Kinds of a tagged union; none if `node` is not one.
     pub(super) fn kinds(&self, node: &'s Value) -> Vec<&'s str> {
         if let Some(target) = self.target(node) {
             return self.kinds(target);
@@ -87,18 +86,18 @@ impl<'s> Walker<'s> {
     }
 }
 
-/// The branches of a union of which one is meant.
+/// Branches of a union.
 pub(super) fn branches(node: &Value) -> impl Iterator<Item = &Value> {
     let one_of = node.get("oneOf").and_then(Value::as_array);
     one_of.into_iter().flatten()
 }
 
-/// The `kind` that selects a branch of a tagged union.
+/// `kind` that selects a branch of a tagged union.
 pub(super) fn kind_of(branch: &Value) -> Option<&str> {
     branch.pointer("/properties/kind/const")?.as_str()
 }
 
-/// The bounds that a node sets to a number.
+/// Bounds of a number.
 pub(super) fn bounds(node: &Value) -> impl Iterator<Item = Bound> {
     let limit = |keyword: &str| node.get(keyword).and_then(Value::as_f64);
     [
@@ -111,7 +110,7 @@ pub(super) fn bounds(node: &Value) -> impl Iterator<Item = Bound> {
     .flatten()
 }
 
-/// Keys in quotes, or that there are none.
+/// List of keys, or "no keys".
 pub(super) fn keys<'a>(names: impl Iterator<Item = &'a str>) -> String {
     match list(names) {
         none if none.is_empty() => "no keys".to_owned(),
@@ -119,7 +118,7 @@ pub(super) fn keys<'a>(names: impl Iterator<Item = &'a str>) -> String {
     }
 }
 
-/// Words in quotes, of which one is to be chosen.
+/// Words in quotes, as alternatives.
 pub(super) fn one_of(words: &[&str]) -> String {
     let quoted: Vec<String> = words.iter().map(|word| brief(word)).collect();
     match quoted.as_slice() {
@@ -128,7 +127,7 @@ pub(super) fn one_of(words: &[&str]) -> String {
     }
 }
 
-/// The first sentence of a description, without its full stop.
+/// First paragraph of a description, without its full stop.
 pub(super) fn first_sentence(description: &Value) -> Option<String> {
     let paragraph = description.as_str()?.split("\n\n").next()?;
     let line = paragraph.split_whitespace().collect::<Vec<_>>().join(" ");

@@ -1,18 +1,19 @@
-//! Unions: which branch was meant.
+//! Unions: selection of the branch.
 
 use serde_json::Value;
 
 use super::accepted::{branches, kind_of, one_of};
 use super::{Walker, has_type};
-use crate::diagnostic::{Diagnostic, Found, Problem, brief, joined};
-use crate::pointer::Pointer;
+use crate::diagnostic::Diagnostic;
+use crate::fault::Fault;
+use crate::pointer::JsonPointer;
 use crate::suggest::nearest;
+use crate::wording::{brief, joined};
 
 impl<'s> Walker<'s> {
-    /// A union of which exactly one branch must hold. The schema has three
-    /// shapes of it: objects told apart by their `kind`, words, and keys of
-    /// which exactly one must be given.
-    pub(super) fn one_of(&mut self, node: &'s Value, value: &Value, at: &Pointer) {
+    /// Checks a `oneOf`, which has three forms: objects with a `kind`, words, and keys of which
+    /// exactly one must be given.
+    pub(super) fn one_of(&mut self, node: &'s Value, value: &Value, at: &JsonPointer) {
         let kinds = self.kinds(node);
         if branches(node).next().is_none() {
         } else if !kinds.is_empty() {
@@ -26,13 +27,13 @@ impl<'s> Walker<'s> {
         }
     }
 
-    fn tagged(&mut self, node: &'s Value, kinds: &[&'s str], value: &Value, at: &Pointer) {
+    fn tagged(&mut self, node: &'s Value, kinds: &[&'s str], value: &Value, at: &JsonPointer) {
         let Value::Object(object) = value else {
-            let problem = Problem::NotAccepted { found: Found::of(value) };
+            let fault = Fault::NotAccepted { found: value.into() };
             let near = value.as_str().and_then(|word| nearest(word, kinds.iter().copied()));
             let meant = near.map(|kind| format!("{{\"kind\": {}}}", brief(kind)));
             let accepted = self.accepted(node);
-            self.found.push(Diagnostic::new(at, problem, accepted).suggest(meant));
+            self.found.push(Diagnostic::new(at, fault, accepted).suggest(meant));
             return;
         };
         match object.get("kind") {
@@ -41,10 +42,10 @@ impl<'s> Walker<'s> {
                 let near = nearest("kind", object.keys().map(String::as_str));
                 let diagnostic = match near {
                     Some(near) => {
-                        Diagnostic::new(&at.child(near), Problem::UnknownKey, one_of(&["kind"]))
+                        Diagnostic::new(&at.child(near), Fault::UnknownKey, one_of(&["kind"]))
                             .suggest_word(Some("kind"))
                     }
-                    None => Diagnostic::new(at, Problem::MissingKey { key }, one_of(kinds)),
+                    None => Diagnostic::new(at, Fault::MissingKey { key }, one_of(kinds)),
                 };
                 self.found.push(diagnostic);
             }
@@ -53,19 +54,19 @@ impl<'s> Walker<'s> {
                 if let Some(branch) = meant {
                     return self.node(branch, value, at);
                 }
-                let problem = Problem::UnknownKind { kind: kind.clone() };
+                let fault = Fault::UnknownKind { kind: kind.clone() };
                 let near = nearest(kind, kinds.iter().copied());
-                let diagnostic = Diagnostic::new(&at.child("kind"), problem, one_of(kinds));
+                let diagnostic = Diagnostic::new(&at.child("kind"), fault, one_of(kinds));
                 self.found.push(diagnostic.suggest_word(near));
             }
             Some(other) => {
-                let problem = Problem::NotAccepted { found: Found::of(other) };
-                self.found.push(Diagnostic::new(&at.child("kind"), problem, one_of(kinds)));
+                let fault = Fault::NotAccepted { found: other.into() };
+                self.found.push(Diagnostic::new(&at.child("kind"), fault, one_of(kinds)));
             }
         }
     }
 
-    fn exactly_one_key(&mut self, node: &Value, value: &Value, at: &Pointer) {
+    fn exactly_one_key(&mut self, node: &Value, value: &Value, at: &JsonPointer) {
         let Value::Object(object) = value else {
             return;
         };
@@ -77,31 +78,29 @@ impl<'s> Walker<'s> {
         match given.len() {
             1 => {}
             0 if self.is_misspelt(&keys, at) => {}
-            0 => self.found.push(Diagnostic::new(at, Problem::NoneGiven { keys }, accepted)),
-            _ => self.found.push(Diagnostic::new(
-                at,
-                Problem::SeveralGiven { keys: given },
-                accepted,
-            )),
+            0 => self.found.push(Diagnostic::new(at, Fault::NoneGiven { keys }, accepted)),
+            _ => {
+                self.found.push(Diagnostic::new(at, Fault::SeveralGiven { keys: given }, accepted))
+            }
         }
     }
 
-    /// Whether an unknown key of the object at `at` was already taken for one of `keys`.
-    fn is_misspelt(&self, keys: &[String], at: &Pointer) -> bool {
+    /// True where an unknown key of the object at `at` was reported as a misspelling of one of `keys`.
+    fn is_misspelt(&self, keys: &[String], at: &JsonPointer) -> bool {
         let (here, inside) = (at.to_string(), format!("{at}/"));
         let meant = |diagnostic: &Diagnostic| {
             keys.iter().any(|key| diagnostic.suggestion.as_deref() == Some(&brief(key)))
         };
-        // The problems of this object are the last ones found.
+        // The faults of this object are the last ones found.
         let own = |diagnostic: &&Diagnostic| {
             diagnostic.pointer == here || diagnostic.pointer.starts_with(&inside)
         };
         let mut recent = self.found.iter().rev().take_while(own);
-        recent.any(|diagnostic| diagnostic.problem == Problem::UnknownKey && meant(diagnostic))
+        recent.any(|diagnostic| diagnostic.fault == Fault::UnknownKey && meant(diagnostic))
     }
 
-    /// A union told apart by the JSON type of its branches: a word or an object.
-    pub(super) fn any_of(&mut self, node: &'s Value, value: &Value, at: &Pointer) {
+    /// Checks an `anyOf`, whose branches differ by their JSON type: a word or an object.
+    pub(super) fn any_of(&mut self, node: &'s Value, value: &Value, at: &JsonPointer) {
         let Some(branches) = node.get("anyOf").and_then(Value::as_array) else {
             return;
         };
@@ -115,7 +114,7 @@ impl<'s> Walker<'s> {
         }
     }
 
-    /// The JSON type of a branch: its own, its target's or its first branch's.
+    /// JSON type of a branch: its own, that of its target, or that of its first branch.
     fn type_of(&self, node: &'s Value) -> Option<&'s str> {
         if let Some(kind) = node.get("type") {
             return kind.as_str();

@@ -1,13 +1,15 @@
-//! The extent of a run: samples, cells and steps that can be held and waited for.
+//! Size of a run: limits on samples, cells and steps.
 
 use serde_json::Value;
 
-use super::{FEWEST_SAMPLES, MOST_CELLS, MOST_SAMPLES, MOST_STEPS, Node};
-use crate::diagnostic::{Diagnostic, Problem, number, rounded};
+use super::{MAX_CELLS, MAX_SAMPLES, MAX_STEPS, MIN_SAMPLES, Node};
+use crate::diagnostic::Diagnostic;
+use crate::fault::Fault;
 use crate::method::{DEFAULT_CELL_M, DEFAULT_COURANT};
-use crate::{DEFAULT_OUTPUT_RATE_HZ, MOST_OUTPUT_RATE_HZ};
+use crate::scenario::{DEFAULT_OUTPUT_RATE_HZ, MAX_OUTPUT_RATE_HZ};
+use crate::wording::{four_digits, number};
 
-/// Checks the bodies' derived sections and the size of the run.
+/// Checks the sections of the bodies and the size of the run.
 pub(super) fn check(root: &Node<'_>, found: &mut Vec<Diagnostic>) {
     samples(root, found);
     let before = found.len();
@@ -17,7 +19,7 @@ pub(super) fn check(root: &Node<'_>, found: &mut Vec<Diagnostic>) {
     }
 }
 
-/// The section `m / (rho L)` and the mass `rho A L` must be storable.
+/// Checks that the section `m / (rho L)` or the mass `rho A L` is finite and not zero.
 fn sections(root: &Node<'_>, found: &mut Vec<Diagnostic>) {
     for body in root.items("bodies") {
         let (Some(length), Some(density)) =
@@ -34,14 +36,14 @@ fn sections(root: &Node<'_>, found: &mut Vec<Diagnostic>) {
         };
         let positive = length > 0.0 && density > 0.0;
         if positive && (value == 0.0 || !value.is_finite()) {
-            let problem = Problem::Degenerate { quantity, value };
+            let fault = Fault::Degenerate { quantity, value };
             let accepted = "sizes that give a finite result above zero";
-            found.push(Diagnostic::new(&body.at, problem, accepted));
+            found.push(Diagnostic::new(&body.at, fault, accepted));
         }
     }
 }
 
-/// The output must be long enough for a spectrum and short enough for memory.
+/// Checks that the output is long enough for a spectrum and fits into memory.
 fn samples(root: &Node<'_>, found: &mut Vec<Diagnostic>) {
     let rate = match root.get("output_rate_hz") {
         Some(rate) => rate.value.as_f64(),
@@ -51,33 +53,33 @@ fn samples(root: &Node<'_>, found: &mut Vec<Diagnostic>) {
         return;
     };
     let samples = (duration * rate).round();
-    if duration <= 0.0 || rate <= 0.0 || rate > MOST_OUTPUT_RATE_HZ {
+    if duration <= 0.0 || rate <= 0.0 || rate > MAX_OUTPUT_RATE_HZ {
         return;
     }
-    if samples < FEWEST_SAMPLES {
+    if samples < MIN_SAMPLES {
         let accepted = format!(
-            "at least {FEWEST_SAMPLES} samples: at {} Hz a duration_s of at least {}",
+            "at least {MIN_SAMPLES} samples: at {} Hz a duration_s of at least {}",
             number(rate),
-            rounded(FEWEST_SAMPLES / rate)
+            four_digits(MIN_SAMPLES / rate)
         );
-        let problem = Problem::TooFewSamples { samples };
-        found.push(Diagnostic::new(&root.at.child("duration_s"), problem, accepted));
-    } else if samples > MOST_SAMPLES {
-        // The history: four columns, and three for each interface.
+        let fault = Fault::TooFewSamples { samples };
+        found.push(Diagnostic::new(&root.at.child("duration_s"), fault, accepted));
+    } else if samples > MAX_SAMPLES {
+        // Time history: four columns, and three for each interface.
         let columns = 4 + 3 * root.items("interfaces").len();
         let gigabytes = (samples * 8.0 * columns as f64 / 1e9).round();
         let accepted = format!(
             "at most {} samples: at {} Hz a duration_s of at most {}",
-            number(MOST_SAMPLES),
+            number(MAX_SAMPLES),
             number(rate),
-            rounded(MOST_SAMPLES / rate)
+            four_digits(MAX_SAMPLES / rate)
         );
-        let problem = Problem::TooManySamples { samples, gigabytes };
-        found.push(Diagnostic::new(&root.at.child("duration_s"), problem, accepted));
+        let fault = Fault::TooManySamples { samples, gigabytes };
+        found.push(Diagnostic::new(&root.at.child("duration_s"), fault, accepted));
     }
 }
 
-/// The finite-difference grid and its time steps must be within reach.
+/// Checks the numbers of finite-difference cells and time steps.
 fn cells_and_steps(root: &Node<'_>, found: &mut Vec<Diagnostic>) {
     let method = root.get("method");
     let setting = |key: &str, default: f64| match method.as_ref().and_then(|method| method.get(key))
@@ -116,25 +118,23 @@ fn cells_and_steps(root: &Node<'_>, found: &mut Vec<Diagnostic>) {
         step_s = step_s.min(courant * cell_m.min(length) / (modulus / density).sqrt());
     }
     let cells = (longest / cell_m).ceil();
-    if cells > MOST_CELLS {
+    if cells > MAX_CELLS {
         let accepted = format!(
             "at most {} cells in a body: a cell_m of at least {}",
-            number(MOST_CELLS),
-            rounded(longest / MOST_CELLS)
+            number(MAX_CELLS),
+            four_digits(longest / MAX_CELLS)
         );
-        found.push(Diagnostic::new(&at, Problem::TooManyCells { cells }, accepted));
+        found.push(Diagnostic::new(&at, Fault::TooManyCells { cells }, accepted));
         return;
     }
     let Some(duration) = root.number("duration_s") else {
         return;
     };
     let steps = (duration / step_s).ceil();
-    if steps > MOST_STEPS {
-        let problem = Problem::TooManySteps { steps, step_s };
-        let accepted = format!(
-            "at most {} steps: a shorter duration_s or a larger cell_m",
-            number(MOST_STEPS)
-        );
-        found.push(Diagnostic::new(&at, problem, accepted));
+    if steps > MAX_STEPS {
+        let fault = Fault::TooManySteps { steps, step_s };
+        let accepted =
+            format!("at most {} steps: a shorter duration_s or a larger cell_m", number(MAX_STEPS));
+        found.push(Diagnostic::new(&at, fault, accepted));
     }
 }

@@ -1,10 +1,12 @@
-//! Contact laws: references that lead somewhere, and curves that increase.
+//! Contact laws: references to existing laws, and increasing curves.
 
-use super::{MOST_SERIES_DEPTH, Node};
-use crate::diagnostic::{Bound, Diagnostic, Problem, brief, list};
+use super::{MAX_SERIES_DEPTH, Node};
+use crate::diagnostic::Diagnostic;
+use crate::fault::{Bound, Fault};
 use crate::suggest::nearest;
+use crate::wording::{brief, list};
 
-/// Checks every law of the scenario, named or in place.
+/// Checks all laws of the scenario, named or in place.
 pub(super) fn check(root: &Node<'_>, found: &mut Vec<Diagnostic>) {
     let laws = root.get("laws");
     let names = laws.as_ref().and_then(|laws| laws.value.as_object());
@@ -28,13 +30,13 @@ pub(super) fn check(root: &Node<'_>, found: &mut Vec<Diagnostic>) {
 
 struct Checker<'a, 'f> {
     laws: Option<Node<'a>>,
-    /// What a reference to a law accepts, in words.
+    /// Accepted references to a law, in words.
     accepted: String,
     found: &'f mut Vec<Diagnostic>,
 }
 
 impl<'a> Checker<'a, '_> {
-    /// A name that must exist, or a law in place.
+    /// Checks the name of a law, or a law in place.
     fn reference(&mut self, node: &Node<'a>) {
         let Some(name) = node.value.as_str() else {
             return self.law(node);
@@ -43,8 +45,8 @@ impl<'a> Checker<'a, '_> {
         if readable && self.named(name).is_none() {
             let laws = self.laws.as_ref().and_then(|laws| laws.value.as_object());
             let near = nearest(name, laws.into_iter().flatten().map(|(name, _)| name.as_str()));
-            let problem = Problem::UnknownLaw { name: name.to_owned() };
-            let unknown = Diagnostic::new(&node.at, problem, self.accepted.clone());
+            let fault = Fault::UnknownLaw { name: name.to_owned() };
+            let unknown = Diagnostic::new(&node.at, fault, self.accepted.clone());
             self.found.push(unknown.suggest_word(near));
         }
     }
@@ -67,22 +69,22 @@ impl<'a> Checker<'a, '_> {
         }
     }
 
-    /// The stiffness of a power law must not overflow or vanish at a usual
+    /// Checks that the stiffness of a power law neither overflows nor vanishes at a typical
     /// pressure, 1e6 Pa.
     fn power(&mut self, law: &Node<'a>) {
         if let (Some(coefficient), Some(exponent)) =
             (law.number("coefficient"), law.number("exponent"))
         {
             let value = coefficient * 1e6_f64.powf(exponent);
-            self.storable(law, value, "the stiffness C p^m at 1e6 Pa");
+            self.finite_positive(law, value, "the stiffness C p^m at 1e6 Pa");
         }
     }
 
-    fn storable(&mut self, law: &Node<'a>, value: f64, quantity: &'static str) {
+    fn finite_positive(&mut self, law: &Node<'a>, value: f64, quantity: &'static str) {
         if value == 0.0 || !value.is_finite() {
-            let problem = Problem::Degenerate { quantity, value };
+            let fault = Fault::Degenerate { quantity, value };
             let accepted = "a coefficient and an exponent that give a finite stiffness above zero";
-            self.found.push(Diagnostic::new(&law.at, problem, accepted));
+            self.found.push(Diagnostic::new(&law.at, fault, accepted));
         }
     }
 
@@ -94,11 +96,11 @@ impl<'a> Checker<'a, '_> {
         if let Some(first) = knots.first()
             && first.pair[0] != 0.0
         {
-            let problem = Problem::FirstKnot { pressure_pa: first.pair[0] };
+            let fault = Fault::FirstKnot { pressure_pa: first.pair[0] };
             self.found.push(Diagnostic::new(
                 &first.node.at.child(0),
-                problem,
-                "0, the stiffness without pressure",
+                fault,
+                "0, the pressure of the first knot",
             ));
         }
         let Some(transition_pa) = law.number("transition_pa") else {
@@ -107,9 +109,9 @@ impl<'a> Checker<'a, '_> {
         for knot in &knots {
             let pressure_pa = knot.pair[0];
             if pressure_pa >= transition_pa {
-                let problem = Problem::KnotBeyondTransition { pressure_pa, transition_pa };
+                let fault = Fault::KnotBeyondTransition { pressure_pa, transition_pa };
                 let accepted = "a pressure below transition_pa, above which the power law holds";
-                self.found.push(Diagnostic::new(&knot.node.at.child(0), problem, accepted));
+                self.found.push(Diagnostic::new(&knot.node.at.child(0), fault, accepted));
             }
         }
         let (Some(coefficient), Some(exponent)) =
@@ -118,27 +120,30 @@ impl<'a> Checker<'a, '_> {
             return;
         };
         let transition_stiffness_pa_per_m = coefficient * transition_pa.powf(exponent);
-        self.storable(law, transition_stiffness_pa_per_m, "the stiffness C p^m at transition_pa");
+        self.finite_positive(
+            law,
+            transition_stiffness_pa_per_m,
+            "the stiffness C p^m at transition_pa",
+        );
         if let Some(last) = knots.last()
             && last.pair[1] >= transition_stiffness_pa_per_m
         {
             let stiffness_pa_per_m = last.pair[1];
-            let problem =
-                Problem::KnotTooStiff { stiffness_pa_per_m, transition_stiffness_pa_per_m };
+            let fault = Fault::KnotTooStiff { stiffness_pa_per_m, transition_stiffness_pa_per_m };
             let accepted =
                 "a stiffness below coefficient transition_pa^exponent, so that the law increases";
-            self.found.push(Diagnostic::new(&last.node.at.child(1), problem, accepted));
+            self.found.push(Diagnostic::new(&last.node.at.child(1), fault, accepted));
         }
     }
 
-    /// The numbers of one column must increase.
+    /// Checks that the numbers of one column increase.
     fn curve(&mut self, points: &[Pair<'a>], quantity: &'static str, column: usize) {
         for (before, point) in points.iter().zip(points.iter().skip(1)) {
             let (previous, value) = (before.pair[column], point.pair[column]);
             if value <= previous {
-                let problem = Problem::NotIncreasing { quantity, previous, value };
+                let fault = Fault::NotIncreasing { quantity, previous, value };
                 let accepted = "a number greater than the one in the row before";
-                self.found.push(Diagnostic::new(&point.node.at.child(column), problem, accepted));
+                self.found.push(Diagnostic::new(&point.node.at.child(column), fault, accepted));
             }
         }
     }
@@ -152,34 +157,29 @@ impl<'a> Checker<'a, '_> {
             for (column, (bound, accepted)) in bounds.into_iter().enumerate() {
                 let value = point.pair[column];
                 if !bound.holds(value) {
-                    let problem = Problem::OutOfBounds { value, bound };
-                    self.found.push(Diagnostic::new(
-                        &point.node.at.child(column),
-                        problem,
-                        accepted,
-                    ));
+                    let fault = Fault::OutOfBounds { value, bound };
+                    self.found.push(Diagnostic::new(&point.node.at.child(column), fault, accepted));
                 }
             }
         }
     }
 
-    /// Follows laws in series inwards from `start`: a reference, or the law
-    /// named `own` in "laws".
+    /// Follows laws in series inwards from `start`: a reference, or the law named `own` in "laws".
     fn series(&mut self, start: &Node<'a>, own: Option<&'a str>) {
         let mut chain: Vec<&str> = own.into_iter().collect();
         let mut law = start.clone();
-        for _ in 0..=MOST_SERIES_DEPTH {
+        for _ in 0..=MAX_SERIES_DEPTH {
             if let Some(name) = law.value.as_str() {
                 let first = chain.iter().position(|known| *known == name);
                 chain.push(name);
                 if let Some(first) = first {
-                    // One report a cycle: at its law that is first in the alphabet.
+                    // One report for each cycle, at its first law in alphabetical order.
                     if first == 0 && own == chain.iter().copied().min() {
                         let chain = chain.into_iter().map(str::to_owned).collect();
-                        let problem = Problem::CyclicLaw { chain };
-                        let accepted = "a law that does not lead back to this one";
+                        let fault = Fault::CyclicLaw { chain };
+                        let accepted = "a law that does not refer back to this one";
                         let at = start.at.child("law");
-                        self.found.push(Diagnostic::new(&at, problem, accepted));
+                        self.found.push(Diagnostic::new(&at, fault, accepted));
                     }
                     return;
                 }
@@ -193,9 +193,9 @@ impl<'a> Checker<'a, '_> {
                 _ => return,
             }
         }
-        let most = MOST_SERIES_DEPTH;
-        let accepted = format!("at most {most} laws in series inside one another");
-        self.found.push(Diagnostic::new(&start.at, Problem::LawTooDeep { most }, accepted));
+        let max = MAX_SERIES_DEPTH;
+        let accepted = format!("at most {max} nested laws in series");
+        self.found.push(Diagnostic::new(&start.at, Fault::LawTooDeep { max }, accepted));
     }
 
     fn named(&self, name: &str) -> Option<Node<'a>> {
@@ -203,13 +203,13 @@ impl<'a> Checker<'a, '_> {
     }
 }
 
-/// A row [pressure, stiffness] and its place.
+/// Row [pressure, stiffness] and its place.
 struct Pair<'a> {
     node: Node<'a>,
     pair: [f64; 2],
 }
 
-/// The rows of the array at `key`, unless one of them is not a pair of numbers.
+/// Rows of the array at `key`; none if one of them is not a pair of numbers.
 fn pairs<'a>(law: &Node<'a>, key: &str) -> Vec<Pair<'a>> {
     let pair = |node: Node<'a>| {
         let [pressure, stiffness] = node.value.as_array()?.as_slice() else {

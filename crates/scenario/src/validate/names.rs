@@ -1,17 +1,18 @@
-//! Names: unique, and fit for column headers and file names.
+//! Names: unique, and usable in column headers and file names.
 
 use std::collections::HashMap;
 
 use super::Node;
-use crate::diagnostic::{Diagnostic, NameFault, Problem};
+use crate::diagnostic::Diagnostic;
+use crate::fault::{Fault, NameFault};
 
 /// Longest name in bytes.
-const LONGEST: usize = 100;
+const MAX_BYTES: usize = 100;
 
-/// Characters that a column header or a quoted CSV entry cannot hold plainly.
+/// Characters that a column header cannot contain without quotes.
 const NOT_IN_HEADERS: &str = ",:\"";
 
-/// Characters that file names cannot hold on one system or another.
+/// Characters that are not accepted in file names by all systems.
 const NOT_IN_FILES: &str = "/\\:*?\"<>|";
 
 /// Checks the names of bodies, interfaces and laws.
@@ -21,7 +22,7 @@ pub(super) fn check(root: &Node<'_>, found: &mut Vec<Diagnostic>) {
     let mut first = HashMap::new();
     for (name, law) in root.entries("laws") {
         usable(name, NOT_IN_FILES, &law, found);
-        // File names differ by more than case on every system.
+        // Some file systems ignore case.
         unique(name, &name.to_lowercase(), &law, &mut first, found);
     }
 }
@@ -45,12 +46,8 @@ fn unique(
 ) {
     if let Some(first) = first.get(identity) {
         let (name, first) = (name.to_owned(), first.clone());
-        let problem = Problem::RepeatedName { name, first };
-        found.push(Diagnostic::new(
-            &node.at,
-            problem,
-            "a name that no other one has, in upper or lower case",
-        ));
+        let fault = Fault::RepeatedName { name, first };
+        found.push(Diagnostic::new(&node.at, fault, "a unique name"));
     } else {
         first.insert(identity.to_owned(), node.at.to_string());
     }
@@ -60,12 +57,12 @@ fn usable(name: &str, refused: &str, node: &Node<'_>, found: &mut Vec<Diagnostic
     let bad = |character: &char| character.is_control() || refused.contains(*character);
     let fault = match name.chars().find(bad) {
         Some(character) => Some(NameFault::Character(character)),
-        None if name.len() > LONGEST => Some(NameFault::Long(LONGEST)),
+        None if name.len() > MAX_BYTES => Some(NameFault::Long(MAX_BYTES)),
         None if name.trim_matches([' ', '.']) != name => Some(NameFault::Edge),
         None => None,
     };
     if let Some(fault) = fault {
-        let problem = Problem::UnusableName { name: name.to_owned(), fault };
+        let fault = Fault::UnusableName { name: name.to_owned(), fault };
         let but: String = refused.chars().flat_map(|character| [' ', character]).collect();
         let mut accepted = "a name of letters, digits, spaces, hyphens and the like".to_owned();
         if !but.is_empty() {
@@ -75,13 +72,9 @@ fn usable(name: &str, refused: &str, node: &Node<'_>, found: &mut Vec<Diagnostic
         let plain: String =
             name.trim_matches([' ', '.']).chars().map(|c| if bad(&c) { '-' } else { c }).collect();
         let plain = plain.trim_matches([' ', '.', '-']).to_owned();
-        let plain = Some(plain).filter(|plain| !plain.is_empty() && plain.len() <= LONGEST);
-        found.push(Diagnostic::new(&node.at, problem, accepted).suggest_word(plain.as_deref()));
+        let plain = Some(plain).filter(|plain| !plain.is_empty() && plain.len() <= MAX_BYTES);
+        found.push(Diagnostic::new(&node.at, fault, accepted).suggest_word(plain.as_deref()));
     } else if name.is_empty() {
-        found.push(Diagnostic::new(
-            &node.at,
-            Problem::EmptyText,
-            "a name of at least one character",
-        ));
+        found.push(Diagnostic::new(&node.at, Fault::EmptyText, "a name of at least one character"));
     }
 }

@@ -10,7 +10,7 @@ use super::{Parameter, SensitivityError};
 use crate::assemble::Assembly;
 use crate::run::rest_state;
 use crate::summary::StaticSummary;
-use asperity_scenario::document::Document;
+use asperity_scenario::Document;
 
 /// The hit that is varied, and how many modes of each body it keeps.
 pub(super) struct Base {

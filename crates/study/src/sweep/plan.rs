@@ -8,9 +8,7 @@ use thiserror::Error;
 
 use super::variation::{Variation, VariationError, number_of_runs};
 use crate::error::StudyError;
-use asperity_scenario::diagnostic::Invalid;
-use asperity_scenario::document::{Document, SetError, set_value};
-use asperity_scenario::{ExcitationSpec, Scenario};
+use asperity_scenario::{Document, ExcitationSpec, InvalidDocument, Scenario, SetError, set_value};
 
 /// Most combinations of extreme values that are checked; beyond, each value on its own.
 const MOST_CORNERS: usize = 4096;
@@ -38,7 +36,7 @@ pub enum SweepError {
         /// The values tried.
         values: String,
         /// What is wrong.
-        source: Invalid,
+        source: InvalidDocument,
     },
 }
 

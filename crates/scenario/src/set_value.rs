@@ -1,84 +1,91 @@
-//! Setting one value of a scenario: `--set POINTER=VALUE`.
+//! Changing one value of a scenario, by its JSON Pointer.
 
 use std::collections::BTreeSet;
 
 use serde_json::{Map, Value};
 use thiserror::Error;
 
-use crate::diagnostic::{brief, list};
 use crate::locate::{self, SyntaxError};
-use crate::pointer::{Pointer, PointerError};
-use crate::schema::schema;
+use crate::pointer::{JsonPointer, PointerError};
+use crate::scenario::scenario_schema;
 use crate::suggest::nearest;
+use crate::wording::{brief, list};
 
-/// A value that cannot be set.
+/// Error of a value that cannot be set.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum SetError {
-    /// The pointer is not a JSON Pointer.
+    /// Pointer that is not a JSON Pointer.
     #[error(transparent)]
     Pointer {
-        /// Why.
+        /// Cause.
         #[from]
         source: PointerError,
     },
-    /// The pointer is empty: it would replace the whole scenario.
+    /// Empty pointer, which would replace the whole scenario.
     #[error(
-        "the empty pointer stands for the whole scenario; expected a pointer such as /excitation/peak_n"
+        "the empty pointer denotes the whole scenario; expected a pointer such as /excitation/peak_n"
     )]
     WholeDocument,
-    /// The pointer leads through a key or an index that is not there.
+    /// Pointer through a key or an index that does not exist.
     #[error("{pointer}: {} has no {}; {}accepted there: {}", place(deepest), brief(part), meant(suggestion.as_deref()), list(accepted))]
     Missing {
-        /// The pointer asked for.
+        /// Pointer to the value.
         pointer: String,
-        /// The deepest pointer that exists.
+        /// Deepest part of the pointer that exists.
         deepest: String,
-        /// The part that is not there.
+        /// Part that does not exist.
         part: String,
-        /// The keys or indices that are.
+        /// Keys or indices that exist.
         accepted: Vec<String>,
-        /// The pointer that may have been meant.
+        /// Pointer that may have been meant.
         suggestion: Option<String>,
     },
-    /// The pointer leads into a value that holds nothing.
-    #[error("{pointer}: {deepest} holds a single value, so there is nothing inside it to set")]
+    /// Pointer into a number, a string, a truth value or null.
+    #[error("{pointer}: {deepest} is neither an object nor an array; nothing inside it can be set")]
     NotAContainer {
-        /// The pointer asked for.
+        /// Pointer to the value.
         pointer: String,
-        /// The pointer to the single value.
+        /// Pointer to that value.
         deepest: String,
     },
-    /// The value starts as a JSON array, object or text, but is none.
+    /// Value that starts like a JSON array, object or string but is not JSON.
     #[error("{pointer}: the value is not JSON: {source}")]
     Value {
-        /// The pointer asked for.
+        /// Pointer to the value.
         pointer: String,
-        /// Why.
+        /// Cause.
         source: SyntaxError,
     },
-    /// The value writes a key more than once.
+    /// Value with a repeated key.
     #[error(
-        "{pointer}: the value writes the key {repeated} more than once; expected each key once"
+        "{pointer}: the value contains the key {repeated} more than once; expected each key once"
     )]
     RepeatedKey {
-        /// The pointer asked for.
+        /// Pointer to the value.
         pointer: String,
-        /// Pointer to the key inside the value.
+        /// JsonPointer to the key inside the value.
         repeated: String,
     },
 }
 
-fn place(deepest: &str) -> &str {
-    if deepest.is_empty() { "the top level" } else { deepest }
-}
-
-fn meant(suggestion: Option<&str>) -> String {
-    suggestion.map_or_else(String::new, |pointer| format!("did you mean {pointer}? "))
-}
-
-/// Sets a value inside `document`, or leaves it as it is; returns where.
-pub fn set(document: &mut Value, pointer: &str, text: &str) -> Result<Pointer, SetError> {
-    let target: Pointer = pointer.parse()?;
+/// Sets the value at a JSON Pointer of a scenario, and returns the pointer.
+///
+/// `text` is taken as JSON if it is JSON, else as a string. The pointer leads to an existing value,
+/// to a new key of an object, or to `-` after the last item of an array. An object that the
+/// scenario leaves to its default is written out when a value inside it is set.
+///
+/// # Errors
+/// [`SetError`] for a pointer or a value that is not valid; `document` is then unchanged.
+///
+/// ```
+/// let mut scenario = serde_json::json!({"gravity_m_per_s2": 9.81});
+/// asperity_scenario::set_value(&mut scenario, "/method/step_s", "1e-5")?;
+/// assert_eq!(scenario["method"], serde_json::json!({"kind": "modal", "step_s": 1e-5}));
+/// # Ok::<(), asperity_scenario::SetError>(())
+/// ```
+pub fn set_value(document: &mut Value, pointer: &str, text: &str) -> Result<JsonPointer, SetError> {
+    let target: JsonPointer = pointer.parse()?;
     let value = parse(&target, text)?;
     let Some((last, parents)) = target.parts().split_last() else {
         return Err(SetError::WholeDocument);
@@ -104,9 +111,16 @@ pub fn set(document: &mut Value, pointer: &str, text: &str) -> Result<Pointer, S
     Ok(target)
 }
 
-/// Whether the part at `depth` of the pointer can be followed, or be set if it
-/// is the last one.
-fn check_part(document: &Value, target: &Pointer, depth: usize) -> Result<(), SetError> {
+fn place(deepest: &str) -> &str {
+    if deepest.is_empty() { "the top level" } else { deepest }
+}
+
+fn meant(suggestion: Option<&str>) -> String {
+    suggestion.map_or_else(String::new, |pointer| format!("did you mean {pointer}? "))
+}
+
+/// Checks that the part at `depth` of the pointer exists, or can be added if it is the last one.
+fn check_part(document: &Value, target: &JsonPointer, depth: usize) -> Result<(), SetError> {
     let Some(part) = target.parts().get(depth) else {
         return Ok(());
     };
@@ -155,28 +169,27 @@ fn check_part(document: &Value, target: &Pointer, depth: usize) -> Result<(), Se
     })
 }
 
-/// The index of the item whose "name" is `part`.
+/// Index of the item whose "name" is `part`.
 fn by_name(items: &[Value], part: &str) -> Option<usize> {
     let named = |item: &Value| item.get("name").and_then(Value::as_str) == Some(part);
     items.iter().position(named)
 }
 
-/// An array index as RFC 6901 writes it: digits without a leading zero.
+/// Array index in the notation of RFC 6901: digits without a leading zero.
 fn index(part: &str) -> Option<usize> {
     let digits = part.bytes().all(|byte| byte.is_ascii_digit());
     let plain = digits && (part == "0" || !part.starts_with('0'));
     part.parse().ok().filter(|_| plain)
 }
 
-/// Writes out the default of the top-level object that the pointer leads into,
-/// when the scenario leaves it out or gives its kind alone.
-fn fill_default(document: &mut Value, target: &Pointer) {
+/// Writes out the default of the top-level object that the pointer leads into, where the scenario
+/// leaves it out or gives its kind alone.
+fn fill_default(document: &mut Value, target: &JsonPointer) {
     let (Some(key), Value::Object(object)) = (target.parts().first(), document) else {
         return;
     };
-    let schema = schema();
     let Some(default @ Value::Object(_)) =
-        schema.pointer(&format!("/properties{}/default", target.ancestor(1)))
+        scenario_schema().pointer(&format!("/properties{}/default", target.ancestor(1)))
     else {
         return;
     };
@@ -192,8 +205,8 @@ fn fill_default(document: &mut Value, target: &Pointer) {
     }
 }
 
-/// The value a text stands for: JSON where it is JSON, else the text itself.
-fn parse(target: &Pointer, text: &str) -> Result<Value, SetError> {
+/// Value of a text: JSON if it is JSON, else the text as a string.
+fn parse(target: &JsonPointer, text: &str) -> Result<Value, SetError> {
     let pointer = || target.to_string();
     match (locate::locate(text, &BTreeSet::new()), serde_json::from_str(text)) {
         (Ok(places), Ok(value)) => match places.repeated.into_iter().next() {

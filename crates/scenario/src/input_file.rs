@@ -1,4 +1,4 @@
-//! Opening a file named by the user: a plain file, no larger than expected.
+//! Opening of an input file: a regular file of limited size.
 
 use std::fs::File;
 use std::io;
@@ -6,33 +6,34 @@ use std::path::Path;
 
 use thiserror::Error;
 
-/// A file that cannot be opened, or that is not what is expected.
+/// Error of an input file that cannot be opened or is not acceptable.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
+#[non_exhaustive]
 pub enum InputError {
-    /// There is no such file.
+    /// File that does not exist.
     #[error("there is no such file")]
     NotFound,
-    /// It is a directory.
+    /// Directory.
     #[error("it is a directory; a file is expected")]
     Directory,
-    /// It is neither a file nor a directory, e.g. a pipe.
+    /// Neither a file nor a directory, e.g. a pipe.
     #[error("it is not a regular file")]
     NotRegular,
-    /// Reading it is not permitted.
+    /// Missing permission to read.
     #[error("reading it is not permitted")]
     NotPermitted,
-    /// It is larger than any sensible input.
-    #[error("it holds {bytes} bytes; at most {most} are accepted")]
+    /// Size above the limit.
+    #[error("it holds {bytes} bytes; at most {max} are accepted")]
     TooLarge {
-        /// Its size in bytes.
+        /// Size in bytes.
         bytes: u64,
-        /// Most bytes accepted.
-        most: u64,
+        /// Largest accepted size in bytes.
+        max: u64,
     },
-    /// The operating system reports another failure.
+    /// Any other failure that the operating system reports.
     #[error("it cannot be read: {kind}")]
     Unreadable {
-        /// What the operating system reports.
+        /// Kind of the failure.
         kind: io::ErrorKind,
     },
 }
@@ -48,12 +49,17 @@ impl From<io::Error> for InputError {
     }
 }
 
-/// Opens a regular file of at most `most` bytes, judging by its metadata before
-/// anything is read.
+/// Opens a regular file of at most `max_bytes`, checked by its metadata before anything is read.
 ///
 /// # Errors
-/// [`InputError`] says why the file cannot be used.
-pub fn open(path: &Path, most: u64) -> Result<File, InputError> {
+/// [`InputError`] for a file that does not exist, is not regular, is too large or cannot be read.
+///
+/// ```
+/// use asperity_scenario::{InputError, open_input};
+///
+/// assert_eq!(open_input("no-such-file".as_ref(), 1024).unwrap_err(), InputError::NotFound);
+/// ```
+pub fn open_input(path: &Path, max_bytes: u64) -> Result<File, InputError> {
     let metadata = std::fs::metadata(path)?;
     if metadata.is_dir() {
         return Err(InputError::Directory);
@@ -61,9 +67,8 @@ pub fn open(path: &Path, most: u64) -> Result<File, InputError> {
     if !metadata.is_file() {
         return Err(InputError::NotRegular);
     }
-    if metadata.len() > most {
-        let bytes = metadata.len();
-        return Err(InputError::TooLarge { bytes, most });
+    if metadata.len() > max_bytes {
+        return Err(InputError::TooLarge { bytes: metadata.len(), max: max_bytes });
     }
     Ok(File::open(path)?)
 }

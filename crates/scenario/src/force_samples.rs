@@ -1,4 +1,4 @@
-//! A measured force: CSV rows `time_s,force_n`.
+//! Measured force: CSV rows `time_s,force_n`.
 
 use std::io::Read;
 use std::path::Path;
@@ -6,16 +6,25 @@ use std::path::Path;
 use csv::{ByteRecord, ReaderBuilder, Terminator, Trim};
 use thiserror::Error;
 
-use crate::diagnostic::{brief, count, number};
-use crate::input::{self, InputError};
+use crate::input_file::{InputError, open_input};
+use crate::wording::{brief, count, number};
 
-/// Most bytes of a file of samples.
-pub const MOST_SAMPLE_BYTES: u64 = 1 << 30;
+/// Largest size of a samples file in bytes.
+pub const MAX_SAMPLE_BYTES: u64 = 1 << 30;
 
-/// The columns of a file of samples.
+/// Columns of a samples file.
 const COLUMNS: [&str; 2] = ["time_s", "force_n"];
 
-/// A force sampled in time.
+/// Force sampled in time.
+///
+/// ```
+/// use asperity_scenario::ForceSamples;
+///
+/// let pulse = ForceSamples::from_csv(&b"time_s,force_n\n0,0\n1e-3,8\n2e-3,0\n"[..])?;
+/// assert_eq!(pulse.peak_n(), 8.0);
+/// assert_eq!(pulse.rescaled(20.0)?.force_n, [0.0, 20.0, 0.0]);
+/// # Ok::<(), asperity_scenario::SamplesError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct ForceSamples {
     /// Times in s, strictly increasing.
@@ -24,25 +33,26 @@ pub struct ForceSamples {
     pub force_n: Vec<f64>,
 }
 
-/// A file of force samples that cannot be used.
+/// Error of force samples that cannot be used.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum SamplesError {
-    /// The file cannot be opened.
+    /// File that cannot be opened or read.
     #[error("{source}")]
     Input {
-        /// Why.
+        /// Cause.
         source: InputError,
     },
-    /// The file holds nothing.
+    /// Empty file.
     #[error("the samples file is empty; the header time_s,force_n is expected")]
     Empty,
-    /// The first line is not the header.
+    /// First line that is not the header.
     #[error("line 1 is {}; the header time_s,force_n is expected", brief(found))]
     Header {
-        /// The first line.
+        /// First line.
         found: String,
     },
-    /// A row with another number of columns.
+    /// Row with another number of columns.
     #[error(
         "line {line} has {}; 2 are expected: time_s,force_n",
         count(*found, "column", "columns")
@@ -53,17 +63,17 @@ pub enum SamplesError {
         /// Number of columns.
         found: usize,
     },
-    /// An entry that is not a finite number.
+    /// Entry that is not a finite number.
     #[error("line {line}: {column} is {}; a finite number is expected", brief(found))]
     NotANumber {
         /// Line, from 1.
         line: u64,
-        /// The column.
+        /// Column.
         column: &'static str,
-        /// The entry.
+        /// Entry.
         found: String,
     },
-    /// A time that is not after the one before.
+    /// Time that is not after the one before.
     #[error(
         "line {line}: time_s {} does not come after {}; times must increase",
         number(*time_s), number(*previous_s)
@@ -71,9 +81,9 @@ pub enum SamplesError {
     TimeNotIncreasing {
         /// Line, from 1.
         line: u64,
-        /// The time before in s.
+        /// Time before in s.
         previous_s: f64,
-        /// The time in s.
+        /// Time in s.
         time_s: f64,
     },
     /// Too few rows to interpolate between.
@@ -85,32 +95,30 @@ pub enum SamplesError {
         /// Number of rows after the header.
         rows: usize,
     },
-    /// A force that is zero throughout cannot be rescaled to a peak.
+    /// Force that is zero throughout and cannot be rescaled to a peak.
     #[error("the force is zero throughout, so it cannot be rescaled to a peak")]
     ZeroForce,
 }
 
 impl ForceSamples {
-    /// Reads a CSV file with the header `time_s,force_n` and at least two rows,
-    /// times strictly increasing. A byte order mark and either line ending are
-    /// accepted; the file is read as a stream.
+    /// Reads a CSV file with the header `time_s,force_n` and at least two rows of strictly
+    /// increasing times. A byte order mark and either line ending are accepted.
     ///
     /// # Errors
-    /// [`SamplesError`] says why the file cannot be used, with the line.
+    /// [`SamplesError`] with the line.
     pub fn read(path: &Path) -> Result<Self, SamplesError> {
-        let file = input::open(path, MOST_SAMPLE_BYTES)?;
+        let file = open_input(path, MAX_SAMPLE_BYTES)?;
         Self::from_csv(file)
     }
 
-    /// Reads the same from any stream; no more than [`MOST_SAMPLE_BYTES`] are taken.
+    /// Reads the same from a stream, of which at most [`MAX_SAMPLE_BYTES`] are taken.
     ///
     /// # Errors
-    /// [`SamplesError`] says why the samples cannot be used, with the line.
+    /// [`SamplesError`] with the line.
     pub fn from_csv(stream: impl Read) -> Result<Self, SamplesError> {
-        // Rows end at a line feed, a carriage return before it is white space,
-        // and the last row is given its line feed: then the line after a row is
-        // the row's own plus one.
-        let stream = stream.take(MOST_SAMPLE_BYTES).chain(&b"\n"[..]);
+        // Rows end at a line feed; a carriage return before it is white space. A line feed is
+        // appended to the last row, so the reader's line after a row is that of the row plus one.
+        let stream = stream.take(MAX_SAMPLE_BYTES).chain(&b"\n"[..]);
         let mut reader = ReaderBuilder::new()
             .terminator(Terminator::Any(b'\n'))
             .has_headers(false)
@@ -153,17 +161,17 @@ impl ForceSamples {
         }
     }
 
-    /// The force of largest magnitude in N, with its sign.
+    /// Force of largest magnitude in N, with its sign.
     pub fn peak_n(&self) -> f64 {
         let larger = |peak: f64, &force: &f64| if force.abs() > peak.abs() { force } else { peak };
         self.force_n.iter().fold(0.0, larger)
     }
 
-    /// The same force scaled so that its largest magnitude becomes `peak_n`
-    /// in N; a negative `peak_n` reverses it.
+    /// The same force, rescaled so that its largest magnitude is `peak_n` in N; a negative `peak_n`
+    /// reverses it.
     ///
     /// # Errors
-    /// [`SamplesError::ZeroForce`] when there is nothing to scale.
+    /// [`SamplesError::ZeroForce`] for a force that is zero throughout.
     pub fn rescaled(mut self, peak_n: f64) -> Result<Self, SamplesError> {
         let largest = self.peak_n().abs();
         if largest == 0.0 {
@@ -184,7 +192,7 @@ impl From<InputError> for SamplesError {
 
 impl From<csv::Error> for SamplesError {
     fn from(error: csv::Error) -> Self {
-        // Rows of any length and any bytes are taken, so only reading can fail.
+        // Rows of any length and any bytes are accepted, so only reading can fail.
         let kind = match error.into_kind() {
             csv::ErrorKind::Io(error) => error.kind(),
             _ => std::io::ErrorKind::InvalidData,

@@ -1,70 +1,71 @@
-//! The kinds of problems a scenario can have.
+//! Kinds of faults of a scenario.
 
 use std::fmt;
 
 use serde_json::Value;
 use thiserror::Error;
 
-use super::words::{brief, count, joined, number, rounded};
-use crate::samples::SamplesError;
+use crate::force_samples::SamplesError;
+use crate::wording::{brief, count, four_digits, joined, number};
 
-/// What is wrong with a value of a scenario.
+/// Fault of a value in a scenario.
 #[derive(Debug, Clone, PartialEq, Error)]
-pub enum Problem {
-    /// A key that has no meaning there.
+#[non_exhaustive]
+pub enum Fault {
+    /// Key without a meaning in its object.
     #[error("unknown key")]
     UnknownKey,
-    /// A key written more than once in one object.
+    /// Key written more than once in one object.
     #[error("the key is written more than once in this object")]
     RepeatedKey,
-    /// A key that must be there and is not.
+    /// Required key that is not given.
     #[error("missing key {}", brief(key))]
     MissingKey {
-        /// The key.
+        /// Key.
         key: String,
     },
-    /// A value of another type or another word than those accepted.
+    /// Value of another type, or another word, than those accepted.
     #[error("found {found}")]
     NotAccepted {
-        /// What is there.
-        found: Found,
+        /// Value found.
+        found: FoundValue,
     },
-    /// A kind that does not exist.
-    #[error("there is no kind {}", brief(kind))]
+    /// Kind that does not exist.
+    #[error("unknown kind {}", brief(kind))]
     UnknownKind {
-        /// The kind.
+        /// Kind.
         kind: String,
     },
-    /// A number outside its bound.
+    /// Number outside its bound.
     #[error("{} is out of range: it must be {bound}", number(*value))]
     OutOfBounds {
-        /// The number.
+        /// Number.
         value: f64,
-        /// The bound it breaks.
+        /// Bound that it violates.
         bound: Bound,
     },
-    /// A text without a character.
-    #[error("the text is empty")]
+    /// String without a character.
+    #[error("the string is empty")]
     EmptyText,
-    /// An array with too few or too many items.
+    /// Array with too few or too many items.
     #[error("the array has {}", count(*items, "item", "items"))]
     WrongLength {
         /// Number of items.
         items: usize,
     },
-    /// Keys of which exactly one must be given, and none is.
+    /// Keys of which exactly one is required, and none is given.
     #[error("neither {} is given", joined(keys, "nor"))]
     NoneGiven {
-        /// The keys.
+        /// Keys.
         keys: Vec<String>,
     },
-    /// Keys of which exactly one must be given, and several are.
+    /// Keys of which exactly one is required, and several are given.
     #[error("{} are given together", joined(keys, "and"))]
     SeveralGiven {
-        /// The keys given.
+        /// Keys given.
         keys: Vec<String>,
     },
-    /// Not one interface below each body.
+    /// Number of interfaces that differs from the number of bodies.
     #[error(
         "{} for {}",
         count(*interfaces, "interface", "interfaces"),
@@ -76,57 +77,57 @@ pub enum Problem {
         /// Number of bodies.
         bodies: usize,
     },
-    /// A name that another one of its family has.
-    #[error("the name {} is already that of {first}", brief(name))]
+    /// Name used twice among bodies, interfaces or laws.
+    #[error("the name {} is already used by {first}", brief(name))]
     RepeatedName {
-        /// The name.
+        /// Name.
         name: String,
-        /// Pointer to what had it first.
+        /// Pointer to its first use.
         first: String,
     },
-    /// A name that cannot head a column or name a file.
+    /// Name that cannot head a column or name a file.
     #[error("the name {} {fault}", brief(name))]
     UnusableName {
-        /// The name.
+        /// Name.
         name: String,
-        /// What is wrong with it.
+        /// Fault of the name.
         fault: NameFault,
     },
-    /// A law that is not in "laws".
+    /// Reference to a law that is not in "laws".
     #[error("there is no law named {}", brief(name))]
     UnknownLaw {
-        /// The name.
+        /// Name.
         name: String,
     },
-    /// A law in series that ends up in itself.
+    /// Law in series that refers back to itself.
     #[error("the law is in series with itself: {}", chain.join(" -> "))]
     CyclicLaw {
-        /// The names from the law back to itself.
+        /// Names from the law back to itself.
         chain: Vec<String>,
     },
     /// Laws in series nested too deep.
-    #[error("more than {most} laws are in series inside one another")]
+    #[error("laws in series are nested more than {max} deep")]
     LawTooDeep {
-        /// Deepest nesting accepted.
-        most: usize,
+        /// Deepest accepted nesting.
+        max: usize,
     },
-    /// A column of numbers that must increase and does not.
+    /// Column of numbers that does not increase.
     #[error("{} does not increase: {} follows {}", quantity, number(*value), number(*previous))]
     NotIncreasing {
-        /// What the numbers are.
+        /// Quantity of the numbers.
         quantity: &'static str,
-        /// The number before.
+        /// Number before.
         previous: f64,
-        /// The number that is not above it.
+        /// Number that is not above it.
         value: f64,
     },
-    /// The knots of a modified power law do not start at zero pressure.
+    /// First knot of a modified power law at a pressure other than zero.
     #[error("the first knot is at {} Pa", number(*pressure_pa))]
     FirstKnot {
-        /// Its pressure in Pa.
+        /// Pressure of the knot in Pa.
         pressure_pa: f64,
     },
-    /// A knot of a modified power law beyond its transition.
+    /// Knot of a modified power law beyond its transition.
     #[error("the knot at {} Pa is not below transition_pa, {} Pa", number(*pressure_pa), number(*transition_pa))]
     KnotBeyondTransition {
         /// Pressure of the knot in Pa.
@@ -134,10 +135,10 @@ pub enum Problem {
         /// Transition pressure in Pa.
         transition_pa: f64,
     },
-    /// A knot of a modified power law at least as stiff as the power law at the transition.
+    /// Knot of a modified power law at least as stiff as the power law at the transition.
     #[error(
         "the last knot's stiffness {} Pa/m is not below the power law's at the transition, {} Pa/m",
-        rounded(*stiffness_pa_per_m), rounded(*transition_stiffness_pa_per_m)
+        four_digits(*stiffness_pa_per_m), four_digits(*transition_stiffness_pa_per_m)
     )]
     KnotTooStiff {
         /// Stiffness of the knot in Pa/m.
@@ -145,77 +146,77 @@ pub enum Problem {
         /// Stiffness `C p^m` at the transition in Pa/m.
         transition_stiffness_pa_per_m: f64,
     },
-    /// A number computed from the scenario is zero or too large to be stored.
-    #[error("{quantity} comes out as {}", number(*value))]
+    /// Quantity derived from the scenario that is zero or exceeds the range of numbers.
+    #[error("{quantity} evaluates to {}", number(*value))]
     Degenerate {
-        /// What is computed.
+        /// Quantity.
         quantity: &'static str,
-        /// What comes out.
+        /// Its value.
         value: f64,
     },
-    /// Too few samples for a spectrum.
-    #[error("duration_s times output_rate_hz gives {} samples", rounded(*samples))]
+    /// Too few output samples for a spectrum.
+    #[error("duration_s times output_rate_hz gives {} samples", four_digits(*samples))]
     TooFewSamples {
         /// Number of samples.
         samples: f64,
     },
-    /// More samples than can be held.
+    /// More output samples than can be held in memory.
     #[error(
         "duration_s times output_rate_hz gives {} samples, about {} GB",
-        rounded(*samples), rounded(*gigabytes)
+        four_digits(*samples), four_digits(*gigabytes)
     )]
     TooManySamples {
         /// Number of samples.
         samples: f64,
-        /// Memory of the history in GB.
+        /// Memory of the time history in GB.
         gigabytes: f64,
     },
-    /// More finite-difference cells than can be held.
-    #[error("length_m / cell_m gives {} cells in the body", rounded(*cells))]
+    /// More finite-difference cells than can be held in memory.
+    #[error("length_m / cell_m gives {} cells in the body", four_digits(*cells))]
     TooManyCells {
         /// Number of cells.
         cells: f64,
     },
-    /// More time steps than can be waited for.
-    #[error("the run would take {} time steps of {} s", rounded(*steps), rounded(*step_s))]
+    /// More time steps than can be computed.
+    #[error("the run would take {} time steps of {} s", four_digits(*steps), four_digits(*step_s))]
     TooManySteps {
         /// Number of steps.
         steps: f64,
-        /// Length of a step in s.
+        /// Step in s.
         step_s: f64,
     },
-    /// The document fits the schema but not the types the schema is made from:
-    /// a defect of this program.
+    /// Document that fits the schema but not the types it is generated from: a defect of this
+    /// program.
     #[error("the document cannot be read although it fits the schema: {reason}")]
     SchemaGap {
-        /// What the deserialiser reports.
+        /// Message of the deserialiser.
         reason: String,
     },
-    /// A file of force samples that cannot be used.
+    /// File of force samples that cannot be used.
     #[error("{}: {source}", brief(file))]
     Samples {
-        /// The file, as the scenario names it.
+        /// File, as named in the scenario.
         file: String,
-        /// What is wrong with it.
+        /// Cause.
         source: SamplesError,
     },
 }
 
-/// The bound a number breaks.
+/// Bound that a number violates.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Bound {
-    /// It must be greater than this.
+    /// Greater than this.
     Above(f64),
-    /// It must be at least this.
+    /// At least this.
     AtLeast(f64),
-    /// It must be less than this.
+    /// Less than this.
     Below(f64),
-    /// It must be at most this.
+    /// At most this.
     AtMost(f64),
 }
 
 impl Bound {
-    /// Whether `value` keeps the bound.
+    /// True where `value` satisfies the bound.
     pub fn holds(self, value: f64) -> bool {
         match self {
             Self::Above(limit) => value > limit,
@@ -237,29 +238,28 @@ impl fmt::Display for Bound {
     }
 }
 
-/// What is found where something else is accepted.
+/// Value found instead of an accepted one.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Found {
+pub enum FoundValue {
     /// `null`.
     Null,
     /// `true` or `false`.
-    Truth(bool),
-    /// A number.
+    Bool(bool),
+    /// Number.
     Number(f64),
-    /// A text.
+    /// String.
     Text(String),
-    /// An array.
+    /// Array.
     Array,
-    /// An object.
+    /// Object.
     Object,
 }
 
-impl Found {
-    /// What `value` is.
-    pub fn of(value: &Value) -> Self {
+impl From<&Value> for FoundValue {
+    fn from(value: &Value) -> Self {
         match value {
             Value::Null => Self::Null,
-            Value::Bool(truth) => Self::Truth(*truth),
+            Value::Bool(truth) => Self::Bool(*truth),
             Value::Number(number) => Self::Number(number.as_f64().unwrap_or(f64::NAN)),
             Value::String(text) => Self::Text(text.clone()),
             Value::Array(_) => Self::Array,
@@ -268,36 +268,36 @@ impl Found {
     }
 }
 
-impl fmt::Display for Found {
+impl fmt::Display for FoundValue {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Null => f.write_str("null"),
-            Self::Truth(truth) => write!(f, "{truth}"),
+            Self::Bool(truth) => write!(f, "{truth}"),
             Self::Number(value) => write!(f, "the number {}", number(*value)),
-            Self::Text(text) => write!(f, "the text {}", brief(text)),
+            Self::Text(text) => write!(f, "the string {}", brief(text)),
             Self::Array => f.write_str("an array"),
             Self::Object => f.write_str("an object"),
         }
     }
 }
 
-/// Why a name cannot head a column or name a file.
+/// Fault of a name that cannot head a column or name a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum NameFault {
-    /// It holds this character.
+    /// Character that is not accepted.
     Character(char),
-    /// It starts or ends with a space or a dot.
+    /// Space or dot at the start or the end.
     Edge,
-    /// It is longer than this many bytes.
+    /// More than this many bytes.
     Long(usize),
 }
 
 impl fmt::Display for NameFault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Character(character) => write!(f, "holds the character {character:?}"),
+            Self::Character(character) => write!(f, "contains the character {character:?}"),
             Self::Edge => f.write_str("starts or ends with a space or a dot"),
-            Self::Long(most) => write!(f, "is longer than {most} bytes"),
+            Self::Long(max) => write!(f, "is longer than {max} bytes"),
         }
     }
 }

@@ -1,21 +1,17 @@
-//! Every malformed scenario is refused with a message that says where, what,
-//! and what is accepted.
-
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+//! Messages of malformed scenarios: each names the place, the fault and the accepted values.
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use asperity_scenario::document::{Document, DocumentError, MOST_SCENARIO_BYTES};
-use asperity_scenario::input::InputError;
-use asperity_scenario::schema::schema;
-use asperity_scenario::schema_check;
+use asperity_scenario::{
+    Document, DocumentError, InputError, MAX_DOCUMENT_BYTES, check_schema, scenario_schema,
+};
 
 const FOLDER: &str = "../../fixtures/malformed";
 
-/// The malformed scenarios, by name.
+/// Malformed scenarios, sorted by name.
 fn fixtures() -> Vec<PathBuf> {
     let entries = fs::read_dir(FOLDER).unwrap();
     let files = entries.map(|entry| entry.unwrap().path());
@@ -24,7 +20,7 @@ fn fixtures() -> Vec<PathBuf> {
     fixtures
 }
 
-/// The message a person reads, without the folder.
+/// Message without the folder.
 fn message(path: &Path) -> String {
     let message = match Document::read(path) {
         Err(error) => error.to_string(),
@@ -71,9 +67,9 @@ fn every_samples_file_belongs_to_a_scenario() {
     }
 }
 
-/// The span of a diagnostic is what a person must change.
+/// The span of a diagnostic covers the faulty key or value.
 #[test]
-fn spans_underline_the_place() {
+fn spans_cover_the_faults() {
     let document = Document::read(format!("{FOLDER}/several-problems.json")).unwrap();
     let invalid = document.scenario().unwrap_err();
     let underlined =
@@ -82,18 +78,18 @@ fn spans_underline_the_place() {
     assert_eq!(underlined.collect::<Vec<_>>(), expected);
 }
 
-/// What our walker refuses, an independent validator of the same schema refuses;
-/// what only the cross conditions refuse, both accept.
+/// Faults of the schema are faults for an independent validator too; documents that violate
+/// conditions between values only are valid for both.
 #[test]
 fn an_independent_validator_agrees() {
-    let schema = schema();
+    let schema = scenario_schema();
     let validator = jsonschema::draft202012::new(schema).unwrap();
     let (mut refused, mut accepted) = (0, 0);
     for path in fixtures() {
         let Ok(document) = Document::read(&path) else {
             continue;
         };
-        let ours = schema_check::check(schema, document.value());
+        let ours = check_schema(schema, document.value());
         assert_eq!(ours.is_empty(), validator.is_valid(document.value()), "{}", path.display());
         if ours.is_empty() { accepted += 1 } else { refused += 1 }
     }
@@ -101,12 +97,12 @@ fn an_independent_validator_agrees() {
 }
 
 #[test]
-fn a_huge_file_is_refused_before_it_is_read() {
+fn a_huge_file_is_rejected_before_it_is_read() {
     let file = tempfile::NamedTempFile::new().unwrap();
     let bytes = 100_000_000;
     file.as_file().set_len(bytes).unwrap();
-    let most = MOST_SCENARIO_BYTES;
-    assert_input_error(file.path(), InputError::TooLarge { bytes, most });
+    let max = MAX_DOCUMENT_BYTES;
+    assert_input_error(file.path(), InputError::TooLarge { bytes, max });
 }
 
 #[test]
@@ -124,8 +120,7 @@ fn a_file_that_may_not_be_read_is_named() {
     fs::write(file.path(), "{}").unwrap();
     fs::set_permissions(file.path(), fs::Permissions::from_mode(0o000)).unwrap();
     if fs::read(file.path()).is_ok() {
-        println!("skipped: this user may read any file");
-        return;
+        return; // A privileged user may read any file.
     }
     assert_input_error(file.path(), InputError::NotPermitted);
 }
@@ -147,9 +142,9 @@ fn assert_input_error(path: &Path, expected: InputError) {
     assert!(!message.is_empty());
 }
 
-/// The walker and the cross conditions never meet on one place.
+/// The schema and the conditions between values report one fault once.
 #[test]
-fn no_problem_is_told_twice() {
+fn no_fault_is_reported_twice() {
     for path in fixtures() {
         if let Ok(document) = Document::read(&path) {
             let invalid = document.scenario().unwrap_err();

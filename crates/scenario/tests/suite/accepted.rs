@@ -1,20 +1,14 @@
-//! Scenarios that are accepted: the fixtures, and what `--set` makes of them.
-
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+//! Accepted scenarios: the fixtures, and changes of single values.
 
 use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::LazyLock;
 
-use asperity_scenario::document::Document;
-use asperity_scenario::locate::{self, SyntaxProblem};
-use asperity_scenario::samples::ForceSamples;
-use asperity_scenario::schema::schema;
-use asperity_scenario::schema_check;
-use asperity_scenario::validate::validate;
 use asperity_scenario::{
-    ContactScheme, DampingAmount, DampingSpec, ExcitationSpec, FiniteDifference, LawRef, LawSpec,
-    MethodSpec, Modal, Scenario, Section, SupportSpec,
+    ContactScheme, DampingAmount, DampingSpec, Document, DocumentError, ExcitationSpec,
+    FiniteDifferenceSpec, ForceSamples, LawRef, LawSpec, MethodSpec, ModalSpec, Scenario,
+    SectionSpec, SupportSpec, SyntaxFault, check_schema, scenario_schema, validate,
 };
 use proptest::prelude::*;
 use serde_json::{Value, json};
@@ -35,9 +29,8 @@ fn rig() -> Document {
 }
 
 #[test]
-fn every_fixture_is_accepted_and_survives_writing() {
-    let schema = schema();
-    let validator = jsonschema::draft202012::new(schema).unwrap();
+fn every_fixture_is_accepted_and_round_trips() {
+    let validator = jsonschema::draft202012::new(scenario_schema()).unwrap();
     let fixtures = fixtures();
     assert!(fixtures.len() >= 7);
     for path in fixtures {
@@ -55,7 +48,7 @@ fn every_fixture_is_accepted_and_survives_writing() {
 #[test]
 fn the_papers_rig_reads_as_written() {
     let scenario = rig().scenario().unwrap();
-    assert_eq!(scenario.bodies[0].section, Section::MassKg(1.61));
+    assert_eq!(scenario.bodies[0].section, SectionSpec::MassKg(1.61));
     // The guide bar's own section is 2.594e-3 m², to the four digits given.
     assert!((scenario.bodies[0].area_m2() / 2.594e-3 - 1.0).abs() < 2e-4);
     assert!((scenario.bodies[1].mass_kg() - 2710.0 * 1.15e-4 * 0.015).abs() < 1e-15);
@@ -71,7 +64,7 @@ fn the_papers_rig_reads_as_written() {
 }
 
 #[test]
-fn what_is_left_out_takes_its_default() {
+fn omitted_values_take_their_defaults() {
     let text = r#"{"schema": "asperity/scenario/1", "duration_s": 0.1,
         "bodies": [{"name": "b", "length_m": 0.1, "area_m2": 1e-4, "youngs_modulus_pa": 71e9, "density_kg_per_m3": 2710}],
         "interfaces": [{"name": "i", "area_m2": 1e-4, "law": {"kind": "constant", "stiffness_pa_per_m": 1e12}}],
@@ -82,7 +75,10 @@ fn what_is_left_out_takes_its_default() {
     assert_eq!(scenario.support, SupportSpec::Rigid);
     assert_eq!(scenario.excitation, ExcitationSpec::None);
     assert_eq!(scenario.output_rate_hz, 200_000.0);
-    assert_eq!(scenario.method, MethodSpec::Modal(Modal { step_s: None, modes_per_body: None }));
+    assert_eq!(
+        scenario.method,
+        MethodSpec::Modal(ModalSpec { step_s: None, modes_per_body: None })
+    );
     assert!(scenario.laws.is_empty());
     assert!(matches!(&scenario.interfaces[0].law, LawRef::InPlace(law)
         if matches!(**law, LawSpec::Constant { unilateral: false, .. })));
@@ -92,7 +88,7 @@ fn what_is_left_out_takes_its_default() {
 }
 
 #[test]
-fn measured_samples_are_found_beside_the_scenario() {
+fn measured_samples_are_found_in_the_folder_of_the_scenario() {
     let document = Document::read(format!("{FOLDER}/measured-hammer.json")).unwrap();
     let ExcitationSpec::Samples { file, peak_n } = document.scenario().unwrap().excitation else {
         panic!("the fixture is excited by samples");
@@ -124,7 +120,7 @@ fn set_changes_adds_and_appends() {
 }
 
 #[test]
-fn set_reaches_into_what_is_left_to_its_default() {
+fn values_inside_a_default_can_be_set() {
     let mut document = Document::read(format!("{FOLDER}/three-body.json")).unwrap();
     document.set("/method/cell_m", "0.0005").unwrap();
     document.set("/support", r#"{"kind": "rigid"}"#).unwrap();
@@ -136,11 +132,11 @@ fn set_reaches_into_what_is_left_to_its_default() {
     value.as_object_mut().unwrap().remove("method");
     let mut document = Document::parse(&value.to_string(), "three-body.json").unwrap();
     document.set("/method/step_s", "1e-5").unwrap();
-    let expected = MethodSpec::Modal(Modal { step_s: Some(1e-5), modes_per_body: None });
+    let expected = MethodSpec::Modal(ModalSpec { step_s: Some(1e-5), modes_per_body: None });
     assert_eq!(document.scenario().unwrap().method, expected);
     document.set("/method", "finite_difference").unwrap();
     document.set("/method/contact", "new_level").unwrap();
-    let expected = FiniteDifference { contact: ContactScheme::NewLevel, ..Default::default() };
+    let expected = FiniteDifferenceSpec { contact: ContactScheme::NewLevel, ..Default::default() };
     assert_eq!(document.scenario().unwrap().method, MethodSpec::FiniteDifference(expected));
 }
 
@@ -155,7 +151,7 @@ fn a_value_that_was_set_has_no_place_in_the_text() {
 }
 
 #[test]
-fn set_says_what_is_there() {
+fn errors_of_set_name_the_existing_keys() {
     let cases = [
         ("excitation/peak_n", "1"),
         ("excitation.peak_n", "1"),
@@ -308,35 +304,30 @@ fn change(document: &mut Value, place: prop::sample::Index, action: u8, new: Val
 proptest! {
     #![proptest_config(ProptestConfig { cases: 3000, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// The walker accepts what an independent validator accepts, and what it
-    /// accepts deserialises.
+    /// An independent validator accepts the same documents, and accepted documents deserialise.
     #[test]
-    fn the_walker_and_an_independent_validator_agree(
+    fn the_schema_check_agrees_with_an_independent_validator(
         fixture in any::<prop::sample::Index>(),
         changes in prop::collection::vec((any::<prop::sample::Index>(), 0..3_u8, replacement()), 1..4),
     ) {
-        static SCHEMA: std::sync::LazyLock<(Value, jsonschema::Validator)> = std::sync::LazyLock::new(|| {
-            let schema = schema();
-            let validator = jsonschema::draft202012::new(schema).unwrap();
-            (schema.clone(), validator)
-        });
-        let (schema, validator) = &*SCHEMA;
+        static VALIDATOR: LazyLock<jsonschema::Validator> =
+            LazyLock::new(|| jsonschema::draft202012::new(scenario_schema()).unwrap());
         let mut document = Document::read(fixture.get(&fixtures())).unwrap().value().clone();
         for (place, action, new) in changes {
             change(&mut document, place, action, new);
         }
-        let found = schema_check::check(schema, &document);
-        prop_assert_eq!(found.is_empty(), validator.is_valid(&document), "{:?}\n{}", found, document);
+        let found = check_schema(scenario_schema(), &document);
+        prop_assert_eq!(found.is_empty(), VALIDATOR.is_valid(&document), "{:?}\n{}", found, document);
         if found.is_empty() {
             let scenario = serde_json::from_value::<Scenario>(document.clone());
             prop_assert!(scenario.is_ok(), "{:?}\n{}", scenario, document);
         }
-        // The cross conditions take any value, however malformed.
+        // The conditions between values are checked on malformed values too.
         let parsed = Document::parse(&document.to_string(), "mutated.json").unwrap();
         let _ = parsed.scenario();
     }
 
-    /// The scanner accepts the texts that the parser accepts, but for nesting.
+    /// The scanner and the parser accept the same texts, except for deep nesting.
     #[test]
     fn the_scanner_and_the_parser_agree(
         place in any::<prop::sample::Index>(),
@@ -348,13 +339,16 @@ proptest! {
         let start = place.index(characters.len());
         let end = (start + length).min(characters.len());
         let mutated: String = characters[..start].iter().copied().chain(inserted.chars()).chain(characters[end..].iter().copied()).collect();
-        let scanned = locate::locate(&mutated, &std::collections::BTreeSet::new());
         let parsed = serde_json::from_str::<Value>(&mutated);
-        prop_assert_eq!(scanned.is_ok(), parsed.is_ok(), "{:?} {:?}\n{}", scanned, parsed, mutated);
-        if let Err(error) = scanned {
-            prop_assert!(mutated.get(error.span.clone()).is_some());
-            let too_deep = matches!(error.problem, SyntaxProblem::TooDeep { .. });
-            prop_assert!(!too_deep);
+        match Document::parse(&mutated, "mutated.json") {
+            Ok(_) => prop_assert!(parsed.is_ok(), "{:?}\n{}", parsed, mutated),
+            Err(DocumentError::Syntax { source, .. }) => {
+                prop_assert!(parsed.is_err(), "{}\n{}", source, mutated);
+                prop_assert!(mutated.get(source.span.clone()).is_some());
+                let too_deep = matches!(source.fault, SyntaxFault::TooDeep { .. });
+                prop_assert!(!too_deep);
+            }
+            Err(other) => prop_assert!(false, "{}\n{}", other, mutated),
         }
     }
 }

@@ -1,0 +1,108 @@
+//! Numbers, strings and lists inside a message.
+
+/// Longest string quoted in full.
+const MAX_QUOTE: usize = 60;
+
+/// Most words listed in full.
+const MAX_LIST: usize = 24;
+
+/// Number to four significant digits, with an exponent outside 1e-3 to 1e6, as messages print it.
+///
+/// ```
+/// use asperity_scenario::four_digits;
+///
+/// assert_eq!(four_digits(1.297_295_983e12), "1.297e12");
+/// assert_eq!(four_digits(0.25), "0.25");
+/// ```
+pub fn four_digits(value: f64) -> String {
+    let digits = format!("{value:.3e}");
+    digits.parse().map_or(digits, number)
+}
+
+/// Number in its shortest form, with an exponent outside 1e-3 to 1e6.
+pub(crate) fn number(value: f64) -> String {
+    let size = value.abs();
+    if value == 0.0 || (1e-3..1e6).contains(&size) {
+        format!("{value}")
+    } else {
+        format!("{value:e}")
+    }
+}
+
+/// String in quotes, escaped, and shortened if it is long.
+pub(crate) fn brief(text: &str) -> String {
+    quoted(text, MAX_QUOTE)
+}
+
+/// String with its control characters escaped, and shortened if it is long.
+pub(crate) fn one_line(text: &str) -> String {
+    let quoted = quoted(text, 4 * MAX_QUOTE);
+    let inner = quoted.strip_prefix('"').unwrap_or(&quoted);
+    inner.strip_suffix('"').unwrap_or(inner).to_owned()
+}
+
+fn quoted(text: &str, max: usize) -> String {
+    let mut shown: String = text.chars().take(max).collect();
+    if shown.len() < text.len() {
+        shown.push('…');
+    }
+    serde_json::Value::String(shown).to_string()
+}
+
+/// Words separated by commas; of a long list the rest is counted.
+pub(crate) fn list<S: AsRef<str>>(words: impl IntoIterator<Item = S>) -> String {
+    let mut shown = String::new();
+    let mut count = 0_usize;
+    for word in words {
+        count += 1;
+        if count <= MAX_LIST {
+            if count > 1 {
+                shown.push_str(", ");
+            }
+            shown.push_str(word.as_ref());
+        }
+    }
+    if count > MAX_LIST {
+        let rest = count - MAX_LIST;
+        return format!("{shown} and {rest} more");
+    }
+    shown
+}
+
+/// Words in quotes, with `conjunction` before the last one.
+pub(crate) fn joined(words: &[String], conjunction: &str) -> String {
+    let quoted: Vec<String> = words.iter().map(|word| brief(word)).collect();
+    match quoted.split_last() {
+        Some((last, rest)) if !rest.is_empty() => {
+            format!("{} {conjunction} {last}", rest.join(", "))
+        }
+        _ => quoted.concat(),
+    }
+}
+
+/// Count with its noun.
+pub(crate) fn count(number: usize, one: &str, many: &str) -> String {
+    format!("{number} {}", if number == 1 { one } else { many })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn long_strings_and_control_characters_give_one_short_line() {
+        assert_eq!(brief("a\nb"), r#""a\nb""#);
+        assert!(brief(&"x".repeat(1000)).len() < 80);
+        assert_eq!(one_line("/a\tb"), r"/a\tb");
+        let many: Vec<String> = (0..30).map(|index| index.to_string()).collect();
+        assert!(list(&many).ends_with("22, 23 and 6 more"));
+    }
+
+    #[test]
+    fn numbers_are_printed_in_their_shortest_form() {
+        let shown: Vec<String> = [0.0, 0.95, 200_000.0, 8.5e11, -1.15e-4].map(number).into();
+        assert_eq!(four_digits(1.297_295_983e12), "1.297e12");
+        assert_eq!(four_digits(f64::INFINITY), "inf");
+        assert_eq!(shown, ["0", "0.95", "200000", "8.5e11", "-1.15e-4"]);
+    }
+}
