@@ -18,7 +18,7 @@ use thiserror::Error;
 ///     youngs_modulus_pa: 71e9,
 ///     density_kg_per_m3: 2700.0,
 /// };
-/// assert_eq!(bar.mass_kg(), 0.027);
+/// assert!((bar.mass_kg() - 0.027).abs() < 1e-15);
 /// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(try_from = "BodyKeys", into = "BodyKeys")]
