@@ -23,7 +23,8 @@ pub(super) fn check(root: &Node<'_>, found: &mut Vec<Diagnostic>) {
     for (name, law) in root.entries("laws") {
         usable(name, NOT_IN_FILES, &law, found);
         // Some file systems ignore case.
-        unique(name, &name.to_lowercase(), &law, &mut first, found);
+        let accepted = "a unique name; upper and lower case count as equal";
+        unique(name, &name.to_lowercase(), accepted, &law, &mut first, found);
     }
 }
 
@@ -32,7 +33,7 @@ fn family(root: &Node<'_>, key: &str, refused: &str, found: &mut Vec<Diagnostic>
     for item in root.items(key) {
         if let (Some(name), Some(node)) = (item.text("name"), item.get("name")) {
             usable(name, refused, &node, found);
-            unique(name, name, &node, &mut first, found);
+            unique(name, name, "a unique name", &node, &mut first, found);
         }
     }
 }
@@ -40,6 +41,7 @@ fn family(root: &Node<'_>, key: &str, refused: &str, found: &mut Vec<Diagnostic>
 fn unique(
     name: &str,
     identity: &str,
+    accepted: &str,
     node: &Node<'_>,
     first: &mut HashMap<String, String>,
     found: &mut Vec<Diagnostic>,
@@ -47,7 +49,7 @@ fn unique(
     if let Some(first) = first.get(identity) {
         let (name, first) = (name.to_owned(), first.clone());
         let fault = Fault::RepeatedName { name, first };
-        found.push(Diagnostic::new(&node.at, fault, "a unique name"));
+        found.push(Diagnostic::new(&node.at, fault, accepted));
     } else {
         first.insert(identity.to_owned(), node.at.to_string());
     }
