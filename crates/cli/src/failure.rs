@@ -9,6 +9,7 @@ use asperity_figure::FigureError;
 use asperity_harmonic::HarmonicError;
 use asperity_identify::ProblemError;
 use asperity_scenario::{DocumentError, InvalidDocument, SetError};
+use asperity_structure::StructureError;
 use asperity_study::error::{OutputError, StudyError};
 use asperity_study::sweep::{SweepError, VariationError};
 use miette::{LabeledSpan, MietteDiagnostic, NamedSource, Report, Severity};
@@ -59,8 +60,8 @@ impl From<OutputError> for Failure {
     }
 }
 
-impl From<DynamicsError> for Failure {
-    fn from(error: DynamicsError) -> Self {
+impl From<StructureError> for Failure {
+    fn from(error: StructureError) -> Self {
         Self::Study(error.into())
     }
 }
@@ -103,6 +104,8 @@ fn is_wrong_request(error: &StudyError) -> bool {
         | StudyError::OtherColumns
         | StudyError::Law { .. } => true,
         StudyError::Output(error) => !matches!(error, OutputError::Io { .. }),
+        StudyError::Structure(error) => is_wrong_structure(error),
+        StudyError::Dynamics(DynamicsError::Structure(error)) => is_wrong_structure(error),
         StudyError::Dynamics(error) => matches!(
             error,
             DynamicsError::Setting { .. }
@@ -114,6 +117,10 @@ fn is_wrong_request(error: &StudyError) -> bool {
         }
         StudyError::Signal(_) => false,
     }
+}
+
+fn is_wrong_structure(error: &StructureError) -> bool {
+    matches!(error, StructureError::Setting { .. } | StructureError::Mesh(_))
 }
 
 /// Every problem at its place in the text. The one-line form comes first, for

@@ -2,6 +2,7 @@
 
 use asperity_law::LawError;
 use asperity_mesh::MeshError;
+use asperity_structure::StructureError;
 
 /// Why an equilibrium, a mode or a response cannot be computed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -15,26 +16,6 @@ pub enum DynamicsError {
         value: f64,
         /// The range accepted.
         accepted: &'static str,
-    },
-    /// The law of an interface cannot carry the weight above it.
-    #[error(
-        "no static equilibrium: the law of interface \"{interface}\" cannot carry the static pressure of {pressure_pa} Pa"
-    )]
-    NoEquilibrium {
-        /// Name of the interface.
-        interface: String,
-        /// Static pressure it would have to carry \[Pa\].
-        pressure_pa: f64,
-    },
-    /// A damping ratio refers to a natural frequency, and there is none.
-    #[error(
-        "a damping ratio needs a natural frequency, but the rig linearised at rest has none (interface \"{interface}\" has no stiffness at {pressure_pa} Pa); give the damping as a rate instead"
-    )]
-    NoFrequency {
-        /// The interface without stiffness.
-        interface: String,
-        /// Its static pressure \[Pa\].
-        pressure_pa: f64,
     },
     /// A force record is not usable.
     #[error("force record, row {row}: {quantity} is {value}; it must be {accepted}")]
@@ -82,9 +63,12 @@ pub enum DynamicsError {
         /// What is accepted.
         accepted: &'static str,
     },
-    /// The structure or its grid cannot be built.
+    /// The grid cannot be built.
     #[error(transparent)]
     Mesh(#[from] MeshError),
+    /// The structure has no rest, damping or modes.
+    #[error(transparent)]
+    Structure(#[from] StructureError),
     /// A contact law cannot be prepared for the integration.
     #[error("interface \"{interface}\": {source}")]
     Law {
@@ -92,11 +76,5 @@ pub enum DynamicsError {
         interface: String,
         /// What the law says.
         source: LawError,
-    },
-    /// An eigenvalue computation did not converge.
-    #[error("the eigenvalues of {size} coupled equations did not converge")]
-    Eigenvalues {
-        /// Number of equations.
-        size: usize,
     },
 }

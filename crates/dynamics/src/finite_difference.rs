@@ -34,9 +34,10 @@ mod ledger;
 mod march;
 mod support;
 
-use asperity_mesh::{Grid, Stack};
+use asperity_mesh::Grid;
+use asperity_structure::PreloadedStructure;
 
-use crate::{DynamicsError, Equilibrium, Excitation, InstructionSet, Sampling, Transient};
+use crate::{DynamicsError, Excitation, InstructionSet, Sampling, Transient};
 use march::March;
 
 /// Which closure the implicit contact pressure answers to (Eq. 5).
@@ -77,33 +78,37 @@ impl Default for FiniteDifference {
 }
 
 impl FiniteDifference {
-    /// The response of `stack`, from rest at `equilibrium`, to `excitation`.
+    /// The response of `structure`, from rest, to `excitation`.
     ///
-    /// `rate` is the mass-proportional damping h \[1/s\]. The step is the longest
-    /// that keeps the Courant number and divides the output interval. `progress`
-    /// hears the fraction done now and then.
+    /// The step is the longest that keeps the Courant number and divides the output interval.
     ///
     /// # Errors
     /// [`DynamicsError::Mesh`] for a grid or Courant number out of range,
-    /// [`DynamicsError::Setting`] for damping or excitation out of range or an
-    /// instruction set that the machine lacks, [`DynamicsError::Law`] when a law
-    /// cannot be tabulated, [`DynamicsError::Unstable`] when the numbers overflow.
+    /// [`DynamicsError::Setting`] for an excitation out of range or an instruction set that the
+    /// machine lacks, [`DynamicsError::Law`] when a law cannot be tabulated,
+    /// [`DynamicsError::Unstable`] when the numbers overflow.
     pub fn integrate(
         &self,
-        stack: &Stack,
-        equilibrium: &Equilibrium,
-        rate: f64,
+        structure: &PreloadedStructure,
+        excitation: &Excitation,
+        sampling: &Sampling,
+    ) -> Result<Transient, DynamicsError> {
+        self.integrate_with_progress(structure, excitation, sampling, &|_| ())
+    }
+
+    /// [`integrate`](Self::integrate), with the fraction done reported to `progress`.
+    ///
+    /// # Errors
+    /// Those of [`integrate`](Self::integrate).
+    pub fn integrate_with_progress(
+        &self,
+        structure: &PreloadedStructure,
         excitation: &Excitation,
         sampling: &Sampling,
         progress: &(dyn Fn(f64) + Sync),
     ) -> Result<Transient, DynamicsError> {
         excitation.check()?;
-        if !(rate.is_finite() && rate >= 0.0) {
-            let quantity = "damping rate [1/s]";
-            let accepted = "finite and not negative";
-            return Err(DynamicsError::Setting { quantity, value: rate, accepted });
-        }
-        let grid = Grid::new(stack, self.cell)?;
+        let grid = Grid::new(structure.stack(), self.cell)?;
         let (step, stride) = grid.step_within(sampling.interval(), self.courant)?;
         let arch = self.instructions.arch().ok_or(DynamicsError::Setting {
             quantity: "instruction set",
@@ -112,11 +117,9 @@ impl FiniteDifference {
         })?;
         tracing::debug!(nodes = grid.nodes(), step, stride, set = ?self.instructions, "march");
         arch.dispatch(March {
-            stack,
-            equilibrium,
+            structure,
             grid: &grid,
             form: self.contact,
-            rate,
             excitation,
             samples: sampling.samples(),
             stride,

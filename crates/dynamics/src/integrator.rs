@@ -1,10 +1,10 @@
-//! Either integrator behind one face.
+//! The choice of time integrator.
 
-use asperity_mesh::{Grid, Stack};
+use asperity_mesh::Grid;
+use asperity_structure::PreloadedStructure;
 
 use crate::{
-    DynamicsError, Equilibrium, Excitation, FiniteDifference, InstructionSet, Modal, Sampling,
-    Transient,
+    DynamicsError, Excitation, FiniteDifference, InstructionSet, Modal, Sampling, Transient,
 };
 
 /// A time integrator with its settings.
@@ -35,9 +35,9 @@ impl From<Modal> for Integrator {
     }
 }
 
-/// What a run will take.
+/// The size of a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Outline {
+pub struct RunOutline {
     /// Nodes of the grid, or modes.
     pub unknowns: usize,
     /// Step \[s\]; one that was chosen may still be halved for the sake of the energy balance.
@@ -47,28 +47,26 @@ pub struct Outline {
 }
 
 impl Integrator {
-    /// What [`integrate`](Self::integrate) will take.
+    /// Unknowns, step and steps that [`integrate`](Self::integrate) takes.
     ///
     /// # Errors
     /// [`DynamicsError::Mesh`] and [`DynamicsError::Setting`] as [`integrate`](Self::integrate).
     pub fn outline(
         &self,
-        stack: &Stack,
-        equilibrium: &Equilibrium,
-        rate: f64,
+        structure: &PreloadedStructure,
         excitation: &Excitation,
         sampling: &Sampling,
-    ) -> Result<Outline, DynamicsError> {
+    ) -> Result<RunOutline, DynamicsError> {
         match self {
             Self::FiniteDifference(method) => {
-                let grid = Grid::new(stack, method.cell)?;
+                let grid = Grid::new(structure.stack(), method.cell)?;
                 let (step, stride) = grid.step_within(sampling.interval(), method.courant)?;
-                Ok(Outline { unknowns: grid.nodes(), step, steps: stride * sampling.samples() })
+                Ok(RunOutline { unknowns: grid.nodes(), step, steps: stride * sampling.samples() })
             }
             Self::Modal(method) => {
-                let hit = method.hit(stack, equilibrium, rate, excitation, sampling)?;
+                let hit = method.hit(structure, excitation, sampling)?;
                 let (step, steps) = hit.first_step()?;
-                Ok(Outline { unknowns: hit.rig.structure().oscillators().len(), step, steps })
+                Ok(RunOutline { unknowns: hit.rig.structure().modes().len(), step, steps })
             }
         }
     }
@@ -89,26 +87,38 @@ impl Integrator {
         }
     }
 
-    /// The response of `stack`, from rest at `equilibrium`, to `excitation`; `rate` is the
-    /// mass-proportional damping h \[1/s\]. `progress` hears the fraction done now and then.
+    /// The response of `structure`, from rest, to `excitation`.
     ///
     /// # Errors
     /// As [`FiniteDifference::integrate`] and [`Modal::integrate`].
     pub fn integrate(
         &self,
-        stack: &Stack,
-        equilibrium: &Equilibrium,
-        rate: f64,
+        structure: &PreloadedStructure,
+        excitation: &Excitation,
+        sampling: &Sampling,
+    ) -> Result<Transient, DynamicsError> {
+        self.integrate_with_progress(structure, excitation, sampling, &|_| ())
+    }
+
+    /// [`integrate`](Self::integrate), with the fraction done reported to `progress`.
+    ///
+    /// # Errors
+    /// Those of [`integrate`](Self::integrate).
+    pub fn integrate_with_progress(
+        &self,
+        structure: &PreloadedStructure,
         excitation: &Excitation,
         sampling: &Sampling,
         progress: &(dyn Fn(f64) + Sync),
     ) -> Result<Transient, DynamicsError> {
         match self {
             Self::FiniteDifference(method) => {
-                method.integrate(stack, equilibrium, rate, excitation, sampling, progress)
+                method.integrate_with_progress(structure, excitation, sampling, progress)
             }
             Self::Modal(method) => {
-                method.integrate(stack, equilibrium, rate, excitation, sampling, progress)
+                let transient = method.integrate(structure, excitation, sampling)?;
+                progress(1.0);
+                Ok(transient)
             }
         }
     }

@@ -1,7 +1,7 @@
 //! Exact modal steps with implicit contact, many hits side by side.
 //!
 //! Between its contacts a structure is linear: a few modes and the flexibility of the rest
-//! ([`ModalStructure`](asperity_mesh::ModalStructure)). Over a step each oscillator moves exactly
+//! ([`ComponentModes`](asperity_mesh::ComponentModes)). Over a step each oscillator moves exactly
 //! under a course of force that is a polynomial through the pressures at steps, so that only the
 //! pressures at the end of the step are unknown,
 //!
@@ -56,13 +56,13 @@ mod thin;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-use asperity_mesh::{ModeCount, Stack};
+use asperity_mesh::ModeCount;
+use asperity_structure::PreloadedStructure;
 
-use crate::modes::lowest_frequency;
-use crate::{DynamicsError, Equilibrium, Excitation, InstructionSet, Sampling, Transient};
+use crate::{DynamicsError, Excitation, InstructionSet, Sampling, Transient};
 
 pub use batch::{Batch, Hit, HitRecord};
-pub use rig::{ModalContact, ModalRig};
+pub use rig::ModalRig;
 pub use tangent::{ContactMeasures, Course, Sensitivity, Variation};
 pub use thin::Thinning;
 
@@ -111,31 +111,25 @@ impl Modal {
         }
     }
 
-    /// The response of `stack`, from rest at `equilibrium`, to `excitation`.
+    /// The response of `structure`, from rest, to `excitation`.
     ///
-    /// `rate` is the mass-proportional damping h \[1/s\]. Samples need not fall on steps: between
-    /// them the motion is that of the modes, and the closures a cubic. `progress` hears when the
-    /// run is done; a run takes some milliseconds.
+    /// Samples need not fall on steps: between them the motion is that of the modes, and the
+    /// closures a cubic. A run takes some milliseconds.
     ///
     /// # Errors
-    /// [`DynamicsError::Mesh`] for a count of modes out of range, [`DynamicsError::Setting`] for a
-    /// step, damping or excitation out of range, more than 16 interfaces, or an instruction set
+    /// [`DynamicsError::Structure`] for a count of modes out of range, [`DynamicsError::Setting`]
+    /// for a step or excitation out of range, more than 16 interfaces, or an instruction set
     /// that the machine lacks, [`DynamicsError::Law`] when a law cannot be tabulated,
     /// [`DynamicsError::Unstable`] when the numbers overflow or pressures leave every table,
     /// [`DynamicsError::Coarse`] when the energy balance does not close.
     pub fn integrate(
         &self,
-        stack: &Stack,
-        equilibrium: &Equilibrium,
-        rate: f64,
+        structure: &PreloadedStructure,
         excitation: &Excitation,
         sampling: &Sampling,
-        progress: &(dyn Fn(f64) + Sync),
     ) -> Result<Transient, DynamicsError> {
-        let hit = self.hit(stack, equilibrium, rate, excitation, sampling)?;
-        let transient = Batch { instructions: self.instructions }.transient(&hit, sampling)?;
-        progress(1.0);
-        Ok(transient)
+        let hit = self.hit(structure, excitation, sampling)?;
+        Batch { instructions: self.instructions }.transient(&hit, sampling)
     }
 
     /// The hit that [`integrate`](Self::integrate) carries out.
@@ -144,17 +138,13 @@ impl Modal {
     /// Those of [`integrate`](Self::integrate) that show before the first step.
     pub fn hit(
         &self,
-        stack: &Stack,
-        equilibrium: &Equilibrium,
-        rate: f64,
+        structure: &PreloadedStructure,
         excitation: &Excitation,
         sampling: &Sampling,
     ) -> Result<Hit, DynamicsError> {
         excitation.check()?;
-        // A rig without stiffness at rest has no natural frequency, and needs none.
-        let natural = lowest_frequency(stack, equilibrium).ok();
-        let modes = self.mode_count(natural, excitation);
-        let rig = Arc::new(ModalRig::of_stack(stack, equilibrium, rate, modes)?);
+        let modes = self.mode_count(structure.natural_frequency(), excitation);
+        let rig = Arc::new(ModalRig::new(structure.reduced(modes)?)?);
         let duration = sampling.samples() as f64 * sampling.interval();
         Ok(Hit { rig, excitation: excitation.clone(), duration, step: self.step })
     }

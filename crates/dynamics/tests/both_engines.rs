@@ -5,10 +5,9 @@
 
 mod support;
 
-use asperity_dynamics::{
-    Damping, Equilibrium, Excitation, FiniteDifference, ForceRecord, Modal, Transient,
-};
+use asperity_dynamics::{Excitation, FiniteDifference, ForceRecord, Modal, Transient};
 use asperity_mesh::{Body, Interface, Stack, Support};
+use asperity_structure::{Damping, PreloadedStructure};
 use support::{AREA, DISC, Law, difference, every_law, pulse, run_at};
 
 struct Scenario {
@@ -99,8 +98,8 @@ fn scenarios() -> Vec<Scenario> {
 
 impl Scenario {
     fn run(&self, method: &(impl Into<asperity_dynamics::Integrator> + Copy)) -> Transient {
-        let equilibrium = Equilibrium::of(&self.stack).unwrap();
-        let rate = self.damping.rate(&self.stack, &equilibrium).unwrap();
+        let structure = PreloadedStructure::new(self.stack.clone(), self.damping).unwrap();
+        let rate = structure.damping_rate();
         run_at(&self.stack, method, rate, &self.excitation, (self.duration, 2e5))
     }
 }

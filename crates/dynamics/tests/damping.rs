@@ -4,9 +4,8 @@ mod support;
 
 use std::f64::consts::TAU;
 
-use asperity_dynamics::{
-    ContactForm, Damping, Equilibrium, Excitation, FiniteDifference, Integrator, Modal, modes,
-};
+use asperity_dynamics::{ContactForm, Excitation, FiniteDifference, Integrator, Modal};
+use asperity_structure::{Damping, PreloadedStructure};
 use support::{DISC, constant, rig, rig_on, run_at, slope};
 
 /// Damping ratio from the logarithms of successive maxima after `from` [s], each
@@ -32,9 +31,9 @@ fn free_decay_of_the_linear_rig_has_the_damping_ratio_of_its_first_mode() {
     // A long smooth pulse leaves the higher modes, which decay no faster, alone.
     let pulse = Excitation::Haversine { peak: 9.0, duration: 1e-3 };
     for (name, stack) in [("rigid", rig(&constant())), ("disc", rig_on(&constant(), DISC))] {
-        let equilibrium = Equilibrium::of(&stack).unwrap();
-        let rate = Damping::Ratio(0.035).rate(&stack, &equilibrium).unwrap();
-        let expected = modes(&stack, &equilibrium, rate, 1).unwrap().swap_remove(0);
+        let structure = PreloadedStructure::new(stack.clone(), Damping::Ratio(0.035)).unwrap();
+        let rate = structure.damping_rate();
+        let expected = structure.modes(1).unwrap().swap_remove(0);
         let decay = |method: Integrator| {
             let run = run_at(&stack, &method, rate, &pulse, (0.03, 1e6));
             ratio_of_decay(&run.history.displacement, run.history.time[1], 2e-3)

@@ -7,20 +7,18 @@ mod support;
 use std::sync::Arc;
 
 use asperity_dynamics::{
-    Batch, Damping, DynamicsError, Equilibrium, Excitation, Hit, HitRecord, InstructionSet,
-    ModalRig, Thinning,
+    Batch, DynamicsError, Excitation, Hit, HitRecord, InstructionSet, ModalRig, Thinning,
 };
 use asperity_mesh::{ModeCount, Stack};
+use asperity_structure::{Damping, PreloadedStructure};
 use support::{DISC, difference, every_law, power, pulse, rig, rig_on};
 use support::{single_body, three_bodies};
 
 type Outcome = Result<HitRecord, DynamicsError>;
 
 fn modal(stack: &Stack, damping: Damping, modes: usize) -> Arc<ModalRig> {
-    let equilibrium = Equilibrium::of(stack).unwrap();
-    let rate = damping.rate(stack, &equilibrium).unwrap();
-    let modes = ModeCount::PerBody(modes);
-    Arc::new(ModalRig::of_stack(stack, &equilibrium, rate, modes).unwrap())
+    let structure = PreloadedStructure::new(stack.clone(), damping).unwrap();
+    Arc::new(ModalRig::new(structure.reduced(ModeCount::PerBody(modes)).unwrap()).unwrap())
 }
 
 /// Filters of equal length and unequal taps.

@@ -5,12 +5,12 @@
 
 mod support;
 
-use asperity_dynamics::{Equilibrium, Excitation, Modal, ModalRig, Transient, modes};
+use asperity_dynamics::{Excitation, Modal, Transient};
 use asperity_mesh::{ModeCount, Support};
-use support::three_bodies;
 use support::{
     DISC, constant, difference, modified, power, pulse, rig, rig_on, run, run_at, slope,
 };
+use support::{at_rest, three_bodies};
 
 /// The exact transcendental root (that of `modes` solves the closed form, see tests there) as
 /// modes are added: the inertia left out falls with their third power.
@@ -22,13 +22,12 @@ fn the_natural_frequency_tends_to_the_exact_root() {
         ("three", three_bodies(DISC)),
     ];
     for (name, stack) in stacks {
-        let equilibrium = Equilibrium::of(&stack).unwrap();
-        let exact = modes(&stack, &equilibrium, 0.0, 1).unwrap()[0].frequency_hz;
+        let structure = at_rest(&stack);
+        let exact = structure.natural_frequency().unwrap();
         let counts = [1, 2, 4, 8, 16, 32];
         let errors = counts.map(|count| {
-            let modes = ModeCount::PerBody(count);
-            let rig = ModalRig::of_stack(&stack, &equilibrium, 0.0, modes).unwrap();
-            rig.natural_frequency().unwrap() / exact - 1.0
+            let reduced = structure.reduced(ModeCount::PerBody(count)).unwrap();
+            reduced.natural_frequency().unwrap() / exact - 1.0
         });
         println!("{name}: {errors:?}");
         // A structure without some of its inertia is too fast, never too slow.

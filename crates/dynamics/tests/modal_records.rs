@@ -7,18 +7,15 @@ mod support;
 
 use std::sync::Arc;
 
-use asperity_dynamics::{
-    Batch, Damping, Equilibrium, Excitation, Hit, HitRecord, ModalContact, ModalRig, Sampling,
-    StaticContact, Thinning,
-};
+use asperity_dynamics::{Batch, Excitation, Hit, HitRecord, ModalRig, Sampling, Thinning};
 use asperity_law::ContactLaw;
-use asperity_mesh::{ModalStructure, ModeCount, Oscillator, ResidualFlexibility, Stack};
+use asperity_mesh::{ComponentModes, ModeCount, NormalMode, ResidualFlexibility, Stack};
+use asperity_structure::{Damping, PreloadedContact, PreloadedStructure};
 use support::{AREA, DISC, difference, modified, power, pulse, rig, rig_on, slope, three_bodies};
 
 fn hit(stack: &Stack, excitation: Excitation, duration: f64, step: Option<f64>) -> Hit {
-    let equilibrium = Equilibrium::of(stack).unwrap();
-    let rate = Damping::Ratio(0.035).rate(stack, &equilibrium).unwrap();
-    let rig = ModalRig::of_stack(stack, &equilibrium, rate, ModeCount::PerBody(3)).unwrap();
+    let structure = PreloadedStructure::new(stack.clone(), Damping::Ratio(0.035)).unwrap();
+    let rig = ModalRig::new(structure.reduced(ModeCount::PerBody(3)).unwrap()).unwrap();
     Hit { rig: Arc::new(rig), excitation, duration, step }
 }
 
@@ -102,18 +99,18 @@ impl Lumped {
     fn hit(&self, excitation: Excitation, step: f64, output: usize) -> Hit {
         let [a, b] = self.masses.map(|mass| 1.0 / f64::sqrt(mass));
         let part = |number: usize| if output == number { 1.0 } else { 0.0 };
-        let free = Oscillator {
+        let free = NormalMode {
             angular_frequency: 0.0,
             mass_damped: true,
-            rate: 0.0,
+            damping_rate: 0.0,
             drive: a,
             output: a * part(0),
             closure: vec![a, 0.0],
         };
-        let hung = Oscillator {
+        let hung = NormalMode {
             angular_frequency: (self.spring / self.masses[1]).sqrt(),
             mass_damped: false,
-            rate: self.damper / self.masses[1],
+            damping_rate: self.damper / self.masses[1],
             drive: 0.0,
             output: b * part(1),
             closure: vec![-b, b],
@@ -125,20 +122,13 @@ impl Lumped {
             direct: 0.0,
             driving_point: 0.0,
         };
-        let structure = ModalStructure::new(vec![free, hung], residual).unwrap();
-        let at_rest = StaticContact {
-            pressure: self.pressure,
-            stiffness: self.law.stiffness(self.pressure),
-            closure: self.law.closure(self.pressure),
-        };
-        let contact = |name: &str| ModalContact {
-            name: name.to_owned(),
-            area: AREA,
-            law: Arc::clone(&self.law),
-            at_rest,
-        };
+        let structure = ComponentModes::new(vec![free, hung], residual).unwrap();
+        let contact =
+            |name| PreloadedContact::new(name, AREA, Arc::clone(&self.law), self.pressure).unwrap();
         let contacts = vec![contact("between"), contact("below")];
-        let rig = Arc::new(ModalRig::new(structure, contacts, 200.0).unwrap());
+        let damping = Damping::Rate(200.0);
+        let structure = PreloadedStructure::of_components(structure, contacts, damping).unwrap();
+        let rig = Arc::new(ModalRig::new(structure).unwrap());
         Hit { rig, excitation, duration: 5e-3, step: Some(step) }
     }
 

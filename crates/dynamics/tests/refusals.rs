@@ -6,27 +6,27 @@ mod support;
 use std::sync::Arc;
 
 use asperity_dynamics::{
-    DynamicsError, Equilibrium, Excitation, FiniteDifference, ForceRecord, InstructionSet, Sampling,
+    DynamicsError, Excitation, FiniteDifference, ForceRecord, InstructionSet, Sampling,
 };
 use asperity_law::Hyperbolic;
 use asperity_mesh::{MeshError, Stack};
+use asperity_structure::{Damping, PreloadedStructure};
 use support::{Law, modified, pulse, rig};
 
 fn attempt(
     stack: &Stack,
     method: FiniteDifference,
-    rate: f64,
     excitation: &Excitation,
 ) -> Result<(), DynamicsError> {
-    let equilibrium = Equilibrium::of(stack).unwrap();
+    let structure = PreloadedStructure::new(stack.clone(), Damping::Rate(352.0)).unwrap();
     let sampling = Sampling::new(1e-3, 2e5).unwrap();
-    method.integrate(stack, &equilibrium, rate, excitation, &sampling, &|_| ()).map(|_| ())
+    method.integrate(&structure, excitation, &sampling).map(|_| ())
 }
 
 fn with(change: impl Fn(&mut FiniteDifference)) -> Result<(), DynamicsError> {
     let mut method = FiniteDifference::default();
     change(&mut method);
-    attempt(&rig(&modified()), method, 352.0, &pulse(9.0))
+    attempt(&rig(&modified()), method, &pulse(9.0))
 }
 
 #[test]
@@ -58,18 +58,6 @@ fn a_cell_that_is_no_length_is_refused() {
 }
 
 #[test]
-fn damping_that_is_negative_or_no_number_is_refused() {
-    for rate in [-1.0, f64::NAN, f64::INFINITY] {
-        let refused = attempt(&rig(&modified()), FiniteDifference::default(), rate, &pulse(9.0));
-        let quantity = |error| match error {
-            DynamicsError::Setting { quantity, .. } => quantity,
-            other => panic!("{other:?}"),
-        };
-        assert_eq!(quantity(refused.unwrap_err()), "damping rate [1/s]");
-    }
-}
-
-#[test]
 fn excitations_out_of_range_are_refused() {
     let refused = [
         Excitation::GammaPulse { peak: f64::NAN, rise: 1e-3 },
@@ -80,8 +68,8 @@ fn excitations_out_of_range_are_refused() {
         Excitation::Harmonic { amplitude: 1.0, frequency: 0.0 },
     ];
     for excitation in refused {
-        let error = attempt(&rig(&modified()), FiniteDifference::default(), 352.0, &excitation)
-            .unwrap_err();
+        let error =
+            attempt(&rig(&modified()), FiniteDifference::default(), &excitation).unwrap_err();
         assert!(matches!(error, DynamicsError::Setting { .. }), "{excitation:?}: {error:?}");
     }
     let error = ForceRecord::new(vec![0.0, 1.0, 1.0], vec![0.0; 3]).unwrap_err();
@@ -112,7 +100,6 @@ fn an_instruction_set_that_the_machine_lacks_is_refused() {
 /// Forces beyond all bounds end in an error or in numbers, never in what is no number.
 #[test]
 fn forces_beyond_all_bounds_end_in_an_error_or_in_numbers() {
-    let equilibrium_of = |stack: &Stack| Equilibrium::of(stack).unwrap();
     let hyperbolic: Law = Arc::new(Hyperbolic::new(3e11, 1e-6).unwrap());
     let cases = [
         (modified(), 1e30, true),
@@ -122,17 +109,10 @@ fn forces_beyond_all_bounds_end_in_an_error_or_in_numbers() {
         (hyperbolic, 1e4, true),
     ];
     for (law, peak, runs) in cases {
-        let stack = rig(&law);
+        let structure = PreloadedStructure::new(rig(&law), Damping::Rate(352.0)).unwrap();
         let method = FiniteDifference::default();
         let sampling = Sampling::new(1e-3, 2e5).unwrap();
-        let outcome = method.integrate(
-            &stack,
-            &equilibrium_of(&stack),
-            352.0,
-            &pulse(peak),
-            &sampling,
-            &|_| (),
-        );
+        let outcome = method.integrate(&structure, &pulse(peak), &sampling);
         match outcome {
             Ok(run) => {
                 assert!(runs, "{peak:e}");

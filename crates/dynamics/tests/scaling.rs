@@ -6,11 +6,11 @@ mod support;
 use std::sync::Arc;
 
 use asperity_dynamics::{
-    Damping, Equilibrium, Excitation, FiniteDifference, Integrator, Modal, Sampling, Transient,
-    modes,
+    Excitation, FiniteDifference, Integrator, Modal, Sampling, Transient,
 };
 use asperity_law::{Constant, Exponential, ModifiedPower, Power};
 use asperity_mesh::{Body, Interface, Stack, Support};
+use asperity_structure::{Damping, PreloadedStructure};
 use support::{AREA, Law, difference};
 
 /// How many new units make one metre, one second, one kilogram.
@@ -84,12 +84,10 @@ fn rig(kind: Kind, units: Units) -> Stack {
 }
 
 fn response(kind: Kind, units: Units, method: &Integrator) -> Transient {
-    let stack = rig(kind, units);
-    let equilibrium = Equilibrium::of(&stack).unwrap();
-    let rate = Damping::Ratio(0.035).rate(&stack, &equilibrium).unwrap();
+    let structure = PreloadedStructure::new(rig(kind, units), Damping::Ratio(0.035)).unwrap();
     let pulse = Excitation::GammaPulse { peak: 32.0 * units.force(), rise: 0.34e-3 * units.time };
     let sampling = Sampling::new(0.02 * units.time, 2e5 / units.time).unwrap();
-    method.integrate(&stack, &equilibrium, rate, &pulse, &sampling, &|_| ()).unwrap()
+    method.integrate(&structure, &pulse, &sampling).unwrap()
 }
 
 /// Centimetre-gram-second; millimetre-tonne-second, the engineer's newton and megapascal;
@@ -106,14 +104,15 @@ const SYSTEMS: [(&str, Units); 4] = [
 fn equilibrium_and_modes_do_not_depend_on_units() {
     for kind in [Kind::Constant, Kind::Power, Kind::Modified, Kind::Exponential] {
         let of = |units: Units| {
-            let stack = rig(kind, units);
-            let equilibrium = Equilibrium::of(&stack).unwrap();
-            let found = modes(&stack, &equilibrium, 352.0 / units.time, 4).unwrap();
+            let damping = Damping::Rate(352.0 / units.time);
+            let structure = PreloadedStructure::new(rig(kind, units), damping).unwrap();
+            let found = structure.modes(4).unwrap();
             let mut numbers: Vec<f64> =
                 found.iter().map(|mode| mode.frequency_hz * units.time).collect();
             numbers.extend(found.iter().map(|mode| mode.damping_ratio));
-            numbers.extend(equilibrium.contacts().iter().map(|c| c.closure / units.length));
-            numbers.extend(equilibrium.faces().iter().map(|face| face.0 / units.length));
+            numbers.extend(structure.contacts().iter().map(|c| c.closure() / units.length));
+            let faces = structure.static_displacement().faces;
+            numbers.extend(faces.iter().map(|face| face.0 / units.length));
             numbers
         };
         let reference = of(SI);

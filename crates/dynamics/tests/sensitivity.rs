@@ -8,11 +8,12 @@ mod support;
 use std::sync::Arc;
 
 use asperity_dynamics::{
-    Batch, Course, Damping, Equilibrium, Excitation, Hit, ModalContact, ModalRig, RELATIVE_STEP,
-    STENCIL, Sampling, Sensitivity, Variation, central_difference,
+    Batch, Course, Excitation, Hit, ModalRig, RELATIVE_STEP, STENCIL, Sampling, Sensitivity,
+    Variation, central_difference,
 };
 use asperity_law::{ModifiedPower, Power};
-use asperity_mesh::{Body, Interface, ModalStructure, Stack, Support};
+use asperity_mesh::{Body, Interface, Stack, Support};
+use asperity_structure::{Damping, PreloadedStructure};
 use support::{AREA, Law, difference};
 
 const DURATION: f64 = 0.03;
@@ -93,17 +94,8 @@ impl Case {
             self.gravity,
         )
         .unwrap();
-        let equilibrium = Equilibrium::of(&stack).unwrap();
-        let rate = Damping::Ratio(self.ratio).rate(&stack, &equilibrium).unwrap();
-        let structure = ModalStructure::with_counts(&stack, &[2, 1]).unwrap();
-        let named = stack.interfaces().iter().zip(equilibrium.contacts());
-        let contacts = named.map(|(interface, &at_rest)| ModalContact {
-            name: interface.name().to_owned(),
-            area: interface.area(),
-            law: Arc::clone(interface.law()),
-            at_rest,
-        });
-        let rig = Arc::new(ModalRig::new(structure, contacts.collect(), rate).unwrap());
+        let structure = PreloadedStructure::new(stack, Damping::Ratio(self.ratio)).unwrap();
+        let rig = Arc::new(ModalRig::new(structure.reduced_to(&[2, 1]).unwrap()).unwrap());
         let excitation = Excitation::GammaPulse { peak: self.peak, rise: self.rise };
         Hit { rig, excitation, duration: DURATION, step: Some(1e-5) }
     }

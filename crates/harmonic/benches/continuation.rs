@@ -17,6 +17,7 @@ use asperity_harmonic::{
 };
 use asperity_law::{ContactLaw, InSeries, Power};
 use asperity_mesh::{Body, Interface, Stack, Support};
+use asperity_structure::{Damping, PreloadedStructure};
 
 const AREA: f64 = 1.15e-4;
 const ROUNDS: usize = 20;
@@ -96,5 +97,6 @@ fn bars(interfaces: usize) -> ContactSystem {
     let contact = |_: &Body| Interface::new("contact", AREA, law.clone()).unwrap();
     let contacts = bodies.iter().map(contact).collect();
     let stack = Stack::new(bodies, contacts, Support::Rigid, 9.81).unwrap();
-    ContactSystem::of_stack(&stack, 420.0, Evaluation::default()).unwrap()
+    let structure = PreloadedStructure::new(stack, Damping::Rate(420.0)).unwrap();
+    ContactSystem::of_stack(&structure, Evaluation::default()).unwrap()
 }

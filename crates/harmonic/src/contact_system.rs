@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use asperity_mesh::Stack;
+use asperity_structure::PreloadedStructure;
 
 use crate::{Contact, ElasticBars, Evaluation, HarmonicError, LinearSystem};
 
@@ -33,27 +33,27 @@ impl ContactSystem {
         Ok(Self { linear, contacts })
     }
 
-    /// A stack of elastic bars with mass-proportional damping of `rate` h \[1/s\], about its rest
-    /// under weight.
+    /// A preloaded stack of elastic bars.
     ///
     /// # Errors
-    /// [`HarmonicError`] for a rate out of range or a law that cannot carry its static pressure or
-    /// be tabulated.
+    /// [`HarmonicError`] for a law that has no stiffness at its static pressure or cannot be
+    /// tabulated.
     pub fn of_stack(
-        stack: &Stack,
-        rate: f64,
+        structure: &PreloadedStructure,
         evaluation: Evaluation,
     ) -> Result<Self, HarmonicError> {
-        let contacts = stack
-            .interfaces()
+        let contacts = structure
+            .contacts()
             .iter()
-            .zip(stack.static_pressures())
-            .map(|(interface, pressure)| {
-                let law = Arc::clone(interface.law());
-                Contact::new(interface.name(), interface.area(), pressure, law, evaluation)
+            .map(|contact| {
+                let law = Arc::clone(contact.law());
+                Contact::new(contact.name(), contact.area(), contact.pressure(), law, evaluation)
             })
             .collect::<Result<_, _>>()?;
-        Self::new(Arc::new(ElasticBars::new(stack, rate)?), contacts)
+        Self::new(
+            Arc::new(ElasticBars::new(structure.stack(), structure.damping_rate())?),
+            contacts,
+        )
     }
 
     /// The linear structure.

@@ -131,7 +131,7 @@ fn reached(forward: &Forward, law: &str, point: &[f64]) -> Result<([f64; 2], f64
     let rigs = forward.prepare(point)?;
     for (strike, outcome) in forward.strikes.iter().zip(&outcomes.strikes) {
         let rig = &rigs[strike.rig].case;
-        for (i, interface) in rig.assembly.stack.interfaces().iter().enumerate() {
+        for (i, interface) in rig.assembly.structure.contacts().iter().enumerate() {
             let used = forward.scenario.pointer(&format!("/interfaces/{i}/law"));
             if used.and_then(serde_json::Value::as_str) != Some(law) {
                 continue;

@@ -13,6 +13,7 @@ use asperity_dynamics::{
 };
 use asperity_inference::Derivatives;
 use asperity_signal::{BackbonePoint, Complex64, transform_at};
+use asperity_structure::PreloadedContact;
 use rayon::prelude::*;
 
 use crate::forward::Forward;
@@ -112,8 +113,7 @@ impl Forward {
         let modal = rig.case.modal().unwrap_or_default();
         let natural = rig.case.at_rest.natural_frequency_hz;
         let modes = modal.mode_count(natural, &hit.excitation);
-        let bodies = rig.case.assembly.stack.bodies().iter();
-        let counts = bodies.map(|body| modes.of(body)).collect::<Result<Vec<_>, _>>();
+        let counts = modes.counts(rig.case.assembly.structure.stack());
         let counts = counts.map_err(DynamicsError::from)?;
         let mut variations = Vec::with_capacity(neighbours.len());
         for around in neighbours {
@@ -139,8 +139,8 @@ impl Forward {
         let mut table = Table::default();
         table.rest(&rig.case.at_rest, &rests.iter().collect::<Vec<_>>(), &steps);
         table.peaks(&found, natural)?;
-        let interfaces = rig.case.assembly.stack.interfaces().iter();
-        table.contacts(&found, &interfaces.map(asperity_mesh::Interface::name).collect::<Vec<_>>());
+        let interfaces = rig.case.assembly.structure.contacts().iter();
+        table.contacts(&found, &interfaces.map(PreloadedContact::name).collect::<Vec<_>>());
         Ok(self.collected(strike, &table, &found, &steps))
     }
 

@@ -18,7 +18,7 @@
 //! | [`stack`] | the chain of bodies and interfaces, and the weight each contact carries |
 //! | [`grid`] | the finite-difference grid with half-cell ends, and its stability limit |
 //! | [`structure`] | mass, stiffness and named points of a discretised structure, whatever its origin |
-//! | [`modal`] | modes, residual flexibility and named points, whatever their origin |
+//! | [`component_modes`] | modes, residual flexibility and named points, whatever their origin |
 //! | [`bar`] | the closed-form dynamic stiffness of a bar, for exact modes |
 //!
 //! The convention throughout: `x` and `u` point down, lengths in metres,
@@ -26,16 +26,17 @@
 
 pub mod bar;
 pub mod body;
+pub mod component_modes;
 pub mod error;
 pub mod grid;
-pub mod modal;
+
 pub mod stack;
 pub mod structure;
 
 pub use bar::BarStiffness;
 pub use body::Body;
+pub use component_modes::{ComponentModes, ModeCount, NormalMode, ResidualFlexibility};
 pub use error::MeshError;
 pub use grid::{BarGrid, Grid};
-pub use modal::{ModalStructure, ModeCount, Oscillator, ResidualFlexibility};
 pub use stack::{Interface, Stack, Support, static_pressures};
-pub use structure::{Contact, LinearStructure};
+pub use structure::{ContactPair, LinearStructure};

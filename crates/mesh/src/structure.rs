@@ -9,7 +9,7 @@ use crate::{Grid, Stack, Support};
 
 /// The two nodes that face each other across an interface.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Contact {
+pub struct ContactPair {
     /// Node of the upper face.
     pub above: usize,
     /// Node of the lower face; `None` for an immovable support.
@@ -27,7 +27,7 @@ pub struct LinearStructure {
     position: Vec<f64>,
     stiffness: Vec<(usize, usize, f64)>,
     support_damping: f64,
-    contacts: Vec<Contact>,
+    contacts: Vec<ContactPair>,
 }
 
 impl LinearStructure {
@@ -55,7 +55,7 @@ impl LinearStructure {
             }
             top += bar.cells() as f64 * bar.cell_length();
             let above = structure.mass.len() - 1;
-            structure.contacts.push(Contact {
+            structure.contacts.push(ContactPair {
                 above,
                 below: Some(above + 1),
                 area: interface.area(),
@@ -126,7 +126,7 @@ impl LinearStructure {
     }
 
     /// The contacts, from the top down.
-    pub fn contacts(&self) -> &[Contact] {
+    pub fn contacts(&self) -> &[ContactPair] {
         &self.contacts
     }
 

@@ -4,14 +4,14 @@ use std::path::Path;
 use std::sync::Arc;
 
 use asperity_dynamics::{
-    ContactForm, Damping, Equilibrium, Excitation, FiniteDifference, ForceRecord, Integrator,
-    Modal, Sampling,
+    ContactForm, Excitation, FiniteDifference, ForceRecord, Integrator, Modal, Sampling,
 };
 use asperity_law::{
     Constant, ContactLaw, Exponential, Hyperbolic, InSeries, LawError, ModifiedPower, Power,
     Tabulated,
 };
 use asperity_mesh::{Body, Interface, Stack, Support};
+use asperity_structure::{Damping, PreloadedStructure, StructureError};
 
 use crate::error::StudyError;
 use asperity_scenario::{
@@ -22,12 +22,8 @@ use asperity_scenario::{
 /// A scenario turned into the objects that compute.
 #[derive(Debug)]
 pub struct Assembly {
-    /// Bodies, interfaces and support.
-    pub stack: Stack,
-    /// Static equilibrium under weight.
-    pub equilibrium: Equilibrium,
-    /// Mass-proportional damping h \[1/s\].
-    pub damping_rate: f64,
+    /// Bodies, interfaces and support at rest, with their damping.
+    pub structure: PreloadedStructure,
     /// The force on the top.
     pub excitation: Excitation,
     /// When the response is recorded.
@@ -42,20 +38,16 @@ impl Assembly {
     /// # Errors
     /// [`StudyError`] when a part cannot be built or there is no static equilibrium.
     pub fn new(scenario: &Scenario, folder: &Path) -> Result<Self, StudyError> {
-        let stack = stack(scenario)?;
-        let equilibrium = Equilibrium::of(&stack)?;
         let DampingSpec::MassProportional(amount) = scenario.damping;
         let damping = match amount {
             DampingAmount::Ratio(ratio) => Damping::Ratio(ratio),
             DampingAmount::RatePerS(rate) => Damping::Rate(rate),
         };
         Ok(Self {
-            damping_rate: damping.rate(&stack, &equilibrium)?,
+            structure: PreloadedStructure::new(stack(scenario)?, damping)?,
             excitation: excitation(&scenario.excitation, folder)?,
             sampling: Sampling::new(scenario.duration_s, scenario.output_rate_hz)?,
             method: integrator(scenario.method),
-            stack,
-            equilibrium,
         })
     }
 }
@@ -94,7 +86,7 @@ fn stack(scenario: &Scenario) -> Result<Stack, StudyError> {
             StudyError::Law { law, interface, pressure_pa: pressure, source }
         })?;
         let interface = Interface::new(&spec.name, spec.area_m2, law);
-        interfaces.push(interface.map_err(asperity_dynamics::DynamicsError::from)?);
+        interfaces.push(interface.map_err(StructureError::from)?);
     }
     let support = match scenario.support {
         SupportSpec::Rigid => Support::Rigid,
@@ -103,13 +95,13 @@ fn stack(scenario: &Scenario) -> Result<Stack, StudyError> {
         }
     };
     let stack = Stack::new(bodies, interfaces, support, scenario.gravity_m_per_s2);
-    Ok(stack.map_err(asperity_dynamics::DynamicsError::from)?)
+    Ok(stack.map_err(StructureError::from)?)
 }
 
 /// The body that `spec` describes.
 ///
 /// # Errors
-/// [`StudyError::Dynamics`] for values that make no body.
+/// [`StudyError::Structure`] for values that make no body.
 pub fn body(spec: &BodySpec) -> Result<Body, StudyError> {
     let BodySpec { name, length_m, youngs_modulus_pa, density_kg_per_m3, .. } = spec;
     let body = match spec.section {
@@ -120,7 +112,7 @@ pub fn body(spec: &BodySpec) -> Result<Body, StudyError> {
             Body::with_mass(name, *length_m, mass, *youngs_modulus_pa, *density_kg_per_m3)
         }
     };
-    Ok(body.map_err(asperity_dynamics::DynamicsError::from)?)
+    Ok(body.map_err(StructureError::from)?)
 }
 
 /// Builds the law that `reference` names among `laws`. A law that never

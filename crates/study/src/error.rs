@@ -7,6 +7,7 @@ use asperity_dynamics::DynamicsError;
 use asperity_harmonic::HarmonicError;
 use asperity_law::LawError;
 use asperity_signal::SignalError;
+use asperity_structure::StructureError;
 use thiserror::Error;
 
 use asperity_scenario::{DocumentError, SamplesError};
@@ -14,7 +15,10 @@ use asperity_scenario::{DocumentError, SamplesError};
 /// Why a valid scenario has no result, or its result no place to go.
 #[derive(Debug, Error)]
 pub enum StudyError {
-    /// The laws, bodies or interfaces do not make a structure, or it does not move as asked.
+    /// The laws, bodies or interfaces do not make a structure at rest.
+    #[error(transparent)]
+    Structure(#[from] StructureError),
+    /// The structure does not move as asked.
     #[error(transparent)]
     Dynamics(#[from] DynamicsError),
     /// A steady response cannot be computed.

@@ -1,7 +1,8 @@
 //! Results as CSV text under the column names of the contract.
 
-use asperity_dynamics::{History, Mode};
+use asperity_dynamics::History;
 use asperity_signal::Frf;
+use asperity_structure::LinearisedMode;
 
 use asperity_table::columns_to_csv;
 
@@ -47,7 +48,7 @@ pub fn law_csv(table: &LawTable) -> String {
 }
 
 /// `modes.csv`: the shape of each mode along the stack, a row per place.
-pub fn modes_csv(places: &[f64], modes: &[Mode], shapes: &[Vec<f64>]) -> String {
+pub fn modes_csv(places: &[f64], modes: &[LinearisedMode], shapes: &[Vec<f64>]) -> String {
     let mut columns: Vec<(String, &[f64])> = vec![("position_m".to_owned(), places)];
     for (number, (mode, shape)) in modes.iter().zip(shapes).enumerate() {
         columns.push((format!("mode_{}:{:.3}_hz", number + 1, mode.frequency_hz), shape));

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use asperity_dynamics::{Transient, modes};
+use asperity_dynamics::Transient;
 use asperity_signal::{
     FrequencyResponse, Frf, HarmonicOptions, find_harmonics, half_power, logarithmic_decrement,
 };
@@ -60,8 +60,8 @@ pub fn integrate(
     assembly: &Assembly,
     progress: &(dyn Fn(f64) + Sync),
 ) -> Result<Transient, StudyError> {
-    let Assembly { stack, equilibrium, damping_rate, excitation, sampling, method } = assembly;
-    Ok(method.integrate(stack, equilibrium, *damping_rate, excitation, sampling, progress)?)
+    let Assembly { structure, excitation, sampling, method } = assembly;
+    Ok(method.integrate_with_progress(structure, excitation, sampling, progress)?)
 }
 
 /// The answers of a run.
@@ -131,18 +131,16 @@ pub fn summarise(
 
 /// Static pressures, stiffnesses and closures, and the natural frequency at rest.
 pub fn rest_state(assembly: &Assembly) -> StaticSummary {
-    let named = assembly.stack.interfaces().iter().zip(assembly.equilibrium.contacts());
+    let contacts = assembly.structure.contacts().iter();
     StaticSummary {
         // A rig without stiffness at rest has no natural frequency; the run goes on without it.
-        natural_frequency_hz: modes(&assembly.stack, &assembly.equilibrium, 0.0, 1)
-            .ok()
-            .and_then(|modes| modes.first().map(|mode| mode.frequency_hz)),
-        interfaces: named
-            .map(|(interface, state)| StaticInterface {
-                name: interface.name().to_owned(),
-                pressure_pa: state.pressure,
-                stiffness_pa_per_m: state.stiffness,
-                closure_m: state.closure,
+        natural_frequency_hz: assembly.structure.natural_frequency(),
+        interfaces: contacts
+            .map(|contact| StaticInterface {
+                name: contact.name().to_owned(),
+                pressure_pa: contact.pressure(),
+                stiffness_pa_per_m: contact.stiffness(),
+                closure_m: contact.closure(),
             })
             .collect(),
     }
@@ -190,7 +188,7 @@ fn ring_down(assembly: &Assembly, transient: &Transient, frequency_hz: f64) -> O
 }
 
 fn contacts(assembly: &Assembly, transient: &Transient) -> Vec<InterfaceSummary> {
-    let interfaces = assembly.stack.interfaces();
+    let interfaces = assembly.structure.contacts();
     interfaces
         .iter()
         .zip(&transient.contacts)

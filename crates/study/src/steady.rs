@@ -95,8 +95,7 @@ pub fn steady(
 ) -> Result<Steady, StudyError> {
     let started = Instant::now();
     check_range(request)?;
-    let rate = assembly.damping_rate;
-    let system = ContactSystem::of_stack(&assembly.stack, rate, Evaluation::default())?;
+    let system = ContactSystem::of_stack(&assembly.structure, Evaluation::default())?;
     let settings = settings(request);
     let levels = request
         .amplitudes

@@ -21,7 +21,7 @@ pub(crate) const FIGURE: PaperFigure = PaperFigure {
 
 fn compute(rig: &Rig) -> Result<Computed> {
     let assembly = rig.struck(Law::Modified, 32.0)?.assembly()?;
-    let stack = &assembly.stack;
+    let stack = assembly.structure.stack();
     let mut table = Table::new();
     for (name, body) in ["guide", "sample"].iter().zip(stack.bodies()) {
         table.push(format!("{name}:length_m"), [body.length()])?;

@@ -26,8 +26,8 @@ fn compute(rig: &Rig) -> Result<Computed> {
     let Integrator::FiniteDifference(method) = assembly.method else {
         bail!("the figure shows the grid of finite differences");
     };
-    let grid = Grid::new(&assembly.stack, method.cell)?;
-    let structure = LinearStructure::on_grid(&assembly.stack, &grid);
+    let grid = Grid::new(assembly.structure.stack(), method.cell)?;
+    let structure = LinearStructure::on_grid(assembly.structure.stack(), &grid);
     let bodies = grid.bars().iter().enumerate();
     let body: Vec<f64> =
         bodies.flat_map(|(index, bar)| vec![(index + 1) as f64; bar.nodes()]).collect();
@@ -35,7 +35,7 @@ fn compute(rig: &Rig) -> Result<Computed> {
         .with_column("body", body)?
         .with_column("position_m", structure.position())?
         .with_column("mass_kg", structure.mass())?;
-    let pressures = assembly.stack.static_pressures();
+    let pressures = assembly.structure.stack().static_pressures();
     Ok(Computed { table, values: vec![("static_pressure", pressures[0] / 1e6)] })
 }
 

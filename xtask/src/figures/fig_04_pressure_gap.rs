@@ -29,7 +29,7 @@ fn compute(rig: &Rig) -> Result<Computed> {
     let pressure: Vec<f64> =
         (0..ROWS).map(|row| 1e6 * (row as f64 / (ROWS - 1) as f64).powi(2)).collect();
     let gap: Vec<f64> = pressure.iter().map(|&p| 0.0 - law.closure(p)).collect();
-    let static_pressure = case.assembly()?.stack.static_pressures()[0];
+    let static_pressure = case.assembly()?.structure.contacts()[0].pressure();
     let only_first = |value: f64| {
         let mut column = vec![f64::NAN; ROWS];
         column[0] = value;

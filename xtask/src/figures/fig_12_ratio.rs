@@ -28,7 +28,7 @@ fn compute(rig: &Rig) -> Result<Computed> {
     let sweep = Sweep::new(rig, |summary| summary.harmonic_ratio)?;
     let above = sweep.modified.iter().zip(&sweep.power).all(|(modified, power)| modified > power);
     let case = rig.struck(Law::Modified, 32.0)?;
-    let pressure = case.assembly()?.stack.static_pressures()[0];
+    let pressure = case.assembly()?.structure.contacts()[0].pressure();
     let nonlinearity = |law: Law| -> Result<f64> {
         let law = build_law(&LawRef::Named(law.key().to_owned()), &case.scenario.laws, pressure)?;
         Ok(law.stiffness_slope(pressure) / law.stiffness(pressure))

@@ -97,7 +97,7 @@ fn cell_length(case: &Case) -> Result<f64> {
     let Integrator::FiniteDifference(method) = assembly.method else {
         bail!("the figure shows the grid of finite differences");
     };
-    let grid = Grid::new(&assembly.stack, method.cell)?;
+    let grid = Grid::new(assembly.structure.stack(), method.cell)?;
     Ok(grid.bars().last().context("the rig has no sample")?.cell_length())
 }
 

@@ -1,7 +1,6 @@
 //! x5: a disc that yields.
 
 use anyhow::{Result, ensure};
-use asperity_dynamics::modes;
 use asperity_figure::{Axis, Color, Dash, Figure, Legend, Marker, Panel, Series};
 use asperity_table::Table;
 
@@ -45,7 +44,7 @@ fn on_disc(rig: &Rig, stiffness: f64, mass: f64, peak: f64) -> Result<Case> {
 /// The two lowest natural frequencies at rest, in Hz.
 fn natural(case: &Case) -> Result<[f64; 2]> {
     let assembly = case.assembly()?;
-    let found = modes(&assembly.stack, &assembly.equilibrium, 0.0, 2)?;
+    let found = assembly.structure.modes(2)?;
     ensure!(found.len() == 2, "the rig has fewer than two modes");
     Ok([found[0].frequency_hz, found[1].frequency_hz])
 }

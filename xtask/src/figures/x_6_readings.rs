@@ -1,7 +1,6 @@
 //! x6: the natural frequencies under each reading of the paper's gaps.
 
 use anyhow::{Result, ensure};
-use asperity_dynamics::modes;
 use asperity_figure::{Axis, Color, Figure, Legend, Marker, Panel, Series};
 use asperity_law::fit_power;
 use asperity_scenario::LawSpec;
@@ -37,8 +36,8 @@ fn constant(rig: &Rig, stiffness: f64, more: &[(&str, String)]) -> Result<Case> 
 
 fn compute(rig: &Rig) -> Result<Computed> {
     // The density that gives a guide bar of section S2 its mass of 1.61 kg.
-    let stack = rig.struck(Law::Constant, 32.0)?.assembly()?.stack;
-    let (guide, area) = (&stack.bodies()[0], stack.interfaces()[0].area());
+    let structure = rig.struck(Law::Constant, 32.0)?.assembly()?.structure;
+    let (guide, area) = (&structure.stack().bodies()[0], structure.contacts()[0].area());
     let density = guide.mass() / (guide.length() * area);
     let cases = [
         constant(rig, 8.5e11, &[])?,
@@ -51,11 +50,11 @@ fn compute(rig: &Rig) -> Result<Computed> {
     let (mut lowest, mut next, mut damping) = (Vec::new(), Vec::new(), Vec::new());
     for case in &cases {
         let assembly = case.assembly()?;
-        let found = modes(&assembly.stack, &assembly.equilibrium, 0.0, 2)?;
+        let found = assembly.structure.modes(2)?;
         ensure!(found.len() == 2, "the rig has fewer than two modes");
         lowest.push(found[0].frequency_hz);
         next.push(found[1].frequency_hz);
-        damping.push(assembly.damping_rate);
+        damping.push(assembly.structure.damping_rate());
     }
     let first_row = |value: f64| {
         let mut column = vec![f64::NAN; cases.len()];

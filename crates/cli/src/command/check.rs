@@ -13,9 +13,9 @@ pub(crate) fn run(input: &Input, as_json: bool) -> Result<(), Failure> {
     let document = super::read(input)?;
     let scenario = super::checked(&document)?;
     let assembly = Assembly::new(&scenario, document.folder())?;
-    let Assembly { stack, equilibrium, damping_rate, excitation, sampling, method } = &assembly;
+    let Assembly { structure, excitation, sampling, method } = &assembly;
     let outline = method
-        .outline(stack, equilibrium, *damping_rate, excitation, sampling)
+        .outline(structure, excitation, sampling)
         .map_err(asperity_study::error::StudyError::from)?;
     let natural = rest_state(&assembly).natural_frequency_hz;
     if as_json {

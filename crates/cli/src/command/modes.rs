@@ -1,6 +1,6 @@
 //! `asperity modes`.
 
-use asperity_dynamics::{Mode, modes};
+use asperity_structure::LinearisedMode;
 use asperity_study::assemble::Assembly;
 use asperity_study::record::modes_csv;
 use asperity_study::run::rest_state;
@@ -19,7 +19,7 @@ pub(crate) fn run(input: &Input, output: &Output, count: usize) -> Result<(), Fa
     let document = super::read(input)?;
     let scenario = super::checked(&document)?;
     let assembly = Assembly::new(&scenario, document.folder())?;
-    let found = modes(&assembly.stack, &assembly.equilibrium, assembly.damping_rate, count)?;
+    let found = assembly.structure.modes(count)?;
     let folder = super::claim(document.path(), output)?;
 
     let (places, shapes) = shapes(&assembly, &found);
@@ -49,11 +49,11 @@ pub(crate) fn run(input: &Input, output: &Output, count: usize) -> Result<(), Fa
 }
 
 /// Places from the top of the stack down, and each mode's displacement there.
-fn shapes(assembly: &Assembly, found: &[Mode]) -> (Vec<f64>, Vec<Vec<f64>>) {
+fn shapes(assembly: &Assembly, found: &[LinearisedMode]) -> (Vec<f64>, Vec<Vec<f64>>) {
     let mut places = Vec::new();
     let mut shapes = vec![Vec::new(); found.len()];
     let mut top = 0.0;
-    for (index, body) in assembly.stack.bodies().iter().enumerate() {
+    for (index, body) in assembly.structure.stack().bodies().iter().enumerate() {
         for place in 0..PLACES {
             let fraction = place as f64 / (PLACES - 1) as f64;
             places.push(top + fraction * body.length());

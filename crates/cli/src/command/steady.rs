@@ -1,6 +1,6 @@
 //! `asperity steady`.
 
-use asperity_mesh::Interface;
+use asperity_structure::PreloadedContact;
 use asperity_study::assemble::Assembly;
 use asperity_study::run::rest_state;
 use asperity_study::steady::{
@@ -42,7 +42,8 @@ pub(crate) fn run(
         None => return Err(Failure::Threads { threads: threads.unwrap_or_default() }),
     };
 
-    let names: Vec<&str> = assembly.stack.interfaces().iter().map(Interface::name).collect();
+    let names: Vec<&str> =
+        assembly.structure.contacts().iter().map(PreloadedContact::name).collect();
     folder.write("steady.csv", steady_csv(&found, &names))?;
     if let Some(backbones) = &found.backbones {
         folder.write("backbone.csv", backbone_csv(backbones))?;

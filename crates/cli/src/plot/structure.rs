@@ -1,7 +1,7 @@
 //! Laws and mode shapes.
 
-use asperity_dynamics::Mode;
 use asperity_figure::{Axis, Color, Dash, Figure, Legend, Panel, Series};
+use asperity_structure::LinearisedMode;
 use asperity_study::laws::LawTable;
 
 /// Stiffness against pressure, and pressure against closure, of every law.
@@ -22,7 +22,7 @@ pub(crate) fn laws(tables: &[LawTable]) -> Figure {
 }
 
 /// Displacement along the stack, a line per mode.
-pub(crate) fn modes(places: &[f64], modes: &[Mode], shapes: &[Vec<f64>]) -> Figure {
+pub(crate) fn modes(places: &[f64], modes: &[LinearisedMode], shapes: &[Vec<f64>]) -> Figure {
     let mut panel = Panel::new(
         Axis::linear("Distance from the top", "mm").scale(1e3),
         Axis::linear("Displacement over its largest", ""),

@@ -16,11 +16,10 @@ use std::hint::black_box;
 use std::sync::Arc;
 use std::time::Instant;
 
-use asperity_dynamics::{
-    Damping, Equilibrium, Excitation, FiniteDifference, InstructionSet, Sampling,
-};
+use asperity_dynamics::{Excitation, FiniteDifference, InstructionSet, Sampling};
 use asperity_law::{Constant, ContactLaw, ModifiedPower, Power};
 use asperity_mesh::{Body, Grid, Interface, Stack, Support};
+use asperity_structure::{Damping, PreloadedStructure};
 
 const AREA: f64 = 1.15e-4;
 const ROUNDS: usize = 5;
@@ -40,11 +39,10 @@ fn main() {
 
 fn measure(name: &str, law: &Arc<dyn ContactLaw>) {
     let stack = rig(law);
-    let equilibrium = Equilibrium::of(&stack).unwrap();
-    let rate = Damping::Ratio(0.035).rate(&stack, &equilibrium).unwrap();
+    let structure = PreloadedStructure::new(stack, Damping::Ratio(0.035)).unwrap();
     let sampling = Sampling::new(0.12, 2e5).unwrap();
     let pulse = Excitation::GammaPulse { peak: 32.0, rise: 0.34e-3 };
-    let nodes = Grid::new(&stack, 1e-3).unwrap().nodes();
+    let nodes = Grid::new(structure.stack(), 1e-3).unwrap().nodes();
 
     let sets = InstructionSet::available();
     let mut least = vec![f64::INFINITY; sets.len() + 1];
@@ -53,13 +51,12 @@ fn measure(name: &str, law: &Arc<dyn ContactLaw>) {
         for (set, least) in sets.iter().zip(&mut least[1..]) {
             let method = FiniteDifference { instructions: *set, ..FiniteDifference::default() };
             let started = Instant::now();
-            let done =
-                method.integrate(&stack, &equilibrium, rate, &pulse, &sampling, &|_| ()).unwrap();
+            let done = method.integrate(&structure, &pulse, &sampling).unwrap();
             *least = least.min(started.elapsed().as_secs_f64());
             steps = black_box(done).steps;
         }
         let started = Instant::now();
-        black_box(plain::march(&stack, &equilibrium, rate, &pulse, &sampling));
+        black_box(plain::march(&structure, &pulse, &sampling));
         least[0] = least[0].min(started.elapsed().as_secs_f64());
     }
     let plain = least[0];

@@ -1,9 +1,10 @@
 //! The same scheme as a plain loop over nodes in order: Eq. (4) with `f64`
 //! arithmetic, left to the compiler's own vectorisation for its default target.
 
-use asperity_dynamics::{Equilibrium, Excitation, Sampling};
+use asperity_dynamics::{Excitation, Sampling};
 use asperity_law::{CompiledLaw, InSeries};
-use asperity_mesh::{Grid, Stack};
+use asperity_mesh::Grid;
+use asperity_structure::PreloadedStructure;
 
 struct Bar {
     now: Vec<f64>,
@@ -23,15 +24,13 @@ struct Contact {
 
 /// Marches the whole run; returns the top's displacement at the output samples.
 pub(crate) fn march(
-    stack: &Stack,
-    equilibrium: &Equilibrium,
-    rate: f64,
+    structure: &PreloadedStructure,
     excitation: &Excitation,
     sampling: &Sampling,
 ) -> Vec<f64> {
-    let grid = Grid::new(stack, 1e-3).unwrap();
+    let grid = Grid::new(structure.stack(), 1e-3).unwrap();
     let (step, stride) = grid.step_within(sampling.interval(), 0.95).unwrap();
-    let a2 = rate * step;
+    let a2 = structure.damping_rate() * step;
     let mut bars: Vec<Bar> = grid
         .bars()
         .iter()
@@ -47,7 +46,7 @@ pub(crate) fn march(
             }
         })
         .collect();
-    let mut contacts = contacts(stack, equilibrium, &bars, excitation);
+    let mut contacts = contacts(structure, &bars, excitation);
     let mut displacement = Vec::with_capacity(sampling.samples());
     let mut forces = vec![0.0; stride];
     for sample in 0..sampling.samples() {
@@ -60,21 +59,16 @@ pub(crate) fn march(
     displacement
 }
 
-fn contacts(
-    stack: &Stack,
-    equilibrium: &Equilibrium,
-    bars: &[Bar],
-    excitation: &Excitation,
-) -> Vec<Contact> {
-    let interfaces = stack.interfaces().iter().zip(equilibrium.contacts()).enumerate();
-    interfaces
-        .map(|(i, (interface, at_rest))| {
+fn contacts(structure: &PreloadedStructure, bars: &[Bar], excitation: &Excitation) -> Vec<Contact> {
+    let contacts = structure.contacts().iter().enumerate();
+    contacts
+        .map(|(i, contact)| {
             let below = bars.get(i + 1).map_or(0.0, |bar| bar.compliance);
-            let b = 0.5 * interface.area() * (bars[i].compliance + below);
-            let series = InSeries::new(interface.law().clone(), 1.0 / b).unwrap();
-            let top = at_rest.pressure + 3.0 * excitation.peak() / interface.area();
-            let table = CompiledLaw::new(&series, at_rest.pressure, top, 1e-6).unwrap();
-            Contact { area: interface.area(), table, now: 0.0, before: 0.0 }
+            let b = 0.5 * contact.area() * (bars[i].compliance + below);
+            let series = InSeries::new(contact.law().clone(), 1.0 / b).unwrap();
+            let top = contact.pressure() + 3.0 * excitation.peak() / contact.area();
+            let table = CompiledLaw::new(&series, contact.pressure(), top, 1e-6).unwrap();
+            Contact { area: contact.area(), table, now: 0.0, before: 0.0 }
         })
         .collect()
 }

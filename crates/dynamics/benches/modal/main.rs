@@ -18,11 +18,11 @@ use std::thread;
 use std::time::Instant;
 
 use asperity_dynamics::{
-    Batch, Damping, Equilibrium, Excitation, FiniteDifference, Hit, InstructionSet, Modal,
-    ModalRig, Sampling, Thinning, modes,
+    Batch, Excitation, FiniteDifference, Hit, InstructionSet, Modal, ModalRig, Sampling, Thinning,
 };
 use asperity_law::{ContactLaw, ModifiedPower};
 use asperity_mesh::{Body, Interface, Stack, Support};
+use asperity_structure::{Damping, PreloadedStructure};
 
 const AREA: f64 = 1.15e-4;
 const DURATION: f64 = 0.12;
@@ -30,13 +30,12 @@ const ROUNDS: usize = 5;
 const STEPS: [f64; 3] = [5e-6, 10e-6, 20e-6];
 
 fn main() {
-    let stack = rig();
-    let equilibrium = Equilibrium::of(&stack).unwrap();
-    let rate = Damping::Ratio(0.035).rate(&stack, &equilibrium).unwrap();
-    let natural = modes(&stack, &equilibrium, rate, 1).unwrap()[0].frequency_hz;
+    let structure = PreloadedStructure::new(rig(), Damping::Ratio(0.035)).unwrap();
     let pulse = |peak| Excitation::GammaPulse { peak, rise: 0.34e-3 };
-    let count = Modal::default().mode_count(Some(natural), &pulse(1.0));
-    let rig = Arc::new(ModalRig::of_stack(&stack, &equilibrium, rate, count).unwrap());
+    let count = Modal::default().mode_count(structure.natural_frequency(), &pulse(1.0));
+    let reduced = structure.reduced(count).unwrap();
+    let plain_rig = plain::Rig::new(reduced.clone());
+    let rig = Arc::new(ModalRig::new(reduced).unwrap());
     let hits = |step: f64, count: usize| -> Vec<Hit> {
         let hit = |i: usize| Hit {
             rig: Arc::clone(&rig),
@@ -50,7 +49,6 @@ fn main() {
     println!("| kernel | cores | step [us] | hits/s | ns a lane and step | against plain |");
     println!("|---|---|---|---|---|---|");
 
-    let plain_rig = plain::Rig::new(&stack, &equilibrium, rate, count);
     let mut plain_seconds = [f64::INFINITY; 3];
     for _ in 0..ROUNDS {
         for (least, step) in plain_seconds.iter_mut().zip(STEPS) {
@@ -93,8 +91,7 @@ fn main() {
     let mut step = 0.0;
     for _ in 0..ROUNDS {
         least = least.min(timed(|| {
-            let done =
-                method.integrate(&stack, &equilibrium, rate, &pulse(32.0), &sampling, &|_| ());
+            let done = method.integrate(&structure, &pulse(32.0), &sampling);
             step = done.unwrap().step;
         }));
     }

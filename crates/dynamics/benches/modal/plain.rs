@@ -1,12 +1,13 @@
 //! The same method as a plain loop: modes as two-state recurrences, forces linear over a step for
 //! the bodies and averaged for the last, two contacts by Newton's method on tabulated laws.
 
-use asperity_dynamics::{Equilibrium, Excitation};
+use asperity_dynamics::Excitation;
 use asperity_law::CompiledLaw;
-use asperity_mesh::{ModalStructure, ModeCount, Stack};
+use asperity_mesh::ComponentModes;
+use asperity_structure::PreloadedStructure;
 
 pub(crate) struct Rig {
-    structure: ModalStructure,
+    structure: PreloadedStructure<ComponentModes>,
     areas: [f64; 2],
     tables: [CompiledLaw; 2],
     rate: f64,
@@ -25,22 +26,17 @@ struct Mode {
 }
 
 impl Rig {
-    pub(crate) fn new(
-        stack: &Stack,
-        equilibrium: &Equilibrium,
-        rate: f64,
-        modes: ModeCount,
-    ) -> Self {
+    pub(crate) fn new(structure: PreloadedStructure<ComponentModes>) -> Self {
+        let contacts = structure.contacts();
         let table = |i: usize| {
-            let state = equilibrium.contacts()[i].pressure;
-            let law = stack.interfaces()[i].law();
-            CompiledLaw::uniform(law, state, state + 1e6, 1e-5).unwrap()
+            let state = contacts[i].pressure();
+            CompiledLaw::uniform(contacts[i].law(), state, state + 1e6, 1e-5).unwrap()
         };
         Self {
-            structure: ModalStructure::of_stack(stack, modes).unwrap(),
-            areas: [0, 1].map(|i| stack.interfaces()[i].area()),
+            areas: [0, 1].map(|i| contacts[i].area()),
             tables: [table(0), table(1)],
-            rate,
+            rate: structure.damping_rate(),
+            structure,
         }
     }
 
@@ -48,7 +44,8 @@ impl Rig {
     pub(crate) fn march(&self, drive: &Excitation, h: f64, duration: f64) -> (f64, f64) {
         let mut modes: Vec<Mode> = self
             .structure
-            .oscillators()
+            .component_modes()
+            .modes()
             .iter()
             .map(|mode| {
                 let (w, c) = (mode.angular_frequency, self.rate);
@@ -76,7 +73,7 @@ impl Rig {
         for (i, row) in coupling.iter_mut().enumerate() {
             for (j, entry) in row.iter_mut().enumerate() {
                 let own = modes.iter().map(|mode| mode.shape[i] * mode.shape[j] * mode.taps[0]);
-                let residual = self.structure.residual().closure[i][j];
+                let residual = self.structure.component_modes().residual().closure[i][j];
                 *entry = (residual + own.sum::<f64>()) * self.areas[j];
             }
         }

@@ -2,13 +2,13 @@
 
 use std::sync::Arc;
 
-use asperity_law::{CompiledLaw, ContactLaw, CubicCell, InSeries, LawError};
-use asperity_mesh::Interface;
+use asperity_law::{CubicCell, CompiledLaw, ContactLaw, InSeries, LawError};
+use asperity_structure::PreloadedContact;
 use pulp::Simd;
 
 use super::ContactForm;
 use super::bar::fused;
-use crate::{ContactRecord, DynamicsError, StaticContact};
+use crate::{ContactRecord, DynamicsError};
 
 /// Largest error of a tabulated pressure, as a share of the static pressure. A
 /// thousandth of the discretisation error at 1 mm cells; ten times finer tables
@@ -31,9 +31,8 @@ const TABLE_TOLERANCE: f64 = 1e-6;
 /// is tabulated once, with a certified error, instead of iterated every step.
 /// Beyond the table, and to build it, the exact law is solved by safeguarded Newton.
 pub(super) struct ContactStep<'a> {
-    interface: &'a Interface,
+    contact: &'a PreloadedContact,
     area: f64,
-    at_rest: StaticContact,
     centred: bool,
     /// Weights of the new and the previous-but-one closure in the one that the law sees.
     weight_new: f64,
@@ -65,32 +64,30 @@ impl<'a> ContactStep<'a> {
     /// `compliance` \[m/N\] is the sum of both faces' displacement per force and
     /// step; `scale` \[Pa\] the pressure change to expect.
     pub(super) fn new(
-        interface: &'a Interface,
-        at_rest: StaticContact,
+        contact: &'a PreloadedContact,
         form: ContactForm,
         compliance: f64,
         scale: f64,
     ) -> Result<Self, DynamicsError> {
         let centred = form == ContactForm::Centred;
         let (weight_new, weight_old) = if centred { (0.5, 0.5) } else { (1.0, 0.0) };
-        let separates = interface.law().domain().separates();
-        let open_below = if separates { -at_rest.pressure } else { f64::NEG_INFINITY };
-        let b = interface.area() * compliance * weight_new;
-        let named = |source| DynamicsError::Law { interface: interface.name().to_owned(), source };
-        let series = InSeries::new(Arc::clone(interface.law()), 1.0 / b).map_err(named)?;
+        let separates = contact.law().domain().separates();
+        let open_below = if separates { -contact.pressure() } else { f64::NEG_INFINITY };
+        let b = contact.area() * compliance * weight_new;
+        let named = |source| DynamicsError::Law { interface: contact.name().to_owned(), source };
+        let series = InSeries::new(Arc::clone(contact.law()), 1.0 / b).map_err(named)?;
         // The last resort is for an unloaded contact that nothing is expected to press.
-        let expected = scale.max(0.01 * at_rest.pressure);
+        let expected = scale.max(0.01 * contact.pressure());
         let expected = if expected > 0.0 { expected } else { 1.0 };
-        let table_top = at_rest.pressure + 3.0 * expected;
-        let table = match CompiledLaw::new(&series, at_rest.pressure, table_top, TABLE_TOLERANCE) {
+        let table_top = contact.pressure() + 3.0 * expected;
+        let table = match CompiledLaw::new(&series, contact.pressure(), table_top, TABLE_TOLERANCE) {
             Ok(table) => Some(table),
             Err(LawError::Unresolved { .. }) => None,
             Err(error) => return Err(named(error)),
         };
         Ok(Self {
-            interface,
-            area: interface.area(),
-            at_rest,
+            contact,
+            area: contact.area(),
             centred,
             weight_new,
             weight_old,
@@ -164,7 +161,7 @@ impl<'a> ContactStep<'a> {
     /// Beyond the table: solves the law itself, and if the pressure is the
     /// highest yet, tabulates further for the steps to come.
     fn solve_exactly(&mut self, argument: f64) -> f64 {
-        let from = self.at_rest.pressure;
+        let from = self.contact.pressure();
         let gain = self.series.pressure_increment(from, argument).value;
         if self.table.is_some() && gain.is_finite() && from + gain > self.table_top {
             self.table_top = from + 2.0 * gain;
@@ -177,12 +174,12 @@ impl<'a> ContactStep<'a> {
     pub(super) fn observe(&self) -> (f64, f64, f64) {
         // Centred, the latest solve spans the step before the newest; else it is the newest's.
         let gain = if self.centred { self.gain } else { self.gain_before };
-        let pressure = self.at_rest.pressure + gain;
-        let closure = self.at_rest.closure + self.closure_before;
+        let pressure = self.contact.pressure() + gain;
+        let closure = self.contact.closure() + self.closure_before;
         if gain <= self.open_below {
             return (0.0, closure, 0.0);
         }
-        (pressure, closure, self.interface.law().stiffness(pressure))
+        (pressure, closure, self.contact.law().stiffness(pressure))
     }
 
     /// Counts a `stiffness` \[Pa/m\] for this many steps in the time average.
@@ -192,7 +189,7 @@ impl<'a> ContactStep<'a> {
 
     pub(super) fn record(&self, step: f64, steps: usize) -> ContactRecord {
         // Next to loss of contact the table may undershoot zero within its error bound.
-        let pressure = |gain: f64| self.at_rest.pressure + gain.max(self.open_below);
+        let pressure = |gain: f64| self.contact.pressure() + gain.max(self.open_below);
         ContactRecord {
             pressure_min: pressure(self.lowest),
             pressure_max: pressure(self.highest),
@@ -204,14 +201,14 @@ impl<'a> ContactStep<'a> {
     /// Energy stored beyond rest and against the static pressure, averaged over
     /// the last two states, and the work done on the contact \[J\].
     pub(super) fn energy(&self) -> (f64, f64) {
-        let law = self.interface.law();
-        let StaticContact { pressure, closure, .. } = self.at_rest;
+        let law = self.contact.law();
+        let (pressure, closure) = (self.contact.pressure(), self.contact.closure());
         let excess = |gain: f64| law.energy(closure + gain) - law.energy(closure) - pressure * gain;
         let stored = 0.5 * (excess(self.closure) + excess(self.closure_before));
         (self.area * stored, self.area * self.work)
     }
 
     pub(super) fn name(&self) -> &str {
-        self.interface.name()
+        self.contact.name()
     }
 }

@@ -1,6 +1,7 @@
 //! The loop over time.
 
-use asperity_mesh::{Grid, Stack};
+use asperity_mesh::Grid;
+use asperity_structure::PreloadedStructure;
 use pulp::{Simd, WithSimd};
 
 use super::ContactForm;
@@ -8,9 +9,7 @@ use super::bar::{Bar, Room, fused};
 use super::contact::ContactStep;
 use super::ledger::Ledger;
 use super::support::SupportStep;
-use crate::{
-    DynamicsError, EnergyLedger, Equilibrium, Excitation, History, InterfaceHistory, Transient,
-};
+use crate::{DynamicsError, EnergyLedger, Excitation, History, InterfaceHistory, Transient};
 
 /// Most steps between two measurements of the viscous power.
 const LEDGER_STEPS: usize = 32;
@@ -20,11 +19,9 @@ const PROGRESS_SAMPLES: usize = 1024;
 
 /// A whole run, to be carried out with one set of vector instructions.
 pub(super) struct March<'a> {
-    pub(super) stack: &'a Stack,
-    pub(super) equilibrium: &'a Equilibrium,
+    pub(super) structure: &'a PreloadedStructure,
     pub(super) grid: &'a Grid,
     pub(super) form: ContactForm,
-    pub(super) rate: f64,
     pub(super) excitation: &'a Excitation,
     pub(super) samples: usize,
     pub(super) stride: usize,
@@ -98,7 +95,7 @@ impl March<'_> {
             force: column(),
             displacement: column(),
             acceleration: column(),
-            interfaces: self.stack.interfaces().iter().map(|_| interface()).collect(),
+            interfaces: self.structure.contacts().iter().map(|_| interface()).collect(),
         }
     }
 }
@@ -122,23 +119,23 @@ struct State<'a, 'r, S: Simd> {
 impl<'a, 'r, S: Simd> State<'a, 'r, S> {
     fn new(march: &March<'a>, simd: S, rooms: &'r mut [Room]) -> Result<Self, DynamicsError> {
         let grids = march.grid.bars().iter();
-        let bar = |(grid, room)| Bar::new(simd, grid, room, march.step, march.rate);
+        let rate = march.structure.damping_rate();
+        let bar = |(grid, room)| Bar::new(simd, grid, room, march.step, rate);
         let bars: Vec<_> = grids.zip(rooms).map(bar).collect();
-        let support = SupportStep::new(march.stack.support(), march.step);
+        let support = SupportStep::new(march.structure.stack().support(), march.step);
         let below = bars[1..].iter().map(|bar| bar.compliance).chain([support.compliance]);
         let contacts = march
-            .stack
-            .interfaces()
+            .structure
+            .contacts()
             .iter()
-            .zip(march.equilibrium.contacts())
             .zip(bars.iter().zip(below))
-            .map(|((interface, &at_rest), (above, below))| {
-                let scale = march.excitation.peak() / interface.area();
+            .map(|(contact, (above, below))| {
+                let scale = march.excitation.peak() / contact.area();
                 let compliance = above.compliance + below;
-                ContactStep::new(interface, at_rest, march.form, compliance, scale)
+                ContactStep::new(contact, march.form, compliance, scale)
             })
             .collect::<Result<_, _>>()?;
-        Ok(Self { bars, contacts, support, rate: march.rate, step: march.step, steps: 0 })
+        Ok(Self { bars, contacts, support, rate, step: march.step, steps: 0 })
     }
 
     /// One step under `force` \[N\] on the top; adds the force's work \[J\] to `input`.

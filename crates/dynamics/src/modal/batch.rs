@@ -1,5 +1,6 @@
 //! Many hits at once.
 
+use asperity_structure::PreloadedContact;
 use std::cmp::Ordering;
 use std::sync::Arc;
 
@@ -182,9 +183,9 @@ impl Batch {
 /// Power of two of the pressures \[Pa\] above rest that tables reach at first: three times the peak
 /// over the area, or a quarter of the weight, whichever is more.
 fn first_reach(hit: &Hit) -> i32 {
-    let areas = hit.rig.contacts().iter().map(|contact| contact.area);
+    let areas = hit.rig.contacts().iter().map(PreloadedContact::area);
     let smallest = areas.fold(f64::INFINITY, f64::min);
-    let weight = hit.rig.contacts().iter().map(|contact| contact.at_rest.pressure);
+    let weight = hit.rig.contacts().iter().map(PreloadedContact::pressure);
     let scale = weight.fold(3.0 * hit.excitation.peak() / smallest, |m, p| m.max(0.25 * p));
     if scale > 0.0 { scale.log2().ceil().clamp(-30.0, 60.0) as i32 } else { 0 }
 }
@@ -255,7 +256,7 @@ impl Attempt {
     ) -> Result<Option<Self>, DynamicsError> {
         let unstable = |steps: usize, i: usize| DynamicsError::Unstable {
             time_s: steps as f64 * self.lane.prepared.model.step,
-            interface: self.lane.rig.contacts()[i].name.clone(),
+            interface: self.lane.rig.contacts()[i].name().to_owned(),
         };
         let may_halve = hit.step.is_none() && self.halvings < MOST_HALVINGS;
         let (halvings, reach) = match outcome.end {
@@ -290,7 +291,7 @@ impl Attempt {
     }
 
     fn may_pull_further(&self, hit: &Hit) -> bool {
-        let mut laws = hit.rig.contacts().iter().map(|contact| contact.law.domain());
+        let mut laws = hit.rig.contacts().iter().map(|contact| contact.law().domain());
         laws.any(|domain| domain.is_bilateral()) && self.doublings(hit) < MOST_DOUBLINGS
     }
 
@@ -311,13 +312,13 @@ pub(super) fn contact_records(lane: &Lane, outcome: &Outcome) -> Vec<ContactReco
     let named = lane.rig.contacts().iter().zip(&outcome.contacts).enumerate();
     named
         .map(|(i, (contact, outcome))| {
-            let (state, seen) = (contact.at_rest.pressure, &outcome.extremes);
+            let (state, seen) = (contact.pressure(), &outcome.extremes);
             let open = seen.lowest <= lane.open_below(i);
             // A parabola through three steps can dip below what the law knows.
-            let lowest = (state + seen.lowest).max(contact.law.domain().pressure_min);
+            let lowest = (state + seen.lowest).max(contact.law().domain().pressure_min);
             let stiffness = |gained: f64| {
                 let closed = gained > lane.open_below(i);
-                if closed { contact.law.stiffness(state + gained) } else { 0.0 }
+                if closed { contact.law().stiffness(state + gained) } else { 0.0 }
             };
             // From steps 1 to N to steps 0 to N - 1.
             let shifted = (stiffness(0.0) - stiffness(outcome.pressure)) / lane.steps as f64;

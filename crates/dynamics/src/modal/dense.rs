@@ -175,8 +175,8 @@ impl<'a> Replay<'a> {
         if s <= ON_STEP {
             return self.pressure(i, Some(step));
         }
-        let state = self.lane.rig.contacts()[i].at_rest.pressure;
-        self.lane.rig.contacts()[i].law.pressure_increment(state, self.closure(i, step, s)).value
+        let state = self.lane.rig.contacts()[i].pressure();
+        self.lane.rig.contacts()[i].law().pressure_increment(state, self.closure(i, step, s)).value
     }
 
     /// Closure gained, by the cubic through four steps.
@@ -198,12 +198,12 @@ impl<'a> Replay<'a> {
     fn contact(&self, time: f64, i: usize) -> (f64, f64, f64) {
         let (step, s) = self.locate(time);
         let contact = &self.lane.rig.contacts()[i];
-        let closure = contact.at_rest.closure + self.closure(i, step, s);
+        let closure = contact.closure() + self.closure(i, step, s);
         let gain = self.gain(i, step, s);
         if gain <= self.lane.open_below(i) {
             return (0.0, closure, 0.0);
         }
-        let pressure = contact.at_rest.pressure + gain;
-        (pressure, closure, contact.law.stiffness(pressure))
+        let pressure = contact.pressure() + gain;
+        (pressure, closure, contact.law().stiffness(pressure))
     }
 }

@@ -1,10 +1,10 @@
 //! The energy balance of one hit.
 
-use asperity_law::ContactLaw;
+use asperity_structure::PreloadedContact;
 
 use super::lane::Lane;
 use super::march::Outcome;
-use crate::{EnergyLedger, StaticContact};
+use crate::EnergyLedger;
 
 /// The ledger of a finished hit.
 ///
@@ -25,11 +25,11 @@ pub(super) fn ledger(lane: &Lane, outcome: &Outcome) -> EnergyLedger {
     let contacts = lane.rig.contacts();
     let residual = &model.residual;
     let drive = lane.amplitude * lane.drive.end.get(lane.steps - 1).copied().unwrap_or(0.0);
-    let force = |i: usize| contacts[i].area * outcome.contacts[i].pressure;
+    let force = |i: usize| contacts[i].area() * outcome.contacts[i].pressure;
     ledger.elastic += 0.5 * residual.driving_point * drive * drive;
     for (i, contact) in contacts.iter().enumerate() {
         let gained = outcome.contacts[i].closure;
-        ledger.contact += contact.area * excess(&*contact.law, contact.at_rest, gained);
+        ledger.contact += contact.area() * excess(contact, gained);
         ledger.elastic -= residual.drive[i] * drive * force(i);
         for j in 0..contacts.len() {
             ledger.elastic += 0.5 * force(i) * residual.closure[i][j] * force(j);
@@ -46,9 +46,9 @@ const SMALL: f64 = 1e-2;
 ///
 /// Of a small gain the difference would leave round-off only, so the integral is taken, by three
 /// Gauss points; its own error is of sixth order in the gain.
-fn excess(law: &dyn ContactLaw, rest: StaticContact, gained: f64) -> f64 {
-    let StaticContact { pressure, stiffness, closure } = rest;
-    if (stiffness * gained).abs() > SMALL * pressure.abs() {
+fn excess(contact: &PreloadedContact, gained: f64) -> f64 {
+    let (law, pressure, closure) = (contact.law(), contact.pressure(), contact.closure());
+    if (contact.stiffness() * gained).abs() > SMALL * pressure.abs() {
         return law.energy(closure + gained) - law.energy(closure) - pressure * gained;
     }
     let more = |s: f64| law.pressure_increment(pressure, s * gained).value;
@@ -59,20 +59,22 @@ fn excess(law: &dyn ContactLaw, rest: StaticContact, gained: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use asperity_law::Power;
+    use std::sync::Arc;
+
+    use asperity_law::{ContactLaw, Power};
 
     /// Against the difference where both are good, and the tangent's `K x^2 / 2` where it is not.
     #[test]
     fn small_gains_keep_their_energy() {
         let law = Power::new(1.81e10, 0.35, 0.0).unwrap();
         let (p, k) = (1.4e5, law.stiffness(1.4e5));
-        let rest = StaticContact { pressure: p, stiffness: k, closure: law.closure(p) };
+        let rest = PreloadedContact::new("contact", 1e-4, Arc::new(law.clone()), p).unwrap();
         let x = 0.9 * SMALL * p / k;
-        let exact = law.energy(rest.closure + x) - law.energy(rest.closure) - p * x;
+        let exact = law.energy(rest.closure() + x) - law.energy(rest.closure()) - p * x;
         // The difference is of 1e-4 of the energies.
-        assert!((excess(&law, rest, x) / exact - 1.0).abs() < 1e-9);
+        assert!((excess(&rest, x) / exact - 1.0).abs() < 1e-9);
         for x in [1e-8, -1e-8, 1e-20].map(|share| share * p / k) {
-            assert!((excess(&law, rest, x) / (0.5 * k * x * x) - 1.0).abs() < 1e-7);
+            assert!((excess(&rest, x) / (0.5 * k * x * x) - 1.0).abs() < 1e-7);
         }
     }
 }

@@ -26,10 +26,10 @@ impl Lane {
     /// separates.
     pub(super) fn open_below(&self, i: usize) -> f64 {
         let contact = &self.rig.contacts()[i];
-        if !contact.law.domain().separates() {
+        if !contact.law().domain().separates() {
             return f64::NEG_INFINITY;
         }
-        let state = contact.at_rest.pressure;
+        let state = contact.pressure();
         OPEN * state.max(1e-3 * self.prepared.tops[i]) - state
     }
 }

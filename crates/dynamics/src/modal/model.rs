@@ -1,6 +1,6 @@
 //! All numbers of a step that do not depend on the drive force.
 
-use asperity_mesh::{ModalStructure, Oscillator, ResidualFlexibility};
+use asperity_mesh::{ComponentModes, NormalMode, ResidualFlexibility};
 
 use super::oscillator::{Course, Dynamics, Recurrence};
 
@@ -51,27 +51,27 @@ impl StepModel {
     /// The model of `structure` with contact `areas` \[m2\] under mass-proportional damping `rate`
     /// \[1/s\] at `step` \[s\]; `stiffness` \[Pa/m\] is the highest expected at each contact.
     pub(super) fn new(
-        structure: &ModalStructure,
+        structure: &ComponentModes,
         areas: &[f64],
         stiffness: &[f64],
         rate: f64,
         step: f64,
     ) -> Self {
-        let of = |mode: &Oscillator| {
+        let of = |mode: &NormalMode| {
             let pairs = mode.closure.iter().zip(areas).zip(stiffness);
             let stiff: f64 = pairs.map(|((g, area), k)| g * (g * area) * k * step * step).sum();
-            let damping = mode.rate + if mode.mass_damped { rate } else { 0.0 };
+            let damping = mode.damping_rate + if mode.mass_damped { rate } else { 0.0 };
             let turn = mode.angular_frequency * step;
             (turn <= FAST).then(|| course(turn, stiff, damping * step))
         };
-        let courses = structure.oscillators().iter().map(of).collect();
+        let courses = structure.modes().iter().map(of).collect();
         Self::with_courses(structure, areas, rate, step, courses)
     }
 
     /// The model of [`new`](Self::new) with the courses of another: what a scenario answers must
     /// not jump as it is varied.
     pub(super) fn with_courses(
-        structure: &ModalStructure,
+        structure: &ComponentModes,
         areas: &[f64],
         rate: f64,
         step: f64,
@@ -80,7 +80,7 @@ impl StepModel {
         let mut residual = structure.residual().clone();
         let times_areas =
             |row: &[f64]| -> Vec<f64> { row.iter().zip(areas).map(|(r, area)| r * area).collect() };
-        let named = || structure.oscillators().iter().zip(&courses);
+        let named = || structure.modes().iter().zip(&courses);
         for (mode, _) in named().filter(|(_, course)| course.is_none()) {
             residual.add(mode);
         }
@@ -89,7 +89,7 @@ impl StepModel {
         let mut modes = Vec::with_capacity(courses.len());
         for (mode, &course) in named() {
             let Some(course) = course else { continue };
-            let damping = mode.rate + if mode.mass_damped { rate } else { 0.0 };
+            let damping = mode.damping_rate + if mode.mass_damped { rate } else { 0.0 };
             let dynamics = Dynamics { angular_frequency: mode.angular_frequency, rate: damping };
             let force = times_areas(&mode.closure);
             let recurrence = dynamics.recurrence(step, course);

@@ -37,8 +37,9 @@ mod motion;
 use super::drive::DriveCourse;
 use super::lane::Lane;
 use super::model::StepModel;
-use super::{Batch, Hit, ModalContact};
+use super::{Batch, Hit};
 use crate::DynamicsError;
+use asperity_structure::PreloadedContact;
 use contact::Contacts;
 use extreme::Extreme;
 use inputs::Inputs;
@@ -124,7 +125,7 @@ impl Batch {
 
 /// The inputs of `hit` as stepped by `model`.
 fn inputs_of(model: &StepModel, hit: &Hit, steps: usize) -> Inputs {
-    let pressure = hit.rig.contacts().iter().map(|contact| contact.at_rest.pressure);
+    let pressure = hit.rig.contacts().iter().map(PreloadedContact::pressure);
     let course = DriveCourse::new(&hit.excitation, model.step, steps);
     Inputs::new(model, pressure.collect(), hit.excitation.force(0.0), course)
 }
@@ -152,10 +153,9 @@ impl Tangent {
             return refuse("step of the variation", step, "positive and finite");
         }
         let base = lane.rig.contacts();
-        let modes = lane.rig.structure().oscillators().len();
+        let modes = lane.rig.structure().modes().len();
         for hit in &variation.hits {
-            let (found, interfaces) =
-                (hit.rig.structure().oscillators().len(), hit.rig.contacts().len());
+            let (found, interfaces) = (hit.rig.structure().modes().len(), hit.rig.contacts().len());
             if found != modes {
                 return refuse("number of modes", found as f64, "that of the hit that is varied");
             }
@@ -167,7 +167,7 @@ impl Tangent {
         }
         let model = &lane.prepared.model;
         let inputs = variation.hits.each_ref().map(|hit| {
-            let areas: Vec<f64> = hit.rig.contacts().iter().map(|contact| contact.area).collect();
+            let areas: Vec<f64> = hit.rig.contacts().iter().map(PreloadedContact::area).collect();
             let (structure, courses) = (hit.rig.structure(), model.courses.clone());
             let varied =
                 StepModel::with_courses(structure, &areas, hit.rig.rate(), model.step, courses);
@@ -178,7 +178,7 @@ impl Tangent {
         for (i, contact) in base.iter().enumerate() {
             let places = variation.hits.each_ref().map(|hit| &hit.rig.contacts()[i]);
             let Some(law) = LawRate::new(contact, places, step, rates.pressure[i]) else {
-                let stiffness = contact.law.stiffness(contact.at_rest.pressure);
+                let stiffness = contact.law().stiffness(contact.pressure());
                 return refuse("stiffness at rest [Pa/m]", stiffness, "positive and finite");
             };
             laws.push(law);
@@ -186,7 +186,7 @@ impl Tangent {
         let course = Course::new(rates.force(lane.steps), &rates.pressure);
         let zero = || vec![0.0; base.len()];
         let at_rest = base.iter().zip(&laws).map(|(contact, law)| {
-            let pressure = contact.at_rest.pressure;
+            let pressure = contact.pressure();
             let slope = law.slope(pressure, law.pressure_rate);
             if open_at(contact, 0.0) { 0.0 } else { slope + law.stiffness(pressure) }
         });
@@ -233,7 +233,7 @@ fn march(
     let mut target = vec![0.0; contacts.len()];
     let mut open = vec![false; contacts.len()];
     let at_rest = contacts.iter().map(|contact| {
-        let stiffness = contact.law.stiffness(contact.at_rest.pressure);
+        let stiffness = contact.law().stiffness(contact.pressure());
         if open_at(contact, 0.0) { 0.0 } else { stiffness }
     });
     let mut stiffness: Vec<f64> = at_rest.collect();
@@ -256,7 +256,7 @@ fn march(
         course.displacement.push(output);
         for (i, contact) in contacts.iter().enumerate() {
             open[i] = open_at(contact, found.pressure[i]);
-            course.pressure[i].push(contact.at_rest.pressure + found.pressure[i]);
+            course.pressure[i].push(contact.pressure() + found.pressure[i]);
             course.contacts[i].stiffness_average += share * stiffness[i];
             stiffness[i] = found.tangent[i];
         }
@@ -271,15 +271,15 @@ fn march(
 }
 
 /// Whether a contact is open once its pressure has risen by `gained` \[Pa\] from rest.
-fn open_at(contact: &ModalContact, gained: f64) -> bool {
-    contact.law.domain().separates() && gained <= -contact.at_rest.pressure
+fn open_at(contact: &PreloadedContact, gained: f64) -> bool {
+    contact.law().domain().separates() && gained <= -contact.pressure()
 }
 
 fn unstable(lane: &Lane, n: usize, found: &Contacts) -> DynamicsError {
     let lost = found.pressure.iter().position(|p| !p.is_finite()).unwrap_or(0);
     DynamicsError::Unstable {
         time_s: (n + 1) as f64 * lane.prepared.model.step,
-        interface: lane.rig.contacts()[lost].name.clone(),
+        interface: lane.rig.contacts()[lost].name().to_owned(),
     }
 }
 
@@ -325,7 +325,7 @@ impl Tangent {
             let measures = &mut self.course.contacts[i];
             let column = &self.course.pressure[i];
             measures.pressure_max = highest.rate(column);
-            let separates = lane.rig.contacts()[i].law.domain().separates();
+            let separates = lane.rig.contacts()[i].law().domain().separates();
             let minimum = base.contacts[i].pressure_min;
             if !(separates && minimum <= 0.0) {
                 measures.pressure_min = lowest.rate(column);
@@ -349,10 +349,10 @@ fn finish(course: &mut Course, lane: &Lane) -> Vec<[Extreme; 2]> {
             continue;
         };
         let measures = &mut course.contacts[i];
-        let separates = contact.law.domain().separates();
+        let separates = contact.law().domain().separates();
         measures.pressure_min = if separates { lowest.value.max(0.0) } else { lowest.value };
         measures.pressure_max = highest.value;
-        measures.stiffness_at_pressure_min = contact.law.stiffness(measures.pressure_min);
+        measures.stiffness_at_pressure_min = contact.law().stiffness(measures.pressure_min);
         all.push([lowest, highest]);
     }
     all

@@ -2,10 +2,11 @@
 //! displacements under gravity, one loop over nodes, and at each contact the
 //! law itself solved by safeguarded Newton at every step.
 
-use asperity_dynamics::{ContactForm, Equilibrium, Excitation};
+use asperity_dynamics::{ContactForm, Excitation};
 use asperity_law::ContactLaw;
 use asperity_mesh::{Grid, Stack, Support};
 
+use super::at_rest;
 use super::statics::static_field;
 
 /// Samples of the plain scheme, in absolute coordinates.
@@ -27,9 +28,9 @@ pub fn integrate(
     excitation: &Excitation,
     (step, stride, samples): (f64, usize, usize),
 ) -> AbsoluteRun {
-    let equilibrium = Equilibrium::of(stack).unwrap();
+    let rest = at_rest(stack).static_displacement();
     let grid = Grid::new(stack, cell).unwrap();
-    let field = static_field(stack, &equilibrium, &grid);
+    let field = static_field(stack, &rest, &grid);
     let mut first = 0;
     let mut now: Vec<Vec<f64>> = Vec::new();
     for bar in grid.bars() {
@@ -38,7 +39,7 @@ pub fn integrate(
     }
     let static_top = now[0][0];
     let mut before = now.clone();
-    let (mut disc, mut disc_before) = (equilibrium.support(), equilibrium.support());
+    let (mut disc, mut disc_before) = (rest.support, rest.support);
     let interfaces = stack.interfaces();
     let mut run = AbsoluteRun {
         closure: vec![Vec::new(); interfaces.len()],

@@ -2,10 +2,10 @@
 #![allow(clippy::print_stdout, reason = "what was found, for a test that fails")]
 
 use asperity_dynamics::{
-    DynamicsError, Equilibrium, Excitation, FiniteDifference, Integrator, Modal, Sampling,
-    Transient,
+    DynamicsError, Excitation, FiniteDifference, Integrator, Modal, Sampling, Transient,
 };
 use asperity_mesh::Stack;
+use asperity_structure::{Damping, PreloadedStructure};
 
 use super::difference;
 
@@ -19,9 +19,9 @@ pub fn attempt(
     excitation: &Excitation,
     duration: f64,
 ) -> Result<Transient, DynamicsError> {
-    let equilibrium = Equilibrium::of(stack).unwrap();
+    let structure = PreloadedStructure::new(stack.clone(), Damping::Rate(RATE)).unwrap();
     let sampling = Sampling::new(duration, 2e5).unwrap();
-    method.into().integrate(stack, &equilibrium, RATE, excitation, &sampling, &|_| ())
+    method.into().integrate(&structure, excitation, &sampling)
 }
 
 /// Differences of displacement and of closures over their largest motions.

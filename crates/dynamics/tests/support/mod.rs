@@ -13,11 +13,12 @@ pub mod struck;
 
 use std::sync::Arc;
 
-use asperity_dynamics::{Damping, Equilibrium, Excitation, Integrator, Sampling, Transient};
+use asperity_dynamics::{Excitation, Integrator, Sampling, Transient};
 use asperity_law::{
     Constant, ContactLaw, Exponential, Hyperbolic, InSeries, ModifiedPower, Power, Tabulated,
 };
 use asperity_mesh::{Body, Interface, Stack, Support};
+use asperity_structure::{Damping, PreloadedStructure};
 
 pub type Law = Arc<dyn ContactLaw>;
 
@@ -110,6 +111,11 @@ pub fn three_bodies(support: Support) -> Stack {
 /// A compliant disc: 3 kg on a spring and damper, near 1.3 kHz.
 pub const DISC: Support = Support::SpringMass { stiffness: 2e8, mass: 3.0, damping_ratio: 0.05 };
 
+/// The rest of `stack`, without damping.
+pub fn at_rest(stack: &Stack) -> PreloadedStructure {
+    PreloadedStructure::new(stack.clone(), Damping::Rate(0.0)).unwrap()
+}
+
 /// A run of `stack` with the damping `rate` [1/s], sampled at `sampling_rate` [Hz].
 pub fn run_at(
     stack: &Stack,
@@ -118,10 +124,10 @@ pub fn run_at(
     excitation: &Excitation,
     (duration, sampling_rate): (f64, f64),
 ) -> Transient {
-    let equilibrium = Equilibrium::of(stack).unwrap();
+    let structure = PreloadedStructure::new(stack.clone(), Damping::Rate(rate)).unwrap();
     let sampling = Sampling::new(duration, sampling_rate).unwrap();
     let method: Integrator = (*method).into();
-    method.integrate(stack, &equilibrium, rate, excitation, &sampling, &|_| ()).unwrap()
+    method.integrate(&structure, excitation, &sampling).unwrap()
 }
 
 /// Largest difference of two columns over the largest magnitude of the second.
@@ -142,11 +148,10 @@ pub fn run(
     excitation: &Excitation,
     duration: f64,
 ) -> Transient {
-    let equilibrium = Equilibrium::of(stack).unwrap();
-    let rate = Damping::Ratio(0.035).rate(stack, &equilibrium).unwrap();
+    let structure = PreloadedStructure::new(stack.clone(), Damping::Ratio(0.035)).unwrap();
     let sampling = Sampling::new(duration, 2e5).unwrap();
     let method: Integrator = (*method).into();
-    method.integrate(stack, &equilibrium, rate, excitation, &sampling, &|_| ()).unwrap()
+    method.integrate(&structure, excitation, &sampling).unwrap()
 }
 
 /// Slope of `ln error` over `ln size` by least squares.

@@ -1,18 +1,16 @@
 //! The static field in closed form, and what the grid makes of it.
 
-use asperity_dynamics::Equilibrium;
-use asperity_mesh::{Body, Grid, Stack};
+use asperity_mesh::{Grid, Stack};
+use asperity_structure::StaticDisplacement;
 
 /// Static displacement [m] at every node of the grid, from the top down:
 /// `u(x) = u_bottom + integral from x to L of (N + rho A g s) ds / (E A)`.
 ///
 /// It is quadratic, so that the grid's differences of it are exact.
-pub fn static_field(stack: &Stack, equilibrium: &Equilibrium, grid: &Grid) -> Vec<f64> {
+pub fn static_field(stack: &Stack, rest: &StaticDisplacement, grid: &Grid) -> Vec<f64> {
     let mut field = Vec::with_capacity(grid.nodes() + 1);
     let mut load = 0.0;
-    for ((body, &(_, bottom)), bar) in
-        stack.bodies().iter().zip(equilibrium.faces()).zip(grid.bars())
-    {
+    for ((body, &(_, bottom)), bar) in stack.bodies().iter().zip(&rest.faces).zip(grid.bars()) {
         let length = body.length();
         let weight = body.mass() * stack.gravity();
         field.extend((0..bar.nodes()).map(|node| {
@@ -23,9 +21,4 @@ pub fn static_field(stack: &Stack, equilibrium: &Equilibrium, grid: &Grid) -> Ve
         load += weight;
     }
     field
-}
-
-/// Weight of the whole stack without its support [N].
-pub fn weight(stack: &Stack) -> f64 {
-    stack.bodies().iter().map(Body::mass).sum::<f64>() * stack.gravity()
 }

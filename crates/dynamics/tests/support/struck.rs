@@ -1,9 +1,9 @@
 //! The paper's rig struck, and what is read off its response.
 
-use asperity_dynamics::{Equilibrium, Integrator, Transient, modes};
+use asperity_dynamics::{Integrator, Transient};
 
 use super::receptance::{Peak, peak};
-use super::{Law, pulse, rig, run};
+use super::{Law, at_rest, pulse, rig, run};
 
 const DURATION: f64 = 0.12;
 
@@ -17,8 +17,7 @@ pub struct Response {
 /// static frequency and its second harmonic in 1.5 to 2.3 of the fundamental.
 pub fn respond(law: &Law, force: f64, method: &(impl Into<Integrator> + Copy)) -> Response {
     let stack = rig(law);
-    let equilibrium = Equilibrium::of(&stack).unwrap();
-    let at_rest = modes(&stack, &equilibrium, 0.0, 1).unwrap()[0].frequency_hz;
+    let at_rest = at_rest(&stack).natural_frequency().unwrap();
     let transient = run(&stack, method, &pulse(force), DURATION);
     let first = peak(&transient.history, (0.4 * at_rest, 1.4 * at_rest)).unwrap();
     let second = peak(&transient.history, (1.5 * first.frequency, 2.3 * first.frequency));

@@ -8,7 +8,7 @@ use asperity_law::Constant;
 use asperity_mesh::{Stack, Support};
 use faer::c64;
 
-use crate::rigs::{Law, branch, mass_on, rate_on, rig};
+use crate::rigs::{Law, branch, mass_on, preloaded, rate_on, rig};
 
 fn constant() -> Law {
     Arc::new(Constant::new(8.5e11).unwrap())
@@ -62,7 +62,8 @@ fn the_rig_is_the_closed_form_chain() {
     let disc = Support::SpringMass { stiffness: 4e8, mass: 12.0, damping_ratio: 0.02 };
     for support in [Support::Rigid, disc] {
         let stack = rig(&constant(), support);
-        let system = ContactSystem::of_stack(&stack, 370.0, Evaluation::Exact).unwrap();
+        let system =
+            ContactSystem::of_stack(&preloaded(stack.clone(), 370.0), Evaluation::Exact).unwrap();
         let path = Path::Frequency { force: 2.0, from: 500.0, to: 14_000.0 };
         let found = branch(&system, path, (2, 16));
         assert!(found.points.len() > 30);
@@ -84,7 +85,8 @@ fn modes_with_residual_flexibility_approach_the_bars() {
     let disc = Support::SpringMass { stiffness: 4e8, mass: 12.0, damping_ratio: 0.02 };
     for support in [Support::Rigid, disc] {
         let stack = rig(&constant(), support);
-        let exact = ContactSystem::of_stack(&stack, 370.0, Evaluation::Exact).unwrap();
+        let exact =
+            ContactSystem::of_stack(&preloaded(stack.clone(), 370.0), Evaluation::Exact).unwrap();
         let off = |count: usize, frequency: f64| {
             let modal = exact.linear().modal(count);
             modal.check().unwrap();

@@ -2,12 +2,13 @@
 
 use std::f64::consts::TAU;
 
-use asperity_dynamics::{Damping, Equilibrium, Excitation, FiniteDifference, Sampling, modes};
+use asperity_dynamics::{Excitation, FiniteDifference, Sampling};
 use asperity_harmonic::{BranchEnd, ContactSystem, Evaluation, Path, Resolution, Settings, trace};
 use asperity_mesh::Support;
+use asperity_structure::{Damping, PreloadedStructure};
 
 use crate::integration::harmonic;
-use crate::rigs::{Law, exponential, modified, power, rig};
+use crate::rigs::{Law, exponential, modified, power, preloaded, rig};
 
 /// Samples of the last period.
 const SAMPLES: usize = 64;
@@ -15,16 +16,18 @@ const SAMPLES: usize = 64;
 /// Periods integrated: transients fall to 1e-9.
 const PERIODS: usize = 100;
 
+/// The rig on `law` with a damping ratio of 0.035.
+fn damped(law: &Law) -> PreloadedStructure {
+    PreloadedStructure::new(rig(law, Support::Rigid), Damping::Ratio(0.035)).unwrap()
+}
+
 /// Amplitudes of the first two harmonics by finite differences in cells of `cell` [m], and the
 /// step [s].
 fn integrated(law: &Law, force: f64, frequency: f64, cell: f64) -> ([f64; 2], f64) {
-    let stack = rig(law, Support::Rigid);
-    let equilibrium = Equilibrium::of(&stack).unwrap();
-    let rate = Damping::Ratio(0.035).rate(&stack, &equilibrium).unwrap();
     let method = FiniteDifference { cell, ..FiniteDifference::default() };
     let sampling = Sampling::new(PERIODS as f64 / frequency, SAMPLES as f64 * frequency).unwrap();
     let shaker = Excitation::Harmonic { amplitude: force, frequency };
-    let done = method.integrate(&stack, &equilibrium, rate, &shaker, &sampling, &|_| ()).unwrap();
+    let done = method.integrate(&damped(law), &shaker, &sampling).unwrap();
     let last = &done.history.displacement[(PERIODS - 1) * SAMPLES..];
     ([harmonic(last, 1), harmonic(last, 2)], done.step)
 }
@@ -37,11 +40,9 @@ fn three_laws_at_three_levels_equal_time_integration() {
     for (name, law) in
         [("power", power()), ("modified", modified()), ("exponential", exponential())]
     {
-        let stack = rig(&law, Support::Rigid);
-        let equilibrium = Equilibrium::of(&stack).unwrap();
-        let rate = Damping::Ratio(0.035).rate(&stack, &equilibrium).unwrap();
-        let natural = modes(&stack, &equilibrium, rate, 1).unwrap()[0].frequency_hz;
-        let system = ContactSystem::of_stack(&stack, rate, Evaluation::default()).unwrap();
+        let structure = damped(&law);
+        let natural = structure.natural_frequency().unwrap();
+        let system = ContactSystem::of_stack(&structure, Evaluation::default()).unwrap();
         let frequency = 1.02 * natural;
         for force in [0.1, 0.4, 0.9] {
             let path = Path::Force { frequency, from: 0.01, to: force };
@@ -63,10 +64,9 @@ fn three_laws_at_three_levels_equal_time_integration() {
 /// The linearised resonance of the condensed bars is the mode of the dynamics' own method.
 #[test]
 fn resonance_is_the_first_mode() {
-    let stack = rig(&power(), Support::Rigid);
-    let equilibrium = Equilibrium::of(&stack).unwrap();
-    let natural = modes(&stack, &equilibrium, 0.0, 1).unwrap()[0].frequency_hz;
-    let system = ContactSystem::of_stack(&stack, 1.0, Evaluation::Exact).unwrap();
+    let structure = preloaded(rig(&power(), Support::Rigid), 1.0);
+    let natural = structure.natural_frequency().unwrap();
+    let system = ContactSystem::of_stack(&structure, Evaluation::Exact).unwrap();
     let path = Path::Mode { near: 900.0, from: 1e-13, to: 2e-13 };
     let mode = trace(&system, &path, &Settings::default()).unwrap();
     let ratio = mode.points[0].frequency_hz() / natural;
@@ -82,10 +82,7 @@ fn resonance_is_the_first_mode() {
 #[test]
 fn loss_of_contact_equals_time_integration() {
     let law = power();
-    let stack = rig(&law, Support::Rigid);
-    let equilibrium = Equilibrium::of(&stack).unwrap();
-    let rate = Damping::Ratio(0.035).rate(&stack, &equilibrium).unwrap();
-    let system = ContactSystem::of_stack(&stack, rate, Evaluation::default()).unwrap();
+    let system = ContactSystem::of_stack(&damped(&law), Evaluation::default()).unwrap();
     let (frequency, force) = (945.0, 2.5);
     let path = Path::Force { frequency, from: 0.01, to: force };
     let resolution = Resolution::Automatic { tolerance: 1e-4, most: 60 };

@@ -8,6 +8,7 @@ use asperity_harmonic::{
 };
 use asperity_law::{ContactLaw, Domain, Exponential, InSeries, ModifiedPower, Power, Pressure};
 use asperity_mesh::{Body, Interface, Stack, Support};
+use asperity_structure::{Damping, PreloadedStructure};
 
 pub(crate) type Law = Arc<dyn ContactLaw>;
 
@@ -41,6 +42,11 @@ pub(crate) fn mass_on(law: &Law, evaluation: Evaluation) -> ContactSystem {
 /// Linearised natural frequency [Hz] of [`mass_on`].
 pub(crate) fn natural_frequency(law: &Law) -> f64 {
     (AREA * law.stiffness(PRESSURE) / MASS).sqrt() / TAU
+}
+
+/// `stack` at rest with the damping `rate` [1/s].
+pub(crate) fn preloaded(stack: Stack, rate: f64) -> PreloadedStructure {
+    PreloadedStructure::new(stack, Damping::Rate(rate)).unwrap()
 }
 
 /// The paper's laws.

@@ -3,7 +3,7 @@
 use asperity_harmonic::{ContactSystem, Evaluation, Path, Resolution, Settings, trace};
 use asperity_mesh::Support;
 
-use crate::rigs::{Law, branch, exponential, mass_on, power, reference_law, rig};
+use crate::rigs::{Law, branch, exponential, mass_on, power, preloaded, reference_law, rig};
 
 /// Errors below this are rounding.
 const ROUNDING: f64 = 1e-13;
@@ -33,10 +33,10 @@ fn errors_fall_exponentially_with_harmonics() {
     let laws: [(&str, Law); 3] =
         [("series", reference_law()), ("power", power()), ("exponential", exponential())];
     for (name, law) in laws {
-        let stack = rig(&law, Support::Rigid);
+        let structure = preloaded(rig(&law, Support::Rigid), 416.0);
         let systems = [
             ("mass", mass_on(&law, Evaluation::Exact)),
-            ("rig", ContactSystem::of_stack(&stack, 416.0, Evaluation::Exact).unwrap()),
+            ("rig", ContactSystem::of_stack(&structure, Evaluation::Exact).unwrap()),
         ];
         for (kind, system) in systems {
             let path = Path::Force { frequency: 1000.0, from: 0.1, to: 0.8 };

@@ -3,7 +3,6 @@
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-use asperity_dynamics::{Equilibrium, modes};
 use asperity_harmonic::{
     Branch, ContactSystem, Evaluation, Floquet, FloquetMethod, Path, Resolution, Settings, trace,
 };
@@ -12,7 +11,7 @@ use asperity_mesh::Support;
 use faer::c64;
 
 use crate::integration::{Motion, state_of};
-use crate::rigs::{Law, mass_on, power, rate_on, reference_law, rig};
+use crate::rigs::{Law, mass_on, power, preloaded, rate_on, reference_law, rig};
 
 pub(crate) const BOTH: [FloquetMethod; 2] = [FloquetMethod::KoopmanHill, FloquetMethod::RungeKutta];
 
@@ -36,9 +35,9 @@ pub(crate) fn judged(
 fn a_linear_rig_has_the_multipliers_of_its_modes() {
     let law: Law = Arc::new(Constant::new(8.5e11).unwrap());
     let (stack, rate) = (rig(&law, Support::Rigid), 370.0);
-    let equilibrium = Equilibrium::of(&stack).unwrap();
-    let natural = modes(&stack, &equilibrium, rate, 1).unwrap()[0].frequency_hz;
-    let system = ContactSystem::of_stack(&stack, rate, Evaluation::Exact).unwrap();
+    let structure = preloaded(stack, rate);
+    let natural = structure.natural_frequency().unwrap();
+    let system = ContactSystem::of_stack(&structure, Evaluation::Exact).unwrap();
     for method in BOTH {
         let path = Path::Frequency { force: 1.0, from: 900.0, to: 901.0 };
         let found = judged(&system, path, method, 8);
@@ -103,7 +102,8 @@ fn the_single_mass_has_the_multipliers_of_its_own_motion() {
 #[test]
 fn both_methods_agree_on_the_rig() {
     let stack = rig(&power(), Support::Rigid);
-    let system = ContactSystem::of_stack(&stack, 416.0, Evaluation::Exact).unwrap();
+    let structure = preloaded(stack, 416.0);
+    let system = ContactSystem::of_stack(&structure, Evaluation::Exact).unwrap();
     let path = Path::Force { frequency: 930.0, from: 0.5, to: 0.8 };
     let [hill, time] = BOTH
         .map(|method| judged(&system, path, method, 5).points.pop().unwrap().multipliers.unwrap());

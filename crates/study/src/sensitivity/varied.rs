@@ -2,9 +2,8 @@
 
 use std::sync::Arc;
 
-use asperity_dynamics::{
-    DynamicsError, Hit, Modal, ModalContact, ModalRig, RELATIVE_STEP, STENCIL, Variation,
-};
+use asperity_dynamics::{DynamicsError, Hit, Modal, ModalRig, RELATIVE_STEP, STENCIL, Variation};
+use asperity_structure::{Damping, PreloadedContact, PreloadedStructure};
 
 use super::{Parameter, SensitivityError};
 use crate::assemble::Assembly;
@@ -25,8 +24,7 @@ pub(super) fn base(
     natural: Option<f64>,
 ) -> Result<Base, DynamicsError> {
     let modes = method.mode_count(natural, &assembly.excitation);
-    let counts = assembly.stack.bodies().iter().map(|body| modes.of(body));
-    let counts = counts.collect::<Result<Vec<_>, _>>()?;
+    let counts = modes.counts(assembly.structure.stack())?;
     let duration = assembly.sampling.samples() as f64 * assembly.sampling.interval();
     let excitation = assembly.excitation.clone();
     let rig = Arc::new(rig_with(assembly, &counts)?);
@@ -35,8 +33,7 @@ pub(super) fn base(
 
 /// The rig of `assembly` with this many modes of each body.
 pub fn rig_with(assembly: &Assembly, counts: &[usize]) -> Result<ModalRig, DynamicsError> {
-    let Assembly { stack, equilibrium, damping_rate, .. } = assembly;
-    ModalRig::with_counts(stack, equilibrium, *damping_rate, counts)
+    ModalRig::new(assembly.structure.reduced_to(counts)?)
 }
 
 /// The scenario at the four places of the stencil.
@@ -99,8 +96,12 @@ impl Varied {
 
 /// The `rig` with the very laws of `base`, which says that they are not varied.
 pub fn with_laws_of(base: &ModalRig, rig: &ModalRig) -> Result<ModalRig, DynamicsError> {
-    let pairs = rig.contacts().iter().zip(base.contacts());
-    let contacts =
-        pairs.map(|(contact, base)| ModalContact { law: Arc::clone(&base.law), ..contact.clone() });
-    ModalRig::new(rig.structure().clone(), contacts.collect(), rig.rate())
+    let contacts = rig.contacts().iter().zip(base.contacts()).map(|(contact, base)| {
+        let law = Arc::clone(base.law());
+        PreloadedContact::new(contact.name(), contact.area(), law, contact.pressure())
+    });
+    let contacts = contacts.collect::<Result<_, _>>()?;
+    let damping = Damping::Rate(rig.rate());
+    let structure = PreloadedStructure::of_components(rig.structure().clone(), contacts, damping)?;
+    ModalRig::new(structure)
 }

@@ -95,18 +95,11 @@ fn fundamental(
     method: FiniteDifference,
 ) -> Result<(f64, f64), DynamicsError> {
     let frequency = response.frequency_hz();
-    let decay = 0.5 * assembly.damping_rate / frequency;
+    let decay = 0.5 * assembly.structure.damping_rate() / frequency;
     let periods = (-REMAINS.ln() / decay).clamp(20.0, MOST_PERIODS).ceil();
     let sampling = Sampling::new(periods / frequency, SAMPLES as f64 * frequency)?;
     let shaker = Excitation::Harmonic { amplitude: response.force, frequency };
-    let done = method.integrate(
-        &assembly.stack,
-        &assembly.equilibrium,
-        assembly.damping_rate,
-        &shaker,
-        &sampling,
-        &|_| (),
-    )?;
+    let done = method.integrate(&assembly.structure, &shaker, &sampling)?;
     let displacement = &done.history.displacement;
     let last = &displacement[displacement.len().saturating_sub(SAMPLES)..];
     let angle = |n: usize| TAU * n as f64 / SAMPLES as f64;

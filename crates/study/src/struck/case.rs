@@ -68,15 +68,14 @@ impl Case {
     }
 
     fn rig(&self, modal: &Modal, excitation: &Excitation) -> Result<Arc<ModalRig>, DynamicsError> {
-        let Assembly { stack, equilibrium, damping_rate, .. } = &self.assembly;
+        let structure = &self.assembly.structure;
         let count = modal.mode_count(self.at_rest.natural_frequency_hz, excitation);
-        let modes = stack.bodies().iter().map(|body| count.of(body));
-        let modes: Vec<usize> = modes.collect::<Result<_, _>>()?;
+        let modes = count.counts(structure.stack())?;
         let mut rigs = self.rigs.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((_, rig)) = rigs.iter().find(|(known, _)| *known == modes) {
             return Ok(Arc::clone(rig));
         }
-        let rig = Arc::new(ModalRig::of_stack(stack, equilibrium, *damping_rate, count)?);
+        let rig = Arc::new(ModalRig::new(structure.reduced_to(&modes)?)?);
         rigs.push((modes, Arc::clone(&rig)));
         Ok(rig)
     }

@@ -224,7 +224,7 @@ fn exactly(
 }
 
 fn interfaces(case: &Case, record: &HitRecord) -> Vec<InterfaceSummary> {
-    let named = case.assembly.stack.interfaces().iter();
+    let named = case.assembly.structure.contacts().iter();
     named
         .zip(&record.contacts)
         .map(|(interface, contact)| InterfaceSummary {

@@ -96,7 +96,7 @@ impl<'a, S: Simd, C: Coefficient<S>, const N: usize> Block<'a, S, C, N> {
                 drive: at(i, &|lane| lane.prepared.model.residual.drive[i] * cells(lane, i)),
                 driving_point: at(i, &|lane| {
                     // By reciprocity the closure per drive force is also this.
-                    lane.prepared.model.residual.drive[i] * lane.rig.contacts()[i].area
+                    lane.prepared.model.residual.drive[i] * lane.rig.contacts()[i].area()
                 }),
             }
         };

@@ -1,7 +1,7 @@
 //! The contact equations of one step, solved to rounding with the exact laws.
 
 use super::elimination::Factors;
-use crate::modal::ModalContact;
+use asperity_structure::PreloadedContact;
 
 /// Newton corrections before the interfaces are solved one by one.
 const NEWTON: usize = 24;
@@ -43,7 +43,7 @@ impl Contacts {
     /// Solves `y + B p(y) = y*`; `closure` holds a guess before. Whether numbers stay finite.
     pub(super) fn solve(
         &mut self,
-        contacts: &[ModalContact],
+        contacts: &[PreloadedContact],
         coupling: &[Vec<f64>],
         target: &[f64],
     ) -> bool {
@@ -71,7 +71,12 @@ impl Contacts {
     }
 
     /// The Newton correction at the closures; its largest part.
-    fn correct(&mut self, contacts: &[ModalContact], coupling: &[Vec<f64>], target: &[f64]) -> f64 {
+    fn correct(
+        &mut self,
+        contacts: &[PreloadedContact],
+        coupling: &[Vec<f64>],
+        target: &[f64],
+    ) -> f64 {
         self.evaluate(contacts);
         self.factors.factor(coupling, &self.tangent);
         for (i, row) in coupling.iter().enumerate() {
@@ -84,9 +89,9 @@ impl Contacts {
         self.correction.iter().fold(0.0, larger)
     }
 
-    fn evaluate(&mut self, contacts: &[ModalContact]) {
+    fn evaluate(&mut self, contacts: &[PreloadedContact]) {
         for (i, contact) in contacts.iter().enumerate() {
-            let at = contact.law.pressure_increment(contact.at_rest.pressure, self.closure[i]);
+            let at = contact.law().pressure_increment(contact.pressure(), self.closure[i]);
             (self.pressure[i], self.tangent[i]) = (at.value, at.tangent);
         }
     }
@@ -94,7 +99,12 @@ impl Contacts {
     /// Interface by interface, each by halving a bracket: slowly down the convex energy whose
     /// minimum the equations state.
     #[cold]
-    fn solve_alone(&mut self, contacts: &[ModalContact], coupling: &[Vec<f64>], target: &[f64]) {
+    fn solve_alone(
+        &mut self,
+        contacts: &[PreloadedContact],
+        coupling: &[Vec<f64>],
+        target: &[f64],
+    ) {
         self.closure.copy_from_slice(target);
         self.evaluate(contacts);
         for _ in 0..SWEEPS {
@@ -106,7 +116,7 @@ impl Contacts {
                 let reached = closure(contact, own, target[i] - lost, self.scale);
                 moved = moved.max((reached - self.closure[i]).abs());
                 self.closure[i] = reached;
-                let at = contact.law.pressure_increment(contact.at_rest.pressure, reached);
+                let at = contact.law().pressure_increment(contact.pressure(), reached);
                 (self.pressure[i], self.tangent[i]) = (at.value, at.tangent);
             }
             if moved <= f64::EPSILON * self.scale {
@@ -118,9 +128,9 @@ impl Contacts {
 }
 
 /// The closure at which `y + b p(y) = target`.
-fn closure(contact: &ModalContact, own: f64, target: f64, scale: f64) -> f64 {
-    let rest = contact.at_rest.pressure;
-    let excess = |y: f64| y + own * contact.law.pressure_increment(rest, y).value - target;
+fn closure(contact: &PreloadedContact, own: f64, target: f64, scale: f64) -> f64 {
+    let rest = contact.pressure();
+    let excess = |y: f64| y + own * contact.law().pressure_increment(rest, y).value - target;
     let (mut low, mut high, mut width) = (target, target, scale.max(f64::MIN_POSITIVE));
     for _ in 0..64 {
         let (below, above) = (excess(low), excess(high));

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use asperity_law::ContactLaw;
 
 use crate::difference::central_difference;
-use crate::modal::ModalContact;
+use asperity_structure::PreloadedContact;
 
 /// The derivative of one interface's law and static pressure with respect to one parameter.
 ///
@@ -43,20 +43,20 @@ impl LawRate {
     /// The rate of `base` from the laws at four `places`; none when rest has no stiffness but a
     /// pressure that varies.
     pub(super) fn new(
-        base: &ModalContact,
-        places: [&ModalContact; 4],
+        base: &PreloadedContact,
+        places: [&PreloadedContact; 4],
         step: f64,
         pressure_rate: f64,
     ) -> Option<Self> {
-        let same = places.iter().all(|place| Arc::ptr_eq(&place.law, &base.law));
-        let varied = (!same).then(|| places.map(|place| Arc::clone(&place.law)));
-        let stiffness = base.law.stiffness(base.at_rest.pressure);
+        let same = places.iter().all(|place| Arc::ptr_eq(place.law(), base.law()));
+        let varied = (!same).then(|| places.map(|place| Arc::clone(place.law())));
+        let stiffness = base.law().stiffness(base.pressure());
         let yielding = if pressure_rate == 0.0 { 0.0 } else { 1.0 / stiffness };
         yielding.is_finite().then(|| Self {
-            base: Arc::clone(&base.law),
+            base: Arc::clone(base.law()),
             varied,
             step,
-            pressure: base.at_rest.pressure,
+            pressure: base.pressure(),
             pressure_rate,
             yielding,
         })

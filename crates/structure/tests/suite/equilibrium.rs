@@ -1,14 +1,13 @@
 //! Static equilibrium against the discrete nonlinear equations.
-#![allow(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
 
-mod support;
-
-use asperity_dynamics::{Damping, DynamicsError, Equilibrium, modes};
 use asperity_law::ContactLaw;
-use asperity_mesh::{Grid, LinearStructure, Stack, Support};
-use support::statics::{static_field, weight};
-use support::three_bodies;
-use support::{DISC, Law, constant, every_law, exponential, modified, power, rig, rig_on};
+use asperity_mesh::{Body, Grid, LinearStructure, Stack, Support};
+use asperity_structure::{Damping, PreloadedStructure, StructureError};
+
+use crate::rigs::{
+    DISC, Law, at_rest, constant, every_law, exponential, modified, power, rig, rig_on,
+    three_bodies,
+};
 
 /// Largest force [N] left over at any node when elastic forces, weights and the
 /// pressures that the laws give for the closures of `field` are added up.
@@ -31,13 +30,32 @@ fn imbalance(stack: &Stack, field: &[f64], grid: &Grid) -> f64 {
     left.iter().fold(0.0, |worst: f64, force| worst.max(force.abs()))
 }
 
+/// Static displacement [m] at every node of the grid, from the top down:
+/// `u(x) = u_bottom + integral from x to L of (N + rho A g s) ds / (E A)`, quadratic, so that the
+/// grid's differences of it are exact.
 fn field_of(stack: &Stack, grid: &Grid) -> Vec<f64> {
-    let equilibrium = Equilibrium::of(stack).unwrap();
-    let mut field = static_field(stack, &equilibrium, grid);
+    let rest = at_rest(stack).static_displacement();
+    let mut field = Vec::with_capacity(grid.nodes() + 1);
+    let mut load = 0.0;
+    for ((body, &(_, bottom)), bar) in stack.bodies().iter().zip(&rest.faces).zip(grid.bars()) {
+        let length = body.length();
+        let weight = body.mass() * stack.gravity();
+        field.extend((0..bar.nodes()).map(|node| {
+            let s = node as f64 / bar.cells() as f64;
+            let shortening = load * (1.0 - s) + 0.5 * weight * (1.0 - s * s);
+            bottom + shortening * length / body.axial_rigidity()
+        }));
+        load += weight;
+    }
     if *stack.support() != Support::Rigid {
-        field.push(equilibrium.support());
+        field.push(rest.support);
     }
     field
+}
+
+/// Weight of the whole stack without its support [N].
+fn weight(stack: &Stack) -> f64 {
+    stack.bodies().iter().map(Body::mass).sum::<f64>() * stack.gravity()
 }
 
 /// The static field solves the discrete nonlinear equations. The equations are
@@ -53,7 +71,6 @@ fn the_static_field_balances_weights_elastic_forces_and_pressures() {
         let grid = Grid::new(&stack, 2e-3).unwrap();
         let mut field = field_of(&stack, &grid);
         let off = imbalance(&stack, &field, &grid) / weight(&stack);
-        println!("{name}: {off:.2e} of the weight");
         // Round-off of the elastic forces: E A u / dx is about 1e5 weights.
         assert!(off < 1e-9, "{name}: {off}");
         // A face moved by 1 pm is noticed.
@@ -67,16 +84,16 @@ fn the_static_field_balances_weights_elastic_forces_and_pressures() {
 fn pressures_are_the_weight_above_over_the_area() {
     for (name, law) in every_law() {
         let stack = rig(&law);
-        let equilibrium = Equilibrium::of(&stack).unwrap();
+        let structure = at_rest(&stack);
         let mut above = 0.0;
         for ((body, interface), state) in
-            stack.bodies().iter().zip(stack.interfaces()).zip(equilibrium.contacts())
+            stack.bodies().iter().zip(stack.interfaces()).zip(structure.contacts())
         {
             above += body.mass() * 9.81;
             let pressure = above / interface.area();
-            assert!((state.pressure / pressure - 1.0).abs() < 1e-14, "{name}");
-            assert_eq!(state.stiffness, law.stiffness(state.pressure), "{name}");
-            let back = law.pressure(state.closure).value;
+            assert!((state.pressure() / pressure - 1.0).abs() < 1e-14, "{name}");
+            assert_eq!(state.stiffness(), law.stiffness(state.pressure()), "{name}");
+            let back = law.pressure(state.closure()).value;
             assert!((back / pressure - 1.0).abs() < 1e-12, "{name}");
         }
     }
@@ -87,9 +104,9 @@ fn pressures_are_the_weight_above_over_the_area() {
 fn the_disc_sinks_under_all_that_rests_on_it() {
     let stack = rig_on(&power(), DISC);
     let expected = (weight(&stack) + 3.0 * 9.81) / 2e8;
-    let found = Equilibrium::of(&stack).unwrap().support();
+    let found = at_rest(&stack).static_displacement().support;
     assert!((found / expected - 1.0).abs() < 1e-14);
-    assert_eq!(Equilibrium::of(&rig(&power())).unwrap().support(), 0.0);
+    assert_eq!(at_rest(&rig(&power())).static_displacement().support, 0.0);
 }
 
 fn weightless(law: &Law) -> Stack {
@@ -100,9 +117,10 @@ fn weightless(law: &Law) -> Stack {
 /// A law that never separates is infinitely far away at zero pressure.
 #[test]
 fn without_gravity_a_law_that_never_separates_has_no_equilibrium() {
-    let error = Equilibrium::of(&weightless(&exponential())).unwrap_err();
+    let error =
+        PreloadedStructure::new(weightless(&exponential()), Damping::Rate(0.0)).unwrap_err();
     let expected =
-        DynamicsError::NoEquilibrium { interface: "guide-sample".to_owned(), pressure_pa: 0.0 };
+        StructureError::NoEquilibrium { interface: "guide-sample".to_owned(), pressure_pa: 0.0 };
     assert_eq!(error, expected);
 }
 
@@ -110,24 +128,22 @@ fn without_gravity_a_law_that_never_separates_has_no_equilibrium() {
 /// that a damping ratio or a mode could refer to.
 #[test]
 fn without_gravity_a_power_law_rests_but_has_no_frequency() {
-    let stack = weightless(&power());
-    let equilibrium = Equilibrium::of(&stack).unwrap();
-    assert_eq!(equilibrium.contacts()[0].closure, 0.0);
-    let no_frequency = |error| matches!(error, DynamicsError::NoFrequency { .. });
-    assert!(no_frequency(modes(&stack, &equilibrium, 0.0, 1).unwrap_err()));
-    assert!(no_frequency(Damping::Ratio(0.035).rate(&stack, &equilibrium).unwrap_err()));
-    assert_eq!(Damping::Ratio(0.0).rate(&stack, &equilibrium).unwrap(), 0.0);
-    assert_eq!(Damping::Rate(100.0).rate(&stack, &equilibrium).unwrap(), 100.0);
+    let of = |damping| PreloadedStructure::new(weightless(&power()), damping);
+    let structure = of(Damping::Rate(100.0)).unwrap();
+    assert_eq!(structure.contacts()[0].closure(), 0.0);
+    assert_eq!((structure.damping_rate(), structure.natural_frequency()), (100.0, None));
+    let no_frequency = |error| matches!(error, StructureError::NoFrequency { .. });
+    assert!(no_frequency(structure.modes(1).unwrap_err()));
+    assert!(no_frequency(of(Damping::Ratio(0.035)).unwrap_err()));
+    assert_eq!(of(Damping::Ratio(0.0)).unwrap().damping_rate(), 0.0);
 }
 
 #[test]
-fn damping_that_is_negative_or_no_number_is_refused() {
-    let stack = rig(&constant());
-    let equilibrium = Equilibrium::of(&stack).unwrap();
+fn damping_that_is_negative_or_not_finite_is_an_error() {
     for bad in [-0.1, f64::NAN, f64::INFINITY] {
         for damping in [Damping::Ratio(bad), Damping::Rate(bad)] {
-            let error = damping.rate(&stack, &equilibrium).unwrap_err();
-            assert!(matches!(error, DynamicsError::Setting { .. }), "{damping:?}");
+            let error = PreloadedStructure::new(rig(&constant()), damping).unwrap_err();
+            assert!(matches!(error, StructureError::Setting { .. }), "{damping:?}");
         }
     }
 }

@@ -5,11 +5,12 @@ use std::f64::consts::{PI, TAU};
 use asperity_mesh::{BarStiffness, Body, Stack, Support};
 use faer::{Mat, Side};
 
-use crate::{DynamicsError, Equilibrium};
+use crate::contact::check_springs;
+use crate::{PreloadedContact, StructureError};
 
 /// One undamped mode of the rig linearised about static equilibrium.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Mode {
+pub struct LinearisedMode {
     /// Natural frequency \[Hz\].
     pub frequency_hz: f64,
     /// Damping ratio under mass-proportional damping and the support's damper,
@@ -22,7 +23,7 @@ pub struct Mode {
     pub support: f64,
 }
 
-impl Mode {
+impl LinearisedMode {
     /// Displacement of body `index` at `fraction` of its length from the top.
     pub fn displacement(&self, body: &Body, index: usize, fraction: f64) -> f64 {
         let w = TAU * self.frequency_hz;
@@ -30,63 +31,20 @@ impl Mode {
     }
 }
 
-/// The lowest `count` modes of `stack` about `equilibrium`; `rate` is the
-/// mass-proportional damping h \[1/s\].
-///
-/// The contacts are springs of stiffness `K(p0) S`. The dynamic stiffness of
-/// the faces is tridiagonal, and the Wittrick-Williams count (J. Sound Vib.
-/// 1971, 16, 419) brackets every frequency, so none is missed; bisection then
-/// finds it to the last bits. For the paper's rig with K = 8.5e11 Pa/m:
-/// 831.98, 11229.3, 22351.6, 31863.6 Hz.
-///
-/// # Errors
-/// [`DynamicsError::NoFrequency`] when a contact has no stiffness at rest, so
-/// that the linearised rig falls apart; [`DynamicsError::Eigenvalues`] if a
-/// shape cannot be found.
-pub fn modes(
-    stack: &Stack,
-    equilibrium: &Equilibrium,
-    rate: f64,
-    count: usize,
-) -> Result<Vec<Mode>, DynamicsError> {
-    let chain = Chain::new(stack, equilibrium)?;
-    (1..=count)
-        .map(|number| {
-            let w = chain.frequency(number);
-            let shape = chain.shape(w)?;
-            Ok(chain.mode(w, rate, &shape))
-        })
-        .collect()
-}
-
-/// The lowest natural frequency [Hz]: the reference of the damping ratio.
-pub(crate) fn lowest_frequency(
-    stack: &Stack,
-    equilibrium: &Equilibrium,
-) -> Result<f64, DynamicsError> {
-    Ok(Chain::new(stack, equilibrium)?.frequency(1) / TAU)
-}
-
 /// Bars joined by contact springs. The unknowns are the displacements of all
 /// faces from the top down, then the support's if it moves.
-struct Chain<'a> {
+pub(crate) struct Chain<'a> {
     stack: &'a Stack,
-    contact_stiffness: Vec<f64>,
+    contacts: &'a [PreloadedContact],
 }
 
 impl<'a> Chain<'a> {
-    fn new(stack: &'a Stack, equilibrium: &Equilibrium) -> Result<Self, DynamicsError> {
-        let mut contact_stiffness = Vec::with_capacity(stack.interfaces().len());
-        for (interface, state) in stack.interfaces().iter().zip(equilibrium.contacts()) {
-            if state.stiffness <= 0.0 {
-                return Err(DynamicsError::NoFrequency {
-                    interface: interface.name().to_owned(),
-                    pressure_pa: state.pressure,
-                });
-            }
-            contact_stiffness.push(state.stiffness * interface.area());
-        }
-        Ok(Self { stack, contact_stiffness })
+    pub(crate) fn new(
+        stack: &'a Stack,
+        contacts: &'a [PreloadedContact],
+    ) -> Result<Self, StructureError> {
+        check_springs(contacts)?;
+        Ok(Self { stack, contacts })
     }
 
     /// Diagonal and off-diagonal of the dynamic stiffness at `w`, and the
@@ -96,7 +54,8 @@ impl<'a> Chain<'a> {
         let mut diagonal = vec![0.0; 2 * bodies.len() + 1];
         let mut off_diagonal = vec![0.0; 2 * bodies.len()];
         let mut clamped = 0;
-        for (i, (body, &contact)) in bodies.iter().zip(&self.contact_stiffness).enumerate() {
+        for (i, (body, contact)) in bodies.iter().zip(self.contacts).enumerate() {
+            let contact = contact.spring();
             let bar = BarStiffness::at(body, w);
             clamped += bar.clamped_modes_below;
             diagonal[2 * i] += bar.direct;
@@ -131,7 +90,7 @@ impl<'a> Chain<'a> {
     }
 
     /// Angular frequency of mode `number`, counted from 1, by bisection to round-off.
-    fn frequency(&self, number: usize) -> f64 {
+    pub(crate) fn frequency(&self, number: usize) -> f64 {
         let slowest = |body: &Body| PI * body.wave_speed() / body.length();
         // Off the clamped frequencies themselves, where the dynamic stiffness is infinite.
         let start = std::f64::consts::LN_2;
@@ -154,7 +113,7 @@ impl<'a> Chain<'a> {
 
     /// Face displacements at a natural frequency: the eigenvector of the
     /// dynamic stiffness whose eigenvalue is nearest to zero.
-    fn shape(&self, w: f64) -> Result<Vec<f64>, DynamicsError> {
+    fn shape(&self, w: f64) -> Result<Vec<f64>, StructureError> {
         let (diagonal, off_diagonal, _) = self.dynamic_stiffness(w);
         let size = diagonal.len();
         let matrix = Mat::from_fn(size, size, |row, column| match row.abs_diff(column) {
@@ -164,7 +123,7 @@ impl<'a> Chain<'a> {
         });
         let eigen = matrix
             .self_adjoint_eigen(Side::Lower)
-            .map_err(|_| DynamicsError::Eigenvalues { size })?;
+            .map_err(|_| StructureError::Eigenvalues { size })?;
         let values = eigen.S().column_vector();
         let nearest = (0..size)
             .min_by(|&a, &b| values[a].abs().total_cmp(&values[b].abs()))
@@ -175,7 +134,9 @@ impl<'a> Chain<'a> {
         Ok(vector.iter().map(|value| value / largest).collect())
     }
 
-    fn mode(&self, w: f64, rate: f64, shape: &[f64]) -> Mode {
+    /// The mode at the angular frequency `w`, with the mass-proportional damping `rate` \[1/s\].
+    pub(crate) fn mode(&self, w: f64, rate: f64) -> Result<LinearisedMode, StructureError> {
+        let shape = self.shape(w)?;
         let bodies = self.stack.bodies();
         let faces: Vec<_> = (0..bodies.len()).map(|i| (shape[2 * i], shape[2 * i + 1])).collect();
         let body_mass: f64 =
@@ -186,12 +147,12 @@ impl<'a> Chain<'a> {
         };
         let viscous = rate * body_mass + self.stack.support().damping() * support * support;
         let total_mass = body_mass + support_mass * support * support;
-        Mode {
+        Ok(LinearisedMode {
             frequency_hz: w / TAU,
             damping_ratio: viscous / (2.0 * w * total_mass),
             faces,
             support,
-        }
+        })
     }
 }
 

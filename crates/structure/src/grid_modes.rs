@@ -5,22 +5,22 @@ use std::f64::consts::TAU;
 use asperity_mesh::LinearStructure;
 use faer::{Mat, Side};
 
-use crate::DynamicsError;
+use crate::StructureError;
 
 /// All natural frequencies \[Hz\], lowest first, of `structure` with its contacts
 /// replaced by springs of `contact_stiffness` \[Pa/m\] per area.
 ///
 /// Solves `k phi = w^2 M phi` with lumped masses as the symmetric problem of
 /// `M^(-1/2) k M^(-1/2)`. The cost grows with the cube of the node count: this
-/// is the second method beside the exact [`modes`](crate::modes::modes), and
+/// is the second method beside the exact [`modes`](crate::PreloadedStructure::modes), and
 /// the one for structures that are no chain of bars.
 ///
 /// # Errors
-/// [`DynamicsError::Eigenvalues`] if the eigensolver does not converge.
+/// [`StructureError::Eigenvalues`] if the eigensolver does not converge.
 pub fn grid_frequencies(
     structure: &LinearStructure,
     contact_stiffness: &[f64],
-) -> Result<Vec<f64>, DynamicsError> {
+) -> Result<Vec<f64>, StructureError> {
     let size = structure.nodes();
     let mut matrix = Mat::<f64>::zeros(size, size);
     for &(row, column, value) in structure.stiffness() {
@@ -39,6 +39,6 @@ pub fn grid_frequencies(
     let scaled = Mat::from_fn(size, size, |i, j| matrix[(i, j)] / (root[i] * root[j]));
     let squares = scaled
         .self_adjoint_eigenvalues(Side::Lower)
-        .map_err(|_| DynamicsError::Eigenvalues { size })?;
+        .map_err(|_| StructureError::Eigenvalues { size })?;
     Ok(squares.into_iter().map(|square| square.max(0.0).sqrt() / TAU).collect())
 }

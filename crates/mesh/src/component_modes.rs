@@ -1,4 +1,4 @@
-//! A structure as oscillators: modes and what the modes left out still yield.
+//! A structure as modes: modes and what the modes left out still yield.
 //!
 //! Between its contacts a structure is linear. Expanded in mass-normalised
 //! modes `n` of the parts taken apart (contacts open, hammer off), under a
@@ -21,13 +21,13 @@ use crate::{Body, Stack, Support};
 
 /// One mass-normalised mode.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Oscillator {
+pub struct NormalMode {
     /// Angular frequency w \[rad/s\]; zero for a rigid motion.
     pub angular_frequency: f64,
     /// Whether the mass-proportional damping h of the bodies acts on it.
     pub mass_damped: bool,
     /// Damping rate of its own \[1/s\], beyond mass-proportional damping.
-    pub rate: f64,
+    pub damping_rate: f64,
     /// Shape at the driving point \[kg^-1/2\].
     pub drive: f64,
     /// Shape at the output \[kg^-1/2\].
@@ -53,7 +53,7 @@ pub struct ResidualFlexibility {
 
 impl ResidualFlexibility {
     /// Adds the static flexibility of `mode`, which must not be rigid: the mode is left out then.
-    pub fn add(&mut self, mode: &Oscillator) {
+    pub fn add(&mut self, mode: &NormalMode) {
         let yielding = mode.angular_frequency.powi(-2);
         for (row, g) in self.closure.iter_mut().zip(&mode.closure) {
             for (entry, other) in row.iter_mut().zip(&mode.closure) {
@@ -73,8 +73,8 @@ impl ResidualFlexibility {
 
 /// Modes and residual flexibility of a structure with open contacts.
 #[derive(Debug, Clone, PartialEq)]
-pub struct ModalStructure {
-    oscillators: Vec<Oscillator>,
+pub struct ComponentModes {
+    modes: Vec<NormalMode>,
     residual: ResidualFlexibility,
 }
 
@@ -129,31 +129,36 @@ impl ModeCount {
             }
         }
     }
+
+    /// Number of modes of every body of `stack`, the rigid one included.
+    ///
+    /// # Errors
+    /// Those of [`of`](Self::of).
+    pub fn counts(self, stack: &Stack) -> Result<Vec<usize>, MeshError> {
+        stack.bodies().iter().map(|body| self.of(body)).collect()
+    }
 }
 
-impl ModalStructure {
+impl ComponentModes {
     /// A structure from its modes and residual flexibility, wherever they come from.
     ///
     /// # Errors
     /// [`MeshError::ModalSize`] when a row has not one entry per interface;
     /// [`MeshError::Negative`] for a frequency or rate that is negative or not finite.
-    pub fn new(
-        oscillators: Vec<Oscillator>,
-        residual: ResidualFlexibility,
-    ) -> Result<Self, MeshError> {
+    pub fn new(modes: Vec<NormalMode>, residual: ResidualFlexibility) -> Result<Self, MeshError> {
         let interfaces = residual.closure.len();
-        let rows = oscillators.iter().map(|mode| mode.closure.len());
+        let rows = modes.iter().map(|mode| mode.closure.len());
         let others = residual.closure.iter().map(Vec::len);
         for found in rows.chain(others).chain([residual.drive.len(), residual.output.len()]) {
             if found != interfaces {
                 return Err(MeshError::ModalSize { found, interfaces });
             }
         }
-        for mode in &oscillators {
+        for mode in &modes {
             not_negative("mode", "angular frequency [rad/s]", mode.angular_frequency)?;
-            not_negative("mode", "damping rate [1/s]", mode.rate)?;
+            not_negative("mode", "damping rate [1/s]", mode.damping_rate)?;
         }
-        Ok(Self { oscillators, residual })
+        Ok(Self { modes, residual })
     }
 
     /// The free-free modes of every bar of `stack` in closed form, and its support.
@@ -165,8 +170,7 @@ impl ModalStructure {
     /// # Errors
     /// [`MeshError::ModeCount`] when `modes` asks for none or too many.
     pub fn of_stack(stack: &Stack, modes: ModeCount) -> Result<Self, MeshError> {
-        let counts = stack.bodies().iter().map(|body| modes.of(body));
-        Self::with_counts(stack, &counts.collect::<Result<Vec<_>, _>>()?)
+        Self::with_counts(stack, &modes.counts(stack)?)
     }
 
     /// [`of_stack`](Self::of_stack) with a count of modes, the rigid one included, of each body.
@@ -175,7 +179,7 @@ impl ModalStructure {
     /// [`MeshError::ModeCount`] for no modes or too many; a body without a count has none.
     pub fn with_counts(stack: &Stack, counts: &[usize]) -> Result<Self, MeshError> {
         let interfaces = stack.interfaces().len();
-        let mut oscillators = Vec::new();
+        let mut modes = Vec::new();
         let mut residual = ResidualFlexibility {
             closure: vec![vec![0.0; interfaces]; interfaces],
             drive: vec![0.0; interfaces],
@@ -203,10 +207,10 @@ impl ModalStructure {
                     closure[i - 1] = -shape;
                 }
                 let at_top = if i == 0 { shape } else { 0.0 };
-                oscillators.push(Oscillator {
+                modes.push(NormalMode {
                     angular_frequency: w,
                     mass_damped: true,
-                    rate: 0.0,
+                    damping_rate: 0.0,
                     drive: at_top,
                     output: at_top,
                     closure,
@@ -225,21 +229,21 @@ impl ModalStructure {
         if let Support::SpringMass { stiffness, mass, .. } = *stack.support() {
             let mut closure = vec![0.0; interfaces];
             closure[interfaces - 1] = -(1.0 / mass).sqrt();
-            oscillators.push(Oscillator {
+            modes.push(NormalMode {
                 angular_frequency: (stiffness / mass).sqrt(),
                 mass_damped: false,
-                rate: stack.support().damping() / mass,
+                damping_rate: stack.support().damping() / mass,
                 drive: 0.0,
                 output: 0.0,
                 closure,
             });
         }
-        Self::new(oscillators, residual)
+        Self::new(modes, residual)
     }
 
     /// The modes.
-    pub fn oscillators(&self) -> &[Oscillator] {
-        &self.oscillators
+    pub fn modes(&self) -> &[NormalMode] {
+        &self.modes
     }
 
     /// The flexibility of the modes left out.
@@ -271,8 +275,8 @@ mod tests {
     }
 
     /// Receptance of closure 0 per contact force 0 of the modal structure, without damping.
-    fn closure_receptance(structure: &ModalStructure, w: f64, (i, j): (usize, usize)) -> f64 {
-        let modes = structure.oscillators().iter();
+    fn closure_receptance(structure: &ComponentModes, w: f64, (i, j): (usize, usize)) -> f64 {
+        let modes = structure.modes().iter();
         let sum: f64 = modes
             .map(|m| m.closure[i] * m.closure[j] / (m.angular_frequency.powi(2) - w * w))
             .sum();
@@ -296,7 +300,7 @@ mod tests {
         };
         let first = PI * stack.bodies()[0].wave_speed() / stack.bodies()[0].length();
         for kept in [1, 2, 5] {
-            let structure = ModalStructure::of_stack(&stack, ModeCount::PerBody(kept)).unwrap();
+            let structure = ComponentModes::of_stack(&stack, ModeCount::PerBody(kept)).unwrap();
             let error =
                 |w: f64| (closure_receptance(&structure, w, (0, 0)) - exact(w, true)).abs() * w * w;
             let (low, high) = (error(0.05 * first), error(0.1 * first));
@@ -329,10 +333,10 @@ mod tests {
     #[test]
     fn a_mode_left_out_is_flexibility() {
         let stack = stack(Support::Rigid);
-        let of = |modes| ModalStructure::of_stack(&stack, ModeCount::PerBody(modes)).unwrap();
+        let of = |modes| ComponentModes::of_stack(&stack, ModeCount::PerBody(modes)).unwrap();
         let mut residual = of(3).residual().clone();
-        residual.add(&of(3).oscillators()[2]);
-        residual.add(&of(3).oscillators()[5]);
+        residual.add(&of(3).modes()[2]);
+        residual.add(&of(3).modes()[5]);
         let fewer = of(2);
         for i in 0..2 {
             for j in 0..2 {
@@ -348,23 +352,23 @@ mod tests {
     #[test]
     fn a_spring_mass_support_is_one_more_oscillator() {
         let support = Support::SpringMass { stiffness: 1e8, mass: 4.0, damping_ratio: 0.1 };
-        let structure = ModalStructure::of_stack(&stack(support), ModeCount::PerBody(2)).unwrap();
-        let last = structure.oscillators().last().unwrap();
-        assert_eq!(structure.oscillators().len(), 5);
+        let structure = ComponentModes::of_stack(&stack(support), ModeCount::PerBody(2)).unwrap();
+        let last = structure.modes().last().unwrap();
+        assert_eq!(structure.modes().len(), 5);
         assert_eq!(last.angular_frequency, 5e3);
         assert_eq!(last.closure, [0.0, -0.5]);
-        assert!(!last.mass_damped && (last.rate - 2.0 * 0.1 * 5e3).abs() < 1e-9);
+        assert!(!last.mass_damped && (last.damping_rate - 2.0 * 0.1 * 5e3).abs() < 1e-9);
     }
 
     #[test]
     fn rows_of_unequal_length_are_refused() {
         let whole =
-            ModalStructure::of_stack(&stack(Support::Rigid), ModeCount::PerBody(1)).unwrap();
-        let mut modes = whole.oscillators().to_vec();
+            ComponentModes::of_stack(&stack(Support::Rigid), ModeCount::PerBody(1)).unwrap();
+        let mut modes = whole.modes().to_vec();
         modes[0].closure.pop();
-        assert!(ModalStructure::new(modes, whole.residual().clone()).is_err());
-        let mut modes = whole.oscillators().to_vec();
+        assert!(ComponentModes::new(modes, whole.residual().clone()).is_err());
+        let mut modes = whole.modes().to_vec();
         modes[0].angular_frequency = f64::NAN;
-        assert!(ModalStructure::new(modes, whole.residual().clone()).is_err());
+        assert!(ComponentModes::new(modes, whole.residual().clone()).is_err());
     }
 }

@@ -1,0 +1,112 @@
+//! A contact at rest.
+
+use std::sync::Arc;
+
+use asperity_law::ContactLaw;
+
+use crate::StructureError;
+
+/// A contact in static equilibrium: area, law, static pressure, and what the law gives there.
+///
+/// At the static pressure `p0` the stiffness per area is `K(p0)` (Eq. 6) and the closure
+/// `d0 = d(p0)`, counted from the law's reference pressure.
+///
+/// ```
+/// use std::sync::Arc;
+///
+/// use asperity_law::Constant;
+/// use asperity_structure::{PreloadedContact, StructureError};
+///
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let law = Arc::new(Constant::new(8.5e11)?);
+/// let contact = PreloadedContact::new("guide-sample", 1.15e-4, law, 1.4e5)?;
+/// assert_eq!(contact.spring(), 1.15e-4 * 8.5e11);
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Debug, Clone)]
+pub struct PreloadedContact {
+    name: String,
+    area: f64,
+    law: Arc<dyn ContactLaw>,
+    pressure: f64,
+    stiffness: f64,
+    closure: f64,
+}
+
+impl PreloadedContact {
+    /// A contact of nominal `area` \[m2\] that follows `law` about the static `pressure` \[Pa\].
+    ///
+    /// # Errors
+    /// [`StructureError::Setting`] for an area that is not positive, or a pressure that is negative
+    /// or not finite; [`StructureError::NoEquilibrium`] when the law cannot carry the pressure: its
+    /// closure or stiffness there is not finite, or it has no stiffness under load.
+    pub fn new(
+        name: &str,
+        area: f64,
+        law: Arc<dyn ContactLaw>,
+        pressure: f64,
+    ) -> Result<Self, StructureError> {
+        if !(area.is_finite() && area > 0.0) {
+            let (quantity, accepted) = ("contact area [m2]", "positive and finite");
+            return Err(StructureError::Setting { quantity, value: area, accepted });
+        }
+        if !(pressure.is_finite() && pressure >= 0.0) {
+            let (quantity, accepted) = ("static pressure [Pa]", "finite and not negative");
+            return Err(StructureError::Setting { quantity, value: pressure, accepted });
+        }
+        let (stiffness, closure) = (law.stiffness(pressure), law.closure(pressure));
+        let carried = stiffness.is_finite() && closure.is_finite();
+        if !carried || (pressure > 0.0 && stiffness <= 0.0) {
+            let interface = name.to_owned();
+            return Err(StructureError::NoEquilibrium { interface, pressure_pa: pressure });
+        }
+        Ok(Self { name: name.to_owned(), area, law, pressure, stiffness, closure })
+    }
+
+    /// Name, for messages and outputs.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Nominal contact area S \[m2\].
+    pub fn area(&self) -> f64 {
+        self.area
+    }
+
+    /// The contact law.
+    pub fn law(&self) -> &Arc<dyn ContactLaw> {
+        &self.law
+    }
+
+    /// Static pressure p0 \[Pa\].
+    pub fn pressure(&self) -> f64 {
+        self.pressure
+    }
+
+    /// Contact stiffness per area at rest, K(p0) \[Pa/m\].
+    pub fn stiffness(&self) -> f64 {
+        self.stiffness
+    }
+
+    /// Closure at rest, d(p0) \[m\], counted from the law's reference pressure.
+    pub fn closure(&self) -> f64 {
+        self.closure
+    }
+
+    /// Stiffness of the contact as a linear spring, `K(p0) S` \[N/m\].
+    pub fn spring(&self) -> f64 {
+        self.stiffness * self.area
+    }
+}
+
+/// Refuses contacts without stiffness at rest.
+pub(crate) fn check_springs(contacts: &[PreloadedContact]) -> Result<(), StructureError> {
+    match contacts.iter().find(|contact| contact.spring() <= 0.0) {
+        None => Ok(()),
+        Some(contact) => Err(StructureError::NoFrequency {
+            interface: contact.name().to_owned(),
+            pressure_pa: contact.pressure(),
+        }),
+    }
+}

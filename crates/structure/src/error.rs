@@ -1,0 +1,56 @@
+//! Errors of preloaded structures.
+
+use asperity_mesh::MeshError;
+
+/// A structure that has no rest, no damping or no modes.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum StructureError {
+    /// A number is out of its range.
+    #[error("{quantity} is {value}; accepted: {accepted}")]
+    Setting {
+        /// The quantity, with its unit.
+        quantity: &'static str,
+        /// The value given.
+        value: f64,
+        /// The range accepted.
+        accepted: &'static str,
+    },
+    /// The law of an interface cannot carry the static pressure there.
+    #[error(
+        "no static equilibrium: the law of interface \"{interface}\" cannot carry the static pressure of {pressure_pa} Pa"
+    )]
+    NoEquilibrium {
+        /// Name of the interface.
+        interface: String,
+        /// Static pressure it would have to carry \[Pa\].
+        pressure_pa: f64,
+    },
+    /// A damping ratio or a mode needs a natural frequency, and there is none.
+    #[error(
+        "a damping ratio needs a natural frequency, but the rig linearised at rest has none (interface \"{interface}\" has no stiffness at {pressure_pa} Pa); give the damping as a rate instead"
+    )]
+    NoFrequency {
+        /// The interface without stiffness.
+        interface: String,
+        /// Its static pressure \[Pa\].
+        pressure_pa: f64,
+    },
+    /// Component modes have not as many contact pairs as there are contacts.
+    #[error("the component modes have {pairs} contact pairs; {contacts} contacts were given")]
+    ContactCount {
+        /// Contact pairs of the component modes.
+        pairs: usize,
+        /// Contacts given.
+        contacts: usize,
+    },
+    /// An eigenvalue computation did not converge.
+    #[error("the eigenvalues of {size} coupled equations did not converge")]
+    Eigenvalues {
+        /// Number of equations.
+        size: usize,
+    },
+    /// The mesh or its component modes cannot be built.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
+}

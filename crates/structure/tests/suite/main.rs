@@ -1,0 +1,6 @@
+//! Equilibrium, modes and component modes against exact results and second methods.
+#![allow(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
+
+mod equilibrium;
+mod modes;
+mod rigs;
