@@ -5,9 +5,7 @@ mod support;
 
 use std::sync::Arc;
 
-use asperity_dynamics::{
-    Excitation, FiniteDifference, Integrator, Modal, Sampling, Transient,
-};
+use asperity_dynamics::{Excitation, FiniteDifference, Integrator, Modal, Sampling, Transient};
 use asperity_law::{Constant, Exponential, ModifiedPower, Power};
 use asperity_mesh::{Body, Interface, Stack, Support};
 use asperity_structure::{Damping, PreloadedStructure};

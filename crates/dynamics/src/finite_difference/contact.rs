@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use asperity_law::{CubicCell, CompiledLaw, ContactLaw, InSeries, LawError};
+use asperity_law::{CompiledLaw, ContactLaw, CubicCell, InSeries, LawError};
 use asperity_structure::PreloadedContact;
 use pulp::Simd;
 
@@ -80,7 +80,8 @@ impl<'a> ContactStep<'a> {
         let expected = scale.max(0.01 * contact.pressure());
         let expected = if expected > 0.0 { expected } else { 1.0 };
         let table_top = contact.pressure() + 3.0 * expected;
-        let table = match CompiledLaw::new(&series, contact.pressure(), table_top, TABLE_TOLERANCE) {
+        let table = match CompiledLaw::new(&series, contact.pressure(), table_top, TABLE_TOLERANCE)
+        {
             Ok(table) => Some(table),
             Err(LawError::Unresolved { .. }) => None,
             Err(error) => return Err(named(error)),
