@@ -133,8 +133,8 @@ impl Rig {
         })
     }
 
-    /// What `of` takes from the runs of the cases, in their order, over all
-    /// threads. Each history is dropped as soon as `of` has seen it.
+    /// Results of `of` for the runs of the cases, in their order, over all threads. Each history is
+    /// dropped as soon as `of` returns.
     pub(crate) fn observe<T: Send>(
         &self,
         cases: &[Case],
