@@ -89,9 +89,50 @@ impl Failure {
                 let named = NamedSource::new(path.display().to_string(), text.clone());
                 eprintln!("{:?}", Report::new(diagnostic).with_source_code(named));
             }
+            Self::Analysis(error) => {
+                eprintln!("error: {error}");
+                if let Some(hint) = analysis_hint(error) {
+                    eprintln!("hint: {hint}");
+                }
+            }
             _ => eprintln!("error: {self}"),
         }
     }
+}
+
+/// Options of the command that help with an error of an analysis or a conversion.
+fn analysis_hint(error: &AnalysisError) -> Option<String> {
+    Some(match error {
+        AnalysisError::Setting { name, .. } => match *name {
+            "trigger_level_n" => "trigger_level_n is the option --level NEWTONS".to_owned(),
+            "hit_length_s" => "hit_length_s is the option --length SECONDS".to_owned(),
+            "pre_trigger_s" => "pre_trigger_s is the option --pre-trigger SECONDS".to_owned(),
+            "hold_off_s" => "hold_off_s is the option --hold-off SECONDS".to_owned(),
+            "the output file" => "--to FORMAT gives the format".to_owned(),
+            _ => return None,
+        },
+        AnalysisError::NoChannel { role, .. } => {
+            format!("select one with --{role}, or describe the channels with --names and --units")
+        }
+        AnalysisError::Ambiguous { role, .. } => {
+            format!("select one with --{role} NAME or --{role} '#NUMBER'")
+        }
+        AnalysisError::Unit { .. } => {
+            "give the units of all channels in their order with --units, such as --units N,m/s^2"
+                .to_owned()
+        }
+        AnalysisError::NoRate { .. } => "give the sample rate with --rate HZ".to_owned(),
+        AnalysisError::Quantity { .. } => {
+            "volts are converted with --sensitivity CHANNEL=SENSITIVITY".to_owned()
+        }
+        AnalysisError::NoHit { .. } => {
+            "--level NEWTONS sets the trigger level, and --flip-force reverses a force that is \
+             negative while the hammer pushes"
+                .to_owned()
+        }
+        AnalysisError::NoGoodHit { .. } => "--keep-all averages them".to_owned(),
+        _ => return None,
+    })
 }
 
 fn is_wrong_request(error: &StudyError) -> bool {

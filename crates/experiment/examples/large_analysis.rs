@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Instant;
 
-use asperity_experiment::{AnalysisOptions, Band, analyse};
+use asperity_experiment::{AnalysisOptions, FrequencyBand, analyse};
 use asperity_measure::{
     Abscissa, Channel, ChannelQuantity, ChannelUnit, Format, Origin, Record, Samples, WriteOptions,
     write,
@@ -40,12 +40,12 @@ fn main() {
     write_hits(folder.path(), &file, megabytes * 1_000_000);
     let size = std::fs::metadata(&file).unwrap().len() as f64 / 1e6;
 
-    let band_hz = Some(Band { low_hz: 600.0, high_hz: 1000.0 });
+    let band_hz = Some(FrequencyBand { low_hz: 600.0, high_hz: 1000.0 });
     let options = AnalysisOptions { band_hz, ..AnalysisOptions::default() };
     let (mut best, mut script): (f64, Option<Script>) = (f64::INFINITY, None);
     for run in 0..RUNS {
         let started = Instant::now();
-        let analysis = analyse(std::slice::from_ref(&file), &options, &|_| {}).unwrap();
+        let analysis = analyse(std::slice::from_ref(&file), &options).unwrap();
         best = best.min(started.elapsed().as_secs_f64());
         if run == 0 {
             let first = analysis.report.average.frequency_hz.unwrap();

@@ -1,4 +1,4 @@
-//! The averaged frequency response function and its fundamental.
+//! Averaged frequency response function and its fundamental.
 
 use asperity_signal::{
     Complex64, ExponentialWindow, Frf, FrfAverage, FrfForm, ResponseKind, circle_fit_of,
@@ -8,27 +8,27 @@ use crate::error::AnalysisError;
 use crate::options::AnalysisOptions;
 use crate::report::AverageFundamental;
 
-/// Smallest force over its largest, as for the peaks of a hit.
+/// Least force spectrum over its maximum, as for the peaks of a hit.
 const FORCE_THRESHOLD: f64 = 0.02;
 
-/// The averaged function with what says how far to trust it.
+/// Averaged frequency response function, with its coherence and the range of sufficient force.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AveragedFrf {
-    /// The function, in the form asked for.
+    /// Function in the requested form.
     pub frf: Frf,
-    /// Coherence; none for one hit.
+    /// Coherence; `None` for one hit.
     pub coherence: Option<Vec<f64>>,
-    /// Where the force has at least 2 % of its largest content.
+    /// True where the force spectrum has at least 2 % of its maximum.
     pub valid: Vec<bool>,
     /// Lowest frequency that is not valid \[Hz\].
     pub first_masked_hz: Option<f64>,
 }
 
 impl AveragedFrf {
-    /// The function and its receptance.
-    pub(super) fn of(
+    /// Averaged function, and its receptance.
+    pub(crate) fn of(
         average: &FrfAverage,
-        route: ResponseKind,
+        response: ResponseKind,
         options: &AnalysisOptions,
         exponential: Option<ExponentialWindow>,
     ) -> Result<(Self, Frf), AnalysisError> {
@@ -36,7 +36,7 @@ impl AveragedFrf {
         if let Some(window) = exponential {
             let lines = receptance.frequency_hz.iter().zip(&mut receptance.values);
             for (frequency, value) in lines.filter(|(frequency, _)| **frequency > 0.0) {
-                *value = window.corrected_receptance(*frequency, *value, route);
+                *value = window.corrected_receptance(*frequency, *value, response);
             }
         }
         let mask = average.force_mask(FORCE_THRESHOLD)?;
@@ -46,8 +46,8 @@ impl AveragedFrf {
         Ok((Self { frf, coherence, valid: mask.valid, first_masked_hz }, receptance))
     }
 
-    /// The largest peak of the receptance in a band.
-    pub(super) fn fundamental(
+    /// Largest peak of the receptance in a band.
+    pub(crate) fn fundamental(
         &self,
         receptance: &Frf,
         (low, high): (f64, f64),
@@ -61,7 +61,7 @@ impl AveragedFrf {
         };
         let lines = 1..magnitude.len().saturating_sub(1);
         let top = lines.filter(inside).max_by(|&a, &b| magnitude[a].total_cmp(&magnitude[b]))?;
-        // The parabola through the logarithms: a resonance is smooth on this scale.
+        // Parabola through the logarithms, in which a resonance is smooth.
         let [a, b, c] = [top - 1, top, top + 1].map(|k| magnitude[k].ln());
         let shift = 0.5 * (a - c) / (a - 2.0 * b + c);
         let step = frequency[top + 1] - frequency[top];

@@ -1,4 +1,4 @@
-//! Files of one format to files of another.
+//! Conversion of measurement files.
 
 use std::path::Path;
 
@@ -7,43 +7,41 @@ use asperity_measure::{
 };
 
 use crate::error::AnalysisError;
-use crate::options::wrong;
+use crate::stream::measure_error;
 
-/// What [`convert`] did.
+/// Result of [`convert`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Conversion {
-    /// Format read.
+    /// Format of the input.
     pub from: Format,
-    /// Format written.
+    /// Format of the output.
     pub to: Format,
-    /// Records written.
+    /// Number of records.
     pub records: usize,
-    /// What the reader took upon itself.
+    /// Assumptions of the reader.
     pub notices: Vec<Notice>,
 }
 
-/// The format that `name` says: `uff`, `uff-ascii`, `csv` or `npz`.
+/// Converts a file to another format: `format`, or that of the extension of `to`.
+///
+/// With `in_si` all channels are converted to SI units. The whole file is held in memory.
 ///
 /// # Errors
-/// [`AnalysisError::Option`] for anything else.
-pub fn written_format(option: &'static str, name: &str) -> Result<Format, AnalysisError> {
-    match name {
-        "uff" => Ok(Format::UniversalBinary),
-        "uff-ascii" => Ok(Format::UniversalText),
-        "csv" => Ok(Format::Text),
-        "npz" => Ok(Format::Npz),
-        _ => Err(wrong(option, name, "uff, uff-ascii, csv, npz")),
-    }
-}
-
-/// Reads `from` and writes it to `to`, in `format` or the one of its extension;
-/// `in_si` converts all channels to SI first.
+/// [`AnalysisError`] for a file that cannot be read, an unknown unit to convert, and a format that
+/// cannot be written or cannot represent the records.
 ///
-/// The whole file is held in memory.
+/// ```
+/// use asperity_experiment::convert;
+/// use asperity_measure::ReadOptions;
 ///
-/// # Errors
-/// [`AnalysisError`] where it cannot be read, a unit to convert is not known,
-/// or the format cannot be written or cannot hold it.
+/// let folder = tempfile::tempdir()?;
+/// let (csv, uff) = (folder.path().join("hit.csv"), folder.path().join("hit.uff"));
+/// std::fs::write(&csv, "time_s,hammer (N),top (mm/s)\n0,0,0\n0.001,5,1\n0.002,0,2\n")?;
+/// let conversion = convert(&csv, &uff, None, true, &ReadOptions::default())?;
+/// assert_eq!(conversion.records, 1);
+/// assert!(uff.exists());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn convert(
     from: &Path,
     to: &Path,
@@ -55,9 +53,10 @@ pub fn convert(
     let of_name = || extension.as_deref().and_then(Format::of_extension);
     let to_format = format.or_else(of_name).ok_or_else(|| {
         let found = to.display().to_string();
-        wrong("OUT", &found, "a name that ends in .uff, .unv, .csv, .txt or .npz, or --to FORMAT")
+        let expected = "a name that ends in .uff, .unv, .csv, .txt or .npz, or a format";
+        AnalysisError::Setting { name: "the output file", found, expected }
     })?;
-    let measured = read(from, options).map_err(|error| crate::stream::named(error, from))?;
+    let measured = read(from, options).map_err(|error| measure_error(error, from))?;
     let Measurement { format, mut records, notices } = measured;
     if in_si {
         for channel in records.iter_mut().flat_map(|record| &mut record.channels) {

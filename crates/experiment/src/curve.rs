@@ -1,43 +1,43 @@
-//! What is kept of some hits to be drawn.
+//! Curves of some hits, to be drawn.
 
 use asperity_signal::{Frf, FrfForm, HitRecord};
 
-/// One hit as it is drawn, thinned out.
+/// Decimated curves of one hit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HitCurve {
-    /// Number of the hit.
+    /// Number of the hit, from 1.
     pub index: usize,
     /// Largest force \[N\].
     pub force_peak_n: f64,
-    /// Time from the trigger \[s\] and force \[N\] about the blow.
+    /// Time from the trigger \[s\] and force \[N\] during the pulse.
     pub force: (Vec<f64>, Vec<f64>),
-    /// Time from the trigger \[s\] and response \[m, m/s or m/s^2\]: the extremes of each part.
+    /// Time from the trigger \[s\] and response \[m, m/s or m/s^2\]: the extremes of each interval.
     pub response: (Vec<f64>, Vec<f64>),
     /// Frequency \[Hz\] and magnitude of the receptance \[m/N\], without zero frequency.
     pub receptance: (Vec<f64>, Vec<f64>),
 }
 
-/// Curves of hits throughout a test, and no more than can be told apart.
+/// Curves of a limited number of hits, spread over the test.
 #[derive(Debug, Default)]
-pub(super) struct Curves {
-    pub(super) kept: Vec<HitCurve>,
+pub(crate) struct Curves {
+    pub(crate) kept: Vec<HitCurve>,
     stride: usize,
     seen: usize,
 }
 
 /// Most curves.
-const MOST: usize = 48;
-/// Most points of a drawn response, two for each part.
+const MAX_CURVES: usize = 48;
+/// Most points of a drawn response, two for each interval.
 const POINTS: usize = 2400;
 /// Time drawn before and after the trigger \[s\].
-const BLOW_S: (f64, f64) = (2e-3, 6e-3);
+const PULSE_S: (f64, f64) = (2e-3, 6e-3);
 /// Most points of a drawn receptance.
 const LINES: usize = 4000;
 
 impl Curves {
-    /// Whether the next hit is one of those that are kept.
-    pub(super) fn wants_next(&mut self) -> bool {
-        if self.kept.len() == MOST {
+    /// Counts a hit, and returns true if its curves are to be kept.
+    pub(crate) fn keeps_next(&mut self) -> bool {
+        if self.kept.len() == MAX_CURVES {
             let mut odd = false;
             self.kept.retain(|_| {
                 odd = !odd;
@@ -52,12 +52,12 @@ impl Curves {
 }
 
 impl HitCurve {
-    /// The signals of a hit; the receptance follows with [`HitCurve::set_receptance`].
-    pub(super) fn of_signals(hit: &HitRecord) -> Self {
+    /// Signals of a hit; the receptance is added by [`HitCurve::set_receptance`].
+    pub(crate) fn of_signals(hit: &HitRecord) -> Self {
         let rate = hit.sample_rate_hz;
         let time = |sample: usize| (sample as f64 - hit.trigger as f64) / rate;
-        let first = hit.trigger.saturating_sub((BLOW_S.0 * rate).ceil() as usize);
-        let last = (hit.trigger + (BLOW_S.1 * rate).ceil() as usize).min(hit.force.len());
+        let first = hit.trigger.saturating_sub((PULSE_S.0 * rate).ceil() as usize);
+        let last = (hit.trigger + (PULSE_S.1 * rate).ceil() as usize).min(hit.force.len());
         let response = hit.responses.first().map_or(&[][..], |samples| samples);
         let part = response.len().div_ceil(POINTS / 2).max(1);
         let mut drawn = (Vec::new(), Vec::new());
@@ -76,8 +76,8 @@ impl HitCurve {
         }
     }
 
-    /// The magnitude of a function up to `high_hz`, the largest of each part.
-    pub(super) fn set_receptance(&mut self, frf: &Frf, high_hz: f64) {
+    /// Sets the receptance up to `high_hz`: the largest magnitude of each interval.
+    pub(crate) fn set_receptance(&mut self, frf: &Frf, high_hz: f64) {
         let frf = frf.to(FrfForm::Receptance);
         let last = frf.frequency_hz.partition_point(|f| *f <= high_hz).max(1);
         let magnitude = frf.magnitude();

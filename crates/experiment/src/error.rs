@@ -1,4 +1,4 @@
-//! Why measured hits cannot be analysed.
+//! Errors of an analysis.
 
 use std::io;
 use std::path::PathBuf;
@@ -7,161 +7,146 @@ use asperity_measure::{ChannelQuantity, MeasureError};
 use asperity_signal::SignalError;
 use thiserror::Error;
 
-/// Why files have no analysis.
+/// Error of an analysis or a conversion.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum AnalysisError {
-    /// A file cannot be read.
+    /// File that cannot be read or written.
     #[error(transparent)]
     Measure(#[from] MeasureError),
-    /// A file cannot be read to its end for its checksum.
+    /// File that cannot be read to its end for its checksum.
     #[error("{}: {source}", path.display())]
     Io {
-        /// The file.
+        /// File.
         path: PathBuf,
-        /// Why.
+        /// Cause.
         source: io::Error,
     },
-    /// No file was named.
+    /// Empty list of files.
     #[error("no file to analyse")]
     NoFile,
-    /// An option is not understood, or outside what makes sense.
-    #[error("{option} is `{found}`; accepted: {expected}")]
-    Option {
-        /// The option.
-        option: &'static str,
-        /// What was given.
+    /// Setting that is not valid.
+    #[error("{name} is `{found}`; accepted: {expected}")]
+    Setting {
+        /// Setting.
+        name: &'static str,
+        /// Value given.
         found: String,
-        /// What is accepted.
+        /// Accepted values.
         expected: &'static str,
     },
-    /// No channel is what was asked for.
-    #[error(
-        "{}: no channel for the {role}{}; there are {channels}; name one with --{role}, or say \
-         what the channels are with --names and --units",
-        file.display(), asked(wanted)
-    )]
+    /// No channel for the force or the response.
+    #[error("{}: no channel for the {role}{}; available: {channels}", file.display(), quoted(wanted))]
     NoChannel {
-        /// The file.
+        /// File.
         file: PathBuf,
         /// `force` or `response`.
         role: &'static str,
-        /// What was asked for; empty where any would do.
+        /// Requested channel; empty for any.
         wanted: String,
-        /// The channels there are.
+        /// Available channels.
         channels: String,
     },
-    /// Several channels are what was asked for.
-    #[error(
-        "{}: several channels may be the {role}{}: {channels}; choose one with --{role} NAME or \
-         --{role} '#NUMBER'",
-        file.display(), asked(wanted)
-    )]
+    /// Several channels that may be the force or the response.
+    #[error("{}: several channels may be the {role}{}: {channels}", file.display(), quoted(wanted))]
     Ambiguous {
-        /// The file.
+        /// File.
         file: PathBuf,
         /// `force` or `response`.
         role: &'static str,
-        /// What was asked for; empty where any would do.
+        /// Requested channel; empty for any.
         wanted: String,
-        /// The channels that fit.
+        /// Channels that fit.
         channels: String,
     },
-    /// The unit of a chosen channel is not known.
-    #[error(
-        "{}: channel `{channel}` has {}; give the units of all channels in their order with \
-         --units, such as --units N,m/s^2",
-        file.display(), unit(text)
-    )]
+    /// Selected channel without a known unit.
+    #[error("{}: channel `{channel}` has {}; a known unit is required", file.display(), unit(text))]
     Unit {
-        /// The file.
+        /// File.
         file: PathBuf,
-        /// The channel.
+        /// Channel.
         channel: String,
-        /// The unit as written; empty if none was.
+        /// Unit in the file; empty without one.
         text: String,
     },
-    /// A file gives neither a time axis nor a sample rate.
-    #[error("{}: no time axis and no sample rate; give the rate with --rate HZ", file.display())]
+    /// File without a time axis and without a sample rate.
+    #[error("{}: no time axis and no sample rate; a sample rate is required", file.display())]
     NoRate {
-        /// The file.
+        /// File.
         file: PathBuf,
     },
-    /// A chosen channel holds something else.
+    /// Selected channel of another quantity.
     #[error("{}: channel `{channel}` holds {found}; the {role} must be {expected}", file.display())]
     Quantity {
-        /// The file.
+        /// File.
         file: PathBuf,
         /// `force` or `response`.
         role: &'static str,
-        /// The channel.
+        /// Channel.
         channel: String,
-        /// What it holds.
+        /// Quantity of the channel.
         found: ChannelQuantity,
-        /// What is accepted.
+        /// Accepted quantities.
         expected: &'static str,
     },
-    /// A record is not sampled evenly in time, or its channels differ.
+    /// Record that is not sampled evenly in time, or whose channels differ.
     #[error("{}, record {record}: {problem}", file.display())]
     Record {
-        /// The file.
+        /// File.
         file: PathBuf,
-        /// The record, from 1.
+        /// Record, from 1.
         record: usize,
-        /// What is wrong with it.
+        /// Cause.
         problem: &'static str,
     },
-    /// The files were not sampled alike.
+    /// Files with different sample rates or responses.
     #[error(
-        "{}: {quantity} {found}, the files before have {expected}; analyse them apart",
+        "{}: {quantity} {found}, in the files before {expected}; analyse them separately",
         file.display()
     )]
     Differs {
-        /// The file.
+        /// File.
         file: PathBuf,
-        /// What differs.
+        /// Quantity that differs.
         quantity: &'static str,
-        /// What this file has.
+        /// Value in this file.
         found: String,
-        /// What those before have.
+        /// Value in the files before.
         expected: String,
     },
-    /// Nothing was found that could be a blow.
-    #[error(
-        "no hit found: the largest force is {largest_n} N over noise of {noise_n} N; a level can \
-         be given with --level, and --flip-force turns a force that is negative when it pushes"
-    )]
+    /// Test without a hit.
+    #[error("no hit found: the largest force is {largest_n} N, the noise {noise_n} N")]
     NoHit {
-        /// The largest force \[N\].
+        /// Largest force \[N\].
         largest_n: f64,
-        /// Robust deviation of the force \[N\].
+        /// Robust standard deviation of the force \[N\].
         noise_n: f64,
     },
-    /// Fewer blows stand out than were asked for.
-    #[error("{asked} hits asked for; only {found} stand out from noise of {noise_n} N")]
+    /// Fewer hits above the noise than requested.
+    #[error("{requested} hits requested; only {found} are above the noise of {noise_n} N")]
     FewerHits {
-        /// Hits asked for.
-        asked: usize,
-        /// Hits there are.
+        /// Number of hits requested.
+        requested: usize,
+        /// Number of hits found.
         found: usize,
-        /// Robust deviation of the force \[N\].
+        /// Robust standard deviation of the force \[N\].
         noise_n: f64,
     },
-    /// Every hit was excluded.
-    #[error("none of {hits} hits can be averaged; the first: {reason}; --keep-all averages them")]
+    /// Test whose hits are all excluded from the average.
+    #[error("none of {hits} hits can be averaged; the first: {reason}")]
     NoGoodHit {
-        /// Hits found.
+        /// Number of hits found.
         hits: usize,
-        /// What is wrong with the first.
+        /// Quality issues of the first hit.
         reason: String,
     },
-    /// The samples cannot be analysed.
+    /// Samples that cannot be analysed.
     #[error(transparent)]
     Signal(#[from] SignalError),
 }
 
 impl AnalysisError {
-    /// Whether the request is wrong, and not what was measured.
+    /// True for a wrong request, false for measurements that cannot be analysed.
     pub fn is_wrong_request(&self) -> bool {
         !matches!(
             self,
@@ -174,7 +159,7 @@ impl AnalysisError {
     }
 }
 
-fn asked(wanted: &str) -> String {
+fn quoted(wanted: &str) -> String {
     if wanted.is_empty() { String::new() } else { format!(" `{wanted}`") }
 }
 

@@ -1,45 +1,46 @@
-//! What an analysis is told, and the texts that tell it.
+//! Options of an analysis, and their text forms.
 
 use std::str::FromStr;
 
 use asperity_measure::{ReadOptions, SensorSensitivity};
 use asperity_signal::{FrfEstimator, FrfForm, HvScaling};
 
+use crate::channel::ChannelSelector;
 use crate::error::AnalysisError;
-use crate::select::Selector;
 
-/// How files of measured hits are analysed.
+/// Options of an analysis of measured hits.
 #[derive(Debug, Clone)]
 pub struct AnalysisOptions {
-    /// What the files do not say: rate, names, units.
+    /// Properties that the files do not give: sample rate, names, units.
     pub reading: ReadOptions,
-    /// Sensors of channels that hold volts.
-    pub sensitivities: Vec<SensorOf>,
-    /// The force; the only channel of a force, if not given.
-    pub force: Option<Selector>,
-    /// The response; the only acceleration, velocity or displacement, if not given.
-    pub response: Option<Selector>,
-    /// Whether a negative force pushes.
+    /// Sensors of channels that are in volts.
+    pub sensitivities: Vec<ChannelSensor>,
+    /// Channel of the force; `None` for the only one.
+    pub force: Option<ChannelSelector>,
+    /// Channel of the response; `None` for the only acceleration, velocity or displacement.
+    pub response: Option<ChannelSelector>,
+    /// True where the force is negative while the hammer pushes.
     pub flip_force: bool,
-    /// How many hits there are.
+    /// Number of hits.
     pub hits: HitCount,
-    /// Trigger level \[N\]; found from the force if not given.
-    pub level_n: Option<f64>,
-    /// Longest hit \[s\]; the median distance of the hits if not given.
-    pub length_s: Option<f64>,
+    /// Trigger level \[N\]; `None` for the widest gap between noise and hits.
+    pub trigger_level_n: Option<f64>,
+    /// Longest hit \[s\]; `None` for the median time between hits.
+    pub hit_length_s: Option<f64>,
     /// Time kept before the trigger \[s\].
     pub pre_trigger_s: f64,
-    /// Time after a trigger in which a further blow is a double hit and no hit of its own \[s\].
+    /// Time after a trigger in which a further impact makes a double hit \[s\].
     pub hold_off_s: f64,
-    /// How the average is divided.
+    /// Estimator of the averaged function.
     pub estimator: FrfEstimator,
-    /// What the written frequency response function is.
+    /// Form of the averaged function.
     pub form: FrfForm,
     /// Windows before the transform.
-    pub window: WindowChoice,
-    /// Where the fundamental is looked for \[Hz\].
-    pub band_hz: Option<Band>,
-    /// Whether bad hits are averaged too.
+    pub windows: WindowOptions,
+    /// Band of the fundamental \[Hz\]; `None` for a band about the strongest resonance of the first
+    /// good hit.
+    pub band_hz: Option<FrequencyBand>,
+    /// True where double hits, overloads and dropouts are averaged too.
     pub keep_all: bool,
 }
 
@@ -52,13 +53,13 @@ impl Default for AnalysisOptions {
             response: None,
             flip_force: false,
             hits: HitCount::Auto,
-            level_n: None,
-            length_s: None,
+            trigger_level_n: None,
+            hit_length_s: None,
             pre_trigger_s: 5e-3,
             hold_off_s: 0.2,
             estimator: FrfEstimator::H1,
             form: FrfForm::Receptance,
-            window: WindowChoice::default(),
+            windows: WindowOptions::default(),
             band_hz: None,
             keep_all: false,
         }
@@ -66,35 +67,35 @@ impl Default for AnalysisOptions {
 }
 
 impl AnalysisOptions {
-    /// Refuses times that are not positive, and a band that is none.
-    pub(super) fn check(&self) -> Result<(), AnalysisError> {
+    /// Checks that levels and times are positive.
+    pub(crate) fn check(&self) -> Result<(), AnalysisError> {
         let times = [
-            ("--level", self.level_n),
-            ("--length", self.length_s),
-            ("--pre-trigger", Some(self.pre_trigger_s)),
-            ("--hold-off", Some(self.hold_off_s)),
+            ("trigger_level_n", self.trigger_level_n),
+            ("hit_length_s", self.hit_length_s),
+            ("pre_trigger_s", Some(self.pre_trigger_s)),
+            ("hold_off_s", Some(self.hold_off_s)),
         ];
-        for (option, value) in times {
+        for (name, value) in times {
             if let Some(value) = value
                 && !(value > 0.0 && value.is_finite())
             {
-                return Err(wrong(option, &value.to_string(), "a positive number"));
+                return Err(invalid(name, &value.to_string(), "a positive number"));
             }
         }
         if self.hold_off_s <= self.pre_trigger_s {
             let found = self.hold_off_s.to_string();
-            return Err(wrong("--hold-off", &found, "a time longer than --pre-trigger"));
+            return Err(invalid("hold_off_s", &found, "a time longer than pre_trigger_s"));
         }
         Ok(())
     }
 }
 
-/// How many hits the files hold.
+/// Number of hits in the files.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum HitCount {
-    /// As many as stand out.
+    /// All peaks above the widest gap.
     Auto,
-    /// The strongest ones, this many.
+    /// This number of the strongest hits.
     Strongest(usize),
 }
 
@@ -107,41 +108,41 @@ impl FromStr for HitCount {
             return Ok(Self::Auto);
         }
         let number = text.parse().ok().filter(|number| *number > 0).map(Self::Strongest);
-        number.ok_or_else(|| wrong("--hits", text, "auto, or a number from 1"))
+        number.ok_or_else(|| invalid("the number of hits", text, "auto, or a number from 1"))
     }
 }
 
-/// The sensor of a channel: `CHANNEL=100mV/g`.
+/// Sensor of a channel, such as `hammer=2.25mV/N`.
 #[derive(Debug, Clone, PartialEq)]
-pub struct SensorOf {
-    /// Which channel.
-    pub channel: Selector,
-    /// What it gives for what it measures.
+pub struct ChannelSensor {
+    /// Channel.
+    pub channel: ChannelSelector,
+    /// Sensitivity of the sensor.
     pub sensitivity: SensorSensitivity,
 }
 
-impl FromStr for SensorOf {
+impl FromStr for ChannelSensor {
     type Err = AnalysisError;
 
     /// Reads `CHANNEL=100mV/g`.
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         let expected = "CHANNEL=SENSITIVITY, such as hammer=2.25mV/N";
         let parts = text.rsplit_once('=').filter(|(channel, _)| !channel.is_empty());
-        let (channel, sensitivity) = parts.ok_or_else(|| wrong("--sensitivity", text, expected))?;
-        Ok(Self { channel: Selector::of_text(channel), sensitivity: sensitivity.parse()? })
+        let (channel, sensitivity) = parts.ok_or_else(|| invalid("the sensor", text, expected))?;
+        Ok(Self { channel: ChannelSelector::of_text(channel), sensitivity: sensitivity.parse()? })
     }
 }
 
-/// A band of frequencies: `LO:HI`.
+/// Band of frequencies.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Band {
+pub struct FrequencyBand {
     /// Lower limit \[Hz\].
     pub low_hz: f64,
     /// Upper limit \[Hz\].
     pub high_hz: f64,
 }
 
-impl FromStr for Band {
+impl FromStr for FrequencyBand {
     type Err = AnalysisError;
 
     /// Reads `LO:HI` in hertz, `0 <= LO < HI`.
@@ -152,35 +153,37 @@ impl FromStr for Band {
         let ordered = |band: &Self| {
             band.low_hz >= 0.0 && band.high_hz > band.low_hz && band.high_hz.is_finite()
         };
-        limits.filter(ordered).ok_or_else(|| wrong("--band", text, "LO:HI in hertz, LO below HI"))
+        limits.filter(ordered).ok_or_else(|| {
+            invalid("the band", text, "LO:HI in Hz with 0 <= LO < HI, such as 600:1000")
+        })
     }
 }
 
-/// Windows before the transform: `none`, `force`, `exponential[:TAU]`, or both with a `+`.
+/// Windows before the transform.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct WindowChoice {
-    /// Whether the force is blanked but for the blow.
+pub struct WindowOptions {
+    /// True for a force window: the force is set to zero outside the pulse.
     pub force: bool,
-    /// Whether an exponential window is laid on both signals, and which.
+    /// Exponential window on both signals.
     pub exponential: Option<TimeConstant>,
 }
 
-/// The time constant of an exponential window.
+/// Time constant of an exponential window.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum TimeConstant {
-    /// Down to a hundredth over the longest hit.
+    /// Decay to 1 % over the longest hit.
     OfLength,
-    /// This one \[s\].
+    /// Time constant \[s\].
     Seconds(f64),
 }
 
-impl FromStr for WindowChoice {
+impl FromStr for WindowOptions {
     type Err = AnalysisError;
 
     /// Reads `none`, `force`, `exponential`, `exponential:TAU`, `force+exponential`.
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         let accepted = "none, force, exponential[:TAU] with TAU in seconds, or force+exponential";
-        let refuse = || wrong("--window", text, accepted);
+        let refuse = || invalid("the window", text, accepted);
         if text == "none" {
             return Ok(Self::default());
         }
@@ -201,21 +204,21 @@ impl FromStr for WindowChoice {
     }
 }
 
-/// The estimator that `text` names: `h1`, `h2`, or `hv` with equal noise ratios.
+/// Parses the name of an estimator: `h1`, `h2`, or `hv` with equal noise ratios.
 ///
 /// # Errors
-/// [`AnalysisError::Option`] for anything else.
-pub fn estimator(text: &str) -> Result<FrfEstimator, AnalysisError> {
+/// [`AnalysisError::Setting`] for any other text.
+pub fn parse_estimator(text: &str) -> Result<FrfEstimator, AnalysisError> {
     match text {
         "h1" => Ok(FrfEstimator::H1),
         "h2" => Ok(FrfEstimator::H2),
         "hv" => Ok(FrfEstimator::Hv(HvScaling::EqualRatios)),
-        _ => Err(wrong("--estimator", text, "h1, h2, hv")),
+        _ => Err(invalid("the estimator", text, "h1, h2, hv")),
     }
 }
 
-/// Name of an estimator, as [`estimator`] reads it.
-pub(super) fn estimator_name(estimator: FrfEstimator) -> &'static str {
+/// Name of an estimator, as [`parse_estimator`] reads it.
+pub(crate) fn estimator_name(estimator: FrfEstimator) -> &'static str {
     match estimator {
         FrfEstimator::H1 => "h1",
         FrfEstimator::H2 => "h2",
@@ -223,18 +226,20 @@ pub(super) fn estimator_name(estimator: FrfEstimator) -> &'static str {
     }
 }
 
-/// The motion over force that `text` names: `receptance`, `mobility` or `accelerance`.
+/// Parses the name of a form of the frequency response function: `receptance`, `mobility` or
+/// `accelerance`.
 ///
 /// # Errors
-/// [`AnalysisError::Option`] for anything else.
-pub fn form(text: &str) -> Result<FrfForm, AnalysisError> {
+/// [`AnalysisError::Setting`] for any other text.
+pub fn parse_frf_form(text: &str) -> Result<FrfForm, AnalysisError> {
     let forms = [FrfForm::Receptance, FrfForm::Mobility, FrfForm::Accelerance];
     let found = forms.into_iter().find(|form| form.name() == text);
-    found.ok_or_else(|| wrong("--form", text, "receptance, mobility, accelerance"))
+    found.ok_or_else(|| invalid("the form", text, "receptance, mobility, accelerance"))
 }
 
-pub(super) fn wrong(option: &'static str, found: &str, expected: &'static str) -> AnalysisError {
-    AnalysisError::Option { option, found: found.to_owned(), expected }
+/// Error of a setting that is not valid.
+fn invalid(name: &'static str, found: &str, expected: &'static str) -> AnalysisError {
+    AnalysisError::Setting { name, found: found.to_owned(), expected }
 }
 
 #[cfg(test)]
@@ -242,33 +247,33 @@ mod tests {
     use super::*;
 
     #[test]
-    fn texts_of_options_are_read() {
+    fn texts_of_options_are_parsed() {
         assert_eq!("auto".parse::<HitCount>().unwrap(), HitCount::Auto);
         assert_eq!("12".parse::<HitCount>().unwrap(), HitCount::Strongest(12));
-        let both: WindowChoice = "force+exponential:0.05".parse().unwrap();
+        let both: WindowOptions = "force+exponential:0.05".parse().unwrap();
         assert!(both.force && both.exponential == Some(TimeConstant::Seconds(0.05)));
-        assert_eq!("none".parse::<WindowChoice>().unwrap(), WindowChoice::default());
-        let band: Band = "500:1400".parse().unwrap();
+        assert_eq!("none".parse::<WindowOptions>().unwrap(), WindowOptions::default());
+        let band: FrequencyBand = "500:1400".parse().unwrap();
         assert_eq!((band.low_hz, band.high_hz), (500.0, 1400.0));
-        let sensor: SensorOf = "#2=100 mV/g".parse().unwrap();
-        assert_eq!(sensor.channel, Selector::Number(2));
+        let sensor: ChannelSensor = "#2=100 mV/g".parse().unwrap();
+        assert_eq!(sensor.channel, ChannelSelector::Number(2));
     }
 
     #[test]
-    fn what_is_no_option_is_refused_with_what_is_accepted() {
+    fn errors_name_the_accepted_texts() {
         for text in ["0", "-1", "many"] {
             assert!(text.parse::<HitCount>().is_err(), "{text}");
         }
         for text in ["1400:500", "5", "a:b", "nan:5", "0:inf"] {
-            assert!(text.parse::<Band>().is_err(), "{text}");
+            assert!(text.parse::<FrequencyBand>().is_err(), "{text}");
         }
         for text in ["hann", "exponential:0", "force+none", ""] {
-            let error = text.parse::<WindowChoice>().unwrap_err();
+            let error = text.parse::<WindowOptions>().unwrap_err();
             assert!(error.to_string().contains("exponential[:TAU]"), "{error}");
         }
         for text in ["hammer", "=1mV/N", "hammer=3"] {
-            assert!(text.parse::<SensorOf>().is_err(), "{text}");
+            assert!(text.parse::<ChannelSensor>().is_err(), "{text}");
         }
-        assert!(estimator("h3").is_err() && form("stiffness").is_err());
+        assert!(parse_estimator("h3").is_err() && parse_frf_form("stiffness").is_err());
     }
 }

@@ -1,128 +1,131 @@
-//! `analysis.json`: the answers, under the names of the contract.
+//! Content of `analysis.json`.
 
-use asperity_signal::{AnalysedHit, HitFeatures, QualityIssue};
+use asperity_signal::{AnalysedHit, HitChannel, HitFeatures, QualityIssue};
 use serde::Serialize;
 
 use crate::stream::UsedChannel;
 
-/// Identifier of the analysis' format.
+/// Identifier of the format of `analysis.json`.
 pub const ANALYSIS_SCHEMA: &str = "asperity/analysis/1";
 
-/// The analysis of measured hits.
+/// Report of an analysis.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct AnalysisReport {
     /// [`ANALYSIS_SCHEMA`].
     pub schema: &'static str,
-    /// Samples per second \[Hz\].
+    /// Sample rate \[Hz\].
     pub sample_rate_hz: f64,
-    /// Force and response, as the first file names them.
+    /// Channels of force and response in the first file.
     pub channels: Vec<UsedChannel>,
-    /// What was decided on the way, by the user or by the data.
-    pub settings: Settings,
-    /// Every hit, the bad ones too, in the order of the files.
+    /// Settings, given or found.
+    pub settings: AnalysisSettings,
+    /// All hits, in the order of the files.
     pub hits: Vec<HitReport>,
-    /// The average of the good ones.
+    /// Average of the good hits.
     pub average: AverageReport,
-    /// What was assumed, snapped or left out.
+    /// Assumptions and omissions.
     pub notices: Vec<String>,
-    /// From what it was computed.
+    /// Version and files.
     pub provenance: AnalysisProvenance,
 }
 
-/// How the hits were cut and transformed.
+/// Settings of an analysis.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Settings {
+pub struct AnalysisSettings {
     /// Trigger level \[N\].
-    pub level_n: f64,
-    /// Robust deviation of the force over all files \[N\].
+    #[serde(rename = "level_n")]
+    pub trigger_level_n: f64,
+    /// Robust standard deviation of the force over all files \[N\].
     pub noise_n: f64,
     /// Longest hit \[s\].
-    pub length_s: f64,
+    #[serde(rename = "length_s")]
+    pub hit_length_s: f64,
     /// Time kept before the trigger \[s\].
     pub pre_trigger_s: f64,
-    /// Time after a trigger without a further hit \[s\].
+    /// Time after a trigger in which a further impact makes a double hit \[s\].
     pub hold_off_s: f64,
     /// `h1`, `h2` or `hv`.
     pub estimator: &'static str,
-    /// Response over force as it was measured: `receptance` of a displacement, `mobility` of a
+    /// Form of the measured response over the force: `receptance` of a displacement, `mobility` of a
     /// velocity, `accelerance` of an acceleration.
     pub measured_form: &'static str,
-    /// What every `magnitude`, `harmonic_ratio` and frequency of a peak is of: the `receptance`.
+    /// Form that every `magnitude`, `harmonic_ratio` and peak frequency refers to: `receptance`.
     pub feature_form: &'static str,
-    /// What `frf.csv` holds.
+    /// Form of the function in `frf.csv`.
     pub frf_form: &'static str,
-    /// Whether the force was blanked but for the blow.
+    /// True with a force window.
     pub force_window: bool,
-    /// Time constant of the exponential window \[s\]; none without one.
+    /// Time constant of the exponential window \[s\]; `None` without one.
     pub exponential_window_s: Option<f64>,
-    /// Where the fundamental was looked for \[Hz\]; none if no resonance was found.
+    /// Band of the fundamental \[Hz\]; `None` without a resonance.
     pub band_hz: Option<[f64; 2]>,
-    /// Whether the band was given.
+    /// True for a given band.
     pub band_given: bool,
-    /// Whether bad hits were averaged too.
+    /// True where bad hits were averaged too.
     pub keep_all: bool,
 }
 
-/// One hit.
-#[allow(clippy::struct_excessive_bools, reason = "the contract names each of these answers")]
+/// Results of one hit.
+#[allow(clippy::struct_excessive_bools, reason = "each is a key of the file format")]
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct HitReport {
-    /// Its file, as named.
+    /// File.
     pub file: String,
-    /// Its number, from 1 through all files.
+    /// Number through all files, from 1.
     pub index: usize,
-    /// Its record in the file, from 1.
+    /// Record in the file, from 1.
     pub record: usize,
-    /// Time of its trigger on the record's axis \[s\].
+    /// Time of the trigger on the time axis of the record \[s\].
     pub time_s: f64,
     /// Number of samples.
     pub samples: usize,
-    /// Largest force, refined between the samples \[N\]; none if the force cannot be read.
+    /// Largest force, interpolated between the samples \[N\]; `None` without a pulse.
     pub force_peak_n: Option<f64>,
-    /// Impulse of the blow \[N s\].
+    /// Impulse of the force pulse \[N s\].
     pub impulse_ns: Option<f64>,
-    /// Full width of the blow at half its height \[s\].
+    /// Full width of the force pulse at half its height \[s\].
     pub pulse_width_s: Option<f64>,
-    /// Whether the hammer touched again.
+    /// True for a second impact of the hammer.
     pub double_hit: bool,
-    /// Whether a converter or amplifier was at its limit.
+    /// True for a saturated signal.
     pub overload: bool,
-    /// Whether a signal stood still or was lost.
+    /// True for a constant or lost signal.
     pub dropout: bool,
-    /// Whether it is in the average.
+    /// True for a hit in the average.
     pub averaged: bool,
-    /// What is wrong with it, in words.
-    pub verdicts: Vec<String>,
-    /// The fundamental; none without a peak, or if the hit was excluded.
+    /// Quality issues, in words.
+    #[serde(rename = "verdicts")]
+    pub issues: Vec<String>,
+    /// Fundamental; `None` without a peak, or for an excluded hit.
     pub fundamental: Option<HitFundamental>,
-    /// The second harmonic; none without a peak.
+    /// Second harmonic; `None` without a peak.
     pub second_harmonic: Option<HitSecondHarmonic>,
-    /// A2/A1.
+    /// Harmonic ratio A2/A1, a ratio of receptances.
     pub harmonic_ratio: Option<f64>,
-    /// What noise makes of it: one standard deviation.
+    /// Standard deviation of the ratio due to noise.
     pub harmonic_ratio_uncertainty: Option<f64>,
 }
 
-/// The fundamental of a hit; an exponential window is undone.
+/// Fundamental of a hit, corrected for an exponential window.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct HitFundamental {
     /// Frequency f1 \[Hz\].
     pub frequency_hz: f64,
     /// Receptance A1 \[m/N\].
     pub magnitude: f64,
-    /// Half-power damping ratio; none where the peak does not fall to half power.
+    /// Half-power damping ratio; `None` for a peak that does not fall to half power.
     pub damping_ratio: Option<f64>,
-    /// Damping ratio of the circle through the mobility.
+    /// Damping ratio of the circle fit to the mobility.
     pub damping_ratio_circle: Option<f64>,
-    /// Damping ratio by the logarithmic decrement of the filtered decay.
+    /// Damping ratio of the logarithmic decrement of the filtered decay.
     pub damping_ratio_decrement: Option<f64>,
-    /// What noise makes of the frequency: one standard deviation \[Hz\].
+    /// Standard deviation of the frequency due to noise \[Hz\].
     pub frequency_uncertainty_hz: Option<f64>,
-    /// What noise makes of the receptance: one standard deviation \[m/N\].
+    /// Standard deviation of the receptance due to noise \[m/N\].
     pub magnitude_uncertainty: Option<f64>,
 }
 
-/// The second harmonic of a hit, with an exponential window's effect still in it.
+/// Second harmonic of a hit, not corrected for an exponential window.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct HitSecondHarmonic {
     /// Frequency f2 \[Hz\].
@@ -131,47 +134,47 @@ pub struct HitSecondHarmonic {
     pub magnitude: f64,
 }
 
-/// The average of the good hits.
+/// Average of the good hits.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct AverageReport {
-    /// Hits averaged.
+    /// Number of averaged hits.
     pub hits: usize,
-    /// Numbers of the hits left out.
+    /// Numbers of the excluded hits.
     pub excluded: Vec<usize>,
-    /// Its fundamental; none without a peak in the band. An exponential
-    /// window's effect is still in it.
+    /// Fundamental; `None` without a peak in the band. It is not corrected for an exponential
+    /// window.
     pub fundamental: Option<AverageFundamental>,
-    /// Lowest frequency at which the force has too little content \[Hz\].
+    /// Lowest frequency with insufficient force \[Hz\].
     pub first_masked_hz: Option<f64>,
     /// Frequencies of the hits' fundamentals \[Hz\].
-    pub frequency_hz: Option<Spread>,
+    pub frequency_hz: Option<HitStatistics>,
     /// Receptances of the hits' fundamentals \[m/N\].
-    pub magnitude: Option<Spread>,
-    /// A2/A1 of the hits.
-    pub harmonic_ratio: Option<Spread>,
+    pub magnitude: Option<HitStatistics>,
+    /// Harmonic ratios A2/A1 of the hits.
+    pub harmonic_ratio: Option<HitStatistics>,
 }
 
-/// The fundamental of the averaged function.
+/// Fundamental of the averaged function.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct AverageFundamental {
-    /// Frequency of the largest receptance, by a parabola through three lines \[Hz\].
+    /// Frequency of the largest receptance, by a parabola through three spectral lines \[Hz\].
     pub frequency_hz: f64,
     /// Receptance there \[m/N\].
     pub magnitude: f64,
-    /// Damping ratio of the circle through the lines above half power, if there are five.
+    /// Damping ratio of the circle fit to the lines above half power; `None` below five lines.
     pub damping_ratio: Option<f64>,
-    /// Coherence at the nearest line; none for one hit.
+    /// Coherence at the nearest line; `None` for one hit.
     pub coherence: Option<f64>,
 }
 
-/// How a number differs from hit to hit.
+/// Statistics of a quantity over the hits.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Spread {
-    /// Hits that have it.
+pub struct HitStatistics {
+    /// Number of hits with the quantity.
     pub hits: usize,
     /// Mean.
     pub mean: f64,
-    /// Standard deviation, with `n - 1`; none for one hit.
+    /// Standard deviation, with `n - 1`; `None` for one hit.
     pub standard_deviation: Option<f64>,
     /// Smallest.
     pub smallest: f64,
@@ -179,33 +182,33 @@ pub struct Spread {
     pub largest: f64,
 }
 
-/// From what an analysis was computed.
+/// Version and files of an analysis.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct AnalysisProvenance {
     /// Version of asperity.
     pub version: &'static str,
-    /// The files, in their order.
+    /// Files, in their order.
     pub files: Vec<AnalysedFile>,
 }
 
-/// A file that was analysed.
+/// Analysed file.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct AnalysedFile {
-    /// As named.
+    /// Name, as given.
     pub file: String,
-    /// Format found.
+    /// Format.
     pub format: String,
-    /// Records in time.
+    /// Number of time records.
     pub records: usize,
-    /// Samples of each of the two channels.
+    /// Number of samples of each of the two channels.
     pub samples: u64,
-    /// SHA-256 of its bytes.
+    /// SHA-256 of the file.
     pub sha256: String,
 }
 
 impl HitReport {
-    /// The numbers of a hit that was cut from a record of a file.
-    pub(super) fn new(
+    /// Report of a hit, without its number.
+    pub(crate) fn new(
         file: String,
         record: usize,
         start_s: f64,
@@ -230,7 +233,7 @@ impl HitReport {
                 matches!(issue, QualityIssue::Dropout { .. } | QualityIssue::NotFinite { .. })
             }),
             averaged: hit.is_averaged(),
-            verdicts: hit.issues.iter().map(crate::verdict::in_words).collect(),
+            issues: hit.issues.iter().map(describe).collect(),
             fundamental: features.and_then(HitFundamental::of),
             second_harmonic: second.map(|peak| HitSecondHarmonic {
                 frequency_hz: peak.frequency_hz,
@@ -257,9 +260,9 @@ impl HitFundamental {
     }
 }
 
-impl Spread {
-    /// The spread of the values that there are; none without any.
-    pub(super) fn of(values: impl Iterator<Item = f64>) -> Option<Self> {
+impl HitStatistics {
+    /// Statistics of some values; `None` without any.
+    pub(crate) fn of(values: impl Iterator<Item = f64>) -> Option<Self> {
         let values: Vec<f64> = values.collect();
         let hits = values.len();
         let mean = values.iter().sum::<f64>() / hits as f64;
@@ -271,5 +274,41 @@ impl Spread {
             smallest: values.iter().copied().fold(f64::INFINITY, f64::min),
             largest: values.iter().copied().fold(f64::NEG_INFINITY, f64::max),
         })
+    }
+}
+
+/// Quality issue with its evidence, in words.
+fn describe(issue: &QualityIssue) -> String {
+    match *issue {
+        QualityIssue::DoubleHit(double) => format!(
+            "double hit: {:.0} % of the first impact after {:.3} ms",
+            100.0 * double.ratio,
+            1e3 * (double.second_s - double.first_s)
+        ),
+        QualityIssue::Overload { channel, samples, value, .. } => {
+            format!("overload: the {} stays at {value} for {samples} samples", name(channel))
+        }
+        QualityIssue::Dropout { channel, samples, value, .. } => {
+            format!("dropout: the {} stays at {value} for {samples} samples", name(channel))
+        }
+        QualityIssue::NotFinite { channel, samples, .. } => {
+            format!("dropout: {samples} samples of the {} are not finite", name(channel))
+        }
+        QualityIssue::Truncated { samples, missing } => {
+            format!("truncated: {missing} of {} samples are missing", samples + missing)
+        }
+        QualityIssue::NotDecayed { ratio, threshold, .. } => format!(
+            "not decayed: {:.1} % of the largest response remain at the end, above the limit of {:.1} %",
+            100.0 * ratio,
+            100.0 * threshold
+        ),
+        _ => "another issue".to_owned(),
+    }
+}
+
+fn name(channel: HitChannel) -> &'static str {
+    match channel {
+        HitChannel::Force => "force",
+        HitChannel::Response(_) => "response",
     }
 }

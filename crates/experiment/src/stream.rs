@@ -1,4 +1,4 @@
-//! Files as one stream of blocks of force and response, in SI.
+//! Files as blocks of force and response in SI units.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -7,37 +7,37 @@ use asperity_measure::{Channel, ChannelQuantity, MeasureError, Reader, Record, S
 use asperity_signal::ResponseKind;
 use serde::Serialize;
 
+use crate::channel::{ChannelRole, choose};
 use crate::error::AnalysisError;
 use crate::options::AnalysisOptions;
-use crate::select::{Role, choose};
 
-/// Samples that belong together, from somewhere in a record.
-pub(super) struct Block {
-    /// Whether a record begins with it.
-    pub(super) begins: bool,
-    /// Time of its first sample \[s\].
-    pub(super) start_s: f64,
+/// Consecutive samples of a record.
+pub(crate) struct SampleBlock {
+    /// True for the first block of a record.
+    pub(crate) begins_record: bool,
+    /// Time of the first sample \[s\].
+    pub(crate) start_s: f64,
     /// Force \[N\].
-    pub(super) force: Vec<f64>,
+    pub(crate) force: Vec<f64>,
     /// Response \[m, m/s or m/s^2\].
-    pub(super) response: Vec<f64>,
+    pub(crate) response: Vec<f64>,
 }
 
-/// What all files share.
+/// Properties of the signals that all files share.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Sampling {
-    pub(super) rate_hz: f64,
-    pub(crate) route: ResponseKind,
+pub(crate) struct SignalParameters {
+    pub(crate) sample_rate_hz: f64,
+    pub(crate) response: ResponseKind,
 }
 
-/// A channel that was analysed.
+/// Analysed channel.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct UsedChannel {
     /// `force` or `response`.
     pub role: &'static str,
-    /// Its name in the first file.
+    /// Name in the first file.
     pub name: String,
-    /// What it measures.
+    /// Measured quantity.
     pub quantity: String,
     /// Unit in the file.
     pub unit: String,
@@ -45,41 +45,42 @@ pub struct UsedChannel {
     pub si_unit: &'static str,
 }
 
-/// Reads files one after the other and tells what was read.
-pub(super) struct Stream<'a> {
+/// Reader of files, one after the other.
+pub(crate) struct SampleStream<'a> {
     options: &'a AnalysisOptions,
-    /// Rate and kind of response, once a record was read.
-    pub(super) sampling: Option<Sampling>,
-    /// The channels of the first record.
-    pub(super) channels: Vec<UsedChannel>,
-    /// What readers took upon themselves, and what was left out.
-    pub(super) notices: BTreeSet<String>,
+    /// Properties of the signals, once a record is read.
+    pub(crate) signals: Option<SignalParameters>,
+    /// Channels of the first record.
+    pub(crate) channels: Vec<UsedChannel>,
+    /// Assumptions and omissions.
+    pub(crate) notices: BTreeSet<String>,
 }
 
-/// What one file held.
+/// Content of one file.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct FileRead {
-    pub(super) format: String,
-    pub(super) records: usize,
-    pub(super) samples: u64,
+pub(crate) struct FileSummary {
+    pub(crate) format: String,
+    pub(crate) records: usize,
+    pub(crate) samples: u64,
 }
 
-impl<'a> Stream<'a> {
-    pub(super) fn new(options: &'a AnalysisOptions) -> Self {
-        Self { options, sampling: None, channels: Vec::new(), notices: BTreeSet::new() }
+impl<'a> SampleStream<'a> {
+    pub(crate) fn new(options: &'a AnalysisOptions) -> Self {
+        Self { options, signals: None, channels: Vec::new(), notices: BTreeSet::new() }
     }
 
-    /// Hands the blocks of one file to `take`.
-    pub(super) fn read(
+    /// Calls `take` with the blocks of one file.
+    pub(crate) fn read(
         &mut self,
         file: &Path,
-        take: &mut dyn FnMut(Block, Sampling) -> Result<(), AnalysisError>,
-    ) -> Result<FileRead, AnalysisError> {
-        let mut reader = open(file, &self.options.reading).map_err(|error| named(error, file))?;
-        let mut read = FileRead { format: reader.format().to_string(), records: 0, samples: 0 };
+        take: &mut dyn FnMut(SampleBlock, SignalParameters) -> Result<(), AnalysisError>,
+    ) -> Result<FileSummary, AnalysisError> {
+        let mut reader =
+            open(file, &self.options.reading).map_err(|error| measure_error(error, file))?;
+        let mut read = FileSummary { format: reader.format().to_string(), records: 0, samples: 0 };
         let mut other_records = 0_usize;
         let mut in_time = false;
-        while let Some(record) = reader.next_record().map_err(|error| named(error, file))? {
+        while let Some(record) = reader.next_record().map_err(|error| measure_error(error, file))? {
             if !record.continues {
                 in_time = is_in_time(&record);
                 if in_time {
@@ -89,9 +90,9 @@ impl<'a> Stream<'a> {
                 }
             }
             if in_time {
-                let (block, sampling) = self.block(file, read.records, record)?;
+                let (block, signals) = self.block(file, read.records, record)?;
                 read.samples += block.force.len() as u64;
-                take(block, sampling)?;
+                take(block, signals)?;
             }
         }
         self.note(file, &reader, other_records);
@@ -110,18 +111,19 @@ impl<'a> Stream<'a> {
         file: &Path,
         number: usize,
         mut record: Record,
-    ) -> Result<(Block, Sampling), AnalysisError> {
+    ) -> Result<(SampleBlock, SignalParameters), AnalysisError> {
         self.calibrate(file, &mut record)?;
-        let force_at = choose(file, &record, Role::Force, self.options.force.as_ref())?;
-        let response_at = choose(file, &record, Role::Response, self.options.response.as_ref())?;
+        let force_at = choose(file, &record, ChannelRole::Force, self.options.force.as_ref())?;
+        let response_at =
+            choose(file, &record, ChannelRole::Response, self.options.response.as_ref())?;
         if self.channels.is_empty() {
-            let used = [(Role::Force, force_at), (Role::Response, response_at)];
+            let used = [(ChannelRole::Force, force_at), (ChannelRole::Response, response_at)];
             self.channels =
                 used.map(|(role, place)| UsedChannel::of(role, &record.channels[place])).to_vec();
         }
         let problem =
             |problem| AnalysisError::Record { file: file.to_owned(), record: number, problem };
-        let begins = !record.continues;
+        let begins_record = !record.continues;
         let mut take = |place: usize| -> Result<_, AnalysisError> {
             let channel = &mut record.channels[place];
             let rate = channel.sample_rate_hz();
@@ -146,15 +148,15 @@ impl<'a> Stream<'a> {
                 *x = -*x;
             }
         }
-        let route = match quantity {
+        let response_kind = match quantity {
             ChannelQuantity::Displacement => ResponseKind::Displacement,
             ChannelQuantity::Velocity => ResponseKind::Velocity,
             _ => ResponseKind::Acceleration,
         };
-        let sampling = Sampling { rate_hz: rate, route };
-        let expected = *self.sampling.get_or_insert(sampling);
-        expected.check(file, sampling)?;
-        Ok((Block { begins, start_s, force, response }, sampling))
+        let signals = SignalParameters { sample_rate_hz: rate, response: response_kind };
+        let expected = *self.signals.get_or_insert(signals);
+        expected.check(file, signals)?;
+        Ok((SampleBlock { begins_record, start_s, force, response }, signals))
     }
 
     fn calibrate(&self, file: &Path, record: &mut Record) -> Result<(), AnalysisError> {
@@ -180,36 +182,41 @@ impl<'a> Stream<'a> {
             self.notices.insert(format!("{name}: {notice}"));
         }
         if other_records > 0 {
-            let text = format!("{name}: {other_records} records that are not in time left out");
+            let text =
+                format!("{name}: {other_records} records omitted, which are not time records");
             self.notices.insert(text);
         }
     }
 }
 
-impl Sampling {
-    /// Refuses a file that was sampled otherwise than those before.
+impl SignalParameters {
+    /// Checks that a file agrees with those before.
     fn check(self, file: &Path, found: Self) -> Result<(), AnalysisError> {
         let differs = |quantity, found: String, expected: String| {
             Err(AnalysisError::Differs { file: PathBuf::from(file), quantity, found, expected })
         };
-        let name = |route: ResponseKind| {
-            let article = if route == ResponseKind::Acceleration { "an" } else { "a" };
-            format!("{article} {}", route.name())
+        let name = |kind: ResponseKind| {
+            let article = if kind == ResponseKind::Acceleration { "an" } else { "a" };
+            format!("{article} {}", kind.name())
         };
-        // Rates that were printed differ by their rounding.
-        if (found.rate_hz / self.rate_hz - 1.0).abs() > 1e-6 {
+        // Printed rates differ by their rounding.
+        if (found.sample_rate_hz / self.sample_rate_hz - 1.0).abs() > 1e-6 {
             let hertz = |rate: f64| format!("{rate} Hz");
-            return differs("the sample rate is", hertz(found.rate_hz), hertz(self.rate_hz));
+            return differs(
+                "the sample rate is",
+                hertz(found.sample_rate_hz),
+                hertz(self.sample_rate_hz),
+            );
         }
-        if found.route != self.route {
-            return differs("the response is", name(found.route), name(self.route));
+        if found.response != self.response {
+            return differs("the response is", name(found.response), name(self.response));
         }
         Ok(())
     }
 }
 
 impl UsedChannel {
-    fn of(role: Role, channel: &Channel) -> Self {
+    fn of(role: ChannelRole, channel: &Channel) -> Self {
         Self {
             role: role.name(),
             name: channel.name.clone(),
@@ -225,8 +232,8 @@ fn is_in_time(record: &Record) -> bool {
     first.is_some_and(|channel| channel.abscissa.quantity() == ChannelQuantity::Time)
 }
 
-/// Errors of an option of the reader, under the name it has on the command line.
-pub(super) fn named(error: MeasureError, file: &Path) -> AnalysisError {
+/// Error of a reader, with the file of a missing sample rate.
+pub(crate) fn measure_error(error: MeasureError, file: &Path) -> AnalysisError {
     match error {
         MeasureError::NoSampleRate { .. } => AnalysisError::NoRate { file: file.to_owned() },
         other => other.into(),

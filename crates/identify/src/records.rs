@@ -10,7 +10,7 @@ use asperity_signal::{
 
 use crate::error::ProblemError;
 use crate::files::Line;
-use asperity_experiment::{AnalysisOptions, Selector, cut};
+use asperity_experiment::{AnalysisOptions, ChannelSelector, for_each_hit};
 
 /// Most lines of a receptance that are compared.
 const MOST_LINES: f64 = 60.0;
@@ -41,12 +41,12 @@ pub(super) fn hits(
     band: [f64; 2],
 ) -> Result<Vec<RecordedHit>, ProblemError> {
     let options = AnalysisOptions {
-        force: force.map(Selector::of_text),
-        response: response.map(Selector::of_text),
+        force: force.map(ChannelSelector::of_text),
+        response: response.map(ChannelSelector::of_text),
         ..AnalysisOptions::default()
     };
     let mut found = Vec::new();
-    cut(files, &options, &mut |hit, route| found.extend(recorded(hit, route, band)))?;
+    for_each_hit(files, &options, &mut |hit, route| found.extend(recorded(hit, route, band)))?;
     if found.is_empty() {
         return Err(ProblemError::File {
             path: files.first().cloned().unwrap_or_default(),

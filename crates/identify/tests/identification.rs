@@ -8,7 +8,7 @@ mod twin;
 
 use std::path::{Path, PathBuf};
 
-use asperity_experiment::{AnalysisOptions, Band, analyse};
+use asperity_experiment::{AnalysisOptions, FrequencyBand, analyse};
 use asperity_identify::{Dependence, Identification, Problem, identify};
 use asperity_inference::ModelVerdict;
 use asperity_law::{ContactLaw, ModifiedPower};
@@ -85,7 +85,7 @@ fn a_twin_is_inverted_by_the_other_engine() {
             "design": {"force_peak_n": [9, 32]},
         });
         let problem = twin.problem(&twin.measured(&sensors), &unknowns(), &more);
-        let found = identify(&problem, &|_| ()).unwrap();
+        let found = identify(&problem).unwrap();
         for sentence in found.words() {
             println!("{sentence}");
         }
@@ -124,7 +124,7 @@ fn too_few_data_leave_the_law_undecided() {
         {"kind": "scalar", "pointer": "/laws/modified/coefficient", "bounds": [1e9, 1e12]},
     ]);
     let more = json!({"draws": 100, "starts": 1, "compare": [power_law()]});
-    let found = identify(&twin.problem(&hits, &law, &more), &|_| ()).unwrap();
+    let found = identify(&twin.problem(&hits, &law, &more)).unwrap();
     let words = found.words().join(" ");
     println!("{words}");
     assert_eq!(found.dependence(), Dependence::NotShown);
@@ -142,20 +142,20 @@ fn records_receptances_and_backbones_give_back_the_numbers() {
     document.set("/method", r#"{"kind": "modal", "step_s": 1e-5}"#).unwrap();
     document.set("/output_rate_hz", "100000").unwrap();
     document.set("/excitation/peak_n", "15").unwrap();
-    let run = simulate(&document, &document.scenario().unwrap(), &|_| ()).unwrap();
+    let run = simulate(&document, &document.scenario().unwrap()).unwrap();
     let record = measured_record(&run.transient.history, 1e5, None);
     let options = WriteOptions::default();
     let uff = folder.path().join("hit.uff");
     write(&uff, std::slice::from_ref(&record), Format::UniversalBinary, &options).unwrap();
 
     let analysed = AnalysisOptions {
-        response: Some(asperity_experiment::Selector::of_text("acceleration")),
-        band_hz: Some(Band { low_hz: 600.0, high_hz: 1100.0 }),
+        response: Some(asperity_experiment::ChannelSelector::of_text("acceleration")),
+        band_hz: Some(FrequencyBand { low_hz: 600.0, high_hz: 1100.0 }),
         ..AnalysisOptions::default()
     };
-    let analysis = analyse(std::slice::from_ref(&uff), &analysed, &|_| ()).unwrap();
+    let analysis = analyse(std::slice::from_ref(&uff), &analysed).unwrap();
     let write_text = |name: &str, text: String| std::fs::write(folder.path().join(name), text);
-    write_text("backbone.csv", asperity_experiment::backbone_csv(&analysis)).unwrap();
+    write_text("backbone.csv", analysis.backbone_csv()).unwrap();
     let frf = asperity_study::run::receptance(&run).unwrap().unwrap();
     write_text("frf.csv", asperity_study::record::frf_csv(&frf)).unwrap();
 
@@ -184,7 +184,7 @@ fn records_receptances_and_backbones_give_back_the_numbers() {
         });
         let path: PathBuf = folder.path().join("problem.json");
         let problem = Problem::of(Document::parse(&problem.to_string(), path).unwrap()).unwrap();
-        let found = identify(&problem, &|_| ()).unwrap();
+        let found = identify(&problem).unwrap();
         println!("{} {:?} {:?}", problem.document.text().len(), found.fit.point, found.fit.cost);
         assert!((found.fit.point[0] / 0.97e12 - 1.0).abs() < tolerance, "{:?}", found.fit.point);
         if !of_backbone {
@@ -205,10 +205,10 @@ fn a_structure_without_a_rough_contact_shows_no_law() {
         return;
     }
     let options = AnalysisOptions {
-        band_hz: Some(Band { low_hz: 850.0, high_hz: 950.0 }),
+        band_hz: Some(FrequencyBand { low_hz: 850.0, high_hz: 950.0 }),
         ..AnalysisOptions::default()
     };
-    let analysis = analyse(&[file], &options, &|_| ()).unwrap();
+    let analysis = analyse(&[file], &options).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let report = serde_json::to_string(&analysis.report).unwrap();
     std::fs::write(folder.path().join("analysis.json"), report).unwrap();
@@ -241,7 +241,7 @@ fn a_structure_without_a_rough_contact_shows_no_law() {
     });
     let path = folder.path().join("problem.json");
     let problem = Problem::of(Document::parse(&problem.to_string(), path).unwrap()).unwrap();
-    let found = identify(&problem, &|_| ()).unwrap();
+    let found = identify(&problem).unwrap();
     let words = found.words().join("\n");
     println!("{words}");
     assert!(!matches!(found.dependence(), Dependence::Shown | Dependence::NotAsked));

@@ -3,7 +3,7 @@
 use std::slice;
 
 use anyhow::{Context, Result, ensure};
-use asperity_experiment::{AnalysisOptions, Band, HitCount, Selector, analyse};
+use asperity_experiment::{AnalysisOptions, ChannelSelector, FrequencyBand, HitCount, analyse};
 use asperity_figure::{Axis, Figure, Legend, Marker, Panel, Series};
 use asperity_measure::{Format, WriteOptions, write};
 use asperity_study::measured_record::measured_record;
@@ -74,12 +74,12 @@ fn both_paths(case: &Case, run: &Run) -> Result<(Observed, Observed)> {
     let record = measured_record(&run.transient.history, rate, None);
     write(&file, slice::from_ref(&record), Format::UniversalBinary, &WriteOptions::default())?;
     let options = AnalysisOptions {
-        response: Some(Selector::of_text("acceleration")),
+        response: Some(ChannelSelector::of_text("acceleration")),
         hits: HitCount::Strongest(1),
-        band_hz: Some(Band { low_hz: 0.4 * natural, high_hz: 1.4 * natural }),
+        band_hz: Some(FrequencyBand { low_hz: 0.4 * natural, high_hz: 1.4 * natural }),
         ..AnalysisOptions::default()
     };
-    let analysis = analyse(&[file], &options, &|_| ())?;
+    let analysis = analyse(&[file], &options)?;
     let hit = analysis.report.hits.first().context("no hit was found in the file")?;
     let first = hit.fundamental.context("the file's hit has no fundamental")?;
     let ratio = hit.harmonic_ratio.context("the file's hit has no second harmonic")?;

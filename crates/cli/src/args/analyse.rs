@@ -3,7 +3,9 @@
 
 use std::path::PathBuf;
 
-use asperity_experiment::{AnalysisError, Band, HitCount, Selector, SensorOf, WindowChoice};
+use asperity_experiment::{
+    AnalysisError, ChannelSelector, ChannelSensor, FrequencyBand, HitCount, WindowOptions,
+};
 use asperity_measure::{Format, ReadOptions, SampleAxis};
 use asperity_signal::{FrfEstimator, FrfForm};
 use clap::{Args as Group, ValueEnum};
@@ -21,15 +23,15 @@ pub(crate) struct Analyse {
 
     /// Sensor of a channel in volts, such as hammer=2.25mV/N or '#2=100mV/g'; repeatable.
     #[arg(long, value_name = "CHANNEL=SENSITIVITY")]
-    pub(crate) sensitivity: Vec<SensorOf>,
+    pub(crate) sensitivity: Vec<ChannelSensor>,
 
     /// Channel of the force: its name, '#' and its number, or a quantity. Default: the only force.
     #[arg(long, value_name = "CHANNEL")]
-    pub(crate) force: Option<Selector>,
+    pub(crate) force: Option<ChannelSelector>,
 
     /// Channel of the response. Default: the only acceleration, velocity or displacement.
     #[arg(long, value_name = "CHANNEL")]
-    pub(crate) response: Option<Selector>,
+    pub(crate) response: Option<ChannelSelector>,
 
     /// The force is negative when the hammer pushes.
     #[arg(long)]
@@ -63,11 +65,11 @@ pub(crate) struct Analyse {
     ///
     /// The exponential window is undone in the numbers of each hit.
     #[arg(long, default_value = "none")]
-    pub(crate) window: WindowChoice,
+    pub(crate) window: WindowOptions,
 
     /// Where the fundamental is, in Hz. Default: about the strongest resonance of the first hit.
     #[arg(long, value_name = "LO:HI")]
-    pub(crate) band: Option<Band>,
+    pub(crate) band: Option<FrequencyBand>,
 
     /// What frf.csv holds: receptance, mobility or accelerance.
     #[arg(long, default_value = "receptance", value_parser = form)]
@@ -169,9 +171,9 @@ impl RecordFormat {
 }
 
 fn estimator(text: &str) -> Result<FrfEstimator, AnalysisError> {
-    asperity_experiment::estimator(text)
+    asperity_experiment::parse_estimator(text)
 }
 
 fn form(text: &str) -> Result<FrfForm, AnalysisError> {
-    asperity_experiment::form(text)
+    asperity_experiment::parse_frf_form(text)
 }

@@ -3,9 +3,7 @@
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
-use asperity_experiment::{
-    AnalysisOptions, AnalysisReport, HitReport, analyse, averaged_frf_csv, backbone_csv, hits_csv,
-};
+use asperity_experiment::{AnalysisOptions, AnalysisReport, HitReport, analyse_with_progress};
 use asperity_study::error::OutputError;
 use asperity_study::output::OutputFolder;
 use serde_json::json;
@@ -21,14 +19,15 @@ const MOST_SHOWN: usize = 30;
 pub(crate) fn run(asked: &Analyse, quiet: bool) -> Result<(), Failure> {
     let folder = claim(asked)?;
     let bar = crate::progress::bar(2 * asked.files.len() as u64, "reading", quiet);
-    let analysis =
-        analyse(&asked.files, &options(asked), &|passes| bar.set_position(passes as u64));
+    let analysis = analyse_with_progress(&asked.files, &options(asked), &|passes| {
+        bar.set_position(passes as u64)
+    });
     bar.finish_and_clear();
     let analysis = analysis?;
 
-    folder.write("hits.csv", hits_csv(&analysis.report.hits))?;
-    folder.write("frf.csv", averaged_frf_csv(&analysis.average))?;
-    folder.write("backbone.csv", backbone_csv(&analysis))?;
+    folder.write("hits.csv", analysis.hits_csv())?;
+    folder.write("frf.csv", analysis.frf_csv())?;
+    folder.write("backbone.csv", analysis.backbone_csv())?;
     for (name, figure) in plot::figures(&analysis) {
         super::draw(&folder, name, &figure)?;
     }
@@ -39,7 +38,8 @@ pub(crate) fn run(asked: &Analyse, quiet: bool) -> Result<(), Failure> {
         answer!("{report}");
     } else if !quiet {
         for notice in &analysis.report.notices {
-            eprintln!("note: {notice}");
+            let notice = notice.replace("`band_hz`", "--band LO:HI");
+            eprintln!("note: {}", notice.replace("`flip_force`", "--flip-force"));
         }
         answer!("{}", in_words(&analysis.report));
         answer_line!("written to {}", folder.path().display());
@@ -69,13 +69,13 @@ fn options(asked: &Analyse) -> AnalysisOptions {
         response: asked.response.clone(),
         flip_force: asked.flip_force,
         hits: asked.hits,
-        level_n: asked.level,
-        length_s: asked.length,
+        trigger_level_n: asked.level,
+        hit_length_s: asked.length,
         pre_trigger_s: asked.pre_trigger,
         hold_off_s: asked.hold_off,
         estimator: asked.estimator,
         form: asked.form,
-        window: asked.window,
+        windows: asked.window,
         band_hz: asked.band,
         keep_all: asked.keep_all,
     }
@@ -134,8 +134,8 @@ fn row(hit: &HitReport) -> String {
     if !hit.averaged {
         text.push_str("  left out");
     }
-    if !hit.verdicts.is_empty() {
-        let _ = write!(text, "  ({})", hit.verdicts.join("; "));
+    if !hit.issues.is_empty() {
+        let _ = write!(text, "  ({})", hit.issues.join("; "));
     }
     text.push('\n');
     text

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use asperity_experiment::convert::convert;
+use asperity_experiment::convert;
 use asperity_measure::ReadOptions;
 use serde_json::json;
 

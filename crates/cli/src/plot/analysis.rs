@@ -43,7 +43,7 @@ impl Shades {
 
 /// Blow and response of the hits over time.
 fn records(analysis: &Analysis, shades: &Shades) -> Option<Figure> {
-    let (label, unit, scale) = match analysis.route {
+    let (label, unit, scale) = match analysis.response {
         ResponseKind::Displacement => ("Displacement", "µm", 1e6),
         ResponseKind::Velocity => ("Velocity", "mm/s", 1e3),
         ResponseKind::Acceleration => ("Acceleration", "m/s²", 1.0),

@@ -1,13 +1,11 @@
-//! The analysis of files against that of whole records, block by block.
+//! Analysis of files in blocks, compared with that of whole records.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use std::f64::consts::{PI, TAU};
 use std::path::PathBuf;
 
-use asperity_experiment::{
-    Analysis, AnalysisError, AnalysisOptions, Band, analyse, backbone_csv, hits_csv,
-};
+use asperity_experiment::{Analysis, AnalysisError, AnalysisOptions, FrequencyBand, analyse};
 use asperity_measure::{
     Abscissa, Channel, ChannelQuantity, ChannelUnit, Format, Origin, ReadOptions, Record, Samples,
     WriteOptions, write,
@@ -19,10 +17,10 @@ use asperity_signal::{
 use tempfile::TempDir;
 
 const RATE: f64 = 10_000.0;
-const BAND: Band = Band { low_hz: 250.0, high_hz: 350.0 };
+const BAND: FrequencyBand = FrequencyBand { low_hz: 250.0, high_hz: 350.0 };
 
-/// A mode at 300 Hz struck every half second, ever harder.
-fn struck(hits: usize) -> (Vec<f64>, Vec<f64>) {
+/// Mode at 300 Hz, hit every half second with increasing force.
+fn hit_mode(hits: usize) -> (Vec<f64>, Vec<f64>) {
     let (omega, damping, step) = (TAU * 300.0, 0.01, 1.0 / RATE);
     let (mut u, mut v) = (0.0, 0.0);
     let sample = |n: usize| {
@@ -59,20 +57,20 @@ fn analysed(path: &PathBuf, block: usize) -> Analysis {
     let options = AnalysisOptions {
         reading,
         band_hz: Some(BAND),
-        level_n: Some(1.0),
-        length_s: Some(0.48),
+        trigger_level_n: Some(1.0),
+        hit_length_s: Some(0.48),
         pre_trigger_s: 0.01,
         ..AnalysisOptions::default()
     };
-    analyse(std::slice::from_ref(path), &options, &|_| {}).unwrap()
+    analyse(std::slice::from_ref(path), &options).unwrap()
 }
 
-/// Verified against [`hammer_test`] on the whole record: cut from blocks of any size, each hit has
-/// the same numbers to the last bit.
+/// Verified against [`hammer_test`] on the whole record: each hit has the same numbers to the last
+/// bit for any size of the blocks.
 #[test]
-fn blocks_give_what_the_whole_record_gives() {
+fn blocks_and_the_whole_record_give_equal_results() {
     let folder = tempfile::tempdir().unwrap();
-    let (force, response) = struck(5);
+    let (force, response) = hit_mode(5);
     let path = store(&folder, "a.uff", &force, &response);
     let hits = HitOptions {
         trigger_level: TriggerLevel::Absolute(1.0),
@@ -102,30 +100,30 @@ fn blocks_give_what_the_whole_record_gives() {
         let coherence = whole.average.coherence().unwrap();
         let same = |(a, b): (&f64, &f64)| a == b || (a.is_nan() && b.is_nan());
         let found_coherence = found.average.coherence.unwrap();
-        // The averages differ in length by nothing: both are 4800 samples.
+        // Both averages have 4800 samples.
         assert!(found_coherence.iter().zip(&coherence.values).all(same));
     }
 }
 
-/// Level and length are found as they were given above, within the distance of two blows.
+/// The trigger level and the hit length are found from the force.
 #[test]
-fn level_and_length_are_found() {
+fn trigger_level_and_hit_length_are_found() {
     let folder = tempfile::tempdir().unwrap();
-    let (force, response) = struck(6);
+    let (force, response) = hit_mode(6);
     let path = store(&folder, "a.uff", &force, &response);
     let options = AnalysisOptions { band_hz: Some(BAND), ..AnalysisOptions::default() };
-    let found = analyse(&[path.clone(), path], &options, &|_| {}).unwrap();
+    let found = analyse(&[path.clone(), path], &options).unwrap();
     assert_eq!(found.report.hits.len(), 12);
-    assert!((found.report.settings.length_s - 0.5).abs() < 2e-3);
-    assert!(found.report.settings.level_n < 5.0);
+    assert!((found.report.settings.hit_length_s - 0.5).abs() < 2e-3);
+    assert!(found.report.settings.trigger_level_n < 5.0);
     let numbers: Vec<usize> = found.report.hits.iter().map(|hit| hit.index).collect();
     assert_eq!(numbers, (1..=12).collect::<Vec<_>>());
     assert_eq!(found.report.hits[6].record, 1, "records count in each file");
-    assert_eq!(hits_csv(&found.report.hits).lines().count(), 13);
+    assert_eq!(found.hits_csv().lines().count(), 13);
     let points: usize = found.backbones.iter().map(|backbone| backbone.points.len()).sum();
-    assert_eq!(backbone_csv(&found).lines().count(), points + 1);
-    // Amplitudes are displacements: the blow of 10 N and 2 ms moves 1 kg at 300 Hz by less than
-    // impulse over mass and circular frequency.
+    assert_eq!(found.backbone_csv().lines().count(), points + 1);
+    // Amplitudes are displacements: a pulse of 10 N and 2 ms moves 1 kg at 300 Hz by less than its
+    // impulse over mass and angular frequency.
     let most = 10.0 * 2e-3 * 2.0 / PI / (TAU * 300.0);
     let amplitudes = found.backbones.iter().flat_map(|backbone| &backbone.points);
     assert!(amplitudes.clone().count() > 100);
@@ -133,13 +131,13 @@ fn level_and_length_are_found() {
     assert!(amplitudes.clone().any(|point| point.amplitude > 0.05 * most));
 }
 
-/// Bit for bit the same on one thread and on several: hits are added up in their order.
+/// Results are equal to the last bit on one thread and on several.
 #[test]
 fn an_analysis_does_not_depend_on_threads() {
     let folder = tempfile::tempdir().unwrap();
-    let (force, response) = struck(21);
+    let (force, response) = hit_mode(21);
     let path = store(&folder, "a.uff", &force, &response);
-    // As text, since a coherence may be no number.
+    // Compared as text, since a coherence may be NaN.
     let found = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| format!("{:?}", analysed(&path, 4096)))
@@ -149,11 +147,11 @@ fn an_analysis_does_not_depend_on_threads() {
     assert!(one == found(2) && one == found(5));
 }
 
-/// An overload is left out and said, and where nothing else is there the analysis says why.
+/// An overload is excluded and reported; a test without any other hit is an error that names it.
 #[test]
-fn an_overload_is_left_out() {
+fn an_overload_is_excluded() {
     let folder = tempfile::tempdir().unwrap();
-    let (force, mut response) = struck(3);
+    let (force, mut response) = hit_mode(3);
     for a in &mut response[5000..10_000] {
         *a = a.clamp(-2.0, 2.0);
     }
@@ -162,13 +160,13 @@ fn an_overload_is_left_out() {
     assert_eq!(found.report.average.excluded, [2]);
     let hit = &found.report.hits[1];
     assert!(hit.overload && !hit.averaged && hit.fundamental.is_none());
-    assert!(hit.verdicts[0].contains("overload"), "{:?}", hit.verdicts);
+    assert!(hit.issues[0].contains("overload"), "{:?}", hit.issues);
 
     for a in &mut response {
         *a = a.clamp(-1.0, 1.0);
     }
     let path = store(&folder, "b.uff", &force, &response);
-    let refused = analyse(&[path], &AnalysisOptions::default(), &|_| {}).unwrap_err();
-    assert!(matches!(refused, AnalysisError::NoGoodHit { hits: 3, .. }), "{refused}");
-    assert!(!refused.is_wrong_request());
+    let error = analyse(&[path], &AnalysisOptions::default()).unwrap_err();
+    assert!(matches!(error, AnalysisError::NoGoodHit { hits: 3, .. }), "{error}");
+    assert!(!error.is_wrong_request());
 }

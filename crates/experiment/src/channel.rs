@@ -1,4 +1,4 @@
-//! Which channel of a record is meant.
+//! Selection of the channels of force and response.
 
 use std::convert::Infallible;
 use std::path::Path;
@@ -8,25 +8,25 @@ use asperity_measure::{Channel, ChannelQuantity, Record};
 
 use crate::error::AnalysisError;
 
-/// A channel by its place, its name, or what it measures.
+/// Selection of a channel by its number, its name or its quantity.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Selector {
-    /// Its place, from 1: `#2`.
+pub enum ChannelSelector {
+    /// Number in the file, from 1, such as `#2`.
     Number(usize),
-    /// Its name; else, if the text is the word for one, the quantity it measures.
+    /// Name, or else the word for a quantity such as `acceleration`.
     Name(String),
 }
 
-impl FromStr for Selector {
+impl FromStr for ChannelSelector {
     type Err = Infallible;
 
-    /// Reads `#NUMBER`; anything else is a name.
+    /// Parses `#NUMBER`; any other text is a name.
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         Ok(Self::of_text(text))
     }
 }
 
-impl std::fmt::Display for Selector {
+impl std::fmt::Display for ChannelSelector {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::Number(number) => write!(f, "#{number}"),
@@ -35,14 +35,14 @@ impl std::fmt::Display for Selector {
     }
 }
 
-impl Selector {
-    /// The channel that `text` means: `#NUMBER`, or else a name.
+impl ChannelSelector {
+    /// Parses `#NUMBER`; any other text is a name.
     pub fn of_text(text: &str) -> Self {
         let number = text.strip_prefix('#').and_then(|number| number.trim().parse().ok());
         number.map_or_else(|| Self::Name(text.to_owned()), Self::Number)
     }
 
-    /// Places of the channels that are meant.
+    /// Indices of the channels that fit.
     pub fn fitting(&self, record: &Record) -> Vec<usize> {
         let places = |fits: &dyn Fn(&Channel) -> bool| -> Vec<usize> {
             let channels = record.channels.iter().enumerate();
@@ -68,15 +68,15 @@ impl Selector {
     }
 }
 
-/// What a channel is chosen for.
+/// Role of a channel in an analysis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Role {
+pub(crate) enum ChannelRole {
     Force,
     Response,
 }
 
-impl Role {
-    pub(super) fn name(self) -> &'static str {
+impl ChannelRole {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Force => "force",
             Self::Response => "response",
@@ -97,20 +97,21 @@ impl Role {
 
     fn accepted(self) -> &'static str {
         match self {
-            Self::Force => "a force; volts become one with --sensitivity",
+            Self::Force => "a force, or volts of a sensor with its sensitivity",
             Self::Response => {
-                "an acceleration, a velocity or a displacement; volts become one with --sensitivity"
+                "an acceleration, a velocity or a displacement, or volts of a sensor with its \
+                 sensitivity"
             }
         }
     }
 }
 
-/// The place of the one channel for a role.
-pub(super) fn choose(
+/// Index of the only channel that fits a role.
+pub(crate) fn choose(
     file: &Path,
     record: &Record,
-    role: Role,
-    wanted: Option<&Selector>,
+    role: ChannelRole,
+    wanted: Option<&ChannelSelector>,
 ) -> Result<usize, AnalysisError> {
     let fitting: Vec<usize> = if let Some(selector) = wanted {
         selector.fitting(record)
@@ -160,10 +161,10 @@ pub(super) fn choose(
     Ok(place)
 }
 
-/// Most channels that a message lists.
-const MOST_LISTED: usize = 12;
+/// Most channels listed in a message.
+const MAX_LISTED: usize = 12;
 
-/// Channels as a message lists them.
+/// List of channels for a message.
 fn listed(record: &Record, places: &[usize]) -> String {
     let one = |place: &usize| {
         let channel = &record.channels[*place];
@@ -173,9 +174,9 @@ fn listed(record: &Record, places: &[usize]) -> String {
         };
         format!("#{} `{}` ({}, {unit})", place + 1, channel.name, channel.quantity)
     };
-    let mut words: Vec<String> = places.iter().take(MOST_LISTED).map(one).collect();
-    if places.len() > MOST_LISTED {
-        words.push(format!("and {} more", places.len() - MOST_LISTED));
+    let mut words: Vec<String> = places.iter().take(MAX_LISTED).map(one).collect();
+    if places.len() > MAX_LISTED {
+        words.push(format!("and {} more", places.len() - MAX_LISTED));
     }
     if words.is_empty() { "none".to_owned() } else { words.join(", ") }
 }

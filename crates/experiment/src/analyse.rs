@@ -1,0 +1,145 @@
+//! Analysis of files in two passes.
+
+use std::fmt::Write as _;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::sync_channel;
+use std::thread::ScopedJoinHandle;
+
+use sha2::{Digest, Sha256};
+
+use crate::analysis::Analysis;
+use crate::error::AnalysisError;
+use crate::hit_analysis::HitAccumulator;
+use crate::options::{AnalysisOptions, HitCount};
+use crate::report::{AnalysedFile, AnalysisProvenance};
+use crate::stream::{FileSummary, SampleBlock, SampleStream};
+use crate::trigger::{ForceEnvelope, TriggerSettings};
+
+/// Blocks that are read ahead of the analysis.
+const BLOCKS_AHEAD: usize = 4;
+
+/// Analyses the hits of some files, which are one test.
+///
+/// # Errors
+/// [`AnalysisError`] for a file that cannot be read, a channel or a unit that is not clear, and a
+/// test without a hit that can be averaged.
+pub fn analyse(files: &[PathBuf], options: &AnalysisOptions) -> Result<Analysis, AnalysisError> {
+    analyse_with_progress(files, options, &|_| {})
+}
+
+/// Analyses as [`analyse`] does, and reports the number of passes over files that are done.
+///
+/// Each file is read twice, so `progress` ends at twice the number of files.
+///
+/// # Errors
+/// As [`analyse`].
+pub fn analyse_with_progress(
+    files: &[PathBuf],
+    options: &AnalysisOptions,
+    progress: &dyn Fn(usize),
+) -> Result<Analysis, AnalysisError> {
+    options.check()?;
+    // The hashes are a third pass over the files, in parallel with the two others.
+    let cancelled = AtomicBool::new(false);
+    std::thread::scope(|scope| {
+        let hashes = scope.spawn(|| files.iter().map(|file| sha256(file, &cancelled)).collect());
+        let found = two_passes(files, options, progress);
+        cancelled.store(found.is_err(), Ordering::Relaxed);
+        let hashes: Result<Vec<String>, AnalysisError> = joined(hashes);
+        let (hits, trigger, stream, read) = found?;
+        let provenance = provenance(files, &read, hashes?);
+        hits.finish(&trigger, stream, provenance)
+    })
+}
+
+type Passes<'a> = (HitAccumulator<'a>, TriggerSettings, SampleStream<'a>, Vec<FileSummary>);
+
+/// Finds the trigger settings, then cuts and analyses the hits.
+fn two_passes<'a>(
+    files: &[PathBuf],
+    options: &'a AnalysisOptions,
+    progress: &dyn Fn(usize),
+) -> Result<Passes<'a>, AnalysisError> {
+    let mut stream = SampleStream::new(options);
+    let (envelope, signals, read) = ForceEnvelope::of_files(&mut stream, files, progress)?;
+    let trigger = envelope.trigger_settings(options, signals.sample_rate_hz)?;
+    drop(envelope);
+    if trigger.is_inverted {
+        let text = "the force is far larger below zero than above; `flip_force` reverses its sign";
+        stream.notices.insert(text.to_owned());
+    }
+
+    let mut found = HitAccumulator::new(options, &trigger, signals)?;
+    let names: Vec<String> = files.iter().map(|file| file.display().to_string()).collect();
+    std::thread::scope(|scope| {
+        let (sender, receiver) = sync_channel::<(usize, Option<SampleBlock>)>(BLOCKS_AHEAD);
+        let stream = &mut stream;
+        let reader = scope.spawn(move || {
+            for (number, file) in files.iter().enumerate() {
+                // A receiver that is gone has stopped at an error of its own.
+                stream.read(file, &mut |block, _| {
+                    let _ = sender.send((number, Some(block)));
+                    Ok(())
+                })?;
+                let _ = sender.send((number, None));
+            }
+            Ok(())
+        });
+        for (number, block) in receiver {
+            let name = &names[number];
+            if let Some(block) = block {
+                found.push(name, &block)?;
+            } else {
+                found.end_file(name)?;
+                progress(files.len() + number + 1);
+            }
+        }
+        joined::<Result<(), AnalysisError>>(reader)
+    })?;
+    found.analyse_pending()?;
+    if let HitCount::Strongest(requested) = options.hits
+        && requested != found.hits.len()
+    {
+        let found = found.hits.len();
+        stream.notices.insert(format!("{requested} hits requested, {found} above this level"));
+    }
+    Ok((found, trigger, stream, read))
+}
+
+/// Result of a thread; its panic continues here.
+fn joined<T>(thread: ScopedJoinHandle<'_, T>) -> T {
+    thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+}
+
+fn provenance(files: &[PathBuf], read: &[FileSummary], hashes: Vec<String>) -> AnalysisProvenance {
+    let of_file = |((file, read), sha256): ((&PathBuf, &FileSummary), String)| AnalysedFile {
+        file: file.display().to_string(),
+        format: read.format.clone(),
+        records: read.records,
+        samples: read.samples,
+        sha256,
+    };
+    let files = files.iter().zip(read).zip(hashes).map(of_file).collect();
+    AnalysisProvenance { version: env!("CARGO_PKG_VERSION"), files }
+}
+
+/// SHA-256 of a file in hexadecimal; of its beginning once the analysis is cancelled.
+fn sha256(path: &Path, cancelled: &AtomicBool) -> Result<String, AnalysisError> {
+    let io = |source| AnalysisError::Io { path: path.to_owned(), source };
+    let mut file = std::fs::File::open(path).map_err(io)?;
+    let mut hash = Sha256::new();
+    let mut buffer = vec![0; 1 << 16];
+    while !cancelled.load(Ordering::Relaxed) {
+        match file.read(&mut buffer).map_err(io)? {
+            0 => break,
+            length => hash.update(&buffer[..length]),
+        }
+    }
+    Ok(hash.finalize().iter().fold(String::new(), |mut text, byte| {
+        // Writing to a string cannot fail.
+        let _ = write!(text, "{byte:02x}");
+        text
+    }))
+}
