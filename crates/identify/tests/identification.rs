@@ -85,7 +85,7 @@ fn a_twin_is_inverted_by_the_other_engine() {
             "design": {"force_peak_n": [9, 32]},
         });
         let problem = twin.problem(&twin.measured(&sensors), &unknowns(), &more);
-        let found = identify(&problem).unwrap();
+        let found = identify(&problem, &|_| ()).unwrap();
         for sentence in found.words() {
             println!("{sentence}");
         }
@@ -124,7 +124,7 @@ fn too_few_data_leave_the_law_undecided() {
         {"kind": "scalar", "pointer": "/laws/modified/coefficient", "bounds": [1e9, 1e12]},
     ]);
     let more = json!({"draws": 100, "starts": 1, "compare": [power_law()]});
-    let found = identify(&twin.problem(&hits, &law, &more)).unwrap();
+    let found = identify(&twin.problem(&hits, &law, &more), &|_| ()).unwrap();
     let words = found.words().join(" ");
     println!("{words}");
     assert_eq!(found.dependence(), Dependence::NotShown);
@@ -142,7 +142,7 @@ fn records_receptances_and_backbones_give_back_the_numbers() {
     document.set("/method", r#"{"kind": "modal", "step_s": 1e-5}"#).unwrap();
     document.set("/output_rate_hz", "100000").unwrap();
     document.set("/excitation/peak_n", "15").unwrap();
-    let run = simulate(&document, &document.scenario().unwrap()).unwrap();
+    let run = simulate(&document, &document.scenario().unwrap(), &|_| ()).unwrap();
     let record = measured_record(&run.transient.history, 1e5, None);
     let options = WriteOptions::default();
     let uff = folder.path().join("hit.uff");
@@ -184,7 +184,7 @@ fn records_receptances_and_backbones_give_back_the_numbers() {
         });
         let path: PathBuf = folder.path().join("problem.json");
         let problem = Problem::of(Document::parse(&problem.to_string(), path).unwrap()).unwrap();
-        let found = identify(&problem).unwrap();
+        let found = identify(&problem, &|_| ()).unwrap();
         println!("{} {:?} {:?}", problem.document.text().len(), found.fit.point, found.fit.cost);
         assert!((found.fit.point[0] / 0.97e12 - 1.0).abs() < tolerance, "{:?}", found.fit.point);
         if !of_backbone {
@@ -241,7 +241,7 @@ fn a_structure_without_a_rough_contact_shows_no_law() {
     });
     let path = folder.path().join("problem.json");
     let problem = Problem::of(Document::parse(&problem.to_string(), path).unwrap()).unwrap();
-    let found = identify(&problem).unwrap();
+    let found = identify(&problem, &|_| ()).unwrap();
     let words = found.words().join("\n");
     println!("{words}");
     assert!(!matches!(found.dependence(), Dependence::Shown | Dependence::NotAsked));
