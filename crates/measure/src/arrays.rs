@@ -73,11 +73,11 @@ pub(crate) fn records(
     options: &ReadOptions,
     notices: &mut Notices,
 ) -> Result<Vec<Record>, MeasureError> {
-    let mut groups: Vec<Gathered> = Vec::new();
+    let mut groups: Vec<ArrayGroup> = Vec::new();
     for array in arrays {
         let (group, name) = array.name.rsplit_once(separator).unwrap_or(("", &array.name));
         let place = groups.iter().position(|known| known.group == group).unwrap_or_else(|| {
-            groups.push(Gathered { group: group.to_owned(), ..Gathered::default() });
+            groups.push(ArrayGroup { group: group.to_owned(), ..ArrayGroup::default() });
             groups.len() - 1
         });
         let heading = Heading::parse(name);
@@ -100,7 +100,7 @@ pub(crate) fn records(
 
 /// The arrays of one group.
 #[derive(Default)]
-struct Gathered {
+struct ArrayGroup {
     group: String,
     step: Option<f64>,
     start: Option<f64>,
@@ -109,7 +109,7 @@ struct Gathered {
     channels: Vec<(Heading, Samples, f64)>,
 }
 
-impl Gathered {
+impl ArrayGroup {
     fn take(&mut self, heading: &Heading, array: Array, notices: &mut Notices) {
         let mut columns = array.columns;
         let single = match columns.as_slice() {

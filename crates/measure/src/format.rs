@@ -31,7 +31,7 @@ pub enum Format {
 
 impl Format {
     /// Formats that [`open`](crate::open) reads, for messages.
-    pub(crate) const READABLE: &'static str = "UFF 58, text, NPY, NPZ, MAT 5, WAV";
+    pub(crate) const READABLE: &'static str = "UFF 58, text, NPY, NPZ, MAT 5, WAV, TDMS";
 
     /// The format for a file name's extension: what to write for it.
     /// `uff`, `unv` and `uf` mean the binary universal file.

@@ -8,7 +8,7 @@ use hdf5_pure::{DType, Dataset, Error, File};
 
 use crate::arrays::{Array, Layout, records};
 use crate::notice::Notices;
-use crate::npz::{Budget, Unfolded};
+use crate::npz::{Budget, DecodedRecords};
 use crate::number::NumberType;
 use crate::source::Source;
 use crate::{FilePosition, Format, MeasureError, Notice, ReadOptions, Samples};
@@ -18,7 +18,7 @@ pub(crate) fn open(
     mut source: Source<'_>,
     options: &ReadOptions,
     notices: &mut Notices,
-) -> Result<Unfolded, MeasureError> {
+) -> Result<DecodedRecords, MeasureError> {
     let name = source.name().to_owned();
     let mut budget = Budget::new(&source, options);
     let mut bytes = vec![0; usize::try_from(source.len()).unwrap_or(usize::MAX)];
@@ -69,7 +69,7 @@ pub(crate) fn open(
             take(format!("{group_name}:{name}"), &dataset)?;
         }
     }
-    Ok(Unfolded::new(Format::Hdf5, records(&name, arrays, ':', options, notices)?))
+    Ok(DecodedRecords::new(Format::Hdf5, records(&name, arrays, ':', options, notices)?))
 }
 
 /// The numbers of a dataset by channels.

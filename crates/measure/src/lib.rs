@@ -53,7 +53,6 @@ mod error;
 mod format;
 #[cfg(feature = "hdf5")]
 mod hdf5;
-mod latin1;
 mod mat;
 mod notice;
 mod npy;
@@ -66,7 +65,6 @@ mod reader;
 mod record;
 mod sensitivity;
 mod source;
-#[cfg(feature = "tdms")]
 mod tdms;
 mod text;
 mod uff;
@@ -84,6 +82,6 @@ pub use quantity::ChannelQuantity;
 pub use reader::{Reader, open, read, read_bytes};
 pub use record::{Measurement, Record};
 pub use sensitivity::SensorSensitivity;
-pub use source::Stream;
+pub use source::ByteStream;
 pub use unit::{STANDARD_GRAVITY, Unit};
 pub use write::{WriteOptions, write};

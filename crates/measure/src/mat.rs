@@ -18,13 +18,13 @@ use std::io::Read;
 
 use crate::arrays::{Array, records};
 use crate::notice::Notices;
-use crate::npz::{Budget, Unfolded};
+use crate::npz::{Budget, DecodedRecords};
 use crate::number::Endian;
 use crate::source::Source;
 use crate::{FilePosition, Format, MeasureError, ReadOptions};
 
-use element::{Elements, Fault, Tag};
-use matrix::{Context, Found};
+use element::{ElementFault, Elements, Tag};
+use matrix::{MatContext, NumericArray};
 
 /// Element types of the outermost level.
 const MATRIX: u32 = 14;
@@ -35,7 +35,7 @@ pub(crate) fn open(
     mut source: Source<'_>,
     options: &ReadOptions,
     notices: &mut Notices,
-) -> Result<Unfolded, MeasureError> {
+) -> Result<DecodedRecords, MeasureError> {
     let file = source.name().to_owned();
     let mut budget = Budget::new(&source, options);
     let mut header = [0; 128];
@@ -62,8 +62,8 @@ pub(crate) fn open(
         let length = u64::from(tag.length);
         source.need(length, "an element")?;
         let end = source.position() + length;
-        let mut context = Context { options, notices, budget: &mut budget, file: &file, place };
-        let found: Result<Vec<Found>, Fault> = match tag.kind {
+        let mut context = MatContext { options, notices, budget: &mut budget, file: &file, place };
+        let found: Result<Vec<NumericArray>, ElementFault> = match tag.kind {
             MATRIX => {
                 let mut elements = Elements::new((&mut source).take(length), endian, length);
                 matrix::read(&mut elements, &mut context)
@@ -89,5 +89,5 @@ pub(crate) fn open(
         }));
         source.seek_to(end)?;
     }
-    Ok(Unfolded::new(Format::Mat, records(&file, arrays, '.', options, notices)?))
+    Ok(DecodedRecords::new(Format::Mat, records(&file, arrays, '.', options, notices)?))
 }

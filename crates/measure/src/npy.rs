@@ -17,12 +17,12 @@ use crate::{
     Samples,
 };
 
-pub(crate) use header::Header;
+pub(crate) use header::NpyHeader;
 
 /// An array being read.
 pub(crate) struct Npy<'a> {
     source: Source<'a>,
-    header: Header,
+    header: NpyHeader,
     layout: Layout,
     /// Where its numbers start.
     offset: u64,
@@ -56,7 +56,7 @@ impl<'a> Npy<'a> {
             found: crate::error::excerpt(found),
             expected: expected.to_owned(),
         };
-        let header = Header::read(|buffer| source.read_exact(buffer, "the NPY header"), &wrong)?;
+        let header = NpyHeader::read(|buffer| source.read_exact(buffer, "the NPY header"), &wrong)?;
         let shape = || format!("{:?}", header.shape);
         let plane = header.plane().filter(|(rows, columns)| *rows > 0 && *columns > 0);
         let plane = plane.ok_or_else(|| {
@@ -86,7 +86,7 @@ impl<'a> Npy<'a> {
 
     /// Real numbers of the block, by channels; complex ones as pairs.
     fn numbers(&mut self, count: u64) -> Result<Vec<Vec<f64>>, MeasureError> {
-        let Header { number, endian, complex, .. } = self.header;
+        let NpyHeader { number, endian, complex, .. } = self.header;
         let parts = if complex { 2 } else { 1 };
         let channels = self.layout.channels;
         let room = count as usize * parts;

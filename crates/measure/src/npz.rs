@@ -12,7 +12,7 @@ use zip::ZipArchive;
 
 use crate::arrays::{Array, Layout, paired, records};
 use crate::notice::Notices;
-use crate::npy::Header;
+use crate::npy::NpyHeader;
 use crate::reader::Records;
 use crate::source::Source;
 use crate::{FilePosition, Format, MeasureError, Notice, ReadOptions, Record, Samples};
@@ -20,18 +20,18 @@ use crate::{FilePosition, Format, MeasureError, Notice, ReadOptions, Record, Sam
 pub(crate) use write::write;
 
 /// Records that were unfolded at once.
-pub(crate) struct Unfolded {
+pub(crate) struct DecodedRecords {
     format: Format,
     records: std::vec::IntoIter<Record>,
 }
 
-impl Unfolded {
+impl DecodedRecords {
     pub(crate) fn new(format: Format, records: Vec<Record>) -> Self {
         Self { format, records: records.into_iter() }
     }
 }
 
-impl Records for Unfolded {
+impl Records for DecodedRecords {
     fn format(&self) -> Format {
         self.format
     }
@@ -80,7 +80,7 @@ pub(crate) fn open(
     source: Source<'_>,
     options: &ReadOptions,
     notices: &mut Notices,
-) -> Result<Unfolded, MeasureError> {
+) -> Result<DecodedRecords, MeasureError> {
     let mut budget = Budget::new(&source, options);
     let file = source.name().to_owned();
     let length = source.len();
@@ -119,7 +119,7 @@ pub(crate) fn open(
         let read = |error: std::io::Error| {
             wrong(place, "an array", &error.to_string(), "as many bytes as its header announces")
         };
-        let header = Header::read(|buffer| entry.read_exact(buffer).map_err(read), &wrong_here);
+        let header = NpyHeader::read(|buffer| entry.read_exact(buffer).map_err(read), &wrong_here);
         let header = match header {
             Ok(header) => header,
             Err(MeasureError::Malformed { quantity: "the type of the array", .. }) => {
@@ -149,11 +149,11 @@ pub(crate) fn open(
         let columns = columns(&header, layout, &mut entry).map_err(read)?;
         arrays.push(Array { name, columns, epsilon: header.number.epsilon() });
     }
-    Ok(Unfolded::new(Format::Npz, records(&file, arrays, ':', options, notices)?))
+    Ok(DecodedRecords::new(Format::Npz, records(&file, arrays, ':', options, notices)?))
 }
 
 fn columns(
-    header: &Header,
+    header: &NpyHeader,
     layout: Layout,
     entry: &mut impl Read,
 ) -> std::io::Result<Vec<Samples>> {

@@ -6,8 +6,8 @@ use std::path::Path;
 use crate::notice::Notices;
 use crate::source::Source;
 use crate::{
-    ChannelQuantity, ChannelUnit, Format, MeasureError, Measurement, Notice, ReadOptions, Record,
-    Stream, Unit,
+    ByteStream, ChannelQuantity, ChannelUnit, Format, MeasureError, Measurement, Notice,
+    ReadOptions, Record, Unit,
 };
 
 /// What a format supplies: its records, one after the other.
@@ -62,7 +62,7 @@ impl<'a> Reader<'a> {
     /// As [`open`].
     pub fn from_stream(
         name: &str,
-        stream: impl Stream + 'a,
+        stream: impl ByteStream + 'a,
         options: &ReadOptions,
     ) -> Result<Self, MeasureError> {
         Self::of(Source::new(name, Box::new(stream))?, options)
@@ -81,19 +81,16 @@ impl<'a> Reader<'a> {
             Format::Npz => Box::new(crate::npz::open(source, options, &mut notices)?),
             Format::Mat => Box::new(crate::mat::open(source, options, &mut notices)?),
             Format::Wav => Box::new(crate::wav::Wav::open(source, options)?),
-            #[cfg(feature = "tdms")]
             Format::Tdms => Box::new(crate::tdms::Tdms::open(source, options, &mut notices)?),
-            #[cfg(not(feature = "tdms"))]
-            Format::Tdms => {
-                let instead = "build with the feature `tdms`, or export it as UFF or CSV";
-                return Err(unsupported(&source, "TDMS", instead));
-            }
             #[cfg(feature = "hdf5")]
             Format::Hdf5 => Box::new(crate::hdf5::open(source, options, &mut notices)?),
             #[cfg(not(feature = "hdf5"))]
             Format::Hdf5 => {
-                let instead = "build with the feature `hdf5`, or save it with `save -v7` or as NPZ";
-                return Err(unsupported(&source, "HDF5 (MATLAB 7.3)", instead));
+                return Err(MeasureError::Unsupported {
+                    file: source.name().to_owned(),
+                    feature: "HDF5 (MATLAB 7.3)",
+                    instead: "build with the feature `hdf5`, or save it with `save -v7` or as NPZ",
+                });
             }
         };
         Ok(Self { records, notices, names: options.names.clone(), units, ended: false })
@@ -168,11 +165,6 @@ impl<'a> Reader<'a> {
             }
         }
     }
-}
-
-#[cfg(not(all(feature = "hdf5", feature = "tdms")))]
-fn unsupported(source: &Source<'_>, feature: &'static str, instead: &'static str) -> MeasureError {
-    MeasureError::Unsupported { file: source.name().to_owned(), feature, instead }
 }
 
 fn units(file: &str, options: &ReadOptions) -> Result<Vec<Option<Unit>>, MeasureError> {

@@ -1,5 +1,6 @@
 //! A file, or bytes in its place: its name, its length, and how far it was read.
 
+use std::borrow::Cow;
 use std::io::{BufRead, BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
 use std::sync::Arc;
@@ -8,14 +9,14 @@ use crate::error::excerpt;
 use crate::{FilePosition, MeasureError};
 
 /// What measurements can be read from.
-pub trait Stream: Read + Seek + Send {}
+pub trait ByteStream: Read + Seek + Send {}
 
-impl<T: Read + Seek + Send> Stream for T {}
+impl<T: Read + Seek + Send> ByteStream for T {}
 
 /// A stream with what messages and checks of sizes need.
 pub(crate) struct Source<'a> {
     name: Arc<str>,
-    inner: BufReader<Box<dyn Stream + 'a>>,
+    inner: BufReader<Box<dyn ByteStream + 'a>>,
     length: u64,
     position: u64,
 }
@@ -34,7 +35,10 @@ impl<'a> Source<'a> {
         Self::new(&name, Box::new(file))
     }
 
-    pub(crate) fn new(name: &str, mut stream: Box<dyn Stream + 'a>) -> Result<Self, MeasureError> {
+    pub(crate) fn new(
+        name: &str,
+        mut stream: Box<dyn ByteStream + 'a>,
+    ) -> Result<Self, MeasureError> {
         let io = |source| MeasureError::Io { file: name.to_owned(), source };
         let length = stream.seek(SeekFrom::End(0)).map_err(io)?;
         stream.rewind().map_err(io)?;
@@ -185,5 +189,13 @@ impl Seek for Source<'_> {
             _ => std::io::ErrorKind::InvalidInput.into(),
         })?;
         Ok(position)
+    }
+}
+
+/// The text of bytes as UTF-8, else as Latin-1; true for the latter.
+pub(crate) fn decode_text(bytes: &[u8]) -> (Cow<'_, str>, bool) {
+    match std::str::from_utf8(bytes) {
+        Ok(text) => (Cow::Borrowed(text), false),
+        Err(_) => (Cow::Owned(bytes.iter().map(|byte| char::from(*byte)).collect()), true),
     }
 }

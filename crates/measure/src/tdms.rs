@@ -18,17 +18,14 @@
 //! | `scale` | from raw samples to those in the channel's unit |
 
 mod axis;
+mod chunk_group;
 mod extent;
-mod fields;
 mod gather;
 mod index;
-mod lead;
 mod object;
-mod path;
 mod property;
 mod scale;
-mod strand;
-mod timestamp;
+mod segment;
 mod waveform;
 
 use crate::notice::Notices;
@@ -40,11 +37,11 @@ use crate::{
     Samples,
 };
 
-use axis::Axis;
-use gather::Gathered;
-use index::Index;
-use object::Object;
-use path::Path;
+use axis::TdmsAxis;
+use gather::ChannelGroup;
+use index::TdmsIndex;
+use object::ObjectPath;
+use object::TdmsObject;
 
 /// Buffers of the source and of interleaved rows.
 const BUFFERS: u64 = 1 << 17;
@@ -52,10 +49,10 @@ const BUFFERS: u64 = 1 << 17;
 /// A TDMS file being read.
 pub(crate) struct Tdms<'a> {
     source: Source<'a>,
-    objects: Vec<Object>,
-    records: std::vec::IntoIter<Gathered>,
+    objects: Vec<TdmsObject>,
+    records: std::vec::IntoIter<ChannelGroup>,
     /// The record being read, its axis, and its first sample not yet read.
-    current: Option<(Gathered, Axis, u64)>,
+    current: Option<(ChannelGroup, TdmsAxis, u64)>,
     block: u64,
     rate_of_options: Option<f64>,
 }
@@ -68,7 +65,7 @@ impl<'a> Tdms<'a> {
     ) -> Result<Self, MeasureError> {
         let mut budget = Budget::new(&source, options);
         budget.take(BUFFERS, FilePosition::Offset(0), "the buffers")?;
-        let Index { objects, mut budget, .. } = Index::read(&mut source, budget, notices)?;
+        let TdmsIndex { objects, mut budget, .. } = TdmsIndex::read(&mut source, budget, notices)?;
         let records = gather::gather(&source, &objects, &mut budget, notices)?;
         if records.is_empty() {
             let file = source.name().to_owned();
@@ -96,7 +93,7 @@ impl Records for Tdms<'_> {
             current
         } else {
             let Some(record) = self.records.next() else { return Ok(None) };
-            let axis = Axis::of(source, &record, objects, self.rate_of_options, notices)?;
+            let axis = TdmsAxis::of(source, &record, objects, self.rate_of_options, notices)?;
             (record, axis, 0)
         };
         let count = (record.samples - from).min(self.block);
@@ -109,12 +106,12 @@ impl Records for Tdms<'_> {
             member.scales.apply(column);
         }
         let abscissa = axis.abscissa(from, &mut columns, notices);
-        let left_out = if let Axis::Times(times) = &axis { Some(times.slot) } else { None };
+        let left_out = if let TdmsAxis::Times(times) = &axis { Some(times.slot) } else { None };
         let date = record.waveform.time.map_or(String::new(), |time| time.to_string());
         let mut channels = Vec::with_capacity(columns.len());
         for (slot, (member, samples)) in record.members.iter().zip(columns).enumerate() {
             let object = &objects[member.object];
-            let Path::Channel(_, name) = &object.path else { continue };
+            let ObjectPath::Channel(_, name) = &object.path else { continue };
             if left_out == Some(slot) {
                 continue;
             }

@@ -28,11 +28,11 @@ use crate::reader::Records;
 use crate::source::Source;
 use crate::{Channel, Format, MeasureError, Notice, ReadOptions, Record};
 
-use axis::{Axis, AxisFinder};
-use dialect::{Dialect, Run, is_passed_over, words};
+use axis::{AxisFinder, TextAxis};
+use dialect::{Dialect, NumberRun, is_passed_over, words};
 pub(crate) use heading::Heading;
-use labview::{FileHeader, HeaderAxis, Segment};
-use rows::{Column, Rows, Tracked};
+use labview::{FileHeader, HeaderAxis, LvmSegment};
+use rows::{NumberColumn, RowBlock, Tracked};
 pub(crate) use write::{even_throughout, heading, write};
 
 /// A text of numbers being read.
@@ -40,11 +40,11 @@ pub(crate) struct Text<'a> {
     source: Source<'a>,
     dialect: Dialect,
     labview: Option<FileHeader>,
-    segment: Segment,
-    columns: Vec<Column>,
+    segment: LvmSegment,
+    columns: Vec<NumberColumn>,
     /// How the channels of the current segment lie in time, all of them or each;
     /// none before its first block.
-    axes: Vec<Axis>,
+    axes: Vec<TextAxis>,
     line: Vec<u8>,
     number: u64,
     /// Rows of the current segment read so far.
@@ -66,7 +66,7 @@ impl<'a> Text<'a> {
             source,
             dialect: Dialect { delimiter: b'\t', decimal: b'.' },
             labview: None,
-            segment: Segment::default(),
+            segment: LvmSegment::default(),
             columns: Vec::new(),
             axes: Vec::new(),
             line: Vec::new(),
@@ -116,7 +116,7 @@ impl<'a> Text<'a> {
         }
         self.columns = (0..run.fields)
             .filter(|&index| filled[index])
-            .map(|index| Column { index, heading: headings.get(index).cloned().flatten() })
+            .map(|index| NumberColumn { index, heading: headings.get(index).cloned().flatten() })
             .collect();
         let before: usize = lines[..run.start].iter().map(|line| line.len() + 1).sum();
         self.source.seek_to((start.len() - body.len() + before) as u64)?;
@@ -129,7 +129,7 @@ impl<'a> Text<'a> {
         let Some(header) = &self.labview else { return Ok(false) };
         let (has_abscissa, in_pairs) = (header.has_abscissa, header.many_abscissae);
         let segment =
-            Segment::read(&mut self.source, &mut self.line, &mut self.number, self.dialect)?;
+            LvmSegment::read(&mut self.source, &mut self.line, &mut self.number, self.dialect)?;
         let Some(segment) = segment else { return Ok(false) };
         let last = segment.names.len() - usize::from(segment.names.len() > 1);
         let commented = segment.names.last().is_some_and(|name| name == "Comment");
@@ -145,7 +145,7 @@ impl<'a> Text<'a> {
             if in_pairs && index.is_multiple_of(2) {
                 "X_Value".clone_into(&mut heading.name);
             }
-            Column { index, heading: Some(heading) }
+            NumberColumn { index, heading: Some(heading) }
         };
         let skipped = usize::from(!has_abscissa);
         self.columns = names.iter().enumerate().skip(skipped).map(heading).collect();
@@ -157,7 +157,7 @@ impl<'a> Text<'a> {
 
     fn channels(
         &mut self,
-        rows: Rows,
+        rows: RowBlock,
         notices: &mut Notices,
     ) -> Result<Vec<Channel>, MeasureError> {
         if self.in_pairs() {
@@ -187,7 +187,7 @@ impl<'a> Text<'a> {
         self.labview.as_ref().is_some_and(|header| header.many_abscissae)
     }
 
-    fn finder<'f>(&'f self, columns: &'f [Column], header: &'f HeaderAxis) -> AxisFinder<'f> {
+    fn finder<'f>(&'f self, columns: &'f [NumberColumn], header: &'f HeaderAxis) -> AxisFinder<'f> {
         AxisFinder {
             file: self.source.name(),
             columns,
@@ -210,7 +210,7 @@ impl Records for Text<'_> {
                 _ if self.in_pairs() => Tracked::Pairs,
                 candidate => candidate.map_or(Tracked::None, Tracked::One),
             };
-            let rows = Rows::read(self, tracked, notices)?;
+            let rows = RowBlock::read(self, tracked, notices)?;
             if rows.count > 0 {
                 let count = rows.count as u64;
                 let channels = self.channels(rows, notices)?;
@@ -232,7 +232,7 @@ impl Records for Text<'_> {
 
 /// Names and units from the lines above the run: one row, or a row of names
 /// and one of units. A comment counts if it has as many words as there are columns.
-fn headings(lines: &[&[u8]], dialect: Dialect, run: Run) -> Vec<Option<Heading>> {
+fn headings(lines: &[&[u8]], dialect: Dialect, run: NumberRun) -> Vec<Option<Heading>> {
     let row = |line: &&[u8]| {
         let line = line.trim_ascii_end();
         let bare = line.strip_prefix(b"#").or_else(|| line.strip_prefix(b"%")).unwrap_or(line);

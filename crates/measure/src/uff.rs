@@ -35,8 +35,8 @@ use crate::{
 };
 
 use group::Group;
-use header::Header;
-use index::{Data, Entry};
+use header::FunctionHeader;
+use index::{Data, FunctionEntry};
 use printed::Printed;
 
 pub(crate) use write::write;
@@ -81,7 +81,7 @@ impl<'a> Universal<'a> {
 
     fn channel(
         &mut self,
-        entry: &Entry,
+        entry: &FunctionEntry,
         slot: usize,
         from: u64,
         count: usize,
@@ -126,7 +126,7 @@ impl<'a> Universal<'a> {
 
     fn abscissa(
         &self,
-        header: &Header,
+        header: &FunctionHeader,
         from: u64,
         mut abscissae: Vec<f64>,
         notices: &mut Notices,

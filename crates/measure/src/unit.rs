@@ -20,9 +20,9 @@ pub struct Unit {
 }
 
 /// Symbol, spellings once normalised (see [`normalised`]), quantity, factor to SI.
-type Row = (&'static str, &'static [&'static str], ChannelQuantity, f64);
+type UnitRow = (&'static str, &'static [&'static str], ChannelQuantity, f64);
 
-const TABLE: &[Row] = &[
+const TABLE: &[UnitRow] = &[
     ("N", &["N", "Newton", "newton", "newtons"], ChannelQuantity::Force, 1.0),
     ("kN", &["kN"], ChannelQuantity::Force, 1e3),
     ("mN", &["mN"], ChannelQuantity::Force, 1e-3),
@@ -95,7 +95,7 @@ impl Unit {
         named.map_or(Self { symbol: "unit of the file", quantity, factor }, Self::of_row)
     }
 
-    fn of_row(&(symbol, _, quantity, factor): &Row) -> Self {
+    fn of_row(&(symbol, _, quantity, factor): &UnitRow) -> Self {
         Self { symbol, quantity, factor }
     }
 
@@ -127,7 +127,7 @@ pub(crate) fn says_none(text: &str) -> bool {
     ["", "-", "--", "none", "unknown", "n/a", "null"].contains(&bare.as_str())
 }
 
-fn case_blind(normal: &str) -> Option<&'static Row> {
+fn case_blind(normal: &str) -> Option<&'static UnitRow> {
     if normal.len() < 2 {
         return None;
     }

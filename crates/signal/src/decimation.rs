@@ -1,7 +1,7 @@
 //! Decimation of signals to a band of interest.
 
 use crate::bessel::bessel_i0;
-use crate::fit::dot;
+use crate::sums::dot;
 use std::f64::consts::PI;
 use std::ops::Range;
 
@@ -128,7 +128,7 @@ impl DecimationFilter {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::pairwise::absolute_sum;
+    use crate::sums::absolute_sum;
     use crate::transform::transform_at;
 
     /// Verified against the transform of all samples: on a full-band signal (a decaying

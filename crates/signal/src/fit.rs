@@ -1,22 +1,6 @@
 //! Lines, parabolas and linear least squares through samples.
 
-/// Partial sums of a dot product, so that the compiler can use vector registers.
-const LANES: usize = 8;
-
-/// `sum a_j b_j` over the shorter of two slices.
-pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let b = &b[..a.len().min(b.len())];
-    let (chunks, rest) = a.as_chunks::<LANES>();
-    let (others, other_rest) = b.as_chunks::<LANES>();
-    let mut sums = [0.0; LANES];
-    for (x, y) in chunks.iter().zip(others) {
-        for lane in 0..LANES {
-            sums[lane] += x[lane] * y[lane];
-        }
-    }
-    let tail: f64 = rest.iter().zip(other_rest).map(|(x, y)| x * y).sum();
-    sums.iter().sum::<f64>() + tail
-}
+use crate::sums::dot;
 
 /// Vertex of the parabola through three equally spaced samples: its distance from the middle one,
 /// in samples, and its value. `None` if the samples are on a straight line.

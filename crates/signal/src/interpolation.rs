@@ -175,7 +175,7 @@ fn reciprocals(length: usize) -> Rc<[f64]> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::pairwise::absolute_sum;
+    use crate::sums::absolute_sum;
     use crate::transform::FourierKernel;
 
     fn noise(count: usize) -> Vec<f64> {

@@ -98,11 +98,6 @@ pub fn band_density(
     Ok(median_of(&mut power).map(|median| median * scale))
 }
 
-/// `max |x|`; zero without samples.
-pub(crate) fn largest_magnitude(samples: &[f64]) -> f64 {
-    samples.iter().fold(0.0, |largest: f64, x| largest.max(x.abs()))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -8,7 +8,7 @@ pub use analytic::analytic_signal;
 pub use band_pass::BandPass;
 
 use crate::error::{Result, SignalError, check_positive, check_rate, check_samples};
-use crate::noise::largest_magnitude;
+use crate::sums::largest_magnitude;
 use local::Polar;
 use num_complex::Complex64;
 

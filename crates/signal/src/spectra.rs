@@ -1,9 +1,9 @@
 //! Spectra of a hit, as the searches for peaks and widths use them.
 
 use crate::form::ResponseKind;
-use crate::noise::largest_magnitude;
-use crate::pairwise::absolute_sum;
 use crate::response::FrequencyResponse;
+use crate::sums::absolute_sum;
+use crate::sums::largest_magnitude;
 use num_complex::Complex64;
 use std::borrow::Cow;
 use std::f64::consts::TAU;

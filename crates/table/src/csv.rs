@@ -1,6 +1,7 @@
 //! CSV text (RFC 4180, but for its line ends, which are LF).
 
-use std::fmt::Write as _;
+use std::borrow::Cow;
+use std::fmt::{self, Write as _};
 
 /// CSV text, written field by field.
 ///
@@ -30,12 +31,7 @@ impl CsvWriter {
     /// Appends a field of text, in quotes where it holds a comma, a quote or a line break.
     pub fn text(&mut self, field: &str) -> &mut Self {
         self.separate();
-        if field.contains([',', '"', '\n', '\r']) {
-            // Writing to a string cannot fail.
-            let _ = write!(self.text, "\"{}\"", field.replace('"', "\"\""));
-        } else {
-            self.text.push_str(field);
-        }
+        self.text.push_str(&quoted(field));
         self
     }
 
@@ -44,9 +40,8 @@ impl CsvWriter {
     pub fn number(&mut self, value: impl Into<Option<f64>>) -> &mut Self {
         self.separate();
         if let Some(value) = value.into().filter(|value| value.is_finite()) {
-            let plain = value == 0.0 || (1e-4..1e15).contains(&value.abs());
-            let text = &mut self.text;
-            let _ = if plain { write!(text, "{value}") } else { write!(text, "{value:e}") };
+            // Writing to a string cannot fail.
+            let _ = write!(self.text, "{}", Decimal(value));
         }
         self
     }
@@ -83,6 +78,38 @@ impl CsvWriter {
             self.text.push(',');
         }
         self.fields += 1;
+    }
+}
+
+/// A number as text: the shortest decimal that reads back to the same bits, with an exponent below
+/// 1e-4 and from 1e15 on; `nan`, `inf` or `-inf` if it is not finite.
+///
+/// ```
+/// use asperity_table::Decimal;
+/// assert_eq!(format!("{} {}", Decimal(0.25), Decimal(1e-5)), "0.25 1e-5");
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Decimal(pub f64);
+
+impl fmt::Display for Decimal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let value = self.0;
+        if value == 0.0 || (1e-4..1e15).contains(&value.abs()) {
+            write!(f, "{value}")
+        } else if value.is_nan() {
+            f.write_str("nan")
+        } else {
+            write!(f, "{value:e}")
+        }
+    }
+}
+
+/// A field of CSV text, in quotes if it contains a comma, a quote or a line break.
+pub fn quoted(field: &str) -> Cow<'_, str> {
+    if field.contains([',', '"', '\n', '\r']) {
+        Cow::Owned(format!("\"{}\"", field.replace('"', "\"\"")))
+    } else {
+        Cow::Borrowed(field)
     }
 }
 

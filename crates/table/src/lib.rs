@@ -21,5 +21,5 @@
 mod csv;
 mod table;
 
-pub use csv::{CsvWriter, columns_to_csv};
+pub use csv::{CsvWriter, Decimal, columns_to_csv, quoted};
 pub use table::{Column, Table, TableError};

@@ -7,7 +7,7 @@ use crate::{FilePosition, MeasureError};
 
 /// What was wrong within an element; where it lies is known outside.
 #[derive(Debug)]
-pub(crate) enum Fault {
+pub(crate) enum ElementFault {
     /// Not what the format asks for.
     Unexpected { quantity: &'static str, found: String, expected: &'static str },
     /// The stream ended or could not be unfolded.
@@ -16,7 +16,7 @@ pub(crate) enum Fault {
     Placed(MeasureError),
 }
 
-impl Fault {
+impl ElementFault {
     pub(crate) fn unexpected(
         quantity: &'static str,
         found: impl std::fmt::Display,
@@ -37,7 +37,7 @@ impl Fault {
     }
 }
 
-impl From<std::io::Error> for Fault {
+impl From<std::io::Error> for ElementFault {
     fn from(error: std::io::Error) -> Self {
         Self::Stream(error)
     }
@@ -100,12 +100,12 @@ impl<R: Read> Elements<R> {
     }
 
     /// The tag of the next element.
-    pub(crate) fn tag(&mut self) -> Result<Tag, Fault> {
+    pub(crate) fn tag(&mut self) -> Result<Tag, ElementFault> {
         let mut bytes = [0; 8];
         self.fill(&mut bytes)?;
         let tag = Tag::parse(bytes, self.endian);
         let tag = tag.ok_or_else(|| {
-            Fault::unexpected(
+            ElementFault::unexpected(
                 "a tag",
                 format!("{bytes:02x?}"),
                 "at most 4 bytes in a small element",
@@ -113,16 +113,20 @@ impl<R: Read> Elements<R> {
         })?;
         if !tag.is_small() && u64::from(tag.length) > self.left {
             let found = format!("{} bytes", tag.length);
-            return Err(Fault::unexpected("an element's length", found, "within what holds it"));
+            return Err(ElementFault::unexpected(
+                "an element's length",
+                found,
+                "within what holds it",
+            ));
         }
         Ok(tag)
     }
 
     /// The data of the element of `tag`, of at most `most` bytes.
-    pub(crate) fn bytes(&mut self, tag: Tag, most: u32) -> Result<Vec<u8>, Fault> {
+    pub(crate) fn bytes(&mut self, tag: Tag, most: u32) -> Result<Vec<u8>, ElementFault> {
         if tag.length > most {
             let found = format!("{} bytes", tag.length);
-            return Err(Fault::unexpected("a small array", found, "a shorter one"));
+            return Err(ElementFault::unexpected("a small array", found, "a shorter one"));
         }
         if let Some(small) = tag.small {
             return Ok(small[..tag.length as usize].to_vec());
@@ -138,7 +142,7 @@ impl<R: Read> Elements<R> {
         &mut self,
         tag: Tag,
         read: impl FnOnce(&mut dyn Read) -> std::io::Result<T>,
-    ) -> Result<T, Fault> {
+    ) -> Result<T, ElementFault> {
         if let Some(small) = tag.small {
             return Ok(read(&mut &small[..tag.length as usize])?);
         }
@@ -155,9 +159,9 @@ impl<R: Read> Elements<R> {
     }
 
     /// Passes what lies before the last `left` bytes of the holder.
-    pub(crate) fn skip_to(&mut self, left: u64) -> Result<(), Fault> {
+    pub(crate) fn skip_to(&mut self, left: u64) -> Result<(), ElementFault> {
         let Some(length) = self.left.checked_sub(left) else {
-            return Err(Fault::unexpected("a field", "longer than its tag says", "its end"));
+            return Err(ElementFault::unexpected("a field", "longer than its tag says", "its end"));
         };
         let mut passed = (&mut self.reader).take(length);
         if std::io::copy(&mut passed, &mut std::io::sink())? < length {
@@ -168,17 +172,17 @@ impl<R: Read> Elements<R> {
     }
 
     /// Data fill up to a multiple of eight bytes, save where the holder ends.
-    fn pass_padding(&mut self, tag: Tag) -> Result<(), Fault> {
+    fn pass_padding(&mut self, tag: Tag) -> Result<(), ElementFault> {
         let padding = u64::from(tag.length).wrapping_neg() % 8;
         let mut rest = [0; 8];
         let padding = padding.min(self.left) as usize;
         self.fill(&mut rest[..padding])
     }
 
-    fn fill(&mut self, buffer: &mut [u8]) -> Result<(), Fault> {
+    fn fill(&mut self, buffer: &mut [u8]) -> Result<(), ElementFault> {
         if buffer.len() as u64 > self.left {
             let found = format!("{} bytes left", self.left);
-            return Err(Fault::unexpected("an element", found, "the rest of it"));
+            return Err(ElementFault::unexpected("an element", found, "the rest of it"));
         }
         self.reader.read_exact(buffer)?;
         self.left -= buffer.len() as u64;

@@ -6,21 +6,21 @@ use num_complex::Complex64;
 
 use crate::arrays::Layout;
 use crate::mat::MATRIX;
-use crate::mat::element::{Elements, Fault, Tag};
+use crate::mat::element::{ElementFault, Elements, Tag};
 use crate::notice::Notices;
 use crate::npz::Budget;
 use crate::number::{Endian, NumberType};
 use crate::{FilePosition, Notice, ReadOptions, Samples};
 
 /// A numeric array.
-pub(crate) struct Found {
+pub(crate) struct NumericArray {
     pub(crate) name: String,
     pub(crate) columns: Vec<Samples>,
     pub(crate) epsilon: f64,
 }
 
 /// What reading an array needs from around it.
-pub(crate) struct Context<'a> {
+pub(crate) struct MatContext<'a> {
     pub(crate) options: &'a ReadOptions,
     pub(crate) notices: &'a mut Notices,
     pub(crate) budget: &'a mut Budget,
@@ -39,9 +39,9 @@ const LONGEST_NAME: u32 = 1 << 10;
 /// Reads a matrix element whose tag was read; a structure gives its numeric fields.
 pub(crate) fn read<R: Read>(
     elements: &mut Elements<R>,
-    context: &mut Context<'_>,
-) -> Result<Vec<Found>, Fault> {
-    let head = Head::read(elements)?;
+    context: &mut MatContext<'_>,
+) -> Result<Vec<NumericArray>, ElementFault> {
+    let head = MatrixHead::read(elements)?;
     if NUMERIC.contains(&head.class) {
         let found = numeric(elements, &head, head.name.clone(), context)?;
         return Ok(found.into_iter().collect());
@@ -53,32 +53,32 @@ pub(crate) fn read<R: Read>(
     Ok(Vec::new())
 }
 
-fn leave_out(array: String, reason: &'static str, context: &mut Context<'_>) {
+fn leave_out(array: String, reason: &'static str, context: &mut MatContext<'_>) {
     context.notices.add(Notice::ArrayLeftOut { array, reason });
 }
 
 /// What every matrix starts with.
-struct Head {
+struct MatrixHead {
     class: u8,
     complex: bool,
     dimensions: Vec<u64>,
     name: String,
 }
 
-impl Head {
-    fn read<R: Read>(elements: &mut Elements<R>) -> Result<Self, Fault> {
+impl MatrixHead {
+    fn read<R: Read>(elements: &mut Elements<R>) -> Result<Self, ElementFault> {
         let endian = elements.endian();
         let tag = elements.tag()?;
         let flags = elements.bytes(tag, 8)?;
         let flags = words(&flags, endian).first().copied();
         let flags =
-            flags.ok_or_else(|| Fault::unexpected("the array flags", "empty", "8 bytes"))?;
+            flags.ok_or_else(|| ElementFault::unexpected("the array flags", "empty", "8 bytes"))?;
         let tag = elements.tag()?;
         let dimensions = elements.bytes(tag, 128)?;
         let dimensions: Vec<u64> = words(&dimensions, endian).into_iter().map(u64::from).collect();
         if dimensions.len() < 2 {
             let found = format!("{dimensions:?}");
-            return Err(Fault::unexpected("the dimensions", found, "at least two"));
+            return Err(ElementFault::unexpected("the dimensions", found, "at least two"));
         }
         let tag = elements.tag()?;
         let name = elements.bytes(tag, LONGEST_NAME)?;
@@ -114,10 +114,10 @@ fn words(bytes: &[u8], endian: Endian) -> Vec<u32> {
 /// The numbers of an array after its head; none if it is left out, its data then unread.
 fn numeric<R: Read>(
     elements: &mut Elements<R>,
-    head: &Head,
+    head: &MatrixHead,
     name: String,
-    context: &mut Context<'_>,
-) -> Result<Option<Found>, Fault> {
+    context: &mut MatContext<'_>,
+) -> Result<Option<NumericArray>, ElementFault> {
     let plane = head.plane().filter(|_| head.elements() > 0);
     let Some((rows, columns)) = plane else {
         leave_out(name, "it has more than two dimensions, or no elements", context);
@@ -128,12 +128,12 @@ fn numeric<R: Read>(
     } else {
         let asked = context.options.sample_axis;
         Layout::of(context.file, &name, (rows, columns), false, asked, context.notices)
-            .map_err(Fault::Placed)?
+            .map_err(ElementFault::Placed)?
     };
     let bytes = head.elements().saturating_mul(if head.complex { 16 } else { 8 });
     let bytes = bytes.saturating_add(layout.channels.saturating_mul(512));
     let place = context.place;
-    context.budget.take(bytes, place, "the samples of the arrays").map_err(Fault::Placed)?;
+    context.budget.take(bytes, place, "the samples of the arrays").map_err(ElementFault::Placed)?;
     let (number, tag) = part(elements, head)?;
     let types = (number, elements.endian());
     let mut columns = if head.complex {
@@ -150,11 +150,14 @@ fn numeric<R: Read>(
     };
     columns.shrink_to_fit();
     // Whole numbers may be how floating-point ones were stored; their steps are exact then.
-    Ok(Some(Found { name, columns, epsilon: number.epsilon() }))
+    Ok(Some(NumericArray { name, columns, epsilon: number.epsilon() }))
 }
 
 /// The tag of the real or the imaginary part, as long as the array.
-fn part<R: Read>(elements: &mut Elements<R>, head: &Head) -> Result<(NumberType, Tag), Fault> {
+fn part<R: Read>(
+    elements: &mut Elements<R>,
+    head: &MatrixHead,
+) -> Result<(NumberType, Tag), ElementFault> {
     let tag = elements.tag()?;
     let number = match tag.kind {
         1 => NumberType::I8,
@@ -167,12 +170,18 @@ fn part<R: Read>(elements: &mut Elements<R>, head: &Head) -> Result<(NumberType,
         9 => NumberType::F64,
         12 => NumberType::I64,
         13 => NumberType::U64,
-        other => return Err(Fault::unexpected("the type of numbers", other, "1 to 7, 9, 12, 13")),
+        other => {
+            return Err(ElementFault::unexpected("the type of numbers", other, "1 to 7, 9, 12, 13"));
+        }
     };
     let needed = head.elements().saturating_mul(number.size() as u64);
     if needed != u64::from(tag.length) {
         let found = format!("{} bytes for {} elements", tag.length, head.elements());
-        return Err(Fault::unexpected("the length of an array", found, "as its dimensions say"));
+        return Err(ElementFault::unexpected(
+            "the length of an array",
+            found,
+            "as its dimensions say",
+        ));
     }
     Ok((number, tag))
 }
@@ -209,15 +218,15 @@ fn parts(
 /// The numeric fields of a structure after its head.
 fn structure<R: Read>(
     elements: &mut Elements<R>,
-    head: &Head,
-    context: &mut Context<'_>,
-) -> Result<Vec<Found>, Fault> {
+    head: &MatrixHead,
+    context: &mut MatContext<'_>,
+) -> Result<Vec<NumericArray>, ElementFault> {
     const MOST_NAMES: u32 = 1 << 16;
     let tag = elements.tag()?;
     let length = elements.bytes(tag, 4)?;
     let length = words(&length, elements.endian()).first().copied().unwrap_or(0);
     if length == 0 || length > LONGEST_NAME {
-        return Err(Fault::unexpected("the length of field names", length, "1 to 1024"));
+        return Err(ElementFault::unexpected("the length of field names", length, "1 to 1024"));
     }
     let tag = elements.tag()?;
     let names = elements.bytes(tag, MOST_NAMES)?;
@@ -227,14 +236,14 @@ fn structure<R: Read>(
         let name = format!("{}.{}", head.name, String::from_utf8_lossy(&name[..end]));
         let tag = elements.tag()?;
         if tag.kind != MATRIX {
-            return Err(Fault::unexpected("a field's type", tag.kind, "14, a matrix"));
+            return Err(ElementFault::unexpected("a field's type", tag.kind, "14, a matrix"));
         }
         if tag.length == 0 {
             continue;
         }
         // What a field does not use of its length is passed over.
         let after = elements.left().saturating_sub(u64::from(tag.length));
-        let field = Head::read(elements)?;
+        let field = MatrixHead::read(elements)?;
         if NUMERIC.contains(&field.class) {
             found.extend(numeric(elements, &field, name, context)?);
         } else {

@@ -8,7 +8,7 @@ use crate::number::{Endian, NumberType};
 
 /// What the header of an array says.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Header {
+pub(crate) struct NpyHeader {
     pub(crate) number: NumberType,
     pub(crate) endian: Endian,
     pub(crate) complex: bool,
@@ -16,7 +16,7 @@ pub(crate) struct Header {
     pub(crate) shape: Vec<u64>,
 }
 
-impl Header {
+impl NpyHeader {
     /// Longest header: the three keys take some hundred bytes.
     const LONGEST: u32 = 1 << 14;
 

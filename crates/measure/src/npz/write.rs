@@ -5,7 +5,7 @@ use std::io::{BufWriter, Seek, Write};
 use zip::ZipWriter;
 use zip::write::SimpleFileOptions;
 
-use crate::npy::Header;
+use crate::npy::NpyHeader;
 use crate::rate;
 use crate::text::{Heading, even_throughout, heading};
 use crate::write::{WriteFault, joined_len};
@@ -138,7 +138,7 @@ impl<W: Write + Seek> Archive<'_, W> {
             .large_file(true);
         let name = format!("{}{name}.npy", self.prefix);
         self.zip.start_file(name, stored).map_err(zip_fault)?;
-        self.zip.write_all(&Header::to_bytes(complex, shape))?;
+        self.zip.write_all(&NpyHeader::to_bytes(complex, shape))?;
         let mut buffered = BufWriter::with_capacity(1 << 16, &mut self.zip);
         numbers(&mut |value| buffered.write_all(&value.to_le_bytes()))?;
         buffered.flush()?;

@@ -2,15 +2,15 @@
 
 use crate::notice::Notices;
 use crate::source::Source;
-use crate::tdms::gather::Gathered;
-use crate::tdms::object::Object;
-use crate::tdms::path::Path;
+use crate::tdms::gather::ChannelGroup;
+use crate::tdms::object::ObjectPath;
+use crate::tdms::object::TdmsObject;
 use crate::tdms::waveform;
 use crate::{Abscissa, ChannelQuantity, MeasureError, Notice, rate};
 
 /// The axis of a record.
 #[derive(Debug)]
-pub(crate) enum Axis {
+pub(crate) enum TdmsAxis {
     /// By properties or options: start and step.
     Even(f64, f64, ChannelQuantity),
     /// A channel of times.
@@ -28,12 +28,12 @@ pub(crate) struct Times {
     even: Option<(f64, f64)>,
 }
 
-impl Axis {
+impl TdmsAxis {
     /// By `wf_increment`, else by a channel named as a time, else by the rate of the options.
     pub(crate) fn of(
         source: &Source<'_>,
-        record: &Gathered,
-        objects: &[Object],
+        record: &ChannelGroup,
+        objects: &[TdmsObject],
         rate_of_options: Option<f64>,
         notices: &mut Notices,
     ) -> Result<Self, MeasureError> {
@@ -73,10 +73,10 @@ impl Axis {
 }
 
 /// The channel of times of a record that has no step, if one beside others is named so.
-pub(crate) fn times_of(record: &Gathered, objects: &[Object]) -> Option<Times> {
+pub(crate) fn times_of(record: &ChannelGroup, objects: &[TdmsObject]) -> Option<Times> {
     let times = record.members.iter().enumerate().find_map(|(slot, member)| {
         let object = &objects[member.object];
-        let Path::Channel(_, name) = &object.path else { return None };
+        let ObjectPath::Channel(_, name) = &object.path else { return None };
         let heading = waveform::heading(name, &object.properties);
         let factor = heading.unit.known().map_or(1.0, |unit| unit.factor());
         let is_time = heading.quantity() == ChannelQuantity::Time;

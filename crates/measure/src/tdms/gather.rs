@@ -10,11 +10,11 @@ use crate::notice::Notices;
 use crate::npz::Budget;
 use crate::source::Source;
 use crate::tdms::axis;
-use crate::tdms::object::Object;
-use crate::tdms::path::Path;
+use crate::tdms::chunk_group::ChunkGroup;
+use crate::tdms::object::ObjectPath;
+use crate::tdms::object::TdmsObject;
 use crate::tdms::property::Properties;
 use crate::tdms::scale::Scales;
-use crate::tdms::strand::Strand;
 use crate::tdms::waveform::Waveform;
 use crate::{FilePosition, MeasureError, Notice};
 
@@ -31,27 +31,27 @@ pub(crate) struct Member {
 
 /// Channels sampled together.
 #[derive(Debug)]
-pub(crate) struct Gathered {
+pub(crate) struct ChannelGroup {
     pub(crate) group: String,
     pub(crate) waveform: Waveform,
     pub(crate) samples: u64,
     pub(crate) members: Vec<Member>,
-    pub(crate) strands: Vec<Strand>,
+    pub(crate) strands: Vec<ChunkGroup>,
 }
 
 /// Puts the channels that hold numbers into records.
 pub(crate) fn gather(
     source: &Source<'_>,
-    objects: &[Object],
+    objects: &[TdmsObject],
     budget: &mut Budget,
     notices: &mut Notices,
-) -> Result<Vec<Gathered>, MeasureError> {
-    let mut records: Vec<Gathered> = Vec::new();
+) -> Result<Vec<ChannelGroup>, MeasureError> {
+    let mut records: Vec<ChannelGroup> = Vec::new();
     let mut of_group: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
-    let mut above = Above::of(objects);
+    let mut above = InheritedScales::of(objects);
     let start = FilePosition::Offset(0);
     for (id, object) in objects.iter().enumerate() {
-        let Path::Channel(group, name) = &object.path else { continue };
+        let ObjectPath::Channel(group, name) = &object.path else { continue };
         let waveform = Waveform::of(source, &object.properties)?;
         let reason = object.other.or(match object.samples {
             0 => Some("it has no samples"),
@@ -70,7 +70,7 @@ pub(crate) fn gather(
         budget.take(object.samples.saturating_mul(8).saturating_add(held), start, "the samples")?;
 
         let known = of_group.entry(group).or_default();
-        let fits = |record: &Gathered| {
+        let fits = |record: &ChannelGroup| {
             record.samples == object.samples && record.waveform.goes_with(&waveform)
         };
         let place = known.iter().copied().find(|place| fits(&records[*place]));
@@ -78,13 +78,13 @@ pub(crate) fn gather(
             known.push(records.len());
             let (group, samples) = (group.clone(), object.samples);
             let (members, strands) = (Vec::new(), Vec::new());
-            records.push(Gathered { group, waveform, samples, members, strands });
+            records.push(ChannelGroup { group, waveform, samples, members, strands });
             records.len() - 1
         });
         let (known, record) = (known.len(), &mut records[place]);
         let slot = record.members.len();
         if !record.strands.iter_mut().any(|strand| strand.join(slot, id, objects)) {
-            record.strands.push(Strand::of(slot, id));
+            record.strands.push(ChunkGroup::of(slot, id));
         }
         record.members.push(Member { object: id, scales });
         let most = known.max(record.strands.len());
@@ -112,23 +112,23 @@ pub(crate) fn gather(
 }
 
 /// What groups and the file say for channels without scales, each read once.
-struct Above<'o> {
+struct InheritedScales<'o> {
     file: Option<&'o Properties>,
     groups: BTreeMap<&'o str, &'o Properties>,
     of_file: Option<Scales>,
     of_groups: BTreeMap<&'o str, Scales>,
 }
 
-impl<'o> Above<'o> {
-    fn of(objects: &'o [Object]) -> Self {
+impl<'o> InheritedScales<'o> {
+    fn of(objects: &'o [TdmsObject]) -> Self {
         let (mut file, mut groups) = (None, BTreeMap::new());
         for object in objects {
             match &object.path {
-                Path::File => file = Some(&object.properties),
-                Path::Group(name) => {
+                ObjectPath::File => file = Some(&object.properties),
+                ObjectPath::Group(name) => {
                     groups.insert(name.as_str(), &object.properties);
                 }
-                Path::Channel(..) => {}
+                ObjectPath::Channel(..) => {}
             }
         }
         Self { file, groups, of_file: None, of_groups: BTreeMap::new() }

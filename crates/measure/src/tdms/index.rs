@@ -15,16 +15,16 @@ use crate::notice::Notices;
 use crate::npz::Budget;
 use crate::source::Source;
 use crate::tdms::extent::Extent;
-use crate::tdms::fields::Fields;
-use crate::tdms::lead::LeadIn;
-use crate::tdms::object::{Content, Object, RawIndex};
-use crate::tdms::path::Path;
-use crate::tdms::property::{Properties, Property, Value};
+use crate::tdms::object::ObjectPath;
+use crate::tdms::object::{ChunkContent, RawIndex, TdmsObject};
+use crate::tdms::property::{Properties, Property, PropertyValue};
+use crate::tdms::segment::Fields;
+use crate::tdms::segment::LeadIn;
 use crate::{FilePosition, MeasureError, Notice};
 
 /// What the metadata of all segments say.
-pub(crate) struct Index {
-    pub(crate) objects: Vec<Object>,
+pub(crate) struct TdmsIndex {
+    pub(crate) objects: Vec<TdmsObject>,
     pub(crate) budget: Budget,
     by_path: BTreeMap<String, usize>,
     /// Objects with samples in a chunk of the current list, by their place in it.
@@ -35,7 +35,7 @@ pub(crate) struct Index {
     channels: u64,
 }
 
-impl Index {
+impl TdmsIndex {
     /// Reads the lead-ins and metadata of all segments.
     pub(crate) fn read(
         source: &mut Source<'_>,
@@ -105,8 +105,9 @@ impl Index {
 
     /// Notes a property of an object, in place of one of that name.
     fn keep(&mut self, id: usize, name: String, property: Property) -> Result<(), MeasureError> {
-        let bytes =
-            |value: &Value| if let Value::Text(text) = value { text.len() as u64 } else { 0 };
+        let bytes = |value: &PropertyValue| {
+            if let PropertyValue::Text(text) = value { text.len() as u64 } else { 0 }
+        };
         let properties = &mut self.objects[id].properties;
         let grown = match properties.get(&name) {
             Some(known) => bytes(&property.value).saturating_sub(bytes(&known.value)),
@@ -127,16 +128,16 @@ impl Index {
         if let Some(id) = self.by_path.get(&text) {
             return Ok(*id);
         }
-        let Some(path) = Path::parse(&text) else {
+        let Some(path) = ObjectPath::parse(&text) else {
             let expected = "`/`, `/'group'` or `/'group'/'channel'`";
             return Err(source.malformed(place, "the path of an object", &text, expected));
         };
-        if matches!(path, Path::Channel(..)) {
+        if matches!(path, ObjectPath::Channel(..)) {
             self.channels += 1;
             check_channels(source, self.channels)?;
         }
         self.budget.take(600 + 4 * text.len() as u64, place, "the objects")?;
-        self.objects.push(Object {
+        self.objects.push(TdmsObject {
             path,
             properties: Properties::new(),
             index: None,
@@ -159,7 +160,7 @@ impl Index {
         let quantity = "the raw data index";
         let length = fields.u32(quantity)?;
         let object = &mut self.objects[id];
-        let is_channel = matches!(object.path, Path::Channel(..));
+        let is_channel = matches!(object.path, ObjectPath::Channel(..));
         match (length, object.index) {
             (u32::MAX, _) => {}
             (0, None) if is_channel => {
@@ -208,8 +209,8 @@ impl Index {
             let Some(index) = self.objects[*id].index else { continue };
             bytes = bytes.saturating_add(index.bytes);
             match index.content {
-                Content::Numbers(number) => row += number.size() as u64,
-                Content::Other(_) => even = false,
+                ChunkContent::Numbers(number) => row += number.size() as u64,
+                ChunkContent::Other(_) => even = false,
             }
             even &= *values.get_or_insert(index.values) == index.values;
         }
@@ -250,8 +251,8 @@ impl Index {
             let object = &mut self.objects[*id];
             let Some(index) = object.index else { continue };
             let number = match index.content {
-                Content::Numbers(number) => number,
-                Content::Other(what) => {
+                ChunkContent::Numbers(number) => number,
+                ChunkContent::Other(what) => {
                     object.other = Some(what);
                     column += index.bytes;
                     continue;

@@ -3,15 +3,14 @@
 use crate::MeasureError;
 use crate::number::NumberType;
 use crate::tdms::extent::Extent;
-use crate::tdms::fields::Fields;
-use crate::tdms::lead::daqmx;
-use crate::tdms::path::Path;
 use crate::tdms::property::{Properties, number_type};
+use crate::tdms::segment::Fields;
+use crate::tdms::segment::daqmx;
 
 /// An object of the file.
 #[derive(Debug)]
-pub(crate) struct Object {
-    pub(crate) path: Path,
+pub(crate) struct TdmsObject {
+    pub(crate) path: ObjectPath,
     pub(crate) properties: Properties,
     /// The latest description of its samples.
     pub(crate) index: Option<RawIndex>,
@@ -29,7 +28,7 @@ pub(crate) struct Object {
 /// What a chunk holds of a channel.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct RawIndex {
-    pub(crate) content: Content,
+    pub(crate) content: ChunkContent,
     pub(crate) values: u64,
     /// Bytes of all values.
     pub(crate) bytes: u64,
@@ -37,7 +36,7 @@ pub(crate) struct RawIndex {
 
 /// What values are.
 #[derive(Debug, Clone, Copy)]
-pub(crate) enum Content {
+pub(crate) enum ChunkContent {
     Numbers(NumberType),
     /// Something else, for the reason to leave it out.
     Other(&'static str),
@@ -65,13 +64,13 @@ impl RawIndex {
         }
         let values = fields.u64("the number of samples")?;
         let (content, size) = match (code, number_type(code)) {
-            (_, Some(number)) => (Content::Numbers(number), number.size() as u64),
-            (0x20, _) => (Content::Other("it holds texts"), 0),
-            (0x21, _) => (Content::Other("it holds truth values"), 1),
-            (0x44, _) => (Content::Other("it holds times of day"), 16),
-            (0x08_000c, _) => (Content::Other("it holds complex numbers"), 8),
-            (0x10_000d, _) => (Content::Other("it holds complex numbers"), 16),
-            (0, _) if values == 0 => (Content::Other("it holds nothing"), 0),
+            (_, Some(number)) => (ChunkContent::Numbers(number), number.size() as u64),
+            (0x20, _) => (ChunkContent::Other("it holds texts"), 0),
+            (0x21, _) => (ChunkContent::Other("it holds truth values"), 1),
+            (0x44, _) => (ChunkContent::Other("it holds times of day"), 16),
+            (0x08_000c, _) => (ChunkContent::Other("it holds complex numbers"), 8),
+            (0x10_000d, _) => (ChunkContent::Other("it holds complex numbers"), 16),
+            (0, _) if values == 0 => (ChunkContent::Other("it holds nothing"), 0),
             _ => {
                 let expected = "a number of 1 to 8 bytes (1 to 10, 25, 26)";
                 return wrong(fields, "the type of a channel", u64::from(code), expected);
@@ -86,5 +85,64 @@ impl RawIndex {
         let bytes =
             if is_text { fields.u64("the bytes of texts")? } else { values.saturating_mul(size) };
         Ok(Self { content, values, bytes })
+    }
+}
+
+/// What an object is.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) enum ObjectPath {
+    File,
+    Group(String),
+    Channel(String, String),
+}
+
+impl ObjectPath {
+    /// Takes a path apart; a quote within a name is written twice.
+    pub(crate) fn parse(text: &str) -> Option<Self> {
+        if text == "/" {
+            return Some(Self::File);
+        }
+        let (group, rest) = name(text)?;
+        if rest.is_empty() {
+            return Some(Self::Group(group));
+        }
+        let (channel, rest) = name(rest)?;
+        rest.is_empty().then_some(Self::Channel(group, channel))
+    }
+}
+
+/// The first name of a path, and what follows it.
+fn name(text: &str) -> Option<(String, &str)> {
+    let mut rest = text.strip_prefix("/'")?;
+    let mut name = String::new();
+    loop {
+        let (before, after) = rest.split_once('\'')?;
+        name.push_str(before);
+        match after.strip_prefix('\'') {
+            Some(_) => name.push('\''),
+            None => return Some((name, after)),
+        }
+        rest = &after[1..];
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_with_quotes_and_slashes() {
+        let channel =
+            |group: &str, name: &str| Some(ObjectPath::Channel(group.into(), name.into()));
+        assert_eq!(ObjectPath::parse("/"), Some(ObjectPath::File));
+        assert_eq!(ObjectPath::parse("/'Hits'"), Some(ObjectPath::Group("Hits".into())));
+        assert_eq!(ObjectPath::parse("/'Hits'/'Force'"), channel("Hits", "Force"));
+        assert_eq!(ObjectPath::parse("/'Dr. T''s'/'a/b'"), channel("Dr. T's", "a/b"));
+        assert_eq!(ObjectPath::parse("/''''/'''a'''''"), channel("'", "'a''"));
+        assert_eq!(ObjectPath::parse("/''/''"), channel("", ""));
+        for wrong in ["", "Hits", "/Hits", "/'Hits", "/'a'b", "/'a'/'b'/'c'", "//", "/'a'/", "/'''"]
+        {
+            assert_eq!(ObjectPath::parse(wrong), None, "{wrong}");
+        }
     }
 }

@@ -26,7 +26,7 @@ impl Scales {
         properties: &Properties,
     ) -> Result<Option<Self>, MeasureError> {
         let Some((count, place)) = count(source, properties)? else { return Ok(None) };
-        Level { source, properties, place, count }.scales().map(Some)
+        ScaleLevel { source, properties, place, count }.scales().map(Some)
     }
 
     /// Numbers that it holds.
@@ -74,14 +74,14 @@ fn count(
 }
 
 /// The scales of one object.
-struct Level<'s, 'a, 'p> {
+struct ScaleLevel<'s, 'a, 'p> {
     source: &'s Source<'a>,
     properties: &'p Properties,
     place: FilePosition,
     count: u64,
 }
 
-impl Level<'_, '_, '_> {
+impl ScaleLevel<'_, '_, '_> {
     fn scales(&self) -> Result<Scales, MeasureError> {
         if let Some(status) = self.properties.get("NI_Scaling_Status") {
             match status.text() {

@@ -1,8 +1,8 @@
 //! What the properties of a channel say of its axis, and of its unit.
 
 use crate::source::Source;
+use crate::tdms::property::Timestamp;
 use crate::tdms::property::{Properties, Property};
-use crate::tdms::timestamp::Timestamp;
 use crate::text::Heading;
 use crate::{ChannelQuantity, ChannelUnit, MeasureError, Unit, unit};
 
@@ -41,7 +41,7 @@ impl Waveform {
         };
         let (step, start) = (number("wf_increment", true)?, number("wf_start_offset", false)?);
         let time = match properties.get("wf_start_time").map(|property| &property.value) {
-            Some(crate::tdms::property::Value::Time(time)) => Some(*time),
+            Some(crate::tdms::property::PropertyValue::Time(time)) => Some(*time),
             _ => None,
         };
         // LabVIEW writes a step of zero where it has none.

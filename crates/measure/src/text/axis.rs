@@ -3,18 +3,18 @@
 use crate::notice::Notices;
 use crate::rate;
 use crate::text::labview::HeaderAxis;
-use crate::text::rows::{Column, Rounding};
+use crate::text::rows::{NumberColumn, Rounding};
 use crate::{Abscissa, ChannelQuantity, MeasureError, Notice};
 
 /// How the channels lie.
 #[derive(Debug, Clone)]
-pub(crate) struct Axis {
+pub(crate) struct TextAxis {
     /// The column that is no channel: time, or a count of samples.
     column: Option<usize>,
     quantity: ChannelQuantity,
     /// SI value of the column's unit.
     factor: f64,
-    even: Option<Even>,
+    even: Option<EvenAxis>,
     rounding: Rounding,
     /// Whether start and step were read from the column.
     read: bool,
@@ -22,7 +22,7 @@ pub(crate) struct Axis {
 
 /// An even axis.
 #[derive(Debug, Clone, Copy)]
-struct Even {
+struct EvenAxis {
     start: f64,
     step: f64,
     /// Whether its column holds exact numbers, not rounded ones.
@@ -32,7 +32,7 @@ struct Even {
 /// What decides on the axis.
 pub(crate) struct AxisFinder<'a> {
     pub(crate) file: &'a str,
-    pub(crate) columns: &'a [Column],
+    pub(crate) columns: &'a [NumberColumn],
     /// What the header of a LabVIEW segment says of it.
     pub(crate) header: &'a HeaderAxis,
     pub(crate) labview: bool,
@@ -40,11 +40,11 @@ pub(crate) struct AxisFinder<'a> {
 }
 
 /// The column that may be the axis: the one named so, else the first of several.
-pub(crate) fn candidate(columns: &[Column]) -> Option<usize> {
+pub(crate) fn candidate(columns: &[NumberColumn]) -> Option<usize> {
     named(columns).or_else(|| (columns.len() > 1).then_some(0))
 }
 
-fn named(columns: &[Column]) -> Option<usize> {
+fn named(columns: &[NumberColumn]) -> Option<usize> {
     columns.iter().position(|column| {
         column.heading.as_ref().is_some_and(|heading| {
             matches!(heading.quantity(), ChannelQuantity::Time | ChannelQuantity::Frequency)
@@ -53,7 +53,7 @@ fn named(columns: &[Column]) -> Option<usize> {
     })
 }
 
-fn counts_samples(column: &Column) -> bool {
+fn counts_samples(column: &NumberColumn) -> bool {
     const NAMES: [&str; 8] = ["n", "#", "index", "sample", "samples", "point", "no", "nr"];
     let name = column.heading.as_ref().map(|heading| heading.name.to_lowercase());
     name.is_some_and(|name| NAMES.contains(&name.as_str()))
@@ -66,10 +66,16 @@ impl AxisFinder<'_> {
         values: &[Vec<f64>],
         rounding: Rounding,
         notices: &mut Notices,
-    ) -> Result<Axis, MeasureError> {
+    ) -> Result<TextAxis, MeasureError> {
         let column = candidate(self.columns);
-        let axis =
-            |quantity, factor, even| Axis { column, quantity, factor, even, rounding, read: true };
+        let axis = |quantity, factor, even| TextAxis {
+            column,
+            quantity,
+            factor,
+            even,
+            rounding,
+            read: true,
+        };
         if let Some(place) = named(self.columns) {
             let heading = self.columns[place].heading.as_ref();
             let quantity = heading.map(super::Heading::quantity);
@@ -85,8 +91,8 @@ impl AxisFinder<'_> {
         }
         if self.labview && self.header.step > 0.0 {
             let (start, step) = (self.header.start, self.step_of_header(notices));
-            let even = Even { start, step, exact: true };
-            return Ok(Axis { column: None, ..axis(ChannelQuantity::Time, 1.0, Some(even)) });
+            let even = EvenAxis { start, step, exact: true };
+            return Ok(TextAxis { column: None, ..axis(ChannelQuantity::Time, 1.0, Some(even)) });
         }
         let rising = column.filter(|&place| values[place].len() > 2).and_then(|place| {
             let even = even_axis(
@@ -98,7 +104,7 @@ impl AxisFinder<'_> {
             );
             even.map(|even| (place, even))
         });
-        if let Some((place, Even { start, step, .. })) = rising {
+        if let Some((place, EvenAxis { start, step, .. })) = rising {
             let name = self.columns[place].name();
             let counts = step == 1.0 && start.fract() == 0.0;
             if !counts && !counts_samples(&self.columns[place]) {
@@ -108,28 +114,33 @@ impl AxisFinder<'_> {
             }
             notices.add(Notice::ArrayLeftOut { array: name, reason: "it counts the samples" });
             let even = Some(self.by_rate(notices)?);
-            return Ok(Axis { read: false, ..axis(ChannelQuantity::Time, 1.0, even) });
+            return Ok(TextAxis { read: false, ..axis(ChannelQuantity::Time, 1.0, even) });
         }
         let even = self.by_rate(notices)?;
-        Ok(Axis { column: None, ..axis(ChannelQuantity::Time, 1.0, Some(even)) })
+        Ok(TextAxis { column: None, ..axis(ChannelQuantity::Time, 1.0, Some(even)) })
     }
 
-    fn by_rate(&self, notices: &mut Notices) -> Result<Even, MeasureError> {
+    fn by_rate(&self, notices: &mut Notices) -> Result<EvenAxis, MeasureError> {
         let none = || MeasureError::NoSampleRate { file: self.file.to_owned() };
         let rate_hz = self.rate_of_options.ok_or_else(none)?;
         notices.add(Notice::RateOfOptions { rate_hz });
-        Ok(Even { start: 0.0, step: 1.0 / rate_hz, exact: true })
+        Ok(EvenAxis { start: 0.0, step: 1.0 / rate_hz, exact: true })
     }
 
     /// A LabVIEW header gives the step in more digits than the column has.
-    fn by_header(&self, values: &[f64], rounding: Rounding, notices: &mut Notices) -> Option<Even> {
+    fn by_header(
+        &self,
+        values: &[f64],
+        rounding: Rounding,
+        notices: &mut Notices,
+    ) -> Option<EvenAxis> {
         let start = *values.first().filter(|_| self.labview && self.header.step > 0.0)?;
         let step = self.step_of_header(notices);
         let fits = values.iter().enumerate().all(|(index, &value)| {
             let expected = start + index as f64 * step;
             (value - expected).abs() <= 3.0 * rounding.tolerance(value) + 1e-9 * expected.abs()
         });
-        fits.then_some(Even { start, step, exact: false })
+        fits.then_some(EvenAxis { start, step, exact: false })
     }
 
     fn step_of_header(&self, notices: &mut Notices) -> f64 {
@@ -138,7 +149,7 @@ impl AxisFinder<'_> {
     }
 }
 
-impl Axis {
+impl TextAxis {
     /// The column that is no channel.
     pub(crate) fn column(&self) -> Option<usize> {
         self.column
@@ -156,7 +167,7 @@ impl Axis {
         let scaled =
             |values: &mut Vec<f64>| values.iter_mut().for_each(|value| *value *= self.factor);
         match (self.even, &mut column) {
-            (Some(Even { start, step, exact }), column) => {
+            (Some(EvenAxis { start, step, exact }), column) => {
                 let start = start + from as f64 * step;
                 let carries_on = |values: &Vec<f64>| {
                     values.iter().enumerate().all(|(index, &value)| {
@@ -192,7 +203,7 @@ fn even_axis(
     quantity: ChannelQuantity,
     rounding: Rounding,
     notices: &mut Notices,
-) -> Option<Even> {
+) -> Option<EvenAxis> {
     let mut ignored = Notices::default();
     let notices = if quantity == ChannelQuantity::Time { notices } else { &mut ignored };
     let scaled: Vec<f64>;
@@ -203,9 +214,9 @@ fn even_axis(
         &scaled
     };
     if let Some((start, step)) = rate::even_axis(values, |_| 0.0, notices) {
-        return Some(Even { start, step, exact: true });
+        return Some(EvenAxis { start, step, exact: true });
     }
     let tolerance = |value| factor * rounding.tolerance(value / factor);
     let (start, step) = rate::even_axis(values, tolerance, notices)?;
-    Some(Even { start, step, exact: false })
+    Some(EvenAxis { start, step, exact: false })
 }

@@ -1,6 +1,6 @@
 //! How a text writes its numbers: delimiter, decimal mark, and where they start.
 
-use crate::latin1;
+use crate::source::decode_text;
 
 /// Delimiter and decimal mark.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -24,7 +24,7 @@ const CANDIDATES: [Dialect; 7] = [
 
 /// A run of lines of numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub(crate) struct Run {
+pub(crate) struct NumberRun {
     /// First line, from zero.
     pub(crate) start: usize,
     /// Lines of numbers.
@@ -36,8 +36,8 @@ pub(crate) struct Run {
 impl Dialect {
     /// The dialect under which the longest run of rows of equally many numbers
     /// holds the most of them, and that run; none without a single row.
-    pub(crate) fn sniff(lines: &[&[u8]]) -> Option<(Self, Run)> {
-        let mut best: Option<(Self, Run)> = None;
+    pub(crate) fn sniff(lines: &[&[u8]]) -> Option<(Self, NumberRun)> {
+        let mut best: Option<(Self, NumberRun)> = None;
         for dialect in CANDIDATES {
             let run = dialect.longest_run(lines);
             // By numbers, not lines: a lone number above the data is no row of theirs.
@@ -50,16 +50,16 @@ impl Dialect {
         best
     }
 
-    fn longest_run(self, lines: &[&[u8]]) -> Run {
-        let (mut best, mut run) = (Run::default(), Run::default());
+    fn longest_run(self, lines: &[&[u8]]) -> NumberRun {
+        let (mut best, mut run) = (NumberRun::default(), NumberRun::default());
         for (index, line) in lines.iter().enumerate() {
             if is_passed_over(line) {
                 continue;
             }
             match self.numbers_in(line) {
                 Some(fields) if run.lines > 0 && fields == run.fields => run.lines += 1,
-                Some(fields) => run = Run { start: index, lines: 1, fields },
-                None => run = Run::default(),
+                Some(fields) => run = NumberRun { start: index, lines: 1, fields },
+                None => run = NumberRun::default(),
             }
             if run.lines > best.lines {
                 best = run;
@@ -132,7 +132,7 @@ pub(crate) fn is_passed_over(line: &[u8]) -> bool {
 
 /// The fields of a line of words; quotes hold delimiters together.
 pub(crate) fn words(line: &[u8], delimiter: u8) -> Vec<String> {
-    let line = latin1::decode(line).0;
+    let line = decode_text(line).0;
     let mut words = Vec::new();
     let (mut word, mut quoted) = (String::new(), false);
     for character in line.chars() {
@@ -162,7 +162,7 @@ pub(crate) fn words(line: &[u8], delimiter: u8) -> Vec<String> {
 mod tests {
     use super::*;
 
-    fn sniff(text: &str) -> (char, char, Run) {
+    fn sniff(text: &str) -> (char, char, NumberRun) {
         let lines: Vec<&[u8]> = text.lines().map(str::as_bytes).collect();
         let (dialect, run) = Dialect::sniff(&lines).unwrap();
         (char::from(dialect.delimiter), char::from(dialect.decimal), run)
@@ -194,7 +194,7 @@ mod tests {
     #[test]
     fn the_longest_run_is_the_data() {
         let (_, _, run) = sniff("Serial\n1234\nRange\n5\n\n# c\n0,1\n1,2\n# c\n\n2,3\n");
-        assert_eq!(run, Run { start: 6, lines: 3, fields: 2 });
+        assert_eq!(run, NumberRun { start: 6, lines: 3, fields: 2 });
     }
 
     #[test]

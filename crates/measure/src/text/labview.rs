@@ -6,8 +6,8 @@
 //! of column names, and rows whose last column is a comment.
 
 use crate::arrays::{check_channels, most_channels};
-use crate::latin1;
 use crate::source::Source;
+use crate::source::decode_text;
 use crate::text::dialect::Dialect;
 use crate::{FilePosition, MeasureError};
 
@@ -41,7 +41,7 @@ pub(crate) struct HeaderAxis {
 
 /// The header of a segment.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Segment {
+pub(crate) struct LvmSegment {
     /// Start and step of the columns of channels; of the first alone where all share one.
     axes: Vec<HeaderAxis>,
     /// Names of all columns, the abscissa's first.
@@ -62,7 +62,7 @@ impl FileHeader {
         };
         let mut line = Vec::new();
         lines_to_end(source, &mut line, number, |line| {
-            let text = latin1::decode(line).0;
+            let text = decode_text(line).0;
             let (key, value) = text.split_once(['\t', ',', ';']).unwrap_or((&text, ""));
             let value = value.trim_end_matches(['\t', ',', ';']);
             match key.trim() {
@@ -85,7 +85,7 @@ impl FileHeader {
     }
 }
 
-impl Segment {
+impl LvmSegment {
     /// Reads the header of a segment and its line of names; none at the end of
     /// the file. `line` holds the first line, if that was read already.
     pub(crate) fn read(
@@ -115,8 +115,7 @@ impl Segment {
                     axis.start = dialect.number(field).unwrap_or(0.0);
                 }),
                 Some(b"Y_Unit_Label") => {
-                    segment.units =
-                        fields.map(|field| latin1::decode(field).0.into_owned()).collect();
+                    segment.units = fields.map(|field| decode_text(field).0.into_owned()).collect();
                 }
                 _ => {}
             }
@@ -126,7 +125,7 @@ impl Segment {
         source.read_line(line, number)?;
         check_channels(source, dialect.fields(line).count() as u64)?;
         segment.names =
-            dialect.fields(line).map(|field| latin1::decode(field).0.into_owned()).collect();
+            dialect.fields(line).map(|field| decode_text(field).0.into_owned()).collect();
         line.clear();
         Ok(Some(segment))
     }

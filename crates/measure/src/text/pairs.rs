@@ -6,14 +6,14 @@
 
 use crate::notice::Notices;
 use crate::text::Text;
-use crate::text::rows::Rows;
+use crate::text::rows::RowBlock;
 use crate::{Abscissa, Channel, FilePosition, MeasureError};
 
 impl Text<'_> {
     /// The channels of a block of pairs.
     pub(crate) fn paired_channels(
         &mut self,
-        rows: Rows,
+        rows: RowBlock,
         notices: &mut Notices,
     ) -> Result<Vec<Channel>, MeasureError> {
         let (mut values, last) = (rows.values, FilePosition::Line(self.number));

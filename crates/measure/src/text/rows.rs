@@ -5,19 +5,19 @@ use crate::error::FilePosition;
 use crate::notice::Notices;
 use crate::rate::rounding_of;
 use crate::text::heading::Heading;
-use crate::text::labview::Segment;
+use crate::text::labview::LvmSegment;
 use crate::text::{Text, is_passed_over};
 use crate::{Abscissa, Channel, ChannelUnit, MeasureError, Notice, Samples};
 
 /// A column of the file that holds numbers.
 #[derive(Debug, Clone)]
-pub(crate) struct Column {
+pub(crate) struct NumberColumn {
     /// Its place among the fields of a row, from zero.
     pub(crate) index: usize,
     pub(crate) heading: Option<Heading>,
 }
 
-impl Column {
+impl NumberColumn {
     /// The channel of its samples.
     pub(crate) fn channel(&self, samples: Vec<f64>, abscissa: Abscissa) -> Channel {
         let unit = self.heading.as_ref().map_or(ChannelUnit::Missing, |h| h.unit.clone());
@@ -34,7 +34,7 @@ impl Column {
 }
 
 /// Some rows, by columns.
-pub(crate) struct Rows {
+pub(crate) struct RowBlock {
     pub(crate) values: Vec<Vec<f64>>,
     pub(crate) count: usize,
     /// Of the columns tracked.
@@ -82,7 +82,7 @@ impl Rounding {
     }
 }
 
-impl Rows {
+impl RowBlock {
     /// Reads up to a block of rows; fewer at the end of the segment or file.
     pub(crate) fn read(
         text: &mut Text<'_>,
@@ -96,7 +96,7 @@ impl Rows {
         let mut roundings = vec![unknown; count_tracked];
         let mut count = 0;
         // A line that opens the next segment waits for it.
-        let ended = text.labview.is_some() && Segment::opens(&text.line);
+        let ended = text.labview.is_some() && LvmSegment::opens(&text.line);
         while count < text.block && !ended {
             let before = text.source.position();
             if !text.source.read_line(&mut text.line, &mut text.number)? {
@@ -106,7 +106,7 @@ impl Rows {
                 text.line.clear();
                 continue;
             }
-            if text.labview.is_some() && Segment::opens(&text.line) {
+            if text.labview.is_some() && LvmSegment::opens(&text.line) {
                 break;
             }
             if count == 0 {

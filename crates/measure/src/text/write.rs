@@ -2,6 +2,8 @@
 
 use std::io::Write;
 
+use asperity_table::{Decimal, quoted};
+
 use crate::text::heading::Heading;
 use crate::write::WriteFault;
 use crate::{Abscissa, Channel, ChannelQuantity, ChannelUnit, Format, Record, Samples};
@@ -40,26 +42,14 @@ pub(crate) fn write(out: &mut impl Write, records: &[Vec<&Record>]) -> Result<()
             }
         }
         for index in 0..first.samples.len() {
-            number(out, first.abscissa.at(index).unwrap_or(f64::NAN))?;
+            write!(out, "{}", Decimal(first.abscissa.at(index).unwrap_or(f64::NAN)))?;
             for column in &columns {
-                out.write_all(b",")?;
-                number(out, column[index])?;
+                write!(out, ",{}", Decimal(column[index]))?;
             }
             out.write_all(b"\n")?;
         }
     }
     Ok(())
-}
-
-fn number(out: &mut impl Write, value: f64) -> std::io::Result<()> {
-    let magnitude = value.abs();
-    if magnitude == 0.0 || (1e-4..1e15).contains(&magnitude) {
-        write!(out, "{value}")
-    } else if value.is_nan() {
-        out.write_all(b"nan")
-    } else {
-        write!(out, "{value:e}")
-    }
 }
 
 /// Name and unit in one text that reads back to both.
@@ -80,11 +70,7 @@ pub(crate) fn heading(channel: &Channel, format: Format) -> Result<String, Write
     Ok(text)
 }
 
-fn quoted(text: &str) -> String {
-    if text.contains(',') { format!("\"{text}\"") } else { text.to_owned() }
-}
-
-/// Whether every part has an even axis that carries on that of the part before.
+/// True if every part has an even axis.
 pub(crate) fn even_throughout(parts: &[&Record], index: usize) -> bool {
     parts.iter().all(|part| matches!(part.channels[index].abscissa, Abscissa::Even { .. }))
 }

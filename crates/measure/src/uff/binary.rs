@@ -11,7 +11,7 @@ use crate::number::{Endian, NumberType};
 use crate::source::Source;
 use crate::uff::Values;
 use crate::uff::fields::integer;
-use crate::uff::header::Header;
+use crate::uff::header::FunctionHeader;
 use crate::{FilePosition, MeasureError, Notice};
 
 /// Where binary numbers lie and how to read them.
@@ -30,7 +30,7 @@ impl Payload {
         source: &mut Source<'_>,
         place: FilePosition,
         fields: &str,
-        header: &Header,
+        header: &FunctionHeader,
         notices: &mut Notices,
     ) -> Result<Self, MeasureError> {
         let fields: Vec<&str> = fields.split_ascii_whitespace().collect();

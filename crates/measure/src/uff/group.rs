@@ -7,13 +7,13 @@
 
 use std::collections::HashSet;
 
-use crate::uff::header::Header;
-use crate::uff::index::Entry;
+use crate::uff::header::FunctionHeader;
+use crate::uff::index::FunctionEntry;
 
 /// Functions of one record. They lie in boxes, since entries are large and
 /// vectors of them grow; a group gives their memory back once it is read.
 #[allow(clippy::vec_box, reason = "see above")]
-pub(crate) type Group = Vec<Box<Entry>>;
+pub(crate) type Group = Vec<Box<FunctionEntry>>;
 
 /// Cuts the entries into groups, in their order.
 pub(crate) fn groups(entries: Group) -> Vec<Group> {
@@ -35,7 +35,7 @@ pub(crate) fn groups(entries: Group) -> Vec<Group> {
     groups
 }
 
-fn same_axis(one: &Header, other: &Header) -> bool {
+fn same_axis(one: &FunctionHeader, other: &FunctionHeader) -> bool {
     one.points == other.points
         && one.even == other.even
         && one.start == other.start
@@ -45,7 +45,7 @@ fn same_axis(one: &Header, other: &Header) -> bool {
 }
 
 /// What makes a channel the same channel in the next hit.
-fn identity(header: &Header) -> String {
+fn identity(header: &FunctionHeader) -> String {
     let node = |freedom: &Option<crate::DegreeOfFreedom>| {
         freedom.as_ref().map_or_else(String::new, |freedom| {
             format!("{} {} {}", freedom.entity, freedom.node, freedom.direction)

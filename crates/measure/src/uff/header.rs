@@ -1,15 +1,15 @@
 //! The eleven lines before the numbers of a function.
 
-use crate::latin1;
 use crate::notice::Notices;
 use crate::rate;
 use crate::source::Source;
+use crate::source::decode_text;
 use crate::uff::fields::{columns, integer, numbers, real, text};
 use crate::{ChannelQuantity, DegreeOfFreedom, MeasureError, Notice, Unit};
 
 /// What the header of dataset 58 says.
 #[derive(Debug)]
-pub(crate) struct Header {
+pub(crate) struct FunctionHeader {
     pub(crate) name: String,
     pub(crate) description: String,
     pub(crate) date: String,
@@ -24,20 +24,20 @@ pub(crate) struct Header {
     pub(crate) start: f64,
     pub(crate) step: f64,
     pub(crate) step_uncertainty: f64,
-    pub(crate) abscissa: Axis,
-    pub(crate) ordinate: Axis,
-    pub(crate) denominator: Axis,
+    pub(crate) abscissa: AxisHeader,
+    pub(crate) ordinate: AxisHeader,
+    pub(crate) denominator: AxisHeader,
 }
 
 /// One of the axes of a function.
 #[derive(Debug)]
-pub(crate) struct Axis {
+pub(crate) struct AxisHeader {
     /// Specific data type: 12 acceleration, 13 force, 17 time, ...
     pub(crate) kind: i64,
     pub(crate) unit: String,
 }
 
-impl Axis {
+impl AxisHeader {
     /// The quantity of the specific data type.
     pub(crate) fn quantity(&self) -> ChannelQuantity {
         match self.kind {
@@ -54,7 +54,7 @@ impl Axis {
     }
 }
 
-impl Header {
+impl FunctionHeader {
     /// Reads the header from the line after the dataset's number.
     pub(crate) fn read(
         source: &mut Source<'_>,
@@ -119,7 +119,7 @@ impl Header {
 
         let mut axis = || {
             let line = lines.next(source, notices)?;
-            Ok(Axis {
+            Ok(AxisHeader {
                 kind: integer(columns(&line, 0, 10)).unwrap_or(0),
                 unit: text(columns(&line, 47, 20)),
             })
@@ -193,7 +193,7 @@ impl Lines<'_> {
         if !source.read_line(&mut self.bytes, self.number)? {
             return Err(source.malformed(place, "the header", "cut off", "11 lines of dataset 58"));
         }
-        let (line, latin1) = latin1::decode(&self.bytes);
+        let (line, latin1) = decode_text(&self.bytes);
         if latin1 {
             notices.add(Notice::Latin1 { place });
         }

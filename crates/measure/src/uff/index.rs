@@ -2,21 +2,21 @@
 
 use std::sync::Arc;
 
-use crate::latin1;
 use crate::notice::Notices;
 use crate::source::Source;
+use crate::source::decode_text;
 use crate::uff::binary::Payload;
 use crate::uff::fields::text;
 use crate::uff::group::Group;
-use crate::uff::header::Header;
+use crate::uff::header::FunctionHeader;
 use crate::uff::system::System;
 use crate::{FilePosition, MeasureError, Notice};
 
 /// A function: its header, and where its numbers are.
 #[derive(Debug)]
-pub(crate) struct Entry {
-    pub(crate) header: Header,
-    pub(crate) context: Arc<Context>,
+pub(crate) struct FunctionEntry {
+    pub(crate) header: FunctionHeader,
+    pub(crate) context: Arc<FileContext>,
     pub(crate) data: Data,
 }
 
@@ -36,7 +36,7 @@ pub(crate) struct Start {
 
 /// What datasets 151 and 164 said before a function.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Context {
+pub(crate) struct FileContext {
     pub(crate) title: String,
     pub(crate) date: String,
     pub(crate) system: Option<System>,
@@ -45,7 +45,7 @@ pub(crate) struct Context {
 /// Finds every function of the file.
 pub(crate) fn index(source: &mut Source<'_>, notices: &mut Notices) -> Result<Group, MeasureError> {
     let mut entries = Vec::new();
-    let mut context = Arc::new(Context::default());
+    let mut context = Arc::new(FileContext::default());
     let (mut line, mut number) = (Vec::new(), 0);
     loop {
         let place = source.place();
@@ -64,7 +64,7 @@ pub(crate) fn index(source: &mut Source<'_>, notices: &mut Notices) -> Result<Gr
         if !source.read_line(&mut line, &mut number)? {
             return Ok(entries);
         }
-        let (kind, _) = latin1::decode(&line);
+        let (kind, _) = decode_text(&line);
         let kind = kind.trim();
         let (dataset, rest) =
             kind.split_at(kind.find(|c: char| !c.is_ascii_digit()).unwrap_or(kind.len()));
@@ -74,7 +74,7 @@ pub(crate) fn index(source: &mut Source<'_>, notices: &mut Notices) -> Result<Gr
             "58" => {
                 let kind = kind.to_owned();
                 let binary = binary.map(str::to_owned);
-                let header = Header::read(source, &mut number, notices)?;
+                let header = FunctionHeader::read(source, &mut number, notices)?;
                 let data = match binary {
                     Some(fields) => {
                         Data::Binary(Payload::locate(source, place, &fields, &header, notices)?)
@@ -87,7 +87,7 @@ pub(crate) fn index(source: &mut Source<'_>, notices: &mut Notices) -> Result<Gr
                     notices.add(Notice::ArrayLeftOut { array, reason });
                 } else {
                     let context = Arc::clone(&context);
-                    entries.push(Box::new(Entry { header, context, data }));
+                    entries.push(Box::new(FunctionEntry { header, context, data }));
                 }
             }
             "151" => {
@@ -121,7 +121,7 @@ fn printed(
     source: &mut Source<'_>,
     line: &mut Vec<u8>,
     number: &mut u64,
-    header: &Header,
+    header: &FunctionHeader,
 ) -> Result<Data, MeasureError> {
     let place = source.place();
     let start = Start { offset: source.position(), line: *number };
@@ -143,7 +143,7 @@ fn first_lines(
     let mut lines = Vec::with_capacity(MOST);
     to_closing_tag(source, line, number, place, |line| {
         if lines.len() < MOST {
-            lines.push(latin1::decode(line).0.into_owned());
+            lines.push(decode_text(line).0.into_owned());
         }
     })?;
     Ok(lines)

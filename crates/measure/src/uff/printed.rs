@@ -5,8 +5,8 @@ use num_complex::Complex64;
 use crate::source::Source;
 use crate::uff::Values;
 use crate::uff::fields::real;
-use crate::uff::header::Header;
-use crate::uff::index::{Data, Entry, Start};
+use crate::uff::header::FunctionHeader;
+use crate::uff::index::{Data, FunctionEntry, Start};
 use crate::{FilePosition, MeasureError};
 
 /// How far the printed numbers of a function have been read.
@@ -28,14 +28,14 @@ const DOUBLE: usize = 20;
 
 impl Printed {
     /// At the first number of a function; none if its numbers are binary.
-    pub(crate) fn of(entry: &Entry) -> Option<Self> {
+    pub(crate) fn of(entry: &FunctionEntry) -> Option<Self> {
         match &entry.data {
             Data::Printed(start) => Some(Self::new(*start, &entry.header)),
             Data::Binary(_) => None,
         }
     }
 
-    fn new(position: Start, header: &Header) -> Self {
+    fn new(position: Start, header: &FunctionHeader) -> Self {
         let value = if header.double { DOUBLE } else { SINGLE };
         let mut widths = if header.even { vec![] } else { vec![SINGLE] };
         widths.extend([value].repeat(1 + usize::from(header.complex)));

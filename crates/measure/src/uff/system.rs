@@ -3,7 +3,7 @@
 use crate::notice::Notices;
 use crate::source::Source;
 use crate::uff::fields::real;
-use crate::uff::header::Header;
+use crate::uff::header::FunctionHeader;
 use crate::{ChannelQuantity, ChannelUnit, MeasureError, Notice, Unit};
 
 /// Factors from SI to the units of the file: `file = factor * SI`.
@@ -46,7 +46,7 @@ impl System {
 
 /// The unit of a channel: by its label, else by the file's system.
 pub(crate) fn unit_of(
-    header: &Header,
+    header: &FunctionHeader,
     system: Option<&System>,
     name: &str,
     notices: &mut Notices,

@@ -119,7 +119,6 @@ pub(crate) fn hdf5() -> Vec<Seed> {
     vec![("plain", reference("plain.h5")), ("MATLAB 7.3", reference("version73.mat"))]
 }
 
-#[cfg(feature = "tdms")]
 pub(crate) fn tdms() -> Vec<Seed> {
     vec![
         ("hits", reference("hits.tdms")),

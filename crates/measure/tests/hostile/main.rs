@@ -14,7 +14,6 @@ mod corpus;
 mod counting;
 mod lies;
 mod mutate;
-#[cfg(feature = "tdms")]
 mod tdms;
 
 use asperity_measure::{ReadOptions, Reader, read_bytes};
@@ -101,7 +100,6 @@ fn hdf5_files() {
     every_mutation_within(4 << 20, &corpus::hdf5());
 }
 
-#[cfg(feature = "tdms")]
 #[test]
 fn tdms_files() {
     every_mutation(&corpus::tdms());

@@ -13,9 +13,7 @@ mod reference_files;
 mod refusals;
 mod round_trip;
 mod shared_data;
-#[cfg(feature = "tdms")]
 mod tdms_by_hand;
-#[cfg(feature = "tdms")]
 mod tdms_files;
 mod text_files;
 mod writing;

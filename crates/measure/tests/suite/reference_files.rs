@@ -189,13 +189,6 @@ fn without_the_feature_hdf5_names_it() {
     }
 }
 
-#[cfg(not(feature = "tdms"))]
-#[test]
-fn without_the_feature_tdms_names_it() {
-    let error = read(&reference("hits.tdms"), &ReadOptions::default()).unwrap_err();
-    assert!(error.to_string().contains("build with the feature `tdms`"), "{error}");
-}
-
 #[test]
 fn what_is_not_read_says_what_to_do() {
     let error = read(&reference("version4.mat"), &ReadOptions::default()).unwrap_err();

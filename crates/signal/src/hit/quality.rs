@@ -4,7 +4,7 @@ use super::HitRecord;
 use super::double::{DoubleHit, double_hits};
 use super::fault::{SampleRun, force_dropouts, not_finite, overloads, response_dropouts};
 use super::offset::Offset;
-use crate::noise::largest_magnitude;
+use crate::sums::largest_magnitude;
 
 /// A signal of a hit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

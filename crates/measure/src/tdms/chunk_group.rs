@@ -2,14 +2,14 @@
 
 use crate::MeasureError;
 use crate::source::Source;
-use crate::tdms::object::Object;
+use crate::tdms::object::TdmsObject;
 
 /// Most bytes of interleaved rows held at a time, but for one row.
 const PIECE: u64 = 1 << 16;
 
 /// Channels that lie together, and how far they were read.
 #[derive(Debug, Default)]
-pub(crate) struct Strand {
+pub(crate) struct ChunkGroup {
     /// Where each goes among the channels of its record, and which object it is.
     members: Vec<(usize, usize)>,
     extent: usize,
@@ -17,14 +17,14 @@ pub(crate) struct Strand {
     value: u64,
 }
 
-impl Strand {
+impl ChunkGroup {
     /// A strand of one channel.
     pub(crate) fn of(slot: usize, object: usize) -> Self {
         Self { members: vec![(slot, object)], ..Self::default() }
     }
 
     /// Takes in a channel that lies with the others.
-    pub(crate) fn join(&mut self, slot: usize, object: usize, objects: &[Object]) -> bool {
+    pub(crate) fn join(&mut self, slot: usize, object: usize, objects: &[TdmsObject]) -> bool {
         let Some(&(_, first)) = self.members.first() else { return false };
         let (one, other) = (&objects[first].extents, &objects[object].extents);
         let together =
@@ -36,7 +36,7 @@ impl Strand {
     }
 
     /// Bytes that a pass goes over, at most.
-    pub(crate) fn cost(&self, objects: &[Object]) -> u64 {
+    pub(crate) fn cost(&self, objects: &[TdmsObject]) -> u64 {
         let Some(&(_, first)) = self.members.first() else { return 0 };
         let channels = self.members.len() as u64;
         let (mut cost, mut end) = (0_u64, 0);
@@ -58,7 +58,7 @@ impl Strand {
     pub(crate) fn read(
         &mut self,
         source: &mut Source<'_>,
-        objects: &[Object],
+        objects: &[TdmsObject],
         count: u64,
         columns: &mut [Vec<f64>],
     ) -> Result<(), MeasureError> {
@@ -94,7 +94,7 @@ impl Strand {
     fn read_rows(
         &self,
         source: &mut Source<'_>,
-        objects: &[Object],
+        objects: &[TdmsObject],
         rows: u64,
         columns: &mut [Vec<f64>],
     ) -> Result<(), MeasureError> {
