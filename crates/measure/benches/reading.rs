@@ -1,9 +1,8 @@
 //! Megabytes per second of the readers and writers, and the memory they take.
 //!
 //! `cargo bench -p asperity-measure` writes a universal file (58b) and a CSV
-//! file, 64 MB each or as many as the first argument says, and reads them back
-//! in blocks. Each row is the best of three runs. `read` hands out blocks of
-//! 65 536 samples, so its memory does not grow with the file.
+//! file, of 64 MB each or of the first argument, and reads them back
+//! in blocks of 65 536 samples. Each row is the best of three runs.
 #![allow(missing_docs, reason = "a benchmark has no callers")]
 #![allow(clippy::print_stdout, reason = "a benchmark prints its table")]
 #![allow(clippy::unwrap_used, reason = "its files are valid")]
@@ -23,7 +22,7 @@ fn main() {
     let megabytes = std::env::args().skip(1).find_map(|word| word.parse().ok()).unwrap_or(64);
     let folder = tempfile::tempdir().unwrap();
     println!("format     megabytes   write MB/s   read MB/s   memory of reading MB");
-    // Bytes that a sample of two channels takes in each format.
+    // Bytes of a sample of two channels in each format.
     for (format, bytes) in [
         (Format::UniversalBinary, 16),
         (Format::UniversalText, 41),
@@ -73,7 +72,7 @@ fn hit(samples: usize) -> Record {
     }
 }
 
-/// Reads the file block by block; most memory in use meanwhile \[MB\], where the system tells.
+/// Reads the file in blocks and returns the most memory in use \[MB\], if the system reports it.
 fn read_blocks(path: &Path) -> f64 {
     let options = ReadOptions { block: 1 << 16, ..ReadOptions::default() };
     let mut reader = open(path, &options).unwrap();
@@ -89,7 +88,7 @@ fn read_blocks(path: &Path) -> f64 {
     most
 }
 
-/// Megabytes of memory in use, where the system tells.
+/// Megabytes of memory in use, if the system reports it.
 fn resident() -> Option<f64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find(|line| line.starts_with("VmRSS:"))?;

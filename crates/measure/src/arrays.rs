@@ -1,7 +1,6 @@
-//! From arrays with names to records of channels.
+//! Named arrays to records of channels.
 //!
-//! Files of arrays say nothing of what is sampled together. Here, arrays of
-//! the same length do, group by group (`record 2: force`, `hit.force`); a
+//! Arrays of the same length in a group (`record 2: force`, `hit.force`) are sampled together; a
 //! scalar `fs` or `dt` gives the rate, a vector `time` the axis.
 
 mod layout;
@@ -18,7 +17,7 @@ use crate::{
 
 pub(crate) use layout::{Layout, deinterleave};
 
-/// An array with its name, cut into channels.
+/// A named array, divided into channels.
 pub(crate) struct Array {
     pub(crate) name: String,
     pub(crate) columns: Vec<Samples>,
@@ -31,12 +30,12 @@ pub(crate) fn paired(parts: &[f64]) -> Vec<Complex64> {
     parts.chunks_exact(2).map(|pair| Complex64::new(pair[0], pair[1])).collect()
 }
 
-/// Most channels that a file of that size can mean.
+/// Most channels accepted in a file of that size.
 pub(crate) fn most_channels(source: &Source<'_>) -> u64 {
     256.max(source.len() / 128)
 }
 
-/// Refuses more channels than a file of that size can mean.
+/// Rejects more channels than accepted in a file of that size.
 pub(crate) fn check_channels(source: &Source<'_>, channels: u64) -> Result<(), MeasureError> {
     let most = most_channels(source);
     if channels <= most {
@@ -46,15 +45,15 @@ pub(crate) fn check_channels(source: &Source<'_>, channels: u64) -> Result<(), M
     Err(source.malformed(source.place(), "the number of channels", &channels.to_string(), expected))
 }
 
-/// What the first of several columns is, if it is no channel.
+/// The first of several columns, if it is an axis.
 pub(crate) enum Leading {
     /// Time: start and step.
     Time(f64, f64),
-    /// A count of samples.
+    /// The count of the samples.
     Count,
 }
 
-/// Looks whether a column rises evenly, as time does.
+/// The axis of an evenly increasing column, as of time.
 pub(crate) fn leading(values: &[f64], epsilon: f64, notices: &mut Notices) -> Option<Leading> {
     if values.len() < 3 {
         return None;
@@ -65,7 +64,7 @@ pub(crate) fn leading(values: &[f64], epsilon: f64, notices: &mut Notices) -> Op
     Some(if counts { Leading::Count } else { Leading::Time(start, step) })
 }
 
-/// Records of all arrays of a file; `separator` parts a group from a name.
+/// Records of the arrays of a file, with `separator` between group and name.
 pub(crate) fn records(
     file: &str,
     arrays: Vec<Array>,
@@ -104,7 +103,7 @@ struct ArrayGroup {
     group: String,
     step: Option<f64>,
     start: Option<f64>,
-    /// Abscissa, what it is, and its relative rounding.
+    /// Abscissa, quantity and relative rounding.
     axis: Option<(Vec<f64>, ChannelQuantity, f64)>,
     channels: Vec<(Heading, Samples, f64)>,
 }
@@ -129,7 +128,7 @@ impl ArrayGroup {
                 }
                 "t0" | "start" if value.is_finite() => self.start = Some(value),
                 _ => {
-                    let reason = "a single number that is no rate";
+                    let reason = "a single number other than a sample rate";
                     notices.add(Notice::ArrayLeftOut { array: array.name, reason });
                 }
             }
@@ -256,7 +255,7 @@ fn axis_of(
     }
 }
 
-/// A channel of an array without names.
+/// A channel without unit and further information.
 pub(crate) fn bare_channel(name: String, abscissa: Abscissa, samples: Samples) -> Channel {
     Channel {
         name,

@@ -7,33 +7,33 @@ use crate::{ChannelQuantity, MeasureError, SensorSensitivity, Unit};
 /// One signal of a record.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Channel {
-    /// Its name in the file, or one made from its place there.
+    /// Name in the file, or one made from its position.
     pub name: String,
-    /// What it measures, by its unit, else by what the file says of it, else by its name.
+    /// Quantity, from the unit, else from the file, else from the name.
     pub quantity: ChannelQuantity,
-    /// The unit of its samples, known or not.
+    /// Unit of the samples.
     pub unit: ChannelUnit,
-    /// Where the samples lie.
+    /// Axis of the samples.
     pub abscissa: Abscissa,
     /// The samples, in `unit`.
     pub samples: Samples,
-    /// What else the file says.
+    /// Further information from the file.
     pub origin: Origin,
 }
 
-/// The unit of a channel's samples: known, or for the caller to resolve.
+/// The unit of samples, if the file gives a known one.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ChannelUnit {
     /// Known.
     Known(Unit),
-    /// The file says none.
+    /// The file gives none.
     Missing,
-    /// The file says this, which is not understood.
+    /// The file gives this unknown one.
     Unrecognised(String),
 }
 
 impl ChannelUnit {
-    /// The unit that `text` names, or the explicit state of not knowing.
+    /// The unit of a text.
     pub fn of_text(text: &str) -> Self {
         match Unit::parse(text) {
             Some(unit) => Self::Known(unit),
@@ -47,7 +47,7 @@ impl ChannelUnit {
         if let Self::Known(unit) = self { Some(*unit) } else { None }
     }
 
-    /// As written: the symbol, the text that was not understood, or nothing.
+    /// The symbol, the unknown text, or nothing.
     pub fn text(&self) -> &str {
         match self {
             Self::Known(unit) => unit.symbol(),
@@ -57,23 +57,23 @@ impl ChannelUnit {
     }
 }
 
-/// Where samples lie, in SI: seconds for time, hertz for frequency.
+/// The axis of samples, in SI: seconds for time, hertz for frequency.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Abscissa {
     /// `start + n * step`.
     Even {
         /// Abscissa of the first sample.
         start: f64,
-        /// Distance of two samples.
+        /// Spacing of samples.
         step: f64,
-        /// What the abscissa is.
+        /// Quantity of the abscissa.
         quantity: ChannelQuantity,
     },
     /// One abscissa for each sample.
     Uneven {
         /// The abscissae.
         values: Vec<f64>,
-        /// What the abscissa is.
+        /// Quantity of the abscissa.
         quantity: ChannelQuantity,
     },
 }
@@ -84,14 +84,14 @@ impl Abscissa {
         Self::Even { start, step: 1.0 / rate, quantity: ChannelQuantity::Time }
     }
 
-    /// What it is: time, frequency, or another.
+    /// Quantity: time, frequency, or another.
     pub fn quantity(&self) -> ChannelQuantity {
         match self {
             Self::Even { quantity, .. } | Self::Uneven { quantity, .. } => *quantity,
         }
     }
 
-    /// Samples per second; none for an uneven axis or one that is not time.
+    /// Sample rate \[Hz\]; none for an uneven axis or one that is not time.
     pub fn sample_rate_hz(&self) -> Option<f64> {
         match self {
             Self::Even { step, quantity: ChannelQuantity::Time, .. } => {
@@ -128,7 +128,7 @@ impl Samples {
         }
     }
 
-    /// Whether there are none.
+    /// True without samples.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -146,20 +146,20 @@ impl Samples {
     }
 }
 
-/// What a file says of a channel beyond its samples; all of it optional.
+/// Optional information on a channel.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Origin {
-    /// Free text that came with it.
+    /// Free text.
     pub description: String,
-    /// When it was measured, as written.
+    /// Date of the measurement, as written.
     pub date: String,
-    /// Where the response was taken.
+    /// Degree of freedom of the response.
     pub response: Option<DegreeOfFreedom>,
-    /// Where the excitation acted.
+    /// Degree of freedom of the excitation.
     pub reference: Option<DegreeOfFreedom>,
 }
 
-/// A node of a test and a direction there.
+/// A node and a direction.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct DegreeOfFreedom {
     /// Name of the part; may be empty.
@@ -171,13 +171,12 @@ pub struct DegreeOfFreedom {
 }
 
 impl Channel {
-    /// Samples per second; none for an uneven axis or one that is not time.
+    /// Sample rate \[Hz\]; none for an uneven axis or one that is not time.
     pub fn sample_rate_hz(&self) -> Option<f64> {
         self.abscissa.sample_rate_hz()
     }
 
-    /// Gives the channel the unit that `text` names, for a file that says none
-    /// or a wrong one; the samples stay.
+    /// Sets the unit without changing the samples, for a file with a missing or wrong unit.
     ///
     /// # Errors
     /// [`MeasureError::NotUnderstood`].
@@ -195,7 +194,7 @@ impl Channel {
     /// Converts the samples to the SI unit of their quantity.
     ///
     /// # Errors
-    /// [`MeasureError::UnknownUnit`] while the unit is missing or not understood.
+    /// [`MeasureError::UnknownUnit`] for a missing or unknown unit.
     pub fn to_si(&mut self) -> Result<(), MeasureError> {
         let unit = self.unit.known().ok_or_else(|| MeasureError::UnknownUnit {
             channel: self.name.clone(),
@@ -209,12 +208,12 @@ impl Channel {
         Ok(())
     }
 
-    /// From a sensor's output to what it measures, in SI.
+    /// Converts the output of a sensor to its measured quantity, in SI.
     ///
     /// # Errors
-    /// [`MeasureError::UnknownUnit`] while the unit is missing or not understood,
-    /// [`MeasureError::QuantityMismatch`] where the samples are not what the
-    /// sensor gives, such as a channel in newtons.
+    /// [`MeasureError::UnknownUnit`] for a missing or unknown unit,
+    /// [`MeasureError::QuantityMismatch`] for samples that are not an output of the
+    /// sensor, such as a channel in newtons.
     pub fn calibrate(&mut self, sensitivity: &SensorSensitivity) -> Result<(), MeasureError> {
         if let Some(unit) = self.unit.known()
             && unit.quantity() != sensitivity.output()

@@ -1,10 +1,10 @@
-//! Why a file of measurements was refused, and where in it.
+//! Errors of reading, converting and writing measurements.
 
 use std::fmt;
 
 use crate::{ChannelQuantity, Format};
 
-/// Where in a file something was found.
+/// A position in a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FilePosition {
     /// Bytes from the start of the file, from zero.
@@ -22,30 +22,30 @@ impl fmt::Display for FilePosition {
     }
 }
 
-/// Why samples could not be read, converted or written.
+/// Errors of reading, converting and writing samples.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum MeasureError {
-    /// The operating system refused.
+    /// An error of the operating system.
     #[error("{file}: {source}")]
     Io {
         /// The file.
         file: String,
-        /// What it answered.
+        /// The error.
         source: std::io::Error,
     },
-    /// Something in the file is not what its format asks for.
+    /// Content that violates the format.
     #[error("{file}, {place}: {quantity} is {found}; expected {expected}")]
     Malformed {
         /// The file.
         file: String,
-        /// Where.
+        /// The position.
         place: FilePosition,
-        /// What was read.
+        /// The part of the file.
         quantity: &'static str,
-        /// What was found, shortened.
+        /// The content found, shortened.
         found: String,
-        /// What was expected.
+        /// The content expected.
         expected: String,
     },
     /// The file ends early, or announces more than it holds.
@@ -53,16 +53,16 @@ pub enum MeasureError {
     Truncated {
         /// The file.
         file: String,
-        /// Where.
+        /// The position.
         place: FilePosition,
-        /// What was read.
+        /// The part of the file.
         quantity: &'static str,
-        /// Bytes needed from that place on.
+        /// Bytes needed from that position.
         needed: u64,
-        /// Bytes there are from that place on.
+        /// Bytes available from that position.
         available: u64,
     },
-    /// Something would take more memory than the file's size allows.
+    /// Content that needs more memory than the size of the file allows.
     #[error(
         "{file}, {place}: {quantity} takes {announced} bytes; at most {limit} for a file of this \
          size (option `expansion`)"
@@ -70,63 +70,63 @@ pub enum MeasureError {
     TooLarge {
         /// The file.
         file: String,
-        /// Where.
+        /// The position.
         place: FilePosition,
-        /// What was read.
+        /// The part of the file.
         quantity: &'static str,
-        /// Bytes it would take.
+        /// Bytes needed.
         announced: u64,
         /// Most bytes allowed.
         limit: u64,
     },
-    /// The content is of none of the formats.
-    #[error("{file}: none of the formats {expected} fits its content")]
+    /// Content of no known format.
+    #[error("{file}: unknown format; expected one of {expected}")]
     UnknownFormat {
         /// The file.
         file: String,
         /// The formats that can be read.
         expected: &'static str,
     },
-    /// The format is known, and not read here.
+    /// A known format that cannot be read or written.
     #[error("{file}: {feature} cannot be read; {instead}")]
     Unsupported {
         /// The file.
         file: String,
-        /// What cannot be read.
+        /// The format or feature.
         feature: &'static str,
-        /// What to do about it.
+        /// An alternative.
         instead: &'static str,
     },
-    /// The file gives neither a time axis nor a sample rate.
+    /// A file without time axis and sample rate.
     #[error("{file}: no time axis and no sample rate; give the rate (option `sample_rate_hz`)")]
     NoSampleRate {
         /// The file.
         file: String,
     },
-    /// The file holds no samples.
-    #[error("{file}: holds no samples; expected {expected}")]
+    /// A file without samples.
+    #[error("{file}: no samples; expected {expected}")]
     NoSamples {
         /// The file.
         file: String,
-        /// What would have been read.
+        /// The content expected.
         expected: &'static str,
     },
-    /// An option does not suit the file.
+    /// An invalid option.
     #[error("{file}: option `{option}` is {found}; expected {expected}")]
     Option {
         /// The file.
         file: String,
         /// The option.
         option: &'static str,
-        /// What was given.
+        /// The value given.
         found: String,
-        /// What suits the file.
+        /// The values accepted.
         expected: String,
     },
-    /// An array could hold its samples along either axis.
+    /// An array with equal dimensions, whose sample axis is ambiguous.
     #[error(
-        "{file}: array `{array}` has shape {rows} x {columns}, samples may run along either axis; \
-         give it (option `sample_axis`)"
+        "{file}: the sample axis of array `{array}` of shape {rows} x {columns} is ambiguous; give it \
+         (option `sample_axis`)"
     )]
     SampleAxis {
         /// The file.
@@ -138,47 +138,47 @@ pub enum MeasureError {
         /// Second dimension.
         columns: u64,
     },
-    /// The unit of a channel is missing or not understood.
-    #[error("channel `{channel}`: unit `{text}` is not known; give one")]
+    /// A missing or unknown unit of a channel.
+    #[error("channel `{channel}`: unknown unit `{text}`; give one, for example m/s^2")]
     UnknownUnit {
         /// The channel.
         channel: String,
         /// The unit as written; empty if none was.
         text: String,
     },
-    /// A text is no unit, or no sensitivity.
-    #[error("`{text}` is no {quantity}; expected such as `{example}`")]
+    /// A text that is not a unit or a sensitivity.
+    #[error("`{text}` is not a valid {quantity}; for example `{example}`")]
     NotUnderstood {
-        /// What was asked for: unit or sensitivity.
+        /// `unit` or `sensitivity`.
         quantity: &'static str,
         /// The text.
         text: String,
-        /// One that is understood.
+        /// A valid text.
         example: &'static str,
     },
-    /// A conversion starts from another quantity.
-    #[error("channel `{channel}` holds {found}; this conversion starts from {expected}")]
+    /// A conversion of a channel of another quantity.
+    #[error("channel `{channel}` is {found}; this conversion needs {expected}")]
     QuantityMismatch {
         /// The channel.
         channel: String,
-        /// What the channel holds.
+        /// Quantity of the channel.
         found: ChannelQuantity,
-        /// What was expected.
+        /// Quantity needed.
         expected: ChannelQuantity,
     },
-    /// The format of a file to write cannot hold this.
-    #[error("{format} cannot hold channel `{channel}`: {reason}")]
+    /// A channel that the format of the file cannot represent.
+    #[error("channel `{channel}` cannot be written as {format}: {reason}")]
     NotExpressible {
         /// The format.
         format: Format,
         /// The channel.
         channel: String,
-        /// What stands against it.
+        /// The reason.
         reason: &'static str,
     },
 }
 
-/// Text from a file, short enough for a message.
+/// Text from a file, shortened for a message.
 pub(crate) fn excerpt(text: &str) -> String {
     const MOST: usize = 40;
     let mut short: String = text.trim_end().chars().take(MOST).collect();

@@ -1,4 +1,4 @@
-//! The formats, and how a file shows which one it has.
+//! File formats and their detection.
 
 use std::fmt;
 
@@ -30,11 +30,10 @@ pub enum Format {
 }
 
 impl Format {
-    /// Formats that [`open`](crate::open) reads, for messages.
+    /// Formats that are always readable, for messages.
     pub(crate) const READABLE: &'static str = "UFF 58, text, NPY, NPZ, MAT 5, WAV, TDMS";
 
-    /// The format for a file name's extension: what to write for it.
-    /// `uff`, `unv` and `uf` mean the binary universal file.
+    /// The format to write for an extension; the binary universal file for `uff`, `unv` and `uf`.
     pub fn of_extension(extension: &str) -> Option<Self> {
         Some(match extension.to_ascii_lowercase().as_str() {
             "uff" | "unv" | "uf" => Self::UniversalBinary,
@@ -49,11 +48,11 @@ impl Format {
         })
     }
 
-    /// The format that a file's content shows; its name does not count.
+    /// The format of the content of a file, whatever its name.
     ///
     /// # Errors
     /// [`MeasureError::UnknownFormat`], or [`MeasureError::Unsupported`] for
-    /// what is known and not read.
+    /// a known format that cannot be read.
     pub(crate) fn of_content(source: &mut Source<'_>) -> Result<Self, MeasureError> {
         let mut start = [0; 4096];
         let length = source.peek(&mut start)?;
@@ -102,7 +101,7 @@ impl Format {
     }
 }
 
-/// A universal file opens with a line of -1 and one of a dataset's number.
+/// True for a line of -1 and one with the number of a dataset.
 fn is_universal(start: &[u8]) -> bool {
     let lines = start.split(|byte| *byte == b'\n').map(<[u8]>::trim_ascii);
     let mut lines = lines.skip_while(|line| line.is_empty());
@@ -115,7 +114,7 @@ fn is_universal(start: &[u8]) -> bool {
     (1..=5).contains(&digits) && ends
 }
 
-/// A MAT version 4 matrix opens with type, rows, columns, complexity and length of a name.
+/// True for a MAT version 4 matrix: type, rows, columns, complexity and length of a name.
 fn is_mat_4(start: &[u8]) -> bool {
     let Some(head) = start.first_chunk::<20>() else { return false };
     let word = |index: usize, big: bool| {

@@ -1,7 +1,7 @@
-//! HDF5, and with it MATLAB 7.3: datasets of numbers at the root and in its groups.
+//! HDF5 and MATLAB 7.3: datasets of numbers at the root and in its groups.
 //!
-//! The file is held in memory whole; what its datasets unfold to is held
-//! against its size. Units and rates are taken from names and scalars, as in
+//! The whole file is held in memory; the memory of its decoded datasets is limited by its size.
+//! Units and rates are taken from names and scalars, as in
 //! archives of NumPy; attributes are not read.
 
 use hdf5_pure::{DType, Dataset, Error, File};
@@ -36,11 +36,11 @@ pub(crate) fn open(
     let mut arrays = Vec::new();
     let mut take = |name: String, dataset: &Dataset| {
         let Some((number, plane)) = shape(dataset).map_err(wrong)? else {
-            let reason = "it holds no numbers in one or two dimensions";
+            let reason = "it is not an array of numbers of one or two dimensions";
             notices.add(Notice::ArrayLeftOut { array: name, reason });
             return Ok(());
         };
-        // What was read stands beside the channels that it is cut into.
+        // The dataset and its channels are in memory together.
         let elements = plane.0.saturating_mul(plane.1);
         let place = FilePosition::Offset(0);
         budget.take(elements.saturating_mul(16), place, "the datasets")?;
@@ -59,7 +59,7 @@ pub(crate) fn open(
         take(name.clone(), &root.dataset(&name).map_err(wrong)?)?;
     }
     for group_name in root.groups().map_err(wrong)? {
-        // MATLAB keeps what cells refer to under this name.
+        // The contents of MATLAB cells have this name.
         if group_name == "#refs#" {
             continue;
         }
@@ -72,7 +72,7 @@ pub(crate) fn open(
     Ok(DecodedRecords::new(Format::Hdf5, records(&name, arrays, ':', options, notices)?))
 }
 
-/// The numbers of a dataset by channels.
+/// The numbers of a dataset, by channels.
 fn cut(values: Vec<f64>, layout: Layout) -> Vec<Samples> {
     let (channels, samples) = (layout.channels as usize, layout.samples as usize);
     if channels == 1 {
@@ -88,7 +88,7 @@ fn cut(values: Vec<f64>, layout: Layout) -> Vec<Samples> {
     (0..channels).map(|index| Samples::Real(channel(index))).collect()
 }
 
-/// Type of numbers, rows and columns.
+/// Number type, rows and columns.
 type Shape = (NumberType, (u64, u64));
 
 /// Type and shape of a dataset of numbers; none for another.

@@ -1,37 +1,34 @@
-//! From the files of measured hammer tests to samples with units, and back.
+//! Files of measured hammer tests to samples with units, and back.
 //!
-//! A hammer test is recorded by somebody else's program. What arrives is a
-//! file, and three questions: which samples belong together, at what rate were
-//! they taken, and in which unit. Every reader here answers them the same way,
-//! with [`Record`]s of [`Channel`]s:
+//! Every reader returns [`Record`]s of [`Channel`]s that were sampled together, with their sample
+//! rate and unit:
 //!
 //! ```text
 //! x_n = factor * sample_n   [SI],   at   t_n = start + n * step   [s]
 //! ```
 //!
-//! Nothing is guessed in silence. What a file does not say is an explicit
-//! state ([`ChannelUnit::Missing`]) or an error that names the option to give;
-//! what a reader took upon itself is a [`Notice`]. What is wrong is a
-//! [`MeasureError`] with the file, the place and what was expected there.
+//! Information missing in a file is an explicit
+//! state ([`ChannelUnit::Missing`]) or an error that names the field of [`ReadOptions`] to give; an
+//! assumption of a reader is a [`Notice`]. Errors are [`MeasureError`]s with the file, the position
+//! and the content expected there.
 //!
-//! Readers hold one block of samples at a time and never take memory on the
-//! word of a header: what a file announces is held against its length first.
+//! Readers hold one block of samples at a time. Sizes announced in a header are checked against the
+//! length of the file before memory is allocated.
 //!
-//! | module | holds |
+//! | module | contents |
 //! |---|---|
 //! | `channel`, `record`, `quantity`, `unit`, `sensitivity` | samples with axis and unit |
-//! | `reader`, `options`, `format`, `source` | opening, what the caller knows, which format |
-//! | `notice`, `error`, `rate` | what was assumed, what is wrong, whole sample rates |
+//! | `reader`, `options`, `format`, `source` | opening, options, detection of the format |
+//! | `notice`, `error`, `rate` | assumptions, errors, whole sample rates |
 //! | `uff` | universal files: datasets 58, 58b, 151, 164 |
 //! | `text` | columns of numbers: CSV, TXT, LVM |
 //! | `npy`, `npz`, `mat`, `arrays`, `number` | arrays of NumPy and MATLAB |
 //! | `wav` | RIFF WAVE |
 //! | `hdf5` | HDF5 and MATLAB 7.3, with the feature `hdf5` |
-//! | `tdms` | TDMS of LabVIEW, with the feature `tdms` |
-//! | `write` | files that appear whole or not at all |
+//! | `tdms` | TDMS of LabVIEW |
+//! | `write` | writing of complete files |
 //!
-//! The crate knows files, rates and units. It knows no mechanics and no signal
-//! processing.
+//! The crate contains no mechanics and no signal processing.
 //!
 //! ```
 //! use asperity_measure::{ChannelQuantity, ReadOptions, read_bytes};

@@ -2,10 +2,9 @@
 //!
 //! Source: MathWorks, "MAT-File Format" (R2019b), level 5. Numeric arrays,
 //! real or complex, in either byte order, compressed or not, and the fields of
-//! structures one level deep, named `structure.field`. Whatever else a file
-//! holds is left out with a notice.
+//! structures one level deep, named `structure.field`. Other variables are left out with a notice.
 //!
-//! | module | holds |
+//! | module | contents |
 //! |---|---|
 //! | `element` | tags, lengths and padding |
 //! | `matrix` | numeric arrays and structures |

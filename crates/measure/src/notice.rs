@@ -1,18 +1,18 @@
-//! What a reader took upon itself, and what it found odd.
+//! Assumptions and observations of readers.
 
 use std::fmt;
 
 use crate::{ChannelQuantity, FilePosition};
 
-/// Something that a reader snapped, assumed or found odd; the samples stand.
+/// An assumption or observation of a reader that does not prevent reading.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum Notice {
-    /// A step printed in few digits was taken as that of a whole rate.
+    /// A step printed with few digits was replaced by that of a whole sample rate.
     RateSnapped {
-        /// Rate of the step as written \[Hz\].
+        /// Sample rate of the step as written \[Hz\].
         written_hz: f64,
-        /// Rate taken \[Hz\].
+        /// Sample rate used \[Hz\].
         taken_hz: f64,
     },
     /// A channel has no unit.
@@ -20,23 +20,23 @@ pub enum Notice {
         /// The channel.
         channel: String,
     },
-    /// The unit of a channel is not understood.
+    /// The unit of a channel is unknown.
     UnitUnrecognised {
         /// The channel.
         channel: String,
         /// The unit as written.
         text: String,
     },
-    /// A channel has no unit of its own; the file's system of units was taken.
+    /// A channel has no unit; that of the file's system of units was used.
     UnitOfFile {
         /// The channel.
         channel: String,
-        /// What it measures.
+        /// Its quantity.
         quantity: ChannelQuantity,
         /// SI value of one unit.
         factor: f64,
     },
-    /// A channel's unit and the file's system of units differ; the channel's was taken.
+    /// A channel's unit and the file's system of units differ; the channel's was used.
     UnitsDisagree {
         /// The channel.
         channel: String,
@@ -45,52 +45,52 @@ pub enum Notice {
         /// SI value of the file's unit.
         file_factor: f64,
     },
-    /// What a channel is said to measure is not what its unit measures; the unit was believed.
+    /// The stated quantity of a channel is not that of its unit, which was used.
     QuantityContradictsUnit {
         /// The channel.
         channel: String,
-        /// What the file says.
+        /// The quantity stated in the file.
         stated: ChannelQuantity,
-        /// What the unit measures.
+        /// The quantity of the unit.
         by_unit: ChannelQuantity,
     },
-    /// A binary dataset announces another length than its points have; the points were believed.
+    /// The announced length of a binary dataset is not that of its points, which was used.
     ByteCount {
-        /// Where the data start.
+        /// Start of the data.
         place: FilePosition,
         /// Bytes announced.
         announced: u64,
-        /// Bytes that the points take.
+        /// Bytes of the points.
         taken: u64,
     },
-    /// Text between datasets was passed over.
+    /// Text between datasets was skipped.
     TextBetweenDatasets {
-        /// Where the first such line is.
+        /// Position of the first such line.
         place: FilePosition,
     },
     /// Text is not UTF-8 and was read as Latin-1.
     Latin1 {
-        /// Where the first such line is.
+        /// Position of the first such line.
         place: FilePosition,
     },
-    /// No axis was said to be time; this one rises evenly and was taken.
+    /// No axis is named time; this evenly spaced one was used.
     TimeByValues {
-        /// Its name or place.
+        /// Its name or number.
         column: String,
     },
-    /// The file gives no sample rate; that of the options was taken.
+    /// The file gives no sample rate; that of the options was used.
     RateOfOptions {
         /// The rate \[Hz\].
         rate_hz: f64,
     },
-    /// Samples were taken to run along this axis of an array, its longer one.
+    /// The longer axis of an array was used as its sample axis.
     SampleAxisByLength {
         /// The array.
         array: String,
         /// The axis, 0 or 1.
         axis: usize,
     },
-    /// A later block does not carry on the even time axis of the first.
+    /// A later block does not continue the even time axis of the first.
     UnevenBlock {
         /// First sample of the block, from zero.
         sample: u64,
@@ -99,18 +99,17 @@ pub enum Notice {
     ArrayLeftOut {
         /// The array.
         array: String,
-        /// Why.
+        /// The reason.
         reason: &'static str,
     },
-    /// A segment of a TDMS file was never closed, as after a crash of its
-    /// writer; what it holds in full was read.
+    /// A segment of a TDMS file was not closed by its writer; its complete samples were read.
     SegmentCutOff {
-        /// Where it starts.
+        /// Its start.
         place: FilePosition,
     },
-    /// A text file ends within a row, which was left out.
+    /// A text file ends inside a row, which was left out.
     RowCutOff {
-        /// Where.
+        /// The position.
         place: FilePosition,
     },
 }
@@ -123,7 +122,7 @@ impl fmt::Display for Notice {
             }
             Self::UnitMissing { channel } => write!(f, "channel `{channel}` has no unit"),
             Self::UnitUnrecognised { channel, text } => {
-                write!(f, "channel `{channel}`: unit `{text}` is not known")
+                write!(f, "channel `{channel}`: unknown unit `{text}`")
             }
             Self::UnitOfFile { channel, quantity, factor } => write!(
                 f,
@@ -131,13 +130,13 @@ impl fmt::Display for Notice {
             ),
             Self::UnitsDisagree { channel, channel_factor, file_factor } => write!(
                 f,
-                "channel `{channel}`: its unit is {channel_factor} in SI, the file's system says \
+                "channel `{channel}`: its unit is {channel_factor} in SI, that of the file's system \
                  {file_factor}; taken by the channel"
             ),
             Self::QuantityContradictsUnit { channel, stated, by_unit } => {
                 write!(
                     f,
-                    "channel `{channel}` is said to be {stated}; its unit is one of {by_unit}"
+                    "channel `{channel}` is stated to be {stated}; its unit is one of {by_unit}"
                 )
             }
             Self::ByteCount { place, announced, taken } => {
@@ -157,7 +156,7 @@ impl fmt::Display for Notice {
                 write!(f, "array `{array}`: samples taken along axis {axis}, the longer one")
             }
             Self::UnevenBlock { sample } => {
-                write!(f, "from sample {sample} on, time does not carry on evenly")
+                write!(f, "from sample {sample} on, time is not even")
             }
             Self::ArrayLeftOut { array, reason } => write!(f, "`{array}` left out: {reason}"),
             Self::SegmentCutOff { place } => {
@@ -168,7 +167,7 @@ impl fmt::Display for Notice {
     }
 }
 
-/// The notices of one reader: each once, and never more than a file can be read for.
+/// The notices of one reader, without repetition and limited in number.
 #[derive(Debug, Default)]
 pub(crate) struct Notices(Vec<Notice>);
 

@@ -24,7 +24,7 @@ pub(crate) struct Npy<'a> {
     source: Source<'a>,
     header: NpyHeader,
     layout: Layout,
-    /// Where its numbers start.
+    /// Position of its numbers.
     offset: u64,
     next: u64,
     block: u64,
@@ -32,12 +32,12 @@ pub(crate) struct Npy<'a> {
     axis: Option<FirstAxis>,
 }
 
-/// How time was found in the first block.
+/// The axis, from the first block.
 #[derive(Clone, Copy)]
 struct FirstAxis {
     start: f64,
     step: f64,
-    /// Whether the first channel is time or a count, and left out.
+    /// True if the first channel is time or a count, and left out.
     leads: bool,
     is_time: bool,
 }
@@ -84,7 +84,7 @@ impl<'a> Npy<'a> {
         })
     }
 
-    /// Real numbers of the block, by channels; complex ones as pairs.
+    /// Real numbers of a block, by channels; complex ones as pairs.
     fn numbers(&mut self, count: u64) -> Result<Vec<Vec<f64>>, MeasureError> {
         let NpyHeader { number, endian, complex, .. } = self.header;
         let parts = if complex { 2 } else { 1 };
@@ -102,7 +102,7 @@ impl<'a> Npy<'a> {
         } else {
             self.source.seek_to(self.offset + self.next * channels * element)?;
             let read = if complex {
-                // Parts interleave as well: as many columns again, then paired.
+                // Real and imaginary parts are interleaved too: twice the columns, then paired.
                 let mut halves = vec![Vec::with_capacity(count as usize); columns.len() * 2];
                 let read =
                     deinterleave(number, endian, &mut self.source, count as usize, &mut halves);

@@ -1,8 +1,7 @@
 //! NumPy arrays in a zip archive (`.npz`).
 //!
-//! Arrays are unfolded whole, one after the other: a zip archive cannot be
-//! read in blocks of several arrays at once. What they may take is held
-//! against the size of the file.
+//! Arrays are decompressed whole, one after the other, since a zip archive cannot be
+//! read in blocks of several arrays at once. The memory needed is limited by the size of the file.
 
 mod write;
 
@@ -19,7 +18,7 @@ use crate::{FilePosition, Format, MeasureError, Notice, ReadOptions, Record, Sam
 
 pub(crate) use write::write;
 
-/// Records that were unfolded at once.
+/// Records decoded at once.
 pub(crate) struct DecodedRecords {
     format: Format,
     records: std::vec::IntoIter<Record>,
@@ -41,7 +40,7 @@ impl Records for DecodedRecords {
     }
 }
 
-/// Memory that unfolding may take.
+/// Limit of the memory of decoding.
 pub(crate) struct Budget {
     file: String,
     limit: u64,
@@ -54,7 +53,7 @@ impl Budget {
         Self { file: source.name().to_owned(), limit, taken: 0 }
     }
 
-    /// Takes `bytes` off, or refuses them.
+    /// Accounts for `bytes`, or rejects them.
     pub(crate) fn take(
         &mut self,
         bytes: u64,
@@ -97,7 +96,12 @@ pub(crate) fn open(
     // An entry takes 76 bytes in the archive at least.
     if archive.len() as u64 > length / 76 {
         let found = archive.len().to_string();
-        return Err(wrong(start, "the number of arrays", &found, "fewer, for its size"));
+        return Err(wrong(
+            start,
+            "the number of arrays",
+            &found,
+            "at most one for 76 bytes of the file",
+        ));
     }
     let mut arrays = Vec::new();
     for index in 0..archive.len() {
@@ -107,10 +111,10 @@ pub(crate) fn open(
         let place = FilePosition::Offset(entry.data_start().unwrap_or(0));
         let name = entry.name().map(std::borrow::Cow::into_owned);
         let name = name.map_err(|error| {
-            wrong(start, "an entry's name", &error.to_string(), "a readable one")
+            wrong(start, "an entry's name", &error.to_string(), "UTF-8 or code page 437")
         })?;
         let Some(name) = name.strip_suffix(".npy").map(str::to_owned) else {
-            let (array, reason) = (name, "it is no array of NumPy");
+            let (array, reason) = (name, "it is not an array of NumPy");
             notices.add(Notice::ArrayLeftOut { array, reason });
             continue;
         };
@@ -123,20 +127,20 @@ pub(crate) fn open(
         let header = match header {
             Ok(header) => header,
             Err(MeasureError::Malformed { quantity: "the type of the array", .. }) => {
-                let reason = "its elements are no numbers";
+                let reason = "its elements are not numbers";
                 notices.add(Notice::ArrayLeftOut { array: name, reason });
                 continue;
             }
             Err(error) => return Err(error),
         };
         let Some(plane) = header.plane().filter(|(rows, columns)| *rows > 0 && *columns > 0) else {
-            let reason = "it has more than two dimensions, or none of its elements";
+            let reason = "it has more than two dimensions, or no elements";
             notices.add(Notice::ArrayLeftOut { array: name, reason });
             continue;
         };
         let elements = plane.0.saturating_mul(plane.1);
         let parts = 1 + u64::from(header.complex);
-        // Complex numbers are paired after they are read: twice their size for a moment.
+        // Complex numbers are paired after reading, which takes twice their size.
         let bytes = elements.saturating_mul(8 * parts * parts);
         budget.take(bytes, place, "the samples of the arrays")?;
         let layout = if header.shape.len() < 2 {
@@ -161,8 +165,8 @@ fn columns(
     if !header.complex {
         return layout.read_real(types, entry);
     }
-    // Real and imaginary parts follow each other: twice the samples where
-    // channels lie one after the other, twice the channels where they do not.
+    // Real and imaginary parts alternate: twice the samples of contiguous channels, twice the
+    // channels of interleaved ones.
     let real = if layout.contiguous {
         Layout { samples: 2 * layout.samples, ..layout }
     } else {

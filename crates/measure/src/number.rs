@@ -73,7 +73,7 @@ impl NumberType {
         }
     }
 
-    /// Appends `count` numbers from `reader`, a piece at a time.
+    /// Appends `count` numbers from `reader`, in pieces.
     pub(crate) fn read(
         self,
         endian: Endian,

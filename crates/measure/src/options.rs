@@ -1,22 +1,20 @@
-//! What a caller knows that a file does not say.
+//! Options of reading.
 
-/// How to read a file. The default takes everything from the file.
+/// Options of reading a file; by default everything is taken from the file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ReadOptions {
-    /// Samples per second \[Hz\], for a file without a time axis. One that the
-    /// file gives goes before.
+    /// Sample rate \[Hz\] of a file without one.
     pub sample_rate_hz: Option<f64>,
-    /// Along which axis of an array the samples run; by default the longer one.
+    /// Sample axis of an array; by default the longer one.
     pub sample_axis: Option<SampleAxis>,
     /// Names of the channels, in order; an empty one keeps that of the file.
     pub names: Vec<String>,
     /// Units of the channels, in order; an empty one keeps that of the file.
     pub units: Vec<String>,
-    /// Most samples of a channel in one record; longer measurements come in
-    /// records that continue each other. At least 1.
+    /// Most samples of a channel in one record, at least 1; longer measurements are divided into
+    /// records that continue each other.
     pub block: usize,
-    /// Most bytes that a compressed file may unfold to, per byte of the file
-    /// (one MiB is always allowed).
+    /// Most bytes of decompressed data per byte of the file (one MiB is always allowed).
     pub expansion: u64,
 }
 
@@ -33,11 +31,11 @@ impl Default for ReadOptions {
     }
 }
 
-/// The axis of an array along which the samples of a channel run.
+/// The axis of an array along which the samples of a channel lie.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SampleAxis {
-    /// Rows are instants: shape (samples, channels).
+    /// Rows: shape (samples, channels).
     First,
-    /// Columns are instants: shape (channels, samples).
+    /// Columns: shape (channels, samples).
     Last,
 }

@@ -1,8 +1,8 @@
-//! What a channel measures.
+//! Quantities of channels.
 
 use std::fmt;
 
-/// A measured quantity.
+/// The quantity of a channel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[non_exhaustive]
 pub enum ChannelQuantity {
@@ -18,15 +18,15 @@ pub enum ChannelQuantity {
     Pressure,
     /// Strain, SI unit 1 (written m/m).
     Strain,
-    /// Voltage of a sensor that is not yet calibrated, SI unit V.
+    /// Voltage of a sensor before calibration, SI unit V.
     Voltage,
-    /// Fraction of a converter's full scale, not yet calibrated.
+    /// Fraction of a converter's full scale, before calibration.
     FullScale,
     /// Time, SI unit s.
     Time,
     /// Frequency, SI unit Hz.
     Frequency,
-    /// Not said by the file.
+    /// Not given by the file.
     #[default]
     Unknown,
 }
@@ -49,8 +49,7 @@ impl ChannelQuantity {
         }
     }
 
-    /// The quantity that a channel's name speaks of: `force`, `hammer`, `acc 2`, `Mic 01`.
-    /// A word counts, not a part of one, so that `reinforcement` is no force.
+    /// The quantity of a channel's name, by whole words: `force`, `hammer`, `acc 2`, `Mic 01`.
     pub fn of_name(name: &str) -> Self {
         let lower = name.to_lowercase();
         let words = lower.split(|character: char| !character.is_alphabetic());
@@ -98,7 +97,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_speak_of_quantities_by_whole_words() {
+    fn names_give_quantities_by_whole_words() {
         assert_eq!(ChannelQuantity::of_name("Hammer force 1"), ChannelQuantity::Force);
         assert_eq!(ChannelQuantity::of_name("acc_z"), ChannelQuantity::Acceleration);
         assert_eq!(ChannelQuantity::of_name("Mic 01.0Scalar"), ChannelQuantity::Pressure);

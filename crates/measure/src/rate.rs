@@ -1,20 +1,20 @@
 //! Sample rates from printed steps.
 //!
-//! A step printed in six digits is off by up to 5e-6 of itself: 51.2 kHz
-//! drifts by half a sample in 200 000. Converters run at whole rates, so the
-//! whole rate within the rounding of the printed step is the better reading.
+//! A step printed with six digits has a relative error of up to 5e-6: at 51.2 kHz
+//! half a sample in 200 000. Since converters run at whole rates, the
+//! whole rate within the rounding of the printed step is used.
 
 use crate::notice::{Notice, Notices};
 
-/// The rate of an exact `step`, whole where it is so to the last bits.
+/// The rate of an exact `step`, whole if it is so to the last bits.
 pub(crate) fn of_step(step: f64) -> f64 {
     let rate = 1.0 / step;
     let whole = rate.round();
     if whole >= 1.0 && (rate - whole).abs() <= 4.0 * f64::EPSILON * whole { whole } else { rate }
 }
 
-/// The step meant by `step`, known to within `uncertainty`: that of the
-/// roundest whole rate in reach, with a notice if that is another rate.
+/// The step of the roundest whole rate within the `uncertainty` of `step`, with a notice if the rate
+/// differs; else `step`.
 pub(crate) fn snapped_step(step: f64, uncertainty: f64, notices: &mut Notices) -> f64 {
     let Some(rate) = whole_rate(step, uncertainty) else { return step };
     let written_hz = 1.0 / step;
@@ -25,7 +25,7 @@ pub(crate) fn snapped_step(step: f64, uncertainty: f64, notices: &mut Notices) -
 }
 
 /// The roundest whole rate within the uncertainty; none if there is none, or
-/// if it is so wide that it holds whole rates whatever was meant.
+/// if the uncertainty exceeds the spacing of whole rates.
 fn whole_rate(step: f64, uncertainty: f64) -> Option<f64> {
     let uncertainty = uncertainty.max(4.0 * f64::EPSILON * step);
     if !(step > 0.0 && step.is_finite() && uncertainty < 1e-4 * step) {
@@ -69,15 +69,15 @@ fn significant_digits(mantissa: &str) -> u32 {
     significant
 }
 
-/// Uncertainty of a step as printed. Three digits or fewer are a number that
-/// somebody chose, not one that was rounded: 3 microseconds are 3 microseconds.
+/// Uncertainty of a printed step. One of three digits or fewer is taken as exact, such as 3
+/// microseconds.
 pub(crate) fn uncertainty_of_printed_step(text: &str) -> f64 {
     let (half_unit, significant) = rounding_of(text);
     if significant <= 3 { 0.0 } else { half_unit }
 }
 
-/// Whether `values` rise evenly, each known to within `tolerance(index, value)`:
-/// then start and step, the step snapped to that of a whole rate.
+/// Start and step of evenly spaced `values`, each known to within `tolerance(value)`, with the step
+/// of a whole rate; none for others.
 pub(crate) fn even_axis(
     values: &[f64],
     tolerance: impl Fn(f64) -> f64,
@@ -89,16 +89,16 @@ pub(crate) fn even_axis(
     if steps == 0 || !step.is_finite() || step <= 0.0 {
         return None;
     }
-    // Times that were summed up step by step err by some bits of the last of them.
+    // Times summed up step by step have an error of some bits of the last of them.
     let summed = 1e-12 * first.abs().max(last.abs());
     let fits = |start: f64, step: f64| {
         values.iter().enumerate().all(|(index, &value)| {
             let expected = start + index as f64 * step;
-            // Two roundings meet: of this value, and of the ends between which it lies.
+            // The rounding of this value and that of the ends between which it lies.
             (value - expected).abs() <= 2.0 * tolerance(value).max(tolerance(last)) + summed
         })
     };
-    // An axis no finer than its rounding is no axis.
+    // The step must exceed the rounding.
     if step <= 10.0 * tolerance(last) || !fits(first, step) {
         return None;
     }
@@ -107,7 +107,7 @@ pub(crate) fn even_axis(
     let snapped = snapped_step(step, uncertainty, &mut found);
     if snapped != step && fits(first, snapped) {
         step = snapped;
-        // A rate off by less than a sample in the axis was read, not snapped.
+        // A rate that changes the axis by less than a sample needs no notice.
         found.into_all().into_iter().for_each(|notice| notices.add(notice));
     }
     Some((first, step))
@@ -153,7 +153,7 @@ mod tests {
         assert_eq!(rounding_of("-1.50E-05").1, 2);
         assert!((rounding_of("1.95313e-05").0 / 0.5e-10 - 1.0).abs() < 1e-12);
         assert_eq!(rounding_of("12,5"), (0.05, 3));
-        // Nonsense has some answer and no overflow.
+        // Invalid text gives some number, without overflow.
         let _ = rounding_of("1e99999999999");
         let _ = rounding_of("");
     }

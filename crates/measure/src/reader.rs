@@ -10,9 +10,9 @@ use crate::{
     ReadOptions, Record, Unit,
 };
 
-/// What a format supplies: its records, one after the other.
+/// The records of a format, one after the other.
 pub(crate) trait Records: Send {
-    /// The format read.
+    /// The format.
     fn format(&self) -> Format;
 
     /// The next record; none at the end.
@@ -28,16 +28,16 @@ pub struct Reader<'a> {
     ended: bool,
 }
 
-/// Opens a file; its content tells the format.
+/// Opens a file of any format, detected from its content, for reading record by record.
 ///
 /// # Errors
-/// Any [`MeasureError`] of reading: the file cannot be opened, is of no known
-/// format, or its header is wrong.
+/// [`MeasureError`] for a file that cannot be opened, has no known
+/// format, or has an invalid header.
 pub fn open(path: &Path, options: &ReadOptions) -> Result<Reader<'static>, MeasureError> {
     Reader::of(Source::open(path)?, options)
 }
 
-/// Reads all that a file holds, with no measurement in blocks.
+/// Reads a whole file.
 ///
 /// # Errors
 /// As [`open`] and [`Reader::next_record`].
@@ -46,17 +46,27 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Measurement, MeasureEr
     open(path, &options)?.read_all()
 }
 
-/// Reads all that `bytes` hold, as [`read`] does a file.
+/// Reads the bytes of a whole file, as [`read`] does.
 ///
 /// # Errors
 /// As [`open`] and [`Reader::next_record`].
+///
+/// ```
+/// use asperity_measure::{ReadOptions, read_bytes};
+///
+/// let options = ReadOptions { sample_rate_hz: Some(1000.0), ..ReadOptions::default() };
+/// let measured = read_bytes(b"force [N],acc [g]\n0,0\n9,1\n2,3\n", &options)?;
+/// let force = measured.records[0].named("force").ok_or("a channel of the header")?;
+/// assert_eq!(force.samples.real(), Some(&[0.0, 9.0, 2.0][..]));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn read_bytes(bytes: &[u8], options: &ReadOptions) -> Result<Measurement, MeasureError> {
     let options = ReadOptions { block: usize::MAX, ..options.clone() };
     Reader::from_stream("bytes", Cursor::new(bytes), &options)?.read_all()
 }
 
 impl<'a> Reader<'a> {
-    /// Reads from any stream; `name` stands for the file in messages.
+    /// Reads from a stream; `name` replaces that of the file in messages.
     ///
     /// # Errors
     /// As [`open`].
@@ -96,12 +106,12 @@ impl<'a> Reader<'a> {
         Ok(Self { records, notices, names: options.names.clone(), units, ended: false })
     }
 
-    /// The format found.
+    /// The format.
     pub fn format(&self) -> Format {
         self.records.format()
     }
 
-    /// What was snapped, assumed or odd so far.
+    /// Assumptions and observations so far.
     pub fn notices(&self) -> &[Notice] {
         self.notices.all()
     }
@@ -109,7 +119,7 @@ impl<'a> Reader<'a> {
     /// The next record; none at the end, and none after an error.
     ///
     /// # Errors
-    /// Where the file is not as its format asks, with the place.
+    /// [`MeasureError`] for content that violates the format, with its position.
     pub fn next_record(&mut self) -> Result<Option<Record>, MeasureError> {
         if self.ended {
             return Ok(None);
@@ -129,7 +139,7 @@ impl<'a> Reader<'a> {
         Ok(Measurement { format: self.format(), records, notices: self.notices.into_all() })
     }
 
-    /// The caller's names and units, then what quantity follows from them.
+    /// Sets the names and units of the options, then the quantities.
     fn name_and_unit(&mut self, record: &mut Record) {
         for (index, channel) in record.channels.iter_mut().enumerate() {
             if let Some(name) = self.names.get(index).filter(|name| !name.is_empty()) {

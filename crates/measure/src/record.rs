@@ -1,4 +1,4 @@
-//! Channels sampled together, and all that a file holds.
+//! Records of channels sampled together.
 
 use crate::{Channel, ChannelQuantity, Format, Notice};
 
@@ -7,7 +7,7 @@ use crate::{Channel, ChannelQuantity, Format, Notice};
 pub struct Record {
     /// The channels, in the order of the file.
     pub channels: Vec<Channel>,
-    /// Whether it carries on where the record before it ended.
+    /// True if the record continues the one before it.
     pub continues: bool,
     /// Title of the measurement, if the file gives one.
     pub title: String,
@@ -26,17 +26,17 @@ impl Record {
         self.channels.iter().find(|channel| channel.name == name)
     }
 
-    /// Samples of each channel; of the longest, should they differ.
+    /// Number of samples of the longest channel.
     pub fn len(&self) -> usize {
         self.channels.iter().map(|channel| channel.samples.len()).max().unwrap_or(0)
     }
 
-    /// Whether it has no samples.
+    /// True without samples.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Samples per second, where every channel has the same.
+    /// Sample rate \[Hz\], if all channels have the same.
     pub fn sample_rate_hz(&self) -> Option<f64> {
         let rate = self.channels.first()?.sample_rate_hz()?;
         let same = self.channels.iter().all(|channel| channel.sample_rate_hz() == Some(rate));
@@ -44,13 +44,13 @@ impl Record {
     }
 }
 
-/// All that a file holds.
+/// The content of a file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Measurement {
-    /// The format found.
+    /// Format of the file.
     pub format: Format,
-    /// The records, in the order of the file, none of them in blocks.
+    /// The records, in the order of the file, not divided into blocks.
     pub records: Vec<Record>,
-    /// What was snapped, assumed or odd.
+    /// Assumptions and observations of the reader.
     pub notices: Vec<Notice>,
 }

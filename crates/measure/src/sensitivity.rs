@@ -1,8 +1,8 @@
-//! Sensors' sensitivities: what comes out for what goes in.
+//! Sensitivities of sensors.
 
 use crate::{ChannelQuantity, MeasureError, Unit};
 
-/// A sensor's sensitivity, `output = volts_per_si * input`.
+/// The sensitivity of a sensor, `output = output_per_si * input`.
 ///
 /// ```
 /// use asperity_measure::{ChannelQuantity, SensorSensitivity};
@@ -20,18 +20,18 @@ pub struct SensorSensitivity {
 }
 
 impl SensorSensitivity {
-    /// What the sensor gives: [`ChannelQuantity::Voltage`], or [`ChannelQuantity::FullScale`]
-    /// where a converter was calibrated with its sensor (`0.02 FS/N`).
+    /// Quantity of the output: [`ChannelQuantity::Voltage`], or [`ChannelQuantity::FullScale`]
+    /// for a sensor calibrated with its converter (`0.02 FS/N`).
     pub fn output(&self) -> ChannelQuantity {
         self.output
     }
 
-    /// What the sensor measures.
+    /// Measured quantity.
     pub fn measures(&self) -> ChannelQuantity {
         self.measures
     }
 
-    /// Output in SI (V) for one SI unit of what is measured.
+    /// Output in SI (V) per SI unit of the measured quantity.
     pub fn output_per_si(&self) -> f64 {
         self.output_per_si
     }
@@ -43,7 +43,7 @@ impl std::str::FromStr for SensorSensitivity {
     /// Reads `100 mV/g`, `2.25 mV/N`, `10 mV/(m/s^2)`, `0.05 FS/N`.
     ///
     /// # Errors
-    /// [`MeasureError::NotUnderstood`] for anything else, and for a
+    /// [`MeasureError::NotUnderstood`] for other texts, and for a
     /// sensitivity that is zero or not finite.
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         parse(text).ok_or_else(|| MeasureError::NotUnderstood {
@@ -99,7 +99,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_sensitivity() {
+    fn invalid_sensitivities_are_rejected() {
         for text in
             ["", "/", "100", "mV/g", "100 mV", "0 mV/g", "inf V/N", "5 pC/N", "1 N/V", "1 V/V"]
         {

@@ -1,4 +1,4 @@
-//! A file, or bytes in its place: its name, its length, and how far it was read.
+//! The source of measurements: a file, or bytes.
 
 use std::borrow::Cow;
 use std::io::{BufRead, BufReader, Read, Seek, SeekFrom};
@@ -8,12 +8,12 @@ use std::sync::Arc;
 use crate::error::excerpt;
 use crate::{FilePosition, MeasureError};
 
-/// What measurements can be read from.
+/// A stream that measurements can be read from.
 pub trait ByteStream: Read + Seek + Send {}
 
 impl<T: Read + Seek + Send> ByteStream for T {}
 
-/// A stream with what messages and checks of sizes need.
+/// A stream with its name, length and position.
 pub(crate) struct Source<'a> {
     name: Arc<str>,
     inner: BufReader<Box<dyn ByteStream + 'a>>,
@@ -21,7 +21,7 @@ pub(crate) struct Source<'a> {
     position: u64,
 }
 
-/// Longest line of a text. A row of 10 000 channels has some 200 kB.
+/// Longest line of a text; a row of 10 000 channels has some 200 kB.
 pub(crate) const LONGEST_LINE: u64 = 1 << 20;
 
 impl<'a> Source<'a> {
@@ -50,12 +50,12 @@ impl<'a> Source<'a> {
         &self.name
     }
 
-    /// Bytes in all.
+    /// Length in bytes.
     pub(crate) fn len(&self) -> u64 {
         self.length
     }
 
-    /// Bytes read so far.
+    /// Position in bytes.
     pub(crate) fn position(&self) -> u64 {
         self.position
     }
@@ -64,7 +64,7 @@ impl<'a> Source<'a> {
         FilePosition::Offset(self.position)
     }
 
-    /// Bytes left.
+    /// Remaining bytes.
     pub(crate) fn remaining(&self) -> u64 {
         self.length.saturating_sub(self.position)
     }
@@ -80,7 +80,7 @@ impl<'a> Source<'a> {
         Ok(())
     }
 
-    /// Fills `buffer`, or says what of it is missing.
+    /// Fills `buffer`, or reports the missing bytes.
     pub(crate) fn read_exact(
         &mut self,
         buffer: &mut [u8],
@@ -92,7 +92,7 @@ impl<'a> Source<'a> {
         Ok(())
     }
 
-    /// Refuses what the rest of the file cannot hold, before memory is taken for it.
+    /// Rejects content longer than the rest of the file, before memory is allocated.
     pub(crate) fn need(&self, bytes: u64, quantity: &'static str) -> Result<(), MeasureError> {
         let available = self.remaining();
         if bytes <= available {
@@ -107,7 +107,7 @@ impl<'a> Source<'a> {
         })
     }
 
-    /// Reads from the current place into `buffer` as far as it goes, and goes back.
+    /// Reads into `buffer` as far as possible without changing the position.
     pub(crate) fn peek(&mut self, buffer: &mut [u8]) -> Result<usize, MeasureError> {
         let start = self.position;
         let length = buffer.len().min(usize::try_from(self.remaining()).unwrap_or(usize::MAX));
@@ -116,8 +116,8 @@ impl<'a> Source<'a> {
         Ok(length)
     }
 
-    /// The next line into `line`, without its end; false at the end of the file.
-    /// `number` counts up with it.
+    /// Reads the next line into `line`, without its end, and increments `number`; false at the end of
+    /// the file.
     pub(crate) fn read_line(
         &mut self,
         line: &mut Vec<u8>,
@@ -150,7 +150,7 @@ impl<'a> Source<'a> {
         MeasureError::Io { file: self.name.to_string(), source }
     }
 
-    /// Something is not as the format asks.
+    /// The error of content that violates the format.
     pub(crate) fn malformed(
         &self,
         place: FilePosition,

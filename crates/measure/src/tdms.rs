@@ -1,21 +1,21 @@
-//! TDMS of National Instruments, as LabVIEW and its kin write it.
+//! TDMS of National Instruments.
 //!
 //! Source: National Instruments, "TDMS File Format Internal Structure". A file
-//! is a row of segments, each with metadata of what is new since the segment
-//! before, and raw data. A first pass reads lead-ins and metadata; samples are
-//! then read a block at a time, for all channels that lie together at once.
+//! is a sequence of segments, each with raw data and the metadata changed since the segment
+//! before. A first pass reads lead-ins and metadata; samples are
+//! then read in blocks, together for the channels of common chunks.
 //!
-//! Scales that are linear or polynomial are applied; a channel with another is
-//! refused, since its samples would not be in its unit. So is raw data of the
-//! driver NI-DAQmx, which keeps samples as the device packs them.
+//! Linear and polynomial scales are applied; a channel with another scale is
+//! rejected, since its samples would not be in its unit, and so is raw data of the
+//! driver NI-DAQmx, whose format depends on the device.
 //!
-//! | module | holds |
+//! | module | contents |
 //! |---|---|
-//! | `lead`, `index` | segments, and the first pass over them |
-//! | `fields`, `path`, `property`, `timestamp`, `object` | what metadata are made of |
-//! | `extent`, `strand` | where samples lie, and reading them |
-//! | `gather`, `waveform`, `axis` | which channels belong together, and when they were taken |
-//! | `scale` | from raw samples to those in the channel's unit |
+//! | `segment`, `index` | segments, and the first pass |
+//! | `property`, `object` | properties and objects of the metadata |
+//! | `extent`, `chunk_group` | positions of samples, and reading them |
+//! | `gather`, `waveform`, `axis` | channels sampled together, and their axis |
+//! | `scale` | raw samples to samples in the unit of the channel |
 
 mod axis;
 mod chunk_group;
@@ -51,7 +51,7 @@ pub(crate) struct Tdms<'a> {
     source: Source<'a>,
     objects: Vec<TdmsObject>,
     records: std::vec::IntoIter<ChannelGroup>,
-    /// The record being read, its axis, and its first sample not yet read.
+    /// The current record, its axis, and its next sample.
     current: Option<(ChannelGroup, TdmsAxis, u64)>,
     block: u64,
     rate_of_options: Option<f64>,
@@ -99,8 +99,8 @@ impl Records for Tdms<'_> {
         let count = (record.samples - from).min(self.block);
         let column = || Vec::with_capacity(count as usize);
         let mut columns: Vec<Vec<f64>> = record.members.iter().map(|_| column()).collect();
-        for strand in &mut record.strands {
-            strand.read(source, objects, count, &mut columns)?;
+        for chunk_group in &mut record.chunk_groups {
+            chunk_group.read(source, objects, count, &mut columns)?;
         }
         for (member, column) in record.members.iter().zip(&mut columns) {
             member.scales.apply(column);

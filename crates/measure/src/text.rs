@@ -1,18 +1,17 @@
 //! Columns of numbers as text: CSV, TXT and LabVIEW measurement files.
 //!
-//! Nothing in such a file says how it is to be read, so its first 64 KiB are
-//! tried under every delimiter and decimal mark, and the longest run of rows of
-//! numbers wins; what stands above it are names and units.
+//! Delimiter and decimal mark are those with the longest run of rows of numbers in the first
+//! 64 KiB; the lines above the run are names and units.
 //!
-//! | module | holds |
+//! | module | contents |
 //! |---|---|
-//! | `dialect` | delimiter, decimal mark, where the numbers start |
+//! | `dialect` | delimiter, decimal mark, first row of numbers |
 //! | `heading` | names and units |
 //! | `labview` | headers of `.lvm` files |
-//! | `axis` | which column is time, and at what rate |
+//! | `axis` | time column and sample rate |
 //! | `pairs` | channels with an abscissa each |
-//! | `rows` | the numbers |
-//! | `write` | the way back |
+//! | `rows` | numbers |
+//! | `write` | writing |
 
 mod axis;
 mod dialect;
@@ -42,7 +41,7 @@ pub(crate) struct Text<'a> {
     labview: Option<FileHeader>,
     segment: LvmSegment,
     columns: Vec<NumberColumn>,
-    /// How the channels of the current segment lie in time, all of them or each;
+    /// Axis of the current segment, common or one for each channel;
     /// none before its first block.
     axes: Vec<TextAxis>,
     line: Vec<u8>,
@@ -86,12 +85,12 @@ impl<'a> Text<'a> {
         Ok(text)
     }
 
-    /// Finds dialect, headings and the first row; the source then stands there.
+    /// Finds dialect and headings and moves to the first row.
     fn sniff(&mut self, start: &[u8], notices: &mut Notices) -> Result<(), MeasureError> {
         let mark: &[u8] = b"\xef\xbb\xbf";
         let body = start.strip_prefix(mark).unwrap_or(start);
         let lines: Vec<&[u8]> = body.split(|byte| *byte == b'\n').collect();
-        // The last line is whole only if the text ends with it.
+        // The last line is complete at the end of the file only.
         let whole =
             if self.source.len() > start.len() as u64 { lines.len() - 1 } else { lines.len() };
         let lines = &lines[..whole];
@@ -137,11 +136,11 @@ impl<'a> Text<'a> {
         check_channels(&self.source, names.len() as u64)?;
         let heading = |(index, name): (usize, &String)| {
             let mut heading = Heading::parse(name);
-            // The units' line leaves out the abscissa.
+            // The line of units has no abscissa.
             if let Some(unit) = index.checked_sub(1).and_then(|place| segment.units.get(place)) {
                 heading.unit = crate::ChannelUnit::of_text(unit);
             }
-            // Every other is an abscissa, whatever it is called.
+            // Every other column is an abscissa, whatever its name.
             if in_pairs && index.is_multiple_of(2) {
                 "X_Value".clone_into(&mut heading.name);
             }
@@ -231,7 +230,7 @@ impl Records for Text<'_> {
 }
 
 /// Names and units from the lines above the run: one row, or a row of names
-/// and one of units. A comment counts if it has as many words as there are columns.
+/// and one of units, or a comment with as many words as columns.
 fn headings(lines: &[&[u8]], dialect: Dialect, run: NumberRun) -> Vec<Option<Heading>> {
     let row = |line: &&[u8]| {
         let line = line.trim_ascii_end();

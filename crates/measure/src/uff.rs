@@ -1,18 +1,17 @@
 //! Universal files: functions at nodes (dataset 58 and 58b), title (151), units (164).
 //!
-//! The format is that of the SDRC I-DEAS test data universal file; its
-//! datasets lie between lines of `-1`. A first pass notes where each function
-//! lies and what its header says, so that the channels of one hit, which lie
-//! one after the other, can be read together and in blocks.
+//! The format is that of the SDRC I-DEAS test data universal file, with
+//! datasets between lines of `-1`. A first pass reads the position and the header of each function,
+//! so that the consecutive functions of one hit can be read together in blocks.
 //!
-//! | module | holds |
+//! | module | contents |
 //! |---|---|
-//! | `index` | the first pass |
-//! | `header`, `fields` | the lines before the numbers |
-//! | `binary`, `printed` | the numbers |
+//! | `index` | first pass |
+//! | `header`, `fields` | lines before the numbers |
+//! | `binary`, `printed` | numbers |
 //! | `system` | dataset 164, and units of a channel |
-//! | `group` | which functions were sampled together |
-//! | `write` | the way back |
+//! | `group` | functions sampled together |
+//! | `write` | writing |
 
 mod binary;
 mod fields;
@@ -46,9 +45,9 @@ pub(crate) struct Universal<'a> {
     source: Source<'a>,
     format: Format,
     groups: std::vec::IntoIter<Group>,
-    /// The group being read, and its first sample not yet read.
+    /// The current group, and its next sample.
     current: Option<(Group, u64)>,
-    /// Where the numbers of each function of the current group are read, if they are text.
+    /// Positions in the printed numbers of the functions of the current group.
     printed: Vec<Option<Printed>>,
     block: u64,
     rate_of_options: Option<f64>,
@@ -199,7 +198,7 @@ pub(crate) struct Values {
 }
 
 impl Values {
-    /// Room for `count` points; the caller has held `count` against the file's length.
+    /// Space for `count` points, a number the caller has checked.
     fn for_points(count: usize, even: bool, complex: bool) -> Self {
         Self {
             abscissae: Vec::with_capacity(if even { 0 } else { count }),

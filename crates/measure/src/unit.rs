@@ -1,4 +1,4 @@
-//! Units as people write them, with their factor to SI.
+//! Units, their spellings and their factors to SI.
 
 use std::fmt;
 
@@ -29,7 +29,7 @@ const TABLE: &[UnitRow] = &[
     ("MN", &["MN"], ChannelQuantity::Force, 1e6),
     ("lbf", &["lbf", "lb_f"], ChannelQuantity::Force, POUND_FORCE),
     ("kgf", &["kgf", "kp"], ChannelQuantity::Force, STANDARD_GRAVITY),
-    // A mass is no channel of a hammer test: g is the acceleration.
+    // Masses do not occur in hammer tests: g is the acceleration.
     (
         "g",
         &["g", "G", "gs", "g's", "g_n", "gn", "g0"],
@@ -70,13 +70,13 @@ const TABLE: &[UnitRow] = &[
 ];
 
 impl Unit {
-    /// The unit that `text` names, or none.
+    /// The unit of a text; none if it is unknown.
     ///
-    /// Brackets, blanks, `^`, `**`, `·` and superscripts make no difference:
-    /// `m/s^2`, `m/s**2`, `m/s²`, `[m/s2]`. Case counts, since `mN` and `MN`
-    /// differ; where only one unit has a spelling of two letters or more when
-    /// case is left out (`PA`, `LBF`, `M/S2`), that one is meant. `g` is always
-    /// the acceleration. `-`, `NONE` and the like name no unit.
+    /// Brackets, blanks, `^`, `**`, `·` and superscripts are ignored:
+    /// `m/s^2`, `m/s**2`, `m/s²`, `[m/s2]`. Case matters, since `mN` and `MN`
+    /// differ, unless only one unit has the spelling of two letters or more without regard to
+    /// case (`PA`, `LBF`, `M/S2`). `g` is
+    /// the acceleration. `-`, `NONE` and the like are no unit.
     pub fn parse(text: &str) -> Option<Self> {
         let normal = normalised(text);
         let exact = TABLE.iter().find(|row| row.1.contains(&normal.as_str()));
@@ -99,12 +99,12 @@ impl Unit {
         Self { symbol, quantity, factor }
     }
 
-    /// How it is written, e.g. `m/s^2`.
+    /// Symbol, such as `m/s^2`.
     pub fn symbol(&self) -> &'static str {
         self.symbol
     }
 
-    /// What it measures.
+    /// Quantity of the unit.
     pub fn quantity(&self) -> ChannelQuantity {
         self.quantity
     }
@@ -121,7 +121,7 @@ impl fmt::Display for Unit {
     }
 }
 
-/// Whether `text` says that there is no unit: empty, `-`, `NONE`, `unknown`.
+/// True for a text that states no unit: empty, `-`, `NONE`, `unknown`.
 pub(crate) fn says_none(text: &str) -> bool {
     let bare = text.trim().trim_matches(|c| "[]()".contains(c)).trim().to_lowercase();
     ["", "-", "--", "none", "unknown", "n/a", "null"].contains(&bare.as_str())
@@ -137,7 +137,7 @@ fn case_blind(normal: &str) -> Option<&'static UnitRow> {
     fitting.next().is_none().then_some(first)
 }
 
-/// One spelling for the many: no blanks, no powers' signs, ASCII letters.
+/// The spelling without blanks and signs of powers, in ASCII letters.
 fn normalised(text: &str) -> String {
     let mut bare = text.trim();
     for (open, close) in [('(', ')'), ('[', ']')] {

@@ -1,4 +1,4 @@
-//! RIFF WAVE: samples as a fraction of the converter's full scale.
+//! RIFF WAVE, with samples as fractions of the converter's full scale.
 
 use hound::{SampleFormat, WavReader};
 

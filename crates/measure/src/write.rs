@@ -1,31 +1,31 @@
-//! Files of records, which appear whole or not at all.
+//! Writing of records to complete files.
 
 use std::io::{BufWriter, Write};
 use std::path::Path;
 
 use crate::{Abscissa, Channel, Format, MeasureError, Record};
 
-/// What a file is to say beyond its records.
+/// Options of writing.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct WriteOptions {
-    /// Title, where the format has room for one and no record gives it.
+    /// Title, for formats with a title and records without one.
     pub title: String,
-    /// Date as text, for the same.
+    /// Date as text, likewise.
     pub date: String,
 }
 
 /// Writes `records` to the file `path` in `format`: universal (58 or 58b, after
 /// datasets 151 and 164), text (CSV) or NPZ.
 ///
-/// A record that continues the one before becomes part of it. Samples go out
-/// in the unit that they have; names, units and axes come back from what is
-/// written, universal files and NPZ also hold several records.
+/// A record that continues the one before becomes part of it. Samples are written
+/// in their unit; names, units and axes can be read back. Universal files and NPZ also hold several
+/// records.
 ///
 /// # Errors
-/// [`MeasureError::NotExpressible`] for what the format cannot hold,
+/// [`MeasureError::NotExpressible`] for channels that the format cannot represent,
 /// [`MeasureError::Unsupported`] for a format that is only read,
-/// [`MeasureError::Io`] where the operating system refuses; no file is left
-/// behind then, and one that was there before stays as it was.
+/// [`MeasureError::Io`] for errors of the operating system. An existing file is then unchanged, and
+/// no new file remains.
 pub fn write(
     path: &Path,
     records: &[Record],
@@ -57,7 +57,7 @@ pub fn write(
             return Err(MeasureError::Unsupported {
                 file,
                 feature: "this format",
-                instead: "it is not written; write UFF, CSV or NPZ",
+                instead: "write UFF, CSV or NPZ",
             });
         }
     }
@@ -69,18 +69,18 @@ pub fn write(
     Ok(())
 }
 
-/// Temporary files are private to their owner; results are as readable as any new file.
+/// Gives the file the permissions of a new file; temporary files are private to their owner.
 #[cfg(unix)]
 fn make_readable(file: &std::fs::File) {
     use std::os::unix::fs::PermissionsExt;
-    // Failing this costs nobody but other users their access.
+    // A failure restricts the access of other users only.
     let _ = file.set_permissions(std::fs::Permissions::from_mode(0o644));
 }
 
 #[cfg(not(unix))]
 fn make_readable(_: &std::fs::File) {}
 
-/// What can go wrong in a format's writer.
+/// Errors of the writer of a format.
 #[derive(Debug)]
 pub(crate) enum WriteFault {
     Io(std::io::Error),
@@ -95,7 +95,7 @@ impl WriteFault {
         }
     }
 
-    /// The format cannot hold the channel.
+    /// A channel that the format cannot represent.
     pub(crate) fn refused(format: Format, channel: &str, reason: &'static str) -> Self {
         let channel = channel.to_owned();
         Self::Refused(MeasureError::NotExpressible { format, channel, reason })
@@ -108,7 +108,7 @@ impl From<std::io::Error> for WriteFault {
     }
 }
 
-/// A record is written as it is read: all channels equally long, with an axis that fits.
+/// Rejects records with channels of different lengths or invalid axes.
 fn check(record: &Record, format: Format) -> Result<(), MeasureError> {
     let refuse = |channel: &Channel, reason| {
         Err(MeasureError::NotExpressible { format, channel: channel.name.clone(), reason })
@@ -133,7 +133,7 @@ fn check(record: &Record, format: Format) -> Result<(), MeasureError> {
     Ok(())
 }
 
-/// Records with those that continue them.
+/// Groups records with those that continue them.
 fn join(records: &[Record]) -> Vec<Vec<&Record>> {
     let mut joined: Vec<Vec<&Record>> = Vec::new();
     for record in records.iter().filter(|record| !record.channels.is_empty()) {

@@ -1,32 +1,32 @@
-//! What every target asks of a reader, whatever the bytes are.
+//! Properties of every reader for arbitrary bytes.
 //!
-//! It answers or refuses, whole and in blocks, with no more records than bytes.
-//! Where nothing is decided by the first block, blocks put together are what
-//! was read whole, bit by bit.
+//! A reader returns a result or an error, whole and in blocks, with no more records than bytes.
+//! Unless the first block determines the columns, joined blocks are equal to
+//! the whole, bit by bit.
 
 use std::io::Cursor;
 
 use asperity_measure::{ReadOptions, Reader, Samples, read_bytes};
 
-/// Whether what is read whole and in blocks must be the same.
+/// Relation of blocks to the whole.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Blocks {
-    /// It must.
+    /// Joined blocks are equal to the whole.
     Same,
-    /// The first block decides on the columns, so it may not.
+    /// The first block determines the columns, so they may differ.
     Free,
 }
 
 /// Reads `bytes` whole and in blocks.
 ///
 /// # Panics
-/// If the two differ where they must not, or there is no end of records.
+/// If the two differ although they must not, or if there are more records than bytes.
 pub fn read(bytes: &[u8], blocks: Blocks) {
     let options = ReadOptions { sample_rate_hz: Some(1000.0), ..ReadOptions::default() };
     let whole = read_bytes(bytes, &options);
     let small = ReadOptions { block: 7, ..options };
     let Ok(mut reader) = Reader::from_stream("blocks", Cursor::new(bytes), &small) else {
-        assert!(whole.is_err(), "blocks are refused, the whole is not");
+        assert!(whole.is_err(), "blocks are rejected, the whole is not");
         return;
     };
     let (mut count, mut joined): (usize, Vec<Vec<u64>>) = (0, Vec::new());
@@ -51,13 +51,13 @@ pub fn read(bytes: &[u8], blocks: Blocks) {
         return;
     }
     match whole {
-        Err(_) => assert!(!ended, "the whole is refused, blocks are not"),
+        Err(_) => assert!(!ended, "the whole is rejected, blocks are not"),
         Ok(whole) => {
-            assert!(ended, "a block is refused, the whole is not");
+            assert!(ended, "a block is rejected, the whole is not");
             let channels = whole.records.iter().flat_map(|record| &record.channels);
             let expected: Vec<Vec<u64>> =
                 channels.map(|channel| bits_of(&channel.samples).collect()).collect();
-            assert!(joined == expected, "blocks are not what was read whole");
+            assert!(joined == expected, "blocks differ from the whole");
         }
     }
 }

@@ -1,4 +1,4 @@
-//! How the samples of the channels of an array lie in a file.
+//! Layout of the channels of an array in a file.
 
 use std::io::Read;
 
@@ -6,18 +6,17 @@ use crate::notice::Notices;
 use crate::number::{Endian, NumberType};
 use crate::{MeasureError, Notice, SampleAxis, Samples};
 
-/// How the samples of the channels of an array lie in a file.
+/// Layout of the channels of an array in a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Layout {
     pub(crate) channels: u64,
     pub(crate) samples: u64,
-    /// Whether one channel follows the other; else one instant does.
+    /// True for one channel after the other, false for interleaved channels.
     pub(crate) contiguous: bool,
 }
 
 impl Layout {
-    /// Of an array of `rows` by `columns`, with its rows one after the other
-    /// (`row_major`) or its columns.
+    /// The layout of an array of `rows` by `columns`, in the order of rows (`row_major`) or columns.
     pub(crate) fn of(
         file: &str,
         array: &str,
@@ -45,7 +44,7 @@ impl Layout {
         Ok(Self { channels, samples, contiguous })
     }
 
-    /// Real numbers from `reader`, by channels. Memory was checked by the caller.
+    /// Real numbers from `reader`, by channels. The caller has checked the memory needed.
     pub(crate) fn read_real(
         self,
         (number, endian): (NumberType, Endian),
@@ -65,7 +64,7 @@ impl Layout {
     }
 }
 
-/// Reads `samples` instants of all `columns`.
+/// Reads `samples` interleaved samples of all `columns`.
 pub(crate) fn deinterleave(
     number: NumberType,
     endian: Endian,

@@ -5,14 +5,14 @@ use std::io::Read;
 use crate::number::Endian;
 use crate::{FilePosition, MeasureError};
 
-/// What was wrong within an element; where it lies is known outside.
+/// An error in an element, without its position.
 #[derive(Debug)]
 pub(crate) enum ElementFault {
-    /// Not what the format asks for.
+    /// Content that violates the format.
     Unexpected { quantity: &'static str, found: String, expected: &'static str },
-    /// The stream ended or could not be unfolded.
+    /// The stream ended or could not be decompressed.
     Stream(std::io::Error),
-    /// An error with its place.
+    /// An error with its position.
     Placed(MeasureError),
 }
 
@@ -25,12 +25,12 @@ impl ElementFault {
         Self::Unexpected { quantity, found: found.to_string(), expected }
     }
 
-    /// The error of an element at `place`.
+    /// The error of an element at a position.
     pub(crate) fn at(self, file: &str, place: FilePosition) -> MeasureError {
         let (quantity, found, expected) = match self {
             Self::Placed(error) => return error,
             Self::Unexpected { quantity, found, expected } => (quantity, found, expected),
-            Self::Stream(error) => ("an element", error.to_string(), "as long as its tag says"),
+            Self::Stream(error) => ("an element", error.to_string(), "the length in its tag"),
         };
         let file = file.to_owned();
         MeasureError::Malformed { file, place, quantity, found, expected: expected.to_owned() }
@@ -48,12 +48,12 @@ impl From<std::io::Error> for ElementFault {
 pub(crate) struct Tag {
     pub(crate) kind: u32,
     pub(crate) length: u32,
-    /// Data of a small element, which lie in the tag itself.
+    /// Data of a small element, contained in the tag.
     small: Option<[u8; 4]>,
 }
 
 impl Tag {
-    /// From its eight bytes; none if a small element claims more than four.
+    /// The tag of eight bytes; none if a small element has more than four.
     pub(crate) fn parse(bytes: [u8; 8], endian: Endian) -> Option<Self> {
         let [a, b, c, d, data @ ..] = bytes;
         let word = |bytes| match endian {
@@ -73,7 +73,7 @@ impl Tag {
     }
 }
 
-/// Elements one after the other, within the length of what holds them.
+/// A sequence of elements of a given length.
 pub(crate) struct Elements<R> {
     reader: R,
     endian: Endian,
@@ -89,12 +89,12 @@ impl<R: Read> Elements<R> {
         self.endian
     }
 
-    /// Bytes left of what holds the elements.
+    /// Remaining bytes.
     pub(crate) fn left(&self) -> u64 {
         self.left
     }
 
-    /// Sets the bytes left, once the tag of the holder is known.
+    /// Sets the remaining bytes, from the tag of the enclosing element.
     pub(crate) fn limit(&mut self, length: u64) {
         self.left = length;
     }
@@ -116,7 +116,7 @@ impl<R: Read> Elements<R> {
             return Err(ElementFault::unexpected(
                 "an element's length",
                 found,
-                "within what holds it",
+                "at most the rest of the enclosing element",
             ));
         }
         Ok(tag)
@@ -126,18 +126,18 @@ impl<R: Read> Elements<R> {
     pub(crate) fn bytes(&mut self, tag: Tag, most: u32) -> Result<Vec<u8>, ElementFault> {
         if tag.length > most {
             let found = format!("{} bytes", tag.length);
-            return Err(ElementFault::unexpected("a small array", found, "a shorter one"));
+            return Err(ElementFault::unexpected("a small array", found, "a shorter array"));
         }
         if let Some(small) = tag.small {
             return Ok(small[..tag.length as usize].to_vec());
         }
         let mut bytes = vec![0; tag.length as usize];
         self.fill(&mut bytes)?;
-        self.pass_padding(tag)?;
+        self.skip_padding(tag)?;
         Ok(bytes)
     }
 
-    /// Hands a reader of exactly the data of `tag` to `read`, and passes what it leaves.
+    /// Calls `read` with a reader of exactly the data of `tag`, and skips the rest.
     pub(crate) fn with_data<T>(
         &mut self,
         tag: Tag,
@@ -154,14 +154,18 @@ impl<R: Read> Elements<R> {
         if data.limit() > 0 && copied < length {
             return Err(std::io::Error::from(std::io::ErrorKind::UnexpectedEof).into());
         }
-        self.pass_padding(tag)?;
+        self.skip_padding(tag)?;
         Ok(value)
     }
 
-    /// Passes what lies before the last `left` bytes of the holder.
+    /// Skips all but the last `left` bytes.
     pub(crate) fn skip_to(&mut self, left: u64) -> Result<(), ElementFault> {
         let Some(length) = self.left.checked_sub(left) else {
-            return Err(ElementFault::unexpected("a field", "longer than its tag says", "its end"));
+            return Err(ElementFault::unexpected(
+                "a field",
+                "longer than its tag",
+                "the length in its tag",
+            ));
         };
         let mut passed = (&mut self.reader).take(length);
         if std::io::copy(&mut passed, &mut std::io::sink())? < length {
@@ -171,8 +175,8 @@ impl<R: Read> Elements<R> {
         Ok(())
     }
 
-    /// Data fill up to a multiple of eight bytes, save where the holder ends.
-    fn pass_padding(&mut self, tag: Tag) -> Result<(), ElementFault> {
+    /// Skips the padding to a multiple of eight bytes, which may be missing at the end.
+    fn skip_padding(&mut self, tag: Tag) -> Result<(), ElementFault> {
         let padding = u64::from(tag.length).wrapping_neg() % 8;
         let mut rest = [0; 8];
         let padding = padding.min(self.left) as usize;
@@ -182,7 +186,7 @@ impl<R: Read> Elements<R> {
     fn fill(&mut self, buffer: &mut [u8]) -> Result<(), ElementFault> {
         if buffer.len() as u64 > self.left {
             let found = format!("{} bytes left", self.left);
-            return Err(ElementFault::unexpected("an element", found, "the rest of it"));
+            return Err(ElementFault::unexpected("an element", found, "the length in its tag"));
         }
         self.reader.read_exact(buffer)?;
         self.left -= buffer.len() as u64;

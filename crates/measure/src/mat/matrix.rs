@@ -19,7 +19,7 @@ pub(crate) struct NumericArray {
     pub(crate) epsilon: f64,
 }
 
-/// What reading an array needs from around it.
+/// Options, limits and position of an array.
 pub(crate) struct MatContext<'a> {
     pub(crate) options: &'a ReadOptions,
     pub(crate) notices: &'a mut Notices,
@@ -36,7 +36,7 @@ const COMPLEX: u32 = 0x0800;
 /// Longest name of a variable or field; MATLAB allows 63.
 const LONGEST_NAME: u32 = 1 << 10;
 
-/// Reads a matrix element whose tag was read; a structure gives its numeric fields.
+/// Reads a matrix element after its tag; the numeric fields of a structure.
 pub(crate) fn read<R: Read>(
     elements: &mut Elements<R>,
     context: &mut MatContext<'_>,
@@ -49,7 +49,7 @@ pub(crate) fn read<R: Read>(
     if head.class == STRUCTURE && head.elements() == 1 {
         return structure(elements, &head, context);
     }
-    leave_out(head.name, "it is no array of numbers", context);
+    leave_out(head.name, "it is not an array of numbers", context);
     Ok(Vec::new())
 }
 
@@ -57,7 +57,7 @@ fn leave_out(array: String, reason: &'static str, context: &mut MatContext<'_>) 
     context.notices.add(Notice::ArrayLeftOut { array, reason });
 }
 
-/// What every matrix starts with.
+/// The head of a matrix.
 struct MatrixHead {
     class: u8,
     complex: bool,
@@ -94,7 +94,7 @@ impl MatrixHead {
         self.dimensions.iter().fold(1, |product, length| product.saturating_mul(*length))
     }
 
-    /// Rows and columns, if there are no more dimensions than that.
+    /// Rows and columns; none for more dimensions.
     fn plane(&self) -> Option<(u64, u64)> {
         let beyond = self.dimensions.get(2..).unwrap_or_default();
         let [rows, columns, ..] = self.dimensions[..] else { return None };
@@ -111,7 +111,7 @@ fn words(bytes: &[u8], endian: Endian) -> Vec<u32> {
     chunks.iter().map(word).collect()
 }
 
-/// The numbers of an array after its head; none if it is left out, its data then unread.
+/// The numbers of an array after its head; none if it is left out, without reading its data.
 fn numeric<R: Read>(
     elements: &mut Elements<R>,
     head: &MatrixHead,
@@ -149,7 +149,7 @@ fn numeric<R: Read>(
         elements.with_data(tag, |mut data| layout.read_real(types, &mut data))?
     };
     columns.shrink_to_fit();
-    // Whole numbers may be how floating-point ones were stored; their steps are exact then.
+    // Floating-point numbers may be stored as integers, with exact steps.
     Ok(Some(NumericArray { name, columns, epsilon: number.epsilon() }))
 }
 
@@ -171,7 +171,11 @@ fn part<R: Read>(
         12 => NumberType::I64,
         13 => NumberType::U64,
         other => {
-            return Err(ElementFault::unexpected("the type of numbers", other, "1 to 7, 9, 12, 13"));
+            return Err(ElementFault::unexpected(
+                "the type of numbers",
+                other,
+                "1 to 7, 9, 12, 13",
+            ));
         }
     };
     let needed = head.elements().saturating_mul(number.size() as u64);
@@ -180,7 +184,7 @@ fn part<R: Read>(
         return Err(ElementFault::unexpected(
             "the length of an array",
             found,
-            "as its dimensions say",
+            "the length of its dimensions",
         ));
     }
     Ok((number, tag))
@@ -241,13 +245,13 @@ fn structure<R: Read>(
         if tag.length == 0 {
             continue;
         }
-        // What a field does not use of its length is passed over.
+        // The unused rest of a field is skipped.
         let after = elements.left().saturating_sub(u64::from(tag.length));
         let field = MatrixHead::read(elements)?;
         if NUMERIC.contains(&field.class) {
             found.extend(numeric(elements, &field, name, context)?);
         } else {
-            leave_out(name, "it is no array of numbers", context);
+            leave_out(name, "it is not an array of numbers", context);
         }
         elements.skip_to(after)?;
     }

@@ -1,12 +1,9 @@
 //! The header of an array: a Python dictionary of three known keys.
-//!
-//! It is read here, not evaluated, since a general parser can be made to
-//! recurse or to multiply shapes beyond 64 bits.
 
 use crate::MeasureError;
 use crate::number::{Endian, NumberType};
 
-/// What the header of an array says.
+/// The header of an array.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct NpyHeader {
     pub(crate) number: NumberType,
@@ -20,8 +17,8 @@ impl NpyHeader {
     /// Longest header: the three keys take some hundred bytes.
     const LONGEST: u32 = 1 << 14;
 
-    /// Reads it with `fill`, which fills a buffer with what comes next, and
-    /// says what is wrong with `wrong(quantity, found, expected)`.
+    /// Reads the header by `fill`, which fills a buffer; `wrong(quantity, found, expected)` makes
+    /// errors.
     pub(crate) fn read(
         mut fill: impl FnMut(&mut [u8]) -> Result<(), MeasureError>,
         wrong: &dyn Fn(&'static str, &str, &'static str) -> MeasureError,
@@ -120,7 +117,7 @@ impl NpyHeader {
         bytes
     }
 
-    /// Rows and columns; a vector is one row.
+    /// Rows and columns; one row for a vector.
     pub(crate) fn plane(&self) -> Option<(u64, u64)> {
         match self.shape[..] {
             [] => Some((1, 1)),

@@ -1,4 +1,4 @@
-//! Records as arrays of NumPy in a zip archive.
+//! Writing of records as arrays of NumPy in a zip archive.
 
 use std::io::{BufWriter, Seek, Write};
 
@@ -74,10 +74,10 @@ fn write_channel<W: Write + Seek>(
     let name = heading(channel, Format::Npz)?;
     let read_back = Heading::parse(&name).quantity();
     if matches!(read_back, ChannelQuantity::Time | ChannelQuantity::Frequency) || length < 2 {
-        return Err(refused(channel, "it would read back as the axis, or as a single number"));
+        return Err(refused(channel, "it would be read as the axis, or as a single number"));
     }
     if name.contains(':') {
-        return Err(refused(channel, "its name has a colon, which parts records"));
+        return Err(refused(channel, "its name contains a colon, which separates records"));
     }
     let complex = matches!(channel.samples, Samples::Complex(_));
     archive.array(&name, length, complex, |put| {
@@ -103,7 +103,7 @@ fn zip_fault(error: zip::result::ZipError) -> WriteFault {
     WriteFault::Io(std::io::Error::other(error))
 }
 
-/// Takes one number of an array.
+/// Writes one number of an array.
 type Put<'p> = &'p mut dyn FnMut(f64) -> std::io::Result<()>;
 
 struct Archive<'a, W: Write + Seek> {

@@ -1,4 +1,4 @@
-//! Where the samples of a record lie.
+//! Axis of a record.
 
 use crate::notice::Notices;
 use crate::source::Source;
@@ -11,25 +11,25 @@ use crate::{Abscissa, ChannelQuantity, MeasureError, Notice, rate};
 /// The axis of a record.
 #[derive(Debug)]
 pub(crate) enum TdmsAxis {
-    /// By properties or options: start and step.
+    /// Start and step, from properties or options.
     Even(f64, f64, ChannelQuantity),
     /// A channel of times.
     Times(Times),
 }
 
-/// A channel that holds the times of the others.
+/// A channel with the times of the others.
 #[derive(Debug)]
 pub(crate) struct Times {
-    /// Which of the channels it is.
+    /// Index of the channel.
     pub(crate) slot: usize,
     /// SI value of its unit.
     factor: f64,
-    /// Start and step by its first block, if they are even.
+    /// Start and step of its first block, if even.
     even: Option<(f64, f64)>,
 }
 
 impl TdmsAxis {
-    /// By `wf_increment`, else by a channel named as a time, else by the rate of the options.
+    /// The axis from `wf_increment`, else from a channel named time, else from the rate of the options.
     pub(crate) fn of(
         source: &Source<'_>,
         record: &ChannelGroup,
@@ -49,7 +49,7 @@ impl TdmsAxis {
         Ok(Self::Even(0.0, 1.0 / rate_hz, ChannelQuantity::Time))
     }
 
-    /// The abscissa of a block that starts at sample `from`.
+    /// The abscissa of a block from sample `from`.
     pub(crate) fn abscissa(
         &mut self,
         from: u64,
@@ -72,7 +72,7 @@ impl TdmsAxis {
     }
 }
 
-/// The channel of times of a record that has no step, if one beside others is named so.
+/// The channel of times of a record without a step: one of several channels, by its name.
 pub(crate) fn times_of(record: &ChannelGroup, objects: &[TdmsObject]) -> Option<Times> {
     let times = record.members.iter().enumerate().find_map(|(slot, member)| {
         let object = &objects[member.object];
@@ -90,7 +90,7 @@ impl Times {
         let quantity = ChannelQuantity::Time;
         let largest = values.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
         if from == 0 {
-            // Times may be of single precision.
+            // Times may have single precision.
             let tolerance = |_| f64::from(f32::EPSILON) * largest;
             let exact = rate::even_axis(&values, |_| 0.0, notices);
             self.even = exact.or_else(|| rate::even_axis(&values, tolerance, notices));

@@ -1,16 +1,16 @@
-//! Channels whose samples lie in the same chunks, read in one pass.
+//! Channels with samples in common chunks, read in one pass.
 
 use crate::MeasureError;
 use crate::source::Source;
 use crate::tdms::object::TdmsObject;
 
-/// Most bytes of interleaved rows held at a time, but for one row.
+/// Most bytes of interleaved rows in memory, or one row.
 const PIECE: u64 = 1 << 16;
 
-/// Channels that lie together, and how far they were read.
+/// Channels with samples in common chunks, and the next sample.
 #[derive(Debug, Default)]
 pub(crate) struct ChunkGroup {
-    /// Where each goes among the channels of its record, and which object it is.
+    /// Index of each in its record, and its object.
     members: Vec<(usize, usize)>,
     extent: usize,
     chunk: u64,
@@ -18,12 +18,12 @@ pub(crate) struct ChunkGroup {
 }
 
 impl ChunkGroup {
-    /// A strand of one channel.
+    /// A group of one channel.
     pub(crate) fn of(slot: usize, object: usize) -> Self {
         Self { members: vec![(slot, object)], ..Self::default() }
     }
 
-    /// Takes in a channel that lies with the others.
+    /// Adds a channel with samples in the same chunks.
     pub(crate) fn join(&mut self, slot: usize, object: usize, objects: &[TdmsObject]) -> bool {
         let Some(&(_, first)) = self.members.first() else { return false };
         let (one, other) = (&objects[first].extents, &objects[object].extents);
@@ -35,15 +35,15 @@ impl ChunkGroup {
         together
     }
 
-    /// Bytes that a pass goes over, at most.
+    /// Most bytes of one pass.
     pub(crate) fn cost(&self, objects: &[TdmsObject]) -> u64 {
         let Some(&(_, first)) = self.members.first() else { return 0 };
         let channels = self.members.len() as u64;
         let (mut cost, mut end) = (0_u64, 0);
         for extent in &objects[first].extents {
             let span = extent.chunks * extent.stride;
-            // What lies between is read over where it is near, and jumped over where not:
-            // then each channel of each chunk fills a buffer of its own.
+            // Small gaps are read, large ones skipped: then each channel of each chunk fills a
+            // buffer.
             let alone = (extent.values.saturating_mul(8) + PIECE).saturating_mul(channels);
             let gap = extent.base.saturating_sub(end).min(PIECE);
             let within =

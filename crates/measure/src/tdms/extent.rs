@@ -1,15 +1,15 @@
-//! Where the samples of a channel lie.
+//! Positions of the samples of a channel.
 
 use crate::number::{Endian, NumberType};
 
-/// Chunks of samples at even distances, as a segment or a run of like segments holds them.
+/// Equally spaced chunks of samples in a segment or in equal consecutive segments.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Extent {
-    /// Where the first chunk starts, with the samples of its first channel.
+    /// Start of the first chunk.
     pub(crate) base: u64,
-    /// Where the channel starts in a chunk, or in a row of interleaved samples.
+    /// Start of the channel in a chunk, or in a row of interleaved samples.
     pub(crate) column: u64,
-    /// Bytes of a row of interleaved samples; zero where channels lie one after the other.
+    /// Bytes of a row of interleaved samples; zero for contiguous channels.
     pub(crate) row: u64,
     /// Bytes from one chunk to the next.
     pub(crate) stride: u64,
@@ -21,20 +21,20 @@ pub(crate) struct Extent {
 }
 
 impl Extent {
-    /// Where sample `value` of chunk `chunk` lies.
+    /// Position of sample `value` of chunk `chunk`.
     pub(crate) fn position(&self, chunk: u64, value: u64) -> u64 {
         let step = if self.row > 0 { self.row } else { self.number.size() as u64 };
         self.base + chunk * self.stride + self.column + value * step
     }
 
-    /// Whether samples lie in the same chunks as those of `other`.
+    /// True for samples in the same chunks as those of `other`.
     pub(crate) fn lies_with(&self, other: &Self) -> bool {
         let shape =
             |extent: &Self| (extent.base, extent.row, extent.stride, extent.chunks, extent.values);
         shape(self) == shape(other)
     }
 
-    /// Takes in the chunks of `next` if they carry on at even distances.
+    /// Appends the chunks of `next` if they continue at the same spacing.
     pub(crate) fn carry_on(&mut self, next: &Self) -> bool {
         let kind = |extent: &Self| {
             (extent.column, extent.row, extent.values, extent.number, extent.endian)

@@ -1,8 +1,7 @@
-//! Which channels were sampled together.
+//! Channels sampled together.
 //!
-//! Those of one group with the same number of samples, the same axis and the
-//! same start, to half a step. Groups are often tasks or hits, and a file may
-//! hold the same names in each.
+//! A record has the channels of one group with the same number of samples, the same axis and the
+//! same start to half a step. Groups are often tasks or hits with the same names of channels.
 
 use std::collections::BTreeMap;
 
@@ -18,8 +17,7 @@ use crate::tdms::scale::Scales;
 use crate::tdms::waveform::Waveform;
 use crate::{FilePosition, MeasureError, Notice};
 
-/// Most records of one group, and strands of a record: others make no sense,
-/// and are compared one by one.
+/// Most records of one group, and chunk groups of a record.
 const MOST: usize = 64;
 
 /// A channel of a record.
@@ -36,10 +34,10 @@ pub(crate) struct ChannelGroup {
     pub(crate) waveform: Waveform,
     pub(crate) samples: u64,
     pub(crate) members: Vec<Member>,
-    pub(crate) strands: Vec<ChunkGroup>,
+    pub(crate) chunk_groups: Vec<ChunkGroup>,
 }
 
-/// Puts the channels that hold numbers into records.
+/// Divides the channels of numbers into records.
 pub(crate) fn gather(
     source: &Source<'_>,
     objects: &[TdmsObject],
@@ -77,31 +75,31 @@ pub(crate) fn gather(
         let place = place.unwrap_or_else(|| {
             known.push(records.len());
             let (group, samples) = (group.clone(), object.samples);
-            let (members, strands) = (Vec::new(), Vec::new());
-            records.push(ChannelGroup { group, waveform, samples, members, strands });
+            let (members, chunk_groups) = (Vec::new(), Vec::new());
+            records.push(ChannelGroup { group, waveform, samples, members, chunk_groups });
             records.len() - 1
         });
         let (known, record) = (known.len(), &mut records[place]);
         let slot = record.members.len();
-        if !record.strands.iter_mut().any(|strand| strand.join(slot, id, objects)) {
-            record.strands.push(ChunkGroup::of(slot, id));
+        if !record.chunk_groups.iter_mut().any(|chunk_group| chunk_group.join(slot, id, objects)) {
+            record.chunk_groups.push(ChunkGroup::of(slot, id));
         }
         record.members.push(Member { object: id, scales });
-        let most = known.max(record.strands.len());
+        let most = known.max(record.chunk_groups.len());
         if most > MOST {
             let found = format!("scattered over {most} rates, lengths or places");
             let expected = format!("at most {MOST} in a group");
             return Err(source.malformed(start, "a group of channels", &found, expected));
         }
     }
-    // Times that are not even stand beside the samples of every channel.
+    // Uneven times are kept for every channel.
     for record in records.iter().filter(|record| axis::times_of(record, objects).is_some()) {
         let times = record.samples.saturating_mul(8 * record.members.len() as u64);
         budget.take(times, start, "the times")?;
     }
-    // Records that share chunks each go over all of them.
-    let passes = records.iter().flat_map(|record| &record.strands);
-    let cost = passes.map(|strand| strand.cost(objects)).fold(0, u64::saturating_add);
+    // Each record reads all chunks that it shares.
+    let passes = records.iter().flat_map(|record| &record.chunk_groups);
+    let cost = passes.map(|chunk_group| chunk_group.cost(objects)).fold(0, u64::saturating_add);
     let limit = (source.len() + (1 << 20)).saturating_mul(MOST as u64);
     if cost > limit {
         let expected = format!("at most {MOST} passes over the file");
@@ -111,7 +109,7 @@ pub(crate) fn gather(
     Ok(records)
 }
 
-/// What groups and the file say for channels without scales, each read once.
+/// Scales of groups and of the file, for channels without, each read once.
 struct InheritedScales<'o> {
     file: Option<&'o Properties>,
     groups: BTreeMap<&'o str, &'o Properties>,

@@ -1,12 +1,12 @@
-//! The first pass: every segment's lead-in and metadata, no samples.
+//! First pass over the lead-ins and metadata of all segments.
 //!
-//! A segment says only what is new. Its channels are those of the list that the
-//! segments before it left, each with the description that it had last. The
-//! samples of the channels in that list follow each other in a chunk; the rest
-//! of the segment holds more such chunks.
+//! The metadata of a segment contain changes only. Its channels are those of the list left by the
+//! segments before, each with its last description. The
+//! samples of the channels in that list follow each other in a chunk; a segment is a sequence of
+//! such chunks.
 //!
-//! Work stays in proportion to the file: a list is gone through only for a
-//! segment that holds a byte at least for each of its channels.
+//! The cost is proportional to the length of the file: the list is processed only for a
+//! segment with at least one byte for each of its channels.
 
 use std::collections::BTreeMap;
 
@@ -22,12 +22,12 @@ use crate::tdms::segment::Fields;
 use crate::tdms::segment::LeadIn;
 use crate::{FilePosition, MeasureError, Notice};
 
-/// What the metadata of all segments say.
+/// The metadata of all segments.
 pub(crate) struct TdmsIndex {
     pub(crate) objects: Vec<TdmsObject>,
     pub(crate) budget: Budget,
     by_path: BTreeMap<String, usize>,
-    /// Objects with samples in a chunk of the current list, by their place in it.
+    /// Objects of the current list with samples in a chunk, by their index in it.
     chunk: BTreeMap<usize, usize>,
     /// The current list, by number, and its length.
     list: u64,
@@ -56,7 +56,7 @@ impl TdmsIndex {
             let lead = LeadIn::read(source)?;
             let cut_off = || Notice::SegmentCutOff { place };
             if lead.open && lead.data > lead.end {
-                // Stopped within the metadata: there are no samples either.
+                // The file ends within the metadata: there are no samples.
                 notices.add(cut_off());
                 break;
             }
@@ -67,7 +67,7 @@ impl TdmsIndex {
             if lead.open || !whole {
                 notices.add(cut_off());
             }
-            // A lead-in's length at least from where the segment started.
+            // At least the length of a lead-in after the start of the segment.
             source.seek_to(lead.end)?;
         }
         Ok(index)
@@ -81,7 +81,7 @@ impl TdmsIndex {
         }
         let mut fields = Fields { source, endian: lead.endian };
         let count = fields.u32("the number of objects")?;
-        // A path's length, an index and a number of properties.
+        // Length of a path, index and number of properties.
         fields.source.need(12 * u64::from(count), "the objects of a segment")?;
         for _ in 0..count {
             let place = fields.source.place();
@@ -97,13 +97,13 @@ impl TdmsIndex {
         if source.position() > lead.data {
             let (place, found) =
                 (source.place(), format!("{} bytes too long", source.position() - lead.data));
-            let expected = "as long as the lead-in says";
+            let expected = "the length in the lead-in";
             return Err(source.malformed(place, "the metadata", &found, expected));
         }
         Ok(())
     }
 
-    /// Notes a property of an object, in place of one of that name.
+    /// Stores a property of an object, replacing one of that name.
     fn keep(&mut self, id: usize, name: String, property: Property) -> Result<(), MeasureError> {
         let bytes = |value: &PropertyValue| {
             if let PropertyValue::Text(text) = value { text.len() as u64 } else { 0 }
@@ -188,7 +188,7 @@ impl TdmsIndex {
         Ok(())
     }
 
-    /// Notes where the samples of a segment lie; false if its last chunk is not whole.
+    /// Stores the positions of the samples of a segment; false if its last chunk is incomplete.
     fn raw_data(
         &mut self,
         source: &Source<'_>,
@@ -220,7 +220,7 @@ impl TdmsIndex {
         if lead.is_interleaved() && !even {
             return wrong("interleaved".into(), "channels of numbers, each with as many samples");
         }
-        // One channel alone is a row of one: chunks make no difference.
+        // A single channel is a row of one, for which chunks make no difference.
         let rows = even && (lead.is_interleaved() || self.chunk.len() == 1);
         let unit = if rows { row } else { bytes };
         let rest = available % unit;
@@ -238,7 +238,7 @@ impl TdmsIndex {
     }
 
     /// Adds an extent to each channel of the chunk: row, stride and chunks, and
-    /// the number of values where that is not as described.
+    /// the number of values if it differs from the description.
     fn extents(
         &mut self,
         lead: &LeadIn,
@@ -263,7 +263,7 @@ impl TdmsIndex {
             let extent = Extent { base, column, row, stride, chunks, values, number, endian };
             object.samples += values * chunks;
             if !object.extents.last_mut().is_some_and(|last| last.carry_on(&extent)) {
-                // Lists grow by doubling, old and new side by side.
+                // Lists grow by doubling, with both copies in memory.
                 self.budget.take(3 * size_of::<Extent>() as u64, place, "the segments")?;
                 object.extents.push(extent);
             }

@@ -1,4 +1,4 @@
-//! The file, its groups and channels, and what the metadata say of their samples.
+//! The file, its groups and channels, their paths and the description of their samples.
 
 use crate::MeasureError;
 use crate::number::NumberType;
@@ -14,18 +14,18 @@ pub(crate) struct TdmsObject {
     pub(crate) properties: Properties,
     /// The latest description of its samples.
     pub(crate) index: Option<RawIndex>,
-    /// The list of objects that it is in, by number, and its place there.
+    /// Number of its list of objects, and its index there.
     pub(crate) list: u64,
     pub(crate) place: usize,
-    /// Where its samples lie.
+    /// Positions of its samples.
     pub(crate) extents: Vec<Extent>,
-    /// How many there are.
+    /// Number of samples.
     pub(crate) samples: u64,
-    /// What it holds, if not numbers.
+    /// Content other than numbers.
     pub(crate) other: Option<&'static str>,
 }
 
-/// What a chunk holds of a channel.
+/// Description of the samples of a channel in a chunk.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct RawIndex {
     pub(crate) content: ChunkContent,
@@ -34,11 +34,11 @@ pub(crate) struct RawIndex {
     pub(crate) bytes: u64,
 }
 
-/// What values are.
+/// Type of values.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum ChunkContent {
     Numbers(NumberType),
-    /// Something else, for the reason to leave it out.
+    /// Another type, with the reason to leave it out.
     Other(&'static str),
 }
 
@@ -49,7 +49,7 @@ impl RawIndex {
         let wrong = |fields: &Fields<'_, '_>, quantity, found: u64, expected: &str| {
             Err(fields.source.malformed(place, quantity, &found.to_string(), expected))
         };
-        // Those of the driver have lengths of their own.
+        // Descriptions of the driver have other lengths.
         if matches!(length, 0x1269 | 0x126a) {
             return Err(daqmx(fields.source));
         }
@@ -65,12 +65,12 @@ impl RawIndex {
         let values = fields.u64("the number of samples")?;
         let (content, size) = match (code, number_type(code)) {
             (_, Some(number)) => (ChunkContent::Numbers(number), number.size() as u64),
-            (0x20, _) => (ChunkContent::Other("it holds texts"), 0),
-            (0x21, _) => (ChunkContent::Other("it holds truth values"), 1),
-            (0x44, _) => (ChunkContent::Other("it holds times of day"), 16),
-            (0x08_000c, _) => (ChunkContent::Other("it holds complex numbers"), 8),
-            (0x10_000d, _) => (ChunkContent::Other("it holds complex numbers"), 16),
-            (0, _) if values == 0 => (ChunkContent::Other("it holds nothing"), 0),
+            (0x20, _) => (ChunkContent::Other("its values are texts"), 0),
+            (0x21, _) => (ChunkContent::Other("its values are truth values"), 1),
+            (0x44, _) => (ChunkContent::Other("its values are times of day"), 16),
+            (0x08_000c, _) => (ChunkContent::Other("its values are complex numbers"), 8),
+            (0x10_000d, _) => (ChunkContent::Other("its values are complex numbers"), 16),
+            (0, _) if values == 0 => (ChunkContent::Other("it has no values"), 0),
             _ => {
                 let expected = "a number of 1 to 8 bytes (1 to 10, 25, 26)";
                 return wrong(fields, "the type of a channel", u64::from(code), expected);
@@ -88,7 +88,7 @@ impl RawIndex {
     }
 }
 
-/// What an object is.
+/// The path of an object: `/` for the file, `/'group'`, `/'group'/'channel'`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum ObjectPath {
     File,
@@ -97,7 +97,7 @@ pub(crate) enum ObjectPath {
 }
 
 impl ObjectPath {
-    /// Takes a path apart; a quote within a name is written twice.
+    /// Parses a path; a quote in a name is doubled.
     pub(crate) fn parse(text: &str) -> Option<Self> {
         if text == "/" {
             return Some(Self::File);
@@ -111,7 +111,7 @@ impl ObjectPath {
     }
 }
 
-/// The first name of a path, and what follows it.
+/// The first name of a path, and the rest.
 fn name(text: &str) -> Option<(String, &str)> {
     let mut rest = text.strip_prefix("/'")?;
     let mut name = String::new();

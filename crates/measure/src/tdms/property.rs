@@ -1,4 +1,4 @@
-//! Properties of objects: a name, a type, a value.
+//! Properties of objects, with numbers, texts and times.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -10,14 +10,14 @@ use crate::{FilePosition, MeasureError};
 /// The properties of an object that are kept, by name.
 pub(crate) type Properties = BTreeMap<String, Property>;
 
-/// A property and where it stands.
+/// A property and its position.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Property {
     pub(crate) place: FilePosition,
     pub(crate) value: PropertyValue,
 }
 
-/// What a property says.
+/// Value of a property.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum PropertyValue {
     Number(f64),
@@ -26,17 +26,17 @@ pub(crate) enum PropertyValue {
 }
 
 impl Property {
-    /// The number that the property is.
+    /// The number of a numeric property.
     pub(crate) fn number(&self) -> Option<f64> {
         if let PropertyValue::Number(number) = self.value { Some(number) } else { None }
     }
 
-    /// The text that the property is.
+    /// The text of a text property.
     pub(crate) fn text(&self) -> Option<&str> {
         if let PropertyValue::Text(text) = &self.value { Some(text.trim()) } else { None }
     }
 
-    /// Reads one property; none if nothing here asks for it.
+    /// Reads one property; none if it is not used.
     pub(crate) fn read(
         fields: &mut Fields<'_, '_>,
     ) -> Result<Option<(String, Self)>, MeasureError> {
@@ -84,7 +84,7 @@ impl Property {
     }
 }
 
-/// The type of numbers with a code of TDMS; none for what is no number.
+/// The number type of a TDMS code; none for other types.
 pub(crate) fn number_type(code: u32) -> Option<NumberType> {
     Some(match code {
         1 => NumberType::I8,
@@ -112,7 +112,7 @@ fn time(fields: &mut Fields<'_, '_>) -> Result<Timestamp, MeasureError> {
     Ok(Timestamp { seconds: seconds.cast_signed(), fraction })
 }
 
-/// Whether the readers of records and scales ask for a property.
+/// True for a property used by records or scales.
 fn is_kept(name: &str) -> bool {
     const NAMES: [&str; 10] = [
         "wf_increment",
@@ -132,17 +132,17 @@ fn is_kept(name: &str) -> bool {
 /// Days from 1 March of the year 0, in the calendar carried back, to 1 January 1904.
 const DAYS_TO_1904: i64 = 695_361;
 
-/// A time in UTC.
+/// A time in UTC: seconds since 1904 and fractions of 2^-64 s.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Timestamp {
     /// Whole seconds since the start of 1904.
     pub(crate) seconds: i64,
-    /// The rest, in 2^-64 s.
+    /// Fraction, in 2^-64 s.
     pub(crate) fraction: u64,
 }
 
 impl Timestamp {
-    /// Seconds from `other` to this.
+    /// Seconds since `other`.
     pub(crate) fn since(self, other: Self) -> f64 {
         let fraction = |time: Self| time.fraction as f64 * 2f64.powi(-64);
         (i128::from(self.seconds) - i128::from(other.seconds)) as f64
@@ -151,9 +151,9 @@ impl Timestamp {
 }
 
 impl fmt::Display for Timestamp {
-    /// As ISO 8601, to the microsecond; nothing for years that have not four digits.
+    /// ISO 8601, to the microsecond; empty for years without four digits.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        // Years are counted from March, so that the leap day is their last.
+        // Years begin in March, so that the leap day is their last.
         let (days, second) = (self.seconds.div_euclid(86_400), self.seconds.rem_euclid(86_400));
         let days = days.saturating_add(DAYS_TO_1904);
         if !(0..3_652_000).contains(&days) {
@@ -190,7 +190,7 @@ mod tests {
         assert_eq!(written(0, 0), "1904-01-01T00:00:00.000000Z");
         // 1970 is 66 years of which 17 are leap years later.
         assert_eq!(written(2_082_844_800, 1 << 63), "1970-01-01T00:00:00.500000Z");
-        // `date -u -d 2026-11-21T15:12:37 +%s` says 1 795 273 957.
+        // 1 795 273 957 is the output of `date -u -d 2026-11-21T15:12:37 +%s`.
         assert_eq!(written(1_795_273_957 + 2_082_844_800, 0), "2026-11-21T15:12:37.000000Z");
         // The last day of February of a leap year, and the day after.
         assert_eq!(written(951_782_400 + 2_082_844_800, 0), "2000-02-29T00:00:00.000000Z");

@@ -1,26 +1,26 @@
-//! From what a converter gave to what a sensor measured.
+//! Scales from raw samples to the measured quantity.
 //!
-//! A channel may hold raw counts or volts, with the scales to apply as
-//! properties `NI_Scale[i]_...`. The last scale gives the samples; each takes
-//! the output of another, or the raw data. Those of a group or of the file
-//! count for channels that have none.
+//! A channel may contain raw counts or volts, with scales in the
+//! properties `NI_Scale[i]_...`. The last scale gives the samples; the input of each is
+//! the output of another, or the raw data. The scales of a group or of the file
+//! apply to channels without scales.
 
 use crate::source::Source;
 use crate::tdms::property::{Properties, Property};
 use crate::{FilePosition, MeasureError};
 
-/// Most scales of a channel, and most coefficients of one.
+/// Most scales of a channel, and most coefficients of a scale.
 const MOST: u64 = 64;
 
-/// Input of a scale that is the raw data.
+/// The raw data as input of a scale.
 const RAW: f64 = 0xffff_ffff_u32 as f64;
 
-/// The scales of a channel, the first to apply first: coefficients of rising powers.
+/// The scales of a channel in the order of application: coefficients of increasing powers.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct Scales(Vec<Vec<f64>>);
 
 impl Scales {
-    /// The scales that the properties of one object give; none if they name none.
+    /// The scales of the properties of one object; none without any.
     pub(crate) fn of(
         source: &Source<'_>,
         properties: &Properties,
@@ -29,7 +29,7 @@ impl Scales {
         ScaleLevel { source, properties, place, count }.scales().map(Some)
     }
 
-    /// Numbers that it holds.
+    /// Number of coefficients.
     pub(crate) fn len(&self) -> usize {
         self.0.iter().map(Vec::len).sum()
     }
@@ -46,7 +46,7 @@ impl Scales {
     }
 }
 
-/// How many scales there are, and where that stands; none without any.
+/// Number of scales and its position; none without any.
 fn count(
     source: &Source<'_>,
     properties: &Properties,
@@ -101,7 +101,7 @@ impl ScaleLevel<'_, '_, '_> {
         let (mut scales, mut input) = (Vec::new(), self.count as f64 - 1.0);
         while input != RAW {
             let index = input as u64;
-            // As many steps as there are scales, or they go in a circle.
+            // More steps than scales mean a cycle.
             if scales.len() as u64 >= self.count || index >= self.count || input.fract() != 0.0 {
                 let expected = format!("the raw data or another of {} scales", self.count);
                 let found = input.to_string();
@@ -126,7 +126,7 @@ impl ScaleLevel<'_, '_, '_> {
             }
             "Polynomial" => {
                 let size = format!("NI_Scale[{index}]_Polynomial_Coefficients_Size");
-                // Four unless it is said.
+                // Four by default.
                 let count = match self.properties.get(&size) {
                     Some(_) => self.number(index, "Polynomial_Coefficients_Size")?,
                     None => 4.0,
@@ -143,7 +143,7 @@ impl ScaleLevel<'_, '_, '_> {
             }
             other => {
                 let place = kind.map_or(self.place, |kind| kind.place);
-                let expected = "Linear or Polynomial; write the samples scaled where it is another";
+                let expected = "Linear or Polynomial; save other channels with scaled samples";
                 return Err(self.wrong(place, quantity, other, expected));
             }
         };

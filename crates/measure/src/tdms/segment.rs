@@ -5,7 +5,7 @@ use crate::number::Endian;
 use crate::source::Source;
 use crate::source::decode_text;
 
-/// Longest path or property that is kept.
+/// Longest path or property.
 const LONGEST_TEXT: u32 = 1 << 16;
 
 /// A source read field by field.
@@ -37,7 +37,7 @@ impl Fields<'_, '_> {
         })
     }
 
-    /// A string behind its length.
+    /// A string after its length.
     pub(crate) fn text(&mut self, quantity: &'static str) -> Result<String, MeasureError> {
         let place = self.source.place();
         let length = self.u32(quantity)?;
@@ -55,7 +55,7 @@ impl Fields<'_, '_> {
         })
     }
 
-    /// Passes over `length` bytes.
+    /// Skips `length` bytes.
     pub(crate) fn skip(&mut self, length: u64, quantity: &'static str) -> Result<(), MeasureError> {
         self.source.need(length, quantity)?;
         self.source.seek_to(self.source.position() + length)
@@ -72,21 +72,21 @@ const INTERLEAVED: u32 = 1 << 5;
 const BIG_ENDIAN: u32 = 1 << 6;
 const DAQMX: u32 = 1 << 7;
 
-/// What a segment holds, and where.
+/// Content and positions of a segment.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct LeadIn {
     pub(crate) endian: Endian,
     contents: u32,
-    /// Where the raw data start.
+    /// Start of the raw data.
     pub(crate) data: u64,
-    /// Where the segment ends; the file's end where the writer never said.
+    /// End of the segment; that of the file for a segment that was not closed.
     pub(crate) end: u64,
-    /// Whether the writer never said: it was stopped before it closed the segment.
+    /// True for a segment that was not closed by its writer.
     pub(crate) open: bool,
 }
 
 impl LeadIn {
-    /// Reads the lead-in at the current place.
+    /// Reads the lead-in at the current position.
     pub(crate) fn read(source: &mut Source<'_>) -> Result<Self, MeasureError> {
         let (start, place) = (source.position(), source.place());
         source.need(LENGTH, "the lead-in of a segment")?;
@@ -96,7 +96,7 @@ impl LeadIn {
             let found = String::from_utf8_lossy(&tag);
             return Err(source.malformed(place, "the tag of a segment", &found, "`TDSm`"));
         }
-        // The contents are little endian whatever they say of the rest.
+        // The contents are always little endian.
         let contents = Fields { source, endian: Endian::Little }.u32("the contents")?;
         if contents & DAQMX != 0 {
             return Err(daqmx(source));
@@ -135,7 +135,7 @@ impl LeadIn {
         self.contents & METADATA != 0
     }
 
-    /// Whether the list of objects starts anew, not from that of the segment before.
+    /// True if the list of objects does not continue that of the segment before.
     pub(crate) fn starts_list(&self) -> bool {
         self.contents & NEW_LIST != 0
     }
@@ -149,7 +149,7 @@ impl LeadIn {
     }
 }
 
-/// Raw data in the layout of the driver.
+/// The error of raw data of the driver.
 pub(crate) fn daqmx(source: &Source<'_>) -> MeasureError {
     MeasureError::Unsupported {
         file: source.name().to_owned(),

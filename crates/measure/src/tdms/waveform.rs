@@ -1,4 +1,4 @@
-//! What the properties of a channel say of its axis, and of its unit.
+//! Axis and unit of a channel from its properties.
 
 use crate::source::Source;
 use crate::tdms::property::Timestamp;
@@ -6,13 +6,13 @@ use crate::tdms::property::{Properties, Property};
 use crate::text::Heading;
 use crate::{ChannelQuantity, ChannelUnit, MeasureError, Unit, unit};
 
-/// The axis of a channel by its properties `wf_...`.
+/// The axis of a channel from its properties `wf_...`.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Waveform {
     /// Start and step in SI; none without `wf_increment`.
     pub(crate) even: Option<(f64, f64)>,
     pub(crate) quantity: ChannelQuantity,
-    /// When the first sample was taken, less the start.
+    /// Time of the first sample, less the start.
     pub(crate) time: Option<Timestamp>,
 }
 
@@ -44,12 +44,12 @@ impl Waveform {
             Some(crate::tdms::property::PropertyValue::Time(time)) => Some(*time),
             _ => None,
         };
-        // LabVIEW writes a step of zero where it has none.
+        // LabVIEW writes a step of zero for a channel without one.
         let even = (step > 0.0).then_some((start * factor, step * factor));
         Ok(Self { even, quantity, time })
     }
 
-    /// Whether samples at these and at the instants of `other` are the same instants.
+    /// True for the same sample times as those of `other`.
     pub(crate) fn goes_with(&self, other: &Self) -> bool {
         let apart = match (self.time, other.time) {
             (Some(one), Some(other)) => one.since(other).abs(),
@@ -60,7 +60,7 @@ impl Waveform {
     }
 }
 
-/// Name and unit of a channel: the unit by its properties, else by its name.
+/// Name and unit of a channel: the unit from its properties, else from its name.
 pub(crate) fn heading(name: &str, properties: &Properties) -> Heading {
     let said = ["unit_string", "NI_UnitDescription"].into_iter();
     let mut said = said.filter_map(|key| text(properties, key));
@@ -70,7 +70,7 @@ pub(crate) fn heading(name: &str, properties: &Properties) -> Heading {
     }
 }
 
-/// A text among the properties.
+/// A text property.
 pub(crate) fn text<'p>(properties: &'p Properties, name: &str) -> Option<&'p str> {
     properties.get(name).and_then(Property::text)
 }

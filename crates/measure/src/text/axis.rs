@@ -1,4 +1,4 @@
-//! Which column is time, and at what rate.
+//! Time column and sample rate of a text.
 
 use crate::notice::Notices;
 use crate::rate;
@@ -6,17 +6,17 @@ use crate::text::labview::HeaderAxis;
 use crate::text::rows::{NumberColumn, Rounding};
 use crate::{Abscissa, ChannelQuantity, MeasureError, Notice};
 
-/// How the channels lie.
+/// The axis of the channels.
 #[derive(Debug, Clone)]
 pub(crate) struct TextAxis {
-    /// The column that is no channel: time, or a count of samples.
+    /// The column of the axis: time, or a count of samples.
     column: Option<usize>,
     quantity: ChannelQuantity,
-    /// SI value of the column's unit.
+    /// SI value of the unit of the column.
     factor: f64,
     even: Option<EvenAxis>,
     rounding: Rounding,
-    /// Whether start and step were read from the column.
+    /// True if start and step were read from the column.
     read: bool,
 }
 
@@ -25,21 +25,21 @@ pub(crate) struct TextAxis {
 struct EvenAxis {
     start: f64,
     step: f64,
-    /// Whether its column holds exact numbers, not rounded ones.
+    /// True for a column of exact numbers.
     exact: bool,
 }
 
-/// What decides on the axis.
+/// The inputs that determine the axis.
 pub(crate) struct AxisFinder<'a> {
     pub(crate) file: &'a str,
     pub(crate) columns: &'a [NumberColumn],
-    /// What the header of a LabVIEW segment says of it.
+    /// Axis in the header of a LabVIEW segment.
     pub(crate) header: &'a HeaderAxis,
     pub(crate) labview: bool,
     pub(crate) rate_of_options: Option<f64>,
 }
 
-/// The column that may be the axis: the one named so, else the first of several.
+/// The possible axis: the column named so, else the first of several.
 pub(crate) fn candidate(columns: &[NumberColumn]) -> Option<usize> {
     named(columns).or_else(|| (columns.len() > 1).then_some(0))
 }
@@ -60,7 +60,7 @@ fn counts_samples(column: &NumberColumn) -> bool {
 }
 
 impl AxisFinder<'_> {
-    /// Decides by the first block of rows.
+    /// The axis from the first block of rows.
     pub(crate) fn find(
         &self,
         values: &[Vec<f64>],
@@ -127,7 +127,7 @@ impl AxisFinder<'_> {
         Ok(EvenAxis { start: 0.0, step: 1.0 / rate_hz, exact: true })
     }
 
-    /// A LabVIEW header gives the step in more digits than the column has.
+    /// The axis of a LabVIEW header, with more digits than the column.
     fn by_header(
         &self,
         values: &[f64],
@@ -150,12 +150,12 @@ impl AxisFinder<'_> {
 }
 
 impl TextAxis {
-    /// The column that is no channel.
+    /// The column of the axis.
     pub(crate) fn column(&self) -> Option<usize> {
         self.column
     }
 
-    /// The abscissa of a block that starts at row `from`, out of its column.
+    /// The abscissa of a block from row `from`, removed from the columns.
     pub(crate) fn take_abscissa(
         &self,
         values: &mut [Vec<f64>],
@@ -178,7 +178,7 @@ impl TextAxis {
                     })
                 };
                 match column {
-                    // A count of samples is no time that could carry on.
+                    // A count of samples is not time.
                     Some(values) if from > 0 && self.read && !carries_on(values) => {
                         notices.add(Notice::UnevenBlock { sample: from });
                         scaled(values);
@@ -196,7 +196,7 @@ impl TextAxis {
     }
 }
 
-/// Start and step, if the column rises evenly: exactly, or within the rounding of its digits.
+/// Start and step of an evenly increasing column, exactly or within the rounding of its digits.
 fn even_axis(
     values: &[f64],
     factor: f64,

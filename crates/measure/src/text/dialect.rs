@@ -1,17 +1,17 @@
-//! How a text writes its numbers: delimiter, decimal mark, and where they start.
+//! Delimiter, decimal mark and first row of numbers of a text.
 
 use crate::source::decode_text;
 
 /// Delimiter and decimal mark.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Dialect {
-    /// A byte between fields, or a blank for any run of blanks.
+    /// Byte between fields; a blank stands for any run of blanks.
     pub(crate) delimiter: u8,
     /// `.` or `,`.
     pub(crate) decimal: u8,
 }
 
-/// In the order in which they are preferred where several fit equally.
+/// All dialects, in order of preference.
 const CANDIDATES: [Dialect; 7] = [
     Dialect { delimiter: b'\t', decimal: b'.' },
     Dialect { delimiter: b'\t', decimal: b',' },
@@ -29,18 +29,18 @@ pub(crate) struct NumberRun {
     pub(crate) start: usize,
     /// Lines of numbers.
     pub(crate) lines: usize,
-    /// Fields of each, empty ones at the end left out.
+    /// Fields of each line, without empty ones at the end.
     pub(crate) fields: usize,
 }
 
 impl Dialect {
-    /// The dialect under which the longest run of rows of equally many numbers
-    /// holds the most of them, and that run; none without a single row.
+    /// The dialect whose longest run of rows of equally many numbers
+    /// has the most numbers, and that run; none without a row.
     pub(crate) fn sniff(lines: &[&[u8]]) -> Option<(Self, NumberRun)> {
         let mut best: Option<(Self, NumberRun)> = None;
         for dialect in CANDIDATES {
             let run = dialect.longest_run(lines);
-            // By numbers, not lines: a lone number above the data is no row of theirs.
+            // By numbers, not lines: a single number above the data is not part of them.
             let better =
                 best.is_none_or(|(_, known)| run.lines * run.fields > known.lines * known.fields);
             if run.lines > 0 && better {
@@ -68,7 +68,7 @@ impl Dialect {
         best
     }
 
-    /// Fields of a row of numbers; none if a field is no number, or all are empty.
+    /// Number of fields of a row of numbers; none if a field is not a number, or all are empty.
     fn numbers_in(self, line: &[u8]) -> Option<usize> {
         let (mut count, mut last) = (0, 0);
         for field in self.fields(line) {
@@ -92,12 +92,12 @@ impl Dialect {
             .map(<[u8]>::trim_ascii)
     }
 
-    /// The number in a field, perhaps in quotes.
+    /// The number in a field, possibly in quotes.
     pub(crate) fn number(self, field: &[u8]) -> Option<f64> {
         const LONGEST: usize = 64;
         let inner = field.strip_prefix(b"\"").and_then(|rest| rest.strip_suffix(b"\""));
         let field = inner.unwrap_or(field);
-        // Rust reads `inf` and `nan`; so do those who write them, but not words like `infinity`.
+        // `inf` and `nan` are numbers, words like `infinity` are not.
         if field.len() > LONGEST || !field.last()?.is_ascii_digit() && !ends_otherwise(field) {
             return None;
         }
@@ -124,13 +124,13 @@ fn ends_otherwise(field: &[u8]) -> bool {
         || bare.eq_ignore_ascii_case(b"inf")
 }
 
-/// A line that holds nothing, or a comment.
+/// True for an empty line or a comment.
 pub(crate) fn is_passed_over(line: &[u8]) -> bool {
     let line = line.trim_ascii();
     line.is_empty() || line.starts_with(b"#") || line.starts_with(b"%") || line.starts_with(b"//")
 }
 
-/// The fields of a line of words; quotes hold delimiters together.
+/// The fields of a line of words; delimiters in quotes are part of a word.
 pub(crate) fn words(line: &[u8], delimiter: u8) -> Vec<String> {
     let line = decode_text(line).0;
     let mut words = Vec::new();
@@ -169,7 +169,7 @@ mod tests {
     }
 
     #[test]
-    fn dialects_are_told_apart() {
+    fn dialects_are_distinguished() {
         for (text, delimiter, decimal, fields) in [
             ("t,f\n0,1\n1,2\n", ',', '.', 2),
             ("t;f\n0,5;1,25\n1,5;2\n", ';', ',', 2),
@@ -198,7 +198,7 @@ mod tests {
     }
 
     #[test]
-    fn quotes_hold_words_together() {
+    fn delimiters_in_quotes_are_part_of_a_word() {
         assert_eq!(words(b"\"a, b\",c , d\"\"", b','), ["a, b", "c", "d"]);
         assert_eq!(words(b"  a   b ", b' '), ["a", "b"]);
     }

@@ -1,4 +1,4 @@
-//! Names and units from the words above a column.
+//! Names and units of columns.
 
 use crate::{ChannelQuantity, ChannelUnit, Unit};
 
@@ -10,7 +10,7 @@ pub(crate) struct Heading {
 }
 
 impl Heading {
-    /// From one text such as `Force (N)`, `Force [N]`, `Force/N`, `force_N`,
+    /// The heading of a text such as `Force (N)`, `Force [N]`, `Force/N`, `force_N`,
     /// `acceleration_m_per_s2`.
     pub(crate) fn parse(text: &str) -> Self {
         let text = text.trim();
@@ -20,14 +20,14 @@ impl Heading {
             .unwrap_or_else(|| Self { name: text.to_owned(), unit: ChannelUnit::Missing })
     }
 
-    /// What the column is, by its unit, else by its name.
+    /// Quantity of the column, from its unit, else from its name.
     pub(crate) fn quantity(&self) -> ChannelQuantity {
         let by_unit = self.unit.known().map(|unit| unit.quantity());
         by_unit.unwrap_or_else(|| ChannelQuantity::of_name(&self.name))
     }
 }
 
-/// Whether every word is a unit or says that there is none, and one is a unit.
+/// True if one word is a unit and every word is a unit or states none.
 pub(crate) fn are_units(words: &[String]) -> bool {
     let known = |word: &String| Unit::parse(word).is_some();
     words.iter().any(known) && words.iter().all(|word| known(word) || crate::unit::says_none(word))
@@ -37,10 +37,10 @@ fn in_brackets(text: &str) -> Option<Heading> {
     let square = text.ends_with(']');
     let (open, close) = if square { ('[', ']') } else { ('(', ')') };
     let inside = text.strip_suffix(close)?;
-    // `acc (m/(s^2))`: the bracket that opens first.
+    // The bracket that opens first, as in `acc (m/(s^2))`.
     let (name, unit) = inside.split_once(open)?;
     let unit = ChannelUnit::of_text(unit);
-    // Round brackets hold remarks as well: `force (rear)`.
+    // Round brackets may contain remarks: `force (rear)`.
     if !square && matches!(unit, ChannelUnit::Unrecognised(_)) {
         return None;
     }
@@ -71,7 +71,7 @@ fn after_underscore(text: &str) -> Option<Heading> {
     })
 }
 
-/// A unit in letters: `m_per_s2`, `m_s2`, and SI units named for people in small letters.
+/// A unit in letters: `m_per_s2`, `m_s2`, and SI units such as `n` for newton.
 fn suffix_unit(suffix: &str) -> Option<Unit> {
     let with_slash = if suffix.contains("_per_") {
         suffix.replacen("_per_", "/", 1)

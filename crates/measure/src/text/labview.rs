@@ -11,7 +11,7 @@ use crate::source::decode_text;
 use crate::text::dialect::Dialect;
 use crate::{FilePosition, MeasureError};
 
-/// What the first line of such a file starts with.
+/// Start of the first line of such a file.
 pub(crate) const MARK: &[u8] = b"LabVIEW Measurement";
 
 const END: &[u8] = b"***End_of_Header***";
@@ -20,20 +20,20 @@ const END: &[u8] = b"***End_of_Header***";
 #[derive(Debug, Clone)]
 pub(crate) struct FileHeader {
     pub(crate) dialect: Dialect,
-    /// Whether rows open with an abscissa: `X_Columns` is not `No`.
+    /// True if rows begin with an abscissa: `X_Columns` is not `No`.
     pub(crate) has_abscissa: bool,
-    /// Whether every channel has its own abscissa: `X_Columns` is `Multi`.
+    /// True if every channel has its own abscissa: `X_Columns` is `Multi`.
     pub(crate) many_abscissae: bool,
     pub(crate) description: String,
     pub(crate) date: String,
 }
 
-/// What the header of a segment says of the axis of a channel.
+/// Axis of a channel in the header of a segment.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct HeaderAxis {
     /// Abscissa of the first sample.
     pub(crate) start: f64,
-    /// Step; zero where none is given.
+    /// Step; zero if none is given.
     pub(crate) step: f64,
     /// The step as printed.
     pub(crate) step_text: String,
@@ -42,16 +42,16 @@ pub(crate) struct HeaderAxis {
 /// The header of a segment.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct LvmSegment {
-    /// Start and step of the columns of channels; of the first alone where all share one.
+    /// Start and step for each channel, or one for all.
     axes: Vec<HeaderAxis>,
-    /// Names of all columns, the abscissa's first.
+    /// Names of all columns, that of the abscissa first.
     pub(crate) names: Vec<String>,
     /// Units of the channels.
     pub(crate) units: Vec<String>,
 }
 
 impl FileHeader {
-    /// Reads it from the start of the file.
+    /// Reads the header from the start of the file.
     pub(crate) fn read(source: &mut Source<'_>, number: &mut u64) -> Result<Self, MeasureError> {
         let mut header = Self {
             dialect: Dialect { delimiter: b'\t', decimal: b'.' },
@@ -87,7 +87,7 @@ impl FileHeader {
 
 impl LvmSegment {
     /// Reads the header of a segment and its line of names; none at the end of
-    /// the file. `line` holds the first line, if that was read already.
+    /// the file. `line` is the first line, if it has been read already.
     pub(crate) fn read(
         source: &mut Source<'_>,
         line: &mut Vec<u8>,
@@ -100,7 +100,7 @@ impl LvmSegment {
             }
         }
         let mut segment = Self::default();
-        // More fields than there can be channels are refused with the line of names.
+        // Too many fields are rejected with the line of names.
         let most = most_channels(source) as usize + 1;
         let mut keep = |line: &[u8]| {
             let mut fields = dialect.fields(line);
@@ -130,9 +130,9 @@ impl LvmSegment {
         Ok(Some(segment))
     }
 
-    /// What the header says of the axis of the channel in `column`.
+    /// The axis of the channel in `column`.
     pub(crate) fn axis(&self, column: usize) -> HeaderAxis {
-        // The header has its tag where the first row has its abscissa.
+        // The tag of a header line is in the column of the abscissa.
         self.axes.get(column.saturating_sub(1)).cloned().unwrap_or_default()
     }
 
@@ -149,7 +149,7 @@ impl LvmSegment {
         }
     }
 
-    /// Whether a line opens another segment.
+    /// True for a line that begins another segment.
     pub(crate) fn opens(line: &[u8]) -> bool {
         line.starts_with(b"Channels") || line.starts_with(b"***Start_Special***")
     }

@@ -1,8 +1,7 @@
 //! LabVIEW files with an abscissa for each channel: `X_Columns` is `Multi`.
 //!
-//! Columns come in pairs, and so do the fields of the header: start and step of
-//! a channel stand above it. Each abscissa must rise evenly; channels then have
-//! an axis each, which need not be the same.
+//! Columns are pairs of abscissa and channel, with start and step of the channel in the header. Each
+//! abscissa must be even; the axes of the channels may differ.
 
 use crate::notice::Notices;
 use crate::text::Text;
@@ -19,7 +18,7 @@ impl Text<'_> {
         let (mut values, last) = (rows.values, FilePosition::Line(self.number));
         if !values.len().is_multiple_of(2) {
             let found = format!("{} columns", values.len());
-            let expected = "pairs, as X_Columns is Multi";
+            let expected = "pairs of columns, as X_Columns is Multi";
             return Err(self.source.malformed(last, "a row", &found, expected));
         }
         if self.axes.is_empty() {

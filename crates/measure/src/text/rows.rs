@@ -1,4 +1,4 @@
-//! Rows of numbers, a block at a time.
+//! Rows of numbers, in blocks.
 
 use crate::arrays::bare_channel;
 use crate::error::FilePosition;
@@ -9,10 +9,10 @@ use crate::text::labview::LvmSegment;
 use crate::text::{Text, is_passed_over};
 use crate::{Abscissa, Channel, ChannelUnit, MeasureError, Notice, Samples};
 
-/// A column of the file that holds numbers.
+/// A column of numbers.
 #[derive(Debug, Clone)]
 pub(crate) struct NumberColumn {
-    /// Its place among the fields of a row, from zero.
+    /// Index among the fields of a row, from zero.
     pub(crate) index: usize,
     pub(crate) heading: Option<Heading>,
 }
@@ -24,7 +24,7 @@ impl NumberColumn {
         Channel { unit, ..bare_channel(self.name(), abscissa, Samples::Real(samples)) }
     }
 
-    /// The name above it, or one made from its place.
+    /// Name of the heading, or one made from the index.
     pub(crate) fn name(&self) -> String {
         match &self.heading {
             Some(heading) if !heading.name.is_empty() => heading.name.clone(),
@@ -33,15 +33,15 @@ impl NumberColumn {
     }
 }
 
-/// Some rows, by columns.
+/// A block of rows, by columns.
 pub(crate) struct RowBlock {
     pub(crate) values: Vec<Vec<f64>>,
     pub(crate) count: usize,
-    /// Of the columns tracked.
+    /// Roundings of the tracked columns.
     pub(crate) roundings: Vec<Rounding>,
 }
 
-/// The columns whose rounding counts, since they may be an axis.
+/// Columns that may be an axis, whose rounding is determined.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Tracked {
     None,
@@ -51,7 +51,7 @@ pub(crate) enum Tracked {
 }
 
 impl Tracked {
-    /// Where the rounding of a column stands among those of the tracked.
+    /// Index of a column among those tracked.
     fn slot(self, place: usize) -> Option<usize> {
         match self {
             Self::None => None,
@@ -61,21 +61,20 @@ impl Tracked {
     }
 }
 
-/// How finely the numbers of a column are printed.
+/// Rounding of the printed numbers of a column.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Rounding {
     /// Most significant digits.
     significant: u32,
-    /// Least half unit of a last digit.
+    /// Smallest half unit of a last digit.
     half_unit: f64,
 }
 
 impl Rounding {
-    /// How far off a number of the column may be: by its last decimal where
-    /// they are printed to a decimal, by its last digit where to a digit.
+    /// Largest rounding error of a number of the column, for a fixed number of decimals or of digits.
     pub(crate) fn tolerance(self, value: f64) -> f64 {
         let digits = f64::from(self.significant.min(17));
-        // Of zero this is minus infinity, and its power zero.
+        // For zero this is minus infinity, and its power zero.
         let magnitude = value.abs().log10().floor();
         let by_digit = 0.5 * 10f64.powf(magnitude + 1.0 - digits);
         by_digit.max(self.half_unit).max(2.0 * f64::EPSILON * value.abs())
@@ -95,7 +94,7 @@ impl RowBlock {
             if let Tracked::Pairs = tracked { text.columns.len().div_ceil(2) } else { 1 };
         let mut roundings = vec![unknown; count_tracked];
         let mut count = 0;
-        // A line that opens the next segment waits for it.
+        // The line that begins the next segment is kept.
         let ended = text.labview.is_some() && LvmSegment::opens(&text.line);
         while count < text.block && !ended {
             let before = text.source.position();
@@ -117,7 +116,7 @@ impl RowBlock {
                     column.reserve_exact(room);
                 }
             } else if values.first().is_some_and(|column| column.len() == column.capacity()) {
-                // An eighth at a time: memory stays near what the rows take.
+                // In steps of an eighth, which limits unused memory.
                 for column in &mut values {
                     column.reserve_exact(column.len() / 8 + 8);
                 }
@@ -143,7 +142,7 @@ impl RowBlock {
     }
 }
 
-/// Appends the numbers of the line; how many columns it filled.
+/// Appends the numbers of the line and returns the number of columns filled.
 fn read_row(
     text: &Text<'_>,
     values: &mut [Vec<f64>],
@@ -157,7 +156,7 @@ fn read_row(
     };
     for (index, field) in text.dialect.fields(&text.line).enumerate() {
         let Some(column) = text.columns.get(place) else {
-            // LabVIEW's last column is a comment.
+            // The last column of LabVIEW is a comment.
             if field.is_empty() || text.labview.is_some() {
                 continue;
             }

@@ -1,4 +1,4 @@
-//! One record as CSV: a header of names and units, then numbers.
+//! Writing of one record as CSV: a header of names and units, then numbers.
 
 use std::io::Write;
 
@@ -8,14 +8,17 @@ use crate::text::heading::Heading;
 use crate::write::WriteFault;
 use crate::{Abscissa, Channel, ChannelQuantity, ChannelUnit, Format, Record, Samples};
 
-/// Writes the only joined record; shortest decimals that read back to the same bits.
+/// Writes the only joined record, with numbers that read back to the same bits.
 pub(crate) fn write(out: &mut impl Write, records: &[Vec<&Record>]) -> Result<(), WriteFault> {
     let refuse = |channel: &str, reason| Err(WriteFault::refused(Format::Text, channel, reason));
     let parts = match records {
         [] => return Ok(()),
         [parts] => parts,
         [_, other, ..] => {
-            return refuse(&other[0].channels[0].name, "text holds one record; it is in a second");
+            return refuse(
+                &other[0].channels[0].name,
+                "text holds one record only; it belongs to a second",
+            );
         }
     };
     let first = &parts[0].channels[0];
@@ -52,7 +55,7 @@ pub(crate) fn write(out: &mut impl Write, records: &[Vec<&Record>]) -> Result<()
     Ok(())
 }
 
-/// Name and unit in one text that reads back to both.
+/// Name and unit in one text from which both can be read.
 pub(crate) fn heading(channel: &Channel, format: Format) -> Result<String, WriteFault> {
     let name = channel.name.trim();
     let plain = Heading { name: channel.name.clone(), unit: channel.unit.clone() };
@@ -61,10 +64,11 @@ pub(crate) fn heading(channel: &Channel, format: Format) -> Result<String, Write
         ChannelUnit::Missing => format!("{name} [-]"),
         unit => format!("{name} [{}]", unit.text()),
     };
-    // What was read from a factor alone has no symbol to be known by.
+    // A unit read from a factor alone has no symbol.
     let same = Heading::parse(&text) == plain;
     if !same || name.is_empty() || text.contains('"') || text.chars().any(char::is_control) {
-        let reason = "its name or unit would not read back: brackets, quotes, blanks at the ends";
+        let reason =
+            "its name or unit could not be read back: brackets, quotes, blanks at the ends";
         return Err(WriteFault::refused(format, &channel.name, reason));
     }
     Ok(text)

@@ -1,8 +1,8 @@
 //! The numbers of dataset 58b.
 //!
-//! Their length is points times size: bytes that look like a closing tag may
-//! lie among them, and the byte count of the header is wrong with some writers
-//! of complex data. The tag that must follow decides.
+//! Their length is the number of points times their size: the data may contain the bytes of a
+//! closing tag, and some writers of complex data give a wrong byte count. The closing tag must
+//! follow.
 
 use num_complex::Complex64;
 
@@ -14,7 +14,7 @@ use crate::uff::fields::integer;
 use crate::uff::header::FunctionHeader;
 use crate::{FilePosition, MeasureError, Notice};
 
-/// Where binary numbers lie and how to read them.
+/// Position and type of binary numbers.
 #[derive(Debug)]
 pub(crate) struct Payload {
     offset: u64,
@@ -25,7 +25,7 @@ pub(crate) struct Payload {
 }
 
 impl Payload {
-    /// From the fields after `58b` in the line at `place`; passes the closing tag.
+    /// The payload of the fields after `58b` in the line at `place`; reads up to the closing tag.
     pub(crate) fn locate(
         source: &mut Source<'_>,
         place: FilePosition,
@@ -52,7 +52,7 @@ impl Payload {
         let announced = announced.ok_or_else(|| wrong("the byte count", 3, "a count"))?;
 
         let value = if header.double { NumberType::F64 } else { NumberType::F32 };
-        // Uneven double data come with abscissae of either width.
+        // Abscissae of uneven double data may be single or double.
         let abscissae = match (header.even, header.double) {
             (true, _) => vec![None],
             (false, false) => vec![Some(NumberType::F32)],
@@ -70,7 +70,7 @@ impl Payload {
             if taken > source.len() - offset {
                 continue;
             }
-            // Padding up to the announced end is passed over.
+            // Padding up to the announced end is skipped.
             for end in [taken, announced.max(taken)] {
                 if end <= source.len() - offset && after_tag(source, offset + end)? {
                     if announced != 0 && announced != taken {
@@ -105,7 +105,7 @@ impl Payload {
         (value + self.abscissa.map_or(0, NumberType::size)) as u64
     }
 
-    /// Appends `count` points from point `from` on.
+    /// Appends `count` points from point `from`.
     pub(crate) fn read(
         &self,
         source: &mut Source<'_>,
@@ -148,8 +148,7 @@ impl Payload {
     }
 }
 
-/// Whether a closing tag stands at `position`, perhaps after an end of line;
-/// then the source stands behind it.
+/// True for a closing tag at `position`, possibly after an end of line; the source is then after it.
 fn after_tag(source: &mut Source<'_>, position: u64) -> Result<bool, MeasureError> {
     source.seek_to(position)?;
     let mut around = [0; 16];

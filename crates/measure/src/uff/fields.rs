@@ -1,6 +1,6 @@
-//! Fields of fixed width, as Fortran writes them.
+//! Fields of fixed width, as written by Fortran.
 
-/// The text of columns `start..start + width`; shorter or empty where the line ends before.
+/// The text of columns `start..start + width`, shorter at the end of the line.
 pub(crate) fn columns(line: &str, start: usize, width: usize) -> &str {
     let from = boundary(line, start);
     let to = boundary(line, start.saturating_add(width));
@@ -12,8 +12,8 @@ fn boundary(line: &str, column: usize) -> usize {
     line.char_indices().nth(column).map_or(line.len(), |(index, _)| index)
 }
 
-/// Cuts a line into fields of the given widths; where one of them is no
-/// number (blank counts as one), cuts at blanks instead.
+/// Divides a line into fields of the given widths, or at blanks if a field is neither a number nor
+/// blank.
 pub(crate) fn numbers<'a>(line: &'a str, widths: &[usize]) -> Vec<&'a str> {
     let mut start = 0;
     let fixed: Vec<&str> = widths
@@ -40,7 +40,7 @@ pub(crate) fn integer(field: &str) -> Option<i64> {
 /// may come without a mark.
 pub(crate) fn real(field: &str) -> Option<f64> {
     let plain = field.parse().ok();
-    // Fortran prints no names of numbers; other writers do, in words that Rust reads.
+    // Other writers print names of numbers such as `nan`.
     plain.or_else(|| {
         let field = field.replace(['d', 'D'], "e");
         field.parse().ok().or_else(|| {
@@ -52,7 +52,7 @@ pub(crate) fn real(field: &str) -> Option<f64> {
     })
 }
 
-/// Free text; `NONE` says that there is none.
+/// Free text; empty for `NONE`.
 pub(crate) fn text(field: &str) -> String {
     let field = field.trim();
     if field.eq_ignore_ascii_case("none") { String::new() } else { field.to_owned() }

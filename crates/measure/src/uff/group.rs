@@ -1,21 +1,21 @@
-//! Which functions were sampled together.
+//! Functions sampled together.
 //!
-//! The format does not say. Functions that follow each other with the same
-//! axis belong to one record, until one comes that the record already has:
+//! The format does not contain this information. Consecutive functions with the same
+//! axis belong to one record, up to one that the record already has: with
 //! the same nodes, the same quantity, and the same name but for the number of
-//! the hit. That is the next hit.
+//! the hit.
 
 use std::collections::HashSet;
 
 use crate::uff::header::FunctionHeader;
 use crate::uff::index::FunctionEntry;
 
-/// Functions of one record. They lie in boxes, since entries are large and
-/// vectors of them grow; a group gives their memory back once it is read.
+/// Functions of one record. Boxes keep growing vectors of large entries small, and their memory is
+/// freed after a group is read.
 #[allow(clippy::vec_box, reason = "see above")]
 pub(crate) type Group = Vec<Box<FunctionEntry>>;
 
-/// Cuts the entries into groups, in their order.
+/// Divides the entries into groups, in their order.
 pub(crate) fn groups(entries: Group) -> Vec<Group> {
     let mut groups: Vec<Group> = Vec::new();
     let mut seen = HashSet::new();
@@ -44,7 +44,7 @@ fn same_axis(one: &FunctionHeader, other: &FunctionHeader) -> bool {
         && (one.function == 1) == (other.function == 1)
 }
 
-/// What makes a channel the same channel in the next hit.
+/// Identity of a channel in different hits.
 fn identity(header: &FunctionHeader) -> String {
     let node = |freedom: &Option<crate::DegreeOfFreedom>| {
         freedom.as_ref().map_or_else(String::new, |freedom| {
@@ -62,7 +62,7 @@ fn identity(header: &FunctionHeader) -> String {
     )
 }
 
-/// The name without the number after a word such as `hit`. Other numbers stay:
+/// The name without the number after a word such as `hit`:
 /// `acc 1` and `acc 2` are two channels, `hit 1 acc` and `hit 2 acc` are one.
 fn without_hit_number(name: &str) -> String {
     const WORDS: [&str; 10] = [

@@ -7,7 +7,7 @@ use crate::source::decode_text;
 use crate::uff::fields::{columns, integer, numbers, real, text};
 use crate::{ChannelQuantity, DegreeOfFreedom, MeasureError, Notice, Unit};
 
-/// What the header of dataset 58 says.
+/// The header of dataset 58.
 #[derive(Debug)]
 pub(crate) struct FunctionHeader {
     pub(crate) name: String,
@@ -55,7 +55,7 @@ impl AxisHeader {
 }
 
 impl FunctionHeader {
-    /// Reads the header from the line after the dataset's number.
+    /// Reads the header from the line after the number of the dataset.
     pub(crate) fn read(
         source: &mut Source<'_>,
         line_number: &mut u64,
@@ -81,7 +81,7 @@ impl FunctionHeader {
         let function = integer(columns(&nodes, 0, 5)).unwrap_or(0);
         let (response, reference) = (freedom(31), freedom(56));
 
-        // Lines lose their meaning once binary data lie between them: places are told in bytes.
+        // Positions in binary files are given in bytes.
         let place = source.place();
         let layout = lines.next(source, notices)?;
         let cut = numbers(&layout, &[10, 10, 10, 13, 13, 13]);
@@ -113,7 +113,7 @@ impl FunctionHeader {
         let start = axis_number(3, "the abscissa minimum")?;
         let step = axis_number(4, "the abscissa increment")?;
         if even && step < 0.0 {
-            return Err(wrong("the abscissa increment", 4, "one that is not negative"));
+            return Err(wrong("the abscissa increment", 4, "zero or a positive number"));
         }
         let step_uncertainty = rate::uncertainty_of_printed_step(field(4));
 
@@ -146,12 +146,12 @@ impl FunctionHeader {
         })
     }
 
-    /// Values of one point, with its abscissa if they are uneven.
+    /// Values of one point, with its abscissa if the axis is uneven.
     pub(crate) fn values_per_point(&self) -> u64 {
         1 + u64::from(self.complex) + u64::from(!self.even)
     }
 
-    /// A name for the channel: the first line, or the response, or its number.
+    /// Name of the channel: the first line, the response, or its number.
     pub(crate) fn channel_name(&self, index: usize) -> String {
         if !self.name.is_empty() {
             return self.name.clone();
@@ -160,7 +160,7 @@ impl FunctionHeader {
         if entity.is_empty() { format!("channel {}", index + 1) } else { entity.to_owned() }
     }
 
-    /// What the abscissa is, and the SI value of its unit.
+    /// Quantity of the abscissa, and the SI value of its unit.
     pub(crate) fn abscissa_unit(&self) -> (ChannelQuantity, f64) {
         let unit = Unit::parse(&self.abscissa.unit);
         let stated = self.abscissa.quantity();
@@ -168,7 +168,7 @@ impl FunctionHeader {
             Some(unit) if stated == ChannelQuantity::Unknown || stated == unit.quantity() => {
                 (unit.quantity(), unit.factor())
             }
-            // A time response whose axis is not named runs over time all the same.
+            // The axis of a time response is time even if it is not named.
             None if stated == ChannelQuantity::Unknown && self.function == 1 => {
                 (ChannelQuantity::Time, 1.0)
             }
@@ -177,7 +177,7 @@ impl FunctionHeader {
     }
 }
 
-/// Lines that must be there.
+/// Required lines.
 struct Lines<'n> {
     bytes: Vec<u8>,
     number: &'n mut u64,

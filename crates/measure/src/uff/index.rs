@@ -1,4 +1,4 @@
-//! The first pass: where each function lies.
+//! First pass: headers and positions of the functions.
 
 use std::sync::Arc;
 
@@ -12,7 +12,7 @@ use crate::uff::header::FunctionHeader;
 use crate::uff::system::System;
 use crate::{FilePosition, MeasureError, Notice};
 
-/// A function: its header, and where its numbers are.
+/// A function: its header and the position of its numbers.
 #[derive(Debug)]
 pub(crate) struct FunctionEntry {
     pub(crate) header: FunctionHeader,
@@ -20,7 +20,7 @@ pub(crate) struct FunctionEntry {
     pub(crate) data: Data,
 }
 
-/// Where the numbers are.
+/// Position of the numbers.
 #[derive(Debug)]
 pub(crate) enum Data {
     Printed(Start),
@@ -34,7 +34,7 @@ pub(crate) struct Start {
     pub(crate) line: u64,
 }
 
-/// What datasets 151 and 164 said before a function.
+/// Content of datasets 151 and 164 before a function.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct FileContext {
     pub(crate) title: String,
@@ -110,13 +110,13 @@ pub(crate) fn index(source: &mut Source<'_>, notices: &mut Notices) -> Result<Gr
     }
 }
 
-/// Date and time are the first two fields of ten columns.
+/// Date and time, the first two fields of ten columns.
 fn date_of(line: &str) -> &str {
     let end = line.char_indices().nth(20).map_or(line.len(), |(index, _)| index);
     line[..end].trim()
 }
 
-/// Passes over printed numbers; what is in them is checked when they are read.
+/// Skips printed numbers, which are checked when they are read.
 fn printed(
     source: &mut Source<'_>,
     line: &mut Vec<u8>,
@@ -125,14 +125,14 @@ fn printed(
 ) -> Result<Data, MeasureError> {
     let place = source.place();
     let start = Start { offset: source.position(), line: *number };
-    // Each value takes a digit and a blank at least.
+    // Each value takes at least a digit and a blank.
     let values = header.points.saturating_mul(header.values_per_point());
     source.need(values.saturating_mul(2), "the numbers of the announced points")?;
     to_closing_tag(source, line, number, place, |_| ())?;
     Ok(Data::Printed(start))
 }
 
-/// The first lines of a dataset up to its closing tag, which it passes.
+/// The first lines of a dataset; reads up to its closing tag.
 fn first_lines(
     source: &mut Source<'_>,
     line: &mut Vec<u8>,

@@ -9,14 +9,14 @@ use crate::uff::header::FunctionHeader;
 use crate::uff::index::{Data, FunctionEntry, Start};
 use crate::{FilePosition, MeasureError};
 
-/// How far the printed numbers of a function have been read.
+/// Position in the printed numbers of a function.
 #[derive(Debug)]
 pub(crate) struct Printed {
     position: Start,
-    /// Values of the last line that belong to the next block.
+    /// Values of the last line of the next block.
     pending: Vec<f64>,
     line: Vec<u8>,
-    /// Widths of the values of one point, for lines whose fields touch.
+    /// Widths of the values of one point, for fields without blanks between them.
     widths: Vec<usize>,
     complex: bool,
     even: bool,
@@ -27,7 +27,7 @@ const SINGLE: usize = 13;
 const DOUBLE: usize = 20;
 
 impl Printed {
-    /// At the first number of a function; none if its numbers are binary.
+    /// The first number of a function; none if its numbers are binary.
     pub(crate) fn of(entry: &FunctionEntry) -> Option<Self> {
         match &entry.data {
             Data::Printed(start) => Some(Self::new(*start, &entry.header)),
@@ -83,13 +83,18 @@ impl Printed {
         Ok(())
     }
 
-    /// Checks that nothing but the closing tag is left.
+    /// Checks that only the closing tag remains.
     pub(crate) fn close(&mut self, source: &mut Source<'_>) -> Result<(), MeasureError> {
         source.seek_to(self.position.offset)?;
         let place = FilePosition::Line(self.position.line);
         if !self.pending.is_empty() {
             let found = format!("{} values too many", self.pending.len());
-            return Err(source.malformed(place, "the data", &found, "as many as points"));
+            return Err(source.malformed(
+                place,
+                "the data",
+                &found,
+                "as many numbers as announced points",
+            ));
         }
         loop {
             let more = source.read_line(&mut self.line, &mut self.position.line)?;
@@ -106,7 +111,7 @@ impl Printed {
         }
     }
 
-    /// The values of the next line, behind those pending.
+    /// Appends the values of the next line to those pending.
     fn next_line(&mut self, source: &mut Source<'_>, left: usize) -> Result<(), MeasureError> {
         let more = source.read_line(&mut self.line, &mut self.position.line)?;
         let place = FilePosition::Line(self.position.line);
@@ -127,7 +132,7 @@ impl Printed {
     }
 }
 
-/// Numbers with blanks between them.
+/// Numbers separated by blanks.
 fn apart(line: &[u8], values: &mut Vec<f64>) -> bool {
     let mut tokens = line.split(u8::is_ascii_whitespace).filter(|token| !token.is_empty());
     tokens.all(|token| {
@@ -137,7 +142,7 @@ fn apart(line: &[u8], values: &mut Vec<f64>) -> bool {
     })
 }
 
-/// Numbers in fields of fixed width; `before` values of a point came on earlier lines.
+/// Numbers in fields of fixed width, after `before` values of a point on earlier lines.
 fn touching(line: &[u8], widths: &[usize], before: usize, values: &mut Vec<f64>) -> bool {
     let mut rest = line.trim_ascii_end();
     for width in widths.iter().cycle().skip(before % widths.len()) {

@@ -6,7 +6,7 @@ use crate::uff::fields::real;
 use crate::uff::header::FunctionHeader;
 use crate::{ChannelQuantity, ChannelUnit, MeasureError, Notice, Unit};
 
-/// Factors from SI to the units of the file: `file = factor * SI`.
+/// Factors from SI to the units of the file, `file = factor * SI`.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct System {
     length: f64,
@@ -14,7 +14,7 @@ pub(crate) struct System {
 }
 
 impl System {
-    /// From the text of dataset 164 after its first line: the factors of
+    /// Reads the text of dataset 164 after its first line: the factors of
     /// length, force and temperature, and the offset of temperature.
     pub(crate) fn parse(
         source: &Source<'_>,
@@ -31,7 +31,7 @@ impl System {
         Ok(Self { length: factor("the length factor")?, force: factor("the force factor")? })
     }
 
-    /// SI value of the system's unit of `quantity`, for what is made of length and force.
+    /// SI value of the unit of a `quantity` of length and force.
     fn in_si(&self, quantity: ChannelQuantity) -> Option<f64> {
         match quantity {
             ChannelQuantity::Force => Some(1.0 / self.force),
@@ -44,7 +44,7 @@ impl System {
     }
 }
 
-/// The unit of a channel: by its label, else by the file's system.
+/// The unit of a channel, from its label, else from the file's system.
 pub(crate) fn unit_of(
     header: &FunctionHeader,
     system: Option<&System>,
@@ -54,7 +54,7 @@ pub(crate) fn unit_of(
     let stated = header.ordinate.quantity();
     let label = &header.ordinate.unit;
     if !header.denominator.unit.is_empty() {
-        // A ratio, such as a frequency response in g/N, has no quantity of its own here.
+        // A ratio, such as a frequency response in g/N, has no quantity.
         let ratio = format!("{label}/{}", header.denominator.unit);
         return (ChannelUnit::of_text(&ratio), ChannelQuantity::Unknown);
     }

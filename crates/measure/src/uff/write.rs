@@ -1,4 +1,4 @@
-//! Universal files, as other tools expect them: 151 and 164 first, then a
+//! Writing of universal files: datasets 151 and 164, which other tools expect, then a
 //! dataset 58 or 58b for each channel.
 
 use std::io::Write;
@@ -11,7 +11,7 @@ use crate::{
 
 /// Writes joined records; samples as doubles, binary ones little endian.
 ///
-/// The step has room for seven digits; a whole rate is read back from them.
+/// The step has seven digits, from which a whole rate is read back.
 /// Abscissae of an uneven axis have six in text, all in binary.
 pub(crate) fn write(
     out: &mut impl Write,
@@ -70,7 +70,7 @@ fn header(
     };
     let lines = [&channel.name, &channel.origin.description, &channel.origin.date];
     if lines.iter().any(|line| line.chars().count() > 80 || line.chars().any(char::is_control)) {
-        return refuse("a line of text is longer than 80 characters, or not printable");
+        return refuse("a line of its text is longer than 80 characters, or not printable");
     }
     if channel.unit.text().chars().count() > 20 || channel.unit.text().chars().any(char::is_control)
     {
@@ -130,7 +130,7 @@ fn header(
         ChannelUnit::Missing => "NONE",
         unit => unit.text(),
     };
-    // A quantity without a unit of its own would claim the SI unit of dataset 164.
+    // A quantity without unit would get the SI unit of dataset 164.
     let quantity = channel.unit.known().map_or(ChannelQuantity::Unknown, |unit| unit.quantity());
     let (code, label) = specific_type(quantity);
     axis(code, label, unit)?;
@@ -154,8 +154,8 @@ fn specific_type(quantity: ChannelQuantity) -> (i32, &'static str) {
     }
 }
 
-/// The numbers of one channel. Lines of text hold whole points, so that a
-/// record that continues starts on a line of its own.
+/// The numbers of one channel. Lines of text contain whole points, so that a
+/// continuing record begins a line.
 fn data(out: &mut impl Write, channel: &Channel, binary: bool) -> Result<(), WriteFault> {
     let abscissae = match &channel.abscissa {
         Abscissa::Even { .. } => None,
@@ -214,7 +214,7 @@ impl<W: Write> Sink<'_, W> {
     }
 }
 
-/// `value` as Fortran's E format and C's `%e` write it: two digits of exponent at least.
+/// `value` in the E format of Fortran and `%e` of C, with two or more digits of exponent.
 fn exponential(value: f64, decimals: usize, width: usize) -> String {
     let plain = format!("{value:.decimals$e}");
     let Some((mantissa, exponent)) = plain.split_once('e') else {
@@ -235,7 +235,7 @@ mod tests {
 
     #[test]
     fn numbers_look_as_in_c() {
-        // By the printf of C: "%13.5e" and "%20.12e".
+        // From the printf of C: "%13.5e" and "%20.12e".
         assert_eq!(exponential(3.90625e-5, 5, 13), "  3.90625e-05");
         assert_eq!(exponential(-1.0 / 3.0, 12, 20), " -3.333333333333e-01");
         assert_eq!(exponential(-1e-100, 12, 20), "-1.000000000000e-100");

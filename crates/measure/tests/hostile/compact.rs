@@ -1,5 +1,5 @@
-//! Honest files of a few megabytes that hold as many numbers, channels or
-//! datasets as their bytes can: memory stays within ten times their size.
+//! Valid files of a few megabytes with the most numbers, channels or
+//! datasets for their length: memory stays within ten times their size.
 
 use asperity_measure::{ReadOptions, read_bytes};
 
@@ -15,7 +15,7 @@ fn stays_small(name: &str, bytes: &[u8], records: usize) {
 }
 
 fn dataset(points: usize, numbers: &str) -> String {
-    // Lines without the blanks at their ends, the shortest that says where it was measured.
+    // Lines without blanks at their ends, the shortest with a node.
     let nodes = "    1         0    1         0 BEAM               7   3 BEAM               1   3";
     format!(
         "    -1\n    58\nforce\n\n\n\n\n{nodes}\n2 {points} 1 0 1 0\n\n\n\n\n{numbers}\n    -1\n"

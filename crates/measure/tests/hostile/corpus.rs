@@ -1,4 +1,4 @@
-//! Small valid files to start from: by our writers, by hand, and by other programs.
+//! Small valid files: by the writers, by hand, and by other programs.
 
 use asperity_measure::{
     Abscissa, Channel, ChannelQuantity, ChannelUnit, Complex64, Format, Origin, Record, Samples,

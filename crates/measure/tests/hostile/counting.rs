@@ -1,4 +1,4 @@
-//! An allocator that counts what the current thread holds.
+//! An allocator that counts the memory of the current thread.
 #![allow(
     unsafe_code,
     reason = "an allocator is an unsafe trait; it hands every call to the system's"
@@ -24,11 +24,11 @@ fn add(bytes: isize) {
     });
 }
 
-// SAFETY: every call goes to the system's allocator unchanged; counting allocates nothing.
+// SAFETY: every call is forwarded unchanged to the system's allocator; counting allocates nothing.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         add(layout.size().cast_signed());
-        // SAFETY: the caller's promises are those of the system's allocator.
+        // SAFETY: the caller upholds the contract of the system's allocator.
         unsafe { System.alloc(layout) }
     }
 
@@ -39,7 +39,7 @@ unsafe impl GlobalAlloc for Counting {
     }
 
     unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
-        // Old and new stand side by side while one is copied to the other.
+        // Both blocks exist while one is copied to the other.
         add(size.cast_signed());
         add(-layout.size().cast_signed());
         // SAFETY: as above.
@@ -47,13 +47,13 @@ unsafe impl GlobalAlloc for Counting {
     }
 }
 
-/// Counts from here on.
+/// Starts counting.
 pub(crate) fn start_counting() {
     HELD.with(|held| held.set(0));
     PEAK.with(|peak| peak.set(0));
 }
 
-/// Most bytes held since counting started.
+/// Most bytes in use since counting started.
 pub(crate) fn peak_of() -> usize {
     PEAK.with(|peak| peak.get().max(0).cast_unsigned())
 }

@@ -1,18 +1,19 @@
-//! Files that are cut, flipped, spliced and made to lie: an answer or an
-//! error, no panic, no endless loop, no memory on the word of a header.
+//! Truncated, mutated, spliced and inconsistent files: a result or an
+//! error, without panic, endless loop or unbounded memory.
 //!
-//! The mutations are drawn from a fixed seed, so that a failure repeats. Memory
-//! is counted by the allocator, for the thread that reads.
+//! Mutations have a fixed seed, so that a failure repeats. The allocator counts the memory of the
+//! reading thread.
 #![allow(
     clippy::unwrap_used,
     clippy::print_stderr,
-    reason = "what tests build is valid, and what they skip is told"
+    reason = "tests build valid files, and report what they skip"
 )]
 
+mod announcements;
 mod compact;
 mod corpus;
 mod counting;
-mod lies;
+
 mod mutate;
 mod tdms;
 
@@ -25,7 +26,7 @@ use mutate::Mutator;
 /// Mutated inputs for each file of the corpus.
 const MUTATIONS: usize = 2_000;
 
-/// One MiB, for the buffers of readers and sniffers.
+/// One MiB, for the buffers of readers and format detection.
 const BUFFERS: usize = 1 << 20;
 
 fn survive(name: &str, bytes: &[u8]) {
@@ -92,8 +93,8 @@ fn matlab_files() {
     every_mutation(&corpus::matlab());
 }
 
-/// The reader of HDF5 is another project's: held to no panic and no endless
-/// loop here, and to four MiB of buffers, of which it takes one for its windows.
+/// The reader of HDF5 is that of another project: no panic, no endless loop, and four MiB of
+/// buffers, of which it uses one for its windows.
 #[cfg(feature = "hdf5")]
 #[test]
 fn hdf5_files() {

@@ -1,6 +1,6 @@
-//! Mutations drawn from a seed.
+//! Mutations from a seed.
 
-/// Marsaglia's xorshift64 with a taste for what parsers trip over.
+/// Mutations that parsers are sensitive to, by Marsaglia's xorshift64.
 pub(crate) struct Mutator(u64);
 
 const WORDS: [&[u8]; 16] = [
@@ -39,11 +39,11 @@ impl Mutator {
         (self.next() % limit.max(1) as u64) as usize
     }
 
-    /// `seed` with one to four mutations; `other` lends pieces.
+    /// `seed` with one to four mutations, some with pieces of `other`.
     pub(crate) fn mutated(&mut self, seed: &[u8], other: &[u8]) -> Vec<u8> {
         let mut bytes = seed.to_vec();
         for _ in 0..=self.below(4) {
-            // Headers decide most: every other mutation strikes near the start.
+            // Every other mutation is near the start, in the header.
             let reach = if self.below(2) == 0 { bytes.len().min(400) } else { bytes.len() };
             let at = self.below(reach);
             match self.below(7) {
@@ -68,7 +68,7 @@ impl Mutator {
                     bytes.splice(at..at, word.iter().copied());
                 }
                 _ => {
-                    // A digit becomes another: counts and lengths lie.
+                    // Another digit: wrong counts and lengths.
                     let digits: Vec<usize> =
                         (0..reach).filter(|&i| bytes[i].is_ascii_digit()).collect();
                     if !digits.is_empty() {

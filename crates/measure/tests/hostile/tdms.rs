@@ -1,4 +1,4 @@
-//! TDMS files that hold as much as their bytes can, and such that lie.
+//! TDMS files with the most content for their length, and inconsistent ones.
 
 use asperity_measure::{MeasureError, ReadOptions, read_bytes};
 
@@ -14,7 +14,7 @@ fn word(value: usize) -> [u8; 4] {
     u32::try_from(value).unwrap().to_le_bytes()
 }
 
-/// A channel of bytes; its rate makes it a record of its own, or does not.
+/// A channel of bytes at a rate.
 fn channel(name: usize, values: u64, rate: f64) -> Vec<u8> {
     let path = format!("/'g'/'{name}'");
     let index = [20_u32, 5, 1].map(u32::to_le_bytes).concat();
@@ -57,7 +57,7 @@ fn read(file: &[u8]) -> (Result<usize, MeasureError>, f64) {
 }
 
 #[test]
-fn honest_files_stay_within_ten_times_their_size() {
+fn valid_files_stay_within_ten_times_their_size() {
     let two = [channel(1, 1_000_000, 100.0), channel(2, 1_000_000, 100.0)];
     let one = segment(ALL, &[channel(1, 1, 100.0)], &[7]);
     let single = segment(RAW, &[], &[7]);
@@ -86,10 +86,10 @@ fn honest_files_stay_within_ten_times_their_size() {
     }
 }
 
-/// Each segment changes one channel of thousands: what it takes to note where
-/// their samples lie is held against the file's size.
+/// Each segment changes one channel of thousands: the memory of the positions of
+/// their samples is limited by the size of the file.
 #[test]
-fn a_list_of_thousands_of_channels_told_anew_each_time() {
+fn a_list_of_thousands_of_channels_repeated_in_each_segment() {
     let channels: Vec<Vec<u8>> = (0..4000).map(|n| channel(n, 1, 100.0)).collect();
     let mut file = segment(ALL, &channels, &bytes(4000));
     for n in 0..400 {
@@ -107,7 +107,7 @@ fn a_list_of_thousands_of_channels_told_anew_each_time() {
     }
 }
 
-/// Each channel of its own rate would be a pass over all rows.
+/// Each channel with another rate needs a pass over all rows.
 #[test]
 fn thousands_of_rates_in_one_row() {
     let channels: Vec<Vec<u8>> = (0..4000).map(|n| channel(n, 500, 1.0 + n as f64)).collect();
@@ -118,7 +118,7 @@ fn thousands_of_rates_in_one_row() {
 }
 
 #[test]
-fn more_channels_than_a_file_can_mean() {
+fn more_channels_than_accepted() {
     let channels: Vec<Vec<u8>> = (0..60_000)
         .map(|n| {
             let path = format!("/'g'/'{n}'");
@@ -131,9 +131,9 @@ fn more_channels_than_a_file_can_mean() {
     assert!(ratio < 10.0, "{ratio:.1} times the file");
 }
 
-/// Channels whose texts take no bytes would be gone through for nothing.
+/// Channels whose texts take no bytes.
 #[test]
-fn counts_that_announce_what_is_not_there() {
+fn counts_beyond_the_file() {
     let many = segment(METADATA | RAW, &[channel(1, u64::MAX, 100.0), channel(2, 3, 1.0)], &[1; 8]);
     let (found, _) = read(&many);
     assert!(found.unwrap_err().to_string().contains("expected a multiple of"));

@@ -30,8 +30,8 @@ pub(crate) fn parsed(bytes: impl AsRef<[u8]>) -> Measurement {
     read_bytes(bytes.as_ref(), &ReadOptions::default()).unwrap()
 }
 
-/// The message of the error that reading ends with.
-pub(crate) fn refused(bytes: impl AsRef<[u8]>) -> String {
+/// The error message of reading.
+pub(crate) fn error_of(bytes: impl AsRef<[u8]>) -> String {
     read_bytes(bytes.as_ref(), &ReadOptions::default()).unwrap_err().to_string()
 }
 
@@ -41,7 +41,7 @@ pub(crate) fn samples<'a>(record: &'a Record, name: &str) -> &'a [f64] {
     named.samples.real().unwrap()
 }
 
-/// A file made by another program, from the repository.
+/// A reference file of another program.
 pub(crate) fn reference(name: &str) -> PathBuf {
     PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/reference/measure"))
         .join(name)

@@ -1,12 +1,12 @@
-//! Universal files put together byte by byte from the format's description
-//! (SDRC universal dataset 58; the binary form of MTS I-DEAS), not by our writer.
+//! Universal files written byte by byte from the description of the format
+//! (SDRC universal dataset 58; the binary form of MTS I-DEAS), independent of the writer.
 
 use asperity_measure::{
     ChannelQuantity, Complex64, FilePosition, Format, MeasureError, Notice, ReadOptions, Samples,
     read_bytes,
 };
 
-use crate::build::{parsed, refused};
+use crate::build::{error_of, parsed};
 
 /// Header lines 1 to 11 of a time response; kind 2, 4, 5 or 6.
 fn header(kind: u32, points: usize, even: bool, ordinate: &str) -> String {
@@ -103,9 +103,9 @@ fn complex_and_uneven_points() {
     }
 }
 
-/// Eight bytes that read `    -1\n` and more are a number like any other.
+/// Eight bytes `    -1\n` and more are a valid number.
 #[test]
-fn a_payload_that_holds_the_closing_tag() {
+fn a_payload_with_the_bytes_of_a_closing_tag() {
     let tricky = [f64::from_le_bytes(*b"\n    -1\n"), 2.0, f64::from_le_bytes(*b"    -1\r\n")];
     let payload: Vec<u8> = tricky.iter().flat_map(|value| value.to_le_bytes()).collect();
     let file = binary(1, 24, &header(4, 3, true, FORCE), &payload, "    -1\n");
@@ -115,24 +115,24 @@ fn a_payload_that_holds_the_closing_tag() {
 }
 
 #[test]
-fn what_writers_put_around_the_payload() {
+fn padding_and_wrong_byte_counts() {
     let payload: Vec<u8> = [1.0_f64, 2.0].iter().flat_map(|v| v.to_le_bytes()).collect();
     for close in ["    -1\n", "    -1", "\n    -1\n", "\r\n    -1\r\n", "    -1   \n"] {
         assert_eq!(real(&binary(1, 16, &header(4, 2, true, FORCE), &payload, close)), [1.0, 2.0]);
     }
-    // A byte count that is wrong, too small, is told and not believed.
+    // A byte count that is too small gives a notice and is not used.
     let file = binary(1, 8, &header(4, 2, true, FORCE), &payload, "    -1\n");
     let notices = parsed(&file).notices;
     let told =
         |notice: &Notice| matches!(notice, Notice::ByteCount { announced: 8, taken: 16, .. });
     assert!(notices.iter().any(told), "{notices:?}");
-    // Padding up to the announced count is passed over.
+    // Padding up to the announced count is skipped.
     let padded = [payload.clone(), vec![7; 4]].concat();
     assert_eq!(real(&binary(1, 20, &header(4, 2, true, FORCE), &padded, "    -1\n")), [1.0, 2.0]);
 }
 
 #[test]
-fn a_payload_without_its_closing_tag_is_refused_at_its_end() {
+fn a_payload_without_closing_tag_is_rejected_at_its_end() {
     let payload = [0x41; 24];
     let head = header(4, 2, true, FORCE);
     let file = binary(1, 16, &head, &payload, "    -1\n");
@@ -171,25 +171,25 @@ fn too_few_and_too_many_numbers() {
     let file = |points, lines: &str| {
         format!("    -1\n    58\n{}{lines}    -1\n", header(2, points, true, FORCE))
     };
-    let short = refused(file(4, " 1.0 2.0 3.0\n"));
+    let short = error_of(file(4, " 1.0 2.0 3.0\n"));
     assert!(
         short.contains("line 15: the data is `their end`; expected numbers for 1 more"),
         "{short}"
     );
-    let long = refused(file(2, " 1.0 2.0 3.0\n"));
+    let long = error_of(file(2, " 1.0 2.0 3.0\n"));
     assert!(long.contains("line 14: the data is `1 values too many`"), "{long}");
-    let longer = refused(file(2, " 1.0 2.0\n 3.0\n"));
+    let longer = error_of(file(2, " 1.0 2.0\n 3.0\n"));
     assert!(
         longer.contains("line 15: the closing tag is `3.0`") || longer.contains("` 3.0`"),
         "{longer}"
     );
-    let word = refused(file(2, " 1.0 two\n"));
+    let word = error_of(file(2, " 1.0 two\n"));
     assert!(word.contains("line 14: a line of data"), "{word}");
 }
 
 /// Dataset 164 gives factors from SI: in millimetres and millinewtons, 1000.
 #[test]
-fn channels_without_a_unit_take_the_systems() {
+fn channels_without_a_unit_use_the_system_of_units() {
     let system = "    -1\n   164\n         5mm (milli-newton)            2\n\
         \x20 1.0000000000000000D+03   1.0000000000000000D+03   1.0000000000000000D+00\n\
         \x20 2.7314999999999998D+02\n    -1\n";
@@ -222,10 +222,10 @@ fn channels_without_a_unit_take_the_systems() {
 }
 
 #[test]
-fn other_datasets_are_passed_over() {
+fn other_datasets_are_skipped() {
     let nodes = "    -1\n    15\n         1         0         0        11  0.0  0.0  0.0\n    -1\n";
     let function = format!("    -1\n    58\n{} 1.0 2.0\n    -1\n", header(2, 2, true, FORCE));
     assert_eq!(real(format!("\n{nodes}{function}{nodes}").as_bytes()), [1.0, 2.0]);
-    assert!(refused(nodes).contains("holds no samples; expected dataset 58"));
-    assert!(refused(&nodes[..40]).contains("expected a closing `    -1`"));
+    assert!(error_of(nodes).contains("no samples; expected dataset 58"));
+    assert!(error_of(&nodes[..40]).contains("expected a closing `    -1`"));
 }

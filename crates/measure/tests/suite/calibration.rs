@@ -1,4 +1,4 @@
-//! From what a sensor gives to what it measures.
+//! Calibration of sensor signals.
 
 use asperity_measure::{
     ChannelQuantity, MeasureError, ReadOptions, STANDARD_GRAVITY, SensorSensitivity, read_bytes,
@@ -45,7 +45,7 @@ fn a_wave_file_is_calibrated_from_full_scale() {
     assert_eq!(record.channels[0].quantity, ChannelQuantity::FullScale);
     record.channels[0].calibrate(&"0.005 FS/N".parse().unwrap()).unwrap();
     assert_eq!(samples(record, "channel 1"), [0.0, -200.0, 100.0]);
-    // A sensitivity in volts needs to know how many volts full scale is.
+    // A sensitivity in volts needs the full scale in volts.
     let error = record.channels[1].calibrate(&"100 mV/g".parse().unwrap()).unwrap_err();
     assert!(matches!(
         error,
@@ -86,11 +86,11 @@ fn an_unknown_unit_stays_unknown_until_it_is_given() {
     nothing.to_si().unwrap();
     assert_eq!((nothing.samples.real(), nothing.unit.text()), (Some(&[1000.0][..]), "N"));
     let error = nothing.calibrate(&"1 V/N".parse().unwrap()).unwrap_err();
-    assert_eq!(error.to_string(), "channel `x` holds force; this conversion starts from voltage");
+    assert_eq!(error.to_string(), "channel `x` is force; this conversion needs voltage");
 }
 
 #[test]
-fn names_and_units_of_the_caller_go_before_those_of_the_file() {
+fn names_and_units_of_the_options_replace_those_of_the_file() {
     let options = ReadOptions {
         names: vec![String::new(), "tip".into()],
         units: vec!["lbf".into(), String::new()],
@@ -108,7 +108,7 @@ fn names_and_units_of_the_caller_go_before_those_of_the_file() {
 }
 
 #[test]
-fn records_find_their_channels() {
+fn records_return_channels_by_name_and_quantity() {
     let hit = record(vec![
         channel("f", "N", 10.0, vec![1.0, 2.0]),
         channel("a", "g", 10.0, vec![3.0, 4.0]),

@@ -8,9 +8,9 @@
 mod build;
 mod by_hand;
 mod calibration;
+mod errors;
 mod pyuff_check;
 mod reference_files;
-mod refusals;
 mod round_trip;
 mod shared_data;
 mod tdms_by_hand;

@@ -1,4 +1,4 @@
-//! Our universal files, read by pyuff, where Python and pyuff are at hand.
+//! Written universal files read by pyuff, if Python and pyuff are available.
 
 use std::path::Path;
 use std::process::Command;

@@ -182,7 +182,7 @@ fn hdf5_files_by_h5py() {
 
 #[cfg(not(feature = "hdf5"))]
 #[test]
-fn without_the_feature_hdf5_names_it() {
+fn hdf5_without_the_feature_is_an_error_naming_it() {
     for name in ["plain.h5", "version73.mat"] {
         let error = read(&reference(name), &ReadOptions::default()).unwrap_err();
         assert!(error.to_string().contains("build with the feature `hdf5`"), "{error}");
@@ -190,7 +190,7 @@ fn without_the_feature_hdf5_names_it() {
 }
 
 #[test]
-fn what_is_not_read_says_what_to_do() {
+fn errors_of_unsupported_files_give_an_alternative() {
     let error = read(&reference("version4.mat"), &ReadOptions::default()).unwrap_err();
     assert!(matches!(error, MeasureError::Unsupported { .. }));
     assert!(error.to_string().ends_with("save it with `save -v7`"), "{error}");

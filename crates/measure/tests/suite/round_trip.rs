@@ -1,4 +1,4 @@
-//! What is written reads back: binary formats and CSV to the last bit, the
+//! Written files read back: binary formats and CSV to the last bit, the
 //! text of universal files to its last digit.
 
 use asperity_measure::{
@@ -46,7 +46,7 @@ fn two_channels(length: usize) -> impl Strategy<Value = Record> {
 
 /// Twelve decimals, thirteen digits: half a unit of the last.
 fn same_to_the_last_digit(one: f64, other: f64) -> bool {
-    // Below the smallest normal number digits are lost to its spacing.
+    // Subnormal numbers have fewer digits.
     (one - other).abs() <= 5.000_001e-13 * 10.0 * one.abs().max(f64::MIN_POSITIVE)
 }
 
@@ -99,7 +99,7 @@ proptest! {
                 for index in 0..parts.len() {
                     let (written, read) = (channel.abscissa.at(index), found.abscissa.at(index));
                     let (written, read) = (written.unwrap(), read.unwrap());
-                    // An even axis of frequencies may come back as start and step: bits of its end.
+                    // An even axis of frequencies may be read as start and step, with rounding at its end.
                     prop_assert!((written - read).abs() <= 1e-12 * written.abs() * 100.0);
                 }
             }
@@ -108,7 +108,7 @@ proptest! {
 }
 
 #[test]
-fn several_hits_stay_apart() {
+fn several_hits_are_several_records() {
     let hit = |factor: f64| {
         record(vec![
             channel("force", "N", 1000.0, vec![factor, 2.0 * factor]),

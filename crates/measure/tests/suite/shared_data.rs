@@ -1,6 +1,6 @@
-//! Real measurements, where they are at hand: copies of the same hits in four
+//! Measurements, if available: copies of the same hits in four
 //! formats agree to the precision of each. They are not part of the
-//! repository; without them these tests name what they skip.
+//! repository; without them these tests are skipped with a message.
 
 use std::path::PathBuf;
 
@@ -84,7 +84,7 @@ fn a_microphone_as_text_and_binary() {
     for measured in [&text, &binary] {
         let channel = &measured.records[0].channels[0];
         assert_eq!((channel.quantity, channel.unit.text()), (ChannelQuantity::Pressure, "Pa"));
-        // The step is printed as 1.52588E-05, by which the rate were 65535.95 Hz.
+        // The printed step of 1.52588E-05 alone gives a rate of 65535.95 Hz.
         assert_eq!(channel.sample_rate_hz(), Some(65_536.0));
         let snapped =
             |notice: &Notice| matches!(notice, Notice::RateSnapped { taken_hz: 65_536.0, .. });
@@ -102,7 +102,7 @@ fn a_microphone_as_text_and_binary() {
 }
 
 #[test]
-fn blocks_are_what_was_read_whole() {
+fn blocks_join_to_the_whole() {
     for name in [
         "pyfrf_hammer/hits_1_to_3_binary.uff",
         "pyfrf_hammer/hits_1_to_3_ascii.uff",

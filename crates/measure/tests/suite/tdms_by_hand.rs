@@ -2,7 +2,7 @@
 
 use asperity_measure::{Abscissa, ChannelQuantity, MeasureError, Notice, ReadOptions, read_bytes};
 
-use crate::build::{parsed, refused, samples};
+use crate::build::{error_of, parsed, samples};
 
 const METADATA: u32 = 2;
 const RAW: u32 = 8;
@@ -61,7 +61,7 @@ fn rate(hz: f64) -> Vec<u8> {
 }
 
 #[test]
-fn channels_of_one_group_part_by_rate_length_and_start() {
+fn channels_of_one_group_are_divided_by_rate_length_and_start() {
     let channel = |name: &str, values: u64, properties: &[Vec<u8>]| {
         object(&format!("/'g'/'{name}'"), &index(5, values), properties)
     };
@@ -132,7 +132,7 @@ fn a_channel_of_times_is_the_axis() {
     assert_eq!((record.channels.len(), record.sample_rate_hz()), (1, Some(2000.0)));
     assert_eq!(record.channels[0].abscissa.at(0), Some(0.005));
     assert_eq!((record.channels[0].name.as_str(), record.channels[0].unit.text()), ("Force", "N"));
-    // Nothing is even about these.
+    // Uneven times.
     let times: Vec<u8> = (0..8_u32).flat_map(|n| f64::from(n * n).to_le_bytes()).collect();
     let measured = parsed(file(times));
     assert_eq!(measured.records[0].sample_rate_hz(), None);
@@ -140,11 +140,11 @@ fn a_channel_of_times_is_the_axis() {
 }
 
 #[test]
-fn scales_that_are_not_applied_are_refused() {
-    let scaled = |properties: &[Vec<u8>]| refused(one_channel(properties, &[1.0, 2.0]));
+fn other_scales_are_rejected() {
+    let scaled = |properties: &[Vec<u8>]| error_of(one_channel(properties, &[1.0, 2.0]));
     let thermocouple = [rate(10.0), string("NI_Scale[0]_Scale_Type", "Thermocouple")];
     let message = scaled(&thermocouple);
-    // The type of the property stands at byte 129, the path being 8 bytes long.
+    // The type of the property is at byte 129, after a path of 8 bytes.
     assert!(message.contains("the scale of a channel is `Thermocouple`"), "{message}");
     assert!(message.contains("expected Linear or Polynomial"), "{message}");
     assert!(message.starts_with("bytes, byte "), "{message}");
@@ -167,7 +167,7 @@ fn scales_that_are_not_applied_are_refused() {
 }
 
 #[test]
-fn scales_of_the_file_count_where_nearer_ones_are_missing() {
+fn scales_of_the_file_apply_without_nearer_ones() {
     let linear = |slope: f64| {
         vec![
             string("NI_Scale[0]_Scale_Type", "Linear"),
@@ -191,25 +191,25 @@ fn scales_of_the_file_count_where_nearer_ones_are_missing() {
 }
 
 #[test]
-fn raw_data_of_the_driver_and_index_files_are_refused() {
+fn raw_data_of_the_driver_and_index_files_are_rejected() {
     let good = one_channel(&[rate(10.0)], &[1.0, 2.0]);
     let flagged = [&good[..4], &[good[4] | 0x80], &good[5..]].concat();
     let driver = object("/'g'/'c'", &0x1269_u32.to_le_bytes(), &[]);
     for file in [flagged, segment(ALL, &[driver], &[0; 8])] {
-        let message = refused(file);
+        let message = error_of(file);
         assert!(message.contains("raw data of NI-DAQmx cannot be read; save it from"), "{message}");
     }
-    let message = refused([b"TDSh", &good[4..]].concat());
+    let message = error_of([b"TDSh", &good[4..]].concat());
     assert!(message.ends_with("give the `.tdms` file beside it"), "{message}");
 }
 
 #[test]
-fn what_is_wrong_is_named_with_its_place() {
+fn errors_have_the_position() {
     let good = one_channel(&[rate(10.0)], &[1.0, 2.0]);
     let change = |at: usize, bytes: &[u8]| {
         let mut file = good.clone();
         file[at..at + bytes.len()].copy_from_slice(bytes);
-        refused(file)
+        error_of(file)
     };
     assert_eq!(good[28 + 4 + 4..28 + 4 + 4 + 8], *b"/'g'/'c'");
     for (at, bytes, expected) in [
@@ -227,24 +227,24 @@ fn what_is_wrong_is_named_with_its_place() {
         assert!(message.contains(expected), "{message}");
     }
     // The file ends early: in the samples, and in the lead-in of another segment.
-    let message = refused(&good[..good.len() - 1]);
+    let message = error_of(&good[..good.len() - 1]);
     assert!(message.contains("byte 28: a segment needs"), "{message}");
-    let message = refused([&good[..], b"TDSm"].concat());
+    let message = error_of([&good[..], b"TDSm"].concat());
     assert!(
         message.contains("the lead-in of a segment needs 28 bytes; the file has 4"),
         "{message}"
     );
-    let message = refused([&good[..], &[0; 40]].concat());
+    let message = error_of([&good[..], &[0; 40]].concat());
     assert!(message.contains("the tag of a segment is"), "{message}");
-    // A number of samples that no file holds.
+    // A number of samples beyond any file.
     let two = [
         object("/'g'/'a'", &index(10, u64::MAX), &[rate(1.0)]),
         object("/'g'/'b'", &index(10, u64::MAX / 4), &[rate(1.0)]),
     ];
-    let message = refused(segment(ALL, &two, &[0; 64]));
+    let message = error_of(segment(ALL, &two, &[0; 64]));
     assert!(message.contains("the raw data of a segment is `64 bytes long`"), "{message}");
     // Raw data before any metadata.
-    let message = refused(segment(RAW, &[], &[0; 8]));
+    let message = error_of(segment(RAW, &[], &[0; 8]));
     assert!(message.contains("expected empty: no channel has samples here"), "{message}");
     let nothing = read_bytes(&segment(METADATA, &[], &[]), &ReadOptions::default()).unwrap_err();
     assert!(matches!(nothing, MeasureError::NoSamples { .. }), "{nothing}");

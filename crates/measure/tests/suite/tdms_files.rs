@@ -95,7 +95,7 @@ fn interleaved_big_endian_rows() {
 }
 
 #[test]
-fn segments_that_say_only_what_is_new_and_one_never_closed() {
+fn incremental_segments_and_one_not_closed() {
     let options = ReadOptions { sample_rate_hz: Some(8.0), ..ReadOptions::default() };
     let measured = read(&reference("incremental.tdms"), &options).unwrap();
     let channel = |name: &str| {
@@ -112,7 +112,7 @@ fn segments_that_say_only_what_is_new_and_one_never_closed() {
 }
 
 #[test]
-fn blocks_are_what_was_read_whole() {
+fn blocks_join_to_the_whole() {
     for name in ["hits.tdms", "scales.tdms", "interleaved.tdms", "incremental.tdms"] {
         let whole_options = ReadOptions { sample_rate_hz: Some(8.0), ..ReadOptions::default() };
         let whole = read(&reference(name), &whole_options).unwrap();

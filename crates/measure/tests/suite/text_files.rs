@@ -1,8 +1,8 @@
-//! Texts as loggers, spreadsheets and LabVIEW write them.
+//! Texts of loggers, spreadsheets and LabVIEW.
 
 use asperity_measure::{ChannelQuantity, ChannelUnit, Notice, ReadOptions, Reader, read_bytes};
 
-use crate::build::{parsed, refused, samples};
+use crate::build::{error_of, parsed, samples};
 
 fn rows(count: u32, row: impl Fn(u32) -> String) -> String {
     (0..count).map(row).collect::<Vec<_>>().join("\n")
@@ -53,12 +53,12 @@ fn the_same_numbers_in_many_dialects() {
 
 #[test]
 fn rates_come_from_rounded_times() {
-    // Six decimals at 51.2 kHz: each time is off by up to half a microsecond.
+    // Six decimals at 51.2 kHz: an error of up to half a microsecond.
     let rows = rows(5120, |n| format!("{:.6},1", f64::from(n) / 51_200.0));
     let measured = parsed(format!("time_s,force_N\n{rows}"));
     assert_eq!(measured.records[0].sample_rate_hz(), Some(51_200.0));
     assert!(measured.notices.iter().any(|notice| matches!(notice, Notice::RateSnapped { .. })));
-    // Two decimals hide it: the axis stays as it is printed.
+    // Two decimals are too few: the printed axis is used.
     let rows = self::rows(512, |n| format!("{:.2},1", f64::from(n) / 512.0));
     assert_eq!(parsed(format!("time_s,force_N\n{rows}")).records[0].sample_rate_hz(), None);
 }
@@ -72,7 +72,7 @@ fn an_uneven_axis_is_kept() {
 }
 
 #[test]
-fn without_names_time_is_found_by_its_values_and_said_so() {
+fn without_names_time_is_found_by_its_values_with_a_notice() {
     let measured = parsed("0 5 1\n0.5 6 1\n1 4 1\n1.5 5 1\n");
     assert_eq!(measured.records[0].sample_rate_hz(), Some(2.0));
     assert_eq!(samples(&measured.records[0], "column 2"), [5.0, 6.0, 4.0, 5.0]);
@@ -81,11 +81,11 @@ fn without_names_time_is_found_by_its_values_and_said_so() {
 }
 
 #[test]
-fn without_time_a_rate_is_asked_for() {
+fn without_time_a_rate_is_needed() {
     for file in
         ["force_N\n1\n5\n2\n", "force_N,acc_g\n1,2\n5,1\n2,2\n", "n,force_N\n0,1\n1,5\n2,2\n"]
     {
-        let message = refused(file);
+        let message = error_of(file);
         assert!(message.ends_with("give the rate (option `sample_rate_hz`)"), "{message}");
         let options = ReadOptions { sample_rate_hz: Some(500.0), ..ReadOptions::default() };
         let measured = read_bytes(file.as_bytes(), &options).unwrap();
@@ -121,7 +121,7 @@ fn labview_without_a_column_of_times() {
 
 #[test]
 fn labview_with_times_in_six_decimals() {
-    // The column says 0.000020, the header 1.953125E-5.
+    // 0.000020 in the column, 1.953125E-5 in the header.
     let file = LABVIEW
         .replace("X_Columns\tNo", "X_Columns\tOne")
         .replace("\n\t1,5", "\n0,000000\t1,5")
@@ -133,7 +133,7 @@ fn labview_with_times_in_six_decimals() {
     assert_eq!((record.channels.len(), samples(record, "Tip")), (2, &[-0.25, 0.5, 0.75][..]));
 }
 
-/// As LabVIEW writes it: the header's fields stand above the channels.
+/// The fields of the header are above the channels, as in LabVIEW.
 const PAIRS: &str = "LabVIEW Measurement\t\nSeparator\tTab\nX_Columns\tMulti\n\
     ***End_of_Header***\t\n\t\nChannels\t2\t\t\t\nSamples\t4\t\t4\t\n\
     Y_Unit_Label\tN\t\tg\t\nX0\t0.0E+0\t\t1.0E+0\t\nDelta_X\t0.000250\t\t0.000400\t\n\
@@ -164,24 +164,24 @@ fn labview_with_times_for_each_channel() {
     let same = same.replace("0.000400", "0.000250").replace("0.000800", "0.000500");
     let record = &parsed(same.replace("0.001200", "0.000750")).records[0];
     assert_eq!(record.sample_rate_hz(), Some(4000.0));
-    let uneven = refused(PAIRS.replace("1.000800", "1.001100"));
+    let uneven = error_of(PAIRS.replace("1.000800", "1.001100"));
     assert!(uneven.contains("the X column of a channel is `uneven for Tip`"), "{uneven}");
     assert!(uneven.contains(", line "), "{uneven}");
-    let odd = refused(PAIRS.replace("\tX_Value\tTip", "\tX_Value").replace("\t-", "\t\t-"));
+    let odd = error_of(PAIRS.replace("\tX_Value\tTip", "\tX_Value").replace("\t-", "\t\t-"));
     assert!(odd.contains("3 columns"), "{odd}");
 }
 
 #[test]
-fn wrong_rows_are_named_by_their_line() {
+fn errors_of_rows_have_the_line() {
     let head = "time_s,force_N\n0,1\n1,2\n2,3\n3,4\n";
-    let message = refused(format!("{head}4,five\n5,6\n"));
+    let message = error_of(format!("{head}4,five\n5,6\n"));
     assert!(
         message.contains("line 6: a field is `five`; expected a number for `force`"),
         "{message}"
     );
-    let message = refused(format!("{head}4\n5,6\n"));
+    let message = error_of(format!("{head}4\n5,6\n"));
     assert!(message.contains("line 6: a row is `1 columns`; expected 2 columns"), "{message}");
-    let message = refused(format!("{head}4,5,6\n5,6\n"));
+    let message = error_of(format!("{head}4,5,6\n5,6\n"));
     assert!(
         message.contains("line 6: a field is `6`; expected nothing after 2 columns"),
         "{message}"
@@ -189,13 +189,11 @@ fn wrong_rows_are_named_by_their_line() {
     let cut = parsed(format!("{head}4,"));
     assert_eq!(samples(&cut.records[0], "force"), [1.0, 2.0, 3.0, 4.0]);
     assert!(cut.notices.iter().any(|notice| matches!(notice, Notice::RowCutOff { .. })));
-    assert!(
-        refused("nothing\nbut\nwords\n").contains("holds no samples; expected rows of numbers")
-    );
+    assert!(error_of("nothing\nbut\nwords\n").contains("no samples; expected rows of numbers"));
 }
 
 #[test]
-fn a_later_block_that_leaves_the_even_axis_says_so() {
+fn a_later_block_with_uneven_times_gives_a_notice() {
     let rows = rows(100, |n| format!("{n}.0,1")) + "\n200,1\n201,1\n";
     let file = format!("time_s,force_N\n{rows}");
     let options = ReadOptions { block: 50, ..ReadOptions::default() };

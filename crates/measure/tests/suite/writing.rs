@@ -1,4 +1,4 @@
-//! Files appear whole or not at all, and look as other tools expect.
+//! Written files are complete and have the layout that other tools expect.
 
 use asperity_measure::{
     Abscissa, ChannelQuantity, Complex64, DegreeOfFreedom, Format, MeasureError, ReadOptions,
@@ -20,7 +20,7 @@ fn a_universal_file_byte_by_byte() {
     write(&path, &[record(vec![force])], Format::UniversalText, &options).unwrap();
     let text = std::fs::read_to_string(path).unwrap();
     let lines: Vec<&str> = text.lines().map(str::trim_end).collect();
-    // By the columns of the format's description.
+    // The columns of the description of the format.
     assert_eq!(&lines[..3], ["    -1", "   151", "beam"]);
     assert_eq!(
         &lines[9..13],
@@ -58,7 +58,7 @@ fn a_universal_file_byte_by_byte() {
 }
 
 #[test]
-fn text_opens_with_names_and_units() {
+fn text_begins_with_names_and_units() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("hit.csv");
     let channels = vec![
@@ -74,7 +74,7 @@ fn text_opens_with_names_and_units() {
 }
 
 #[test]
-fn a_failed_write_leaves_what_was_there() {
+fn a_failed_write_keeps_the_existing_file() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("kept");
     std::fs::write(&path, "as it was").unwrap();
@@ -93,7 +93,7 @@ fn a_failed_write_leaves_what_was_there() {
         (Format::Npz, &order),
         (Format::Npz, &brackets),
     ] {
-        // What comes before goes out well; the fault is met on the way.
+        // The error occurs after part of the file has been written.
         let records = [record(vec![good.clone(), channel.clone()])];
         let records =
             if channel.name == "order" { &[record(vec![channel.clone()])] } else { &records };
@@ -121,7 +121,7 @@ fn a_failed_write_leaves_what_was_there() {
 }
 
 #[test]
-fn complex_samples_are_no_text() {
+fn complex_samples_cannot_be_written_as_text() {
     let folder = tempfile::tempdir().unwrap();
     let mut spectrum = channel("spectrum", "N", 1.0, vec![]);
     spectrum.samples = Samples::Complex(vec![Complex64::new(1.0, 2.0)]);
@@ -134,7 +134,7 @@ fn complex_samples_are_no_text() {
     assert!(error.unwrap_err().to_string().contains("its samples are complex"));
 }
 
-/// Blocks of a long measurement go out as one.
+/// Blocks of a long measurement are written as one record.
 #[test]
 fn records_that_continue_are_joined() {
     let folder = tempfile::tempdir().unwrap();

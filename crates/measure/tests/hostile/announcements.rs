@@ -1,4 +1,4 @@
-//! Files that announce what they do not hold.
+//! Files that announce more than they contain.
 
 use asperity_measure::{MeasureError, ReadOptions, read_bytes};
 
@@ -42,9 +42,9 @@ fn a_header_that_nests_without_end() {
     assert!(error_of(&file).to_string().contains("at most 16384"));
 }
 
-/// A zip archive of 64 MB of zeros, folded to some 64 kB.
+/// A zip archive of 64 MB of zeros in some 64 kB.
 #[test]
-fn a_zip_that_unfolds_to_a_thousand_times_its_size() {
+fn a_zip_that_expands_to_a_thousand_times_its_size() {
     use std::io::Write;
     let mut bytes = std::io::Cursor::new(Vec::new());
     let mut archive = zip::ZipWriter::new(&mut bytes);
@@ -62,13 +62,13 @@ fn a_zip_that_unfolds_to_a_thousand_times_its_size() {
     let file = bytes.into_inner();
     assert!(file.len() < 200_000);
     assert!(matches!(error_of(&file), MeasureError::TooLarge { announced: 64_000_000.., .. }));
-    // Who asks for it gets it.
+    // Accepted with the option.
     let options =
         ReadOptions { sample_rate_hz: Some(1.0), expansion: 2000, ..ReadOptions::default() };
     assert_eq!(read_bytes(&file, &options).unwrap().records[0].len(), 8_000_000);
 }
 
-/// Matrices in structures in structures: one level is read, none recursed into.
+/// Nested structures: one level is read, without recursion.
 #[test]
 fn structures_nested_a_thousand_deep() {
     fn element(kind: u32, data: &[u8]) -> Vec<u8> {
@@ -110,7 +110,7 @@ fn a_row_of_half_a_million_columns() {
     assert!(peak_of() < 10 * file.len());
 }
 
-/// A line of a header with as many fields as bytes, each of them a text to hold.
+/// A line of a header with as many fields as bytes, each of them a text in memory.
 #[test]
 fn a_labview_header_of_half_a_million_fields() {
     let head = "LabVIEW Measurement\n***End_of_Header***\n\nChannels\t1\n";

@@ -1,11 +1,11 @@
-//! What is wrong with a file is said with its name, the place and what was expected.
+//! Errors with file, position and expected content.
 
 use asperity_measure::{Format, MeasureError, ReadOptions, open, read, read_bytes};
 
-use crate::build::{reference, refused};
+use crate::build::{error_of, reference};
 
 #[test]
-fn a_file_that_is_not_there_and_a_folder() {
+fn a_missing_file_and_a_folder() {
     let folder = tempfile::tempdir().unwrap();
     for path in [folder.path().join("none.uff"), folder.path().to_owned()] {
         let error = read(&path, &ReadOptions::default()).unwrap_err();
@@ -15,7 +15,7 @@ fn a_file_that_is_not_there_and_a_folder() {
 }
 
 #[test]
-fn the_content_decides_and_not_the_name() {
+fn the_content_decides_on_the_format() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("really.csv");
     std::fs::copy(reference("pyuff_binary.uff"), &path).unwrap();
@@ -24,10 +24,10 @@ fn the_content_decides_and_not_the_name() {
 }
 
 #[test]
-fn what_is_no_measurement_or_not_read() {
+fn unknown_and_unsupported_formats() {
     for (content, expected) in [
-        (&b""[..], "none of the formats"),
-        (b"\x7fELF\0\0\0\0", "none of the formats UFF 58, text"),
+        (&b""[..], "unknown format"),
+        (b"\x7fELF\0\0\0\0", "unknown format; expected one of UFF 58, text"),
         (b"TDSh\0\0\0\0", "the index of a TDMS file cannot be read; give the `.tdms` file"),
         (b"\xff\xfe1\0\n\0", "text in UTF-16 cannot be read; save it as UTF-8"),
         (b"RF64\0\0\0\0WAVE", "cannot be read; save it as RIFF"),
@@ -35,13 +35,13 @@ fn what_is_no_measurement_or_not_read() {
         (b"\x93NUMPY\x07\0\0\0", "the NPY version is `7`; expected 1, 2 or 3"),
         (b"PK\x03\x04", "a zip archive"),
     ] {
-        let message = refused(content);
+        let message = error_of(content);
         assert!(message.starts_with("bytes") && message.contains(expected), "{message}");
     }
 }
 
 #[test]
-fn arrays_say_what_is_wrong_with_them() {
+fn errors_of_arrays() {
     let array = |text: &str, data: usize| {
         let mut text = text.as_bytes().to_vec();
         text.resize(118, b' ');
@@ -77,19 +77,19 @@ fn arrays_say_what_is_wrong_with_them() {
         ("{'descr': '<f8', 'fortran_order': False, 'shape': (0,), }", 32, "one or two dimensions"),
         ("{'descr': '<f8', 'fortran_order': False, 'shape': (2, 2), }", 32, "has shape 2 x 2"),
     ] {
-        let message = refused(array(text, data));
+        let message = error_of(array(text, data));
         assert!(message.contains(expected), "{message}");
     }
 }
 
 #[test]
-fn options_that_mean_nothing() {
+fn invalid_options() {
     for rate in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         let options = ReadOptions { sample_rate_hz: Some(rate), ..ReadOptions::default() };
         let error = read_bytes(b"1\n2\n", &options).unwrap_err();
         assert!(matches!(error, MeasureError::Option { option: "sample_rate_hz", .. }), "{error}");
     }
-    // A block of nothing is one of a sample.
+    // A block of zero samples becomes one of one sample.
     let options = ReadOptions { block: 0, sample_rate_hz: Some(1.0), ..ReadOptions::default() };
     let mut reader =
         asperity_measure::Reader::from_stream("b", std::io::Cursor::new(b"1\n2\n"), &options)
@@ -98,7 +98,7 @@ fn options_that_mean_nothing() {
 }
 
 #[test]
-fn after_an_error_there_is_nothing_more() {
+fn an_error_ends_the_records() {
     let file = b"time_s,f_N\n0,1\n1,2\n2,x\n3,4\n";
     let mut reader = asperity_measure::Reader::from_stream(
         "f",
