@@ -75,7 +75,7 @@ fn errors_of_arrays() {
             "one or two dimensions",
         ),
         ("{'descr': '<f8', 'fortran_order': False, 'shape': (0,), }", 32, "one or two dimensions"),
-        ("{'descr': '<f8', 'fortran_order': False, 'shape': (2, 2), }", 32, "has shape 2 x 2"),
+        ("{'descr': '<f8', 'fortran_order': False, 'shape': (2, 2), }", 32, "of shape 2 x 2"),
     ] {
         let message = error_of(array(text, data));
         assert!(message.contains(expected), "{message}");
