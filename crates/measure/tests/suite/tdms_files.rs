@@ -39,7 +39,7 @@ fn hits_in_segments_by_nptdms() {
     assert_eq!(second.title, "Dr. T's hit");
     let doubled: Vec<f64> = force.iter().map(|value| 2.0 * value).collect();
     assert_eq!(samples(second, "ham'mer"), doubled);
-    assert_eq!(left_out(&measured.notices, "remarks"), Some("it holds texts"));
+    assert_eq!(left_out(&measured.notices, "remarks"), Some("its values are texts"));
     assert_eq!(measured.notices.len(), 1, "{:?}", measured.notices);
 }
 
