@@ -1,0 +1,17 @@
+//! Names of everyday programs, for `use asperity::prelude::*`.
+
+pub use crate::{SimulatedHit, Simulation, SimulationError, StackBuilder};
+
+pub use asperity_dynamics::{Excitation, FiniteDifference, Integrator, Modal, Transient};
+pub use asperity_figure::{Axis, Figure, Panel, Series};
+pub use asperity_law::{
+    Constant, ContactLaw, Exponential, Hyperbolic, InSeries, LawError, ModifiedPower, Power,
+    Tabulated, fit_power,
+};
+pub use asperity_mesh::{Body, Stack, Support};
+pub use asperity_scenario::Document;
+pub use asperity_signal::{
+    FrequencyResponse, HarmonicOptions, find_harmonics, half_power, logarithmic_decrement,
+};
+pub use asperity_structure::{Damping, PreloadedStructure};
+pub use asperity_table::Table;
