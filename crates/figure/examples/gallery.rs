@@ -1,7 +1,7 @@
 //! Draws one figure of each kind into a folder: `cargo run --example gallery -- FOLDER`.
 #![allow(clippy::print_stdout, reason = "an example talks to its user")]
 
-use asperity_figure::report::{Cell, Report, Verdict};
+use asperity_figure::report::{ClaimOutcome, Report, TableCell};
 use asperity_figure::{
     Align, Axis, Color, ColorBar, Dash, Drawing, Figure, Legend, Marker, Panel, Series, Stroke,
 };
@@ -214,11 +214,21 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let report = report
         .section("Claims")
         .table(
-            ["Quantity", "Claimed", "Found", "Verdict"],
+            ["Quantity", "Claimed", "Found", "Outcome"],
             [
-                vec!["f_{1} (Hz)".into(), 132.0.into(), 131.96.into(), Verdict::Pass.into()],
-                vec!["k_{n} (N/m^{3})".into(), 4.2e9.into(), 4.9e9.into(), Verdict::Fail.into()],
-                vec!["ζ (%)".into(), 3.5.into(), Cell::from(f64::NAN), Verdict::Skip.into()],
+                vec!["f_{1} (Hz)".into(), 132.0.into(), 131.96.into(), ClaimOutcome::Pass.into()],
+                vec![
+                    "k_{n} (N/m^{3})".into(),
+                    4.2e9.into(),
+                    4.9e9.into(),
+                    ClaimOutcome::Fail.into(),
+                ],
+                vec![
+                    "ζ (%)".into(),
+                    3.5.into(),
+                    TableCell::from(f64::NAN),
+                    ClaimOutcome::Skip.into(),
+                ],
             ],
         )
         .section("How it was made")

@@ -1,11 +1,12 @@
-//! The key of a colour ramp, beside a frame.
+//! The colour bar beside a frame.
 
 use crate::{
     Axis, Color,
-    ruler::{Ruler, TICK_FONT},
-    svg::{Canvas, HorizontalAlign, PX_PER_PT, TextStyle},
-    text, tick_label,
-    trace::Frame,
+    frame::Frame,
+    ruler::Ruler,
+    svg::{Canvas, HorizontalAlign, TextStyle},
+    text::{self, LABEL_FONT, TITLE_FONT},
+    tick_label,
 };
 
 /// Room between frame and bar.
@@ -14,12 +15,10 @@ const GAP: f64 = 9.0;
 const WIDTH: f64 = 9.0;
 /// Room between bar and labels, and between labels and title.
 const LABEL_GAP: f64 = 4.0;
-/// Font size of the title, 8 pt.
-const TITLE_FONT: f64 = 8.0 * PX_PER_PT;
 /// Slices of a continuous bar.
 const SLICES: usize = 96;
 
-/// A bar that tells which value a ramp colour stands for.
+/// A bar that relates the colours of a ramp to values.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ColorBar {
     pub(crate) label: String,
@@ -87,8 +86,8 @@ impl ColorBar {
             return self.ruler(top, bottom).major;
         };
         let height = (bottom - top) / steps.len().max(1) as f64;
-        // Labels closer than their height are thinned out, the first always kept.
-        let every = (TICK_FONT * 1.15 / height).ceil().max(1.0) as usize;
+        // Of labels closer than their height every so many are kept, always the first.
+        let every = (LABEL_FONT * 1.15 / height).ceil().max(1.0) as usize;
         let middle = |index: usize| bottom - (index as f64 + 0.5) * height;
         steps
             .iter()
@@ -125,9 +124,9 @@ impl ColorBar {
 
         let right = left + WIDTH + LABEL_GAP;
         let marks = self.marks(frame.top, frame.bottom);
-        let style = TextStyle::new(TICK_FONT, HorizontalAlign::Start);
+        let style = TextStyle::new(LABEL_FONT, HorizontalAlign::Start);
         for (y, label) in &marks {
-            canvas.text(right, y + 0.5 * text::CAP_HEIGHT * TICK_FONT, label, style);
+            canvas.text(right, y + 0.5 * text::CAP_HEIGHT * LABEL_FONT, label, style);
         }
         let title = match self.steps {
             Some(_) => tick_label::title(&self.label, &self.unit, 0),
@@ -141,5 +140,5 @@ impl ColorBar {
 }
 
 fn widest(marks: &[(f64, String)]) -> f64 {
-    marks.iter().map(|mark| text::width(&mark.1, TICK_FONT, false)).fold(0.0, f64::max)
+    marks.iter().map(|mark| text::width(&mark.1, LABEL_FONT, false)).fold(0.0, f64::max)
 }

@@ -1,13 +1,16 @@
 //! A sketch in millimetres: bodies, grids, springs, arrows, texts.
 
 use crate::{
-    Color, Dash, FigureError, plot, raster,
-    svg::{Canvas, HorizontalAlign, PX_PER_MM, PX_PER_PT, TextStyle},
-    symbol,
-    trace::{self, Point},
+    Color, Dash, FigureError,
+    frame::Point,
+    line,
+    markup::{PX_PER_MM, PX_PER_PT},
+    raster,
+    svg::{Canvas, HorizontalAlign, TextStyle},
+    symbol, text, trace,
 };
 
-/// How a line is drawn.
+/// Colour, width and pattern of a line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stroke {
     /// Colour.
@@ -38,8 +41,9 @@ impl Stroke {
     }
 }
 
-/// Where a text stands on its point; vertically it is centred on it.
+/// Horizontal alignment of a text on its point; vertically it is centred on it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
 pub enum Align {
     /// The text starts at the point.
     Left,
@@ -94,7 +98,7 @@ impl Drawing {
     /// A closed polygon.
     pub fn polygon(&mut self, points: &[(f64, f64)], fill: Option<Color>, stroke: Option<Stroke>) {
         let points: Vec<Point> = points.iter().copied().map(page).collect();
-        let data = trace::path(&trace::runs(&points), true);
+        let data = trace::path(&trace::finite_runs(&points), true);
         self.canvas.path(&data, &style(fill, stroke));
     }
 
@@ -106,8 +110,8 @@ impl Drawing {
     /// A line through points; points that are not finite break it.
     pub fn polyline(&mut self, points: &[(f64, f64)], stroke: Stroke) {
         let points: Vec<Point> = points.iter().copied().map(page).collect();
-        let parts = trace::runs(&points);
-        plot::stroke(&mut self.canvas, &parts, stroke.color, stroke.dash, stroke.width);
+        let parts = trace::finite_runs(&points);
+        line::stroke(&mut self.canvas, &parts, stroke.color, stroke.dash, stroke.width);
     }
 
     /// A circle by its centre and radius.
@@ -145,7 +149,7 @@ impl Drawing {
             Align::Right => HorizontalAlign::End,
         };
         // The baseline lies half a capital below the centre, in the turned direction.
-        let drop = 0.5 * crate::text::CAP_HEIGHT * size;
+        let drop = 0.5 * text::CAP_HEIGHT * size;
         let (sine, cosine) = degrees.to_radians().sin_cos();
         let (x, y) = page(at);
         let style = TextStyle::new(size, align).color(color).turned(degrees);
@@ -160,7 +164,7 @@ impl Drawing {
         self.polygon(&arrow.head, Some(stroke.color), Some(solid));
     }
 
-    /// A line with heads at both ends and a text beside its middle: a measure.
+    /// A line with heads at both ends and a text beside its middle.
     pub fn dimension(&mut self, from: (f64, f64), to: (f64, f64), text: &str, stroke: Stroke) {
         let middle = (0.5 * (from.0 + to.0), 0.5 * (from.1 + to.1));
         self.arrow(middle, from, stroke);
@@ -219,7 +223,7 @@ impl Drawing {
 fn style(fill: Option<Color>, stroke: Option<Stroke>) -> String {
     let fill = fill.map_or_else(|| "none".to_owned(), |color| color.to_string());
     let stroke = stroke.map_or_else(String::new, |stroke| {
-        let line = plot::line_style(stroke.color, stroke.dash, stroke.width);
+        let line = line::line_style(stroke.color, stroke.dash, stroke.width);
         format!(" {line}")
     });
     format!(r#"fill="{fill}"{stroke}"#)

@@ -1,21 +1,26 @@
 //! Error bars on the page.
 
 use crate::{
-    scale::Scale,
+    frame::{Frame, Point},
+    scale::AxisScale,
     series::Series,
-    trace::{Frame, Point},
 };
 
 /// Half the length of a cap.
 const CAP: f64 = 2.2;
 
 /// The bars of a series and their caps, cut to the frame.
-pub(crate) fn parts(series: &Series, x: &Scale, y: &Scale, frame: &Frame) -> Vec<Vec<Point>> {
+pub(crate) fn parts(
+    series: &Series,
+    x: &AxisScale,
+    y: &AxisScale,
+    frame: &Frame,
+) -> Vec<Vec<Point>> {
     let mut parts = Vec::new();
     for [low, high] in series.error_ends() {
         // A lower end that a logarithmic axis cannot show lies beyond the frame.
         let place = |at: (f64, f64), (left, bottom): (f64, f64)| {
-            let beyond = |scale: &Scale, value: f64, side: f64| {
+            let beyond = |scale: &AxisScale, value: f64, side: f64| {
                 if scale.log && value <= 0.0 { side } else { scale.datum(value) }
             };
             (beyond(x, at.0, left), beyond(y, at.1, bottom))

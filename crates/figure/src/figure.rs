@@ -1,6 +1,6 @@
 //! Panels on a page.
 
-use crate::{FigureError, Panel, layout, raster};
+use crate::{FigureError, Panel};
 
 /// Width of one column of a journal page, in millimetres.
 const COLUMN_MM: f64 = 85.0;
@@ -19,8 +19,7 @@ pub struct Figure {
 }
 
 impl Figure {
-    /// A figure without panels; the title is for readers that cannot see and for tooltips, since a
-    /// caption says it on paper.
+    /// A figure without panels. The title is the accessible name of the SVG text and is not drawn.
     pub fn new(title: impl Into<String>) -> Self {
         Self {
             title: title.into(),
@@ -61,14 +60,14 @@ impl Figure {
         self
     }
 
-    /// Whether several panels are tagged (a), (b), as they are unless told otherwise.
+    /// Sets the tags (a), (b) of several panels, which are on unless set.
     #[must_use]
     pub fn tags(mut self, tags: bool) -> Self {
         self.tags = tags;
         self
     }
 
-    /// Whether everything can be drawn.
+    /// Checks that everything can be drawn.
     ///
     /// # Errors
     /// [`FigureError::NoPanel`], [`FigureError::SeriesLengths`], [`FigureError::EmptySeries`] or
@@ -78,21 +77,6 @@ impl Figure {
             return Err(FigureError::NoPanel { figure: self.title.clone() });
         }
         self.panels.iter().try_for_each(Panel::check)
-    }
-
-    /// The figure as an SVG text; what [`Figure::check`] refuses is named in red where it would
-    /// have been drawn.
-    pub fn to_svg(&self) -> String {
-        layout::draw(self)
-    }
-
-    /// The figure as a PNG, rasterised with the bundled font.
-    ///
-    /// # Errors
-    /// Those of [`Figure::check`] and of [`svg_to_png`](crate::svg_to_png).
-    pub fn to_png(&self, pixels_per_mm: f64) -> Result<Vec<u8>, FigureError> {
-        self.check()?;
-        raster::svg_to_png(&self.to_svg(), pixels_per_mm)
     }
 
     pub(crate) fn column_count(&self) -> usize {

@@ -1,15 +1,17 @@
 //! A figure on the page: frames of all panels, aligned in rows and columns.
 
 use crate::{
-    Figure, Marker, Panel,
-    legend::Key,
+    Color, Figure, FigureError, Legend, Marker, Panel,
+    frame::Frame,
+    legend::LegendBlock,
+    markup::PX_PER_MM,
     note,
-    plot::{LABEL_FONT, Plot, TICK_GAP},
-    ruler::{Ruler, TICK_FONT},
+    plot::{Plot, TICK_GAP},
+    raster,
+    ruler::Ruler,
     series::Join,
-    svg::{Canvas, HorizontalAlign, PX_PER_MM, PX_PER_PT, TextStyle},
-    text,
-    trace::Frame,
+    svg::{Canvas, HorizontalAlign, TextStyle},
+    text::{self, LABEL_FONT, TITLE_FONT},
 };
 
 /// Room between neighbouring panels.
@@ -20,51 +22,71 @@ const HEAD: f64 = 15.0;
 const RIM: f64 = 4.0;
 /// Height of a row of panels over its width, and its bounds in millimetres.
 const ASPECT: (f64, f64, f64) = (0.74, 46.0, 68.0);
-/// Font size of tags and titles, 8 pt.
-const HEAD_FONT: f64 = 8.0 * PX_PER_PT;
 
-/// Draws a figure as an SVG text.
-pub(crate) fn draw(figure: &Figure) -> String {
-    let page = Page::new(figure);
-    // A legend that finds no free place goes above its frame, which moves the frames: once.
-    let first = page.plots(figure, &vec![0.0; figure.panels.len()]);
-    let mut heads = Vec::new();
-    let mut above: Vec<Option<Key>> = Vec::new();
-    for plot in &first {
-        let outside = Key::new(plot.panel)
-            .filter(|key| {
-                key.place(plot.panel.legend, &plot.frame, &note::obstacles(plot)).is_none()
-            })
-            .map(|key| key.spread(plot.frame.width()));
-        heads.push(outside.as_ref().map_or(0.0, |key| key.height() + 5.0));
-        above.push(outside);
-    }
-    let mut canvas = Canvas::default();
-    for (index, plot) in page.plots(figure, &heads).iter().enumerate() {
-        if plot.panel.blank {
-            continue;
-        }
-        plot.draw(&mut canvas);
-        if let Some(key) = &above[index] {
-            key.draw(&mut canvas, &key.above(&plot.frame));
-        } else if let Some(key) = Key::new(plot.panel) {
-            // The frame may have shrunk for a neighbour's sake; a corner is then better than none.
-            let place =
-                key.place(plot.panel.legend, &plot.frame, &note::obstacles(plot)).or_else(|| {
-                    key.place(crate::Legend::TopRight, &plot.frame, &note::obstacles(plot))
-                });
-            if let Some(place) = place {
-                key.draw(&mut canvas, &place);
+impl Figure {
+    /// The figure as SVG text. A panel that [`Figure::check`] refuses shows the error in red.
+    pub fn to_svg(&self) -> String {
+        let page = PageLayout::new(self);
+        // A legend without a free place goes above its frame, which moves the frames: once.
+        let first = page.plots(self, &vec![0.0; self.panels.len()]);
+        let above: Vec<Option<LegendBlock>> = first.iter().map(legend_above).collect();
+        let height = |block: &LegendBlock| block.height() + 5.0;
+        let heads: Vec<f64> =
+            above.iter().map(|block| block.as_ref().map_or(0.0, height)).collect();
+        let mut canvas = Canvas::default();
+        for (index, plot) in page.plots(self, &heads).iter().enumerate() {
+            if plot.panel.blank {
+                continue;
             }
+            draw_panel(&mut canvas, plot);
+            if let Some(block) = &above[index] {
+                block.draw(&mut canvas, &block.above(&plot.frame));
+            } else if let Some(block) = LegendBlock::new(plot.panel) {
+                // The second layout may have made the frame smaller; a corner always has a place.
+                let place = |legend| block.place(legend, &plot.frame, &note::obstacles(plot));
+                if let Some(place) = place(plot.panel.legend).or_else(|| place(Legend::TopRight)) {
+                    block.draw(&mut canvas, &place);
+                }
+            }
+            page.head(&mut canvas, self, index, plot, heads[index]);
         }
-        page.head(&mut canvas, figure, index, plot, heads[index]);
+        canvas.finish(page.width, page.height(), &self.title)
     }
-    canvas.finish(page.width, page.height(), &figure.title)
+
+    /// The figure as a PNG, rasterised with the bundled font.
+    ///
+    /// # Errors
+    /// Those of [`Figure::check`] and of [`svg_to_png`](crate::svg_to_png).
+    pub fn to_png(&self, pixels_per_mm: f64) -> Result<Vec<u8>, FigureError> {
+        self.check()?;
+        raster::svg_to_png(&self.to_svg(), pixels_per_mm)
+    }
+}
+
+/// The legend of a panel, where it has no free place inside its frame.
+fn legend_above(plot: &Plot<'_>) -> Option<LegendBlock> {
+    let block = LegendBlock::new(plot.panel)?;
+    let inside = block.place(plot.panel.legend, &plot.frame, &note::obstacles(plot));
+    inside.is_none().then(|| block.spread(plot.frame.width()))
+}
+
+/// Draws all of a panel but legend and head.
+fn draw_panel(canvas: &mut Canvas, plot: &Plot<'_>) {
+    plot.draw(canvas);
+    note::draw(canvas, plot);
+    if let Some(bar) = &plot.panel.color_bar {
+        bar.draw(canvas, &plot.frame);
+    }
+    if let Err(error) = plot.panel.check() {
+        let style = TextStyle::new(LABEL_FONT, HorizontalAlign::Middle).color(Color::RED).halo();
+        let (x, y) = plot.frame.middle();
+        canvas.text(x, y, &error.to_string(), style);
+    }
 }
 
 /// Cells of equal size.
 #[derive(Debug, Clone)]
-struct Page {
+struct PageLayout {
     width: f64,
     columns: usize,
     rows: usize,
@@ -72,7 +94,7 @@ struct Page {
     tagged: bool,
 }
 
-impl Page {
+impl PageLayout {
     fn new(figure: &Figure) -> Self {
         let columns = figure.column_count();
         let rows = figure.panels.len().div_ceil(columns).max(1);
@@ -94,14 +116,14 @@ impl Page {
     /// Lays all panels out; `heads` is the room each needs above its frame for a legend.
     fn plots<'a>(&self, figure: &'a Figure, heads: &[f64]) -> Vec<Plot<'a>> {
         let panels = &figure.panels;
-        let bottom = TICK_GAP + TICK_FONT + 4.0 + LABEL_FONT + RIM;
+        let bottom = TICK_GAP + LABEL_FONT + 4.0 + TITLE_FONT + RIM;
         let column = |index: usize| index % self.columns;
         let row = |index: usize| index / self.columns;
         let mut tops = vec![0.0_f64; self.rows];
         for (index, panel) in panels.iter().enumerate() {
             let titled = if panel.title.is_empty() { 0.0 } else { HEAD };
             let tagged = if self.tagged { HEAD } else { 0.0 };
-            let top = (titled + heads[index]).max(tagged).max(RIM + 0.4 * TICK_FONT);
+            let top = (titled + heads[index]).max(tagged).max(RIM + 0.4 * LABEL_FONT);
             tops[row(index)] = tops[row(index)].max(top);
         }
         let spans: Vec<(f64, f64)> = (0..panels.len())
@@ -118,7 +140,7 @@ impl Page {
         }
         for (index, ruler) in verticals.iter().enumerate() {
             let (left, right) = &mut sides[column(index)];
-            *left = left.max(TICK_GAP + ruler.label_width() + 6.0 + LABEL_FONT);
+            *left = left.max(TICK_GAP + ruler.label_width() + 6.0 + TITLE_FONT);
             let height = spans[index].1 - spans[index].0;
             let bar = panels[index].color_bar.as_ref().map_or(0.0, |bar| bar.room(height) + RIM);
             *right = right.max(bar).max(RIM);
@@ -131,7 +153,7 @@ impl Page {
             let out = ruler
                 .major
                 .iter()
-                .map(|(x, label)| x + 0.5 * text::width(label, TICK_FONT, false) + 1.0 - end);
+                .map(|(x, label)| x + 0.5 * text::width(label, LABEL_FONT, false) + 1.0 - end);
             let out = out.fold(f64::NEG_INFINITY, f64::max);
             if out > 0.0 {
                 sides[column(index)].1 += out;
@@ -165,12 +187,12 @@ impl Page {
         let panel = &figure.panels[index];
         if self.tagged {
             let left = (index % self.columns) as f64 * (self.cell.0 + GAP.0);
-            let style = TextStyle::new(HEAD_FONT, HorizontalAlign::Start).bold();
+            let style = TextStyle::new(TITLE_FONT, HorizontalAlign::Start).bold();
             let before = figure.panels[..index].iter().filter(|panel| !panel.blank);
             canvas.text(left + 1.0, plot.frame.top - 5.0, &tag(before.count()), style);
         }
         let middle = 0.5 * (plot.frame.left + plot.frame.right);
-        let style = TextStyle::new(HEAD_FONT, HorizontalAlign::Middle);
+        let style = TextStyle::new(TITLE_FONT, HorizontalAlign::Middle);
         canvas.text(middle, plot.frame.top - 5.0 - legend, &panel.title, style);
     }
 }

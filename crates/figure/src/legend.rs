@@ -2,18 +2,16 @@
 
 use crate::{
     Color, Dash, Legend, Panel,
-    mark::{self, Look},
-    plot,
-    series::Join,
-    svg::{Canvas, HorizontalAlign, PX_PER_PT, TextStyle},
-    text,
-    trace::{Frame, Point},
+    frame::{Frame, Obstacles, crossed},
+    line::stroke,
+    mark::{self, MarkerStyle},
+    series::{BAND_LIGHTNESS, Join},
+    svg::{Canvas, HorizontalAlign, TextStyle},
+    text::{self, LABEL_FONT},
 };
 
-/// Font size of the entries, 7 pt.
-const FONT: f64 = 7.0 * PX_PER_PT;
 /// Height of an entry.
-const LINE: f64 = FONT * 1.36;
+const LINE: f64 = LABEL_FONT * 1.36;
 /// Length of the sample of a line, and of a marker where no entry has a line.
 const SAMPLES: (f64, f64) = (19.0, 8.0);
 /// Room between the sample and the name.
@@ -23,39 +21,39 @@ const COLUMN_GAP: f64 = 12.0;
 /// Room between the legend and the frame, and between the legend and the data.
 const CLEAR: f64 = 5.0;
 
-/// The entries of one panel.
+/// The legend entries of one panel, in columns.
 #[derive(Debug, Clone)]
-pub(crate) struct Key {
-    entries: Vec<Entry>,
+pub(crate) struct LegendBlock {
+    entries: Vec<LegendEntry>,
     columns: usize,
 }
 
 #[derive(Debug, Clone)]
-struct Entry {
+struct LegendEntry {
     name: String,
     join: Join,
     dash: Dash,
     width: f64,
-    look: Look,
+    style: MarkerStyle,
 }
 
-impl Key {
-    /// The named series of a panel, in one column; none where there is nothing to tell.
+impl LegendBlock {
+    /// The named series of a panel, in one column; none without a named series.
     pub(crate) fn new(panel: &Panel) -> Option<Self> {
         if panel.legend == Legend::None {
             return None;
         }
-        let entries: Vec<Entry> = panel
+        let entries: Vec<LegendEntry> = panel
             .series
             .iter()
             .enumerate()
             .filter(|(_, series)| !series.name.is_empty())
-            .map(|(index, series)| Entry {
+            .map(|(index, series)| LegendEntry {
                 name: series.name.clone(),
                 join: series.join,
                 dash: series.dash,
                 width: series.width,
-                look: plot::look(panel, index),
+                style: MarkerStyle::of(panel, index),
             })
             .collect();
         (!entries.is_empty()).then_some(Self { entries, columns: 1 })
@@ -83,7 +81,9 @@ impl Key {
 
     fn column_width(&self, column: usize) -> f64 {
         let names = self.entries.iter().skip(column * self.rows()).take(self.rows());
-        self.sample() + GAP + names.map(|e| text::width(&e.name, FONT, false)).fold(0.0, f64::max)
+        self.sample()
+            + GAP
+            + names.map(|e| text::width(&e.name, LABEL_FONT, false)).fold(0.0, f64::max)
     }
 
     fn width(&self) -> f64 {
@@ -95,11 +95,11 @@ impl Key {
         LINE * self.rows() as f64
     }
 
-    /// The rectangle of the legend in a chosen corner, or the first that meets none of the
-    /// `obstacles`; none where every one does.
+    /// The rectangle of the legend in a chosen corner, or the first free of `obstacles`; none if
+    /// there is no free one.
     pub(crate) fn place(
         &self,
-        wish: Legend,
+        position: Legend,
         frame: &Frame,
         obstacles: &Obstacles,
     ) -> Option<Frame> {
@@ -110,7 +110,7 @@ impl Key {
         let bottom = frame.bottom - CLEAR - height;
         let at = |x: f64, y: f64| Frame { left: x, top: y, right: x + width, bottom: y + height };
         let (middle_x, middle_y) = (0.5 * (left + right), 0.5 * (top + bottom));
-        match wish {
+        match position {
             Legend::TopRight => return Some(at(right, top)),
             Legend::TopLeft => return Some(at(left, top)),
             Legend::BottomRight => return Some(at(right, bottom)),
@@ -155,55 +155,28 @@ impl Key {
     }
 }
 
-impl Entry {
+impl LegendEntry {
     fn draw(&self, canvas: &mut Canvas, sample: f64, x: f64, y: f64) {
         let middle = (x + 0.5 * sample, y);
         match self.join {
             Join::Line => {
                 let line = vec![vec![(x, y), (x + sample, y)]];
-                plot::stroke(canvas, &line, self.look.color, self.dash, self.width);
+                stroke(canvas, &line, self.style.color, self.dash, self.width);
             }
             Join::Stems => {
                 let line = vec![vec![(middle.0, y + 0.5 * LINE - 1.0), middle]];
-                plot::stroke(canvas, &line, self.look.color, self.dash, self.width);
+                stroke(canvas, &line, self.style.color, self.dash, self.width);
             }
             Join::Band => {
-                let fill = self.look.color.lighten(plot::BAND_LIGHTNESS);
-                let style = format!(r#"fill="{fill}""#);
-                canvas.rectangle(x, y - 0.3 * LINE, sample, 0.6 * LINE, &style);
+                let fill = self.style.color.lighten(BAND_LIGHTNESS);
+                let fill = format!(r#"fill="{fill}""#);
+                canvas.rectangle(x, y - 0.3 * LINE, sample, 0.6 * LINE, &fill);
             }
             Join::Points => {}
         }
-        mark::draw(canvas, &[middle], &self.look);
-        let style = TextStyle::new(FONT, HorizontalAlign::Start).color(Color::BLACK).halo();
-        let baseline = y + 0.5 * text::CAP_HEIGHT * FONT;
+        mark::draw(canvas, &[middle], &self.style);
+        let style = TextStyle::new(LABEL_FONT, HorizontalAlign::Start).color(Color::BLACK).halo();
+        let baseline = y + 0.5 * text::CAP_HEIGHT * LABEL_FONT;
         canvas.text(x + sample + GAP, baseline, &self.name, style);
     }
-}
-
-/// What a legend must not cover.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct Obstacles {
-    pub(crate) lines: Vec<Vec<Point>>,
-    pub(crate) points: Vec<Point>,
-    pub(crate) boxes: Vec<Frame>,
-    /// Outlines of bands, which a legend keeps clear of but a note may cover.
-    pub(crate) areas: Vec<Vec<Point>>,
-}
-
-impl Obstacles {
-    /// Whether anything lies in `place`.
-    pub(crate) fn meet(&self, place: &Frame) -> bool {
-        self.boxes.iter().any(|other| place.meets(other))
-            || self.points.iter().any(|&point| place.grown(2.0).holds(point))
-            || crossed(&self.lines, place)
-    }
-}
-
-/// Whether a line passes through `place`.
-fn crossed(lines: &[Vec<Point>], place: &Frame) -> bool {
-    lines.iter().any(|line| match line[..] {
-        [only] => place.holds(only),
-        _ => line.windows(2).any(|pair| place.clip(pair[0], pair[1]).is_some()),
-    })
 }

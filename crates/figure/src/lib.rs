@@ -1,8 +1,8 @@
 //! Tables to SVG, PNG and HTML.
 //!
-//! A [`Figure`] draws columns of numbers on [`Panel`]s with labelled [`Axis`] pairs; a [`Drawing`] is a free sketch in millimetres; a
-//! [`Report`](report::Report) gathers figures, tables and verdicts into one page. The room knows
-//! nothing of mechanics.
+//! A [`Figure`] draws columns of numbers on [`Panel`]s with labelled [`Axis`] pairs; a [`Drawing`]
+//! is a free sketch in millimetres; a [`Report`](report::Report) gathers figures and tables into one
+//! page.
 //!
 //! ```
 //! use asperity_figure::{Axis, Color, Dash, Figure, Panel, Series};
@@ -19,18 +19,20 @@
 //!
 //! Lengths on the page are CSS pixels of 1/96 inch, rounded to 0.01; text is measured with the
 //! bundled Inter so that nothing overlaps, and pictures are rasterised with that font alone. The
-//! same table gives the same bytes on every machine.
+//! same numbers give the same bytes on every machine.
 //!
 //! Labels, names and notes may hold `_{...}` for a subscript and `^{...}` for a superscript.
 //!
-//! | file | idea |
+//! | module | holds |
 //! |---|---|
-//! | `series`, `axis`, `panel`, `figure` | what is to be drawn |
-//! | `scale`, `ticks`, `tick_label`, `trace` | data to page: mapping, marks, clipping and thinning |
-//! | `layout`, `ruler`, `plot`, `mark`, `error_bar`, `note`, `legend`, `color_bar` | page: frames, curves, texts, keys |
+//! | `series`, `axis`, `panel`, `figure` | the figure as data |
+//! | `scale`, `ticks`, `tick_label`, `ruler` | axes: from data to the page |
+//! | `frame`, `trace` | rectangles, clipping and decimation of curves |
+//! | `line`, `mark`, `error_bar`, `plot`, `note`, `legend`, `color_bar` | parts of a panel |
+//! | `layout` | frames of all panels in rows and columns; [`Figure::to_svg`] |
 //! | `drawing`, `symbol` | sketches: springs, dampers, hatching, arrows |
-//! | `svg`, `text`, `raster` | SVG text, glyph widths, PNG |
-//! | `report` with `html`, `embed`, `markdown` | pages |
+//! | `markup`, `svg`, `text`, `raster` | SVG text, glyph widths, PNG |
+//! | [`report`] with `html`, `embed`, `markdown` | pages |
 
 mod axis;
 mod color;
@@ -39,9 +41,12 @@ mod drawing;
 mod error;
 mod error_bar;
 mod figure;
+mod frame;
 mod layout;
 mod legend;
+mod line;
 mod mark;
+mod markup;
 mod note;
 mod panel;
 mod plot;

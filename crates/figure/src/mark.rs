@@ -1,11 +1,16 @@
 //! Point symbols.
 
-use crate::{Color, Marker, svg::Canvas, svg::number, trace::Point};
+use crate::{
+    Color, Marker, Panel,
+    frame::Point,
+    markup::{PX_PER_PT, number},
+    svg::Canvas,
+};
 use std::fmt::Write as _;
 
-/// How the symbols of one series look.
+/// Shape, size and colour of the markers of one series.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Look {
+pub(crate) struct MarkerStyle {
     pub(crate) marker: Marker,
     /// Diameter of the circle; the other symbols have about its area.
     pub(crate) size: f64,
@@ -14,21 +19,35 @@ pub(crate) struct Look {
     pub(crate) filled: bool,
 }
 
+impl MarkerStyle {
+    /// Style of series `index` of a panel.
+    pub(crate) fn of(panel: &Panel, index: usize) -> Self {
+        let series = &panel.series[index];
+        Self {
+            marker: series.marker,
+            size: series.marker_size * PX_PER_PT,
+            line: (series.width * PX_PER_PT).min(1.1),
+            color: panel.series_color(index),
+            filled: series.filled,
+        }
+    }
+}
+
 /// Draws one symbol at each point.
-pub(crate) fn draw(canvas: &mut Canvas, points: &[Point], look: &Look) {
+pub(crate) fn draw(canvas: &mut Canvas, points: &[Point], style: &MarkerStyle) {
     let mut data = String::new();
     for &point in points {
-        append(&mut data, point, look);
+        append(&mut data, point, style);
     }
-    let open = matches!(look.marker, Marker::Cross | Marker::Plus);
+    let open = matches!(style.marker, Marker::Cross | Marker::Plus);
     let fill = if open {
         "none".to_owned()
-    } else if look.filled {
-        look.color.to_string()
+    } else if style.filled {
+        style.color.to_string()
     } else {
         Color::WHITE.to_string()
     };
-    let (color, width) = (look.color, number(look.line));
+    let (color, width) = (style.color, number(style.line));
     canvas.path(
         &data,
         &format!(
@@ -37,8 +56,8 @@ pub(crate) fn draw(canvas: &mut Canvas, points: &[Point], look: &Look) {
     );
 }
 
-fn append(data: &mut String, (x, y): Point, look: &Look) {
-    let r = look.size / 2.0;
+fn append(data: &mut String, (x, y): Point, style: &MarkerStyle) {
+    let r = style.size / 2.0;
     let moves = |pairs: &[(f64, f64)], close: &str| {
         let mut text = String::new();
         for (index, (dx, dy)) in pairs.iter().enumerate() {
@@ -48,7 +67,7 @@ fn append(data: &mut String, (x, y): Point, look: &Look) {
         }
         text + close
     };
-    let shape = match look.marker {
+    let shape = match style.marker {
         Marker::None => String::new(),
         Marker::Circle => {
             let (radius, across) = (number(r), number(2.0 * r));

@@ -1,19 +1,18 @@
-//! Texts inside a frame: corner, references, notes at points.
+//! Texts inside a frame: in a corner, along reference lines, at points.
 
 use crate::{
     Anchor, Color, Legend,
-    legend::Obstacles,
-    panel::{Note, Reference},
-    plot::{NOTE_FONT, Plot},
+    frame::{Frame, Obstacles, Point},
+    panel::{Note, ReferenceLine},
+    plot::Plot,
     svg::{Canvas, HorizontalAlign, TextStyle},
-    text,
-    trace::{Frame, Point},
+    text::{self, LABEL_FONT},
 };
 
 /// Room between a point and its note.
 const CLEAR: f64 = 6.0;
 /// Half the height of a capital.
-const HALF: f64 = 0.5 * text::CAP_HEIGHT * NOTE_FONT;
+const HALF: f64 = 0.5 * text::CAP_HEIGHT * LABEL_FONT;
 
 /// A line of text on the page.
 #[derive(Debug, Clone)]
@@ -30,16 +29,16 @@ pub(crate) fn draw(canvas: &mut Canvas, plot: &Plot<'_>) {
     }
 }
 
-/// What a legend must not cover: curves, markers and texts.
+/// Curves, markers and texts that a legend must not cover.
 pub(crate) fn obstacles(plot: &Plot<'_>) -> Obstacles {
     labels(plot).1
 }
 
-/// The texts, each where it covers least, and all there is to cover.
+/// The texts, each at its first free place, and all obstacles for a legend.
 fn labels(plot: &Plot<'_>) -> (Vec<Label>, Obstacles) {
     let mut obstacles = plot.curves();
     let mut labels = Vec::new();
-    let mut settle = |candidates: Vec<Label>| {
+    let mut place = |candidates: Vec<Label>| {
         let free = candidates.iter().find(|label| {
             let bounds = label.bounds();
             let inside = plot.frame.holds((bounds.left, bounds.top))
@@ -52,13 +51,13 @@ fn labels(plot: &Plot<'_>) -> (Vec<Label>, Obstacles) {
         }
     };
     if let Some((corner, text)) = &plot.panel.corner {
-        settle(vec![in_corner(&plot.frame, *corner, text)]);
+        place(vec![in_corner(&plot.frame, *corner, text)]);
     }
     for reference in plot.panel.references.iter().filter(|line| !line.text.is_empty()) {
-        settle(beside_line(plot, reference));
+        place(beside_line(plot, reference));
     }
     for note in &plot.panel.notes {
-        settle(beside_point(plot, note));
+        place(beside_point(plot, note));
     }
     (labels, obstacles)
 }
@@ -76,7 +75,7 @@ fn in_corner(frame: &Frame, corner: Legend, text: &str) -> Label {
 }
 
 /// Both sides of both ends of a reference line, the last end first.
-fn beside_line(plot: &Plot<'_>, reference: &Reference) -> Vec<Label> {
+fn beside_line(plot: &Plot<'_>, reference: &ReferenceLine) -> Vec<Label> {
     let Some(line) = plot.reference_line(reference) else {
         return Vec::new();
     };
@@ -105,7 +104,7 @@ fn beside_line(plot: &Plot<'_>, reference: &Reference) -> Vec<Label> {
         .collect()
 }
 
-/// The wished side of a point, or all eight around it.
+/// The chosen side of a point, or all eight around it.
 fn beside_point(plot: &Plot<'_>, note: &Note) -> Vec<Label> {
     use HorizontalAlign::{End, Middle, Start};
     let (x, y) = (plot.x.scale.datum(note.x), plot.y.scale.datum(note.y));
@@ -130,7 +129,7 @@ fn beside_point(plot: &Plot<'_>, note: &Note) -> Vec<Label> {
             let mut around = vec![right, left, above, below];
             around.extend(diagonals);
             around.push((-side, down, End));
-            let width = text::width(&note.text, NOTE_FONT, false);
+            let width = text::width(&note.text, LABEL_FONT, false);
             if x + CLEAR + width > plot.frame.right {
                 around.swap(0, 1);
             }
@@ -141,18 +140,18 @@ fn beside_point(plot: &Plot<'_>, note: &Note) -> Vec<Label> {
 
 impl Label {
     fn new(at: Point, text: &str, align: HorizontalAlign, color: Color) -> Self {
-        let style = TextStyle::new(NOTE_FONT, align).color(color).halo();
+        let style = TextStyle::new(LABEL_FONT, align).color(color).halo();
         Self { at, text: text.to_owned(), style }
     }
 
     fn bounds(&self) -> Frame {
-        let width = text::width(&self.text, NOTE_FONT, false);
+        let width = text::width(&self.text, LABEL_FONT, false);
         let left = match self.style.align {
             HorizontalAlign::Start => self.at.0,
             HorizontalAlign::Middle => self.at.0 - 0.5 * width,
             HorizontalAlign::End => self.at.0 - width,
         };
-        let (top, bottom) = (self.at.1 - 0.8 * NOTE_FONT, self.at.1 + 0.22 * NOTE_FONT);
+        let (top, bottom) = (self.at.1 - 0.8 * LABEL_FONT, self.at.1 + 0.22 * LABEL_FONT);
         Frame { left, top, right: left + width, bottom }
     }
 }

@@ -1,9 +1,10 @@
-//! One pair of axes and what is drawn between them.
+//! One pair of axes with its series and notes.
 
 use crate::{Axis, Color, ColorBar, FigureError, Series};
 
-/// Where the legend goes.
+/// Position of the legend.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
 pub enum Legend {
     /// Inside where it covers no data, else above the frame.
     #[default]
@@ -18,12 +19,13 @@ pub enum Legend {
     BottomLeft,
     /// Above the frame, in columns.
     Above,
-    /// Nowhere.
+    /// No legend.
     None,
 }
 
-/// On which side of its point a note stands.
+/// Side of its point on which a note is written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
 pub enum Anchor {
     /// To the right, or to the left near the right edge.
     #[default]
@@ -50,15 +52,15 @@ pub(crate) struct Note {
     pub(crate) color: Color,
 }
 
-/// A straight reference across the panel.
+/// A straight dashed line across the panel.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Reference {
+pub(crate) struct ReferenceLine {
     pub(crate) at: f64,
     pub(crate) vertical: bool,
     pub(crate) text: String,
 }
 
-/// Axes with series, notes, references, a legend and possibly a colour bar.
+/// Axes with series, notes, reference lines, a legend and possibly a colour bar.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Panel {
     pub(crate) x_axis: Axis,
@@ -66,7 +68,7 @@ pub struct Panel {
     pub(crate) title: String,
     pub(crate) series: Vec<Series>,
     pub(crate) notes: Vec<Note>,
-    pub(crate) references: Vec<Reference>,
+    pub(crate) references: Vec<ReferenceLine>,
     pub(crate) shades: Vec<(f64, f64)>,
     pub(crate) corner: Option<(Legend, String)>,
     pub(crate) legend: Legend,
@@ -144,14 +146,14 @@ impl Panel {
     /// Draws a thin dashed vertical at `x`, in data units, with a text at its top.
     #[must_use]
     pub fn vertical(mut self, x: f64, text: impl Into<String>) -> Self {
-        self.references.push(Reference { at: x, vertical: true, text: text.into() });
+        self.references.push(ReferenceLine { at: x, vertical: true, text: text.into() });
         self
     }
 
     /// Draws a thin dashed horizontal at `y`, in data units, with a text at its right end.
     #[must_use]
     pub fn horizontal(mut self, y: f64, text: impl Into<String>) -> Self {
-        self.references.push(Reference { at: y, vertical: false, text: text.into() });
+        self.references.push(ReferenceLine { at: y, vertical: false, text: text.into() });
         self
     }
 

@@ -1,23 +1,18 @@
-//! One panel on the page: frame, marks, curves, notes.
+//! One panel on the page: frame, axes, curves, markers.
 
 use crate::{
     Color, Dash, Panel, error_bar,
-    legend::Obstacles,
-    mark::{self, Look},
-    note,
-    ruler::{Ruler, TICK_FONT},
-    series::{Join, Series},
-    svg::{Canvas, HorizontalAlign, PX_PER_PT, TextStyle, number},
-    text,
-    trace::{self, Frame, Point},
+    frame::{Frame, Obstacles, Point},
+    line::stroke,
+    mark::{self, MarkerStyle},
+    panel::ReferenceLine,
+    ruler::Ruler,
+    series::{BAND_LIGHTNESS, Join, Series},
+    svg::{Canvas, HorizontalAlign, TextStyle},
+    text::{self, LABEL_FONT, TITLE_FONT},
+    trace,
 };
 
-/// Font size of axis titles, 8 pt.
-pub(crate) const LABEL_FONT: f64 = 8.0 * PX_PER_PT;
-/// Font size of notes, 7 pt.
-pub(crate) const NOTE_FONT: f64 = 7.0 * PX_PER_PT;
-/// How far the fill of a band is mixed with white.
-pub(crate) const BAND_LIGHTNESS: f64 = 0.78;
 /// Fill of a shaded part of a panel.
 const SHADE: Color = Color::hex(0xf0_f0f0);
 /// Width of error bars, in points.
@@ -38,54 +33,6 @@ pub(crate) struct Plot<'a> {
     pub(crate) frame: Frame,
     pub(crate) x: Ruler,
     pub(crate) y: Ruler,
-}
-
-/// The symbols of series `index` of a panel.
-pub(crate) fn look(panel: &Panel, index: usize) -> Look {
-    let series = &panel.series[index];
-    Look {
-        marker: series.marker,
-        size: series.marker_size * PX_PER_PT,
-        line: (series.width * PX_PER_PT).min(1.1),
-        color: panel.series_color(index),
-        filled: series.filled,
-    }
-}
-
-/// Strokes the parts of a curve.
-pub(crate) fn stroke(
-    canvas: &mut Canvas,
-    parts: &[Vec<Point>],
-    color: Color,
-    dash: Dash,
-    points: f64,
-) {
-    let style = format!(r#"fill="none" {}"#, line_style(color, dash, points));
-    canvas.path(&trace::path(parts, false), &style);
-}
-
-/// The attributes of a line `points` wide.
-pub(crate) fn line_style(color: Color, dash: Dash, points: f64) -> String {
-    let width = points * PX_PER_PT;
-    let lengths: &[f64] = match dash {
-        Dash::Solid => &[],
-        Dash::Dashed => &[4.2, 2.4],
-        Dash::Dotted => &[0.01, 2.3],
-        Dash::DashDot => &[5.0, 2.2, 0.01, 2.2],
-    };
-    let cap = if dash == Dash::Dashed { "butt" } else { "round" };
-    // Dashes follow the line width, but thin lines do not get crowded dashes.
-    let unit = width.max(1.1);
-    let list: Vec<String> = lengths.iter().map(|length| number(length * unit)).collect();
-    let list = if list.is_empty() {
-        String::new()
-    } else {
-        format!(r#" stroke-dasharray="{}""#, list.join(" "))
-    };
-    format!(
-        r#"stroke="{color}" stroke-width="{}" stroke-linejoin="round" stroke-linecap="{cap}"{list}"#,
-        number(width)
-    )
 }
 
 impl Plot<'_> {
@@ -148,15 +95,15 @@ impl Plot<'_> {
             .map(|run| {
                 let (upper, mut lower): (Vec<Point>, Vec<Point>) = run.iter().copied().unzip();
                 lower.reverse();
-                let mut outline = trace::thinned(&upper);
-                outline.extend(trace::thinned(&lower));
+                let mut outline = trace::decimated(&upper);
+                outline.extend(trace::decimated(&lower));
                 trace::polygon(&outline, &self.frame)
             })
             .filter(|polygon| polygon.len() > 2)
             .collect()
     }
 
-    /// The curves and markers that texts keep clear of.
+    /// Curves and markers that texts keep clear of.
     pub(crate) fn curves(&self) -> Obstacles {
         let mut obstacles = Obstacles::default();
         for series in &self.panel.series {
@@ -174,9 +121,8 @@ impl Plot<'_> {
         obstacles
     }
 
-    /// Draws all but the legend.
+    /// Draws frame, axes, curves and markers.
     pub(crate) fn draw(&self, canvas: &mut Canvas) {
-        let frame = &self.frame;
         self.shades(canvas);
         if self.panel.grid {
             self.grid(canvas);
@@ -198,16 +144,7 @@ impl Plot<'_> {
             stroke(canvas, &self.lines(series), color, series.dash, series.width);
         }
         for (index, series) in self.panel.series.iter().enumerate() {
-            mark::draw(canvas, &self.markers(series), &look(self.panel, index));
-        }
-        note::draw(canvas, self);
-        if let Some(bar) = &self.panel.color_bar {
-            bar.draw(canvas, frame);
-        }
-        if let Err(error) = self.panel.check() {
-            let style = TextStyle::new(NOTE_FONT, HorizontalAlign::Middle).color(Color::RED).halo();
-            let (x, y) = (0.5 * (frame.left + frame.right), 0.5 * (frame.top + frame.bottom));
-            canvas.text(x, y, &error.to_string(), style);
+            mark::draw(canvas, &self.markers(series), &MarkerStyle::of(self.panel, index));
         }
     }
 
@@ -260,23 +197,23 @@ impl Plot<'_> {
         canvas.path(&trace::path(&marks, false), &style);
         canvas.rectangle(left, top, right - left, bottom - top, &style);
 
-        let style = TextStyle::new(TICK_FONT, HorizontalAlign::Middle);
-        for (x, label) in &self.x.major {
-            canvas.text(*x, bottom + TICK_GAP + text::CAP_HEIGHT * TICK_FONT, label, style);
-        }
-        let style = TextStyle::new(TICK_FONT, HorizontalAlign::End);
-        for (y, label) in &self.y.major {
-            canvas.text(left - TICK_GAP, y + 0.5 * text::CAP_HEIGHT * TICK_FONT, label, style);
-        }
         let style = TextStyle::new(LABEL_FONT, HorizontalAlign::Middle);
-        let below = bottom + TICK_GAP + TICK_FONT + 4.0 + text::CAP_HEIGHT * LABEL_FONT;
+        for (x, label) in &self.x.major {
+            canvas.text(*x, bottom + TICK_GAP + text::CAP_HEIGHT * LABEL_FONT, label, style);
+        }
+        let style = TextStyle::new(LABEL_FONT, HorizontalAlign::End);
+        for (y, label) in &self.y.major {
+            canvas.text(left - TICK_GAP, y + 0.5 * text::CAP_HEIGHT * LABEL_FONT, label, style);
+        }
+        let style = TextStyle::new(TITLE_FONT, HorizontalAlign::Middle);
+        let below = bottom + TICK_GAP + LABEL_FONT + 4.0 + text::CAP_HEIGHT * TITLE_FONT;
         canvas.text(0.5 * (left + right), below, &self.x.title, style);
         let beside = left - TICK_GAP - self.y.label_width() - 6.0;
         let style = style.turned(90.0);
         canvas.text(beside, 0.5 * (top + bottom), &self.y.title, style);
     }
 
-    pub(crate) fn reference_line(&self, reference: &crate::panel::Reference) -> Option<Vec<Point>> {
+    pub(crate) fn reference_line(&self, reference: &ReferenceLine) -> Option<Vec<Point>> {
         let Frame { left, top, right, bottom } = self.frame;
         let (start, end) = if reference.vertical {
             let x = self.x.scale.datum(reference.at);

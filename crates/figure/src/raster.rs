@@ -1,6 +1,6 @@
 //! SVG to PNG with the bundled fonts alone.
 
-use crate::{FigureError, svg::PX_PER_MM, text};
+use crate::{FigureError, markup::PX_PER_MM, text};
 use resvg::{tiny_skia, usvg};
 use std::sync::Arc;
 

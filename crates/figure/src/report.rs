@@ -1,23 +1,24 @@
-//! Reports: sections with figures, tables and verdicts, as one HTML page or as Markdown.
+//! Reports: sections with figures and tables, as one HTML page or as Markdown.
 
 mod embed;
 mod html;
 mod markdown;
 
-/// Whether a number meets what was claimed.
+/// Outcome of comparing a number with a claim.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Verdict {
+#[non_exhaustive]
+pub enum ClaimOutcome {
     /// Within its tolerance.
     Pass,
     /// Outside its tolerance.
     Fail,
     /// Within reach of a looser tolerance, or with a reservation.
     Warn,
-    /// Not judged.
+    /// Not compared.
     Skip,
 }
 
-impl Verdict {
+impl ClaimOutcome {
     /// The word shown.
     pub fn word(self) -> &'static str {
         match self {
@@ -31,83 +32,88 @@ impl Verdict {
 
 /// One cell of a table.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Cell {
+#[non_exhaustive]
+pub enum TableCell {
     /// Plain text.
     Text(String),
     /// A number already written as text, aligned right.
     Number(String),
-    /// A verdict, shown as a badge.
-    Verdict(Verdict),
+    /// An outcome, shown as a badge.
+    Outcome(ClaimOutcome),
 }
 
-impl From<&str> for Cell {
+impl From<&str> for TableCell {
     fn from(text: &str) -> Self {
         Self::Text(text.to_owned())
     }
 }
 
-impl From<String> for Cell {
+impl From<String> for TableCell {
     fn from(text: String) -> Self {
         Self::Text(text)
     }
 }
 
-impl From<Verdict> for Cell {
-    fn from(verdict: Verdict) -> Self {
-        Self::Verdict(verdict)
+impl From<ClaimOutcome> for TableCell {
+    fn from(outcome: ClaimOutcome) -> Self {
+        Self::Outcome(outcome)
     }
 }
 
-impl From<f64> for Cell {
-    /// Four significant digits.
+impl From<f64> for TableCell {
+    /// The number as [`four_digits`] writes it.
     fn from(value: f64) -> Self {
-        let magnitude = value.abs();
-        Self::Number(if !value.is_finite() {
-            "–".to_owned()
-        } else if value == 0.0 {
-            "0".to_owned()
-        } else if (1e-3..1e5).contains(&magnitude) {
-            let places = (3 - magnitude.log10().floor() as i32).max(0) as usize;
-            format!("{value:.places$}").replace('-', "−")
-        } else {
-            match format!("{value:.3e}").replace('-', "−").split_once('e') {
-                Some((mantissa, exponent)) => format!("{mantissa}×10^{{{exponent}}}"),
-                None => String::new(),
-            }
-        })
+        Self::Number(four_digits(value))
+    }
+}
+
+/// A number as text with four significant digits; a dash where it is not finite.
+pub fn four_digits(value: f64) -> String {
+    let magnitude = value.abs();
+    if !value.is_finite() {
+        "–".to_owned()
+    } else if value == 0.0 {
+        "0".to_owned()
+    } else if (1e-3..1e5).contains(&magnitude) {
+        let places = (3 - magnitude.log10().floor() as i32).max(0) as usize;
+        format!("{value:.places$}").replace('-', "−")
+    } else {
+        let text = format!("{value:.3e}").replace('-', "−");
+        let (mantissa, exponent) = text.split_once('e').unwrap_or((&text, "0"));
+        format!("{mantissa}×10^{{{exponent}}}")
     }
 }
 
 #[derive(Debug, Clone, PartialEq)]
-enum Block {
+enum ReportBlock {
     Section { title: String },
     Subsection { title: String },
     Paragraph { text: String },
     Code { text: String },
     Figure { id: String, caption: String, svg: String },
-    Table { headers: Vec<String>, rows: Vec<Vec<Cell>> },
+    Table { headers: Vec<String>, rows: Vec<Vec<TableCell>> },
     KeyValues { pairs: Vec<(String, String)> },
 }
 
 /// A page of sections, built from top to bottom.
 ///
 /// ```
-/// use asperity_figure::report::{Cell, Report, Verdict};
+/// use asperity_figure::report::{TableCell, Report, ClaimOutcome};
 /// let report = Report::new("Receptance of two beams")
-///     .intro("What was computed & how it compares.")
+///     .intro("Computed & measured frequencies.")
 ///     .section("Claims")
 ///     .table(
-///         ["quantity", "value", "verdict"],
-///         [vec!["first mode (Hz)".into(), Cell::from(132.4), Verdict::Pass.into()]],
+///         ["quantity", "value", "outcome"],
+///         [vec!["first mode (Hz)".into(), TableCell::from(132.4), ClaimOutcome::Pass.into()]],
 ///     );
-/// assert!(report.to_html().contains("computed &amp; how"));
+/// assert!(report.to_html().contains("Computed &amp; measured"));
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Report {
     title: String,
     intro: Vec<String>,
     footer: String,
-    blocks: Vec<Block>,
+    blocks: Vec<ReportBlock>,
 }
 
 impl Report {
@@ -116,7 +122,7 @@ impl Report {
         Self { title: title.into(), intro: Vec::new(), footer: String::new(), blocks: Vec::new() }
     }
 
-    fn with(mut self, block: Block) -> Self {
+    fn with(mut self, block: ReportBlock) -> Self {
         self.blocks.push(block);
         self
     }
@@ -138,25 +144,25 @@ impl Report {
     /// Starts a section, which the table of contents lists.
     #[must_use]
     pub fn section(self, title: impl Into<String>) -> Self {
-        self.with(Block::Section { title: title.into() })
+        self.with(ReportBlock::Section { title: title.into() })
     }
 
     /// Starts a part of a section.
     #[must_use]
     pub fn subsection(self, title: impl Into<String>) -> Self {
-        self.with(Block::Subsection { title: title.into() })
+        self.with(ReportBlock::Subsection { title: title.into() })
     }
 
     /// Adds a paragraph.
     #[must_use]
     pub fn paragraph(self, text: impl Into<String>) -> Self {
-        self.with(Block::Paragraph { text: text.into() })
+        self.with(ReportBlock::Paragraph { text: text.into() })
     }
 
     /// Adds text in a fixed pitch, line by line as it stands.
     #[must_use]
     pub fn code(self, text: impl Into<String>) -> Self {
-        self.with(Block::Code { text: text.into() })
+        self.with(ReportBlock::Code { text: text.into() })
     }
 
     /// Adds a figure: an identifier (link target and file name), a caption, an SVG text.
@@ -167,7 +173,7 @@ impl Report {
         caption: impl Into<String>,
         svg: impl Into<String>,
     ) -> Self {
-        self.with(Block::Figure { id: id.into(), caption: caption.into(), svg: svg.into() })
+        self.with(ReportBlock::Figure { id: id.into(), caption: caption.into(), svg: svg.into() })
     }
 
     /// Adds a table; short rows are filled with empty cells, long ones are cut.
@@ -175,15 +181,15 @@ impl Report {
     pub fn table<H: Into<String>>(
         self,
         headers: impl IntoIterator<Item = H>,
-        rows: impl IntoIterator<Item = Vec<Cell>>,
+        rows: impl IntoIterator<Item = Vec<TableCell>>,
     ) -> Self {
         let headers: Vec<String> = headers.into_iter().map(Into::into).collect();
-        let fill = |mut row: Vec<Cell>| {
-            row.resize(headers.len(), Cell::Text(String::new()));
+        let fill = |mut row: Vec<TableCell>| {
+            row.resize(headers.len(), TableCell::Text(String::new()));
             row
         };
         let rows = rows.into_iter().map(fill).collect();
-        self.with(Block::Table { headers, rows })
+        self.with(ReportBlock::Table { headers, rows })
     }
 
     /// Adds a list of names and values.
@@ -193,7 +199,7 @@ impl Report {
         pairs: impl IntoIterator<Item = (K, V)>,
     ) -> Self {
         let pairs = pairs.into_iter().map(|(key, value)| (key.into(), value.into())).collect();
-        self.with(Block::KeyValues { pairs })
+        self.with(ReportBlock::KeyValues { pairs })
     }
 
     /// The report as one self-contained HTML page: style, font and figures inside.
@@ -214,14 +220,10 @@ mod tests {
 
     #[test]
     fn numbers_have_four_digits() {
-        let written = |value: f64| match Cell::from(value) {
-            Cell::Number(text) => text,
-            _ => String::new(),
-        };
-        assert_eq!(written(132.04), "132.0");
-        assert_eq!(written(-0.5), "−0.5000");
-        assert_eq!(written(4.2e9), "4.200×10^{9}");
-        assert_eq!(written(1e-7), "1.000×10^{−7}");
-        assert_eq!(written(f64::NAN), "–");
+        assert_eq!(four_digits(132.04), "132.0");
+        assert_eq!(four_digits(-0.5), "−0.5000");
+        assert_eq!(four_digits(4.2e9), "4.200×10^{9}");
+        assert_eq!(four_digits(1e-7), "1.000×10^{−7}");
+        assert_eq!(four_digits(f64::NAN), "–");
     }
 }

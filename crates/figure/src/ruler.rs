@@ -2,20 +2,19 @@
 
 use crate::{
     Axis,
-    scale::{self, Scale},
-    text, tick_label,
+    scale::{self, AxisScale},
+    text::{self, LABEL_FONT},
+    tick_label,
     ticks::{self, Ticks},
 };
 
-/// Font size of tick labels, in CSS pixels (7 pt).
-pub(crate) const TICK_FONT: f64 = 7.0 * crate::svg::PX_PER_PT;
 /// Least room between neighbouring labels of a horizontal axis.
 const LABEL_GAP: f64 = 7.0;
 
 /// A laid out axis.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Ruler {
-    pub(crate) scale: Scale,
+    pub(crate) scale: AxisScale,
     /// Labelled marks: position on the page and label.
     pub(crate) major: Vec<(f64, String)>,
     /// Positions of the short marks.
@@ -34,7 +33,7 @@ impl Ruler {
         horizontal: bool,
     ) -> Self {
         let (low, high) = scale::range(axis, data, padded);
-        let scale = Scale::new(axis, (low, high), start, end);
+        let scale = AxisScale::new(axis, (low, high), start, end);
         let length = (end - start).abs();
         let most = (length / if horizontal { 38.0 } else { 26.0 }).clamp(2.0, 8.0) as usize;
         let exponent = if axis.log || axis.ticks.is_some() {
@@ -79,14 +78,14 @@ impl Ruler {
 
     fn labels_fit(&self) -> bool {
         self.major.windows(2).all(|pair| {
-            let halves = pair.iter().map(|mark| 0.5 * text::width(&mark.1, TICK_FONT, false));
+            let halves = pair.iter().map(|mark| 0.5 * text::width(&mark.1, LABEL_FONT, false));
             (pair[1].0 - pair[0].0).abs() >= halves.sum::<f64>() + LABEL_GAP
         })
     }
 
     /// Width of the widest label.
     pub(crate) fn label_width(&self) -> f64 {
-        self.major.iter().map(|mark| text::width(&mark.1, TICK_FONT, false)).fold(0.0, f64::max)
+        self.major.iter().map(|mark| text::width(&mark.1, LABEL_FONT, false)).fold(0.0, f64::max)
     }
 }
 

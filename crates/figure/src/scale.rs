@@ -7,7 +7,7 @@ const PADDING: f64 = 0.05;
 
 /// Maps data to a coordinate on the page.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Scale {
+pub(crate) struct AxisScale {
     pub(crate) low: f64,
     pub(crate) high: f64,
     pub(crate) log: bool,
@@ -16,7 +16,7 @@ pub(crate) struct Scale {
     end: f64,
 }
 
-impl Scale {
+impl AxisScale {
     /// The scale that shows `range` (display units) from page coordinate `start` to `end`.
     pub(crate) fn new(axis: &Axis, range: (f64, f64), start: f64, end: f64) -> Self {
         Self { low: range.0, high: range.1, log: axis.log, factor: axis.factor, start, end }
@@ -86,7 +86,7 @@ pub(crate) fn range(axis: &Axis, data: impl Iterator<Item = f64>, padded: bool) 
     }
 }
 
-/// Whether the ends and the factor an axis fixes can be used.
+/// Checks the ends and the factor that an axis fixes.
 pub(crate) fn check(axis: &Axis) -> Result<(), FigureError> {
     let (low, high) = (axis.low, axis.high);
     let end = |value: f64| value.is_finite() && (!axis.log || value > 0.0);
@@ -112,7 +112,7 @@ mod tests {
     #[test]
     fn display_factor_acts_before_the_range() {
         let axis = Axis::linear("Pressure", "MPa").scale(1e-6).range(0.0, 5.0);
-        let scale = Scale::new(&axis, range(&axis, [].into_iter(), true), 100.0, 200.0);
+        let scale = AxisScale::new(&axis, range(&axis, [].into_iter(), true), 100.0, 200.0);
         assert!((scale.datum(2.5e6) - 150.0).abs() < 1e-9);
         assert!((scale.shown(2.5) - 150.0).abs() < 1e-9);
     }
@@ -120,7 +120,7 @@ mod tests {
     #[test]
     fn decades_are_equally_long() {
         let axis = Axis::log("Receptance", "m/N").range(1e-9, 1e-5);
-        let scale = Scale::new(&axis, (1e-9, 1e-5), 0.0, 4.0);
+        let scale = AxisScale::new(&axis, (1e-9, 1e-5), 0.0, 4.0);
         for (decade, value) in [1e-9, 1e-8, 1e-7, 1e-6, 1e-5].into_iter().enumerate() {
             assert!((scale.datum(value) - decade as f64).abs() < 1e-12);
         }

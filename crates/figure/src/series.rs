@@ -1,9 +1,10 @@
-//! A named set of points and how it is drawn.
+//! A named set of points with its line and markers.
 
 use crate::{Color, FigureError};
 
 /// Line pattern.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
 pub enum Dash {
     /// Unbroken.
     #[default]
@@ -18,6 +19,7 @@ pub enum Dash {
 
 /// Point symbol.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
 pub enum Marker {
     /// No symbol.
     #[default]
@@ -36,7 +38,10 @@ pub enum Marker {
     Plus,
 }
 
-/// What joins the points of a series.
+/// Share of white in the fill of a band.
+pub(crate) const BAND_LIGHTNESS: f64 = 0.78;
+
+/// Connection of the points of a series.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Join {
     /// Nothing: markers only.
@@ -179,7 +184,7 @@ impl Series {
 
     /// Draws a vertical bar through each point, `errors` long above and below.
     ///
-    /// Where an error is not finite there is no bar.
+    /// An error that is not finite has no bar.
     #[must_use]
     pub fn errors(mut self, errors: impl AsRef<[f64]>) -> Self {
         self.error_y = errors.as_ref().to_vec();

@@ -1,12 +1,12 @@
 //! Shapes of mechanical symbols, in the unit of their points.
 
-use crate::trace::Point;
+use crate::frame::Point;
 
 /// Head and neck of an arrow.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Arrow {
     pub(crate) head: [Point; 3],
-    /// Where the line meets the head.
+    /// Junction of line and head.
     pub(crate) neck: Point,
 }
 

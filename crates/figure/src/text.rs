@@ -1,6 +1,6 @@
 //! Text: the bundled font, the width of a line, sub- and superscripts.
 
-use crate::svg::{escape, number};
+use crate::markup::{PX_PER_PT, escape, number};
 use skrifa::{FontRef, MetadataProvider as _, instance::LocationRef, instance::Size};
 use std::fmt::Write as _;
 
@@ -15,6 +15,10 @@ pub(crate) const MATH_FAMILY: &str = "Noto Sans Math";
 /// Noto Sans Math, subset (see `assets/LICENSE-fonts.txt`).
 pub(crate) const MATH: &[u8] = include_bytes!("../assets/NotoSansMath-Regular.ttf");
 
+/// Font size of tick labels, notes and legends, 7 pt.
+pub(crate) const LABEL_FONT: f64 = 7.0 * PX_PER_PT;
+/// Font size of titles and tags, 8 pt.
+pub(crate) const TITLE_FONT: f64 = 8.0 * PX_PER_PT;
 /// Height of a capital over the font size.
 pub(crate) const CAP_HEIGHT: f64 = 0.727;
 /// Size of a sub- or superscript over that of the text.
@@ -28,13 +32,13 @@ const UNKNOWN_WIDTH: f64 = 0.65;
 
 /// A run of text on one level: `rise` 0 on the line, positive above, negative below.
 #[derive(Debug, Clone, PartialEq)]
-struct Run {
+struct TextRun {
     text: String,
     rise: i8,
 }
 
 /// Splits `_{...}` and `^{...}` from the text around them; an unclosed brace is plain text.
-fn runs(content: &str) -> Vec<Run> {
+fn runs(content: &str) -> Vec<TextRun> {
     let mut runs = Vec::new();
     let mut plain = String::new();
     let mut rest = content;
@@ -45,15 +49,15 @@ fn runs(content: &str) -> Vec<Run> {
             _ => None,
         };
         if let (Some(rise), Some(end)) = (script, rest.find('}')) {
-            runs.push(Run { text: std::mem::take(&mut plain), rise: 0 });
-            runs.push(Run { text: rest[2..end].to_owned(), rise });
+            runs.push(TextRun { text: std::mem::take(&mut plain), rise: 0 });
+            runs.push(TextRun { text: rest[2..end].to_owned(), rise });
             rest = &rest[end + 1..];
         } else {
             plain.push(character);
             rest = &rest[character.len_utf8()..];
         }
     }
-    runs.push(Run { text: plain, rise: 0 });
+    runs.push(TextRun { text: plain, rise: 0 });
     runs.retain(|run| !run.text.is_empty());
     runs
 }

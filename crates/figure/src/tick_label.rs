@@ -1,4 +1,4 @@
-//! What is written at the marks of an axis, and the axis title with its unit.
+//! Labels of the marks of an axis, and the axis title with its unit.
 
 use crate::Axis;
 

@@ -1,4 +1,4 @@
-//! Where the marks of an axis stand.
+//! Positions of the marks of an axis.
 
 /// Mark positions in display units, increasing.
 #[derive(Debug, Clone, PartialEq, Default)]

@@ -1,89 +1,16 @@
-//! Curves on the page: clipped to the frame and thinned without visible loss.
+//! Curves on the page: clipped to the frame, and decimated without visible loss.
 
-use crate::svg::number;
-
-/// A point on the page, in CSS pixels.
-pub(crate) type Point = (f64, f64);
+use crate::{
+    frame::{Frame, Point},
+    markup::number,
+};
 
 /// Columns within which a curve is replaced by its first, lowest, highest and last point: half a
 /// CSS pixel, 0.13 mm on paper.
 const COLUMN: f64 = 0.5;
 
-/// A rectangle on the page.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Frame {
-    pub(crate) left: f64,
-    pub(crate) top: f64,
-    pub(crate) right: f64,
-    pub(crate) bottom: f64,
-}
-
-impl Frame {
-    pub(crate) fn width(&self) -> f64 {
-        self.right - self.left
-    }
-
-    pub(crate) fn height(&self) -> f64 {
-        self.bottom - self.top
-    }
-
-    /// Whether the point lies inside or within a hundredth of a pixel of the border.
-    pub(crate) fn holds(&self, (x, y): Point) -> bool {
-        x >= self.left - 0.01
-            && x <= self.right + 0.01
-            && y >= self.top - 0.01
-            && y <= self.bottom + 0.01
-    }
-
-    /// The rectangle grown by `by` on every side.
-    pub(crate) fn grown(&self, by: f64) -> Self {
-        Self {
-            left: self.left - by,
-            top: self.top - by,
-            right: self.right + by,
-            bottom: self.bottom + by,
-        }
-    }
-
-    /// Whether two rectangles share a point.
-    pub(crate) fn meets(&self, other: &Self) -> bool {
-        self.left < other.right
-            && other.left < self.right
-            && self.top < other.bottom
-            && other.top < self.bottom
-    }
-
-    /// The part of the segment inside, by the parametric method of Liang and Barsky.
-    pub(crate) fn clip(&self, a: Point, b: Point) -> Option<(Point, Point)> {
-        let (dx, dy) = (b.0 - a.0, b.1 - a.1);
-        let (mut enter, mut leave) = (0.0_f64, 1.0_f64);
-        let sides = [
-            (-dx, a.0 - self.left),
-            (dx, self.right - a.0),
-            (-dy, a.1 - self.top),
-            (dy, self.bottom - a.1),
-        ];
-        for (direction, distance) in sides {
-            if direction == 0.0 {
-                if distance < 0.0 {
-                    return None;
-                }
-            } else if direction < 0.0 {
-                enter = enter.max(distance / direction);
-            } else {
-                leave = leave.min(distance / direction);
-            }
-        }
-        let at = |t: f64| (a.0 + t * dx, a.1 + t * dy);
-        // The ends themselves, where they are inside, are kept to the bit.
-        let start = if enter == 0.0 { a } else { at(enter) };
-        let end = if leave == 1.0 { b } else { at(leave) };
-        (enter <= leave).then_some((start, end))
-    }
-}
-
 /// The runs of consecutive finite points.
-pub(crate) fn runs(points: &[Point]) -> Vec<Vec<Point>> {
+pub(crate) fn finite_runs(points: &[Point]) -> Vec<Vec<Point>> {
     points
         .split(|point| !(point.0.is_finite() && point.1.is_finite()))
         .filter(|run| !run.is_empty())
@@ -94,8 +21,8 @@ pub(crate) fn runs(points: &[Point]) -> Vec<Vec<Point>> {
 /// The visible parts of a curve; points that are not finite break it.
 pub(crate) fn visible(points: &[Point], frame: &Frame) -> Vec<Vec<Point>> {
     let mut parts: Vec<Vec<Point>> = Vec::new();
-    for run in runs(points) {
-        let run = thinned(&run);
+    for run in finite_runs(points) {
+        let run = decimated(&run);
         if let [only] = run[..] {
             if frame.holds(only) {
                 parts.push(vec![only]);
@@ -120,7 +47,7 @@ pub(crate) fn visible(points: &[Point], frame: &Frame) -> Vec<Vec<Point>> {
 
 /// Consecutive points of one column replaced by the first, the lowest, the highest and the last, in
 /// their order: the same pixels are covered.
-pub(crate) fn thinned(points: &[Point]) -> Vec<Point> {
+pub(crate) fn decimated(points: &[Point]) -> Vec<Point> {
     let column = |point: &Point| (point.0 / COLUMN).floor();
     let mut kept = Vec::new();
     for group in points.chunk_by(|a, b| column(a) == column(b)) {
@@ -219,11 +146,11 @@ mod tests {
     }
 
     #[test]
-    fn thinning_keeps_the_extremes() {
+    fn decimation_keeps_the_extremes() {
         let noise = |i: u32| f64::from(i.wrapping_mul(2_654_435_761) >> 8) / f64::from(1_u32 << 24);
         let points: Vec<Point> =
             (0..24_000).map(|i| (f64::from(i) * 300.0 / 24_000.0, 50.0 * noise(i))).collect();
-        let kept = thinned(&points);
+        let kept = decimated(&points);
         assert!(kept.len() <= 4 * 600, "{}", kept.len());
         assert_eq!((kept.first(), kept.last()), (points.first(), points.last()));
         for column in 0..600 {

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use anyhow::Result;
-use asperity_figure::report::{Cell, Report, Verdict as Badge};
+use asperity_figure::report::{ClaimOutcome, Report, TableCell};
 
 use super::Finished;
 use super::claims::{Judged, Verdict};
@@ -30,7 +30,7 @@ pub(crate) fn write(
         (Verdict::UnderReading, "Reproduced under a stated reading"),
         (Verdict::NotReproduced, "Not reproduced"),
     ] {
-        let rows: Vec<Vec<Cell>> =
+        let rows: Vec<Vec<TableCell>> =
             judged.iter().filter(|claim| claim.verdict == verdict).map(row).collect();
         if !rows.is_empty() {
             let headers = ["Section", "Statement", "Paper", "Here", "Verdict", "Remark"];
@@ -63,12 +63,12 @@ fn write_file(folder: &Path, name: &str, text: &str) -> Result<()> {
     super::write(&folder.join(name), text.as_bytes())
 }
 
-fn row(judged: &Judged<'_>) -> Vec<Cell> {
+fn row(judged: &Judged<'_>) -> Vec<TableCell> {
     let claim = judged.claim;
     let badge = match judged.verdict {
-        Verdict::Reproduced => Badge::Pass,
-        Verdict::UnderReading => Badge::Warn,
-        Verdict::NotReproduced => Badge::Fail,
+        Verdict::Reproduced => ClaimOutcome::Pass,
+        Verdict::UnderReading => ClaimOutcome::Warn,
+        Verdict::NotReproduced => ClaimOutcome::Fail,
     };
     let mut remark = claim.reason.clone();
     if let Some(reading) = &claim.reading {
@@ -86,12 +86,12 @@ fn row(judged: &Judged<'_>) -> Vec<Cell> {
         (value, _) => format!("{} {}", significant(value), claim.unit),
     };
     vec![
-        Cell::from(claim.section.as_str()),
-        Cell::from(claim.quote.as_str()),
-        Cell::from(format!("{} {}", claim.expected.in_words(), claim.unit)),
-        Cell::from(here),
-        Cell::from(badge),
-        Cell::from(remark),
+        TableCell::from(claim.section.as_str()),
+        TableCell::from(claim.quote.as_str()),
+        TableCell::from(format!("{} {}", claim.expected.in_words(), claim.unit)),
+        TableCell::from(here),
+        TableCell::from(badge),
+        TableCell::from(remark),
     ]
 }
 

@@ -1,4 +1,4 @@
-//! What a page carries inside itself: pictures with identifiers of their own, and the fonts.
+//! Content embedded in an HTML page: pictures with unique identifiers, and the fonts.
 
 use crate::text;
 

@@ -1,9 +1,9 @@
 //! A report as one HTML page: style, font and figures inside, nothing fetched.
 
 use super::embed::{fonts, inline, paper_width};
-use super::{Block, Cell, Report, Verdict};
+use super::{ClaimOutcome, Report, ReportBlock, TableCell};
 use crate::{
-    svg::{escape, number},
+    markup::{escape, number},
     text,
 };
 use std::collections::HashSet;
@@ -14,7 +14,7 @@ const ZOOM: f64 = 1.4;
 
 /// Renders the report.
 pub(super) fn render(report: &Report) -> String {
-    let mut page = Page::default();
+    let mut page = HtmlPage::default();
     let main: String = report.blocks.iter().map(|block| page.block(block)).collect();
     let intro: String = report.intro.iter().map(|text| element("p class=\"lead\"", text)).collect();
     let navigation = if page.contents.is_empty() {
@@ -36,29 +36,29 @@ pub(super) fn render(report: &Report) -> String {
     )
 }
 
-/// What is counted while the blocks are written in turn.
+/// Counters of a page while its blocks are written.
 #[derive(Debug, Default)]
-struct Page {
+struct HtmlPage {
     anchors: Anchors,
     contents: String,
     figures: usize,
 }
 
-impl Page {
-    fn block(&mut self, block: &Block) -> String {
+impl HtmlPage {
+    fn block(&mut self, block: &ReportBlock) -> String {
         match block {
-            Block::Section { title } => {
+            ReportBlock::Section { title } => {
                 let anchor = self.anchors.unique(title);
                 let entry = format!("<li><a href=\"#{anchor}\">{}</a></li>\n", rich(title));
                 self.contents.push_str(&entry);
                 element(&format!("h2 id=\"{anchor}\""), title)
             }
-            Block::Subsection { title } => element("h3", title),
-            Block::Paragraph { text } => element("p", text),
-            Block::Code { text } => format!("<pre>{}</pre>\n", preformatted(text)),
-            Block::Figure { id, caption, svg } => self.figure(id, caption, svg),
-            Block::Table { headers, rows } => table(headers, rows),
-            Block::KeyValues { pairs } => {
+            ReportBlock::Subsection { title } => element("h3", title),
+            ReportBlock::Paragraph { text } => element("p", text),
+            ReportBlock::Code { text } => format!("<pre>{}</pre>\n", preformatted(text)),
+            ReportBlock::Figure { id, caption, svg } => self.figure(id, caption, svg),
+            ReportBlock::Table { headers, rows } => table(headers, rows),
+            ReportBlock::KeyValues { pairs } => {
                 let pair =
                     |(key, value): &(String, String)| element("dt", key) + &element("dd", value);
                 format!("<dl>\n{}</dl>\n", pairs.iter().map(pair).collect::<String>())
@@ -97,9 +97,9 @@ fn preformatted(text: &str) -> String {
     text.lines().map(escape).collect::<Vec<_>>().join("\n")
 }
 
-fn table(headers: &[String], rows: &[Vec<Cell>]) -> String {
+fn table(headers: &[String], rows: &[Vec<TableCell>]) -> String {
     let numeric: Vec<bool> = (0..headers.len())
-        .map(|column| rows.iter().any(|row| matches!(row.get(column), Some(Cell::Number(_)))))
+        .map(|column| rows.iter().any(|row| matches!(row.get(column), Some(TableCell::Number(_)))))
         .collect();
     let class = |column: usize| if numeric[column] { " class=\"number\"" } else { "" };
     let head: Vec<String> = headers
@@ -107,11 +107,11 @@ fn table(headers: &[String], rows: &[Vec<Cell>]) -> String {
         .enumerate()
         .map(|(column, text)| element(&format!("th scope=\"col\"{}", class(column)), text))
         .collect();
-    let row = |cells: &Vec<Cell>| {
-        let cell = |(column, cell): (usize, &Cell)| {
+    let row = |cells: &Vec<TableCell>| {
+        let cell = |(column, cell): (usize, &TableCell)| {
             let content = match cell {
-                Cell::Text(text) | Cell::Number(text) => rich(text),
-                Cell::Verdict(verdict) => badge(*verdict, verdict.word()),
+                TableCell::Text(text) | TableCell::Number(text) => rich(text),
+                TableCell::Outcome(outcome) => badge(*outcome, outcome.word()),
             };
             format!("<td{}>{content}</td>", class(column))
         };
@@ -125,27 +125,28 @@ fn table(headers: &[String], rows: &[Vec<Cell>]) -> String {
     )
 }
 
-fn badge(verdict: Verdict, text: &str) -> String {
-    let class = match verdict {
-        Verdict::Pass => "pass",
-        Verdict::Fail => "fail",
-        Verdict::Warn => "warn",
-        Verdict::Skip => "skip",
+fn badge(outcome: ClaimOutcome, text: &str) -> String {
+    let class = match outcome {
+        ClaimOutcome::Pass => "pass",
+        ClaimOutcome::Fail => "fail",
+        ClaimOutcome::Warn => "warn",
+        ClaimOutcome::Skip => "skip",
     };
     format!("<span class=\"badge {class}\">{text}</span>")
 }
 
-/// How many cells have each verdict, where there are any.
+/// Counts of the outcomes in all tables; empty if there are none.
 fn summary(report: &Report) -> String {
     let mut badges = String::new();
-    for verdict in [Verdict::Pass, Verdict::Fail, Verdict::Warn, Verdict::Skip] {
+    for outcome in [ClaimOutcome::Pass, ClaimOutcome::Fail, ClaimOutcome::Warn, ClaimOutcome::Skip]
+    {
         let tables = report.blocks.iter().filter_map(|block| match block {
-            Block::Table { rows, .. } => Some(rows),
+            ReportBlock::Table { rows, .. } => Some(rows),
             _ => None,
         });
-        let count = tables.flatten().flatten().filter(|cell| **cell == verdict.into()).count();
+        let count = tables.flatten().flatten().filter(|cell| **cell == outcome.into()).count();
         if count > 0 {
-            badges.push_str(&badge(verdict, &format!("{count} {}", verdict.word())));
+            badges.push_str(&badge(outcome, &format!("{count} {}", outcome.word())));
         }
     }
     if badges.is_empty() { badges } else { format!("<p class=\"summary\">{badges}</p>\n") }

@@ -1,6 +1,6 @@
 //! A report as Markdown.
 
-use super::{Block, Cell, Report, Verdict};
+use super::{ClaimOutcome, Report, ReportBlock, TableCell};
 use crate::text;
 
 /// Renders the report; `figure_path` maps figure identifiers to paths.
@@ -10,18 +10,18 @@ pub(super) fn render(report: &Report, figure_path: impl Fn(&str) -> String) -> S
     let mut number = 0;
     for block in &report.blocks {
         parts.push(match block {
-            Block::Section { title } => format!("## {}", line(title)),
-            Block::Subsection { title } => format!("### {}", line(title)),
-            Block::Paragraph { text } => line(text),
-            Block::Code { text } => fenced(text),
-            Block::Figure { id, caption, .. } => {
+            ReportBlock::Section { title } => format!("## {}", line(title)),
+            ReportBlock::Subsection { title } => format!("### {}", line(title)),
+            ReportBlock::Paragraph { text } => line(text),
+            ReportBlock::Code { text } => fenced(text),
+            ReportBlock::Figure { id, caption, .. } => {
                 number += 1;
                 let path = figure_path(id);
                 let caption = line(caption);
                 format!("![Figure {number}](<{path}>)\n\n**Figure {number}.** {caption}")
             }
-            Block::Table { headers, rows } => table(headers, rows),
-            Block::KeyValues { pairs } => {
+            ReportBlock::Table { headers, rows } => table(headers, rows),
+            ReportBlock::KeyValues { pairs } => {
                 let items = pairs
                     .iter()
                     .map(|(key, value)| format!("- **{}:** {}", line(key), line(value)));
@@ -35,11 +35,12 @@ pub(super) fn render(report: &Report, figure_path: impl Fn(&str) -> String) -> S
     parts.join("\n\n") + "\n"
 }
 
-fn table(headers: &[String], rows: &[Vec<Cell>]) -> String {
+fn table(headers: &[String], rows: &[Vec<TableCell>]) -> String {
     let row = |cells: Vec<String>| format!("| {} |", cells.join(" | "));
     let cell = |text: &str| line(text).replace('|', "\\|");
-    let numeric =
-        |column: usize| rows.iter().any(|row| matches!(row.get(column), Some(Cell::Number(_))));
+    let numeric = |column: usize| {
+        rows.iter().any(|row| matches!(row.get(column), Some(TableCell::Number(_))))
+    };
     let mut lines = vec![
         row(headers.iter().map(|header| cell(header)).collect()),
         row((0..headers.len())
@@ -48,22 +49,22 @@ fn table(headers: &[String], rows: &[Vec<Cell>]) -> String {
     ];
     for cells in rows {
         let texts = cells.iter().map(|content| match content {
-            Cell::Text(text) | Cell::Number(text) => cell(text),
-            Cell::Verdict(verdict) => badge(*verdict),
+            TableCell::Text(text) | TableCell::Number(text) => cell(text),
+            TableCell::Outcome(outcome) => badge(*outcome),
         });
         lines.push(row(texts.collect()));
     }
     lines.join("\n")
 }
 
-fn badge(verdict: Verdict) -> String {
-    let sign = match verdict {
-        Verdict::Pass => "✓",
-        Verdict::Fail => "✗",
-        Verdict::Warn => "△",
-        Verdict::Skip => "–",
+fn badge(outcome: ClaimOutcome) -> String {
+    let sign = match outcome {
+        ClaimOutcome::Pass => "✓",
+        ClaimOutcome::Fail => "✗",
+        ClaimOutcome::Warn => "△",
+        ClaimOutcome::Skip => "–",
     };
-    format!("{sign} {}", verdict.word())
+    format!("{sign} {}", outcome.word())
 }
 
 /// One line of text in which nothing is markup but `_{...}` and `^{...}`.
@@ -105,9 +106,10 @@ mod tests {
 
     #[test]
     fn figures_are_linked_and_tables_aligned() {
-        let report = Report::new("R")
-            .figure("fig-1", "Gain | phase", "<svg/>")
-            .table(["a|b", "v"], [vec!["x".into(), Cell::from(1.5)], vec![Verdict::Fail.into()]]);
+        let report = Report::new("R").figure("fig-1", "Gain | phase", "<svg/>").table(
+            ["a|b", "v"],
+            [vec!["x".into(), TableCell::from(1.5)], vec![ClaimOutcome::Fail.into()]],
+        );
         let text = report.to_markdown(|id| format!("plots/{id}.svg"));
         assert!(text.contains("![Figure 1](<plots/fig-1.svg>)"));
         assert!(text.contains("| a\\|b | v |\n| --- | ---: |\n| x | 1.500 |\n| ✗ fail |  |"));

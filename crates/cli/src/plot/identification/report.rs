@@ -1,7 +1,7 @@
 //! `report.html`: the answer in words, the tables, the figures.
 
 use asperity_figure::Figure;
-use asperity_figure::report::{Cell, Report, Verdict};
+use asperity_figure::report::{ClaimOutcome, Report, TableCell, four_digits};
 use asperity_identify::{DesignedHit, Identification, Problem};
 use asperity_inference::ModelVerdict;
 use serde_json::Value;
@@ -140,22 +140,22 @@ fn caption(name: &str, found: &Identification) -> String {
 
 /// Estimates of the parameters.
 fn estimates(report: Report, found: &Identification) -> Report {
-    let interval = |ends: [Option<f64>; 2]| -> Cell {
+    let interval = |ends: [Option<f64>; 2]| -> TableCell {
         if ends == [None, None] {
             return "open".into();
         }
-        let end = |end: Option<f64>| end.map_or("open".to_owned(), written);
+        let end = |end: Option<f64>| end.map_or("open".to_owned(), four_digits);
         format!("{} to {}", end(ends[0]), end(ends[1])).into()
     };
     let rows = found.estimates().into_iter().map(|estimate| {
         vec![
-            Cell::from(estimate.name),
-            Cell::from(estimate.value),
-            Cell::from(estimate.standard_deviation),
+            TableCell::from(estimate.name),
+            TableCell::from(estimate.value),
+            TableCell::from(estimate.standard_deviation),
             interval(estimate.profile_interval),
             interval(estimate.posterior_interval.map(Some)),
-            Cell::Number(format!("{:.3}", estimate.r_hat)),
-            Cell::Number(format!("{:.0}", estimate.effective_sample_size)),
+            TableCell::Number(format!("{:.3}", estimate.r_hat)),
+            TableCell::Number(format!("{:.0}", estimate.effective_sample_size)),
             if estimate.at_bound { "on a bound".into() } else { "".into() },
         ]
     });
@@ -174,7 +174,7 @@ fn undetermined(report: Report, found: &Identification) -> Report {
         let parts = combination.weights.iter().filter(|(_, weight)| weight.abs() > LEAST_WEIGHT);
         let parts: Vec<String> =
             parts.map(|(name, weight)| format!("{weight:+.2} {name}").replace('-', "−")).collect();
-        vec![parts.join("  ").into(), Cell::Number(percent_of(combination.remaining))]
+        vec![parts.join("  ").into(), TableCell::Number(percent_of(combination.remaining))]
     });
     let text = "Weights are per standard deviation before the data.";
     report.paragraph(text).table(["Combination", "Uncertainty left"], rows)
@@ -191,22 +191,22 @@ fn comparison(mut report: Report, found: &Identification) -> Report {
             found.choice_noise_factor
         ));
     }
-    let number = |value: Option<f64>| Cell::from(value.unwrap_or(f64::NAN));
+    let number = |value: Option<f64>| TableCell::from(value.unwrap_or(f64::NAN));
     let rows = choice.candidates.iter().map(|candidate| {
         let goodness = &candidate.goodness;
         vec![
-            Cell::from(candidate.name.as_str()),
-            Cell::from(match candidate.verdict {
+            TableCell::from(candidate.name.as_str()),
+            TableCell::from(match candidate.verdict {
                 ModelVerdict::Best => "best",
                 ModelVerdict::Rejected { .. } | ModelVerdict::Misfit { .. } => "rejected",
                 ModelVerdict::Undecided => "undecided",
             }),
             number(candidate.score_difference),
             number(candidate.difference_error),
-            Cell::from(candidate.aicc - best.aicc),
-            Cell::from(candidate.bic - best.bic),
-            Cell::from(goodness.chi_square),
-            Cell::Number(goodness.degrees_of_freedom.to_string()),
+            TableCell::from(candidate.aicc - best.aicc),
+            TableCell::from(candidate.bic - best.bic),
+            TableCell::from(goodness.chi_square),
+            TableCell::Number(goodness.degrees_of_freedom.to_string()),
             number(goodness.p_value),
         ]
     });
@@ -229,14 +229,14 @@ fn design(report: Report, found: &Identification) -> Report {
     let Some(design) = &found.design else { return report };
     let row = |hit: &DesignedHit| {
         vec![
-            Cell::from(hit.force_peak_n),
+            TableCell::from(hit.force_peak_n),
             changes(&hit.set).into(),
-            Cell::Number(percent_of(hit.remaining)),
-            Cell::from(hit.information),
+            TableCell::Number(percent_of(hit.remaining)),
+            TableCell::from(hit.information),
         ]
     };
     let numbered = design.sequence.iter().enumerate().map(|(index, hit)| {
-        let mut cells = vec![Cell::Number((index + 1).to_string())];
+        let mut cells = vec![TableCell::Number((index + 1).to_string())];
         cells.extend(row(hit));
         cells
     });
@@ -255,16 +255,17 @@ fn diagnostics(report: Report, found: &Identification) -> Report {
     let chains = &found.posterior.diagnostics;
     let (fit, starts) = (&found.fit, &found.fit.starts);
     let converged = starts.iter().filter(|start| start.ending.converged()).count();
-    let badge = |good: bool| Cell::from(if good { Verdict::Pass } else { Verdict::Warn });
-    let row = |name: &str, text: String, verdict: Option<bool>| {
-        vec![name.into(), text.into(), verdict.map_or("".into(), badge)]
+    let badge =
+        |good: bool| TableCell::from(if good { ClaimOutcome::Pass } else { ClaimOutcome::Warn });
+    let row = |name: &str, text: String, good: Option<bool>| {
+        vec![name.into(), text.into(), good.map_or("".into(), badge)]
     };
-    let p = goodness.p_value.map_or_else(|| "none".to_owned(), written);
+    let p = goodness.p_value.map_or_else(|| "none".to_owned(), four_digits);
     let draws = found.posterior.draws.len();
     let shape = chains.pareto_shape;
     let r_hat = chains.r_hat.iter().copied().fold(0.0, f64::max);
     let derivatives = match found.linearisation.derivative_difference {
-        Some(difference) => format!("exact; differences agree to {}", written(difference)),
+        Some(difference) => format!("exact; differences agree to {}", four_digits(difference)),
         None => "by differences".to_owned(),
     };
     let rows = vec![
@@ -272,12 +273,12 @@ fn diagnostics(report: Report, found: &Identification) -> Report {
             "Chi-square of the fit",
             format!(
                 "{} for {} degrees of freedom, p = {p}",
-                written(goodness.chi_square),
+                four_digits(goodness.chi_square),
                 goodness.degrees_of_freedom
             ),
             Some(found.explains()),
         ),
-        row("Noise factor", written(found.noise_factor), None),
+        row("Noise factor", four_digits(found.noise_factor), None),
         row(
             "Data without a prediction",
             fit.missing.len().to_string(),
@@ -294,7 +295,7 @@ fn diagnostics(report: Report, found: &Identification) -> Report {
             Some(fit.converged),
         ),
         row("Derivatives", derivatives, None),
-        row("Condition of the scaled Jacobian", written(found.identifiability.condition), None),
+        row("Condition of the scaled Jacobian", four_digits(found.identifiability.condition), None),
         row(
             "Effective draws",
             format!("{:.0} of {draws}", chains.effective_draws),
@@ -312,7 +313,7 @@ fn diagnostics(report: Report, found: &Identification) -> Report {
             format!(
                 "{}; the last is off by {} standard deviations at most",
                 chains.rounds,
-                written(chains.surrogate_error)
+                four_digits(chains.surrogate_error)
             ),
             None,
         ),
@@ -339,12 +340,4 @@ fn provenance(report: Report, problem: &Problem, found: &Identification) -> Repo
 
 fn percent_of(part: f64) -> String {
     format!("{:.1} %", 100.0 * part)
-}
-
-/// A number of a sentence, as a table writes it.
-fn written(value: f64) -> String {
-    match Cell::from(value) {
-        Cell::Number(text) | Cell::Text(text) => text,
-        Cell::Verdict(_) => String::new(),
-    }
 }
