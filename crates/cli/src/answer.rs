@@ -3,8 +3,8 @@
 use std::fmt::Arguments;
 use std::io::{ErrorKind, Write, stdout};
 
-/// Writes to standard output. A reader that has seen enough, as `head` has, is no failure; what
-/// goes to files is not affected by it.
+/// Writes to standard output. A reader that closes it early, as `head` does, is not a failure: files
+/// are still written.
 pub(crate) fn write(text: Arguments<'_>) {
     match stdout().write_fmt(text) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {

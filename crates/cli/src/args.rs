@@ -7,7 +7,9 @@ use std::path::PathBuf;
 
 use clap::{ArgAction, Args as Group, Parser, Subcommand};
 
-use analyse::{Analyse, Knowledge, RecordFormat};
+use analyse::{Analyse, RecordFormat, SourceOptions};
+
+use crate::progress::LogFormat;
 
 /// Dynamics of structures with rough contact interfaces, whose stiffness depends on pressure.
 #[derive(Debug, Parser)]
@@ -18,21 +20,31 @@ use analyse::{Analyse, Knowledge, RecordFormat};
                   A scenario is a JSON file; `asperity schema` prints what it may hold."
 )]
 pub(crate) struct Args {
-    /// What to do.
+    /// The subcommand.
     #[command(subcommand)]
     pub(crate) command: Command,
 
-    /// Say more on standard error; twice for still more.
+    /// Log the stages of a run with their times to standard error; twice for more details.
     #[arg(short, long, action = ArgAction::Count, global = true)]
     verbose: u8,
 
-    /// No progress bar, no warnings, no answer in words.
+    /// Print no progress bar, no warnings and no answer in words.
     #[arg(long, global = true, conflicts_with = "verbose")]
     pub(crate) quiet: bool,
+
+    /// Format of the log on standard error: text, or json for one JSON object a line.
+    #[arg(
+        long,
+        global = true,
+        value_name = "FORMAT",
+        default_value = "text",
+        hide_possible_values = true
+    )]
+    pub(crate) log_format: LogFormat,
 }
 
 impl Args {
-    /// How much to log: -1 errors only, 0 warnings, 1 information, 2 details.
+    /// Amount of logging: -1 errors only, 0 warnings, 1 information, 2 details.
     pub(crate) fn verbosity(&self) -> i8 {
         if self.quiet { -1 } else { i8::try_from(self.verbose).unwrap_or(i8::MAX) }
     }
@@ -41,7 +53,7 @@ impl Args {
 /// The subcommands.
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
-    /// One transient run: static equilibrium, time integration, observables.
+    /// Simulate one transient run: static equilibrium, time integration, observables.
     ///
     /// Writes summary.json, history.csv, frf.csv, history.svg and frf.svg.
     Simulate {
@@ -54,29 +66,29 @@ pub(crate) enum Command {
         #[arg(long, value_name = "FORMAT")]
         record: Option<RecordFormat>,
     },
-    /// Many runs: the cartesian product of the variations, in parallel.
+    /// Simulate the cartesian product of the variations, in parallel.
     ///
-    /// Writes sweep.csv, a row per run, sweep.json and sweep.svg. Results come
-    /// in order, whatever the number of threads.
+    /// Writes sweep.csv, a row per run, sweep.json and sweep.svg. The results do not depend on the
+    /// number of threads.
     Sweep {
         #[command(flatten)]
         input: Input,
         #[command(flatten)]
         output: Output,
-        /// Value to vary: POINTER=start:stop:count (linear, ends included) or POINTER=v1,v2,...
+        /// Vary a value: POINTER=start:stop:count (linear, ends included) or POINTER=v1,v2,...
         ///
         /// POINTER is a JSON Pointer into the scenario, e.g.
         /// /excitation/peak_n=9:32:24. Repeatable; the last varies fastest.
         #[arg(long, value_name = "POINTER=VALUES", required = true)]
         vary: Vec<String>,
-        /// Number of threads; all cores if left out.
+        /// Number of threads. Default: all cores.
         #[arg(long, value_name = "N")]
         threads: Option<usize>,
     },
-    /// Steady responses to a shaker on the top, by harmonic balance: a branch over frequency for
-    /// each force amplitude, folds and unstable parts included.
+    /// Follow the steady responses to a shaker on the top by harmonic balance: a branch over
+    /// frequency for each force amplitude, with its folds and unstable parts.
     ///
-    /// The scenario's own excitation does not matter. Writes summary.json, steady.csv and
+    /// The scenario's own excitation is not used. Writes summary.json, steady.csv and
     /// steady.svg, and with --backbone backbone.csv.
     Steady {
         #[command(flatten)]
@@ -85,11 +97,11 @@ pub(crate) enum Command {
         output: Output,
         #[command(flatten)]
         range: SteadyRange,
-        /// Number of threads; all cores if left out.
+        /// Number of threads. Default: all cores.
         #[arg(long, value_name = "N")]
         threads: Option<usize>,
     },
-    /// Tabulates every law of the scenario: pressure, stiffness, closure, energy.
+    /// Tabulate every law of the scenario: pressure, stiffness, closure, energy.
     ///
     /// Writes law-NAME.csv for each law, law.json and law.svg.
     Law {
@@ -101,7 +113,7 @@ pub(crate) enum Command {
         #[arg(long, value_name = "TABLE.csv")]
         fit: Option<PathBuf>,
     },
-    /// Static equilibrium, and the natural frequencies and shapes linearised about it.
+    /// Compute static equilibrium, and the natural frequencies and mode shapes linearised about it.
     ///
     /// Writes modes.json, modes.csv and modes.svg.
     Modes {
@@ -114,7 +126,7 @@ pub(crate) enum Command {
               value_parser = clap::builder::RangedU64ValueParser::<usize>::new().range(1..=1000))]
         count: usize,
     },
-    /// Validates a scenario without running it, and says what a run would take.
+    /// Validate a scenario without running it, and print the size of its run.
     Check {
         #[command(flatten)]
         input: Input,
@@ -122,15 +134,16 @@ pub(crate) enum Command {
         #[arg(long)]
         json: bool,
     },
-    /// Prints the JSON Schema of the scenario.
+    /// Print the JSON Schema of the scenario.
     Schema {
-        /// That of a problem for `asperity identify` instead.
+        /// Print that of a problem for `asperity identify` instead.
         #[arg(long)]
         identify: bool,
     },
-    /// The contact law, or any numbers of a scenario, from measured responses, with uncertainty.
+    /// Identify the contact law, or any numbers of a scenario, from measured responses, with their
+    /// uncertainty.
     ///
-    /// Writes law.json and scenario.json (to be used again), identification.json, law.csv,
+    /// Writes law.json and scenario.json (inputs of other commands), identification.json, law.csv,
     /// data.csv, posterior.csv, figures and report.html.
     Identify {
         /// The problem, a JSON file; `asperity schema --identify` prints what it may hold.
@@ -138,18 +151,19 @@ pub(crate) enum Command {
         problem: PathBuf,
         #[command(flatten)]
         output: Output,
-        /// Number of threads; all cores if left out.
+        /// Number of threads. Default: all cores.
         #[arg(long, value_name = "N")]
         threads: Option<usize>,
     },
-    /// Measured hammer hits: FRFs, harmonics, damping and backbones of each and of the average.
+    /// Analyse measured hammer hits: FRFs, harmonics, damping and backbones of each and of the
+    /// average.
     ///
     /// Reads universal files (58, 58b), CSV and LabVIEW text, NPY, NPZ, MATLAB 5 and WAVE; several
     /// files are one test. Writes analysis.json, hits.csv, frf.csv, backbone.csv and figures.
     Analyse(Box<Analyse>),
-    /// Converts a file of measurements to another format.
+    /// Convert a file of measurements to another format.
     ///
-    /// The name of OUT says the format: .uff (58b), .csv, .npz. Samples keep their units unless
+    /// The extension of OUT gives the format: .uff (58b), .csv, .npz. Samples keep their units unless
     /// --si is given.
     Convert {
         /// The file to read.
@@ -159,20 +173,21 @@ pub(crate) enum Command {
         #[arg(value_name = "OUT")]
         output: PathBuf,
         #[command(flatten)]
-        knowledge: Knowledge,
-        /// Format to write, whatever OUT is called: uff (58b), uff-ascii (58), csv or npz.
+        source: SourceOptions,
+        /// Format to write, in place of that of the extension: uff (58b), uff-ascii (58), csv or
+        /// npz.
         #[arg(long, value_name = "FORMAT")]
         to: Option<RecordFormat>,
         /// Convert all channels to SI units.
         #[arg(long)]
         si: bool,
-        /// Print what was done as JSON.
+        /// Print the conversion as JSON.
         #[arg(long)]
         json: bool,
     },
 }
 
-/// What steady responses are followed over.
+/// Force amplitudes and frequency range of steady responses.
 #[derive(Debug, Group)]
 pub(crate) struct SteadyRange {
     /// Force amplitudes in N.
@@ -187,23 +202,23 @@ pub(crate) struct SteadyRange {
     #[arg(long, value_name = "HZ")]
     pub(crate) to: f64,
 
-    /// Number of harmonics; chosen by their truncation, up to 30, if left out.
+    /// Number of harmonics. Default: chosen by their truncation, up to 30.
     #[arg(long, value_name = "H")]
     pub(crate) harmonics: Option<usize>,
 
-    /// Follow the phase resonance and the damped nonlinear mode too.
+    /// Also follow the phase resonance and the damped nonlinear mode.
     #[arg(long)]
     pub(crate) backbone: bool,
 
-    /// Integrate one response of each branch in time as well, and report the difference.
+    /// Also integrate one response of each branch in time, and report the difference.
     ///
-    /// It is the peak, or where that leans over the highest response that is alone at its
-    /// frequency.
+    /// The response is the peak; if another response has its frequency, the highest response that is
+    /// the only one at its frequency.
     #[arg(long)]
     pub(crate) verify: bool,
 }
 
-/// Which scenario.
+/// The scenario and its changes.
 #[derive(Debug, Group)]
 pub(crate) struct Input {
     /// The scenario, a JSON file.
@@ -212,22 +227,21 @@ pub(crate) struct Input {
 
     /// Change a value of the scenario; repeatable.
     ///
-    /// POINTER is a JSON Pointer, e.g. /excitation/peak_n=20. VALUE is JSON, or
-    /// else taken as text.
+    /// POINTER is a JSON Pointer, e.g. /excitation/peak_n=20. VALUE is JSON, or else text.
     #[arg(long, value_name = "POINTER=VALUE")]
     pub(crate) set: Vec<String>,
 }
 
-/// Where the results go.
+/// Destination of the results.
 #[derive(Debug, Group)]
 pub(crate) struct Output {
-    /// Folder for the results; out/ and the name of the scenario's file, if left out.
+    /// Folder for the results. Default: out/ and the name of the scenario's file.
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
 
     /// Write into a folder that holds other files.
-    #[arg(long)]
-    pub(crate) force: bool,
+    #[arg(long, visible_alias = "force")]
+    pub(crate) overwrite: bool,
 
     /// Print the summary as JSON on standard output, and nothing else there.
     #[arg(long)]

@@ -1,4 +1,4 @@
-//! One file per subcommand, and what they share: reading the scenario, claiming the folder.
+//! The subcommands, one a file, and their common steps: reading the scenario, writing the results.
 
 pub(crate) mod analyse;
 pub(crate) mod check;
@@ -16,12 +16,15 @@ use std::path::{Path, PathBuf};
 use asperity_figure::Figure;
 use asperity_scenario::{Document, Scenario};
 use asperity_study::output::OutputFolder;
+use serde_json::Value;
+use tracing::info_span;
 
 use crate::args::{Input, Output};
 use crate::failure::Failure;
 
-/// Reads the scenario, with its changes, without checking it.
+/// Reads the scenario and applies its changes, without checking it.
 fn read(input: &Input) -> Result<Document, Failure> {
+    let _span = info_span!("read").entered();
     let mut document = Document::read(&input.scenario)?;
     for argument in &input.set {
         let (pointer, value) = argument.split_once('=').ok_or_else(|| Failure::SetForm {
@@ -33,7 +36,7 @@ fn read(input: &Input) -> Result<Document, Failure> {
     Ok(document)
 }
 
-/// Checks a scenario and gives it types.
+/// The typed scenario of a document that is valid.
 fn checked(document: &Document) -> Result<Scenario, Failure> {
     document.scenario().map_err(|source| Failure::Invalid {
         text: document.text().to_owned(),
@@ -42,23 +45,62 @@ fn checked(document: &Document) -> Result<Scenario, Failure> {
     })
 }
 
-/// Claims the folder for the results of `scenario`.
-fn claim(scenario: &Path, output: &Output) -> Result<OutputFolder, Failure> {
-    let folder = output.out.clone().unwrap_or_else(|| {
-        let name = scenario.file_stem().unwrap_or(scenario.as_os_str());
-        PathBuf::from("out").join(name)
-    });
-    Ok(OutputFolder::claim(folder, output.force)?)
+/// Results of `work` in a pool of `threads` threads, or of all cores.
+fn on_threads<T: Send>(
+    threads: Option<usize>,
+    work: impl FnOnce() -> T + Send,
+) -> Result<T, Failure> {
+    asperity_study::sweep::on_threads(threads, work)
+        .ok_or(Failure::Threads { threads: threads.unwrap_or_default() })
 }
 
-/// Draws a figure into the folder, unless it cannot be drawn.
-fn draw(folder: &OutputFolder, name: &str, figure: &Figure) -> Result<(), Failure> {
-    figure.check()?;
-    folder.write(name, figure.to_svg())?;
-    Ok(())
+/// The folder that takes the results of a command.
+struct ResultFolder(OutputFolder);
+
+impl ResultFolder {
+    /// Claims the folder of `output`, by default out/ and the name of the file `input`.
+    fn claim(input: &Path, output: &Output) -> Result<Self, Failure> {
+        Self::claim_at(input, output.out.as_deref(), output.overwrite)
+    }
+
+    fn claim_at(input: &Path, out: Option<&Path>, overwrite: bool) -> Result<Self, Failure> {
+        let name = || PathBuf::from("out").join(input.file_stem().unwrap_or(input.as_os_str()));
+        let folder = out.map_or_else(name, Path::to_owned);
+        Ok(Self(OutputFolder::claim(folder, overwrite)?))
+    }
+
+    fn path(&self) -> &Path {
+        self.0.path()
+    }
+
+    /// Writes a file.
+    fn write(&self, name: &str, contents: impl AsRef<[u8]>) -> Result<(), Failure> {
+        let _span = info_span!("write", file = name).entered();
+        self.0.write(name, contents)?;
+        Ok(())
+    }
+
+    /// Draws a figure as SVG.
+    fn draw(&self, name: &str, figure: &Figure) -> Result<(), Failure> {
+        let svg = info_span!("draw", file = name).in_scope(|| {
+            figure.check()?;
+            Ok::<String, Failure>(figure.to_svg())
+        })?;
+        self.write(name, svg)
+    }
+
+    /// Writes the answer of a command, and prints it where `print` is set.
+    fn answer(&self, name: &str, answer: &Value, print: bool) -> Result<(), Failure> {
+        let text = pretty(answer);
+        self.write(name, &text)?;
+        if print {
+            answer!("{text}");
+        }
+        Ok(())
+    }
 }
 
-/// JSON as it is printed and written: indented, with a line break at its end.
-fn pretty(value: &serde_json::Value) -> String {
+/// JSON with indentation and a line break at its end.
+fn pretty(value: &Value) -> String {
     format!("{value:#}\n")
 }

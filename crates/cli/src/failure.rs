@@ -1,4 +1,4 @@
-//! What went wrong, its exit status, and how it is shown.
+//! Errors of the command, their exit status, and the options that help.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -18,7 +18,7 @@ use thiserror::Error;
 /// Most problems of one scenario that are shown.
 const MOST_SHOWN: usize = 20;
 
-/// Why the command did not do what was asked.
+/// Errors of the command.
 #[derive(Debug, Error)]
 pub(crate) enum Failure {
     #[error(transparent)]
@@ -47,11 +47,6 @@ pub(crate) enum Failure {
     Analysis(#[from] AnalysisError),
     #[error(transparent)]
     Problem(Box<ProblemError>),
-    #[error(
-        "the output folder {} holds other files, such as \"{example}\"; choose another with --out, or overwrite with --overwrite",
-        folder.display()
-    )]
-    Occupied { folder: PathBuf, example: String },
 }
 
 impl From<OutputError> for Failure {
@@ -79,9 +74,15 @@ impl Failure {
         ExitCode::from(if request_is_wrong { 2 } else { 1 })
     }
 
-    /// Shows the failure on standard error, pointing into the scenario where it can.
+    /// Shows the failure on standard error, with its place in the scenario where it has one.
     pub(crate) fn show(&self) {
         match self {
+            _ if crate::progress::logs_json() => {
+                if let Self::Invalid { source, .. } = self {
+                    source.diagnostics.iter().for_each(|problem| tracing::error!("{problem}"));
+                }
+                tracing::error!(hint = self.hint(), "{self}");
+            }
             Self::Invalid { text, path, source } => show_invalid(text, path, source),
             Self::Document(DocumentError::Syntax { path, text, source }) => {
                 let label = LabeledSpan::at(source.span.clone(), "here");
@@ -89,13 +90,26 @@ impl Failure {
                 let named = NamedSource::new(path.display().to_string(), text.clone());
                 eprintln!("{:?}", Report::new(diagnostic).with_source_code(named));
             }
-            Self::Analysis(error) => {
-                eprintln!("error: {error}");
-                if let Some(hint) = analysis_hint(error) {
+            _ => {
+                eprintln!("error: {self}");
+                if let Some(hint) = self.hint() {
                     eprintln!("hint: {hint}");
                 }
             }
-            _ => eprintln!("error: {self}"),
+        }
+    }
+
+    /// Options of the command that help with the failure.
+    fn hint(&self) -> Option<String> {
+        match self {
+            Self::Study(StudyError::Output(OutputError::Occupied { .. })) => Some(
+                "choose another folder with --out, or overwrite it with --overwrite".to_owned(),
+            ),
+            Self::Study(StudyError::Output(OutputError::NotAFolder { .. })) => {
+                Some("choose another folder with --out".to_owned())
+            }
+            Self::Analysis(error) => analysis_hint(error),
+            _ => None,
         }
     }
 }
@@ -164,8 +178,7 @@ fn is_wrong_structure(error: &StructureError) -> bool {
     matches!(error, StructureError::Setting { .. } | StructureError::Mesh(_))
 }
 
-/// Every problem at its place in the text. The one-line form comes first, for
-/// whoever reads the messages by program.
+/// Shows every problem, first in one line, then at its place in the text.
 fn show_invalid(text: &str, path: &std::path::Path, invalid: &InvalidDocument) {
     let problems = &invalid.diagnostics;
     eprintln!(
@@ -191,8 +204,9 @@ fn show_invalid(text: &str, path: &std::path::Path, invalid: &InvalidDocument) {
     if labels.is_empty() {
         return;
     }
-    let diagnostic =
-        MietteDiagnostic::new("where they are").with_severity(Severity::Advice).with_labels(labels);
+    let diagnostic = MietteDiagnostic::new("in the scenario")
+        .with_severity(Severity::Advice)
+        .with_labels(labels);
     let named = NamedSource::new(path.display().to_string(), text.to_owned());
     eprintln!("{:?}", Report::new(diagnostic).with_source_code(named));
 }

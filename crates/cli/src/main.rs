@@ -1,13 +1,13 @@
-//! The `asperity` command: parse, call the study, print. No numerics live here.
+//! The `asperity` command: parses the options, calls the libraries, prints the results.
 //!
 //! | module | does |
 //! |---|---|
 //! | [`mod@answer`] | answers on standard output |
 //! | [`args`] | the options |
-//! | [`command`] | one file per subcommand |
+//! | [`command`] | the subcommands, one a file |
 //! | [`plot`] | the figures that the subcommands write |
-//! | [`failure`] | what went wrong, its exit status, and how it is shown |
-//! | [`progress`] | bars on a terminal, logs on standard error |
+//! | [`failure`] | errors, their exit status and their hints |
+//! | [`progress`] | progress bars and logs on standard error |
 #![allow(clippy::print_stderr, reason = "a command prints its errors to standard error")]
 
 #[macro_use]
@@ -27,8 +27,8 @@ use failure::Failure;
 
 fn main() -> ExitCode {
     let args = Args::parse();
-    let searching = matches!(args.command, Command::Identify { .. });
-    progress::start_logging(args.verbosity(), searching);
+    let identifying = matches!(args.command, Command::Identify { .. });
+    progress::start_logging(args.verbosity(), args.log_format, identifying);
     match run(&args) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
@@ -57,9 +57,9 @@ fn run(args: &Args) -> Result<(), Failure> {
             command::identify::run(problem, output, *threads, args.quiet)
         }
         Command::Analyse(asked) => command::analyse::run(asked, args.quiet),
-        Command::Convert { input, output, knowledge, to, si, json } => {
+        Command::Convert { input, output, source, to, si, json } => {
             let written = command::convert::Written { to: *to, si: *si, json: *json };
-            command::convert::run(input, output, knowledge, written, args.quiet)
+            command::convert::run(input, output, source, written, args.quiet)
         }
     }
 }

@@ -1,15 +1,46 @@
-//! Progress on a terminal, logs on standard error.
+//! Progress bars on a terminal and logs on standard error, both through one [`MultiProgress`], so
+//! that a line of the log does not break a bar.
 
-use indicatif::{ProgressBar, ProgressStyle};
-use tracing_indicatif::IndicatifLayer;
+use std::io::{IsTerminal, Write, stderr};
+use std::sync::{LazyLock, OnceLock};
+
+use clap::ValueEnum;
+use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
 use tracing_subscriber::filter::{EnvFilter, LevelFilter};
-use tracing_subscriber::layer::SubscriberExt;
-use tracing_subscriber::util::SubscriberInitExt;
+use tracing_subscriber::fmt::format::FmtSpan;
+use tracing_subscriber::fmt::time::uptime;
 
-/// Starts logging at `verbosity`: -1 errors only, 0 warnings, 1 information, 2 and more details.
-/// With `searching` the integrator's warnings wait for one more: a search goes through laws that
-/// nobody asked for. The environment variable `RUST_LOG` overrides it.
-pub(crate) fn start_logging(verbosity: i8, searching: bool) {
+static TERMINAL: LazyLock<MultiProgress> = LazyLock::new(MultiProgress::new);
+static LOG_FORMAT: OnceLock<LogFormat> = OnceLock::new();
+
+/// Format of the log.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum LogFormat {
+    /// A line of text for each event.
+    Text,
+    /// A JSON object on a line for each event.
+    Json,
+}
+
+/// Standard error, above the progress bars.
+struct LogWriter;
+
+impl Write for LogWriter {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        TERMINAL.suspend(|| stderr().write(bytes))
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        stderr().flush()
+    }
+}
+
+/// Starts logging at `verbosity`: -1 errors only, 0 warnings, 1 the times of the stages of a run,
+/// 2 and more details. `RUST_LOG` overrides it.
+///
+/// While `identifying`, the integrator's warnings need a verbosity of 1: most laws that the search
+/// tries are far from the law found.
+pub(crate) fn start_logging(verbosity: i8, format: LogFormat, identifying: bool) {
     let level = match verbosity {
         ..0 => LevelFilter::ERROR,
         0 => LevelFilter::WARN,
@@ -18,25 +49,47 @@ pub(crate) fn start_logging(verbosity: i8, searching: bool) {
         _ => LevelFilter::TRACE,
     };
     let mut filter = EnvFilter::builder().with_default_directive(level.into()).from_env_lossy();
-    if searching && verbosity == 0 && std::env::var_os("RUST_LOG").is_none() {
+    if identifying && verbosity == 0 && std::env::var_os("RUST_LOG").is_none() {
         filter = EnvFilter::new("warn,asperity_dynamics=error");
     }
-    let bars = IndicatifLayer::new();
-    let lines = tracing_subscriber::fmt::layer()
-        .with_writer(bars.get_stderr_writer())
-        .with_target(false)
-        .without_time();
+    let log = tracing_subscriber::fmt()
+        .with_env_filter(filter)
+        .with_span_events(FmtSpan::CLOSE)
+        .with_ansi(stderr().is_terminal())
+        .with_writer(|| LogWriter);
+    let _ = LOG_FORMAT.set(format);
     // A second start in one process is the only way to fail, and harmless.
-    let _ = tracing_subscriber::registry().with(filter).with(lines).with(bars).try_init();
+    let _ = match format {
+        LogFormat::Text if verbosity > 0 => log.with_target(false).with_timer(uptime()).try_init(),
+        LogFormat::Text => log.with_target(false).without_time().try_init(),
+        LogFormat::Json => log.json().flatten_event(true).try_init(),
+    };
 }
 
-/// A bar of `length` steps on standard error; nothing where that is no terminal.
-pub(crate) fn bar(length: u64, what: &'static str, quiet: bool) -> ProgressBar {
+/// True if standard error takes one JSON object a line.
+pub(crate) fn logs_json() -> bool {
+    LOG_FORMAT.get() == Some(&LogFormat::Json)
+}
+
+/// Writes notices to standard error.
+pub(crate) fn show_notices<T: std::fmt::Display>(notices: impl IntoIterator<Item = T>) {
+    for notice in notices {
+        if logs_json() {
+            tracing::warn!("{notice}");
+        } else {
+            eprintln!("note: {notice}");
+        }
+    }
+}
+
+/// A bar of `length` steps on standard error; nothing where that is not a terminal.
+pub(crate) fn bar(length: u64, message: &'static str, quiet: bool) -> ProgressBar {
     if quiet {
         return ProgressBar::hidden();
     }
     let style =
         ProgressStyle::with_template("{msg} [{bar:40}] {pos}/{len} {elapsed} (left: {eta})")
             .unwrap_or_else(|_| ProgressStyle::default_bar());
-    ProgressBar::new(length).with_style(style.progress_chars("=> ")).with_message(what)
+    let bar = ProgressBar::new(length).with_style(style.progress_chars("=> "));
+    TERMINAL.add(bar.with_message(message))
 }

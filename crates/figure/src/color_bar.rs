@@ -19,6 +19,12 @@ const LABEL_GAP: f64 = 4.0;
 const SLICES: usize = 96;
 
 /// A bar that relates the colours of a ramp to values.
+///
+/// ```
+/// use asperity_figure::{Color, ColorBar};
+/// let bar = ColorBar::levels("Peak force", "N", &[9.0, 20.0, 32.0]);
+/// assert_eq!(bar.color(20.0), Color::ramp(0.5));
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct ColorBar {
     pub(crate) label: String,

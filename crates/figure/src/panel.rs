@@ -61,6 +61,15 @@ pub(crate) struct ReferenceLine {
 }
 
 /// Axes with series, notes, reference lines, a legend and possibly a colour bar.
+///
+/// ```
+/// use asperity_figure::{Axis, Figure, Panel, Series};
+/// let (force, frequency) = ([9.0, 20.0, 32.0], [868.4, 841.0, 822.8]);
+/// let panel = Panel::new(Axis::linear("Peak force", "N"), Axis::linear("Frequency", "Hz"))
+///     .series(Series::points("simulated", force, frequency))
+///     .horizontal(875.5, "at rest");
+/// assert!(Figure::new("Softening").panel(panel).check().is_ok());
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Panel {
     pub(crate) x_axis: Axis,

@@ -12,6 +12,13 @@ const MOST_PIXELS: f64 = 4e8;
 /// `pixels_per_mm` is the resolution (12 is about 300 dpi). Fonts other than the bundled ones are
 /// ignored, so that the picture is the same on every machine.
 ///
+/// ```
+/// let svg = r#"<svg xmlns="http://www.w3.org/2000/svg" width="10mm" height="5mm"/>"#;
+/// let png = asperity_figure::svg_to_png(svg, 12.0)?;
+/// assert!(png.starts_with(b"\x89PNG"));
+/// # Ok::<(), asperity_figure::FigureError>(())
+/// ```
+///
 /// # Errors
 /// [`FigureError::InvalidSvg`], [`FigureError::PictureSize`] or [`FigureError::Encoding`].
 pub fn svg_to_png(svg: &str, pixels_per_mm: f64) -> Result<Vec<u8>, FigureError> {

@@ -77,7 +77,7 @@ pub enum StudyError {
 pub enum OutputError {
     /// The folder holds files that are not results of this command.
     #[error(
-        "the output folder {} holds other files, such as \"{example}\"; choose another with --out, or overwrite with --force",
+        "the output folder {} holds other files, such as \"{example}\"",
         folder.display()
     )]
     Occupied {
@@ -87,7 +87,7 @@ pub enum OutputError {
         example: String,
     },
     /// The path is a file.
-    #[error("the output folder {} is a file; choose another with --out", folder.display())]
+    #[error("the output folder {} is a file", folder.display())]
     NotAFolder {
         /// The path.
         folder: PathBuf,

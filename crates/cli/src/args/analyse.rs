@@ -10,7 +10,7 @@ use asperity_measure::{Format, ReadOptions, SampleAxis};
 use asperity_signal::{FrfEstimator, FrfForm};
 use clap::{Args as Group, ValueEnum};
 
-/// What to analyse, and how.
+/// Files to analyse, and the options of the analysis.
 #[allow(clippy::struct_excessive_bools, reason = "each is a switch of the command line")]
 #[derive(Debug, Group)]
 pub(crate) struct Analyse {
@@ -19,7 +19,7 @@ pub(crate) struct Analyse {
     pub(crate) files: Vec<PathBuf>,
 
     #[command(flatten)]
-    pub(crate) knowledge: Knowledge,
+    pub(crate) source: SourceOptions,
 
     /// Sensor of a channel in volts, such as hammer=2.25mV/N or '#2=100mV/g'; repeatable.
     #[arg(long, value_name = "CHANNEL=SENSITIVITY")]
@@ -37,49 +37,50 @@ pub(crate) struct Analyse {
     #[arg(long)]
     pub(crate) flip_force: bool,
 
-    /// How many hits: auto, or the N strongest.
+    /// Number of hits: auto, or the N strongest.
     #[arg(long, value_name = "auto|N", default_value = "auto")]
     pub(crate) hits: HitCount,
 
-    /// Force at which a hit begins, in N. Default: between noise and hits.
-    #[arg(long, value_name = "NEWTONS")]
-    pub(crate) level: Option<f64>,
+    /// Trigger level: the force at which a hit begins, in N. Default: between noise and hits.
+    #[arg(long = "level", visible_alias = "trigger-level", value_name = "NEWTONS")]
+    pub(crate) trigger_level: Option<f64>,
 
     /// Longest hit, in s. Default: the median time from hit to hit.
-    #[arg(long, value_name = "SECONDS")]
-    pub(crate) length: Option<f64>,
+    #[arg(long = "length", visible_alias = "hit-length", value_name = "SECONDS")]
+    pub(crate) hit_length: Option<f64>,
 
     /// Time kept before the trigger, in s.
     #[arg(long, value_name = "SECONDS", default_value_t = 5e-3)]
     pub(crate) pre_trigger: f64,
 
-    /// Time after a trigger in which a further blow makes a double hit, in s.
+    /// Time after a trigger in which a second impact makes a double hit, in s.
     #[arg(long, value_name = "SECONDS", default_value_t = 0.2)]
     pub(crate) hold_off: f64,
 
-    /// How spectra are divided: h1, h2 or hv.
+    /// FRF estimator: h1, h2 or hv.
     #[arg(long, default_value = "h1", value_parser = estimator)]
     pub(crate) estimator: FrfEstimator,
 
     /// Window: none, force, exponential or force+exponential, the latter two also with :TAU in s.
     ///
-    /// The exponential window is undone in the numbers of each hit.
+    /// The damping added by the exponential window is removed from the features of each hit.
     #[arg(long, default_value = "none")]
     pub(crate) window: WindowOptions,
 
-    /// Where the fundamental is, in Hz. Default: about the strongest resonance of the first hit.
+    /// Frequency band of the fundamental, in Hz. Default: about the strongest resonance of the first
+    /// hit.
     #[arg(long, value_name = "LO:HI")]
     pub(crate) band: Option<FrequencyBand>,
 
-    /// What frf.csv holds: receptance, mobility or accelerance.
+    /// Form of the FRF in frf.csv: receptance, mobility or accelerance.
     #[arg(long, default_value = "receptance", value_parser = form)]
     pub(crate) form: FrfForm,
 
-    /// Average double hits, overloads and dropouts too.
+    /// Also average double hits, overloads and dropouts.
     #[arg(long)]
     pub(crate) keep_all: bool,
 
-    /// Folder for the results; out/ and the name of the first file, if left out.
+    /// Folder for the results. Default: out/ and the name of the first file.
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
 
@@ -92,9 +93,9 @@ pub(crate) struct Analyse {
     pub(crate) json: bool,
 }
 
-/// What a file does not say.
+/// Names, units and sample rate of files that lack them.
 #[derive(Debug, Group)]
-pub(crate) struct Knowledge {
+pub(crate) struct SourceOptions {
     /// Names of the channels in their order, such as force,acc; an empty one keeps the file's.
     #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
     names: Vec<String>,
@@ -107,21 +108,21 @@ pub(crate) struct Knowledge {
     #[arg(long, value_name = "HZ")]
     rate: Option<f64>,
 
-    /// Along which axis of an array the samples run. Default: the longer one.
+    /// Axis of an array along which the samples run. Default: the longer one.
     #[arg(long, value_name = "AXIS")]
-    sample_axis: Option<Axis>,
+    sample_axis: Option<ArrayAxis>,
 }
 
 /// An axis of an array.
 #[derive(Debug, Clone, Copy, ValueEnum)]
-pub(crate) enum Axis {
+pub(crate) enum ArrayAxis {
     /// Rows are instants.
     First,
     /// Columns are instants.
     Last,
 }
 
-/// A format that is written.
+/// A format of measurement files that can be written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum RecordFormat {
     /// Universal file, dataset 58b.
@@ -134,14 +135,14 @@ pub(crate) enum RecordFormat {
     Npz,
 }
 
-impl Knowledge {
-    /// The same for a reader.
-    pub(crate) fn reading(&self, options: &ReadOptions) -> ReadOptions {
+impl SourceOptions {
+    /// `options` of a reader with these names, units and rate.
+    pub(crate) fn read_options(&self, options: &ReadOptions) -> ReadOptions {
         ReadOptions {
             sample_rate_hz: self.rate,
             sample_axis: self.sample_axis.map(|axis| match axis {
-                Axis::First => SampleAxis::First,
-                Axis::Last => SampleAxis::Last,
+                ArrayAxis::First => SampleAxis::First,
+                ArrayAxis::Last => SampleAxis::Last,
             }),
             names: self.names.clone(),
             units: self.units.clone(),

@@ -4,20 +4,20 @@ use std::fmt::Write as _;
 use std::path::PathBuf;
 
 use asperity_experiment::{AnalysisOptions, AnalysisReport, HitReport, analyse_with_progress};
-use asperity_study::error::OutputError;
-use asperity_study::output::OutputFolder;
 use serde_json::json;
 
+use super::ResultFolder;
 use crate::args::analyse::Analyse;
 use crate::failure::Failure;
 use crate::plot;
 
-/// Most hits that are shown in words.
+/// Most hits in the printed table.
 const MOST_SHOWN: usize = 30;
 
-/// One test: analysis, tables, figures.
+/// Analyses the files of one test; writes tables and figures.
 pub(crate) fn run(asked: &Analyse, quiet: bool) -> Result<(), Failure> {
-    let folder = claim(asked)?;
+    let first = asked.files.first().map_or("analysis".as_ref(), PathBuf::as_path);
+    let folder = ResultFolder::claim_at(first, asked.out.as_deref(), asked.overwrite)?;
     let bar = crate::progress::bar(2 * asked.files.len() as u64, "reading", quiet);
     let analysis = analyse_with_progress(&asked.files, &options(asked), &|passes| {
         bar.set_position(passes as u64)
@@ -29,48 +29,31 @@ pub(crate) fn run(asked: &Analyse, quiet: bool) -> Result<(), Failure> {
     folder.write("frf.csv", analysis.frf_csv())?;
     folder.write("backbone.csv", analysis.backbone_csv())?;
     for (name, figure) in plot::figures(&analysis) {
-        super::draw(&folder, name, &figure)?;
+        folder.draw(name, &figure)?;
     }
-    let report = super::pretty(&json!(analysis.report));
-    folder.write("analysis.json", &report)?;
-
-    if asked.json {
-        answer!("{report}");
-    } else if !quiet {
-        for notice in &analysis.report.notices {
+    folder.answer("analysis.json", &json!(analysis.report), asked.json)?;
+    if !asked.json && !quiet {
+        crate::progress::show_notices(analysis.report.notices.iter().map(|notice| {
             let notice = notice.replace("`band_hz`", "--band LO:HI");
-            eprintln!("note: {}", notice.replace("`flip_force`", "--flip-force"));
-        }
+            notice.replace("`flip_force`", "--flip-force")
+        }));
         answer!("{}", in_words(&analysis.report));
         answer_line!("written to {}", folder.path().display());
     }
     Ok(())
 }
 
-fn claim(asked: &Analyse) -> Result<OutputFolder, Failure> {
-    let folder = asked.out.clone().unwrap_or_else(|| {
-        let first = asked.files.first();
-        let name = first.and_then(|file| file.file_stem()).unwrap_or("analysis".as_ref());
-        PathBuf::from("out").join(name)
-    });
-    OutputFolder::claim(folder, asked.overwrite).map_err(|error| match error {
-        // Here --force is a channel.
-        OutputError::Occupied { folder, example } => Failure::Occupied { folder, example },
-        other => other.into(),
-    })
-}
-
 fn options(asked: &Analyse) -> AnalysisOptions {
     let default = AnalysisOptions::default();
     AnalysisOptions {
-        reading: asked.knowledge.reading(&default.reading),
+        reading: asked.source.read_options(&default.reading),
         sensitivities: asked.sensitivity.clone(),
         force: asked.force.clone(),
         response: asked.response.clone(),
         flip_force: asked.flip_force,
         hits: asked.hits,
-        trigger_level_n: asked.level,
-        hit_length_s: asked.length,
+        trigger_level_n: asked.trigger_level,
+        hit_length_s: asked.hit_length,
         pre_trigger_s: asked.pre_trigger,
         hold_off_s: asked.hold_off,
         estimator: asked.estimator,
@@ -81,7 +64,7 @@ fn options(asked: &Analyse) -> AnalysisOptions {
     }
 }
 
-/// The analysis for a person.
+/// The analysis as text.
 fn in_words(report: &AnalysisReport) -> String {
     let mut text = String::from(
         " hit  force N  impulse Ns  width ms     f1 Hz    A1 m/N  damping %   A2/A1\n",

@@ -8,7 +8,7 @@ use serde_json::json;
 use crate::args::Input;
 use crate::failure::Failure;
 
-/// Validates and assembles a scenario, and says what a run would take.
+/// Validates and assembles a scenario, and prints the size of its run.
 pub(crate) fn run(input: &Input, as_json: bool) -> Result<(), Failure> {
     let document = super::read(input)?;
     let scenario = super::checked(&document)?;

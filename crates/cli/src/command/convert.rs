@@ -6,29 +6,29 @@ use asperity_experiment::convert;
 use asperity_measure::ReadOptions;
 use serde_json::json;
 
-use crate::args::analyse::{Knowledge, RecordFormat};
+use crate::args::analyse::{RecordFormat, SourceOptions};
 use crate::failure::Failure;
 
-/// How the answer is written.
+/// Format of the converted file and of the answer.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Written {
-    /// Format; that of the name if not given.
+    /// Format; by default that of the extension.
     pub(crate) to: Option<RecordFormat>,
-    /// Whether in SI.
+    /// True for SI units.
     pub(crate) si: bool,
-    /// Whether what was done is told as JSON.
+    /// True for an answer in JSON.
     pub(crate) json: bool,
 }
 
-/// One file to another.
+/// Converts one file to another.
 pub(crate) fn run(
     from: &Path,
     to: &Path,
-    knowledge: &Knowledge,
+    source: &SourceOptions,
     written: Written,
     quiet: bool,
 ) -> Result<(), Failure> {
-    let options = knowledge.reading(&ReadOptions::default());
+    let options = source.read_options(&ReadOptions::default());
     let format = written.to.map(RecordFormat::format);
     let done = convert(from, to, format, written.si, &options)?;
     if written.json {
@@ -43,9 +43,7 @@ pub(crate) fn run(
             }))
         );
     } else if !quiet {
-        for notice in &done.notices {
-            eprintln!("note: {notice}");
-        }
+        crate::progress::show_notices(&done.notices);
         let records = if done.records == 1 { "record" } else { "records" };
         answer_line!("{} {records}, {} to {}: {}", done.records, done.from, done.to, to.display());
     }

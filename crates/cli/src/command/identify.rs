@@ -1,50 +1,46 @@
 //! `asperity identify`.
 
 use std::path::Path;
-use std::sync::Mutex;
+use std::sync::{Mutex, PoisonError};
 
 use asperity_identify::{Identification, Problem, ProblemError, Step, identify};
 use indicatif::ProgressBar;
+use tracing::info_span;
 
+use super::ResultFolder;
 use crate::args::Output;
 use crate::failure::Failure;
 use crate::plot;
 
-/// The law and all else that is unknown, from measured responses.
+/// Identifies the parameters of a problem; writes laws, tables, figures and the report.
 pub(crate) fn run(
     path: &Path,
     output: &Output,
     threads: Option<usize>,
     quiet: bool,
 ) -> Result<(), Failure> {
-    let problem = Problem::read(path)?;
-    let folder = super::claim(path, output)?;
+    let problem = info_span!("read").in_scope(|| Problem::read(path))?;
+    let folder = ResultFolder::claim(path, output)?;
     let bar: Mutex<Option<(&str, ProgressBar)>> = Mutex::new(None);
-    let hear = |step: Step| {
-        let mut bar = bar.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+    let show = |step: Step| {
+        let mut bar = bar.lock().unwrap_or_else(PoisonError::into_inner);
         if bar.as_ref().is_none_or(|(name, _)| *name != step.name) {
             if let Some((_, old)) = bar.take() {
                 old.finish_and_clear();
             }
-            let new = crate::progress::bar(step.of as u64, step.name, quiet);
-            *bar = Some((step.name, new));
+            *bar = Some((step.name, crate::progress::bar(step.of as u64, step.name, quiet)));
         }
         if let Some((_, bar)) = bar.as_ref() {
             bar.set_length(step.of as u64);
             bar.set_position(step.done as u64);
         }
     };
-    let outcome = asperity_study::sweep::on_threads(threads, || identify(&problem, &hear));
-    if let Some((_, bar)) = bar.lock().unwrap_or_else(std::sync::PoisonError::into_inner).take() {
+    let found = super::on_threads(threads, || identify(&problem, &show));
+    if let Some((_, bar)) = bar.lock().unwrap_or_else(PoisonError::into_inner).take() {
         bar.finish_and_clear();
     }
-    let found = match outcome {
-        Some(found) => found?,
-        None => return Err(Failure::Threads { threads: threads.unwrap_or_default() }),
-    };
+    let found = found??;
 
-    let report = found.report(&problem);
-    folder.write("identification.json", super::pretty(&report))?;
     if let Some(law) = found.law_json() {
         folder.write("law.json", super::pretty(&law))?;
     }
@@ -54,20 +50,19 @@ pub(crate) fn run(
     folder.write("posterior.csv", found.posterior_csv())?;
     let figures = plot::identification(&found);
     for (name, figure) in &figures {
-        super::draw(&folder, &format!("{name}.svg"), figure)?;
+        folder.draw(&format!("{name}.svg"), figure)?;
     }
     folder.write("report.html", plot::identification_report(&problem, &found, &figures))?;
-    if output.json {
-        answer!("{}", super::pretty(&report));
-    } else if !quiet {
-        say(&found);
+    folder.answer("identification.json", &found.report(&problem), output.json)?;
+    if !output.json && !quiet {
+        print_estimates(&found);
         answer_line!("written to {}", folder.path().display());
     }
     Ok(())
 }
 
-/// The answer in words, and a line for each unknown.
-fn say(found: &Identification) {
+/// Prints the answer in words, and a line for each parameter.
+fn print_estimates(found: &Identification) {
     for sentence in found.words() {
         answer_line!("{sentence}");
     }

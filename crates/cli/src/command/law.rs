@@ -7,22 +7,23 @@ use asperity_study::record::law_csv;
 use asperity_study::summary::Provenance;
 use serde_json::json;
 
+use super::ResultFolder;
 use crate::args::{Input, Output};
 use crate::failure::Failure;
 use crate::plot;
 
-/// Tables of every law, a figure, and the fit if one is asked for.
+/// Tabulates and draws every law, and fits one to `table` if given.
 pub(crate) fn run(input: &Input, output: &Output, table: Option<&Path>) -> Result<(), Failure> {
     let document = super::read(input)?;
     let scenario = super::checked(&document)?;
     let fitted = table.map(fit).transpose().map_err(asperity_study::error::StudyError::from)?;
     let tables = tabulate(&scenario)?;
-    let folder = super::claim(document.path(), output)?;
+    let folder = ResultFolder::claim(document.path(), output)?;
     for law in &tables {
         folder.write(&format!("law-{}.csv", law.name), law_csv(law))?;
     }
     if !tables.is_empty() {
-        super::draw(&folder, "law.svg", &plot::laws(&tables))?;
+        folder.draw("law.svg", &plot::laws(&tables))?;
     }
     let fit_json = fitted.as_ref().map(|fit| {
         json!({
@@ -40,9 +41,8 @@ pub(crate) fn run(input: &Input, output: &Output, table: Option<&Path>) -> Resul
         "fit": fit_json,
         "provenance": Provenance::new(document.sha256()),
     });
-    folder.write("law.json", super::pretty(&answer))?;
+    folder.answer("law.json", &answer, output.json)?;
     if output.json {
-        answer!("{}", super::pretty(&answer));
         return Ok(());
     }
     if let Some(fit) = &fitted {

@@ -7,24 +7,25 @@ use asperity_study::run::rest_state;
 use asperity_study::summary::Provenance;
 use serde_json::json;
 
+use super::ResultFolder;
 use crate::args::{Input, Output};
 use crate::failure::Failure;
 use crate::plot;
 
-/// Places along each body at which a shape is written.
+/// Positions along each body at which a mode shape is written.
 const PLACES: usize = 51;
 
-/// Natural frequencies, damping ratios and shapes about static equilibrium.
+/// Computes natural frequencies, damping ratios and mode shapes about static equilibrium.
 pub(crate) fn run(input: &Input, output: &Output, count: usize) -> Result<(), Failure> {
     let document = super::read(input)?;
     let scenario = super::checked(&document)?;
     let assembly = Assembly::new(&scenario, document.folder())?;
     let found = assembly.structure.modes(count)?;
-    let folder = super::claim(document.path(), output)?;
+    let folder = ResultFolder::claim(document.path(), output)?;
 
     let (places, shapes) = shapes(&assembly, &found);
     folder.write("modes.csv", modes_csv(&places, &found, &shapes))?;
-    super::draw(&folder, "modes.svg", &plot::modes(&places, &found, &shapes))?;
+    folder.draw("modes.svg", &plot::modes(&places, &found, &shapes))?;
     let answer = json!({
         "schema": "asperity/modes/1",
         "title": scenario.title,
@@ -35,9 +36,8 @@ pub(crate) fn run(input: &Input, output: &Output, count: usize) -> Result<(), Fa
         })).collect::<Vec<_>>(),
         "provenance": Provenance::new(document.sha256()),
     });
-    folder.write("modes.json", super::pretty(&answer))?;
+    folder.answer("modes.json", &answer, output.json)?;
     if output.json {
-        answer!("{}", super::pretty(&answer));
         return Ok(());
     }
     for (number, mode) in found.iter().enumerate() {
@@ -48,7 +48,7 @@ pub(crate) fn run(input: &Input, output: &Output, count: usize) -> Result<(), Fa
     Ok(())
 }
 
-/// Places from the top of the stack down, and each mode's displacement there.
+/// Positions from the top of the stack down, and each mode's displacement there.
 fn shapes(assembly: &Assembly, found: &[LinearisedMode]) -> (Vec<f64>, Vec<Vec<f64>>) {
     let mut places = Vec::new();
     let mut shapes = vec![Vec::new(); found.len()];

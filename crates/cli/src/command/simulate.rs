@@ -12,12 +12,13 @@ use asperity_study::run::{receptance, simulate};
 use asperity_study::summary::Summary;
 use serde_json::json;
 
+use super::ResultFolder;
 use crate::args::analyse::RecordFormat;
 use crate::args::{Input, Output};
 use crate::failure::Failure;
 use crate::plot;
 
-/// One run: summary, histories, FRF, figures.
+/// Simulates one hit; writes summary, history, FRF and figures.
 pub(crate) fn run(
     input: &Input,
     output: &Output,
@@ -26,7 +27,7 @@ pub(crate) fn run(
 ) -> Result<(), Failure> {
     let document = super::read(input)?;
     let scenario = super::checked(&document)?;
-    let folder = super::claim(document.path(), output)?;
+    let folder = ResultFolder::claim(document.path(), output)?;
 
     let bar = crate::progress::bar(100, "integrating", quiet);
     let shown = AtomicU64::new(0);
@@ -42,10 +43,10 @@ pub(crate) fn run(
     let names: Vec<&str> = scenario.interfaces.iter().map(|face| face.name.as_str()).collect();
     let history = &run.transient.history;
     folder.write("history.csv", history_csv(history, &names))?;
-    super::draw(&folder, "history.svg", &plot::history(history, &names))?;
+    folder.draw("history.svg", &plot::history(history, &names))?;
     if let Some(frf) = receptance(&run)? {
         folder.write("frf.csv", frf_csv(&frf))?;
-        super::draw(&folder, "frf.svg", &plot::frf(&frf, &run.summary))?;
+        folder.draw("frf.svg", &plot::frf(&frf, &run.summary))?;
     }
     if let Some(format) = record {
         let rate = run.assembly.sampling.rate();
@@ -57,19 +58,15 @@ pub(crate) fn run(
             other => Failure::from(AnalysisError::from(other)),
         })?;
     }
-    let summary = super::pretty(&json!(run.summary));
-    folder.write("summary.json", &summary)?;
-
-    if output.json {
-        answer!("{summary}");
-    } else if !quiet {
+    folder.answer("summary.json", &json!(run.summary), output.json)?;
+    if !output.json && !quiet {
         answer!("{}", in_words(&run.summary));
         answer_line!("written to {}", folder.path().display());
     }
     Ok(())
 }
 
-/// The summary for a person.
+/// The summary as text.
 fn in_words(summary: &Summary) -> String {
     let mut lines = Vec::new();
     let mut line = |name: &str, value: String| lines.push(format!("{name:<26}{value}\n"));

@@ -9,11 +9,12 @@ use asperity_study::steady::{
 use asperity_study::summary::Provenance;
 use serde_json::{Value, json};
 
+use super::ResultFolder;
 use crate::args::{Input, Output, SteadyRange};
 use crate::failure::Failure;
 use crate::plot;
 
-/// Branches of steady responses: table, figure, summary.
+/// Follows branches of steady responses; writes table, figure and summary.
 pub(crate) fn run(
     input: &Input,
     output: &Output,
@@ -32,15 +33,11 @@ pub(crate) fn run(
         backbone: range.backbone,
         verify: range.verify,
     };
-    let folder = super::claim(document.path(), output)?;
+    let folder = ResultFolder::claim(document.path(), output)?;
     let bar = crate::progress::bar(request.amplitudes.len() as u64, "amplitudes", quiet);
-    let work = || steady(&assembly, &request, &|| bar.inc(1));
-    let outcome = asperity_study::sweep::on_threads(threads, work);
+    let found = super::on_threads(threads, || steady(&assembly, &request, &|| bar.inc(1)));
     bar.finish_and_clear();
-    let found = match outcome {
-        Some(found) => found?,
-        None => return Err(Failure::Threads { threads: threads.unwrap_or_default() }),
-    };
+    let found = found??;
 
     let names: Vec<&str> =
         assembly.structure.contacts().iter().map(PreloadedContact::name).collect();
@@ -49,7 +46,7 @@ pub(crate) fn run(
         folder.write("backbone.csv", backbone_csv(backbones))?;
     }
     if let Some(figure) = plot::steady(&found) {
-        super::draw(&folder, "steady.svg", &figure)?;
+        folder.draw("steady.svg", &figure)?;
     }
     let mut summary = json!({
         "schema": "asperity/steady/1",
@@ -60,11 +57,9 @@ pub(crate) fn run(
         summary.extend(more);
         summary.insert("provenance".to_owned(), json!(Provenance::new(document.sha256())));
     }
-    folder.write("summary.json", super::pretty(&summary))?;
-    if output.json {
-        answer!("{}", super::pretty(&summary));
-    } else if !quiet {
-        say(&found);
+    folder.answer("summary.json", &summary, output.json)?;
+    if !output.json && !quiet {
+        print_peaks(&found);
         answer_line!("written to {}", folder.path().display());
     }
     let failed: Vec<_> = found
@@ -83,8 +78,8 @@ pub(crate) fn run(
     }
 }
 
-/// A line per force amplitude.
-fn say(found: &Steady) {
+/// Prints a line for the peak of each force amplitude.
+fn print_peaks(found: &Steady) {
     for level in &found.levels {
         let Some(peak) = level.outcome.as_ref().ok().and_then(|branch| branch.highest()) else {
             continue;
@@ -97,7 +92,7 @@ fn say(found: &Steady) {
             peak.harmonic_ratio()
         );
         if let Some(check) = level.check {
-            answer!("   off time integration by {:.1e}", check.relative_difference());
+            answer!("   differs from time integration by {:.1e}", check.relative_difference());
         }
         answer_line!("{}", if peak.contact_lost() { "   contact lost" } else { "" });
     }

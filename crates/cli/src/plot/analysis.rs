@@ -1,12 +1,12 @@
-//! Measured hits: time records, functions, coherence, features and backbones.
+//! Measured hits: time records, FRFs, coherence, features and backbones.
 
 use asperity_experiment::{Analysis, HitReport};
 use asperity_figure::{Axis, Color, ColorBar, Figure, Legend, Marker, Panel, Series};
 use asperity_signal::ResponseKind;
 
-/// Most rows of the averaged function that are drawn: finer than any screen.
+/// Most frequencies of the averaged FRF that are drawn: more than a screen has columns.
 const MOST_LINES: usize = 6000;
-/// The functions are drawn up to here, over the fundamental.
+/// Highest frequency of the FRFs drawn, over the fundamental.
 const RANGE: f64 = 4.0;
 /// Most decays that are drawn.
 const MOST_DECAYS: usize = 48;
@@ -41,7 +41,7 @@ impl Shades {
     }
 }
 
-/// Blow and response of the hits over time.
+/// Force and response of the hits over time.
 fn records(analysis: &Analysis, shades: &Shades) -> Option<Figure> {
     let (label, unit, scale) = match analysis.response {
         ResponseKind::Displacement => ("Displacement", "µm", 1e6),
@@ -71,7 +71,7 @@ fn records(analysis: &Analysis, shades: &Shades) -> Option<Figure> {
     })
 }
 
-/// Receptances by force level, the averaged function, and the coherence.
+/// Receptances by force level, the averaged FRF, and the coherence.
 fn functions(analysis: &Analysis, shades: &Shades) -> Option<Figure> {
     let average = &analysis.average;
     let top = match analysis.report.average.frequency_hz {
@@ -96,7 +96,7 @@ fn functions(analysis: &Analysis, shades: &Shades) -> Option<Figure> {
     let part = inside.len().div_ceil(MOST_LINES).max(1);
     let lines: Vec<usize> = inside.step_by(part).collect();
     let x: Vec<f64> = lines.iter().map(|&k| average.frf.frequency_hz[k]).collect();
-    // Where the force has no content the line is broken.
+    // The line is broken at frequencies without force.
     let valid = |k: usize, value: f64| if average.valid[k] { value } else { f64::NAN };
     let magnitude: Vec<f64> =
         lines.iter().map(|&k| valid(k, average.frf.values[k].norm())).collect();
@@ -127,7 +127,7 @@ fn functions(analysis: &Analysis, shades: &Shades) -> Option<Figure> {
 
 type Feature = fn(&HitReport) -> Option<f64>;
 
-/// Fundamental, its height and damping, and the harmonic ratio, against the peak force.
+/// Fundamental frequency, receptance and damping, and the harmonic ratio, over the peak force.
 fn features(analysis: &Analysis) -> Option<Figure> {
     let observables: [(&str, &str, Feature); 4] = [
         ("Fundamental f_{1}", "Hz", |hit| Some(hit.fundamental?.frequency_hz)),

@@ -3,7 +3,7 @@
 //! | file | draws |
 //! |---|---|
 //! | `law` | stiffness over pressure, and the uncertainty left |
-//! | `observations` | nothing: data with their predictions, names and units of features |
+//! | `observations` | (data with their predictions, labels and units of features) |
 //! | `predictions` | measured against predicted; standardised residuals |
 //! | `uncertainty` | profile likelihoods and posterior draws of the parameters |
 //! | `comparison`, `design` | other laws; proposed hits |

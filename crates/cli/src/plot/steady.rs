@@ -4,7 +4,7 @@ use asperity_figure::{Axis, Color, Dash, Figure, Legend, Panel, Series};
 use asperity_harmonic::{Branch, Response};
 use asperity_study::steady::Steady;
 
-/// Most force amplitudes that are named.
+/// Most force amplitudes in the legend.
 const MOST_NAMED: usize = 8;
 
 type Observable = fn(&Response) -> f64;
@@ -68,8 +68,8 @@ fn all(mut panel: Panel, branches: &[(f64, &Branch)], observable: Observable) ->
     panel
 }
 
-/// Runs of points of one stability; each takes the first point of the next, so that the line is
-/// not broken.
+/// Consecutive points of equal stability; each part ends with the first point of the next, so that
+/// the line is not broken.
 fn parts(points: &[Response]) -> Vec<(bool, &[Response])> {
     let stable = |point: &Response| point.stable() != Some(false);
     let mut parts = Vec::new();

@@ -1,18 +1,18 @@
-//! What a sweep found, against its first numeric variation.
+//! Observables of a sweep over its first numeric variation.
 
 use std::collections::BTreeMap;
 
 use asperity_figure::{Axis, Color, Figure, Legend, Marker, Panel, Series};
 use asperity_study::sweep::{Sweep, Variation};
 
-/// Most lines of one panel: beyond, colours say nothing any more.
+/// Most lines of one panel: more colours cannot be told apart.
 const MOST_LINES: usize = 7;
 
-/// Most points of a line: beyond, they are one smear. Every so many runs are drawn then.
+/// Most points of a line; of more runs an even selection is drawn.
 const MOST_POINTS: usize = 500;
 
-/// The observables drawn: label, unit, and what their columns end in. Of several columns the
-/// least value counts.
+/// The observables drawn: label, unit, and the end of the names of their columns, of which the least
+/// value is drawn.
 const OBSERVABLES: [(&str, &str, &str); 4] = [
     ("Fundamental f_{1}", "Hz", "fundamental.frequency_hz"),
     ("Amplitude A_{1}", "m/N", "fundamental.receptance_m_per_n"),

@@ -1,4 +1,4 @@
-//! Hits that could be made next.
+//! Proposed hits.
 
 use asperity_figure::{Axis, Color, Figure, Legend, Marker, Panel, Series};
 use asperity_identify::problem::Changes;
@@ -9,7 +9,7 @@ use super::fitted;
 /// Most changes of the rig that are drawn.
 const MOST_CHANGES: usize = 7;
 
-/// What is left of the law's uncertainty, and the information about all parameters, over force.
+/// The uncertainty of the law left, and the information about all parameters, over force.
 pub(super) fn design(design: &Designed) -> Figure {
     let force = || Axis::linear("Peak force", "N");
     let label = "Uncertainty of ln K left";
@@ -36,7 +36,7 @@ pub(super) fn design(design: &Designed) -> Figure {
     Figure::new("Hits to come").panel(left).panel(gained).columns(2).width_mm(170.0)
 }
 
-/// The hits of each rig, in the order in which the rigs come.
+/// The hits of each rig, rigs in order of first appearance.
 fn by_change(hits: &[DesignedHit]) -> Vec<(&Changes, Vec<&DesignedHit>)> {
     let mut groups: Vec<(&Changes, Vec<&DesignedHit>)> = Vec::new();
     for hit in hits {
@@ -66,7 +66,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn changes_are_told_by_their_last_keys() {
+    fn changes_are_named_by_their_last_keys() {
         let set = |text: &str| serde_json::from_str::<Changes>(text).unwrap_or_default();
         assert_eq!(changes(&set("{}")), "as it is");
         assert_eq!(changes(&set(r#"{"/bodies/0/mass_kg": 3.2}"#)), "bodies/0/mass_kg = 3.2");

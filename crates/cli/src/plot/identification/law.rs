@@ -1,14 +1,14 @@
-//! Stiffness over pressure with its band, and what is left of its uncertainty.
+//! Stiffness over pressure with its band, and the uncertainty left.
 
 use asperity_figure::{Axis, Color, Dash, Figure, Legend, Marker, Panel, Series};
 use asperity_identify::{INFORMED_SHARE, Identification};
 
 use super::observations::{ObservationKind, ObservationRow, column};
 
-/// Where a band is wider than this about the best fit it is cut, so that the law stays legible.
+/// Largest factor about the best fit to which the band is drawn.
 const MOST_FACTOR: f64 = 6.0;
 
-/// Part of the largest pressure below which a vertical lies at the side of the frame.
+/// Part of the largest pressure below which the lowest pressure has no name in the figure.
 const LEAST_PLACE: f64 = 0.01;
 
 /// The law of an identification.
@@ -69,7 +69,7 @@ pub(super) fn law(found: &Identification, rows: &[ObservationRow<'_>]) -> Figure
     figure.panel(shown).panel(left).columns(1).width_mm(130.0).row_height_mm(66.0)
 }
 
-/// The panel with the pressures shaded that are not informed.
+/// The panel with pressures without information shaded.
 fn shaded(panel: Panel, informed: Option<[f64; 2]>) -> Panel {
     match informed {
         Some([low, high]) => panel.shade(f64::NEG_INFINITY, low).shade(high, f64::INFINITY),
@@ -77,8 +77,7 @@ fn shaded(panel: Panel, informed: Option<[f64; 2]>) -> Panel {
     }
 }
 
-/// Stiffnesses \[Pa/m\] that are drawn: those of the best fit, the points, and the band as far as it
-/// is not wide.
+/// Range of stiffness \[Pa/m\] drawn: best fit, points, and the band up to [`MOST_FACTOR`].
 fn range(found: &Identification, points: &[&ObservationRow<'_>]) -> [f64; 2] {
     let law = &found.law;
     let positive = |value: &f64| *value > 0.0 && value.is_finite();

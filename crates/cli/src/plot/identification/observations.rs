@@ -2,7 +2,7 @@
 
 use asperity_identify::{Identification, Observed};
 
-/// What kind of number an observation is.
+/// Kind of an observation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum ObservationKind {
     /// A number of a hit, over its peak force \[N\].
@@ -25,11 +25,11 @@ pub(super) struct ObservationRow<'a> {
     pub(super) at: f64,
     pub(super) value: f64,
     pub(super) standard_deviation: f64,
-    /// As predicted by the best fit; NaN where it predicts nothing.
+    /// Prediction of the best fit; NaN without one.
     pub(super) predicted: f64,
     /// Ends of the interval of the prediction; NaN where there is none.
     pub(super) band: [f64; 2],
-    /// Predicted less measured, in standard deviations; NaN where nothing is predicted.
+    /// Predicted less measured, in standard deviations; NaN without a prediction.
     pub(super) residual: f64,
 }
 
@@ -66,7 +66,7 @@ fn kind(feature: &str) -> ObservationKind {
     }
 }
 
-/// The rows in groups of one key, in the order in which the keys come.
+/// The observations in groups of one key, keys in order of first appearance.
 pub(super) fn groups<'a>(
     rows: impl IntoIterator<Item = &'a ObservationRow<'a>>,
     key: fn(&ObservationRow<'a>) -> &'a str,
@@ -82,7 +82,7 @@ pub(super) fn groups<'a>(
     groups
 }
 
-/// One column of some rows.
+/// One value of each observation.
 pub(super) fn column(
     rows: &[&ObservationRow<'_>],
     value: impl Fn(&ObservationRow<'_>) -> f64,
@@ -90,7 +90,7 @@ pub(super) fn column(
     rows.iter().map(|row| value(row)).collect()
 }
 
-/// Endings of a feature's name and the unit that they carry, longer ones first.
+/// Endings of the names of features and their units, longer ones first.
 const UNITS: [(&str, &str); 8] = [
     ("_pa_per_m", "Pa/m"),
     ("_m_per_n", "m/N"),
@@ -102,7 +102,7 @@ const UNITS: [(&str, &str); 8] = [
     ("_j", "J"),
 ];
 
-/// Features with a name of their own, in the order in which they are drawn.
+/// Features with labels of their own, in the order in which they are drawn.
 const NAMES: [(&str, &str); 8] = [
     ("fundamental.frequency_hz", "Fundamental f_{1}"),
     ("fundamental.receptance_m_per_n", "Amplitude A_{1}"),
@@ -139,7 +139,7 @@ pub(super) fn feature_name(feature: &str) -> (String, &'static str) {
     (format!("{}{of}", capital(&last)), unit)
 }
 
-/// Place of a feature among others: those with a name of their own come first.
+/// Rank of a feature: those with labels of their own come first.
 pub(super) fn order(feature: &str) -> usize {
     NAMES.iter().position(|(known, _)| *known == feature).unwrap_or(NAMES.len())
 }
@@ -156,7 +156,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn rows_know_their_abscissa_and_what_is_missing() {
+    fn observations_have_an_abscissa_and_nan_for_missing_values() {
         let of = Observed {
             data: "d",
             feature: "stiffness of pl",

@@ -71,7 +71,7 @@ pub(super) fn backbone(rows: &[ObservationRow<'_>]) -> Option<Figure> {
     figure("Backbone", panels.collect())
 }
 
-/// The axis of a feature in a unit of handy numbers.
+/// The axis of a feature, with a display unit.
 fn axis(label: String, unit: &'static str) -> Axis {
     match unit {
         "m/N" => Axis::linear(label, "nm/N").scale(1e9),
@@ -89,7 +89,7 @@ fn figure(title: &str, panels: Vec<Panel>) -> Option<Figure> {
     Some(figure.width_mm(if columns == 1 { 110.0 } else { 170.0 }))
 }
 
-/// One feature; of several sets of data each in its own colour.
+/// One feature; each set of data in its own colour.
 fn panel([x, y]: [Axis; 2], rows: &[&ObservationRow<'_>], legend: bool, several: bool) -> Panel {
     let mut panel = Panel::new(x, y);
     let every = groups(rows.iter().copied(), |row| row.data);

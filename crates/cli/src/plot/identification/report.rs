@@ -54,7 +54,7 @@ pub(crate) fn identification_report(
     provenance(report, problem, found).to_html()
 }
 
-/// The figures of these names under a heading; nothing where none of them was drawn.
+/// Adds the figures of these names, under a heading if there are any.
 fn draw(
     mut report: Report,
     found: &Identification,

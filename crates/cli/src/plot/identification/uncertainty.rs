@@ -47,7 +47,7 @@ fn panel(found: &Identification, profile: &Profile, level: f64) -> Panel {
     let points = profile.points.iter().map(|point| (point.value, point.deviance));
     let points: Vec<(f64, f64)> = points.filter(finite).collect();
     let (x, y): (Vec<f64>, Vec<f64>) = points.iter().copied().unzip();
-    // Beyond twice the level a profile says nothing more.
+    // The profile is cut at twice the level.
     let most = y.iter().copied().fold(1.3 * level, f64::max);
     let deviance = Axis::linear("Deviance", "").range(0.0, most.min(2.0 * level));
     let best = found.fit.point.get(profile.unknown).copied().unwrap_or(f64::NAN);
@@ -74,8 +74,8 @@ fn panel(found: &Identification, profile: &Profile, level: f64) -> Panel {
     panel
 }
 
-/// The deviance between the points of a profile: its root, negative below the best value, is linear
-/// there, as it is everywhere for a linear model.
+/// The deviance between the points of a profile. Its root, negative below the best value, is
+/// interpolated linearly, which is exact for a linear model.
 fn curve(points: &[(f64, f64)], best: f64) -> Vec<(f64, f64)> {
     const PARTS: usize = 16;
     let root = |&(value, deviance): &(f64, f64)| {
@@ -102,7 +102,7 @@ fn deviance_at(level: f64) -> f64 {
     normal_quantile(0.5 + 0.5 * level).powi(2)
 }
 
-/// Every pair of parameters below the diagonal, each alone on it; none where nothing was drawn.
+/// Pairs of parameters below the diagonal, histograms on it; none without draws.
 pub(super) fn pairs(found: &Identification) -> Option<Figure> {
     let posterior = &found.posterior;
     let count = found.names.len().min(MOST_PARAMETERS);
@@ -159,8 +159,8 @@ fn range(values: &[f64]) -> [f64; 2] {
     [low - room, high + room]
 }
 
-/// Draws of about the same weight, with the diameter of their marks; every so many of them, so that
-/// not more than so many are drawn in all.
+/// Draws of about the same weight, with the diameter of their marks; of more than [`MOST_DRAWS`] an
+/// even selection.
 fn by_weight(weights: &[f64]) -> Vec<(f64, Vec<usize>)> {
     let largest = weights.iter().copied().fold(0.0, f64::max);
     let every = weights.len().div_ceil(MOST_DRAWS).max(1);
@@ -239,7 +239,7 @@ mod tests {
     }
 
     #[test]
-    fn heavier_draws_have_larger_marks_and_many_are_thinned() {
+    fn heavier_draws_have_larger_marks_and_many_are_decimated() {
         let groups = by_weight(&[0.1, 1.0, 0.1]);
         assert_eq!(groups.len(), 2);
         assert_eq!((&groups[0].1[..], &groups[1].1[..]), (&[0, 2][..], &[1][..]));

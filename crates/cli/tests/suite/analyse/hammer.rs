@@ -22,7 +22,7 @@ pub(crate) fn channel(name: &str, unit: &str, samples: Vec<f64>) -> Channel {
 
 /// One mode struck by half-sines `(time, peak)`; its accelerations to the
 /// accuracy of Störmer's scheme with 16 steps a sample.
-pub(crate) fn struck(seconds: f64, blows: &[(f64, f64)]) -> Record {
+pub(crate) fn hammer_record(seconds: f64, blows: &[(f64, f64)]) -> Record {
     const STEPS: usize = 16;
     let (omega, duration) = (TAU * NATURAL_HZ, 0.7e-3);
     let force_at = |t: f64| -> f64 {

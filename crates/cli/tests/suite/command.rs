@@ -1,24 +1,9 @@
-//! The contract of the command: names, columns, exit status, what is written and what is not.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+//! Names, columns and exit status of every command on a scenario, and the files they write.
 
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
+use std::path::Path;
+use std::process::{Command, Stdio};
 
-fn fixture(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures").join(name)
-}
-
-fn asperity(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_asperity"))
-        .args(arguments)
-        .current_dir(folder)
-        .output()
-        .unwrap()
-}
-
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8_lossy(bytes).into_owned()
-}
+use crate::{asperity, files, fixture, text};
 
 fn rig() -> String {
     fixture("scenarios/nouira2020-modified.json").display().to_string()
@@ -26,16 +11,6 @@ fn rig() -> String {
 
 /// A quick run of the rig: coarse cells, 20 ms.
 const QUICK: [&str; 4] = ["--set", "/method/cell_m=0.005", "--set", "/duration_s=0.04"];
-
-fn files(folder: &Path) -> Vec<String> {
-    let mut names: Vec<String> = std::fs::read_dir(folder)
-        .map(|entries| {
-            entries.map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned()).collect()
-        })
-        .unwrap_or_default();
-    names.sort();
-    names
-}
 
 fn header(path: &Path) -> String {
     std::fs::read_to_string(path).unwrap().lines().next().unwrap().to_owned()
@@ -245,7 +220,7 @@ fn wrong_requests_end_with_status_2_and_say_what_is_accepted() {
         (&["simulate", &rig, "--set", "/excitation/peak_n"], "POINTER=VALUE"),
         (&["simulate", &rig, "--set", "/excitation/peek_n=3"], "peak_n"),
         (&["simulate", &rig, "--set", "/method/courant=1.2"], "/method/courant"),
-        (&["simulate", &rig, "--out", "full"], "--force"),
+        (&["simulate", &rig, "--out", "full"], "--overwrite"),
         (&["sweep", &rig, "--vary", "/excitation/peak_n=1:2"], "start:stop:count"),
         (&["sweep", &rig, "--vary", "/duration_s=1:-1:2"], "/duration_s"),
         (&["sweep", &rig, "--vary", "/gravity_m_per_s2=1,2", "--threads", "0"], "threads"),
@@ -258,6 +233,48 @@ fn wrong_requests_end_with_status_2_and_say_what_is_accepted() {
     }
     assert_eq!(files(folder.path()), ["full"]);
     assert_eq!(files(&folder.path().join("full")), ["thesis.tex"]);
+}
+
+/// `--force` is the older name of `--overwrite`.
+#[test]
+fn folders_with_other_files_are_overwritten_on_request() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("thesis.tex"), "x").unwrap();
+    let rig = rig();
+    for option in ["--overwrite", "--force"] {
+        let output = asperity(folder.path(), &["law", &rig, "--out", ".", option]);
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        std::fs::remove_file(folder.path().join("law.json")).unwrap();
+    }
+}
+
+/// At `-v` every stage of a run is logged with its times; with `--log-format json` one object a
+/// line.
+#[test]
+fn stages_are_logged_with_their_times() {
+    let folder = tempfile::tempdir().unwrap();
+    let rig = rig();
+    let run = |options: &[&str]| {
+        let output = asperity(folder.path(), &[&["simulate", &rig], &QUICK[..], options].concat());
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        text(&output.stderr)
+    };
+    let stages = ["read", "draw", "write"];
+    let log = run(&["-v"]);
+    for stage in stages {
+        let logged = |line: &str| line.contains(stage) && line.contains("time.busy=");
+        assert!(log.lines().any(logged), "{stage} in {log}");
+    }
+    let log = run(&["-v", "--log-format", "json"]);
+    let events: Vec<serde_json::Value> =
+        log.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    for stage in stages {
+        let closed = |event: &serde_json::Value| {
+            event["span"]["name"] == stage && event["time.busy"].is_string()
+        };
+        assert!(events.iter().any(closed), "{stage} in {log}");
+    }
+    assert_eq!(run(&["--log-format", "json"]), "");
 }
 
 /// A law that no weight holds closed has no equilibrium: the scenario is valid, the run fails.
@@ -338,9 +355,9 @@ fn steady_requests_without_sense_exit_with_two() {
     }
 }
 
-/// A reader that closes its end early, as `head` does, is no failure and no panic.
+/// A reader that closes its end early, as `head` does, causes neither failure nor panic.
 #[test]
-fn a_reader_that_has_seen_enough_is_no_failure() {
+fn a_closed_standard_output_is_not_a_failure() {
     let mut child = Command::new(env!("CARGO_BIN_EXE_asperity"))
         .arg("schema")
         .stdout(Stdio::piped())

@@ -6,9 +6,10 @@ use std::path::Path;
 use asperity_measure::Format;
 use asperity_signal::Complex64;
 
-use crate::exact::{blows, noisy, record};
-use crate::struck::{DAMPING, MASS, NATURAL_HZ};
-use crate::{answer, number, store};
+use super::exact::{blows, noisy, record};
+use super::hammer::{DAMPING, MASS, NATURAL_HZ};
+use super::store;
+use crate::{answer, number};
 
 /// A row of `frf.csv`: frequency, value, coherence, and whether the force has content.
 struct Line {

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use asperity_measure::Record;
 use asperity_signal::Complex64;
 
-use crate::struck::{MASS, NATURAL_HZ, RATE, channel};
+use super::hammer::{MASS, NATURAL_HZ, RATE, channel};
 
 /// Where the pulse is highest, after its beginning \[s\].
 const RISE_S: f64 = 3.4e-4;

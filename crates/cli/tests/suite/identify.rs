@@ -1,27 +1,11 @@
-//! The contract of `asperity identify`: what is written, that it can be read, and what it says.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+//! The contract of `asperity identify`: its files, and their content.
 
 use std::path::Path;
-use std::process::{Command, Output};
 
 use asperity_figure::svg_to_png;
 use serde_json::{Value, json};
 
-fn asperity(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_asperity"))
-        .args(arguments)
-        .current_dir(folder)
-        .output()
-        .unwrap()
-}
-
-/// What a command that succeeds prints as JSON.
-fn answer(folder: &Path, arguments: &[&str]) -> Value {
-    let output = asperity(folder, arguments);
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{arguments:?}: {said}");
-    serde_json::from_slice(&output.stdout).unwrap()
-}
+use crate::{answer, asperity};
 
 const COEFFICIENT: f64 = 1.81e10;
 const EXPONENT: f64 = 0.35;

@@ -1,66 +1,32 @@
 //! The contract of `asperity analyse`, `asperity convert` and `simulate --record`.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
-#![allow(clippy::print_stderr, reason = "a test without its data says that it was skipped")]
 
 mod choices;
 mod exact;
+mod hammer;
 mod routes;
 mod simulated;
-mod struck;
 
 use std::f64::consts::{PI, TAU};
 use std::path::Path;
-use std::process::{Command, Output};
 
 use asperity_measure::{
     Abscissa, Channel, ChannelUnit, Format, Record, Samples, WriteOptions, write,
 };
 use serde_json::Value;
 
-use struck::{DAMPING, MASS, NATURAL_HZ, channel, struck};
-
-fn asperity(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_asperity"))
-        .args(arguments)
-        .current_dir(folder)
-        .output()
-        .unwrap()
-}
-
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8_lossy(bytes).into_owned()
-}
-
-/// What a command that succeeds prints as JSON.
-fn answer(folder: &Path, arguments: &[&str]) -> Value {
-    let output = asperity(folder, arguments);
-    assert!(output.status.success(), "{arguments:?}: {}", text(&output.stderr));
-    serde_json::from_slice(&output.stdout).unwrap()
-}
-
-fn number(value: &Value, pointer: &str) -> f64 {
-    let found = value.pointer(pointer).and_then(Value::as_f64);
-    found.unwrap_or_else(|| panic!("{pointer} is no number in {value:#}"))
-}
+use crate::{answer, asperity, files, number, text};
+use hammer::{DAMPING, MASS, NATURAL_HZ, channel, hammer_record};
 
 /// Four hits half a second apart, the third a double hit.
 fn test_record() -> Record {
     let blows = [(0.02, 10.0), (0.52, 20.0), (1.02, 20.0), (1.024, 8.0), (1.52, 30.0)];
-    struck(2.02, &blows)
+    hammer_record(2.02, &blows)
 }
 
 fn store(folder: &Path, name: &str, record: Record, format: Format) -> String {
     let path = folder.join(name);
     write(&path, &[record], format, &WriteOptions::default()).unwrap();
     path.display().to_string()
-}
-
-fn files(folder: &Path) -> Vec<String> {
-    let entries = std::fs::read_dir(folder).unwrap();
-    let mut names: Vec<String> =
-        entries.map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned()).collect();
-    names.sort();
-    names
 }
 
 fn header(path: &Path) -> String {
@@ -122,7 +88,7 @@ fn the_files_columns_and_names_of_the_contract() {
     }
 }
 
-/// Verified against the mode that was struck: its peak lies at `f (1 - 2 zeta^2)^(1/2)` with the
+/// Verified against the exact mode: its peak lies at `f (1 - 2 zeta^2)^(1/2)` with the
 /// height `1 / (2 zeta k)`, to what the sampling of pulse and decay leaves.
 #[test]
 fn the_mode_is_found_and_the_double_hit_left_out() {
@@ -239,8 +205,8 @@ fn what_a_file_does_not_say_is_given() {
 #[test]
 fn several_files_are_one_test() {
     let folder = tempfile::tempdir().unwrap();
-    store(folder.path(), "one.uff", struck(0.5, &[(0.02, 10.0)]), Format::UniversalBinary);
-    store(folder.path(), "two.csv", struck(0.5, &[(0.02, 25.0)]), Format::Text);
+    store(folder.path(), "one.uff", hammer_record(0.5, &[(0.02, 10.0)]), Format::UniversalBinary);
+    store(folder.path(), "two.csv", hammer_record(0.5, &[(0.02, 25.0)]), Format::Text);
     let found = answer(folder.path(), &["analyse", "one.uff", "two.csv", "--json"]);
     assert_eq!(
         (&found["hits"][1]["index"], &found["hits"][1]["file"]),

@@ -4,9 +4,10 @@ use std::f64::consts::TAU;
 
 use asperity_measure::Format;
 
-use crate::exact::{Signals, blows, record};
-use crate::struck::{DAMPING, MASS, NATURAL_HZ, channel};
-use crate::{answer, asperity, number, store, text};
+use super::exact::{Signals, blows, record};
+use super::hammer::{DAMPING, MASS, NATURAL_HZ, channel};
+use super::store;
+use crate::{answer, asperity, number, text};
 
 /// File, unit, what a metre (per second) is in it, place of the signal, and the measured form.
 const MOTIONS: [(&str, &str, f64, usize, &str); 3] = [
