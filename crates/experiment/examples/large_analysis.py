@@ -1,11 +1,11 @@
-"""What a short script with pyuff and NumPy makes of the same file.
+"""Analysis of the same file by a short script with pyuff and NumPy.
 
 Usage: large_analysis.py FILE.uff
 
-Reads one record after the other, averages H1 and coherence, and takes the largest line of the
-receptance of each hit between 600 and 1000 Hz: no hits are looked for or
-judged, and there is no damping, no harmonic, no uncertainty and no backbone.
-Exit status 77 where pyuff is not installed.
+Reads one record after the other, averages H1 and coherence, and finds the largest line of the
+receptance of each hit between 600 and 1000 Hz. It neither finds nor checks hits, and computes
+no damping, harmonics, uncertainties or backbones.
+Exit status 77 without pyuff.
 """
 
 import resource

@@ -1,13 +1,11 @@
-//! Megabytes per second and memory of the analysis of a large file.
+//! Speed and memory of the analysis of a large file.
 //!
-//! `cargo run --release -p asperity-study --example large_analysis -- SIZE_MB [FILE]`
-//! writes a universal file (58b) of that many megabytes, a hit of one second in
-//! each record, analyses it and says how fast that was and how much memory it
-//! took. With FILE the file is kept, for other programs to read. Where `python3`,
-//! or what `PYTHON` names, has pyuff, `large_analysis.py` beside this file reads
-//! the same file in turn: the best of three of either.
+//! `cargo run --release -p asperity-experiment --example large_analysis -- SIZE_MB [FILE]`
+//! writes a universal file (58b) of SIZE_MB megabytes with one hit of one second in each record, and
+//! analyses it. With FILE the file is kept. If `python3`, or the interpreter in `PYTHON`, has pyuff,
+//! `large_analysis.py` reads the same file. The two programs run in turn, three times each.
 #![allow(clippy::unwrap_used, reason = "its files are valid")]
-#![allow(clippy::print_stdout, reason = "an example prints its answer")]
+#![allow(clippy::print_stdout, reason = "an example prints its result")]
 
 use std::f64::consts::{PI, TAU};
 use std::fs::File;
@@ -26,9 +24,9 @@ const RATE: f64 = 51_200.0;
 const SAMPLES: usize = 51_200;
 const NATURAL_HZ: f64 = 800.0;
 const DAMPING: f64 = 0.01;
-/// Runs of either program.
+/// Runs of each program.
 const RUNS: usize = 3;
-/// Different blows, which the file repeats.
+/// Different hits, which the file repeats.
 const LEVELS: usize = 8;
 
 fn main() {
@@ -65,20 +63,20 @@ fn main() {
     println!("analysed in   {best:.2} s, {:.0} MB/s, the best of {RUNS}", size / best);
     match peak_megabytes() {
         Some(peak) => println!("peak memory   {peak:.0} MB"),
-        None => println!("peak memory   not told by this system"),
+        None => println!("peak memory   not available on this system"),
     }
     match script {
         Some(script) => {
             let Script { versions, seconds, megabytes } = script;
-            println!("{versions}, which do less:");
+            println!("{versions}, which compute less:");
             println!("              {seconds:.2} s, {:.0} MB/s, {megabytes:.0} MB", size / seconds);
-            println!("time over it  {:.2}", best / seconds);
+            println!("time ratio    {:.2}", best / seconds);
         }
         None => println!("no Python with pyuff to compare with"),
     }
 }
 
-/// What `large_analysis.py` says of itself, without the start of the interpreter.
+/// Output of `large_analysis.py`, which excludes the start of the interpreter.
 struct Script {
     versions: String,
     seconds: f64,
@@ -98,7 +96,7 @@ impl Script {
     }
 }
 
-/// Writes records until the file has this many bytes; universal files may be joined end to end.
+/// Writes records up to a size of the file; universal files may be concatenated.
 fn write_hits(folder: &Path, file: &Path, bytes: u64) {
     let hits: Vec<Vec<u8>> = (0..LEVELS)
         .map(|level| {
@@ -119,7 +117,7 @@ fn write_hits(folder: &Path, file: &Path, bytes: u64) {
     }
 }
 
-/// A mode of 1.6 kg struck by a half-sine of 0.6 ms, with noise of 1e-4 of the largest.
+/// Mode of 1.6 kg, hit by a half-sine pulse of 0.6 ms, with noise of 1e-4 of the maximum.
 fn hit(peak_n: f64) -> Record {
     let (mass, omega) = (1.6, TAU * NATURAL_HZ);
     let (step, begin, duration) = (1.0 / RATE, 0.01, 0.6e-3);
@@ -152,7 +150,7 @@ fn hit(peak_n: f64) -> Record {
     Record { channels, ..Record::default() }
 }
 
-/// Most memory in use so far, where the system tells.
+/// Peak memory in MB; `None` on a system without `/proc`.
 fn peak_megabytes() -> Option<f64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;

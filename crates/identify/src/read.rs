@@ -39,8 +39,7 @@ impl Problem {
     /// # Errors
     /// As [`read`](Self::read).
     pub fn of(document: Document) -> Result<Self, ProblemError> {
-        let accepted = "a problem as `asperity schema --identify` describes it";
-        let spec: ProblemSpec = document.checked(problem_schema(), Vec::new(), accepted)?;
+        let spec: ProblemSpec = document.checked(problem_schema(), Vec::new())?;
         let (mut scenario, scenario_path, scenario_sha256) = match &spec.scenario {
             ScenarioRef::File(file) => {
                 let scenario = Document::read(document.folder().join(file))?;

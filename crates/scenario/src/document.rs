@@ -186,14 +186,13 @@ impl Document {
     /// [`InvalidDocument`] with all faults, in the order of the text.
     pub fn scenario(&self) -> Result<Scenario, InvalidDocument> {
         let conditions = validate::check(&self.value, self.folder());
-        let accepted = "a scenario that fits its JSON Schema";
-        self.checked(scenario_schema(), conditions, accepted)
+        self.checked(scenario_schema(), conditions)
     }
 
     /// Deserialises the document after a check against `schema`, which is generated from `T`.
     ///
     /// `others` are faults found by other means; those at a place where the schema reports a fault
-    /// are dropped. `accepted` describes a `T` in words.
+    /// are dropped.
     ///
     /// # Errors
     /// [`InvalidDocument`] with all faults, in the order of the text.
@@ -201,7 +200,6 @@ impl Document {
         &self,
         schema: &Value,
         others: Vec<Diagnostic>,
-        accepted: &str,
     ) -> Result<T, InvalidDocument> {
         let mut diagnostics = self.repeated.clone();
         let of_schema = check_schema(schema, &self.value);
@@ -215,7 +213,7 @@ impl Document {
                 Err(error) => diagnostics.push(Diagnostic::new(
                     &JsonPointer::root(),
                     Fault::SchemaGap { reason: error.to_string() },
-                    accepted,
+                    "a document that fits its JSON Schema",
                 )),
             }
         }
