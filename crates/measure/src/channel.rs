@@ -214,6 +214,16 @@ impl Channel {
     /// [`MeasureError::UnknownUnit`] for a missing or unknown unit,
     /// [`MeasureError::QuantityMismatch`] for samples that are not an output of the
     /// sensor, such as a channel in newtons.
+    ///
+    /// ```
+    /// use asperity_measure::read_bytes;
+    ///
+    /// let mut measured = read_bytes(b"time_s,hammer [V]\n0,0\n0.1,0.5\n0.2,0\n", &Default::default())?;
+    /// let hammer = &mut measured.records[0].channels[0];
+    /// hammer.calibrate(&"2.5 mV/N".parse()?)?;
+    /// assert_eq!(hammer.samples.real(), Some(&[0.0, 200.0, 0.0][..]));
+    /// # Ok::<(), asperity_measure::MeasureError>(())
+    /// ```
     pub fn calibrate(&mut self, sensitivity: &SensorSensitivity) -> Result<(), MeasureError> {
         if let Some(unit) = self.unit.known()
             && unit.quantity() != sensitivity.output()

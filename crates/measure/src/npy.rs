@@ -2,7 +2,7 @@
 //!
 //! Source: NumPy Enhancement Proposal 1.
 //!
-//! | module | holds |
+//! | module | contents |
 //! |---|---|
 //! | `header` | type, order and shape |
 

@@ -33,6 +33,16 @@ pub struct Reader<'a> {
 /// # Errors
 /// [`MeasureError`] for a file that cannot be opened, has no known
 /// format, or has an invalid header.
+///
+/// ```no_run
+/// use asperity_measure::{ReadOptions, open};
+///
+/// let mut reader = open("hits.tdms".as_ref(), &ReadOptions::default())?;
+/// while let Some(record) = reader.next_record()? {
+///     println!("{} channels at {:?} Hz", record.channels.len(), record.sample_rate_hz());
+/// }
+/// # Ok::<(), asperity_measure::MeasureError>(())
+/// ```
 pub fn open(path: &Path, options: &ReadOptions) -> Result<Reader<'static>, MeasureError> {
     Reader::of(Source::open(path)?, options)
 }

@@ -26,6 +26,15 @@ pub struct WriteOptions {
 /// [`MeasureError::Unsupported`] for a format that is only read,
 /// [`MeasureError::Io`] for errors of the operating system. An existing file is then unchanged, and
 /// no new file remains.
+///
+/// ```no_run
+/// use asperity_measure::{Format, ReadOptions, WriteOptions, read, write};
+///
+/// let measured = read("hits.tdms".as_ref(), &ReadOptions::default())?;
+/// let options = WriteOptions::default();
+/// write("hits.uff".as_ref(), &measured.records, Format::UniversalBinary, &options)?;
+/// # Ok::<(), asperity_measure::MeasureError>(())
+/// ```
 pub fn write(
     path: &Path,
     records: &[Record],

@@ -20,6 +20,7 @@ const TRANSFORM_LIMIT: usize = 1 << 26;
 
 /// Scaling of a one-sided spectral density.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum SpectralDensity {
     /// Energy density, unit^2 s / Hz, with the integral `integral x^2 dt` over frequency. For
     /// transients, since it does not depend on the length of the record.

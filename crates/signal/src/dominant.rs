@@ -20,6 +20,24 @@ use crate::spectra::HitSpectra;
 /// The frequency is that of the maximum of the receptance, refined on the exact transform,
 /// whatever the form. `None` if there is no peak; a value that only rises towards a limit of the
 /// band is none.
+///
+/// ```
+/// use asperity_signal::{FrequencyResponse, FrfForm, dominant_frequency};
+///
+/// // Impulse response of a 1 kg oscillator at 200 Hz with 2 % of critical damping.
+/// let (rate, omega, zeta) = (2e4, std::f64::consts::TAU * 200.0, 0.02_f64);
+/// let damped = omega * (1.0 - zeta * zeta).sqrt();
+/// let displacement: Vec<f64> = (0..20_000)
+///     .map(|n| f64::from(n) / rate)
+///     .map(|t| (-zeta * omega * t).exp() * (damped * t).sin() / damped)
+///     .collect();
+/// let mut force = vec![0.0; displacement.len()];
+/// force[0] = rate;
+/// let hit = FrequencyResponse::from_displacement(&force, &displacement, rate)?;
+/// let found = dominant_frequency(&hit, (100.0, 1000.0), FrfForm::Accelerance, 0.02);
+/// assert!((found.ok_or("a peak in the band")? - 199.9).abs() < 0.1);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn dominant_frequency(
     response: &FrequencyResponse,
     band_hz: (f64, f64),

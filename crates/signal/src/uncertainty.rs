@@ -65,6 +65,28 @@ impl PeakUncertainty {
 /// and in curvature ([`PeakUncertainty::roughness`]). Without noise the deviations are zero.
 ///
 /// `None` if a density is negative or not finite, or the peak is flat.
+///
+/// ```
+/// use asperity_signal::{
+///     FrequencyResponse, HarmonicOptions, NoiseDensity, find_harmonics, peak_uncertainty,
+/// };
+///
+/// // Impulse response of a 1 kg oscillator at 200 Hz with 2 % of critical damping.
+/// let (rate, omega, zeta) = (2e4, std::f64::consts::TAU * 200.0, 0.02_f64);
+/// let damped = omega * (1.0 - zeta * zeta).sqrt();
+/// let displacement: Vec<f64> = (0..20_000)
+///     .map(|n| f64::from(n) / rate)
+///     .map(|t| (-zeta * omega * t).exp() * (damped * t).sin() / damped)
+///     .collect();
+/// let mut force = vec![0.0; displacement.len()];
+/// force[0] = rate;
+/// let hit = FrequencyResponse::from_displacement(&force, &displacement, rate)?;
+/// let peak = find_harmonics(&hit, 190.0, &HarmonicOptions::default()).fundamental.ok_or("a peak")?;
+/// let noise = NoiseDensity { response: 1e-18, ..NoiseDensity::default() };
+/// let found = peak_uncertainty(&hit, &peak, noise).ok_or("a curved peak")?;
+/// assert!(found.is_first_order() && found.relative < 1e-3);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn peak_uncertainty(
     response: &FrequencyResponse,
     peak: &Peak,

@@ -62,9 +62,9 @@ impl Waveform {
 
 /// Name and unit of a channel: the unit from its properties, else from its name.
 pub(crate) fn heading(name: &str, properties: &Properties) -> Heading {
-    let said = ["unit_string", "NI_UnitDescription"].into_iter();
-    let mut said = said.filter_map(|key| text(properties, key));
-    match said.find(|text| !unit::says_none(text)) {
+    let stated = ["unit_string", "NI_UnitDescription"].into_iter();
+    let mut stated = stated.filter_map(|key| text(properties, key));
+    match stated.find(|text| !unit::says_none(text)) {
         Some(text) => Heading { name: name.to_owned(), unit: ChannelUnit::of_text(text) },
         None => Heading::parse(name),
     }

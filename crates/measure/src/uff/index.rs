@@ -92,8 +92,8 @@ pub(crate) fn index(source: &mut Source<'_>, notices: &mut Notices) -> Result<Gr
             }
             "151" => {
                 let lines = first_lines(source, &mut line, &mut number, place)?;
-                let said = |index: usize| text(lines.get(index).map_or("", String::as_str));
-                let title = [said(0), said(1)].into_iter().find(|line| !line.is_empty());
+                let stated = |index: usize| text(lines.get(index).map_or("", String::as_str));
+                let title = [stated(0), stated(1)].into_iter().find(|line| !line.is_empty());
                 let context = Arc::make_mut(&mut context);
                 context.title = title.unwrap_or_default();
                 context.date = text(lines.get(3).map_or("", |line| date_of(line)));

@@ -29,6 +29,7 @@ pub enum FrfEstimator {
 
 /// Ratio of the two noises in [`FrfEstimator::Hv`].
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub enum HvScaling {
     /// Equal noise-to-signal ratios: `s^2 = Gxx / Gff` at each frequency, which
     /// makes `Hv` the geometric mean of `H1` and `H2`.

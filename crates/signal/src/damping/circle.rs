@@ -54,6 +54,25 @@ const POINTS: usize = 61;
 ///
 /// The mobility is evaluated at 61 frequencies on the exact transform. `None` if the peak
 /// has no half-power width, and as for [`circle_fit_of`].
+///
+/// ```
+/// use asperity_signal::{FrequencyResponse, HarmonicOptions, circle_fit, find_harmonics};
+///
+/// // Impulse response of a 1 kg oscillator at 200 Hz with 2 % of critical damping.
+/// let (rate, omega, zeta) = (2e4, std::f64::consts::TAU * 200.0, 0.02_f64);
+/// let damped = omega * (1.0 - zeta * zeta).sqrt();
+/// let displacement: Vec<f64> = (0..20_000)
+///     .map(|n| f64::from(n) / rate)
+///     .map(|t| (-zeta * omega * t).exp() * (damped * t).sin() / damped)
+///     .collect();
+/// let mut force = vec![0.0; displacement.len()];
+/// force[0] = rate;
+/// let hit = FrequencyResponse::from_displacement(&force, &displacement, rate)?;
+/// let found = find_harmonics(&hit, 190.0, &HarmonicOptions::default());
+/// let fit = found.fundamental.and_then(|peak| circle_fit(&hit, &peak)).ok_or("a circle")?;
+/// assert!((fit.ratio - zeta).abs() < 1e-5 && (fit.modal_constant.re - 1.0).abs() < 1e-2);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn circle_fit(response: &FrequencyResponse, peak: &Peak) -> Option<CircleFit> {
     circle_within(response, &half_power_crossings(response, peak)?)
 }

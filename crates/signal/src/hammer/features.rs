@@ -15,6 +15,7 @@ use crate::window::ExponentialWindow;
 
 /// Reference of the search for the fundamental.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub enum FundamentalSearch {
     /// A known frequency near the fundamental, in hertz.
     Frequency(f64),

@@ -188,6 +188,22 @@ impl HitFinder {
 ///
 /// # Errors
 /// Those of [`Trigger::of`] and of [`HitFinder::push`].
+///
+/// ```
+/// use asperity_signal::{HitLength, HitOptions, TriggerLevel, find_hits};
+///
+/// let mut force = vec![0.0; 3000];
+/// (force[500], force[2000]) = (10.0, 20.0);
+/// let options = HitOptions {
+///     trigger_level: TriggerLevel::Fraction(0.1),
+///     pre_trigger: 50,
+///     length: HitLength::UntilNext { limit: 2000 },
+///     hold_off: 100,
+/// };
+/// let (hits, trigger) = find_hits(&force, &[], 1e3, &options)?;
+/// assert_eq!((hits.len(), hits[1].start, trigger.level_n), (2, 1950, 2.0));
+/// # Ok::<(), asperity_signal::SignalError>(())
+/// ```
 pub fn find_hits(
     force: &[f64],
     responses: &[&[f64]],

@@ -4,6 +4,7 @@ use crate::noise::robust_level;
 
 /// Samples an offset was determined from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum OffsetSource {
     /// Samples before the trigger.
     PreTrigger,

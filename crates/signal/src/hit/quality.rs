@@ -118,6 +118,24 @@ impl Default for QualityOptions {
 /// - Dropouts: [`QualityOptions::constant_samples`] equal samples in a response
 ///   above 2 % of its largest value before and after; three in a force that is
 ///   above a quarter of its largest value before and after.
+///
+/// ```
+/// use asperity_signal::{HitRecord, QualityIssue, QualityOptions, quality_issues};
+///
+/// let mut force = vec![0.0; 100];
+/// force[10..17].copy_from_slice(&[4.0, 9.0, 10.0, 10.0, 10.0, 9.0, 4.0]);
+/// let hit = HitRecord {
+///     start: 0,
+///     trigger: 10,
+///     force,
+///     responses: Vec::new(),
+///     sample_rate_hz: 1e4,
+///     missing: 0,
+/// };
+/// let options = QualityOptions { full_scale_n: Some(10.0), ..QualityOptions::default() };
+/// let issues = quality_issues(&hit, &options);
+/// assert!(matches!(issues[..], [QualityIssue::Overload { samples: 3, .. }]));
+/// ```
 pub fn quality_issues(hit: &HitRecord, options: &QualityOptions) -> Vec<QualityIssue> {
     let mut force = hit.force.clone();
     if let Some(offset) = Offset::at_rest(&force) {

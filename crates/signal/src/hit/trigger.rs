@@ -5,6 +5,7 @@ use crate::noise::robust_level;
 
 /// The force at which a hit begins.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub enum TriggerLevel {
     /// A force, in newtons.
     Absolute(f64),

@@ -20,6 +20,14 @@ const WRAPPED: f64 = 1e-12;
 /// [`SignalError::Empty`](crate::SignalError::Empty), [`SignalError::NotFinite`](crate::SignalError::NotFinite),
 /// [`SignalError::SampleRate`](crate::SignalError::SampleRate), and
 /// [`SignalError::Option`](crate::SignalError::Option) for a band beyond half the sample rate.
+///
+/// ```
+/// let cosine: Vec<f64> =
+///     (0..1000).map(|n| (std::f64::consts::TAU * 50.0 * f64::from(n) / 1000.0).cos()).collect();
+/// let analytic = asperity_signal::analytic_signal(&cosine, 1000.0, None)?;
+/// assert!((analytic[500].norm() - 1.0).abs() < 1e-2);
+/// # Ok::<(), asperity_signal::SignalError>(())
+/// ```
 pub fn analytic_signal(
     samples: &[f64],
     sample_rate_hz: f64,
