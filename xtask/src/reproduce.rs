@@ -8,7 +8,7 @@
 //! | module | does |
 //! |---|---|
 //! | [`rig`] | the paper's rig from the fixtures, and its runs, each computed once |
-//! | [`claims`] | what the paper states, and whether it was found |
+//! | [`claims`] | statements of the paper and their outcomes |
 //! | [`references`] | the stored tables that `--check` compares with |
 //! | [`report`] | `report.html` and `report.md` |
 
@@ -57,7 +57,7 @@ pub(crate) struct PaperFigure {
     pub(crate) id: &'static str,
     /// Title in the report.
     pub(crate) title: &'static str,
-    /// What is shown, how it was computed, and what the paper does not publish.
+    /// Content of the figure, its computation, and data that the paper does not publish.
     pub(crate) caption: &'static str,
     /// Computes the table, and the numbers behind the claims by claim id.
     pub(crate) compute: fn(&Rig) -> Result<Computed>,
@@ -65,7 +65,7 @@ pub(crate) struct PaperFigure {
     pub(crate) draw: fn(&Table) -> Result<String>,
 }
 
-/// What a figure computes.
+/// Result of a figure.
 pub(crate) struct Computed {
     /// The figure's numbers: its CSV, and all that the drawing reads.
     pub(crate) table: Table,

@@ -36,7 +36,7 @@ fn compute(rig: &Rig) -> Result<Computed> {
 
 /// Middle of the stack, in mm from the left.
 const AXIS: f64 = 34.0;
-/// Where the words stand.
+/// Position of the labels.
 const WORDS: f64 = 53.0;
 const ALUMINIUM: Color = Color::hex(0xd5_dde6);
 const STEEL: Color = Color::hex(0xb4_b9c0);

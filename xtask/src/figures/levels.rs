@@ -47,7 +47,7 @@ pub(super) fn yes(holds: bool) -> f64 {
     f64::from(u8::from(holds))
 }
 
-/// What is lost from the first value to the last, in per cent of the first.
+/// Decrease from the first value to the last, in per cent of the first.
 pub(super) fn drop_percent(values: &[f64]) -> f64 {
     match (values.first(), values.last()) {
         (Some(first), Some(last)) => 100.0 * (1.0 - last / first),

@@ -26,7 +26,7 @@ pub(crate) const FIGURE: PaperFigure = PaperFigure {
 
 /// Cells in m, the coarsest first; the last is the reference.
 const CELLS: [f64; 5] = [2.2e-3, 1e-3, 0.5e-3, 0.25e-3, 0.125e-3];
-/// How many of them are shown.
+/// Number of cells that are shown.
 const SHOWN: usize = CELLS.len() - 1;
 
 type Quantity = (&'static str, &'static str, fn(&Summary) -> Option<f64>);

@@ -23,7 +23,7 @@ pub(crate) const FIGURE: PaperFigure = PaperFigure {
 };
 
 const LAWS: [(Law, &str); 2] = [(Law::Power, "pl"), (Law::Modified, "modified")];
-/// How closely the thresholds are found, in N.
+/// Tolerance of the thresholds, in N.
 const CLOSE: f64 = 0.02;
 
 type Quantity = (&'static str, fn(&Summary) -> Option<f64>);
@@ -59,7 +59,7 @@ fn compute(rig: &Rig) -> Result<Computed> {
     Ok(Computed { table, values: Vec::new() })
 }
 
-/// Whether any contact was lost.
+/// True if any contact was lost.
 fn lost(summary: &Summary) -> bool {
     summary.interfaces.iter().any(|contact| contact.contact_lost_s > 0.0)
 }

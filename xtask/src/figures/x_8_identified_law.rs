@@ -35,7 +35,7 @@ pub(crate) const FIGURE: PaperFigure = PaperFigure {
     draw,
 };
 
-/// What the caption says of each knot, in 1e12 Pa/m: best fit, lower and upper end.
+/// Knots as the caption states them, in 1e12 Pa/m: best fit, lower and upper end.
 const SAID: [[f64; 3]; 4] =
     [[0.100, 0.026, 0.122], [0.120, 0.110, 0.127], [0.468, 0.450, 0.481], [0.980, 0.957, 1.005]];
 
@@ -186,7 +186,8 @@ fn knot_columns(found: &Identification, reconstruction: &Laws) -> Result<Columns
     ])
 }
 
-/// Where the steps of a modified law lead down from, in Pa/m; see the explanation of identification.
+/// Stiffness from which the steps of a modified law lead down, in Pa/m; see the explanation of
+/// identification.
 struct Top(f64);
 
 impl Top {
@@ -237,7 +238,7 @@ fn unknown_columns(found: &Identification, reconstruction: &Scenario) -> Result<
     ])
 }
 
-/// What is stated, in the order of the problem, and what the best fit makes of it.
+/// Stated numbers in the order of the problem, and the predictions of the best fit.
 fn datum_columns(found: &Identification) -> Columns {
     let data: Vec<_> = found.observed().collect();
     let given = |deviation: f64| deviation / found.noise_factor;

@@ -1,4 +1,4 @@
-//! What the paper states, and whether it was found.
+//! Statements of the paper and their outcomes.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -18,21 +18,21 @@ pub(crate) struct Claim {
     pub(crate) quote: String,
     /// Unit of the number, for display.
     pub(crate) unit: String,
-    /// What the number must be.
+    /// Condition on the number.
     pub(crate) expected: Expected,
-    /// Why the tolerance is what it is.
+    /// Reason for the tolerance.
     pub(crate) reason: String,
     /// The reading of the paper under which the claim is judged, if its words alone do not do.
     #[serde(default)]
     pub(crate) reading: Option<String>,
-    /// Why it is not reproduced, where it is known not to be.
+    /// Known reason for a claim that is not reproduced.
     #[serde(default)]
     pub(crate) why_not: Option<String>,
     /// The verdict that `--check` holds it to.
     pub(crate) verdict: Verdict,
 }
 
-/// What a number must be to bear out a claim.
+/// Condition under which a number supports a claim.
 #[derive(Debug, Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
 pub(crate) enum Expected {
@@ -72,7 +72,7 @@ fn plain(value: f64) -> String {
     if value.abs() < 1e6 { format!("{value}") } else { format!("{value:e}") }
 }
 
-/// Whether a claim was found.
+/// Outcome of a claim.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub(crate) enum Verdict {
@@ -93,7 +93,7 @@ pub(crate) struct Judged<'a> {
 }
 
 impl Judged<'_> {
-    /// What `--check` has to say: a verdict that is not the stored one.
+    /// Message of `--check` about an outcome that differs from the stored one.
     pub(crate) fn complaint(&self) -> Option<String> {
         (self.verdict != self.claim.verdict).then(|| {
             format!(

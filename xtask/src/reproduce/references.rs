@@ -37,7 +37,7 @@ pub(crate) fn store(folder: &Path, finished: &[Finished]) -> Result<()> {
     Ok(())
 }
 
-/// What differs from the stored tables, a line each.
+/// Differences from the stored tables, one line each.
 pub(crate) fn compare(folder: &Path, finished: &[Finished]) -> Result<Vec<String>> {
     let mut complaints = Vec::new();
     for done in finished {
