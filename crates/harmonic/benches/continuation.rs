@@ -12,12 +12,12 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use asperity_harmonic::{
-    Contact, ContactSystem, Evaluation, Floquet, FloquetMethod, Oscillator, Path, Resolution,
-    Settings, trace,
+    ContactSystem, Continuation, Floquet, FloquetMethod, FourierResolution, HarmonicSettings,
+    LawEvaluation, RigidMass, trace,
 };
 use asperity_law::{ContactLaw, InSeries, Power};
 use asperity_mesh::{Body, Interface, Stack, Support};
-use asperity_structure::{Damping, PreloadedStructure};
+use asperity_structure::{Damping, PreloadedContact, PreloadedStructure};
 
 const AREA: f64 = 1.15e-4;
 const ROUNDS: usize = 20;
@@ -25,14 +25,16 @@ const ROUNDS: usize = 20;
 fn main() {
     println!("single mass, one contact, 0.55279 N, 767 to 1054 Hz");
     println!("law        harmonics  samples  stability      points   us a point");
-    let path = Path::Frequency { force: 0.55279, from: 767.0, to: 1054.0 };
-    for (name, evaluation) in [("tabulated", Evaluation::default()), ("exact", Evaluation::Exact)] {
+    let continuation = Continuation::Frequency { force: 0.55279, from: 767.0, to: 1054.0 };
+    for (name, evaluation) in
+        [("tabulated", LawEvaluation::default()), ("exact", LawEvaluation::Exact)]
+    {
         let system = single_mass(evaluation);
         for (harmonics, samples) in [(3, 64), (7, 128), (15, 256), (31, 512)] {
-            measure(name, &system, &path, (harmonics, samples), None);
+            measure(name, &system, &continuation, (harmonics, samples), None);
         }
         for method in [FloquetMethod::KoopmanHill, FloquetMethod::RungeKutta] {
-            measure(name, &system, &path, (7, 128), Some(method));
+            measure(name, &system, &continuation, (7, 128), Some(method));
         }
     }
     println!();
@@ -42,13 +44,14 @@ fn main() {
         let system = bars(interfaces);
         // Softer with every interface; the window follows the resonance.
         let centre = 1180.0 / (0.7 * interfaces as f64).sqrt();
-        let path = Path::Frequency { force: 0.55279, from: 0.7 * centre, to: 1.3 * centre };
+        let continuation =
+            Continuation::Frequency { force: 0.55279, from: 0.7 * centre, to: 1.3 * centre };
         for harmonics in [7, 15] {
             let name = interfaces.to_string();
-            measure(&name, &system, &path, (harmonics, 128), None);
+            measure(&name, &system, &continuation, (harmonics, 128), None);
         }
         for method in [FloquetMethod::KoopmanHill, FloquetMethod::RungeKutta] {
-            measure(&interfaces.to_string(), &system, &path, (7, 128), Some(method));
+            measure(&interfaces.to_string(), &system, &continuation, (7, 128), Some(method));
         }
     }
 }
@@ -56,19 +59,19 @@ fn main() {
 fn measure(
     name: &str,
     system: &ContactSystem,
-    path: &Path,
+    continuation: &Continuation,
     (harmonics, samples): (usize, usize),
     method: Option<FloquetMethod>,
 ) {
-    let settings = Settings {
-        resolution: Resolution::Fixed { harmonics, samples },
+    let settings = HarmonicSettings {
+        resolution: FourierResolution::Fixed { harmonics, samples },
         stability: method.map(|method| Floquet { method, ..Floquet::default() }),
-        ..Settings::default()
+        ..HarmonicSettings::default()
     };
     let (mut least, mut points) = (f64::INFINITY, 0);
     for _ in 0..if method.is_some() { 2 } else { ROUNDS } {
         let started = Instant::now();
-        let branch = black_box(trace(system, path, &settings).unwrap());
+        let branch = black_box(trace(system, continuation, &settings).unwrap());
         least = least.min(started.elapsed().as_secs_f64());
         points = branch.points.len();
     }
@@ -79,13 +82,14 @@ fn measure(
     );
 }
 
-fn single_mass(evaluation: Evaluation) -> ContactSystem {
+fn single_mass(evaluation: LawEvaluation) -> ContactSystem {
     let contacts = Power::new(0.5 * 1.81e10, 0.35, 0.0).unwrap();
     let law = InSeries::new(contacts, 71e9 / 0.015).unwrap();
     let pressure = 1.61 * 9.81 / AREA;
     let rate = 2.0 * 0.035 * (AREA * law.stiffness(pressure) / 1.61).sqrt();
-    let contact = Contact::new("contacts", AREA, pressure, Arc::new(law), evaluation).unwrap();
-    ContactSystem::new(Arc::new(Oscillator::new(1.61, rate).unwrap()), vec![contact]).unwrap()
+    let contact = PreloadedContact::new("contacts", AREA, Arc::new(law), pressure).unwrap();
+    ContactSystem::new(Arc::new(RigidMass::new(1.61, rate).unwrap()), vec![contact], evaluation)
+        .unwrap()
 }
 
 fn bars(interfaces: usize) -> ContactSystem {
@@ -98,5 +102,5 @@ fn bars(interfaces: usize) -> ContactSystem {
     let contacts = bodies.iter().map(contact).collect();
     let stack = Stack::new(bodies, contacts, Support::Rigid, 9.81).unwrap();
     let structure = PreloadedStructure::new(stack, Damping::Rate(420.0)).unwrap();
-    ContactSystem::of_stack(&structure, Evaluation::default()).unwrap()
+    ContactSystem::of_structure(&structure, LawEvaluation::default()).unwrap()
 }

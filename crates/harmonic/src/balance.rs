@@ -1,11 +1,11 @@
 //! The equations of harmonic balance and their derivatives.
 
-use faer::c64;
+use num_complex::Complex64;
 
 use crate::fourier::{Fourier, amplitude_of};
 use crate::{Compliance, ContactSystem, MeanBalance, Receptance};
 
-/// The conditions of a periodic motion beside its shape.
+/// Frequency, anti-damping and force of a periodic motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Conditions {
     /// Angular frequency of the fundamental [rad/s].
@@ -16,7 +16,7 @@ pub(crate) struct Conditions {
     pub(crate) force: f64,
 }
 
-/// An interface whose law gave no finite force, and the closure increment that it was asked for.
+/// An interface whose law gave no finite force at a closure increment [m].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Overflow {
     pub(crate) interface: usize,
@@ -59,7 +59,7 @@ impl<'a> Balance<'a> {
             let range = row * n..(row + 1) * n;
             if mean.closure[range.clone()].iter().all(|&a| a == 0.0) {
                 for (b, contact) in mean.force[range].iter_mut().zip(system.contacts()) {
-                    *b /= contact.stiffness();
+                    *b /= contact.spring();
                 }
             }
         }
@@ -91,24 +91,24 @@ impl<'a> Balance<'a> {
         self.forces.len()
     }
 
-    /// Takes up a motion: compliances, contact forces, and their derivatives by the closures.
+    /// Evaluates compliances, contact forces, and their derivatives with respect to the closures.
     pub(crate) fn evaluate(&mut self, x: &[f64], at: &Conditions) -> Result<(), Overflow> {
-        let place = (at.angular_frequency, at.anti_damping);
-        if self.at != place {
+        let found = (at.angular_frequency, at.anti_damping);
+        if self.at != found {
             for (k, compliance) in (1..).map(f64::from).zip(&mut self.compliances) {
-                self.system.linear().compliance(k * place.0, place.1, compliance);
+                self.system.linear().compliance(k * found.0, found.1, compliance);
             }
-            self.at = place;
+            self.at = found;
         }
         let (terms, samples) = (self.fourier.terms(), self.fourier.samples());
-        for (i, contact) in self.system.contacts().iter().enumerate() {
+        for i in 0..self.system.contacts().len() {
             let series = &x[i * terms..(i + 1) * terms];
             let range = i * samples..(i + 1) * samples;
             let closures = &mut self.closure_samples[range.clone()];
             let force_samples = &mut self.force_samples[range.clone()];
             let tangents = &mut self.tangent_samples[range];
             self.fourier.synthesise(series, closures);
-            contact.forces(closures, force_samples, tangents);
+            self.system.forces(i, closures, force_samples, tangents);
             let force = &mut self.forces[i * terms..(i + 1) * terms];
             self.fourier.analyse(force_samples, force);
             self.fourier.analyse(tangents, &mut self.tangent_series);
@@ -126,7 +126,7 @@ impl<'a> Balance<'a> {
         Ok(())
     }
 
-    /// The residual of the motion taken up.
+    /// The residual of the motion last evaluated.
     pub(crate) fn residual(&self, x: &[f64], at: &Conditions, out: &mut [f64]) {
         let (n, terms) = (self.system.contacts().len(), self.fourier.terms());
         for i in 0..n {
@@ -146,10 +146,16 @@ impl<'a> Balance<'a> {
     }
 
     /// `G_k P_k - g_k F_k` of one interface, or the same of a derivative of G and g.
-    fn linear_part(&self, i: usize, k: usize, force: f64, of: impl Fn(&Receptance) -> c64) -> c64 {
+    fn linear_part(
+        &self,
+        i: usize,
+        k: usize,
+        force: f64,
+        of: impl Fn(&Receptance) -> Complex64,
+    ) -> Complex64 {
         let terms = self.fourier.terms();
         let compliance = &self.compliances[k - 1];
-        let contact: c64 = (0..self.system.contacts().len())
+        let contact: Complex64 = (0..self.system.contacts().len())
             .map(|j| {
                 of(compliance.contact(i, j)) * amplitude_of(&self.forces[j * terms..][..terms], k)
             })
@@ -157,9 +163,9 @@ impl<'a> Balance<'a> {
         contact - of(compliance.drive(i)) * force
     }
 
-    /// Writes the derivative of the residual by the closures into the upper left of a matrix whose
-    /// rows are `stride` long.
-    pub(crate) fn by_closures(&self, stride: usize, out: &mut [f64]) {
+    /// Writes the derivative of the residual with respect to the closures into the upper left of a
+    /// matrix whose rows are `stride` long.
+    pub(crate) fn d_residual_d_closures(&self, stride: usize, out: &mut [f64]) {
         let (n, terms) = (self.system.contacts().len(), self.fourier.terms());
         let square = terms * terms;
         for i in 0..n {
@@ -190,23 +196,23 @@ impl<'a> Balance<'a> {
         }
     }
 
-    /// Derivative of the residual by the angular frequency of the fundamental.
-    pub(crate) fn by_frequency(&self, at: &Conditions, out: &mut [f64]) {
-        self.by_conditions(out, |k| {
+    /// Derivative of the residual with respect to the angular frequency of the fundamental.
+    pub(crate) fn d_residual_d_frequency(&self, at: &Conditions, out: &mut [f64]) {
+        self.d_residual_d_condition(out, |k| {
             let drive = if k == 1 { at.force } else { 0.0 };
-            (k as f64, drive, |receptance: &Receptance| receptance.by_frequency)
+            (k as f64, drive, |receptance: &Receptance| receptance.d_frequency)
         });
     }
 
-    /// Derivative of the residual by the anti-damping rate.
-    pub(crate) fn by_rate(&self, at: &Conditions, out: &mut [f64]) {
-        self.by_conditions(out, |k| {
+    /// Derivative of the residual with respect to the anti-damping rate.
+    pub(crate) fn d_residual_d_anti_damping(&self, at: &Conditions, out: &mut [f64]) {
+        self.d_residual_d_condition(out, |k| {
             let drive = if k == 1 { at.force } else { 0.0 };
-            (1.0, drive, |receptance: &Receptance| receptance.by_rate)
+            (1.0, drive, |receptance: &Receptance| receptance.d_anti_damping)
         });
     }
 
-    fn by_conditions<D: Fn(&Receptance) -> c64>(
+    fn d_residual_d_condition<D: Fn(&Receptance) -> Complex64>(
         &self,
         out: &mut [f64],
         of: impl Fn(usize) -> (f64, f64, D),
@@ -223,8 +229,8 @@ impl<'a> Balance<'a> {
         }
     }
 
-    /// Derivative of the residual by the force amplitude.
-    pub(crate) fn by_force(&self, out: &mut [f64]) {
+    /// Derivative of the residual with respect to the force amplitude.
+    pub(crate) fn d_residual_d_force(&self, out: &mut [f64]) {
         out.fill(0.0);
         let terms = self.fourier.terms();
         if let Some(compliance) = self.compliances.first() {
@@ -237,15 +243,15 @@ impl<'a> Balance<'a> {
     }
 
     /// Complex amplitude of harmonic k >= 1 of the driving point's displacement [m].
-    pub(crate) fn output(&self, k: usize, at: &Conditions) -> c64 {
+    pub(crate) fn output(&self, k: usize, at: &Conditions) -> Complex64 {
         let drive = if k == 1 { at.force } else { 0.0 };
         self.output_of(k, drive, |receptance| receptance.value)
     }
 
-    fn output_of(&self, k: usize, force: f64, of: impl Fn(&Receptance) -> c64) -> c64 {
+    fn output_of(&self, k: usize, force: f64, of: impl Fn(&Receptance) -> Complex64) -> Complex64 {
         let terms = self.fourier.terms();
         let compliance = &self.compliances[k - 1];
-        let contact: c64 = (0..self.system.contacts().len())
+        let contact: Complex64 = (0..self.system.contacts().len())
             .map(|j| of(compliance.drive(j)) * amplitude_of(&self.forces[j * terms..][..terms], k))
             .sum();
         of(&compliance.direct) * force - contact
@@ -262,8 +268,8 @@ impl<'a> Balance<'a> {
             .sum()
     }
 
-    /// Derivatives of the fundamental output by the closures: real and imaginary parts.
-    pub(crate) fn output_by_closures(&self, real: &mut [f64], imaginary: &mut [f64]) {
+    /// Derivatives of the fundamental output with respect to the closures: real and imaginary parts.
+    pub(crate) fn d_output_d_closures(&self, real: &mut [f64], imaginary: &mut [f64]) {
         let terms = self.fourier.terms();
         let square = terms * terms;
         for j in 0..self.system.contacts().len() {
@@ -276,26 +282,27 @@ impl<'a> Balance<'a> {
         }
     }
 
-    /// Derivatives of the fundamental output by angular frequency, anti-damping rate and force.
-    pub(crate) fn output_by_conditions(&self, at: &Conditions) -> [c64; 3] {
+    /// Derivatives of the fundamental output with respect to angular frequency, anti-damping rate and
+    /// force.
+    pub(crate) fn d_output_d_conditions(&self, at: &Conditions) -> [Complex64; 3] {
         [
-            self.output_of(1, at.force, |receptance| receptance.by_frequency),
-            self.output_of(1, at.force, |receptance| receptance.by_rate),
+            self.output_of(1, at.force, |receptance| receptance.d_frequency),
+            self.output_of(1, at.force, |receptance| receptance.d_anti_damping),
             self.compliances[0].direct.value,
         ]
     }
 
-    /// `|u^T M u| / |U_1|^2` of the fundamental motion [kg]. The derivative of a receptance by the
-    /// anti-damping rate is `i w` times that product of the fields of its two forces.
+    /// `|u^T M u| / |U_1|^2` of the fundamental motion [kg]. The derivative of a receptance with
+    /// respect to the anti-damping rate is `i w` times that product of the fields of its two forces.
     pub(crate) fn modal_mass(&self, at: &Conditions, amplitude: f64) -> f64 {
         let (n, terms) = (self.system.contacts().len(), self.fourier.terms());
         let compliance = &self.compliances[0];
         let force = |j: usize| amplitude_of(&self.forces[j * terms..], 1);
-        let mut sum = compliance.direct.by_rate * at.force * at.force;
+        let mut sum = compliance.direct.d_anti_damping * at.force * at.force;
         for i in 0..n {
-            sum -= compliance.drive(i).by_rate * force(i) * (2.0 * at.force);
+            sum -= compliance.drive(i).d_anti_damping * force(i) * (2.0 * at.force);
             for j in 0..n {
-                sum += compliance.contact(i, j).by_rate * force(i) * force(j);
+                sum += compliance.contact(i, j).d_anti_damping * force(i) * force(j);
             }
         }
         sum.norm() / (at.angular_frequency * amplitude * amplitude)
@@ -317,8 +324,8 @@ impl<'a> Balance<'a> {
     }
 
     /// Largest harmonic of the closures that was left out, H < k <= 2 H, over the largest kept:
-    /// `G_k P_k` with the forces of the motion taken up.
-    pub(crate) fn left_out(&self, x: &[f64]) -> f64 {
+    /// `G_k P_k` with the forces of the motion last evaluated.
+    pub(crate) fn truncation(&self, x: &[f64]) -> f64 {
         let (n, terms) = (self.system.contacts().len(), self.fourier.terms());
         let largest = x.iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
         let mut compliance = Compliance::zero(n);
@@ -330,7 +337,7 @@ impl<'a> Balance<'a> {
         for k in self.fourier.harmonics() + 1..=2 * self.fourier.harmonics() {
             self.system.linear().compliance(k as f64 * self.at.0, self.at.1, &mut compliance);
             for i in 0..n {
-                let closure: c64 = (0..n)
+                let closure: Complex64 = (0..n)
                     .map(|j| {
                         let force = amplitude_of(&series[j * (2 * terms - 1)..], k);
                         compliance.contact(i, j).value * force

@@ -1,10 +1,11 @@
 //! A branch of periodic responses.
 
-use crate::Response;
+use crate::PeriodicResponse;
 
-/// What is special at a place of a branch.
+/// Kind of a special point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Special {
+#[non_exhaustive]
+pub enum SpecialPointKind {
     /// The parameter turns back: two responses meet, and one multiplier is +1.
     Fold,
     /// The fundamental of the driving point is largest.
@@ -18,27 +19,28 @@ pub enum Special {
     BranchPoint,
 }
 
-impl Special {
-    /// Whether stability changes there; a peak is special for what is observed only.
+impl SpecialPointKind {
+    /// True for all kinds but a peak, at which stability does not change.
     pub fn is_bifurcation(self) -> bool {
         self != Self::Peak
     }
 }
 
-/// A located place on a branch.
+/// A special point located on a branch.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SpecialPoint {
-    /// What it is.
-    pub kind: Special,
+    /// Its kind.
+    pub kind: SpecialPointKind,
     /// It lies between points `after` and `after + 1`.
     pub after: usize,
     /// The response there.
-    pub response: Response,
+    pub response: PeriodicResponse,
 }
 
-/// Why a branch ends where it does.
+/// Termination of a branch.
 #[derive(Debug, Clone, PartialEq)]
-pub enum BranchEnd {
+#[non_exhaustive]
+pub enum Termination {
     /// At the end of the range asked for.
     Reached,
     /// It turned back and left the range where it came in.
@@ -57,15 +59,15 @@ pub enum BranchEnd {
     PointLimit,
 }
 
-/// Responses in the order of the branch, no point of which was left out.
+/// Periodic responses in the order of the branch.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Branch {
     /// The points.
-    pub points: Vec<Response>,
+    pub points: Vec<PeriodicResponse>,
     /// Folds, peaks and bifurcations, in the order of the branch.
     pub special: Vec<SpecialPoint>,
-    /// Why it ends.
-    pub end: BranchEnd,
+    /// Its termination.
+    pub termination: Termination,
     /// Harmonics kept.
     pub harmonics: usize,
     /// Samples per period.
@@ -75,14 +77,14 @@ pub struct Branch {
 impl Branch {
     /// The largest fundamental of the driving point: the highest located peak, or the highest
     /// point where the branch has no peak inside.
-    pub fn highest(&self) -> Option<&Response> {
-        let peaks = self.special.iter().filter(|special| special.kind == Special::Peak);
+    pub fn highest(&self) -> Option<&PeriodicResponse> {
+        let peaks = self.special.iter().filter(|special| special.kind == SpecialPointKind::Peak);
         let all = peaks.map(|special| &special.response).chain(&self.points);
         all.max_by(|a, b| a.amplitude(1).total_cmp(&b.amplitude(1)))
     }
 
-    /// Located places of one kind.
-    pub fn of_kind(&self, kind: Special) -> impl Iterator<Item = &Response> {
+    /// Special points of one kind.
+    pub fn of_kind(&self, kind: SpecialPointKind) -> impl Iterator<Item = &PeriodicResponse> {
         let found = self.special.iter().filter(move |special| special.kind == kind);
         found.map(|special| &special.response)
     }
@@ -92,8 +94,8 @@ impl Branch {
         self.points.iter().fold(0.0, |largest, point| largest.max(point.truncation))
     }
 
-    /// Whether the whole range was followed.
+    /// True if the branch covers the whole range.
     pub fn is_complete(&self) -> bool {
-        self.end == BranchEnd::Reached
+        self.termination == Termination::Reached
     }
 }

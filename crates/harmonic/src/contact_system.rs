@@ -2,15 +2,58 @@
 
 use std::sync::Arc;
 
-use asperity_structure::PreloadedStructure;
+use asperity_law::CompiledLaw;
+use asperity_structure::{PreloadedContact, PreloadedStructure};
 
-use crate::{Contact, ElasticBars, Evaluation, HarmonicError, LinearSystem};
+use crate::{HarmonicError, LinearSystem};
 
-/// A linear structure and the contacts between its faces: what steady responses are those of.
+/// Evaluation of the laws at the samples of a period.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum LawEvaluation {
+    /// By the law itself.
+    Exact,
+    /// By a table of cubics with this error, relative to the static pressure, and by the law
+    /// itself outside the table. Several times faster; amplitudes are off by about the tolerance.
+    Tabulated(f64),
+}
+
+impl Default for LawEvaluation {
+    /// A table to 1e-8 of the static pressure.
+    fn default() -> Self {
+        Self::Tabulated(1e-8)
+    }
+}
+
+/// Static pressures that the table reaches up to.
+const TABLE_TOP: f64 = 12.0;
+
+/// A linear structure and the contacts between its faces: the system whose periodic responses are
+/// sought.
+///
+/// ```
+/// use std::sync::Arc;
+///
+/// use asperity_harmonic::{ContactSystem, LawEvaluation};
+/// use asperity_law::Power;
+/// use asperity_mesh::{Body, Interface, Stack, Support};
+/// use asperity_structure::{Damping, PreloadedStructure};
+///
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let guide = Body::with_mass("guide", 0.229, 1.61, 71e9, 2710.0)?;
+/// let contact = Interface::new("guide-disc", 1.15e-4, Arc::new(Power::new(0.9e10, 0.35, 0.0)?))?;
+/// let stack = Stack::new(vec![guide], vec![contact], Support::Rigid, 9.81)?;
+/// let structure = PreloadedStructure::new(stack, Damping::Ratio(0.035))?;
+///
+/// let system = ContactSystem::of_structure(&structure, LawEvaluation::default())?;
+/// assert_eq!(system.contacts()[0].name(), "guide-disc");
+/// # Ok(())
+/// # }
+/// ```
 #[derive(Debug, Clone)]
 pub struct ContactSystem {
     linear: Arc<dyn LinearSystem>,
-    contacts: Vec<Contact>,
+    contacts: Vec<PreloadedContact>,
+    tables: Vec<Option<CompiledLaw>>,
 }
 
 impl ContactSystem {
@@ -18,10 +61,13 @@ impl ContactSystem {
     ///
     /// # Errors
     /// [`HarmonicError::ContactCount`] unless there is one contact per interface, and at least one;
-    /// what [`LinearSystem::check`] finds.
+    /// [`HarmonicError::NoStiffness`] for a contact without stiffness at rest;
+    /// [`HarmonicError::Law`] for a law that cannot be tabulated to the tolerance;
+    /// those of [`LinearSystem::check`].
     pub fn new(
         linear: Arc<dyn LinearSystem>,
-        contacts: Vec<Contact>,
+        contacts: Vec<PreloadedContact>,
+        evaluation: LawEvaluation,
     ) -> Result<Self, HarmonicError> {
         if contacts.len() != linear.interfaces() || contacts.is_empty() {
             return Err(HarmonicError::ContactCount {
@@ -29,31 +75,24 @@ impl ContactSystem {
                 contacts: contacts.len(),
             });
         }
+        let tables = contacts.iter().map(|contact| table(contact, evaluation));
+        let tables = tables.collect::<Result<_, _>>()?;
         linear.check()?;
-        Ok(Self { linear, contacts })
+        Ok(Self { linear, contacts, tables })
     }
 
-    /// A preloaded stack of elastic bars.
+    /// A preloaded structure, of elastic bars or in component modes, with its contacts.
     ///
     /// # Errors
-    /// [`HarmonicError`] for a law that has no stiffness at its static pressure or cannot be
-    /// tabulated.
-    pub fn of_stack(
-        structure: &PreloadedStructure,
-        evaluation: Evaluation,
-    ) -> Result<Self, HarmonicError> {
-        let contacts = structure
-            .contacts()
-            .iter()
-            .map(|contact| {
-                let law = Arc::clone(contact.law());
-                Contact::new(contact.name(), contact.area(), contact.pressure(), law, evaluation)
-            })
-            .collect::<Result<_, _>>()?;
-        Self::new(
-            Arc::new(ElasticBars::new(structure.stack(), structure.damping_rate())?),
-            contacts,
-        )
+    /// Those of [`new`](Self::new).
+    pub fn of_structure<M: Clone>(
+        structure: &PreloadedStructure<M>,
+        evaluation: LawEvaluation,
+    ) -> Result<Self, HarmonicError>
+    where
+        PreloadedStructure<M>: LinearSystem + 'static,
+    {
+        Self::new(Arc::new(structure.clone()), structure.contacts().to_vec(), evaluation)
     }
 
     /// The linear structure.
@@ -61,8 +100,64 @@ impl ContactSystem {
         &*self.linear
     }
 
-    /// The contacts.
-    pub fn contacts(&self) -> &[Contact] {
+    /// The contacts at rest.
+    pub fn contacts(&self) -> &[PreloadedContact] {
         &self.contacts
+    }
+
+    /// Force increments `S (p - p0)` \[N\] and tangents `S K` \[N/m\] of one contact at closure
+    /// increments from rest \[m\]; all three slices have one length.
+    pub(crate) fn forces(
+        &self,
+        interface: usize,
+        closures: &[f64],
+        forces: &mut [f64],
+        tangents: &mut [f64],
+    ) {
+        let contact = &self.contacts[interface];
+        let area = contact.area();
+        let exact = |x: f64| {
+            let found = contact.law().pressure_increment(contact.pressure(), x);
+            (found.value, found.tangent)
+        };
+        let places = closures.iter().zip(forces.iter_mut().zip(tangents.iter_mut()));
+        if let Some(table) = &self.tables[interface] {
+            for (&x, (force, tangent)) in places {
+                let tabulated = table.get_with_tangent(x);
+                let (value, slope) = if tabulated.0.is_nan() { exact(x) } else { tabulated };
+                *force = area * value;
+                *tangent = area * slope;
+            }
+        } else {
+            for (&x, (force, tangent)) in places {
+                let (value, slope) = exact(x);
+                *force = area * value;
+                *tangent = area * slope;
+            }
+        }
+    }
+}
+
+/// The table of a contact's law, if it is to be tabulated and has a static pressure to refer to.
+fn table(
+    contact: &PreloadedContact,
+    evaluation: LawEvaluation,
+) -> Result<Option<CompiledLaw>, HarmonicError> {
+    let (stiffness, pressure) = (contact.stiffness(), contact.pressure());
+    let interface = || contact.name().to_owned();
+    if stiffness <= 0.0 {
+        return Err(HarmonicError::NoStiffness {
+            interface: interface(),
+            pressure_pa: pressure,
+            stiffness_pa_per_m: stiffness,
+        });
+    }
+    match evaluation {
+        LawEvaluation::Tabulated(tolerance) if pressure > 0.0 => {
+            let table = CompiledLaw::new(contact.law(), pressure, TABLE_TOP * pressure, tolerance);
+            let named = |source| HarmonicError::Law { interface: interface(), source };
+            Ok(Some(table.map_err(named)?))
+        }
+        LawEvaluation::Exact | LawEvaluation::Tabulated(_) => Ok(None),
     }
 }

@@ -1,13 +1,12 @@
-//! A stack of elastic bars, in closed form.
+//! A preloaded stack of elastic bars as a linear system, in closed form.
 
-use faer::c64;
+use asperity_mesh::{Body, ComponentModes, ModeCount, Support};
+use asperity_structure::{PreloadedStructure, StructureError};
+use num_complex::Complex64;
 
-use asperity_mesh::{Body, Stack, Support};
+use crate::{Compliance, HarmonicError, LinearSystem, MeanBalance, Receptance};
 
-use crate::error::{HarmonicError, not_negative};
-use crate::{Compliance, LinearSystem, MeanBalance, ModalSystem, Receptance, bar_modes};
-
-/// The bars of a [`Stack`] and its support, exact at every frequency; contacts are not included.
+/// Exact at every frequency; contacts are not included.
 ///
 /// Under mass-proportional viscosity of rate h each free bar of length L, with
 /// `s = w^2 - i w h`, `kappa = sqrt(s) / c` and `th = kappa L`, has the end receptances
@@ -19,121 +18,95 @@ use crate::{Compliance, LinearSystem, MeanBalance, ModalSystem, Receptance, bar_
 /// which turn into the rigid body's `-1 / (m s)` at low frequency. Interface i lies between the
 /// lower end of bar i and the upper end of bar i + 1 or the support, so the compliance is
 /// tridiagonal. A spring-mass support has `1 / (k - w^2 m + i w c)`, its damper being its own.
-#[derive(Debug, Clone)]
-pub struct ElasticBars {
-    stack: Stack,
-    rate: f64,
-}
-
-impl ElasticBars {
-    /// The bars of `stack` with mass-proportional damping of `rate` h \[1/s\].
-    ///
-    /// # Errors
-    /// [`HarmonicError::Setting`] unless the rate is finite and not negative.
-    pub fn new(stack: &Stack, rate: f64) -> Result<Self, HarmonicError> {
-        Ok(Self { stack: stack.clone(), rate: not_negative("damping rate [1/s]", rate)? })
-    }
-
-    /// The stack.
-    pub fn stack(&self) -> &Stack {
-        &self.stack
-    }
-
-    /// Mass-proportional damping h \[1/s\].
-    pub fn rate(&self) -> f64 {
-        self.rate
-    }
-
-    fn support(&self, w: f64, anti_damping: f64) -> Receptance {
-        match *self.stack.support() {
-            Support::Rigid => Receptance::default(),
-            Support::SpringMass { stiffness, mass, .. } => {
-                let viscous = self.stack.support().damping() - anti_damping * mass;
-                let value = c64::new(stiffness - w * w * mass, w * viscous).inv();
-                Receptance {
-                    value,
-                    by_frequency: -value * value * c64::new(-2.0 * w * mass, viscous),
-                    by_rate: value * value * c64::new(0.0, w * mass),
-                }
-            }
-        }
-    }
-}
-
-impl LinearSystem for ElasticBars {
+impl LinearSystem for PreloadedStructure {
     fn interfaces(&self) -> usize {
-        self.stack.interfaces().len()
+        self.contacts().len()
     }
 
     fn compliance(&self, w: f64, anti_damping: f64, into: &mut Compliance) {
         into.clear();
-        let last = self.interfaces() - 1;
-        for (i, body) in self.stack.bodies().iter().enumerate() {
-            let (direct, cross) = free_bar(body, w, self.rate - anti_damping);
-            add(into.contact_mut(i, i), &direct, 1.0);
+        let last = self.contacts().len() - 1;
+        for (i, body) in self.stack().bodies().iter().enumerate() {
+            let (direct, cross) = free_bar(body, w, self.damping_rate() - anti_damping);
+            into.contact_mut(i, i).add(&direct, 1.0);
             if i == 0 {
                 into.direct = direct;
                 *into.drive_mut(0) = cross;
             } else {
-                add(into.contact_mut(i - 1, i - 1), &direct, 1.0);
-                add(into.contact_mut(i - 1, i), &cross, -1.0);
-                add(into.contact_mut(i, i - 1), &cross, -1.0);
+                into.contact_mut(i - 1, i - 1).add(&direct, 1.0);
+                into.contact_mut(i - 1, i).add(&cross, -1.0);
+                into.contact_mut(i, i - 1).add(&cross, -1.0);
             }
         }
-        add(into.contact_mut(last, last), &self.support(w, anti_damping), 1.0);
+        into.contact_mut(last, last).add(&support(self.stack().support(), w, anti_damping), 1.0);
     }
 
     fn mean_balance(&self) -> MeanBalance {
         // A support's spring carries the same mean force as at rest.
-        MeanBalance::determinate(self.interfaces())
+        MeanBalance::determinate(self.contacts().len())
     }
 
-    fn modal(&self, count: usize) -> ModalSystem {
-        bar_modes::of(&self.stack, self.rate, count)
+    fn lowest_modes(&self, count: usize) -> Result<ComponentModes, HarmonicError> {
+        let modes = ComponentModes::of_stack(self.stack(), ModeCount::Lowest(count));
+        Ok(modes.map_err(StructureError::from)?)
+    }
+
+    fn mass_damping(&self) -> f64 {
+        self.damping_rate()
     }
 }
 
-fn add(to: &mut Receptance, what: &Receptance, factor: f64) {
-    to.value += what.value * factor;
-    to.by_frequency += what.by_frequency * factor;
-    to.by_rate += what.by_rate * factor;
+/// Receptance of the support's face.
+fn support(support: &Support, w: f64, anti_damping: f64) -> Receptance {
+    match *support {
+        Support::Rigid => Receptance::default(),
+        Support::SpringMass { stiffness, mass, .. } => {
+            let viscous = support.damping() - anti_damping * mass;
+            let value = Complex64::new(stiffness - w * w * mass, w * viscous).inv();
+            Receptance {
+                value,
+                d_frequency: -value * value * Complex64::new(-2.0 * w * mass, viscous),
+                d_anti_damping: value * value * Complex64::new(0.0, w * mass),
+            }
+        }
+    }
 }
 
 /// Direct and cross end receptances of a free bar under the damping rate h.
 fn free_bar(body: &Body, w: f64, rate: f64) -> (Receptance, Receptance) {
-    let s = c64::new(w * w, -w * rate);
+    let s = Complex64::new(w * w, -w * rate);
     let kappa = s.sqrt() / body.wave_speed();
     let th = kappa * body.length();
     // exp(-i th) shrinks where damping makes th complex, so nothing overflows. With
     // `wave = 1 - exp(-2 i th)`: cot = i (2 - wave) / wave, 1 / sin = 2 i exp(-i th) / wave.
-    let turn = (th * c64::new(0.0, -1.0)).exp();
+    let turn = (th * Complex64::new(0.0, -1.0)).exp();
     let wave = one_minus_square(turn, th);
-    let i = c64::new(0.0, 1.0);
-    let cot = i * (c64::new(2.0, 0.0) - wave) / wave;
+    let i = Complex64::new(0.0, 1.0);
+    let cot = i * (Complex64::new(2.0, 0.0) - wave) / wave;
     let cosec = 2.0 * i * turn / wave;
     let flexibility = (kappa * body.axial_rigidity()).inv();
-    let length = c64::new(body.length(), 0.0);
+    let length = Complex64::new(body.length(), 0.0);
     let (direct, cross) = (-cot * flexibility, -cosec * flexibility);
     // By kappa: -(cot)' / (E A kappa) = L / sin^2, and the like; each also falls as 1 / kappa.
     let direct_slope = flexibility * length * cosec * cosec - direct / kappa;
     let cross_slope = flexibility * length * cosec * cot - cross / kappa;
     let by_square = kappa / (2.0 * s);
-    let (by_frequency, by_rate) = (c64::new(2.0 * w, -rate), c64::new(0.0, w));
-    let receptance = |value, slope: c64| Receptance {
+    let (d_frequency, d_anti_damping) = (Complex64::new(2.0 * w, -rate), Complex64::new(0.0, w));
+    let receptance = |value, slope: Complex64| Receptance {
         value,
-        by_frequency: slope * by_square * by_frequency,
-        by_rate: slope * by_square * by_rate,
+        d_frequency: slope * by_square * d_frequency,
+        d_anti_damping: slope * by_square * d_anti_damping,
     };
     (receptance(direct, direct_slope), receptance(cross, cross_slope))
 }
 
 /// `1 - turn^2` for `turn = exp(-i th)`, without cancellation for small th:
 /// `1 - exp(-2 i th) = 2 i sin(th) exp(-i th)`.
-fn one_minus_square(turn: c64, th: c64) -> c64 {
+fn one_minus_square(turn: Complex64, th: Complex64) -> Complex64 {
     if th.norm() < 0.5 {
-        c64::new(0.0, 2.0) * th.sin() * turn
+        Complex64::new(0.0, 2.0) * th.sin() * turn
     } else {
-        c64::new(1.0, 0.0) - turn * turn
+        Complex64::new(1.0, 0.0) - turn * turn
     }
 }
 
@@ -154,7 +127,7 @@ mod tests {
             let other = direct.value * k.cross + cross.value * k.direct;
             // A slow bar is nearly rigid: k.direct and k.cross nearly cancel.
             let bound = 1e-14 * (k.direct * direct.value.re).abs().max(1.0);
-            assert!((same - c64::new(1.0, 0.0)).norm() < bound, "{w}: {same}");
+            assert!((same - Complex64::new(1.0, 0.0)).norm() < bound, "{w}: {same}");
             assert!(other.norm() < bound, "{w}: {other}");
         }
     }
@@ -173,9 +146,9 @@ mod tests {
                 [(direct, up.0, down.0, more.0, less.0), (cross, up.1, down.1, more.1, less.1)]
             {
                 let slope = (up.value - down.value) / (2.0 * dw);
-                assert!((slope / exact.by_frequency - 1.0).norm() < 1e-6);
+                assert!((slope / exact.d_frequency - 1.0).norm() < 1e-6);
                 let slope = (more.value - less.value) / (2.0 * dh);
-                assert!((slope / exact.by_rate - 1.0).norm() < 1e-6);
+                assert!((slope / exact.d_anti_damping - 1.0).norm() < 1e-6);
             }
         }
     }

@@ -1,9 +1,11 @@
-//! What can be wrong with a request for periodic responses.
+//! Errors of periodic responses.
 
 use asperity_law::LawError;
+use asperity_structure::StructureError;
 
-/// Why a periodic response or a branch of them cannot be computed.
+/// A periodic response or a branch of them cannot be computed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum HarmonicError {
     /// A setting is out of its range.
     #[error("{quantity} is {value}; accepted: {accepted}")]
@@ -15,12 +17,12 @@ pub enum HarmonicError {
         /// The range accepted.
         accepted: &'static str,
     },
-    /// A range to follow has no length.
+    /// The range of a continuation has no length.
     #[error(
         "the {quantity} goes from {from} to {to}; give two different values that are positive and finite"
     )]
     EmptyRange {
-        /// What was to be varied, with its unit.
+        /// The parameter, with its unit.
         quantity: &'static str,
         /// Start of the range.
         from: f64,
@@ -35,7 +37,7 @@ pub enum HarmonicError {
         /// Contacts given.
         contacts: usize,
     },
-    /// A law cannot carry its static pressure, or has no stiffness there.
+    /// A law has no stiffness at its static pressure.
     #[error(
         "interface \"{interface}\" has the stiffness {stiffness_pa_per_m} Pa/m at its static pressure of {pressure_pa} Pa; a periodic response needs one that is positive and finite"
     )]
@@ -52,9 +54,12 @@ pub enum HarmonicError {
     Law {
         /// Name of the interface.
         interface: String,
-        /// What the law says.
+        /// The error of the law.
         source: LawError,
     },
+    /// The structure at rest or its component modes cannot be computed.
+    #[error(transparent)]
+    Structure(#[from] StructureError),
     /// A part of the structure moves freely and no contact holds it.
     #[error(
         "{free} rigid motions of the structure meet only {held} independent closures; each must be held by a contact"
@@ -65,7 +70,7 @@ pub enum HarmonicError {
         /// Number of them that the contacts hold.
         held: usize,
     },
-    /// No periodic response was found where the branch should start.
+    /// No periodic response was found at the start of the branch.
     #[error(
         "no periodic response found at {frequency_hz} Hz and {force_n} N (relative residual {residual:.1e}); start at a lower force or further from resonance, or allow more harmonics"
     )]
@@ -77,7 +82,7 @@ pub enum HarmonicError {
         /// Residual left, relative to the motion; NaN if the numbers overflowed.
         residual: f64,
     },
-    /// The response at the start of the branch would press an interface beyond what its law allows.
+    /// The response at the start of the branch closes an interface beyond the limit of its law.
     #[error(
         "at {frequency_hz} Hz and {force_n} N interface \"{interface}\" would close by {closure_m:.3e} m from rest, where its law gives no finite pressure; lower the force"
     )]

@@ -82,7 +82,8 @@ impl Factorization {
     }
 }
 
-fn dot(a: &[f64], b: &[f64]) -> f64 {
+/// Scalar product.
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 

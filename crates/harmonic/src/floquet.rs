@@ -8,34 +8,35 @@
 //!
 //! with the contact tangents `K_c = diag(S dp/dd)` along the motion and the residual flexibility R
 //! in series with them. The state after one period is the monodromy matrix times the state before;
-//! its eigenvalues are the multipliers, as many as there are states: none has to be sorted out
-//! from a larger set. The motion is stable if all lie within the unit circle.
+//! its eigenvalues are the multipliers, as many as there are states. The motion is stable if all lie
+//! within the unit circle.
 //!
 //! | module | holds |
 //! |---|---|
 //! | `koopman_hill` | the monodromy matrix projected from Hill's matrix |
 //! | `runge_kutta` | the same by integration in time |
-//! | `variation` | the linear equation above |
+//! | `variational_equation` | the linear equation above |
 
 mod koopman_hill;
 mod runge_kutta;
-mod variation;
+mod variational_equation;
 
-use faer::{Mat, c64};
+use faer::Mat;
+use num_complex::Complex64;
 
 use crate::balance::Balance;
 use crate::{ContactSystem, HarmonicError};
 use koopman_hill::KoopmanHill;
 use runge_kutta::RungeKutta;
-use variation::Variation;
+use variational_equation::VariationalEquation;
 
-/// How the monodromy matrix is computed.
+/// Method of computing the monodromy matrix.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum FloquetMethod {
     /// Hill's matrix, projected: the disturbance and its products with the harmonics of the motion
     /// obey a constant matrix; its exponential, applied to a disturbance and all its products,
-    /// gives the disturbance later. Over parts of a period, so that the truncation of the matrix
-    /// is not felt. Converges exponentially with the harmonics of a smooth stiffness.
+    /// gives the disturbance later. Applied over parts of a period, to keep the truncation of the
+    /// matrix below rounding. Converges exponentially with the harmonics of a smooth stiffness.
     ///
     /// Source: F. Bayer, R. Leine, Nonlinear Dyn. 2023, 111, 8439, doi 10.1007/s11071-023-08247-7.
     KoopmanHill,
@@ -45,7 +46,7 @@ pub enum FloquetMethod {
     RungeKutta,
 }
 
-/// How stability is judged.
+/// Settings of the stability analysis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Floquet {
     /// The method.
@@ -79,8 +80,8 @@ impl Floquet {
 
 /// Computes multipliers; keeps its memory from point to point.
 #[derive(Debug)]
-pub(crate) struct Judge {
-    variation: Variation,
+pub(crate) struct FloquetSolver {
+    variation: VariationalEquation,
     method: Method,
 }
 
@@ -90,24 +91,25 @@ enum Method {
     RungeKutta(RungeKutta),
 }
 
-impl Judge {
-    pub(crate) fn new(system: &ContactSystem, floquet: Floquet) -> Self {
-        let variation = Variation::new(system.linear().modal(floquet.modes));
+impl FloquetSolver {
+    pub(crate) fn new(system: &ContactSystem, floquet: Floquet) -> Result<Self, HarmonicError> {
+        let modes = system.linear().lowest_modes(floquet.modes)?;
+        let variation = VariationalEquation::new(&modes, system.linear().mass_damping());
         let method = match floquet.method {
             FloquetMethod::KoopmanHill => Method::KoopmanHill(KoopmanHill::default()),
             FloquetMethod::RungeKutta => Method::RungeKutta(RungeKutta::default()),
         };
-        Self { variation, method }
+        Ok(Self { variation, method })
     }
 
-    /// The multipliers of the motion that the balance took up, largest first; NaN if they cannot
-    /// be computed.
+    /// The multipliers of the motion that the balance evaluated last, largest first; NaN if they
+    /// cannot be computed.
     pub(crate) fn multipliers(
         &mut self,
         balance: &Balance<'_>,
         closures: &[f64],
         angular_frequency: f64,
-    ) -> Vec<c64> {
+    ) -> Vec<Complex64> {
         let monodromy = match &mut self.method {
             Method::KoopmanHill(method) => {
                 method.monodromy(&mut self.variation, balance, angular_frequency)
@@ -122,16 +124,16 @@ impl Judge {
     }
 }
 
-fn eigenvalues(matrix: &Mat<f64>) -> Vec<c64> {
+fn eigenvalues(matrix: &Mat<f64>) -> Vec<Complex64> {
     let size = matrix.nrows();
     if size == 2 {
         // In closed form, without a call for every point of a simple system.
         let (a, b, c, d) = (matrix[(0, 0)], matrix[(0, 1)], matrix[(1, 0)], matrix[(1, 1)]);
         let (mean, half) = (0.5 * (a + d), 0.5 * (a - d));
-        let root = c64::new(half * half + b * c, 0.0).sqrt();
-        return vec![c64::new(mean, 0.0) + root, c64::new(mean, 0.0) - root];
+        let root = Complex64::new(half * half + b * c, 0.0).sqrt();
+        return vec![Complex64::new(mean, 0.0) + root, Complex64::new(mean, 0.0) - root];
     }
     let finite = (0..size).all(|j| (0..size).all(|i| matrix[(i, j)].is_finite()));
-    let nothing = || vec![c64::new(f64::NAN, f64::NAN); size];
+    let nothing = || vec![Complex64::new(f64::NAN, f64::NAN); size];
     if finite { matrix.eigenvalues().unwrap_or_else(|_| nothing()) } else { nothing() }
 }

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use faer::c64;
+use num_complex::Complex64;
 
 /// Tables that take a series of H harmonics to N samples of a period, and samples to 2H harmonics.
 ///
@@ -70,12 +70,12 @@ impl Fourier {
     pub(crate) fn analyse(&self, samples: &[f64], series: &mut [f64]) {
         let scale = 2.0 / self.samples as f64;
         for (row, coefficient) in series.iter_mut().enumerate() {
-            *coefficient = scale * dot(self.row(row), samples);
+            *coefficient = scale * long_dot(self.row(row), samples);
         }
         series[0] *= 0.5;
     }
 
-    /// Derivative of the series of `p(x(th))` by that of x, from the series (to 2H) of the
+    /// Derivative of the series of `p(x(th))` with respect to that of x, from the series (to 2H) of the
     /// tangent dp/dx: a square matrix of `terms` rows.
     ///
     /// With `C_k`, `S_k` the cosine and sine coefficients of the tangent and `C_0` twice its mean,
@@ -115,11 +115,11 @@ impl Fourier {
 }
 
 /// Complex amplitude of harmonic k >= 1 of a series: `a - i b` for `a cos + b sin`.
-pub(crate) fn amplitude_of(series: &[f64], k: usize) -> c64 {
-    c64::new(series[2 * k - 1], -series[2 * k])
+pub(crate) fn amplitude_of(series: &[f64], k: usize) -> Complex64 {
+    Complex64::new(series[2 * k - 1], -series[2 * k])
 }
 
-/// Value of a series at the angle `th`, and its first two derivatives by the angle.
+/// Value of a series at the angle `th`, and its first two derivatives.
 pub(crate) fn value_at(series: &[f64], th: f64) -> [f64; 3] {
     let mut sum = [series[0], 0.0, 0.0];
     for (k, pair) in (1..).map(f64::from).zip(series[1..].chunks_exact(2)) {
@@ -132,8 +132,8 @@ pub(crate) fn value_at(series: &[f64], th: f64) -> [f64; 3] {
     sum
 }
 
-/// Eight sums side by side, which the compiler may keep in vector registers.
-fn dot(a: &[f64], b: &[f64]) -> f64 {
+/// Scalar product in eight sums, which the compiler may keep in vector registers.
+fn long_dot(a: &[f64], b: &[f64]) -> f64 {
     let (blocks_a, rest_a) = a.as_chunks::<8>();
     let (blocks_b, rest_b) = b.as_chunks::<8>();
     let mut sums = [0.0; 8];

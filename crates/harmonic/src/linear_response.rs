@@ -1,8 +1,8 @@
-//! The response of the linearised structure: where branches start and what they are scaled by.
+//! The response of the linearised structure: start and scale of branches.
 
 use std::f64::consts::TAU;
 
-use faer::c64;
+use num_complex::Complex64;
 
 use crate::ContactSystem;
 use crate::balance::{Balance, Conditions};
@@ -13,7 +13,7 @@ use crate::factorization::Factorization;
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct LinearResponse {
     pub(crate) closures: Vec<f64>,
-    pub(crate) output: c64,
+    pub(crate) output: Complex64,
 }
 
 /// Solves for linear responses; keeps its memory from frequency to frequency.
@@ -37,8 +37,8 @@ impl<'a> LinearSolver<'a> {
         let at = Conditions { angular_frequency, anti_damping: 0.0, force: 1.0 };
         let mut closures = vec![0.0; n];
         self.balance.evaluate(&closures, &at).ok()?;
-        self.balance.by_closures(n, self.matrix.matrix());
-        self.balance.by_force(&mut closures);
+        self.balance.d_residual_d_closures(n, self.matrix.matrix());
+        self.balance.d_residual_d_force(&mut closures);
         for x in &mut closures {
             *x = -*x;
         }
@@ -47,10 +47,10 @@ impl<'a> LinearSolver<'a> {
         }
         self.matrix.solve(&mut closures);
         let [real, imaginary] = &mut self.output;
-        self.balance.output_by_closures(real, imaginary);
+        self.balance.d_output_d_closures(real, imaginary);
         let sum = |row: &[f64]| row.iter().zip(&closures).map(|(a, x)| a * x).sum::<f64>();
-        let [_, _, direct] = self.balance.output_by_conditions(&at);
-        let output = direct + c64::new(sum(real), sum(imaginary));
+        let [_, _, direct] = self.balance.d_output_d_conditions(&at);
+        let output = direct + Complex64::new(sum(real), sum(imaginary));
         let response = LinearResponse { closures, output };
         response.size().is_finite().then_some(response)
     }
@@ -65,10 +65,10 @@ impl LinearResponse {
 
 /// The receptance u/f \[m/N\] of the driving point, linearised about rest, at `frequency` \[Hz\]: the
 /// limit of the harmonic balance for small forces. NaN where it is infinite.
-pub fn linear_receptance(system: &ContactSystem, frequency: f64) -> c64 {
+pub fn linear_receptance(system: &ContactSystem, frequency: f64) -> Complex64 {
     LinearSolver::new(system)
         .at(TAU * frequency)
-        .map_or(c64::new(f64::NAN, f64::NAN), |response| response.output)
+        .map_or(Complex64::new(f64::NAN, f64::NAN), |response| response.output)
 }
 
 /// Angular frequency \[rad/s\] of the linearised resonance nearest to `near` \[rad/s\], within a

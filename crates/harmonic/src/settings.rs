@@ -1,10 +1,10 @@
-//! Settings of harmonic balance and continuation.
+//! HarmonicSettings of harmonic balance and continuation.
 
 use crate::{Floquet, HarmonicError};
 
-/// How many harmonics are kept and how many samples of a period the laws are evaluated at.
+/// Number of harmonics kept, and of samples of a period at which the laws are evaluated.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Resolution {
+pub enum FourierResolution {
     /// A fixed number of both; samples are raised to `4 H + 2` where they are fewer.
     Fixed {
         /// Harmonics H kept beside the mean.
@@ -23,15 +23,15 @@ pub enum Resolution {
     },
 }
 
-impl Default for Resolution {
+impl Default for FourierResolution {
     /// Automatic, to 1e-6, with at most 60 harmonics.
     fn default() -> Self {
         Self::Automatic { tolerance: 1e-6, most: 60 }
     }
 }
 
-impl Resolution {
-    /// Most harmonics accepted: the matrices of more would not fit small caches or patience.
+impl FourierResolution {
+    /// Most harmonics accepted.
     pub const MOST_HARMONICS: usize = 400;
 
     /// Most samples accepted: with the most harmonics the tables then take 210 MB.
@@ -72,10 +72,10 @@ pub struct StepControl {
     pub first: f64,
     /// Longest step.
     pub longest: f64,
-    /// Shortest step before the branch is given up.
+    /// Shortest step before the branch ends.
     pub shortest: f64,
-    /// Turn of the tangent from step to step that is aimed at \[rad\]; three times as much is
-    /// refused.
+    /// Turn of the tangent from step to step that is aimed at \[rad\]; steps with three times as much
+    /// are repeated, shorter.
     pub turn: f64,
     /// Most points of a branch.
     pub points: usize,
@@ -87,19 +87,18 @@ impl Default for StepControl {
     }
 }
 
-/// Settings of a branch.
+/// HarmonicSettings of a branch.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Settings {
+pub struct HarmonicSettings {
     /// Harmonics and samples.
-    pub resolution: Resolution,
+    pub resolution: FourierResolution,
     /// Steps along the branch.
     pub steps: StepControl,
-    /// How stability is judged at every point of a driven branch; `None` leaves it open. Modes of
-    /// free motion are not judged.
+    /// Stability analysis at every point of a driven branch, if any. Modes of free motion have none.
     pub stability: Option<Floquet>,
 }
 
-impl Settings {
+impl HarmonicSettings {
     pub(crate) fn check(&self) -> Result<(), HarmonicError> {
         self.resolution.check()?;
         let steps = &self.steps;

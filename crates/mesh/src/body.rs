@@ -1,13 +1,21 @@
-//! One elastic bar.
+//! Elastic bars.
 
 use crate::error::{MeshError, positive};
 
 /// An elastic bar in longitudinal motion: length, section, modulus, density.
 ///
-/// The paper's Table 2 gives a mass that its section and density do not (see
-/// the decision record on the equivalent model): a bar built
-/// [`with_mass`](Body::with_mass) has the section `A = m / (rho L)`, so that
-/// wave speed, mass and static pressure are all kept.
+/// The paper's Table 2 gives a mass that differs from density times section times length (see the
+/// decision record on the equivalent model): a bar built [`with_mass`](Body::with_mass) has the
+/// section `A = m / (rho L)`, which keeps wave speed, mass and static pressure.
+///
+/// ```
+/// use asperity_mesh::Body;
+///
+/// let guide = Body::with_mass("guide", 0.229, 1.61, 71e9, 2710.0)?;
+/// assert!((guide.section() - 2.594e-3).abs() < 1e-6);
+/// assert!((guide.wave_speed() - 5118.5).abs() < 0.1);
+/// # Ok::<(), asperity_mesh::MeshError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Body {
     name: String,
@@ -115,7 +123,7 @@ mod tests {
     }
 
     #[test]
-    fn values_that_are_not_positive_are_refused() {
+    fn values_that_are_not_positive_are_errors() {
         for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
             assert!(Body::new("b", bad, 1.0, 1.0, 1.0).is_err());
             assert!(Body::new("b", 1.0, bad, 1.0, 1.0).is_err());

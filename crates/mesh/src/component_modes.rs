@@ -1,30 +1,15 @@
-//! A structure as modes: modes and what the modes left out still yield.
-//!
-//! Between its contacts a structure is linear. Expanded in mass-normalised
-//! modes `n` of the parts taken apart (contacts open, hammer off), under a
-//! drive force `f` and contact forces `F_j` beyond those at rest,
-//!
-//! ```text
-//! q_n'' + c_n q_n' + w_n^2 q_n = b_n f - sum_j g_nj F_j
-//! closure_i = sum_n g_ni q_n + r_i f - sum_j R_ij F_j
-//! output    = sum_n o_n q_n + r_o f - sum_j s_j F_j
-//! ```
-//!
-//! where the residual flexibilities `R`, `r`, `s` are the static yielding of
-//! all modes left out. Nothing here is particular to bars: modes of a finite
-//! element model fill the same numbers.
-
-use std::f64::consts::PI;
+//! Component modes: free-interface normal modes with residual flexibility.
 
 use crate::error::{MeshError, not_negative};
-use crate::{Body, Stack, Support};
+use crate::mode_count::{checked_count, first_frequency};
+use crate::{ModeCount, Stack, Support};
 
-/// One mass-normalised mode.
+/// One mass-normalised mode of a structure with open contacts.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NormalMode {
     /// Angular frequency w \[rad/s\]; zero for a rigid motion.
     pub angular_frequency: f64,
-    /// Whether the mass-proportional damping h of the bodies acts on it.
+    /// True if the mass-proportional damping h of the bodies acts on it.
     pub mass_damped: bool,
     /// Damping rate of its own \[1/s\], beyond mass-proportional damping.
     pub damping_rate: f64,
@@ -32,18 +17,41 @@ pub struct NormalMode {
     pub drive: f64,
     /// Shape at the output \[kg^-1/2\].
     pub output: f64,
-    /// Shape of each interface's closure, upper face less lower face \[kg^-1/2\].
+    /// Shape of each contact pair's closure, upper face less lower face \[kg^-1/2\].
     pub closure: Vec<f64>,
 }
 
+impl NormalMode {
+    /// A rigid motion under mass-proportional damping, of shape `drive` at the driving point, which
+    /// is also the output, and `closure` at the contact pairs \[kg^-1/2\].
+    pub fn rigid(drive: f64, closure: Vec<f64>) -> Self {
+        Self::elastic(0.0, drive, closure)
+    }
+
+    /// A mode of `angular_frequency` \[rad/s\] under mass-proportional damping, of shape `drive` at
+    /// the driving point, which is also the output, and `closure` at the contact pairs \[kg^-1/2\].
+    pub fn elastic(angular_frequency: f64, drive: f64, closure: Vec<f64>) -> Self {
+        let (mass_damped, damping_rate) = (true, 0.0);
+        Self { angular_frequency, mass_damped, damping_rate, drive, output: drive, closure }
+    }
+
+    /// Damping rate of the mode \[1/s\] under the mass-proportional damping `mass_damping` \[1/s\].
+    pub fn total_damping(&self, mass_damping: f64) -> f64 {
+        self.damping_rate + if self.mass_damped { mass_damping } else { 0.0 }
+    }
+}
+
 /// Static flexibility of the modes left out \[m/N\].
+///
+/// Sources: R. H. MacNeal, Comput. Struct. 1971, 1, 581, doi 10.1016/0045-7949(71)90031-9;
+/// S. Rubin, AIAA J. 1975, 13, 995, doi 10.2514/3.60497.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ResidualFlexibility {
-    /// Closure of interface i per contact force at j: row i, column j.
+    /// Closure of pair i per contact force at pair j: row i, column j.
     pub closure: Vec<Vec<f64>>,
-    /// Closure of each interface per drive force.
+    /// Closure of each pair per drive force.
     pub drive: Vec<f64>,
-    /// Output per contact force at each interface.
+    /// Output per contact force at each pair.
     pub output: Vec<f64>,
     /// Output per drive force.
     pub direct: f64,
@@ -52,6 +60,17 @@ pub struct ResidualFlexibility {
 }
 
 impl ResidualFlexibility {
+    /// No flexibility between `interfaces` contact pairs: no mode is left out.
+    pub fn zero(interfaces: usize) -> Self {
+        Self {
+            closure: vec![vec![0.0; interfaces]; interfaces],
+            drive: vec![0.0; interfaces],
+            output: vec![0.0; interfaces],
+            direct: 0.0,
+            driving_point: 0.0,
+        }
+    }
+
     /// Adds the static flexibility of `mode`, which must not be rigid: the mode is left out then.
     pub fn add(&mut self, mode: &NormalMode) {
         let yielding = mode.angular_frequency.powi(-2);
@@ -71,76 +90,38 @@ impl ResidualFlexibility {
     }
 }
 
-/// Modes and residual flexibility of a structure with open contacts.
+/// Free-interface normal modes and residual flexibility of a structure with open contacts.
+///
+/// Between its contacts a structure is linear. Expanded in mass-normalised modes `n` of the parts
+/// taken apart (contacts open), under a drive force `f` and contact forces `F_j` beyond those at
+/// rest,
+///
+/// ```text
+/// q_n'' + c_n q_n' + w_n^2 q_n = b_n f - sum_j g_nj F_j
+/// closure_i = sum_n g_ni q_n + r_i f - sum_j R_ij F_j
+/// output    = sum_n o_n q_n + r_o f - sum_j s_j F_j
+/// ```
+///
+/// with the residual flexibilities `R`, `r`, `s` of all modes left out. The modes come from bars in
+/// closed form, from [matrices](ComponentModes::from_matrices), or from elsewhere.
+///
+/// ```
+/// use asperity_mesh::{ComponentModes, NormalMode, ResidualFlexibility};
+///
+/// // A mass of 4 kg on one contact.
+/// let mass = NormalMode::rigid(0.5, vec![0.5]);
+/// let modes = ComponentModes::new(vec![mass], ResidualFlexibility::zero(1))?;
+/// assert_eq!(modes.interfaces(), 1);
+/// # Ok::<(), asperity_mesh::MeshError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct ComponentModes {
     modes: Vec<NormalMode>,
     residual: ResidualFlexibility,
 }
 
-/// How many modes of each body are kept.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum ModeCount {
-    /// This many, the rigid one included.
-    PerBody(usize),
-    /// So many that up to `angular_frequency` \[rad/s\] the inertia of the modes left out, which
-    /// residual flexibility neglects, is at most `tolerance` of the body's own.
-    Bound {
-        /// Highest angular frequency of interest \[rad/s\].
-        angular_frequency: f64,
-        /// Share of the body's rigid receptance `1 / (m w^2)` that may be neglected.
-        tolerance: f64,
-    },
-}
-
-/// Most modes of one body.
-const MOST_MODES: usize = 2000;
-
-impl ModeCount {
-    /// Number of modes of `body`, the rigid one included.
-    ///
-    /// A free-free mode n has receptance `2 / (m (w_n^2 - w^2))` at the faces. Of this, residual
-    /// flexibility keeps `2 / (m w_n^2)` and neglects, over `1 / (m w^2)`,
-    /// `2 (w / w_n)^4 / (1 - (w / w_n)^2)`; with `w_n = n w_1` the sum over n > N is below
-    /// `2 (w / w_1)^4 / (1 - (w / w_N+1)^2)` times `1 / (N + 1)^4 + 1 / (3 (N + 1)^3)`.
-    ///
-    /// # Errors
-    /// [`MeshError::ModeCount`] for no modes, or more than 2000.
-    pub fn of(self, body: &Body) -> Result<usize, MeshError> {
-        let name = || body.name().to_owned();
-        let refuse = |modes: f64| MeshError::ModeCount { body: name(), modes, limit: MOST_MODES };
-        match self {
-            Self::PerBody(modes) if (1..=MOST_MODES).contains(&modes) => Ok(modes),
-            Self::PerBody(modes) => Err(refuse(modes as f64)),
-            Self::Bound { angular_frequency, tolerance } => {
-                not_negative(body.name(), "angular frequency [rad/s]", angular_frequency)?;
-                let first = PI * body.wave_speed() / body.length();
-                let ratio = angular_frequency / first;
-                let neglected = |kept: usize| {
-                    let next = kept as f64;
-                    let tail = next.powi(-4) + next.powi(-3) / 3.0;
-                    // Below resonance with margin, or the series says nothing.
-                    let below = 1.0 - (ratio / next).powi(2);
-                    if below < 0.5 { f64::INFINITY } else { 2.0 * ratio.powi(4) * tail / below }
-                };
-                (1..=MOST_MODES)
-                    .find(|&kept| neglected(kept) <= tolerance)
-                    .ok_or_else(|| refuse(ratio))
-            }
-        }
-    }
-
-    /// Number of modes of every body of `stack`, the rigid one included.
-    ///
-    /// # Errors
-    /// Those of [`of`](Self::of).
-    pub fn counts(self, stack: &Stack) -> Result<Vec<usize>, MeshError> {
-        stack.bodies().iter().map(|body| self.of(body)).collect()
-    }
-}
-
 impl ComponentModes {
-    /// A structure from its modes and residual flexibility, wherever they come from.
+    /// A structure from its modes and residual flexibility.
     ///
     /// # Errors
     /// [`MeshError::ModalSize`] when a row has not one entry per interface;
@@ -180,17 +161,11 @@ impl ComponentModes {
     pub fn with_counts(stack: &Stack, counts: &[usize]) -> Result<Self, MeshError> {
         let interfaces = stack.interfaces().len();
         let mut modes = Vec::new();
-        let mut residual = ResidualFlexibility {
-            closure: vec![vec![0.0; interfaces]; interfaces],
-            drive: vec![0.0; interfaces],
-            output: vec![0.0; interfaces],
-            direct: 0.0,
-            driving_point: 0.0,
-        };
+        let mut residual = ResidualFlexibility::zero(interfaces);
         for (i, body) in stack.bodies().iter().enumerate() {
             let count = counts.get(i).copied().unwrap_or(0);
-            let kept = ModeCount::PerBody(count).of(body)?;
-            let first = PI * body.wave_speed() / body.length();
+            let kept = checked_count(body, count)?;
+            let first = first_frequency(body);
             let static_flexibility = body.length() / body.axial_rigidity();
             let (mut same, mut across) = (static_flexibility / 3.0, -static_flexibility / 6.0);
             for n in 0..kept {
@@ -207,14 +182,7 @@ impl ComponentModes {
                     closure[i - 1] = -shape;
                 }
                 let at_top = if i == 0 { shape } else { 0.0 };
-                modes.push(NormalMode {
-                    angular_frequency: w,
-                    mass_damped: true,
-                    damping_rate: 0.0,
-                    drive: at_top,
-                    output: at_top,
-                    closure,
-                });
+                modes.push(NormalMode::elastic(w, at_top, closure));
             }
             residual.closure[i][i] += same;
             if i == 0 {
@@ -254,121 +222,5 @@ impl ComponentModes {
     /// Number of interfaces.
     pub fn interfaces(&self) -> usize {
         self.residual.closure.len()
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::{BarStiffness, Interface};
-    use asperity_law::Constant;
-    use std::sync::Arc;
-
-    fn stack(support: Support) -> Stack {
-        let law = Arc::new(Constant::new(1e12).unwrap());
-        let contact = |name| Interface::new(name, 1e-4, law.clone()).unwrap();
-        let bodies = vec![
-            Body::new("a", 0.2, 2e-3, 71e9, 2710.0).unwrap(),
-            Body::new("b", 0.03, 1e-4, 71e9, 2710.0).unwrap(),
-        ];
-        Stack::new(bodies, vec![contact("ab"), contact("b0")], support, 9.81).unwrap()
-    }
-
-    /// Receptance of closure 0 per contact force 0 of the modal structure, without damping.
-    fn closure_receptance(structure: &ComponentModes, w: f64, (i, j): (usize, usize)) -> f64 {
-        let modes = structure.modes().iter();
-        let sum: f64 = modes
-            .map(|m| m.closure[i] * m.closure[j] / (m.angular_frequency.powi(2) - w * w))
-            .sum();
-        sum + structure.residual().closure[i][j]
-    }
-
-    /// Against the closed-form dynamic stiffness of the bars: the error is the neglected
-    /// inertia and falls with the fourth power of frequency, as the bound says.
-    #[test]
-    fn modes_and_residual_meet_the_closed_form_receptance() {
-        let stack = stack(Support::Rigid);
-        let exact = |w: f64, direct: bool| {
-            let [a, b] = [0, 1].map(|i| BarStiffness::at(&stack.bodies()[i], w));
-            // Flexibility is the inverse of the two-by-two dynamic stiffness.
-            let inverse = |s: &BarStiffness| {
-                let determinant = s.direct * s.direct - s.cross * s.cross;
-                (s.direct / determinant, -s.cross / determinant)
-            };
-            let ((a_same, _), (b_same, b_across)) = (inverse(&a), inverse(&b));
-            if direct { a_same + b_same } else { -b_across }
-        };
-        let first = PI * stack.bodies()[0].wave_speed() / stack.bodies()[0].length();
-        for kept in [1, 2, 5] {
-            let structure = ComponentModes::of_stack(&stack, ModeCount::PerBody(kept)).unwrap();
-            let error =
-                |w: f64| (closure_receptance(&structure, w, (0, 0)) - exact(w, true)).abs() * w * w;
-            let (low, high) = (error(0.05 * first), error(0.1 * first));
-            let slope = (high / low).log2();
-            assert!((slope - 4.0).abs() < 0.1, "{kept}: {slope}");
-            let across = closure_receptance(&structure, 0.1 * first, (0, 1));
-            assert!((across / exact(0.1 * first, false) - 1.0).abs() < 1e-6);
-        }
-    }
-
-    #[test]
-    fn the_bound_keeps_the_modes_that_matter() {
-        let stack = stack(Support::Rigid);
-        let [bar, slab] = [&stack.bodies()[0], &stack.bodies()[1]];
-        let first = PI * bar.wave_speed() / bar.length();
-        let kept = |share: f64, tolerance: f64| {
-            ModeCount::Bound { angular_frequency: share * first, tolerance }.of(bar).unwrap()
-        };
-        assert_eq!(kept(0.01, 1e-3), 1);
-        assert_eq!(kept(0.23, 1e-3), 2);
-        assert!(kept(0.23, 1e-6) > 5);
-        assert!(kept(20.0, 1e-3) > 28, "modes up to the band, with margin");
-        let slab_modes = ModeCount::Bound { angular_frequency: 0.23 * first, tolerance: 1e-3 };
-        assert_eq!(slab_modes.of(slab).unwrap(), 1);
-        assert!(ModeCount::PerBody(0).of(bar).is_err());
-        assert!(ModeCount::Bound { angular_frequency: 1e9, tolerance: 1e-3 }.of(bar).is_err());
-    }
-
-    /// Leaving a mode out of many gives what keeping fewer gives.
-    #[test]
-    fn a_mode_left_out_is_flexibility() {
-        let stack = stack(Support::Rigid);
-        let of = |modes| ComponentModes::of_stack(&stack, ModeCount::PerBody(modes)).unwrap();
-        let mut residual = of(3).residual().clone();
-        residual.add(&of(3).modes()[2]);
-        residual.add(&of(3).modes()[5]);
-        let fewer = of(2);
-        for i in 0..2 {
-            for j in 0..2 {
-                let off = residual.closure[i][j] - fewer.residual().closure[i][j];
-                assert!(off.abs() < 1e-15 * residual.closure[i][i]);
-            }
-            assert!((residual.drive[i] - fewer.residual().drive[i]).abs() < 1e-24);
-            assert!((residual.output[i] - fewer.residual().output[i]).abs() < 1e-24);
-        }
-        assert!((residual.direct - fewer.residual().direct).abs() < 1e-24);
-    }
-
-    #[test]
-    fn a_spring_mass_support_is_one_more_oscillator() {
-        let support = Support::SpringMass { stiffness: 1e8, mass: 4.0, damping_ratio: 0.1 };
-        let structure = ComponentModes::of_stack(&stack(support), ModeCount::PerBody(2)).unwrap();
-        let last = structure.modes().last().unwrap();
-        assert_eq!(structure.modes().len(), 5);
-        assert_eq!(last.angular_frequency, 5e3);
-        assert_eq!(last.closure, [0.0, -0.5]);
-        assert!(!last.mass_damped && (last.damping_rate - 2.0 * 0.1 * 5e3).abs() < 1e-9);
-    }
-
-    #[test]
-    fn rows_of_unequal_length_are_refused() {
-        let whole =
-            ComponentModes::of_stack(&stack(Support::Rigid), ModeCount::PerBody(1)).unwrap();
-        let mut modes = whole.modes().to_vec();
-        modes[0].closure.pop();
-        assert!(ComponentModes::new(modes, whole.residual().clone()).is_err());
-        let mut modes = whole.modes().to_vec();
-        modes[0].angular_frequency = f64::NAN;
-        assert!(ComponentModes::new(modes, whole.residual().clone()).is_err());
     }
 }

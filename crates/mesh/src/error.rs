@@ -1,7 +1,8 @@
-//! What can be wrong with a structure.
+//! Errors of meshes and component modes.
 
-/// Why a structure or its grid cannot be built.
+/// A structure, its grid or its component modes cannot be built.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum MeshError {
     /// A quantity that must be positive and finite is not.
     #[error("{owner}: {quantity} is {value}; it must be positive and finite")]
@@ -61,6 +62,22 @@ pub enum MeshError {
         found: usize,
         /// Number of interfaces.
         interfaces: usize,
+    },
+    /// A mass or stiffness matrix is not usable.
+    #[error("the {matrix} matrix is {problem}")]
+    Matrix {
+        /// The matrix.
+        matrix: &'static str,
+        /// The condition that it does not meet.
+        problem: &'static str,
+    },
+    /// A degree of freedom is not in the matrices.
+    #[error("degree of freedom {dof} does not exist; the matrices have {size}, counted from 0")]
+    DegreeOfFreedom {
+        /// The degree of freedom.
+        dof: usize,
+        /// Size of the matrices.
+        size: usize,
     },
     /// The cell is so small that the grid would not fit in memory.
     #[error("cells of {cell_m} m make {nodes:.3e} nodes; at most {limit:.0e} are accepted")]

@@ -71,6 +71,23 @@ impl BarGrid {
 }
 
 /// The grids of all bodies of a stack, from the top down.
+///
+/// ```
+/// use std::sync::Arc;
+///
+/// use asperity_law::Constant;
+/// use asperity_mesh::{Body, Grid, Interface, Stack, Support};
+///
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let guide = Body::with_mass("guide", 0.229, 1.61, 71e9, 2710.0)?;
+/// let contact = Interface::new("guide-disc", 1.15e-4, Arc::new(Constant::new(8.5e11)?))?;
+/// let stack = Stack::new(vec![guide], vec![contact], Support::Rigid, 9.81)?;
+/// let grid = Grid::new(&stack, 1e-3)?;
+/// let (step, _) = grid.step_within(5e-6, 0.95)?;
+/// assert!(step < grid.critical_step());
+/// # Ok(())
+/// # }
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Grid {
     bars: Vec<BarGrid>,
@@ -179,7 +196,7 @@ mod tests {
     }
 
     #[test]
-    fn cells_too_many_for_memory_are_refused_before_any_is_made() {
+    fn cells_too_many_for_memory_are_an_error() {
         assert!(matches!(
             Grid::new(&stack(Support::Rigid), 1e-12),
             Err(MeshError::TooManyNodes { .. })

@@ -1,42 +1,66 @@
-//! The structure between the contacts: bodies, interfaces, support, and the
-//! finite-difference grid on which they move.
+//! Meshes: bodies, contact interfaces and support, their finite-difference grid, and component
+//! modes.
 //!
-//! A [`Stack`] is a chain of elastic bars, body over interface over body, down
-//! to a [`Support`]. Each body obeys the paper's Eq. (1),
+//! A [`Stack`] is a chain of elastic bars, body over interface over body, down to a [`Support`].
+//! Each body obeys the paper's Eq. (1),
 //!
 //! ```text
 //! rho A (u'' + h u' - g) = d/dx (E A du/dx)
 //! ```
 //!
-//! and each interface carries a pressure that depends on its closure through
-//! an `asperity_law::ContactLaw`. This crate never looks inside a law: it
-//! stores it, and hands it on.
+//! and each interface carries a pressure that depends on its closure by an
+//! `asperity_law::ContactLaw`. Solvers use a stack on a [`Grid`], or the [`ComponentModes`] of any
+//! structure: of bars in closed form, of mass and stiffness matrices, or given as numbers.
 //!
 //! | module | holds |
 //! |---|---|
 //! | [`body`] | one elastic bar: mass, wave speed, impedance |
-//! | [`stack`] | the chain of bodies and interfaces, and the weight each contact carries |
+//! | [`stack`] | the chain of bodies and interfaces, and the weight on each contact |
 //! | [`grid`] | the finite-difference grid with half-cell ends, and its stability limit |
-//! | [`structure`] | mass, stiffness and named points of a discretised structure, whatever its origin |
-//! | [`component_modes`] | modes, residual flexibility and named points, whatever their origin |
-//! | [`bar`] | the closed-form dynamic stiffness of a bar, for exact modes |
+//! | [`linear_structure`] | mass, stiffness and contact pairs of a discretised structure |
+//! | [`component_modes`] | free-interface modes with residual flexibility |
+//! | [`mode_count`] | number of modes kept, by count or by error bound |
+//! | [`matrix_modes`] | component modes of mass and stiffness matrices |
+//! | [`bar_stiffness`] | the closed-form dynamic stiffness of a bar, for exact modes |
 //!
-//! The convention throughout: `x` and `u` point down, lengths in metres,
-//! forces in newtons, everything else in SI units.
+//! The convention throughout: `x` and `u` point down, lengths in metres, forces in newtons,
+//! everything else in SI units. No part of this crate evaluates a law.
+//!
+//! ```
+//! use std::sync::Arc;
+//!
+//! use asperity_law::Constant;
+//! use asperity_mesh::{Body, ComponentModes, Interface, ModeCount, Stack, Support};
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let guide = Body::with_mass("guide", 0.229, 1.61, 71e9, 2710.0)?;
+//! let law = Arc::new(Constant::new(8.5e11)?);
+//! let contact = Interface::new("guide-disc", 1.15e-4, law)?;
+//! let stack = Stack::new(vec![guide], vec![contact], Support::Rigid, 9.81)?;
+//! assert!((stack.static_pressures()[0] - 0.1373e6).abs() < 0.1e3);
+//!
+//! let modes = ComponentModes::of_stack(&stack, ModeCount::PerBody(3))?;
+//! assert_eq!(modes.modes()[0].angular_frequency, 0.0);
+//! # Ok(())
+//! # }
+//! ```
 
-pub mod bar;
+pub mod bar_stiffness;
 pub mod body;
 pub mod component_modes;
 pub mod error;
 pub mod grid;
-
+pub mod linear_structure;
+pub mod matrix_modes;
+pub mod mode_count;
 pub mod stack;
-pub mod structure;
 
-pub use bar::BarStiffness;
+pub use bar_stiffness::BarStiffness;
 pub use body::Body;
-pub use component_modes::{ComponentModes, ModeCount, NormalMode, ResidualFlexibility};
+pub use component_modes::{ComponentModes, NormalMode, ResidualFlexibility};
 pub use error::MeshError;
 pub use grid::{BarGrid, Grid};
+pub use linear_structure::{ContactPair, LinearStructure};
+pub use matrix_modes::InterfaceDofs;
+pub use mode_count::ModeCount;
 pub use stack::{Interface, Stack, Support, static_pressures};
-pub use structure::{ContactPair, LinearStructure};

@@ -7,7 +7,7 @@ use asperity_law::ContactLaw;
 use crate::Body;
 use crate::error::{MeshError, not_negative, positive};
 
-/// A rough contact: where it is, how large, and the law of its pressure.
+/// A rough contact: name, nominal area, and the law of its pressure.
 #[derive(Debug, Clone)]
 pub struct Interface {
     name: String,
@@ -40,7 +40,7 @@ impl Interface {
     }
 }
 
-/// What the lowest interface rests on.
+/// Support of the lowest interface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Support {
     /// An immovable face: the paper's massive disc.
@@ -78,6 +78,21 @@ impl Support {
 }
 
 /// Bodies from the free top down, an interface below each, the last on the support.
+///
+/// ```
+/// use std::sync::Arc;
+///
+/// use asperity_law::Constant;
+/// use asperity_mesh::{Body, Interface, Stack, Support};
+///
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let guide = Body::with_mass("guide", 0.229, 1.61, 71e9, 2710.0)?;
+/// let contact = Interface::new("guide-disc", 1.15e-4, Arc::new(Constant::new(8.5e11)?))?;
+/// let stack = Stack::new(vec![guide], vec![contact], Support::Rigid, 9.81)?;
+/// assert!((stack.static_pressures()[0] / (1.61 * 9.81 / 1.15e-4) - 1.0).abs() < 1e-12);
+/// # Ok(())
+/// # }
+/// ```
 #[derive(Debug, Clone)]
 pub struct Stack {
     bodies: Vec<Body>,
@@ -186,7 +201,7 @@ mod tests {
     }
 
     #[test]
-    fn a_stack_that_cannot_stand_is_refused() {
+    fn incomplete_stacks_are_errors() {
         let (bodies, interfaces) = rig();
         assert_eq!(
             Stack::new(vec![], vec![], Support::Rigid, 9.81).unwrap_err(),

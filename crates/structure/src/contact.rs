@@ -94,6 +94,11 @@ impl PreloadedContact {
         self.closure
     }
 
+    /// Pressure \[Pa\] at a closure increment from rest \[m\].
+    pub fn pressure_at(&self, closure: f64) -> f64 {
+        self.pressure + self.law.pressure_increment(self.pressure, closure).value
+    }
+
     /// Stiffness of the contact as a linear spring, `K(p0) S` \[N/m\].
     pub fn spring(&self) -> f64 {
         self.stiffness * self.area

@@ -6,8 +6,8 @@ mod record;
 use std::time::Instant;
 
 use asperity_harmonic::{
-    Branch, ContactSystem, Evaluation, Floquet, HarmonicError, Path, Resolution, Settings,
-    StepControl, trace,
+    Branch, ContactSystem, Continuation, Floquet, FourierResolution, HarmonicError,
+    HarmonicSettings, LawEvaluation, StepControl, trace,
 };
 use rayon::prelude::*;
 
@@ -95,7 +95,7 @@ pub fn steady(
 ) -> Result<Steady, StudyError> {
     let started = Instant::now();
     check_range(request)?;
-    let system = ContactSystem::of_stack(&assembly.structure, Evaluation::default())?;
+    let system = ContactSystem::of_structure(&assembly.structure, LawEvaluation::default())?;
     let settings = settings(request);
     let levels = request
         .amplitudes
@@ -123,7 +123,7 @@ fn check_range(request: &SteadyRequest) -> Result<(), HarmonicError> {
         return Err(HarmonicError::Setting { quantity, value, accepted: "positive and finite" });
     }
     if let Some(value) = request.harmonics
-        && !(1..=Resolution::MOST_HARMONICS).contains(&value)
+        && !(1..=FourierResolution::MOST_HARMONICS).contains(&value)
     {
         let (quantity, value) = ("number of harmonics", value as f64);
         return Err(HarmonicError::Setting { quantity, value, accepted: "1 to 400" });
@@ -131,26 +131,27 @@ fn check_range(request: &SteadyRequest) -> Result<(), HarmonicError> {
     Ok(())
 }
 
-fn settings(request: &SteadyRequest) -> Settings {
+fn settings(request: &SteadyRequest) -> HarmonicSettings {
     let resolution = match request.harmonics {
-        Some(harmonics) => {
-            Resolution::Fixed { harmonics, samples: (SAMPLES_PER_HARMONIC * harmonics).max(64) }
-        }
-        None => Resolution::Automatic { tolerance: TOLERANCE, most: MOST_HARMONICS },
+        Some(harmonics) => FourierResolution::Fixed {
+            harmonics,
+            samples: (SAMPLES_PER_HARMONIC * harmonics).max(64),
+        },
+        None => FourierResolution::Automatic { tolerance: TOLERANCE, most: MOST_HARMONICS },
     };
     let steps = StepControl { points: MOST_POINTS, ..StepControl::default() };
-    Settings { resolution, steps, stability: Some(Floquet::default()) }
+    HarmonicSettings { resolution, steps, stability: Some(Floquet::default()) }
 }
 
 fn level(
     assembly: &Assembly,
     system: &ContactSystem,
     request: &SteadyRequest,
-    settings: &Settings,
+    settings: &HarmonicSettings,
     force_n: f64,
 ) -> Result<SteadyLevel, StudyError> {
     let started = Instant::now();
-    let path = Path::Frequency { force: force_n, from: request.from_hz, to: request.to_hz };
+    let path = Continuation::Frequency { force: force_n, from: request.from_hz, to: request.to_hz };
     let outcome = trace(system, &path, settings);
     let wall_s = started.elapsed().as_secs_f64();
     let check = match outcome.as_ref().ok().and_then(TimeCheck::place) {
@@ -165,19 +166,19 @@ fn backbones(
     assembly: &Assembly,
     system: &ContactSystem,
     request: &SteadyRequest,
-    settings: &Settings,
+    settings: &HarmonicSettings,
 ) -> Backbones {
     let middle = 0.5 * (request.from_hz + request.to_hz);
     let near = rest_state(assembly).natural_frequency_hz.unwrap_or(middle);
     let largest = request.amplitudes.iter().copied().fold(0.0, f64::max);
-    let settings = Settings { stability: None, ..*settings };
-    let path = Path::PhaseResonance { near, from: LOWEST_FORCE * largest, to: largest };
+    let settings = HarmonicSettings { stability: None, ..*settings };
+    let path = Continuation::PhaseResonance { near, from: LOWEST_FORCE * largest, to: largest };
     let phase_resonance = trace(system, &path, &settings);
     let reached = phase_resonance.as_ref().ok().and_then(|branch| {
         Some((branch.points.first()?.amplitude(1), branch.points.last()?.amplitude(1)))
     });
     let mode = match reached {
-        Some((from, to)) => trace(system, &Path::Mode { near, from, to }, &settings),
+        Some((from, to)) => trace(system, &Continuation::Mode { near, from, to }, &settings),
         None => Err(HarmonicError::NoStart {
             frequency_hz: near,
             force_n: LOWEST_FORCE * largest,

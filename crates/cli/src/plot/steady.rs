@@ -1,13 +1,13 @@
 //! Steady responses over frequency: stable parts solid, unstable dashed.
 
 use asperity_figure::{Axis, Color, Dash, Figure, Legend, Panel, Series};
-use asperity_harmonic::{Branch, Response};
+use asperity_harmonic::{Branch, PeriodicResponse};
 use asperity_study::steady::Steady;
 
 /// Most force amplitudes in the legend.
 const MOST_NAMED: usize = 8;
 
-type Observable = fn(&Response) -> f64;
+type Observable = fn(&PeriodicResponse) -> f64;
 
 /// Amplitude with backbones, harmonic ratio, and lowest pressure over frequency; none without a
 /// branch.
@@ -42,7 +42,7 @@ pub(crate) fn steady(found: &Steady) -> Option<Figure> {
     let ratio = all(
         Panel::new(frequency(), Axis::linear("Ratio A_{2}/A_{1}", "")).legend(Legend::None),
         &branches,
-        Response::harmonic_ratio,
+        PeriodicResponse::harmonic_ratio,
     );
     let pressure = all(
         Panel::new(frequency(), Axis::linear("Lowest pressure", "MPa").scale(1e-6))
@@ -70,8 +70,8 @@ fn all(mut panel: Panel, branches: &[(f64, &Branch)], observable: Observable) ->
 
 /// Consecutive points of equal stability; each part ends with the first point of the next, so that
 /// the line is not broken.
-fn parts(points: &[Response]) -> Vec<(bool, &[Response])> {
-    let stable = |point: &Response| point.stable() != Some(false);
+fn parts(points: &[PeriodicResponse]) -> Vec<(bool, &[PeriodicResponse])> {
+    let stable = |point: &PeriodicResponse| point.stable() != Some(false);
     let mut parts = Vec::new();
     let mut start = 0;
     for end in 1..=points.len() {
@@ -83,6 +83,6 @@ fn parts(points: &[Response]) -> Vec<(bool, &[Response])> {
     parts
 }
 
-fn columns(points: &[Response], observable: Observable) -> (Vec<f64>, Vec<f64>) {
+fn columns(points: &[PeriodicResponse], observable: Observable) -> (Vec<f64>, Vec<f64>) {
     points.iter().map(|point| (point.frequency_hz(), observable(point))).unzip()
 }

@@ -2,9 +2,10 @@
 
 use std::f64::consts::TAU;
 
-use faer::{Mat, c64};
+use faer::Mat;
+use num_complex::Complex64;
 
-use super::variation::Variation;
+use super::variational_equation::VariationalEquation;
 use crate::balance::Balance;
 
 /// Norm of Hill's matrix over one part of the period: the exponential's series then loses two or
@@ -20,7 +21,7 @@ const TERMS: usize = 48;
 /// Relative size of a term at which the series ends.
 const SMALL: f64 = 1e-16;
 
-/// Harmonics of the stiffness smaller than this part of it do not matter.
+/// Harmonics of the stiffness smaller than this part of it are left out.
 const NEGLIGIBLE: f64 = 1e-11;
 
 /// Hill's matrix by its action.
@@ -37,28 +38,28 @@ const NEGLIGIBLE: f64 = 1e-11;
 pub(super) struct KoopmanHill {
     harmonics: usize,
     /// `(1 + K_c R)^-1 K_c`: for each of its n x n places the complex harmonics 2 N down to -2 N.
-    stiffness: Vec<c64>,
+    stiffness: Vec<Complex64>,
     /// Products k = 0..=N of one disturbance.
-    term: Vec<c64>,
-    next: Vec<c64>,
-    closures: Vec<c64>,
+    term: Vec<Complex64>,
+    next: Vec<Complex64>,
+    closures: Vec<Complex64>,
 }
 
 impl KoopmanHill {
     pub(super) fn monodromy(
         &mut self,
-        variation: &mut Variation,
+        variation: &mut VariationalEquation,
         balance: &Balance<'_>,
         angular_frequency: f64,
     ) -> Mat<f64> {
         let w = angular_frequency;
         let largest = self.expand(variation, balance);
-        let size = 2 * variation.modal().modes();
+        let size = 2 * variation.modes();
         let rate = variation.highest_frequency(largest) / w;
         let norm = self.harmonics as f64 + rate;
         let parts = (TAU * norm / PART_NORM).ceil().clamp(1.0, MOST_PARTS);
         let part = TAU / parts;
-        let zero = c64::new(0.0, 0.0);
+        let zero = Complex64::new(0.0, 0.0);
         self.term.resize((self.harmonics + 1) * size, zero);
         self.next.resize((self.harmonics + 1) * size, zero);
         self.closures.resize((2 * self.harmonics + 1) * variation.interfaces(), zero);
@@ -79,13 +80,13 @@ impl KoopmanHill {
 
     /// Fourier coefficients of the stiffness, as many as matter; returns an upper estimate of its
     /// size [N/m].
-    fn expand(&mut self, variation: &mut Variation, balance: &Balance<'_>) -> f64 {
+    fn expand(&mut self, variation: &mut VariationalEquation, balance: &Balance<'_>) -> f64 {
         let samples = balance.fourier().samples();
         let n = variation.interfaces();
         let square = n * n;
         // Twice the harmonics of the motion, as far as samples resolve, are the most.
         let most = (2 * balance.fourier().harmonics()).min((samples - 1) / 4);
-        let zero = c64::new(0.0, 0.0);
+        let zero = Complex64::new(0.0, 0.0);
         let mut coefficients = vec![zero; (2 * most + 1) * square];
         let mut k = vec![0.0; square];
         let mut largest = 0.0_f64;
@@ -94,13 +95,13 @@ impl KoopmanHill {
             largest = largest.max(k.iter().map(|k| k.abs()).sum());
             for (m, coefficient) in coefficients.chunks_exact_mut(square).enumerate() {
                 let angle = -TAU * ((m * s) % samples) as f64 / samples as f64;
-                let turn = c64::from_polar(1.0 / samples as f64, angle);
+                let turn = Complex64::from_polar(1.0 / samples as f64, angle);
                 for (c, k) in coefficient.iter_mut().zip(&k) {
                     *c += turn * *k;
                 }
             }
         }
-        let matters = |c: &[c64]| c.iter().any(|c| c.norm() > NEGLIGIBLE * largest);
+        let matters = |c: &[Complex64]| c.iter().any(|c| c.norm() > NEGLIGIBLE * largest);
         let last = coefficients.chunks_exact(square).rposition(matters).unwrap_or(0);
         self.harmonics = last.clamp(1, most.max(1));
         let reach = 2 * self.harmonics;
@@ -116,7 +117,7 @@ impl KoopmanHill {
     /// Takes a disturbance from `th` over a `part` of the period.
     fn advance(
         &mut self,
-        variation: &Variation,
+        variation: &VariationalEquation,
         w: f64,
         rate: f64,
         th: f64,
@@ -125,12 +126,12 @@ impl KoopmanHill {
     ) {
         let size = state.len();
         for (k, block) in self.term.chunks_exact_mut(size).enumerate() {
-            let turn = c64::from_polar(1.0, -(k as f64) * th);
+            let turn = Complex64::from_polar(1.0, -(k as f64) * th);
             for (y, z) in block.iter_mut().zip(&*state) {
                 *y = turn * *z;
             }
         }
-        let all = |term: &[c64]| term.iter().map(c64::norm_sqr).sum::<f64>();
+        let all = |term: &[Complex64]| term.iter().map(Complex64::norm_sqr).sum::<f64>();
         let start = all(&self.term);
         for count in 1..=TERMS {
             self.apply(variation, w, rate, part / count as f64);
@@ -145,14 +146,13 @@ impl KoopmanHill {
     }
 
     /// `next = factor H term`.
-    fn apply(&mut self, variation: &Variation, w: f64, rate: f64, factor: f64) {
-        let (modal, n) = (variation.modal(), variation.interfaces());
-        let (modes, last) = (modal.modes(), self.harmonics);
+    fn apply(&mut self, variation: &VariationalEquation, w: f64, rate: f64, factor: f64) {
+        let (modes, n, last) = (variation.modes(), variation.interfaces(), self.harmonics);
         let size = 2 * modes;
-        self.closures.fill(c64::new(0.0, 0.0));
+        self.closures.fill(Complex64::new(0.0, 0.0));
         for (k, block) in self.term.chunks_exact(size).enumerate() {
             for i in 0..n {
-                let sum: c64 = (0..modes).map(|j| block[j] * modal.closure(j)[i]).sum();
+                let sum: Complex64 = (0..modes).map(|j| block[j] * variation.closure(j)[i]).sum();
                 self.closures[i * (2 * last + 1) + last - k] = sum.conj();
                 self.closures[i * (2 * last + 1) + last + k] = sum;
             }
@@ -161,24 +161,25 @@ impl KoopmanHill {
         for (k, (block, next)) in
             self.term.chunks_exact(size).zip(self.next.chunks_exact_mut(size)).enumerate()
         {
-            let shift = c64::new(0.0, -(k as f64));
+            let shift = Complex64::new(0.0, -(k as f64));
             for j in 0..modes {
                 let (q, v) = (block[j], block[modes + j]);
-                let stiffness = modal.frequency()[j].powi(2) / (w * scale);
+                let stiffness = variation.frequency(j).powi(2) / (w * scale);
                 next[j] = factor * (v * rate + shift * q);
-                next[modes + j] = factor * (shift * v - v * (modal.rate()[j] / w) - q * stiffness);
+                next[modes + j] =
+                    factor * (shift * v - v * (variation.rate(j) / w) - q * stiffness);
             }
             for i in 0..n {
-                let mut force = c64::new(0.0, 0.0);
+                let mut force = Complex64::new(0.0, 0.0);
                 for j in 0..n {
                     // The product of harmonics k - l and l, l = -N..=N.
                     let row = &self.stiffness[(i * n + j) * (4 * last + 1)..][last - k..];
                     let closures = &self.closures[j * (2 * last + 1)..][..=2 * last];
-                    force += row.iter().zip(closures).map(|(k, d)| k * d).sum::<c64>();
+                    force += row.iter().zip(closures).map(|(k, d)| k * d).sum::<Complex64>();
                 }
                 let force = force * (factor / (w * scale));
                 for j in 0..modes {
-                    next[modes + j] -= force * modal.closure(j)[i];
+                    next[modes + j] -= force * variation.closure(j)[i];
                 }
             }
         }

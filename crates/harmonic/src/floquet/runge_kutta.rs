@@ -2,8 +2,7 @@
 
 use faer::Mat;
 
-use super::variation::Variation;
-use crate::ModalSystem;
+use super::variational_equation::VariationalEquation;
 use crate::balance::Balance;
 use crate::fourier::Fourier;
 
@@ -38,15 +37,14 @@ const WEIGHTS: [f64; 4] = [1.0, 2.0, 2.0, 1.0];
 impl RungeKutta {
     pub(super) fn monodromy(
         &mut self,
-        variation: &mut Variation,
+        variation: &mut VariationalEquation,
         balance: &Balance<'_>,
         closures: &[f64],
         angular_frequency: f64,
     ) -> Mat<f64> {
         let steps = steps(variation, balance, angular_frequency);
         self.sample(variation, balance, closures, steps);
-        let modal = variation.modal();
-        let (size, square) = (2 * modal.modes(), variation.interfaces().pow(2));
+        let (size, square) = (2 * variation.modes(), variation.interfaces().pow(2));
         self.closures.resize(variation.interfaces() * size, 0.0);
         self.forces.resize(variation.interfaces() * size, 0.0);
         let step = std::f64::consts::TAU / (angular_frequency * steps as f64);
@@ -67,7 +65,7 @@ impl RungeKutta {
                 }
                 let place = (2 * number + half_steps) % (2 * steps);
                 let k = place * square..(place + 1) * square;
-                self.slopes(modal, angular_frequency, k, &trial, &mut slopes);
+                self.slopes(variation, angular_frequency, k, &trial, &mut slopes);
                 for (s, k) in sum.iter_mut().zip(&slopes) {
                     *s += weight / 6.0 * step * k;
                 }
@@ -80,13 +78,13 @@ impl RungeKutta {
     /// Time derivatives of all states, with the stiffness stored at `place`.
     fn slopes(
         &mut self,
-        modal: &ModalSystem,
+        variation: &VariationalEquation,
         scale: f64,
         place: std::ops::Range<usize>,
         states: &[f64],
         slopes: &mut [f64],
     ) {
-        let (modes, size) = (modal.modes(), 2 * modal.modes());
+        let (modes, size) = (variation.modes(), 2 * variation.modes());
         let k = &self.stiffness[place];
         let n = self.closures.len() / size;
         let (q, v) = states.split_at(modes * size);
@@ -94,7 +92,7 @@ impl RungeKutta {
         self.closures.fill(0.0);
         self.forces.fill(0.0);
         for (j, q) in q.chunks_exact(size).enumerate() {
-            for (closure, phi) in self.closures.chunks_exact_mut(size).zip(modal.closure(j)) {
+            for (closure, phi) in self.closures.chunks_exact_mut(size).zip(variation.closure(j)) {
                 add(closure, *phi, q);
             }
         }
@@ -107,12 +105,12 @@ impl RungeKutta {
             q_slopes.chunks_exact_mut(size).zip(v_slopes.chunks_exact_mut(size)).enumerate()
         {
             let (q, v) = (&q[j * size..][..size], &v[j * size..][..size]);
-            let (rate, square) = (modal.rate()[j], modal.frequency()[j].powi(2) / scale);
+            let (rate, square) = (variation.rate(j), variation.frequency(j).powi(2) / scale);
             for ((dq, dv), (q, v)) in q_slope.iter_mut().zip(&mut *v_slope).zip(q.iter().zip(v)) {
                 *dq = scale * v;
                 *dv = -rate * v - square * q;
             }
-            for (force, phi) in self.forces.chunks_exact(size).zip(modal.closure(j)) {
+            for (force, phi) in self.forces.chunks_exact(size).zip(variation.closure(j)) {
                 add(v_slope, -phi, force);
             }
         }
@@ -121,7 +119,7 @@ impl RungeKutta {
     /// The stiffness at every half step.
     fn sample(
         &mut self,
-        variation: &mut Variation,
+        variation: &mut VariationalEquation,
         balance: &Balance<'_>,
         closures: &[f64],
         steps: usize,
@@ -134,10 +132,10 @@ impl RungeKutta {
         let terms = fourier.terms();
         let (mut samples, mut forces) = (vec![0.0; places], vec![0.0; places]);
         let mut tangents = vec![0.0; n * places];
-        for (i, contact) in balance.system().contacts().iter().enumerate() {
+        for i in 0..n {
             fourier.synthesise(&closures[i * terms..(i + 1) * terms], &mut samples);
             let tangents = &mut tangents[i * places..(i + 1) * places];
-            contact.forces(&samples, &mut forces, tangents);
+            balance.system().forces(i, &samples, &mut forces, tangents);
         }
         self.stiffness.resize(n * n * places, 0.0);
         for (place, k) in self.stiffness.chunks_exact_mut(n * n).enumerate() {
@@ -147,7 +145,7 @@ impl RungeKutta {
     }
 }
 
-fn steps(variation: &Variation, balance: &Balance<'_>, w: f64) -> usize {
+fn steps(variation: &VariationalEquation, balance: &Balance<'_>, w: f64) -> usize {
     let stiffest = (0..variation.interfaces())
         .flat_map(|i| balance.tangents(i))
         .fold(0.0_f64, |largest, &k| largest.max(k));

@@ -3,7 +3,8 @@
 use std::f64::consts::{FRAC_PI_2, TAU};
 use std::sync::Arc;
 
-use asperity_harmonic::{Contact, ContactSystem, Evaluation, Oscillator, Path, Special};
+use asperity_harmonic::{ContactSystem, Continuation, LawEvaluation, RigidMass, SpecialPointKind};
+use asperity_structure::PreloadedContact;
 
 use crate::rigs::{Cubic, branch, mass_on, natural_frequency, rate_on, reference_law};
 
@@ -22,12 +23,12 @@ fn mean(mut a: f64, mut b: f64) -> f64 {
 fn duffings_backbone_is_the_elliptic_one() {
     let cube = 0.6;
     let law = Arc::new(Cubic { stiffness: 1.0, square: 0.0, cube });
-    let contact = Contact::new("spring", 1.0, 0.0, law, Evaluation::Exact).unwrap();
+    let contact = PreloadedContact::new("spring", 1.0, law, 0.0).unwrap();
     let rate = 0.08;
-    let mass = Oscillator::new(1.0, rate).unwrap();
-    let system = ContactSystem::new(Arc::new(mass), vec![contact]).unwrap();
-    let path = Path::Mode { near: 1.0 / TAU, from: 1e-3, to: 3.0 };
-    let found = branch(&system, path, (25, 256));
+    let mass = RigidMass::new(1.0, rate).unwrap();
+    let system = ContactSystem::new(Arc::new(mass), vec![contact], LawEvaluation::Exact).unwrap();
+    let continuation = Continuation::Mode { near: 1.0 / TAU, from: 1e-3, to: 3.0 };
+    let found = branch(&system, continuation, (25, 256));
     assert!(found.is_complete());
     for point in &found.points {
         let a = point.displacement_at(0.0);
@@ -49,20 +50,20 @@ fn duffings_backbone_is_the_elliptic_one() {
 #[test]
 fn phase_resonance_lies_on_the_frequency_responses() {
     let law = reference_law();
-    let system = mass_on(&law, Evaluation::Exact);
+    let system = mass_on(&law, LawEvaluation::Exact);
     let near = natural_frequency(&law);
-    let path = Path::PhaseResonance { near, from: 0.01, to: 0.55279 };
-    let backbone = branch(&system, path, (7, 128));
+    let continuation = Continuation::PhaseResonance { near, from: 0.01, to: 0.55279 };
+    let backbone = branch(&system, continuation, (7, 128));
     assert!(backbone.is_complete());
     let last = backbone.points.last().unwrap();
     let start = last.frequency_hz();
-    let path = Path::Frequency { force: 0.55279, from: start, to: start + 5.0 };
-    let response = branch(&system, path, (7, 128));
+    let continuation = Continuation::Frequency { force: 0.55279, from: start, to: start + 5.0 };
+    let response = branch(&system, continuation, (7, 128));
     assert!((response.points[0].amplitude(1) / last.amplitude(1) - 1.0).abs() < 1e-9);
     assert!((response.points[0].phase() + FRAC_PI_2).abs() < 1e-8);
-    let path = Path::Frequency { force: 0.55279, from: 767.0, to: 1054.0 };
-    let sweep = branch(&system, path, (7, 128));
-    let peak = sweep.of_kind(Special::Peak).next().unwrap();
+    let continuation = Continuation::Frequency { force: 0.55279, from: 767.0, to: 1054.0 };
+    let sweep = branch(&system, continuation, (7, 128));
+    let peak = sweep.of_kind(SpecialPointKind::Peak).next().unwrap();
     // The peak lies below phase resonance by about the damping ratio squared.
     assert!((peak.frequency_hz() / start - 1.0).abs() < 2e-3);
     assert!((peak.amplitude(1) / last.amplitude(1) - 1.0).abs() < 2e-3);
@@ -73,20 +74,20 @@ fn phase_resonance_lies_on_the_frequency_responses() {
 #[test]
 fn the_damped_mode_is_the_undamped_one_under_mass_proportional_damping() {
     let law = reference_law();
-    let system = mass_on(&law, Evaluation::Exact);
-    let path = Path::Mode { near: natural_frequency(&law), from: 1e-9, to: 1.3e-7 };
-    let mode = branch(&system, path, (9, 128));
+    let system = mass_on(&law, LawEvaluation::Exact);
+    let continuation = Continuation::Mode { near: natural_frequency(&law), from: 1e-9, to: 1.3e-7 };
+    let mode = branch(&system, continuation, (9, 128));
     assert!(mode.is_complete());
     for point in &mode.points {
         assert!((point.anti_damping / rate_on(&law) - 1.0).abs() < 1e-8);
     }
     let last = mode.points.last().unwrap();
-    let path = Path::PhaseResonance {
+    let continuation = Continuation::PhaseResonance {
         near: natural_frequency(&law),
         from: 0.01,
         to: rate_on(&law) * crate::rigs::MASS * last.angular_frequency * last.amplitude(1),
     };
-    let resonance = branch(&system, path, (9, 128));
+    let resonance = branch(&system, continuation, (9, 128));
     let driven = resonance.points.last().unwrap();
     assert!((driven.frequency_hz() / last.frequency_hz() - 1.0).abs() < 1e-4);
     assert!((driven.amplitude(1) / last.amplitude(1) - 1.0).abs() < 1e-3);

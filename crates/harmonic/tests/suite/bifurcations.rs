@@ -4,25 +4,27 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use asperity_harmonic::{
-    Contact, ContactSystem, Evaluation, Floquet, ModalSystem, Oscillator, Path, Resolution,
-    Settings, Special, trace,
+    ContactSystem, Continuation, Floquet, FourierResolution, HarmonicSettings, LawEvaluation,
+    RigidMass, SpecialPointKind, trace,
 };
+use asperity_mesh::{ComponentModes, NormalMode, ResidualFlexibility};
+use asperity_structure::{Damping, PreloadedContact, PreloadedStructure};
 
 use crate::rigs::{Cubic, Law};
-use crate::stability::{BOTH, judged};
+use crate::stability::{BOTH, with_stability};
 
 /// `u'' + 2 z u' + u + q u^2 + c u^3 = F cos(W t)` near W = 2: the response modulates its own
 /// stiffness at twice the natural frequency, and where that beats damping it doubles its period.
 #[test]
 fn period_doublings_are_located() {
     let law: Law = Arc::new(Cubic { stiffness: 1.0, square: 1.0, cube: 0.5 });
-    let contact = Contact::new("spring", 1.0, 0.0, Arc::clone(&law), Evaluation::Exact).unwrap();
-    let mass = Oscillator::new(1.0, 0.02).unwrap();
-    let system = ContactSystem::new(Arc::new(mass), vec![contact]).unwrap();
+    let contact = PreloadedContact::new("spring", 1.0, Arc::clone(&law), 0.0).unwrap();
+    let mass = RigidMass::new(1.0, 0.02).unwrap();
+    let system = ContactSystem::new(Arc::new(mass), vec![contact], LawEvaluation::Exact).unwrap();
     for method in BOTH {
-        let path = Path::Frequency { force: 0.2, from: 1.7 / TAU, to: 2.2 / TAU };
-        let found = judged(&system, path, method, 1);
-        let doublings: Vec<_> = found.of_kind(Special::PeriodDoubling).collect();
+        let continuation = Continuation::Frequency { force: 0.2, from: 1.7 / TAU, to: 2.2 / TAU };
+        let found = with_stability(&system, continuation, method, 1);
+        let doublings: Vec<_> = found.of_kind(SpecialPointKind::PeriodDoubling).collect();
         assert_eq!(doublings.len(), 2, "{:?}", found.special.len());
         for doubling in &doublings {
             let multiplier = doubling.multipliers.as_ref().unwrap()[0];
@@ -38,7 +40,7 @@ fn period_doublings_are_located() {
             let inside = found
                 .special
                 .iter()
-                .filter(|s| s.kind == Special::PeriodDoubling && s.after < number);
+                .filter(|s| s.kind == SpecialPointKind::PeriodDoubling && s.after < number);
             assert_eq!(point.stable(), Some(inside.count() != 1), "{number}");
         }
     }
@@ -49,17 +51,17 @@ fn period_doublings_are_located() {
 #[test]
 fn loss_of_symmetry_is_a_branch_point() {
     let law: Law = Arc::new(Cubic { stiffness: 1.0, square: 0.0, cube: 1.0 });
-    let contact = Contact::new("spring", 1.0, 0.0, law, Evaluation::Exact).unwrap();
-    let mass = Oscillator::new(1.0, 0.2).unwrap();
-    let system = ContactSystem::new(Arc::new(mass), vec![contact]).unwrap();
-    let path = Path::Frequency { force: 25.0, from: 3.0 / TAU, to: 2.0 / TAU };
-    let settings = Settings {
-        resolution: Resolution::Fixed { harmonics: 25, samples: 256 },
+    let contact = PreloadedContact::new("spring", 1.0, law, 0.0).unwrap();
+    let mass = RigidMass::new(1.0, 0.2).unwrap();
+    let system = ContactSystem::new(Arc::new(mass), vec![contact], LawEvaluation::Exact).unwrap();
+    let continuation = Continuation::Frequency { force: 25.0, from: 3.0 / TAU, to: 2.0 / TAU };
+    let settings = HarmonicSettings {
+        resolution: FourierResolution::Fixed { harmonics: 25, samples: 256 },
         stability: Some(Floquet::default()),
-        ..Settings::default()
+        ..HarmonicSettings::default()
     };
-    let found = trace(&system, &path, &settings).unwrap();
-    let crossings: Vec<_> = found.of_kind(Special::BranchPoint).collect();
+    let found = trace(&system, &continuation, &settings).unwrap();
+    let crossings: Vec<_> = found.of_kind(SpecialPointKind::BranchPoint).collect();
     assert_eq!(crossings.len(), 1);
     let multipliers = crossings[0].multipliers.as_ref().unwrap();
     // The disturbance's integration in 512 steps.
@@ -79,15 +81,18 @@ const FORCE: f64 = 0.03;
 
 fn two_modes() -> (ContactSystem, Law) {
     let law: Law = Arc::new(Cubic { stiffness: 1.1056, square: 1.0, cube: 1.0 });
-    let mut modal = ModalSystem::empty(1);
-    modal.push(0.0, RATE, &COUPLING[..1], 1.0);
-    modal.push(UPPER_SQUARED.sqrt(), RATE, &COUPLING[1..], 0.0);
-    let contact = Contact::new("spring", 1.0, 0.0, Arc::clone(&law), Evaluation::Exact).unwrap();
-    (ContactSystem::new(Arc::new(modal), vec![contact]).unwrap(), law)
+    let modes = vec![
+        NormalMode::rigid(1.0, vec![COUPLING[0]]),
+        NormalMode::elastic(UPPER_SQUARED.sqrt(), 0.0, vec![COUPLING[1]]),
+    ];
+    let modes = ComponentModes::new(modes, ResidualFlexibility::zero(1)).unwrap();
+    let contact = PreloadedContact::new("spring", 1.0, Arc::clone(&law), 0.0).unwrap();
+    let damping = Damping::Rate(RATE);
+    let structure = PreloadedStructure::of_components(modes, vec![contact], damping).unwrap();
+    (ContactSystem::of_structure(&structure, LawEvaluation::Exact).unwrap(), law)
 }
 
-/// How much the displacement once a period still varies after 400 periods from rest, relative to
-/// itself; the same equations by the classical Runge-Kutta method.
+/// Variation of the displacement once a period, 400 periods after rest, relative to itself; the same equations by the classical Runge-Kutta method.
 fn wandering(law: &Law, frequency: f64) -> f64 {
     let slope = |t: f64, x: [f64; 4]| {
         let contact = law.pressure_increment(0.0, COUPLING[0] * x[0] + COUPLING[1] * x[1]).value;
@@ -125,9 +130,9 @@ fn neimark_sacker_bifurcations_are_located() {
     let (system, law) = two_modes();
     let mut edges = Vec::new();
     for method in BOTH {
-        let path = Path::Frequency { force: FORCE, from: 0.9 / TAU, to: 1.1 / TAU };
-        let found = judged(&system, path, method, 2);
-        let located: Vec<_> = found.of_kind(Special::NeimarkSacker).collect();
+        let continuation = Continuation::Frequency { force: FORCE, from: 0.9 / TAU, to: 1.1 / TAU };
+        let found = with_stability(&system, continuation, method, 2);
+        let located: Vec<_> = found.of_kind(SpecialPointKind::NeimarkSacker).collect();
         assert_eq!(located.len(), 2);
         for point in &located {
             let multipliers = point.multipliers.as_ref().unwrap();

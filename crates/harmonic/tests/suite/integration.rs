@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use asperity_harmonic::Response;
+use asperity_harmonic::PeriodicResponse;
 
 use crate::rigs::{AREA, Law, MASS, PRESSURE};
 
@@ -62,7 +62,7 @@ pub(crate) fn harmonic(samples: &[f64], k: usize) -> f64 {
 }
 
 /// Displacement and velocity of a response at the start of a period.
-pub(crate) fn state_of(response: &Response) -> [f64; 2] {
+pub(crate) fn state_of(response: &PeriodicResponse) -> [f64; 2] {
     let velocity: f64 = (1..)
         .map(f64::from)
         .zip(&response.displacement)

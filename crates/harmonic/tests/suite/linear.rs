@@ -3,30 +3,33 @@
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-use asperity_harmonic::{ContactSystem, Evaluation, LinearSystem, Path, linear_receptance};
+use asperity_harmonic::{
+    ContactSystem, Continuation, LawEvaluation, LinearSystem, linear_receptance,
+};
 use asperity_law::Constant;
-use asperity_mesh::{Stack, Support};
-use faer::c64;
+use asperity_mesh::{ComponentModes, ModeCount, NormalMode, ResidualFlexibility, Stack, Support};
+use asperity_structure::{Damping, PreloadedStructure};
+use num_complex::Complex64;
 
-use crate::rigs::{Law, branch, mass_on, preloaded, rate_on, rig};
+use crate::rigs::{AREA, Law, branch, mass_on, preloaded, rate_on, rig};
 
 fn constant() -> Law {
     Arc::new(Constant::new(8.5e11).unwrap())
 }
 
-/// Receptance of the top by the stiffness that each bar feels from below, built up from the
-/// support: another path to the same closed form.
-fn chain(stack: &Stack, rate: f64, frequency: f64) -> c64 {
+/// Receptance of the top by the stiffness below each bar, built up from the support: a second
+/// method for the same closed form.
+fn chain(stack: &Stack, rate: f64, frequency: f64) -> Complex64 {
     let w = TAU * frequency;
-    let squared = c64::new(w * w, -w * rate);
+    let squared = Complex64::new(w * w, -w * rate);
     let mut below = match *stack.support() {
         Support::Rigid => None,
         Support::SpringMass { stiffness, mass, .. } => {
-            Some(c64::new(stiffness - w * w * mass, w * stack.support().damping()))
+            Some(Complex64::new(stiffness - w * w * mass, w * stack.support().damping()))
         }
     };
     for (body, interface) in stack.bodies().iter().zip(stack.interfaces()).rev() {
-        let contact = c64::new(8.5e11 * interface.area(), 0.0);
+        let contact = Complex64::new(8.5e11 * interface.area(), 0.0);
         let carried = below.map_or(contact, |below| contact * below / (contact + below));
         let number = squared.sqrt() / body.wave_speed();
         let (th, a) = (number * body.length(), number * body.axial_rigidity());
@@ -43,12 +46,13 @@ fn the_single_mass_is_the_textbook_oscillator() {
     let law = constant();
     let (mass, force) = (crate::rigs::MASS, 0.7);
     let stiffness = 8.5e11 * crate::rigs::AREA;
-    for evaluation in [Evaluation::Exact, Evaluation::default()] {
+    for evaluation in [LawEvaluation::Exact, LawEvaluation::default()] {
         let system = mass_on(&law, evaluation);
-        let path = Path::Frequency { force, from: 400.0, to: 3000.0 };
-        for point in &branch(&system, path, (3, 32)).points {
+        let continuation = Continuation::Frequency { force, from: 400.0, to: 3000.0 };
+        for point in &branch(&system, continuation, (3, 32)).points {
             let w = point.angular_frequency;
-            let exact = c64::new(stiffness - w * w * mass, w * rate_on(&law) * mass).inv() * force;
+            let exact =
+                Complex64::new(stiffness - w * w * mass, w * rate_on(&law) * mass).inv() * force;
             let off = (point.displacement[0] - exact).norm() / exact.norm();
             assert!(off < 3e-12, "{off:.1e} at {w}");
             assert!(point.amplitude(2) < 1e-12 * exact.norm());
@@ -63,9 +67,10 @@ fn the_rig_is_the_closed_form_chain() {
     for support in [Support::Rigid, disc] {
         let stack = rig(&constant(), support);
         let system =
-            ContactSystem::of_stack(&preloaded(stack.clone(), 370.0), Evaluation::Exact).unwrap();
-        let path = Path::Frequency { force: 2.0, from: 500.0, to: 14_000.0 };
-        let found = branch(&system, path, (2, 16));
+            ContactSystem::of_structure(&preloaded(stack.clone(), 370.0), LawEvaluation::Exact)
+                .unwrap();
+        let continuation = Continuation::Frequency { force: 2.0, from: 500.0, to: 14_000.0 };
+        let found = branch(&system, continuation, (2, 16));
         assert!(found.points.len() > 30);
         for point in &found.points {
             let exact = chain(&stack, 370.0, point.frequency_hz()) * 2.0;
@@ -78,19 +83,19 @@ fn the_rig_is_the_closed_form_chain() {
     }
 }
 
-/// The modal system with residual flexibility approaches the closed form like the square of the
+/// Component modes with residual flexibility approach the closed form like the square of the
 /// frequency over that of the first mode left out, to the power two.
 #[test]
 fn modes_with_residual_flexibility_approach_the_bars() {
     let disc = Support::SpringMass { stiffness: 4e8, mass: 12.0, damping_ratio: 0.02 };
     for support in [Support::Rigid, disc] {
         let stack = rig(&constant(), support);
-        let exact =
-            ContactSystem::of_stack(&preloaded(stack.clone(), 370.0), Evaluation::Exact).unwrap();
+        let structure = preloaded(stack.clone(), 370.0);
+        let exact = ContactSystem::of_structure(&structure, LawEvaluation::Exact).unwrap();
+        let reduced = |count| structure.reduced(ModeCount::Lowest(count)).unwrap();
         let off = |count: usize, frequency: f64| {
-            let modal = exact.linear().modal(count);
-            modal.check().unwrap();
-            let truncated = ContactSystem::new(Arc::new(modal), exact.contacts().to_vec()).unwrap();
+            let truncated = reduced(count);
+            let truncated = ContactSystem::of_structure(&truncated, LawEvaluation::Exact).unwrap();
             let reference = linear_receptance(&exact, frequency);
             ((linear_receptance(&truncated, frequency) - reference) / reference).norm()
         };
@@ -103,8 +108,8 @@ fn modes_with_residual_flexibility_approach_the_bars() {
             assert!(slope > 1.5, "{count} modes: {slope}");
         }
         assert!(off(40, 900.0) < 1e-6, "{:.1e}", off(40, 900.0));
-        // Means: a chain carries its weight whatever it is made of.
-        let balance = exact.linear().modal(6).mean_balance();
+        // Means: the mean pressures of a chain are those of its weight.
+        let balance = reduced(6).mean_balance();
         for value in &balance.closure {
             assert!(value.abs() < 1e-12);
         }
@@ -114,4 +119,40 @@ fn modes_with_residual_flexibility_approach_the_bars() {
             }
         }
     }
+}
+
+/// The rig's component modes typed in as numbers give the branch of the rig itself.
+#[test]
+fn component_modes_given_by_hand_are_the_rig() {
+    let structure = preloaded(rig(&crate::rigs::power(), Support::Rigid), 370.0);
+    let reduced = structure.reduced(ModeCount::PerBody(1)).unwrap();
+    let (guide, sample) = ((1.0 / 1.61_f64).sqrt(), (1.0 / (2710.0 * 0.015 * AREA)).sqrt());
+    let modes = vec![
+        NormalMode::rigid(guide, vec![guide, 0.0]),
+        NormalMode::rigid(0.0, vec![-sample, sample]),
+    ];
+    // L / (3 E A) of each bar at its faces, L / (6 E A) across it.
+    let [long, short] = [0.229 / (71e9 * 1.61 / (2710.0 * 0.229)), 0.015 / (71e9 * AREA)];
+    let residual = ResidualFlexibility {
+        closure: vec![vec![(long + short) / 3.0, short / 6.0], vec![short / 6.0, short / 3.0]],
+        drive: vec![-long / 6.0, 0.0],
+        output: vec![-long / 6.0, 0.0],
+        direct: long / 3.0,
+        driving_point: long / 3.0,
+    };
+    let by_hand = PreloadedStructure::of_components(
+        ComponentModes::new(modes, residual).unwrap(),
+        structure.contacts().to_vec(),
+        Damping::Rate(370.0),
+    )
+    .unwrap();
+    let sweep = Continuation::Frequency { force: 0.4, from: 900.0, to: 980.0 };
+    let peak = |structure: &PreloadedStructure<ComponentModes>| {
+        let system = ContactSystem::of_structure(structure, LawEvaluation::Exact).unwrap();
+        let found = branch(&system, sweep, (5, 64));
+        found.highest().map(|peak| (peak.frequency_hz(), peak.amplitude(1))).unwrap()
+    };
+    let (expected, found) = (peak(&reduced), peak(&by_hand));
+    assert!((found.0 / expected.0 - 1.0).abs() < 1e-9, "{found:?} {expected:?}");
+    assert!((found.1 / expected.1 - 1.0).abs() < 1e-9, "{found:?} {expected:?}");
 }

@@ -3,11 +3,11 @@
 
 mod backbones;
 mod bifurcations;
+mod errors;
 mod integration;
 mod linear;
 mod perturbation;
 mod reference;
-mod refusals;
 mod rig;
 mod rigs;
 mod spectral;

@@ -3,8 +3,9 @@
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-use asperity_harmonic::{Contact, ContactSystem, Evaluation, Oscillator, Path, Response};
+use asperity_harmonic::{ContactSystem, Continuation, LawEvaluation, PeriodicResponse, RigidMass};
 use asperity_law::Power;
+use asperity_structure::PreloadedContact;
 
 use crate::rigs::{AREA, MASS, PRESSURE, branch, natural_frequency, reference_law};
 
@@ -22,7 +23,7 @@ fn expected(ratio: f64) -> [f64; 3] {
     ]
 }
 
-fn found(point: &Response) -> ([f64; 3], f64) {
+fn found(point: &PeriodicResponse) -> ([f64; 3], f64) {
     let natural = natural_frequency(&reference_law());
     let shift = point.frequency_hz() / natural - 1.0;
     let pressure = MASS * (TAU * natural).powi(2) * point.amplitude(1) / AREA;
@@ -35,14 +36,14 @@ fn found(point: &Response) -> ([f64; 3], f64) {
 #[test]
 fn the_undamped_mode_meets_perturbation_theory_with_slope_two() {
     let law = reference_law();
-    let contact = Contact::new("contacts", AREA, PRESSURE, law, Evaluation::Exact).unwrap();
-    let mass = Oscillator::new(MASS, 0.0).unwrap();
-    let system = ContactSystem::new(Arc::new(mass), vec![contact]).unwrap();
+    let contact = PreloadedContact::new("contacts", AREA, law, PRESSURE).unwrap();
+    let mass = RigidMass::new(MASS, 0.0).unwrap();
+    let system = ContactSystem::new(Arc::new(mass), vec![contact], LawEvaluation::Exact).unwrap();
     let largest = 4e-8;
-    let path = Path::Mode { near: 958.0, from: largest / 16.0, to: largest };
-    let branch = branch(&system, path, (9, 128));
+    let continuation = Continuation::Mode { near: 958.0, from: largest / 16.0, to: largest };
+    let branch = branch(&system, continuation, (9, 128));
     assert!(branch.is_complete());
-    let off = |point: &Response| {
+    let off = |point: &PeriodicResponse| {
         let (values, ratio) = found(point);
         let theory = expected(ratio);
         [0, 1, 2].map(|i| (values[i] / theory[i] - 1.0).abs())
@@ -60,13 +61,13 @@ fn the_undamped_mode_meets_perturbation_theory_with_slope_two() {
 #[test]
 fn phase_resonance_shifts_as_the_undamped_mode() {
     let law = Arc::new(Power::new(0.5 * 1.81e10, 0.35, 0.0).unwrap());
-    let contact = Contact::new("contacts", AREA, PRESSURE, law, Evaluation::Exact).unwrap();
-    let mass = Oscillator::new(MASS, 4.0).unwrap();
-    let system = ContactSystem::new(Arc::new(mass), vec![contact]).unwrap();
+    let contact = PreloadedContact::new("contacts", AREA, law, PRESSURE).unwrap();
+    let mass = RigidMass::new(MASS, 4.0).unwrap();
+    let system = ContactSystem::new(Arc::new(mass), vec![contact], LawEvaluation::Exact).unwrap();
     let k1 = 0.5 * 1.81e10 * PRESSURE.powf(0.35);
     let natural = (AREA * k1 / MASS).sqrt() / TAU;
-    let path = Path::PhaseResonance { near: natural, from: 1e-4, to: 2e-3 };
-    let branch = branch(&system, path, (7, 128));
+    let continuation = Continuation::PhaseResonance { near: natural, from: 1e-4, to: 2e-3 };
+    let branch = branch(&system, continuation, (7, 128));
     let last = branch.points.last().unwrap();
     assert!((last.phase() + std::f64::consts::FRAC_PI_2).abs() < 1e-10);
     let ratio = k1 * last.amplitude(1) / PRESSURE;

@@ -1,7 +1,8 @@
 //! The single-mass reference case, on which four published tools agree, and three times its force.
 
 use asperity_harmonic::{
-    BranchEnd, Evaluation, Floquet, Path, Resolution, Settings, Special, trace,
+    Continuation, Floquet, FourierResolution, HarmonicSettings, LawEvaluation, SpecialPointKind,
+    Termination, trace,
 };
 
 use crate::integration::{Motion, state_of};
@@ -9,18 +10,18 @@ use crate::rigs::{branch, mass_on, rate_on, reference_law};
 
 const FORCE: f64 = 0.55279;
 
-fn sweep(force: f64) -> Path {
-    Path::Frequency { force, from: 767.0, to: 1054.0 }
+fn sweep(force: f64) -> Continuation {
+    Continuation::Frequency { force, from: 767.0, to: 1054.0 }
 }
 
 /// Published to six digits.
 #[test]
 fn the_peak_is_the_published_one() {
     let law = reference_law();
-    for evaluation in [Evaluation::Exact, Evaluation::default()] {
+    for evaluation in [LawEvaluation::Exact, LawEvaluation::default()] {
         let found = branch(&mass_on(&law, evaluation), sweep(FORCE), (7, 128));
-        assert_eq!(found.end, BranchEnd::Reached);
-        let peak = found.of_kind(Special::Peak).next().unwrap();
+        assert_eq!(found.termination, Termination::Reached);
+        let peak = found.of_kind(SpecialPointKind::Peak).next().unwrap();
         assert!((peak.frequency_hz() - 952.71).abs() < 5e-3, "{}", peak.frequency_hz());
         assert!((peak.amplitude(1) / 1.35887e-7 - 1.0).abs() < 5e-6, "{}", peak.amplitude(1));
         assert!((peak.harmonic_ratio() - 0.01344).abs() < 5e-6, "{}", peak.harmonic_ratio());
@@ -33,7 +34,7 @@ fn the_peak_is_the_published_one() {
 fn the_table_changes_amplitudes_by_its_tolerance() {
     let law = reference_law();
     let of = |evaluation| branch(&mass_on(&law, evaluation), sweep(FORCE), (7, 128));
-    let (exact, table) = (of(Evaluation::Exact), of(Evaluation::default()));
+    let (exact, table) = (of(LawEvaluation::Exact), of(LawEvaluation::default()));
     let ratio = exact.highest().unwrap().amplitude(1) / table.highest().unwrap().amplitude(1);
     assert!((ratio - 1.0).abs() < 1e-7, "{ratio}");
 }
@@ -42,8 +43,8 @@ fn the_table_changes_amplitudes_by_its_tolerance() {
 #[test]
 fn the_peak_is_that_of_direct_integration() {
     let law = reference_law();
-    let path = Path::Frequency { force: FORCE, from: 952.43, to: 960.0 };
-    let found = branch(&mass_on(&law, Evaluation::Exact), path, (7, 128));
+    let continuation = Continuation::Frequency { force: FORCE, from: 952.43, to: 960.0 };
+    let found = branch(&mass_on(&law, LawEvaluation::Exact), continuation, (7, 128));
     let motion = Motion { law: &law, rate: rate_on(&law), force: FORCE, frequency: 952.43 };
     let settled = motion.settled([0.0, 0.0], 200, 3);
     assert!((settled[0] / 1.35882e-7 - 1.0).abs() < 5e-5, "{}", settled[0]);
@@ -59,15 +60,15 @@ fn the_peak_is_that_of_direct_integration() {
 #[test]
 fn three_times_the_force_loses_contact_and_folds() {
     let law = reference_law();
-    let system = mass_on(&law, Evaluation::Exact);
-    let settings = Settings {
-        resolution: Resolution::Automatic { tolerance: 1e-7, most: 60 },
+    let system = mass_on(&law, LawEvaluation::Exact);
+    let settings = HarmonicSettings {
+        resolution: FourierResolution::Automatic { tolerance: 1e-7, most: 60 },
         stability: Some(Floquet::default()),
-        ..Settings::default()
+        ..HarmonicSettings::default()
     };
     let found = trace(&system, &sweep(3.0 * FORCE), &settings).unwrap();
     assert!(found.is_complete() && found.truncation() < 1e-7, "{:.1e}", found.truncation());
-    let folds: Vec<_> = found.special.iter().filter(|s| s.kind == Special::Fold).collect();
+    let folds: Vec<_> = found.special.iter().filter(|s| s.kind == SpecialPointKind::Fold).collect();
     assert_eq!(found.special.len(), 3, "two folds and a peak");
     assert_eq!(folds.len(), 2);
     for fold in &folds {
@@ -90,7 +91,7 @@ fn three_times_the_force_loses_contact_and_folds() {
         let off = |i: &usize| (found.points[*i].frequency_hz() - frequency).abs();
         &found.points[range.min_by(|a, b| off(a).total_cmp(&off(b))).unwrap()]
     };
-    let motion = |at: &asperity_harmonic::Response| Motion {
+    let motion = |at: &asperity_harmonic::PeriodicResponse| Motion {
         law: &law,
         rate: rate_on(&law),
         force: 3.0 * FORCE,
@@ -121,18 +122,19 @@ fn three_times_the_force_loses_contact_and_folds() {
 /// frequency: the same equations with another parameter.
 #[test]
 fn folds_over_frequency_are_folds_over_force() {
-    let system = mass_on(&reference_law(), Evaluation::Exact);
+    let system = mass_on(&reference_law(), LawEvaluation::Exact);
     let resolution = (15, 256);
     let over_frequency = branch(&system, sweep(3.0 * FORCE), resolution);
-    let folds: Vec<_> = over_frequency.of_kind(Special::Fold).collect();
+    let folds: Vec<_> = over_frequency.of_kind(SpecialPointKind::Fold).collect();
     assert_eq!(folds.len(), 2);
     for fold in folds {
-        let path = Path::Force { frequency: fold.frequency_hz(), from: 0.1, to: 3.0 };
-        let over_force = branch(&system, path, resolution);
-        assert_eq!(over_force.end, BranchEnd::Reached);
-        let found: Vec<_> = over_force.of_kind(Special::Fold).collect();
+        let continuation =
+            Continuation::Force { frequency: fold.frequency_hz(), from: 0.1, to: 3.0 };
+        let over_force = branch(&system, continuation, resolution);
+        assert_eq!(over_force.termination, Termination::Reached);
+        let found: Vec<_> = over_force.of_kind(SpecialPointKind::Fold).collect();
         assert_eq!(found.len(), 2);
-        let off = |response: &&asperity_harmonic::Response| {
+        let off = |response: &&asperity_harmonic::PeriodicResponse| {
             (response.amplitude(1) / fold.amplitude(1) - 1.0).abs()
         };
         let same = found.iter().copied().min_by(|a, b| off(a).total_cmp(&off(b))).unwrap();

@@ -3,7 +3,10 @@
 use std::f64::consts::TAU;
 
 use asperity_dynamics::{Excitation, FiniteDifference, Sampling};
-use asperity_harmonic::{BranchEnd, ContactSystem, Evaluation, Path, Resolution, Settings, trace};
+use asperity_harmonic::{
+    ContactSystem, Continuation, FourierResolution, HarmonicSettings, LawEvaluation, Termination,
+    trace,
+};
 use asperity_mesh::Support;
 use asperity_structure::{Damping, PreloadedStructure};
 
@@ -42,12 +45,12 @@ fn three_laws_at_three_levels_equal_time_integration() {
     {
         let structure = damped(&law);
         let natural = structure.natural_frequency().unwrap();
-        let system = ContactSystem::of_stack(&structure, Evaluation::default()).unwrap();
+        let system = ContactSystem::of_structure(&structure, LawEvaluation::default()).unwrap();
         let frequency = 1.02 * natural;
         for force in [0.1, 0.4, 0.9] {
-            let path = Path::Force { frequency, from: 0.01, to: force };
-            let found = trace(&system, &path, &Settings::default()).unwrap();
-            assert_eq!(found.end, BranchEnd::Reached);
+            let continuation = Continuation::Force { frequency, from: 0.01, to: force };
+            let found = trace(&system, &continuation, &HarmonicSettings::default()).unwrap();
+            assert_eq!(found.termination, Termination::Reached);
             let point = found.points.last().unwrap();
             let (coarse, long) = integrated(&law, force, frequency, 1e-3);
             let (fine, short) = integrated(&law, force, frequency, 0.5e-3);
@@ -66,9 +69,9 @@ fn three_laws_at_three_levels_equal_time_integration() {
 fn resonance_is_the_first_mode() {
     let structure = preloaded(rig(&power(), Support::Rigid), 1.0);
     let natural = structure.natural_frequency().unwrap();
-    let system = ContactSystem::of_stack(&structure, Evaluation::Exact).unwrap();
-    let path = Path::Mode { near: 900.0, from: 1e-13, to: 2e-13 };
-    let mode = trace(&system, &path, &Settings::default()).unwrap();
+    let system = ContactSystem::of_structure(&structure, LawEvaluation::Exact).unwrap();
+    let continuation = Continuation::Mode { near: 900.0, from: 1e-13, to: 2e-13 };
+    let mode = trace(&system, &continuation, &HarmonicSettings::default()).unwrap();
     let ratio = mode.points[0].frequency_hz() / natural;
     // Amplitudes of 1e-13 m shift it by 1e-14; rounding of the light sample is more.
     assert!((ratio - 1.0).abs() < 1e-10, "{ratio}");
@@ -82,11 +85,16 @@ fn resonance_is_the_first_mode() {
 #[test]
 fn loss_of_contact_equals_time_integration() {
     let law = power();
-    let system = ContactSystem::of_stack(&damped(&law), Evaluation::default()).unwrap();
+    let system = ContactSystem::of_structure(&damped(&law), LawEvaluation::default()).unwrap();
     let (frequency, force) = (945.0, 2.5);
-    let path = Path::Force { frequency, from: 0.01, to: force };
-    let resolution = Resolution::Automatic { tolerance: 1e-4, most: 60 };
-    let found = trace(&system, &path, &Settings { resolution, ..Settings::default() }).unwrap();
+    let continuation = Continuation::Force { frequency, from: 0.01, to: force };
+    let resolution = FourierResolution::Automatic { tolerance: 1e-4, most: 60 };
+    let found = trace(
+        &system,
+        &continuation,
+        &HarmonicSettings { resolution, ..HarmonicSettings::default() },
+    )
+    .unwrap();
     let point = found.points.last().unwrap();
     assert!(found.is_complete() && point.contact_lost());
     let (coarse, long) = integrated(&law, force, frequency, 1e-3);

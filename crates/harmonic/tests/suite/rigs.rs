@@ -4,11 +4,12 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use asperity_harmonic::{
-    Branch, Contact, ContactSystem, Evaluation, Oscillator, Path, Resolution, Settings, trace,
+    Branch, ContactSystem, Continuation, FourierResolution, HarmonicSettings, LawEvaluation,
+    RigidMass, trace,
 };
 use asperity_law::{ContactLaw, Domain, Exponential, InSeries, ModifiedPower, Power, Pressure};
 use asperity_mesh::{Body, Interface, Stack, Support};
-use asperity_structure::{Damping, PreloadedStructure};
+use asperity_structure::{Damping, PreloadedContact, PreloadedStructure};
 
 pub(crate) type Law = Arc<dyn ContactLaw>;
 
@@ -33,10 +34,10 @@ pub(crate) fn rate_on(law: &Law) -> f64 {
 }
 
 /// The guide bar as a rigid mass on one law, with the damping ratio 0.035.
-pub(crate) fn mass_on(law: &Law, evaluation: Evaluation) -> ContactSystem {
-    let contact = Contact::new("contacts", AREA, PRESSURE, Arc::clone(law), evaluation).unwrap();
-    let mass = Oscillator::new(MASS, rate_on(law)).unwrap();
-    ContactSystem::new(Arc::new(mass), vec![contact]).unwrap()
+pub(crate) fn mass_on(law: &Law, evaluation: LawEvaluation) -> ContactSystem {
+    let contact = PreloadedContact::new("contacts", AREA, Arc::clone(law), PRESSURE).unwrap();
+    let mass = RigidMass::new(MASS, rate_on(law)).unwrap();
+    ContactSystem::new(Arc::new(mass), vec![contact], evaluation).unwrap()
 }
 
 /// Linearised natural frequency [Hz] of [`mass_on`].
@@ -76,11 +77,12 @@ pub(crate) fn rig(law: &Law, support: Support) -> Stack {
 /// A branch at fixed resolution.
 pub(crate) fn branch(
     system: &ContactSystem,
-    path: Path,
+    continuation: Continuation,
     (harmonics, samples): (usize, usize),
 ) -> Branch {
-    let resolution = Resolution::Fixed { harmonics, samples };
-    trace(system, &path, &Settings { resolution, ..Settings::default() }).unwrap()
+    let resolution = FourierResolution::Fixed { harmonics, samples };
+    trace(system, &continuation, &HarmonicSettings { resolution, ..HarmonicSettings::default() })
+        .unwrap()
 }
 
 /// A bilateral law without static pressure, `p = k (d + q d^2 + c d^3)`.

@@ -1,6 +1,8 @@
 //! For smooth laws the truncation error falls exponentially with the harmonics.
 
-use asperity_harmonic::{ContactSystem, Evaluation, Path, Resolution, Settings, trace};
+use asperity_harmonic::{
+    ContactSystem, Continuation, FourierResolution, HarmonicSettings, LawEvaluation, trace,
+};
 use asperity_mesh::Support;
 
 use crate::rigs::{Law, branch, exponential, mass_on, power, preloaded, reference_law, rig};
@@ -9,8 +11,8 @@ use crate::rigs::{Law, branch, exponential, mass_on, power, preloaded, reference
 const ROUNDING: f64 = 1e-13;
 
 /// Relative errors of the fundamental over 1 to `most` harmonics, against 30, down to rounding.
-fn errors(system: &ContactSystem, path: Path, most: usize) -> Vec<f64> {
-    let last = |harmonics| branch(system, path, (harmonics, 256)).points.pop().unwrap();
+fn errors(system: &ContactSystem, continuation: Continuation, most: usize) -> Vec<f64> {
+    let last = |harmonics| branch(system, continuation, (harmonics, 256)).points.pop().unwrap();
     let exact = last(30).displacement[0];
     (1..=most)
         .map(|h| (last(h).displacement[0] - exact).norm() / exact.norm())
@@ -35,12 +37,12 @@ fn errors_fall_exponentially_with_harmonics() {
     for (name, law) in laws {
         let structure = preloaded(rig(&law, Support::Rigid), 416.0);
         let systems = [
-            ("mass", mass_on(&law, Evaluation::Exact)),
-            ("rig", ContactSystem::of_stack(&structure, Evaluation::Exact).unwrap()),
+            ("mass", mass_on(&law, LawEvaluation::Exact)),
+            ("rig", ContactSystem::of_structure(&structure, LawEvaluation::Exact).unwrap()),
         ];
         for (kind, system) in systems {
-            let path = Path::Force { frequency: 1000.0, from: 0.1, to: 0.8 };
-            let found = errors(&system, path, 7);
+            let continuation = Continuation::Force { frequency: 1000.0, from: 0.1, to: 0.8 };
+            let found = errors(&system, continuation, 7);
             assert!(found.len() >= 2);
             // Each harmonic gains more than a factor of ten, down to rounding.
             assert!(slope(&found) < -10.0_f64.ln(), "{name} {kind}: {found:?}");
@@ -51,17 +53,27 @@ fn errors_fall_exponentially_with_harmonics() {
 /// The estimate bounds the true error of the automatic choice, and the choice meets its tolerance.
 #[test]
 fn the_automatic_choice_meets_its_tolerance() {
-    let system = mass_on(&reference_law(), Evaluation::Exact);
-    let path = Path::Frequency { force: 1.2, from: 1000.0, to: 850.0 };
-    let exact = branch(&system, path, (40, 512)).highest().unwrap().amplitude(1);
+    let system = mass_on(&reference_law(), LawEvaluation::Exact);
+    let continuation = Continuation::Frequency { force: 1.2, from: 1000.0, to: 850.0 };
+    let exact = branch(&system, continuation, (40, 512)).highest().unwrap().amplitude(1);
     for tolerance in [1e-3, 1e-6, 1e-9] {
-        let resolution = Resolution::Automatic { tolerance, most: 60 };
-        let found = trace(&system, &path, &Settings { resolution, ..Settings::default() }).unwrap();
+        let resolution = FourierResolution::Automatic { tolerance, most: 60 };
+        let found = trace(
+            &system,
+            &continuation,
+            &HarmonicSettings { resolution, ..HarmonicSettings::default() },
+        )
+        .unwrap();
         assert!(found.truncation() <= tolerance);
         let off = (found.highest().unwrap().amplitude(1) / exact - 1.0).abs();
         assert!(off <= tolerance, "{off:.1e}");
     }
-    let resolution = Resolution::Automatic { tolerance: 1e-14, most: 6 };
-    let found = trace(&system, &path, &Settings { resolution, ..Settings::default() }).unwrap();
+    let resolution = FourierResolution::Automatic { tolerance: 1e-14, most: 6 };
+    let found = trace(
+        &system,
+        &continuation,
+        &HarmonicSettings { resolution, ..HarmonicSettings::default() },
+    )
+    .unwrap();
     assert!(found.is_complete() && found.harmonics == 6 && found.truncation() > 1e-14);
 }

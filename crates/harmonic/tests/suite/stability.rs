@@ -4,29 +4,30 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use asperity_harmonic::{
-    Branch, ContactSystem, Evaluation, Floquet, FloquetMethod, Path, Resolution, Settings, trace,
+    Branch, ContactSystem, Continuation, Floquet, FloquetMethod, FourierResolution,
+    HarmonicSettings, LawEvaluation, trace,
 };
 use asperity_law::Constant;
 use asperity_mesh::Support;
-use faer::c64;
+use num_complex::Complex64;
 
 use crate::integration::{Motion, state_of};
 use crate::rigs::{Law, mass_on, power, preloaded, rate_on, reference_law, rig};
 
 pub(crate) const BOTH: [FloquetMethod; 2] = [FloquetMethod::KoopmanHill, FloquetMethod::RungeKutta];
 
-pub(crate) fn judged(
+pub(crate) fn with_stability(
     system: &ContactSystem,
-    path: Path,
+    continuation: Continuation,
     method: FloquetMethod,
     modes: usize,
 ) -> Branch {
-    let settings = Settings {
-        resolution: Resolution::Fixed { harmonics: 9, samples: 128 },
+    let settings = HarmonicSettings {
+        resolution: FourierResolution::Fixed { harmonics: 9, samples: 128 },
         stability: Some(Floquet { method, modes }),
-        ..Settings::default()
+        ..HarmonicSettings::default()
     };
-    trace(system, &path, &settings).unwrap()
+    trace(system, &continuation, &settings).unwrap()
 }
 
 /// With constant stiffness every multiplier has the modulus `exp(-h T / 2)`, and the slowest pair
@@ -37,10 +38,10 @@ fn a_linear_rig_has_the_multipliers_of_its_modes() {
     let (stack, rate) = (rig(&law, Support::Rigid), 370.0);
     let structure = preloaded(stack, rate);
     let natural = structure.natural_frequency().unwrap();
-    let system = ContactSystem::of_stack(&structure, Evaluation::Exact).unwrap();
+    let system = ContactSystem::of_structure(&structure, LawEvaluation::Exact).unwrap();
     for method in BOTH {
-        let path = Path::Frequency { force: 1.0, from: 900.0, to: 901.0 };
-        let found = judged(&system, path, method, 8);
+        let continuation = Continuation::Frequency { force: 1.0, from: 900.0, to: 901.0 };
+        let found = with_stability(&system, continuation, method, 8);
         let multipliers = found.points[0].multipliers.as_ref().unwrap();
         assert_eq!(multipliers.len(), 16);
         let period = 1.0 / 900.0;
@@ -51,7 +52,7 @@ fn a_linear_rig_has_the_multipliers_of_its_modes() {
             assert!((ratio - 1.0).abs() < bound, "{method:?}: {ratio}");
         }
         let damped = ((TAU * natural).powi(2) - 0.25 * rate * rate).sqrt();
-        let expected = c64::from_polar((-0.5 * rate * period).exp(), damped * period);
+        let expected = Complex64::from_polar((-0.5 * rate * period).exp(), damped * period);
         let nearest = multipliers.iter().map(|m| (m - expected).norm()).fold(1.0, f64::min);
         // Eight modes with residual flexibility have the first frequency to 1e-6.
         assert!(nearest < 1e-4, "{method:?}: {nearest:.1e}");
@@ -63,11 +64,11 @@ fn a_linear_rig_has_the_multipliers_of_its_modes() {
 #[test]
 fn the_single_mass_has_the_multipliers_of_its_own_motion() {
     let law = reference_law();
-    let system = mass_on(&law, Evaluation::Exact);
+    let system = mass_on(&law, LawEvaluation::Exact);
     // Contact is about to be lost at the end; the response folds before.
-    let path = Path::Frequency { force: 1.1, from: 1000.0, to: 880.0 };
+    let continuation = Continuation::Frequency { force: 1.1, from: 1000.0, to: 880.0 };
     for method in BOTH {
-        let found = judged(&system, path, method, 1);
+        let found = with_stability(&system, continuation, method, 1);
         for point in found.points.iter().step_by(5).filter(|point| !point.contact_lost()) {
             let motion = Motion {
                 law: &law,
@@ -103,10 +104,11 @@ fn the_single_mass_has_the_multipliers_of_its_own_motion() {
 fn both_methods_agree_on_the_rig() {
     let stack = rig(&power(), Support::Rigid);
     let structure = preloaded(stack, 416.0);
-    let system = ContactSystem::of_stack(&structure, Evaluation::Exact).unwrap();
-    let path = Path::Force { frequency: 930.0, from: 0.5, to: 0.8 };
-    let [hill, time] = BOTH
-        .map(|method| judged(&system, path, method, 5).points.pop().unwrap().multipliers.unwrap());
+    let system = ContactSystem::of_structure(&structure, LawEvaluation::Exact).unwrap();
+    let continuation = Continuation::Force { frequency: 930.0, from: 0.5, to: 0.8 };
+    let [hill, time] = BOTH.map(|method| {
+        with_stability(&system, continuation, method, 5).points.pop().unwrap().multipliers.unwrap()
+    });
     let off: Vec<f64> = hill
         .iter()
         .map(|m| time.iter().map(|other| (m - other).norm()).fold(f64::INFINITY, f64::min))
@@ -114,7 +116,7 @@ fn both_methods_agree_on_the_rig() {
     assert!(off.iter().all(|off| *off < 2e-2), "{off:?}");
     assert_eq!(off.iter().filter(|off| **off < 1e-6).count(), 2, "{off:?}");
     // Liouville's product: ten states, damped at one rate.
-    let product: c64 = hill.iter().product();
+    let product: Complex64 = hill.iter().product();
     let exact = (-5.0 * 416.0 / 930.0_f64).exp();
     assert!((product - exact).norm() < 1e-8 * exact, "{product}");
 }

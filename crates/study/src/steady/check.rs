@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use asperity_dynamics::{DynamicsError, Excitation, FiniteDifference, Integrator, Sampling};
-use asperity_harmonic::{Branch, Response, Special};
+use asperity_harmonic::{Branch, PeriodicResponse, SpecialPointKind};
 
 use crate::assemble::Assembly;
 
@@ -39,13 +39,14 @@ impl TimeCheck {
     /// Where a branch is checked: the highest stable response at a frequency that the branch meets
     /// only once, its peak unless it leans over. Elsewhere integration from rest may settle on
     /// another response.
-    pub(super) fn place(branch: &Branch) -> Option<&Response> {
-        let frequencies: Vec<f64> = branch.points.iter().map(Response::frequency_hz).collect();
+    pub(super) fn place(branch: &Branch) -> Option<&PeriodicResponse> {
+        let frequencies: Vec<f64> =
+            branch.points.iter().map(PeriodicResponse::frequency_hz).collect();
         let crossings = |f: f64| {
             frequencies.windows(2).filter(|pair| (pair[0] - f) * (pair[1] - f) < 0.0).count()
         };
         // A located peak lies within a step, a point between two.
-        let peaks = branch.of_kind(Special::Peak).map(|peak| (peak, 1));
+        let peaks = branch.of_kind(SpecialPointKind::Peak).map(|peak| (peak, 1));
         let all = peaks.chain(branch.points.iter().map(|point| (point, 0)));
         all.filter(|(response, own)| {
             let f = response.frequency_hz();
@@ -59,7 +60,10 @@ impl TimeCheck {
 
     /// Integrates the rig under the force and at the frequency of `response`, from rest, by
     /// finite differences, in the scenario's cells, or of 1 mm, and in smaller ones. The scheme's error near resonance falls with the step.
-    pub(super) fn of(assembly: &Assembly, response: &Response) -> Result<Self, DynamicsError> {
+    pub(super) fn of(
+        assembly: &Assembly,
+        response: &PeriodicResponse,
+    ) -> Result<Self, DynamicsError> {
         let method = match assembly.method {
             Integrator::FiniteDifference(method) => method,
             Integrator::Modal(_) => FiniteDifference::default(),
@@ -91,7 +95,7 @@ impl TimeCheck {
 
 fn fundamental(
     assembly: &Assembly,
-    response: &Response,
+    response: &PeriodicResponse,
     method: FiniteDifference,
 ) -> Result<(f64, f64), DynamicsError> {
     let frequency = response.frequency_hz();

@@ -1,6 +1,6 @@
 //! Steady responses as CSV and as a summary.
 
-use asperity_harmonic::{Branch, BranchEnd, HarmonicError, Response, Special};
+use asperity_harmonic::{Branch, HarmonicError, PeriodicResponse, SpecialPointKind, Termination};
 use serde_json::{Value, json};
 
 use super::{Backbones, Steady, SteadyLevel};
@@ -99,15 +99,15 @@ fn level(level: &SteadyLevel) -> Value {
     });
     json!({
         "force_n": level.force_n,
-        "peak_frequency_hz": peak.map(Response::frequency_hz),
+        "peak_frequency_hz": peak.map(PeriodicResponse::frequency_hz),
         "peak_amplitude_1_m": peak.map(|peak| peak.amplitude(1)),
-        "harmonic_ratio": peak.map(Response::harmonic_ratio),
-        "peak_is_inside": branch.of_kind(Special::Peak).next().is_some(),
+        "harmonic_ratio": peak.map(PeriodicResponse::harmonic_ratio),
+        "peak_is_inside": branch.of_kind(SpecialPointKind::Peak).next().is_some(),
         "points": branch.points.len(),
         "harmonics": branch.harmonics,
         "truncation": branch.truncation(),
-        "end": end(&branch.end),
-        "contact_lost": branch.points.iter().any(Response::contact_lost),
+        "end": end(&branch.termination),
+        "contact_lost": branch.points.iter().any(PeriodicResponse::contact_lost),
         "bifurcations": branch.special.iter()
             .filter(|special| special.kind.is_bifurcation())
             .map(|special| json!({
@@ -125,31 +125,31 @@ fn backbone(outcome: &Result<Branch, HarmonicError>) -> Value {
     match outcome {
         Ok(branch) => json!({
             "points": branch.points.len(),
-            "end": end(&branch.end),
-            "last_frequency_hz": branch.points.last().map(Response::frequency_hz),
+            "end": end(&branch.termination),
+            "last_frequency_hz": branch.points.last().map(PeriodicResponse::frequency_hz),
             "last_amplitude_1_m": branch.points.last().map(|point| point.amplitude(1)),
         }),
         Err(error) => json!({"error": error.to_string()}),
     }
 }
 
-fn kind(kind: Special) -> &'static str {
+fn kind(kind: SpecialPointKind) -> &'static str {
     match kind {
-        Special::Fold => "fold",
-        Special::Peak => "peak",
-        Special::PeriodDoubling => "period_doubling",
-        Special::NeimarkSacker => "neimark_sacker",
-        Special::BranchPoint => "branch_point",
+        SpecialPointKind::Fold => "fold",
+        SpecialPointKind::Peak => "peak",
+        SpecialPointKind::PeriodDoubling => "period_doubling",
+        SpecialPointKind::NeimarkSacker => "neimark_sacker",
+        SpecialPointKind::BranchPoint => "branch_point",
     }
 }
 
-fn end(end: &BranchEnd) -> Value {
+fn end(end: &Termination) -> Value {
     match end {
-        BranchEnd::Reached => json!("reached"),
-        BranchEnd::Returned => json!("returned"),
-        BranchEnd::NotConverged => json!("not_converged"),
-        BranchEnd::PointLimit => json!("point_limit"),
-        BranchEnd::BeyondLaw { interface, closure } => {
+        Termination::Reached => json!("reached"),
+        Termination::Returned => json!("returned"),
+        Termination::NotConverged => json!("not_converged"),
+        Termination::PointLimit => json!("point_limit"),
+        Termination::BeyondLaw { interface, closure } => {
             json!({"beyond_law": {"interface": interface, "closure_m": closure}})
         }
     }

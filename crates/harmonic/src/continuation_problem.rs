@@ -1,13 +1,15 @@
-//! A path as equations in scaled unknowns.
+//! A continuation as equations in scaled unknowns.
 
 use std::f64::consts::TAU;
+
+use num_complex::Complex64;
 
 use crate::arc_length::Curve;
 use crate::balance::{Balance, Conditions, Overflow};
 use crate::linear_response::{LinearSolver, resonance_near};
-use crate::{ContactSystem, HarmonicError, Path};
+use crate::{ContactSystem, Continuation, HarmonicError};
 
-/// Harmonic balance along a [`Path`], in unknowns of order one.
+/// Harmonic balance along a [`Continuation`], in unknowns of order one.
 ///
 /// The unknowns are the closures over a reference `a`, then the frequency and the anti-damping
 /// rate over theirs where these are sought, last the parameter. Along a range of frequencies a is
@@ -15,9 +17,9 @@ use crate::{ContactSystem, HarmonicError, Path};
 /// along forces and amplitudes a is proportional to them, and the parameter their logarithm, so
 /// that small motions are resolved as well as large ones.
 #[derive(Debug, Clone)]
-pub(crate) struct Problem<'a> {
+pub(crate) struct ContinuationProblem<'a> {
     balance: Balance<'a>,
-    path: Path,
+    continuation: Continuation,
     /// Closures per unit: a length [m], a length per force [m/N], or a ratio.
     closure: f64,
     frequency: f64,
@@ -29,20 +31,20 @@ pub(crate) struct Problem<'a> {
 /// Points at which the linear response is scanned for its size and width.
 const SCAN: u32 = 200;
 
-impl<'a> Problem<'a> {
+impl<'a> ContinuationProblem<'a> {
     pub(crate) fn new(
         system: &'a ContactSystem,
-        path: Path,
+        continuation: Continuation,
         harmonics: usize,
         samples: usize,
     ) -> Result<Self, HarmonicError> {
         let balance = Balance::new(system, harmonics, samples);
         let mut solver = LinearSolver::new(system);
         let mut size = |w: f64| solver.at(w).map_or(f64::NAN, |found| found.size());
-        let (closure, frequency) = match path {
-            Path::Frequency { force, from, to } => {
-                let place = |i: u32| TAU * (from + (to - from) * f64::from(i) / f64::from(SCAN));
-                let sizes: Vec<f64> = (0..=SCAN).map(|i| size(place(i))).collect();
+        let (closure, frequency) = match continuation {
+            Continuation::Frequency { force, from, to } => {
+                let at = |i: u32| TAU * (from + (to - from) * f64::from(i) / f64::from(SCAN));
+                let sizes: Vec<f64> = (0..=SCAN).map(|i| size(at(i))).collect();
                 let largest = sizes.iter().copied().fold(0.0, f64::max);
                 let mean = sizes.iter().sum::<f64>() / f64::from(SCAN + 1);
                 let span = TAU * (to - from).abs();
@@ -50,27 +52,27 @@ impl<'a> Problem<'a> {
                 let width = (0.5 * span * mean / largest).clamp(1e-4 * span, span);
                 (force * largest, width)
             }
-            Path::Force { frequency, .. } => {
+            Continuation::Force { frequency, .. } => {
                 let w = TAU * frequency;
                 (size(w), w)
             }
-            Path::PhaseResonance { near, .. } => {
+            Continuation::PhaseResonance { near, .. } => {
                 let w = resonance_near(system, TAU * near);
                 (size(w), 0.1 * w)
             }
-            Path::Mode { near, .. } => (1.0, 0.1 * resonance_near(system, TAU * near)),
+            Continuation::Mode { near, .. } => (1.0, 0.1 * resonance_near(system, TAU * near)),
         };
         let positive = |value: f64| value.is_finite() && value > 0.0;
         if !(positive(closure) && positive(frequency)) {
             return Err(HarmonicError::NoStart {
-                frequency_hz: path.range().0,
+                frequency_hz: continuation.range().0,
                 force_n: f64::NAN,
                 residual: f64::NAN,
             });
         }
         let n = balance.unknowns();
         let output = [vec![0.0; n], vec![0.0; n]];
-        Ok(Self { balance, path, closure, frequency, closures: vec![0.0; n], output })
+        Ok(Self { balance, continuation, closure, frequency, closures: vec![0.0; n], output })
     }
 
     pub(crate) fn balance(&self) -> &Balance<'a> {
@@ -84,16 +86,16 @@ impl<'a> Problem<'a> {
 
     /// Value of the parameter for a frequency [Hz], a force [N] or an amplitude [m].
     pub(crate) fn parameter(&self, value: f64) -> f64 {
-        match self.path {
-            Path::Frequency { .. } => TAU * value / self.frequency,
+        match self.continuation {
+            Continuation::Frequency { .. } => TAU * value / self.frequency,
             _ => value.ln(),
         }
     }
 
-    /// Reference of the closures and its relative slope by the parameter.
+    /// Reference of the closures and its relative slope with respect to the parameter.
     fn reference(&self, parameter: f64) -> (f64, f64) {
-        match self.path {
-            Path::Frequency { .. } => (self.closure, 0.0),
+        match self.continuation {
+            Continuation::Frequency { .. } => (self.closure, 0.0),
             _ => (self.closure * parameter.exp(), 1.0),
         }
     }
@@ -102,20 +104,20 @@ impl<'a> Problem<'a> {
         let n = self.balance.unknowns();
         let parameter = v[v.len() - 1];
         let mut at = Conditions { angular_frequency: 0.0, anti_damping: 0.0, force: 0.0 };
-        match self.path {
-            Path::Frequency { force, .. } => {
+        match self.continuation {
+            Continuation::Frequency { force, .. } => {
                 at.force = force;
                 at.angular_frequency = self.frequency * parameter;
             }
-            Path::Force { frequency, .. } => {
+            Continuation::Force { frequency, .. } => {
                 at.force = parameter.exp();
                 at.angular_frequency = TAU * frequency;
             }
-            Path::PhaseResonance { .. } => {
+            Continuation::PhaseResonance { .. } => {
                 at.force = parameter.exp();
                 at.angular_frequency = self.frequency * v[n];
             }
-            Path::Mode { .. } => {
+            Continuation::Mode { .. } => {
                 at.angular_frequency = self.frequency * v[n];
                 at.anti_damping = self.frequency * v[n + 1];
             }
@@ -137,36 +139,38 @@ impl<'a> Problem<'a> {
             }
         }
         let n = contacts * terms;
-        match self.path {
-            Path::PhaseResonance { .. } => v[n] = at.angular_frequency / self.frequency,
-            Path::Mode { .. } => {
+        match self.continuation {
+            Continuation::PhaseResonance { .. } => v[n] = at.angular_frequency / self.frequency,
+            Continuation::Mode { .. } => {
                 v[n] = at.angular_frequency / self.frequency;
                 v[n + 1] = at.anti_damping / self.frequency;
             }
-            Path::Frequency { .. } | Path::Force { .. } => {}
+            Continuation::Frequency { .. } | Continuation::Force { .. } => {}
         }
         v[self.size()] = parameter;
         v
     }
 
-    /// Unknowns of the linearised response at the start of the path.
+    /// Unknowns of the linearised response at the start of the continuation.
     pub(crate) fn linear_start(&self) -> Option<Vec<f64>> {
         let system = self.balance.system();
-        let (from, _) = self.path.range();
+        let (from, _) = self.continuation.range();
         let mut at = Conditions { angular_frequency: 0.0, anti_damping: 0.0, force: 0.0 };
         let mut scale = from;
-        let mut turn = faer::c64::new(1.0, 0.0);
-        match self.path {
-            Path::Frequency { force, .. } => {
+        let mut turn = Complex64::new(1.0, 0.0);
+        match self.continuation {
+            Continuation::Frequency { force, .. } => {
                 at.angular_frequency = TAU * from;
                 scale = force;
             }
-            Path::Force { frequency, .. } => at.angular_frequency = TAU * frequency,
-            Path::PhaseResonance { .. } => at.angular_frequency = 10.0 * self.frequency,
-            Path::Mode { near, .. } => at.angular_frequency = resonance_near(system, TAU * near),
+            Continuation::Force { frequency, .. } => at.angular_frequency = TAU * frequency,
+            Continuation::PhaseResonance { .. } => at.angular_frequency = 10.0 * self.frequency,
+            Continuation::Mode { near, .. } => {
+                at.angular_frequency = resonance_near(system, TAU * near)
+            }
         }
         let linear = LinearSolver::new(system).at(at.angular_frequency)?;
-        if let Path::Mode { .. } = self.path {
+        if let Continuation::Mode { .. } = self.continuation {
             // At resonance a force F in phase with the velocity feeds what the anti-damping will:
             // of the order of the half-power width. Newton's method finds the rest.
             scale = from / linear.output.norm();
@@ -177,7 +181,7 @@ impl<'a> Problem<'a> {
             .closures
             .chunks_exact(3)
             .flat_map(|series| {
-                let rotated = faer::c64::new(series[1], -series[2]) * turn;
+                let rotated = Complex64::new(series[1], -series[2]) * turn;
                 [scale * series[0], scale * rotated.re, -scale * rotated.im]
             })
             .collect();
@@ -190,15 +194,15 @@ impl<'a> Problem<'a> {
         let parameter = v.len() - 1;
         let (reference, growth) = self.reference(v[parameter]);
         let [real, imaginary] = &mut self.output;
-        self.balance.output_by_closures(real, imaginary);
-        let by = self.balance.output_by_conditions(&at);
-        let mut slope = faer::c64::new(0.0, 0.0);
+        self.balance.d_output_d_closures(real, imaginary);
+        let derivatives = self.balance.d_output_d_conditions(&at);
+        let mut slope = Complex64::new(0.0, 0.0);
         for (j, x) in self.closures.iter().enumerate() {
             let change = reference * tangent[j] + x * growth * tangent[parameter];
-            slope += faer::c64::new(real[j], imaginary[j]) * change;
+            slope += Complex64::new(real[j], imaginary[j]) * change;
         }
-        if let Path::Frequency { .. } = self.path {
-            slope += by[0] * (self.frequency * tangent[parameter]);
+        if let Continuation::Frequency { .. } = self.continuation {
+            slope += derivatives[0] * (self.frequency * tangent[parameter]);
         }
         (slope / self.balance.output(1, &at)).re
     }
@@ -219,12 +223,12 @@ fn half_power_width(system: &ContactSystem, resonance: f64, peak: f64) -> f64 {
     2.0 * inside
 }
 
-impl Curve for Problem<'_> {
+impl Curve for ContinuationProblem<'_> {
     fn size(&self) -> usize {
-        let more = match self.path {
-            Path::Frequency { .. } | Path::Force { .. } => 0,
-            Path::PhaseResonance { .. } => 1,
-            Path::Mode { .. } => 2,
+        let more = match self.continuation {
+            Continuation::Frequency { .. } | Continuation::Force { .. } => 0,
+            Continuation::PhaseResonance { .. } => 1,
+            Continuation::Mode { .. } => 2,
         };
         self.balance.unknowns() + more
     }
@@ -247,10 +251,10 @@ impl Curve for Problem<'_> {
         let at = self.conditions(v);
         let (reference, _) = self.reference(v[v.len() - 1]);
         self.balance.residual(&self.closures, &at, &mut out[..n]);
-        match self.path {
-            Path::Frequency { .. } | Path::Force { .. } => {}
-            Path::PhaseResonance { .. } => out[n] = self.balance.output(1, &at).re,
-            Path::Mode { .. } => {
+        match self.continuation {
+            Continuation::Frequency { .. } | Continuation::Force { .. } => {}
+            Continuation::PhaseResonance { .. } => out[n] = self.balance.output(1, &at).re,
+            Continuation::Mode { .. } => {
                 let amplitude = v[v.len() - 1].exp();
                 let output = self.balance.output(1, &at);
                 out[n] = output.re - amplitude;
@@ -268,21 +272,21 @@ impl Curve for Problem<'_> {
         let last = stride - 1;
         let at = self.conditions(v);
         let (reference, growth) = self.reference(v[last]);
-        self.balance.by_closures(stride, out);
-        let rate = self.frequency / reference;
-        let put = |out: &mut [f64], column: &[f64], place: usize, factor: f64| {
+        self.balance.d_residual_d_closures(stride, out);
+        let scale = self.frequency / reference;
+        let put = |out: &mut [f64], column: &[f64], at: usize, factor: f64| {
             for (row, value) in column[..n].iter().enumerate() {
-                out[row * stride + place] = factor * value;
+                out[row * stride + at] = factor * value;
             }
         };
-        // By the parameter.
-        if let Path::Frequency { .. } = self.path {
-            self.balance.by_frequency(&at, &mut column[..n]);
-            put(out, column, last, rate);
+        // With respect to the parameter.
+        if let Continuation::Frequency { .. } = self.continuation {
+            self.balance.d_residual_d_frequency(&at, &mut column[..n]);
+            put(out, column, last, scale);
             return;
         }
         // X = a Y grows with the parameter, as do force and residual.
-        self.balance.by_force(&mut column[..n]);
+        self.balance.d_residual_d_force(&mut column[..n]);
         for row in 0..n {
             let along: f64 = out[row * stride..][..n].iter().zip(v).map(|(j, y)| j * y).sum();
             out[row * stride + last] = along + column[row] * at.force / reference;
@@ -291,32 +295,32 @@ impl Curve for Problem<'_> {
         for row in 0..n {
             out[row * stride + last] -= growth * column[row] / reference;
         }
-        if let Path::Force { .. } = self.path {
+        if let Continuation::Force { .. } = self.continuation {
             return;
         }
-        self.balance.by_frequency(&at, &mut column[..n]);
-        put(out, column, n, rate);
-        if let Path::Mode { .. } = self.path {
-            self.balance.by_rate(&at, &mut column[..n]);
-            put(out, column, n + 1, rate);
+        self.balance.d_residual_d_frequency(&at, &mut column[..n]);
+        put(out, column, n, scale);
+        if let Continuation::Mode { .. } = self.continuation {
+            self.balance.d_residual_d_anti_damping(&at, &mut column[..n]);
+            put(out, column, n + 1, scale);
         }
         // The rows of the output.
         let [real, imaginary] = &mut self.output;
-        self.balance.output_by_closures(real, imaginary);
-        let by = self.balance.output_by_conditions(&at).map(|by| [by.re, by.im]);
+        self.balance.d_output_d_closures(real, imaginary);
+        let derivatives = self.balance.d_output_d_conditions(&at).map(|d| [d.re, d.im]);
         let output = self.balance.output(1, &at);
         let output = [output.re, output.im];
         let parts = [&*real, &*imaginary];
         for part in 0..last - n {
             let row = &mut out[(n + part) * stride..(n + part + 1) * stride];
             row[..n].copy_from_slice(parts[part]);
-            row[n] = rate * by[0][part];
-            if let Path::Mode { .. } = self.path {
-                row[n + 1] = rate * by[1][part];
+            row[n] = scale * derivatives[0][part];
+            if let Continuation::Mode { .. } = self.continuation {
+                row[n + 1] = scale * derivatives[1][part];
             }
             let along: f64 = row[..n].iter().zip(v).map(|(j, y)| j * y).sum();
             // At a solution the residual's own constant, the amplitude, grows alike.
-            row[last] = along + (at.force * by[2][part] - output[part]) / reference;
+            row[last] = along + (at.force * derivatives[2][part] - output[part]) / reference;
         }
     }
 }

@@ -1,10 +1,10 @@
-//! What a branch of periodic responses is followed in.
+//! One-parameter families of periodic responses.
 
 use crate::HarmonicError;
 
 /// A one-parameter family of periodic motions. The drive is `F cos(2 pi f t)`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Path {
+pub enum Continuation {
     /// Responses to one force amplitude over frequency.
     Frequency {
         /// Force amplitude F \[N\].
@@ -49,8 +49,8 @@ pub enum Path {
     },
 }
 
-impl Path {
-    /// Start and end of what is varied.
+impl Continuation {
+    /// Start and end of the parameter.
     pub fn range(&self) -> (f64, f64) {
         match *self {
             Self::Frequency { from, to, .. }
@@ -60,7 +60,7 @@ impl Path {
         }
     }
 
-    /// What is varied, with its unit.
+    /// Name of the parameter, with its unit.
     pub fn quantity(&self) -> &'static str {
         match self {
             Self::Frequency { .. } => "frequency [Hz]",

@@ -1,13 +1,8 @@
-//! Mass, stiffness and named points of a discretised structure.
-//!
-//! Integrators and eigensolvers need no bars: they need a mass matrix, a
-//! stiffness matrix, the node that the hammer strikes, and the pairs of nodes
-//! that face each other at the contacts. [`LinearStructure`] is just that, so
-//! that matrices from elsewhere can take the place of our own grid.
+//! Mass, stiffness and contact pairs of a discretised structure.
 
 use crate::{Grid, Stack, Support};
 
-/// The two nodes that face each other across an interface.
+/// The two faces of a contact, a node each.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ContactPair {
     /// Node of the upper face.
@@ -20,6 +15,22 @@ pub struct ContactPair {
 
 /// `M u'' + C u' + k u = f` without its contacts: lumped masses and symmetric
 /// stiffness triplets over numbered nodes.
+///
+/// ```
+/// use std::sync::Arc;
+///
+/// use asperity_law::Constant;
+/// use asperity_mesh::{Body, Grid, Interface, LinearStructure, Stack, Support};
+///
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let guide = Body::with_mass("guide", 0.229, 1.61, 71e9, 2710.0)?;
+/// let contact = Interface::new("guide-disc", 1.15e-4, Arc::new(Constant::new(8.5e11)?))?;
+/// let stack = Stack::new(vec![guide], vec![contact], Support::Rigid, 9.81)?;
+/// let structure = LinearStructure::on_grid(&stack, &Grid::new(&stack, 5e-3)?);
+/// assert!((structure.mass().iter().sum::<f64>() - 1.61).abs() < 1e-12);
+/// # Ok(())
+/// # }
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct LinearStructure {
     mass: Vec<f64>,
@@ -120,7 +131,7 @@ impl LinearStructure {
         self.support_damping
     }
 
-    /// Node that the hammer strikes and whose motion is the output.
+    /// Node of the driving point, which is also the output.
     pub fn drive(&self) -> usize {
         0
     }

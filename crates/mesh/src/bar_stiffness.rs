@@ -15,13 +15,22 @@ use crate::Body;
 /// At the frequencies of the bar clamped at both ends the entries are infinite;
 /// [`clamped_modes_below`](BarStiffness::clamped_modes_below) counts those for
 /// the Wittrick-Williams algorithm (J. Sound Vib. 1971, 16, 419).
+///
+/// ```
+/// use asperity_mesh::{BarStiffness, Body};
+///
+/// let bar = Body::new("bar", 0.2, 1e-3, 71e9, 2710.0)?;
+/// let stiffness = BarStiffness::at(&bar, 1.0);
+/// assert!((stiffness.direct * 0.2 / (71e9 * 1e-3) - 1.0).abs() < 1e-8);
+/// # Ok::<(), asperity_mesh::MeshError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BarStiffness {
     /// Force at an end per displacement of the same end \[N/m\].
     pub direct: f64,
     /// Force at an end per displacement of the other end \[N/m\].
     pub cross: f64,
-    /// How many natural frequencies of the bar clamped at both ends lie below `w`.
+    /// Number of natural frequencies of the bar clamped at both ends below `w`.
     pub clamped_modes_below: usize,
 }
 

@@ -1,38 +1,63 @@
 //! The linear equation of small disturbances.
 
-use crate::ModalSystem;
+use asperity_mesh::{ComponentModes, ResidualFlexibility};
 
 /// Modes with contact tangents that vary over the period.
 ///
 /// The state is `(q, q' / s)` with a rate s of the order of the highest frequency, so that both
 /// halves are of one size.
 #[derive(Debug, Clone)]
-pub(super) struct Variation {
-    modal: ModalSystem,
+pub(super) struct VariationalEquation {
+    /// Angular frequency w_j \[rad/s\] and damping rate h_j \[1/s\] of each mode.
+    frequencies: Vec<f64>,
+    rates: Vec<f64>,
+    /// Closures of each mode at the interfaces \[kg^-1/2\].
+    closures: Vec<Vec<f64>>,
+    residual: ResidualFlexibility,
     matrix: Vec<f64>,
 }
 
-impl Variation {
-    pub(super) fn new(modal: ModalSystem) -> Self {
-        let n = modal.closure(0).len();
-        Self { modal, matrix: vec![0.0; 2 * n * n] }
+impl VariationalEquation {
+    /// The equation of `modes` under the mass-proportional damping `rate` \[1/s\].
+    pub(super) fn new(modes: &ComponentModes, rate: f64) -> Self {
+        let (n, residual) = (modes.interfaces(), modes.residual().clone());
+        let modes = modes.modes();
+        Self {
+            frequencies: modes.iter().map(|mode| mode.angular_frequency).collect(),
+            rates: modes.iter().map(|mode| mode.total_damping(rate)).collect(),
+            closures: modes.iter().map(|mode| mode.closure.clone()).collect(),
+            residual,
+            matrix: vec![0.0; 2 * n * n],
+        }
     }
 
-    pub(super) fn modal(&self) -> &ModalSystem {
-        &self.modal
+    pub(super) fn modes(&self) -> usize {
+        self.frequencies.len()
     }
 
     pub(super) fn interfaces(&self) -> usize {
-        self.modal.closure(0).len()
+        self.residual.closure.len()
+    }
+
+    pub(super) fn frequency(&self, mode: usize) -> f64 {
+        self.frequencies[mode]
+    }
+
+    pub(super) fn rate(&self, mode: usize) -> f64 {
+        self.rates[mode]
+    }
+
+    pub(super) fn closure(&self, mode: usize) -> &[f64] {
+        &self.closures[mode]
     }
 
     /// An upper estimate of the highest frequency [rad/s] with contact stiffnesses up to
     /// `stiffness` [N/m].
     pub(super) fn highest_frequency(&self, stiffness: f64) -> f64 {
-        (0..self.modal.modes())
+        (0..self.modes())
             .map(|j| {
-                let shape: f64 = self.modal.closure(j).iter().map(|phi| phi * phi).sum();
-                self.modal.frequency()[j].powi(2) + stiffness * shape
+                let shape: f64 = self.closure(j).iter().map(|phi| phi * phi).sum();
+                self.frequency(j).powi(2) + stiffness * shape
             })
             .fold(0.0, f64::max)
             .sqrt()
@@ -46,7 +71,7 @@ impl Variation {
         let n = self.interfaces();
         if n == 1 {
             let k = tangents(0);
-            out[0] = k / (1.0 + k * self.modal.residual(0, 0));
+            out[0] = k / (1.0 + k * self.residual.closure[0][0]);
             return;
         }
         let width = 2 * n;
@@ -54,7 +79,7 @@ impl Variation {
         for i in 0..n {
             let k = tangents(i);
             for j in 0..n {
-                self.matrix[i * width + j] = k * self.modal.residual(i, j);
+                self.matrix[i * width + j] = k * self.residual.closure[i][j];
             }
             self.matrix[i * width + i] += 1.0;
             self.matrix[i * width + n + i] = k;

@@ -1,30 +1,31 @@
-//! One periodic response and what is observed of it.
+//! One periodic response and its observables.
 
 use std::f64::consts::TAU;
 
-use faer::c64;
+use asperity_structure::PreloadedContact;
+use num_complex::Complex64;
 
-use crate::Contact;
 use crate::balance::{Balance, Conditions};
 use crate::fourier::value_at;
 
-/// How far outside the unit circle a multiplier counts as unstable: rounding of the undamped.
+/// Distance from the unit circle beyond which a multiplier counts as unstable: rounding of the
+/// undamped.
 const MARGIN: f64 = 1e-9;
 
-/// What happens at one interface over a period.
+/// Extremes of the pressure at one interface over a period.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PressureRange {
     /// Lowest pressure \[Pa\].
     pub lowest: f64,
     /// Highest pressure \[Pa\].
     pub highest: f64,
-    /// Whether contact is lost within the period: the pressure of a law that separates is zero.
+    /// Loss of contact within the period: the pressure of a law that separates is zero.
     pub contact_lost: bool,
 }
 
 /// A periodic motion `x(t) = X_0 + Re sum_k X_k exp(i k w t)` under the force `F cos(w t)`.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Response {
+pub struct PeriodicResponse {
     /// Angular frequency w \[rad/s\].
     pub angular_frequency: f64,
     /// Force amplitude F \[N\]; zero for a mode.
@@ -34,7 +35,7 @@ pub struct Response {
     /// Mean displacement of the driving point from rest \[m\], positive down.
     pub mean_displacement: f64,
     /// Complex amplitudes of the driving point's displacement, harmonics 1 to H \[m\].
-    pub displacement: Vec<c64>,
+    pub displacement: Vec<Complex64>,
     /// Closure increments from rest: per interface the mean, then cosine and sine coefficient of
     /// each harmonic \[m\].
     pub closures: Vec<f64>,
@@ -48,10 +49,10 @@ pub struct Response {
     /// Newton iterations it took.
     pub iterations: usize,
     /// Floquet multipliers, largest first, if stability was asked for.
-    pub multipliers: Option<Vec<c64>>,
+    pub multipliers: Option<Vec<Complex64>>,
 }
 
-impl Response {
+impl PeriodicResponse {
     /// Frequency \[Hz\].
     pub fn frequency_hz(&self) -> f64 {
         self.angular_frequency / TAU
@@ -88,12 +89,12 @@ impl Response {
         self.modal_mass.sqrt() * self.amplitude(1)
     }
 
-    /// Whether contact is lost at any interface.
+    /// True if contact is lost at any interface.
     pub fn contact_lost(&self) -> bool {
         self.pressures.iter().any(|range| range.contact_lost)
     }
 
-    /// Whether small disturbances decay: all multipliers lie within the unit circle. `None` if
+    /// True if small disturbances decay: all multipliers lie within the unit circle. `None` if
     /// stability was not asked for.
     pub fn stable(&self) -> Option<bool> {
         self.unstable_multipliers().map(|count| count == 0)
@@ -102,8 +103,8 @@ impl Response {
     /// Number of multipliers outside the unit circle.
     pub fn unstable_multipliers(&self) -> Option<usize> {
         let multipliers = self.multipliers.as_ref()?;
-        // One that could not be computed, NaN, is not known to be within.
-        let within = |multiplier: &&c64| multiplier.norm() <= 1.0 + MARGIN;
+        // A multiplier that could not be computed, NaN, counts as unstable.
+        let within = |multiplier: &&Complex64| multiplier.norm() <= 1.0 + MARGIN;
         Some(multipliers.len() - multipliers.iter().filter(within).count())
     }
 
@@ -116,7 +117,7 @@ impl Response {
     }
 
     /// Closure increment from rest of an interface \[m\] at a phase `w t` \[rad\], and its first two
-    /// derivatives by the phase.
+    /// derivatives with respect to the phase.
     pub fn closure_at(&self, interface: usize, phase: f64) -> [f64; 3] {
         let terms = 2 * self.harmonics() + 1;
         value_at(&self.closures[interface * terms..(interface + 1) * terms], phase)
@@ -133,7 +134,7 @@ impl Response {
             displacement: (1..=harmonics).map(|k| balance.output(k, at)).collect(),
             closures: x.to_vec(),
             pressures: Vec::new(),
-            truncation: balance.left_out(x),
+            truncation: balance.truncation(x),
             modal_mass: f64::NAN,
             iterations,
             multipliers: None,
@@ -151,7 +152,7 @@ impl Response {
     /// samples and polished by Newton's method on the series.
     fn pressure_range(
         &self,
-        contact: &Contact,
+        contact: &PreloadedContact,
         interface: usize,
         samples: &[f64],
     ) -> PressureRange {

@@ -1,0 +1,140 @@
+//! A preloaded structure in component modes as a linear system.
+
+use asperity_mesh::{ComponentModes, NormalMode};
+use asperity_structure::PreloadedStructure;
+use faer::Mat;
+use faer::linalg::solvers::{Solve, Svd};
+use num_complex::Complex64;
+
+use crate::{Compliance, HarmonicError, LinearSystem, MeanBalance, Receptance};
+
+/// Part of the largest singular value below which a rigid motion is not held by contacts.
+const HELD: f64 = 1e-9;
+
+fn rigid_modes(modes: &ComponentModes) -> Vec<&NormalMode> {
+    modes.modes().iter().filter(|mode| mode.angular_frequency == 0.0).collect()
+}
+
+/// Closures of the rigid modes, a column each.
+fn rigid_closures(modes: &ComponentModes) -> Mat<f64> {
+    let rigid = rigid_modes(modes);
+    Mat::from_fn(modes.interfaces(), rigid.len(), |i, r| rigid[r].closure[i])
+}
+
+/// Number of independent rigid motions that close some contact.
+fn held(closures: &Mat<f64>) -> usize {
+    let values = closures.singular_values().unwrap_or_default();
+    let largest = values.iter().copied().fold(0.0, f64::max);
+    values.iter().filter(|&&value| value > HELD * largest).count()
+}
+
+/// Static flexibility of the elastic modes and the residual, between interfaces and, in the last
+/// row, at the driving point per contact force.
+fn elastic_flexibility(modes: &ComponentModes) -> Mat<f64> {
+    let n = modes.interfaces();
+    Mat::from_fn(n + 1, n, |row, column| {
+        let shape = |mode: &NormalMode| if row < n { mode.closure[row] } else { mode.drive };
+        let elastic = modes.modes().iter().filter(|mode| mode.angular_frequency > 0.0);
+        let kept: f64 = elastic
+            .map(|mode| shape(mode) * mode.closure[column] / mode.angular_frequency.powi(2))
+            .sum();
+        let residual = modes.residual();
+        kept + if row < n { residual.closure[row][column] } else { residual.drive[column] }
+    })
+}
+
+/// Receptances of the modes and the residual flexibility; the displacement observed is that of the
+/// driving point.
+impl LinearSystem for PreloadedStructure<ComponentModes> {
+    fn interfaces(&self) -> usize {
+        self.component_modes().interfaces()
+    }
+
+    fn compliance(&self, w: f64, anti_damping: f64, into: &mut Compliance) {
+        let n = LinearSystem::interfaces(self);
+        let residual = self.component_modes().residual();
+        let constant =
+            |value| Receptance { value: Complex64::new(value, 0.0), ..Receptance::default() };
+        for row in 0..n {
+            for column in 0..n {
+                *into.contact_mut(row, column) = constant(residual.closure[row][column]);
+            }
+            *into.drive_mut(row) = constant(residual.drive[row]);
+        }
+        into.direct = constant(residual.driving_point);
+        for mode in self.component_modes().modes() {
+            let rate = mode.total_damping(self.damping_rate()) - anti_damping;
+            let value = Complex64::new(mode.angular_frequency.powi(2) - w * w, w * rate).inv();
+            let modal = Receptance {
+                value,
+                d_frequency: -value * value * Complex64::new(-2.0 * w, rate),
+                d_anti_damping: value * value * Complex64::new(0.0, w),
+            };
+            for row in 0..n {
+                for column in 0..n {
+                    let factor = mode.closure[row] * mode.closure[column];
+                    into.contact_mut(row, column).add(&modal, factor);
+                }
+                into.drive_mut(row).add(&modal, mode.closure[row] * mode.drive);
+            }
+            into.direct.add(&modal, mode.drive * mode.drive);
+        }
+    }
+
+    /// Rigid motions carry no mean force, `phi_rigid . P0 = 0`; across them the closures are
+    /// elastic, `N^T (X0 + G P0) = 0` with N orthogonal to the rigid closures.
+    fn mean_balance(&self) -> MeanBalance {
+        let modes = self.component_modes();
+        let n = modes.interfaces();
+        let rigid = rigid_modes(modes);
+        let elastic = elastic_flexibility(modes);
+        let mut balance = MeanBalance {
+            closure: vec![0.0; n * n],
+            force: vec![0.0; n * n],
+            output_closure: vec![0.0; n],
+            output_force: (0..n).map(|i| -elastic[(n, i)]).collect(),
+        };
+        let closures = rigid_closures(modes);
+        let Ok(svd) = Svd::new(closures.as_ref()) else {
+            return balance;
+        };
+        let (left, held) = (svd.U(), held(&closures));
+        for row in 0..n {
+            for column in 0..n {
+                if row < held {
+                    balance.force[row * n + column] = left[(column, row)];
+                } else {
+                    balance.closure[row * n + column] = left[(column, row)];
+                    balance.force[row * n + column] =
+                        (0..n).map(|i| left[(i, row)] * elastic[(i, column)]).sum();
+                }
+            }
+        }
+        if !rigid.is_empty() && held == rigid.len() {
+            // The rigid motions from the closures, Phi q = X0 + G P0, by least squares.
+            let squares = closures.transpose() * &closures;
+            let drive = Mat::from_fn(rigid.len(), 1, |r, _| rigid[r].drive);
+            let weights = &closures * squares.partial_piv_lu().solve(&drive);
+            for i in 0..n {
+                balance.output_closure[i] = weights[(i, 0)];
+                balance.output_force[i] +=
+                    (0..n).map(|row| weights[(row, 0)] * elastic[(row, i)]).sum::<f64>();
+            }
+        }
+        balance
+    }
+
+    fn lowest_modes(&self, _count: usize) -> Result<ComponentModes, HarmonicError> {
+        Ok(self.component_modes().clone())
+    }
+
+    fn mass_damping(&self) -> f64 {
+        self.damping_rate()
+    }
+
+    fn check(&self) -> Result<(), HarmonicError> {
+        let closures = rigid_closures(self.component_modes());
+        let (free, held) = (closures.ncols(), held(&closures));
+        if held < free { Err(HarmonicError::Floating { free, held }) } else { Ok(()) }
+    }
+}
