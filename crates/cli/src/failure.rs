@@ -51,7 +51,13 @@ pub(crate) enum Failure {
 
 impl From<OutputError> for Failure {
     fn from(error: OutputError) -> Self {
-        Self::Study(error.into())
+        match error {
+            OutputError::Occupied { folder, example } => {
+                Self::Occupied { folder, example, overwrite: "--force" }
+            }
+            OutputError::NotAFolder { folder } => Self::NotAFolder { folder },
+            other => Self::Study(other.into()),
+        }
     }
 }
 
@@ -170,7 +176,8 @@ fn is_wrong_request(error: &StudyError) -> bool {
         StudyError::Harmonic(error) => {
             !matches!(error, HarmonicError::NoStart { .. } | HarmonicError::BeyondLaw { .. })
         }
-        StudyError::Signal(_) => false,
+        // Signals that cannot be analysed, and errors to come.
+        _ => false,
     }
 }
 

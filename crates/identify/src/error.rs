@@ -6,8 +6,9 @@ use asperity_inference::IdentifyError;
 use thiserror::Error;
 
 use asperity_experiment::AnalysisError;
-use asperity_scenario::{DocumentError, InputError, InvalidDocument, PointerError, SetError};
+use asperity_scenario::{DocumentError, InputError, InvalidDocument, SetError};
 use asperity_study::error::StudyError;
+use asperity_study::parameter::ParameterError;
 
 /// Why an identification cannot be set up or carried out.
 #[derive(Debug, Error)]
@@ -18,30 +19,9 @@ pub enum ProblemError {
     /// The problem, or its scenario, is not valid.
     #[error(transparent)]
     Invalid(#[from] InvalidDocument),
-    /// A pointer is not a JSON Pointer.
-    #[error("unknown {pointer}: {source}")]
-    Pointer {
-        /// The pointer.
-        pointer: String,
-        /// Why.
-        source: PointerError,
-    },
-    /// A pointer leads to no number of the scenario.
-    #[error(
-        "unknown {pointer}: there is no number of the scenario; expected a pointer such as /damping/ratio"
-    )]
-    NotANumber {
-        /// The pointer.
-        pointer: String,
-    },
-    /// A number that says how to compute or sample.
-    #[error(
-        "unknown {pointer}: this is a setting of the computation; expected a number of the rig or its force"
-    )]
-    Setting {
-        /// The pointer.
-        pointer: String,
-    },
+    /// A pointer leads to no parameter of the scenario.
+    #[error(transparent)]
+    Parameter(#[from] ParameterError),
     /// Two unknowns are one number of the scenario, or data set what is unknown.
     #[error("{pointer} is unknown, and {by}")]
     Contradiction {

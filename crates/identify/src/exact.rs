@@ -8,21 +8,19 @@
 use std::sync::Arc;
 
 use asperity_dynamics::{
-    Course, DynamicsError, Hit, ModalRig, RELATIVE_STEP, STENCIL, Sensitivity, Variation,
-    central_difference,
+    Course, Hit, RELATIVE_STEP, STENCIL, Sensitivity, Variation, central_difference,
 };
 use asperity_inference::Derivatives;
 use asperity_signal::{BackbonePoint, Complex64, transform_at};
-use asperity_structure::PreloadedContact;
 use rayon::prelude::*;
 
 use crate::forward::Forward;
 use crate::row::{Outcome, Outcomes, Row, backbone_of};
 use crate::strike::{Prepared, Strike};
 use asperity_study::error::StudyError;
-use asperity_study::sensitivity::{Table, rig_with, with_laws_of};
-use asperity_study::struck::FREE;
-use asperity_study::summary::StaticSummary;
+use asperity_study::observables::free_from;
+use asperity_study::quantity::Observable;
+use asperity_study::sensitivity::{DerivativeTable, StaticStencil, with_laws_of};
 
 /// Step along the derivative of a decay, over that of the unknown's stencil.
 const ALONG: f64 = 1e-2;
@@ -111,48 +109,45 @@ impl Forward {
         let gains = |point: &[f64]| strike.sensors.gains(point);
         let hit = strike.hit(rig, gains(point), &self.folder)?;
         let modal = rig.case.modal().unwrap_or_default();
-        let natural = rig.case.at_rest.natural_frequency_hz;
-        let modes = modal.mode_count(natural, &hit.excitation);
-        let counts = modes.counts(rig.case.assembly.structure.stack());
-        let counts = counts.map_err(DynamicsError::from)?;
+        let counts = rig.case.mode_counts(&modal, &hit.excitation)?;
         let mut variations = Vec::with_capacity(neighbours.len());
         for around in neighbours {
             let at = |place: usize| -> Result<Hit, StudyError> {
                 let varied = &around.rigs[place][strike.rig];
                 let sensors = gains(&around.points[place]);
                 let excitation = strike.excitation(varied, sensors, &self.folder)?;
-                let mut moved: ModalRig = rig_with(&varied.case.assembly, &counts)?;
+                let mut moved = varied.case.modal_model(&counts)?;
                 if !around.of_law {
-                    moved = with_laws_of(&hit.rig, &moved)?;
+                    moved = Arc::new(with_laws_of(&hit.rig, &moved)?);
                 }
-                Ok(Hit { rig: Arc::new(moved), excitation, ..hit.clone() })
+                Ok(Hit { rig: moved, excitation, ..hit.clone() })
             };
             let hits = [at(0)?, at(1)?, at(2)?, at(3)?];
             variations.push(Variation { hits, step: around.step });
         }
         let found = self.batch.sensitivity(&hit, &variations)?;
-        let rests: Vec<[StaticSummary; 4]> = neighbours
+        let stencils: Vec<StaticStencil<'_>> = neighbours
             .iter()
-            .map(|around| around.rigs.each_ref().map(|rigs| rigs[strike.rig].case.at_rest.clone()))
+            .map(|around| {
+                let at_rest = around.rigs.each_ref().map(|rigs| &rigs[strike.rig].case.at_rest);
+                (at_rest, around.step)
+            })
             .collect();
         let steps: Vec<f64> = neighbours.iter().map(|around| around.step).collect();
-        let mut table = Table::default();
-        table.rest(&rig.case.at_rest, &rests.iter().collect::<Vec<_>>(), &steps);
-        table.peaks(&found, natural)?;
-        let interfaces = rig.case.assembly.structure.contacts().iter();
-        table.contacts(&found, &interfaces.map(PreloadedContact::name).collect::<Vec<_>>());
+        let table = DerivativeTable::new(&rig.case, &found, &stencils)?;
         Ok(self.collected(strike, &table, &found, &steps))
     }
 
     fn collected(
         &self,
         strike: &Strike,
-        table: &Table,
+        table: &DerivativeTable,
         found: &Sensitivity,
         steps: &[f64],
     ) -> Differentiated {
-        let place = |name: &String| table.columns.iter().position(|known| known == name);
-        let places: Vec<Option<usize>> = self.columns.names.iter().map(place).collect();
+        let interfaces = found.values.contacts.len();
+        let place = |wanted: &Observable| table.observables.iter().position(|one| one == wanted);
+        let places: Vec<Option<usize>> = Observable::all(interfaces).iter().map(place).collect();
         let gather = |of: &dyn Fn(usize) -> Option<f64>| -> Vec<f64> {
             places.iter().map(|place| place.and_then(of).unwrap_or(f64::NAN)).collect()
         };
@@ -187,7 +182,9 @@ impl Forward {
         let first = self.columns.find("fundamental.frequency_hz");
         let fundamental = first.map_or(f64::NAN, |column| all.outcome.columns[column]);
         if strike.backbone && fundamental.is_finite() {
-            let free = free_from(&found.values.force[..count]);
+            let force = &found.values.force[..count];
+            let peak = force.iter().fold(0.0_f64, |peak, force| peak.max(force.abs()));
+            let free = free_from(force, peak);
             let decay = &found.values.displacement[free..count];
             all.outcome.backbone = backbone_of(decay, rate, fundamental);
             all.backbones = found
@@ -223,10 +220,4 @@ impl Forward {
             stiffness: stiffness.collect(),
         })
     }
-}
-
-/// First sample from which on there is no force to speak of.
-fn free_from(force: &[f64]) -> usize {
-    let peak = force.iter().fold(0.0_f64, |peak, force| peak.max(force.abs()));
-    force.iter().rposition(|force| force.abs() > FREE * peak).map_or(0, |last| last + 1)
 }

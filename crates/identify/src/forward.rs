@@ -13,7 +13,8 @@ use crate::unknowns::{Gains, Unknowns};
 use asperity_scenario::{LawRef, Laws};
 use asperity_study::assemble::build_law;
 use asperity_study::error::StudyError;
-use asperity_study::struck::Observer;
+use asperity_study::observable_extractor::ObservableExtractor;
+use asperity_study::quantity::Quantity;
 
 /// A scenario with unknowns, strikes, and what is predicted of them.
 #[derive(Debug)]
@@ -30,7 +31,7 @@ pub(super) struct Forward {
     pub(super) stiffness: Vec<(String, f64)>,
     pub(super) columns: Columns,
     pub(super) batch: Batch,
-    pub(super) observer: Observer,
+    pub(super) extractor: ObservableExtractor,
 }
 
 impl ForwardModel for Forward {
@@ -102,7 +103,7 @@ impl Forward {
             let (point, strike) = (index / count, &self.strikes[index % count]);
             let natural = ready[point].0[strike.rig].case.at_rest.natural_frequency_hz;
             let highest = strike.frequencies.iter().copied().fold(0.0, f64::max);
-            self.observer.thinning(natural, highest, step)
+            self.extractor.thinning(natural, highest, step)
         };
         let mut records = self.batch.run(&all, &thinning).into_iter();
         let finish = |(point, prepared): (&Vec<f64>, Result<Ready, StudyError>)| {
@@ -137,18 +138,17 @@ impl Forward {
         hit: &Hit,
         record: &HitRecord,
     ) -> Result<Outcome, StudyError> {
-        // The instructions are only named in the summary, which nobody sees.
-        let summary = self.observer.summary(&rig.case, hit, record, "")?;
-        let values = summary.values().into_iter().map(|value| value.unwrap_or(f64::NAN));
-        let mut outcome = Outcome { columns: values.collect(), ..Outcome::default() };
+        let observables = self.extractor.observables(&rig.case, hit, record)?;
+        let fundamental = observables.get(Quantity::FundamentalFrequency, None);
+        let mut outcome = Outcome { columns: observables.values.into(), ..Outcome::default() };
         if !strike.frequencies.is_empty() {
-            let found = self.observer.receptance(hit, record, &strike.frequencies);
+            let found = self.extractor.receptance(hit, record, &strike.frequencies);
             outcome.receptance = found.unwrap_or_default();
         }
-        if let (true, Some(first)) = (strike.backbone, &summary.fundamental)
-            && let Some((decay, rate)) = self.observer.decay(hit, record)
+        if let (true, Some(first)) = (strike.backbone, fundamental)
+            && let Some((decay, rate)) = self.extractor.decay(hit, record)
         {
-            outcome.backbone = backbone_of(decay, rate, first.frequency_hz);
+            outcome.backbone = backbone_of(decay, rate, first);
         }
         Ok(outcome)
     }
@@ -197,8 +197,7 @@ const LEAST_PRESSURE: f64 = 1.0;
 fn stiffness(laws: &Laws, name: &str, pressure: f64) -> Result<f64, StudyError> {
     let reference = LawRef::Named(name.to_owned());
     let law = build_law(&reference, laws, pressure.max(LEAST_PRESSURE)).map_err(|source| {
-        let (law, interface) = (name.to_owned(), "none".to_owned());
-        StudyError::Law { law, interface, pressure_pa: pressure, source }
+        StudyError::Law { law: name.to_owned(), interface: None, pressure_pa: pressure, source }
     })?;
     Ok(law.stiffness(pressure))
 }

@@ -16,25 +16,8 @@ use crate::row::{Columns, Part, Row};
 use crate::strike::{Rig, Strike};
 use crate::unknowns::Unknowns;
 use asperity_scenario::{InvalidDocument, four_digits, validate_json};
+use asperity_study::quantity::Quantity;
 use strikes::StrikeDrive;
-
-/// Features that have exact derivatives, and so can be data; `*` stands for an interface.
-const FEATURES: [&str; 14] = [
-    "static.natural_frequency_hz",
-    "static.interfaces.*.pressure_pa",
-    "static.interfaces.*.stiffness_pa_per_m",
-    "static.interfaces.*.closure_m",
-    "fundamental.frequency_hz",
-    "fundamental.receptance_m_per_n",
-    "fundamental.damping_ratio",
-    "second_harmonic.frequency_hz",
-    "second_harmonic.receptance_m_per_n",
-    "harmonic_ratio",
-    "interfaces.*.pressure_min_pa",
-    "interfaces.*.pressure_max_pa",
-    "interfaces.*.stiffness_average_pa_per_m",
-    "interfaces.*.stiffness_at_pressure_min_pa_per_m",
-];
 
 /// Standard deviations that two values of one feature of one hit may be apart.
 const MOST_APART: f64 = 10.0;
@@ -310,15 +293,16 @@ impl<'a> Loader<'a> {
     }
 
     fn column(&self, place: &str, feature: &str) -> Result<usize, ProblemError> {
-        let fits = |pattern: &str| match pattern.split_once('*') {
-            None => feature == pattern,
-            Some((start, end)) => feature.starts_with(start) && feature.ends_with(end),
-        };
-        let known = FEATURES.iter().any(|pattern| fits(pattern));
-        self.columns.find(feature).filter(|_| known).ok_or_else(|| ProblemError::Feature {
-            place: place.to_owned(),
-            feature: feature.to_owned(),
-            known: FEATURES.join(", "),
+        // Data need exact derivatives.
+        let known =
+            Quantity::of_name(feature).is_some_and(|(quantity, _)| quantity.has_derivative());
+        self.columns.find(feature).filter(|_| known).ok_or_else(|| {
+            let all = Quantity::ALL.into_iter().filter(|quantity| quantity.has_derivative());
+            ProblemError::Feature {
+                place: place.to_owned(),
+                feature: feature.to_owned(),
+                known: all.map(Quantity::key).collect::<Vec<_>>().join(", "),
+            }
         })
     }
 

@@ -11,7 +11,7 @@ use crate::read::Problem;
 use crate::row::Columns;
 use crate::unknowns::Unknowns;
 use asperity_scenario::{JsonPointer, set_value};
-use asperity_study::struck::Observer;
+use asperity_study::observable_extractor::ObservableExtractor;
 
 /// A forward model with what its observations are about.
 #[derive(Debug)]
@@ -149,7 +149,7 @@ impl Problem {
             stiffness,
             columns,
             batch: Batch::default(),
-            observer: Observer::default(),
+            extractor: ObservableExtractor::default(),
             unknowns,
         };
         Ok(Built { forward, about, notices })

@@ -1,7 +1,7 @@
 //! The problem: what is unknown, what was measured, and what is asked.
 //!
 //! As in a scenario, the JSON keys are the field names, each carrying its unit, and unknown keys
-//! are refused. Features have the names of a [summary's](asperity_study::summary::Summary::scalars)
+//! are refused. Features have the names of a [summary's](asperity_study::quantity::Quantity)
 //! numbers.
 
 mod data;

@@ -3,6 +3,7 @@
 use asperity_signal::{BackboneOptions, BackbonePoint, BandPass, Complex64, backbone};
 
 use crate::unknowns::Gains;
+use asperity_study::quantity::{Observable, observable_names};
 
 /// One predicted number.
 #[derive(Debug, Clone, PartialEq)]
@@ -80,8 +81,11 @@ pub(super) struct Columns {
 
 impl Columns {
     pub(super) fn new(interfaces: &[&str]) -> Self {
-        let names = asperity_study::summary::scalar_names(interfaces);
-        let receptance = names.iter().map(|name| name.ends_with("receptance_m_per_n")).collect();
+        let names = observable_names(interfaces);
+        let receptance = Observable::all(interfaces.len())
+            .iter()
+            .map(|observable| observable.quantity.unit() == "m/N")
+            .collect();
         Self { names, receptance }
     }
 

@@ -10,7 +10,7 @@ use crate::unknowns::{Gains, Sensors, Unknowns};
 use asperity_scenario::{ExcitationSpec, Scenario, set_value};
 use asperity_study::assemble::excitation;
 use asperity_study::error::StudyError;
-use asperity_study::struck::Case;
+use asperity_study::prepared_scenario::PreparedScenario;
 
 /// The scenario of some strikes, all but the force.
 #[derive(Debug, Clone, PartialEq)]
@@ -58,7 +58,7 @@ pub(super) enum Drive {
 /// A rig at some values of the unknowns.
 #[derive(Debug)]
 pub(super) struct Prepared {
-    pub(super) case: Case,
+    pub(super) case: PreparedScenario,
     /// The scenario's excitation there.
     excitation: Value,
 }
@@ -82,7 +82,7 @@ impl Rig {
         };
         let scenario: Scenario = serde_json::from_value(scenario)
             .map_err(|error| StudyError::Scenario { reason: error.to_string() })?;
-        Ok(Prepared { case: Case::new(&scenario, folder)?, excitation })
+        Ok(Prepared { case: PreparedScenario::new(&scenario, folder)?, excitation })
     }
 }
 
@@ -128,7 +128,7 @@ impl Strike {
     ) -> Result<Hit, StudyError> {
         let modal = rig.case.modal().unwrap_or_default();
         let excitation = self.excitation(rig, gains, folder)?;
-        let hit = rig.case.strike(&modal, excitation)?;
+        let hit = rig.case.hit(&modal, excitation)?;
         Ok(Hit { duration: self.duration.unwrap_or(hit.duration), ..hit })
     }
 }

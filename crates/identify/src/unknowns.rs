@@ -6,14 +6,14 @@ use serde_json::Value;
 use crate::error::ProblemError;
 use crate::monotone::MonotoneLaw;
 use crate::problem::{ChannelSpec, PriorSpec, ScaleSpec, UnknownSpec};
-use asperity_scenario::JsonPointer;
+use asperity_study::parameter::{Parameter, ParameterError};
 
 /// The unknowns of a problem, and where their values go.
 #[derive(Debug, Clone)]
 pub(super) struct Unknowns {
     /// In the order of the problem.
     pub(super) list: Vec<Unknown>,
-    scalars: Vec<(usize, String)>,
+    scalars: Vec<(usize, Parameter)>,
     laws: Vec<(usize, MonotoneLaw)>,
     gains: Vec<Gain>,
 }
@@ -67,11 +67,12 @@ impl Unknowns {
     fn add(&mut self, spec: &UnknownSpec, scenario: &Value) -> Result<(), ProblemError> {
         match spec {
             UnknownSpec::Scalar { pointer, name, bounds, start, scale, prior } => {
-                let value = number_at(scenario, pointer)?;
+                let parameter = Parameter::of_scenario(scenario, pointer)?;
+                let value = parameter.value;
                 let scale = scale.map_or_else(|| usual_scale(*bounds), Scale::from);
                 let name = name.clone().unwrap_or_else(|| pointer.clone());
                 let prior = prior.map(|prior| prior_of(&name, prior, scale)).transpose()?;
-                self.scalars.push((self.list.len(), pointer.clone()));
+                self.scalars.push((self.list.len(), parameter));
                 self.list.push(Unknown::new(name, start.unwrap_or(value), *bounds, scale, prior)?);
             }
             UnknownSpec::MonotoneLaw { law: name, steps } => {
@@ -120,12 +121,12 @@ impl Unknowns {
     /// Puts the values of `point` into a scenario.
     ///
     /// # Errors
-    /// [`ProblemError::NotANumber`] where the scenario has no such number.
+    /// [`ProblemError::Parameter`] where the scenario has no such number.
     pub(super) fn write(&self, scenario: &mut Value, point: &[f64]) -> Result<(), ProblemError> {
-        for (unknown, pointer) in &self.scalars {
+        for (unknown, Parameter { pointer, .. }) in &self.scalars {
             let place = scenario
                 .pointer_mut(pointer)
-                .ok_or_else(|| ProblemError::NotANumber { pointer: pointer.clone() })?;
+                .ok_or_else(|| ParameterError::NotANumber { pointer: pointer.clone() })?;
             *place = point[*unknown].into();
         }
         for (first, law) in &self.laws {
@@ -150,34 +151,19 @@ impl Unknowns {
     /// Whether the unknown is a number of a contact law.
     pub(super) fn is_of_law(&self, unknown: usize) -> bool {
         let mut scalars = self.scalars.iter();
-        let in_law = |pointer: &str| {
-            pointer.starts_with("/laws/") || pointer.split('/').nth(3) == Some("law")
-        };
-        scalars.any(|(place, pointer)| *place == unknown && in_law(pointer))
+        scalars.any(|(place, parameter)| *place == unknown && parameter.is_of_law())
             || self.laws.iter().any(|(first, law)| (*first..first + law.count).contains(&unknown))
     }
 
     /// Pointers that are written.
     pub(super) fn pointers(&self) -> impl Iterator<Item = &str> {
-        let scalars = self.scalars.iter().map(|(_, pointer)| pointer.as_str());
+        let scalars = self.scalars.iter().map(|(_, parameter)| parameter.pointer.as_str());
         scalars.chain(self.laws.iter().map(|(_, law)| law.pointer()))
     }
 }
 
 /// Range of the softest stiffness of a table, up and down.
 const BASE_RANGE: f64 = 1e3;
-
-fn number_at(scenario: &Value, pointer: &str) -> Result<f64, ProblemError> {
-    let parsed: JsonPointer = pointer
-        .parse()
-        .map_err(|source| ProblemError::Pointer { pointer: pointer.to_owned(), source })?;
-    let first = parsed.parts().first().map(String::as_str);
-    if first.is_some_and(|first| ["method", "duration_s", "output_rate_hz"].contains(&first)) {
-        return Err(ProblemError::Setting { pointer: pointer.to_owned() });
-    }
-    let number = scenario.pointer(pointer).and_then(Value::as_f64);
-    number.ok_or_else(|| ProblemError::NotANumber { pointer: pointer.to_owned() })
-}
 
 fn usual_scale(bounds: [f64; 2]) -> Scale {
     if bounds[0] > 0.0 { Scale::Logarithmic } else { Scale::Linear }

@@ -14,7 +14,7 @@ use asperity_inference::ModelVerdict;
 use asperity_law::{ContactLaw, ModifiedPower};
 use asperity_measure::{Format, WriteOptions, write};
 use asperity_scenario::Document;
-use asperity_study::measured_record::measured_record;
+use asperity_study::record::measurement_record;
 use asperity_study::run::simulate;
 use serde_json::{Value, json};
 use twin::{Sensors, Truth};
@@ -143,7 +143,7 @@ fn records_receptances_and_backbones_give_back_the_numbers() {
     document.set("/output_rate_hz", "100000").unwrap();
     document.set("/excitation/peak_n", "15").unwrap();
     let run = simulate(&document, &document.scenario().unwrap(), &|_| ()).unwrap();
-    let record = measured_record(&run.transient.history, 1e5, None);
+    let record = measurement_record(&run.transient.history, 1e5, None);
     let options = WriteOptions::default();
     let uff = folder.path().join("hit.uff");
     write(&uff, std::slice::from_ref(&record), Format::UniversalBinary, &options).unwrap();

@@ -1,4 +1,4 @@
-//! From a scenario to the structure, its equilibrium and what happens to it.
+//! From a scenario to the structure at rest, its force and its integrator.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -7,13 +7,12 @@ use asperity_dynamics::{
     ContactForm, Excitation, FiniteDifference, ForceRecord, Integrator, Modal, Sampling,
 };
 use asperity_law::{
-    Constant, ContactLaw, Exponential, Hyperbolic, InSeries, LawError, ModifiedPower, Power,
-    Tabulated,
+    Constant, ContactLaw, Exponential, Hyperbolic, InSeries, ModifiedPower, Power, Tabulated,
 };
 use asperity_mesh::{Body, Interface, Stack, Support};
 use asperity_structure::{Damping, PreloadedStructure, StructureError};
 
-use crate::error::StudyError;
+use crate::error::{BuildLawError, StudyError};
 use asperity_scenario::{
     BodySpec, ContactScheme, DampingAmount, DampingSpec, ExcitationSpec, ForceSamples, LawRef,
     LawSpec, Laws, MethodSpec, Scenario, SectionSpec, SupportSpec,
@@ -26,7 +25,7 @@ pub struct Assembly {
     pub structure: PreloadedStructure,
     /// The force on the top.
     pub excitation: Excitation,
-    /// When the response is recorded.
+    /// Duration and output rate of the record.
     pub sampling: Sampling,
     /// The integrator and its settings.
     pub method: Integrator,
@@ -78,11 +77,7 @@ fn stack(scenario: &Scenario) -> Result<Stack, StudyError> {
     let mut interfaces = Vec::with_capacity(scenario.interfaces.len());
     for (spec, &pressure) in scenario.interfaces.iter().zip(&pressures) {
         let law = build_law(&spec.law, &scenario.laws, pressure).map_err(|source| {
-            let law = match &spec.law {
-                LawRef::Named(name) => name.clone(),
-                LawRef::InPlace(_) => "in place".to_owned(),
-            };
-            let interface = spec.name.clone();
+            let (law, interface) = (law_name(&spec.law).to_owned(), Some(spec.name.clone()));
             StudyError::Law { law, interface, pressure_pa: pressure, source }
         })?;
         let interface = Interface::new(&spec.name, spec.area_m2, law);
@@ -98,10 +93,18 @@ fn stack(scenario: &Scenario) -> Result<Stack, StudyError> {
     Ok(stack.map_err(StructureError::from)?)
 }
 
+/// The name of a law in messages.
+fn law_name(reference: &LawRef) -> &str {
+    match reference {
+        LawRef::Named(name) => name,
+        LawRef::InPlace(_) => "in place",
+    }
+}
+
 /// The body that `spec` describes.
 ///
 /// # Errors
-/// [`StudyError::Structure`] for values that make no body.
+/// [`StudyError::Structure`] for values out of range.
 pub fn body(spec: &BodySpec) -> Result<Body, StudyError> {
     let BodySpec { name, length_m, youngs_modulus_pa, density_kg_per_m3, .. } = spec;
     let body = match spec.section {
@@ -119,17 +122,17 @@ pub fn body(spec: &BodySpec) -> Result<Body, StudyError> {
 /// separates counts its closure from `static_pressure` \[Pa\].
 ///
 /// # Errors
-/// [`LawError`] when its parameters make no law, or when it never separates
-/// and there is no pressure to hold it closed.
+/// [`BuildLawError`] for a name without a law, parameters out of range, or a law that never
+/// separates without a pressure to hold it closed.
 pub fn build_law(
     reference: &LawRef,
     laws: &Laws,
     static_pressure: f64,
-) -> Result<Arc<dyn ContactLaw>, LawError> {
-    let Some(spec) = laws.resolve(reference) else {
-        // Validation has refused names that do not exist; a law of no stiffness says so again.
-        return Ok(Arc::new(Constant::new(f64::NAN)?));
-    };
+) -> Result<Arc<dyn ContactLaw>, BuildLawError> {
+    let spec = laws.resolve(reference).ok_or_else(|| BuildLawError::Missing {
+        name: law_name(reference).to_owned(),
+        known: laws.names().collect::<Vec<_>>().join(", "),
+    })?;
     Ok(match spec {
         LawSpec::Constant { stiffness_pa_per_m, unilateral: false } => {
             Arc::new(Constant::new(*stiffness_pa_per_m)?)
@@ -165,7 +168,7 @@ pub fn build_law(
 /// The force that `spec` describes; sample files are looked for in `folder`.
 ///
 /// # Errors
-/// [`StudyError`] for samples that cannot be read or values that make no force.
+/// [`StudyError`] for samples that cannot be read or values out of range.
 pub fn excitation(spec: &ExcitationSpec, folder: &Path) -> Result<Excitation, StudyError> {
     Ok(match *spec {
         ExcitationSpec::None => Excitation::None,

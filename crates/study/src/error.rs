@@ -1,4 +1,4 @@
-//! Why a study cannot be done.
+//! Errors of studies.
 
 use std::io;
 use std::path::PathBuf;
@@ -10,40 +10,39 @@ use asperity_signal::SignalError;
 use asperity_structure::StructureError;
 use thiserror::Error;
 
-use asperity_scenario::{DocumentError, SamplesError};
+use asperity_scenario::{DocumentError, InputError, SamplesError};
 
-/// Why a valid scenario has no result, or its result no place to go.
+/// An error of a study of a valid scenario, or of writing its results.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum StudyError {
     /// The laws, bodies or interfaces do not make a structure at rest.
     #[error(transparent)]
     Structure(#[from] StructureError),
-    /// The structure does not move as asked.
+    /// The structure cannot be integrated.
     #[error(transparent)]
     Dynamics(#[from] DynamicsError),
     /// A steady response cannot be computed.
     #[error(transparent)]
     Harmonic(#[from] HarmonicError),
     /// A contact law cannot be built for the pressure it has to carry.
-    #[error(
-        "law \"{law}\" at interface \"{interface}\" (static pressure {pressure_pa} Pa): {source}"
-    )]
+    #[error("law \"{law}\"{} (pressure {pressure_pa} Pa): {source}", at(interface.as_deref()))]
     Law {
         /// The law's name, or "in place".
         law: String,
-        /// The interface that uses it.
-        interface: String,
+        /// The interface that uses it, if one does.
+        interface: Option<String>,
         /// Static pressure there \[Pa\].
         pressure_pa: f64,
-        /// What the law says.
-        source: LawError,
+        /// The fault.
+        source: BuildLawError,
     },
     /// The force samples cannot be read.
     #[error("{}: {source}", path.display())]
     Samples {
         /// The file.
         path: PathBuf,
-        /// What is wrong in it.
+        /// The fault in it.
         source: SamplesError,
     },
     /// The response cannot be analysed.
@@ -51,20 +50,20 @@ pub enum StudyError {
     Signal(#[from] SignalError),
     /// A table of pressures and stiffnesses to fit cannot be read.
     #[error(transparent)]
-    FitTable(#[from] crate::laws::FitTableError),
+    FitTable(#[from] FitTableError),
     /// The output folder cannot take the results.
     #[error(transparent)]
     Output(#[from] OutputError),
     /// A value of a sweep cannot be set.
     #[error(transparent)]
     Set(#[from] asperity_scenario::SetError),
-    /// A combination of values of a sweep is no scenario, though each is valid.
-    #[error("these values make no scenario: {reason}")]
+    /// A combination of values is not a valid scenario, though each value is.
+    #[error("these values do not make a valid scenario: {reason}")]
     Scenario {
-        /// Why.
+        /// The fault.
         reason: String,
     },
-    /// A run of a sweep has other interfaces than the first, and so no place in its table.
+    /// A run of a sweep has other interfaces than the first, and so other columns.
     #[error("this run has other interfaces than the first run of the sweep")]
     OtherColumns,
     /// A scenario cannot be read again for a run of a sweep.
@@ -72,14 +71,80 @@ pub enum StudyError {
     Document(#[from] DocumentError),
 }
 
-/// Why results cannot be written.
+/// A law that cannot be built.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum BuildLawError {
+    /// The scenario has no law of this name.
+    #[error("the scenario has no law \"{name}\"; expected one of: {known}")]
+    Missing {
+        /// The name.
+        name: String,
+        /// Names of the laws of the scenario.
+        known: String,
+    },
+    /// The parameters do not make a law.
+    #[error(transparent)]
+    Law(#[from] LawError),
+}
+
+/// The place of a law in a message.
+fn at(interface: Option<&str>) -> String {
+    interface.map_or_else(String::new, |name| format!(" at interface \"{name}\""))
+}
+
+/// A table of pressures and stiffnesses that cannot be fitted.
 #[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum FitTableError {
+    /// The file cannot be opened.
+    #[error("{}: {source}", path.display())]
+    Input {
+        /// The file.
+        path: PathBuf,
+        /// The error.
+        source: InputError,
+    },
+    /// The header is not the one expected.
+    #[error(
+        "{}: line 1 is \"{found}\"; the header pressure_pa,stiffness_pa_per_m is expected",
+        path.display()
+    )]
+    Header {
+        /// The file.
+        path: PathBuf,
+        /// The first line.
+        found: String,
+    },
+    /// A row is not two numbers.
+    #[error(
+        "{}: line {line} is \"{found}\"; two numbers are expected: pressure_pa,stiffness_pa_per_m",
+        path.display()
+    )]
+    Row {
+        /// The file.
+        path: PathBuf,
+        /// Line, from 1.
+        line: usize,
+        /// The line.
+        found: String,
+    },
+    /// The points do not determine a power law.
+    #[error("{}: {source}", path.display())]
+    Fit {
+        /// The file.
+        path: PathBuf,
+        /// The error.
+        source: LawError,
+    },
+}
+
+/// Results that cannot be written.
+#[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum OutputError {
     /// The folder holds files that are not results of this command.
-    #[error(
-        "the output folder {} holds other files, such as \"{example}\"",
-        folder.display()
-    )]
+    #[error("the output folder {} holds other files, such as \"{example}\"", folder.display())]
     Occupied {
         /// The folder.
         folder: PathBuf,
@@ -97,7 +162,7 @@ pub enum OutputError {
     Io {
         /// The file or folder.
         path: PathBuf,
-        /// Why.
+        /// The error.
         source: io::Error,
     },
 }

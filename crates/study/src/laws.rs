@@ -1,27 +1,26 @@
-//! Tabulating the laws of a scenario, and fitting the power law to measurements.
+//! Tables of the laws of a scenario, and the fit of the power law to measurements.
 
 use std::io::Read;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
-use asperity_law::{ContactLaw, LawError, PowerFit, fit_power};
+use asperity_law::{ContactLaw, PowerFit, fit_power};
 use asperity_mesh::Body;
-use thiserror::Error;
+use asperity_scenario::{LawRef, LawSpec, Laws, Scenario, open_input};
 
 use crate::assemble::{body, build_law};
-use crate::error::StudyError;
-use asperity_scenario::{InputError, LawRef, LawSpec, Laws, Scenario, open_input};
+use crate::error::{FitTableError, StudyError};
 
 /// Rows of a tabulated law.
 const ROWS: usize = 501;
 
-/// Highest pressure of a table unless the law or the rig asks for more, in Pa.
+/// Highest pressure of a table \[Pa\], unless the law or the static pressures are higher.
 const USUAL_TOP: f64 = 1e6;
 
 /// Most bytes of a table to fit.
 const MOST_FIT_BYTES: u64 = 16 << 20;
 
-/// A law in numbers.
+/// A tabulated law.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LawTable {
     /// Name of the law in the scenario.
@@ -45,6 +44,25 @@ pub struct LawTable {
 ///
 /// # Errors
 /// [`StudyError`] when a law or a body cannot be built.
+///
+/// ```
+/// # use asperity_scenario::Document;
+/// # use asperity_study::laws::tabulate;
+/// let document = Document::parse(r#"{
+///     "schema": "asperity/scenario/1",
+///     "bodies": [{"name": "block", "length_m": 0.1, "mass_kg": 1.0,
+///                 "youngs_modulus_pa": 71e9, "density_kg_per_m3": 2710}],
+///     "interfaces": [{"name": "block-ground", "area_m2": 1e-4, "law": "steel"}],
+///     "laws": {"steel": {"kind": "power", "coefficient": 1.8e10, "exponent": 0.35}},
+///     "excitation": {"kind": "none"},
+///     "duration_s": 0.05
+/// }"#, "block.json")?;
+/// let tables = tabulate(&document.scenario()?)?;
+/// let last = tables[0].pressure.len() - 1;
+/// assert_eq!(tables[0].pressure[last], 1e6);
+/// assert!((tables[0].stiffness[last] / (1.8e10 * 1e6_f64.powf(0.35)) - 1.0).abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn tabulate(scenario: &Scenario) -> Result<Vec<LawTable>, StudyError> {
     let bodies = scenario.bodies.iter().map(body).collect::<Result<Vec<Body>, _>>()?;
     let areas = scenario.interfaces.iter().map(|interface| interface.area_m2);
@@ -55,11 +73,10 @@ pub fn tabulate(scenario: &Scenario) -> Result<Vec<LawTable>, StudyError> {
             .interfaces
             .iter()
             .position(|interface| interface.law == LawRef::Named(name.to_owned()));
-        let interface = used.unwrap_or_default();
-        let pressure_pa = at_rest[interface];
+        let pressure_pa = at_rest[used.unwrap_or_default()];
         let reference = LawRef::Named(name.to_owned());
         let law = build_law(&reference, &scenario.laws, pressure_pa).map_err(|source| {
-            let interface = scenario.interfaces[interface].name.clone();
+            let interface = used.map(|at| scenario.interfaces[at].name.clone());
             StudyError::Law { law: name.to_owned(), interface, pressure_pa, source }
         })?;
         let top = USUAL_TOP.max(2.0 * pressure_pa).max(highest_point(spec, &scenario.laws));
@@ -100,57 +117,23 @@ fn table(name: &str, law: &Arc<dyn ContactLaw>, top: f64) -> LawTable {
     table
 }
 
-/// A table of pressures and stiffnesses that cannot be fitted.
-#[derive(Debug, Error)]
-pub enum FitTableError {
-    /// The file cannot be opened.
-    #[error("{}: {source}", path.display())]
-    Input {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        source: InputError,
-    },
-    /// The header is not the one expected.
-    #[error(
-        "{}: line 1 is \"{found}\"; the header pressure_pa,stiffness_pa_per_m is expected",
-        path.display()
-    )]
-    Header {
-        /// The file.
-        path: PathBuf,
-        /// The first line.
-        found: String,
-    },
-    /// A row is not two numbers.
-    #[error(
-        "{}: line {line} is \"{found}\"; two numbers are expected: pressure_pa,stiffness_pa_per_m",
-        path.display()
-    )]
-    Row {
-        /// The file.
-        path: PathBuf,
-        /// Line, from 1.
-        line: usize,
-        /// The line.
-        found: String,
-    },
-    /// The points do not determine a power law.
-    #[error("{}: {source}", path.display())]
-    Fit {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        source: LawError,
-    },
-}
-
 /// Fits `ln K = ln C + m ln p` to a CSV of `pressure_pa,stiffness_pa_per_m` rows.
 ///
 /// The paper's Table 3 gives C = 1.810e10 and m = 0.351.
 ///
 /// # Errors
 /// [`FitTableError`] for a file that cannot be read or points that cannot be fitted.
+///
+/// ```
+/// # use asperity_study::laws::fit;
+/// let folder = tempfile::tempdir()?;
+/// let table = folder.path().join("table.csv");
+/// let rows = "0.14e6,1.15e12\n0.35e6,1.75e12\n0.57e6,1.63e12\n1e6,2.46e12\n";
+/// std::fs::write(&table, format!("pressure_pa,stiffness_pa_per_m\n{rows}"))?;
+/// let power = fit(&table)?;
+/// assert!((power.exponent - 0.3509).abs() < 1e-4);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn fit(path: &Path) -> Result<PowerFit, FitTableError> {
     let points = read_points(path)?;
     fit_power(&points).map_err(|source| FitTableError::Fit { path: path.to_owned(), source })

@@ -1,24 +1,44 @@
-//! Scenario in, record out: the place where laws, mesh, dynamics and signals meet.
+//! From scenarios to results: transient runs, sweeps, steady responses, derivatives.
 //!
-//! A checked [`Scenario`](asperity_scenario::Scenario) is assembled to a stack of bodies with laws
-//! at its interfaces ([`assemble`]); run, a response and its [`summary`]; swept, many of them
-//! ([`mod@sweep`]). [`record`] writes them as CSV and [`output`] puts them on disk whole or not at
-//! all. Nothing here draws or prints.
+//! A checked [`Scenario`](asperity_scenario::Scenario) is assembled to bodies with contact laws at
+//! their interfaces, at static equilibrium ([`assemble`]). Its response to a force,
+//!
+//! ```text
+//! rho A (u'' + h u' - g) = d/dx(E A du/dx)        bodies (Eq. 1)
+//! p = p(d), d = u_above - u_below                 contacts (Eq. 5)
+//! ```
+//!
+//! is integrated in time, and every command reads the same [`observables`] off it: the harmonics of
+//! the receptance, extremes and averages of each contact, the energy balance, and [`warning`]s.
+//! [`quantity`] lists them with key, unit, label and derivative.
 //!
 //! | step | modules |
 //! |---|---|
-//! | compute | [`assemble`], [`run`], [`mod@sweep`], [`mod@steady`], [`sensitivity`], [`laws`] |
-//! | give back | [`summary`], [`record`], [`output`], [`measured_record`], [`error`] |
+//! | prepare | [`assemble`], [`static_state`], [`prepared_scenario`], [`parameter`] |
+//! | compute | [`run`], [`mod@sweep`], [`mod@steady`], [`sensitivity`], [`laws`] |
+//! | observe | [`quantity`], [`observables`], [`observable_extractor`], [`warning`] |
+//! | write | [`summary`], [`record`], [`output`], [`error`] |
 
 pub mod assemble;
 pub mod error;
 pub mod laws;
-pub mod measured_record;
+pub mod observable_extractor;
+pub mod observables;
 pub mod output;
+pub mod parameter;
+pub mod prepared_scenario;
+pub mod quantity;
 pub mod record;
 pub mod run;
 pub mod sensitivity;
+pub mod static_state;
 pub mod steady;
-pub mod struck;
 pub mod summary;
 pub mod sweep;
+pub mod warning;
+
+pub use laws::{fit, tabulate};
+pub use run::simulate;
+pub use sensitivity::sensitivities;
+pub use steady::steady;
+pub use sweep::sweep;

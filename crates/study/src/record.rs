@@ -1,9 +1,10 @@
-//! Results as CSV text under the column names of the contract.
+//! Results as files: CSV text under the column names of the contract, and runs as measurement
+//! records.
 
 use asperity_dynamics::History;
+use asperity_measure::{Abscissa, Channel, ChannelQuantity, ChannelUnit, Origin, Record, Samples};
 use asperity_signal::Frf;
 use asperity_structure::LinearisedMode;
-
 use asperity_table::columns_to_csv;
 
 use crate::laws::LawTable;
@@ -54,4 +55,28 @@ pub fn modes_csv(places: &[f64], modes: &[LinearisedMode], shapes: &[Vec<f64>]) 
         columns.push((format!("mode_{}:{:.3}_hz", number + 1, mode.frequency_hz), shape));
     }
     columns_to_csv(columns)
+}
+
+/// Force, acceleration and displacement of a run as a data acquisition system would have recorded
+/// them at the output rate \[Hz\].
+pub fn measurement_record(history: &History, rate_hz: f64, title: Option<&str>) -> Record {
+    let start = history.time.first().copied().unwrap_or(0.0);
+    let channel = |name: &str, unit: &str, quantity, samples: &[f64]| Channel {
+        name: name.to_owned(),
+        quantity,
+        unit: ChannelUnit::of_text(unit),
+        abscissa: Abscissa::even_time(start, rate_hz),
+        samples: Samples::Real(samples.to_vec()),
+        origin: Origin::default(),
+    };
+    Record {
+        channels: vec![
+            channel("force", "N", ChannelQuantity::Force, &history.force),
+            channel("acceleration", "m/s^2", ChannelQuantity::Acceleration, &history.acceleration),
+            channel("displacement", "m", ChannelQuantity::Displacement, &history.displacement),
+        ],
+        continues: false,
+        title: title.unwrap_or_default().to_owned(),
+        date: String::new(),
+    }
 }

@@ -1,58 +1,54 @@
-//! Derivatives of a run's answers with respect to numbers of its scenario.
+//! Derivatives of the observables of a run with respect to parameters of its scenario.
 //!
 //! The response is differentiated exactly through every step of the modal integrator
-//! ([`Batch::sensitivity`]), and the answers exactly from the response; only what is known in
-//! closed form (equilibrium, modes, the numbers of a step) is differenced. The step, and the
-//! modes that are kept, are those of the scenario.
+//! ([`Batch::sensitivity`]), and the observables exactly from the response; only closed forms
+//! (equilibrium, modes, the coefficients of a step) are differenced. Step and modes are those of
+//! the scenario.
 
-mod observables;
+mod derivative_table;
 mod varied;
 
-use asperity_dynamics::{Batch, DynamicsError, Integrator};
+use asperity_dynamics::{Batch, DynamicsError};
+use asperity_scenario::{Document, InvalidDocument, SetError};
 use asperity_signal::SignalError;
 use serde::Serialize;
 use thiserror::Error;
 
-use crate::assemble::Assembly;
 use crate::error::StudyError;
-use crate::run::rest_state;
-use asperity_scenario::{Document, InvalidDocument, SetError};
+use crate::parameter::{Parameter, ParameterError};
+use crate::prepared_scenario::PreparedScenario;
+use crate::warning::Warning;
 use varied::Varied;
 
-pub use observables::Table;
-pub use varied::{rig_with, with_laws_of};
+pub use derivative_table::{DerivativeTable, StaticStencil};
+pub use varied::with_laws_of;
 
-/// A number of a scenario, and its value there.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Parameter {
-    /// JSON Pointer.
-    pub pointer: String,
-    /// Value, in the unit that its key names.
-    pub value: f64,
-}
-
-/// The answers of a run and their derivatives.
+/// The observables of a run and their derivatives.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Sensitivities {
-    /// What the answers are differentiated with respect to.
+    /// The parameters.
     pub parameters: Vec<Parameter>,
-    /// Names of the answers, as in [`Summary::scalars`](crate::summary::Summary::scalars).
+    /// Names of the observables, as in the columns of a sweep.
     pub columns: Vec<String>,
-    /// The answers; none where there is no such peak.
+    /// The observables; none where there is no such peak.
     ///
-    /// They are those of the samples at the steps, found with the exact laws: a summary's, but for
-    /// the tables' tolerance and another sampling rate, about 1e-5.
+    /// They are those of the samples at the steps, with the exact laws: a summary's to about 1e-5,
+    /// the difference being the tolerance of tables and the sample rate.
     pub values: Vec<Option<f64>>,
-    /// Row per answer, column per parameter: derivative, in the answer's unit over the parameter's.
+    /// Row per observable, column per parameter: derivative, in the observable's unit over the
+    /// parameter's.
     pub jacobian: Vec<Vec<Option<f64>>>,
+    /// Warnings about the response.
+    pub warnings: Vec<Warning>,
     /// Step \[s\].
     pub step_s: f64,
     /// Number of steps.
     pub steps: usize,
 }
 
-/// Why a run has no derivatives.
+/// A run without derivatives.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum SensitivityError {
     /// The scenario is not valid.
     #[error(transparent)]
@@ -60,34 +56,23 @@ pub enum SensitivityError {
     /// A parameter cannot be set.
     #[error(transparent)]
     Set(#[from] SetError),
-    /// A pointer leads to no number.
-    #[error(
-        "{pointer} is no number of the scenario; expected a pointer such as /excitation/peak_n"
-    )]
-    NotANumber {
-        /// The pointer.
-        pointer: String,
-    },
-    /// A number that says how to compute or sample, not what moves.
-    #[error("{pointer} is a setting of the computation; expected a number of the rig or its force")]
-    Setting {
-        /// The pointer.
-        pointer: String,
-    },
-    /// A parameter of zero has no scale to be varied by.
-    #[error("{pointer} is zero, which leaves no scale to vary it by; expected another value")]
+    /// A pointer leads to no parameter.
+    #[error(transparent)]
+    Parameter(#[from] ParameterError),
+    /// A parameter of zero has no scale to vary it by.
+    #[error("`{pointer}` is zero, which gives no scale to vary it by; expected another value")]
     Zero {
         /// The pointer.
         pointer: String,
     },
     /// A parameter is so near a limit that a neighbour is not valid.
-    #[error("{pointer} cannot be varied to {value}: {source}")]
+    #[error("`{pointer}` cannot be varied to {value}: {source}")]
     AtLimit {
         /// The pointer.
         pointer: String,
         /// The neighbour.
         value: f64,
-        /// What is wrong with it.
+        /// The faults of the scenario there.
         source: Box<InvalidDocument>,
     },
     /// The scenario asks for another integrator.
@@ -113,49 +98,67 @@ impl From<SignalError> for SensitivityError {
     }
 }
 
-/// The answers of the run that `document` describes, and their derivatives with respect to the
-/// numbers at `pointers`.
+/// The observables of the run that `document` describes, and their derivatives with respect to the
+/// parameters at `pointers`.
 ///
-/// Answers are the state at rest, the fundamental and its damping ratio by half power, the second
-/// harmonic and their ratio, and the extremes and stiffnesses at each interface. Times without
-/// contact are counts of steps, energies are not differentiated, nor is the decrement.
+/// Rows are the quantities with [a derivative](crate::quantity::Quantity::has_derivative): the
+/// state at rest, both harmonics, the half-power damping ratio, and extremes and stiffnesses of
+/// each interface.
 ///
 /// # Errors
-/// [`SensitivityError`]: for a scenario that is not valid or not modal, a pointer that leads to no
-/// number that can be varied, or a run that fails.
+/// [`SensitivityError`] for a scenario that is not valid or not modal, a pointer that leads to no
+/// parameter, or a run that fails.
+///
+/// ```
+/// # use asperity_scenario::Document;
+/// # use asperity_study::sensitivity::sensitivities;
+/// let document = Document::parse(r#"{
+///     "schema": "asperity/scenario/1",
+///     "bodies": [{"name": "block", "length_m": 0.1, "mass_kg": 1.0,
+///                 "youngs_modulus_pa": 71e9, "density_kg_per_m3": 2710}],
+///     "interfaces": [{"name": "block-ground", "area_m2": 1e-4,
+///                     "law": {"kind": "power", "coefficient": 1.8e10, "exponent": 0.35}}],
+///     "excitation": {"kind": "gamma_pulse", "peak_n": 5, "rise_s": 3e-4},
+///     "duration_s": 0.05
+/// }"#, "block.json")?;
+/// let found = sensitivities(&document, &["/interfaces/0/law/coefficient"])?;
+/// // f0 grows with the square root of the stiffness (less for the flexibility of the body).
+/// let relative = found.jacobian[0][0].unwrap() * 1.8e10 / found.values[0].unwrap();
+/// assert!((0.45..0.5).contains(&relative), "{relative}");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn sensitivities(
     document: &Document,
     pointers: &[&str],
 ) -> Result<Sensitivities, SensitivityError> {
     let scenario = document.scenario()?;
-    let assembly = Assembly::new(&scenario, document.folder())?;
-    let Integrator::Modal(method) = assembly.method else {
-        return Err(SensitivityError::Method { method: assembly.method.name() });
+    let prepared = PreparedScenario::new(&scenario, document.folder())?;
+    let Some(method) = prepared.modal() else {
+        return Err(SensitivityError::Method { method: prepared.assembly.method.name() });
     };
-    let at_rest = rest_state(&assembly);
-    let base = varied::base(&assembly, &method, at_rest.natural_frequency_hz)?;
+    let excitation = &prepared.assembly.excitation;
+    let counts = prepared.mode_counts(&method, excitation)?;
+    let base = prepared.hit(&method, excitation.clone())?;
     let mut all = Vec::with_capacity(pointers.len());
     for pointer in pointers {
-        all.push(Varied::new(document, pointer, &base)?);
+        all.push(Varied::new(document, pointer, &base, &counts)?);
     }
-    let (variations, rests): (Vec<_>, Vec<_>) =
-        all.into_iter().map(|varied| (varied.variation, (varied.parameter, varied.rests))).unzip();
+    let (variations, others): (Vec<_>, Vec<_>) =
+        all.into_iter().map(|one| (one.variation, (one.parameter, one.at_rest))).unzip();
     let batch = Batch { instructions: method.instructions };
-    let found = batch.sensitivity(&base.hit, &variations)?;
-
-    let mut table = observables::Table::default();
-    let steps: Vec<f64> = variations.iter().map(|variation| variation.step).collect();
-    let four: Vec<_> = rests.iter().map(|(_, rests)| rests).collect();
-    table.rest(&at_rest, &four, &steps);
-    table.peaks(&found, at_rest.natural_frequency_hz)?;
-    let names: Vec<&str> =
-        at_rest.interfaces.iter().map(|interface| interface.name.as_str()).collect();
-    table.contacts(&found, &names);
+    let found = batch.sensitivity(&base, &variations)?;
+    let pairs = variations.iter().zip(&others);
+    let stencils: Vec<StaticStencil<'_>> =
+        pairs.map(|(variation, (_, at_rest))| (at_rest.each_ref(), variation.step)).collect();
+    let table = DerivativeTable::new(&prepared, &found, &stencils)?;
+    let interfaces: Vec<&str> =
+        prepared.at_rest.interfaces.iter().map(|interface| interface.name.as_str()).collect();
     Ok(Sensitivities {
-        parameters: rests.into_iter().map(|(parameter, _)| parameter).collect(),
-        columns: table.columns,
+        parameters: others.into_iter().map(|(parameter, _)| parameter).collect(),
+        columns: table.observables.iter().map(|one| one.name(&interfaces)).collect(),
         values: table.values,
         jacobian: table.jacobian,
+        warnings: table.warnings,
         step_s: found.step,
         steps: found.values.displacement.len() - 1,
     })

@@ -1,7 +1,8 @@
 //! Steady responses to a shaker: one branch per force amplitude, and the backbones.
 
 mod check;
-mod record;
+mod summary;
+mod table;
 
 use std::time::Instant;
 
@@ -13,10 +14,14 @@ use rayon::prelude::*;
 
 use crate::assemble::Assembly;
 use crate::error::StudyError;
-use crate::run::rest_state;
+use crate::static_state::StaticSummary;
 
 pub use check::TimeCheck;
-pub use record::{backbone_csv, steady_csv, steady_summary};
+pub use summary::{
+    BackboneSummary, BackbonesSummary, BifurcationSummary, BranchSummary, LevelSummary,
+    STEADY_SCHEMA, SteadySummary, TerminationSummary, VerificationSummary,
+};
+pub use table::{backbone_csv, steady_csv};
 
 /// Truncation that the automatic choice of harmonics aims at, and most harmonics. More would reach
 /// the modes of light samples, where branches with loss of contact fold without end.
@@ -32,7 +37,7 @@ const SAMPLES_PER_HARMONIC: usize = 16;
 /// A backbone starts at this part of the largest force.
 const LOWEST_FORCE: f64 = 1e-3;
 
-/// What is asked for.
+/// Range and force amplitudes of steady responses.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SteadyRequest {
     /// Force amplitudes \[N\].
@@ -41,11 +46,11 @@ pub struct SteadyRequest {
     pub from_hz: f64,
     /// Frequency at which each branch ends \[Hz\].
     pub to_hz: f64,
-    /// Harmonics; chosen by the truncation if none are given.
+    /// Number of harmonics; chosen from the truncation if none is given.
     pub harmonics: Option<usize>,
-    /// Whether backbones are followed: phase resonance and the damped mode.
+    /// Adds the backbones: phase resonance and the damped mode.
     pub backbone: bool,
-    /// Whether a response of each branch is integrated in time as well.
+    /// Adds a response of each branch by time integration.
     pub verify: bool,
 }
 
@@ -54,11 +59,11 @@ pub struct SteadyRequest {
 pub struct SteadyLevel {
     /// Force amplitude \[N\].
     pub force_n: f64,
-    /// The branch, or why there is none.
+    /// The branch, or the error.
     pub outcome: Result<Branch, HarmonicError>,
     /// A response by time integration, if asked for.
     pub check: Option<TimeCheck>,
-    /// Time it took \[s\].
+    /// Time of the computation \[s\].
     pub wall_s: f64,
 }
 
@@ -78,22 +83,53 @@ pub struct Steady {
     pub levels: Vec<SteadyLevel>,
     /// The backbones, if asked for.
     pub backbones: Option<Backbones>,
-    /// Time all of it took \[s\].
+    /// Time of the whole computation \[s\].
     pub wall_s: f64,
 }
 
-/// Computes the steady responses of an assembled scenario; its own excitation does not matter.
-/// Levels go over all threads; `done` hears of each that is finished.
+/// Computes the steady responses of an assembled scenario to a harmonic force on the top; its own
+/// excitation has no part in them.
+///
+/// Levels go over all threads; `done` is called after each.
 ///
 /// # Errors
-/// [`StudyError`] for a request out of range or a rig that cannot be balanced. A level without a
-/// response does not end the others: its outcome says why.
+/// [`StudyError`] for a request out of range or a structure that cannot be balanced. A level without
+/// a response does not end the others: its outcome is the error.
+///
+/// ```
+/// # use asperity_scenario::Document;
+/// # use asperity_study::assemble::Assembly;
+/// # use asperity_study::steady::{SteadyRequest, steady};
+/// let document = Document::parse(r#"{
+///     "schema": "asperity/scenario/1",
+///     "bodies": [{"name": "block", "length_m": 0.1, "mass_kg": 1.0,
+///                 "youngs_modulus_pa": 71e9, "density_kg_per_m3": 2710}],
+///     "interfaces": [{"name": "block-ground", "area_m2": 1e-4,
+///                     "law": {"kind": "power", "coefficient": 1.8e10, "exponent": 0.35}}],
+///     "excitation": {"kind": "none"},
+///     "duration_s": 0.05
+/// }"#, "block.json")?;
+/// let assembly = Assembly::new(&document.scenario()?, document.folder())?;
+/// let request = SteadyRequest {
+///     amplitudes: vec![0.2],
+///     from_hz: 1200.0,
+///     to_hz: 1900.0,
+///     harmonics: Some(5),
+///     backbone: false,
+///     verify: false,
+/// };
+/// let found = steady(&assembly, &request, &|| ())?;
+/// let peak = found.levels[0].outcome.as_ref().unwrap().highest().unwrap();
+/// assert!((1200.0..1900.0).contains(&peak.frequency_hz()));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn steady(
     assembly: &Assembly,
     request: &SteadyRequest,
     done: &(dyn Fn() + Sync),
 ) -> Result<Steady, StudyError> {
     let started = Instant::now();
+    let _stage = tracing::info_span!("continue branches").entered();
     check_range(request)?;
     let system = ContactSystem::of_structure(&assembly.structure, LawEvaluation::default())?;
     let settings = settings(request);
@@ -110,7 +146,7 @@ pub fn steady(
     Ok(Steady { levels, backbones, wall_s: started.elapsed().as_secs_f64() })
 }
 
-/// Requests that no level could answer.
+/// Refuses requests out of range.
 fn check_range(request: &SteadyRequest) -> Result<(), HarmonicError> {
     let positive = |value: f64| value.is_finite() && value > 0.0;
     let (from, to) = (request.from_hz, request.to_hz);
@@ -169,7 +205,7 @@ fn backbones(
     settings: &HarmonicSettings,
 ) -> Backbones {
     let middle = 0.5 * (request.from_hz + request.to_hz);
-    let near = rest_state(assembly).natural_frequency_hz.unwrap_or(middle);
+    let near = StaticSummary::of(assembly).natural_frequency_hz.unwrap_or(middle);
     let largest = request.amplitudes.iter().copied().fold(0.0, f64::max);
     let settings = HarmonicSettings { stability: None, ..*settings };
     let path = Continuation::PhaseResonance { near, from: LOWEST_FORCE * largest, to: largest };

@@ -1,6 +1,11 @@
-//! `summary.json`: the answers of one run, under the names of the contract.
+//! `summary.json`: the observables of one run, under the names of the contract.
 
 use serde::Serialize;
+
+use crate::observables::Observables;
+use crate::quantity::Quantity;
+use crate::static_state::{StaticInterface, StaticSummary};
+use crate::warning::Warning;
 
 /// Identifier of the summary's format.
 pub const SUMMARY_SCHEMA: &str = "asperity/summary/1";
@@ -21,36 +26,16 @@ pub struct Summary {
     pub second_harmonic: Option<SecondHarmonic>,
     /// Second-harmonic over fundamental receptance, A2/A1.
     pub harmonic_ratio: Option<f64>,
-    /// What happened at each interface, from the top down.
+    /// Extremes and averages at each interface, from the top down.
     pub interfaces: Vec<InterfaceSummary>,
     /// Energy balance.
     pub energy: EnergySummary,
-    /// How it was computed.
+    /// Warnings about the response.
+    pub warnings: Vec<Warning>,
+    /// Method, step and time of the computation.
     pub numerics: Numerics,
-    /// From what it was computed.
+    /// Origin of the numbers.
     pub provenance: Provenance,
-}
-
-/// State at rest.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct StaticSummary {
-    /// Lowest natural frequency of the rig linearised at rest \[Hz\]; none if it has no stiffness.
-    pub natural_frequency_hz: Option<f64>,
-    /// Contacts at rest, from the top down.
-    pub interfaces: Vec<StaticInterface>,
-}
-
-/// One contact at rest.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct StaticInterface {
-    /// Name of the interface.
-    pub name: String,
-    /// Static pressure \[Pa\].
-    pub pressure_pa: f64,
-    /// Contact stiffness per area \[Pa/m\].
-    pub stiffness_pa_per_m: f64,
-    /// Closure from the law's reference \[m\].
-    pub closure_m: f64,
 }
 
 /// The fundamental.
@@ -84,7 +69,7 @@ pub struct InterfaceSummary {
     pub pressure_min_pa: f64,
     /// Highest pressure over all steps \[Pa\].
     pub pressure_max_pa: f64,
-    /// `K_avr` of Eq. (8) over the output samples \[Pa/m\].
+    /// `K_avr` of Eq. (8) over the integration steps \[Pa/m\].
     pub stiffness_average_pa_per_m: f64,
     /// Stiffness of the law at the lowest pressure \[Pa/m\].
     pub stiffness_at_pressure_min_pa_per_m: f64,
@@ -103,11 +88,11 @@ pub struct EnergySummary {
     pub stored_j: f64,
     /// Loss of the contact scheme itself \[J\].
     pub numerical_loss_j: f64,
-    /// What the balance leaves over, over the input.
+    /// Remainder of the balance over the input.
     pub residual_relative: f64,
 }
 
-/// How it was computed.
+/// Method, step and time of the computation.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Numerics {
     /// Integrator.
@@ -122,7 +107,7 @@ pub struct Numerics {
     pub wall_s: f64,
 }
 
-/// From what it was computed.
+/// Origin of a result.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Provenance {
     /// Version of asperity.
@@ -139,98 +124,56 @@ impl Provenance {
 }
 
 impl Summary {
-    /// Every number of the summary under its dotted name, interfaces by their
-    /// own: the columns of a sweep. Times of the machine are left out, so that
-    /// equal studies give equal tables.
-    pub fn scalars(&self) -> Vec<(String, Option<f64>)> {
-        self.names().into_iter().zip(self.values()).collect()
-    }
-
-    /// The names of [`scalars`](Self::scalars).
-    pub fn names(&self) -> Vec<String> {
-        let interfaces = self.at_rest.interfaces.iter().map(|state| state.name.as_str());
-        scalar_names(&interfaces.collect::<Vec<_>>())
-    }
-
-    /// The numbers of [`scalars`](Self::scalars), in the order of [`names`](Self::names).
-    pub fn values(&self) -> Vec<Option<f64>> {
-        let (fundamental, second) = (self.fundamental.as_ref(), self.second_harmonic.as_ref());
-        let mut values = vec![self.at_rest.natural_frequency_hz];
-        for state in &self.at_rest.interfaces {
-            let numbers = [state.pressure_pa, state.stiffness_pa_per_m, state.closure_m];
-            values.extend(numbers.map(Some));
-        }
-        values.extend([
-            fundamental.map(|f| f.frequency_hz),
-            fundamental.map(|f| f.receptance_m_per_n),
-            fundamental.and_then(|f| f.damping_ratio),
-            fundamental.and_then(|f| f.damping_ratio_decrement),
-            second.map(|s| s.frequency_hz),
-            second.map(|s| s.receptance_m_per_n),
-            self.harmonic_ratio,
-        ]);
-        for contact in &self.interfaces {
-            let numbers = [
-                contact.pressure_min_pa,
-                contact.pressure_max_pa,
-                contact.stiffness_average_pa_per_m,
-                contact.stiffness_at_pressure_min_pa_per_m,
-                contact.contact_lost_s,
-            ];
-            values.extend(numbers.map(Some));
-        }
-        let numbers = [
-            self.energy.input_j,
-            self.energy.dissipated_j,
-            self.energy.stored_j,
-            self.energy.numerical_loss_j,
-            self.energy.residual_relative,
-            self.numerics.step_s,
-            self.numerics.steps as f64,
-        ];
-        values.extend(numbers.map(Some));
-        values
-    }
-}
-
-/// The names of a summary's numbers, for a rig with `interfaces` of these names.
-pub fn scalar_names(interfaces: &[&str]) -> Vec<String> {
-    let mut names = vec!["static.natural_frequency_hz".to_owned()];
-    for name in interfaces {
-        for key in ["pressure_pa", "stiffness_pa_per_m", "closure_m"] {
-            names.push(format!("static.interfaces.{name}.{key}"));
+    /// The summary of a response with these observables.
+    pub(crate) fn new(
+        title: Option<String>,
+        at_rest: StaticSummary,
+        found: &Observables,
+        numerics: Numerics,
+        provenance: Provenance,
+    ) -> Self {
+        let whole = |quantity| found.get(quantity, None);
+        let of_peak = |frequency, receptance| Some((whole(frequency)?, whole(receptance)?));
+        let first = of_peak(Quantity::FundamentalFrequency, Quantity::FundamentalReceptance);
+        let second = of_peak(Quantity::SecondHarmonicFrequency, Quantity::SecondHarmonicReceptance);
+        let number = |quantity, interface| found.get(quantity, interface).unwrap_or(f64::NAN);
+        let interface = |(at, state): (usize, &StaticInterface)| {
+            let number = |quantity| number(quantity, Some(at));
+            InterfaceSummary {
+                name: state.name.clone(),
+                pressure_min_pa: number(Quantity::PressureMin),
+                pressure_max_pa: number(Quantity::PressureMax),
+                stiffness_average_pa_per_m: number(Quantity::StiffnessAverage),
+                stiffness_at_pressure_min_pa_per_m: number(Quantity::StiffnessAtPressureMin),
+                contact_lost_s: number(Quantity::ContactLost),
+            }
+        };
+        Self {
+            schema: SUMMARY_SCHEMA,
+            title,
+            fundamental: first.map(|(frequency_hz, receptance_m_per_n)| Fundamental {
+                frequency_hz,
+                receptance_m_per_n,
+                damping_ratio: whole(Quantity::DampingRatio),
+                damping_ratio_decrement: whole(Quantity::DampingRatioDecrement),
+            }),
+            second_harmonic: second.map(|(frequency_hz, receptance_m_per_n)| SecondHarmonic {
+                frequency_hz,
+                receptance_m_per_n,
+            }),
+            harmonic_ratio: whole(Quantity::HarmonicRatio),
+            interfaces: at_rest.interfaces.iter().enumerate().map(interface).collect(),
+            at_rest,
+            energy: EnergySummary {
+                input_j: number(Quantity::EnergyInput, None),
+                dissipated_j: number(Quantity::EnergyDissipated, None),
+                stored_j: number(Quantity::EnergyStored, None),
+                numerical_loss_j: number(Quantity::EnergyNumericalLoss, None),
+                residual_relative: number(Quantity::EnergyResidual, None),
+            },
+            warnings: found.warnings.clone(),
+            numerics,
+            provenance,
         }
     }
-    let keys = [
-        "fundamental.frequency_hz",
-        "fundamental.receptance_m_per_n",
-        "fundamental.damping_ratio",
-        "fundamental.damping_ratio_decrement",
-        "second_harmonic.frequency_hz",
-        "second_harmonic.receptance_m_per_n",
-        "harmonic_ratio",
-    ];
-    names.extend(keys.map(str::to_owned));
-    for name in interfaces {
-        for key in [
-            "pressure_min_pa",
-            "pressure_max_pa",
-            "stiffness_average_pa_per_m",
-            "stiffness_at_pressure_min_pa_per_m",
-            "contact_lost_s",
-        ] {
-            names.push(format!("interfaces.{name}.{key}"));
-        }
-    }
-    let keys = [
-        "energy.input_j",
-        "energy.dissipated_j",
-        "energy.stored_j",
-        "energy.numerical_loss_j",
-        "energy.residual_relative",
-        "numerics.step_s",
-        "numerics.steps",
-    ];
-    names.extend(keys.map(str::to_owned));
-    names
 }

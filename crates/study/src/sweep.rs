@@ -2,9 +2,9 @@
 //!
 //! | module | holds |
 //! |---|---|
-//! | `variation` | what is varied |
+//! | `variation` | pointers and their values |
 //! | `plan` | the scenarios of a sweep, checked before the first run |
-//! | `table` | what came of it, and as CSV |
+//! | `table` | the results, and as CSV |
 
 mod plan;
 mod table;
@@ -15,71 +15,109 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use asperity_dynamics::{Batch, Hit};
+use asperity_scenario::Document;
 use rayon::prelude::*;
 
+use crate::assemble::{Assembly, excitation};
 use crate::error::StudyError;
-use crate::run::simulate;
-use crate::struck::{Case, Observer};
-use crate::summary::Summary;
-use asperity_scenario::Document;
+use crate::observable_extractor::ObservableExtractor;
+use crate::observables::Observables;
+use crate::prepared_scenario::PreparedScenario;
+use crate::run::{integrate, observables};
 use plan::Plan;
 
 pub use plan::SweepError;
 pub use table::Sweep;
 pub use variation::{MOST_RUNS, Variation, VariationError, number_of_runs};
 
-/// Hits of one task, over the lanes of a batch: long enough to fill them again when some hits
-/// need a second attempt.
+/// Hits of one task, over the lanes of a batch: enough to fill the lanes again when some hits need
+/// a second attempt.
 const HITS_A_LANE: usize = 4;
 
-/// Cases kept for runs to come.
-const MOST_CASES: usize = 64;
+/// Prepared scenarios kept for later runs.
+const MOST_PREPARED: usize = 64;
 
-/// The cartesian product of `variations` over `document`, the last varying fastest. The variations
-/// are checked before the first run starts; the runs go over all threads, those with the modal
-/// method many at a time in the lanes of vectors, and their results come back in order, whatever
-/// the number of threads and lanes. `done` hears how many runs are finished.
+/// Runs the cartesian product of `variations` over `document`, the last varying fastest.
+///
+/// The variations are checked before the first run starts. Runs go over all threads, those with the
+/// modal method many at a time in the lanes of vectors; results are in order and do not depend on
+/// the number of threads and lanes. `progress` receives the numbers of finished and of all runs.
+/// Warnings are logged once a kind.
 ///
 /// # Errors
-/// [`SweepError`] when a combination is invalid. A run that fails does not end
-/// the sweep: its own outcome says why.
+/// [`SweepError`] when a combination is invalid. A run that fails does not end the sweep: its
+/// outcome is the error.
+///
+/// ```
+/// # use asperity_scenario::Document;
+/// # use asperity_study::sweep::{Variation, sweep};
+/// let document = Document::parse(r#"{
+///     "schema": "asperity/scenario/1",
+///     "bodies": [{"name": "block", "length_m": 0.1, "mass_kg": 1.0,
+///                 "youngs_modulus_pa": 71e9, "density_kg_per_m3": 2710}],
+///     "interfaces": [{"name": "block-ground", "area_m2": 1e-4,
+///                     "law": {"kind": "power", "coefficient": 1.8e10, "exponent": 0.35}}],
+///     "excitation": {"kind": "gamma_pulse", "peak_n": 5, "rise_s": 3e-4},
+///     "duration_s": 0.05
+/// }"#, "block.json")?;
+/// let forces = Variation::parse("/excitation/peak_n=2:14:3")?;
+/// let results = sweep(&document, &[forces], &|_, _| ())?;
+/// let f1 = [0, 2].map(|run| results.number(run, "fundamental.frequency_hz").unwrap());
+/// assert!(f1[1] < f1[0], "the contact softens with the force");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn sweep(
     document: &Document,
     variations: &[Variation],
-    done: &(dyn Fn(usize, usize) + Sync),
+    progress: &(dyn Fn(usize, usize) + Sync),
 ) -> Result<Sweep, SweepError> {
-    let plan = Plan::new(document, variations)?;
+    let plan = tracing::info_span!("check").in_scope(|| Plan::new(document, variations))?;
+    let _stage = tracing::info_span!("integrate and analyse").entered();
     let batch = Batch::default();
-    let work = Work { plan: &plan, batch, cases: Mutex::default(), observer: Observer::default() };
+    let work = Work {
+        plan: &plan,
+        batch,
+        prepared: Mutex::default(),
+        extractor: ObservableExtractor::default(),
+    };
     let size = batch.room() * HITS_A_LANE;
     let finished = AtomicUsize::new(0);
-    let summaries: Vec<Result<Row, StudyError>> = (0..plan.runs().div_ceil(size))
+    let rows: Vec<Result<Row, StudyError>> = (0..plan.runs().div_ceil(size))
         .into_par_iter()
         .flat_map_iter(|task| {
             let runs = task * size..((task + 1) * size).min(plan.runs());
             let count = runs.len();
             let rows = work.rows(runs);
-            done(finished.fetch_add(count, Ordering::Relaxed) + count, plan.runs());
+            progress(finished.fetch_add(count, Ordering::Relaxed) + count, plan.runs());
             rows
         })
         .collect();
-    let named = summaries.iter().find_map(|row| row.as_ref().ok());
+    let named = rows.iter().find_map(|row| row.as_ref().ok());
     let columns = named.map_or_else(|| Arc::from([]), |row| Arc::clone(&row.names));
-    let runs = summaries.into_iter().map(|row| {
+    let mut warnings = Vec::new();
+    let runs = rows.into_iter().enumerate().map(|(run, row)| {
         let row = row?;
-        // Values may rename an interface, or add a body: such runs have no place in the table.
+        // Values may rename an interface, or add a body: the table has no columns for such runs.
         if Arc::ptr_eq(&row.names, &columns) || row.names == columns {
-            Ok(row.values)
+            warnings.extend(row.found.warnings.into_iter().map(|warning| (run, warning)));
+            Ok(row.found.values)
         } else {
             Err(StudyError::OtherColumns)
         }
     });
     let runs = runs.collect();
-    Ok(Sweep { variations: variations.to_vec(), columns: columns.to_vec(), runs })
+    let sweep =
+        Sweep { variations: variations.to_vec(), columns: columns.to_vec(), runs, warnings };
+    for (kind, count) in sweep.warning_counts() {
+        if let Some((run, warning)) = sweep.warnings.iter().find(|(_, one)| one.kind() == kind) {
+            tracing::warn!(runs = count, "{warning} (run {})", run + 1);
+        }
+    }
+    Ok(sweep)
 }
 
-/// Carries out `work` on a pool of `threads` threads, or on all cores if none are
-/// named. `None` if that many cannot be started.
+/// Carries out `work` on a pool of `threads` threads, or on all cores without a number; none if
+/// that many cannot be started.
 pub fn on_threads<T: Send>(threads: Option<usize>, work: impl FnOnce() -> T + Send) -> Option<T> {
     let Some(threads) = threads else { return Some(work()) };
     if !(1..=1024).contains(&threads) {
@@ -89,18 +127,24 @@ pub fn on_threads<T: Send>(threads: Option<usize>, work: impl FnOnce() -> T + Se
     Some(pool.install(work))
 }
 
-/// The numbers of one run, and their names, which cases share.
+/// The observables of one run, and their names, which runs share.
 struct Row {
     names: Arc<[String]>,
-    values: Box<[f64]>,
+    found: Observables,
 }
 
-/// What the tasks of a sweep share.
+/// State shared by the tasks of a sweep.
 struct Work<'a> {
     plan: &'a Plan<'a>,
     batch: Batch,
-    cases: Mutex<HashMap<Vec<usize>, Arc<Case>>>,
-    observer: Observer,
+    prepared: Mutex<HashMap<Vec<usize>, Arc<PreparedScenario>>>,
+    extractor: ObservableExtractor,
+}
+
+/// A run that has been set up: a modal hit, or a row that is done.
+enum Started {
+    Hit(Box<Hit>),
+    Done(Observables),
 }
 
 impl Work<'_> {
@@ -108,73 +152,66 @@ impl Work<'_> {
     fn rows(&self, runs: std::ops::Range<usize>) -> Vec<Result<Row, StudyError>> {
         let mut rows: Vec<Option<Result<Row, StudyError>>> = Vec::new();
         let mut hits: Vec<Hit> = Vec::new();
-        let mut of: Vec<(usize, Arc<Case>)> = Vec::new();
+        let mut of: Vec<(usize, Arc<PreparedScenario>)> = Vec::new();
         for run in runs {
             let place = rows.len();
-            match self.start(run) {
-                Ok(Started::Hit(case, hit)) => {
+            rows.push(match self.start(run) {
+                Ok((prepared, Started::Hit(hit))) => {
                     hits.push(*hit);
-                    of.push((place, case));
-                    rows.push(None);
+                    of.push((place, prepared));
+                    None
                 }
-                Ok(Started::Done(row)) => rows.push(Some(Ok(row))),
-                Err(error) => rows.push(Some(Err(error))),
-            }
+                Ok((prepared, Started::Done(found))) => Some(Ok(Row::new(&prepared, found))),
+                Err(error) => Some(Err(error)),
+            });
         }
         let natural = |index: usize| of[index].1.at_rest.natural_frequency_hz;
-        let thinning = |index: usize, step: f64| self.observer.thinning(natural(index), 0.0, step);
-        let instructions = format!("{:?}", self.batch.instructions).to_lowercase();
+        let thinning = |index: usize, step: f64| self.extractor.thinning(natural(index), 0.0, step);
         let records = self.batch.run(&hits, &thinning);
-        for ((record, hit), (place, case)) in records.into_iter().zip(&hits).zip(&of) {
+        for ((record, hit), (place, prepared)) in records.into_iter().zip(&hits).zip(&of) {
             let row = record.map_err(StudyError::from).and_then(|record| {
-                let summary = self.observer.summary(case, hit, &record, &instructions)?;
-                Ok(Row::of(&summary, case))
+                let found = self.extractor.observables(prepared, hit, &record)?;
+                Ok(Row::new(prepared, found))
             });
             rows[*place] = Some(row);
         }
-        rows.into_iter().map(|row| row.unwrap_or(Err(StudyError::OtherColumns))).collect()
+        rows.into_iter().flatten().collect()
     }
 
-    /// The hit of a run, or its row if it is not modal.
-    fn start(&self, run: usize) -> Result<Started, StudyError> {
+    /// The hit of a run, or its observables if it is not modal.
+    fn start(&self, run: usize) -> Result<(Arc<PreparedScenario>, Started), StudyError> {
         let chosen = self.plan.chosen(run);
-        let case = self.case(&chosen)?;
-        if let Some(modal) = case.modal() {
-            let drive = self.plan.excitation(&chosen)?;
-            let hit = case.hit(&modal, &drive, self.plan.folder())?;
-            return Ok(Started::Hit(case, Box::new(hit)));
+        let prepared = self.prepared(&chosen)?;
+        if let Some(modal) = prepared.modal() {
+            let force = excitation(&self.plan.excitation(&chosen)?, self.plan.folder())?;
+            let hit = prepared.hit(&modal, force)?;
+            return Ok((prepared, Started::Hit(Box::new(hit))));
         }
-        let document = self.plan.document(&chosen)?;
-        let scenario = self.plan.scenario(&chosen)?;
-        let summary = simulate(&document, &scenario, &|_| ())?.summary;
-        Ok(Started::Done(Row::of(&summary, &case)))
+        let assembly = Assembly::new(&self.plan.scenario(&chosen)?, self.plan.folder())?;
+        let transient = integrate(&assembly, &|_| ())?;
+        let found = observables(&assembly, &prepared.at_rest, &transient)?;
+        Ok((prepared, Started::Done(found)))
     }
 
-    fn case(&self, chosen: &[usize]) -> Result<Arc<Case>, StudyError> {
-        let key = self.plan.rig(chosen);
-        let known = || self.cases.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(case) = known().get(&key) {
-            return Ok(Arc::clone(case));
+    fn prepared(&self, chosen: &[usize]) -> Result<Arc<PreparedScenario>, StudyError> {
+        let key = self.plan.structure(chosen);
+        let known = || self.prepared.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(prepared) = known().get(&key) {
+            return Ok(Arc::clone(prepared));
         }
-        let case = Arc::new(Case::new(&self.plan.scenario(chosen)?, self.plan.folder())?);
-        let mut cases = known();
-        if cases.len() >= MOST_CASES {
-            cases.clear();
+        let scenario = self.plan.scenario(chosen)?;
+        let prepared = Arc::new(PreparedScenario::new(&scenario, self.plan.folder())?);
+        let mut all = known();
+        if all.len() >= MOST_PREPARED {
+            all.clear();
         }
-        // Another task may have been faster; both cases are the same.
-        Ok(Arc::clone(cases.entry(key).or_insert(case)))
+        // Another task may have been faster; both results are the same.
+        Ok(Arc::clone(all.entry(key).or_insert(prepared)))
     }
-}
-
-/// A run that has been set up.
-enum Started {
-    Hit(Arc<Case>, Box<Hit>),
-    Done(Row),
 }
 
 impl Row {
-    fn of(summary: &Summary, case: &Case) -> Self {
-        let values = summary.values().into_iter().map(|value| value.unwrap_or(f64::NAN)).collect();
-        Self { names: case.names(summary), values }
+    fn new(prepared: &PreparedScenario, found: Observables) -> Self {
+        Self { names: Arc::clone(&prepared.names), found }
     }
 }

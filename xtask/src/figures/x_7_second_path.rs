@@ -6,7 +6,7 @@ use anyhow::{Context, Result, ensure};
 use asperity_experiment::{AnalysisOptions, ChannelSelector, FrequencyBand, HitCount, analyse};
 use asperity_figure::{Axis, Figure, Legend, Marker, Panel, Series};
 use asperity_measure::{Format, WriteOptions, write};
-use asperity_study::measured_record::measured_record;
+use asperity_study::record::measurement_record;
 use asperity_study::run::Run;
 use asperity_table::Table;
 
@@ -71,7 +71,7 @@ fn both_paths(case: &Case, run: &Run) -> Result<(Observed, Observed)> {
     let folder = tempfile::tempdir().context("no temporary folder")?;
     let file = folder.path().join("hit.uff");
     let rate = case.assembly()?.sampling.rate();
-    let record = measured_record(&run.transient.history, rate, None);
+    let record = measurement_record(&run.transient.history, rate, None);
     write(&file, slice::from_ref(&record), Format::UniversalBinary, &WriteOptions::default())?;
     let options = AnalysisOptions {
         response: Some(ChannelSelector::of_text("acceleration")),

@@ -2,7 +2,7 @@
 
 use asperity_dynamics::Integrator;
 use asperity_study::assemble::Assembly;
-use asperity_study::run::rest_state;
+use asperity_study::static_state::StaticSummary;
 use serde_json::json;
 
 use crate::args::Input;
@@ -17,7 +17,7 @@ pub(crate) fn run(input: &Input, as_json: bool) -> Result<(), Failure> {
     let outline = method
         .outline(structure, excitation, sampling)
         .map_err(asperity_study::error::StudyError::from)?;
-    let natural = rest_state(&assembly).natural_frequency_hz;
+    let natural = StaticSummary::of(&assembly).natural_frequency_hz;
     if as_json {
         let answer = json!({
             "schema": "asperity/check/1",

@@ -3,7 +3,7 @@
 use asperity_structure::LinearisedMode;
 use asperity_study::assemble::Assembly;
 use asperity_study::record::modes_csv;
-use asperity_study::run::rest_state;
+use asperity_study::static_state::StaticSummary;
 use asperity_study::summary::Provenance;
 use serde_json::json;
 
@@ -29,7 +29,7 @@ pub(crate) fn run(input: &Input, output: &Output, count: usize) -> Result<(), Fa
     let answer = json!({
         "schema": "asperity/modes/1",
         "title": scenario.title,
-        "static": rest_state(&assembly),
+        "static": StaticSummary::of(&assembly),
         "modes": found.iter().map(|mode| json!({
             "frequency_hz": mode.frequency_hz,
             "damping_ratio": mode.damping_ratio,

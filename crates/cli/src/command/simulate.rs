@@ -6,8 +6,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use asperity_experiment::AnalysisError;
 use asperity_measure::{MeasureError, WriteOptions, write};
 use asperity_study::error::OutputError;
-use asperity_study::measured_record::measured_record;
-use asperity_study::record::{frf_csv, history_csv};
+use asperity_study::record::{frf_csv, history_csv, measurement_record};
 use asperity_study::run::{receptance, simulate};
 use asperity_study::summary::Summary;
 use serde_json::json;
@@ -50,7 +49,7 @@ pub(crate) fn run(
     }
     if let Some(format) = record {
         let rate = run.assembly.sampling.rate();
-        let record = measured_record(history, rate, scenario.title.as_deref());
+        let record = measurement_record(history, rate, scenario.title.as_deref());
         let place = folder.path().join(format.file_name());
         let written = write(&place, &[record], format.format(), &WriteOptions::default());
         written.map_err(|error| match error {

@@ -2,12 +2,12 @@
 
 use asperity_structure::PreloadedContact;
 use asperity_study::assemble::Assembly;
-use asperity_study::run::rest_state;
+use asperity_study::static_state::StaticSummary;
 use asperity_study::steady::{
-    Steady, SteadyRequest, backbone_csv, steady, steady_csv, steady_summary,
+    Steady, SteadyRequest, SteadySummary, backbone_csv, steady, steady_csv,
 };
 use asperity_study::summary::Provenance;
-use serde_json::{Value, json};
+use serde_json::json;
 
 use super::ResultFolder;
 use crate::args::{Input, Output, SteadyRange};
@@ -48,16 +48,9 @@ pub(crate) fn run(
     if let Some(figure) = plot::steady(&found) {
         folder.draw("steady.svg", &figure)?;
     }
-    let mut summary = json!({
-        "schema": "asperity/steady/1",
-        "title": scenario.title,
-        "static": rest_state(&assembly),
-    });
-    if let (Value::Object(summary), Value::Object(more)) = (&mut summary, steady_summary(&found)) {
-        summary.extend(more);
-        summary.insert("provenance".to_owned(), json!(Provenance::new(document.sha256())));
-    }
-    folder.answer("summary.json", &summary, output.json)?;
+    let (at_rest, provenance) = (StaticSummary::of(&assembly), Provenance::new(document.sha256()));
+    let summary = SteadySummary::new(scenario.title, at_rest, &found, provenance);
+    folder.answer("summary.json", &json!(summary), output.json)?;
     if !output.json && !quiet {
         print_peaks(&found);
         answer_line!("written to {}", folder.path().display());

@@ -1,5 +1,6 @@
 //! `asperity sweep`.
 
+use std::collections::BTreeMap;
 use std::time::Instant;
 
 use asperity_study::summary::Provenance;
@@ -43,6 +44,7 @@ pub(crate) fn run(
             .collect::<Vec<_>>(),
         "runs": runs,
         "failed": failed,
+        "warnings": results.warning_counts().into_iter().collect::<BTreeMap<_, _>>(),
         "wall_s": wall_s,
         "provenance": Provenance::new(document.sha256()),
     });

@@ -1,23 +1,23 @@
-//! Observables of a sweep over its first numeric variation.
+//! Results of a sweep over its first numeric variation.
 
 use std::collections::BTreeMap;
 
 use asperity_figure::{Axis, Color, Figure, Legend, Marker, Panel, Series};
+use asperity_study::quantity::Quantity;
 use asperity_study::sweep::{Sweep, Variation};
 
-/// Most lines of one panel: more colours cannot be told apart.
+/// Most lines of one panel: there are no more colours that differ clearly.
 const MOST_LINES: usize = 7;
 
-/// Most points of a line; of more runs an even selection is drawn.
+/// Most points of a line; of more runs, every so many are drawn.
 const MOST_POINTS: usize = 500;
 
-/// The observables drawn: label, unit, and the end of the names of their columns, of which the least
-/// value is drawn.
-const OBSERVABLES: [(&str, &str, &str); 4] = [
-    ("Fundamental f_{1}", "Hz", "fundamental.frequency_hz"),
-    ("Amplitude A_{1}", "m/N", "fundamental.receptance_m_per_n"),
-    ("Ratio A_{2}/A_{1}", "", "harmonic_ratio"),
-    ("Lowest pressure", "Pa", ".pressure_min_pa"),
+/// The quantities drawn; of several interfaces the least value counts.
+const DRAWN: [Quantity; 4] = [
+    Quantity::FundamentalFrequency,
+    Quantity::FundamentalReceptance,
+    Quantity::HarmonicRatio,
+    Quantity::PressureMin,
 ];
 
 /// A panel per observable, a line per combination of the other variations;
@@ -37,11 +37,13 @@ pub(crate) fn sweep(sweep: &Sweep) -> Option<Figure> {
     let key = sweep.variations[across].pointer.rsplit('/').next().unwrap_or_default();
     let mut figure = Figure::new("Sweep").columns(2).width_mm(170.0);
     let mut drawn = false;
-    for (label, unit, ending) in OBSERVABLES {
-        let columns: Vec<usize> = (0..sweep.columns.len())
-            .filter(|&column| sweep.columns[column].ends_with(ending))
-            .collect();
-        let mut panel = Panel::new(Axis::linear(key, ""), Axis::linear(label, unit));
+    for quantity in DRAWN {
+        let drawn_here = |column: &usize| {
+            Quantity::of_name(&sweep.columns[*column]).is_some_and(|(found, _)| found == quantity)
+        };
+        let columns: Vec<usize> = (0..sweep.columns.len()).filter(drawn_here).collect();
+        let axis = Axis::linear(quantity.label(), quantity.unit());
+        let mut panel = Panel::new(Axis::linear(key, ""), axis);
         panel = panel.legend(if lines.len() > 1 { Legend::Auto } else { Legend::None });
         let mut any = false;
         for (index, (name, runs)) in lines.iter().take(MOST_LINES).enumerate() {

@@ -1,4 +1,4 @@
-//! A peak by time integration, the second method of `--verify`.
+//! A response by time integration, as a check of a branch.
 
 use std::f64::consts::TAU;
 
@@ -36,8 +36,8 @@ pub struct TimeCheck {
 }
 
 impl TimeCheck {
-    /// Where a branch is checked: the highest stable response at a frequency that the branch meets
-    /// only once, its peak unless it leans over. Elsewhere integration from rest may settle on
+    /// The highest stable response at a frequency that the branch meets only once, its peak unless
+    /// it leans over. Elsewhere integration from rest may settle on
     /// another response.
     pub(super) fn place(branch: &Branch) -> Option<&PeriodicResponse> {
         let frequencies: Vec<f64> =
@@ -59,7 +59,8 @@ impl TimeCheck {
     }
 
     /// Integrates the rig under the force and at the frequency of `response`, from rest, by
-    /// finite differences, in the scenario's cells, or of 1 mm, and in smaller ones. The scheme's error near resonance falls with the step.
+    /// finite differences in the scenario's cells, or of 1 mm, and in smaller ones. The scheme's
+    /// error near resonance falls with the step.
     pub(super) fn of(
         assembly: &Assembly,
         response: &PeriodicResponse,

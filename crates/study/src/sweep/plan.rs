@@ -16,8 +16,9 @@ const MOST_CORNERS: usize = 4096;
 /// Values of a variation up to which each is checked, not the extremes alone.
 const FEW: usize = 256;
 
-/// Why a sweep cannot start.
+/// An error of a sweep before its first run.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum SweepError {
     /// A variation cannot be used.
     #[error(transparent)]
@@ -27,55 +28,59 @@ pub enum SweepError {
     Set {
         /// The values tried.
         values: String,
-        /// Why.
+        /// The error.
         source: SetError,
     },
-    /// A combination of values is no valid scenario.
+    /// A combination of values is not a valid scenario.
     #[error("{values}: {source}")]
     Invalid {
         /// The values tried.
         values: String,
-        /// What is wrong.
+        /// The faults.
         source: InvalidDocument,
     },
 }
 
-/// What is varied, and the scenario it is varied in.
+/// The variations and the scenario they apply to.
 #[derive(Debug)]
 pub(super) struct Plan<'a> {
     document: &'a Document,
     variations: &'a [Variation],
-    /// Whether a variation leaves everything but the drive force as it is.
-    drive_only: Vec<bool>,
+    /// Marks variations of the force alone.
+    force_only: Vec<bool>,
     runs: usize,
 }
 
 impl<'a> Plan<'a> {
     /// Checks the variations.
     ///
-    /// Bounds in a scenario are intervals, so of a long list of numbers the least and the
-    /// greatest stand for all; what only shows in between is the error of its run. Every value of
-    /// a short list, and everything that is not a number, is checked.
+    /// Bounds in a scenario are intervals, so of a long list of numbers the least and the greatest
+    /// are checked; a fault between them is the error of its run. Every value of a short list, and
+    /// every value that is not a number, is checked.
     pub(super) fn new(
         document: &'a Document,
         variations: &'a [Variation],
     ) -> Result<Self, SweepError> {
         let runs = number_of_runs(variations)?;
-        let drive = |variation: &Variation| {
+        let of_force = |variation: &Variation| {
             variation.pointer == "/excitation" || variation.pointer.starts_with("/excitation/")
         };
-        let plan =
-            Self { document, variations, drive_only: variations.iter().map(drive).collect(), runs };
-        let telling: Vec<Vec<usize>> = variations.iter().map(telling_values).collect();
-        let corners = telling.iter().try_fold(1_usize, |n, list| n.checked_mul(list.len()));
+        let plan = Self {
+            document,
+            variations,
+            force_only: variations.iter().map(of_force).collect(),
+            runs,
+        };
+        let checked: Vec<Vec<usize>> = variations.iter().map(checked_values).collect();
+        let corners = checked.iter().try_fold(1_usize, |n, list| n.checked_mul(list.len()));
         let combinations: Vec<Vec<usize>> = match corners {
             Some(corners) if corners <= MOST_CORNERS => {
-                (0..corners).map(|n| digits(n, telling.iter().map(Vec::len))).collect()
+                (0..corners).map(|n| digits(n, checked.iter().map(Vec::len))).collect()
             }
-            _ => (0..telling.len())
+            _ => (0..checked.len())
                 .flat_map(|v| {
-                    let count = telling.len();
-                    (0..telling[v].len()).map(move |n| {
+                    let count = checked.len();
+                    (0..checked[v].len()).map(move |n| {
                         let mut at = vec![0; count];
                         at[v] = n;
                         at
@@ -84,7 +89,7 @@ impl<'a> Plan<'a> {
                 .collect(),
         };
         combinations.into_par_iter().try_for_each(|at| {
-            let chosen: Vec<usize> = at.iter().zip(&telling).map(|(&n, list)| list[n]).collect();
+            let chosen: Vec<usize> = at.iter().zip(&checked).map(|(&n, list)| list[n]).collect();
             plan.check(&chosen)
         })?;
         Ok(plan)
@@ -103,9 +108,10 @@ impl<'a> Plan<'a> {
         digits(run, self.variations.iter().map(|variation| variation.values.len()))
     }
 
-    /// What of `chosen` is not the drive alone: runs that share it share a rig.
-    pub(super) fn rig(&self, chosen: &[usize]) -> Vec<usize> {
-        let kept = chosen.iter().zip(&self.drive_only).filter(|(_, drive)| !**drive);
+    /// The values in `chosen` that vary more than the force: runs that share them share a prepared
+    /// scenario.
+    pub(super) fn structure(&self, chosen: &[usize]) -> Vec<usize> {
+        let kept = chosen.iter().zip(&self.force_only).filter(|(_, force)| !**force);
         kept.map(|(&value, _)| value).collect()
     }
 
@@ -125,14 +131,14 @@ impl<'a> Plan<'a> {
             .map_err(|error| StudyError::Scenario { reason: error.to_string() })
     }
 
-    /// The drive of a run.
+    /// The force of a run.
     pub(super) fn excitation(&self, chosen: &[usize]) -> Result<ExcitationSpec, StudyError> {
         let mut part = match self.document.value().get("excitation") {
             Some(excitation) => json!({ "excitation": excitation }),
             None => json!({}),
         };
-        let varied = self.variations.iter().zip(chosen).zip(&self.drive_only);
-        for ((variation, &value), _) in varied.filter(|(_, drive)| **drive) {
+        let varied = self.variations.iter().zip(chosen).zip(&self.force_only);
+        for ((variation, &value), _) in varied.filter(|(_, force)| **force) {
             set_value(&mut part, &variation.pointer, &variation.values[value])?;
         }
         let excitation = part.get_mut("excitation").map(Value::take).unwrap_or_default();
@@ -155,7 +161,7 @@ impl<'a> Plan<'a> {
 }
 
 /// The values of a variation that are checked.
-fn telling_values(variation: &Variation) -> Vec<usize> {
+fn checked_values(variation: &Variation) -> Vec<usize> {
     let values = &variation.values;
     let numbers: Option<Vec<f64>> =
         values.iter().map(|text| serde_json::from_str::<f64>(text).ok()).collect();
@@ -164,9 +170,9 @@ fn telling_values(variation: &Variation) -> Vec<usize> {
     };
     let by = |a: &usize, b: &usize| numbers[*a].total_cmp(&numbers[*b]);
     let extremes = [(0..numbers.len()).min_by(by), (0..numbers.len()).max_by(by)];
-    let mut telling: Vec<usize> = extremes.into_iter().flatten().collect();
-    telling.dedup();
-    telling
+    let mut checked: Vec<usize> = extremes.into_iter().flatten().collect();
+    checked.dedup();
+    checked
 }
 
 /// `number` in mixed radices, the last fastest.

@@ -1,18 +1,23 @@
-//! What came of a sweep.
+//! The results of a sweep.
 
 use super::variation::Variation;
 use crate::error::StudyError;
+use crate::warning::Warning;
 use asperity_table::CsvWriter;
 
 /// The results of a sweep: for each run the numbers of its summary, or its error.
 #[derive(Debug)]
 pub struct Sweep {
-    /// What was varied.
+    /// The variations.
     pub variations: Vec<Variation>,
-    /// Names of the numbers, those of [`Summary::names`](crate::summary::Summary::names).
+    /// Names of the observables, as [`observable_names`](crate::quantity::observable_names) orders
+    /// them.
     pub columns: Vec<String>,
-    /// Runs in order, the last variation varying fastest; NaN where a summary has no number.
+    /// Runs in order, the last variation varying fastest: values of the observables, NaN where a
+    /// response has none.
     pub runs: Vec<Result<Box<[f64]>, StudyError>>,
+    /// Warnings, each with the number of its run, in order.
+    pub warnings: Vec<(usize, Warning)>,
 }
 
 impl Sweep {
@@ -34,7 +39,7 @@ impl Sweep {
         values
     }
 
-    /// Runs that failed, and why.
+    /// Runs that failed, with their errors.
     pub fn failed(&self) -> impl Iterator<Item = (usize, &StudyError)> {
         self.runs
             .iter()
@@ -42,12 +47,28 @@ impl Sweep {
             .filter_map(|(run, outcome)| outcome.as_ref().err().map(|error| (run, error)))
     }
 
-    /// `sweep.csv`: a row per run, the varied values, the summary's numbers, and the error of a
-    /// run that failed.
+    /// Kinds of warnings in the order of their first run, and the number of runs with each.
+    pub fn warning_counts(&self) -> Vec<(&'static str, usize)> {
+        let mut counts: Vec<(&'static str, usize, usize)> = Vec::new();
+        for (run, warning) in &self.warnings {
+            match counts.iter_mut().find(|(kind, ..)| *kind == warning.kind()) {
+                // Two interfaces of one run count once.
+                Some((.., last)) if last == run => {}
+                Some((_, count, last)) => (*count, *last) = (*count + 1, *run),
+                None => counts.push((warning.kind(), 1, *run)),
+            }
+        }
+        counts.into_iter().map(|(kind, count, _)| (kind, count)).collect()
+    }
+
+    /// `sweep.csv`: a row per run with the varied values, the observables, the error of a run that
+    /// failed, and the kinds of warnings about the others.
     pub fn csv(&self) -> String {
         let pointers = self.variations.iter().map(|variation| variation.pointer.as_str());
-        let names = pointers.chain(self.columns.iter().map(String::as_str)).chain(["error"]);
+        let names =
+            pointers.chain(self.columns.iter().map(String::as_str)).chain(["error", "warnings"]);
         let mut csv = CsvWriter::with_header(names);
+        let mut warnings = self.warnings.iter().peekable();
         for (run, outcome) in self.runs.iter().enumerate() {
             for value in self.values(run) {
                 csv.text(value);
@@ -58,7 +79,12 @@ impl Sweep {
                     csv.numbers(self.columns.iter().map(|_| None)).text(&error.to_string())
                 }
             };
-            csv.end_row();
+            let mut kinds: Vec<&str> = Vec::new();
+            while let Some((_, warning)) = warnings.next_if(|(of, _)| *of == run) {
+                kinds.push(warning.kind());
+            }
+            kinds.dedup();
+            csv.text(&kinds.join(" ")).end_row();
         }
         csv.into_string()
     }

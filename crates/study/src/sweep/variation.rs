@@ -1,4 +1,4 @@
-//! What a sweep varies.
+//! Variations: places of a scenario and the values they take.
 
 use thiserror::Error;
 
@@ -10,15 +10,16 @@ pub const MOST_RUNS: usize = 10_000_000;
 pub struct Variation {
     /// JSON Pointer into the scenario.
     pub pointer: String,
-    /// The values, as `--set` takes them.
+    /// The values, as JSON or bare text.
     pub values: Vec<String>,
 }
 
-/// A `--vary POINTER=VALUES` that cannot be used.
+/// A variation that cannot be used.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[non_exhaustive]
 pub enum VariationError {
     /// There is no equals sign.
-    #[error("\"{text}\" has no \"=\"; accepted: POINTER=start:stop:count or POINTER=v1,v2,...")]
+    #[error("`{text}` has no \"=\"; accepted: POINTER=start:stop:count or POINTER=v1,v2,...")]
     NoEquals {
         /// The argument.
         text: String,
@@ -31,7 +32,7 @@ pub enum VariationError {
     },
     /// A range that is not two numbers and a count.
     #[error(
-        "{pointer}: \"{text}\" is no range; accepted: start:stop:count with finite numbers and a count from 1 to 10000000"
+        "{pointer}: `{text}` is not a range; accepted: start:stop:count with finite numbers and a count from 1 to 10000000"
     )]
     Range {
         /// The pointer.

@@ -1,6 +1,7 @@
 //! Observations with their predictions and bands, and the labels of their features.
 
 use asperity_identify::{Identification, Observed};
+use asperity_study::quantity::Quantity;
 
 /// Kind of an observation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -90,28 +91,14 @@ pub(super) fn column(
     rows.iter().map(|row| value(row)).collect()
 }
 
-/// Endings of the names of features and their units, longer ones first.
-const UNITS: [(&str, &str); 8] = [
-    ("_pa_per_m", "Pa/m"),
-    ("_m_per_n", "m/N"),
-    ("_hz", "Hz"),
-    ("_pa", "Pa"),
-    ("_n", "N"),
-    ("_m", "m"),
-    ("_s", "s"),
-    ("_j", "J"),
-];
-
-/// Features with labels of their own, in the order in which they are drawn.
-const NAMES: [(&str, &str); 8] = [
-    ("fundamental.frequency_hz", "Fundamental f_{1}"),
-    ("fundamental.receptance_m_per_n", "Amplitude A_{1}"),
-    ("second_harmonic.frequency_hz", "Harmonic f_{2}"),
-    ("second_harmonic.receptance_m_per_n", "Amplitude A_{2}"),
-    ("harmonic_ratio", "Ratio A_{2}/A_{1}"),
-    ("fundamental.damping_ratio", "Damping ratio"),
-    ("backbone.frequency_hz", "Frequency"),
-    ("static.natural_frequency_hz", "Natural frequency at rest"),
+/// Quantities that are drawn first, in this order.
+const FIRST: [Quantity; 6] = [
+    Quantity::FundamentalFrequency,
+    Quantity::FundamentalReceptance,
+    Quantity::SecondHarmonicFrequency,
+    Quantity::SecondHarmonicReceptance,
+    Quantity::HarmonicRatio,
+    Quantity::DampingRatio,
 ];
 
 /// Label and unit of a feature.
@@ -125,23 +112,22 @@ pub(super) fn feature_name(feature: &str) -> (String, &'static str) {
     if feature.starts_with("stiffness of ") {
         return (capital(feature), "Pa/m");
     }
-    let (stem, unit) = UNITS
-        .iter()
-        .find_map(|(ending, unit)| Some((feature.strip_suffix(ending)?, *unit)))
-        .unwrap_or((feature, ""));
-    if let Some((_, name)) = NAMES.iter().find(|(known, _)| *known == feature) {
-        return ((*name).to_owned(), unit);
+    if feature == "backbone.frequency_hz" {
+        return ("Frequency".to_owned(), "Hz");
     }
-    // interfaces.guide-sample.pressure_min is the pressure min of guide-sample.
-    let mut parts: Vec<&str> = stem.split('.').collect();
-    let last = parts.pop().unwrap_or_default().replace('_', " ");
-    let of = parts.last().map_or_else(String::new, |of| format!(", {of}"));
-    (format!("{}{of}", capital(&last)), unit)
+    match Quantity::of_name(feature) {
+        Some((quantity, None)) => (quantity.label().to_owned(), quantity.unit()),
+        Some((quantity, Some(interface))) => {
+            (format!("{}, {interface}", quantity.label()), quantity.unit())
+        }
+        None => (capital(feature), ""),
+    }
 }
 
-/// Rank of a feature: those with labels of their own come first.
+/// Place of a feature among others.
 pub(super) fn order(feature: &str) -> usize {
-    NAMES.iter().position(|(known, _)| *known == feature).unwrap_or(NAMES.len())
+    let quantity = Quantity::of_name(feature).map(|(quantity, _)| quantity);
+    FIRST.iter().position(|first| Some(*first) == quantity).unwrap_or(FIRST.len())
 }
 
 /// The text with a capital first.
@@ -184,9 +170,9 @@ mod tests {
             ("ratio of fundamental.frequency_hz", "Ratio of hits: Fundamental f_{1}", ""),
             ("receptance, real part", "Receptance, real part", "m/N"),
             ("stiffness of pl", "Stiffness of pl", "Pa/m"),
-            ("interfaces.top.pressure_min_pa", "Pressure min, top", "Pa"),
-            ("interfaces.top.stiffness_average_pa_per_m", "Stiffness average, top", "Pa/m"),
-            ("energy.residual_relative", "Residual relative, energy", ""),
+            ("interfaces.top.pressure_min_pa", "Lowest pressure, top", "Pa"),
+            ("interfaces.top.stiffness_average_pa_per_m", "Average stiffness, top", "Pa/m"),
+            ("energy.residual_relative", "Residual of the energy balance", ""),
         ] {
             assert_eq!(feature_name(feature), (label.to_owned(), unit), "{feature}");
         }

@@ -1,0 +1,71 @@
+//! Steady responses as CSV.
+
+use asperity_harmonic::Branch;
+use asperity_table::CsvWriter;
+
+use super::{Backbones, Steady};
+
+/// `steady.csv`: a row per point of every branch, in the order of the request.
+pub fn steady_csv(steady: &Steady, interfaces: &[&str]) -> String {
+    let branches: Vec<&Branch> =
+        steady.levels.iter().filter_map(|level| level.outcome.as_ref().ok()).collect();
+    let harmonics = branches.iter().map(|branch| branch.harmonics).max().unwrap_or(1);
+    let mut names: Vec<String> =
+        ["branch", "point", "force_n", "frequency_hz"].map(str::to_owned).into();
+    names.extend((1..=harmonics).map(|k| format!("amplitude_{k}_m")));
+    names.push("phase_1_rad".to_owned());
+    for name in interfaces {
+        names.extend([format!("{name}:pressure_min_pa"), format!("{name}:pressure_max_pa")]);
+    }
+    names.extend(["stable", "contact_lost"].map(str::to_owned));
+    let mut csv = CsvWriter::with_header(names);
+    for (index, level) in steady.levels.iter().enumerate() {
+        let points = level.outcome.as_ref().map_or(&[][..], |branch| &branch.points);
+        for (number, point) in points.iter().enumerate() {
+            csv.numbers([(index + 1) as f64, (number + 1) as f64]);
+            csv.numbers([point.force, point.frequency_hz()]);
+            csv.numbers(
+                (1..=harmonics).map(|k| (k <= point.harmonics()).then(|| point.amplitude(k))),
+            );
+            csv.number(point.phase());
+            for range in &point.pressures {
+                csv.numbers([range.lowest, range.highest]);
+            }
+            csv.text(point.stable().map_or("", truth)).text(truth(point.contact_lost())).end_row();
+        }
+    }
+    csv.into_string()
+}
+
+fn truth(value: bool) -> &'static str {
+    if value { "true" } else { "false" }
+}
+
+/// `backbone.csv`: a row per point of both backbones. Modes have a damping ratio, phase resonances
+/// a force.
+pub fn backbone_csv(backbones: &Backbones) -> String {
+    let mut csv = CsvWriter::with_header([
+        "backbone",
+        "point",
+        "force_n",
+        "frequency_hz",
+        "amplitude_1_m",
+        "harmonic_ratio",
+        "damping_ratio",
+        "modal_amplitude_m_sqrt_kg",
+        "contact_lost",
+    ]);
+    let named = [("phase_resonance", &backbones.phase_resonance), ("mode", &backbones.mode)];
+    for (name, outcome) in named {
+        let points = outcome.as_ref().map_or(&[][..], |branch| &branch.points);
+        for (number, point) in points.iter().enumerate() {
+            let is_mode = name == "mode";
+            csv.text(name).number((number + 1) as f64);
+            csv.number((!is_mode).then_some(point.force));
+            csv.numbers([point.frequency_hz(), point.amplitude(1), point.harmonic_ratio()]);
+            csv.number(is_mode.then(|| point.damping_ratio())).number(point.modal_amplitude());
+            csv.text(truth(point.contact_lost())).end_row();
+        }
+    }
+    csv.into_string()
+}

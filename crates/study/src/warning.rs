@@ -1,0 +1,68 @@
+//! Warnings about a response that was computed but may mislead.
+
+use std::fmt;
+
+use serde::Serialize;
+
+/// A reason for doubt about a response, found whichever command asked for it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+#[non_exhaustive]
+pub enum Warning {
+    /// Pressures left those at which the interface's law was measured; its stiffness is held at
+    /// the end values there.
+    OutsideMeasuredRange {
+        /// Name of the interface.
+        interface: String,
+        /// Lowest pressure of the response \[Pa\].
+        pressure_min_pa: f64,
+        /// Highest pressure of the response \[Pa\].
+        pressure_max_pa: f64,
+        /// Lowest pressure of the measurement \[Pa\].
+        measured_min_pa: f64,
+        /// Highest pressure of the measurement \[Pa\].
+        measured_max_pa: f64,
+    },
+    /// The energy balance does not close to [`MOST_RESIDUAL`].
+    EnergyBalance {
+        /// Remainder of the balance over the input.
+        residual_relative: f64,
+    },
+}
+
+/// Remainder of the energy balance, over the input, up to which there is no warning.
+pub const MOST_RESIDUAL: f64 = 1e-2;
+
+impl Warning {
+    /// Name of the kind, as in `summary.json`.
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Self::OutsideMeasuredRange { .. } => "outside_measured_range",
+            Self::EnergyBalance { .. } => "energy_balance",
+        }
+    }
+}
+
+impl fmt::Display for Warning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::OutsideMeasuredRange {
+                interface,
+                pressure_min_pa,
+                pressure_max_pa,
+                measured_min_pa,
+                measured_max_pa,
+            } => write!(
+                f,
+                "pressures of {pressure_min_pa:.4e} to {pressure_max_pa:.4e} Pa at interface \
+                 \"{interface}\" leave those at which its law was measured, {measured_min_pa:.4e} \
+                 to {measured_max_pa:.4e} Pa; the stiffness is held at the end values there"
+            ),
+            Self::EnergyBalance { residual_relative } => write!(
+                f,
+                "the energy balance closes to {residual_relative:.1e} of the input only; a smaller \
+                 step or cell, or a law without a jump in stiffness, improves it"
+            ),
+        }
+    }
+}
