@@ -65,7 +65,7 @@
 //! positive in compression and closure when two faces approach.
 //!
 //! # Features
-//! `tdms` and `hdf5` add these formats of measurement files.
+//! `hdf5` adds HDF5 files of measurements.
 
 pub mod prelude;
 mod simulation;

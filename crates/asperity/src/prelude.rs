@@ -4,6 +4,9 @@ pub use crate::{SimulatedHit, Simulation, SimulationError, StackBuilder};
 
 pub use asperity_dynamics::{Excitation, FiniteDifference, Integrator, Modal, Transient};
 pub use asperity_figure::{Axis, Figure, Panel, Series};
+pub use asperity_harmonic::{
+    Branch, ContactSystem, Continuation, HarmonicSettings, LawEvaluation, PeriodicResponse, trace,
+};
 pub use asperity_law::{
     Constant, ContactLaw, Exponential, Hyperbolic, InSeries, LawError, ModifiedPower, Power,
     Tabulated, fit_power,
