@@ -20,6 +20,17 @@ pub enum SpecialPointKind {
 }
 
 impl SpecialPointKind {
+    /// Name in records: `fold`, `peak`, `period_doubling`, `neimark_sacker` or `branch_point`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Fold => "fold",
+            Self::Peak => "peak",
+            Self::PeriodDoubling => "period_doubling",
+            Self::NeimarkSacker => "neimark_sacker",
+            Self::BranchPoint => "branch_point",
+        }
+    }
+
     /// True for all kinds but a peak, at which stability does not change.
     pub fn is_bifurcation(self) -> bool {
         self != Self::Peak
@@ -39,7 +50,6 @@ pub struct SpecialPoint {
 
 /// Termination of a branch.
 #[derive(Debug, Clone, PartialEq)]
-#[non_exhaustive]
 pub enum Termination {
     /// At the end of the range asked for.
     Reached,

@@ -1,6 +1,6 @@
 //! `summary.json` of steady responses, under the names of the contract.
 
-use asperity_harmonic::X;
+use asperity_harmonic::{Branch, HarmonicError, PeriodicResponse, SpecialPointKind, Termination};
 use serde::Serialize;
 
 use super::{Backbones, Steady, SteadyLevel, TimeCheck};
@@ -199,7 +199,7 @@ impl LevelSummary {
             contact_lost: branch.points.iter().any(PeriodicResponse::contact_lost),
             bifurcations: bifurcations
                 .map(|special| BifurcationSummary {
-                    kind: kind(special.kind),
+                    kind: special.kind.name(),
                     frequency_hz: special.response.frequency_hz(),
                     amplitude_1_m: special.response.amplitude(1),
                 })
@@ -246,15 +246,5 @@ impl TerminationSummary {
                 Self::BeyondLaw { interface: interface.clone(), closure_m: *closure }
             }
         }
-    }
-}
-
-fn kind(kind: SpecialPointKind) -> &'static str {
-    match kind {
-        SpecialPointKind::Fold => "fold",
-        SpecialPointKind::Peak => "peak",
-        SpecialPointKind::PeriodDoubling => "period_doubling",
-        SpecialPointKind::NeimarkSacker => "neimark_sacker",
-        SpecialPointKind::BranchPoint => "branch_point",
     }
 }
