@@ -9,7 +9,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         .interface("guide-disc", 1.15e-4, Power::new(1.81e10, 0.35, 0.0)?)
         .preloaded(Damping::Ratio(0.035))?;
     let near = structure.natural_frequency().ok_or("no stiffness at rest")?;
-    let system = ContactSystem::of_stack(&structure, LawEvaluation::default())?;
+    let system = ContactSystem::of_structure(&structure, LawEvaluation::default())?;
     let mode = Continuation::Mode { near, from: 1e-9, to: 1e-7 };
     let branch = trace(&system, &mode, &HarmonicSettings::default())?;
     for point in &branch.points {
