@@ -51,13 +51,7 @@ pub(crate) enum Failure {
 
 impl From<OutputError> for Failure {
     fn from(error: OutputError) -> Self {
-        match error {
-            OutputError::Occupied { folder, example } => {
-                Self::Occupied { folder, example, overwrite: "--force" }
-            }
-            OutputError::NotAFolder { folder } => Self::NotAFolder { folder },
-            other => Self::Study(other.into()),
-        }
+        Self::Study(error.into())
     }
 }
 
