@@ -297,7 +297,7 @@ impl<'a> Loader<'a> {
         let known =
             Quantity::of_name(feature).is_some_and(|(quantity, _)| quantity.has_derivative());
         self.columns.find(feature).filter(|_| known).ok_or_else(|| {
-            let all = Quantity::ALL.into_iter().filter(|quantity| quantity.has_derivative());
+            let all = Quantity::ALL.iter().copied().filter(|quantity| quantity.has_derivative());
             ProblemError::Feature {
                 place: place.to_owned(),
                 feature: feature.to_owned(),

@@ -48,15 +48,7 @@ pub struct LawTable {
 /// ```
 /// # use asperity_scenario::Document;
 /// # use asperity_study::laws::tabulate;
-/// let document = Document::parse(r#"{
-///     "schema": "asperity/scenario/1",
-///     "bodies": [{"name": "block", "length_m": 0.1, "mass_kg": 1.0,
-///                 "youngs_modulus_pa": 71e9, "density_kg_per_m3": 2710}],
-///     "interfaces": [{"name": "block-ground", "area_m2": 1e-4, "law": "steel"}],
-///     "laws": {"steel": {"kind": "power", "coefficient": 1.8e10, "exponent": 0.35}},
-///     "excitation": {"kind": "none"},
-///     "duration_s": 0.05
-/// }"#, "block.json")?;
+/// let document = Document::read("examples/block.json")?;
 /// let tables = tabulate(&document.scenario()?)?;
 /// let last = tables[0].pressure.len() - 1;
 /// assert_eq!(tables[0].pressure[last], 1e6);
@@ -64,6 +56,7 @@ pub struct LawTable {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn tabulate(scenario: &Scenario) -> Result<Vec<LawTable>, StudyError> {
+    let _stage = tracing::info_span!("tabulate").entered();
     let bodies = scenario.bodies.iter().map(body).collect::<Result<Vec<Body>, _>>()?;
     let areas = scenario.interfaces.iter().map(|interface| interface.area_m2);
     let at_rest = asperity_mesh::static_pressures(&bodies, areas, scenario.gravity_m_per_s2);

@@ -27,11 +27,11 @@ pub struct OutputFolder {
 
 impl OutputFolder {
     /// Claims the folder at `path`: it must not exist, or be empty, or hold an
-    /// earlier output of this command, unless `force`.
+    /// earlier output of this command, unless `overwrite`.
     ///
     /// # Errors
-    /// [`OutputError`] when it holds other files, is no folder, or cannot be read.
-    pub fn claim(path: impl Into<PathBuf>, force: bool) -> Result<Self, OutputError> {
+    /// [`OutputError`] when it holds other files, is a file, or cannot be read.
+    pub fn claim(path: impl Into<PathBuf>, overwrite: bool) -> Result<Self, OutputError> {
         let path = path.into();
         let metadata = match std::fs::metadata(&path) {
             Ok(metadata) => metadata,
@@ -42,7 +42,7 @@ impl OutputFolder {
             return Err(OutputError::NotAFolder { folder: path });
         }
         let earlier_output = MARKS.iter().any(|mark| path.join(mark).is_file());
-        if !force && !earlier_output {
+        if !overwrite && !earlier_output {
             let io = |source| OutputError::Io { path: path.clone(), source };
             let entry = std::fs::read_dir(&path).map_err(io)?.next();
             if let Some(entry) = entry.transpose().map_err(io)? {
@@ -85,7 +85,7 @@ impl OutputFolder {
 #[cfg(unix)]
 fn make_readable(file: &std::fs::File) {
     use std::os::unix::fs::PermissionsExt;
-    // Failing this costs nobody but other users their access.
+    // A failure leaves the file readable for its owner.
     let _ = file.set_permissions(std::fs::Permissions::from_mode(0o644));
 }
 
@@ -97,7 +97,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_folder_of_other_files_is_left_alone_unless_forced() {
+    fn a_folder_of_other_files_needs_overwrite() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("out");
         assert!(OutputFolder::claim(&path, false).is_ok());

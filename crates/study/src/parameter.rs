@@ -61,7 +61,7 @@ impl Parameter {
         }
     }
 
-    /// Whether the number is one of a contact law.
+    /// True for a number of a contact law.
     ///
     /// Any other leaves the laws as they are, but for the pressure that closures count from.
     pub fn is_of_law(&self) -> bool {

@@ -3,144 +3,82 @@
 //! This is the one list of them: summaries, columns of `sweep.csv`, derivatives, features of an
 //! identification and axes of figures take names and units from here.
 
-/// A quantity of a whole structure, or of each of its interfaces.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[non_exhaustive]
-pub enum Quantity {
-    /// Lowest natural frequency of the structure linearised at rest.
-    NaturalFrequency,
-    /// Static pressure of an interface.
-    StaticPressure,
-    /// Contact stiffness per area of an interface at rest.
-    StaticStiffness,
-    /// Closure of an interface at rest, from the law's reference.
-    StaticClosure,
-    /// Frequency f1 of the fundamental peak of the receptance.
-    FundamentalFrequency,
-    /// Receptance A1 at the fundamental peak.
-    FundamentalReceptance,
-    /// Half-power damping ratio of the fundamental.
-    DampingRatio,
-    /// Damping ratio by the logarithmic decrement of the decay.
-    DampingRatioDecrement,
-    /// Frequency f2 of the second-harmonic peak of the receptance.
-    SecondHarmonicFrequency,
-    /// Receptance A2 at the second-harmonic peak.
-    SecondHarmonicReceptance,
-    /// Ratio A2/A1 of the receptances at both peaks.
-    HarmonicRatio,
-    /// Lowest pressure of an interface.
-    PressureMin,
-    /// Highest pressure of an interface.
-    PressureMax,
-    /// Time average `K_avr` of an interface's stiffness, Eq. (8).
-    StiffnessAverage,
-    /// Stiffness of an interface's law at the lowest pressure.
-    StiffnessAtPressureMin,
-    /// Time without contact at an interface.
-    ContactLost,
-    /// Work of the exciting force.
-    EnergyInput,
-    /// Viscous loss.
-    EnergyDissipated,
-    /// Energy stored at the end, counted from rest.
-    EnergyStored,
-    /// Loss of the contact scheme itself.
-    EnergyNumericalLoss,
-    /// Remainder of the energy balance over the input.
-    EnergyResidual,
-    /// Integration step.
-    Step,
-    /// Number of integration steps.
-    Steps,
+/// Defines [`Quantity`]: each with key (`*` for the name of an interface), unit, label, and true
+/// for one with a derivative, in the order of the columns of `sweep.csv`.
+macro_rules! quantities {
+    ($($(#[$doc:meta])* $name:ident: $key:expr, $unit:expr, $label:expr, $derivative:expr;)*) => {
+        /// A quantity of a whole structure, or of each of its interfaces.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+        #[non_exhaustive]
+        pub enum Quantity {
+            $($(#[$doc])* $name,)*
+        }
+
+        impl Quantity {
+            /// All quantities, in the order of the columns of `sweep.csv`.
+            pub const ALL: &[Self] = &[$(Self::$name,)*];
+
+            fn definition(self) -> (&'static str, &'static str, &'static str, bool) {
+                match self {
+                    $(Self::$name => ($key, $unit, $label, $derivative),)*
+                }
+            }
+        }
+    };
 }
 
-/// Key (with `*` for the name of an interface), unit, label, and whether there is a derivative.
-type Definition = (&'static str, &'static str, &'static str, bool);
+quantities! {
+    /// Lowest natural frequency of the structure linearised at rest.
+    NaturalFrequency: "static.natural_frequency_hz", "Hz", "Natural frequency at rest", true;
+    /// Static pressure of an interface.
+    StaticPressure: "static.interfaces.*.pressure_pa", "Pa", "Static pressure", true;
+    /// Contact stiffness per area of an interface at rest.
+    StaticStiffness: "static.interfaces.*.stiffness_pa_per_m", "Pa/m", "Static stiffness", true;
+    /// Closure of an interface at rest, from the law's reference.
+    StaticClosure: "static.interfaces.*.closure_m", "m", "Static closure", true;
+    /// Frequency f1 of the fundamental peak of the receptance.
+    FundamentalFrequency: "fundamental.frequency_hz", "Hz", "Fundamental f_{1}", true;
+    /// Receptance A1 at the fundamental peak.
+    FundamentalReceptance: "fundamental.receptance_m_per_n", "m/N", "Amplitude A_{1}", true;
+    /// Half-power damping ratio of the fundamental.
+    DampingRatio: "fundamental.damping_ratio", "", "Damping ratio", true;
+    /// Damping ratio by the logarithmic decrement of the decay.
+    DampingRatioDecrement:
+        "fundamental.damping_ratio_decrement", "", "Damping ratio by decrement", false;
+    /// Frequency f2 of the second-harmonic peak of the receptance.
+    SecondHarmonicFrequency: "second_harmonic.frequency_hz", "Hz", "Harmonic f_{2}", true;
+    /// Receptance A2 at the second-harmonic peak.
+    SecondHarmonicReceptance: "second_harmonic.receptance_m_per_n", "m/N", "Amplitude A_{2}", true;
+    /// Ratio A2/A1 of the receptances at both peaks.
+    HarmonicRatio: "harmonic_ratio", "", "Ratio A_{2}/A_{1}", true;
+    /// Lowest pressure of an interface.
+    PressureMin: "interfaces.*.pressure_min_pa", "Pa", "Lowest pressure", true;
+    /// Highest pressure of an interface.
+    PressureMax: "interfaces.*.pressure_max_pa", "Pa", "Highest pressure", true;
+    /// Time average `K_avr` of an interface's stiffness, Eq. (8).
+    StiffnessAverage: "interfaces.*.stiffness_average_pa_per_m", "Pa/m", "Average stiffness", true;
+    /// Stiffness of an interface's law at the lowest pressure.
+    StiffnessAtPressureMin:
+        "interfaces.*.stiffness_at_pressure_min_pa_per_m", "Pa/m", "Stiffness at the lowest pressure", true;
+    /// Time without contact at an interface.
+    ContactLost: "interfaces.*.contact_lost_s", "s", "Time without contact", false;
+    /// Work of the exciting force.
+    EnergyInput: "energy.input_j", "J", "Work of the force", false;
+    /// Viscous loss.
+    EnergyDissipated: "energy.dissipated_j", "J", "Viscous loss", false;
+    /// Energy stored at the end, counted from rest.
+    EnergyStored: "energy.stored_j", "J", "Stored energy", false;
+    /// Loss of the contact scheme itself.
+    EnergyNumericalLoss: "energy.numerical_loss_j", "J", "Numerical loss", false;
+    /// Remainder of the energy balance over the input.
+    EnergyResidual: "energy.residual_relative", "", "Residual of the energy balance", false;
+    /// Integration step.
+    Step: "numerics.step_s", "s", "Integration step", false;
+    /// Number of integration steps.
+    Steps: "numerics.steps", "", "Integration steps", false;
+}
 
 impl Quantity {
-    /// All quantities, in the order of the columns of `sweep.csv`.
-    pub const ALL: [Self; 23] = [
-        Self::NaturalFrequency,
-        Self::StaticPressure,
-        Self::StaticStiffness,
-        Self::StaticClosure,
-        Self::FundamentalFrequency,
-        Self::FundamentalReceptance,
-        Self::DampingRatio,
-        Self::DampingRatioDecrement,
-        Self::SecondHarmonicFrequency,
-        Self::SecondHarmonicReceptance,
-        Self::HarmonicRatio,
-        Self::PressureMin,
-        Self::PressureMax,
-        Self::StiffnessAverage,
-        Self::StiffnessAtPressureMin,
-        Self::ContactLost,
-        Self::EnergyInput,
-        Self::EnergyDissipated,
-        Self::EnergyStored,
-        Self::EnergyNumericalLoss,
-        Self::EnergyResidual,
-        Self::Step,
-        Self::Steps,
-    ];
-
-    fn definition(self) -> Definition {
-        match self {
-            Self::NaturalFrequency => {
-                ("static.natural_frequency_hz", "Hz", "Natural frequency at rest", true)
-            }
-            Self::StaticPressure => {
-                ("static.interfaces.*.pressure_pa", "Pa", "Static pressure", true)
-            }
-            Self::StaticStiffness => {
-                ("static.interfaces.*.stiffness_pa_per_m", "Pa/m", "Static stiffness", true)
-            }
-            Self::StaticClosure => ("static.interfaces.*.closure_m", "m", "Static closure", true),
-            Self::FundamentalFrequency => {
-                ("fundamental.frequency_hz", "Hz", "Fundamental f_{1}", true)
-            }
-            Self::FundamentalReceptance => {
-                ("fundamental.receptance_m_per_n", "m/N", "Amplitude A_{1}", true)
-            }
-            Self::DampingRatio => ("fundamental.damping_ratio", "", "Damping ratio", true),
-            Self::DampingRatioDecrement => {
-                ("fundamental.damping_ratio_decrement", "", "Damping ratio by decrement", false)
-            }
-            Self::SecondHarmonicFrequency => {
-                ("second_harmonic.frequency_hz", "Hz", "Harmonic f_{2}", true)
-            }
-            Self::SecondHarmonicReceptance => {
-                ("second_harmonic.receptance_m_per_n", "m/N", "Amplitude A_{2}", true)
-            }
-            Self::HarmonicRatio => ("harmonic_ratio", "", "Ratio A_{2}/A_{1}", true),
-            Self::PressureMin => ("interfaces.*.pressure_min_pa", "Pa", "Lowest pressure", true),
-            Self::PressureMax => ("interfaces.*.pressure_max_pa", "Pa", "Highest pressure", true),
-            Self::StiffnessAverage => {
-                ("interfaces.*.stiffness_average_pa_per_m", "Pa/m", "Average stiffness", true)
-            }
-            Self::StiffnessAtPressureMin => (
-                "interfaces.*.stiffness_at_pressure_min_pa_per_m",
-                "Pa/m",
-                "Stiffness at the lowest pressure",
-                true,
-            ),
-            Self::ContactLost => {
-                ("interfaces.*.contact_lost_s", "s", "Time without contact", false)
-            }
-            Self::EnergyInput => ("energy.input_j", "J", "Work of the force", false),
-            Self::EnergyDissipated => ("energy.dissipated_j", "J", "Viscous loss", false),
-            Self::EnergyStored => ("energy.stored_j", "J", "Stored energy", false),
-            Self::EnergyNumericalLoss => ("energy.numerical_loss_j", "J", "Numerical loss", false),
-            Self::EnergyResidual => {
-                ("energy.residual_relative", "", "Residual of the energy balance", false)
-            }
-            Self::Step => ("numerics.step_s", "s", "Integration step", false),
-            Self::Steps => ("numerics.steps", "", "Integration steps", false),
-        }
-    }
-
     /// Dotted name in summaries and tables; `*` stands for the name of an interface.
     pub fn key(self) -> &'static str {
         self.definition().0
@@ -156,12 +94,12 @@ impl Quantity {
         self.definition().2
     }
 
-    /// Whether [`sensitivities`](crate::sensitivity::sensitivities) gives its derivatives.
+    /// True if [`sensitivities`](crate::sensitivity::sensitivities) gives its derivatives.
     pub fn has_derivative(self) -> bool {
         self.definition().3
     }
 
-    /// Whether each interface has one.
+    /// True if each interface has one.
     pub fn is_of_interface(self) -> bool {
         self.key().contains('*')
     }
@@ -176,7 +114,7 @@ impl Quantity {
     /// assert_eq!((quantity.unit(), quantity.label()), ("Pa", "Lowest pressure"));
     /// ```
     pub fn of_name(name: &str) -> Option<(Self, Option<&str>)> {
-        Self::ALL.into_iter().find_map(|quantity| match quantity.key().split_once('*') {
+        Self::ALL.iter().find_map(|&quantity| match quantity.key().split_once('*') {
             None => (quantity.key() == name).then_some((quantity, None)),
             Some((start, end)) => {
                 let interface = name.strip_prefix(start)?.strip_suffix(end)?;

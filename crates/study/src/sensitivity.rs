@@ -112,16 +112,8 @@ impl From<SignalError> for SensitivityError {
 /// ```
 /// # use asperity_scenario::Document;
 /// # use asperity_study::sensitivity::sensitivities;
-/// let document = Document::parse(r#"{
-///     "schema": "asperity/scenario/1",
-///     "bodies": [{"name": "block", "length_m": 0.1, "mass_kg": 1.0,
-///                 "youngs_modulus_pa": 71e9, "density_kg_per_m3": 2710}],
-///     "interfaces": [{"name": "block-ground", "area_m2": 1e-4,
-///                     "law": {"kind": "power", "coefficient": 1.8e10, "exponent": 0.35}}],
-///     "excitation": {"kind": "gamma_pulse", "peak_n": 5, "rise_s": 3e-4},
-///     "duration_s": 0.05
-/// }"#, "block.json")?;
-/// let found = sensitivities(&document, &["/interfaces/0/law/coefficient"])?;
+/// let document = Document::read("examples/block.json")?;
+/// let found = sensitivities(&document, &["/laws/rough/coefficient"])?;
 /// // f0 grows with the square root of the stiffness (less for the flexibility of the body).
 /// let relative = found.jacobian[0][0].unwrap() * 1.8e10 / found.values[0].unwrap();
 /// assert!((0.45..0.5).contains(&relative), "{relative}");
@@ -131,6 +123,7 @@ pub fn sensitivities(
     document: &Document,
     pointers: &[&str],
 ) -> Result<Sensitivities, SensitivityError> {
+    let _stage = tracing::info_span!("differentiate").entered();
     let scenario = document.scenario()?;
     let prepared = PreparedScenario::new(&scenario, document.folder())?;
     let Some(method) = prepared.modal() else {

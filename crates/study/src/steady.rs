@@ -19,7 +19,7 @@ use crate::static_state::StaticSummary;
 pub use check::TimeCheck;
 pub use summary::{
     BackboneSummary, BackbonesSummary, BifurcationSummary, BranchSummary, LevelSummary,
-    STEADY_SCHEMA, SteadySummary, TerminationSummary, VerificationSummary,
+    STEADY_SCHEMA, SteadySummary, TerminationSummary,
 };
 pub use table::{backbone_csv, steady_csv};
 
@@ -100,15 +100,7 @@ pub struct Steady {
 /// # use asperity_scenario::Document;
 /// # use asperity_study::assemble::Assembly;
 /// # use asperity_study::steady::{SteadyRequest, steady};
-/// let document = Document::parse(r#"{
-///     "schema": "asperity/scenario/1",
-///     "bodies": [{"name": "block", "length_m": 0.1, "mass_kg": 1.0,
-///                 "youngs_modulus_pa": 71e9, "density_kg_per_m3": 2710}],
-///     "interfaces": [{"name": "block-ground", "area_m2": 1e-4,
-///                     "law": {"kind": "power", "coefficient": 1.8e10, "exponent": 0.35}}],
-///     "excitation": {"kind": "none"},
-///     "duration_s": 0.05
-/// }"#, "block.json")?;
+/// let document = Document::read("examples/block.json")?;
 /// let assembly = Assembly::new(&document.scenario()?, document.folder())?;
 /// let request = SteadyRequest {
 ///     amplitudes: vec![0.2],

@@ -51,15 +51,7 @@ const MOST_PREPARED: usize = 64;
 /// ```
 /// # use asperity_scenario::Document;
 /// # use asperity_study::sweep::{Variation, sweep};
-/// let document = Document::parse(r#"{
-///     "schema": "asperity/scenario/1",
-///     "bodies": [{"name": "block", "length_m": 0.1, "mass_kg": 1.0,
-///                 "youngs_modulus_pa": 71e9, "density_kg_per_m3": 2710}],
-///     "interfaces": [{"name": "block-ground", "area_m2": 1e-4,
-///                     "law": {"kind": "power", "coefficient": 1.8e10, "exponent": 0.35}}],
-///     "excitation": {"kind": "gamma_pulse", "peak_n": 5, "rise_s": 3e-4},
-///     "duration_s": 0.05
-/// }"#, "block.json")?;
+/// let document = Document::read("examples/block.json")?;
 /// let forces = Variation::parse("/excitation/peak_n=2:14:3")?;
 /// let results = sweep(&document, &[forces], &|_, _| ())?;
 /// let f1 = [0, 2].map(|run| results.number(run, "fundamental.frequency_hz").unwrap());

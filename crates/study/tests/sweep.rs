@@ -1,5 +1,5 @@
-//! A sweep against single runs: the vector lanes, the thinned records and the shared analysis
-//! must give what one run with its full-length analysis gives.
+//! A sweep against single runs: vector lanes, decimated records and the shared analysis give the
+//! numbers of one run with its full-length analysis.
 #![allow(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
 
 use asperity_scenario::Document;
@@ -21,7 +21,7 @@ fn swept(document: &Document, vary: &[&str]) -> Sweep {
 
 /// Largest relative difference allowed between a sweep's number and a single run's.
 ///
-/// The thinning folds 1e-5 of what lies above the band; a record of one in eight steps has a
+/// The decimation folds 1e-5 of the spectrum above the band; a record of one in eight steps has a
 /// decrement of its own.
 ///
 /// A force with corners is transformed by the rectangle rule at the step in a sweep, at the
@@ -103,9 +103,9 @@ fn lasting_and_measured_forces_are_as_single_runs() {
     assert!(sweep.runs.iter().all(Result::is_ok));
 }
 
-/// Bit for bit the same, whatever the threads, and whatever else is swept.
+/// Bit for bit the same, whatever the threads and the other runs.
 #[test]
-fn results_do_not_depend_on_threads_or_company() {
+fn results_do_not_depend_on_threads_or_other_runs() {
     let document = document("nouira2020-modified");
     let many = ["/excitation/peak_n=9:32:150"];
     let one = on_threads(Some(1), || swept(&document, &many)).unwrap();
@@ -175,9 +175,9 @@ fn methods_can_be_varied() {
     );
 }
 
-/// A step that is too long for one force is that run's error alone.
+/// A step that is too long is the error of its run.
 #[test]
-fn a_run_that_fails_fails_alone() {
+fn a_failed_run_does_not_end_the_sweep() {
     let document = document("nouira2020-modified");
     let sweep = swept(&document, &["/method/step_s=1e-5,2e-4"]);
     assert!(sweep.runs[0].is_ok());
@@ -187,7 +187,7 @@ fn a_run_that_fails_fails_alone() {
 }
 
 #[test]
-fn what_cannot_be_run_is_refused_before_the_first_run() {
+fn invalid_values_are_errors_before_the_first_run() {
     let document = document("nouira2020-modified");
     for vary in
         ["/excitation/peek_n=1:2:1000", "/bodies/0/length_m=-1:1:1000", "/method/step_s=0,1e-5"]

@@ -85,7 +85,7 @@ fn print_peaks(found: &Steady) {
             peak.harmonic_ratio()
         );
         if let Some(check) = level.check {
-            answer!("   differs from time integration by {:.1e}", check.relative_difference());
+            answer!("   differs from time integration by {:.1e}", check.relative_difference);
         }
         answer_line!("{}", if peak.contact_lost() { "   contact lost" } else { "" });
     }

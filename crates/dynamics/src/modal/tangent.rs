@@ -270,7 +270,7 @@ fn march(
     Ok(Sensitivity { step: lane.prepared.model.step, values: course, rates })
 }
 
-/// Whether a contact is open once its pressure has risen by `gained` \[Pa\] from rest.
+/// True for a contact that is open once its pressure has risen by `gained` \[Pa\] from rest.
 fn open_at(contact: &PreloadedContact, gained: f64) -> bool {
     contact.law().domain().separates() && gained <= -contact.pressure()
 }

@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 
 use asperity_dynamics::{DynamicsError, Excitation, FiniteDifference, Integrator, Sampling};
 use asperity_harmonic::{Branch, PeriodicResponse, SpecialPointKind};
+use serde::Serialize;
 
 use crate::assemble::Assembly;
 
@@ -16,7 +17,7 @@ const REMAINS: f64 = 1e-6;
 /// Periods at most, for lightly damped rigs.
 const MOST_PERIODS: f64 = 2000.0;
 
-/// How far from a fold, relative to its frequency, a response is checked: next to one transients
+/// Relative distance in frequency of a checked response from a fold: next to one transients
 /// hardly decay.
 const AWAY: f64 = 0.01;
 
@@ -25,7 +26,7 @@ const AWAY: f64 = 0.01;
 const HALVINGS: usize = 4;
 
 /// A fundamental from rest by finite differences, beside that of the branch.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct TimeCheck {
     /// Frequency \[Hz\].
     pub frequency_hz: f64,
@@ -33,6 +34,8 @@ pub struct TimeCheck {
     pub amplitude_1_m: f64,
     /// The same by time integration, extrapolated from two steps to zero \[m\].
     pub integrated_1_m: f64,
+    /// Difference over the integrated amplitude.
+    pub relative_difference: f64,
 }
 
 impl TimeCheck {
@@ -81,16 +84,14 @@ impl TimeCheck {
             (fine, short) =
                 fundamental(assembly, response, FiniteDifference { cell: finer, ..method })?;
         }
+        let amplitude_1_m = response.amplitude(1);
+        let integrated_1_m = fine + (fine - coarse) * short / (long - short);
         Ok(Self {
             frequency_hz: response.frequency_hz(),
-            amplitude_1_m: response.amplitude(1),
-            integrated_1_m: fine + (fine - coarse) * short / (long - short),
+            amplitude_1_m,
+            integrated_1_m,
+            relative_difference: (amplitude_1_m / integrated_1_m - 1.0).abs(),
         })
-    }
-
-    /// Difference over the integrated amplitude.
-    pub fn relative_difference(&self) -> f64 {
-        (self.amplitude_1_m / self.integrated_1_m - 1.0).abs()
     }
 }
 

@@ -71,7 +71,7 @@ pub struct BranchSummary {
     /// The bifurcations, along the branch.
     pub bifurcations: Vec<BifurcationSummary>,
     /// A response by time integration, if asked for.
-    pub verify: Option<VerificationSummary>,
+    pub verify: Option<TimeCheck>,
     /// Time of the computation \[s\].
     pub wall_s: f64,
 }
@@ -96,6 +96,8 @@ pub enum TerminationSummary {
         /// The closure \[m\].
         closure_m: f64,
     },
+    /// Any other reason.
+    Other,
 }
 
 /// A bifurcation on a branch.
@@ -107,19 +109,6 @@ pub struct BifurcationSummary {
     pub frequency_hz: f64,
     /// Fundamental of the top \[m\].
     pub amplitude_1_m: f64,
-}
-
-/// A fundamental by time integration, beside that of the branch.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct VerificationSummary {
-    /// Frequency \[Hz\].
-    pub frequency_hz: f64,
-    /// Fundamental of the top, of the branch \[m\].
-    pub amplitude_1_m: f64,
-    /// The same by time integration \[m\].
-    pub integrated_1_m: f64,
-    /// Difference over the integrated amplitude.
-    pub relative_difference: f64,
 }
 
 /// Both backbones.
@@ -204,20 +193,9 @@ impl LevelSummary {
                     amplitude_1_m: special.response.amplitude(1),
                 })
                 .collect(),
-            verify: level.check.as_ref().map(VerificationSummary::of),
+            verify: level.check,
             wall_s: level.wall_s,
         }))
-    }
-}
-
-impl VerificationSummary {
-    fn of(check: &TimeCheck) -> Self {
-        Self {
-            frequency_hz: check.frequency_hz,
-            amplitude_1_m: check.amplitude_1_m,
-            integrated_1_m: check.integrated_1_m,
-            relative_difference: check.relative_difference(),
-        }
     }
 }
 
@@ -245,6 +223,7 @@ impl TerminationSummary {
             Termination::BeyondLaw { interface, closure } => {
                 Self::BeyondLaw { interface: interface.clone(), closure_m: *closure }
             }
+            _ => Self::Other,
         }
     }
 }

@@ -120,7 +120,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_variation_is_refused() {
+    fn invalid_variations_are_errors() {
         for text in ["/a", "/a=", "/a=1:2", "/a=1:2:0", "/a=x:2:3", "/a=1:inf:3", "/a=1:2:3:4"] {
             assert!(Variation::parse(text).is_err(), "{text}");
         }
