@@ -1,7 +1,7 @@
 //! Speed and memory of the analysis of a large file.
 //!
 //! `cargo run --release -p asperity-experiment --example large_analysis -- SIZE_MB [FILE]`
-//! writes a universal file (58b) of SIZE_MB megabytes with one hit of one second in each record, and
+//! writes a universal file (58b) of `SIZE_MB` megabytes with one hit of one second in each record, and
 //! analyses it. With FILE the file is kept. If `python3`, or the interpreter in `PYTHON`, has pyuff,
 //! `large_analysis.py` reads the same file. The two programs run in turn, three times each.
 #![allow(clippy::unwrap_used, reason = "its files are valid")]

@@ -25,11 +25,14 @@ pub fn for_each_hit(
     let mut cutter = HitCutter::new(&trigger, options, signals.sample_rate_hz);
     for file in files {
         stream.read(file, &mut |block, signals| {
-            let hits = cutter.push(&block)?;
-            hits.into_iter().for_each(|hit| take(hit.samples, signals.response));
+            for hit in cutter.push(&block)? {
+                take(hit.samples, signals.response);
+            }
             Ok(())
         })?;
-        cutter.end_file().into_iter().for_each(|hit| take(hit.samples, signals.response));
+        if let Some(hit) = cutter.end_file() {
+            take(hit.samples, signals.response);
+        }
     }
     Ok(())
 }

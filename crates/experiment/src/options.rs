@@ -183,7 +183,7 @@ impl FromStr for WindowOptions {
     /// Reads `none`, `force`, `exponential`, `exponential:TAU`, `force+exponential`.
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         let accepted = "none, force, exponential[:TAU] with TAU in seconds, or force+exponential";
-        let refuse = || invalid("the window", text, accepted);
+        let error = || invalid("the window", text, accepted);
         if text == "none" {
             return Ok(Self::default());
         }
@@ -195,9 +195,9 @@ impl FromStr for WindowOptions {
                 ("exponential", None) => choice.exponential = Some(TimeConstant::OfLength),
                 ("exponential", Some(value)) => {
                     let tau = value.parse().ok().filter(|t: &f64| *t > 0.0 && t.is_finite());
-                    choice.exponential = Some(TimeConstant::Seconds(tau.ok_or_else(refuse)?));
+                    choice.exponential = Some(TimeConstant::Seconds(tau.ok_or_else(error)?));
                 }
-                _ => return Err(refuse()),
+                _ => return Err(error()),
             }
         }
         Ok(choice)

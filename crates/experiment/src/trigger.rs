@@ -13,7 +13,7 @@ use crate::stream::{FileSummary, SampleStream, SignalParameters};
 
 /// Interval of which the maximum is kept \[s\].
 const INTERVAL_S: f64 = 1e-3;
-/// Number of samples kept for the noise, and half its maximum.
+/// Half of the most samples kept for the noise.
 const NOISE_SAMPLES: usize = 1 << 18;
 /// Least height of a peak above the median, in robust standard deviations.
 const NOISE_FACTOR: f64 = 10.0;

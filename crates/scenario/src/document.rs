@@ -1,7 +1,6 @@
 //! JSON document of a scenario: read from a file, changed value by value, checked as a whole.
 
 use std::collections::{BTreeMap, BTreeSet, HashSet};
-use std::fmt::Write as _;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
@@ -266,13 +265,9 @@ impl Document {
 
     /// SHA-256, in hexadecimal, of the value: its JSON without white space and with sorted keys.
     pub fn sha256(&self) -> String {
-        let canonical = sorted(&self.value).to_string();
-        let mut hexadecimal = String::with_capacity(64);
-        for byte in Sha256::digest(canonical.as_bytes()) {
-            // Writing to a String cannot fail.
-            let _ = write!(hexadecimal, "{byte:02x}");
-        }
-        hexadecimal
+        let digest = Sha256::digest(sorted(&self.value).to_string());
+        let nibbles = digest.iter().flat_map(|byte| [byte >> 4, byte & 15]);
+        nibbles.filter_map(|nibble| char::from_digit(nibble.into(), 16)).collect()
     }
 }
 

@@ -17,7 +17,7 @@ use crate::wording::{brief, number};
 
 /// Checks a JSON value against a schema generated from a Rust type, and returns all faults.
 ///
-/// The keywords of [`scenario_schema`](crate::scenario_schema) are applied; others are ignored.
+/// The keywords that [`scenario_schema`](crate::scenario_schema) contains are applied.
 ///
 /// ```
 /// use asperity_scenario::{check_schema, scenario_schema};
@@ -46,7 +46,7 @@ impl<'s> Walker<'s> {
         let only = node.get("const");
         if kind.is_some_and(|kind| !has_type(value, kind)) || only.is_some_and(|only| only != value)
         {
-            self.refuse(node, value, at);
+            self.reject(node, value, at);
             return;
         }
         match value {
@@ -133,7 +133,7 @@ impl<'s> Walker<'s> {
     }
 
     /// Reports a value of the wrong type or the wrong word.
-    fn refuse(&mut self, node: &'s Value, value: &Value, at: &JsonPointer) {
+    fn reject(&mut self, node: &'s Value, value: &Value, at: &JsonPointer) {
         let fault = Fault::NotAccepted { found: value.into() };
         let suggestion = self.meant(node, value);
         let accepted = self.accepted(node);

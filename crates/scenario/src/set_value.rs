@@ -64,7 +64,7 @@ pub enum SetError {
     RepeatedKey {
         /// Pointer to the value.
         pointer: String,
-        /// JsonPointer to the key inside the value.
+        /// Pointer to the key inside the value.
         repeated: String,
     },
 }

@@ -154,16 +154,15 @@ fn samples(root: &Node<'_>, folder: &Path, found: &mut Vec<Diagnostic>) {
 
 /// CSV file in the same folder whose name is nearest to `file`.
 fn neighbour(folder: &Path, file: &str) -> Option<String> {
-    let asked = Path::new(file);
-    let beside = asked.parent()?;
-    let wanted = asked.file_name()?.to_str()?;
-    let entries = std::fs::read_dir(folder.join(beside)).ok()?;
+    let parent = Path::new(file).parent()?;
+    let name = Path::new(file).file_name()?.to_str()?;
+    let entries = std::fs::read_dir(folder.join(parent)).ok()?;
     let mut names: Vec<String> = entries
         .take(1000)
         .filter_map(|entry| entry.ok()?.file_name().into_string().ok())
         .filter(|name| name.to_lowercase().ends_with(".csv"))
         .collect();
     names.sort();
-    let near = nearest(wanted, names.iter().map(String::as_str))?;
-    Some(beside.join(near).to_string_lossy().into_owned())
+    let near = nearest(name, names.iter().map(String::as_str))?;
+    Some(parent.join(near).to_string_lossy().into_owned())
 }

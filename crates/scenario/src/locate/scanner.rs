@@ -20,7 +20,7 @@ pub(super) fn scan(text: &str, wanted: &BTreeSet<&str>) -> Result<Places, Syntax
 struct Scanner<'a> {
     text: &'a str,
     at: usize,
-    /// JsonPointer to the value being scanned.
+    /// Pointer to the value being scanned.
     pointer: String,
     wanted: &'a BTreeSet<&'a str>,
     places: Places,

@@ -20,7 +20,7 @@ impl<'s> Walker<'s> {
             self.tagged(node, &kinds, value, at);
         } else if branches(node).all(|branch| branch.get("const").is_some()) {
             if branches(node).all(|branch| branch.get("const") != Some(value)) {
-                self.refuse(node, value, at);
+                self.reject(node, value, at);
             }
         } else {
             self.exactly_one_key(node, value, at);
@@ -80,7 +80,7 @@ impl<'s> Walker<'s> {
             0 if self.is_misspelt(&keys, at) => {}
             0 => self.found.push(Diagnostic::new(at, Fault::NoneGiven { keys }, accepted)),
             _ => {
-                self.found.push(Diagnostic::new(at, Fault::SeveralGiven { keys: given }, accepted))
+                self.found.push(Diagnostic::new(at, Fault::SeveralGiven { keys: given }, accepted));
             }
         }
     }
@@ -110,7 +110,7 @@ impl<'s> Walker<'s> {
         });
         match matching {
             Some(branch) => self.node(branch, value, at),
-            None => self.refuse(node, value, at),
+            None => self.reject(node, value, at),
         }
     }
 

@@ -28,11 +28,11 @@ pub(super) fn check(root: &Node<'_>, found: &mut Vec<Diagnostic>) {
     }
 }
 
-fn family(root: &Node<'_>, key: &str, refused: &str, found: &mut Vec<Diagnostic>) {
+fn family(root: &Node<'_>, key: &str, excluded: &str, found: &mut Vec<Diagnostic>) {
     let mut first = HashMap::new();
     for item in root.items(key) {
         if let (Some(name), Some(node)) = (item.text("name"), item.get("name")) {
-            usable(name, refused, &node, found);
+            usable(name, excluded, &node, found);
             unique(name, name, "a unique name", &node, &mut first, found);
         }
     }
@@ -55,8 +55,8 @@ fn unique(
     }
 }
 
-fn usable(name: &str, refused: &str, node: &Node<'_>, found: &mut Vec<Diagnostic>) {
-    let bad = |character: &char| character.is_control() || refused.contains(*character);
+fn usable(name: &str, excluded: &str, node: &Node<'_>, found: &mut Vec<Diagnostic>) {
+    let bad = |character: &char| character.is_control() || excluded.contains(*character);
     let fault = match name.chars().find(bad) {
         Some(character) => Some(NameFault::Character(character)),
         None if name.len() > MAX_BYTES => Some(NameFault::Long(MAX_BYTES)),
@@ -65,7 +65,7 @@ fn usable(name: &str, refused: &str, node: &Node<'_>, found: &mut Vec<Diagnostic
     };
     if let Some(fault) = fault {
         let fault = Fault::UnusableName { name: name.to_owned(), fault };
-        let but: String = refused.chars().flat_map(|character| [' ', character]).collect();
+        let but: String = excluded.chars().flat_map(|character| [' ', character]).collect();
         let mut accepted = "a name of letters, digits, spaces, hyphens and the like".to_owned();
         if !but.is_empty() {
             accepted.push_str(", without any of");
