@@ -96,8 +96,6 @@ pub enum TerminationSummary {
         /// The closure \[m\].
         closure_m: f64,
     },
-    /// Any other reason.
-    Other,
 }
 
 /// A bifurcation on a branch.
@@ -223,7 +221,6 @@ impl TerminationSummary {
             Termination::BeyondLaw { interface, closure } => {
                 Self::BeyondLaw { interface: interface.clone(), closure_m: *closure }
             }
-            _ => Self::Other,
         }
     }
 }
