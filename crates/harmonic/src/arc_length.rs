@@ -160,8 +160,8 @@ impl<C: Curve> ArcLength<C> {
         }
     }
 
-    /// Where on a step of length `s` a function of the point, of different signs at its ends,
-    /// is zero: bisection mixed with the Illinois rule.
+    /// Zero, on a step of length `s`, of a function of the point with different signs at its ends:
+    /// bisection mixed with the Illinois rule.
     pub(crate) fn locate(
         &mut self,
         from: &CurvePoint,

@@ -165,8 +165,8 @@ fn formats_and_units_of_one_record_agree() {
     }
 }
 
-/// What a file does not say is said on the command line: the same record without names and units,
-/// in volts, and with the force upside down.
+/// Options supply the information that a file lacks: the same record without names and units, in
+/// volts, and with the force inverted.
 #[test]
 fn what_a_file_does_not_say_is_given() {
     let folder = tempfile::tempdir().unwrap();

@@ -118,8 +118,8 @@ fn three_times_the_force_loses_contact_and_folds() {
     assert!((settled / middle.amplitude(1) - 1.0).abs() > 0.05, "{settled}");
 }
 
-/// Where the response folds over frequency at a fixed force, it folds over force at that fixed
-/// frequency: the same equations with another parameter.
+/// A fold over frequency at a fixed force is a fold over force at that fixed frequency: the same
+/// equations with another parameter.
 #[test]
 fn folds_over_frequency_are_folds_over_force() {
     let system = mass_on(&reference_law(), LawEvaluation::Exact);

@@ -7,7 +7,7 @@ use asperity_signal::Complex64;
 
 use super::hammer::{MASS, NATURAL_HZ, RATE, channel};
 
-/// Where the pulse is highest, after its beginning \[s\].
+/// Time of the peak after the start of the pulse \[s\].
 const RISE_S: f64 = 3.4e-4;
 /// When the first blow begins, and the time from one to the next \[s\].
 const FIRST_S: f64 = 0.02;

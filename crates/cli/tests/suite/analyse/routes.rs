@@ -64,7 +64,8 @@ fn three_motions_have_one_receptance() {
     }
 }
 
-/// Where all three are in one file, the motion is named by its word; else they are listed.
+/// Displacement, velocity and acceleration in one file: an option chooses one; without it the
+/// error lists them.
 #[test]
 fn a_velocity_is_chosen_by_its_word() {
     let folder = tempfile::tempdir().unwrap();
