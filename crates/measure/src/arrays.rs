@@ -175,13 +175,15 @@ impl ArrayGroup {
             }
             if lengths.len() > 64 {
                 let found = format!("more than {} lengths", lengths.len() - 1);
-                return Err(MeasureError::Malformed {
-                    file: file.to_owned(),
-                    place: crate::FilePosition::Offset(0),
-                    quantity: "the set of arrays",
+                let expected = "arrays sampled together, of the same length";
+                let place = crate::FilePosition::Offset(0);
+                return Err(MeasureError::malformed(
+                    file,
+                    place,
+                    "the set of arrays",
                     found,
-                    expected: "arrays sampled together, of the same length".into(),
-                });
+                    expected,
+                ));
             }
         }
         let mut channels = self.channels;

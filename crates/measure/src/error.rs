@@ -178,6 +178,19 @@ pub enum MeasureError {
     },
 }
 
+impl MeasureError {
+    /// The error of content that violates the format.
+    pub(crate) fn malformed(
+        file: &str,
+        place: FilePosition,
+        quantity: &'static str,
+        found: String,
+        expected: impl Into<String>,
+    ) -> Self {
+        Self::Malformed { file: file.to_owned(), place, quantity, found, expected: expected.into() }
+    }
+}
+
 /// Text from a file, shortened for a message.
 pub(crate) fn excerpt(text: &str) -> String {
     const MOST: usize = 40;

@@ -23,14 +23,10 @@ pub(crate) fn open(
     let mut budget = Budget::new(&source, options);
     let mut bytes = vec![0; usize::try_from(source.len()).unwrap_or(usize::MAX)];
     source.read_exact(&mut bytes, "the file")?;
-    let wrong = |error: &Error| MeasureError::Malformed {
-        file: name.clone(),
-        place: FilePosition::Offset(0),
-        quantity: "the HDF5 file",
-        found: error.to_string(),
-        expected: "one that hdf5-pure reads".to_owned(),
+    let wrong = |error: Error| {
+        let (place, expected) = (FilePosition::Offset(0), "one that hdf5-pure reads");
+        MeasureError::malformed(&name, place, "the HDF5 file", error.to_string(), expected)
     };
-    let wrong = |error| wrong(&error);
     let file = File::from_bytes(bytes).map_err(wrong)?;
     let root = file.root();
     let mut arrays = Vec::new();

@@ -49,12 +49,9 @@ impl<'a> Npy<'a> {
         notices: &mut Notices,
     ) -> Result<Self, MeasureError> {
         let name = source.name().to_owned();
-        let wrong = |quantity, found: &str, expected: &'static str| MeasureError::Malformed {
-            file: name.clone(),
-            place: FilePosition::Offset(0),
-            quantity,
-            found: crate::error::excerpt(found),
-            expected: expected.to_owned(),
+        let wrong = |quantity, found: &str, expected: &'static str| {
+            let found = crate::error::excerpt(found);
+            MeasureError::malformed(&name, FilePosition::Offset(0), quantity, found, expected)
         };
         let header = NpyHeader::read(|buffer| source.read_exact(buffer, "the NPY header"), &wrong)?;
         let shape = || format!("{:?}", header.shape);

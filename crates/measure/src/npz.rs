@@ -83,12 +83,8 @@ pub(crate) fn open(
     let mut budget = Budget::new(&source, options);
     let file = source.name().to_owned();
     let length = source.len();
-    let wrong = |place, quantity, found: &str, expected: &str| MeasureError::Malformed {
-        file: file.clone(),
-        place,
-        quantity,
-        found: crate::error::excerpt(found),
-        expected: expected.to_owned(),
+    let wrong = |place, quantity, found: &str, expected: &str| {
+        MeasureError::malformed(&file, place, quantity, crate::error::excerpt(found), expected)
     };
     let start = FilePosition::Offset(0);
     let mut archive = ZipArchive::new(source)

@@ -158,13 +158,7 @@ impl<'a> Source<'a> {
         found: &str,
         expected: impl Into<String>,
     ) -> MeasureError {
-        MeasureError::Malformed {
-            file: self.name.to_string(),
-            place,
-            quantity,
-            found: excerpt(found),
-            expected: expected.into(),
-        }
+        MeasureError::malformed(&self.name, place, quantity, excerpt(found), expected)
     }
 }
 

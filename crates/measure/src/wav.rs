@@ -25,12 +25,8 @@ impl<'a> Wav<'a> {
         let (file, length) = (source.name().to_owned(), source.len());
         let reader = WavReader::new(source).map_err(|error| wrong(&file, &error))?;
         let spec = reader.spec();
-        let malformed = |quantity, found: String, expected: &str| MeasureError::Malformed {
-            file: file.clone(),
-            place: FilePosition::Offset(20),
-            quantity,
-            found,
-            expected: expected.to_owned(),
+        let malformed = |quantity, found: String, expected: &str| {
+            MeasureError::malformed(&file, FilePosition::Offset(20), quantity, found, expected)
         };
         if spec.channels == 0 || u64::from(spec.channels) > 256.max(length / 128) {
             let found = spec.channels.to_string();
@@ -59,14 +55,8 @@ impl<'a> Wav<'a> {
 
 fn wrong(file: &str, error: &hound::Error) -> MeasureError {
     let found = error.to_string();
-    let (file, expected) = (file.to_owned(), "PCM or IEEE float samples".to_owned());
-    MeasureError::Malformed {
-        file,
-        place: FilePosition::Offset(0),
-        quantity: "the WAVE file",
-        found,
-        expected,
-    }
+    let (place, expected) = (FilePosition::Offset(0), "PCM or IEEE float samples");
+    MeasureError::malformed(file, place, "the WAVE file", found, expected)
 }
 
 impl Records for Wav<'_> {

@@ -1,10 +1,10 @@
 //! The dominant resonance of a band.
 
 use crate::form::FrfForm;
-use crate::frf::convert;
 use crate::peak::{PowerGrid, refine};
 use crate::response::FrequencyResponse;
 use crate::spectra::HitSpectra;
+use std::f64::consts::TAU;
 
 /// Frequency (Hz) of the largest peak of `|H|` in a band.
 ///
@@ -60,31 +60,17 @@ pub(crate) fn dominant_of(
         return None;
     }
     let band = response.band(4, high);
-    let first = ((low / band.step) as usize).saturating_sub(1).max(1);
-    let strongest = band.force.iter().map(|f| f.norm()).fold(0.0, f64::max);
-    let measured = response.kind().form();
-    let motion = if form.is_inverse() { reciprocal(form) } else { form };
-    let power = |form: FrfForm| -> Vec<f64> {
-        let pairs = band.samples.iter().zip(band.force.iter()).enumerate().skip(first);
-        let value = |k: usize, ratio| convert(ratio, k as f64 * band.step, measured, form);
-        pairs.map(|(k, (x, f))| value(k, x / f).norm_sqr()).collect()
+    let grid = PowerGrid::of(&band, response.kind(), low);
+    let in_form = |index: usize| {
+        let omega = TAU * grid.frequency(index);
+        grid.power[index] * omega.powi(2 * form.derivatives())
     };
-    let in_form = power(motion);
-    let grid = PowerGrid { first, step: band.step, power: power(FrfForm::Receptance) };
     let mut maxima = grid.maxima(band_hz);
-    maxima.sort_by(|&a, &b| in_form[b].total_cmp(&in_form[a]));
-    let valid = |index: &usize| {
-        band.force.get(first + index).is_some_and(|f| f.norm() >= force_threshold * strongest)
-    };
+    maxima.sort_by(|&a, &b| in_form(b).total_cmp(&in_form(a)));
+    let strongest = band.force.iter().map(|f| f.norm()).fold(0.0, f64::max);
+    let floor = force_threshold * strongest;
+    let valid =
+        |index: &usize| band.force.get(grid.first + index).is_some_and(|f| f.norm() >= floor);
     let inside = |frequency: &f64| *frequency > low && *frequency < high;
     maxima.into_iter().filter(valid).find_map(|k| refine(response, &grid, k).filter(inside))
-}
-
-/// The form of motion over force of which an inverse form is the reciprocal.
-fn reciprocal(form: FrfForm) -> FrfForm {
-    match form.derivatives() {
-        0 => FrfForm::Receptance,
-        1 => FrfForm::Mobility,
-        _ => FrfForm::Accelerance,
-    }
 }

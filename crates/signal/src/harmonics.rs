@@ -151,31 +151,11 @@ struct HarmonicSearch<'a, R> {
 impl<'a, R: HitSpectra> HarmonicSearch<'a, R> {
     fn new(response: &'a R, (low, high): (f64, f64), options: &'a HarmonicOptions) -> Self {
         let band = response.band(options.padding.max(2), high);
-        // One point beyond each end, to detect a maximum next to it.
-        let first = ((low / band.step) as usize).saturating_sub(1).max(1);
-        let twice = 2 * response.kind().derivatives();
-        let power = band
-            .samples
-            .iter()
-            .zip(band.force.iter())
-            .enumerate()
-            .skip(first)
-            .map(|(k, (x, f))| {
-                let power = x.norm_sqr() / f.norm_sqr();
-                let omega = std::f64::consts::TAU * k as f64 * band.step;
-                if power.is_nan() {
-                    // Undefined without force: infinite, which is never below its neighbours.
-                    f64::INFINITY
-                } else {
-                    power / omega.powi(twice)
-                }
-            })
-            .collect();
         let strongest = band.force.iter().map(Complex64::norm_sqr).fold(0.0, f64::max).sqrt();
         Self {
             response,
             options,
-            grid: PowerGrid { first, step: band.step, power },
+            grid: PowerGrid::of(&band, response.kind(), low),
             force_floor: options.force_threshold * strongest,
         }
     }

@@ -1,8 +1,10 @@
 //! Local maxima of a receptance, found on a grid and refined on the transform.
 
+use crate::form::ResponseKind;
 use crate::root::bracketed_root;
-use crate::spectra::HitSpectra;
+use crate::spectra::{BandSpectra, HitSpectra};
 use num_complex::Complex64;
+use std::f64::consts::TAU;
 
 /// Relative width to which a maximum is refined.
 const TOLERANCE: f64 = 1e-12;
@@ -28,6 +30,20 @@ pub(crate) struct PowerGrid {
 }
 
 impl PowerGrid {
+    /// `|H|^2` of a band, from one point below `low` (Hz); infinite where it is undefined, which is
+    /// never below its neighbours.
+    pub(crate) fn of(band: &BandSpectra<'_>, kind: ResponseKind, low: f64) -> Self {
+        let first = ((low / band.step) as usize).saturating_sub(1).max(1);
+        let twice = 2 * kind.derivatives();
+        let power = |(k, (x, f)): (usize, (&Complex64, &Complex64))| {
+            let power = x.norm_sqr() / f.norm_sqr();
+            let omega = TAU * k as f64 * band.step;
+            if power.is_nan() { f64::INFINITY } else { power / omega.powi(twice) }
+        };
+        let pairs = band.samples.iter().zip(band.force.iter()).enumerate().skip(first);
+        Self { first, step: band.step, power: pairs.map(power).collect() }
+    }
+
     pub(crate) fn frequency(&self, index: usize) -> f64 {
         (self.first + index) as f64 * self.step
     }

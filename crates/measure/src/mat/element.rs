@@ -32,8 +32,7 @@ impl ElementFault {
             Self::Unexpected { quantity, found, expected } => (quantity, found, expected),
             Self::Stream(error) => ("an element", error.to_string(), "the length in its tag"),
         };
-        let file = file.to_owned();
-        MeasureError::Malformed { file, place, quantity, found, expected: expected.to_owned() }
+        MeasureError::malformed(file, place, quantity, found, expected)
     }
 }
 
