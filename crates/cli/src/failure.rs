@@ -159,8 +159,9 @@ fn is_wrong_request(error: &StudyError) -> bool {
         | StudyError::OtherColumns
         | StudyError::Law { .. } => true,
         StudyError::Output(error) => !matches!(error, OutputError::Io { .. }),
-        StudyError::Structure(error) => is_wrong_structure(error),
-        StudyError::Dynamics(DynamicsError::Structure(error)) => is_wrong_structure(error),
+        StudyError::Structure(error) | StudyError::Dynamics(DynamicsError::Structure(error)) => {
+            is_wrong_structure(error)
+        }
         StudyError::Dynamics(error) => matches!(
             error,
             DynamicsError::Setting { .. }

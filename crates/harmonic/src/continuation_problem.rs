@@ -166,7 +166,7 @@ impl<'a> ContinuationProblem<'a> {
             Continuation::Force { frequency, .. } => at.angular_frequency = TAU * frequency,
             Continuation::PhaseResonance { .. } => at.angular_frequency = 10.0 * self.frequency,
             Continuation::Mode { near, .. } => {
-                at.angular_frequency = resonance_near(system, TAU * near)
+                at.angular_frequency = resonance_near(system, TAU * near);
             }
         }
         let linear = LinearSolver::new(system).at(at.angular_frequency)?;

@@ -1,4 +1,4 @@
-//! HarmonicSettings of harmonic balance and continuation.
+//! Settings of harmonic balance and continuation.
 
 use crate::{Floquet, HarmonicError};
 
@@ -87,7 +87,7 @@ impl Default for StepControl {
     }
 }
 
-/// HarmonicSettings of a branch.
+/// Settings of a branch.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct HarmonicSettings {
     /// Harmonics and samples.

@@ -58,7 +58,7 @@ pub use cubic_cell::CubicCell;
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct CompiledLaw {
-    /// CubicCell 0 is what lies below the table, open faces or NaN; then the fine cells, then the rest.
+    /// Cell 0 holds values below the table, open faces or NaN; then the fine cells, then the rest.
     cells: Vec<[f64; 4]>,
     fine_cells: u32,
     fine_below: f64,
@@ -235,7 +235,7 @@ impl CompiledLaw {
         }
     }
 
-    /// CubicCell of `x` and the place in it, 0 <= t < 1. The conversion saturates, so that everything
+    /// The cell of `x` and the place in it, 0 <= t < 1. The conversion saturates, so that everything
     /// below the table falls in cell 0.
     #[allow(
         clippy::inline_always,

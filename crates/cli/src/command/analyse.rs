@@ -20,7 +20,7 @@ pub(crate) fn run(asked: &Analyse, quiet: bool) -> Result<(), Failure> {
     let folder = ResultFolder::claim_at(first, asked.out.as_deref(), asked.overwrite)?;
     let bar = crate::progress::bar(2 * asked.files.len() as u64, "reading", quiet);
     let analysis = analyse_with_progress(&asked.files, &options(asked), &|passes| {
-        bar.set_position(passes as u64)
+        bar.set_position(passes as u64);
     });
     bar.finish_and_clear();
     let analysis = analysis?;

@@ -8,7 +8,7 @@ use asperity_mesh::{ComponentModes, ResidualFlexibility};
 /// halves are of one size.
 #[derive(Debug, Clone)]
 pub(super) struct VariationalEquation {
-    /// Angular frequency w_j \[rad/s\] and damping rate h_j \[1/s\] of each mode.
+    /// Angular frequency \[rad/s\] and damping rate \[1/s\] of each mode.
     frequencies: Vec<f64>,
     rates: Vec<f64>,
     /// Closures of each mode at the interfaces \[kg^-1/2\].
