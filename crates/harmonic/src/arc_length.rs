@@ -103,7 +103,7 @@ impl<C: Curve> ArcLength<C> {
         let value = guess[guess.len() - 1];
         let constraint = Constraint::Parameter { value, sense };
         let iterations = self.correct(&mut unknowns, constraint, &mut tangent)?;
-        // With the parameter's unit row in unknowns of a tangent t the determinant is its own times
+        // With the parameter's unit row in place of a tangent t the determinant is its own times
         // `sense / |t|^2`.
         let orientation = sense * self.factors.determinant_sign();
         Ok(CurvePoint { unknowns, tangent, iterations, orientation })

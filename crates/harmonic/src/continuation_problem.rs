@@ -171,8 +171,8 @@ impl<'a> ContinuationProblem<'a> {
         }
         let linear = LinearSolver::new(system).at(at.angular_frequency)?;
         if let Continuation::Mode { .. } = self.continuation {
-            // At resonance a force F in phase with the velocity feeds what the anti-damping will:
-            // of the order of the half-power width. Newton's method finds the rest.
+            // At resonance a force in phase with the velocity supplies the power of the anti-damping,
+            // which is of the order of the half-power width: a start for Newton's method.
             scale = from / linear.output.norm();
             turn = linear.output.conj() / linear.output.norm();
             at.anti_damping = half_power_width(system, at.angular_frequency, linear.output.norm());

@@ -48,7 +48,7 @@ pub struct PeriodicResponse {
     pub modal_mass: f64,
     /// Newton iterations it took.
     pub iterations: usize,
-    /// Floquet multipliers, largest first, if stability was asked for.
+    /// Floquet multipliers, largest first, if stability was computed.
     pub multipliers: Option<Vec<Complex64>>,
 }
 
@@ -95,7 +95,7 @@ impl PeriodicResponse {
     }
 
     /// True if small disturbances decay: all multipliers lie within the unit circle. `None` if
-    /// stability was not asked for.
+    /// stability was not computed.
     pub fn stable(&self) -> Option<bool> {
         self.unstable_multipliers().map(|count| count == 0)
     }

@@ -59,7 +59,7 @@ pub fn trace(
     }
 }
 
-/// The branch at a given resolution; given up as soon as a point exceeds the `limit` of truncation.
+/// The branch at a given resolution; it ends as soon as a point exceeds the `limit` of truncation.
 fn follow(
     system: &ContactSystem,
     continuation: Continuation,

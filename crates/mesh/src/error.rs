@@ -40,7 +40,7 @@ pub enum MeshError {
         "the Courant number is {courant}; the explicit scheme is stable only between 0 and 1 (Eq. 3)"
     )]
     Courant {
-        /// The Courant number `c dt / dx` asked for.
+        /// The Courant number `c dt / dx` given.
         courant: f64,
     },
     /// No mode, or more than are accepted, would be kept of a body.
@@ -48,7 +48,7 @@ pub enum MeshError {
     ModeCount {
         /// The body concerned.
         body: String,
-        /// The modes asked for, or the frequency bound over the first elastic mode's.
+        /// The count given, or the frequency bound over the first elastic mode's.
         modes: f64,
         /// The most accepted.
         limit: usize,
@@ -82,7 +82,7 @@ pub enum MeshError {
     /// The cell is so small that the grid would not fit in memory.
     #[error("cells of {cell_m} m make {nodes:.3e} nodes; at most {limit:.0e} are accepted")]
     TooManyNodes {
-        /// The cell length asked for \[m\].
+        /// The cell length given \[m\].
         cell_m: f64,
         /// The nodes this would take.
         nodes: f64,

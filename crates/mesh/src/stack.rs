@@ -156,8 +156,8 @@ impl Stack {
     }
 }
 
-/// The static pressures of [`Stack::static_pressures`] before any law is known:
-/// laws that count their closure from the static pressure need them first.
+/// The static pressures of [`Stack::static_pressures`] without laws, for laws that count their
+/// closure from the static pressure.
 pub fn static_pressures(
     bodies: &[Body],
     areas: impl IntoIterator<Item = f64>,

@@ -105,7 +105,7 @@ impl PreloadedContact {
     }
 }
 
-/// Refuses contacts without stiffness at rest.
+/// Error of the first contact without stiffness at rest, if there is one.
 pub(crate) fn check_springs(contacts: &[PreloadedContact]) -> Result<(), StructureError> {
     match contacts.iter().find(|contact| contact.spring() <= 0.0) {
         None => Ok(()),

@@ -14,7 +14,8 @@ use crate::rigs::{Cubic, Law};
 use crate::stability::{BOTH, with_stability};
 
 /// `u'' + 2 z u' + u + q u^2 + c u^3 = F cos(W t)` near W = 2: the response modulates its own
-/// stiffness at twice the natural frequency, and where that beats damping it doubles its period.
+/// stiffness at twice the natural frequency; where the modulation exceeds the damping, the period
+/// doubles.
 #[test]
 fn period_doublings_are_located() {
     let law: Law = Arc::new(Cubic { stiffness: 1.0, square: 1.0, cube: 0.5 });
@@ -46,7 +47,7 @@ fn period_doublings_are_located() {
     }
 }
 
-/// The symmetric Duffing oscillator, driven hard, loses its symmetry: a branch with even harmonics
+/// The symmetric Duffing oscillator loses its symmetry at a high force: a branch with even harmonics
 /// crosses where a multiplier is +1 and nothing folds. The branch followed stays symmetric.
 #[test]
 fn loss_of_symmetry_is_a_branch_point() {
@@ -92,8 +93,9 @@ fn two_modes() -> (ContactSystem, Law) {
     (ContactSystem::of_structure(&structure, LawEvaluation::Exact).unwrap(), law)
 }
 
-/// Variation of the displacement once a period, 400 periods after rest, relative to itself; the same equations by the classical Runge-Kutta method.
-fn wandering(law: &Law, frequency: f64) -> f64 {
+/// Variation of the displacement once a period, 400 periods after rest, relative to itself, by the
+/// classical Runge-Kutta method.
+fn variation(law: &Law, frequency: f64) -> f64 {
     let slope = |t: f64, x: [f64; 4]| {
         let contact = law.pressure_increment(0.0, COUPLING[0] * x[0] + COUPLING[1] * x[1]).value;
         let drive = FORCE * (frequency * t).cos();
@@ -123,8 +125,8 @@ fn wandering(law: &Law, frequency: f64) -> f64 {
     (range.1 - range.0) / range.1.abs().max(range.0.abs())
 }
 
-/// Driven at the lower mode, the upper one at twice the frequency takes energy and gives it back:
-/// between two Neimark-Sacker bifurcations the motion is quasi-periodic, as integration shows.
+/// Driven at the lower mode, with the upper one at twice the frequency: between two Neimark-Sacker
+/// bifurcations the motion is quasi-periodic, by integration in time as well.
 #[test]
 fn neimark_sacker_bifurcations_are_located() {
     let (system, law) = two_modes();
@@ -141,11 +143,11 @@ fn neimark_sacker_bifurcations_are_located() {
             edges.push(point.angular_frequency);
         }
     }
-    // The two methods locate the same places.
+    // The two methods locate the same points.
     assert!((edges[0] - edges[2]).abs() < 1e-6 && (edges[1] - edges[3]).abs() < 1e-6);
     let middle = 0.5 * (edges[0] + edges[1]);
-    assert!(wandering(&law, middle) > 1e-2, "{}", wandering(&law, middle));
+    assert!(variation(&law, middle) > 1e-2, "{}", variation(&law, middle));
     for outside in [2.0 * edges[0] - middle, 2.0 * edges[1] - middle] {
-        assert!(wandering(&law, outside) < 1e-3, "{}", wandering(&law, outside));
+        assert!(variation(&law, outside) < 1e-3, "{}", variation(&law, outside));
     }
 }

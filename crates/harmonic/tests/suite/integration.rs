@@ -23,12 +23,12 @@ impl Motion<'_> {
         [v, (self.force * phase.cos() - AREA * pressure) / MASS - self.rate * v]
     }
 
-    /// The state a period later; hears the displacement at every step.
-    pub(crate) fn period(&self, mut state: [f64; 2], mut hears: impl FnMut(f64)) -> [f64; 2] {
+    /// The state a period later; `observe` is called with the displacement at every step.
+    pub(crate) fn period(&self, mut state: [f64; 2], mut observe: impl FnMut(f64)) -> [f64; 2] {
         let dt = 1.0 / (self.frequency * STEPS as f64);
         let ahead = |x: [f64; 2], k: [f64; 2], t: f64| [x[0] + t * k[0], x[1] + t * k[1]];
         for n in 0..STEPS {
-            hears(state[0]);
+            observe(state[0]);
             let phase = |half: f64| TAU * (n as f64 + half) / STEPS as f64;
             let a = self.slope(phase(0.0), state);
             let b = self.slope(phase(0.5), ahead(state, a, 0.5 * dt));

@@ -121,7 +121,7 @@ fn modes_with_residual_flexibility_approach_the_bars() {
     }
 }
 
-/// The rig's component modes typed in as numbers give the branch of the rig itself.
+/// The rig's component modes given as numbers give the branch of the rig.
 #[test]
 fn component_modes_given_by_hand_are_the_rig() {
     let structure = preloaded(rig(&crate::rigs::power(), Support::Rigid), 370.0);

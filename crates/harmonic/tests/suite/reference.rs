@@ -39,7 +39,7 @@ fn the_table_changes_amplitudes_by_its_tolerance() {
     assert!((ratio - 1.0).abs() < 1e-7, "{ratio}");
 }
 
-/// Direct integration, at the published place; decays of 0.8 a period leave 1e-19 after 200.
+/// Direct integration, at the published frequency; decays of 0.8 a period leave 1e-19 after 200.
 #[test]
 fn the_peak_is_that_of_direct_integration() {
     let law = reference_law();
@@ -55,8 +55,8 @@ fn the_peak_is_that_of_direct_integration() {
     }
 }
 
-/// At three times the force contact is lost, the peak leans over, and between the folds two
-/// stable responses and an unstable one share each frequency.
+/// At three times the force contact is lost, and between two folds there are two stable responses
+/// and an unstable one at each frequency.
 #[test]
 fn three_times_the_force_loses_contact_and_folds() {
     let law = reference_law();

@@ -35,8 +35,7 @@ fn integrated(law: &Law, force: f64, frequency: f64, cell: f64) -> ([f64; 2], f6
     ([harmonic(last, 1), harmonic(last, 2)], done.step)
 }
 
-/// Three laws at three levels, a little below the linear resonance where softening is felt most
-/// without jumps. The scheme takes damping by a one-sided difference, so that its error near
+/// Three laws at three levels, near the linear resonance, where softening is largest without jumps. The scheme takes damping by a one-sided difference, so that its error near
 /// resonance falls with the step alone, and two steps give the limit.
 #[test]
 fn three_laws_at_three_levels_equal_time_integration() {
@@ -57,14 +56,14 @@ fn three_laws_at_three_levels_equal_time_integration() {
             for k in [1, 2] {
                 let limit = fine[k - 1] + (fine[k - 1] - coarse[k - 1]) * short / (long - short);
                 let off = (point.amplitude(k) / limit - 1.0).abs();
-                // What is left of the finite differences: their table of the law, 1e-6.
+                // Remaining error of the finite differences: their table of the law, 1e-6.
                 assert!(off < 2e-5, "{name} at {force} N, harmonic {k}: {off:.1e}");
             }
         }
     }
 }
 
-/// The linearised resonance of the condensed bars is the mode of the dynamics' own method.
+/// The linearised resonance is the lowest mode of the preloaded structure.
 #[test]
 fn resonance_is_the_first_mode() {
     let structure = preloaded(rig(&power(), Support::Rigid), 1.0);
@@ -80,8 +79,8 @@ fn resonance_is_the_first_mode() {
     assert!((mode.points[0].modal_mass / 1.61 - 1.0).abs() < 0.05);
 }
 
-/// Loss of contact on the rig: nothing is smooth, and the sample's own mode answers the
-/// harmonics near 33 kHz. What is left is below 1e-6 here all the same.
+/// Loss of contact on the rig: the force is not smooth, and harmonics excite the sample's mode near
+/// 33 kHz.
 #[test]
 fn loss_of_contact_equals_time_integration() {
     let law = power();

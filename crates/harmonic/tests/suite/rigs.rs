@@ -94,7 +94,7 @@ pub(crate) struct Cubic {
 }
 
 impl ContactLaw for Cubic {
-    /// At rest only, which is all that is asked for.
+    /// At rest only.
     fn stiffness(&self, _pressure: f64) -> f64 {
         self.stiffness
     }

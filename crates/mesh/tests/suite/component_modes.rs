@@ -21,7 +21,7 @@ fn stack(support: Support) -> Stack {
     Stack::new(bodies, vec![contact("ab"), contact("b0")], support, 9.81).unwrap()
 }
 
-/// Receptance of closure 0 per contact force 0 of the modal structure, without damping.
+/// Receptance of closure i per contact force j, without damping.
 fn closure_receptance(structure: &ComponentModes, w: f64, (i, j): (usize, usize)) -> f64 {
     let modes = structure.modes().iter();
     let sum: f64 =
