@@ -22,8 +22,9 @@ const SAMPLES_PER_HARMONIC: usize = 16;
 
 /// Traces the branch of periodic responses that `continuation` describes.
 ///
-/// A failure after the start ends the branch, which is kept with its [`Termination`]. With automatic [`FourierResolution`] the branch is followed again with half as many
-/// harmonics more until its truncation is below the tolerance.
+/// A failure after the start ends the branch, which is kept with its [`Termination`]. With automatic
+/// [`FourierResolution`] the branch is traced again with half as many harmonics more until its
+/// truncation is below the tolerance.
 ///
 /// # Errors
 /// [`HarmonicError`] for settings or a continuation out of range, or where no response is found at

@@ -29,9 +29,10 @@ impl ModeCount {
     /// Number of modes of every body of `stack`, the rigid one included.
     ///
     /// For a [`Bound`](Self::Bound): a free-free mode n has the receptance
-    /// `2 / (m (w_n^2 - w^2))` at the faces. Of this, residual flexibility keeps `2 / (m w_n^2)` and neglects, over `1 / (m w^2)`,
-    /// `2 (w / w_n)^4 / (1 - (w / w_n)^2)`; with `w_n = n w_1` the sum over n > N is below
-    /// `2 (w / w_1)^4 / (1 - (w / w_N+1)^2)` times `1 / (N + 1)^4 + 1 / (3 (N + 1)^3)`.
+    /// `2 / (m (w_n^2 - w^2))` at the faces. Of this, residual flexibility keeps `2 / (m w_n^2)` and
+    /// neglects, over `1 / (m w^2)`, `2 (w / w_n)^4 / (1 - (w / w_n)^2)`; with `w_n = n w_1` the sum
+    /// over n > N is below `2 (w / w_1)^4 / (1 - (w / w_N+1)^2)` times
+    /// `1 / (N + 1)^4 + 1 / (3 (N + 1)^3)`.
     ///
     /// # Errors
     /// [`MeshError::ModeCount`] for no modes, or more than 2000.

@@ -35,8 +35,9 @@ fn integrated(law: &Law, force: f64, frequency: f64, cell: f64) -> ([f64; 2], f6
     ([harmonic(last, 1), harmonic(last, 2)], done.step)
 }
 
-/// Three laws at three levels, near the linear resonance, where softening is largest without jumps. The scheme takes damping by a one-sided difference, so that its error near
-/// resonance falls with the step alone, and two steps give the limit.
+/// Three laws at three levels, near the linear resonance, where softening is largest without jumps.
+/// The scheme takes damping by a one-sided difference, so that its error near resonance falls with
+/// the step alone, and two steps give the limit.
 #[test]
 fn three_laws_at_three_levels_equal_time_integration() {
     for (name, law) in
