@@ -7,7 +7,7 @@ use asperity_dynamics::DynamicsError;
 use asperity_experiment::AnalysisError;
 use asperity_figure::FigureError;
 use asperity_harmonic::HarmonicError;
-use asperity_identify::ProblemError;
+use asperity_identify::IdentificationError;
 use asperity_scenario::{DocumentError, InvalidDocument, SetError};
 use asperity_structure::StructureError;
 use asperity_study::error::{OutputError, StudyError};
@@ -46,7 +46,7 @@ pub(crate) enum Failure {
     #[error(transparent)]
     Analysis(#[from] AnalysisError),
     #[error(transparent)]
-    Problem(Box<ProblemError>),
+    Problem(Box<IdentificationError>),
 }
 
 impl From<OutputError> for Failure {

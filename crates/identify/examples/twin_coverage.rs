@@ -1,6 +1,6 @@
-//! How often the bands of an identification cover the truth.
+//! Coverage of the bands of an identification, by repeated simulated measurements.
 //!
-//! `cargo run --release -p asperity-study --example twin_coverage -- write FILE` writes the problem of
+//! `cargo run --release -p asperity-identify --example twin_coverage -- write FILE` writes the problem of
 //! `fixtures/problems/twin.json`, and `... -- REPETITIONS [HITS]`
 //! simulates hits of the paper's rig by finite differences, 9 to 32 N, gives them the noise (40 dB)
 //! and the gain errors (5 %) of sensors, identifies the law with the modal engine, and counts.
@@ -54,7 +54,7 @@ fn main() {
         };
         let problem = truth.problem(&truth.measured(&sensors), &unknowns, &more);
         let started = Instant::now();
-        let found = identify(&problem, &|_| ()).unwrap();
+        let found = identify(&problem).unwrap();
         let band = &found.law;
         let mut off = 0.0_f64;
         let (mut here, mut of) = (0, 0);
@@ -78,14 +78,14 @@ fn main() {
             band.informed_range().map(|range| range.map(|p| (1e-3 * p).round() / 1e3)),
             found.covariance.goodness.chi_square,
             found.covariance.goodness.degrees_of_freedom,
-            found.dependence(),
+            found.pressure_dependence(),
             diagnostics.effective_draws,
             found.posterior.draws.len(),
             diagnostics.rounds,
             started.elapsed().as_secs_f64(),
         );
         if repetition == 0 {
-            for sentence in found.words() {
+            for sentence in found.conclusions() {
                 println!("      {sentence}");
             }
             for estimate in found.estimates() {

@@ -1,8 +1,8 @@
-//! Why a problem is none, or has no answer.
+//! Errors of an identification.
 
 use std::path::PathBuf;
 
-use asperity_inference::IdentifyError;
+use asperity_inference::InferenceError;
 use thiserror::Error;
 
 use asperity_experiment::AnalysisError;
@@ -10,66 +10,75 @@ use asperity_scenario::{DocumentError, InputError, InvalidDocument, SetError};
 use asperity_study::error::StudyError;
 use asperity_study::parameter::ParameterError;
 
-/// Why an identification cannot be set up or carried out.
+/// Errors of an identification.
 #[derive(Debug, Error)]
-pub enum ProblemError {
+#[non_exhaustive]
+pub enum IdentificationError {
     /// The problem's text, or that of its scenario, cannot be read.
     #[error(transparent)]
     Document(#[from] DocumentError),
     /// The problem, or its scenario, is not valid.
     #[error(transparent)]
     Invalid(#[from] InvalidDocument),
-    /// A pointer leads to no parameter of the scenario.
+    /// A pointer to no parameter of the scenario.
     #[error(transparent)]
     Parameter(#[from] ParameterError),
-    /// Two unknowns are one number of the scenario, or data set what is unknown.
-    #[error("{pointer} is unknown, and {by}")]
+    /// Two parameters for one number of the scenario, or data that set a parameter.
+    #[error("{pointer} is an unknown, and {by}")]
     Contradiction {
         /// The pointer.
         pointer: String,
-        /// What else gives it.
+        /// The contradiction.
         by: String,
     },
-    /// A law that is not there, or has no stiffnesses at points.
+    /// A law that does not exist or has no stiffnesses at points.
     #[error(
-        "there are no stiffnesses at knots or points in a law \"{law}\"; expected the name of a modified_power or table law in \"laws\""
+        "law \"{law}\" has no stiffnesses at knots or points; expected the name of a modified_power or table law in \"laws\""
     )]
     NotMonotone {
         /// The name.
         law: String,
     },
-    /// A law that is not there.
+    /// A law that does not exist.
     #[error("there is no law \"{law}\"; in \"laws\" there are: {known}")]
     NoLaw {
         /// The name.
         law: String,
-        /// The names that there are.
+        /// The existing names.
         known: String,
     },
-    /// A prior that is no distribution.
-    #[error("the prior of \"{unknown}\": {reason}")]
+    /// The law to report has no name.
+    #[error(
+        "the law of the first interface has no name; expected \"law\" with one of the names in \"laws\": {known}"
+    )]
+    UnnamedLaw {
+        /// The existing names.
+        known: String,
+    },
+    /// A prior that is not a distribution.
+    #[error("the prior of \"{parameter}\": {reason}")]
     Prior {
-        /// The unknown.
-        unknown: String,
-        /// What is expected.
+        /// The parameter.
+        parameter: String,
+        /// The fault.
         reason: &'static str,
     },
-    /// A gain for data that are not there.
+    /// A gain of data that do not exist.
     #[error("a gain holds for the data \"{name}\"; there are: {known}")]
     NoData {
         /// The name.
         name: String,
-        /// The names that there are.
+        /// The existing names.
         known: String,
     },
-    /// A feature that no summary has.
+    /// A feature that does not exist.
     #[error("{place}: there is no feature \"{feature}\"; expected one of: {known}")]
     Feature {
         /// The data.
         place: String,
         /// The feature.
         feature: String,
-        /// The features that there are.
+        /// The accepted features.
         known: String,
     },
     /// A feature without standard deviation.
@@ -82,7 +91,7 @@ pub enum ProblemError {
         /// The feature.
         feature: String,
     },
-    /// Two data say different things about one number.
+    /// Two contradictory values of one number.
     #[error(
         "{place}: {feature} of one hit is given as {first} and as {second}, which are {apart:.1} standard deviations apart"
     )]
@@ -98,16 +107,16 @@ pub enum ProblemError {
         /// Their distance in standard deviations.
         apart: f64,
     },
-    /// A number of the data that is out of range.
+    /// A number of the data out of range.
     #[error("{place}: {quantity} is {value}; expected {expected}")]
     Value {
         /// The data.
         place: String,
-        /// What it is.
+        /// The quantity.
         quantity: &'static str,
         /// The number.
         value: f64,
-        /// What is accepted.
+        /// The accepted input.
         expected: &'static str,
     },
     /// A peak force for a scenario whose force has none.
@@ -123,25 +132,25 @@ pub enum ProblemError {
     Input {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// The cause.
         source: InputError,
     },
-    /// A file of data that does not hold what it should.
+    /// A file of data with wrong content.
     #[error("{}: {problem}; expected {expected}", path.display())]
     File {
         /// The file.
         path: PathBuf,
-        /// What is wrong, and where.
+        /// The fault and its place.
         problem: String,
-        /// What is accepted.
+        /// The accepted input.
         expected: &'static str,
     },
     /// Records that cannot be read as hits.
     #[error(transparent)]
     Analysis(#[from] AnalysisError),
-    /// A design for data without features of hits.
+    /// A design without features of measured hits.
     #[error(
-        "{}: /design: there are no features of hits whose uncertainty a planned hit would have; expected data of the kind hits or analysis",
+        "{}: /design: the data have no features of hits from which to take the uncertainty of planned hits; expected data of the kind hits or analysis",
         path.display()
     )]
     Design {
@@ -153,21 +162,20 @@ pub enum ProblemError {
     Set {
         /// The data or the candidate.
         place: String,
-        /// Why.
+        /// The cause.
         source: SetError,
     },
     /// The scenario cannot be run.
     #[error(transparent)]
     Study(#[from] StudyError),
-    /// The statistics refuse the problem, or find no answer.
+    /// An error of the inference.
     #[error(transparent)]
-    Identify(#[from] IdentifyError),
+    Inference(#[from] InferenceError),
 }
 
-impl ProblemError {
-    /// Whether the request is at fault, not the run: everything but a scenario that cannot be run
-    /// at any point.
+impl IdentificationError {
+    /// True for errors of the request; false for a scenario that cannot be run at any start.
     pub fn is_wrong_request(&self) -> bool {
-        !matches!(self, Self::Identify(IdentifyError::AllRefused { .. }))
+        !matches!(self, Self::Inference(InferenceError::NoPredictions { .. }))
     }
 }

@@ -1,45 +1,67 @@
-//! Measured responses to contact laws with their uncertainty.
+//! Identification of contact laws, or of any numbers of a scenario, from measured responses.
 //!
-//! | module | holds |
+//! A [problem](problem) names a scenario, the parameters to identify, and data: features of hits,
+//! receptances, backbones, records, stiffnesses, ratios. The scenario is the forward model of a
+//! weighted least-squares problem,
+//!
+//! ```text
+//! cost(x) = 1/2 sum_i rho(((prediction_i(x) - value_i) / sd_i)^2) + priors,
+//! ```
+//!
+//! whose statistics are those of `asperity_inference`: best fit, covariance, profiles, posterior,
+//! comparison with other laws, design of further hits. The derivatives of the predictions are exact.
+//!
+//! | module | content |
 //! |---|---|
-//! | `problem`, `read` | what a problem says, and its scenario |
-//! | `unknowns`, `monotone` | from values of the unknowns to a scenario |
-//! | `load`, `files`, `records` | from data to strikes and observations |
-//! | `strike`, `forward`, `row`, `exact` | the forward model and its exact derivatives |
-//! | `model` | the problem's model, and those compared with it |
-//! | `run`, `inflated` | fit, uncertainty, comparison |
-//! | `band`, `design` | the law with its band; what to measure next |
-//! | `verdict`, `report` | the answer in words, as JSON and as tables |
-//! | `error` | why not |
+//! | [`problem`], `identification_problem` | the problem file; the problem with its scenario |
+//! | `problem_parameters`, `monotone` | parameters as numbers of a scenario, gains and steps of a law |
+//! | `data_loader`, `data_files`, `records` | data to simulated hits and observations |
+//! | `hit`, `observed_quantity`, `scenario_model` | the forward model and its exact derivatives |
+//! | `build` | the models of the problem, of compared laws, and of planned hits |
+//! | `identification` | fit, uncertainty, comparison |
+//! | `law_band`, `design` | the law with its credible band; ranking of further hits |
+//! | `conclusions`, `report` | conclusions in sentences; JSON and tables |
+//!
+//! # Example
+//! ```no_run
+//! use asperity_identify::{IdentificationError, IdentificationProblem, identify};
+//!
+//! let problem = IdentificationProblem::read("problem.json")?;
+//! let found = identify(&problem)?;
+//! for sentence in found.conclusions() {
+//!     println!("{sentence}");
+//! }
+//! # Ok::<(), IdentificationError>(())
+//! ```
 
-mod band;
+mod build;
+mod conclusions;
+mod data_files;
+mod data_loader;
 mod design;
 mod error;
-mod exact;
-mod files;
-mod forward;
-mod inflated;
-mod load;
-mod model;
+mod hit;
+mod identification;
+mod identification_problem;
+mod law_band;
 mod monotone;
+mod observed_quantity;
 pub mod problem;
-mod read;
+mod problem_parameters;
 mod records;
 mod report;
-mod row;
-mod run;
-mod strike;
+mod scenario_model;
 #[cfg(test)]
 mod tests;
-mod unknowns;
-mod verdict;
 
-pub use band::{INFORMED_SHARE, LawBand};
-pub use design::{Designed, DesignedHit};
-pub use error::ProblemError;
-pub use read::Problem;
-pub use report::{Estimate, IDENTIFICATION_SCHEMA, Observed};
-pub use run::{Identification, Step, identify};
-pub use verdict::Dependence;
+pub use conclusions::PressureDependence;
+pub use design::{CandidateHit, DesignRanking};
+pub use error::IdentificationError;
+pub use identification::{
+    Identification, IdentificationProgress, identify, identify_with_progress,
+};
+pub use identification_problem::IdentificationProblem;
+pub use law_band::{INFORMED_SHARE, LawBand};
+pub use report::{Estimate, IDENTIFICATION_SCHEMA, PredictedObservation};
 
-pub use asperity_inference as statistics;
+pub use asperity_inference as inference;

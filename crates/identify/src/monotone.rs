@@ -1,7 +1,7 @@
-//! A law's stiffnesses as positive steps.
+//! Stiffnesses of a monotone law as relative steps.
 //!
-//! The steps are `s[i] = 1 - K[i] / K[i+1]`, between 0 and 1: the part of a stiffness that is gained
-//! since the point before. For a table, with stiffnesses at given pressures, the unknowns are `K[0]`
+//! The steps are `s[i] = 1 - K[i] / K[i+1]`, between 0 and 1: the relative increase from one point to
+//! the next. For a table, with stiffnesses at given pressures, the parameters are `K[0]`
 //! and the steps. A modified power law leads up to `K_t = C p_t^m` at its transition, so the steps
 //! go down from there,
 //!
@@ -16,7 +16,7 @@
 use asperity_scenario::JsonPointer;
 use serde_json::Value;
 
-/// Stiffnesses of a law that are unknown.
+/// The stiffnesses of a law, to be identified.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct MonotoneLaw {
     /// Name of the law.
@@ -25,7 +25,7 @@ pub(super) struct MonotoneLaw {
     pairs: String,
     /// Pointer to the law.
     law: String,
-    /// Whether the steps lead up to a power law.
+    /// True if the steps lead up to a power law.
     below_power: bool,
     /// Number of pairs.
     pub(super) count: usize,
@@ -46,7 +46,7 @@ impl MonotoneLaw {
         Some(Self { name, pairs: format!("{law}/{key}"), law, below_power, count })
     }
 
-    /// Whether the first unknown is the softest stiffness itself, not a step.
+    /// True if the first parameter is the softest stiffness itself.
     pub(super) fn has_base(&self) -> bool {
         !self.below_power
     }
@@ -56,7 +56,7 @@ impl MonotoneLaw {
         &self.pairs
     }
 
-    /// The unknowns of the law as the scenario has it: the softest stiffness if
+    /// The parameters of the law as the scenario has it: the softest stiffness if
     /// [`has_base`](Self::has_base), then the steps.
     pub(super) fn read(&self, scenario: &Value) -> Option<Vec<f64>> {
         let pairs = self.values(scenario)?;
@@ -72,20 +72,19 @@ impl MonotoneLaw {
         }
     }
 
-    /// Writes the stiffnesses for these `unknowns` into a scenario; `None` where there is no such
-    /// law.
-    pub(super) fn write(&self, scenario: &mut Value, unknowns: &[f64]) -> Option<()> {
+    /// Writes the stiffnesses for these `parameters` into a scenario; `None` without such a law.
+    pub(super) fn write(&self, scenario: &mut Value, parameters: &[f64]) -> Option<()> {
         let pairs = self.values(scenario)?;
         let mut stiffness = vec![0.0; self.count];
         if self.below_power {
             let (top, least) = self.top(scenario, &pairs)?;
             let mut level = top * (1.0 - least);
-            for (value, step) in stiffness.iter_mut().zip(unknowns).rev() {
+            for (value, step) in stiffness.iter_mut().zip(parameters).rev() {
                 level *= 1.0 - step;
                 *value = level;
             }
         } else {
-            let (first, steps) = unknowns.split_first()?;
+            let (first, steps) = parameters.split_first()?;
             let mut level = *first;
             stiffness[0] = level;
             for (value, step) in stiffness[1..].iter_mut().zip(steps) {
@@ -106,7 +105,7 @@ impl MonotoneLaw {
         items.iter().map(pair).collect()
     }
 
-    /// Stiffness at the transition, and the part of it that the last step gains at least.
+    /// Stiffness at the transition, and the least relative step to it.
     fn top(&self, scenario: &Value, pairs: &[[f64; 2]]) -> Option<(f64, f64)> {
         let law = scenario.pointer(&self.law)?;
         let number = |key: &str| law.get(key)?.as_f64();
@@ -141,8 +140,8 @@ mod tests {
             let mut scenario = scenario();
             let law = MonotoneLaw::find(&scenario, name).unwrap();
             let before = law.values(&scenario).unwrap();
-            let unknowns = law.read(&scenario).unwrap();
-            law.write(&mut scenario, &unknowns).unwrap();
+            let parameters = law.read(&scenario).unwrap();
+            law.write(&mut scenario, &parameters).unwrap();
             for (a, b) in before.iter().zip(law.values(&scenario).unwrap()) {
                 assert!((a[1] / b[1] - 1.0).abs() < 1e-13, "{a:?} {b:?}");
             }

@@ -1,11 +1,11 @@
-//! The problem: what is unknown, what was measured, and what is asked.
+//! The problem file: scenario, parameters, data and requested results.
 //!
-//! As in a scenario, the JSON keys are the field names, each carrying its unit, and unknown keys
-//! are refused. Features have the names of a [summary's](asperity_study::quantity::Quantity)
+//! As in a scenario, the JSON keys are the field names, each with its unit, and unknown keys
+//! are errors. Features have the names of a [summary's](asperity_study::quantity::Quantity)
 //! numbers.
 
 mod data;
-mod unknown;
+mod parameter;
 
 use schemars::JsonSchema;
 use schemars::generate::SchemaSettings;
@@ -13,44 +13,44 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use std::sync::LazyLock;
 
-pub use data::{DataSpec, HitSpec, Measured, SpreadSpec, StrikeSpec, Uncertain};
-pub use unknown::{ChannelSpec, PriorSpec, ScaleSpec, UnknownSpec};
+pub use data::{DataSpec, HitConditionsSpec, HitSpec, Measured, SpreadSpec, Uncertain};
+pub use parameter::{ChannelSpec, ParameterSpec, PriorSpec, ScaleSpec};
 
 /// JSON Pointers into the scenario, and the values that are put there.
 pub type Changes = Map<String, Value>;
 
-/// An identification: a scenario with unknowns, and data to find them from.
+/// An identification: a scenario, its unknown parameters, and data.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ProblemSpec {
     /// The version of this format.
     pub schema: ProblemSchemaId,
-    /// A line for people: what is identified.
+    /// A title.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "String")]
     pub title: Option<String>,
-    /// The scenario whose numbers are unknown: a file relative to the folder
-    /// of the problem, or a scenario in place.
+    /// The scenario: a file relative to the folder of the problem, or a
+    /// scenario in place.
     pub scenario: ScenarioRef,
-    /// The unknowns.
+    /// The parameters to identify.
     #[schemars(length(min = 1))]
-    pub unknowns: Vec<UnknownSpec>,
-    /// What was measured.
+    pub unknowns: Vec<ParameterSpec>,
+    /// The data.
     #[schemars(length(min = 1))]
     pub data: Vec<DataSpec>,
-    /// The law whose stiffness is asked for: its name in "laws". The law of the
-    /// first interface when left out.
+    /// Name in "laws" of the law to report. The law of the first interface
+    /// when left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "String")]
     pub law: Option<String>,
-    /// Pressures in Pa between which its stiffness is drawn.
+    /// Range of pressures in Pa of the reported stiffness.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "[f64; 2]")]
     pub pressures_pa: Option<[f64; 2]>,
-    /// How much a residual counts.
+    /// Loss of a residual.
     #[serde(default)]
     pub loss: LossSpec,
-    /// Whether the standard deviations are taken as they are.
+    /// Use of the standard deviations of the data.
     #[serde(default)]
     pub noise: NoiseSpec,
     /// Probability of the intervals and bands.
@@ -60,15 +60,15 @@ pub struct ProblemSpec {
     /// Other laws to compare with.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub compare: Vec<CandidateSpec>,
-    /// Hits that could be made next.
+    /// Possible further hits.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "DesignSpec")]
     pub design: Option<DesignSpec>,
-    /// Starts of the fit: the given one, and others spread over the bounds.
+    /// Starts of the fit: the given one, and others within the bounds.
     #[serde(default = "default_starts")]
     #[schemars(range(min = 1, max = 1000))]
     pub starts: usize,
-    /// Draws from the posterior that are run exactly.
+    /// Draws from the posterior.
     #[serde(default = "default_draws")]
     #[schemars(range(min = 100, max = 100_000))]
     pub draws: usize,
@@ -87,36 +87,36 @@ pub enum ScenarioRef {
     InPlace(Map<String, Value>),
 }
 
-/// How much a residual counts, in standard deviations.
+/// The loss of a residual in standard deviations.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
 pub enum LossSpec {
     /// Its square: normal errors.
     #[default]
     Squared,
-    /// Its square up to a threshold, beyond it linear.
+    /// Its square up to a threshold, linear beyond.
     Huber {
-        /// Standard deviations from which on a residual counts linearly.
+        /// Threshold in standard deviations.
         #[serde(default = "default_threshold")]
         #[schemars(extend("exclusiveMinimum" = 0.0))]
         threshold: f64,
     },
-    /// The logarithm of one plus its square: a few wild hits hardly count.
+    /// The logarithm of one plus its square: outliers have little weight.
     Cauchy {
-        /// Standard deviations at which a residual counts half.
+        /// Scale in standard deviations, at which the weight is one half.
         #[serde(default = "default_cauchy")]
         #[schemars(extend("exclusiveMinimum" = 0.0))]
         scale: f64,
     },
 }
 
-/// Whether the standard deviations of the data are taken as they are.
+/// Use of the standard deviations of the data.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum NoiseSpec {
-    /// As they are.
+    /// As given.
     Given,
-    /// Never smaller; larger when the residuals are.
+    /// As given, or larger if the residuals are larger.
     #[default]
     AtLeastGiven,
 }
@@ -130,24 +130,24 @@ pub struct CandidateSpec {
     pub name: String,
     /// Changes of the scenario: JSON Pointers and values.
     pub set: Changes,
-    /// Unknowns of the candidate. Those of the problem stay, but for those
-    /// inside what is changed.
+    /// Additional parameters of the candidate. Parameters of the problem remain
+    /// unless they are inside a change.
     #[serde(default)]
-    pub unknowns: Vec<UnknownSpec>,
+    pub unknowns: Vec<ParameterSpec>,
 }
 
-/// Hits that could be made next, to be ranked by what they would tell.
+/// Possible further hits, to be ranked by the information expected.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DesignSpec {
     /// Force levels in N.
     #[schemars(length(min = 1))]
     pub force_peak_n: Vec<f64>,
-    /// Preloads or other changes of the rig: JSON Pointers and values, one
+    /// Preloads or other changes of the scenario: JSON Pointers and values, one
     /// object for each.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub set: Vec<Changes>,
-    /// Hits of each that would be made.
+    /// Number of hits of each kind.
     #[serde(default = "default_repeats")]
     #[schemars(range(min = 1))]
     pub hits: usize,

@@ -1,4 +1,4 @@
-//! Records of hits: the force that drives the model, and the receptance to compare.
+//! Records of hits: the force that drives the model, and the receptance to compare with.
 
 use std::f64::consts::TAU;
 use std::path::PathBuf;
@@ -8,18 +8,17 @@ use asperity_signal::{
     transform_pair_at, white_density,
 };
 
-use crate::error::ProblemError;
-use crate::files::Line;
+use crate::data_files::ReceptanceLine;
+use crate::error::IdentificationError;
 use asperity_experiment::{AnalysisOptions, ChannelSelector, for_each_hit};
 
-/// Most lines of a receptance that are compared.
-const MOST_LINES: f64 = 60.0;
+/// Largest number of lines of a receptance.
+const MAX_LINES: f64 = 60.0;
 
-/// Time kept around the blow \[s\]; elsewhere the hammer does not touch, and what its sensor shows is
-/// noise.
+/// Time kept on both sides of the pulse \[s\]; the force is zero elsewhere.
 const MARGIN_S: f64 = 0.5e-3;
 
-/// The part of a hit, from its end, that is taken for noise.
+/// The last tenth of a hit gives the noise.
 const TAIL: usize = 10;
 
 /// A measured hit.
@@ -28,18 +27,18 @@ pub(super) struct RecordedHit {
     /// Times \[s\] from the first sample, and the force there \[N\].
     pub(super) time_s: Vec<f64>,
     pub(super) force_n: Vec<f64>,
-    /// How long it was watched \[s\].
+    /// Length of the record \[s\].
     pub(super) duration_s: f64,
     /// Its receptance.
-    pub(super) lines: Vec<Line>,
+    pub(super) lines: Vec<ReceptanceLine>,
 }
 
-/// The good hits of some files, with their receptances in a band \[Hz\].
+/// The valid hits of some files, with their receptances in a band \[Hz\].
 pub(super) fn hits(
     files: &[PathBuf],
     [force, response]: [Option<&str>; 2],
     band: [f64; 2],
-) -> Result<Vec<RecordedHit>, ProblemError> {
+) -> Result<Vec<RecordedHit>, IdentificationError> {
     let options = AnalysisOptions {
         force: force.map(ChannelSelector::of_text),
         response: response.map(ChannelSelector::of_text),
@@ -48,16 +47,16 @@ pub(super) fn hits(
     let mut found = Vec::new();
     for_each_hit(files, &options, &mut |hit, route| found.extend(recorded(hit, route, band)))?;
     if found.is_empty() {
-        return Err(ProblemError::File {
+        return Err(IdentificationError::File {
             path: files.first().cloned().unwrap_or_default(),
-            problem: "no good hit was found".to_owned(),
+            problem: "no valid hit was found".to_owned(),
             expected: "records with hits that are neither double nor overloaded",
         });
     }
     Ok(found)
 }
 
-/// The hit, if it is good.
+/// The hit, if it is valid.
 fn recorded(mut hit: HitRecord, route: ResponseKind, band: [f64; 2]) -> Option<RecordedHit> {
     let rate = hit.sample_rate_hz;
     if quality_issues(&hit, &QualityOptions::default())
@@ -79,7 +78,7 @@ fn recorded(mut hit: HitRecord, route: ResponseKind, band: [f64; 2]) -> Option<R
     }
     let response = hit.responses.first()?;
     let duration_s = hit.force.len() as f64 / rate;
-    let spacing = (1.0 / duration_s).max((band[1] - band[0]) / MOST_LINES);
+    let spacing = (1.0 / duration_s).max((band[1] - band[0]) / MAX_LINES);
     let count = ((band[1] - band[0]) / spacing).floor() as usize + 1;
     let noise = white_density(&response[response.len() - response.len() / TAIL..], rate);
     // Each part of a transform over a time T of noise with one-sided density S has variance T S / 4.
@@ -88,7 +87,7 @@ fn recorded(mut hit: HitRecord, route: ResponseKind, band: [f64; 2]) -> Option<R
         let frequency_hz = band[0] + n as f64 * spacing;
         let (x, f) = transform_pair_at(response, &hit.force, rate, frequency_hz);
         let to_displacement = to_displacement(route, frequency_hz);
-        Line {
+        ReceptanceLine {
             frequency_hz,
             value: to_displacement * x / f,
             deviation: to_displacement.norm() * part / f.norm(),
@@ -101,7 +100,7 @@ fn recorded(mut hit: HitRecord, route: ResponseKind, band: [f64; 2]) -> Option<R
     Some(RecordedHit { time_s, force_n: hit.force, duration_s, lines })
 }
 
-/// What a transform of the response is multiplied by to be one of the displacement.
+/// Factor from the transform of the response to that of the displacement.
 fn to_displacement(route: ResponseKind, frequency_hz: f64) -> Complex64 {
     Complex64::new(0.0, TAU * frequency_hz).powi(-route.derivatives())
 }

@@ -1,18 +1,18 @@
 //! `identification.json`, `law.json` and the tables.
 
-use asperity_inference::{Ending, ModelVerdict, ProfileEnd};
+use asperity_inference::{FitTermination, ModelAssessment, ProfileEnd};
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
-use crate::error::ProblemError;
-use crate::read::Problem;
-use crate::run::Identification;
+use crate::error::IdentificationError;
+use crate::identification::Identification;
+use crate::identification_problem::IdentificationProblem;
 use asperity_table::{CsvWriter, columns_to_csv};
 
 /// Identifier of the format.
 pub const IDENTIFICATION_SCHEMA: &str = "asperity/identification/1";
 
-/// One unknown, identified.
+/// The estimate of a parameter.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Estimate {
     /// Its name.
@@ -21,7 +21,7 @@ pub struct Estimate {
     pub value: f64,
     /// Standard deviation near the optimum.
     pub standard_deviation: f64,
-    /// Interval of the profile likelihood; null at an end where the data set no limit.
+    /// Interval of the profile likelihood; null at an open end.
     pub profile_interval: [Option<f64>; 2],
     /// Mean of the posterior.
     pub posterior_mean: f64,
@@ -31,37 +31,37 @@ pub struct Estimate {
     pub r_hat: f64,
     /// Effective sample size of its chains.
     pub effective_sample_size: f64,
-    /// Whether it is on a bound.
+    /// True if it is on a bound.
     pub at_bound: bool,
 }
 
 impl Identification {
-    /// The unknowns, identified.
+    /// Estimates of the parameters.
     pub fn estimates(&self) -> Vec<Estimate> {
         let deviations = self.covariance.value_standard_deviations();
         let tail = 0.5 * (1.0 - self.level);
         let found = &self.posterior.diagnostics;
-        let end = |unknown: usize, side: usize| {
-            let profile = self.profiles.iter().find(|profile| profile.unknown == unknown)?;
+        let end = |parameter: usize, side: usize| {
+            let profile = self.profiles.iter().find(|profile| profile.parameter == parameter)?;
             (profile.ends[side] == ProfileEnd::Crossed).then_some(profile.interval[side])
         };
-        let one = |(unknown, name): (usize, &String)| Estimate {
+        let one = |(parameter, name): (usize, &String)| Estimate {
             name: name.clone(),
-            value: self.fit.point[unknown],
-            standard_deviation: deviations[unknown],
-            profile_interval: [end(unknown, 0), end(unknown, 1)],
-            posterior_mean: self.posterior.mean(unknown),
+            value: self.fit.point[parameter],
+            standard_deviation: deviations[parameter],
+            profile_interval: [end(parameter, 0), end(parameter, 1)],
+            posterior_mean: self.posterior.mean(parameter),
             posterior_interval: [tail, 1.0 - tail]
-                .map(|probability| self.posterior.quantile(unknown, probability)),
-            r_hat: found.r_hat[unknown],
-            effective_sample_size: found.effective_sample_size[unknown],
-            at_bound: self.fit.at_bound[unknown],
+                .map(|probability| self.posterior.quantile(parameter, probability)),
+            r_hat: found.r_hat[parameter],
+            effective_sample_size: found.effective_sample_size[parameter],
+            at_bound: self.fit.at_bound[parameter],
         };
         self.names.iter().enumerate().map(one).collect()
     }
 
     /// `identification.json`.
-    pub fn report(&self, problem: &Problem) -> Value {
+    pub fn report(&self, problem: &IdentificationProblem) -> Value {
         let goodness = &self.goodness;
         let found = &self.posterior.diagnostics;
         let undetermined = self.identifiability.undetermined.iter().map(|undetermined| {
@@ -72,10 +72,10 @@ impl Identification {
         json!({
             "schema": IDENTIFICATION_SCHEMA,
             "title": problem.spec.title,
-            "pressure_dependence": self.dependence(),
+            "pressure_dependence": self.pressure_dependence(),
             "explains_data": self.explains(),
             "converged": self.has_converged(),
-            "words": self.words(),
+            "words": self.conclusions(),
             "level": self.level,
             "estimates": self.estimates(),
             "law": {
@@ -90,11 +90,11 @@ impl Identification {
                 "p_value": goodness.p_value,
                 "noise_factor": self.noise_factor,
                 "missing": self.fit.missing.len(),
-                "ending": ending_words(self.fit.ending),
+                "ending": termination_text(self.fit.termination),
                 "iterations": self.fit.iterations,
                 "starts": self.fit.starts.iter().map(|start| json!({
                     "cost": Some(start.cost).filter(|cost| cost.is_finite()),
-                    "ending": ending_words(start.ending),
+                    "ending": termination_text(start.termination),
                 })).collect::<Vec<_>>(),
                 "distinct_optima": self.fit.distinct_optima.iter().map(|optimum| json!({
                     "cost": optimum.cost, "starts": optimum.starts, "point": optimum.point,
@@ -118,7 +118,7 @@ impl Identification {
                 "r_hat": found.r_hat,
                 "effective_sample_size": found.effective_sample_size,
                 "autocorrelation_time": found.autocorrelation_time,
-                "unreached": found.unreached.iter().map(|u| &self.names[*u]).collect::<Vec<_>>(),
+                "unreached": found.truncated.iter().map(|u| &self.names[*u]).collect::<Vec<_>>(),
             },
             "comparison": self.comparison(),
             "design": self.designed(),
@@ -136,15 +136,15 @@ impl Identification {
     }
 
     fn comparison(&self) -> Value {
-        let Some(choice) = &self.choice else { return Value::Null };
-        let best = &choice.candidates[choice.best];
-        let candidates = choice.candidates.iter().map(|candidate| {
+        let Some(comparison) = &self.comparison else { return Value::Null };
+        let best = &comparison.candidates[comparison.best];
+        let candidates = comparison.candidates.iter().map(|candidate| {
             json!({
                 "name": candidate.name,
-                "verdict": match candidate.verdict {
-                    ModelVerdict::Best => "best",
-                    ModelVerdict::Rejected { .. } | ModelVerdict::Misfit { .. } => "rejected",
-                    ModelVerdict::Undecided => "undecided",
+                "verdict": match candidate.assessment {
+                    ModelAssessment::Best => "best",
+                    ModelAssessment::Rejected { .. } | ModelAssessment::Misfit { .. } => "rejected",
+                    ModelAssessment::Undecided => "undecided",
                 },
                 "chi_square": candidate.goodness.chi_square,
                 "p_value": candidate.goodness.p_value,
@@ -157,15 +157,15 @@ impl Identification {
             })
         });
         json!({
-            "noise_factor": self.choice_noise_factor,
+            "noise_factor": self.comparison_noise_factor,
             "candidates": candidates.collect::<Vec<_>>(),
         })
     }
 
     fn designed(&self) -> Value {
         let Some(design) = &self.design else { return Value::Null };
-        let list = |hits: &[crate::design::DesignedHit]| {
-            let one = |hit: &crate::design::DesignedHit| {
+        let list = |hits: &[crate::design::CandidateHit]| {
+            let one = |hit: &crate::design::CandidateHit| {
                 json!({
                     "force_peak_n": hit.force_peak_n,
                     "set": hit.set,
@@ -190,8 +190,11 @@ impl Identification {
     /// The scenario at the best fit.
     ///
     /// # Errors
-    /// [`ProblemError`] as for the problem itself.
-    pub fn scenario_json(&self, problem: &Problem) -> Result<Value, ProblemError> {
+    /// [`IdentificationError`] as for the problem itself.
+    pub fn scenario_json(
+        &self,
+        problem: &IdentificationProblem,
+    ) -> Result<Value, IdentificationError> {
         problem.scenario_at(&self.fit.point)
     }
 
@@ -210,7 +213,7 @@ impl Identification {
         ])
     }
 
-    /// `data.csv`: what was measured against what is predicted.
+    /// `data.csv`: observations with their predictions.
     pub fn data_csv(&self) -> String {
         let mut csv = CsvWriter::with_header([
             "data",
@@ -245,8 +248,8 @@ impl Identification {
     pub fn posterior_csv(&self) -> String {
         let mut columns: Vec<(String, Vec<f64>)> =
             vec![("weight".to_owned(), self.posterior.weights.clone())];
-        for (unknown, name) in self.names.iter().enumerate() {
-            let values = self.posterior.draws.iter().map(|draw| draw[unknown]);
+        for (parameter, name) in self.names.iter().enumerate() {
+            let values = self.posterior.draws.iter().map(|draw| draw[parameter]);
             columns.push((name.clone(), values.collect()));
         }
         columns_to_csv(columns)
@@ -259,11 +262,10 @@ impl Identification {
         band.quantiles.try_into().unwrap_or_default()
     }
 
-    /// One row for every observation: its data, its feature, and the force (or frequency,
-    /// amplitude or pressure) that it is for.
-    pub fn observed(&self) -> impl Iterator<Item = Observed<'_>> {
+    /// The observations with their predictions at the best fit.
+    pub fn observations(&self) -> impl Iterator<Item = PredictedObservation<'_>> {
         self.about.iter().zip(&self.observations).enumerate().map(|(i, (about, observation))| {
-            Observed {
+            PredictedObservation {
                 data: &about.data,
                 feature: &about.feature,
                 at: about.at,
@@ -278,7 +280,7 @@ impl Identification {
 
 /// One observation with its prediction.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Observed<'a> {
+pub struct PredictedObservation<'a> {
     /// Name of the data.
     pub data: &'a str,
     /// The feature.
@@ -299,13 +301,13 @@ fn finite(value: f64) -> Option<f64> {
     value.is_finite().then_some(value)
 }
 
-fn ending_words(ending: Ending) -> &'static str {
-    match ending {
-        Ending::SmallGradient => "no direction lowers the cost",
-        Ending::SmallReduction => "the cost no longer falls",
-        Ending::SmallStep => "the steps are too short",
-        Ending::MostIterations => "the iterations were used up",
-        Ending::NoProgress => "no step lowers the cost",
-        Ending::Refused => "the start cannot be run",
+fn termination_text(termination: FitTermination) -> &'static str {
+    match termination {
+        FitTermination::SmallGradient => "no direction lowers the cost",
+        FitTermination::SmallReduction => "the cost no longer falls",
+        FitTermination::SmallStep => "the steps are too short",
+        FitTermination::IterationLimit => "the iterations were used up",
+        FitTermination::NoReduction => "no step lowers the cost",
+        FitTermination::NoPrediction => "the start cannot be run",
     }
 }

@@ -1,12 +1,11 @@
-//! The forward model against itself: exact derivatives, and data of every kind.
+//! The forward model: exact derivatives, data of every kind, invalid problems.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
-#![allow(clippy::print_stdout, reason = "what was found, for a test that fails")]
 
 use asperity_dynamics::{STENCIL, central_difference};
 use asperity_inference::ForwardModel;
 use serde_json::{Value, json};
 
-use super::Problem;
+use super::IdentificationProblem;
 use asperity_scenario::Document;
 
 /// The paper's rig, with steps that are quick and few samples.
@@ -18,15 +17,15 @@ fn scenario() -> Value {
     scenario
 }
 
-fn problem(unknowns: &Value, data: &Value) -> Problem {
+fn problem(parameters: &Value, data: &Value) -> IdentificationProblem {
     let problem = json!({
         "schema": "asperity/identify/1",
         "scenario": scenario(),
-        "unknowns": unknowns,
+        "unknowns": parameters,
         "data": data,
     });
     let name = concat!(env!("CARGO_MANIFEST_DIR"), "/problem.json");
-    Problem::of(Document::parse(&problem.to_string(), name).unwrap()).unwrap()
+    IdentificationProblem::of(Document::parse(&problem.to_string(), name).unwrap()).unwrap()
 }
 
 /// Data of every kind that needs no file, two preloads among them.
@@ -55,7 +54,7 @@ fn data() -> Value {
     ])
 }
 
-fn unknowns() -> Value {
+fn parameters() -> Value {
     json!([
         {"kind": "monotone_law", "law": "modified"},
         {"kind": "scalar", "pointer": "/laws/modified/coefficient", "bounds": [1e10, 4e10]},
@@ -68,14 +67,15 @@ fn unknowns() -> Value {
 }
 
 /// Against fourth-order central differences of the predictions, both with the laws solved to rounding
-/// at the same step: to 1e-6 of the derivative, or of a hundredth of the value over the unknown's.
+/// at the same step: to 1e-6 of the derivative, or of a hundredth of the value over the parameter's.
 #[test]
 fn derivatives_are_those_of_the_predictions() {
-    let model = problem(&unknowns(), &data()).model().unwrap().forward;
-    let start: Vec<f64> = model.unknowns().iter().map(asperity_inference::Unknown::start).collect();
+    let model = problem(&parameters(), &data()).model().unwrap().forward;
+    let start: Vec<f64> =
+        model.parameters().iter().map(asperity_inference::Parameter::start).collect();
     let exact = model.derivatives(&start).unwrap();
     let mut compared = 0;
-    for (j, unknown) in model.unknowns().iter().enumerate() {
+    for (j, parameter) in model.parameters().iter().enumerate() {
         let step = 1e-5 * start[j];
         let four = STENCIL.map(|place| {
             let mut point = start.clone();
@@ -89,15 +89,14 @@ fn derivatives_are_those_of_the_predictions() {
             let found = exact.jacobian[i][j].unwrap();
             let scale = expected.abs().max(1e-2 * value.abs() / start[j]);
             let off = (found - expected).abs() / scale;
-            println!("{} {}: {found:e} {expected:e} {off:.1e}", unknown.name(), observation.label);
-            assert!(off < 1e-6, "{} {}", unknown.name(), observation.label);
+            assert!(off < 1e-6, "{} {}", parameter.name(), observation.label);
             compared += 1;
         }
     }
     assert_eq!(compared, start.len() * 21);
 }
 
-/// As `asperity analyse` writes it: no value at zero, and a line with too little force.
+/// As written by `asperity analyse`: no value at zero, and a line with too little force.
 const FRF: &str = "frequency_hz,real,imag,magnitude,phase_rad,coherence,valid
 0,,,,,0.9,1
 800,1e-7,0,1e-7,0,0.9,1
@@ -106,8 +105,8 @@ const FRF: &str = "frequency_hz,real,imag,magnitude,phase_rad,coherence,valid
 1600,1e-8,0,1e-8,0,0.9,1
 ";
 
-/// The same of receptances and backbones, whose files hold places only: receptances to 1e-6 of the
-/// largest part, frequencies along a decay to 1e-5 of a hundredth of the value over the unknown's,
+/// The same for receptances and backbones, whose files give the abscissas only: receptances to 1e-6 of the
+/// largest part, frequencies along a decay to 1e-5 of a hundredth of the value over the parameter's,
 /// since they are differenced once more.
 #[test]
 fn derivatives_of_receptances_and_backbones_are_those_of_the_predictions() {
@@ -125,16 +124,17 @@ fn derivatives_of_receptances_and_backbones_are_those_of_the_predictions() {
          "spread": {"relative": 0.01}},
         {"kind": "backbone", "file": backbone, "hit": strike, "spread": {"relative": 1e-4}},
     ]);
-    let model = problem(&unknowns(), &data).model();
+    let model = problem(&parameters(), &data).model();
     // The gain of the half preload has no data here.
     assert!(model.is_err());
-    let mut some = unknowns();
+    let mut some = parameters();
     some.as_array_mut().unwrap().pop();
     let model = problem(&some, &data).model().unwrap().forward;
-    let start: Vec<f64> = model.unknowns().iter().map(asperity_inference::Unknown::start).collect();
+    let start: Vec<f64> =
+        model.parameters().iter().map(asperity_inference::Parameter::start).collect();
     let exact = model.derivatives(&start).unwrap();
     let largest = exact.values[..6].iter().flatten().fold(0.0_f64, |m, v| m.max(v.abs()));
-    for (j, unknown) in model.unknowns().iter().enumerate() {
+    for (j, parameter) in model.parameters().iter().enumerate() {
         let step = 1e-5 * start[j];
         let four = STENCIL.map(|place| {
             let mut point = start.clone();
@@ -151,18 +151,18 @@ fn derivatives_of_receptances_and_backbones_are_those_of_the_predictions() {
                 (1e-2 * exact.values[i].unwrap() / start[j], 1e-5)
             };
             let off = (found - expected).abs() / expected.abs().max(scale);
-            println!("{} {}: {found:e} {expected:e} {off:.1e}", unknown.name(), observation.label);
-            assert!(off < tolerance, "{} {}", unknown.name(), observation.label);
+            assert!(off < tolerance, "{} {}", parameter.name(), observation.label);
         }
     }
 }
 
-/// What batches predict, with tables and thinned records, is what the exact marching predicts, to
-/// the tables' tolerance and the sampling.
+/// Predictions by batches, with tables and decimated records, equal those of the exact integration to
+/// the tolerance of the tables and the sampling.
 #[test]
 fn batches_predict_what_is_differentiated() {
-    let model = problem(&unknowns(), &data()).model().unwrap().forward;
-    let start: Vec<f64> = model.unknowns().iter().map(asperity_inference::Unknown::start).collect();
+    let model = problem(&parameters(), &data()).model().unwrap().forward;
+    let start: Vec<f64> =
+        model.parameters().iter().map(asperity_inference::Parameter::start).collect();
     let exact = model.derivatives(&start).unwrap().values;
     let both = model.predict(&[start.clone(), start]);
     for (i, observation) in model.observations().iter().enumerate() {
@@ -173,19 +173,19 @@ fn batches_predict_what_is_differentiated() {
     }
 }
 
-/// One strike serves all data of the same rig, force and sensors.
+/// One simulation serves all data of the same rig, force and sensors.
 #[test]
-fn a_strike_is_run_once() {
+fn equal_hits_are_simulated_once() {
     let all = json!([{"kind": "gain", "channel": "force"}]);
     let model = problem(&all, &data()).model().unwrap().forward;
-    // 9 and 20 N, which the ratio asks for again, and 8 N on the half preload.
-    assert_eq!((model.strikes.len(), model.rigs.len()), (3, 2));
-    // Another sensor at the half preload makes no strike of the others another.
-    let model = problem(&unknowns(), &data()).model().unwrap().forward;
-    assert_eq!(model.strikes.len(), 3);
+    // 9 and 20 N, which the ratio uses too, and 8 N on the half preload.
+    assert_eq!((model.hits.len(), model.rigs.len()), (3, 2));
+    // Another sensor at the half preload does not change the other hits.
+    let model = problem(&parameters(), &data()).model().unwrap().forward;
+    assert_eq!(model.hits.len(), 3);
 }
 
-/// A candidate, a range or a design that cannot be is told before anything is run.
+/// Invalid candidates, ranges and designs are reported before any run.
 #[test]
 fn requests_are_checked_before_any_work() {
     for (key, value, expected) in [
@@ -201,18 +201,20 @@ fn requests_are_checked_before_any_work() {
             "/damping/ratio",
         ),
     ] {
-        let mut asked = problem(&unknowns(), &data()).document.value().clone();
+        let mut asked = problem(&parameters(), &data()).document.value().clone();
         asked[key] = value;
         let document = Document::parse(&asked.to_string(), "problem.json").unwrap();
-        let told = |step: super::Step| panic!("{} was begun", step.name);
-        let refused = super::identify(&Problem::of(document).unwrap(), &told).unwrap_err();
+        let started = |step: super::IdentificationProgress| panic!("{} has started", step.name);
+        let refused =
+            super::identify_with_progress(&IdentificationProblem::of(document).unwrap(), &started)
+                .unwrap_err();
         assert!(refused.to_string().contains(expected), "{refused}");
     }
 }
 
-/// Gains scale what their sensors show, and nothing else.
+/// Gains scale the receptances of their own data only.
 #[test]
-fn gains_are_of_their_data_alone() {
+fn gains_apply_to_their_own_data() {
     let gains = json!([
         {"kind": "gain", "channel": "response", "data": ["half preload"]},
         {"kind": "scalar", "pointer": "/damping/ratio", "bounds": [0.01, 0.1]},
@@ -228,19 +230,19 @@ fn gains_are_of_their_data_alone() {
     }
 }
 
-/// Every message names the place and what is accepted.
+/// Every message names the place and the accepted input.
 #[test]
-fn bad_problems_are_refused() {
+fn invalid_problems_name_the_place() {
     let number = json!({"value": 850.0, "standard_deviation": 1.0});
     let hits = |features: Value| json!([{"kind": "hits", "hits": [{"force_peak_n": 9, "features": features}]}]);
     let frequency = hits(json!({"fundamental.frequency_hz": number}));
     let damping = json!([{"kind": "scalar", "pointer": "/damping/ratio", "bounds": [0.01, 0.1]}]);
     let scalar = |pointer: &str, more: Value| {
-        let mut unknown = json!({"kind": "scalar", "pointer": pointer, "bounds": [0.01, 0.1]});
+        let mut parameter = json!({"kind": "scalar", "pointer": pointer, "bounds": [0.01, 0.1]});
         for (key, value) in more.as_object().unwrap() {
-            unknown[key] = value.clone();
+            parameter[key] = value.clone();
         }
-        json!([unknown])
+        json!([parameter])
     };
     let twice = json!([
         {"kind": "hits", "hits": [{"force_peak_n": 9, "features": {"fundamental.frequency_hz": number}}]},
@@ -290,16 +292,15 @@ fn bad_problems_are_refused() {
             "the lower first",
         ),
     ];
-    for (unknowns, data, expected) in cases {
-        let refused = problem(&unknowns, &data).model().map(|_| ()).unwrap_err().to_string();
-        println!("{refused}");
+    for (parameters, data, expected) in cases {
+        let refused = problem(&parameters, &data).model().map(|_| ()).unwrap_err().to_string();
         assert!(refused.contains(expected), "{expected} is not in: {refused}");
     }
 }
 
-/// The schema itself refuses what has no meaning, at its place.
+/// Errors of the schema, at their places.
 #[test]
-fn a_problem_without_data_or_with_unknown_keys_is_refused() {
+fn a_problem_without_data_or_with_unknown_keys_is_an_error() {
     for (key, value, expected) in [
         ("data", json!([]), "/data"),
         ("unknowns", json!([]), "/unknowns"),
@@ -312,12 +313,12 @@ fn a_problem_without_data_or_with_unknown_keys_is_refused() {
         let mut text = json!({
             "schema": "asperity/identify/1",
             "scenario": scenario(),
-            "unknowns": unknowns(),
+            "unknowns": parameters(),
             "data": data(),
         });
         text[key] = value;
         let document = Document::parse(&text.to_string(), "problem.json").unwrap();
-        let refused = Problem::of(document).map(|_| ()).unwrap_err().to_string();
+        let refused = IdentificationProblem::of(document).map(|_| ()).unwrap_err().to_string();
         assert!(refused.contains(expected), "{expected} is not in: {refused}");
     }
 }

@@ -1,9 +1,9 @@
-//! Whether Markov chains have forgotten where they began, and how much they are worth.
+//! Convergence of Markov chains and their effective sample size.
 //!
 //! Source: A. Vehtari, A. Gelman, D. Simpson, B. Carpenter, P.-C. Bürkner, *Rank-normalization,
 //! folding, and localization: an improved R-hat*, Bayesian Analysis 16, 667 (2021).
 
-use crate::distribution::normal_quantile;
+use crate::random::normal_quantile;
 
 /// Rank-normalised split R-hat of chains of one quantity,
 ///
@@ -12,25 +12,30 @@ use crate::distribution::normal_quantile;
 /// ```
 ///
 /// with the variance `W` within and `B` between half-chains of length `n`, of the normal scores
-/// of the values' ranks (eq. 1-4 and 14). Near 1 when the chains agree; above 1.01 they do not
-/// yet. Infinite if they do not move but differ; not a number with fewer than four steps or if
-/// nothing ever moves.
+/// of the values' ranks (eq. 1-4 and 14). Near 1 when the chains agree, above 1.01 before
+/// convergence. Infinite if they are constant but differ; NaN with fewer than four steps or if all
+/// values are equal.
+///
+/// ```
+/// let chains = [vec![0.1, -0.3, 0.2, -0.1], vec![-0.2, 0.3, -0.1, 0.1]];
+/// assert!(asperity_inference::r_hat(&chains) < 1.2);
+/// ```
 pub fn r_hat(chains: &[Vec<f64>]) -> f64 {
     let halves = rank_normalised(&split(chains));
     let Some(moments) = Moments::of(&halves) else { return f64::NAN };
     (moments.total / moments.within).sqrt()
 }
 
-/// Bulk effective sample size: the number of independent draws that would determine the centre
-/// of the distribution as well as these chains,
+/// Bulk effective sample size: the number of independent draws that determine the centre of the
+/// distribution as precisely as these chains,
 ///
 /// ```text
 /// ESS = m n / (-1 + 2 sum_t P_t),   P_t = rho_2t + rho_2t+1,
 /// ```
 ///
 /// over rank-normalised half-chains, with the autocorrelations combined over chains (eq. 10-13)
-/// and Geyer's initial monotone sequence. Chains of walkers of one ensemble count as chains of
-/// their own. Not a number where [`r_hat`] is none.
+/// and Geyer's initial monotone sequence. Walkers of one ensemble count as separate chains. NaN
+/// where [`r_hat`] is NaN.
 pub fn effective_sample_size(chains: &[Vec<f64>]) -> f64 {
     let halves = rank_normalised(&split(chains));
     let Some(moments) = Moments::of(&halves) else { return f64::NAN };
@@ -58,7 +63,7 @@ pub fn effective_sample_size(chains: &[Vec<f64>]) -> f64 {
         lag += 2;
     }
     let draws = count * length as f64;
-    // Antithetic chains may be worth more than their length, but not without limit.
+    // Antithetic chains can exceed their length, but not without limit.
     let time = (2.0 * sum - 1.0).max(1.0 / draws.log10().max(1.0));
     draws / time
 }

@@ -1,19 +1,19 @@
-//! What can be wrong with a request for an identification.
+//! Errors of fits and what follows them.
 
 use thiserror::Error as Derive;
 
-/// Why an identification was refused or failed.
+/// Errors of fits and what follows them.
 #[derive(Debug, Clone, PartialEq, Derive)]
 #[non_exhaustive]
-pub enum IdentifyError {
-    /// There is nothing to identify.
-    #[error("the model has no unknowns")]
-    NoUnknowns,
-    /// There is nothing to identify from.
+pub enum InferenceError {
+    /// A model without parameters.
+    #[error("the model has no parameters")]
+    NoParameters,
+    /// A model without observations.
     #[error("the model has no observations")]
     NoObservations,
-    /// Two unknowns share a name.
-    #[error("two unknowns are named '{name}'")]
+    /// Two parameters share a name.
+    #[error("two parameters are named '{name}'; names must differ")]
     DuplicateName {
         /// The name given twice.
         name: String,
@@ -21,19 +21,19 @@ pub enum IdentifyError {
     /// Bounds that are not finite and increasing, or not positive on a logarithmic scale.
     #[error("the bounds of '{name}' are {lower} to {upper}, they must be {expected}")]
     Bounds {
-        /// The unknown.
+        /// The parameter.
         name: String,
         /// Lower bound given.
         lower: f64,
         /// Upper bound given.
         upper: f64,
-        /// What is accepted, in words.
+        /// The accepted range, in words.
         expected: &'static str,
     },
     /// A start outside the bounds.
-    #[error("the start of '{name}' is {start}, outside its bounds {lower} to {upper}")]
+    #[error("the start of '{name}' is {start}; it must be within its bounds {lower} to {upper}")]
     Start {
-        /// The unknown.
+        /// The parameter.
         name: String,
         /// The start given.
         start: f64,
@@ -42,84 +42,86 @@ pub enum IdentifyError {
         /// Upper bound.
         upper: f64,
     },
-    /// A prior that is no normal distribution.
-    #[error("the {quantity} of the prior of '{name}' is {value}, it must be {expected}")]
+    /// A prior that is not a normal distribution.
+    #[error("the {quantity} of the prior of '{name}' is {value}; it must be {expected}")]
     Prior {
-        /// The unknown.
+        /// The parameter.
         name: String,
-        /// Which number of the prior.
+        /// The number of the prior.
         quantity: &'static str,
         /// The value given.
         value: f64,
-        /// What is accepted, in words.
+        /// The accepted range, in words.
         expected: &'static str,
     },
-    /// An observation that is no number with a positive uncertainty.
-    #[error("the {quantity} of observation '{label}' is {value}, it must be {expected}")]
+    /// An observation that is not finite or has no positive standard deviation.
+    #[error("the {quantity} of observation '{label}' is {value}; it must be {expected}")]
     Observation {
         /// The observation's label.
         label: String,
-        /// Which number of it.
+        /// The number of the observation.
         quantity: &'static str,
         /// The value given.
         value: f64,
-        /// What is accepted, in words.
+        /// The accepted range, in words.
         expected: &'static str,
     },
-    /// Fewer observations and priors than unknowns.
-    #[error("{observations} observations and {priors} priors cannot determine {unknowns} unknowns")]
+    /// Fewer observations and priors than parameters.
+    #[error(
+        "{observations} observations and {priors} priors cannot determine {parameters} parameters"
+    )]
     TooFew {
         /// Number of observations.
         observations: usize,
         /// Number of priors.
         priors: usize,
-        /// Number of unknowns.
-        unknowns: usize,
+        /// Number of parameters.
+        parameters: usize,
     },
-    /// An option is outside what makes sense.
-    #[error("{quantity} is {value}, it must be {expected}")]
+    /// An option outside its range.
+    #[error("{quantity} is {value}; it must be {expected}")]
     Option {
-        /// Which option, in words.
+        /// The option, in words.
         quantity: &'static str,
         /// The value given.
         value: f64,
-        /// What is accepted, in words.
+        /// The accepted range, in words.
         expected: &'static str,
     },
-    /// The model refused every point it was asked for.
-    #[error("the model refused all {points} points, the first because {reason}")]
-    AllRefused {
-        /// How many points were tried.
+    /// A model without predictions at any point.
+    #[error("the model has no predictions at any of {points} points; at the first one: {reason}")]
+    NoPredictions {
+        /// Number of points.
         points: usize,
-        /// The reason given for the first.
+        /// The reason at the first.
         reason: String,
     },
-    /// A table has another size than what it belongs to.
-    #[error("{found} {quantity}, {expected} expected")]
+    /// A wrong number of entries.
+    #[error("{found} {quantity}; {expected} expected")]
     Size {
-        /// What was counted.
+        /// The entries.
         quantity: &'static str,
-        /// How many were given.
+        /// Their number.
         found: usize,
-        /// How many belong there.
+        /// The correct number.
         expected: usize,
     },
-    /// The model answered at too few points to fit a response surface.
+    /// Too few training points with predictions for a response surface.
     #[error(
-        "the model answered at {answered} training points, the response surface needs {needed}"
+        "the model has predictions at {answered} training points; the response surface needs {needed}"
     )]
     TooFewTraining {
-        /// Points with an answer.
+        /// Points with predictions.
         answered: usize,
-        /// The fewest that determine the surface.
+        /// The least number that determines the surface.
         needed: usize,
     },
-    /// An observation has no prediction at many points, so that no surface describes it.
+    /// An observation without a prediction at many points, which no surface describes.
     #[error(
-        "observation '{label}' has no prediction at {missing} of {points} training points, \
-         at most a tenth may miss"
+        "observation '{label}' has no prediction at {missing} of {points} training points; \
+         at most half of them may lack one"
     )]
-    OftenMissing {
+    MissingPredictions {
         /// The observation's label.
         label: String,
         /// Training points without a prediction of it.
@@ -127,38 +129,38 @@ pub enum IdentifyError {
         /// Training points.
         points: usize,
     },
-    /// A matrix that must be invertible is not.
+    /// A singular matrix.
     #[error("the {matrix} is singular or holds numbers that are not finite")]
     Singular {
-        /// Which matrix.
+        /// The matrix.
         matrix: &'static str,
     },
 }
 
-/// Refuses an option (named in words) that is not positive and finite.
-pub(crate) fn check_positive(quantity: &'static str, value: f64) -> Result<(), IdentifyError> {
+/// Checks that an option (named in words) is positive and finite.
+pub(crate) fn check_positive(quantity: &'static str, value: f64) -> Result<(), InferenceError> {
     if value.is_finite() && value > 0.0 {
         Ok(())
     } else {
-        Err(IdentifyError::Option { quantity, value, expected: "positive and finite" })
+        Err(InferenceError::Option { quantity, value, expected: "positive and finite" })
     }
 }
 
-/// Refuses a probability level that is not strictly between 0 and 1.
-pub(crate) fn check_level(level: f64) -> Result<(), IdentifyError> {
+/// Checks that a probability level is strictly between 0 and 1.
+pub(crate) fn check_level(level: f64) -> Result<(), InferenceError> {
     if level > 0.0 && level < 1.0 {
         Ok(())
     } else {
         let quantity = "the level";
-        Err(IdentifyError::Option { quantity, value: level, expected: "between 0 and 1" })
+        Err(InferenceError::Option { quantity, value: level, expected: "between 0 and 1" })
     }
 }
 
-/// Refuses a table (named in words) of another size than what it belongs to.
+/// Checks a number of entries (named in words).
 pub(crate) fn check_size(
     quantity: &'static str,
     found: usize,
     expected: usize,
-) -> Result<(), IdentifyError> {
-    if found == expected { Ok(()) } else { Err(IdentifyError::Size { quantity, found, expected }) }
+) -> Result<(), InferenceError> {
+    if found == expected { Ok(()) } else { Err(InferenceError::Size { quantity, found, expected }) }
 }

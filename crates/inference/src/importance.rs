@@ -1,4 +1,4 @@
-//! Importance weights: how well draws of an approximation stand for the exact distribution.
+//! Importance weights of draws from an approximate distribution.
 
 /// Weights with unit sum from logarithmic ratios; all zero if no ratio is finite.
 pub(crate) fn normalised(log_ratios: &[f64]) -> Vec<f64> {
@@ -18,7 +18,7 @@ pub(crate) fn effective_draws(weights: &[f64]) -> f64 {
 }
 
 /// The shape `k` of a generalised Pareto distribution fitted to the largest weights: below 0.7
-/// the weighted means are trustworthy. `None` where there are too few weights to tell.
+/// weighted means are reliable. `None` for too few weights.
 ///
 /// Sources: J. Zhang, M. A. Stephens, Technometrics 51, 316 (2009) for the estimate; A. Vehtari
 /// et al., J. Mach. Learn. Res. 25, 72 (2024) for its use.
@@ -35,7 +35,7 @@ pub(crate) fn pareto_shape(weights: &[f64]) -> Option<f64> {
     let excess: Vec<f64> = top.iter().map(|weight| weight - threshold).collect();
     let largest = excess[tail - 1];
     let quartile = excess[((0.25 * tail as f64 + 0.5).floor() as usize).clamp(1, tail) - 1];
-    // Weights that are all alike (up to rounding) have no tail.
+    // Weights equal up to rounding have no tail.
     if largest <= 1e-12 * threshold || quartile <= 0.0 {
         return (largest <= 1e-12 * threshold).then_some(f64::NEG_INFINITY);
     }
@@ -57,6 +57,6 @@ pub(crate) fn pareto_shape(weights: &[f64]) -> Option<f64> {
     );
     let theta: f64 = thetas.iter().zip(&shares).map(|(theta, share)| theta * share).sum();
     let k = shape(theta);
-    // A weak prior at 1/2 with the weight of ten draws steadies small tails.
+    // A weak prior at 1/2 with the weight of ten draws, for small tails.
     Some((k * tail as f64 + 5.0) / (tail as f64 + 10.0))
 }

@@ -1,6 +1,6 @@
-//! How much a residual costs: squared, or growing slower beyond a threshold.
+//! Losses: squared, or growing slower beyond a threshold.
 
-use crate::error::{IdentifyError, check_positive};
+use crate::error::{InferenceError, check_positive};
 
 /// The loss `rho(r^2)` of a standardised residual `r`; the cost of a fit is half its sum.
 ///
@@ -23,7 +23,7 @@ pub enum Loss {
     },
     /// Logarithmic far out; 2.385 keeps 95 % efficiency on normal noise.
     Cauchy {
-        /// Scale `c`, in standard deviations.
+        /// ParameterScale `c`, in standard deviations.
         scale: f64,
     },
 }
@@ -50,8 +50,8 @@ impl Loss {
         }
     }
 
-    /// Refuses a threshold or scale that is not positive and finite.
-    pub(crate) fn check(self) -> Result<(), IdentifyError> {
+    /// Checks that threshold or scale is positive and finite.
+    pub(crate) fn check(self) -> Result<(), InferenceError> {
         match self {
             Self::Squared => Ok(()),
             Self::Huber { threshold } => {

@@ -1,13 +1,15 @@
-//! What the statistics see of a model: unknowns, observations, predictions.
+//! Forward models: parameters, observations, predictions.
 
-use crate::unknown::Unknown;
+use std::fmt;
+
+use crate::parameter::Parameter;
 
 /// One measured number.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Observation {
-    /// What it is, for messages.
+    /// Description, for messages.
     pub label: String,
-    /// What is left out together in a cross-validation, for example the number of the hit.
+    /// Group that a cross-validation leaves out as a whole, for example the number of the hit.
     pub block: usize,
     /// The measured value, in the unit of the model's prediction.
     pub value: f64,
@@ -15,14 +17,27 @@ pub struct Observation {
     pub standard_deviation: f64,
 }
 
-/// Why a point has no predictions at all.
+impl Observation {
+    /// Observations `y0`, `y1`, ... with a common standard deviation, each a block of its own.
+    pub fn list(values: &[f64], standard_deviation: f64) -> Vec<Self> {
+        let one = |(block, &value): (usize, &f64)| Self {
+            label: format!("y{block}"),
+            block,
+            value,
+            standard_deviation,
+        };
+        values.iter().enumerate().map(one).collect()
+    }
+}
+
+/// The error of a model that has no predictions at a point.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Refusal {
+pub struct PredictionError {
     /// The reason, as the end of a sentence.
     pub reason: String,
 }
 
-/// One prediction per observation; `None` where the model has no such answer (a missing peak).
+/// One prediction per observation; `None` where the model has none (a missing peak).
 pub type Predictions = Vec<Option<f64>>;
 
 /// Predictions with their derivatives.
@@ -30,28 +45,103 @@ pub type Predictions = Vec<Option<f64>>;
 pub struct Derivatives {
     /// The predictions at the point.
     pub values: Predictions,
-    /// A row per observation, a column per unknown: derivatives by the unknowns' values (not by
-    /// their working coordinates). `None` where there is no derivative.
+    /// Derivatives with respect to the parameters' values (not their working coordinates): a row
+    /// per observation, a column per parameter. `None` where there is no derivative.
     pub jacobian: Vec<Vec<Option<f64>>>,
 }
 
-/// A model that predicts measurements from values of its unknowns.
+/// A model that predicts measurements from values of its parameters.
 pub trait ForwardModel: Sync {
-    /// The unknowns, in the order of a point's entries.
-    fn unknowns(&self) -> &[Unknown];
+    /// The parameters, in the order of a point's entries.
+    fn parameters(&self) -> &[Parameter];
 
     /// The measurements, in the order of the predictions.
     fn observations(&self) -> &[Observation];
 
-    /// Predictions at many points (a value per unknown), one answer per point in their order.
+    /// Predictions at many points (a value per parameter), one result per point in their order.
     ///
-    /// Callers send as many points at a time as they can, so that a model may work on them in
-    /// parallel. The answers must not depend on how points are grouped.
-    fn predict(&self, points: &[Vec<f64>]) -> Vec<Result<Predictions, Refusal>>;
+    /// Callers pass as many points at a time as they can, so that a model may evaluate them in
+    /// parallel. The results must not depend on the grouping of the points.
+    ///
+    /// # Errors
+    ///
+    /// [`PredictionError`] for a point at which the model cannot be evaluated.
+    fn predict(&self, points: &[Vec<f64>]) -> Vec<Result<Predictions, PredictionError>>;
 
-    /// Exact derivatives at a point, if the model has them. By default it has none.
-    fn differentiate(&self, point: &[f64]) -> Option<Result<Derivatives, Refusal>> {
+    /// Exact derivatives at a point; `None`, the default, for a model without them.
+    fn differentiate(&self, point: &[f64]) -> Option<Result<Derivatives, PredictionError>> {
         let _ = point;
         None
+    }
+}
+
+/// A model given by a function of the parameters' values, without exact derivatives.
+#[derive(Debug, Clone)]
+pub struct FunctionModel<F> {
+    /// The parameters.
+    pub parameters: Vec<Parameter>,
+    /// The measurements.
+    pub observations: Vec<Observation>,
+    /// One prediction per observation at a point.
+    pub function: F,
+}
+
+impl<F: Fn(&[f64]) -> Vec<f64> + Sync> ForwardModel for FunctionModel<F> {
+    fn parameters(&self) -> &[Parameter] {
+        &self.parameters
+    }
+
+    fn observations(&self) -> &[Observation] {
+        &self.observations
+    }
+
+    fn predict(&self, points: &[Vec<f64>]) -> Vec<Result<Predictions, PredictionError>> {
+        points
+            .iter()
+            .map(|point| Ok((self.function)(point).into_iter().map(Some).collect()))
+            .collect()
+    }
+}
+
+/// A model with standard deviations multiplied by a common factor.
+pub struct ScaledNoise<'a> {
+    model: &'a dyn ForwardModel,
+    observations: Vec<Observation>,
+}
+
+impl<'a> ScaledNoise<'a> {
+    /// The model whose standard deviations are those of `model` times `factor`.
+    pub fn new(model: &'a dyn ForwardModel, factor: f64) -> Self {
+        let observations = model.observations().iter().map(|observation| Observation {
+            standard_deviation: factor * observation.standard_deviation,
+            ..observation.clone()
+        });
+        Self { model, observations: observations.collect() }
+    }
+}
+
+impl fmt::Debug for ScaledNoise<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("ScaledNoise")
+            .field("observations", &self.observations)
+            .finish_non_exhaustive()
+    }
+}
+
+impl ForwardModel for ScaledNoise<'_> {
+    fn parameters(&self) -> &[Parameter] {
+        self.model.parameters()
+    }
+
+    fn observations(&self) -> &[Observation] {
+        &self.observations
+    }
+
+    fn predict(&self, points: &[Vec<f64>]) -> Vec<Result<Predictions, PredictionError>> {
+        self.model.predict(points)
+    }
+
+    fn differentiate(&self, point: &[f64]) -> Option<Result<Derivatives, PredictionError>> {
+        self.model.differentiate(point)
     }
 }

@@ -47,10 +47,10 @@ impl Monomials {
 /// Coefficients of a fit with the root mean square of its leave-one-out errors.
 pub(crate) struct Fitted {
     pub(crate) coefficients: Vec<f64>,
-    pub(crate) leave_out_error: f64,
+    pub(crate) leave_one_out_error: f64,
 }
 
-/// A design matrix with its decomposition: many right-hand sides, one decomposition.
+/// A design matrix with its decomposition, for many right-hand sides.
 pub(crate) struct LeastSquares {
     rows: Mat<f64>,
     decomposition: Qr<f64>,
@@ -68,7 +68,7 @@ impl LeastSquares {
 
     /// `None` if the rows do not determine the coefficients.
     ///
-    /// The error left at a point that took no part is the residual over one minus its leverage.
+    /// The leave-one-out error of a point is its residual over one minus its leverage.
     pub(crate) fn fit(&self, values: &[f64]) -> Option<Fitted> {
         let mut right = Mat::from_fn(values.len(), 1, |i, _| values[i]);
         self.decomposition.solve_lstsq_in_place_with_conj(Conj::No, right.as_mut());
@@ -80,6 +80,6 @@ impl LeastSquares {
         };
         let mean = (0..values.len()).map(square).sum::<f64>() / values.len() as f64;
         let finite = mean.is_finite() && coefficients.iter().all(|c| c.is_finite());
-        finite.then(|| Fitted { coefficients, leave_out_error: mean.sqrt() })
+        finite.then(|| Fitted { coefficients, leave_one_out_error: mean.sqrt() })
     }
 }

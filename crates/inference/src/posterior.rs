@@ -1,128 +1,160 @@
-//! The posterior distribution of the unknowns, as weighted draws.
+//! The posterior distribution of the parameters, as weighted draws.
 
 mod options;
-mod reach;
 mod summary;
 
 use std::cell::RefCell;
 
 use crate::convergence::{effective_sample_size, r_hat};
 use crate::covariance::Covariance;
-use crate::dense::upper_root;
-use crate::error::{IdentifyError, check_size};
-use crate::fit::{Fit, Progress, Stage};
+use crate::error::{InferenceError, check_size};
+use crate::fit::Fit;
+use crate::fit_problem::FitProblem;
 use crate::importance::{effective_draws, normalised, pareto_shape};
-use crate::model::{ForwardModel, Predictions};
-use crate::problem::Problem;
+use crate::linear_algebra::upper_root;
+use crate::model::Predictions;
 use crate::profile::Profile;
-use crate::sampler::{Chains, Plan, run};
-use crate::surrogate::{REACH, Surrogate, SurrogateOptions, Training, Whitening, sample};
+use crate::progress::{ProgressCallback, Stage, report};
+use crate::sampler::{ChainLayout, Chains, sample_chains};
+use crate::surrogate::{RANGE, Surrogate, SurrogateOptions, Training, Whitening, sample};
 
 pub use options::{PosteriorMethod, PosteriorOptions};
-use reach::unreached;
-pub use summary::Band;
+pub use summary::CredibleBand;
 
-/// Walkers of the smallest ensemble: fewer move together.
-const LEAST_WALKERS: usize = 16;
-/// Whitened coordinates beyond which draws crowd the end of the response surface.
-const CROWDED: f64 = 0.9 * REACH;
-/// Share of crowding draws that asks for another round; a normal distribution has none.
-const MOST_CROWDED: f64 = 0.001;
-/// By how much the next surface reaches farther when draws crowd the end of this one.
+/// Smallest number of walkers of an ensemble: fewer do not move independently.
+const MIN_WALKERS: usize = 16;
+/// Whitened coordinate beyond which a draw is at the limit of the response surface's range.
+const RANGE_LIMIT: f64 = 0.9 * RANGE;
+/// Share of such draws above which a wider surface is trained; a normal distribution has none.
+const MAX_AT_RANGE_LIMIT: f64 = 0.001;
+/// Factor of the range of that surface.
 const WIDENING: f64 = 1.5;
+/// Share of a profile's interval that draws may leave out.
+const MAX_LEFT_OUT: f64 = 0.25;
 
-/// How far the draws can be trusted.
+/// Diagnostics of chains, weights and response surface.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PosteriorDiagnostics {
-    /// Rank-normalised split R-hat of every unknown, each ensemble one chain of its walkers' steps in
-    /// turn; below 1.01 is good.
+    /// Rank-normalised split R-hat of every parameter, each ensemble one chain of its walkers' steps
+    /// in turn; below 1.01 is good.
     pub r_hat: Vec<f64>,
-    /// Effective sample size of every unknown, of all kept steps: the smaller of the bulk size over
-    /// walkers and the one that the ensembles' means have.
+    /// Effective sample size of every parameter, of all kept steps: the smaller of the bulk sizes
+    /// over walkers and of the ensembles' means.
     pub effective_sample_size: Vec<f64>,
-    /// Steps after which a walker has forgotten where it was: kept steps over the effective
-    /// sample size, of every unknown.
+    /// Integrated autocorrelation time of every parameter, in steps: kept steps over effective sample
+    /// size.
     pub autocorrelation_time: Vec<f64>,
     /// Share of accepted moves.
     pub acceptance: f64,
     /// Effective number of weighted draws, at most their number.
     pub effective_draws: f64,
-    /// Pareto shape of the largest weights: below 0.7 weighted means are trustworthy. `None`
-    /// where the weights are exact or too few.
+    /// Pareto shape of the largest weights: below 0.7 weighted means are reliable. `None` where
+    /// the weights are equal or too few.
     pub pareto_shape: Option<f64>,
-    /// Share of draws next to the end of the response surface's range.
-    pub crowded: f64,
+    /// Share of draws at the limit of the response surface's range.
+    pub at_range_limit: f64,
     /// Response surfaces trained; 0 for the exact method.
     pub rounds: usize,
-    /// Largest leave-out error of the last surface, in standard deviations of an observation.
+    /// Largest leave-one-out error of the last surface, in standard deviations of an observation.
     pub surrogate_error: f64,
-    /// Training points the model answered at, and draws, of all rounds; for the exact method all
-    /// points asked for.
+    /// Evaluations of the model: training points with predictions and draws of all rounds; for the
+    /// exact method all points.
     pub evaluations: usize,
-    /// Unknowns whose draws leave out a quarter or more of what their profile allows: then the
-    /// surface has lost a part of the distribution.
-    pub unreached: Vec<usize>,
+    /// Parameters whose draws leave out more than a quarter of the profile interval: the surface
+    /// then misses a part of the distribution.
+    pub truncated: Vec<usize>,
 }
 
 /// Draws from the posterior distribution.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Posterior {
-    /// Values of the unknowns, a row per draw.
+    /// Values of the parameters, a row per draw.
     pub draws: Vec<Vec<f64>>,
     /// Weight of every draw; they sum to 1.
     pub weights: Vec<f64>,
-    /// The model's predictions at every draw; empty where it refuses (weight 0).
+    /// The model's predictions at every draw; empty where it has none (weight 0).
     pub predictions: Vec<Predictions>,
-    /// How far they can be trusted.
+    /// Diagnostics.
     pub diagnostics: PosteriorDiagnostics,
 }
 
-/// Samples `exp(-cost(x))` in working coordinates within the bounds: the loss gives the
-/// likelihood (a pseudo-likelihood unless squared), the priors count, and the observations'
-/// variances are multiplied by the covariance's noise factor squared.
-///
-/// Chains run on a [`Surrogate`]; of their steps [`PosteriorOptions::draws`] evenly spread ones
-/// are evaluated on the model and weighted by exact over surrogate density, so that errors of
-/// the surface cost draws but bias nothing it reaches. While the effective share of draws is below
-/// [`PosteriorOptions::wanted_share`], or draws crowd the end of the surface's range, a new
-/// surface is trained on these draws and a new sample about them; the best round counts.
-/// Results depend on the seed, not on the number of threads.
-///
-/// A tail that no surface reaches is lost without a sign in the weights: of a distribution that is
-/// bent over many of its widths and heavy-tailed, compare with [`PosteriorMethod::Exact`] or a
-/// [`crate::profile()`].
-///
-/// # Errors
-///
-/// Options out of range, the errors of [`Surrogate::train`], [`IdentifyError::Size`] for a fit or
-/// covariance of another model, [`IdentifyError::AllRefused`] if no draw has an exact density.
-pub fn posterior(
-    model: &dyn ForwardModel,
-    fit: &Fit,
-    covariance: &Covariance,
-    profiles: &[Profile],
-    options: &PosteriorOptions,
-    progress: &(dyn Fn(Progress) + Sync),
-) -> Result<Posterior, IdentifyError> {
-    options.check()?;
-    let problem = Problem::of_fit(model, fit, covariance.noise_factor.powi(2))?;
-    check_size("unknowns of the covariance", covariance.centre.len(), problem.unknowns.len())?;
-    let whitening = Whitening { centre: covariance.centre.clone(), root: covariance.root.clone() };
-    let mut found = match options.method {
-        PosteriorMethod::Surrogate => {
-            by_surrogate(&problem, whitening, profiles, options, progress)
-        }
-        PosteriorMethod::Exact => exactly(&problem, &whitening, options, progress),
-    }?;
-    found.diagnostics.unreached = unreached(&found, profiles);
-    Ok(found)
+impl Fit<'_> {
+    /// Samples `exp(-cost(x))` in working coordinates within the bounds: the loss gives the
+    /// likelihood (a pseudo-likelihood unless squared) and the priors count; the observations'
+    /// variances are multiplied by the square of the covariance's noise factor.
+    ///
+    /// Markov chains run on a [`Surrogate`]. Of their steps [`PosteriorOptions::draws`] evenly
+    /// spread ones are evaluated on the model and weighted by exact over surrogate density
+    /// (importance sampling), so that errors of the surface cost precision but cause no bias within
+    /// its range. While the effective share of draws is below [`PosteriorOptions::target_share`],
+    /// or draws are at the limit of the range, a new surface is trained at these draws and new
+    /// points about them; the round with the most effective draws counts. Results depend on the
+    /// seed, not on the number of threads.
+    ///
+    /// A tail outside the range of all surfaces is missing, which the weights do not show. Compare
+    /// strongly curved, heavy-tailed distributions with [`PosteriorMethod::Exact`], or give the
+    /// profiles of [`Fit::profile`]: training points then follow them, and draws that do not cover
+    /// them are listed in [`PosteriorDiagnostics::truncated`].
+    ///
+    /// # Errors
+    ///
+    /// Options out of range; the errors of [`Surrogate::train`]; [`InferenceError::Size`] for a
+    /// covariance of another model; [`InferenceError::NoPredictions`] if no draw has a finite cost.
+    ///
+    /// # Example
+    ///
+    /// ```
+    /// # use asperity_inference::*;
+    /// let model = FunctionModel {
+    ///     parameters: vec![Parameter::linear("mean", 1.0, [-10.0, 10.0])?],
+    ///     observations: Observation::list(&[1.9, 2.1], 0.1),
+    ///     function: |x: &[f64]| vec![x[0]; 2],
+    /// };
+    /// let best = fit(&model, &FitOptions::default())?;
+    /// let posterior = best.posterior(&best.covariance()?, &[], &PosteriorOptions::default())?;
+    /// assert!((posterior.mean(0) - 2.0).abs() < 0.01);
+    /// # Ok::<(), InferenceError>(())
+    /// ```
+    pub fn posterior(
+        &self,
+        covariance: &Covariance,
+        profiles: &[Profile],
+        options: &PosteriorOptions,
+    ) -> Result<Posterior, InferenceError> {
+        options.check()?;
+        let problem = self.problem.with_noise_factor(covariance.noise_factor);
+        let count = problem.parameters.len();
+        check_size("parameters of the covariance", covariance.centre.len(), count)?;
+        let whitening = Whitening::of(covariance);
+        let mut found = match options.method {
+            PosteriorMethod::Surrogate => {
+                by_surrogate(&problem, whitening, profiles, options, self.progress)
+            }
+            PosteriorMethod::Exact => exactly(&problem, &whitening, options, self.progress),
+        }?;
+        found.diagnostics.truncated = truncated(&found, profiles);
+        Ok(found)
+    }
 }
 
-fn plan(dimensions: usize, options: &PosteriorOptions, round: usize) -> Plan {
-    Plan {
+/// Parameters whose draws leave out more than [`MAX_LEFT_OUT`] of their profile intervals.
+fn truncated(found: &Posterior, profiles: &[Profile]) -> Vec<usize> {
+    let is_truncated = |profile: &&Profile| {
+        let [low, high] = profile.interval;
+        let values = || found.draws.iter().filter_map(|draw| draw.get(profile.parameter).copied());
+        let least = values().fold(f64::INFINITY, f64::min);
+        let greatest = values().fold(f64::NEG_INFINITY, f64::max);
+        let left_out = (least - low).max(0.0) + (high - greatest).max(0.0);
+        left_out > MAX_LEFT_OUT * (high - low)
+    };
+    profiles.iter().filter(is_truncated).map(|profile| profile.parameter).collect()
+}
+
+fn layout(dimensions: usize, options: &PosteriorOptions, round: usize) -> ChainLayout {
+    ChainLayout {
         dimensions,
         ensembles: options.ensembles,
-        walkers: 2 * (dimensions * options.walkers_per_unknown).div_ceil(2).max(LEAST_WALKERS / 2),
+        walkers: 2 * (dimensions * options.walkers_per_parameter).div_ceil(2).max(MIN_WALKERS / 2),
         burn_in: options.burn_in,
         steps: options.steps,
         seed: options.seed.wrapping_add(0x5eed * round as u64),
@@ -130,57 +162,47 @@ fn plan(dimensions: usize, options: &PosteriorOptions, round: usize) -> Plan {
 }
 
 fn by_surrogate(
-    problem: &Problem<'_>,
+    problem: &FitProblem<'_>,
     mut whitening: Whitening,
     profiles: &[Profile],
     options: &PosteriorOptions,
-    progress: &(dyn Fn(Progress) + Sync),
-) -> Result<Posterior, IdentifyError> {
+    progress: &ProgressCallback<'_>,
+) -> Result<Posterior, InferenceError> {
     let mut training = Training::default();
     let mut best: Option<(f64, Posterior)> = None;
     let mut evaluations = 0;
-    for round in 1..=options.most_rounds {
-        let valleys = if round == 1 { profiles } else { &[] };
+    for round in 1..=options.max_rounds {
+        let along = if round == 1 { profiles } else { &[] };
         let seed = options.seed.wrapping_add(round as u64);
-        let choice = SurrogateOptions { oversampling: options.oversampling, seed };
-        let fresh = sample(problem, &whitening, valleys, &choice, progress)?;
+        let training_options = SurrogateOptions { oversampling: options.oversampling, seed };
+        let fresh = sample(problem, &whitening, along, &training_options, progress)?;
         evaluations += fresh.points.len();
         training.points.extend(fresh.points);
         training.predictions.extend(fresh.predictions);
         let surface = match Surrogate::from_training(problem, whitening.clone(), &training) {
             Ok(surface) => surface,
-            // So wide, the model often has no answer.
-            Err(IdentifyError::OftenMissing { .. } | IdentifyError::TooFewTraining { .. })
-                if best.is_none() && round < options.most_rounds =>
-            {
+            // Too wide: the model often has no predictions.
+            Err(
+                InferenceError::MissingPredictions { .. } | InferenceError::TooFewTraining { .. },
+            ) if best.is_none() && round < options.max_rounds => {
                 whitening = whitening.halved();
                 training = Training::default();
                 continue;
             }
-            // A later surface that fails leaves the earlier rounds' result.
+            // A later surface that fails leaves the result of the earlier rounds.
             Err(error) if best.is_none() => return Err(error),
             Err(_) => break,
         };
-        let chains = run(
+        let chains = sample_chains(
             &|z| surface_density(problem, &surface, z),
-            &plan(whitening.centre.len(), options, round),
+            &layout(whitening.centre.len(), options, round),
         );
-        progress(Progress {
-            stage: Stage::Sampling,
-            done: round,
-            of: options.most_rounds,
-            cost: f64::INFINITY,
-        });
+        report(progress, Stage::Sampling, round, options.max_rounds);
         let z = spread(&chains, options.draws);
         let x: Vec<Vec<f64>> = z.iter().map(|z| whitening.to_working(z)).collect();
         let answers = problem.predict(&x);
         evaluations += x.len();
-        progress(Progress {
-            stage: Stage::Draws,
-            done: round,
-            of: options.most_rounds,
-            cost: f64::INFINITY,
-        });
+        report(progress, Stage::Draws, round, options.max_rounds);
         let ratios: Vec<f64> = answers
             .iter()
             .zip(x.iter().zip(&z))
@@ -193,21 +215,21 @@ fn by_surrogate(
             })
             .collect();
         let weights = normalised(&ratios);
-        let crowd = z.iter().filter(|z| z.iter().any(|z| z.abs() > CROWDED)).count();
-        let crowded = crowd as f64 / z.len() as f64;
+        let crowd = z.iter().filter(|z| z.iter().any(|z| z.abs() > RANGE_LIMIT)).count();
+        let at_range_limit = crowd as f64 / z.len() as f64;
         let effective = effective_draws(&weights);
         let diagnostics = PosteriorDiagnostics {
             pareto_shape: pareto_shape(&weights),
             effective_draws: effective,
-            crowded,
+            at_range_limit,
             rounds: round,
-            surrogate_error: surface.leave_out_errors.iter().copied().fold(0.0, f64::max),
+            surrogate_error: surface.leave_one_out_errors.iter().copied().fold(0.0, f64::max),
             evaluations,
             ..chain_diagnostics(&chains, whitening.centre.len())
         };
-        let narrow = crowded > MOST_CROWDED;
-        let enough = effective >= options.wanted_share * z.len() as f64 && !narrow;
-        // Local training: what the model said at the draws, and the earlier points among them.
+        let narrow = at_range_limit > MAX_AT_RANGE_LIMIT;
+        let enough = effective >= options.target_share * z.len() as f64 && !narrow;
+        // Local training: predictions at the draws, and the earlier points among them.
         let next = localised(&x, &weights);
         for (x, answer) in x.iter().zip(&answers) {
             if let Ok(predictions) = answer {
@@ -215,7 +237,7 @@ fn by_surrogate(
                 training.predictions.push(predictions.clone());
             }
         }
-        // What a surface cannot reach is worse than draws that weigh little.
+        // Draws outside the range are missing; small weights only cost precision.
         let score = if narrow { 0.25 * effective } else { effective };
         if effective > 0.0 && best.as_ref().is_none_or(|(before, _)| score > *before) {
             let draws = x.iter().map(|x| problem.values_at(x)).collect();
@@ -233,11 +255,11 @@ fn by_surrogate(
             whitening = next;
         }
     }
-    let refused = || IdentifyError::AllRefused {
+    let failed = || InferenceError::NoPredictions {
         points: options.draws,
-        reason: "no draw of the response surface has a density".to_owned(),
+        reason: "the cost is not finite".to_owned(),
     };
-    let (_, mut posterior) = best.ok_or_else(refused)?;
+    let (_, mut posterior) = best.ok_or_else(failed)?;
     posterior.diagnostics.evaluations = evaluations;
     Ok(posterior)
 }
@@ -248,8 +270,8 @@ thread_local! {
 }
 
 /// Logarithm of the density that the response surface gives, minus infinity outside its range.
-fn surface_density(problem: &Problem<'_>, surface: &Surrogate, z: &[f64]) -> f64 {
-    if z.iter().any(|z| z.abs() > REACH) {
+fn surface_density(problem: &FitProblem<'_>, surface: &Surrogate, z: &[f64]) -> f64 {
+    if z.iter().any(|z| z.abs() > RANGE) {
         return f64::NEG_INFINITY;
     }
     let x = surface.whitening().to_working(z);
@@ -262,8 +284,8 @@ fn surface_density(problem: &Problem<'_>, surface: &Surrogate, z: &[f64]) -> f64
     })
 }
 
-/// Centre and spread of weighted draws. Weights are cut at `mean * sqrt(count)` (E. L. Ionides,
-/// J. Comp. Graph. Stat. 17, 295, 2008), so that a few heavy draws do not shrink the spread.
+/// Mean and covariance of weighted draws. Weights are cut at `mean * sqrt(count)` (E. L. Ionides,
+/// J. Comp. Graph. Stat. 17, 295, 2008), so that a few large ones do not dominate.
 fn localised(x: &[Vec<f64>], weights: &[f64]) -> Option<Whitening> {
     let limit = (weights.len() as f64).sqrt().recip();
     let cut: Vec<f64> = weights.iter().map(|weight| weight.min(limit)).collect();
@@ -282,7 +304,7 @@ fn localised(x: &[Vec<f64>], weights: &[f64]) -> Option<Whitening> {
 
 /// Drops training points outside the new surface's range.
 fn keep_near(training: &mut Training, whitening: &Whitening) {
-    let near = |x: &Vec<f64>| whitening.to_white(x).iter().all(|z| z.abs() <= REACH);
+    let near = |x: &Vec<f64>| whitening.to_white(x).iter().all(|z| z.abs() <= RANGE);
     let keep: Vec<bool> = training.points.iter().map(near).collect();
     let mut flags = keep.iter();
     training.points.retain(|_| flags.next().is_some_and(|&keep| keep));
@@ -318,11 +340,11 @@ fn chain_diagnostics(chains: &Chains, dimensions: usize) -> PosteriorDiagnostics
         acceptance: chains.acceptance,
         effective_draws: 0.0,
         pareto_shape: None,
-        crowded: 0.0,
+        at_range_limit: 0.0,
         rounds: 0,
         surrogate_error: 0.0,
         evaluations: 0,
-        unreached: Vec::new(),
+        truncated: Vec::new(),
     }
 }
 
@@ -334,8 +356,8 @@ fn whole_ensembles(walkers: &[Vec<f64>], ensembles: usize) -> Vec<Vec<f64>> {
     walkers.chunks(walkers.len() / ensembles).map(in_turn).collect()
 }
 
-/// The mean over each ensemble's walkers, step by step. Its autocorrelation sees what walkers do
-/// together, which chains taken one by one do not (Goodman and Weare 2010, section 3).
+/// The mean over the walkers of each ensemble, step by step. Its autocorrelation includes that
+/// between walkers, which single chains do not show (Goodman and Weare 2010, section 3).
 fn ensemble_means(walkers: &[Vec<f64>], ensembles: usize) -> Vec<Vec<f64>> {
     let together = |group: &[Vec<f64>]| {
         let mean = |n: usize| group.iter().map(|chain| chain[n]).sum::<f64>() / group.len() as f64;
@@ -351,11 +373,11 @@ fn variance(chains: &[Vec<f64>]) -> f64 {
 }
 
 fn exactly(
-    problem: &Problem<'_>,
+    problem: &FitProblem<'_>,
     whitening: &Whitening,
     options: &PosteriorOptions,
-    progress: &(dyn Fn(Progress) + Sync),
-) -> Result<Posterior, IdentifyError> {
+    progress: &ProgressCallback<'_>,
+) -> Result<Posterior, InferenceError> {
     let density = |z: &[f64]| {
         let x = whitening.to_working(z);
         if !problem.inside(&x) {
@@ -366,23 +388,24 @@ fn exactly(
             _ => f64::NEG_INFINITY,
         }
     };
-    let plan = plan(whitening.centre.len(), options, 0);
-    let chains = run(&density, &plan);
-    progress(Progress { stage: Stage::Sampling, done: 1, of: 1, cost: f64::INFINITY });
+    let layout = layout(whitening.centre.len(), options, 0);
+    let chains = sample_chains(&density, &layout);
+    report(progress, Stage::Sampling, 1, 1);
     let x: Vec<Vec<f64>> =
         spread(&chains, options.draws).iter().map(|z| whitening.to_working(z)).collect();
     let answers = problem.predict(&x);
     let usable = answers.iter().filter(|answer| answer.is_ok()).count();
     if usable == 0 {
         let reason = answers.into_iter().find_map(Result::err).unwrap_or_default();
-        return Err(IdentifyError::AllRefused { points: x.len(), reason });
+        return Err(InferenceError::NoPredictions { points: x.len(), reason });
     }
     let share = |answer: &Result<Predictions, String>| {
         if answer.is_ok() { 1.0 / usable as f64 } else { 0.0 }
     };
     let diagnostics = PosteriorDiagnostics {
         effective_draws: usable as f64,
-        evaluations: plan.ensembles * plan.walkers * (plan.burn_in + plan.steps + 1) + x.len(),
+        evaluations: layout.ensembles * layout.walkers * (layout.burn_in + layout.steps + 1)
+            + x.len(),
         ..chain_diagnostics(&chains, whitening.centre.len())
     };
     Ok(Posterior {

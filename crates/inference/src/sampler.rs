@@ -1,7 +1,7 @@
-//! Ensemble Markov chains; the only file that knows the crate hammer-and-sample.
+//! Ensemble Markov chains, by the crate hammer-and-sample.
 //!
 //! Source: J. Goodman, J. Weare, Comm. App. Math. Comp. Sci. 5, 65 (2010): stretch moves, which
-//! do not care about the scales and correlation of the unknowns.
+//! are invariant to scales and correlation of the parameters.
 
 use hammer_and_sample::{MinChainLen, Model, Serial, Stretch, sample};
 use rand_pcg::Pcg64;
@@ -9,9 +9,9 @@ use rayon::prelude::*;
 
 use crate::random::{generator, normal};
 
-/// How long and how many.
+/// Numbers and lengths of the chains.
 #[derive(Clone, Copy)]
-pub(crate) struct Plan {
+pub(crate) struct ChainLayout {
     pub(crate) dimensions: usize,
     pub(crate) ensembles: usize,
     /// In each ensemble; even, at least twice the dimensions.
@@ -29,9 +29,9 @@ pub(crate) struct Chains {
     pub(crate) acceptance: f64,
 }
 
-struct Density<'a>(&'a (dyn Fn(&[f64]) -> f64 + Sync));
+struct LogDensity<'a>(&'a (dyn Fn(&[f64]) -> f64 + Sync));
 
-impl Model for Density<'_> {
+impl Model for LogDensity<'_> {
     type Params = Vec<f64>;
 
     fn log_prob(&self, state: &Vec<f64>) -> f64 {
@@ -41,35 +41,42 @@ impl Model for Density<'_> {
 }
 
 /// Samples a logarithmic density (up to a constant, minus infinity outside) from normal starts
-/// about zero. Every walker has its own random numbers, so threads change nothing.
-pub(crate) fn run(density: &(dyn Fn(&[f64]) -> f64 + Sync), plan: &Plan) -> Chains {
+/// about zero. Every walker has its own random numbers, independent of threads.
+pub(crate) fn sample_chains(
+    density: &(dyn Fn(&[f64]) -> f64 + Sync),
+    layout: &ChainLayout,
+) -> Chains {
     let one = |ensemble: usize| {
         let walker = |walker: usize| {
-            let stream = (ensemble * plan.walkers + walker) as u64;
-            let mut generator = generator(plan.seed, stream);
-            (start(density, plan.dimensions, &mut generator), generator)
+            let stream = (ensemble * layout.walkers + walker) as u64;
+            let mut generator = generator(layout.seed, stream);
+            (start(density, layout.dimensions, &mut generator), generator)
         };
-        let length = plan.walkers * (plan.burn_in + plan.steps);
-        let walkers = (0..plan.walkers).map(walker);
-        let model = Density(density);
+        let length = layout.walkers * (layout.burn_in + layout.steps);
+        let walkers = (0..layout.walkers).map(walker);
+        let model = LogDensity(density);
         sample(&model, &Stretch::default(), walkers, MinChainLen(length), Serial)
     };
     let ensembles: Vec<(Vec<Vec<f64>>, usize)> =
-        (0..plan.ensembles).into_par_iter().map(one).collect();
+        (0..layout.ensembles).into_par_iter().map(one).collect();
     let accepted: usize = ensembles.iter().map(|ensemble| ensemble.1).sum();
-    let moves = plan.ensembles * plan.walkers * (plan.burn_in + plan.steps);
-    let mut walkers: Vec<Vec<Vec<f64>>> = Vec::with_capacity(plan.ensembles * plan.walkers);
+    let moves = layout.ensembles * layout.walkers * (layout.burn_in + layout.steps);
+    let mut walkers: Vec<Vec<Vec<f64>>> = Vec::with_capacity(layout.ensembles * layout.walkers);
     for (chain, _) in ensembles {
         let first = walkers.len();
-        walkers.extend((0..plan.walkers).map(|_| Vec::with_capacity(plan.steps)));
-        for (place, state) in chain.into_iter().enumerate().skip(plan.walkers * plan.burn_in) {
-            walkers[first + place % plan.walkers].push(state);
+        walkers.extend((0..layout.walkers).map(|_| Vec::with_capacity(layout.steps)));
+        for (place, state) in chain.into_iter().enumerate().skip(layout.walkers * layout.burn_in) {
+            walkers[first + place % layout.walkers].push(state);
         }
     }
-    Chains { walkers, ensembles: plan.ensembles, acceptance: accepted as f64 / moves.max(1) as f64 }
+    Chains {
+        walkers,
+        ensembles: layout.ensembles,
+        acceptance: accepted as f64 / moves.max(1) as f64,
+    }
 }
 
-/// A start of positive density: normal numbers, drawn closer to zero the longer it takes.
+/// A start of positive density: normal numbers of shrinking spread.
 fn start(
     density: &(dyn Fn(&[f64]) -> f64 + Sync),
     dimensions: usize,

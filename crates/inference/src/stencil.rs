@@ -1,9 +1,9 @@
-//! Derivatives from differences: second order in a fit, fourth order at its end.
+//! Derivatives by finite differences: second order during a fit, fourth order at the optimum.
 
+use crate::fit_problem::FitProblem;
 use crate::model::Predictions;
-use crate::problem::Problem;
 
-/// Offsets (in steps) with their weights, and the weight of the base point.
+/// Offsets in steps with their weights, and the weight of the base point.
 type Formula = (&'static [(f64, f64)], f64);
 
 const CENTRAL_2: Formula = (&[(-1.0, -0.5), (1.0, 0.5)], 0.0);
@@ -21,15 +21,15 @@ pub(crate) enum Order {
 }
 
 struct Column {
-    unknown: usize,
-    /// Signed: one-sided formulas look away from the bound.
+    parameter: usize,
+    /// Signed: one-sided formulas use points away from the bound.
     step: f64,
     formula: Formula,
 }
 
-/// The points around `x` that give derivatives by every unknown that is not held.
+/// The points around `x` for the derivatives with respect to all parameters that are not held.
 ///
-/// Next to a bound the one-sided formula of the same order keeps all points inside.
+/// Next to a bound a one-sided formula of the same order keeps all points inside.
 pub(crate) struct Stencil {
     columns: Vec<Column>,
     pub(crate) points: Vec<Vec<f64>>,
@@ -37,25 +37,25 @@ pub(crate) struct Stencil {
 
 impl Stencil {
     pub(crate) fn new(
-        problem: &Problem<'_>,
+        problem: &FitProblem<'_>,
         x: &[f64],
         held: &[bool],
         relative_step: f64,
         order: Order,
     ) -> Self {
-        let (central, forward, reach) = match order {
+        let (central, forward, width) = match order {
             Order::Second => (CENTRAL_2, FORWARD_2, 1.0),
             Order::Fourth => (CENTRAL_4, FORWARD_4, 2.0),
         };
         let (mut columns, mut points) = (Vec::new(), Vec::new());
         for j in (0..x.len()).filter(|&j| !held[j]) {
-            let step = relative_step * problem.unknowns[j].length(x[j]);
-            let column = if x[j] - reach * step < problem.lower[j] {
-                Column { unknown: j, step, formula: forward }
-            } else if x[j] + reach * step > problem.upper[j] {
-                Column { unknown: j, step: -step, formula: forward }
+            let step = relative_step * problem.parameters[j].length(x[j]);
+            let column = if x[j] - width * step < problem.lower[j] {
+                Column { parameter: j, step, formula: forward }
+            } else if x[j] + width * step > problem.upper[j] {
+                Column { parameter: j, step: -step, formula: forward }
             } else {
-                Column { unknown: j, step, formula: central }
+                Column { parameter: j, step, formula: central }
             };
             for (offset, _) in column.formula.0 {
                 let mut point = x.to_vec();
@@ -67,16 +67,16 @@ impl Stencil {
         Self { columns, points }
     }
 
-    /// Derivatives of the predictions by the working coordinates: a row per observation, zero
-    /// where there is none. Where a point of the formula has no prediction, the base and one
-    /// neighbour that has one give a first-order difference.
+    /// Derivatives of the predictions with respect to the working coordinates: a row per
+    /// observation, zero where there is none. Where a point of the formula has no prediction, the
+    /// base and one neighbour give a first-order difference.
     pub(crate) fn derivatives(
         &self,
         base: &Predictions,
         answers: &[Result<Predictions, String>],
-        unknowns: usize,
+        parameters: usize,
     ) -> Vec<Vec<f64>> {
-        let mut rows = vec![vec![0.0; unknowns]; base.len()];
+        let mut rows = vec![vec![0.0; parameters]; base.len()];
         let mut first = 0;
         for column in &self.columns {
             let (terms, base_weight) = column.formula;
@@ -96,7 +96,7 @@ impl Stencil {
                     let near = |(k, term): (usize, &(f64, f64))| Some((at(k)? - centre) / term.0);
                     terms.iter().enumerate().filter(|(_, t)| t.0.abs() == 1.0).find_map(near)
                 };
-                row[column.unknown] = sum.or_else(one).unwrap_or(0.0) / column.step;
+                row[column.parameter] = sum.or_else(one).unwrap_or(0.0) / column.step;
             }
         }
         rows

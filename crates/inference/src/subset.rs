@@ -1,16 +1,16 @@
-//! A model seen through some of its observations.
+//! A model restricted to some of its observations.
 
-use crate::model::{Derivatives, ForwardModel, Observation, Predictions, Refusal};
-use crate::unknown::Unknown;
+use crate::model::{Derivatives, ForwardModel, Observation, PredictionError, Predictions};
+use crate::parameter::Parameter;
 
-/// The model with only the observations kept, in their order.
-pub(crate) struct Subset<'a> {
+/// The model with some of its observations, in their order.
+pub(crate) struct ObservationSubset<'a> {
     model: &'a dyn ForwardModel,
     kept: Vec<usize>,
     observations: Vec<Observation>,
 }
 
-impl<'a> Subset<'a> {
+impl<'a> ObservationSubset<'a> {
     pub(crate) fn new(model: &'a dyn ForwardModel, keep: impl Fn(&Observation) -> bool) -> Self {
         let all = model.observations();
         let kept: Vec<usize> = (0..all.len()).filter(|&i| keep(&all[i])).collect();
@@ -19,26 +19,26 @@ impl<'a> Subset<'a> {
     }
 
     fn choose<T: Clone>(&self, all: &[T]) -> Vec<T> {
-        // Too short an answer stays too short, and is refused by whoever asked.
+        // A result of a wrong size keeps it, for the caller's check.
         self.kept.iter().filter_map(|&i| all.get(i).cloned()).collect()
     }
 }
 
-impl ForwardModel for Subset<'_> {
-    fn unknowns(&self) -> &[Unknown] {
-        self.model.unknowns()
+impl ForwardModel for ObservationSubset<'_> {
+    fn parameters(&self) -> &[Parameter] {
+        self.model.parameters()
     }
 
     fn observations(&self) -> &[Observation] {
         &self.observations
     }
 
-    fn predict(&self, points: &[Vec<f64>]) -> Vec<Result<Predictions, Refusal>> {
+    fn predict(&self, points: &[Vec<f64>]) -> Vec<Result<Predictions, PredictionError>> {
         let answers = self.model.predict(points).into_iter();
         answers.map(|answer| answer.map(|all| self.choose(&all))).collect()
     }
 
-    fn differentiate(&self, point: &[f64]) -> Option<Result<Derivatives, Refusal>> {
+    fn differentiate(&self, point: &[f64]) -> Option<Result<Derivatives, PredictionError>> {
         Some(self.model.differentiate(point)?.map(|all| Derivatives {
             values: self.choose(&all.values),
             jacobian: self.choose(&all.jacobian),

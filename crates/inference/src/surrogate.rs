@@ -1,29 +1,29 @@
-//! A response surface: polynomials in place of the model near the optimum.
+//! A response surface: polynomials that replace the model near the optimum.
 
 use faer::Mat;
 
 use crate::covariance::Covariance;
-use crate::dense::{upper_solve, upper_times};
-use crate::distribution::normal_quantile;
-use crate::error::{IdentifyError, check_size};
-use crate::fit::{Fit, Progress, Stage};
-use crate::model::{ForwardModel, Predictions};
+use crate::error::{InferenceError, check_size};
+use crate::fit::Fit;
+use crate::fit_problem::FitProblem;
+use crate::linear_algebra::{dot, upper_solve, upper_times};
+use crate::model::Predictions;
 use crate::polynomial::{LeastSquares, Monomials};
-use crate::problem::Problem;
 use crate::profile::Profile;
-use crate::random::{generator, latin_hypercube, normal};
+use crate::progress::{ProgressCallback, Stage, report};
+use crate::random::{generator, latin_hypercube, normal, normal_quantile};
 
-/// Most unknowns for which cubic terms are worth their number.
-const MOST_CUBIC: usize = 10;
+/// Largest number of parameters with cubic terms.
+const MAX_CUBIC: usize = 10;
 /// Standard deviation of the training points in whitened coordinates.
 const SPREAD: f64 = 1.3;
 /// Farthest training point in each whitened coordinate.
-const TRAINING_REACH: f64 = 4.0;
-/// Where the surface ends. Beyond the training points it is extrapolated: draws there lose weight
-/// if it is wrong, but what it does not reach is lost for good.
-pub(crate) const REACH: f64 = 6.0;
+const TRAINING_RANGE: f64 = 4.0;
+/// Largest whitened coordinate of the surface, extrapolated beyond the training points: wrong draws
+/// there lose weight, and draws outside the range do not exist.
+pub(crate) const RANGE: f64 = 6.0;
 /// Largest share of training points at which a prediction may be missing.
-const MOST_MISSING: f64 = 0.5;
+const MAX_MISSING: f64 = 0.5;
 
 /// Options of a response surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -40,7 +40,7 @@ impl Default for SurrogateOptions {
     }
 }
 
-/// Working coordinates made round: `x = centre + root z`.
+/// Whitened coordinates `z` with unit covariance: `x = centre + root z`.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Whitening {
     pub(crate) centre: Vec<f64>,
@@ -49,6 +49,11 @@ pub(crate) struct Whitening {
 }
 
 impl Whitening {
+    /// The whitening of a covariance.
+    pub(crate) fn of(covariance: &Covariance) -> Self {
+        Self { centre: covariance.centre.clone(), root: covariance.root.clone() }
+    }
+
     pub(crate) fn to_working(&self, z: &[f64]) -> Vec<f64> {
         let step = upper_times(&self.root, z);
         self.centre.iter().zip(step).map(|(centre, step)| centre + step).collect()
@@ -60,10 +65,9 @@ impl Whitening {
         Self { centre: self.centre.clone(), root: root.collect() }
     }
 
-    /// How all coordinates follow number `j` on average: `C[i][j] / C[j][j]`.
+    /// Regression of all coordinates on number `j`: `C[i][j] / C[j][j]`.
     fn spread_with(&self, j: usize) -> Vec<f64> {
-        let product =
-            |i: usize| -> f64 { self.root[i].iter().zip(&self.root[j]).map(|(a, b)| a * b).sum() };
+        let product = |i: usize| dot(&self.root[i], &self.root[j]);
         (0..self.root.len()).map(|i| product(i) / product(j)).collect()
     }
 
@@ -73,28 +77,28 @@ impl Whitening {
     }
 }
 
-/// Points (working coordinates) with what the model says there.
+/// Points (working coordinates) with the model's predictions.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct Training {
     pub(crate) points: Vec<Vec<f64>>,
     pub(crate) predictions: Vec<Predictions>,
 }
 
-/// Polynomials of degree three (two above ten unknowns) in whitened coordinates `z`, with
+/// Polynomials of degree three (two above ten parameters) in whitened coordinates `z`, with
 /// `x = optimum + L z` and `L L^T` the covariance, one for every observation's standardised
 /// residual.
 ///
 /// They are trained on a Latin hypercube of normal points with standard deviation 1.3, clipped
-/// to `|z| <= 4` and brought inside the bounds. A training point that the model refuses is left out; an
-/// observation that is missing at some points is fitted to the others, and refused if it is
-/// missing at more than half.
+/// to `|z| <= 4` and moved inside the bounds. Training points without predictions are left out. An
+/// observation without a prediction at some points is fitted to the others; more than half is an
+/// error.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Surrogate {
-    /// Number of training points the model answered at.
+    /// Number of training points with predictions.
     pub training_points: usize,
     /// Root mean square error at left-out points for every observation, in units of its
     /// standard deviation.
-    pub leave_out_errors: Vec<f64>,
+    pub leave_one_out_errors: Vec<f64>,
     whitening: Whitening,
     monomials: Monomials,
     /// For every monomial a coefficient per observation.
@@ -102,36 +106,34 @@ pub struct Surrogate {
 }
 
 impl Surrogate {
-    /// Trains on the model about a fit.
+    /// Trains about the optimum of a fit.
     ///
     /// # Errors
     ///
-    /// [`IdentifyError::TooFewTraining`], [`IdentifyError::OftenMissing`], and
-    /// [`IdentifyError::Size`] for a fit or covariance of another model.
+    /// [`InferenceError::TooFewTraining`], [`InferenceError::MissingPredictions`], and
+    /// [`InferenceError::Size`] for a covariance of another model.
     pub fn train(
-        model: &dyn ForwardModel,
-        fit: &Fit,
+        fit: &Fit<'_>,
         covariance: &Covariance,
         options: &SurrogateOptions,
-        progress: &(dyn Fn(Progress) + Sync),
-    ) -> Result<Self, IdentifyError> {
-        let problem = Problem::of_fit(model, fit, 1.0)?;
-        check_size("unknowns of the covariance", covariance.centre.len(), problem.unknowns.len())?;
-        let whitening =
-            Whitening { centre: covariance.centre.clone(), root: covariance.root.clone() };
-        let training = sample(&problem, &whitening, &[], options, progress)?;
-        Self::from_training(&problem, whitening, &training)
+    ) -> Result<Self, InferenceError> {
+        let problem = &fit.problem;
+        let count = problem.parameters.len();
+        check_size("parameters of the covariance", covariance.centre.len(), count)?;
+        let whitening = Whitening::of(covariance);
+        let training = sample(problem, &whitening, &[], options, fit.progress)?;
+        Self::from_training(problem, whitening, &training)
     }
 
     pub(crate) fn from_training(
-        problem: &Problem<'_>,
+        problem: &FitProblem<'_>,
         whitening: Whitening,
         training: &Training,
-    ) -> Result<Self, IdentifyError> {
-        let monomials = monomials(problem.unknowns.len());
+    ) -> Result<Self, InferenceError> {
+        let monomials = monomials(problem.parameters.len());
         let (points, terms) = (training.points.len(), monomials.count());
         if points <= terms {
-            return Err(IdentifyError::TooFewTraining { answered: points, needed: terms + 1 });
+            return Err(InferenceError::TooFewTraining { answered: points, needed: terms + 1 });
         }
         let mut values = Vec::with_capacity(terms);
         let rows: Vec<Vec<f64>> = training
@@ -148,7 +150,7 @@ impl Surrogate {
         let all: Vec<usize> = (0..points).collect();
         let common = design(&all);
         let mut coefficients: Vec<Vec<f64>> = Vec::new();
-        let mut leave_out_errors = Vec::new();
+        let mut leave_one_out_errors = Vec::new();
         for (i, observation) in problem.observations.iter().enumerate() {
             let target = |&point: &usize| {
                 let prediction = training.predictions[point][i]?;
@@ -157,32 +159,38 @@ impl Surrogate {
             let answered: Vec<usize> =
                 all.iter().copied().filter(|k| target(k).is_some()).collect();
             let missing = points - answered.len();
-            if missing as f64 > MOST_MISSING * points as f64 {
+            if missing as f64 > MAX_MISSING * points as f64 {
                 let label = observation.label.clone();
-                return Err(IdentifyError::OftenMissing { label, missing, points });
+                return Err(InferenceError::MissingPredictions { label, missing, points });
             }
             if answered.len() <= terms {
                 let answered = answered.len();
-                return Err(IdentifyError::TooFewTraining { answered, needed: terms + 1 });
+                return Err(InferenceError::TooFewTraining { answered, needed: terms + 1 });
             }
             let targets: Vec<f64> = answered.iter().filter_map(target).collect();
             let own = (missing > 0).then(|| design(&answered));
             let fitted = own.as_ref().unwrap_or(&common).fit(&targets);
-            let fitted = fitted.ok_or(IdentifyError::Singular { matrix: "training matrix" })?;
+            let fitted = fitted.ok_or(InferenceError::Singular { matrix: "training matrix" })?;
             coefficients.push(fitted.coefficients);
-            leave_out_errors.push(fitted.leave_out_error);
+            leave_one_out_errors.push(fitted.leave_one_out_error);
         }
         let coefficients =
             (0..terms).flat_map(|k| coefficients.iter().map(move |row| row[k])).collect();
-        Ok(Self { training_points: points, leave_out_errors, whitening, monomials, coefficients })
+        Ok(Self {
+            training_points: points,
+            leave_one_out_errors,
+            whitening,
+            monomials,
+            coefficients,
+        })
     }
 
     /// Standardised residuals at whitened coordinates; `scratch` holds the monomials.
     pub(crate) fn residuals(&self, z: &[f64], scratch: &mut Vec<f64>, out: &mut Vec<f64>) {
         self.monomials.values(z, scratch);
         out.clear();
-        out.resize(self.leave_out_errors.len(), 0.0);
-        // Term by term, so that neighbouring observations fill the vector lanes.
+        out.resize(self.leave_one_out_errors.len(), 0.0);
+        // Term by term: neighbouring observations fill the vector registers.
         for (row, value) in self.coefficients.chunks_exact(out.len()).zip(&*scratch) {
             for (sum, coefficient) in out.iter_mut().zip(row) {
                 *sum += coefficient * value;
@@ -191,7 +199,7 @@ impl Surrogate {
     }
 
     /// Standardised residuals that the surface gives at working coordinates, one per observation;
-    /// empty if `x` has not one coordinate per unknown. Meant for `|z| <= 4`.
+    /// empty if `x` does not have one coordinate per parameter. Valid for `|z| <= 4`.
     pub fn standardised_residuals(&self, x: &[f64]) -> Vec<f64> {
         let (mut scratch, mut out) = (Vec::new(), Vec::new());
         if x.len() == self.whitening.centre.len() {
@@ -205,14 +213,14 @@ impl Surrogate {
     }
 }
 
-fn monomials(unknowns: usize) -> Monomials {
-    Monomials::new(unknowns, if unknowns <= MOST_CUBIC { 3 } else { 2 })
+fn monomials(parameters: usize) -> Monomials {
+    Monomials::new(parameters, if parameters <= MAX_CUBIC { 3 } else { 2 })
 }
 
-/// The working coordinates at `z`, or at `-z`, or the nearer end of the line between them and the
-/// centre that is inside the bounds: a long, thin distribution is not left sideways. Where the
-/// centre is in a corner and neither leads anywhere, each coordinate is clipped on its own.
-fn inside(problem: &Problem<'_>, whitening: &Whitening, z: &[f64]) -> Vec<f64> {
+/// The working coordinates at `z` or `-z`, moved towards the centre until they are inside the bounds,
+/// which keeps the shape of a long, thin distribution. Where the centre is in a corner and neither
+/// leads inside, each coordinate is clipped on its own.
+fn inside(problem: &FitProblem<'_>, whitening: &Whitening, z: &[f64]) -> Vec<f64> {
     let centre = &whitening.centre;
     let ends = [1.0, -1.0].map(|sign| {
         let z: Vec<f64> = z.iter().map(|z| sign * z).collect();
@@ -230,35 +238,35 @@ fn inside(problem: &Problem<'_>, whitening: &Whitening, z: &[f64]) -> Vec<f64> {
     x
 }
 
-/// Space-filling points about the centre, with what the model says there.
+/// Space-filling points about the centre, with the model's predictions.
 pub(crate) fn sample(
-    problem: &Problem<'_>,
+    problem: &FitProblem<'_>,
     whitening: &Whitening,
-    valleys: &[Profile],
+    profiles: &[Profile],
     options: &SurrogateOptions,
-    progress: &(dyn Fn(Progress) + Sync),
-) -> Result<Training, IdentifyError> {
-    let dimensions = problem.unknowns.len();
+    progress: &ProgressCallback<'_>,
+) -> Result<Training, InferenceError> {
+    let dimensions = problem.parameters.len();
     if !(1.2..=100.0).contains(&options.oversampling) {
         let (quantity, value) =
             ("the number of training points per coefficient", options.oversampling);
-        return Err(IdentifyError::Option { quantity, value, expected: "1.2 to 100" });
+        return Err(InferenceError::Option { quantity, value, expected: "1.2 to 100" });
     }
     let terms = monomials(dimensions).count();
     let count = (options.oversampling * terms as f64).ceil() as usize;
     let place = |unit: &Vec<f64>| {
         let z: Vec<f64> = unit
             .iter()
-            .map(|&u| (SPREAD * normal_quantile(u)).clamp(-TRAINING_REACH, TRAINING_REACH))
+            .map(|&u| (SPREAD * normal_quantile(u)).clamp(-TRAINING_RANGE, TRAINING_RANGE))
             .collect();
         inside(problem, whitening, &z)
     };
     let mut points: Vec<Vec<f64>> =
         latin_hypercube(count, dimensions, options.seed).iter().map(place).collect();
-    points.extend(along(problem, whitening, valleys, count, options.seed));
+    points.extend(along(problem, whitening, profiles, count, options.seed));
     let count = points.len();
     let answers = problem.predict(&points);
-    progress(Progress { stage: Stage::Surrogate, done: count, of: count, cost: f64::INFINITY });
+    report(progress, Stage::Surrogate, count, count);
     let mut training = Training::default();
     for (x, answer) in points.into_iter().zip(answers) {
         if let Ok(predictions) = answer {
@@ -269,22 +277,22 @@ pub(crate) fn sample(
     Ok(training)
 }
 
-/// Points along profiles, for a distribution that is long and bent: as many as `count` over all of
-/// them, each moved off its profile as the other unknowns scatter at a fixed value of its own.
+/// Points along profiles, for a long, curved distribution: `count` over all of them, each displaced
+/// from its profile as the other parameters scatter at a fixed value of the profiled one.
 fn along(
-    problem: &Problem<'_>,
+    problem: &FitProblem<'_>,
     whitening: &Whitening,
-    valleys: &[Profile],
+    profiles: &[Profile],
     count: usize,
     seed: u64,
 ) -> Vec<Vec<f64>> {
     let mut numbers = generator(seed, ALONG);
-    let each = count.div_ceil(valleys.len().max(1));
-    let mut points = Vec::with_capacity(each * valleys.len());
-    for valley in valleys {
-        let j = valley.unknown;
+    let each = count.div_ceil(profiles.len().max(1));
+    let mut points = Vec::with_capacity(each * profiles.len());
+    for profile in profiles {
+        let j = profile.parameter;
         let path: Vec<Vec<f64>> =
-            valley.points.iter().map(|point| problem.to_working(&point.point)).collect();
+            profile.points.iter().map(|point| problem.to_working(&point.point)).collect();
         let [Some(first), Some(last)] = [path.first(), path.last()] else { continue };
         let (start, length) = (first[j], last[j] - first[j]);
         let spread = whitening.spread_with(j);
@@ -307,5 +315,5 @@ fn along(
     points
 }
 
-/// Sets the numbers along profiles apart from others of the same seed.
+/// Stream of the random numbers along profiles.
 const ALONG: u64 = 0xa109;

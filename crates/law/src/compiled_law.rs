@@ -88,7 +88,7 @@ const DIVISION: usize = 32;
 /// Fewest cells of a first attempt.
 const FIRST_CELLS: usize = 16;
 
-/// Cells asked for in the last attempt; the nodes at the state and at the top may each add one.
+/// Number of cells of the last attempt; the nodes at the state and at the top may each add one.
 const LAST_CELLS: usize = CompiledLaw::MAX_CELLS - DIVIDED * DIVISION - 2;
 
 /// Places in a cell at which the error is sampled, denser towards the ends.
@@ -115,7 +115,7 @@ impl CompiledLaw {
     /// `max(|pressure_state|, (pressure_top - pressure_state) / 1000)`.
     ///
     /// The state must be in contact: positive, or zero for a law that separates, or any for a
-    /// bilateral law. A tolerance below 1e-12 may ask for more than rounding allows.
+    /// bilateral law. A tolerance below 1e-12 may be below rounding.
     ///
     /// # Errors
     /// [`LawError`] if a parameter is outside these limits or not finite;

@@ -9,7 +9,7 @@ use crate::error::{LawError, LawQuantity, above};
 /// `K0` \[Pa/m\] is the stiffness; closures count from zero pressure. The law is bilateral
 /// ([`new`](Self::new): it carries tension) or unilateral ([`unilateral`](Self::unilateral):
 /// contact is lost at zero closure). It is the limit of every law for small motions about a state,
-/// and valid for these alone.
+/// and valid for these only.
 ///
 /// Source: the comparison case of Nouira et al., Lubricants 8, 73 (2020),
 /// doi 10.3390/lubricants8070073.

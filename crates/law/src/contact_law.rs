@@ -12,12 +12,12 @@ pub(crate) use inverse::refine_increment;
 
 /// Pressure and tangent from one call.
 ///
-/// Where the tangent jumps, it is the one-sided value towards higher closure: at first contact
+/// At a jump the tangent is the one-sided value towards higher closure: at first contact
 /// `K(0+)`. Below first contact both fields are zero; at and beyond the closure limit both are
 /// +inf.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pressure {
-    /// Pressure `p` \[Pa\], or its increment where the function says so.
+    /// Pressure `p` \[Pa\], or its increment, as stated by the function.
     pub value: f64,
     /// Tangent `dp/dd` \[Pa/m\].
     pub tangent: f64,
@@ -44,7 +44,7 @@ impl Pressure {
 ///
 /// An implementation supplies the first four methods. The others default to quadrature and a
 /// safeguarded root, with a relative precision of about 1e-13; closed forms override them. A law
-/// depends on the pressure alone.
+/// depends on the pressure only.
 ///
 /// Source: Nouira et al., Lubricants 8, 73 (2020), Eq. (6), doi 10.3390/lubricants8070073.
 ///

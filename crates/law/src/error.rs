@@ -125,7 +125,7 @@ pub enum LawError {
         cells: usize,
         /// Error estimate found \[Pa\], or a part of it; infinite without a table.
         value: f64,
-        /// Error asked for \[Pa\].
+        /// Largest error allowed \[Pa\].
         limit: f64,
     },
 }

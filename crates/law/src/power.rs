@@ -193,7 +193,7 @@ fn exp_m1_over(e: f64, l: f64) -> f64 {
 
 /// `ln(1 + e y) / e`, and its limit `y` at e = 0: the inverse of [`exp_m1_over`].
 ///
-/// Where the argument of the logarithm is not positive: -inf for e > 0, +inf for e < 0.
+/// For a non-positive argument of the logarithm: -inf for e > 0, +inf for e < 0.
 fn ln_1p_over(e: f64, y: f64) -> f64 {
     if e == 0.0 || (e * y).abs() < 1e-17 { y } else { no_less(e * y, -1.0).ln_1p() / e }
 }

@@ -10,7 +10,7 @@ const SETTINGS: [&str; 3] = ["method", "duration_s", "output_rate_hz"];
 
 /// A number of a scenario, and its value there.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Parameter {
+pub struct ScenarioParameter {
     /// JSON Pointer into the scenario.
     pub pointer: String,
     /// Value, in the unit that its key names.
@@ -42,7 +42,7 @@ pub enum ParameterError {
     },
 }
 
-impl Parameter {
+impl ScenarioParameter {
     /// The parameter at `pointer` of a `scenario`.
     ///
     /// # Errors
@@ -82,7 +82,7 @@ mod tests {
             "laws": {"pl": {"coefficient": 2.0}},
             "duration_s": 0.1
         });
-        let find = |pointer: &str| Parameter::of_scenario(&scenario, pointer);
+        let find = |pointer: &str| ScenarioParameter::of_scenario(&scenario, pointer);
         assert!(find("/laws/pl/coefficient").unwrap().is_of_law());
         assert!(find("/interfaces/0/law/exponent").unwrap().is_of_law());
         assert!(!find("/interfaces/0/area_m2").unwrap().is_of_law());

@@ -15,7 +15,7 @@ use serde::Serialize;
 use thiserror::Error;
 
 use crate::error::StudyError;
-use crate::parameter::{Parameter, ParameterError};
+use crate::parameter::{ParameterError, ScenarioParameter};
 use crate::prepared_scenario::PreparedScenario;
 use crate::warning::Warning;
 use varied::Varied;
@@ -27,7 +27,7 @@ pub use varied::with_laws_of;
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Sensitivities {
     /// The parameters.
-    pub parameters: Vec<Parameter>,
+    pub parameters: Vec<ScenarioParameter>,
     /// Names of the observables, as in the columns of a sweep.
     pub columns: Vec<String>,
     /// The observables; none where there is no such peak.

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use anyhow::{Result, bail, ensure};
 use asperity_figure::{Axis, Color, Dash, Figure, Legend, Marker, Panel, Series};
-use asperity_identify::{Identification, Problem, identify};
+use asperity_identify::{Identification, IdentificationProblem, identify};
 use asperity_law::ContactLaw;
 use asperity_scenario::{Document, ExcitationSpec, LawRef, LawSpec, Laws, Scenario};
 use asperity_study::assemble::build_law;
@@ -65,9 +65,9 @@ const QUANTITIES: [Quantity; 2] = [
 
 fn compute(rig: &Rig) -> Result<Computed> {
     let fixtures = crate::workspace_root().join("fixtures");
-    let problem = Problem::read(fixtures.join("paper/identify.json"))?;
-    let found = identify(&problem, &|_| ())?;
-    ensure!(found.has_converged() && found.explains(), "{}", found.words().join(" "));
+    let problem = IdentificationProblem::read(fixtures.join("paper/identify.json"))?;
+    let found = identify(&problem)?;
+    ensure!(found.has_converged() && found.explains(), "{}", found.conclusions().join(" "));
     let stored = Document::read(fixtures.join("scenarios/nouira2020-identified.json"))?;
     is_stored(&found, &stored)?;
 
@@ -240,7 +240,7 @@ fn unknown_columns(found: &Identification, reconstruction: &Scenario) -> Result<
 
 /// Stated numbers in the order of the problem, and the predictions of the best fit.
 fn datum_columns(found: &Identification) -> Columns {
-    let data: Vec<_> = found.observed().collect();
+    let data: Vec<_> = found.observations().collect();
     let given = |deviation: f64| deviation / found.noise_factor;
     let column = |name: &str, values: Vec<f64>| (format!("datum:{name}"), values);
     let factor = vec![found.noise_factor];

@@ -3,7 +3,10 @@
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 
-use asperity_identify::{Identification, Problem, ProblemError, Step, identify};
+use asperity_identify::{
+    Identification, IdentificationError, IdentificationProblem, IdentificationProgress,
+    identify_with_progress,
+};
 use indicatif::ProgressBar;
 use tracing::info_span;
 
@@ -19,10 +22,10 @@ pub(crate) fn run(
     threads: Option<usize>,
     quiet: bool,
 ) -> Result<(), Failure> {
-    let problem = info_span!("read").in_scope(|| Problem::read(path))?;
+    let problem = info_span!("read").in_scope(|| IdentificationProblem::read(path))?;
     let folder = ResultFolder::claim(path, output)?;
     let bar: Mutex<Option<(&str, ProgressBar)>> = Mutex::new(None);
-    let show = |step: Step| {
+    let show = |step: IdentificationProgress| {
         let mut bar = bar.lock().unwrap_or_else(PoisonError::into_inner);
         if bar.as_ref().is_none_or(|(name, _)| *name != step.name) {
             if let Some((_, old)) = bar.take() {
@@ -35,7 +38,7 @@ pub(crate) fn run(
             bar.set_position(step.done as u64);
         }
     };
-    let found = super::on_threads(threads, || identify(&problem, &show));
+    let found = super::on_threads(threads, || identify_with_progress(&problem, &show));
     if let Some((_, bar)) = bar.lock().unwrap_or_else(PoisonError::into_inner).take() {
         bar.finish_and_clear();
     }
@@ -63,7 +66,7 @@ pub(crate) fn run(
 
 /// Prints the answer in words, and a line for each parameter.
 fn print_estimates(found: &Identification) {
-    for sentence in found.words() {
+    for sentence in found.conclusions() {
         answer_line!("{sentence}");
     }
     let percent = 100.0 * found.level;
@@ -77,12 +80,12 @@ fn print_estimates(found: &Identification) {
     }
 }
 
-impl From<ProblemError> for Failure {
-    fn from(error: ProblemError) -> Self {
+impl From<IdentificationError> for Failure {
+    fn from(error: IdentificationError) -> Self {
         match error {
-            ProblemError::Document(error) => Self::Document(error),
-            ProblemError::Study(error) => Self::Study(error),
-            ProblemError::Analysis(error) => Self::Analysis(error),
+            IdentificationError::Document(error) => Self::Document(error),
+            IdentificationError::Study(error) => Self::Study(error),
+            IdentificationError::Analysis(error) => Self::Analysis(error),
             error => Self::Problem(Box::new(error)),
         }
     }

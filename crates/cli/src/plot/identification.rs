@@ -33,7 +33,7 @@ pub(crate) fn identification(found: &Identification) -> Vec<(&'static str, Figur
         ("residuals", predictions::residuals(&rows)),
         ("profiles", uncertainty::profiles(found)),
         ("pairs", uncertainty::pairs(found)),
-        ("comparison", found.choice.as_ref().map(comparison::comparison)),
+        ("comparison", found.comparison.as_ref().map(comparison::comparison)),
         ("design", found.design.as_ref().map(design::design)),
     ];
     all.into_iter().filter_map(|(name, figure)| Some((name, figure?))).collect()

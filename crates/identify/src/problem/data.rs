@@ -1,4 +1,4 @@
-//! Data as a problem writes them.
+//! Data of a problem file.
 
 use std::collections::BTreeMap;
 
@@ -40,7 +40,7 @@ pub enum DataSpec {
         /// Changes of the scenario for these hits.
         #[serde(default, skip_serializing_if = "Changes::is_empty")]
         set: Changes,
-        /// The features that count.
+        /// The features to use.
         #[serde(default = "default_features")]
         #[schemars(length(min = 1))]
         features: Vec<String>,
@@ -60,13 +60,13 @@ pub enum DataSpec {
         file: String,
         /// The hit.
         #[serde(default)]
-        hit: StrikeSpec,
-        /// Where it counts, in Hz.
+        hit: HitConditionsSpec,
+        /// Frequency band in Hz.
         band_hz: [f64; 2],
         /// Standard deviation of each part: of the largest magnitude in the
         /// band, and absolute in m/N.
         spread: SpreadSpec,
-        /// Most frequencies that are taken, evenly spaced.
+        /// Largest number of frequencies, evenly spaced.
         #[serde(default = "default_points")]
         #[schemars(range(min = 1, max = 10_000))]
         points: usize,
@@ -86,12 +86,12 @@ pub enum DataSpec {
         index: Option<usize>,
         /// The hit.
         #[serde(default)]
-        hit: StrikeSpec,
+        hit: HitConditionsSpec,
         /// Standard deviation of the frequency, of its value and absolute in Hz.
         spread: SpreadSpec,
     },
-    /// Records of hits, driven by the force that was measured, compared by
-    /// their receptance in a band.
+    /// Records of hits: the measured force drives the model, and the
+    /// receptances are compared in a band.
     Records {
         /// A name.
         #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -111,10 +111,10 @@ pub enum DataSpec {
         /// Changes of the scenario for these hits.
         #[serde(default, skip_serializing_if = "Changes::is_empty")]
         set: Changes,
-        /// Where they count, in Hz.
+        /// Frequency band in Hz.
         band_hz: [f64; 2],
-        /// Standard deviation added in squares to that of the noise before the
-        /// blow: of the largest magnitude in the band, and absolute in m/N.
+        /// Standard deviation added in squares to that of the noise at the end of
+        /// the record: of the largest magnitude in the band, and absolute in m/N.
         #[serde(default)]
         spread: SpreadSpec,
     },
@@ -133,9 +133,9 @@ pub enum DataSpec {
         /// The feature.
         feature: String,
         /// The hit above.
-        numerator: StrikeSpec,
+        numerator: HitConditionsSpec,
         /// The hit below.
-        denominator: StrikeSpec,
+        denominator: HitConditionsSpec,
         /// The ratio.
         value: f64,
         /// Its standard deviation.
@@ -144,10 +144,10 @@ pub enum DataSpec {
     },
 }
 
-/// What was struck, and how hard.
+/// Conditions of a hit.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct StrikeSpec {
+pub struct HitConditionsSpec {
     /// Largest force in N; the scenario's when left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64")]
@@ -173,7 +173,7 @@ pub struct HitSpec {
     pub features: BTreeMap<String, Measured>,
 }
 
-/// A measured number: alone, or with its standard deviation.
+/// A measured number, with or without its standard deviation.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum Measured {
@@ -198,7 +198,7 @@ pub struct Uncertain {
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SpreadSpec {
-    /// Part of the value.
+    /// Relative to the value.
     #[serde(default)]
     #[schemars(range(min = 0.0))]
     pub relative: f64,

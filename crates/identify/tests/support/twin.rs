@@ -1,7 +1,7 @@
 //! Twin experiments: hits simulated by finite differences, with the noise and the gain errors of
 //! sensors, analysed as measured ones are, and identified by the other engine.
 
-use asperity_identify::Problem;
+use asperity_identify::IdentificationProblem;
 use asperity_scenario::Document;
 use asperity_signal::{
     FrfAverage, FundamentalSearch, HammerOptions, HitLength, HitOptions, HitRecord, ResponseKind,
@@ -13,19 +13,19 @@ use serde_json::{Value, json};
 /// Time before the blow \[s\].
 const BEFORE_S: f64 = 5e-3;
 
-/// What a rig does without any error of measurement.
+/// Responses of a rig without measurement errors.
 pub struct Truth {
     scenario: Value,
     rate: f64,
     hits: Vec<(f64, Vec<f64>, Vec<f64>)>,
 }
 
-/// How it is measured.
+/// Noise and gains of the sensors.
 #[derive(Debug, Clone, Copy)]
 pub struct Sensors {
     /// Power of each channel over the record, over that of its white noise \[dB\].
     pub signal_to_noise_db: f64,
-    /// What the sensors show over what there is.
+    /// Measured over true value.
     pub force_gain: f64,
     /// The same of the response.
     pub response_gain: f64,
@@ -112,7 +112,7 @@ impl Truth {
     }
 
     /// The problem of finding `unknowns` from measured `hits`, with what else it asks.
-    pub fn problem(&self, hits: &[Value], unknowns: &Value, more: &Value) -> Problem {
+    pub fn problem(&self, hits: &[Value], unknowns: &Value, more: &Value) -> IdentificationProblem {
         let mut problem = json!({
             "schema": "asperity/identify/1",
             "scenario": self.scenario,
@@ -133,7 +133,7 @@ impl Truth {
             problem[key] = value.clone();
         }
         let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/twin.json");
-        Problem::of(Document::parse(&problem.to_string(), folder).unwrap()).unwrap()
+        IdentificationProblem::of(Document::parse(&problem.to_string(), folder).unwrap()).unwrap()
     }
 }
 

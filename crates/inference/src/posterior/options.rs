@@ -1,37 +1,37 @@
-//! How a posterior is sampled.
+//! Options of a posterior.
 
-use crate::error::IdentifyError;
+use crate::error::InferenceError;
 
-/// What the Markov chains run on.
+/// The density on which the Markov chains run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PosteriorMethod {
     /// A response surface; its draws are then evaluated on the model and weighted.
     Surrogate,
-    /// The model itself, one point a call: for cheap models only.
+    /// The model itself, one point per call: for cheap models only.
     Exact,
 }
 
 /// Options of a posterior.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PosteriorOptions {
-    /// What the chains run on.
+    /// The density on which the chains run.
     pub method: PosteriorMethod,
     /// Draws kept, 10 to 1 000 000.
     pub draws: usize,
     /// Independent ensembles, 2 to 64.
     pub ensembles: usize,
-    /// Walkers per unknown in each ensemble, at least 4.
-    pub walkers_per_unknown: usize,
-    /// Steps of every walker that are dropped.
+    /// Walkers per parameter in each ensemble, at least 4.
+    pub walkers_per_parameter: usize,
+    /// Dropped first steps of every walker.
     pub burn_in: usize,
-    /// Steps of every walker that are kept, at least 10.
+    /// Kept steps of every walker, at least 10.
     pub steps: usize,
-    /// Seed of everything random.
+    /// Seed of all random numbers.
     pub seed: u64,
-    /// Most response surfaces, each trained where the last one led.
-    pub most_rounds: usize,
-    /// The effective share of weighted draws that ends the rounds.
-    pub wanted_share: f64,
+    /// Largest number of response surfaces, each trained at the draws of the last one.
+    pub max_rounds: usize,
+    /// Effective share of weighted draws at which the rounds end.
+    pub target_share: f64,
     /// Training points per coefficient of the response surface.
     pub oversampling: f64,
 }
@@ -42,37 +42,37 @@ impl Default for PosteriorOptions {
             method: PosteriorMethod::Surrogate,
             draws: 1000,
             ensembles: 4,
-            walkers_per_unknown: 4,
+            walkers_per_parameter: 4,
             burn_in: 1000,
             steps: 4000,
             seed: 1,
-            most_rounds: 3,
-            wanted_share: 0.5,
+            max_rounds: 3,
+            target_share: 0.5,
             oversampling: 2.5,
         }
     }
 }
 
 impl PosteriorOptions {
-    /// Refuses what makes no sense.
-    pub(crate) fn check(&self) -> Result<(), IdentifyError> {
+    /// Checks the ranges of the options.
+    pub(crate) fn check(&self) -> Result<(), InferenceError> {
         let within = |quantity, value: usize, expected, least: usize, most: usize| {
             if (least..=most).contains(&value) {
                 Ok(())
             } else {
-                Err(IdentifyError::Option { quantity, value: value as f64, expected })
+                Err(InferenceError::Option { quantity, value: value as f64, expected })
             }
         };
         within("the number of draws", self.draws, "10 to 1000000", 10, 1_000_000)?;
         within("the number of ensembles", self.ensembles, "2 to 64", 2, 64)?;
-        let quantity = "the number of walkers per unknown";
-        within(quantity, self.walkers_per_unknown, "4 to 1000", 4, 1000)?;
+        let quantity = "the number of walkers per parameter";
+        within(quantity, self.walkers_per_parameter, "4 to 1000", 4, 1000)?;
         within("the number of steps", self.steps, "10 to 1000000", 10, 1_000_000)?;
         within("the number of dropped steps", self.burn_in, "at most 1000000", 0, 1_000_000)?;
-        within("the number of rounds", self.most_rounds, "1 to 20", 1, 20)?;
-        if !(0.0..=1.0).contains(&self.wanted_share) {
-            let (quantity, value) = ("the wanted share", self.wanted_share);
-            return Err(IdentifyError::Option { quantity, value, expected: "0 to 1" });
+        within("the number of rounds", self.max_rounds, "1 to 20", 1, 20)?;
+        if !(0.0..=1.0).contains(&self.target_share) {
+            let (quantity, value) = ("the target share", self.target_share);
+            return Err(InferenceError::Option { quantity, value, expected: "0 to 1" });
         }
         Ok(())
     }

@@ -1,29 +1,29 @@
 //! Means, quantiles and bands of weighted draws.
 
-use crate::posterior::Posterior;
+use super::Posterior;
 
-/// Pointwise quantiles of a curve.
+/// Pointwise quantiles of a curve over the posterior.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Band {
-    /// Probabilities, as asked for.
+pub struct CredibleBand {
+    /// The probabilities.
     pub levels: Vec<f64>,
-    /// For every level the curve of quantiles; not a number where no draw has a value.
+    /// The curve of quantiles for every level; NaN where no draw has a value.
     pub quantiles: Vec<Vec<f64>>,
 }
 
 impl Posterior {
-    /// The mean of an unknown's value; not a number for an unknown that does not exist.
-    pub fn mean(&self, unknown: usize) -> f64 {
-        let values = self.draws.iter().map(|draw| draw.get(unknown).copied().unwrap_or(f64::NAN));
+    /// The mean of a parameter's value; NaN for an index without a parameter.
+    pub fn mean(&self, parameter: usize) -> f64 {
+        let values = self.draws.iter().map(|draw| draw.get(parameter).copied().unwrap_or(f64::NAN));
         values.zip(&self.weights).map(|(value, weight)| value * weight).sum()
     }
 
-    /// The standard deviation of an unknown's value.
-    pub fn standard_deviation(&self, unknown: usize) -> f64 {
-        self.covariance(unknown, unknown).max(0.0).sqrt()
+    /// The standard deviation of a parameter's value.
+    pub fn standard_deviation(&self, parameter: usize) -> f64 {
+        self.covariance(parameter, parameter).max(0.0).sqrt()
     }
 
-    /// The correlation of two unknowns' values.
+    /// The correlation of two parameters' values.
     pub fn correlation(&self, one: usize, other: usize) -> f64 {
         let spread = self.standard_deviation(one) * self.standard_deviation(other);
         self.covariance(one, other) / spread
@@ -38,26 +38,25 @@ impl Posterior {
         draws.map(|(draw, weight)| weight * (draw[one] - a) * (draw[other] - b)).sum()
     }
 
-    /// The value below which an unknown lies with this probability.
-    pub fn quantile(&self, unknown: usize, probability: f64) -> f64 {
-        let values = self.draws.iter().map(|draw| draw.get(unknown).copied().unwrap_or(f64::NAN));
+    /// The quantile of a parameter's value at a probability.
+    pub fn quantile(&self, parameter: usize, probability: f64) -> f64 {
+        let values = self.draws.iter().map(|draw| draw.get(parameter).copied().unwrap_or(f64::NAN));
         quantiles(values.zip(self.weights.iter().copied()).collect(), &[probability])[0]
     }
 
-    /// Pointwise quantiles of a curve that is computed from the unknowns' values. Draws where the
-    /// curve is not finite are left out at that point; the curve's length is that of the first
-    /// draw's.
-    pub fn band(&self, curve: &dyn Fn(&[f64]) -> Vec<f64>, levels: &[f64]) -> Band {
+    /// Pointwise quantiles of a curve computed from the parameters' values. Draws are left out where
+    /// their curve is not finite; the number of points is that of the first draw.
+    pub fn band(&self, curve: &dyn Fn(&[f64]) -> Vec<f64>, levels: &[f64]) -> CredibleBand {
         let curves: Vec<Vec<f64>> = self.draws.iter().map(|draw| curve(draw)).collect();
         let value = |draw: usize, point: usize| curves[draw].get(point).copied();
         self.band_of(curves.first().map_or(0, Vec::len), levels, &value)
     }
 
-    /// Quantiles of every prediction. They hold the uncertainty of the unknowns, not the noise of
-    /// a measurement.
-    pub fn prediction_band(&self, levels: &[f64]) -> Band {
+    /// Quantiles of every prediction, from the uncertainty of the parameters without the noise of a
+    /// measurement.
+    pub fn prediction_band(&self, levels: &[f64]) -> CredibleBand {
         let value = |draw: usize, i: usize| self.predictions[draw].get(i).copied().flatten();
-        // A refused draw has an empty row.
+        // A draw without predictions has an empty row.
         let points = self.predictions.iter().map(Vec::len).max().unwrap_or(0);
         self.band_of(points, levels, &value)
     }
@@ -67,7 +66,7 @@ impl Posterior {
         points: usize,
         levels: &[f64],
         value: &dyn Fn(usize, usize) -> Option<f64>,
-    ) -> Band {
+    ) -> CredibleBand {
         let mut band = vec![Vec::with_capacity(points); levels.len()];
         for point in 0..points {
             let pairs = self.weights.iter().enumerate().filter_map(|(draw, &weight)| {
@@ -76,7 +75,7 @@ impl Posterior {
             let at = quantiles(pairs.collect(), levels);
             band.iter_mut().zip(at).for_each(|(row, value)| row.push(value));
         }
-        Band { levels: levels.to_vec(), quantiles: band }
+        CredibleBand { levels: levels.to_vec(), quantiles: band }
     }
 }
 

@@ -1,9 +1,9 @@
 //! NIST Statistical Reference Datasets, nonlinear regression: certified values and standard
 //! deviations, held to six digits (<https://www.itl.nist.gov/div898/strd/nls/nls_main.shtml>).
 
-use asperity_inference::{FitOptions, NoiseScale, covariance, fit, linearise};
+use asperity_inference::{FitOptions, FunctionModel, NoiseScale, Observation, fit};
 
-use crate::models::{Formula, assert_close, linear, observations, silent};
+use crate::models::{assert_close, linear};
 
 /// Fits with the certified residual standard deviation as that of every observation, so that
 /// the covariance is the one certified.
@@ -18,25 +18,25 @@ fn check(
     let deviation = (sum_of_squares / freedom).sqrt();
     let values: Vec<f64> = data.iter().map(|row| row.0).collect();
     // The bounds' weak precision must stay below the seventh digit: ranges of thousands of sd.
-    let unknown = |(j, (&start, sure)): (usize, (&f64, &(f64, f64)))| {
+    let parameter = |(j, (&start, sure)): (usize, (&f64, &(f64, f64)))| {
         let reach = 1e4 * sure.1;
         linear(&format!("b{}", j + 1), start, [sure.0 - reach, sure.0 + reach])
     };
-    let model = Formula {
-        unknowns: starts.iter().zip(certified).enumerate().map(unknown).collect(),
-        observations: observations(&values, deviation),
-        predict: |b: &[f64]| data.iter().map(|row| formula(row.1, b)).collect(),
+    let model = FunctionModel {
+        parameters: starts.iter().zip(certified).enumerate().map(parameter).collect(),
+        observations: Observation::list(&values, deviation),
+        function: |b: &[f64]| data.iter().map(|row| formula(row.1, b)).collect(),
     };
     let options = FitOptions {
         tolerance: 1e-14,
         difference_step: 1e-4,
-        most_iterations: 1000,
+        max_iterations: 1000,
         ..FitOptions::default()
     };
-    let found = fit(&model, &options, &silent).unwrap();
-    assert!(found.converged, "{:?}", found.ending);
-    let linearisation = linearise(&model, &found).unwrap();
-    let covariance = covariance(&model, &found, &linearisation, NoiseScale::Given).unwrap();
+    let found = fit(&model, &options).unwrap();
+    assert!(found.converged, "{:?}", found.termination);
+    let linearisation = found.linearise().unwrap();
+    let covariance = linearisation.covariance(NoiseScale::Given).unwrap();
     for (j, &(value, sd)) in certified.iter().enumerate() {
         assert_close(found.point[j], value, 1e-6, "value");
         assert_close(covariance.value_standard_deviations()[j], sd, 1e-6, "standard deviation");

@@ -1,10 +1,8 @@
 //! Intervals hold the truth as often as they say.
 
-use asperity_inference::{
-    FitOptions, NoiseScale, ProfileOptions, covariance, fit, linearise, profile,
-};
+use asperity_inference::{FitOptions, FunctionModel, Observation, ProfileOptions, fit};
 
-use crate::models::{Formula, Noise, linear, observations, silent};
+use crate::models::{Noise, linear};
 
 /// A decay `a exp(-b t)` measured 300 times over. The number of intervals at 68.27 % that hold
 /// the truth is binomial: 205 with standard deviation 8.1; four of these are allowed, so that a
@@ -20,21 +18,19 @@ fn intervals_cover_as_often_as_they_say() {
     let (mut normal, mut profiled) = ([0_usize; 2], 0_usize);
     for _ in 0..TRIALS {
         let values: Vec<f64> = exact.iter().map(|y| y + deviation * noise.normal()).collect();
-        let model = Formula {
-            unknowns: vec![linear("a", 1.0, [-40.0, 40.0]), linear("b", 0.5, [-10.0, 10.0])],
-            observations: observations(&values, deviation),
-            predict: decay,
+        let model = FunctionModel {
+            parameters: vec![linear("a", 1.0, [-40.0, 40.0]), linear("b", 0.5, [-10.0, 10.0])],
+            observations: Observation::list(&values, deviation),
+            function: decay,
         };
-        let found = fit(&model, &FitOptions::default(), &silent).unwrap();
-        let tangent = linearise(&model, &found).unwrap();
-        let spread = covariance(&model, &found, &tangent, NoiseScale::Given).unwrap();
+        let found = fit(&model, &FitOptions::default()).unwrap();
+        let spread = found.covariance().unwrap();
         for j in 0..2 {
             let [low, high] = spread.interval(j, LEVEL).unwrap();
             normal[j] += usize::from((low..=high).contains(&truth[j]));
         }
         let options = ProfileOptions { level: LEVEL, ..ProfileOptions::default() };
-        let [low, high] =
-            profile(&model, &found, &spread, &[1], &options, &silent).unwrap()[0].interval;
+        let [low, high] = found.profile(&spread, &[1], &options).unwrap()[0].interval;
         profiled += usize::from((low..=high).contains(&truth[1]));
     }
     let mean = TRIALS as f64 * LEVEL;

@@ -1,6 +1,6 @@
 //! Expected information against the closed forms of the linear normal model.
 
-use asperity_inference::{DesignCandidate, IdentifyError, design_sequence, expected_information};
+use asperity_inference::{DesignCandidate, InferenceError, design_sequence, expected_information};
 
 use crate::models::assert_close;
 
@@ -51,18 +51,18 @@ fn a_sequence_turns_to_what_is_known_worst() {
     let covariance = vec![vec![4.0, 0.0], vec![0.0, 1.0]];
     let candidates =
         [candidate("first", &[[1.0, 0.0]], 1.0), candidate("second", &[[0.0, 1.0]], 1.0)];
-    // Variances 4 -> 4/5 -> ...: the first unknown, then the second, whichever is larger.
+    // Variances 4 -> 4/5 -> ...: the first parameter, then the second, whichever is larger.
     let sequence = design_sequence(&covariance, &candidates, &[], 3).unwrap();
     let order: Vec<usize> = sequence.iter().map(|gain| gain.candidate).collect();
     assert_eq!(order, [0, 1, 0]);
     assert_close(sequence[0].information, 0.5 * 5.0_f64.ln(), 1e-12, "first");
     assert_close(sequence[1].information, 0.5 * 2.0_f64.ln(), 1e-12, "second");
     assert_close(sequence[2].information, 0.5 * 1.8_f64.ln(), 1e-12, "third");
-    // A target that only the second unknown moves asks for it from the start.
+    // A target that only the second parameter moves asks for it from the start.
     let sequence = design_sequence(&covariance, &candidates, &[vec![0.0, 1.0]], 1).unwrap();
     assert_eq!(sequence[0].candidate, 1);
     assert_close(sequence[0].target_ratio, 0.5_f64.sqrt(), 1e-12, "ratio");
 
     let odd = expected_information(&covariance, &candidates, &[vec![1.0]]);
-    assert!(matches!(odd, Err(IdentifyError::Size { .. })));
+    assert!(matches!(odd, Err(InferenceError::Size { .. })));
 }

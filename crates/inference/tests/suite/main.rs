@@ -5,14 +5,14 @@
 mod bounds;
 mod certified;
 mod chains;
-mod choices;
+mod comparisons;
 mod coverage;
 mod derivatives;
 mod designs;
 mod gaussian;
+mod invalid;
 mod minpack;
 mod models;
 mod posteriors;
-mod refusals;
 mod robust;
 mod surrogates;

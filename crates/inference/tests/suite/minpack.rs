@@ -1,10 +1,10 @@
 //! Minima against the crate levenberg-marquardt, a port of MINPACK's `lmder`.
 
-use asperity_inference::{FitOptions, fit};
+use asperity_inference::{FitOptions, FunctionModel, Observation, fit};
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
 use nalgebra::{DMatrix, DVector, Dyn, storage::Owned};
 
-use crate::models::{Formula, linear, observations, silent};
+use crate::models::linear;
 
 #[derive(Clone)]
 struct Theirs<F> {
@@ -49,20 +49,20 @@ impl<F: Fn(&[f64]) -> Vec<f64>> LeastSquaresProblem<f64, Dyn, Dyn> for Theirs<F>
 /// their stopping rules (1e-10 of the sum of squares) leave of a flat minimum.
 fn check(residuals: impl Fn(&[f64]) -> Vec<f64> + Sync + Clone, start: &[f64], reach: f64) {
     let count = residuals(start).len();
-    let unknown = |(j, &x): (usize, &f64)| linear(&format!("x{j}"), x, [x - reach, x + reach]);
-    let ours = Formula {
-        unknowns: start.iter().enumerate().map(unknown).collect(),
-        observations: observations(&vec![0.0; count], 1.0),
-        predict: residuals.clone(),
+    let parameter = |(j, &x): (usize, &f64)| linear(&format!("x{j}"), x, [x - reach, x + reach]);
+    let ours = FunctionModel {
+        parameters: start.iter().enumerate().map(parameter).collect(),
+        observations: Observation::list(&vec![0.0; count], 1.0),
+        function: residuals.clone(),
     };
     let options = FitOptions {
         tolerance: 1e-13,
         difference_step: 1e-4,
-        most_iterations: 2000,
+        max_iterations: 2000,
         ..FitOptions::default()
     };
-    let found = fit(&ours, &options, &silent).unwrap();
-    assert!(found.converged, "{:?}", found.ending);
+    let found = fit(&ours, &options).unwrap();
+    assert!(found.converged, "{:?}", found.termination);
 
     let theirs = Theirs { residuals, point: DVector::from_column_slice(start) };
     let (theirs, report) = LevenbergMarquardt::new()

@@ -1,46 +1,9 @@
 //! Small models for the tests.
 
-use asperity_inference::{
-    ForwardModel, Observation, Predictions, Prior, Progress, Refusal, Scale, Unknown,
-};
+use asperity_inference::{Parameter, ParameterScale, Prior};
 
-/// A model from a formula.
-pub(crate) struct Formula<F> {
-    pub(crate) unknowns: Vec<Unknown>,
-    pub(crate) observations: Vec<Observation>,
-    pub(crate) predict: F,
-}
-
-impl<F: Fn(&[f64]) -> Vec<f64> + Sync> ForwardModel for Formula<F> {
-    fn unknowns(&self) -> &[Unknown] {
-        &self.unknowns
-    }
-
-    fn observations(&self) -> &[Observation] {
-        &self.observations
-    }
-
-    fn predict(&self, points: &[Vec<f64>]) -> Vec<Result<Predictions, Refusal>> {
-        points
-            .iter()
-            .map(|point| Ok((self.predict)(point).into_iter().map(Some).collect()))
-            .collect()
-    }
-}
-
-/// Observations with a common standard deviation, each its own block.
-pub(crate) fn observations(values: &[f64], standard_deviation: f64) -> Vec<Observation> {
-    let one = |(block, &value): (usize, &f64)| Observation {
-        label: format!("y{block}"),
-        block,
-        value,
-        standard_deviation,
-    };
-    values.iter().enumerate().map(one).collect()
-}
-
-pub(crate) fn linear(name: &str, start: f64, bounds: [f64; 2]) -> Unknown {
-    Unknown::new(name, start, bounds, Scale::Linear, None).unwrap()
+pub(crate) fn linear(name: &str, start: f64, bounds: [f64; 2]) -> Parameter {
+    Parameter::linear(name, start, bounds).unwrap()
 }
 
 pub(crate) fn linear_with_prior(
@@ -49,12 +12,10 @@ pub(crate) fn linear_with_prior(
     bounds: [f64; 2],
     mean: f64,
     standard_deviation: f64,
-) -> Unknown {
+) -> Parameter {
     let prior = Prior { mean, standard_deviation };
-    Unknown::new(name, start, bounds, Scale::Linear, Some(prior)).unwrap()
+    Parameter::new(name, start, bounds, ParameterScale::Linear, Some(prior)).unwrap()
 }
-
-pub(crate) fn silent(_: Progress) {}
 
 pub(crate) fn assert_close(found: f64, expected: f64, relative: f64, what: &str) {
     let apart = (found - expected).abs();

@@ -1,26 +1,25 @@
 //! Posteriors against closed forms and brute-force quadrature.
 
 use asperity_inference::{
-    Covariance, Fit, FitOptions, ForwardModel, NoiseScale, Posterior, PosteriorMethod,
-    PosteriorOptions, covariance, fit, linearise, posterior,
+    Covariance, Fit, FitOptions, ForwardModel, FunctionModel, Observation, Posterior,
+    PosteriorMethod, PosteriorOptions, fit,
 };
 
-use crate::models::{Formula, linear, linear_with_prior, observations, silent};
+use crate::models::{linear, linear_with_prior};
 
-fn fitted(model: &dyn ForwardModel) -> (Fit, Covariance) {
-    let found = fit(model, &FitOptions::default(), &silent).unwrap();
-    let tangent = linearise(model, &found).unwrap();
-    let spread = covariance(model, &found, &tangent, NoiseScale::Given).unwrap();
+fn fitted(model: &dyn ForwardModel) -> (Fit<'_>, Covariance) {
+    let found = fit(model, &FitOptions::default()).unwrap();
+    let spread = found.covariance().unwrap();
     (found, spread)
 }
 
 fn sampled(model: &dyn ForwardModel, options: &PosteriorOptions) -> Posterior {
     let (found, spread) = fitted(model);
-    posterior(model, &found, &spread, &[], options, &silent).unwrap()
+    found.posterior(&spread, &[], options).unwrap()
 }
 
-/// What 4000 draws are worth at least: the chains' effective sizes exceed it (asserted below).
-const WORTH: f64 = 1500.0;
+/// Least effective sample size of 4000 draws (asserted below).
+const MIN_EFFECTIVE: f64 = 1500.0;
 
 fn plenty() -> PosteriorOptions {
     PosteriorOptions { draws: 4000, steps: 4000, ..PosteriorOptions::default() }
@@ -29,7 +28,10 @@ fn plenty() -> PosteriorOptions {
 fn assert_trustworthy(found: &Posterior) {
     let diagnostics = &found.diagnostics;
     assert!(diagnostics.r_hat.iter().all(|&r| r < 1.01), "{diagnostics:?}");
-    assert!(diagnostics.effective_sample_size.iter().all(|&size| size > WORTH), "{diagnostics:?}");
+    assert!(
+        diagnostics.effective_sample_size.iter().all(|&size| size > MIN_EFFECTIVE),
+        "{diagnostics:?}"
+    );
     assert!(diagnostics.effective_draws > 0.5 * found.draws.len() as f64, "{diagnostics:?}");
     assert!((0.2..0.95).contains(&diagnostics.acceptance), "{diagnostics:?}");
     assert!((found.weights.iter().sum::<f64>() - 1.0).abs() < 1e-12);
@@ -37,17 +39,17 @@ fn assert_trustworthy(found: &Posterior) {
 
 /// A straight line with times 1 to 5 and noise 0.2: normal, with the closed forms
 /// `var(slope) = s^2 / 10`, `var(intercept) = s^2 (1/5 + 9/10)`, correlation `-3 / sqrt(11)`.
-/// Tolerances are four standard errors with [`WORTH`] independent draws.
+/// Tolerances are four standard errors with [`MIN_EFFECTIVE`] independent draws.
 #[test]
 fn a_linear_model_has_its_normal_posterior() {
     let times = [1.0, 2.0, 3.0, 4.0, 5.0];
-    let model = Formula {
-        unknowns: vec![
+    let model = FunctionModel {
+        parameters: vec![
             linear("intercept", 0.0, [-100.0, 100.0]),
             linear("slope", 0.0, [-100.0, 100.0]),
         ],
-        observations: observations(&[3.1, 4.9, 7.2, 8.8, 11.0], 0.2),
-        predict: move |x: &[f64]| times.iter().map(|t| x[0] + x[1] * t).collect(),
+        observations: Observation::list(&[3.1, 4.9, 7.2, 8.8, 11.0], 0.2),
+        function: move |x: &[f64]| times.iter().map(|t| x[0] + x[1] * t).collect(),
     };
     let found = sampled(&model, &plenty());
     assert_trustworthy(&found);
@@ -57,13 +59,13 @@ fn a_linear_model_has_its_normal_posterior() {
     let means = [7.0 - 3.0 * slope, slope];
     let deviations = [0.2 * 1.1_f64.sqrt(), 0.2 / 10.0_f64.sqrt()];
     for j in 0..2 {
-        let error = 4.0 * deviations[j] / WORTH.sqrt();
+        let error = 4.0 * deviations[j] / MIN_EFFECTIVE.sqrt();
         assert!((found.mean(j) - means[j]).abs() < error, "{} {}", found.mean(j), means[j]);
         let ratio = found.standard_deviation(j) / deviations[j];
-        assert!((ratio - 1.0).abs() < 4.0 / (2.0 * WORTH).sqrt(), "{ratio}");
+        assert!((ratio - 1.0).abs() < 4.0 / (2.0 * MIN_EFFECTIVE).sqrt(), "{ratio}");
     }
     let correlation = -3.0 / 11.0_f64.sqrt();
-    let error = 4.0 * (1.0 - correlation * correlation) / WORTH.sqrt();
+    let error = 4.0 * (1.0 - correlation * correlation) / MIN_EFFECTIVE.sqrt();
     assert!((found.correlation(0, 1) - correlation).abs() < error);
 
     // The line itself at t = 3 and 6: variance s^2 (1/5 + (t - 3)^2 / 10).
@@ -73,7 +75,7 @@ fn a_linear_model_has_its_normal_posterior() {
             let deviation: f64 = f64::sqrt(variance);
             let expected = 7.0 + slope * (t - 3.0) + score * deviation;
             // sqrt(p (1 - p) / n) over the density: 2.67 at the tails, 1.25 in the middle.
-            let error = 4.0 * 2.67 * deviation / WORTH.sqrt();
+            let error = 4.0 * 2.67 * deviation / MIN_EFFECTIVE.sqrt();
             assert!((row[point] - expected).abs() < error, "{} {expected}", row[point]);
         }
     }
@@ -83,18 +85,18 @@ fn a_linear_model_has_its_normal_posterior() {
 }
 
 /// A bent valley: `x` known to 1, `exp(x / 2) + y` to 0.5.
-fn banana() -> Formula<impl Fn(&[f64]) -> Vec<f64> + Sync> {
-    Formula {
-        unknowns: vec![
+fn banana() -> FunctionModel<impl Fn(&[f64]) -> Vec<f64> + Sync> {
+    FunctionModel {
+        parameters: vec![
             linear_with_prior("x", 0.0, [-6.0, 6.0], 0.0, 1.0),
             linear("y", 0.0, [-9.0, 9.0]),
         ],
-        observations: observations(&[1.0, 0.0], 0.5),
-        predict: |p: &[f64]| vec![(0.5 * p[0]).exp() + p[1], 0.5 * p[1]],
+        observations: Observation::list(&[1.0, 0.0], 0.5),
+        function: |p: &[f64]| vec![(0.5 * p[0]).exp() + p[1], 0.5 * p[1]],
     }
 }
 
-/// Means, deviations and the 90 % quantile of both unknowns by the midpoint rule on a grid.
+/// Means, deviations and the 90 % quantile of both parameters by the midpoint rule on a grid.
 fn quadrature() -> [[f64; 3]; 2] {
     let model = banana();
     let count = 1000;
@@ -103,7 +105,7 @@ fn quadrature() -> [[f64; 3]; 2] {
     for i in 0..count {
         for k in 0..count {
             let p = [centre(i, 6.0), centre(k, 9.0)];
-            let r = (model.predict)(&p);
+            let r = (model.function)(&p);
             let cost = ((r[0] - 1.0) / 0.5).powi(2) + (r[1] / 0.5).powi(2) + p[0] * p[0];
             let density = (-0.5 * cost).exp();
             marginals[0][i] += density;
@@ -127,11 +129,11 @@ fn quadrature() -> [[f64; 3]; 2] {
     })
 }
 
-/// Errors of five standard errors with [`WORTH`] draws: 1.7 sd at the 90 % quantile, and for the
+/// Errors of five standard errors with [`MIN_EFFECTIVE`] draws: 1.7 sd at the 90 % quantile, and for the
 /// deviation a kurtosis up to 5 instead of 3 (twice the variance).
 fn assert_matches_quadrature(found: &Posterior) {
     for (j, [mean, deviation, tenth]) in quadrature().into_iter().enumerate() {
-        let error = 5.0 * deviation / WORTH.sqrt();
+        let error = 5.0 * deviation / MIN_EFFECTIVE.sqrt();
         assert!((found.mean(j) - mean).abs() < error, "mean {} {mean}", found.mean(j));
         let spread = found.standard_deviation(j);
         assert!((spread - deviation).abs() < error, "deviation {spread} {deviation}");
@@ -158,23 +160,23 @@ fn a_bent_posterior_matches_quadrature() {
 /// `var(y) = 4.5 (1 - e^-1.28) + 0.09`.
 #[test]
 fn later_rounds_follow_a_strong_bend() {
-    let model = Formula {
-        unknowns: vec![
+    let model = FunctionModel {
+        parameters: vec![
             linear_with_prior("x", 0.0, [-6.0, 6.0], 0.0, 1.0),
             linear("y", 0.0, [-20.0, 20.0]),
         ],
-        observations: observations(&[0.0], 0.3),
-        predict: |p: &[f64]| vec![p[1] - 3.0 * (0.8 * p[0]).sin()],
+        observations: Observation::list(&[0.0], 0.3),
+        function: |p: &[f64]| vec![p[1] - 3.0 * (0.8 * p[0]).sin()],
     };
-    let short = PosteriorOptions { most_rounds: 6, burn_in: 500, ..plenty() };
+    let short = PosteriorOptions { max_rounds: 6, burn_in: 500, ..plenty() };
     let found = sampled(&model, &short);
     assert!(found.diagnostics.rounds > 1);
     assert_trustworthy(&found);
     let deviation = (4.5 * (1.0 - (-1.28_f64).exp()) + 0.09).sqrt();
-    assert!(found.mean(0).abs() < 4.0 / WORTH.sqrt(), "{}", found.mean(0));
-    assert!(found.mean(1).abs() < 4.0 * deviation / WORTH.sqrt(), "{}", found.mean(1));
+    assert!(found.mean(0).abs() < 4.0 / MIN_EFFECTIVE.sqrt(), "{}", found.mean(0));
+    assert!(found.mean(1).abs() < 4.0 * deviation / MIN_EFFECTIVE.sqrt(), "{}", found.mean(1));
     let correlation = 2.4 * (-0.32_f64).exp() / deviation;
-    let error = 4.0 * (1.0 - correlation * correlation) / WORTH.sqrt();
+    let error = 4.0 * (1.0 - correlation * correlation) / MIN_EFFECTIVE.sqrt();
     assert!((found.correlation(0, 1) - correlation).abs() < error, "{}", found.correlation(0, 1));
 }
 
@@ -183,26 +185,26 @@ fn later_rounds_follow_a_strong_bend() {
 #[test]
 fn an_undetermined_combination_fills_its_bounds() {
     let log = |name, start| {
-        asperity_inference::Unknown::new(
+        asperity_inference::Parameter::new(
             name,
             start,
             [0.01, 100.0],
-            asperity_inference::Scale::Logarithmic,
+            asperity_inference::ParameterScale::Logarithmic,
             None,
         )
         .unwrap()
     };
-    let model = Formula {
-        unknowns: vec![log("a", 1.0), log("b", 2.0)],
-        observations: observations(&[2.0, 2.0], 0.02),
-        predict: |x: &[f64]| vec![x[0] * x[1]; 2],
+    let model = FunctionModel {
+        parameters: vec![log("a", 1.0), log("b", 2.0)],
+        observations: Observation::list(&[2.0, 2.0], 0.02),
+        function: |x: &[f64]| vec![x[0] * x[1]; 2],
     };
     let found = sampled(&model, &plenty());
     assert_trustworthy(&found);
     let (lower, upper) = (0.02_f64.ln(), 100.0_f64.ln());
     for level in [0.1, 0.5, 0.9] {
         let expected = lower + level * (upper - lower);
-        let error = 4.0 * (level * (1.0 - level) / WORTH).sqrt() * (upper - lower);
+        let error = 4.0 * (level * (1.0 - level) / MIN_EFFECTIVE).sqrt() * (upper - lower);
         assert!((found.quantile(0, level).ln() - expected).abs() < error, "{level}");
     }
 }
@@ -210,17 +212,17 @@ fn an_undetermined_combination_fills_its_bounds() {
 /// A bound cuts a normal distribution in half: mean `sqrt(2 / pi)` deviations from it.
 #[test]
 fn bounds_are_hard() {
-    let model = Formula {
-        unknowns: vec![linear("x", 1.0, [0.0, 40.0])],
-        observations: observations(&[0.0], 1.0),
-        predict: |x: &[f64]| vec![x[0]],
+    let model = FunctionModel {
+        parameters: vec![linear("x", 1.0, [0.0, 40.0])],
+        observations: Observation::list(&[0.0], 1.0),
+        function: |x: &[f64]| vec![x[0]],
     };
     let found = sampled(&model, &plenty());
     assert!(found.draws.iter().all(|draw| draw[0] >= 0.0));
     let mean = (2.0 / std::f64::consts::PI).sqrt();
     assert_trustworthy(&found);
     // Deviation of the half-normal: sqrt(1 - 2 / pi) = 0.60.
-    assert!((found.mean(0) - mean).abs() < 4.0 * 0.603 / WORTH.sqrt(), "{}", found.mean(0));
+    assert!((found.mean(0) - mean).abs() < 4.0 * 0.603 / MIN_EFFECTIVE.sqrt(), "{}", found.mean(0));
 }
 
 #[test]

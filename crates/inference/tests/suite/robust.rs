@@ -1,20 +1,20 @@
 //! Robust losses against closed forms.
 
-use asperity_inference::{FitOptions, Loss, fit};
+use asperity_inference::{FitOptions, FunctionModel, Loss, Observation, fit};
 
-use crate::models::{Formula, linear, observations, silent};
+use crate::models::linear;
 
 fn location(values: &[f64], loss: Loss) -> (f64, Vec<f64>) {
     let count = values.len();
-    let model = Formula {
-        unknowns: vec![linear("mean", 0.0, [-50.0, 50.0])],
-        observations: observations(values, 1.0),
-        predict: move |x: &[f64]| vec![x[0]; count],
+    let model = FunctionModel {
+        parameters: vec![linear("mean", 0.0, [-50.0, 50.0])],
+        observations: Observation::list(values, 1.0),
+        function: move |x: &[f64]| vec![x[0]; count],
     };
     let options = FitOptions { loss, tolerance: 1e-14, ..FitOptions::default() };
-    let found = fit(&model, &options, &silent).unwrap();
+    let found = fit(&model, &options).unwrap();
     assert!(found.converged);
-    (found.point[0], found.weights)
+    (found.point[0], found.weights.clone())
 }
 
 const DATA: [f64; 6] = [-0.5, -0.2, 0.1, 0.2, 0.6, 30.0];

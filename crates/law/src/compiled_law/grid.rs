@@ -66,7 +66,7 @@ impl TableRange {
     pub(super) fn grid(&self, cells: usize) -> Option<ClosureGrid> {
         let (down, up) = (-self.down, self.up);
         let share = down / (down + up);
-        // Rounded down, so that the cells do not exceed what is asked for by more than one.
+        // Rounded down: at most one cell more than requested.
         let mut below = (share * cells as f64).floor();
         if down > 0.0 {
             below = below.max(1.0);

@@ -3,7 +3,7 @@
 use super::{ContactLaw, Pressure, quadrature};
 use crate::domain::no_less;
 
-/// Iterations at most; bisection of the bracket alone would need about 64.
+/// Largest number of iterations; bisection needs about 64.
 const ITERATIONS: usize = 200;
 
 /// Relative step below which an iteration that no longer advances is limited by the rounding of

@@ -7,13 +7,13 @@ use asperity_scenario::Document;
 use asperity_structure::{Damping, PreloadedContact, PreloadedStructure};
 
 use super::SensitivityError;
-use crate::parameter::Parameter;
+use crate::parameter::ScenarioParameter;
 use crate::prepared_scenario::PreparedScenario;
 use crate::static_state::StaticSummary;
 
 /// The scenario at the four places of the stencil.
 pub(super) struct Varied {
-    pub(super) parameter: Parameter,
+    pub(super) parameter: ScenarioParameter,
     pub(super) variation: Variation,
     pub(super) at_rest: [StaticSummary; 4],
 }
@@ -27,7 +27,7 @@ impl Varied {
         base: &Hit,
         counts: &[usize],
     ) -> Result<Self, SensitivityError> {
-        let parameter = Parameter::of_scenario(document.value(), pointer)?;
+        let parameter = ScenarioParameter::of_scenario(document.value(), pointer)?;
         let value = parameter.value;
         if value == 0.0 {
             return Err(SensitivityError::Zero { pointer: pointer.to_owned() });

@@ -1,25 +1,25 @@
 //! Laws compared.
 
 use asperity_figure::{Anchor, Axis, Color, Figure, Legend, Panel, Series};
-use asperity_inference::{CandidateOutcome, Choice, ModelVerdict};
+use asperity_inference::{ComparedModel, ModelAssessment, ModelComparison};
 
 use super::fitted;
 
 /// Scores of left-out hits and information criteria, each less that of the best.
-pub(super) fn comparison(choice: &Choice) -> Figure {
+pub(super) fn comparison(choice: &ModelComparison) -> Figure {
     let count = choice.candidates.len();
     let best = choice.candidates.get(choice.best);
     let place = |index: usize| (count - index) as f64;
     let names = |shown: bool| {
-        let name = move |(index, candidate): (usize, &CandidateOutcome)| {
+        let name = move |(index, candidate): (usize, &ComparedModel)| {
             (place(index), if shown { fitted(&candidate.name, 34) } else { String::new() })
         };
         let ticks: Vec<(f64, String)> = choice.candidates.iter().enumerate().map(name).collect();
         Axis::linear("", "").range(0.4, count as f64 + 0.6).ticks(ticks)
     };
     let finite = |value: f64| Some(value).filter(|value| value.is_finite());
-    let score = |candidate: &CandidateOutcome| candidate.score_difference.and_then(finite);
-    let aicc = |candidate: &CandidateOutcome| finite(candidate.aicc - best?.aicc);
+    let score = |candidate: &ComparedModel| candidate.score_difference.and_then(finite);
+    let aicc = |candidate: &ComparedModel| finite(candidate.aicc - best?.aicc);
     let scores = panel("Score less the best's", names(true), choice, &place, &score, true);
     let criteria = panel("AICc less the best's", names(false), choice, &place, &aicc, false);
     let height = 26.0 + 9.0 * count as f64;
@@ -30,12 +30,12 @@ pub(super) fn comparison(choice: &Choice) -> Figure {
 fn panel(
     label: &str,
     names: Axis,
-    choice: &Choice,
+    choice: &ModelComparison,
     place: &dyn Fn(usize) -> f64,
-    value: &dyn Fn(&CandidateOutcome) -> Option<f64>,
+    value: &dyn Fn(&ComparedModel) -> Option<f64>,
     errors: bool,
 ) -> Panel {
-    let reach = |candidate: &CandidateOutcome| {
+    let reach = |candidate: &ComparedModel| {
         let x = value(candidate)?;
         let error = candidate.difference_error.filter(|e| errors && e.is_finite()).unwrap_or(0.0);
         Some([x - error, x + error])
@@ -47,10 +47,10 @@ fn panel(
     let mut panel = Panel::new(across, names).vertical(0.0, "");
     for (index, candidate) in choice.candidates.iter().enumerate() {
         let Some(x) = value(candidate) else { continue };
-        let color = match candidate.verdict {
-            ModelVerdict::Best => Color::GREEN,
-            ModelVerdict::Undecided => Color::ORANGE,
-            ModelVerdict::Rejected { .. } | ModelVerdict::Misfit { .. } => Color::RED,
+        let color = match candidate.assessment {
+            ModelAssessment::Best => Color::GREEN,
+            ModelAssessment::Undecided => Color::ORANGE,
+            ModelAssessment::Rejected { .. } | ModelAssessment::Misfit { .. } => Color::RED,
         };
         let mut series = Series::points("", [x], [place(index)]).color(color).filled(true);
         if errors && let Some(error) = candidate.difference_error.filter(|e| e.is_finite()) {

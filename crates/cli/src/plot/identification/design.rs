@@ -2,7 +2,7 @@
 
 use asperity_figure::{Axis, Color, Figure, Legend, Marker, Panel, Series};
 use asperity_identify::problem::Changes;
-use asperity_identify::{Designed, DesignedHit};
+use asperity_identify::{CandidateHit, DesignRanking};
 
 use super::fitted;
 
@@ -10,7 +10,7 @@ use super::fitted;
 const MOST_CHANGES: usize = 7;
 
 /// The uncertainty of the law left, and the information about all parameters, over force.
-pub(super) fn design(design: &Designed) -> Figure {
+pub(super) fn design(design: &DesignRanking) -> Figure {
     let force = || Axis::linear("Peak force", "N");
     let label = "Uncertainty of ln K left";
     let left = Axis::linear(label, "").range(0.0, 1.05);
@@ -20,7 +20,7 @@ pub(super) fn design(design: &Designed) -> Figure {
     for (index, (set, mut hits)) in by_change(&design.candidates).into_iter().enumerate() {
         hits.sort_by(|a, b| a.force_peak_n.total_cmp(&b.force_peak_n));
         let x: Vec<f64> = hits.iter().map(|hit| hit.force_peak_n).collect();
-        let line = |name: String, value: fn(&DesignedHit) -> f64| {
+        let line = |name: String, value: fn(&CandidateHit) -> f64| {
             let y: Vec<f64> = hits.iter().map(|hit| value(hit)).collect();
             y.iter().any(|y| y.is_finite()).then(|| {
                 let series = Series::line_points(name, &x, y).color(Color::category(index));
@@ -37,8 +37,8 @@ pub(super) fn design(design: &Designed) -> Figure {
 }
 
 /// The hits of each rig, rigs in order of first appearance.
-fn by_change(hits: &[DesignedHit]) -> Vec<(&Changes, Vec<&DesignedHit>)> {
-    let mut groups: Vec<(&Changes, Vec<&DesignedHit>)> = Vec::new();
+fn by_change(hits: &[CandidateHit]) -> Vec<(&Changes, Vec<&CandidateHit>)> {
+    let mut groups: Vec<(&Changes, Vec<&CandidateHit>)> = Vec::new();
     for hit in hits {
         if let Some(group) = groups.iter_mut().find(|group| *group.0 == hit.set) {
             group.1.push(hit);
@@ -75,7 +75,7 @@ mod tests {
 
     #[test]
     fn hits_of_one_rig_stay_together() {
-        let hit = |force_peak_n: f64, text: &str| DesignedHit {
+        let hit = |force_peak_n: f64, text: &str| CandidateHit {
             force_peak_n,
             set: serde_json::from_str(text).unwrap_or_default(),
             remaining: 0.5,

@@ -1,6 +1,6 @@
 //! Observations with their predictions and bands, and the labels of their features.
 
-use asperity_identify::{Identification, Observed};
+use asperity_identify::{Identification, PredictedObservation};
 use asperity_study::quantity::Quantity;
 
 /// Kind of an observation.
@@ -38,10 +38,10 @@ pub(super) struct ObservationRow<'a> {
 pub(super) fn rows(found: &Identification) -> Vec<ObservationRow<'_>> {
     let ends = found.predicted_band();
     let end = |side: usize, i: usize| ends[side].get(i).copied().unwrap_or(f64::NAN);
-    found.observed().enumerate().map(|(i, of)| row(of, [end(0, i), end(1, i)])).collect()
+    found.observations().enumerate().map(|(i, of)| row(of, [end(0, i), end(1, i)])).collect()
 }
 
-fn row(of: Observed<'_>, band: [f64; 2]) -> ObservationRow<'_> {
+fn row(of: PredictedObservation<'_>, band: [f64; 2]) -> ObservationRow<'_> {
     ObservationRow {
         kind: kind(of.feature),
         data: of.data,
@@ -143,7 +143,7 @@ mod tests {
 
     #[test]
     fn observations_have_an_abscissa_and_nan_for_missing_values() {
-        let of = Observed {
+        let of = PredictedObservation {
             data: "d",
             feature: "stiffness of pl",
             at: Some(1e5),

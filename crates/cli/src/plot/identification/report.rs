@@ -2,8 +2,8 @@
 
 use asperity_figure::Figure;
 use asperity_figure::report::{ClaimOutcome, Report, TableCell, four_digits};
-use asperity_identify::{DesignedHit, Identification, Problem};
-use asperity_inference::ModelVerdict;
+use asperity_identify::{CandidateHit, Identification, IdentificationProblem};
+use asperity_inference::ModelAssessment;
 use serde_json::Value;
 
 use super::design::changes;
@@ -15,12 +15,12 @@ const LEAST_WEIGHT: f64 = 0.2;
 
 /// `report.html`.
 pub(crate) fn identification_report(
-    problem: &Problem,
+    problem: &IdentificationProblem,
     found: &Identification,
     figures: &[(&'static str, Figure)],
 ) -> String {
     let title = problem.spec.title.clone().unwrap_or_else(|| "Identification".to_owned());
-    let mut report = found.words().into_iter().fold(Report::new(title), Report::intro);
+    let mut report = found.conclusions().into_iter().fold(Report::new(title), Report::intro);
     let percent = percent(found.level);
 
     report = report.section("Parameters").paragraph(format!(
@@ -36,7 +36,7 @@ pub(crate) fn identification_report(
         report = draw(report, found, figures, Some(section), names);
     }
     report = undetermined(report, found);
-    if found.choice.is_some() {
+    if found.comparison.is_some() {
         report = report.section("Laws compared");
         report = comparison(report, found);
         report = draw(report, found, figures, None, &["comparison"]);
@@ -182,13 +182,13 @@ fn undetermined(report: Report, found: &Identification) -> Report {
 
 /// Comparison of the laws.
 fn comparison(mut report: Report, found: &Identification) -> Report {
-    let Some(choice) = &found.choice else { return report };
+    let Some(choice) = &found.comparison else { return report };
     let Some(best) = choice.candidates.get(choice.best) else { return report };
-    if found.choice_noise_factor > 1.0 {
+    if found.comparison_noise_factor > 1.0 {
         report = report.paragraph(format!(
             "No law explains the data within their standard deviations: all were compared with \
              standard deviations {:.2} times as large, for which the best one does.",
-            found.choice_noise_factor
+            found.comparison_noise_factor
         ));
     }
     let number = |value: Option<f64>| TableCell::from(value.unwrap_or(f64::NAN));
@@ -196,10 +196,10 @@ fn comparison(mut report: Report, found: &Identification) -> Report {
         let goodness = &candidate.goodness;
         vec![
             TableCell::from(candidate.name.as_str()),
-            TableCell::from(match candidate.verdict {
-                ModelVerdict::Best => "best",
-                ModelVerdict::Rejected { .. } | ModelVerdict::Misfit { .. } => "rejected",
-                ModelVerdict::Undecided => "undecided",
+            TableCell::from(match candidate.assessment {
+                ModelAssessment::Best => "best",
+                ModelAssessment::Rejected { .. } | ModelAssessment::Misfit { .. } => "rejected",
+                ModelAssessment::Undecided => "undecided",
             }),
             number(candidate.score_difference),
             number(candidate.difference_error),
@@ -227,7 +227,7 @@ fn comparison(mut report: Report, found: &Identification) -> Report {
 /// The proposed sequence, and each candidate hit alone.
 fn design(report: Report, found: &Identification) -> Report {
     let Some(design) = &found.design else { return report };
-    let row = |hit: &DesignedHit| {
+    let row = |hit: &CandidateHit| {
         vec![
             TableCell::from(hit.force_peak_n),
             changes(&hit.set).into(),
@@ -254,7 +254,7 @@ fn diagnostics(report: Report, found: &Identification) -> Report {
     let goodness = &found.goodness;
     let chains = &found.posterior.diagnostics;
     let (fit, starts) = (&found.fit, &found.fit.starts);
-    let converged = starts.iter().filter(|start| start.ending.converged()).count();
+    let converged = starts.iter().filter(|start| start.termination.converged()).count();
     let badge =
         |good: bool| TableCell::from(if good { ClaimOutcome::Pass } else { ClaimOutcome::Warn });
     let row = |name: &str, text: String, good: Option<bool>| {
@@ -322,7 +322,7 @@ fn diagnostics(report: Report, found: &Identification) -> Report {
 }
 
 /// Versions, hashes, time.
-fn provenance(report: Report, problem: &Problem, found: &Identification) -> Report {
+fn provenance(report: Report, problem: &IdentificationProblem, found: &Identification) -> Report {
     let record = found.report(problem);
     let text = |pointer: &str| {
         record.pointer(pointer).and_then(Value::as_str).unwrap_or_default().to_owned()

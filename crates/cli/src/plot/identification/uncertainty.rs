@@ -42,7 +42,7 @@ pub(super) fn profiles(found: &Identification) -> Option<Figure> {
 }
 
 fn panel(found: &Identification, profile: &Profile, level: f64) -> Panel {
-    let name = found.names.get(profile.unknown).map_or("", String::as_str);
+    let name = found.names.get(profile.parameter).map_or("", String::as_str);
     let finite = |point: &(f64, f64)| point.0.is_finite() && point.1.is_finite();
     let points = profile.points.iter().map(|point| (point.value, point.deviance));
     let points: Vec<(f64, f64)> = points.filter(finite).collect();
@@ -50,7 +50,7 @@ fn panel(found: &Identification, profile: &Profile, level: f64) -> Panel {
     // The profile is cut at twice the level.
     let most = y.iter().copied().fold(1.3 * level, f64::max);
     let deviance = Axis::linear("Deviance", "").range(0.0, most.min(2.0 * level));
-    let best = found.fit.point.get(profile.unknown).copied().unwrap_or(f64::NAN);
+    let best = found.fit.point.get(profile.parameter).copied().unwrap_or(f64::NAN);
     let (line_x, line_y): (Vec<f64>, Vec<f64>) = curve(&points, best).into_iter().unzip();
     let line = Series::line("", line_x, line_y).color(Color::BLUE);
     let marks = Series::points("", &x, &y).color(Color::BLUE).marker(Marker::Circle);

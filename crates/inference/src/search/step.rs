@@ -3,16 +3,18 @@
 use faer::Mat;
 use faer::linalg::solvers::SolveLstsq;
 
-/// The linearised problem at a point: weighted residual rows and their Jacobian.
-pub(crate) struct Linear {
-    /// Rows times unknowns.
+use crate::linear_algebra::dot;
+
+/// The linearised problem at a point: weighted residuals and their Jacobian.
+pub(crate) struct LinearisedCost {
+    /// Rows times parameters.
     pub(crate) jacobian: Vec<Vec<f64>>,
     pub(crate) residuals: Vec<f64>,
 }
 
-impl Linear {
-    pub(crate) fn gradient(&self, unknowns: usize) -> Vec<f64> {
-        let mut gradient = vec![0.0; unknowns];
+impl LinearisedCost {
+    pub(crate) fn gradient(&self, parameters: usize) -> Vec<f64> {
+        let mut gradient = vec![0.0; parameters];
         for (row, residual) in self.jacobian.iter().zip(&self.residuals) {
             for (g, entry) in gradient.iter_mut().zip(row) {
                 *g += entry * residual;
@@ -21,33 +23,33 @@ impl Linear {
         gradient
     }
 
-    pub(crate) fn column_norms(&self, unknowns: usize) -> Vec<f64> {
+    pub(crate) fn column_norms(&self, parameters: usize) -> Vec<f64> {
         let norm = |j: usize| self.jacobian.iter().map(|row| row[j] * row[j]).sum::<f64>().sqrt();
-        (0..unknowns).map(norm).collect()
+        (0..parameters).map(norm).collect()
     }
 
-    /// By how much the linear model says the cost falls along a step.
+    /// Reduction of the cost along a step, by the linear model.
     pub(crate) fn reduction(&self, step: &[f64]) -> f64 {
         let change = |(row, residual): (&Vec<f64>, &f64)| {
-            let change: f64 = row.iter().zip(step).map(|(a, b)| a * b).sum();
+            let change = dot(row, step);
             -change * (residual + 0.5 * change)
         };
         self.jacobian.iter().zip(&self.residuals).map(change).sum()
     }
 
-    /// Minimises `|r + J d|^2 + damping |D d|^2` over the steps `d` that stay in `room` (lower
-    /// and upper limit of each entry): a coordinate that would leave is put on its limit, and
-    /// the others are solved for again. Held unknowns have no room.
+    /// The minimum of `|r + J d|^2 + damping |D d|^2` over steps `d` within `room` (lower and upper
+    /// limit of each entry): a coordinate outside is set to its limit and the others are solved for
+    /// again. Held parameters have no room.
     pub(crate) fn step(
         &self,
         damping: f64,
         scaling: &[f64],
         room: &[[f64; 2]],
     ) -> Option<Vec<f64>> {
-        let unknowns = scaling.len();
-        let mut step = vec![0.0; unknowns];
-        let mut free: Vec<usize> = (0..unknowns).filter(|&j| room[j][1] > room[j][0]).collect();
-        for _ in 0..=unknowns {
+        let parameters = scaling.len();
+        let mut step = vec![0.0; parameters];
+        let mut free: Vec<usize> = (0..parameters).filter(|&j| room[j][1] > room[j][0]).collect();
+        for _ in 0..=parameters {
             if free.is_empty() {
                 break;
             }
@@ -64,7 +66,7 @@ impl Linear {
                     return 0.0;
                 }
                 let row = &self.jacobian[i];
-                let moved: f64 = (0..unknowns).filter(fixed).map(|j| row[j] * step[j]).sum();
+                let moved: f64 = (0..parameters).filter(fixed).map(|j| row[j] * step[j]).sum();
                 -(self.residuals[i] + moved)
             });
             let solution = matrix.col_piv_qr().solve_lstsq(&right);

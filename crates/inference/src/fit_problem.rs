@@ -1,63 +1,63 @@
-//! A model with its loss as residuals and cost in working coordinates.
+//! Residuals and cost of a model in working coordinates.
 
 use std::collections::HashSet;
 
-use crate::error::{IdentifyError, check_positive, check_size};
-use crate::fit::Fit;
+use crate::error::{InferenceError, check_positive};
 use crate::loss::Loss;
 use crate::model::{ForwardModel, Observation, Predictions};
-use crate::unknown::Unknown;
+use crate::parameter::Parameter;
 
-/// A checked model. Residuals are `(prediction - value) / standard deviation`; the cost is
+/// A model with its loss, both checked. Residuals are `(prediction - value) / standard deviation`; the cost is
 ///
 /// ```text
 /// cost(x) = 1/2 sum_i rho(r_i^2) / noise_variance + 1/2 sum_j ((x_j - mean_j) / sd_j)^2.
 /// ```
-pub(crate) struct Problem<'a> {
+#[derive(Clone)]
+pub(crate) struct FitProblem<'a> {
     model: &'a dyn ForwardModel,
-    pub(crate) unknowns: &'a [Unknown],
+    pub(crate) parameters: &'a [Parameter],
     pub(crate) observations: &'a [Observation],
     pub(crate) loss: Loss,
-    /// The residual that stands for a missing prediction.
+    /// The residual that replaces a missing prediction.
     pub(crate) missing_residual: f64,
-    /// What the observations' variances are multiplied by; the priors' are not.
+    /// Factor of the observations' variances; the priors' are not scaled.
     pub(crate) noise_variance: f64,
     /// Bounds in working coordinates.
     pub(crate) lower: Vec<f64>,
     pub(crate) upper: Vec<f64>,
 }
 
-impl<'a> Problem<'a> {
+impl<'a> FitProblem<'a> {
     pub(crate) fn new(
         model: &'a dyn ForwardModel,
         loss: Loss,
         missing_residual: f64,
-    ) -> Result<Self, IdentifyError> {
-        let (unknowns, observations) = (model.unknowns(), model.observations());
-        if unknowns.is_empty() {
-            return Err(IdentifyError::NoUnknowns);
+    ) -> Result<Self, InferenceError> {
+        let (parameters, observations) = (model.parameters(), model.observations());
+        if parameters.is_empty() {
+            return Err(InferenceError::NoParameters);
         }
         let mut names = HashSet::new();
-        if let Some(twice) = unknowns.iter().find(|unknown| !names.insert(unknown.name())) {
-            return Err(IdentifyError::DuplicateName { name: twice.name().to_owned() });
+        if let Some(twice) = parameters.iter().find(|parameter| !names.insert(parameter.name())) {
+            return Err(InferenceError::DuplicateName { name: twice.name().to_owned() });
         }
         if observations.is_empty() {
-            return Err(IdentifyError::NoObservations);
+            return Err(InferenceError::NoObservations);
         }
         observations.iter().try_for_each(check_observation)?;
-        let priors = unknowns.iter().filter(|unknown| unknown.prior().is_some()).count();
-        if observations.len() + priors < unknowns.len() {
-            let (observations, unknowns) = (observations.len(), unknowns.len());
-            return Err(IdentifyError::TooFew { observations, priors, unknowns });
+        let priors = parameters.iter().filter(|parameter| parameter.prior().is_some()).count();
+        if observations.len() + priors < parameters.len() {
+            let (observations, parameters) = (observations.len(), parameters.len());
+            return Err(InferenceError::TooFew { observations, priors, parameters });
         }
         loss.check()?;
         check_positive("the residual of a missing prediction", missing_residual)?;
-        let bounds = |end: usize| unknowns.iter().map(|u| u.working_bounds()[end]).collect();
+        let bounds = |end: usize| parameters.iter().map(|u| u.working_bounds()[end]).collect();
         let (lower, upper) = (bounds(0), bounds(1));
         let noise_variance = 1.0;
         Ok(Self {
             model,
-            unknowns,
+            parameters,
             observations,
             loss,
             missing_residual,
@@ -67,17 +67,9 @@ impl<'a> Problem<'a> {
         })
     }
 
-    /// The problem a fit solved, with the observations' variances multiplied.
-    pub(crate) fn of_fit(
-        model: &'a dyn ForwardModel,
-        fit: &Fit,
-        noise_variance: f64,
-    ) -> Result<Self, IdentifyError> {
-        let problem = Self::new(model, fit.options.loss, fit.options.missing_residual)?;
-        check_size("values of the fit", fit.point.len(), problem.unknowns.len())?;
-        check_size("residuals of the fit", fit.residuals.len(), problem.observations.len())?;
-        check_size("predictions of the fit", fit.predictions.len(), problem.observations.len())?;
-        Ok(Self { noise_variance, ..problem })
+    /// The problem with the observations' variances multiplied by the square of `factor`.
+    pub(crate) fn with_noise_factor(&self, factor: f64) -> Self {
+        Self { noise_variance: factor.powi(2), ..self.clone() }
     }
 
     pub(crate) fn model(&self) -> &'a dyn ForwardModel {
@@ -86,12 +78,16 @@ impl<'a> Problem<'a> {
 
     /// The working coordinates of a point given by its values.
     pub(crate) fn to_working(&self, point: &[f64]) -> Vec<f64> {
-        self.unknowns.iter().zip(point).map(|(unknown, &value)| unknown.to_working(value)).collect()
+        self.parameters
+            .iter()
+            .zip(point)
+            .map(|(parameter, &value)| parameter.to_working(value))
+            .collect()
     }
 
     /// The values of a point given by its working coordinates.
     pub(crate) fn values_at(&self, x: &[f64]) -> Vec<f64> {
-        self.unknowns.iter().zip(x).map(|(unknown, &x)| unknown.from_working(x)).collect()
+        self.parameters.iter().zip(x).map(|(parameter, &x)| parameter.from_working(x)).collect()
     }
 
     pub(crate) fn clamp(&self, x: &mut [f64]) {
@@ -104,27 +100,27 @@ impl<'a> Problem<'a> {
         x.iter().enumerate().all(|(j, x)| (self.lower[j]..=self.upper[j]).contains(x))
     }
 
-    /// Predictions at working coordinates, or why there are none. Numbers that are not finite
-    /// count as missing, answers of a wrong size as refusals.
+    /// Predictions at working coordinates, or the reason for their absence. Numbers that are not
+    /// finite count as missing, results of a wrong size as errors.
     pub(crate) fn predict(&self, points: &[Vec<f64>]) -> Vec<Result<Predictions, String>> {
         if points.is_empty() {
             return Vec::new();
         }
         let values: Vec<Vec<f64>> = points.iter().map(|x| self.values_at(x)).collect();
-        let mut answers = self.model.predict(&values).into_iter();
+        let mut results = self.model.predict(&values).into_iter();
         let expected = self.observations.len();
-        let answer = |_| match answers.next() {
+        let result = |_| match results.next() {
             Some(Ok(predictions)) if predictions.len() == expected => {
                 Ok(predictions.into_iter().map(|p| p.filter(|p| p.is_finite())).collect())
             }
             Some(Ok(predictions)) => Err(format!(
-                "it gave {} predictions for {expected} observations",
+                "it returned {} predictions for {expected} observations",
                 predictions.len()
             )),
-            Some(Err(refusal)) => Err(refusal.reason),
-            None => Err("it gave no answer".to_owned()),
+            Some(Err(error)) => Err(error.reason),
+            None => Err("it returned too few results".to_owned()),
         };
-        points.iter().map(answer).collect()
+        points.iter().map(result).collect()
     }
 
     /// Standardised residuals.
@@ -151,29 +147,29 @@ impl<'a> Problem<'a> {
         self.data_cost(residuals) + self.prior_cost(x)
     }
 
-    /// Index of the unknown, standardised residual and its derivative, for every prior.
+    /// Index of the parameter, standardised residual and its derivative, for every prior.
     pub(crate) fn prior_rows(&self, x: &[f64]) -> impl Iterator<Item = (usize, f64, f64)> {
-        self.unknowns.iter().zip(x).enumerate().filter_map(|(j, (unknown, x))| {
-            let prior = unknown.prior()?;
+        self.parameters.iter().zip(x).enumerate().filter_map(|(j, (parameter, x))| {
+            let prior = parameter.prior()?;
             Some((j, (x - prior.mean) / prior.standard_deviation, 1.0 / prior.standard_deviation))
         })
     }
 
     pub(crate) fn priors(&self) -> usize {
-        self.unknowns.iter().filter(|unknown| unknown.prior().is_some()).count()
+        self.parameters.iter().filter(|parameter| parameter.prior().is_some()).count()
     }
 }
 
-fn check_observation(observation: &Observation) -> Result<(), IdentifyError> {
-    let refuse = |quantity, value, expected| {
+fn check_observation(observation: &Observation) -> Result<(), InferenceError> {
+    let invalid = |quantity, value, expected| {
         let label = observation.label.clone();
-        Err(IdentifyError::Observation { label, quantity, value, expected })
+        Err(InferenceError::Observation { label, quantity, value, expected })
     };
     let deviation = observation.standard_deviation;
     if !observation.value.is_finite() {
-        refuse("value", observation.value, "finite")
+        invalid("value", observation.value, "finite")
     } else if !(deviation.is_finite() && deviation > 0.0) {
-        refuse("standard deviation", deviation, "positive and finite")
+        invalid("standard deviation", deviation, "positive and finite")
     } else {
         Ok(())
     }

@@ -1,73 +1,73 @@
-//! What an identification says, in words.
+//! Conclusions of an identification, in sentences.
 
-use asperity_inference::{ModelVerdict, ProfileEnd};
+use asperity_inference::{ModelAssessment, ProfileEnd};
 use serde::Serialize;
 
-use crate::model::CONSTANT;
-use crate::run::Identification;
+use crate::build::CONSTANT;
+use crate::identification::Identification;
 use asperity_scenario::four_digits;
 
-/// What the data say of the law.
+/// Evidence for a stiffness that depends on pressure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Dependence {
+pub enum PressureDependence {
     /// The stiffness depends on pressure: a constant one is rejected.
     Shown,
-    /// They do not tell it from a constant stiffness.
+    /// The law is not distinguished from a constant stiffness.
     NotShown,
-    /// No law that was compared explains them, so nothing is said.
+    /// No compared law explains the data.
     Unexplained,
-    /// No unknown is of a law.
+    /// No parameter belongs to a law.
     NotAsked,
 }
 
-/// The probability of residuals as large as they are below which the data are called unexplained.
+/// p-value of the residuals below which the data are unexplained.
 const LEAST_PROBABILITY: f64 = 1e-3;
 
-/// Least share of effective draws, and largest R-hat, of a posterior that is called converged.
-const LEAST_DRAWS: f64 = 0.2;
+/// Least share of effective draws, and largest R-hat, of a converged posterior.
+const MIN_DRAWS: f64 = 0.2;
 const MOST_R_HAT: f64 = 1.02;
 
 impl Identification {
-    /// Whether the law explains the data: the residuals are no larger than the standard deviations
-    /// say, with a probability of at least 0.001.
+    /// True if the law explains the data: the p-value of the residuals is at least 0.001 and no
+    /// prediction is missing.
     pub fn explains(&self) -> bool {
         let p = self.goodness.p_value;
         p.is_none_or(|p| p >= LEAST_PROBABILITY) && self.fit.missing.is_empty()
     }
 
-    /// Whether the posterior is to be trusted: R-hat of every unknown below 1.02, a fifth of the
-    /// draws effective, and nothing left out that the profiles allow.
+    /// True if fit and posterior have converged: R-hat of every parameter below 1.02, at least a
+    /// fifth of the draws effective, and the profile intervals covered.
     pub fn has_converged(&self) -> bool {
         let found = &self.posterior.diagnostics;
         let share = found.effective_draws / self.posterior.draws.len().max(1) as f64;
         let mixed = found.r_hat.iter().all(|r| *r < MOST_R_HAT);
-        self.fit.converged && share >= LEAST_DRAWS && mixed && found.unreached.is_empty()
+        self.fit.converged && share >= MIN_DRAWS && mixed && found.truncated.is_empty()
     }
 
-    /// Whether the data show that stiffness depends on pressure.
-    pub fn dependence(&self) -> Dependence {
-        let Some(choice) = &self.choice else { return Dependence::NotAsked };
-        let constant = choice.candidates.iter().find(|candidate| candidate.name == CONSTANT);
-        match constant.map(|constant| constant.verdict) {
-            None => Dependence::NotAsked,
-            Some(verdict) if !verdict.is_rejected() => Dependence::NotShown,
-            Some(_) if self.choice_noise_factor > MOST_FACTOR => Dependence::Unexplained,
-            Some(_) => Dependence::Shown,
+    /// Evidence in the data for a stiffness that depends on pressure.
+    pub fn pressure_dependence(&self) -> PressureDependence {
+        let Some(comparison) = &self.comparison else { return PressureDependence::NotAsked };
+        let constant = comparison.candidates.iter().find(|candidate| candidate.name == CONSTANT);
+        match constant.map(|constant| constant.assessment) {
+            None => PressureDependence::NotAsked,
+            Some(verdict) if !verdict.is_rejected() => PressureDependence::NotShown,
+            Some(_) if self.comparison_noise_factor > MAX_FACTOR => PressureDependence::Unexplained,
+            Some(_) => PressureDependence::Shown,
         }
     }
 
-    /// The answer in sentences, the most important first.
-    pub fn words(&self) -> Vec<String> {
+    /// The conclusions in sentences, the most important first.
+    pub fn conclusions(&self) -> Vec<String> {
         let mut words = vec![self.about_dependence()];
         words.extend(self.about_law());
         words.extend(self.about_choice());
         words.push(self.about_fit());
-        words.extend(self.about_unknowns());
+        words.extend(self.about_parameters());
         if !self.has_converged() {
             let found = &self.posterior.diagnostics;
             let lost: Vec<&str> =
-                found.unreached.iter().map(|unknown| self.names[*unknown].as_str()).collect();
+                found.truncated.iter().map(|parameter| self.names[*parameter].as_str()).collect();
             let lost = if lost.is_empty() {
                 String::new()
             } else {
@@ -87,23 +87,23 @@ impl Identification {
     }
 
     fn about_dependence(&self) -> String {
-        match self.dependence() {
-            Dependence::Shown => {
+        match self.pressure_dependence() {
+            PressureDependence::Shown => {
                 "The data show a contact stiffness that depends on pressure: a constant stiffness is rejected.".to_owned()
             }
-            Dependence::NotShown => {
+            PressureDependence::NotShown => {
                 "The data do not show a contact stiffness that depends on pressure: a constant stiffness predicts data that were left out as well. The law below is not to be relied on.".to_owned()
             }
-            Dependence::Unexplained => format!(
+            PressureDependence::Unexplained => format!(
                 "No law that was compared explains the data: residuals are {:.1} times as large as the standard deviations say. Whether the stiffness depends on pressure cannot be said.",
-                self.choice_noise_factor
+                self.comparison_noise_factor
             ),
-            Dependence::NotAsked => "No contact law was in question.".to_owned(),
+            PressureDependence::NotAsked => "No contact law was in question.".to_owned(),
         }
     }
 
     fn about_law(&self) -> Option<String> {
-        if self.dependence() == Dependence::NotAsked {
+        if self.pressure_dependence() == PressureDependence::NotAsked {
             return None;
         }
         Some(match self.law.informed_range() {
@@ -135,22 +135,22 @@ impl Identification {
     }
 
     fn about_choice(&self) -> Vec<String> {
-        let Some(choice) = &self.choice else { return Vec::new() };
-        let best = &choice.candidates[choice.best].name;
-        choice
+        let Some(comparison) = &self.comparison else { return Vec::new() };
+        let best = &comparison.candidates[comparison.best].name;
+        comparison
             .candidates
             .iter()
-            .map(|candidate| match candidate.verdict {
-                ModelVerdict::Best => format!("Of the laws compared, {best} does best."),
-                ModelVerdict::Rejected { standard_errors, aicc_difference } => format!(
+            .map(|candidate| match candidate.assessment {
+                ModelAssessment::Best => format!("Of the laws compared, {best} does best."),
+                ModelAssessment::Rejected { standard_errors, aicc_difference } => format!(
                     "Rejected: {}; it predicts data that were left out worse by {:.1} standard errors, and its AICc is {:.0} larger than that of {best}.",
                     candidate.name, standard_errors, aicc_difference
                 ),
-                ModelVerdict::Misfit { p_value, aicc_difference } => format!(
+                ModelAssessment::Misfit { p_value, aicc_difference } => format!(
                     "Rejected: {}; residuals as large as its own have a probability of {p_value:.0e}, and its AICc is {aicc_difference:.0} larger than that of {best}.",
                     candidate.name
                 ),
-                ModelVerdict::Undecided => format!(
+                ModelAssessment::Undecided => format!(
                     "Undecided: the data do not tell {} from {best}{}.",
                     candidate.name,
                     difference_words(candidate.score_difference, candidate.difference_error),
@@ -182,7 +182,7 @@ impl Identification {
         )
     }
 
-    fn about_unknowns(&self) -> Vec<String> {
+    fn about_parameters(&self) -> Vec<String> {
         let mut words = Vec::new();
         for undetermined in &self.identifiability.undetermined {
             let parts: Vec<String> = undetermined
@@ -200,7 +200,7 @@ impl Identification {
         for profile in &self.profiles {
             for (end, side) in profile.ends.iter().zip(["below", "above"]) {
                 if *end != ProfileEnd::Crossed {
-                    let name = &self.names[profile.unknown];
+                    let name = &self.names[profile.parameter];
                     words.push(format!(
                         "The data set no limit {side} to {name}: {}.",
                         end_words(*end)
@@ -212,10 +212,10 @@ impl Identification {
     }
 }
 
-/// Noise factor of a comparison beyond which not even the best law is near the data.
-const MOST_FACTOR: f64 = 5.0;
+/// Noise factor of a comparison above which no law explains the data.
+const MAX_FACTOR: f64 = 5.0;
 
-/// Weight of an unknown in a combination below which it is not named.
+/// Least weight of a parameter that is named in a combination.
 const LEAST_WEIGHT: f64 = 0.2;
 
 fn difference_words(difference: Option<f64>, error: Option<f64>) -> String {
@@ -231,7 +231,7 @@ fn end_words(end: ProfileEnd) -> &'static str {
     match end {
         ProfileEnd::Crossed => "it is inside its bounds",
         ProfileEnd::Bound => "its interval ends at the bound",
-        ProfileEnd::Refused => "the scenario cannot be run further out",
+        ProfileEnd::NoPrediction => "the scenario cannot be run further out",
         ProfileEnd::NotReached => "its profile is too flat to be followed",
     }
 }

@@ -1,18 +1,45 @@
-//! One search for a minimum, which asks for the points it needs and is told the answers.
+//! Levenberg-Marquardt searches within bounds, several side by side.
 
-use crate::fit::options::FitOptions;
-use crate::fit::step::Linear;
-use crate::fit::{Ending, Progress, Stage};
+mod step;
+
+use crate::fit_options::FitOptions;
+use crate::fit_problem::FitProblem;
 use crate::model::Predictions;
-use crate::problem::Problem;
+use crate::progress::{Progress, ProgressCallback, Stage};
 use crate::stencil::{Order, Stencil};
+use step::LinearisedCost;
 
-/// A fall that is less than this part of the expected one is no success.
-const LEAST_GAIN: f64 = 1e-4;
-/// Damping beyond which a step is lost in rounding.
-const MOST_DAMPING: f64 = 1e20;
+/// The reason for the end of a search.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FitTermination {
+    /// The residuals are orthogonal to every direction open to the parameters.
+    SmallGradient,
+    /// The cost cannot fall by more than the tolerance.
+    SmallReduction,
+    /// The last step was shorter than the tolerance.
+    SmallStep,
+    /// The iterations are used up.
+    IterationLimit,
+    /// No step, however short, lowers the cost.
+    NoReduction,
+    /// The model has no predictions at the start.
+    NoPrediction,
+}
 
-enum Wait {
+impl FitTermination {
+    /// True if the search found a minimum.
+    pub fn converged(self) -> bool {
+        matches!(self, Self::SmallGradient | Self::SmallReduction | Self::SmallStep)
+    }
+}
+
+/// Least ratio of actual to expected reduction of the cost of an accepted step.
+const LEAST_RATIO: f64 = 1e-4;
+/// Damping beyond which a step is below rounding.
+const MAX_DAMPING: f64 = 1e20;
+
+/// The points whose predictions a search needs next.
+enum Request {
     Start,
     Derivatives(Stencil),
     Trial { x: Vec<f64>, step: Vec<f64>, expected: f64 },
@@ -20,27 +47,27 @@ enum Wait {
 
 /// Levenberg-Marquardt within bounds from one start.
 ///
-/// Damping follows Nielsen's gain rule, scaled by the largest column norms met (as in MINPACK).
+/// Damping follows Nielsen's rule, scaled by the largest column norms so far (as in MINPACK).
 /// Sources: J. J. Moré, Lecture Notes in Mathematics 630 (1978); H. B. Nielsen, IMM-REP-1999-05.
-pub(crate) struct Descent {
+pub(crate) struct Search {
     pub(crate) x: Vec<f64>,
     held: Vec<bool>,
     pub(crate) predictions: Predictions,
     pub(crate) residuals: Vec<f64>,
     pub(crate) cost: f64,
-    linear: Option<Linear>,
+    linear: Option<LinearisedCost>,
     scaling: Vec<f64>,
     damping: f64,
     growth: f64,
-    wait: Wait,
+    request: Request,
     pub(crate) iterations: usize,
     pub(crate) evaluations: usize,
-    pub(crate) ending: Option<Ending>,
-    pub(crate) refusal: Option<String>,
+    pub(crate) termination: Option<FitTermination>,
+    pub(crate) error: Option<String>,
 }
 
-impl Descent {
-    /// A search from working coordinates `x`; the unknowns marked held stay there.
+impl Search {
+    /// A search from working coordinates `x`; the parameters marked held stay there.
     pub(crate) fn new(x: Vec<f64>, held: Vec<bool>) -> Self {
         let scaling = vec![0.0; x.len()];
         Self {
@@ -53,60 +80,60 @@ impl Descent {
             scaling,
             damping: 1e-3,
             growth: 2.0,
-            wait: Wait::Start,
+            request: Request::Start,
             iterations: 0,
             evaluations: 0,
-            ending: None,
-            refusal: None,
+            termination: None,
+            error: None,
         }
     }
 
-    /// The points this search needs now; none when it has ended.
-    fn wanted(&self) -> Vec<Vec<f64>> {
-        if self.ending.is_some() {
+    /// The points that the search needs next; none after its end.
+    fn requested(&self) -> Vec<Vec<f64>> {
+        if self.termination.is_some() {
             return Vec::new();
         }
-        match &self.wait {
-            Wait::Start => vec![self.x.clone()],
-            Wait::Derivatives(stencil) => stencil.points.clone(),
-            Wait::Trial { x, .. } => vec![x.clone()],
+        match &self.request {
+            Request::Start => vec![self.x.clone()],
+            Request::Derivatives(stencil) => stencil.points.clone(),
+            Request::Trial { x, .. } => vec![x.clone()],
         }
     }
 
     fn receive(
         &mut self,
-        problem: &Problem<'_>,
+        problem: &FitProblem<'_>,
         options: &FitOptions,
         answers: Vec<Result<Predictions, String>>,
     ) {
         self.evaluations += answers.len();
-        match std::mem::replace(&mut self.wait, Wait::Start) {
-            Wait::Start => match answers.into_iter().next() {
+        match std::mem::replace(&mut self.request, Request::Start) {
+            Request::Start => match answers.into_iter().next() {
                 Some(Ok(predictions)) => {
                     let (x, residuals) = (self.x.clone(), problem.residuals(&predictions));
-                    self.settle(problem, options, x, predictions, residuals);
+                    self.move_to(problem, options, x, predictions, residuals);
                 }
                 Some(Err(reason)) => {
-                    self.refusal = Some(reason);
-                    self.ending = Some(Ending::Refused);
+                    self.error = Some(reason);
+                    self.termination = Some(FitTermination::NoPrediction);
                 }
-                None => self.ending = Some(Ending::Refused),
+                None => self.termination = Some(FitTermination::NoPrediction),
             },
-            Wait::Derivatives(stencil) => {
+            Request::Derivatives(stencil) => {
                 let rows = stencil.derivatives(&self.predictions, &answers, self.x.len());
                 self.linearise(problem, options, &rows);
             }
-            Wait::Trial { x, step, expected } => {
+            Request::Trial { x, step, expected } => {
                 let answer = answers.into_iter().next().and_then(Result::ok);
-                self.judge(problem, options, x, &step, expected, answer);
+                self.assess(problem, options, x, &step, expected, answer);
             }
         }
     }
 
-    /// Takes a point as the present one and asks for its derivatives.
-    fn settle(
+    /// Moves to a point and requests its derivatives.
+    fn move_to(
         &mut self,
-        problem: &Problem<'_>,
+        problem: &FitProblem<'_>,
         options: &FitOptions,
         x: Vec<f64>,
         predictions: Predictions,
@@ -115,42 +142,43 @@ impl Descent {
         self.cost = problem.cost(&residuals, &x);
         (self.x, self.predictions, self.residuals) = (x, predictions, residuals);
         if self.held.iter().all(|&held| held) {
-            self.ending = Some(Ending::SmallStep);
+            self.termination = Some(FitTermination::SmallStep);
             return;
         }
         let (step, order) = (options.difference_step, Order::Second);
-        self.wait = Wait::Derivatives(Stencil::new(problem, &self.x, &self.held, step, order));
+        self.request =
+            Request::Derivatives(Stencil::new(problem, &self.x, &self.held, step, order));
     }
 
-    fn linearise(&mut self, problem: &Problem<'_>, options: &FitOptions, rows: &[Vec<f64>]) {
-        let unknowns = self.x.len();
+    fn linearise(&mut self, problem: &FitProblem<'_>, options: &FitOptions, rows: &[Vec<f64>]) {
+        let parameters = self.x.len();
         let linear = weighted(problem, &self.x, &self.residuals, rows, &self.held);
-        let norms = linear.column_norms(unknowns);
+        let norms = linear.column_norms(parameters);
         for (j, norm) in norms.iter().enumerate() {
-            let least = 1e-6 / problem.unknowns[j].length(self.x[j]);
+            let least = 1e-6 / problem.parameters[j].length(self.x[j]);
             self.scaling[j] = self.scaling[j].max(*norm).max(least);
         }
         let size = linear.residuals.iter().map(|r| r * r).sum::<f64>().sqrt();
-        let gradient = linear.gradient(unknowns);
-        let steepest = (0..unknowns)
+        let gradient = linear.gradient(parameters);
+        let steepest = (0..parameters)
             .filter(|&j| !self.held[j] && !self.blocked(problem, j, gradient[j]))
             .map(|j| gradient[j].abs() / (norms[j] * size).max(f64::MIN_POSITIVE))
             .fold(0.0, f64::max);
         self.linear = Some(linear);
         if steepest <= options.tolerance || size <= 1e-14 {
-            self.ending = Some(Ending::SmallGradient);
+            self.termination = Some(FitTermination::SmallGradient);
         } else {
             self.propose(problem, options);
         }
     }
 
-    /// Whether an unknown is on a bound that the cost falls beyond.
-    fn blocked(&self, problem: &Problem<'_>, j: usize, gradient: f64) -> bool {
+    /// True if a parameter is on a bound beyond which the cost falls.
+    fn blocked(&self, problem: &FitProblem<'_>, j: usize, gradient: f64) -> bool {
         (self.x[j] <= problem.lower[j] && gradient >= 0.0)
             || (self.x[j] >= problem.upper[j] && gradient <= 0.0)
     }
 
-    fn propose(&mut self, problem: &Problem<'_>, options: &FitOptions) {
+    fn propose(&mut self, problem: &FitProblem<'_>, options: &FitOptions) {
         let Some(linear) = &self.linear else { return };
         let gradient = linear.gradient(self.x.len());
         let room = |j: usize| {
@@ -160,9 +188,9 @@ impl Descent {
             [problem.lower[j] - self.x[j], problem.upper[j] - self.x[j]]
         };
         let room: Vec<[f64; 2]> = (0..self.x.len()).map(room).collect();
-        while self.damping <= MOST_DAMPING {
-            if self.iterations >= options.most_iterations {
-                self.ending = Some(Ending::MostIterations);
+        while self.damping <= MAX_DAMPING {
+            if self.iterations >= options.max_iterations {
+                self.termination = Some(FitTermination::IterationLimit);
                 return;
             }
             self.iterations += 1;
@@ -171,23 +199,24 @@ impl Descent {
                 let mut x: Vec<f64> = self.x.iter().zip(&step).map(|(x, step)| x + step).collect();
                 problem.clamp(&mut x);
                 if x == self.x {
-                    self.ending = Some(Ending::SmallStep);
+                    self.termination = Some(FitTermination::SmallStep);
                     return;
                 }
                 if expected > 0.0 {
-                    self.wait = Wait::Trial { x, step, expected };
+                    self.request = Request::Trial { x, step, expected };
                     return;
                 }
             }
             self.damping *= self.growth;
             self.growth *= 2.0;
         }
-        self.ending = Some(Ending::NoProgress);
+        self.termination = Some(FitTermination::NoReduction);
     }
 
-    fn judge(
+    /// Accepts or rejects a trial step.
+    fn assess(
         &mut self,
-        problem: &Problem<'_>,
+        problem: &FitProblem<'_>,
         options: &FitOptions,
         x: Vec<f64>,
         step: &[f64],
@@ -201,25 +230,25 @@ impl Descent {
         });
         let little = expected <= options.tolerance * self.cost;
         let short = step.iter().enumerate().all(|(j, step)| {
-            step.abs() <= options.tolerance * problem.unknowns[j].length(self.x[j])
+            step.abs() <= options.tolerance * problem.parameters[j].length(self.x[j])
         });
         match tried {
-            Some((predictions, residuals, fall)) if fall > LEAST_GAIN * expected => {
-                let gain = fall / expected;
-                self.damping *= (1.0 - (2.0 * gain - 1.0).powi(3)).clamp(0.1, 2.0);
+            Some((predictions, residuals, fall)) if fall > LEAST_RATIO * expected => {
+                let ratio = fall / expected;
+                self.damping *= (1.0 - (2.0 * ratio - 1.0).powi(3)).clamp(0.1, 2.0);
                 self.damping = self.damping.max(1e-15);
                 self.growth = 2.0;
                 let before = self.cost;
-                self.settle(problem, options, x, predictions, residuals);
+                self.move_to(problem, options, x, predictions, residuals);
                 if little && fall <= options.tolerance * before {
-                    self.ending = Some(Ending::SmallReduction);
+                    self.termination = Some(FitTermination::SmallReduction);
                 } else if short {
-                    self.ending = Some(Ending::SmallStep);
+                    self.termination = Some(FitTermination::SmallStep);
                 }
             }
-            // No fall where hardly any was expected: rounding has the last word.
-            _ if little => self.ending = Some(Ending::SmallReduction),
-            _ if short => self.ending = Some(Ending::SmallStep),
+            // No reduction where hardly any was expected: rounding.
+            _ if little => self.termination = Some(FitTermination::SmallReduction),
+            _ if short => self.termination = Some(FitTermination::SmallStep),
             _ => {
                 self.damping *= self.growth;
                 self.growth *= 2.0;
@@ -230,15 +259,15 @@ impl Descent {
 }
 
 /// Residual rows and Jacobian with the loss's weights (iteratively reweighted least squares), the
-/// priors' rows below; held unknowns have zero columns.
+/// priors' rows below; held parameters have zero columns.
 fn weighted(
-    problem: &Problem<'_>,
+    problem: &FitProblem<'_>,
     x: &[f64],
     residuals: &[f64],
     rows: &[Vec<f64>],
     held: &[bool],
-) -> Linear {
-    let mut linear = Linear { jacobian: Vec::new(), residuals: Vec::new() };
+) -> LinearisedCost {
+    let mut linear = LinearisedCost { jacobian: Vec::new(), residuals: Vec::new() };
     for ((row, &residual), observation) in rows.iter().zip(residuals).zip(problem.observations) {
         let root = (problem.loss.weight(residual) / problem.noise_variance).sqrt();
         let scale = root / observation.standard_deviation;
@@ -254,29 +283,28 @@ fn weighted(
     linear
 }
 
-/// Runs searches side by side until all have ended: one call to the model carries the points
-/// that all of them need.
-pub(crate) fn advance(
-    problem: &Problem<'_>,
-    searches: &mut [Descent],
+/// Runs searches side by side to their ends; each call of the model has the points of all of them.
+pub(crate) fn run(
+    problem: &FitProblem<'_>,
+    searches: &mut [Search],
     options: &FitOptions,
     stage: Stage,
-    progress: &(dyn Fn(Progress) + Sync),
+    progress: &ProgressCallback<'_>,
 ) {
     loop {
-        let wanted: Vec<Vec<Vec<f64>>> = searches.iter().map(Descent::wanted).collect();
-        let points: Vec<Vec<f64>> = wanted.iter().flatten().cloned().collect();
+        let requested: Vec<Vec<Vec<f64>>> = searches.iter().map(Search::requested).collect();
+        let points: Vec<Vec<f64>> = requested.iter().flatten().cloned().collect();
         if points.is_empty() {
             return;
         }
         let mut answers = problem.predict(&points).into_iter();
-        for (search, wanted) in searches.iter_mut().zip(&wanted) {
-            if !wanted.is_empty() {
-                search.receive(problem, options, answers.by_ref().take(wanted.len()).collect());
+        for (search, requested) in searches.iter_mut().zip(&requested) {
+            if !requested.is_empty() {
+                search.receive(problem, options, answers.by_ref().take(requested.len()).collect());
             }
         }
         let cost = searches.iter().map(|search| search.cost).fold(f64::INFINITY, f64::min);
-        let done = searches.iter().filter(|search| search.ending.is_some()).count();
+        let done = searches.iter().filter(|search| search.termination.is_some()).count();
         progress(Progress { stage, done, of: searches.len(), cost });
     }
 }

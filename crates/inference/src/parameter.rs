@@ -1,17 +1,17 @@
-//! One number to identify: its name, bounds, working coordinate and prior.
+//! Parameters: name, bounds, working coordinate and prior.
 
-use crate::error::IdentifyError;
+use crate::error::InferenceError;
 
-/// The working coordinate `x` in which an unknown is fitted and has its prior.
+/// The working coordinate `x` in which a parameter is fitted and has its prior.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Scale {
+pub enum ParameterScale {
     /// `x = value`.
     Linear,
-    /// `x = ln(value)`, for positive unknowns whose magnitude is in question.
+    /// `x = ln(value)`, for positive parameters of unknown magnitude.
     Logarithmic,
 }
 
-/// What is known before the measurement: a normal distribution of the working coordinate.
+/// The normal distribution of the working coordinate before the measurement.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Prior {
     /// Mean, in the working coordinate.
@@ -20,62 +20,88 @@ pub struct Prior {
     pub standard_deviation: f64,
 }
 
-/// One unknown of a model. Its bounds are hard: no point outside is ever asked for.
+/// One parameter of a model. Models are never evaluated outside its bounds.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Unknown {
+pub struct Parameter {
     name: String,
     start: f64,
     lower: f64,
     upper: f64,
-    scale: Scale,
+    scale: ParameterScale,
     prior: Option<Prior>,
 }
 
-impl Unknown {
-    /// An unknown in `bounds = [lower, upper]` (values, in the unknown's own unit).
+impl Parameter {
+    /// A parameter in `bounds = [lower, upper]` (values, in the parameter's own unit).
     ///
     /// # Errors
     ///
-    /// [`IdentifyError::Bounds`] unless the bounds are finite and increasing, and positive on a
-    /// logarithmic scale; [`IdentifyError::Start`] if `start` is outside them;
-    /// [`IdentifyError::Prior`] unless the prior's mean is finite and its standard deviation
+    /// [`InferenceError::Bounds`] unless the bounds are finite and increasing, and positive on a
+    /// logarithmic scale; [`InferenceError::Start`] if `start` is outside them;
+    /// [`InferenceError::Prior`] unless the prior's mean is finite and its standard deviation
     /// positive and finite.
     pub fn new(
         name: impl Into<String>,
         start: f64,
         bounds: [f64; 2],
-        scale: Scale,
+        scale: ParameterScale,
         prior: Option<Prior>,
-    ) -> Result<Self, IdentifyError> {
+    ) -> Result<Self, InferenceError> {
         let (name, [lower, upper]) = (name.into(), bounds);
         let width = upper - lower;
         if !(lower.is_finite() && upper.is_finite() && width > 0.0 && width.is_finite()) {
-            return Err(IdentifyError::Bounds {
+            return Err(InferenceError::Bounds {
                 name,
                 lower,
                 upper,
                 expected: "finite, increasing",
             });
         }
-        if scale == Scale::Logarithmic && lower <= 0.0 {
+        if scale == ParameterScale::Logarithmic && lower <= 0.0 {
             let expected = "positive on a logarithmic scale";
-            return Err(IdentifyError::Bounds { name, lower, upper, expected });
+            return Err(InferenceError::Bounds { name, lower, upper, expected });
         }
         if !(lower..=upper).contains(&start) {
-            return Err(IdentifyError::Start { name, start, lower, upper });
+            return Err(InferenceError::Start { name, start, lower, upper });
         }
         if let Some(Prior { mean, standard_deviation }) = prior {
             if !mean.is_finite() {
                 let (quantity, expected) = ("mean", "finite");
-                return Err(IdentifyError::Prior { name, quantity, value: mean, expected });
+                return Err(InferenceError::Prior { name, quantity, value: mean, expected });
             }
             if !(standard_deviation.is_finite() && standard_deviation > 0.0) {
                 let (quantity, expected) = ("standard deviation", "positive and finite");
                 let value = standard_deviation;
-                return Err(IdentifyError::Prior { name, quantity, value, expected });
+                return Err(InferenceError::Prior { name, quantity, value, expected });
             }
         }
         Ok(Self { name, start, lower, upper, scale, prior })
+    }
+
+    /// A parameter on a linear scale, without a prior.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`new`](Self::new).
+    pub fn linear(
+        name: impl Into<String>,
+        start: f64,
+        bounds: [f64; 2],
+    ) -> Result<Self, InferenceError> {
+        Self::new(name, start, bounds, ParameterScale::Linear, None)
+    }
+
+    /// A parameter on a logarithmic scale, without a prior.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`new`](Self::new).
+    pub fn logarithmic(
+        name: impl Into<String>,
+        start: f64,
+        bounds: [f64; 2],
+    ) -> Result<Self, InferenceError> {
+        Self::new(name, start, bounds, ParameterScale::Logarithmic, None)
     }
 
     /// The name.
@@ -83,7 +109,7 @@ impl Unknown {
         &self.name
     }
 
-    /// The value where the first search starts.
+    /// The start of the first search.
     pub fn start(&self) -> f64 {
         self.start
     }
@@ -94,28 +120,28 @@ impl Unknown {
     }
 
     /// The kind of working coordinate.
-    pub fn scale(&self) -> Scale {
+    pub fn scale(&self) -> ParameterScale {
         self.scale
     }
 
-    /// What is known beforehand, in the working coordinate.
+    /// The prior, in the working coordinate.
     pub fn prior(&self) -> Option<Prior> {
         self.prior
     }
 
-    /// The working coordinate of a value; not finite for a value that has none.
+    /// The working coordinate of a value; not finite where there is none.
     pub fn to_working(&self, value: f64) -> f64 {
         match self.scale {
-            Scale::Linear => value,
-            Scale::Logarithmic => value.ln(),
+            ParameterScale::Linear => value,
+            ParameterScale::Logarithmic => value.ln(),
         }
     }
 
-    /// The value at a working coordinate, held to the bounds.
+    /// The value at a working coordinate, clamped to the bounds.
     pub fn from_working(&self, coordinate: f64) -> f64 {
         let value = match self.scale {
-            Scale::Linear => coordinate,
-            Scale::Logarithmic => coordinate.exp(),
+            ParameterScale::Linear => coordinate,
+            ParameterScale::Logarithmic => coordinate.exp(),
         };
         value.clamp(self.lower, self.upper)
     }
@@ -125,29 +151,29 @@ impl Unknown {
         [self.to_working(self.lower), self.to_working(self.upper)]
     }
 
-    /// The standard deviation of the working coordinate before the measurement: the prior's, or
+    /// The standard deviation of the working coordinate before the measurement: that of the prior, or
     /// `(upper - lower) / sqrt(12)` of a uniform distribution between the bounds.
     pub(crate) fn initial_deviation(&self) -> f64 {
         let [lower, upper] = self.working_bounds();
         self.prior.map_or((upper - lower) / 12.0_f64.sqrt(), |prior| prior.standard_deviation)
     }
 
-    /// The derivative of the value by the working coordinate at a value.
-    pub fn value_slope(&self, value: f64) -> f64 {
+    /// The derivative of the value with respect to the working coordinate, at a value.
+    pub fn d_value_d_working(&self, value: f64) -> f64 {
         match self.scale {
-            Scale::Linear => 1.0,
-            Scale::Logarithmic => value,
+            ParameterScale::Linear => 1.0,
+            ParameterScale::Logarithmic => value,
         }
     }
 
-    /// A length in the working coordinate over which models change noticeably: the least of
+    /// A scale of the working coordinate over which predictions change: the least of
     /// a quarter of the range, the prior's standard deviation, and one (logarithmic) or
     /// `|x|` plus a thousandth of the range (linear).
     pub(crate) fn length(&self, coordinate: f64) -> f64 {
         let [lower, upper] = self.working_bounds();
         let natural = match self.scale {
-            Scale::Linear => coordinate.abs() + 1e-3 * (upper - lower),
-            Scale::Logarithmic => 1.0,
+            ParameterScale::Linear => coordinate.abs() + 1e-3 * (upper - lower),
+            ParameterScale::Logarithmic => 1.0,
         };
         let spread = self.prior.map_or(f64::INFINITY, |prior| prior.standard_deviation);
         natural.min(spread).min(0.25 * (upper - lower))

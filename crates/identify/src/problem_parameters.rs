@@ -1,33 +1,33 @@
-//! From what a problem calls unknown to the numbers of a scenario.
+//! Parameters as numbers of a scenario, steps of a law, and gains of sensors.
 
-use asperity_inference::{Prior, Scale, Unknown};
+use asperity_inference::{Parameter, ParameterScale, Prior};
 use serde_json::Value;
 
-use crate::error::ProblemError;
+use crate::error::IdentificationError;
 use crate::monotone::MonotoneLaw;
-use crate::problem::{ChannelSpec, PriorSpec, ScaleSpec, UnknownSpec};
-use asperity_study::parameter::{Parameter, ParameterError};
+use crate::problem::{ChannelSpec, ParameterSpec, PriorSpec, ScaleSpec};
+use asperity_study::parameter::{ParameterError, ScenarioParameter};
 
-/// The unknowns of a problem, and where their values go.
+/// The parameters of a problem and the places of their values.
 #[derive(Debug, Clone)]
-pub(super) struct Unknowns {
+pub(super) struct ProblemParameters {
     /// In the order of the problem.
-    pub(super) list: Vec<Unknown>,
-    scalars: Vec<(usize, Parameter)>,
+    pub(super) list: Vec<Parameter>,
+    scalars: Vec<(usize, ScenarioParameter)>,
     laws: Vec<(usize, MonotoneLaw)>,
     gains: Vec<Gain>,
 }
 
-/// An unknown gain.
+/// A gain to identify.
 #[derive(Debug, Clone, PartialEq)]
 struct Gain {
-    unknown: usize,
+    parameter: usize,
     channel: ChannelSpec,
     /// Names of the data it holds for; all if none are named.
     data: Option<Vec<String>>,
 }
 
-/// Unknowns that are gains of the sensors of some data.
+/// Indices of parameters that are gains of the sensors of some data.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Sensors {
     force: Vec<usize>,
@@ -37,25 +37,29 @@ pub(super) struct Sensors {
 impl Sensors {
     /// The gains at `point`.
     pub(super) fn gains(&self, point: &[f64]) -> Gains {
-        let product = |unknowns: &[usize]| unknowns.iter().map(|&unknown| point[unknown]).product();
+        let product =
+            |parameters: &[usize]| parameters.iter().map(|&parameter| point[parameter]).product();
         Gains { force: product(&self.force), response: product(&self.response) }
     }
 }
 
-/// What the sensors of some data show over what there is.
+/// Gains of the sensors of some data: measured over true value.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Gains {
     pub(super) force: f64,
     pub(super) response: f64,
 }
 
-impl Unknowns {
-    /// The unknowns that `specs` name in a `scenario`.
+impl ProblemParameters {
+    /// The parameters that `specs` name in a `scenario`.
     ///
     /// # Errors
-    /// [`ProblemError`] where a pointer leads to no number, a law is none of steps, or a start is
-    /// not within its bounds.
-    pub(super) fn new(specs: &[UnknownSpec], scenario: &Value) -> Result<Self, ProblemError> {
+    /// [`IdentificationError`] for a pointer without a number, a law without points, or a start
+    /// outside its bounds.
+    pub(super) fn new(
+        specs: &[ParameterSpec],
+        scenario: &Value,
+    ) -> Result<Self, IdentificationError> {
         let mut found =
             Self { list: Vec::new(), scalars: Vec::new(), laws: Vec::new(), gains: Vec::new() };
         for spec in specs {
@@ -64,55 +68,61 @@ impl Unknowns {
         Ok(found)
     }
 
-    fn add(&mut self, spec: &UnknownSpec, scenario: &Value) -> Result<(), ProblemError> {
+    fn add(&mut self, spec: &ParameterSpec, scenario: &Value) -> Result<(), IdentificationError> {
         match spec {
-            UnknownSpec::Scalar { pointer, name, bounds, start, scale, prior } => {
-                let parameter = Parameter::of_scenario(scenario, pointer)?;
-                let value = parameter.value;
-                let scale = scale.map_or_else(|| usual_scale(*bounds), Scale::from);
+            ParameterSpec::Scalar { pointer, name, bounds, start, scale, prior } => {
+                let number = ScenarioParameter::of_scenario(scenario, pointer)?;
+                let value = number.value;
+                let scale = scale.map_or_else(|| usual_scale(*bounds), ParameterScale::from);
                 let name = name.clone().unwrap_or_else(|| pointer.clone());
                 let prior = prior.map(|prior| prior_of(&name, prior, scale)).transpose()?;
-                self.scalars.push((self.list.len(), parameter));
-                self.list.push(Unknown::new(name, start.unwrap_or(value), *bounds, scale, prior)?);
+                self.scalars.push((self.list.len(), number));
+                self.list.push(Parameter::new(
+                    name,
+                    start.unwrap_or(value),
+                    *bounds,
+                    scale,
+                    prior,
+                )?);
             }
-            UnknownSpec::MonotoneLaw { law: name, steps } => {
+            ParameterSpec::MonotoneLaw { law: name, steps } => {
                 let law = MonotoneLaw::find(scenario, name)
-                    .ok_or_else(|| ProblemError::NotMonotone { law: name.clone() })?;
+                    .ok_or_else(|| IdentificationError::NotMonotone { law: name.clone() })?;
                 let starts = law
                     .read(scenario)
-                    .ok_or_else(|| ProblemError::NotMonotone { law: name.clone() })?;
+                    .ok_or_else(|| IdentificationError::NotMonotone { law: name.clone() })?;
                 let first = self.list.len();
                 for (place, start) in starts.into_iter().enumerate() {
-                    let unknown = if law.has_base() && place == 0 {
+                    let parameter = if law.has_base() && place == 0 {
                         let bounds = [start / BASE_RANGE, start * BASE_RANGE];
                         let name = format!("{name}: softest stiffness [Pa/m]");
-                        Unknown::new(name, start, bounds, Scale::Logarithmic, None)
+                        Parameter::new(name, start, bounds, ParameterScale::Logarithmic, None)
                     } else {
                         let place = place + usize::from(!law.has_base());
-                        // A law that the bounds leave out is started inside them.
+                        // A start outside the bounds is moved inside.
                         let start = start.clamp(steps[0], steps[1]);
                         let name = format!("{name}: step {place}");
-                        Unknown::new(name, start, *steps, Scale::Linear, None)
+                        Parameter::new(name, start, *steps, ParameterScale::Linear, None)
                     };
-                    self.list.push(unknown?);
+                    self.list.push(parameter?);
                 }
                 self.laws.push((first, law));
             }
-            UnknownSpec::Gain { channel, name, data, bounds, prior } => {
+            ParameterSpec::Gain { channel, name, data, bounds, prior } => {
                 let usual = match channel {
                     ChannelSpec::Force => "force gain",
                     ChannelSpec::Response => "response gain",
                 };
                 let name = name.clone().unwrap_or_else(|| usual.to_owned());
-                let scale = Scale::Logarithmic;
+                let scale = ParameterScale::Logarithmic;
                 let prior = prior.map(|prior| prior_of(&name, prior, scale)).transpose()?;
                 let start = prior.map_or(1.0, |prior| prior.mean.exp());
                 self.gains.push(Gain {
-                    unknown: self.list.len(),
+                    parameter: self.list.len(),
                     channel: *channel,
                     data: data.clone(),
                 });
-                self.list.push(Unknown::new(name, start, *bounds, scale, prior)?);
+                self.list.push(Parameter::new(name, start, *bounds, scale, prior)?);
             }
         }
         Ok(())
@@ -121,56 +131,64 @@ impl Unknowns {
     /// Puts the values of `point` into a scenario.
     ///
     /// # Errors
-    /// [`ProblemError::Parameter`] where the scenario has no such number.
-    pub(super) fn write(&self, scenario: &mut Value, point: &[f64]) -> Result<(), ProblemError> {
-        for (unknown, Parameter { pointer, .. }) in &self.scalars {
+    /// [`IdentificationError::Parameter`] for a missing number.
+    pub(super) fn write(
+        &self,
+        scenario: &mut Value,
+        point: &[f64],
+    ) -> Result<(), IdentificationError> {
+        for (parameter, ScenarioParameter { pointer, .. }) in &self.scalars {
             let place = scenario
                 .pointer_mut(pointer)
                 .ok_or_else(|| ParameterError::NotANumber { pointer: pointer.clone() })?;
-            *place = point[*unknown].into();
+            *place = point[*parameter].into();
         }
         for (first, law) in &self.laws {
             law.write(scenario, &point[*first..first + law.count])
-                .ok_or_else(|| ProblemError::NotMonotone { law: law.name.clone() })?;
+                .ok_or_else(|| IdentificationError::NotMonotone { law: law.name.clone() })?;
         }
         Ok(())
     }
 
-    /// The unknown gains of the sensors that measured the data of this name.
+    /// The gains of the sensors of the data of this name.
     pub(super) fn sensors(&self, data: &str) -> Sensors {
         let of = |channel: ChannelSpec| {
             let fits = |gain: &&Gain| {
                 gain.channel == channel
                     && gain.data.as_ref().is_none_or(|names| names.iter().any(|name| name == data))
             };
-            self.gains.iter().filter(fits).map(|gain| gain.unknown).collect()
+            self.gains.iter().filter(fits).map(|gain| gain.parameter).collect()
         };
         Sensors { force: of(ChannelSpec::Force), response: of(ChannelSpec::Response) }
     }
 
-    /// Whether the unknown is a number of a contact law.
-    pub(super) fn is_of_law(&self, unknown: usize) -> bool {
+    /// True if the parameter is a number of a contact law.
+    pub(super) fn is_of_law(&self, parameter: usize) -> bool {
         let mut scalars = self.scalars.iter();
-        scalars.any(|(place, parameter)| *place == unknown && parameter.is_of_law())
-            || self.laws.iter().any(|(first, law)| (*first..first + law.count).contains(&unknown))
+        scalars.any(|(place, number)| *place == parameter && number.is_of_law())
+            || self.laws.iter().any(|(first, law)| (*first..first + law.count).contains(&parameter))
     }
 
-    /// Pointers that are written.
+    /// Pointers to the written numbers.
     pub(super) fn pointers(&self) -> impl Iterator<Item = &str> {
         let scalars = self.scalars.iter().map(|(_, parameter)| parameter.pointer.as_str());
         scalars.chain(self.laws.iter().map(|(_, law)| law.pointer()))
     }
 }
 
-/// Range of the softest stiffness of a table, up and down.
+/// Ratio of the bounds of the softest stiffness of a table to its start.
 const BASE_RANGE: f64 = 1e3;
 
-fn usual_scale(bounds: [f64; 2]) -> Scale {
-    if bounds[0] > 0.0 { Scale::Logarithmic } else { Scale::Linear }
+fn usual_scale(bounds: [f64; 2]) -> ParameterScale {
+    if bounds[0] > 0.0 { ParameterScale::Logarithmic } else { ParameterScale::Linear }
 }
 
-fn prior_of(name: &str, prior: PriorSpec, scale: Scale) -> Result<Prior, ProblemError> {
-    let refuse = |reason| ProblemError::Prior { unknown: name.to_owned(), reason };
+fn prior_of(
+    name: &str,
+    prior: PriorSpec,
+    scale: ParameterScale,
+) -> Result<Prior, IdentificationError> {
+    let refuse = |reason| IdentificationError::Prior { parameter: name.to_owned(), reason };
     let deviation = match (prior.standard_deviation, prior.relative) {
         (Some(deviation), None) => deviation,
         (None, Some(relative)) => relative * prior.value.abs(),
@@ -180,15 +198,17 @@ fn prior_of(name: &str, prior: PriorSpec, scale: Scale) -> Result<Prior, Problem
         return Err(refuse("a positive standard deviation is expected"));
     }
     match scale {
-        Scale::Linear => Ok(Prior { mean: prior.value, standard_deviation: deviation }),
-        Scale::Logarithmic if prior.value > 0.0 => {
+        ParameterScale::Linear => Ok(Prior { mean: prior.value, standard_deviation: deviation }),
+        ParameterScale::Logarithmic if prior.value > 0.0 => {
             Ok(Prior { mean: prior.value.ln(), standard_deviation: deviation / prior.value })
         }
-        Scale::Logarithmic => Err(refuse("a positive value is expected on a logarithmic scale")),
+        ParameterScale::Logarithmic => {
+            Err(refuse("a positive value is expected on a logarithmic scale"))
+        }
     }
 }
 
-impl From<ScaleSpec> for Scale {
+impl From<ScaleSpec> for ParameterScale {
     fn from(scale: ScaleSpec) -> Self {
         match scale {
             ScaleSpec::Linear => Self::Linear,

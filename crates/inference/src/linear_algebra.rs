@@ -1,24 +1,23 @@
-//! Inverse and root of the normal matrix `A^T A` from its rows, by QR of equilibrated columns.
+//! Normal matrices and their triangular roots.
 
 use faer::Mat;
 
-use crate::error::IdentifyError;
+use crate::error::InferenceError;
 
 /// `(A^T A)^-1` and a root `L` of it, `L L^T = (A^T A)^-1`.
 pub(crate) struct InverseNormal {
     pub(crate) matrix: Vec<Vec<f64>>,
-    /// Upper triangular in the order of the unknowns.
+    /// Upper triangular in the order of the parameters.
     pub(crate) root: Vec<Vec<f64>>,
 }
 
-/// Inverts `A^T A` given the rows of `A`. Columns are brought to unit length first, so that
-/// units do not matter.
+/// Inverts `A^T A` given the rows of `A`, by QR of `A` with columns scaled to unit length.
 pub(crate) fn inverse_normal(
     rows: &[Vec<f64>],
     columns: usize,
     matrix: &'static str,
-) -> Result<InverseNormal, IdentifyError> {
-    let singular = || IdentifyError::Singular { matrix };
+) -> Result<InverseNormal, InferenceError> {
+    let singular = || InferenceError::Singular { matrix };
     let norm = |j: usize| rows.iter().map(|row| row[j] * row[j]).sum::<f64>().sqrt();
     let norms: Vec<f64> = (0..columns).map(norm).collect();
     if rows.len() < columns || norms.iter().any(|norm| !(norm.is_finite() && *norm > 0.0)) {
@@ -42,7 +41,6 @@ pub(crate) fn inverse_normal(
     if root.iter().flatten().any(|entry| !entry.is_finite()) {
         return Err(singular());
     }
-    let dot = |a: &Vec<f64>, b: &Vec<f64>| a.iter().zip(b).map(|(a, b)| a * b).sum();
     let matrix = root.iter().map(|a| root.iter().map(|b| dot(a, b)).collect()).collect();
     Ok(InverseNormal { matrix, root })
 }
@@ -78,4 +76,16 @@ pub(crate) fn upper_solve(root: &[Vec<f64>], y: &[f64]) -> Vec<f64> {
         z[i] = (y[i] - known) / root[i][i];
     }
     z
+}
+
+/// Scalar product.
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// Correlation matrix of a covariance matrix.
+pub(crate) fn correlation(matrix: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    let entry = |i: usize, j: usize| matrix[i][j] / (matrix[i][i] * matrix[j][j]).sqrt();
+    let size = matrix.len();
+    (0..size).map(|i| (0..size).map(|j| entry(i, j)).collect()).collect()
 }

@@ -1,35 +1,35 @@
-//! The strikes that data ask for, and the rigs they are on.
+//! Simulated hits of data, and the scenarios of their rigs.
 
 use serde_json::Value;
 
 use super::{Loader, check_scenario};
-use crate::error::ProblemError;
-use crate::problem::{Changes, StrikeSpec};
+use crate::error::IdentificationError;
+use crate::hit::{HitForce, RigScenario, SimulatedHit};
+use crate::problem::{Changes, HitConditionsSpec};
 use crate::records;
-use crate::strike::{Drive, Rig, Strike};
 use asperity_scenario::set_value;
 
-/// The force of a strike as data give it.
+/// The source of the force of a hit.
 #[derive(Clone, Copy)]
-pub(super) enum StrikeDrive<'a> {
-    Spec(&'a StrikeSpec),
+pub(super) enum ForceSource<'a> {
+    Spec(&'a HitConditionsSpec),
     Record(&'a records::RecordedHit),
 }
 
 impl Loader<'_> {
-    /// The strike of these changes, a new one unless there is one like it.
-    pub(super) fn strike(
+    /// Index of the hit with these changes, which is added unless an equal one exists.
+    pub(super) fn add_hit(
         &mut self,
         place: &str,
         data: &str,
         sets: &[&Changes],
-        drive: StrikeDrive<'_>,
-    ) -> Result<usize, ProblemError> {
+        drive: ForceSource<'_>,
+    ) -> Result<usize, IdentificationError> {
         let mut of_rig = Changes::new();
         let mut of_force = Changes::new();
         let own = match drive {
-            StrikeDrive::Spec(spec) => Some(&spec.set),
-            StrikeDrive::Record(_) => None,
+            ForceSource::Spec(spec) => Some(&spec.set),
+            ForceSource::Record(_) => None,
         };
         for (pointer, value) in sets.iter().copied().chain(own).flatten() {
             self.check_known(place, pointer)?;
@@ -39,36 +39,36 @@ impl Loader<'_> {
         }
         let rig = self.rig(place, &of_rig, &of_force)?;
         let (drive, duration) = match drive {
-            StrikeDrive::Spec(spec) => {
+            ForceSource::Spec(spec) => {
                 if spec.force_peak_n.is_some() {
                     self.check_known(place, "/excitation/peak_n")?;
                     self.check_peak(place)?;
                 }
-                (Drive::Scenario { set: of_force, peak_n: spec.force_peak_n }, None)
+                (HitForce::Scenario { set: of_force, peak_n: spec.force_peak_n }, None)
             }
-            StrikeDrive::Record(hit) => {
-                let (time_s, force_n) = (hit.time_s.clone(), hit.force_n.clone());
-                (Drive::Record { time_s, force_n }, Some(hit.duration_s))
+            ForceSource::Record(recorded) => {
+                let (time_s, force_n) = (recorded.time_s.clone(), recorded.force_n.clone());
+                (HitForce::Record { time_s, force_n }, Some(recorded.duration_s))
             }
         };
-        let strike = Strike {
+        let hit = SimulatedHit {
             rig,
-            sensors: self.unknowns.sensors(data),
+            sensors: self.parameters.sensors(data),
             drive,
             duration,
             frequencies: Vec::new(),
             backbone: false,
         };
-        let same = |known: &Strike| {
-            // What else is asked of a strike does not make it another.
+        let same = |known: &SimulatedHit| {
+            // Hits that differ in the requested results only are one.
             (known.rig, &known.drive, known.duration, &known.sensors)
-                == (strike.rig, &strike.drive, strike.duration, &strike.sensors)
+                == (hit.rig, &hit.drive, hit.duration, &hit.sensors)
         };
-        if let Some(known) = self.found.strikes.iter().position(same) {
+        if let Some(known) = self.found.hits.iter().position(same) {
             return Ok(known);
         }
-        self.found.strikes.push(strike);
-        Ok(self.found.strikes.len() - 1)
+        self.found.hits.push(hit);
+        Ok(self.found.hits.len() - 1)
     }
 
     fn rig(
@@ -76,19 +76,19 @@ impl Loader<'_> {
         place: &str,
         changes: &Changes,
         of_force: &Changes,
-    ) -> Result<usize, ProblemError> {
+    ) -> Result<usize, IdentificationError> {
         let mut scenario = self.scenario.clone();
         for (pointer, value) in changes {
             set_value(&mut scenario, pointer, &value.to_string())
-                .map_err(|source| ProblemError::Set { place: place.to_owned(), source })?;
+                .map_err(|source| IdentificationError::Set { place: place.to_owned(), source })?;
         }
         let mut whole = scenario.clone();
         for (pointer, value) in of_force {
             set_value(&mut whole, pointer, &value.to_string())
-                .map_err(|source| ProblemError::Set { place: place.to_owned(), source })?;
+                .map_err(|source| IdentificationError::Set { place: place.to_owned(), source })?;
         }
         check_scenario(&whole, self.path)?;
-        let rig = Rig { scenario };
+        let rig = RigScenario { scenario };
         if let Some(known) = self.found.rigs.iter().position(|known| *known == rig) {
             return Ok(known);
         }
@@ -96,27 +96,29 @@ impl Loader<'_> {
         Ok(self.found.rigs.len() - 1)
     }
 
-    /// Refuses what is unknown to be set.
-    fn check_known(&self, place: &str, pointer: &str) -> Result<(), ProblemError> {
+    /// Checks that a change does not set a parameter.
+    fn check_known(&self, place: &str, pointer: &str) -> Result<(), IdentificationError> {
         let inside = |a: &str, b: &str| {
             a.strip_prefix(b).is_some_and(|rest| rest.is_empty() || rest.starts_with('/'))
         };
-        let clash =
-            self.unknowns.pointers().find(|known| inside(known, pointer) || inside(pointer, known));
+        let clash = self
+            .parameters
+            .pointers()
+            .find(|known| inside(known, pointer) || inside(pointer, known));
         match clash {
             None => Ok(()),
-            Some(known) => Err(ProblemError::Contradiction {
+            Some(known) => Err(IdentificationError::Contradiction {
                 pointer: known.to_owned(),
                 by: format!("{place} sets {pointer}"),
             }),
         }
     }
 
-    fn check_peak(&self, place: &str) -> Result<(), ProblemError> {
+    fn check_peak(&self, place: &str) -> Result<(), IdentificationError> {
         let kind = self.scenario.pointer("/excitation/kind").and_then(Value::as_str);
         match kind {
             Some("gamma_pulse" | "half_sine" | "haversine" | "samples") => Ok(()),
-            _ => Err(ProblemError::NoPeak { place: place.to_owned() }),
+            _ => Err(IdentificationError::NoPeak { place: place.to_owned() }),
         }
     }
 }

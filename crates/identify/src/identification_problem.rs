@@ -1,19 +1,19 @@
-//! A problem from its file, with its scenario.
+//! The identification problem with its scenario.
 
 use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
 
-use crate::error::ProblemError;
+use crate::error::IdentificationError;
 use crate::problem::{ProblemSpec, ScenarioRef, problem_schema};
 use asperity_scenario::{Document, validate_json};
 
-/// A problem that has been read and checked, as far as that goes without its data.
+/// An identification problem with its scenario, checked except for the data files.
 #[derive(Debug, Clone)]
-pub struct Problem {
+pub struct IdentificationProblem {
     /// The text.
     pub document: Document,
-    /// What it says.
+    /// Its content.
     pub spec: ProblemSpec,
     /// Its scenario, whose method is modal.
     pub(super) scenario: Value,
@@ -21,24 +21,24 @@ pub struct Problem {
     pub(super) scenario_path: PathBuf,
     /// SHA-256 of the scenario as it was written.
     pub(super) scenario_sha256: String,
-    /// What was changed.
+    /// Notices on replaced settings.
     pub(super) notices: Vec<String>,
 }
 
-impl Problem {
+impl IdentificationProblem {
     /// Reads the problem at `path`.
     ///
     /// # Errors
-    /// [`ProblemError`] for a file that cannot be read, a problem or scenario that is not valid.
-    pub fn read(path: impl AsRef<Path>) -> Result<Self, ProblemError> {
+    /// [`IdentificationError`] for a file that cannot be read, a problem or scenario that is not valid.
+    pub fn read(path: impl AsRef<Path>) -> Result<Self, IdentificationError> {
         Self::of(Document::read(path)?)
     }
 
-    /// The problem that a document holds.
+    /// The problem of a document.
     ///
     /// # Errors
     /// As [`read`](Self::read).
-    pub fn of(document: Document) -> Result<Self, ProblemError> {
+    pub fn of(document: Document) -> Result<Self, IdentificationError> {
         let spec: ProblemSpec = document.checked(problem_schema(), Vec::new())?;
         let (mut scenario, scenario_path, scenario_sha256) = match &spec.scenario {
             ScenarioRef::File(file) => {

@@ -1,4 +1,4 @@
-//! A rig with some unknowns, struck: from values of the unknowns to hits.
+//! Simulated hits: from values of the parameters to simulations.
 
 use std::path::Path;
 
@@ -6,39 +6,40 @@ use asperity_dynamics::{Excitation, ForceRecord, Hit};
 use serde_json::{Value, json};
 
 use crate::problem::Changes;
-use crate::unknowns::{Gains, Sensors, Unknowns};
-use asperity_scenario::{ExcitationSpec, Scenario, set_value};
+use crate::problem_parameters::{Gains, ProblemParameters, Sensors};
+use asperity_scenario::set_value;
+use asperity_scenario::{ExcitationSpec, Scenario};
 use asperity_study::assemble::excitation;
 use asperity_study::error::StudyError;
 use asperity_study::prepared_scenario::PreparedScenario;
 
-/// The scenario of some strikes, all but the force.
+/// The scenario of some hits, without the force.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Rig {
+pub(super) struct RigScenario {
     /// The scenario, with the changes of these data.
     pub(super) scenario: Value,
 }
 
-/// One strike.
+/// One simulated hit.
 #[derive(Debug, Clone)]
-pub(super) struct Strike {
-    /// Number of its rig.
+pub(super) struct SimulatedHit {
+    /// Index of its rig.
     pub(super) rig: usize,
-    /// What it was measured with.
+    /// Gains of its sensors.
     pub(super) sensors: Sensors,
     /// The force.
-    pub(super) drive: Drive,
-    /// How long it is watched \[s\]; the scenario's duration if not given.
+    pub(super) drive: HitForce,
+    /// Duration \[s\]; that of the scenario if not given.
     pub(super) duration: Option<f64>,
-    /// Frequencies at which its receptance is asked for \[Hz\].
+    /// Frequencies of the requested receptance \[Hz\].
     pub(super) frequencies: Vec<f64>,
-    /// Whether its backbone is asked for.
+    /// True if its backbone is requested.
     pub(super) backbone: bool,
 }
 
-/// The force of a strike.
+/// The force of a hit.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum Drive {
+pub(super) enum HitForce {
     /// The scenario's, with some changes, and this peak as measured \[N\].
     Scenario {
         /// Changes inside /excitation.
@@ -55,24 +56,24 @@ pub(super) enum Drive {
     },
 }
 
-/// A rig at some values of the unknowns.
+/// A rig at some values of the parameters.
 #[derive(Debug)]
-pub(super) struct Prepared {
+pub(super) struct PreparedRig {
     pub(super) case: PreparedScenario,
     /// The scenario's excitation there.
     excitation: Value,
 }
 
-impl Rig {
+impl RigScenario {
     /// The rig at `point`.
     pub(super) fn prepare(
         &self,
-        unknowns: &Unknowns,
+        parameters: &ProblemParameters,
         point: &[f64],
         folder: &Path,
-    ) -> Result<Prepared, StudyError> {
+    ) -> Result<PreparedRig, StudyError> {
         let mut scenario = self.scenario.clone();
-        unknowns
+        parameters
             .write(&mut scenario, point)
             .map_err(|error| StudyError::Scenario { reason: error.to_string() })?;
         let silent = json!({"kind": "none"});
@@ -82,20 +83,20 @@ impl Rig {
         };
         let scenario: Scenario = serde_json::from_value(scenario)
             .map_err(|error| StudyError::Scenario { reason: error.to_string() })?;
-        Ok(Prepared { case: PreparedScenario::new(&scenario, folder)?, excitation })
+        Ok(PreparedRig { case: PreparedScenario::new(&scenario, folder)?, excitation })
     }
 }
 
-impl Strike {
-    /// The force of the strike on a rig, as sensors of these `gains` have measured it.
+impl SimulatedHit {
+    /// The force of the hit on a rig, as sensors of these `gains` have measured it.
     pub(super) fn excitation(
         &self,
-        rig: &Prepared,
+        rig: &PreparedRig,
         gains: Gains,
         folder: &Path,
     ) -> Result<Excitation, StudyError> {
         let found = match &self.drive {
-            Drive::Scenario { set, peak_n } => {
+            HitForce::Scenario { set, peak_n } => {
                 let mut part = json!({ "excitation": rig.excitation });
                 for (pointer, value) in set {
                     set_value(&mut part, pointer, &value.to_string())?;
@@ -110,7 +111,7 @@ impl Strike {
                     .map_err(|error| StudyError::Scenario { reason: error.to_string() })?;
                 excitation(&spec, folder)?
             }
-            Drive::Record { time_s, force_n } => {
+            HitForce::Record { time_s, force_n } => {
                 let force = force_n.iter().map(|force| force / gains.force).collect();
                 Excitation::Record(ForceRecord::new(time_s.clone(), force)?)
             }
@@ -119,10 +120,10 @@ impl Strike {
         Ok(found)
     }
 
-    /// The strike as a hit.
-    pub(super) fn hit(
+    /// The simulation of the hit.
+    pub(super) fn simulation(
         &self,
-        rig: &Prepared,
+        rig: &PreparedRig,
         gains: Gains,
         folder: &Path,
     ) -> Result<Hit, StudyError> {

@@ -1,23 +1,26 @@
-//! The law with its band, and where the data inform it.
+//! The law with its credible band, and the pressures at which the data inform it.
+//!
+//! The stiffness at a pressure is *informed* by the data if a run reaches that pressure and the
+//! posterior standard deviation of ln K is at most [`INFORMED_SHARE`] of the prior one.
 
-use asperity_inference::{Fit, ForwardModel, Posterior, Unknown, normal_quantile};
+use asperity_inference::{ForwardModel, Parameter, Posterior, normal_quantile};
 
-use crate::error::ProblemError;
-use crate::forward::Forward;
-use crate::read::Problem;
-use crate::row::Row;
+use crate::error::IdentificationError;
+use crate::identification_problem::IdentificationProblem;
+use crate::observed_quantity::ObservedQuantity;
+use crate::scenario_model::ScenarioModel;
 use asperity_study::error::StudyError;
 
 /// Pressures at which a law is drawn.
 const PRESSURES: usize = 81;
 
-/// Draws of what is known beforehand.
-const BEFORE: usize = 400;
+/// Draws from the prior.
+const PRIOR_DRAWS: usize = 400;
 
-/// Uncertainty left, over that beforehand, below which the data inform a stiffness.
+/// Posterior over prior standard deviation of ln K up to which the data inform a stiffness.
 pub const INFORMED_SHARE: f64 = 1.0 / 3.0;
 
-/// Standard deviation of ln K beforehand at and below which a stiffness is known, not asked for.
+/// Prior standard deviation of ln K up to which a stiffness counts as known.
 const KNOWN: f64 = 1e-9;
 
 /// A contact law as identified.
@@ -35,14 +38,14 @@ pub struct LawBand {
     pub lower: Vec<f64>,
     /// Upper end of the interval \[Pa/m\].
     pub upper: Vec<f64>,
-    /// Standard deviation of ln K that is left, over that beforehand.
+    /// Posterior over prior standard deviation of ln K.
     pub remaining: Vec<f64>,
-    /// Whether the data inform the stiffness: it was reached, and at most
-    /// [`INFORMED_SHARE`] of the uncertainty is left, or there never was any.
+    /// True where the data inform the stiffness: the pressure is reached, and `remaining` is at most
+    /// [`INFORMED_SHARE`] or the stiffness is known.
     pub informed: Vec<bool>,
-    /// Lowest and highest pressure that the best fit reaches, or that stiffness was measured at \[Pa\].
+    /// Lowest and highest pressure \[Pa\] of the runs at the best fit and of measured stiffnesses.
     pub reached: [f64; 2],
-    /// Pressure at rest at the first interface of the law \[Pa\].
+    /// Static pressure at the first interface of the law \[Pa\].
     pub at_rest: f64,
     /// Stiffness there, at the best fit \[Pa/m\].
     pub stiffness_at_rest: f64,
@@ -50,15 +53,15 @@ pub struct LawBand {
 
 impl LawBand {
     pub(super) fn new(
-        problem: &Problem,
-        forward: &Forward,
+        problem: &IdentificationProblem,
+        forward: &ScenarioModel,
         name: &str,
-        best: &Fit,
+        best: &[f64],
         posterior: &Posterior,
-    ) -> Result<Self, ProblemError> {
-        let (reached, at_rest) = reached(forward, name, &best.point)?;
+    ) -> Result<Self, IdentificationError> {
+        let (reached, at_rest) = reached(forward, name, best)?;
         let range = problem.spec.pressures_pa.unwrap_or([0.0, 1.25 * reached[1]]);
-        // Crowded towards low pressure, where laws differ most.
+        // Denser at low pressure, where laws differ most.
         let pressure: Vec<f64> = (0..PRESSURES)
             .map(|i| i as f64 / (PRESSURES - 1) as f64)
             .map(|part| range[0] + (range[1] - range[0]) * part * part)
@@ -72,8 +75,8 @@ impl LawBand {
             points.iter().map(|point| curve(point).iter().map(|k| k.ln()).collect()).collect()
         };
         let after = deviations(&logarithms(&posterior.draws), &posterior.weights);
-        let before = beforehand(forward.unknowns(), problem.spec.seed);
-        let equal = vec![1.0 / BEFORE as f64; BEFORE];
+        let before = prior_draws(forward.parameters(), problem.spec.seed);
+        let equal = vec![1.0 / PRIOR_DRAWS as f64; PRIOR_DRAWS];
         let before = deviations(&logarithms(&before), &equal);
         let remaining: Vec<f64> =
             after.iter().zip(&before).map(|(a, b)| if *b <= KNOWN { 0.0 } else { a / b }).collect();
@@ -85,8 +88,8 @@ impl LawBand {
             .collect();
         let [lower, median, upper]: [Vec<f64>; 3] = band.quantiles.try_into().unwrap_or_default();
         Ok(Self {
-            stiffness: forward.curve(name, &pressure, &best.point)?,
-            stiffness_at_rest: forward.curve(name, &[at_rest], &best.point)?[0],
+            stiffness: forward.curve(name, &pressure, best)?,
+            stiffness_at_rest: forward.curve(name, &[at_rest], best)?[0],
             name: name.to_owned(),
             pressure,
             median,
@@ -107,11 +110,11 @@ impl LawBand {
     }
 }
 
-/// Refuses pressures that are no range.
-pub(super) fn check_pressures(problem: &Problem) -> Result<(), ProblemError> {
+/// Checks the range of pressures.
+pub(super) fn check_pressures(problem: &IdentificationProblem) -> Result<(), IdentificationError> {
     match problem.spec.pressures_pa {
         Some([low, high]) if !(low >= 0.0 && high > low && high.is_finite()) => {
-            Err(ProblemError::Value {
+            Err(IdentificationError::Value {
                 place: "/pressures_pa".to_owned(),
                 quantity: "pressure [Pa]",
                 value: if low >= 0.0 { high } else { low },
@@ -122,15 +125,19 @@ pub(super) fn check_pressures(problem: &Problem) -> Result<(), ProblemError> {
     }
 }
 
-/// The pressures that runs reach at the interfaces of a law, widened by those at which stiffness
-/// was measured, and the pressure at rest.
-fn reached(forward: &Forward, law: &str, point: &[f64]) -> Result<([f64; 2], f64), StudyError> {
+/// The range of pressures of runs at the interfaces of a law and of measured stiffnesses, and the
+/// static pressure.
+fn reached(
+    forward: &ScenarioModel,
+    law: &str,
+    point: &[f64],
+) -> Result<([f64; 2], f64), StudyError> {
     let outcomes = forward.outcomes(&[point.to_vec()]).remove(0)?;
     let (mut low, mut high) = (f64::INFINITY, 0.0_f64);
     let mut at_rest = None;
     let rigs = forward.prepare(point)?;
-    for (strike, outcome) in forward.strikes.iter().zip(&outcomes.strikes) {
-        let rig = &rigs[strike.rig].case;
+    for (hit, outcome) in forward.hits.iter().zip(&outcomes.hits) {
+        let rig = &rigs[hit.rig].case;
         for (i, interface) in rig.assembly.structure.contacts().iter().enumerate() {
             let used = forward.scenario.pointer(&format!("/interfaces/{i}/law"));
             if used.and_then(serde_json::Value::as_str) != Some(law) {
@@ -146,8 +153,8 @@ fn reached(forward: &Forward, law: &str, point: &[f64]) -> Result<([f64; 2], f64
             at_rest.get_or_insert(rig.at_rest.interfaces[i].pressure_pa);
         }
     }
-    for row in &forward.rows {
-        if let Row::Stiffness { place } = row
+    for quantity in &forward.quantities {
+        if let ObservedQuantity::Stiffness { place } = quantity
             && forward.stiffness[*place].0 == law
         {
             low = low.min(forward.stiffness[*place].1);
@@ -158,30 +165,30 @@ fn reached(forward: &Forward, law: &str, point: &[f64]) -> Result<([f64; 2], f64
     Ok(([low.min(high), high], at_rest))
 }
 
-/// Points as likely as they are known beforehand: normal where there is a prior, else even between
-/// the bounds, spread by the golden-ratio sequence of each unknown.
-fn beforehand(unknowns: &[Unknown], seed: u64) -> Vec<Vec<f64>> {
-    // Roots of x^(d+1) = x + 1 give a sequence that fills d dimensions evenly (Roberts, 2018).
-    let dimensions = unknowns.len() as f64;
+/// Draws from the prior: normal where there is one, else uniform between the bounds, by a
+/// low-discrepancy sequence.
+fn prior_draws(parameters: &[Parameter], seed: u64) -> Vec<Vec<f64>> {
+    // The root of x^(d+1) = x + 1 gives a sequence that fills d dimensions evenly (Roberts, 2018).
+    let dimensions = parameters.len() as f64;
     let mut root = 2.0_f64;
     for _ in 0..60 {
         root = (1.0 + root).powf(1.0 / (dimensions + 1.0));
     }
     let offset = (seed % 1024) as f64 / 1024.0;
-    (0..BEFORE)
+    (0..PRIOR_DRAWS)
         .map(|n| {
             let mut step = 1.0;
-            let value = |unknown: &Unknown| {
+            let value = |parameter: &Parameter| {
                 step /= root;
                 let part = (offset + (n + 1) as f64 * step).fract();
-                let [low, high] = unknown.bounds().map(|value| unknown.to_working(value));
-                let x = match unknown.prior() {
+                let [low, high] = parameter.bounds().map(|value| parameter.to_working(value));
+                let x = match parameter.prior() {
                     Some(prior) => prior.mean + prior.standard_deviation * normal_quantile(part),
                     None => low + part * (high - low),
                 };
-                unknown.from_working(x)
+                parameter.from_working(x)
             };
-            unknowns.iter().map(value).collect()
+            parameters.iter().map(value).collect()
         })
         .collect()
 }

@@ -1,6 +1,6 @@
-//! How a fit is done.
+//! Options of a fit.
 
-use crate::error::{IdentifyError, check_positive};
+use crate::error::{InferenceError, check_positive};
 use crate::loss::Loss;
 
 /// Options of a fit.
@@ -8,22 +8,23 @@ use crate::loss::Loss;
 pub struct FitOptions {
     /// Loss of the standardised residuals.
     pub loss: Loss,
-    /// Searches: the first from the unknowns' starts, the others from a Latin hypercube. 1 to 10 000.
+    /// Number of searches, 1 to 10 000: the first from the parameters' starts, the others from a
+    /// Latin hypercube.
     pub starts: usize,
     /// Seed of the Latin hypercube.
     pub seed: u64,
-    /// Steps tried by each search, rejected ones included.
-    pub most_iterations: usize,
+    /// Largest number of steps of each search, rejected ones included.
+    pub max_iterations: usize,
     /// Converged when the cost is expected to fall, and fell, by less than this fraction; when
     /// the cosine between the residuals and every column of the Jacobian is below it; or when a
-    /// step moves no unknown by more than this fraction of its length of change.
+    /// step moves no parameter by more than this fraction of its length of change.
     pub tolerance: f64,
-    /// Step of difference derivatives relative to each unknown's length of change: the least of
+    /// Step of difference derivatives relative to each parameter's length of change: the least of
     /// the prior's standard deviation, a quarter of the range, and 1 (logarithmic) or |value|
     /// plus a thousandth of the range (linear). Positive, at most 0.1.
     pub difference_step: f64,
-    /// The residual (in standard deviations) that stands for a prediction the model does not
-    /// have, with zero derivative: a search is drawn to where the model answers.
+    /// The residual (in standard deviations) that replaces a missing prediction, with zero
+    /// derivative; it favours points with predictions.
     pub missing_residual: f64,
 }
 
@@ -33,7 +34,7 @@ impl Default for FitOptions {
             loss: Loss::Squared,
             starts: 1,
             seed: 1,
-            most_iterations: 200,
+            max_iterations: 200,
             tolerance: 1e-10,
             difference_step: 1e-3,
             missing_residual: 5.0,
@@ -42,23 +43,23 @@ impl Default for FitOptions {
 }
 
 impl FitOptions {
-    /// Refuses what makes no sense.
-    pub(crate) fn check(&self) -> Result<(), IdentifyError> {
+    /// Checks the ranges of the options.
+    pub(crate) fn check(&self) -> Result<(), InferenceError> {
         self.loss.check()?;
         check_positive("the tolerance", self.tolerance)?;
         check_positive("the difference step", self.difference_step)?;
         check_positive("the residual of a missing prediction", self.missing_residual)?;
         if self.difference_step > 0.1 {
             let (quantity, value) = ("the difference step", self.difference_step);
-            return Err(IdentifyError::Option { quantity, value, expected: "at most 0.1" });
+            return Err(InferenceError::Option { quantity, value, expected: "at most 0.1" });
         }
         if !(1..=10_000).contains(&self.starts) {
             let (quantity, value) = ("the number of starts", self.starts as f64);
-            return Err(IdentifyError::Option { quantity, value, expected: "1 to 10000" });
+            return Err(InferenceError::Option { quantity, value, expected: "1 to 10000" });
         }
-        if self.most_iterations == 0 {
+        if self.max_iterations == 0 {
             let quantity = "the number of iterations";
-            return Err(IdentifyError::Option { quantity, value: 0.0, expected: "at least 1" });
+            return Err(InferenceError::Option { quantity, value: 0.0, expected: "at least 1" });
         }
         Ok(())
     }

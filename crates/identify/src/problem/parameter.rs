@@ -1,12 +1,12 @@
-//! Unknowns as a problem writes them.
+//! Parameters of a problem file.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// One unknown, or several that belong together.
+/// One parameter to identify, or several of one law.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
-pub enum UnknownSpec {
+pub enum ParameterSpec {
     /// A number of the scenario.
     Scalar {
         /// JSON Pointer into the scenario, such as /damping/ratio.
@@ -18,22 +18,22 @@ pub enum UnknownSpec {
         name: Option<String>,
         /// The least and the greatest value.
         bounds: [f64; 2],
-        /// Where the fit starts; the scenario's value when left out.
+        /// Start of the fit; the scenario's value when left out.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         #[schemars(with = "f64")]
         start: Option<f64>,
-        /// How it is varied; logarithmic when both bounds are positive.
+        /// Its scale; logarithmic by default when both bounds are positive.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         #[schemars(with = "ScaleSpec")]
         scale: Option<ScaleSpec>,
-        /// What is known of it beforehand.
+        /// Its prior.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         #[schemars(with = "PriorSpec")]
         prior: Option<PriorSpec>,
     },
     /// The stiffnesses at the knots of a modified power law or the points of a
-    /// table, as steps from one to the next, each a part of the stiffness it
-    /// leads to: any set of them is a law.
+    /// table, as relative steps from one to the next: all values give a
+    /// monotone law.
     MonotoneLaw {
         /// Name of the law in "laws".
         law: String,
@@ -41,7 +41,7 @@ pub enum UnknownSpec {
         #[serde(default = "default_steps")]
         steps: [f64; 2],
     },
-    /// The gain of a sensor: what it shows over what there is.
+    /// The gain of a sensor: measured over true value.
     Gain {
         /// The channel.
         channel: ChannelSpec,
@@ -56,20 +56,20 @@ pub enum UnknownSpec {
         /// The least and the greatest value.
         #[serde(default = "default_gains")]
         bounds: [f64; 2],
-        /// What is known of it beforehand.
+        /// Its prior.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         #[schemars(with = "PriorSpec")]
         prior: Option<PriorSpec>,
     },
 }
 
-/// How an unknown is varied.
+/// The scale of a parameter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum ScaleSpec {
-    /// By its value.
+    /// Its value.
     Linear,
-    /// By its logarithm.
+    /// Its logarithm.
     Logarithmic,
 }
 
@@ -77,13 +77,13 @@ pub enum ScaleSpec {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PriorSpec {
-    /// Its middle.
+    /// Its mean.
     pub value: f64,
     /// Its standard deviation; give this or relative.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64", extend("exclusiveMinimum" = 0.0))]
     pub standard_deviation: Option<f64>,
-    /// Its standard deviation over its middle.
+    /// Its standard deviation over its mean.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64", extend("exclusiveMinimum" = 0.0))]
     pub relative: Option<f64>,

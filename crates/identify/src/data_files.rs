@@ -1,4 +1,4 @@
-//! Files of data: analyses, receptances, backbones.
+//! Data files: analyses, receptances, backbones.
 
 use std::collections::BTreeMap;
 use std::io::Read;
@@ -7,45 +7,44 @@ use std::path::Path;
 use asperity_signal::Complex64;
 use serde_json::Value;
 
-use crate::error::ProblemError;
+use crate::error::IdentificationError;
 use crate::problem::{HitSpec, Measured, Uncertain};
 use asperity_scenario::open_input;
 
-/// Most bytes of a file of data.
-const MOST_BYTES: u64 = 1 << 28;
+/// Largest size of a data file, in bytes.
+const MAX_BYTES: u64 = 1 << 28;
 
-/// Of the points of a backbone one in so many is taken: lines are fitted a quarter of their length
-/// apart, so those between are not independent.
+/// Stride of the points of a backbone: neighbouring points share three quarters of their samples.
 const EVERY: usize = 4;
 
 /// A receptance at one frequency.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Line {
+pub(super) struct ReceptanceLine {
     pub(super) frequency_hz: f64,
     /// In m/N.
     pub(super) value: Complex64,
-    /// What noise makes of each part \[m/N\], if known.
+    /// Standard deviation of each part from noise \[m/N\]; 0 if not known.
     pub(super) deviation: f64,
 }
 
-fn read(path: &Path) -> Result<String, ProblemError> {
-    let fail = |source| ProblemError::Input { path: path.to_owned(), source };
-    let file = open_input(path, MOST_BYTES).map_err(fail)?;
+fn read(path: &Path) -> Result<String, IdentificationError> {
+    let fail = |source| IdentificationError::Input { path: path.to_owned(), source };
+    let file = open_input(path, MAX_BYTES).map_err(fail)?;
     let mut text = String::new();
-    file.take(MOST_BYTES).read_to_string(&mut text).map_err(|error| fail(error.into()))?;
+    file.take(MAX_BYTES).read_to_string(&mut text).map_err(|error| fail(error.into()))?;
     Ok(text)
 }
 
-fn problem(path: &Path, problem: String, expected: &'static str) -> ProblemError {
-    ProblemError::File { path: path.to_owned(), problem, expected }
+fn problem(path: &Path, problem: String, expected: &'static str) -> IdentificationError {
+    IdentificationError::File { path: path.to_owned(), problem, expected }
 }
 
-/// The hits of an `analysis.json` that were averaged, with these features where they have them, and
-/// the number of the others.
+/// The averaged hits of an `analysis.json` with their available features, and the number of the
+/// other hits.
 pub(super) fn analysed_hits(
     path: &Path,
     features: &[String],
-) -> Result<(Vec<HitSpec>, usize), ProblemError> {
+) -> Result<(Vec<HitSpec>, usize), IdentificationError> {
     const EXPECTED: &str = "the analysis.json that asperity analyse writes";
     let text = read(path)?;
     let analysis: Value = serde_json::from_str(&text)
@@ -64,17 +63,17 @@ pub(super) fn analysed_hits(
         for feature in features {
             let (value, deviation) = match feature.as_str() {
                 "fundamental.frequency_hz" => {
-                    ("/fundamental/frequency_hz", "/fundamental/frequency_uncertainty_hz")
+                    ("/fundamental/frequency_hz", Some("/fundamental/frequency_uncertainty_hz"))
                 }
                 "fundamental.receptance_m_per_n" => {
-                    ("/fundamental/magnitude", "/fundamental/magnitude_uncertainty")
+                    ("/fundamental/magnitude", Some("/fundamental/magnitude_uncertainty"))
                 }
-                "fundamental.damping_ratio" => ("/fundamental/damping_ratio", "none"),
-                "second_harmonic.frequency_hz" => ("/second_harmonic/frequency_hz", "none"),
-                "second_harmonic.receptance_m_per_n" => ("/second_harmonic/magnitude", "none"),
-                "harmonic_ratio" => ("/harmonic_ratio", "/harmonic_ratio_uncertainty"),
+                "fundamental.damping_ratio" => ("/fundamental/damping_ratio", None),
+                "second_harmonic.frequency_hz" => ("/second_harmonic/frequency_hz", None),
+                "second_harmonic.receptance_m_per_n" => ("/second_harmonic/magnitude", None),
+                "harmonic_ratio" => ("/harmonic_ratio", Some("/harmonic_ratio_uncertainty")),
                 _ => {
-                    let text = format!("an analysis does not hold {feature}");
+                    let text = format!("an analysis has no feature {feature}");
                     return Err(problem(
                         path,
                         text,
@@ -85,7 +84,7 @@ pub(super) fn analysed_hits(
             let Some(value) = number(value) else { continue };
             let with =
                 |standard_deviation| Measured::Uncertain(Uncertain { value, standard_deviation });
-            let deviation = number(deviation).filter(|deviation| *deviation > 0.0);
+            let deviation = deviation.and_then(number).filter(|deviation| *deviation > 0.0);
             measured.insert(feature.clone(), deviation.map_or(Measured::Alone(value), with));
         }
         found.push(HitSpec {
@@ -96,24 +95,28 @@ pub(super) fn analysed_hits(
     }
     let left_out = hits.len() - found.len();
     if found.is_empty() {
-        return Err(problem(path, "it holds no good hit".to_owned(), EXPECTED));
+        return Err(problem(path, "the file has no averaged hit".to_owned(), EXPECTED));
     }
     Ok((found, left_out))
 }
 
 /// The lines of an `frf.csv` in a band, at most `most` of them, evenly spaced.
-pub(super) fn frf(path: &Path, band: [f64; 2], most: usize) -> Result<Vec<Line>, ProblemError> {
+pub(super) fn frf(
+    path: &Path,
+    band: [f64; 2],
+    most: usize,
+) -> Result<Vec<ReceptanceLine>, IdentificationError> {
     const EXPECTED: &str =
         "the columns frequency_hz, real_m_per_n (or real) and imag_m_per_n (or imag) in m/N";
     let columns = [&["frequency_hz"][..], &["real_m_per_n", "real"], &["imag_m_per_n", "imag"]];
     let rows = columns_of(path, &columns, EXPECTED)?;
-    // An analysis leaves lines empty, or marks them, where the force has too little content.
+    // Lines with too little force are empty, or marked as not valid.
     let counts =
         |row: &&[f64; 3]| (band[0]..=band[1]).contains(&row[0]) && row.iter().all(|x| !x.is_nan());
-    let inside: Vec<Line> = rows
+    let inside: Vec<ReceptanceLine> = rows
         .iter()
         .filter(counts)
-        .map(|row| Line {
+        .map(|row| ReceptanceLine {
             frequency_hz: row[0],
             value: Complex64::new(row[1], row[2]),
             deviation: 0.0,
@@ -128,7 +131,10 @@ pub(super) fn frf(path: &Path, band: [f64; 2], most: usize) -> Result<Vec<Line>,
 }
 
 /// Amplitudes \[m\] and frequencies \[Hz\] of hit `index` of a `backbone.csv`.
-pub(super) fn backbone(path: &Path, index: Option<usize>) -> Result<Vec<(f64, f64)>, ProblemError> {
+pub(super) fn backbone(
+    path: &Path,
+    index: Option<usize>,
+) -> Result<Vec<(f64, f64)>, IdentificationError> {
     const EXPECTED: &str = "the columns index, amplitude_m and frequency_hz of one hit or more";
     let columns = [&["index"][..], &["amplitude_m"], &["frequency_hz"]];
     let rows = columns_of(path, &columns, EXPECTED)?;
@@ -136,8 +142,8 @@ pub(super) fn backbone(path: &Path, index: Option<usize>) -> Result<Vec<(f64, f6
         (Some(index), _) => index as f64,
         (None, Some(first)) if rows.iter().all(|row| row[0] == first[0]) => first[0],
         (None, _) => {
-            let text = "it holds several hits".to_owned();
-            return Err(problem(path, text, "\"index\" to say which"));
+            let text = "the file has several hits".to_owned();
+            return Err(problem(path, text, "\"index\", the number of one of them"));
         }
     };
     let points: Vec<(f64, f64)> = rows
@@ -149,7 +155,7 @@ pub(super) fn backbone(path: &Path, index: Option<usize>) -> Result<Vec<(f64, f6
     if points.is_empty() {
         return Err(problem(
             path,
-            format!("it holds no hit {wanted}"),
+            format!("the file has no hit {wanted}"),
             "the number of a hit in it",
         ));
     }
@@ -162,7 +168,7 @@ fn columns_of<const N: usize>(
     path: &Path,
     names: &[&[&str]; N],
     expected: &'static str,
-) -> Result<Vec<[f64; N]>, ProblemError> {
+) -> Result<Vec<[f64; N]>, IdentificationError> {
     let text = read(path)?;
     let mut reader = csv::ReaderBuilder::new()
         .trim(csv::Trim::All)
@@ -189,7 +195,7 @@ fn columns_of<const N: usize>(
             let value = text.parse::<f64>().ok().filter(|value| value.is_finite());
             *number = value.ok_or_else(|| {
                 let line = record.position().map_or(0, csv::Position::line);
-                problem(path, format!("line {line}: \"{text}\" is no finite number"), expected)
+                problem(path, format!("line {line}: \"{text}\" is not a finite number"), expected)
             })?;
         }
         rows.push(row);

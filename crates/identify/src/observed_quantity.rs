@@ -1,44 +1,44 @@
-//! What is predicted: rows of numbers from the outcomes of strikes.
+//! Predicted quantities from the results of simulated hits.
 
 use asperity_signal::{BackboneOptions, BackbonePoint, BandPass, Complex64, backbone};
 
-use crate::unknowns::Gains;
+use crate::problem_parameters::Gains;
 use asperity_study::quantity::{Observable, observable_names};
 
-/// One predicted number.
+/// The quantity of one observation.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum Row {
-    /// A feature of a strike, by its place among the summary's numbers.
+pub(super) enum ObservedQuantity {
+    /// A feature of a hit, by its place among the summary's numbers.
     Feature {
-        /// The strike.
-        strike: usize,
+        /// The hit.
+        hit: usize,
         /// The feature.
         column: usize,
     },
-    /// A feature of one strike over that of another.
+    /// A feature of one hit over that of another.
     Ratio {
-        /// The strikes above and below.
-        strikes: [usize; 2],
+        /// The hits above and below.
+        hits: [usize; 2],
         /// The feature.
         column: usize,
     },
     /// Real or imaginary part of a receptance \[m/N\].
     Receptance {
-        /// The strike.
-        strike: usize,
+        /// The hit.
+        hit: usize,
         /// Place among its frequencies.
         place: usize,
-        /// Which part.
-        part: Part,
+        /// The part.
+        part: ComplexPart,
     },
     /// Frequency of the backbone \[Hz\] at a measured amplitude \[m\].
     Backbone {
-        /// The strike.
-        strike: usize,
+        /// The hit.
+        hit: usize,
         /// The amplitude, as measured.
         amplitude: f64,
     },
-    /// Stiffness of a law \[Pa/m\], by its place among those asked for.
+    /// Stiffness of a law \[Pa/m\], by its index among those requested.
     Stiffness {
         /// The place.
         place: usize,
@@ -47,39 +47,39 @@ pub(super) enum Row {
 
 /// A part of a complex number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Part {
+pub(super) enum ComplexPart {
     Real,
     Imaginary,
 }
 
-/// What came of a strike, or a derivative of it.
+/// Results of a hit, or their derivatives.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Outcome {
+pub(super) struct HitOutcome {
     /// Numbers of the summary; NaN where there is none.
     pub(super) columns: Vec<f64>,
-    /// Receptance at the frequencies asked for \[m/N\].
+    /// Receptance at the requested frequencies \[m/N\].
     pub(super) receptance: Vec<Complex64>,
-    /// The backbone, if asked for, in the order of time.
+    /// The backbone, if requested, in the order of time.
     pub(super) backbone: Vec<BackbonePoint>,
 }
 
-/// The outcomes at one point.
+/// Results at one point.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Outcomes {
-    /// Of every strike.
-    pub(super) strikes: Vec<Outcome>,
-    /// Stiffnesses asked for \[Pa/m\].
+pub(super) struct PointOutcomes {
+    /// Of every hit.
+    pub(super) hits: Vec<HitOutcome>,
+    /// Requested stiffnesses \[Pa/m\].
     pub(super) stiffness: Vec<f64>,
 }
 
-/// Columns that are receptances, which gains of both sensors scale.
+/// Names of the summary's numbers, and those that are receptances, which the gains scale.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Columns {
+pub(super) struct SummaryColumns {
     pub(super) names: Vec<String>,
     receptance: Vec<bool>,
 }
 
-impl Columns {
+impl SummaryColumns {
     pub(super) fn new(interfaces: &[&str]) -> Self {
         let names = observable_names(interfaces);
         let receptance = Observable::all(interfaces.len())
@@ -94,68 +94,69 @@ impl Columns {
     }
 }
 
-impl Row {
-    /// The number as sensors of these `gains` (one pair a strike) show it.
+impl ObservedQuantity {
+    /// The quantity as measured with these `gains` (one pair per hit).
     pub(super) fn value(
         &self,
-        outcomes: &Outcomes,
+        outcomes: &PointOutcomes,
         gains: &[Gains],
-        columns: &Columns,
+        columns: &SummaryColumns,
     ) -> Option<f64> {
-        let shown = |strike: usize, column: usize| {
-            let number = *outcomes.strikes[strike].columns.get(column)?;
+        let shown = |hit: usize, column: usize| {
+            let number = *outcomes.hits[hit].columns.get(column)?;
             let receptance = columns.receptance[column];
-            let scale = if receptance { receptance_gain(gains[strike]) } else { 1.0 };
+            let scale = if receptance { receptance_gain(gains[hit]) } else { 1.0 };
             (!number.is_nan()).then_some(number * scale)
         };
         match *self {
-            Self::Feature { strike, column } => shown(strike, column),
-            Self::Ratio { strikes: [above, below], column } => {
+            Self::Feature { hit, column } => shown(hit, column),
+            Self::Ratio { hits: [above, below], column } => {
                 Some(shown(above, column)? / shown(below, column)?)
             }
-            Self::Receptance { strike, place, part } => {
-                let value = *outcomes.strikes[strike].receptance.get(place)?;
-                Some(part.of(value) * receptance_gain(gains[strike]))
+            Self::Receptance { hit, place, part } => {
+                let value = *outcomes.hits[hit].receptance.get(place)?;
+                Some(part.of(value) * receptance_gain(gains[hit]))
             }
-            Self::Backbone { strike, amplitude } => {
-                frequency_at(&outcomes.strikes[strike].backbone, amplitude / gains[strike].response)
+            Self::Backbone { hit, amplitude } => {
+                frequency_at(&outcomes.hits[hit].backbone, amplitude / gains[hit].response)
             }
             Self::Stiffness { place } => outcomes.stiffness.get(place).copied(),
         }
     }
 
-    /// Its derivative at fixed gains, from the `rates` of the outcomes; a backbone's are in two
-    /// outcomes, a step `backbones.0` beyond and before.
-    pub(super) fn rate(
+    /// Its derivative at fixed gains, from the derivatives of the results; that of a backbone from
+    /// two backbones, a step `backbones.0` above and below.
+    pub(super) fn derivative(
         &self,
-        outcomes: &Outcomes,
-        rates: &Outcomes,
+        outcomes: &PointOutcomes,
+        derivatives: &PointOutcomes,
         backbones: (f64, &[[Vec<BackbonePoint>; 2]]),
         gains: &[Gains],
-        columns: &Columns,
+        columns: &SummaryColumns,
     ) -> Option<f64> {
         match *self {
-            Self::Ratio { strikes: [above, below], column } => {
-                let part = |strike: usize| {
-                    let value = *outcomes.strikes[strike].columns.get(column)?;
-                    Some(*rates.strikes[strike].columns.get(column)? / value)
+            Self::Ratio { hits: [above, below], column } => {
+                let part = |hit: usize| {
+                    let value = *outcomes.hits[hit].columns.get(column)?;
+                    Some(*derivatives.hits[hit].columns.get(column)? / value)
                 };
-                let rate = self.value(outcomes, gains, columns)? * (part(above)? - part(below)?);
-                (!rate.is_nan()).then_some(rate)
+                let derivative =
+                    self.value(outcomes, gains, columns)? * (part(above)? - part(below)?);
+                (!derivative.is_nan()).then_some(derivative)
             }
-            Self::Backbone { strike, amplitude } => {
+            Self::Backbone { hit, amplitude } => {
                 let (step, curves) = backbones;
-                let [beyond, before] = curves.get(strike)?;
-                let at = |curve| frequency_at(curve, amplitude / gains[strike].response);
+                let [beyond, before] = curves.get(hit)?;
+                let at = |curve| frequency_at(curve, amplitude / gains[hit].response);
                 Some((at(beyond)? - at(before)?) / (2.0 * step))
             }
-            // All else is linear in the outcomes.
-            _ => self.value(rates, gains, columns),
+            // All others are linear in the results.
+            _ => self.value(derivatives, gains, columns),
         }
     }
 }
 
-impl Part {
+impl ComplexPart {
     pub(super) fn of(self, value: Complex64) -> f64 {
         match self {
             Self::Real => value.re,
@@ -168,7 +169,7 @@ fn receptance_gain(gains: Gains) -> f64 {
     gains.response / gains.force
 }
 
-/// Half width of the band of a decay over its fundamental, as for measured hits.
+/// Half width of the band of a decay relative to its fundamental, as for measured hits.
 const BAND_PART: f64 = 0.3;
 
 /// The backbone of a decay \[m\] about its fundamental \[Hz\], found as for measured hits; empty
@@ -179,11 +180,11 @@ pub(super) fn backbone_of(decay: &[f64], rate: f64, fundamental: f64) -> Vec<Bac
     found.map(|found| found.points).unwrap_or_default()
 }
 
-/// Ratio of amplitudes over which a backbone is carried on at its ends.
+/// Ratio of amplitudes over which a backbone is extrapolated at its ends.
 const BEYOND: f64 = 1.5;
 
-/// Frequency \[Hz\] of a backbone at an amplitude \[m\], linear in its logarithm, and carried on a
-/// little at either end; none further out.
+/// Frequency \[Hz\] of a backbone at an amplitude \[m\], linear in its logarithm and extrapolated by at most
+/// [`BEYOND`]; `None` further out.
 fn frequency_at(points: &[BackbonePoint], amplitude: f64) -> Option<f64> {
     let falls = |pair: &&[BackbonePoint]| pair[0].amplitude > pair[1].amplitude;
     let mut pairs = points.windows(2).filter(falls);

@@ -1,0 +1,169 @@
+//! Observations of data: features of hits, receptances, stiffnesses.
+
+use std::collections::BTreeMap;
+
+use asperity_inference::Observation;
+
+use super::hits::ForceSource;
+use super::{Loader, ObservationLabel, no_law};
+use crate::data_files::ReceptanceLine;
+use crate::error::IdentificationError;
+use crate::observed_quantity::{ComplexPart, ObservedQuantity};
+use crate::problem::{Changes, HitConditionsSpec, HitSpec, SpreadSpec};
+use asperity_scenario::four_digits;
+use asperity_study::quantity::Quantity;
+
+/// Largest distance of two values of one feature of one hit, in standard deviations.
+const MAX_APART: f64 = 10.0;
+
+impl Loader<'_> {
+    pub(super) fn stiffness(
+        &mut self,
+        place: &str,
+        data: &str,
+        law: &str,
+        points: &[[f64; 2]],
+        spread: SpreadSpec,
+    ) -> Result<(), IdentificationError> {
+        if self.scenario.pointer("/laws").and_then(|laws| laws.get(law)).is_none() {
+            return Err(no_law(self.scenario, law));
+        }
+        for &[pressure, stiffness] in points {
+            for (quantity, value) in [("pressure [Pa]", pressure), ("stiffness [Pa/m]", stiffness)]
+            {
+                if !(value.is_finite() && value >= 0.0) {
+                    let (place, expected) = (place.to_owned(), "a finite number, not negative");
+                    return Err(IdentificationError::Value { place, quantity, value, expected });
+                }
+            }
+            let quantity = ObservedQuantity::Stiffness { place: self.found.stiffness.len() };
+            self.found.stiffness.push((law.to_owned(), pressure));
+            let block = self.next_block();
+            let feature = format!("stiffness of {law}");
+            let about = ObservationLabel { data: data.to_owned(), feature, at: Some(pressure) };
+            self.push(place, block, quantity, about, (stiffness, spread.of(stiffness)))?;
+        }
+        Ok(())
+    }
+
+    pub(super) fn hit_features(
+        &mut self,
+        place: &str,
+        data: &str,
+        set: &Changes,
+        floor: &BTreeMap<String, SpreadSpec>,
+        hit: &HitSpec,
+    ) -> Result<(), IdentificationError> {
+        let spec = HitConditionsSpec { force_peak_n: hit.force_peak_n, set: hit.set.clone() };
+        let simulated = self.add_hit(place, data, &[set], ForceSource::Spec(&spec))?;
+        let block = self.next_block();
+        for (feature, measured) in &hit.features {
+            let column = self.column(place, feature)?;
+            let (value, own) = measured.parts();
+            let least = floor.get(feature).map_or(0.0, |floor| floor.of(value));
+            let deviation = own.unwrap_or(0.0).hypot(least);
+            if deviation == 0.0 {
+                let (place, feature) = (place.to_owned(), feature.clone());
+                return Err(IdentificationError::NoDeviation { place, feature });
+            }
+            let about = ObservationLabel {
+                data: data.to_owned(),
+                feature: feature.clone(),
+                at: hit.force_peak_n,
+            };
+            let quantity = ObservedQuantity::Feature { hit: simulated, column };
+            self.push(place, block, quantity, about, (value, deviation))?;
+        }
+        Ok(())
+    }
+
+    /// Adds the receptance at some lines.
+    pub(super) fn receptance(
+        &mut self,
+        place: &str,
+        data: &str,
+        simulated: usize,
+        lines: &[ReceptanceLine],
+        spread: impl Fn(f64) -> SpreadSpec,
+    ) -> Result<(), IdentificationError> {
+        let block = self.next_block();
+        let largest = lines.iter().map(|line| line.value.norm()).fold(0.0, f64::max);
+        for line in lines {
+            let at = self.found.hits[simulated].frequencies.len();
+            self.found.hits[simulated].frequencies.push(line.frequency_hz);
+            for (part, word) in [(ComplexPart::Real, "real"), (ComplexPart::Imaginary, "imaginary")]
+            {
+                let quantity = ObservedQuantity::Receptance { hit: simulated, place: at, part };
+                let about = ObservationLabel {
+                    data: data.to_owned(),
+                    feature: format!("receptance, {word} part"),
+                    at: Some(line.frequency_hz),
+                };
+                let deviation = spread(line.deviation).of(largest);
+                self.push(place, block, quantity, about, (part.of(line.value), deviation))?;
+            }
+        }
+        Ok(())
+    }
+
+    pub(super) fn next_block(&mut self) -> usize {
+        self.found.blocks += 1;
+        self.found.blocks - 1
+    }
+
+    pub(super) fn push(
+        &mut self,
+        place: &str,
+        block: usize,
+        quantity: ObservedQuantity,
+        about: ObservationLabel,
+        (value, deviation): (f64, f64),
+    ) -> Result<(), IdentificationError> {
+        for (known, earlier) in self.found.quantities.iter().zip(&self.found.observations) {
+            let apart = (earlier.value - value).abs() / earlier.standard_deviation.hypot(deviation);
+            if *known == quantity && apart > MAX_APART {
+                return Err(IdentificationError::Contradictory {
+                    place: place.to_owned(),
+                    feature: about.feature,
+                    first: earlier.value,
+                    second: value,
+                    apart,
+                });
+            }
+        }
+        let at = about.at.map_or_else(String::new, |at| format!(" at {}", four_digits(at)));
+        self.found.quantities.push(quantity);
+        self.found.observations.push(Observation {
+            label: format!("{}: {}{at}", about.data, about.feature),
+            block,
+            value,
+            standard_deviation: deviation,
+        });
+        self.found.about.push(about);
+        Ok(())
+    }
+
+    pub(super) fn column(&self, place: &str, feature: &str) -> Result<usize, IdentificationError> {
+        // Data need exact derivatives.
+        let known =
+            Quantity::of_name(feature).is_some_and(|(quantity, _)| quantity.has_derivative());
+        self.columns.find(feature).filter(|_| known).ok_or_else(|| {
+            let all = Quantity::ALL.iter().copied().filter(|quantity| quantity.has_derivative());
+            IdentificationError::Feature {
+                place: place.to_owned(),
+                feature: feature.to_owned(),
+                known: all.map(Quantity::key).collect::<Vec<_>>().join(", "),
+            }
+        })
+    }
+
+    pub(super) fn check_floor(
+        &self,
+        place: &str,
+        floor: &BTreeMap<String, SpreadSpec>,
+    ) -> Result<(), IdentificationError> {
+        floor
+            .keys()
+            .try_for_each(|feature| self.column(&format!("{place}/floor"), feature).map(|_| ()))
+    }
+}
