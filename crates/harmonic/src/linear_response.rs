@@ -65,6 +65,23 @@ impl LinearResponse {
 
 /// The receptance u/f \[m/N\] of the driving point, linearised about rest, at `frequency` \[Hz\]: the
 /// limit of the harmonic balance for small forces. NaN where it is infinite.
+///
+/// ```
+/// use std::sync::Arc;
+///
+/// use asperity_harmonic::{ContactSystem, LawEvaluation, RigidMass, linear_receptance};
+/// use asperity_law::Constant;
+/// use asperity_structure::PreloadedContact;
+///
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let spring = PreloadedContact::new("spring", 1e-4, Arc::new(Constant::new(8e11)?), 1e5)?;
+/// let mass = Arc::new(RigidMass::new(1.6, 0.0)?);
+/// let system = ContactSystem::new(mass, vec![spring], LawEvaluation::Exact)?;
+/// let slow = linear_receptance(&system, 1.0);
+/// assert!((slow.re * 8e7 - 1.0).abs() < 1e-5);
+/// # Ok(())
+/// # }
+/// ```
 pub fn linear_receptance(system: &ContactSystem, frequency: f64) -> Complex64 {
     LinearSolver::new(system)
         .at(TAU * frequency)

@@ -26,6 +26,28 @@ const SAMPLES_PER_HARMONIC: usize = 16;
 /// [`FourierResolution`] the branch is traced again with half as many harmonics more until its
 /// truncation is below the tolerance.
 ///
+/// ```
+/// use std::sync::Arc;
+///
+/// use asperity_harmonic::{
+///     ContactSystem, Continuation, HarmonicSettings, LawEvaluation, RigidMass, trace,
+/// };
+/// use asperity_law::Power;
+/// use asperity_structure::PreloadedContact;
+///
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let law = Arc::new(Power::new(0.9e10, 0.35, 0.0)?);
+/// let contact = PreloadedContact::new("guide", 1.15e-4, law, 1.37e5)?;
+/// let mass = Arc::new(RigidMass::new(1.61, 420.0)?);
+/// let system = ContactSystem::new(mass, vec![contact], LawEvaluation::default())?;
+/// let backbone = Continuation::Mode { near: 1000.0, from: 1e-9, to: 1e-7 };
+/// let branch = trace(&system, &backbone, &HarmonicSettings::default())?;
+/// let frequencies: Vec<f64> = branch.points.iter().map(|point| point.frequency_hz()).collect();
+/// assert!(frequencies[0] > frequencies[frequencies.len() - 1]); // softening
+/// # Ok(())
+/// # }
+/// ```
+///
 /// # Errors
 /// [`HarmonicError`] for settings or a continuation out of range, or where no response is found at
 /// its start.

@@ -43,7 +43,7 @@ impl NormalMode {
 
 /// Static flexibility of the modes left out \[m/N\].
 ///
-/// Sources: R. H. `MacNeal`, Comput. Struct. 1971, 1, 581, doi 10.1016/0045-7949(71)90031-9;
+/// Sources: R. H. MacNeal, Comput. Struct. 1971, 1, 581, doi 10.1016/0045-7949(71)90031-9;
 /// S. Rubin, AIAA J. 1975, 13, 995, doi 10.2514/3.60497.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ResidualFlexibility {

@@ -15,6 +15,24 @@ use crate::StructureError;
 /// is the second method beside the exact [`modes`](crate::PreloadedStructure::modes), and
 /// the one for structures that are no chain of bars.
 ///
+/// ```
+/// use std::sync::Arc;
+///
+/// use asperity_law::Constant;
+/// use asperity_mesh::{Body, Grid, Interface, LinearStructure, Stack, Support};
+/// use asperity_structure::grid_frequencies;
+///
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let guide = Body::with_mass("guide", 0.229, 1.61, 71e9, 2710.0)?;
+/// let contact = Interface::new("guide-disc", 1.15e-4, Arc::new(Constant::new(4.25e11)?))?;
+/// let stack = Stack::new(vec![guide], vec![contact], Support::Rigid, 9.81)?;
+/// let structure = LinearStructure::on_grid(&stack, &Grid::new(&stack, 5e-3)?);
+/// let lowest = grid_frequencies(&structure, &[4.25e11])?[0];
+/// assert!((800.0..900.0).contains(&lowest));
+/// # Ok(())
+/// # }
+/// ```
+///
 /// # Errors
 /// [`StructureError::Eigenvalues`] if the eigensolver does not converge.
 pub fn grid_frequencies(
