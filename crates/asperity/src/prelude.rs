@@ -7,6 +7,9 @@ pub use asperity_figure::{Axis, Figure, Panel, Series};
 pub use asperity_harmonic::{
     Branch, ContactSystem, Continuation, HarmonicSettings, LawEvaluation, PeriodicResponse, trace,
 };
+pub use asperity_inference::{
+    Fit, FitOptions, ForwardModel, FunctionModel, InferenceError, Observation, Parameter, fit,
+};
 pub use asperity_law::{
     Constant, ContactLaw, Exponential, Hyperbolic, InSeries, LawError, ModifiedPower, Power,
     Tabulated, fit_power,
