@@ -7,9 +7,24 @@ mod steady;
 mod structure;
 mod sweep;
 
+use asperity_figure::{Figure, Panel};
+
 pub(crate) use analysis::figures;
 pub(crate) use identification::{identification, identification_report};
 pub(crate) use response::{frf, history};
 pub(crate) use steady::steady;
 pub(crate) use structure::{laws, modes};
 pub(crate) use sweep::sweep;
+
+/// A figure of the panels that have a series; none without any.
+fn figure(
+    title: &str,
+    columns: usize,
+    width_mm: f64,
+    panels: impl IntoIterator<Item = Panel>,
+) -> Option<Figure> {
+    let mut panels = panels.into_iter().filter(|panel| !panel.is_empty()).peekable();
+    panels.peek()?;
+    let figure = panels.fold(Figure::new(title), Figure::panel);
+    Some(figure.columns(columns).width_mm(width_mm))
+}

@@ -125,6 +125,17 @@ impl Panel {
         self
     }
 
+    /// Adds a series if it has a point that the axes can show.
+    #[must_use]
+    pub fn series_if_visible(self, series: Series) -> Self {
+        if self.shows(&series) { self.series(series) } else { self }
+    }
+
+    /// True if the panel has no series.
+    pub fn is_empty(&self) -> bool {
+        self.series.is_empty()
+    }
+
     /// Writes `text` beside the data point `(x, y)`, given in data units.
     #[must_use]
     pub fn note(self, x: f64, y: f64, text: impl Into<String>) -> Self {
@@ -207,14 +218,17 @@ impl Panel {
         crate::scale::check(&self.y_axis)?;
         for series in &self.series {
             series.check_lengths()?;
-            let drawable = |&(x, y): &(f64, f64)| {
-                !self.x_axis.shown(x).is_nan() && !self.y_axis.shown(y).is_nan()
-            };
-            if !series.extent().any(|point| drawable(&point)) {
+            if !self.shows(series) {
                 return Err(FigureError::EmptySeries { series: series.name.clone() });
             }
         }
         Ok(())
+    }
+
+    /// True if a point of the series can be shown.
+    fn shows(&self, series: &Series) -> bool {
+        let shown = |(x, y)| !self.x_axis.shown(x).is_nan() && !self.y_axis.shown(y).is_nan();
+        series.extent().any(shown)
     }
 
     /// Colour of series `index`: its own, or the next of the palette.

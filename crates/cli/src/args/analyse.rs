@@ -4,7 +4,8 @@
 use std::path::PathBuf;
 
 use asperity_experiment::{
-    AnalysisError, ChannelSelector, ChannelSensor, FrequencyBand, HitCount, WindowOptions,
+    ChannelSelector, ChannelSensor, FrequencyBand, HitCount, WindowOptions, parse_estimator,
+    parse_frf_form,
 };
 use asperity_measure::{Format, ReadOptions, SampleAxis};
 use asperity_signal::{FrfEstimator, FrfForm};
@@ -58,7 +59,7 @@ pub(crate) struct Analyse {
     pub(crate) hold_off: f64,
 
     /// FRF estimator: h1, h2 or hv.
-    #[arg(long, default_value = "h1", value_parser = estimator)]
+    #[arg(long, default_value = "h1", value_parser = parse_estimator)]
     pub(crate) estimator: FrfEstimator,
 
     /// Window: none, force, exponential or force+exponential, the latter two also with :TAU in s.
@@ -73,7 +74,7 @@ pub(crate) struct Analyse {
     pub(crate) band: Option<FrequencyBand>,
 
     /// Form of the FRF in frf.csv: receptance, mobility or accelerance.
-    #[arg(long, default_value = "receptance", value_parser = form)]
+    #[arg(long, default_value = "receptance", value_parser = parse_frf_form)]
     pub(crate) form: FrfForm,
 
     /// Also average double hits, overloads and dropouts.
@@ -169,12 +170,4 @@ impl RecordFormat {
             Self::Npz => "record.npz",
         }
     }
-}
-
-fn estimator(text: &str) -> Result<FrfEstimator, AnalysisError> {
-    asperity_experiment::parse_estimator(text)
-}
-
-fn form(text: &str) -> Result<FrfForm, AnalysisError> {
-    asperity_experiment::parse_frf_form(text)
 }

@@ -1,8 +1,10 @@
 //! Measured hits: time records, FRFs, coherence, features and backbones.
 
 use asperity_experiment::{Analysis, HitReport};
-use asperity_figure::{Axis, Color, ColorBar, Figure, Legend, Marker, Panel, Series};
-use asperity_signal::ResponseKind;
+use asperity_figure::{Axis, Color, ColorBar, Figure, Legend, Panel, Series};
+use asperity_signal::{BackbonePoint, ResponseKind};
+
+use super::figure;
 
 /// Most frequencies of the averaged FRF that are drawn: more than a screen has columns.
 const MOST_LINES: usize = 6000;
@@ -36,9 +38,14 @@ impl Shades {
         Self(ColorBar::continuous("Peak force", "N", low, high))
     }
 
-    fn color(&self, force: f64) -> Color {
-        self.0.color(force)
+    fn line(&self, x: &[f64], y: &[f64], force: f64, width: f64) -> Series {
+        Series::line("", x, y).color(self.0.color(force)).width(width)
     }
+}
+
+/// A panel without legend.
+fn plain(x: Axis, y: Axis) -> Panel {
+    Panel::new(x, y).legend(Legend::None)
 }
 
 /// Force and response of the hits over time.
@@ -49,26 +56,15 @@ fn records(analysis: &Analysis, shades: &Shades) -> Option<Figure> {
         ResponseKind::Acceleration => ("Acceleration", "m/s²", 1.0),
     };
     let time = || Axis::linear("Time from trigger", "ms").scale(1e3);
-    let mut blow = Panel::new(time(), Axis::linear("Force", "N")).legend(Legend::None);
-    let mut response = Panel::new(time(), Axis::linear(label, unit).scale(scale))
-        .legend(Legend::None)
-        .color_bar(shades.0.clone());
-    let drawn = |x: &[f64], y: &[f64], force: f64| {
-        let any = x.iter().zip(y).any(|(x, y)| x.is_finite() && y.is_finite());
-        any.then(|| Series::line("", x, y).color(shades.color(force)).width(0.6))
-    };
-    let mut any = false;
+    let mut force = plain(time(), Axis::linear("Force", "N"));
+    let mut response =
+        plain(time(), Axis::linear(label, unit).scale(scale)).color_bar(shades.0.clone());
     for curve in &analysis.curves {
-        let force = drawn(&curve.force.0, &curve.force.1, curve.force_peak_n);
-        let motion = drawn(&curve.response.0, &curve.response.1, curve.force_peak_n);
-        if let (Some(force), Some(motion)) = (force, motion) {
-            (blow, response) = (blow.series(force), response.series(motion));
-            any = true;
-        }
+        let line = |(x, y): &(Vec<f64>, Vec<f64>)| shades.line(x, y, curve.force_peak_n, 0.6);
+        force = force.series_if_visible(line(&curve.force));
+        response = response.series_if_visible(line(&curve.response));
     }
-    any.then(|| {
-        Figure::new("Hits over time").panel(blow).panel(response).columns(2).width_mm(170.0)
-    })
+    figure("Hits over time", 2, 170.0, [force, response])
 }
 
 /// Receptances by force level, the averaged FRF, and the coherence.
@@ -80,49 +76,30 @@ fn functions(analysis: &Analysis, shades: &Shades) -> Option<Figure> {
     };
     let top = top.min(average.frf.frequency_hz.last().copied().unwrap_or(top));
     let frequency = || Axis::linear("Frequency", "Hz").range(0.0, top);
-    let mut each = Panel::new(frequency(), Axis::log("Receptance", "m/N"))
-        .legend(Legend::None)
-        .color_bar(shades.0.clone());
-    let mut any = false;
+    let mut each =
+        plain(frequency(), Axis::log("Receptance", "m/N")).color_bar(shades.0.clone());
     for curve in &analysis.curves {
         let (x, y) = &curve.receptance;
-        if x.iter().zip(y).any(|(x, y)| x.is_finite() && *y > 0.0 && y.is_finite()) {
-            let line = Series::line("", x, y).color(shades.color(curve.force_peak_n)).width(0.6);
-            each = each.series(line);
-            any = true;
-        }
+        each = each.series_if_visible(shades.line(x, y, curve.force_peak_n, 0.6));
     }
     let inside = 1..average.frf.frequency_hz.partition_point(|f| *f <= top).max(1);
     let part = inside.len().div_ceil(MOST_LINES).max(1);
     let lines: Vec<usize> = inside.step_by(part).collect();
     let x: Vec<f64> = lines.iter().map(|&k| average.frf.frequency_hz[k]).collect();
     // The line is broken at frequencies without force.
-    let valid = |k: usize, value: f64| if average.valid[k] { value } else { f64::NAN };
-    let magnitude: Vec<f64> =
-        lines.iter().map(|&k| valid(k, average.frf.values[k].norm())).collect();
-    let mut figure = Figure::new("Frequency response functions").columns(1).width_mm(150.0);
-    if any {
-        figure = figure.panel(each);
-    }
-    if magnitude.iter().any(|m| m.is_finite() && *m > 0.0) {
-        let form = average.frf.form;
-        let label = format!("Averaged {}", form.name());
-        let panel = Panel::new(frequency(), Axis::log(label, form.unit()))
-            .series(Series::line("", &x, &magnitude).color(Color::BLACK))
-            .legend(Legend::None);
-        figure = figure.panel(panel);
-        any = true;
-    }
-    if let Some(coherence) = &average.coherence {
-        let y: Vec<f64> = lines.iter().map(|&k| valid(k, coherence[k])).collect();
-        if y.iter().any(|y| y.is_finite()) {
-            let panel = Panel::new(frequency(), Axis::linear("Coherence", "").range(0.0, 1.0))
-                .series(Series::line("", &x, &y).color(Color::BLACK))
-                .legend(Legend::None);
-            figure = figure.panel(panel);
-        }
-    }
-    any.then_some(figure)
+    let valid = |value: &dyn Fn(usize) -> f64| {
+        let y = lines.iter().map(|&k| if average.valid[k] { value(k) } else { f64::NAN });
+        Series::line("", &x, y.collect::<Vec<f64>>()).color(Color::BLACK)
+    };
+    let form = average.frf.form;
+    let mean = plain(frequency(), Axis::log(format!("Averaged {}", form.name()), form.unit()))
+        .series_if_visible(valid(&|k| average.frf.values[k].norm()));
+    let coherence = average.coherence.as_ref().map(|coherence| {
+        plain(frequency(), Axis::linear("Coherence", "").range(0.0, 1.0))
+            .series_if_visible(valid(&|k| coherence[k]))
+    });
+    let panels = [each, mean].into_iter().chain(coherence);
+    figure("Frequency response functions", 1, 150.0, panels)
 }
 
 type Feature = fn(&HitReport) -> Option<f64>;
@@ -135,42 +112,29 @@ fn features(analysis: &Analysis) -> Option<Figure> {
         ("Damping ratio", "", |hit| hit.fundamental?.damping_ratio),
         ("Ratio A_{2}/A_{1}", "", |hit| hit.harmonic_ratio),
     ];
-    let mut figure = Figure::new("Features against force").columns(2).width_mm(170.0);
-    let mut any = false;
-    for (label, unit, value) in observables {
+    let panels = observables.map(|(label, unit, value)| {
         let points = analysis.report.hits.iter().filter(|hit| hit.averaged);
         let (x, y): (Vec<f64>, Vec<f64>) =
             points.filter_map(|hit| Some((hit.force_peak_n?, value(hit)?))).unzip();
-        if !x.is_empty() {
-            let series = Series::points("", &x, &y).color(Color::BLUE).marker(Marker::Circle);
-            let panel = Panel::new(Axis::linear("Peak force", "N"), Axis::linear(label, unit));
-            figure = figure.panel(panel.series(series).legend(Legend::None));
-            any = true;
-        }
-    }
-    any.then_some(figure)
+        plain(Axis::linear("Peak force", "N"), Axis::linear(label, unit))
+            .series_if_visible(Series::points("", x, y).color(Color::BLUE))
+    });
+    figure("Features against force", 2, 170.0, panels)
 }
 
 /// Frequency and damping along the decays.
 fn backbones(analysis: &Analysis, shades: &Shades) -> Option<Figure> {
     let amplitude = || Axis::log("Amplitude", "m");
-    let mut frequency =
-        Panel::new(amplitude(), Axis::linear("Frequency", "Hz")).legend(Legend::None);
-    let mut damping = Panel::new(amplitude(), Axis::linear("Damping ratio", ""))
-        .legend(Legend::None)
-        .color_bar(shades.0.clone());
+    let mut frequency = plain(amplitude(), Axis::linear("Frequency", "Hz"));
+    let mut damping =
+        plain(amplitude(), Axis::linear("Damping ratio", "")).color_bar(shades.0.clone());
     let every = analysis.backbones.len().div_ceil(MOST_DECAYS).max(1);
-    let mut any = false;
     for of in analysis.backbones.iter().step_by(every) {
-        let x: Vec<f64> = of.points.iter().map(|point| point.amplitude).collect();
-        let line = |value: fn(&asperity_signal::BackbonePoint) -> f64| {
-            let y: Vec<f64> = of.points.iter().map(value).collect();
-            Series::line("", &x, &y).color(shades.color(of.force_peak_n)).width(0.8)
-        };
-        frequency = frequency.series(line(|point| point.frequency_hz));
-        damping = damping.series(line(|point| point.damping_ratio));
-        any = true;
+        let column = |value: fn(&BackbonePoint) -> f64| of.points.iter().map(value).collect();
+        let x: Vec<f64> = column(|point| point.amplitude);
+        let line = |y: Vec<f64>| shades.line(&x, &y, of.force_peak_n, 0.8);
+        frequency = frequency.series_if_visible(line(column(|point| point.frequency_hz)));
+        damping = damping.series_if_visible(line(column(|point| point.damping_ratio)));
     }
-    let figure = Figure::new("Backbones").panel(frequency).panel(damping);
-    any.then(|| figure.columns(2).width_mm(170.0))
+    figure("Backbones", 2, 170.0, [frequency, damping])
 }

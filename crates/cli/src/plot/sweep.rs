@@ -2,11 +2,13 @@
 
 use std::collections::BTreeMap;
 
-use asperity_figure::{Axis, Color, Figure, Legend, Marker, Panel, Series};
+use asperity_figure::{Axis, Color, Figure, Legend, Panel, Series};
 use asperity_study::quantity::Quantity;
 use asperity_study::sweep::{Sweep, Variation};
 
-/// Most lines of one panel: there are no more colours that differ clearly.
+use super::figure;
+
+/// Most lines of one panel: more colours cannot be told apart.
 const MOST_LINES: usize = 7;
 
 /// Most points of a line; of more runs, every so many are drawn.
@@ -35,17 +37,14 @@ pub(crate) fn sweep(sweep: &Sweep) -> Option<Figure> {
         lines.entry(name.join(", ")).or_default().push(run);
     }
     let key = sweep.variations[across].pointer.rsplit('/').next().unwrap_or_default();
-    let mut figure = Figure::new("Sweep").columns(2).width_mm(170.0);
-    let mut drawn = false;
-    for quantity in DRAWN {
-        let drawn_here = |column: &usize| {
+    let panels = DRAWN.map(|quantity| {
+        let is_drawn = |column: &usize| {
             Quantity::of_name(&sweep.columns[*column]).is_some_and(|(found, _)| found == quantity)
         };
-        let columns: Vec<usize> = (0..sweep.columns.len()).filter(drawn_here).collect();
+        let columns: Vec<usize> = (0..sweep.columns.len()).filter(is_drawn).collect();
         let axis = Axis::linear(quantity.label(), quantity.unit());
         let mut panel = Panel::new(Axis::linear(key, ""), axis);
         panel = panel.legend(if lines.len() > 1 { Legend::Auto } else { Legend::None });
-        let mut any = false;
         for (index, (name, runs)) in lines.iter().take(MOST_LINES).enumerate() {
             let every = runs.len().div_ceil(MOST_POINTS);
             let points = runs.iter().step_by(every).filter_map(|&run| {
@@ -55,17 +54,10 @@ pub(crate) fn sweep(sweep: &Sweep) -> Option<Figure> {
                 Some((x, found.filter(|y| !y.is_nan()).reduce(f64::min)?))
             });
             let (x, y): (Vec<f64>, Vec<f64>) = points.unzip();
-            if !x.is_empty() {
-                let series = Series::line_points(name.as_str(), x, y);
-                let series = series.color(Color::category(index)).marker(Marker::Circle);
-                panel = panel.series(series);
-                any = true;
-            }
+            let series = Series::line_points(name.as_str(), x, y).color(Color::category(index));
+            panel = panel.series_if_visible(series);
         }
-        if any {
-            figure = figure.panel(panel);
-            drawn = true;
-        }
-    }
-    drawn.then_some(figure)
+        panel
+    });
+    figure("Sweep", 2, 170.0, panels)
 }

@@ -81,12 +81,8 @@ fn axis(label: String, unit: &'static str) -> Axis {
 }
 
 fn figure(title: &str, panels: Vec<Panel>) -> Option<Figure> {
-    if panels.is_empty() {
-        return None;
-    }
     let columns = panels.len().min(2);
-    let figure = panels.into_iter().fold(Figure::new(title), Figure::panel).columns(columns);
-    Some(figure.width_mm(if columns == 1 { 110.0 } else { 170.0 }))
+    crate::plot::figure(title, columns, if columns == 1 { 110.0 } else { 170.0 }, panels)
 }
 
 /// One feature; each set of data in its own colour.

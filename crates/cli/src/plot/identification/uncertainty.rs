@@ -5,6 +5,7 @@ use asperity_identify::Identification;
 use asperity_inference::{Profile, ProfileEnd, normal_quantile};
 
 use super::{percent, short};
+use crate::plot::figure;
 
 /// Most profiles that are drawn.
 const MOST_PROFILES: usize = 12;
@@ -32,13 +33,9 @@ pub(super) fn profiles(found: &Identification) -> Option<Figure> {
         .take(MOST_PROFILES)
         .map(|profile| panel(found, profile, level))
         .collect();
-    if panels.is_empty() {
-        return None;
-    }
     let columns = panels.len().min(3);
-    let figure = panels.into_iter().fold(Figure::new("Profile likelihoods"), Figure::panel);
-    let figure = figure.columns(columns).row_height_mm(50.0);
-    Some(figure.width_mm(if columns == 1 { 90.0 } else { 175.0 }))
+    let width = if columns == 1 { 90.0 } else { 175.0 };
+    Some(figure("Profile likelihoods", columns, width, panels)?.row_height_mm(50.0))
 }
 
 fn panel(found: &Identification, profile: &Profile, level: f64) -> Panel {
