@@ -76,8 +76,7 @@ fn functions(analysis: &Analysis, shades: &Shades) -> Option<Figure> {
     };
     let top = top.min(average.frf.frequency_hz.last().copied().unwrap_or(top));
     let frequency = || Axis::linear("Frequency", "Hz").range(0.0, top);
-    let mut each =
-        plain(frequency(), Axis::log("Receptance", "m/N")).color_bar(shades.0.clone());
+    let mut each = plain(frequency(), Axis::log("Receptance", "m/N")).color_bar(shades.0.clone());
     for curve in &analysis.curves {
         let (x, y) = &curve.receptance;
         each = each.series_if_visible(shades.line(x, y, curve.force_peak_n, 0.6));
