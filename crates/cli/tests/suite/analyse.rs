@@ -291,7 +291,7 @@ fn wrong_requests_end_with_status_2_and_failures_with_1() {
     let cases: [(i32, &[&str], &str); 17] = [
         (2, &["analyse"], "FILE"),
         (2, &["analyse", "nowhere.uff"], "nowhere.uff"),
-        (2, &["analyse", "noise.bin"], "formats"),
+        (2, &["analyse", "noise.bin"], "expected one of"),
         (2, &["analyse", "t.uff", "--force", "piano"], "`hammer`"),
         (2, &["analyse", "three.uff"], "#3 `side`"),
         (2, &["analyse", "t.uff", "--response", "#1"], "holds force"),
