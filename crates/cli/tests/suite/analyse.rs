@@ -302,7 +302,7 @@ fn wrong_requests_end_with_status_2_and_failures_with_1() {
         (2, &["analyse", "t.uff", "--estimator", "h3"], "h1, h2, hv"),
         (2, &["analyse", "t.uff", "--length=0"], "--length"),
         (2, &["analyse", "t.uff", "--out", "full"], "--overwrite"),
-        (2, &["convert", "t.uff", "t.wav"], "not written"),
+        (2, &["convert", "t.uff", "t.wav"], "write UFF"),
         (2, &["convert", "t.uff", "t"], "--to"),
         (1, &["analyse", "quiet.uff"], "no hit"),
         (1, &["analyse", "t.uff", "--hits", "9"], "only 4"),
