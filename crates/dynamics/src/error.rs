@@ -1,11 +1,14 @@
-//! What can go wrong between a stack and its response.
+//! Errors of the time integrators.
 
 use asperity_law::LawError;
 use asperity_mesh::MeshError;
 use asperity_structure::StructureError;
 
-/// Why an equilibrium, a mode or a response cannot be computed.
+use crate::InstructionSet;
+
+/// An error of a time integration: its place, the value found and the values accepted.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum DynamicsError {
     /// A setting of the computation is out of its range.
     #[error("{quantity} is {value}; accepted: {accepted}")]
@@ -26,8 +29,14 @@ pub enum DynamicsError {
         quantity: &'static str,
         /// The value given.
         value: f64,
-        /// What is accepted.
+        /// The values accepted.
         accepted: &'static str,
+    },
+    /// The machine does not have the vector instructions asked for.
+    #[error("this machine has no {set:?} instructions; it has {:?}", InstructionSet::available())]
+    InstructionSet {
+        /// The instructions asked for.
+        set: InstructionSet,
     },
     /// The numbers grew beyond all bounds.
     #[error(
@@ -56,11 +65,11 @@ pub enum DynamicsError {
     Variation {
         /// Number of the parameter, from 0.
         parameter: usize,
-        /// What stands in the way, with its unit.
+        /// The quantity without derivative, with its unit.
         quantity: &'static str,
         /// Its value.
         value: f64,
-        /// What is accepted.
+        /// The values accepted.
         accepted: &'static str,
     },
     /// The grid cannot be built.
@@ -74,7 +83,7 @@ pub enum DynamicsError {
     Law {
         /// Name of the interface.
         interface: String,
-        /// What the law says.
+        /// The error of the law.
         source: LawError,
     },
 }

@@ -4,7 +4,15 @@ use std::f64::consts::{PI, TAU};
 
 use crate::DynamicsError;
 
-/// A force course, zero before `t = 0`; positive forces push down.
+/// A force over time, zero before `t = 0`; positive forces push down.
+///
+/// ```
+/// use asperity_dynamics::Excitation;
+///
+/// let pulse = Excitation::GammaPulse { peak: 32.0, rise: 0.34e-3 };
+/// assert_eq!(pulse.force(0.34e-3), 32.0);
+/// assert_eq!(pulse.force(-1.0), 0.0);
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub enum Excitation {
     /// No force.
@@ -111,7 +119,7 @@ impl Excitation {
         }
     }
 
-    /// The same course with a peak or amplitude of one, and the factor on it; a record, and a
+    /// The same force with a peak or amplitude of one, and the factor on it; a record, and a
     /// force of zero, stay as they are.
     pub fn unit(&self) -> (Self, f64) {
         match *self {

@@ -21,7 +21,7 @@
 //! | `contact` | the implicit contact step |
 //! | `support` | the step of a spring-mass support |
 //! | `ledger` | the energy balance of the discrete motion |
-//! | `march` | the loop over time |
+//! | `time_loop` | the loop over time |
 #![allow(
     clippy::inline_always,
     reason = "what the march calls must be compiled with it, for the vector instructions chosen"
@@ -31,14 +31,14 @@ mod bar;
 mod contact;
 mod lanes;
 mod ledger;
-mod march;
 mod support;
+mod time_loop;
 
 use asperity_mesh::Grid;
 use asperity_structure::PreloadedStructure;
 
 use crate::{DynamicsError, Excitation, InstructionSet, Sampling, Transient};
-use march::March;
+use time_loop::TimeLoop;
 
 /// Which closure the implicit contact pressure answers to (Eq. 5).
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -82,6 +82,25 @@ impl FiniteDifference {
     ///
     /// The step is the longest that keeps the Courant number and divides the output interval.
     ///
+    /// ```
+    /// use asperity_dynamics::{Excitation, FiniteDifference, Sampling};
+    /// # use std::sync::Arc;
+    /// # use asperity_law::Constant;
+    /// # use asperity_mesh::{Body, Interface, Stack, Support};
+    /// # use asperity_structure::{Damping, PreloadedStructure};
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// # let guide = Body::with_mass("guide", 0.229, 1.61, 71e9, 2710.0)?;
+    /// # let contact = Interface::new("guide-disc", 1.15e-4, Arc::new(Constant::new(4.25e11)?))?;
+    /// # let stack = Stack::new(vec![guide], vec![contact], Support::Rigid, 9.81)?;
+    /// # let structure = PreloadedStructure::new(stack, Damping::Ratio(0.035))?;
+    /// let grid = FiniteDifference { cell: 5e-3, ..FiniteDifference::default() };
+    /// let pulse = Excitation::GammaPulse { peak: 9.0, rise: 0.34e-3 };
+    /// let response = grid.integrate(&structure, &pulse, &Sampling::new(0.01, 2e5)?)?;
+    /// assert!(response.energy.residual_relative() < 1e-2);
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
     /// # Errors
     /// [`DynamicsError::Mesh`] for a grid or Courant number out of range,
     /// [`DynamicsError::Setting`] for an excitation out of range or an instruction set that the
@@ -110,13 +129,12 @@ impl FiniteDifference {
         excitation.check()?;
         let grid = Grid::new(structure.stack(), self.cell)?;
         let (step, stride) = grid.step_within(sampling.interval(), self.courant)?;
-        let arch = self.instructions.arch().ok_or(DynamicsError::Setting {
-            quantity: "instruction set",
-            value: f64::NAN,
-            accepted: "one that this machine has",
-        })?;
+        let arch = self
+            .instructions
+            .arch()
+            .ok_or(DynamicsError::InstructionSet { set: self.instructions })?;
         tracing::debug!(nodes = grid.nodes(), step, stride, set = ?self.instructions, "march");
-        arch.dispatch(March {
+        arch.dispatch(TimeLoop {
             structure,
             grid: &grid,
             form: self.contact,

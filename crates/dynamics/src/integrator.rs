@@ -66,7 +66,7 @@ impl Integrator {
             Self::Modal(method) => {
                 let hit = method.hit(structure, excitation, sampling)?;
                 let (step, steps) = hit.first_step()?;
-                Ok(RunOutline { unknowns: hit.rig.structure().modes().len(), step, steps })
+                Ok(RunOutline { unknowns: hit.model.structure().modes().len(), step, steps })
             }
         }
     }

@@ -8,7 +8,31 @@
 //! ```
 //!
 //! so gravity, the static strain and the static pressures cancel exactly and
-//! an unstruck rig stays at rest to the last bit.
+//! a structure without excitation stays at rest to the last bit.
+//!
+//! ```
+//! use std::sync::Arc;
+//!
+//! use asperity_dynamics::{Excitation, Integrator, Sampling};
+//! use asperity_law::Power;
+//! use asperity_mesh::{Body, Interface, Stack, Support};
+//! use asperity_structure::{Damping, PreloadedStructure};
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let guide = Body::with_mass("guide", 0.229, 1.61, 71e9, 2710.0)?;
+//! let law = Arc::new(Power::new(1.81e10, 0.35, 0.0)?);
+//! let contact = Interface::new("guide-disc", 1.15e-4, law)?;
+//! let stack = Stack::new(vec![guide], vec![contact], Support::Rigid, 9.81)?;
+//! let structure = PreloadedStructure::new(stack, Damping::Ratio(0.035))?;
+//!
+//! let pulse = Excitation::GammaPulse { peak: 9.0, rise: 0.34e-3 };
+//! let sampling = Sampling::new(0.02, 2e5)?;
+//! let response = Integrator::default().integrate(&structure, &pulse, &sampling)?;
+//! assert_eq!(response.history.displacement.len(), 4000);
+//! assert!(response.contacts[0].pressure_min < structure.contacts()[0].pressure());
+//! # Ok(())
+//! # }
+//! ```
 //!
 //! | module | holds |
 //! |---|---|
@@ -17,7 +41,7 @@
 //! | [`finite_difference`] | the paper's explicit scheme, Eqs. (2) to (5) |
 //! | [`modal`] | exact modal steps with implicit contact, many hits in vector lanes |
 //! | [`integrator`] | the choice of integrator |
-//! | [`transient`] | what every integrator returns: history, contact record, energy ledger |
+//! | [`transient`] | result of a run: history, contact extremes, energy ledger |
 
 pub mod difference;
 pub mod error;
@@ -35,7 +59,9 @@ pub use finite_difference::{ContactForm, FiniteDifference};
 pub use instruction_set::InstructionSet;
 pub use integrator::{Integrator, RunOutline};
 pub use modal::{
-    Batch, ContactMeasures, Course, Hit, HitRecord, Modal, ModalRig, Sensitivity, Thinning,
-    Variation,
+    Batch, ContactMeasures, Decimation, HitResponse, HitSimulation, Modal, ModalModel,
+    ParameterVariation, Sensitivity, StepHistory,
 };
-pub use transient::{ContactRecord, EnergyLedger, History, InterfaceHistory, Sampling, Transient};
+pub use transient::{
+    ContactExtremes, EnergyLedger, History, InterfaceHistory, Sampling, Transient,
+};

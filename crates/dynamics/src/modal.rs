@@ -1,57 +1,48 @@
 //! Exact modal steps with implicit contact, many hits side by side.
 //!
-//! Between its contacts a structure is linear: a few modes and the flexibility of the rest
-//! ([`ComponentModes`](asperity_mesh::ComponentModes)). Over a step each oscillator moves exactly
-//! under a course of force that is a polynomial through the pressures at steps, so that only the
-//! pressures at the end of the step are unknown,
+//! Between its contacts a structure is linear: a few modes and the residual flexibility of the
+//! others ([`ComponentModes`](asperity_mesh::ComponentModes)). Over a step each mode moves exactly
+//! under a force that is a polynomial through the pressures at steps, so that only the pressures
+//! at the end of the step are unknown,
 //!
 //! ```text
 //! x_i + sum_j B_ij p_j(x_j) = x*_i,
 //! ```
 //!
-//! x* being the closures without them. Light bodies between stiff contacts see the mean force of
-//! the step, which is stable however stiff the contacts are; the others the parabola through
-//! three pressures, which is third order. Nothing here knows bars, or finite elements.
+//! with x* the closures without them. Light bodies between stiff contacts see the mean force of
+//! the step, which is stable for any contact stiffness; the others the parabola through three
+//! pressures, which is third order. The integrator works with modes only, whatever structure they
+//! are from.
 //!
 //! | module | holds |
 //! |---|---|
-//! | `oscillator` | the exact step of one oscillator under a polynomial course of force |
-//! | `drive` | the drive force as steps see it |
-//! | `model` | all numbers of a step that do not depend on the drive |
-//! | `rig` | a structure with its contacts, tabulated and stepped once for many hits |
-//! | `lane`, `block` | one hit; hits side by side in the lanes of vectors |
-//! | `rows` | looking up a table row per lane, by instruction set |
-//! | `kernel` | one step of every lane |
-//! | `alone` | lanes that Newton's method does not settle |
-//! | `tally`, `thin` | extremes; fewer samples than steps |
-//! | `march` | blocks from rest to the end |
+//! | `assembly` | a structure in modes, tabulated and stepped once for many hits |
+//! | `oscillator` | the exact step of one mode under a polynomial force |
+//! | `step_model` | all numbers of a step that do not depend on the drive |
+//! | `drive` | the drive force, step by step |
+//! | `simulation` | one hit and its response |
+//! | `step_size` | the choice of the step |
+//! | `simulate` | many hits, tried again where a step or a table was too short |
+//! | `dense_output` | the motion between steps |
 //! | `energy` | the energy balance |
-//! | `step_size` | how long a step is |
-//! | `batch` | many hits, tried again where a step or a table was too short |
-//! | `dense` | the motion between steps |
-//! | `tangent` | derivatives of a hit with respect to what it depends on |
+//! | `simd` | hits in the lanes of vectors |
+//! | `sensitivity` | derivatives of a hit with respect to parameters |
 #![allow(
     clippy::inline_always,
-    reason = "what the march calls must be compiled with it, for the vector instructions chosen"
+    reason = "kernels must be compiled with their caller, for the vector instructions chosen"
 )]
 
-mod alone;
-mod batch;
-mod block;
-mod dense;
+mod assembly;
+mod dense_output;
 mod drive;
 mod energy;
-mod kernel;
-mod lane;
-mod march;
-mod model;
 mod oscillator;
-mod rig;
-mod rows;
+mod sensitivity;
+mod simd;
+mod simulate;
+mod simulation;
+mod step_model;
 mod step_size;
-mod tally;
-mod tangent;
-mod thin;
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -61,13 +52,14 @@ use asperity_structure::PreloadedStructure;
 
 use crate::{DynamicsError, Excitation, InstructionSet, Sampling, Transient};
 
-pub use batch::{Batch, Hit, HitRecord};
-pub use rig::ModalRig;
-pub use tangent::{ContactMeasures, Course, Sensitivity, Variation};
-pub use thin::Thinning;
+pub use assembly::ModalModel;
+pub use sensitivity::{ContactMeasures, ParameterVariation, Sensitivity, StepHistory};
+pub use simd::decimation::Decimation;
+pub use simulate::Batch;
+pub use simulation::{HitResponse, HitSimulation};
 
 /// Frequencies of interest over the lowest natural one: the top of the window in which the second
-/// harmonic is looked for.
+/// harmonic is searched.
 const BAND: f64 = 3.22;
 
 /// Radians of the drive's time scale up to which modes follow it: a gamma pulse has a tenth of
@@ -98,7 +90,7 @@ impl Default for Modal {
 }
 
 impl Modal {
-    /// How many modes of each body are kept for `excitation` on a stack whose lowest natural
+    /// Modes of each body kept for `excitation` on a stack with the lowest natural
     /// frequency is `natural` \[Hz\].
     pub fn mode_count(&self, natural: Option<f64>, excitation: &Excitation) -> ModeCount {
         match self.modes_per_body {
@@ -115,6 +107,24 @@ impl Modal {
     ///
     /// Samples need not fall on steps: between them the motion is that of the modes, and the
     /// closures a cubic. A run takes some milliseconds.
+    ///
+    /// ```
+    /// use asperity_dynamics::{Excitation, Modal, Sampling};
+    /// # use std::sync::Arc;
+    /// # use asperity_law::Constant;
+    /// # use asperity_mesh::{Body, Interface, Stack, Support};
+    /// # use asperity_structure::{Damping, PreloadedStructure};
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// # let guide = Body::with_mass("guide", 0.229, 1.61, 71e9, 2710.0)?;
+    /// # let contact = Interface::new("guide-disc", 1.15e-4, Arc::new(Constant::new(4.25e11)?))?;
+    /// # let stack = Stack::new(vec![guide], vec![contact], Support::Rigid, 9.81)?;
+    /// # let structure = PreloadedStructure::new(stack, Damping::Ratio(0.035))?;
+    /// let pulse = Excitation::GammaPulse { peak: 9.0, rise: 0.34e-3 };
+    /// let response = Modal::default().integrate(&structure, &pulse, &Sampling::new(0.02, 2e5)?)?;
+    /// assert!(response.energy.residual_relative() < 5e-4);
+    /// # Ok(())
+    /// # }
+    /// ```
     ///
     /// # Errors
     /// [`DynamicsError::Structure`] for a count of modes out of range, [`DynamicsError::Setting`]
@@ -141,11 +151,11 @@ impl Modal {
         structure: &PreloadedStructure,
         excitation: &Excitation,
         sampling: &Sampling,
-    ) -> Result<Hit, DynamicsError> {
+    ) -> Result<HitSimulation, DynamicsError> {
         excitation.check()?;
         let modes = self.mode_count(structure.natural_frequency(), excitation);
-        let rig = Arc::new(ModalRig::new(structure.reduced(modes)?)?);
+        let rig = Arc::new(ModalModel::new(structure.reduced(modes)?)?);
         let duration = sampling.samples() as f64 * sampling.interval();
-        Ok(Hit { rig, excitation: excitation.clone(), duration, step: self.step })
+        Ok(HitSimulation { model: rig, excitation: excitation.clone(), duration, step: self.step })
     }
 }

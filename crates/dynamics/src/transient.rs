@@ -1,8 +1,16 @@
-//! What every time integrator returns.
+//! The result of a time integration.
 
 use crate::DynamicsError;
 
 /// When the response is recorded: at `n / rate` for every `0 <= n / rate < duration`.
+///
+/// ```
+/// use asperity_dynamics::Sampling;
+///
+/// let sampling = Sampling::new(0.12, 2e5)?;
+/// assert_eq!(sampling.samples(), 24_000);
+/// # Ok::<(), asperity_dynamics::DynamicsError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sampling {
     duration: f64,
@@ -62,7 +70,7 @@ pub struct Transient {
     /// Samples at the output rate.
     pub history: History,
     /// Extremes and averages at each interface over all steps, from the top down.
-    pub contacts: Vec<ContactRecord>,
+    pub contacts: Vec<ContactExtremes>,
     /// The energy balance of the whole run.
     pub energy: EnergyLedger,
 }
@@ -95,7 +103,7 @@ pub struct InterfaceHistory {
 
 /// Extremes and averages at one interface over the integration steps.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ContactRecord {
+pub struct ContactExtremes {
     /// Lowest pressure \[Pa\].
     pub pressure_min: f64,
     /// Highest pressure \[Pa\].
@@ -142,7 +150,7 @@ impl EnergyLedger {
         self.kinetic + self.elastic + self.contact
     }
 
-    /// What the balance leaves over \[J\].
+    /// Input less loss and stored energy \[J\].
     pub fn residual(&self) -> f64 {
         self.input - self.dissipated - self.stored() - self.numerical_loss
     }

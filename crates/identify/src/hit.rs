@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use asperity_dynamics::{Excitation, ForceRecord, Hit};
+use asperity_dynamics::{Excitation, ForceRecord, HitSimulation};
 use serde_json::{Value, json};
 
 use crate::problem::Changes;
@@ -126,10 +126,10 @@ impl SimulatedHit {
         rig: &PreparedRig,
         gains: Gains,
         folder: &Path,
-    ) -> Result<Hit, StudyError> {
+    ) -> Result<HitSimulation, StudyError> {
         let modal = rig.case.modal().unwrap_or_default();
         let excitation = self.excitation(rig, gains, folder)?;
         let hit = rig.case.hit(&modal, excitation)?;
-        Ok(Hit { duration: self.duration.unwrap_or(hit.duration), ..hit })
+        Ok(HitSimulation { duration: self.duration.unwrap_or(hit.duration), ..hit })
     }
 }

@@ -4,7 +4,7 @@ mod derivatives;
 
 use std::path::PathBuf;
 
-use asperity_dynamics::{Batch, Hit, HitRecord};
+use asperity_dynamics::{Batch, HitSimulation, HitResponse};
 use asperity_inference::{
     Derivatives, ForwardModel, Observation, Parameter, PredictionError, Predictions,
 };
@@ -106,15 +106,15 @@ impl ScenarioModel {
             points.iter().map(|point| self.prepare_hits(point)).collect();
         let count = self.hits.len();
         let ready: Vec<&Ready> = prepared.iter().flatten().collect();
-        let all: Vec<Hit> =
+        let all: Vec<HitSimulation> =
             ready.iter().flat_map(|(_, simulations)| simulations).cloned().collect();
-        let thinning = |index: usize, step: f64| {
+        let decimation = |index: usize, step: f64| {
             let (point, hit) = (index / count, &self.hits[index % count]);
             let natural = ready[point].0[hit.rig].case.at_rest.natural_frequency_hz;
             let highest = hit.frequencies.iter().copied().fold(0.0, f64::max);
-            self.extractor.thinning(natural, highest, step)
+            self.extractor.decimation(natural, highest, step)
         };
-        let mut records = self.batch.run(&all, &thinning).into_iter();
+        let mut records = self.batch.run(&all, &decimation).into_iter();
         let finish = |(point, prepared): (&Vec<f64>, Result<Ready, StudyError>)| {
             let (rigs, simulations) = prepared?;
             // All records of a point are consumed before an error of one of them.
@@ -144,8 +144,8 @@ impl ScenarioModel {
         &self,
         rig: &PreparedRig,
         hit: &SimulatedHit,
-        simulation: &Hit,
-        record: &HitRecord,
+        simulation: &HitSimulation,
+        record: &HitResponse,
     ) -> Result<HitOutcome, StudyError> {
         let observables = self.extractor.observables(&rig.case, simulation, record)?;
         let fundamental = observables.get(Quantity::FundamentalFrequency, None);
@@ -195,7 +195,7 @@ impl ScenarioModel {
 }
 
 /// The rigs at a point, and the hits on them.
-type Ready = (Vec<PreparedRig>, Vec<Hit>);
+type Ready = (Vec<PreparedRig>, Vec<HitSimulation>);
 
 /// Most points of one batch.
 const MAX_POINTS: usize = 6;

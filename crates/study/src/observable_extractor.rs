@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use asperity_dynamics::{Excitation, Hit, HitRecord, Thinning};
+use asperity_dynamics::{Excitation, HitSimulation, HitResponse, Decimation};
 use asperity_signal::{
     Complex64, DecimationFilter, HarmonicOptions, SharedForce, SharedForceFeatures, SignalError,
     transform_at,
@@ -23,14 +23,14 @@ const MOST_KEPT: usize = 32;
 pub struct ObservableExtractor {
     filters: Mutex<Vec<Arc<Filter>>>,
     /// The latest filter, with the frequency and the step it was made for, both in bits.
-    latest: Mutex<Option<(u64, u64, Arc<Thinning>)>>,
+    latest: Mutex<Option<(u64, u64, Arc<Decimation>)>>,
     forces: Mutex<Vec<Arc<DecimatedForce>>>,
 }
 
 /// A low-pass filter, as integrator and analysis take it.
 #[derive(Debug)]
 struct Filter {
-    thinning: Arc<Thinning>,
+    decimation: Arc<Decimation>,
     decimator: DecimationFilter,
 }
 
@@ -40,7 +40,7 @@ struct DecimatedForce {
     shape: Excitation,
     step: f64,
     steps: usize,
-    thinning: Arc<Thinning>,
+    decimation: Arc<Decimation>,
     samples: Vec<f64>,
     shared: Option<SharedForce>,
     /// Decimated sample from which on there is no force.
@@ -50,31 +50,31 @@ struct DecimatedForce {
 impl ObservableExtractor {
     /// The filter for the output of a hit at `step` \[s\]: it keeps the windows in which peaks are
     /// sought about the static frequency `natural` \[Hz\], and all below `wanted` \[Hz\].
-    pub fn thinning(&self, natural: Option<f64>, wanted: f64, step: f64) -> Arc<Thinning> {
+    pub fn decimation(&self, natural: Option<f64>, wanted: f64, step: f64) -> Arc<Decimation> {
         let options = HarmonicOptions::default();
         let band = options.fundamental_window.1 * options.second_window.1.max(1.0);
         let high = natural.map_or(f64::INFINITY, |natural| (band * natural).max(wanted));
         let (band, bits) = (high.to_bits(), step.to_bits());
         let mut latest = self.latest.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((_, _, thinning)) = latest.as_ref().filter(|l| (l.0, l.1) == (band, bits)) {
-            return Arc::clone(thinning);
+        if let Some((_, _, decimation)) = latest.as_ref().filter(|l| (l.0, l.1) == (band, bits)) {
+            return Arc::clone(decimation);
         }
         let decimator = DecimationFilter::keeping(1.0 / step, high);
         let mut filters = self.filters.lock().unwrap_or_else(PoisonError::into_inner);
-        let same = |filter: &&Arc<Filter>| filter.thinning.factor == decimator.factor();
-        let known = filters.iter().find(same).map(|filter| Arc::clone(&filter.thinning));
-        let thinning = known.unwrap_or_else(|| {
-            let thinning =
-                Arc::new(Thinning { factor: decimator.factor(), taps: decimator.taps().into() });
-            filters.push(Arc::new(Filter { thinning: Arc::clone(&thinning), decimator }));
-            thinning
+        let same = |filter: &&Arc<Filter>| filter.decimation.factor == decimator.factor();
+        let known = filters.iter().find(same).map(|filter| Arc::clone(&filter.decimation));
+        let decimation = known.unwrap_or_else(|| {
+            let decimation =
+                Arc::new(Decimation { factor: decimator.factor(), taps: decimator.taps().into() });
+            filters.push(Arc::new(Filter { decimation: Arc::clone(&decimation), decimator }));
+            decimation
         });
-        *latest = Some((band, bits, Arc::clone(&thinning)));
-        thinning
+        *latest = Some((band, bits, Arc::clone(&decimation)));
+        decimation
     }
 
     /// The decimated force of a hit's shape, and the factor on it; none without a force.
-    fn force(&self, hit: &Hit, record: &HitRecord) -> Option<(Arc<DecimatedForce>, f64)> {
+    fn force(&self, hit: &HitSimulation, record: &HitResponse) -> Option<(Arc<DecimatedForce>, f64)> {
         let (shape, factor) = hit.excitation.unit();
         if shape.peak() == 0.0 {
             return None;
@@ -82,7 +82,7 @@ impl ObservableExtractor {
         let mut forces = self.forces.lock().unwrap_or_else(PoisonError::into_inner);
         let same = |force: &&Arc<DecimatedForce>| {
             (force.step, force.steps) == (record.step, record.steps)
-                && Arc::ptr_eq(&force.thinning, &record.thinning)
+                && Arc::ptr_eq(&force.decimation, &record.decimation)
                 && force.shape == shape
         };
         if let Some(force) = forces.iter().find(same) {
@@ -92,7 +92,7 @@ impl ObservableExtractor {
         shape.sample_into(0.0, record.step, &mut samples);
         let last = free_from(&samples, shape.peak()).saturating_sub(1);
         let filters = self.filters.lock().unwrap_or_else(PoisonError::into_inner);
-        let filter = filters.iter().find(|f| Arc::ptr_eq(&f.thinning, &record.thinning))?;
+        let filter = filters.iter().find(|f| Arc::ptr_eq(&f.decimation, &record.decimation))?;
         let delay = filter.decimator.taps().len() / 2;
         let mut decimated = filter.decimator.apply(&samples, &(0..samples.len()));
         decimated.truncate(record.displacement.len());
@@ -104,7 +104,7 @@ impl ObservableExtractor {
             shape,
             step: record.step,
             steps: record.steps,
-            thinning: Arc::clone(&record.thinning),
+            decimation: Arc::clone(&record.decimation),
             samples: decimated,
             free: (last + delay) / filter.decimator.factor() + 1,
         });
@@ -119,8 +119,8 @@ impl ObservableExtractor {
     /// without a force.
     pub fn receptance(
         &self,
-        hit: &Hit,
-        record: &HitRecord,
+        hit: &HitSimulation,
+        record: &HitResponse,
         frequencies: &[f64],
     ) -> Option<Vec<Complex64>> {
         let (force, factor) = self.force(hit, record)?;
@@ -135,7 +135,7 @@ impl ObservableExtractor {
 
     /// The displacement of a hit after its force \[m\], and its sample rate \[Hz\]; none without
     /// a force.
-    pub fn decay<'a>(&self, hit: &Hit, record: &'a HitRecord) -> Option<(&'a [f64], f64)> {
+    pub fn decay<'a>(&self, hit: &HitSimulation, record: &'a HitResponse) -> Option<(&'a [f64], f64)> {
         let (force, _) = self.force(hit, record)?;
         Some((force.decay(record), sample_rate(record)))
     }
@@ -147,8 +147,8 @@ impl ObservableExtractor {
     pub fn observables(
         &self,
         prepared: &PreparedScenario,
-        hit: &Hit,
-        record: &HitRecord,
+        hit: &HitSimulation,
+        record: &HitResponse,
     ) -> Result<Observables, StudyError> {
         let mut peaks = Peaks::default();
         let natural = prepared.at_rest.natural_frequency_hz;
@@ -178,13 +178,13 @@ impl ObservableExtractor {
 }
 
 /// Sample rate of a decimated record \[Hz\].
-fn sample_rate(record: &HitRecord) -> f64 {
-    1.0 / (record.step * record.thinning.factor as f64)
+fn sample_rate(record: &HitResponse) -> f64 {
+    1.0 / (record.step * record.decimation.factor as f64)
 }
 
 impl DecimatedForce {
     /// The part of a record after the force.
-    fn decay<'a>(&self, record: &'a HitRecord) -> &'a [f64] {
+    fn decay<'a>(&self, record: &'a HitResponse) -> &'a [f64] {
         record.displacement.get(self.free..).unwrap_or_default()
     }
 
@@ -192,7 +192,7 @@ impl DecimatedForce {
     fn analyse_exactly(
         &self,
         factor: f64,
-        record: &HitRecord,
+        record: &HitResponse,
         natural: f64,
     ) -> Result<SharedForceFeatures, SignalError> {
         let force: Vec<f64> = self.samples.iter().map(|force| factor * force).collect();

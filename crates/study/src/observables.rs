@@ -1,7 +1,7 @@
 //! Observables of a response, extracted by one definition from a full run, a decimated record, or
 //! the steps of a differentiated hit.
 
-use asperity_dynamics::{ContactMeasures, ContactRecord, EnergyLedger};
+use asperity_dynamics::{ContactMeasures, ContactExtremes, EnergyLedger};
 use asperity_signal::{
     FrequencyResponse, HarmonicOptions, SharedForceFeatures, SignalError, find_harmonics,
     half_power, logarithmic_decrement,
@@ -90,9 +90,9 @@ pub(crate) struct ContactView {
 /// The contacts that integrators have recorded at `interfaces`.
 pub(crate) fn contact_views(
     interfaces: &[PreloadedContact],
-    records: &[ContactRecord],
+    records: &[ContactExtremes],
 ) -> Vec<ContactView> {
-    let view = |(interface, record): (&PreloadedContact, &ContactRecord)| ContactView {
+    let view = |(interface, record): (&PreloadedContact, &ContactExtremes)| ContactView {
         measures: ContactMeasures {
             pressure_min: record.pressure_min,
             pressure_max: record.pressure_max,

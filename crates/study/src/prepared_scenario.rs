@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use asperity_dynamics::{DynamicsError, Excitation, Hit, Integrator, Modal, ModalRig};
+use asperity_dynamics::{DynamicsError, Excitation, HitSimulation, Integrator, Modal, ModalModel};
 use asperity_scenario::Scenario;
 
 use crate::assemble::Assembly;
@@ -21,7 +21,7 @@ pub struct PreparedScenario {
     /// Names of the observables of its responses.
     pub names: Arc<[String]>,
     /// By the number of modes of each body, which may depend on the force.
-    models: Mutex<Vec<(Vec<usize>, Arc<ModalRig>)>>,
+    models: Mutex<Vec<(Vec<usize>, Arc<ModalModel>)>>,
 }
 
 impl PreparedScenario {
@@ -50,12 +50,12 @@ impl PreparedScenario {
     ///
     /// # Errors
     /// [`StudyError::Dynamics`] for a force or a number of modes out of range.
-    pub fn hit(&self, modal: &Modal, excitation: Excitation) -> Result<Hit, StudyError> {
+    pub fn hit(&self, modal: &Modal, excitation: Excitation) -> Result<HitSimulation, StudyError> {
         excitation.check()?;
         let rig = self.modal_model(&self.mode_counts(modal, &excitation)?)?;
         let sampling = &self.assembly.sampling;
         let duration = sampling.samples() as f64 * sampling.interval();
-        Ok(Hit { rig, excitation, duration, step: modal.step })
+        Ok(HitSimulation { model: rig, excitation, duration, step: modal.step })
     }
 
     /// Number of modes kept of each body for `excitation`, the rigid one included.
@@ -74,13 +74,13 @@ impl PreparedScenario {
     /// The modal model with these numbers of modes of each body.
     ///
     /// # Errors
-    /// As [`ModalRig::new`].
-    pub fn modal_model(&self, counts: &[usize]) -> Result<Arc<ModalRig>, DynamicsError> {
+    /// As [`ModalModel::new`].
+    pub fn modal_model(&self, counts: &[usize]) -> Result<Arc<ModalModel>, DynamicsError> {
         let mut models = self.models.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((_, model)) = models.iter().find(|(known, _)| known == counts) {
             return Ok(Arc::clone(model));
         }
-        let model = Arc::new(ModalRig::new(self.assembly.structure.reduced_to(counts)?)?);
+        let model = Arc::new(ModalModel::new(self.assembly.structure.reduced_to(counts)?)?);
         models.push((counts.to_vec(), Arc::clone(&model)));
         Ok(model)
     }

@@ -14,7 +14,7 @@ use std::collections::HashMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use asperity_dynamics::{Batch, Hit};
+use asperity_dynamics::{Batch, HitSimulation};
 use asperity_scenario::Document;
 use rayon::prelude::*;
 
@@ -135,7 +135,7 @@ struct Work<'a> {
 
 /// A run that has been set up: a modal hit, or a row that is done.
 enum Started {
-    Hit(Box<Hit>),
+    Hit(Box<HitSimulation>),
     Done(Observables),
 }
 
@@ -143,7 +143,7 @@ impl Work<'_> {
     /// The rows of some runs: the modal ones in one batch, the others one by one.
     fn rows(&self, runs: std::ops::Range<usize>) -> Vec<Result<Row, StudyError>> {
         let mut rows: Vec<Option<Result<Row, StudyError>>> = Vec::new();
-        let mut hits: Vec<Hit> = Vec::new();
+        let mut hits: Vec<HitSimulation> = Vec::new();
         let mut of: Vec<(usize, Arc<PreparedScenario>)> = Vec::new();
         for run in runs {
             let place = rows.len();
@@ -158,8 +158,8 @@ impl Work<'_> {
             });
         }
         let natural = |index: usize| of[index].1.at_rest.natural_frequency_hz;
-        let thinning = |index: usize, step: f64| self.extractor.thinning(natural(index), 0.0, step);
-        let records = self.batch.run(&hits, &thinning);
+        let decimation = |index: usize, step: f64| self.extractor.decimation(natural(index), 0.0, step);
+        let records = self.batch.run(&hits, &decimation);
         for ((record, hit), (place, prepared)) in records.into_iter().zip(&hits).zip(&of) {
             let row = record.map_err(StudyError::from).and_then(|record| {
                 let found = self.extractor.observables(prepared, hit, &record)?;

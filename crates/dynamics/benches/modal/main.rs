@@ -18,7 +18,8 @@ use std::thread;
 use std::time::Instant;
 
 use asperity_dynamics::{
-    Batch, Excitation, FiniteDifference, Hit, InstructionSet, Modal, ModalRig, Sampling, Thinning,
+    Batch, Decimation, Excitation, FiniteDifference, HitSimulation, InstructionSet, Modal,
+    ModalModel, Sampling,
 };
 use asperity_law::{ContactLaw, ModifiedPower};
 use asperity_mesh::{Body, Interface, Stack, Support};
@@ -35,10 +36,10 @@ fn main() {
     let count = Modal::default().mode_count(structure.natural_frequency(), &pulse(1.0));
     let reduced = structure.reduced(count).unwrap();
     let plain_rig = plain::Rig::new(reduced.clone());
-    let rig = Arc::new(ModalRig::new(reduced).unwrap());
-    let hits = |step: f64, count: usize| -> Vec<Hit> {
-        let hit = |i: usize| Hit {
-            rig: Arc::clone(&rig),
+    let rig = Arc::new(ModalModel::new(reduced).unwrap());
+    let hits = |step: f64, count: usize| -> Vec<HitSimulation> {
+        let hit = |i: usize| HitSimulation {
+            model: Arc::clone(&rig),
             excitation: pulse(9.0 + 23.0 * i as f64 / count as f64),
             duration: DURATION,
             step: Some(step),
@@ -98,11 +99,11 @@ fn main() {
     row("finite differences, 1 mm", 1, step, 1.0 / least, plain_seconds[1] / least);
 }
 
-fn run(set: InstructionSet, hits: &[Hit]) {
+fn run(set: InstructionSet, hits: &[HitSimulation]) {
     // As many taps as keep the band of the harmonics at a decimation by eight.
     let taps: Arc<[f64]> = vec![1.0 / 96.0; 96].into();
-    let thinning = Arc::new(Thinning { factor: 8, taps });
-    for record in (Batch { instructions: set }).run(hits, &|_, _| Arc::clone(&thinning)) {
+    let decimation = Arc::new(Decimation { factor: 8, taps });
+    for record in (Batch { instructions: set }).run(hits, &|_, _| Arc::clone(&decimation)) {
         black_box(record.unwrap());
     }
 }

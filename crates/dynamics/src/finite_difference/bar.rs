@@ -20,14 +20,14 @@ use pulp::Simd;
 
 use super::lanes::{Lanes, numbers};
 
-/// Room for one body's two states and for the share of its nodes in the kinetic energy.
-pub(super) struct Room {
+/// Storage of one body's two states and of the share of its nodes in the kinetic energy.
+pub(super) struct BarStorage {
     even: Lanes,
     odd: Lanes,
     share: Lanes,
 }
 
-impl Room {
+impl BarStorage {
     pub(super) fn new(grid: &BarGrid) -> Self {
         let zeros = || Lanes::zeros(grid.nodes());
         Self { even: zeros(), odd: zeros(), share: zeros() }
@@ -41,7 +41,7 @@ pub(super) struct Bar<'r, S: Simd> {
     own: f64,
     neighbour: f64,
     past: f64,
-    /// Share of each node in the kinetic energy: 1 inside, 1/2 at the ends, 0 for mirror nodes.
+    /// Share of each node in the kinetic energy: 1 inside, 1/2 at the ends.
     share: &'r [S::f64s],
     top: End<S>,
     bottom: End<S>,
@@ -62,7 +62,13 @@ struct End<S: Simd> {
 }
 
 impl<'r, S: Simd> Bar<'r, S> {
-    pub(super) fn new(simd: S, grid: &BarGrid, room: &'r mut Room, step: f64, rate: f64) -> Self {
+    pub(super) fn new(
+        simd: S,
+        grid: &BarGrid,
+        storage: &'r mut BarStorage,
+        step: f64,
+        rate: f64,
+    ) -> Self {
         let lanes = S::F64_LANES;
         let nodes = grid.nodes();
         let vectors = nodes / lanes;
@@ -80,17 +86,17 @@ impl<'r, S: Simd> Bar<'r, S> {
         };
         for node in 0..nodes {
             let at_end = node == 0 || node == nodes - 1;
-            room.share.numbers_mut()[slot_of(node)] = if at_end { 0.5 } else { 1.0 };
+            storage.share.numbers_mut()[slot_of(node)] = if at_end { 0.5 } else { 1.0 };
         }
         let a1 = (step / grid.critical_step()).powi(2);
         let a2 = rate * step;
         Self {
-            even: room.even.vectors_mut::<S>(),
-            odd: room.odd.vectors_mut::<S>(),
+            even: storage.even.vectors_mut::<S>(),
+            odd: storage.odd.vectors_mut::<S>(),
             own: (2.0 * (1.0 - a1) + a2) / (1.0 + a2),
             neighbour: a1 / (1.0 + a2),
             past: -1.0 / (1.0 + a2),
-            share: room.share.vectors_mut::<S>(),
+            share: storage.share.vectors_mut::<S>(),
             top: end(0, 1),
             bottom: end(lanes - 1, nodes - 2),
             compliance: step * step / (grid.end_mass() * (1.0 + a2)),
@@ -176,7 +182,7 @@ impl<'r, S: Simd> Bar<'r, S> {
 
     /// Twice the kinetic energy \[J\] half a step before the newest state, for `step` \[s\].
     #[inline(always)]
-    pub(super) fn vis_viva(&self, simd: S, step: f64) -> f64 {
+    pub(super) fn twice_kinetic_energy(&self, simd: S, step: f64) -> f64 {
         let mut sum = simd.splat_f64s(0.0);
         for ((&a, &b), &share) in self.even.iter().zip(&*self.odd).zip(self.share) {
             let travel = simd.sub_f64s(a, b);

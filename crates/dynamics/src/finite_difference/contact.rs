@@ -8,14 +8,14 @@ use pulp::Simd;
 
 use super::ContactForm;
 use super::bar::fused;
-use crate::{ContactRecord, DynamicsError};
+use crate::{ContactExtremes, DynamicsError};
 
 /// Largest error of a tabulated pressure, as a share of the static pressure. A
 /// thousandth of the discretisation error at 1 mm cells; ten times finer tables
 /// cost more to build than a short run takes.
 const TABLE_TOLERANCE: f64 = 1e-6;
 
-/// One interface during a march: its law, its closures, and its record.
+/// One interface during a run: its law, its closures, and its extremes.
 ///
 /// The face nodes are linear in the contact force, so with `d*` the closure
 /// that a step would reach without a change of pressure, the closure reached is
@@ -37,7 +37,7 @@ pub(super) struct ContactStep<'a> {
     /// Weights of the new and the previous-but-one closure in the one that the law sees.
     weight_new: f64,
     weight_old: f64,
-    /// Pressure gain at which contact is lost \[Pa\]; -inf for a law that never separates.
+    /// Pressure increment at which contact is lost \[Pa\]; -inf for a law that never separates.
     open_below: f64,
     series: InSeries<Arc<dyn ContactLaw>>,
     /// None for a law that no table resolves: it is solved exactly at every step.
@@ -45,12 +45,12 @@ pub(super) struct ContactStep<'a> {
     table_top: f64,
     /// The cell of the table in use: closures stay in one for many steps.
     cell: CubicCell,
-    /// Closure gained since rest, at the newest state and one step before \[m\].
+    /// Closure increment since rest, at the newest state and one step before \[m\].
     closure: f64,
     closure_before: f64,
-    /// Pressure gained since rest in the latest two solves \[Pa\].
-    gain: f64,
-    gain_before: f64,
+    /// Pressure increment since rest in the latest two solves \[Pa\].
+    increment: f64,
+    increment_before: f64,
     lowest: f64,
     highest: f64,
     open_steps: usize,
@@ -99,8 +99,8 @@ impl<'a> ContactStep<'a> {
             cell: CubicCell::EMPTY,
             closure: 0.0,
             closure_before: 0.0,
-            gain: 0.0,
-            gain_before: 0.0,
+            increment: 0.0,
+            increment_before: 0.0,
             lowest: 0.0,
             highest: 0.0,
             open_steps: 0,
@@ -109,31 +109,31 @@ impl<'a> ContactStep<'a> {
         })
     }
 
-    /// The pressure gain `q` \[Pa\] of a step that would bring the closure gain
+    /// The pressure increment `q` \[Pa\] of a step that would bring the closure increment
     /// to `unloaded` \[m\] without it.
     #[inline(always)]
     pub(super) fn solve<S: Simd>(&mut self, unloaded: f64) -> f64 {
         let argument = fused::<S>(self.weight_new, unloaded, self.weight_old * self.closure_before);
         let outside = if self.cell.contains(argument) { None } else { self.change_cell(argument) };
-        let gain = outside.unwrap_or_else(|| self.cell.get(argument, fused::<S>));
-        self.gain_before = self.gain;
-        self.gain = gain;
-        gain
+        let increment = outside.unwrap_or_else(|| self.cell.get(argument, fused::<S>));
+        self.increment_before = self.increment;
+        self.increment = increment;
+        increment
     }
 
-    /// Records the closure gain \[m\] that the step ends with.
+    /// Records the closure increment \[m\] that the step ends with.
     #[inline(always)]
     pub(super) fn advance(&mut self, reached: f64) {
-        self.work += 0.5 * self.gain * (reached - self.closure_before);
+        self.work += 0.5 * self.increment * (reached - self.closure_before);
         self.closure_before = self.closure;
         self.closure = reached;
-        if self.gain < self.lowest {
-            self.lowest = self.gain;
+        if self.increment < self.lowest {
+            self.lowest = self.increment;
         }
-        if self.gain > self.highest {
-            self.highest = self.gain;
+        if self.increment > self.highest {
+            self.highest = self.increment;
         }
-        if self.gain <= self.open_below {
+        if self.increment <= self.open_below {
             self.open_steps += 1;
         }
     }
@@ -144,13 +144,13 @@ impl<'a> ContactStep<'a> {
         self.area
     }
 
-    /// Whether every number of the latest solve is finite.
+    /// True if every number of the latest solve is finite.
     pub(super) fn is_finite(&self) -> bool {
-        self.gain.is_finite() && self.closure.is_finite()
+        self.increment.is_finite() && self.closure.is_finite()
     }
 
     /// Takes up the cell of the table that `argument` falls in; outside the
-    /// table, returns the pressure gain of the exact law instead.
+    /// table, returns the pressure increment of the exact law instead.
     #[cold]
     #[inline(never)]
     fn change_cell(&mut self, argument: f64) -> Option<f64> {
@@ -163,21 +163,21 @@ impl<'a> ContactStep<'a> {
     /// highest yet, tabulates further for the steps to come.
     fn solve_exactly(&mut self, argument: f64) -> f64 {
         let from = self.contact.pressure();
-        let gain = self.series.pressure_increment(from, argument).value;
-        if self.table.is_some() && gain.is_finite() && from + gain > self.table_top {
-            self.table_top = from + 2.0 * gain;
+        let increment = self.series.pressure_increment(from, argument).value;
+        if self.table.is_some() && increment.is_finite() && from + increment > self.table_top {
+            self.table_top = from + 2.0 * increment;
             self.table = CompiledLaw::new(&self.series, from, self.table_top, TABLE_TOLERANCE).ok();
         }
-        gain
+        increment
     }
 
     /// Pressure \[Pa\], closure \[m\] and stiffness \[Pa/m\] one step before the newest state.
     pub(super) fn observe(&self) -> (f64, f64, f64) {
         // Centred, the latest solve spans the step before the newest; else it is the newest's.
-        let gain = if self.centred { self.gain } else { self.gain_before };
-        let pressure = self.contact.pressure() + gain;
+        let increment = if self.centred { self.increment } else { self.increment_before };
+        let pressure = self.contact.pressure() + increment;
         let closure = self.contact.closure() + self.closure_before;
-        if gain <= self.open_below {
+        if increment <= self.open_below {
             return (0.0, closure, 0.0);
         }
         (pressure, closure, self.contact.law().stiffness(pressure))
@@ -188,10 +188,10 @@ impl<'a> ContactStep<'a> {
         self.stiffness_sum += stiffness * steps as f64;
     }
 
-    pub(super) fn record(&self, step: f64, steps: usize) -> ContactRecord {
+    pub(super) fn record(&self, step: f64, steps: usize) -> ContactExtremes {
         // Next to loss of contact the table may undershoot zero within its error bound.
-        let pressure = |gain: f64| self.contact.pressure() + gain.max(self.open_below);
-        ContactRecord {
+        let pressure = |increment: f64| self.contact.pressure() + increment.max(self.open_below);
+        ContactExtremes {
             pressure_min: pressure(self.lowest),
             pressure_max: pressure(self.highest),
             lost: self.open_steps as f64 * step,
@@ -204,7 +204,9 @@ impl<'a> ContactStep<'a> {
     pub(super) fn energy(&self) -> (f64, f64) {
         let law = self.contact.law();
         let (pressure, closure) = (self.contact.pressure(), self.contact.closure());
-        let excess = |gain: f64| law.energy(closure + gain) - law.energy(closure) - pressure * gain;
+        let excess = |increment: f64| {
+            law.energy(closure + increment) - law.energy(closure) - pressure * increment
+        };
         let stored = 0.5 * (excess(self.closure) + excess(self.closure_before));
         (self.area * stored, self.area * self.work)
     }

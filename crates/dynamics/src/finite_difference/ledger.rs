@@ -1,6 +1,6 @@
 //! The energy balance of the discrete motion.
 
-/// Work and loss, summed while the march goes on.
+/// Work and loss, summed during the run.
 ///
 /// Multiplying the scheme by `(w+ - w-) / 2` shows that the work of the force
 /// over a step is `F (w+ - w-) / 2`, and that `v M v / 2 + w k w- / 2` at half

@@ -7,30 +7,30 @@ use crate::Excitation;
 /// The mean is Simpson's, so that a step carries the impulse of the true force to fourth order.
 /// Beyond [`steps`](Self::steps) the force is zero for good.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct DriveCourse {
+pub(super) struct DriveForce {
     pub(super) mean: Vec<f64>,
     pub(super) rise: Vec<f64>,
     pub(super) end: Vec<f64>,
 }
 
-impl DriveCourse {
-    /// The course of `excitation` over at most `steps` steps of `h` \[s\].
+impl DriveForce {
+    /// The drive of `excitation` over at most `steps` steps of `h` \[s\].
     pub(super) fn new(excitation: &Excitation, h: f64, steps: usize) -> Self {
         let lasting = (excitation.ends_at() / h).ceil();
         // One step more, whose end is the first zero; the cast saturates.
         let steps = steps.min((lasting as usize).saturating_add(1));
-        let mut course =
+        let mut drive =
             Self { mean: vec![0.0; steps], rise: vec![0.0; steps], end: vec![0.0; steps] };
         let mut start = excitation.force(0.0);
         for n in 0..steps {
             let middle = excitation.force((n as f64 + 0.5) * h);
             let end = excitation.force((n as f64 + 1.0) * h);
-            course.mean[n] = (start + 4.0 * middle + end) / 6.0;
-            course.rise[n] = end - start;
-            course.end[n] = end;
+            drive.mean[n] = (start + 4.0 * middle + end) / 6.0;
+            drive.rise[n] = end - start;
+            drive.end[n] = end;
             start = end;
         }
-        course
+        drive
     }
 
     /// Number of steps with a force.
@@ -49,9 +49,9 @@ mod tests {
         let pulse = Excitation::GammaPulse { peak: 32.0, rise: 0.34e-3 };
         let exact = 32.0 * 0.34e-3 * 2.0_f64.exp() / 4.0;
         let error = |h: f64| {
-            let course = DriveCourse::new(&pulse, h, usize::MAX);
-            assert_eq!(*course.end.last().unwrap(), 0.0);
-            (course.mean.iter().sum::<f64>() * h / exact - 1.0).abs()
+            let drive = DriveForce::new(&pulse, h, usize::MAX);
+            assert_eq!(*drive.end.last().unwrap(), 0.0);
+            (drive.mean.iter().sum::<f64>() * h / exact - 1.0).abs()
         };
         let (coarse, fine) = (error(8e-5), error(4e-5));
         assert!(((coarse / fine).log2() - 4.0).abs() < 0.3, "{coarse} {fine}");

@@ -2,16 +2,16 @@
 
 use asperity_structure::PreloadedContact;
 
-use super::lane::Lane;
-use super::march::Outcome;
+use super::assembly::PreparedHit;
+use super::simd::integrate::Outcome;
 use crate::EnergyLedger;
 
 /// The ledger of a finished hit.
 ///
 /// Velocities at the end come from the last five states to fourth order. The elastic energy is
 /// that of the modes and, half force times displacement, of the residual flexibility.
-pub(super) fn ledger(lane: &Lane, outcome: &Outcome) -> EnergyLedger {
-    let model = &lane.prepared.model;
+pub(super) fn ledger(hit: &PreparedHit, outcome: &Outcome) -> EnergyLedger {
+    let model = &hit.tabulated.step_model;
     let mut ledger =
         EnergyLedger { input: outcome.work, dissipated: outcome.loss, ..EnergyLedger::default() };
     for (mode, &[q0, q1, q2, q3, q4]) in model.modes.iter().zip(&outcome.states) {
@@ -22,14 +22,14 @@ pub(super) fn ledger(lane: &Lane, outcome: &Outcome) -> EnergyLedger {
         ledger.kinetic += 0.5 * velocity * velocity;
         ledger.elastic += 0.5 * (mode.dynamics.angular_frequency * q0).powi(2);
     }
-    let contacts = lane.rig.contacts();
+    let contacts = hit.model.contacts();
     let residual = &model.residual;
-    let drive = lane.amplitude * lane.drive.end.get(lane.steps - 1).copied().unwrap_or(0.0);
+    let drive = hit.amplitude * hit.drive.end.get(hit.steps - 1).copied().unwrap_or(0.0);
     let force = |i: usize| contacts[i].area() * outcome.contacts[i].pressure;
     ledger.elastic += 0.5 * residual.driving_point * drive * drive;
     for (i, contact) in contacts.iter().enumerate() {
-        let gained = outcome.contacts[i].closure;
-        ledger.contact += contact.area() * excess(contact, gained);
+        let increment = outcome.contacts[i].closure;
+        ledger.contact += contact.area() * excess(contact, increment);
         ledger.elastic -= residual.drive[i] * drive * force(i);
         for j in 0..contacts.len() {
             ledger.elastic += 0.5 * force(i) * residual.closure[i][j] * force(j);
@@ -38,22 +38,22 @@ pub(super) fn ledger(lane: &Lane, outcome: &Outcome) -> EnergyLedger {
     ledger
 }
 
-/// Share of the static pressure below which a gain counts as small.
+/// Share of the static pressure below which an increment counts as small.
 const SMALL: f64 = 1e-2;
 
 /// Energy per area that a contact holds more than at rest, less the work of its static pressure
 /// \[J/m2\]: `E(d0 + x) - E(d0) - p0 x = integral from 0 to x of (p(d0 + x') - p0) dx'`.
 ///
-/// Of a small gain the difference would leave round-off only, so the integral is taken, by three
-/// Gauss points; its own error is of sixth order in the gain.
-fn excess(contact: &PreloadedContact, gained: f64) -> f64 {
+/// Of a small increment the difference would leave round-off only, so the integral is taken, by three
+/// Gauss points; its own error is of sixth order in the increment.
+fn excess(contact: &PreloadedContact, increment: f64) -> f64 {
     let (law, pressure, closure) = (contact.law(), contact.pressure(), contact.closure());
-    if (contact.stiffness() * gained).abs() > SMALL * pressure.abs() {
-        return law.energy(closure + gained) - law.energy(closure) - pressure * gained;
+    if (contact.stiffness() * increment).abs() > SMALL * pressure.abs() {
+        return law.energy(closure + increment) - law.energy(closure) - pressure * increment;
     }
-    let more = |s: f64| law.pressure_increment(pressure, s * gained).value;
+    let more = |s: f64| law.pressure_increment(pressure, s * increment).value;
     let apart = 0.5 * 0.6_f64.sqrt();
-    gained * (5.0 * more(0.5 - apart) + 8.0 * more(0.5) + 5.0 * more(0.5 + apart)) / 18.0
+    increment * (5.0 * more(0.5 - apart) + 8.0 * more(0.5) + 5.0 * more(0.5 + apart)) / 18.0
 }
 
 #[cfg(test)]

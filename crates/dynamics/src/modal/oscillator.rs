@@ -1,4 +1,4 @@
-//! The exact step of one oscillator under a polynomial course of force.
+//! The exact step of one oscillator under a polynomial force.
 //!
 //! `q'' + c q' + w^2 q = F(t)` answers a unit impulse with
 //!
@@ -8,7 +8,7 @@
 //!
 //! (`sinh` for negative z), and over a step `h` with `F = sum_k F_k s^k`, `s = t / h`,
 //! nothing is approximated but F. Eliminating the velocity between two steps leaves, with
-//! the step's gain `d = q - q_before`,
+//! the step's increment `d = q - q_before`,
 //!
 //! ```text
 //! d+ = e d - k q + sum_k (Q_k F_k + R_k F_k_before),   e = exp(-c h),
@@ -19,9 +19,9 @@
 
 use std::sync::LazyLock;
 
-/// How a contact force runs within a step, from its values at the ends of this and earlier steps.
+/// Interpolation of a contact force within a step from its values at the ends of steps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Course {
+pub(super) enum ForceInterpolation {
     /// The mean of both ends: second order, and stable however stiff the contact is against the
     /// oscillator's inertia, because a rigid motion is then stepped by the trapezoidal rule.
     Average,
@@ -30,7 +30,7 @@ pub(super) enum Course {
     Parabola,
 }
 
-impl Course {
+impl ForceInterpolation {
     /// Coefficient of `s^k` (row) per force at the new end, the old end, the end before (column).
     pub(super) fn weights(self) -> [[f64; 3]; 3] {
         match self {
@@ -52,7 +52,7 @@ pub(super) struct Dynamics {
 /// The two-state recurrence of one oscillator for one step length.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Recurrence {
-    /// `e`, of the last gain.
+    /// `e`, of the last increment.
     pub(super) decay: f64,
     /// `k`, of the displacement.
     pub(super) spring: f64,
@@ -107,11 +107,11 @@ impl Dynamics {
         sums
     }
 
-    pub(super) fn recurrence(self, h: f64, course: Course) -> Recurrence {
+    pub(super) fn recurrence(self, h: f64, interpolation: ForceInterpolation) -> Recurrence {
         let Self { angular_frequency: w, rate: c } = self;
         let now = self.moments(h, |s| self.impulse(h * (1.0 - s)));
         let before = self.moments(h, |s| (-c * h * (1.0 - s)).exp() * self.impulse(h * s));
-        let weights = course.weights();
+        let weights = interpolation.weights();
         let mut contact = [0.0; 4];
         for (k, row) in weights.iter().enumerate() {
             for (end, weight) in row.iter().enumerate() {
@@ -194,8 +194,8 @@ mod tests {
         for (angular_frequency, rate) in CASES {
             let oscillator = Dynamics { angular_frequency, rate };
             let whole = oscillator.propagator(h);
-            for course in [Course::Average, Course::Parabola] {
-                let recurrence = oscillator.recurrence(h, course);
+            for interpolation in [ForceInterpolation::Average, ForceInterpolation::Parabola] {
+                let recurrence = oscillator.recurrence(h, interpolation);
                 // Contact forces 3, 1, -2, 5 from the oldest to the newest, from q = 0.3, v = -40.
                 let forces = [3.0, 1.0, -2.0, 5.0];
                 let step = |[q, v]: [f64; 2], newest: usize| {
@@ -203,7 +203,7 @@ mod tests {
                         whole.displacement[0] * q + whole.displacement[1] * v,
                         whole.velocity[0] * q + whole.velocity[1] * v,
                     ];
-                    for (k, row) in course.weights().iter().enumerate() {
+                    for (k, row) in interpolation.weights().iter().enumerate() {
                         let of = |age: usize| newest.checked_sub(age).map_or(0.0, |i| forces[i]);
                         let f = row[0] * of(0) + row[1] * of(1) + row[2] * of(2);
                         z[0] += whole.moments[k][0] * f;
@@ -214,13 +214,16 @@ mod tests {
                 let start = [0.3, -40.0];
                 let middle = step(start, 2);
                 let end = step(middle, 3);
-                let gain = middle[0] - start[0];
-                let mut next = recurrence.decay * gain - recurrence.spring * middle[0];
+                let increment = middle[0] - start[0];
+                let mut next = recurrence.decay * increment - recurrence.spring * middle[0];
                 for (age, tap) in recurrence.contact.iter().enumerate() {
                     next += tap * forces[3 - age];
                 }
                 let found = middle[0] + next;
-                assert!((found - end[0]).abs() < 1e-15, "{angular_frequency} {rate} {course:?}");
+                assert!(
+                    (found - end[0]).abs() < 1e-15,
+                    "{angular_frequency} {rate} {interpolation:?}"
+                );
             }
         }
     }
@@ -230,10 +233,13 @@ mod tests {
     fn limits_have_their_closed_forms() {
         let h = 1e-5;
         let free = Dynamics { angular_frequency: 0.0, rate: 0.0 };
-        let recurrence = free.recurrence(h, Course::Average);
+        let recurrence = free.recurrence(h, ForceInterpolation::Average);
         assert_eq!((recurrence.decay, recurrence.spring), (1.0, 0.0));
         assert!((recurrence.contact.iter().sum::<f64>() / (h * h) - 1.0).abs() < 1e-14);
-        assert_eq!(Dynamics { rate: 352.0, ..free }.recurrence(h, Course::Parabola).spring, 0.0);
+        assert_eq!(
+            Dynamics { rate: 352.0, ..free }.recurrence(h, ForceInterpolation::Parabola).spring,
+            0.0
+        );
 
         let (w, c, t) = (7e4, 352.0, 1.3e-4);
         let propagator = Dynamics { angular_frequency: w, rate: c }.propagator(t);

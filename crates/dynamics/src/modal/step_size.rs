@@ -1,8 +1,8 @@
-//! How long a step is.
+//! The choice of the step.
 
 use std::f64::consts::TAU;
 
-use super::batch::Hit;
+use super::simulation::HitSimulation;
 use crate::DynamicsError;
 
 /// Share of a radian of the lowest natural frequency in a step: the parabola through three
@@ -26,7 +26,18 @@ const REFUSED_RESIDUAL: f64 = 2e-2;
 /// Most steps of a hit.
 const MOST_STEPS: f64 = 4e8;
 
-/// A step and their number.
+impl HitSimulation {
+    /// Step \[s\] that the hit is first tried with, and the number of steps.
+    ///
+    /// # Errors
+    /// [`DynamicsError::Setting`] for a step or duration that is not positive and finite, or more
+    /// than 4e8 steps.
+    pub fn first_step(&self) -> Result<(f64, usize), DynamicsError> {
+        Resolution::first(self).map(|resolution| (resolution.step, resolution.steps))
+    }
+}
+
+/// A step and the number of steps.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Resolution {
     /// Step \[s\].
@@ -37,7 +48,7 @@ pub(super) struct Resolution {
 impl Resolution {
     /// The step that a hit is first tried with: as given, or so that the lowest natural
     /// frequency and the drive are resolved. A chosen step divides the duration.
-    pub(super) fn first(hit: &Hit) -> Result<Self, DynamicsError> {
+    pub(super) fn first(hit: &HitSimulation) -> Result<Self, DynamicsError> {
         let positive = |quantity, value: f64| {
             let accepted = "positive and finite";
             if value.is_finite() && value > 0.0 {
@@ -49,7 +60,7 @@ impl Resolution {
         let duration = positive("duration [s]", hit.duration)?;
         if let Some(step) = hit.step {
             let step = positive("step [s]", step)?;
-            let turn = TAU * step * hit.rig.natural_frequency().unwrap_or(0.0);
+            let turn = TAU * step * hit.model.natural_frequency().unwrap_or(0.0);
             if turn > MOST_RADIANS {
                 let quantity = "step [s] times lowest natural frequency [rad/s]";
                 return Err(DynamicsError::Setting {
@@ -60,7 +71,7 @@ impl Resolution {
             }
             return Self::of(step, (duration / step - 1e-9).ceil().max(1.0));
         }
-        let natural = hit.rig.natural_frequency();
+        let natural = hit.model.natural_frequency();
         let slow = natural.map_or(f64::INFINITY, |f| RADIANS / (TAU * f));
         let step = slow.min(hit.excitation.time_scale() / STEPS_A_PULSE).min(duration / 64.0);
         // Round down to 1, 2 or 5 times a power of ten, for numbers that people can read.
@@ -72,7 +83,7 @@ impl Resolution {
     }
 
     /// The step of [`first`](Self::first), halved.
-    pub(super) fn halved(hit: &Hit, halvings: u32) -> Result<Self, DynamicsError> {
+    pub(super) fn halved(hit: &HitSimulation, halvings: u32) -> Result<Self, DynamicsError> {
         let Self { step, steps } = Self::first(hit)?;
         let parts = f64::from(halvings).exp2();
         Self::of(step / parts, steps as f64 * parts)
@@ -86,7 +97,7 @@ impl Resolution {
         Err(DynamicsError::Setting { quantity, value: steps, accepted: "at most 4e8" })
     }
 
-    /// Whether an energy residual says that a chosen step should be halved.
+    /// True if an energy residual asks for half the step.
     pub(super) fn too_coarse(residual: f64) -> bool {
         // A residual that is not a number is not a small one.
         residual.is_nan() || residual > COARSE_RESIDUAL

@@ -8,7 +8,7 @@
 use std::sync::Arc;
 
 use asperity_dynamics::{
-    Course, Hit, RELATIVE_STEP, STENCIL, Sensitivity, Variation, central_difference,
+    StepHistory, HitSimulation, RELATIVE_STEP, STENCIL, Sensitivity, ParameterVariation, central_difference,
 };
 use asperity_inference::Derivatives;
 use asperity_signal::{BackbonePoint, Complex64, transform_at};
@@ -117,18 +117,18 @@ impl ScenarioModel {
         let counts = rig.case.mode_counts(&modal, &simulation.excitation)?;
         let mut variations = Vec::with_capacity(neighbours.len());
         for around in neighbours {
-            let at = |place: usize| -> Result<Hit, StudyError> {
+            let at = |place: usize| -> Result<HitSimulation, StudyError> {
                 let varied = &around.rigs[place][hit.rig];
                 let sensors = gains(&around.points[place]);
                 let excitation = hit.excitation(varied, sensors, &self.folder)?;
                 let mut moved = varied.case.modal_model(&counts)?;
                 if !around.of_law {
-                    moved = Arc::new(with_laws_of(&simulation.rig, &moved)?);
+                    moved = Arc::new(with_laws_of(&simulation.model, &moved)?);
                 }
-                Ok(Hit { rig: moved, excitation, ..simulation.clone() })
+                Ok(HitSimulation { model: moved, excitation, ..simulation.clone() })
             };
             let hits = [at(0)?, at(1)?, at(2)?, at(3)?];
-            variations.push(Variation { hits, step: around.step });
+            variations.push(ParameterVariation { hits, step: around.step });
         }
         let found = self.batch.sensitivity(&simulation, &variations)?;
         let stencils: Vec<StaticStencil<'_>> = neighbours
@@ -158,7 +158,7 @@ impl ScenarioModel {
         };
         let rate = 1.0 / found.step;
         let count = found.values.displacement.len() - 1;
-        let transforms = |course: &Course, frequency: f64| {
+        let transforms = |course: &StepHistory, frequency: f64| {
             [&course.displacement, &course.force]
                 .map(|samples| transform_at(&samples[..count], rate, frequency))
         };
@@ -169,7 +169,7 @@ impl ScenarioModel {
             receptance: at_frequencies.iter().map(|&[u, f]| u / f).collect(),
             backbone: Vec::new(),
         };
-        let derivatives = found.rates.iter().enumerate().map(|(parameter, course)| {
+        let derivatives = found.derivatives.iter().enumerate().map(|(parameter, course)| {
             let pairs = hit.frequencies.iter().zip(&at_frequencies);
             let receptance = pairs.map(|(&f, &[response, force])| {
                 let [d_response, d_force] = transforms(course, f);
@@ -196,7 +196,7 @@ impl ScenarioModel {
             let decay = &found.values.displacement[free..count];
             all.outcome.backbone = backbone_of(decay, rate, fundamental);
             all.backbones = found
-                .rates
+                .derivatives
                 .iter()
                 .zip(steps)
                 .map(|(course, step)| {

@@ -1,6 +1,6 @@
 //! From the derivatives of a response to those of its observables.
 
-use asperity_dynamics::{Course, Sensitivity, central_difference};
+use asperity_dynamics::{StepHistory, Sensitivity, central_difference};
 use asperity_signal::{
     FrequencyResponse, HarmonicOptions, Harmonics, Peak, PeakSensitivity, SharedForceFeatures,
     SignalError, find_harmonics, half_power_crossings,
@@ -41,7 +41,7 @@ impl DerivativeTable {
     ) -> Result<Self, SignalError> {
         // The state at the very end is beyond the samples.
         let count = found.values.displacement.len() - 1;
-        let Course { force, displacement, .. } = &found.values;
+        let StepHistory { force, displacement, .. } = &found.values;
         let natural = prepared.at_rest.natural_frequency_hz;
         let response = match natural {
             Some(_) => {
@@ -107,8 +107,8 @@ impl Derivatives<'_> {
             | Quantity::StiffnessAverage
             | Quantity::StiffnessAtPressureMin => {
                 let of =
-                    |course: &Course| contact_value(course.contacts.get(interface?)?, quantity);
-                self.found.rates.iter().map(of).collect()
+                    |course: &StepHistory| contact_value(course.contacts.get(interface?)?, quantity);
+                self.found.derivatives.iter().map(of).collect()
             }
             Quantity::NaturalFrequency
             | Quantity::StaticPressure
@@ -121,11 +121,11 @@ impl Derivatives<'_> {
                 self.stencils.iter().map(of).collect()
             }
             _ => {
-                let of = |course: &Course| {
+                let of = |course: &StepHistory| {
                     let displacement = &course.displacement[..self.samples];
                     self.of_peaks(quantity, displacement, &course.force[..self.samples])
                 };
-                self.found.rates.iter().map(of).collect()
+                self.found.derivatives.iter().map(of).collect()
             }
         }
     }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use asperity_dynamics::{DynamicsError, Hit, ModalRig, RELATIVE_STEP, STENCIL, Variation};
+use asperity_dynamics::{DynamicsError, HitSimulation, ModalModel, RELATIVE_STEP, STENCIL, ParameterVariation};
 use asperity_scenario::Document;
 use asperity_structure::{Damping, PreloadedContact, PreloadedStructure};
 
@@ -14,7 +14,7 @@ use crate::static_state::StaticSummary;
 /// The scenario at the four places of the stencil.
 pub(super) struct Varied {
     pub(super) parameter: ScenarioParameter,
-    pub(super) variation: Variation,
+    pub(super) variation: ParameterVariation,
     pub(super) at_rest: [StaticSummary; 4],
 }
 
@@ -24,7 +24,7 @@ impl Varied {
     pub(super) fn new(
         document: &Document,
         pointer: &str,
-        base: &Hit,
+        base: &HitSimulation,
         counts: &[usize],
     ) -> Result<Self, SensitivityError> {
         let parameter = ScenarioParameter::of_scenario(document.value(), pointer)?;
@@ -45,15 +45,15 @@ impl Varied {
             let prepared = PreparedScenario::new(&scenario, document.folder())?;
             let mut rig = prepared.modal_model(counts)?;
             if !parameter.is_of_law() {
-                rig = Arc::new(with_laws_of(&base.rig, &rig)?);
+                rig = Arc::new(with_laws_of(&base.model, &rig)?);
             }
             let excitation = prepared.assembly.excitation;
-            Ok::<_, SensitivityError>((Hit { rig, excitation, ..base.clone() }, prepared.at_rest))
+            Ok::<_, SensitivityError>((HitSimulation { model: rig, excitation, ..base.clone() }, prepared.at_rest))
         };
         let [a, b, c, d] = STENCIL;
         let ((a, a_rest), (b, b_rest), (c, c_rest), (d, d_rest)) = (at(a)?, at(b)?, at(c)?, at(d)?);
         Ok(Self {
-            variation: Variation { hits: [a, b, c, d], step },
+            variation: ParameterVariation { hits: [a, b, c, d], step },
             at_rest: [a_rest, b_rest, c_rest, d_rest],
             parameter,
         })
@@ -63,8 +63,8 @@ impl Varied {
 /// The modal model `rig` with the laws of `base`, shared to mark them as not varied.
 ///
 /// # Errors
-/// As [`ModalRig::new`].
-pub fn with_laws_of(base: &ModalRig, rig: &ModalRig) -> Result<ModalRig, DynamicsError> {
+/// As [`ModalModel::new`].
+pub fn with_laws_of(base: &ModalModel, rig: &ModalModel) -> Result<ModalModel, DynamicsError> {
     let contacts = rig.contacts().iter().zip(base.contacts()).map(|(contact, base)| {
         let law = Arc::clone(base.law());
         PreloadedContact::new(contact.name(), contact.area(), law, contact.pressure())
@@ -72,5 +72,5 @@ pub fn with_laws_of(base: &ModalRig, rig: &ModalRig) -> Result<ModalRig, Dynamic
     let contacts = contacts.collect::<Result<_, _>>()?;
     let damping = Damping::Rate(rig.rate());
     let structure = PreloadedStructure::of_components(rig.structure().clone(), contacts, damping)?;
-    ModalRig::new(structure)
+    ModalModel::new(structure)
 }

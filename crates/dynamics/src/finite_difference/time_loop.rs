@@ -1,0 +1,252 @@
+//! The loop over time.
+
+use asperity_mesh::Grid;
+use asperity_structure::PreloadedStructure;
+use pulp::{Simd, WithSimd};
+
+use super::ContactForm;
+use super::bar::{Bar, BarStorage, fused};
+use super::contact::ContactStep;
+use super::ledger::Ledger;
+use super::support::SupportStep;
+use crate::{DynamicsError, EnergyLedger, Excitation, History, InterfaceHistory, Transient};
+
+/// Most steps between two measurements of the viscous power.
+const LEDGER_STEPS: usize = 32;
+
+/// Samples between two calls of the progress listener.
+const PROGRESS_SAMPLES: usize = 1024;
+
+/// A whole run, to be carried out with one set of vector instructions.
+pub(super) struct TimeLoop<'a> {
+    pub(super) structure: &'a PreloadedStructure,
+    pub(super) grid: &'a Grid,
+    pub(super) form: ContactForm,
+    pub(super) excitation: &'a Excitation,
+    pub(super) samples: usize,
+    pub(super) stride: usize,
+    pub(super) step: f64,
+    pub(super) progress: &'a (dyn Fn(f64) + Sync),
+}
+
+impl WithSimd for TimeLoop<'_> {
+    type Output = Result<Transient, DynamicsError>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+        let mut storage: Vec<BarStorage> = self.grid.bars().iter().map(BarStorage::new).collect();
+        let mut state = State::new(&self, simd, &mut storage)?;
+        let mut history = self.empty_history();
+        let mut forces = vec![0.0; self.stride];
+        let mut ledger = Ledger::default();
+        for sample in 0..self.samples {
+            let start = (sample * self.stride) as f64 * self.step;
+            self.excitation.sample_into(start, self.step, &mut forces);
+            let force_at_sample = forces[0];
+            if sample == 0 {
+                // From rest, w+ = F dt^2 / (2 m): half of what the scheme gives with w- = 0.
+                forces[0] *= 0.5;
+            }
+            for (part, forces) in forces.chunks(LEDGER_STEPS).enumerate() {
+                let top = state.step(simd, forces[0], &mut ledger.input);
+                let sample = (part == 0).then_some((start, force_at_sample, &top));
+                state.record(&mut history, sample, forces.len());
+                let half_step_on = start + ((part * LEDGER_STEPS) as f64 + 0.5) * self.step;
+                ledger.measure(state.viscous_power(simd), half_step_on);
+                for &force in &forces[1..] {
+                    state.step(simd, force, &mut ledger.input);
+                }
+            }
+            if let Some(interface) = state.overflow() {
+                return Err(DynamicsError::Unstable { time_s: start, interface });
+            }
+            if sample % PROGRESS_SAMPLES == 0 {
+                (self.progress)(sample as f64 / self.samples as f64);
+            }
+        }
+        // The motion starts at rest: its image before t = 0 is w(-dt) = w(dt).
+        history.acceleration[0] *= 2.0;
+        (self.progress)(1.0);
+        let steps = self.samples * self.stride;
+        let end = steps as f64 * self.step;
+        ledger.measure(state.viscous_power(simd), end - 0.5 * self.step);
+        ledger.close(end);
+        Ok(Transient {
+            step: self.step,
+            steps,
+            contacts: state
+                .contacts
+                .iter()
+                .map(|contact| contact.record(self.step, steps))
+                .collect(),
+            energy: state.balance(&ledger, self.form),
+            history,
+        })
+    }
+}
+
+impl TimeLoop<'_> {
+    fn empty_history(&self) -> History {
+        let column = || Vec::with_capacity(self.samples);
+        let interface =
+            || InterfaceHistory { pressure: column(), closure: column(), stiffness: column() };
+        History {
+            time: column(),
+            force: column(),
+            displacement: column(),
+            acceleration: column(),
+            interfaces: self.structure.contacts().iter().map(|_| interface()).collect(),
+        }
+    }
+}
+
+/// The top's displacement at three successive steps \[m\].
+struct Top {
+    before: f64,
+    now: f64,
+    after: f64,
+}
+
+struct State<'a, 'r, S: Simd> {
+    bars: Vec<Bar<'r, S>>,
+    contacts: Vec<ContactStep<'a>>,
+    support: SupportStep,
+    rate: f64,
+    step: f64,
+    steps: usize,
+}
+
+impl<'a, 'r, S: Simd> State<'a, 'r, S> {
+    fn new(
+        run: &TimeLoop<'a>,
+        simd: S,
+        storage: &'r mut [BarStorage],
+    ) -> Result<Self, DynamicsError> {
+        let grids = run.grid.bars().iter();
+        let rate = run.structure.damping_rate();
+        let bar = |(grid, storage)| Bar::new(simd, grid, storage, run.step, rate);
+        let bars: Vec<_> = grids.zip(storage).map(bar).collect();
+        let support = SupportStep::new(run.structure.stack().support(), run.step);
+        let below = bars[1..].iter().map(|bar| bar.compliance).chain([support.compliance]);
+        let contacts = run
+            .structure
+            .contacts()
+            .iter()
+            .zip(bars.iter().zip(below))
+            .map(|(contact, (above, below))| {
+                let scale = run.excitation.peak() / contact.area();
+                let compliance = above.compliance + below;
+                ContactStep::new(contact, run.form, compliance, scale)
+            })
+            .collect::<Result<_, _>>()?;
+        Ok(Self { bars, contacts, support, rate, step: run.step, steps: 0 })
+    }
+
+    /// One step under `force` \[N\] on the top; adds the force's work \[J\] to `input`.
+    #[inline(always)]
+    fn step(&mut self, simd: S, force: f64, input: &mut f64) -> Top {
+        self.steps += 1;
+        if self.steps % 2 == 1 {
+            self.step_from::<0>(simd, force, input)
+        } else {
+            self.step_from::<1>(simd, force, input)
+        }
+    }
+
+    #[inline(always)]
+    fn step_from<const PARITY: usize>(&mut self, simd: S, force: f64, input: &mut f64) -> Top {
+        let (now, before) = self.bars[0].top();
+        let lowest = self.bars.len() - 1;
+        let (unloaded, mut bottom) = self.bars[0].unloaded_ends::<PARITY>();
+        let after = fused::<S>(force, self.bars[0].compliance, unloaded);
+        let mut top = after;
+        for (i, contact) in self.contacts.iter_mut().enumerate() {
+            let (face_below, bottom_below, compliance_below) = if i == lowest {
+                (self.support.unloaded(), 0.0, self.support.compliance)
+            } else {
+                let below = &self.bars[i + 1];
+                let (top, bottom) = below.unloaded_ends::<PARITY>();
+                (top, bottom, below.compliance)
+            };
+            let bar = &mut self.bars[i];
+            let increment = contact.solve::<S>(bottom - face_below);
+            let area = contact.area();
+            let reached_above = fused::<S>(-increment, area * bar.compliance, bottom);
+            let reached_below = fused::<S>(increment, area * compliance_below, face_below);
+            contact.advance(reached_above - reached_below);
+            bar.advance_ends(top, reached_above);
+            (top, bottom) = (reached_below, bottom_below);
+        }
+        self.support.advance(top);
+        // After all contacts, so that their chains of dependent instructions
+        // run side by side instead of one behind the other's sweep.
+        for bar in &mut self.bars {
+            bar.sweep::<PARITY>(simd);
+        }
+        *input += 0.5 * force * (after - before);
+        Top { before, now, after }
+    }
+
+    /// Viscous power of the bodies \[W\] half a step before the newest state.
+    #[inline(always)]
+    fn viscous_power(&self, simd: S) -> f64 {
+        // A loop, not an iterator's sum: its closure would be compiled on its own,
+        // for the machine's plainest instructions, and each vector operation be a call.
+        let mut twice_kinetic_energy = 0.0;
+        for bar in &self.bars {
+            twice_kinetic_energy += bar.twice_kinetic_energy(simd, self.step);
+        }
+        self.rate * twice_kinetic_energy
+    }
+
+    /// Counts the state one step before the newest for `steps` in the averages, and keeps it in
+    /// the history if it is a `sample`: time, force and motion of the top.
+    fn record(&mut self, history: &mut History, sample: Option<(f64, f64, &Top)>, steps: usize) {
+        if let Some((time, force, top)) = sample {
+            history.time.push(time);
+            history.force.push(force);
+            history.displacement.push(top.now);
+            let acceleration = (top.after - 2.0 * top.now + top.before) / (self.step * self.step);
+            history.acceleration.push(acceleration);
+        }
+        for (contact, columns) in self.contacts.iter_mut().zip(&mut history.interfaces) {
+            let (pressure, closure, stiffness) = contact.observe();
+            contact.average(stiffness, steps);
+            if sample.is_some() {
+                columns.pressure.push(pressure);
+                columns.closure.push(closure);
+                columns.stiffness.push(stiffness);
+            }
+        }
+    }
+
+    /// The first interface whose numbers are not finite any more, if any.
+    fn overflow(&self) -> Option<String> {
+        let lost = self.contacts.iter().find(|contact| !contact.is_finite());
+        let name = lost.or(self.contacts.first()).map(|contact| contact.name().to_owned());
+        name.filter(|_| lost.is_some() || !self.bars[0].top().0.is_finite())
+    }
+
+    fn balance(&self, ledger: &Ledger, form: ContactForm) -> EnergyLedger {
+        let (mut kinetic, mut elastic) = self.support.energy(self.step);
+        for bar in &self.bars {
+            let (bar_kinetic, bar_elastic) = bar.energy(self.step);
+            kinetic += bar_kinetic;
+            elastic += bar_elastic;
+        }
+        let (mut contact, mut work) = (0.0, 0.0);
+        for step in &self.contacts {
+            let (stored, done) = step.energy();
+            contact += stored;
+            work += done;
+        }
+        EnergyLedger {
+            input: ledger.input,
+            dissipated: ledger.dissipated + self.support.loss,
+            kinetic,
+            elastic,
+            contact,
+            numerical_loss: if form == ContactForm::NewLevel { work - contact } else { 0.0 },
+        }
+    }
+}

@@ -1,0 +1,200 @@
+//! A preloaded structure in modes, prepared once for many hits.
+
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use asperity_law::{CompiledLaw, LawError};
+use asperity_mesh::ComponentModes;
+use asperity_structure::{PreloadedContact, PreloadedStructure};
+
+use super::drive::DriveForce;
+use super::step_model::StepModel;
+use crate::DynamicsError;
+
+/// Largest error of a tabulated pressure, as a share of the static pressure: a hundredth of what
+/// the step itself errs at its default length.
+const TABLE_TOLERANCE: f64 = 1e-5;
+
+/// Factors on that error, tried in turn for laws that stiffen without bound.
+const TOLERANCES: [f64; 3] = [1.0, 10.0, 100.0];
+
+/// Most interfaces that the vector kernel couples.
+pub(super) const MOST_INTERFACES: usize = 16;
+
+/// Entries of the cache beyond which it is emptied.
+const MOST_TABULATED: usize = 64;
+
+/// A preloaded structure in component modes, with what its steps need.
+///
+/// Tables and step coefficients are prepared on demand and kept, so hits that differ only in
+/// their force share them. The response to a hit does not depend on earlier hits.
+#[derive(Debug)]
+pub struct ModalModel {
+    structure: PreloadedStructure<ComponentModes>,
+    prepared: Mutex<HashMap<(u64, i32), Arc<TabulatedModel>>>,
+}
+
+/// A model for one step length, with its laws tabulated up to some pressure.
+#[derive(Debug)]
+pub(super) struct TabulatedModel {
+    pub(super) step_model: StepModel,
+    pub(super) tables: Vec<Arc<CompiledLaw>>,
+    /// Pressure \[Pa\] at which each table ends.
+    pub(super) tops: Vec<f64>,
+    /// Newton correction at each interface, in cells, below which the tangent stands for the law.
+    pub(super) tolerances: Vec<f64>,
+}
+
+impl ModalModel {
+    /// A model of any structure in component modes.
+    ///
+    /// # Errors
+    /// [`DynamicsError::Setting`] for more than 16 contacts.
+    pub fn new(structure: PreloadedStructure<ComponentModes>) -> Result<Self, DynamicsError> {
+        let count = structure.contacts().len();
+        if count > MOST_INTERFACES {
+            return Err(DynamicsError::Setting {
+                quantity: "number of contacts of a modal structure",
+                value: count as f64,
+                accepted: "1 to 16 (finite differences take more)",
+            });
+        }
+        Ok(Self { structure, prepared: Mutex::default() })
+    }
+
+    /// The structure with its contacts and damping.
+    pub fn preloaded(&self) -> &PreloadedStructure<ComponentModes> {
+        &self.structure
+    }
+
+    /// The contacts, in the order of the structure's.
+    pub fn contacts(&self) -> &[PreloadedContact] {
+        self.structure.contacts()
+    }
+
+    /// The structure between the contacts.
+    pub fn structure(&self) -> &ComponentModes {
+        self.structure.component_modes()
+    }
+
+    /// Mass-proportional damping h \[1/s\].
+    pub fn rate(&self) -> f64 {
+        self.structure.damping_rate()
+    }
+
+    /// Lowest natural frequency linearised at rest \[Hz\], of the modes kept; none without
+    /// stiffness.
+    pub fn natural_frequency(&self) -> Option<f64> {
+        self.structure.natural_frequency()
+    }
+
+    /// The model for steps of `step` \[s\], with tables up to `2^reach` \[Pa\] above rest.
+    ///
+    /// # Errors
+    /// [`DynamicsError::Law`] when a law cannot be tabulated that far.
+    pub(super) fn prepare(
+        &self,
+        step: f64,
+        reach: i32,
+    ) -> Result<Arc<TabulatedModel>, DynamicsError> {
+        let key = (step.to_bits(), reach);
+        // A thread that panicked elsewhere leaves whole entries behind.
+        let mut cache = self.prepared.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(found) = cache.get(&key) {
+            return Ok(Arc::clone(found));
+        }
+        let of_reach = cache.iter().find(|((_, other), _)| *other == reach);
+        let (tables, tops) = match of_reach {
+            Some((_, found)) => (found.tables.clone(), found.tops.clone()),
+            None => self.compile(reach)?,
+        };
+        let areas: Vec<f64> = self.contacts().iter().map(PreloadedContact::area).collect();
+        let named = self.contacts().iter().zip(&tops);
+        let stiffest: Vec<f64> = named
+            .map(|(contact, &top)| contact.law().stiffness(top).max(contact.stiffness()))
+            .collect();
+        let step_model = StepModel::new(self.structure(), &areas, &stiffest, self.rate(), step);
+        let tolerances = tables.iter().map(|table| tolerance(table)).collect();
+        let prepared = Arc::new(TabulatedModel { step_model, tables, tops, tolerances });
+        if cache.len() >= MOST_TABULATED {
+            cache.clear();
+        }
+        cache.insert(key, Arc::clone(&prepared));
+        Ok(prepared)
+    }
+
+    fn compile(&self, reach: i32) -> Result<(Vec<Arc<CompiledLaw>>, Vec<f64>), DynamicsError> {
+        let mut tables = Vec::with_capacity(self.contacts().len());
+        let mut tops = Vec::with_capacity(self.contacts().len());
+        for contact in self.contacts() {
+            let state = contact.pressure();
+            let top = state + f64::from(reach).exp2();
+            let compile =
+                |times| CompiledLaw::uniform(contact.law(), state, top, times * TABLE_TOLERANCE);
+            let mut table = compile(TOLERANCES[0]);
+            for times in &TOLERANCES[1..] {
+                if !matches!(table, Err(LawError::Unresolved { .. })) {
+                    break;
+                }
+                table = compile(*times);
+                tracing::warn!(
+                    interface = contact.name(),
+                    share_of_static_pressure = times * TABLE_TOLERANCE,
+                    "the law is too steep for its table, which is coarser than usual"
+                );
+            }
+            let named =
+                |source| DynamicsError::Law { interface: contact.name().to_owned(), source };
+            tables.push(Arc::new(table.map_err(named)?));
+            tops.push(top);
+        }
+        Ok((tables, tops))
+    }
+}
+
+/// A hit with its model tabulated for its step, and its drive.
+#[derive(Debug, Clone)]
+pub(super) struct PreparedHit {
+    pub(super) model: Arc<ModalModel>,
+    pub(super) tabulated: Arc<TabulatedModel>,
+    /// Force of unit peak step by step, shared by hits of one shape, and the factor on it.
+    pub(super) drive: Arc<DriveForce>,
+    pub(super) amplitude: f64,
+    /// Steps to take.
+    pub(super) steps: usize,
+}
+
+/// Pressure over static pressure below which contact counts as lost: tables and tangents err by
+/// as much.
+const OPEN: f64 = 2e-5;
+
+impl PreparedHit {
+    /// Pressure increment \[Pa\] at and below which contact `i` counts as lost; -inf if it never
+    /// separates.
+    pub(super) fn open_below(&self, i: usize) -> f64 {
+        let contact = &self.model.contacts()[i];
+        if !contact.law().domain().separates() {
+            return f64::NEG_INFINITY;
+        }
+        let state = contact.pressure();
+        OPEN * state.max(1e-3 * self.tabulated.tops[i]) - state
+    }
+}
+
+/// Newton correction, in cells, below which the tangent stands for the law.
+///
+/// A correction `x` leaves an error of pressure `p'' x^2 / 2`; it may be as large as the table's
+/// own. The steepest tenth of the cells, those next to a singular loss of contact, do not count:
+/// there a correction is larger than this anyway, and is followed by another.
+fn tolerance(table: &CompiledLaw) -> f64 {
+    let cells = table.cells().iter().skip(1);
+    let mut bends: Vec<f64> =
+        cells.map(|[_, _, c2, c3]| (2.0 * c2).abs().max((2.0 * c2 + 6.0 * c3).abs())).collect();
+    let tenth = bends.len() * 9 / 10;
+    let steep = match bends.get(tenth) {
+        Some(_) => *bends.select_nth_unstable_by(tenth, f64::total_cmp).1,
+        None => 0.0,
+    };
+    let bound = table.error_estimate().max(TABLE_TOLERANCE * table.pressure_state().abs());
+    (2.0 * bound / steep).sqrt().clamp(0.05, 4.0)
+}

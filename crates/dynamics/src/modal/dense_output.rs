@@ -1,0 +1,211 @@
+//! The motion between steps.
+//!
+//! The pressures at the steps fix the force within them, and under a given force every
+//! oscillator's motion is known at any instant. So the samples of a response need not fall on
+//! steps, nor lie farther apart than they.
+
+use super::assembly::PreparedHit;
+use super::oscillator::Propagator;
+use super::simd::integrate::Outcome;
+use crate::{Excitation, History, InterfaceHistory, Sampling};
+
+/// Parts of a step closer than this to one of its ends are that end.
+const ON_STEP: f64 = 1e-9;
+
+/// Places within a step whose propagators are kept.
+const MOST_PLACES: usize = 64;
+
+/// The samples of one hit.
+pub(super) fn history(
+    hit: &PreparedHit,
+    outcome: &Outcome,
+    excitation: &Excitation,
+    sampling: &Sampling,
+) -> History {
+    let mut motion = DenseOutput::new(hit, outcome);
+    let count = sampling.samples();
+    let mut history = History {
+        time: Vec::with_capacity(count),
+        force: Vec::with_capacity(count),
+        displacement: Vec::with_capacity(count),
+        acceleration: Vec::with_capacity(count),
+        interfaces: vec![InterfaceHistory::default(); hit.model.contacts().len()],
+    };
+    for sample in 0..count {
+        let time = sample as f64 * sampling.interval();
+        let force = excitation.force(time);
+        let (displacement, acceleration) = motion.output(time, excitation);
+        history.time.push(time);
+        history.force.push(force);
+        history.displacement.push(displacement);
+        history.acceleration.push(acceleration);
+        for (i, columns) in history.interfaces.iter_mut().enumerate() {
+            let (pressure, closure, stiffness) = motion.contact(time, i);
+            columns.pressure.push(pressure);
+            columns.closure.push(closure);
+            columns.stiffness.push(stiffness);
+        }
+    }
+    history
+}
+
+/// The modes once more, with their velocities, driven by the pressures found.
+struct DenseOutput<'a> {
+    hit: &'a PreparedHit,
+    outcome: &'a Outcome,
+    /// Displacement and velocity of every mode at step `at`.
+    states: Vec<[f64; 2]>,
+    at: usize,
+    /// Propagators of every mode to places within a step, the whole step first.
+    places: Vec<(f64, Vec<Propagator>)>,
+}
+
+impl<'a> DenseOutput<'a> {
+    fn new(hit: &'a PreparedHit, outcome: &'a Outcome) -> Self {
+        let states = vec![[0.0; 2]; hit.tabulated.step_model.modes.len()];
+        let mut motion = Self { hit, outcome, states, at: 0, places: Vec::new() };
+        motion.place(1.0);
+        motion
+    }
+
+    /// Number of the propagators to the part `s` of a step.
+    fn place(&mut self, s: f64) -> usize {
+        let close = |(known, _): &(f64, _)| (known - s).abs() < ON_STEP;
+        if let Some(found) = self.places.iter().position(close) {
+            return found;
+        }
+        let model = &self.hit.tabulated.step_model;
+        let to = |mode: &super::step_model::ModeStep| mode.dynamics.propagator(s * model.step);
+        let propagators = model.modes.iter().map(to).collect();
+        if self.places.len() > MOST_PLACES {
+            self.places.truncate(1);
+        }
+        self.places.push((s, propagators));
+        self.places.len() - 1
+    }
+
+    fn pressure(&self, i: usize, step: Option<usize>) -> f64 {
+        let column = &self.outcome.pressure[i];
+        step.and_then(|step| column.get(step.min(column.len() - 1))).copied().unwrap_or(0.0)
+    }
+
+    /// Coefficients of `s^k` of the modal force of mode `m` within the step from `n`.
+    fn force(&self, m: usize, n: usize) -> [f64; 3] {
+        let mode = &self.hit.tabulated.step_model.modes[m];
+        let ends = [Some(n + 1), Some(n), n.checked_sub(1)];
+        let forces = ends.map(|end| {
+            let each = mode.force.iter().enumerate();
+            -each.map(|(i, force)| force * self.pressure(i, end)).sum::<f64>()
+        });
+        let drive = &self.hit.drive;
+        let of = |interpolation: &[f64]| {
+            self.hit.amplitude * mode.drive * interpolation.get(n).copied().unwrap_or(0.0)
+        };
+        let (mean, rise) = (of(&drive.mean), of(&drive.rise));
+        let mut interpolation = mode
+            .interpolation
+            .weights()
+            .map(|row| (0..3).map(|end| row[end] * forces[end]).sum::<f64>());
+        interpolation[0] += mean - 0.5 * rise;
+        interpolation[1] += rise;
+        interpolation
+    }
+
+    /// Displacement and velocity of mode `m` at the part `s` of the step from `at`.
+    fn state(&self, m: usize, place: usize) -> [f64; 2] {
+        let (s, propagators) = &self.places[place];
+        let (propagator, [q, v]) = (&propagators[m], self.states[m]);
+        let mut state = [
+            propagator.displacement[0] * q + propagator.displacement[1] * v,
+            propagator.velocity[0] * q + propagator.velocity[1] * v,
+        ];
+        let mut power = 1.0;
+        for (moment, force) in propagator.moments.iter().zip(self.force(m, self.at)) {
+            state[0] += moment[0] * force * power;
+            state[1] += moment[1] * force * power;
+            power *= s;
+        }
+        state
+    }
+
+    /// Step before `time` and the part of it that has passed.
+    fn locate(&self, time: f64) -> (usize, f64) {
+        let steps = time / self.hit.tabulated.step_model.step;
+        let whole = (steps + ON_STEP).floor();
+        (whole as usize, (steps - whole).max(0.0))
+    }
+
+    /// Displacement \[m\] and acceleration \[m/s2\] of the output at `time` \[s\], which must not
+    /// come before those asked for already.
+    fn output(&mut self, time: f64, excitation: &Excitation) -> (f64, f64) {
+        let (step, s) = self.locate(time);
+        while self.at < step {
+            self.states = (0..self.states.len()).map(|m| self.state(m, 0)).collect();
+            self.at += 1;
+        }
+        let place = (s > ON_STEP).then(|| self.place(s));
+        let model = &self.hit.tabulated.step_model;
+        let (mut displacement, mut acceleration) = (0.0, 0.0);
+        for (m, mode) in model.modes.iter().enumerate() {
+            let [q, v] = place.map_or(self.states[m], |place| self.state(m, place));
+            let [f0, f1, f2] = self.force(m, self.at);
+            let force = f0 + s * (f1 + s * f2);
+            let dynamics = &mode.dynamics;
+            displacement += mode.output * q;
+            acceleration +=
+                mode.output * (force - dynamics.rate * v - dynamics.angular_frequency.powi(2) * q);
+        }
+        // The modes left out follow the forces at once.
+        let h = model.step;
+        let bend = |f: &dyn Fn(f64) -> f64| (f(h) - 2.0 * f(0.0) + f(-h)) / (h * h);
+        displacement += model.residual.direct * excitation.force(time);
+        acceleration += model.residual.direct * bend(&|shift| excitation.force(time + shift));
+        for (i, output) in model.output_pressure.iter().enumerate() {
+            displacement -= output * self.pressure_increment(i, step, s);
+            let at = |shift: f64| match shift {
+                shift if shift > 0.0 => self.pressure(i, Some(step + 1)),
+                shift if shift < 0.0 => self.pressure(i, step.checked_sub(1)),
+                _ => self.pressure(i, Some(step)),
+            };
+            acceleration -= output * bend(&at);
+        }
+        (displacement, acceleration)
+    }
+
+    /// Pressure increment at interface `i` at part `s` of `step`.
+    fn pressure_increment(&self, i: usize, step: usize, s: f64) -> f64 {
+        if s <= ON_STEP {
+            return self.pressure(i, Some(step));
+        }
+        let state = self.hit.model.contacts()[i].pressure();
+        self.hit.model.contacts()[i].law().pressure_increment(state, self.closure(i, step, s)).value
+    }
+
+    /// Closure increment, by the cubic through four steps.
+    fn closure(&self, i: usize, step: usize, s: f64) -> f64 {
+        let column = &self.outcome.closure[i];
+        let at = |shift: isize| {
+            let place = step.checked_add_signed(shift);
+            place.map_or(0.0, |place| column[place.min(column.len() - 1)])
+        };
+        if s <= ON_STEP {
+            return at(0);
+        }
+        let (a, b, c, d) = (at(-1), at(0), at(1), at(2));
+        let (p, q, r) = (s + 1.0, s - 1.0, s - 2.0);
+        -a * s * q * r / 6.0 + b * p * q * r / 2.0 - c * p * s * r / 2.0 + d * p * s * q / 6.0
+    }
+
+    /// Pressure \[Pa\], closure \[m\] and stiffness \[Pa/m\] of interface `i` at `time` \[s\].
+    fn contact(&self, time: f64, i: usize) -> (f64, f64, f64) {
+        let (step, s) = self.locate(time);
+        let contact = &self.hit.model.contacts()[i];
+        let closure = contact.closure() + self.closure(i, step, s);
+        let increment = self.pressure_increment(i, step, s);
+        if increment <= self.hit.open_below(i) {
+            return (0.0, closure, 0.0);
+        }
+        let pressure = contact.pressure() + increment;
+        (pressure, closure, contact.law().stiffness(pressure))
+    }
+}

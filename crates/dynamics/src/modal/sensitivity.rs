@@ -1,0 +1,411 @@
+//! Derivatives of a hit with respect to what it depends on, exact through the step.
+//!
+//! A step of the modal integrator is
+//!
+//! ```text
+//! y* = sum of g q* + residual drive,   y + B p(y) = y*,
+//! d = d* - t0 F(p),  q = q* - t0 F,    d* = e d - k q + carried forces + drive,  q* = q + d*
+//! ```
+//!
+//! Differentiated with respect to a parameter, it is linear in what it carries along,
+//!
+//! ```text
+//! (I + B K) y' = y*' - B' p - B p_theta,    p' = K y' + p_theta,
+//! ```
+//!
+//! with K the tangents and `p_theta` the derivative of the laws at fixed closure. The steps are
+//! taken once more for it, one hit and in scalars, with the exact laws and their equations
+//! solved to rounding, so that no table and no unfinished correction is differentiated.
+//!
+//! The derivatives of what a step is made of (coefficients, shapes, the drive step by step, the
+//! closures of the laws at fixed pressures) are fourth-order central differences of closed forms,
+//! good to 1e-9 and better ([`difference`](crate::difference)). The step and its number, and
+//! which modes are kept with which force interpolation, are those of the hit throughout.
+//!
+//! At loss of contact, and at a jump in the stiffness of a law, the map from one step to the next is
+//! smooth only piece by piece: the derivative is that of the piece that the hit is on, without
+//! the share of steps that would change sides. So an average of the stiffness of a law with a
+//! stiffness at zero pressure lacks the change of the time open.
+
+mod contact_equations;
+mod extreme;
+mod law_derivative;
+mod linear_system;
+mod motion;
+mod step_inputs;
+
+use super::assembly::PreparedHit;
+use super::drive::DriveForce;
+use super::step_model::StepModel;
+use super::{Batch, HitSimulation};
+use crate::DynamicsError;
+use asperity_structure::PreloadedContact;
+use contact_equations::Contacts;
+use extreme::Extreme;
+use law_derivative::LawDerivative;
+use motion::Motion;
+use step_inputs::Inputs;
+
+/// A hit with one parameter varied, at the places of [`STENCIL`](crate::STENCIL).
+///
+/// Contacts whose law does not depend on the parameter should share the law's pointer with
+/// the hit that is varied: the derivative of the law is then zero, and not computed.
+#[derive(Debug, Clone)]
+pub struct ParameterVariation {
+    /// The varied hits; their durations and steps do not count.
+    pub hits: [HitSimulation; 4],
+    /// The step between them, in the parameter's unit.
+    pub step: f64,
+}
+
+/// A response step by step, or its derivative with respect to a parameter (then every unit is
+/// over the parameter's).
+#[derive(Debug, Clone, PartialEq)]
+pub struct StepHistory {
+    /// Force at steps 0 to the last \[N\].
+    pub force: Vec<f64>,
+    /// Displacement of the output at steps 0 to the last \[m\].
+    pub displacement: Vec<f64>,
+    /// Pressure at steps 0 to the last, per interface from the top down \[Pa\].
+    pub pressure: Vec<Vec<f64>>,
+    /// Measures of each interface.
+    pub contacts: Vec<ContactMeasures>,
+}
+
+/// Measures of one interface over all steps.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct ContactMeasures {
+    /// Lowest and highest pressure, refined between steps \[Pa\]; the lowest is zero, without
+    /// derivative, once contact was lost.
+    pub pressure_min: f64,
+    /// Highest pressure \[Pa\].
+    pub pressure_max: f64,
+    /// Time average of the stiffness over the steps, zero counting while open \[Pa/m\].
+    pub stiffness_average: f64,
+    /// Stiffness of the law at the lowest pressure \[Pa/m\].
+    pub stiffness_at_pressure_min: f64,
+}
+
+/// A hit and its derivatives.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sensitivity {
+    /// Step \[s\].
+    pub step: f64,
+    /// The response.
+    pub values: StepHistory,
+    /// Its derivative with respect to each parameter.
+    pub derivatives: Vec<StepHistory>,
+}
+
+impl Batch {
+    /// The response to `hit`, its laws solved to rounding, and its derivative with respect to the
+    /// parameter of every one of `variations`.
+    ///
+    /// Memory is `8 (1 + interfaces) (1 + variations)` bytes a step.
+    ///
+    /// ```
+    /// use asperity_dynamics::{Batch, Excitation, HitSimulation, ModalModel, ParameterVariation, STENCIL};
+    /// # use std::sync::Arc;
+    /// # use asperity_law::Constant;
+    /// # use asperity_mesh::{Body, Interface, ModeCount, Stack, Support};
+    /// # use asperity_structure::{Damping, PreloadedStructure};
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// # let guide = Body::with_mass("guide", 0.229, 1.61, 71e9, 2710.0)?;
+    /// # let contact = Interface::new("guide-disc", 1.15e-4, Arc::new(Constant::new(4.25e11)?))?;
+    /// # let stack = Stack::new(vec![guide], vec![contact], Support::Rigid, 9.81)?;
+    /// # let structure = PreloadedStructure::new(stack, Damping::Ratio(0.035))?;
+    /// let model = Arc::new(ModalModel::new(structure.reduced(ModeCount::PerBody(3))?)?);
+    /// let hit = |peak: f64| HitSimulation {
+    ///     model: Arc::clone(&model),
+    ///     excitation: Excitation::GammaPulse { peak, rise: 0.34e-3 },
+    ///     duration: 5e-3,
+    ///     step: None,
+    /// };
+    /// let step = 0.02;
+    /// let peaks = STENCIL.map(|place| hit(20.0 + place * step));
+    /// let found = Batch::default().sensitivity(&hit(20.0), &[ParameterVariation { hits: peaks, step }])?;
+    /// // The contact is linear, so the response is its derivative times the peak force.
+    /// let (u, slope) = (found.values.displacement[300], found.derivatives[0].displacement[300]);
+    /// assert!((slope - u / 20.0).abs() < 1e-8 * u.abs());
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// # Errors
+    /// As [`Modal::integrate`](super::Modal::integrate) for the hit itself;
+    /// [`DynamicsError::Variation`] when a varied hit has not as many modes and interfaces, when
+    /// its step is not positive and finite, or when the static pressure varies at an interface
+    /// without stiffness at rest.
+    pub fn sensitivity(
+        &self,
+        hit: &HitSimulation,
+        variations: &[ParameterVariation],
+    ) -> Result<Sensitivity, DynamicsError> {
+        let (prepared, outcome) = self.whole(hit)?;
+        let parameters = variations
+            .iter()
+            .enumerate()
+            .map(|(number, variation)| ParameterDerivative::new(number, &prepared, variation))
+            .collect::<Result<Vec<_>, _>>()?;
+        march(
+            &prepared,
+            &inputs_of(&prepared.tabulated.step_model, hit, prepared.steps),
+            &outcome.closure,
+            parameters,
+        )
+    }
+}
+
+/// The inputs of `hit` as stepped by `model`.
+fn inputs_of(model: &StepModel, hit: &HitSimulation, steps: usize) -> Inputs {
+    let pressure = hit.model.contacts().iter().map(PreloadedContact::pressure);
+    let history = DriveForce::new(&hit.excitation, model.step, steps);
+    Inputs::new(model, pressure.collect(), hit.excitation.force(0.0), history)
+}
+
+/// The inputs' derivatives with respect to a parameter, and the state of the derivative.
+#[derive(Debug)]
+struct ParameterDerivative {
+    derivatives: Inputs,
+    laws: Vec<LawDerivative>,
+    motion: Motion,
+    closure: Vec<f64>,
+    pressure: Vec<f64>,
+    /// Of the stiffness at the newest step.
+    stiffness: Vec<f64>,
+    history: StepHistory,
+}
+
+impl ParameterDerivative {
+    fn new(
+        number: usize,
+        prepared: &PreparedHit,
+        variation: &ParameterVariation,
+    ) -> Result<Self, DynamicsError> {
+        let refuse = |quantity, value, accepted| {
+            Err(DynamicsError::Variation { parameter: number, quantity, value, accepted })
+        };
+        let step = variation.step;
+        if !(step.is_finite() && step > 0.0) {
+            return refuse("step of the variation", step, "positive and finite");
+        }
+        let base = prepared.model.contacts();
+        let modes = prepared.model.structure().modes().len();
+        for hit in &variation.hits {
+            let (found, interfaces) =
+                (hit.model.structure().modes().len(), hit.model.contacts().len());
+            if found != modes {
+                return refuse("number of modes", found as f64, "that of the hit that is varied");
+            }
+            if interfaces != base.len() {
+                let accepted = "that of the hit that is varied";
+                return refuse("number of interfaces", interfaces as f64, accepted);
+            }
+            hit.excitation.check()?;
+        }
+        let model = &prepared.tabulated.step_model;
+        let inputs = variation.hits.each_ref().map(|hit| {
+            let areas: Vec<f64> = hit.model.contacts().iter().map(PreloadedContact::area).collect();
+            let (structure, interpolations) = (hit.model.structure(), model.interpolations.clone());
+            let varied = StepModel::with_interpolations(
+                structure,
+                &areas,
+                hit.model.rate(),
+                model.step,
+                interpolations,
+            );
+            inputs_of(&varied, hit, prepared.steps)
+        });
+        let derivatives = Inputs::difference(&inputs, step);
+        let mut laws = Vec::with_capacity(base.len());
+        for (i, contact) in base.iter().enumerate() {
+            let places = variation.hits.each_ref().map(|hit| &hit.model.contacts()[i]);
+            let Some(law) = LawDerivative::new(contact, places, step, derivatives.pressure[i])
+            else {
+                let stiffness = contact.law().stiffness(contact.pressure());
+                return refuse("stiffness at rest [Pa/m]", stiffness, "positive and finite");
+            };
+            laws.push(law);
+        }
+        let history = StepHistory::new(derivatives.force(prepared.steps), &derivatives.pressure);
+        let zero = || vec![0.0; base.len()];
+        let at_rest = base.iter().zip(&laws).map(|(contact, law)| {
+            let pressure = contact.pressure();
+            let slope = law.slope(pressure, law.pressure_derivative);
+            if open_at(contact, 0.0) { 0.0 } else { slope + law.stiffness(pressure) }
+        });
+        Ok(Self {
+            motion: Motion::at_rest(derivatives.modes.len()),
+            closure: zero(),
+            pressure: zero(),
+            stiffness: at_rest.collect(),
+            derivatives,
+            laws,
+            history,
+        })
+    }
+}
+
+impl StepHistory {
+    /// A history that starts at `pressure`, as long as `force`.
+    fn new(force: Vec<f64>, pressure: &[f64]) -> Self {
+        let column = |start: f64| {
+            let mut column = Vec::with_capacity(force.len());
+            column.push(start);
+            column
+        };
+        Self {
+            displacement: column(0.0),
+            pressure: pressure.iter().map(|&start| column(start)).collect(),
+            contacts: vec![ContactMeasures::default(); pressure.len()],
+            force,
+        }
+    }
+}
+
+/// Marches the hit from its `guesses` of closures, and all derivatives with it.
+fn march(
+    prepared: &PreparedHit,
+    inputs: &Inputs,
+    guesses: &[Vec<f64>],
+    mut parameters: Vec<ParameterDerivative>,
+) -> Result<Sensitivity, DynamicsError> {
+    let contacts = prepared.model.contacts();
+    let share = 1.0 / prepared.steps as f64;
+    let mut motion = Motion::at_rest(inputs.modes.len());
+    let mut found = Contacts::at_rest(contacts.len());
+    let mut target = vec![0.0; contacts.len()];
+    let mut open = vec![false; contacts.len()];
+    let at_rest = contacts.iter().map(|contact| {
+        let stiffness = contact.law().stiffness(contact.pressure());
+        if open_at(contact, 0.0) { 0.0 } else { stiffness }
+    });
+    let mut stiffness: Vec<f64> = at_rest.collect();
+    let mut history = StepHistory::new(inputs.force(prepared.steps), &inputs.pressure);
+    for n in 0..prepared.steps {
+        let drive = inputs.drive(n);
+        motion.reach(inputs, &drive, &mut target);
+        for (closure, guess) in found.closure.iter_mut().zip(guesses) {
+            *closure = guess.get(n + 1).copied().unwrap_or(*closure);
+        }
+        if !found.solve(contacts, &inputs.coupling, &target) {
+            return Err(unstable(prepared, n, &found));
+        }
+        for parameter in &mut parameters {
+            let ParameterDerivative { derivatives, motion: moved, closure, .. } = parameter;
+            let drives = (&drive, &derivatives.drive(n));
+            moved.reach_derivative((inputs, &*derivatives), drives, &motion, closure);
+        }
+        let output = motion.settle(inputs, &drive, &found.pressure);
+        history.displacement.push(output);
+        for (i, contact) in contacts.iter().enumerate() {
+            open[i] = open_at(contact, found.pressure[i]);
+            history.pressure[i].push(contact.pressure() + found.pressure[i]);
+            history.contacts[i].stiffness_average += share * stiffness[i];
+            stiffness[i] = found.tangent[i];
+        }
+        for parameter in &mut parameters {
+            parameter.step(n, (inputs, &motion), &found, &open, share);
+        }
+    }
+    let extremes = finish(&mut history, prepared);
+    let finished =
+        parameters.into_iter().map(|parameter| parameter.finish(&history, prepared, &extremes));
+    let derivatives = finished.collect();
+    Ok(Sensitivity { step: prepared.tabulated.step_model.step, values: history, derivatives })
+}
+
+/// True if a contact is open once its pressure has risen by `increment` \[Pa\] from rest.
+fn open_at(contact: &PreloadedContact, increment: f64) -> bool {
+    contact.law().domain().separates() && increment <= -contact.pressure()
+}
+
+fn unstable(prepared: &PreparedHit, n: usize, found: &Contacts) -> DynamicsError {
+    let lost = found.pressure.iter().position(|p| !p.is_finite()).unwrap_or(0);
+    DynamicsError::Unstable {
+        time_s: (n + 1) as f64 * prepared.tabulated.step_model.step,
+        interface: prepared.model.contacts()[lost].name().to_owned(),
+    }
+}
+
+impl ParameterDerivative {
+    /// Takes step `n` after the hit has taken it; `closure` holds what the step would reach.
+    fn step(
+        &mut self,
+        n: usize,
+        (inputs, motion): (&Inputs, &Motion),
+        found: &Contacts,
+        open: &[bool],
+        share: f64,
+    ) {
+        let count = self.laws.len();
+        let mut answers =
+            [law_derivative::LawDerivatives::default(); super::assembly::MOST_INTERFACES];
+        for (i, (answer, law)) in answers.iter_mut().zip(&self.laws).enumerate() {
+            *answer = law.at(found.pressure[i], found.tangent[i], open[i]);
+        }
+        let answers = &answers[..count];
+        for i in 0..count {
+            for (j, answer) in answers.iter().enumerate() {
+                self.closure[i] -= self.derivatives.coupling[i][j] * found.pressure[j]
+                    + inputs.coupling[i][j] * answer.pressure;
+            }
+        }
+        found.factors.solve(&mut self.closure);
+        for (i, answer) in answers.iter().enumerate() {
+            self.pressure[i] = found.tangent[i] * self.closure[i] + answer.pressure;
+            let derivative = self.laws[i].pressure_derivative + self.pressure[i];
+            self.history.pressure[i].push(derivative);
+            self.history.contacts[i].stiffness_average += share * self.stiffness[i];
+            let slope = self.laws[i].slope(inputs.pressure[i] + found.pressure[i], derivative);
+            self.stiffness[i] = if open[i] { 0.0 } else { slope + answer.stiffness };
+        }
+        let drives = (&inputs.drive(n), &self.derivatives.drive(n));
+        let pressures = (found.pressure.as_slice(), self.pressure.as_slice());
+        let output =
+            self.motion.settle_derivative((inputs, &self.derivatives), drives, motion, pressures);
+        self.history.displacement.push(output);
+    }
+
+    fn finish(
+        mut self,
+        base: &StepHistory,
+        prepared: &PreparedHit,
+        extremes: &[[Extreme; 2]],
+    ) -> StepHistory {
+        for (i, [lowest, highest]) in extremes.iter().enumerate() {
+            let measures = &mut self.history.contacts[i];
+            let column = &self.history.pressure[i];
+            measures.pressure_max = highest.derivative(column);
+            let separates = prepared.model.contacts()[i].law().domain().separates();
+            let minimum = base.contacts[i].pressure_min;
+            if !(separates && minimum <= 0.0) {
+                measures.pressure_min = lowest.derivative(column);
+            }
+            let law = &self.laws[i];
+            measures.stiffness_at_pressure_min =
+                law.stiffness(minimum) + law.slope(minimum, measures.pressure_min);
+        }
+        self.history
+    }
+}
+
+/// Fills in the extremes of a hit.
+fn finish(history: &mut StepHistory, prepared: &PreparedHit) -> Vec<[Extreme; 2]> {
+    let mut all = Vec::with_capacity(history.pressure.len());
+    for (i, contact) in prepared.model.contacts().iter().enumerate() {
+        let column = &history.pressure[i];
+        let (Some(lowest), Some(highest)) =
+            (Extreme::lowest(column, 1.0), Extreme::lowest(column, -1.0))
+        else {
+            continue;
+        };
+        let measures = &mut history.contacts[i];
+        let separates = contact.law().domain().separates();
+        measures.pressure_min = if separates { lowest.value.max(0.0) } else { lowest.value };
+        measures.pressure_max = highest.value;
+        measures.stiffness_at_pressure_min = contact.law().stiffness(measures.pressure_min);
+        all.push([lowest, highest]);
+    }
+    all
+}

@@ -1,0 +1,155 @@
+//! The contact equations of one step, solved to rounding with the exact laws.
+
+use super::linear_system::Factors;
+use asperity_structure::PreloadedContact;
+
+/// Newton corrections before the interfaces are solved one by one.
+const NEWTON: usize = 24;
+
+/// Sweeps over the interfaces, and halvings of one bracket.
+const SWEEPS: usize = 2000;
+const HALVINGS: usize = 200;
+
+/// Newton correction, over the largest closure so far, after which the tangent is not evaluated
+/// again: it is as good as this.
+const LAST_CORRECTION: f64 = 1e-12;
+
+/// Closure increments \[m\], pressure increments \[Pa\] and tangents \[Pa/m\] of a step.
+#[derive(Debug, Clone)]
+pub(super) struct Contacts {
+    pub(super) closure: Vec<f64>,
+    pub(super) pressure: Vec<f64>,
+    pub(super) tangent: Vec<f64>,
+    /// `I + B K` at the closures.
+    pub(super) factors: Factors,
+    correction: Vec<f64>,
+    /// Largest closure so far \[m\].
+    scale: f64,
+}
+
+impl Contacts {
+    pub(super) fn at_rest(interfaces: usize) -> Self {
+        let zero = || vec![0.0; interfaces];
+        Self {
+            closure: zero(),
+            pressure: zero(),
+            tangent: zero(),
+            factors: Factors::new(interfaces),
+            correction: zero(),
+            scale: 0.0,
+        }
+    }
+
+    /// Solves `y + B p(y) = y*`; `closure` holds a guess before. Whether numbers stay finite.
+    pub(super) fn solve(
+        &mut self,
+        contacts: &[PreloadedContact],
+        coupling: &[Vec<f64>],
+        target: &[f64],
+    ) -> bool {
+        let size = target.iter().fold(0.0, |most: f64, y| most.max(y.abs()));
+        if !size.is_finite() {
+            return false;
+        }
+        self.scale = self.scale.max(size);
+        let mut settled = false;
+        for _ in 0..NEWTON {
+            let largest = self.correct(contacts, coupling, target);
+            for (i, correction) in self.correction.iter().enumerate() {
+                self.closure[i] += correction;
+                self.pressure[i] += self.tangent[i] * correction;
+            }
+            if largest <= LAST_CORRECTION * self.scale {
+                settled = true;
+                break;
+            }
+        }
+        if !settled {
+            self.solve_fallback(contacts, coupling, target);
+        }
+        self.pressure.iter().chain(&self.tangent).all(|value| value.is_finite())
+    }
+
+    /// The Newton correction at the closures; its largest part.
+    fn correct(
+        &mut self,
+        contacts: &[PreloadedContact],
+        coupling: &[Vec<f64>],
+        target: &[f64],
+    ) -> f64 {
+        self.evaluate(contacts);
+        self.factors.factor(coupling, &self.tangent);
+        for (i, row) in coupling.iter().enumerate() {
+            let lost: f64 = row.iter().zip(&self.pressure).map(|(b, p)| b * p).sum();
+            self.correction[i] = target[i] - self.closure[i] - lost;
+        }
+        self.factors.solve(&mut self.correction);
+        // A correction that is not a number must not count as none.
+        let larger = |most: f64, c: &f64| if c.is_nan() { f64::NAN } else { most.max(c.abs()) };
+        self.correction.iter().fold(0.0, larger)
+    }
+
+    fn evaluate(&mut self, contacts: &[PreloadedContact]) {
+        for (i, contact) in contacts.iter().enumerate() {
+            let at = contact.law().pressure_increment(contact.pressure(), self.closure[i]);
+            (self.pressure[i], self.tangent[i]) = (at.value, at.tangent);
+        }
+    }
+
+    /// Interface by interface, each by halving a bracket: slowly down the convex energy whose
+    /// minimum the equations state.
+    #[cold]
+    fn solve_fallback(
+        &mut self,
+        contacts: &[PreloadedContact],
+        coupling: &[Vec<f64>],
+        target: &[f64],
+    ) {
+        self.closure.copy_from_slice(target);
+        self.evaluate(contacts);
+        for _ in 0..SWEEPS {
+            let mut moved = 0.0_f64;
+            for (i, contact) in contacts.iter().enumerate() {
+                let others = (0..target.len()).filter(|&j| j != i);
+                let lost: f64 = others.map(|j| coupling[i][j] * self.pressure[j]).sum();
+                let own = coupling[i][i];
+                let reached = closure(contact, own, target[i] - lost, self.scale);
+                moved = moved.max((reached - self.closure[i]).abs());
+                self.closure[i] = reached;
+                let at = contact.law().pressure_increment(contact.pressure(), reached);
+                (self.pressure[i], self.tangent[i]) = (at.value, at.tangent);
+            }
+            if moved <= f64::EPSILON * self.scale {
+                break;
+            }
+        }
+        self.factors.factor(coupling, &self.tangent);
+    }
+}
+
+/// The closure at which `y + b p(y) = target`.
+fn closure(contact: &PreloadedContact, own: f64, target: f64, scale: f64) -> f64 {
+    let rest = contact.pressure();
+    let excess = |y: f64| y + own * contact.law().pressure_increment(rest, y).value - target;
+    let (mut low, mut high, mut width) = (target, target, scale.max(f64::MIN_POSITIVE));
+    for _ in 0..64 {
+        let (below, above) = (excess(low), excess(high));
+        if below <= 0.0 && above >= 0.0 {
+            break;
+        }
+        if below > 0.0 {
+            low -= width;
+        } else {
+            high += width;
+        }
+        width *= 2.0;
+    }
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (low + high);
+        if middle <= low || middle >= high {
+            break;
+        }
+        if excess(middle) > 0.0 { high = middle } else { low = middle }
+    }
+    0.5 * (low + high)
+}

@@ -1,0 +1,94 @@
+//! Derivative of a law with respect to a parameter, at a given closure.
+
+use std::sync::Arc;
+
+use asperity_law::ContactLaw;
+
+use crate::difference::central_difference;
+use asperity_structure::PreloadedContact;
+
+/// The derivative of one interface's law and static pressure with respect to one parameter.
+///
+/// At a given pressure p the closure increment since rest is `x = integral of dp / K` from the static
+/// pressure p0. Differentiated at fixed x,
+///
+/// ```text
+/// dp/dtheta = -K(p) d/dtheta integral of dp / K  +  dp0/dtheta (K(p) / K(p0) - 1)
+/// ```
+///
+/// p counting from p0. The integral, at fixed pressures, is smooth in the parameters of a law even
+/// where contact is lost, and is zero with the increment; closures at fixed pressure are neither.
+#[derive(Debug)]
+pub(super) struct LawDerivative {
+    base: Arc<dyn ContactLaw>,
+    /// The law at the places of the stencil, if it is varied.
+    varied: Option<[Arc<dyn ContactLaw>; 4]>,
+    step: f64,
+    pressure: f64,
+    pub(super) pressure_derivative: f64,
+    /// `1 / K(p0)` of the base law \[m/Pa\], if the static pressure is varied.
+    yielding: f64,
+}
+
+/// Derivatives of one interface in one step.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(super) struct LawDerivatives {
+    /// Of the pressure increment, at fixed closure increment.
+    pub(super) pressure: f64,
+    /// Of the stiffness, at fixed pressure.
+    pub(super) stiffness: f64,
+}
+
+impl LawDerivative {
+    /// The derivative of `base` from the laws at four `places`; none when rest has no stiffness but a
+    /// pressure that varies.
+    pub(super) fn new(
+        base: &PreloadedContact,
+        places: [&PreloadedContact; 4],
+        step: f64,
+        pressure_derivative: f64,
+    ) -> Option<Self> {
+        let same = places.iter().all(|place| Arc::ptr_eq(place.law(), base.law()));
+        let varied = (!same).then(|| places.map(|place| Arc::clone(place.law())));
+        let stiffness = base.law().stiffness(base.pressure());
+        let yielding = if pressure_derivative == 0.0 { 0.0 } else { 1.0 / stiffness };
+        yielding.is_finite().then(|| Self {
+            base: Arc::clone(base.law()),
+            varied,
+            step,
+            pressure: base.pressure(),
+            pressure_derivative,
+            yielding,
+        })
+    }
+
+    /// The derivatives where `increment` \[Pa\] is the pressure increment, `tangent` \[Pa/m\] its tangent; faces
+    /// that are `open` keep a pressure of zero.
+    pub(super) fn at(&self, increment: f64, tangent: f64, open: bool) -> LawDerivatives {
+        if open {
+            return LawDerivatives { pressure: -self.pressure_derivative, stiffness: 0.0 };
+        }
+        let mut derivatives = LawDerivatives::default();
+        if let Some(laws) = &self.varied {
+            let closures =
+                laws.each_ref().map(|law| law.closure_increment(self.pressure, increment));
+            derivatives.pressure -= tangent * central_difference(closures, self.step);
+            derivatives.stiffness += self.stiffness(self.pressure + increment);
+        }
+        if self.pressure_derivative != 0.0 {
+            derivatives.pressure += self.pressure_derivative * (tangent * self.yielding - 1.0);
+        }
+        derivatives
+    }
+
+    /// Derivative of the stiffness at a fixed `pressure` \[Pa\].
+    pub(super) fn stiffness(&self, pressure: f64) -> f64 {
+        let Some(laws) = &self.varied else { return 0.0 };
+        central_difference(laws.each_ref().map(|law| law.stiffness(pressure)), self.step)
+    }
+
+    /// Share of the stiffness's derivative that a `pressure` \[Pa\] varying by `derivative` contributes.
+    pub(super) fn slope(&self, pressure: f64, derivative: f64) -> f64 {
+        if derivative == 0.0 { 0.0 } else { self.base.stiffness_slope(pressure) * derivative }
+    }
+}

@@ -1,0 +1,19 @@
+//! Hits side by side in the lanes of vectors.
+//!
+//! | module | holds |
+//! |---|---|
+//! | `block` | modes and contacts of up to two vectors of hits |
+//! | `integrate` | blocks from rest to the end, on any instruction set |
+//! | `kernel` | one step of every lane |
+//! | `table_lookup` | a row of a law's table for each lane, by instruction set |
+//! | `contact_fallback` | lanes that Newton's method does not settle |
+//! | `contact_extremes` | extremes of pressure, and steps with lost contact |
+//! | `decimation` | fewer samples than steps |
+
+pub(super) mod block;
+pub(super) mod contact_extremes;
+mod contact_fallback;
+pub(super) mod decimation;
+pub(super) mod integrate;
+mod kernel;
+mod table_lookup;

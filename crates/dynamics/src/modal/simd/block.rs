@@ -1,0 +1,217 @@
+//! Hits side by side in the lanes of two vectors.
+
+mod build;
+mod coefficient;
+mod pair;
+
+use pulp::Simd;
+
+use super::table_lookup::TableRow;
+use crate::modal::assembly::PreparedHit;
+pub(super) use coefficient::{Coefficient, Each, Same};
+pub(super) use pair::{Numbers, Pair};
+
+/// Steps between two checks of the lanes.
+pub(in crate::modal) const CHUNK: usize = 32;
+
+/// One mode: its state `V` in every lane, then its constants.
+#[derive(Clone, Copy)]
+#[repr(C, align(64))]
+pub(super) struct Mode<V, C, const N: usize> {
+    /// Displacement and increment that the next step would reach without its drive and its new
+    /// pressures.
+    pub(super) ahead: V,
+    pub(super) increment_ahead: V,
+    /// Shares of the contact forces so far in the step after next and the one after.
+    pub(super) carry: [V; 2],
+    /// Gain of the last step, if it was to be remembered.
+    pub(super) increment: V,
+    pub(super) decay: C,
+    /// Less `k`.
+    pub(super) spring: C,
+    /// Less the taps of the contact force.
+    pub(super) contact: [C; 4],
+    pub(super) output: C,
+    /// Shape of each closure, in cells of its table.
+    pub(super) closure: [C; N],
+    /// Modal force per pressure.
+    pub(super) force: [C; N],
+    /// Factors of `increment^2` and of `increment` times the increment before in the viscous loss \[J/m2\].
+    pub(super) loss: [C; 2],
+    pub(super) drive: [C; 4],
+    /// Shape at the driving point.
+    pub(super) driving_point: C,
+}
+
+/// Numbers of this size are spaced by one: added to a smaller number, it rounds that to a whole
+/// one, which is then in the low bits.
+pub(super) const WHOLE: f64 = 6_755_399_441_055_744.0;
+
+/// One interface; closures are in cells of the lane's table.
+#[derive(Clone, Copy)]
+#[repr(C, align(64))]
+pub(super) struct Contact<V, C, const N: usize> {
+    /// Closure that the next step would reach without its drive and its new pressures.
+    pub(super) ahead: V,
+    /// Sum of the tangent over the steps, per cell.
+    pub(super) stiffness: V,
+    /// Cells lost at once per pressure increment at every interface.
+    pub(super) coupling: [C; N],
+    /// Output per pressure, of the modes left out.
+    pub(super) output: C,
+    /// Places in the lane's table: of rest, of its start and of its end.
+    pub(super) rest: C,
+    pub(super) first: C,
+    pub(super) last: C,
+    /// Added to a place, leaves the number of its row in the low bits: [`WHOLE`] and the number
+    /// of the table's first row. Places stay those in the table, so that their rounding does not
+    /// depend on which tables are laid out before.
+    pub(super) whole: C,
+    /// Newton correction, in cells, after which the tangent is as good as the law.
+    pub(super) tolerance: C,
+    /// Cells per drive force, and displacement of the driving point per pressure, of the modes
+    /// left out.
+    pub(super) drive: C,
+    pub(super) driving_point: C,
+}
+
+/// Pressures, or closures, of all interfaces.
+pub(super) type Contacts<S, const N: usize> = [Numbers<S>; N];
+
+/// The linear equations of all interfaces, row by row.
+pub(super) type Matrix<S, const N: usize> = [[Numbers<S>; N]; N];
+
+/// Hits side by side, one in each lane.
+pub(super) struct Block<'a, S: Simd, C, const N: usize> {
+    pub(super) modes: Vec<Mode<Numbers<S>, C, N>>,
+    pub(super) contacts: [Contact<Numbers<S>, C, N>; N],
+    /// Interfaces that there are; the rest of the N have no part in anything.
+    pub(super) coupled: usize,
+    /// The tables of all lanes, one behind the other.
+    pub(super) rows: Vec<TableRow>,
+    /// Output, and displacement of the driving point, per drive force, of the modes left out.
+    pub(super) output_drive: C,
+    pub(super) driving_point: C,
+    /// Mean and rise of the drive force in the step before.
+    pub(super) drive_before: [Numbers<S>; 2],
+    /// Newest output displacement \[m\].
+    pub(super) output: Numbers<S>,
+    /// Newest displacement of the driving point \[m\], while there is a drive.
+    pub(super) driven: Numbers<S>,
+    /// Work of the drive force, and viscous loss \[J\].
+    pub(super) work: Numbers<S>,
+    pub(super) loss: Numbers<S>,
+    /// One for each lane of the two vectors.
+    pub(super) lanes: Vec<Option<&'a PreparedHit>>,
+}
+
+/// Results of one step.
+#[derive(Clone, Copy)]
+#[repr(C, align(64))]
+pub(super) struct Step<V, const N: usize> {
+    /// Pressure increments since rest \[Pa\].
+    pub(super) pressure: [V; N],
+    /// Closure increments since rest, in cells.
+    pub(super) closure: [V; N],
+    /// Output displacement \[m\].
+    pub(super) output: V,
+}
+
+/// Earlier steps from which the next closure is foreseen.
+pub(super) const PAST: usize = 3;
+
+/// The drive force in one step: its mean, rise and end \[N\].
+#[derive(Clone, Copy)]
+#[repr(C, align(64))]
+pub(super) struct Drive<V>(pub(super) [V; 3]);
+
+/// Quantities summed over steps besides the samples.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Measure {
+    /// Steps that this one stands for in sums over all steps; zero for those that others stand
+    /// for.
+    pub(super) weight: f64,
+    /// True if the increments are kept for the next step.
+    pub(super) remember: bool,
+}
+
+/// Steps from one that is measured to the next.
+const EVERY: usize = 4;
+
+impl Measure {
+    /// The measure of step `n`, counted from one, of `steps`.
+    ///
+    /// Loss and tangent change little over a few steps, so every fourth is summed with the
+    /// weights of the trapezoidal rule: four, and two and a half at both ends, where a step is
+    /// itself and half of three neighbours. The steps before the first and after the last
+    /// multiple of four stand for themselves.
+    pub(super) fn of(n: usize, steps: usize) -> Self {
+        Self { weight: weight(n, steps), remember: weight(n + 1, steps) > 0.0 }
+    }
+}
+
+fn weight(n: usize, steps: usize) -> f64 {
+    let last = steps - steps % EVERY;
+    if n < EVERY || n > last || last == EVERY {
+        1.0
+    } else if !n.is_multiple_of(EVERY) {
+        0.0
+    } else if n == EVERY || n == last {
+        2.5
+    } else {
+        4.0
+    }
+}
+
+/// Numbers from one per lane.
+#[inline(always)]
+pub(super) fn numbers<S: Simd>(simd: S, of: impl Fn(usize) -> f64) -> Numbers<S> {
+    let mut numbers = [simd.splat_f64s(0.0); 2];
+    for lane in 0..2 * S::F64_LANES {
+        set_lane::<S>(&mut numbers, lane, of(lane));
+    }
+    numbers
+}
+
+/// The number of a lane.
+#[inline(always)]
+pub(super) fn lane_of<S: Simd>(numbers: &Numbers<S>, lane: usize) -> f64 {
+    pulp::bytemuck::cast_slice::<S::f64s, f64>(numbers)[lane]
+}
+
+/// Replaces the number of a lane.
+#[inline(always)]
+pub(super) fn set_lane<S: Simd>(numbers: &mut Numbers<S>, lane: usize, number: f64) {
+    pulp::bytemuck::cast_slice_mut::<S::f64s, f64>(numbers)[lane] = number;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The sum over steps is exact for a constant, whatever the number of steps, and for a line:
+    /// the weights have the right centre.
+    #[test]
+    fn weights_stand_for_all_steps() {
+        for steps in 1..60_usize {
+            let sum = |of: &dyn Fn(f64) -> f64| -> f64 {
+                (1..=steps).map(|n| weight(n, steps) * of(n as f64)).sum()
+            };
+            let count = steps as f64;
+            // Multiples of one half below 2^53: no rounding.
+            assert_eq!(sum(&|_| 1.0), count);
+            assert_eq!(sum(&|n| n), 0.5 * count * (count + 1.0));
+        }
+    }
+
+    /// A measured step has the increment before it kept.
+    #[test]
+    fn gains_are_remembered_before_measured_steps() {
+        for steps in 1..40 {
+            for n in 2..=steps {
+                let measured = Measure::of(n, steps).weight > 0.0;
+                assert_eq!(Measure::of(n - 1, steps).remember, measured);
+            }
+        }
+    }
+}

@@ -1,0 +1,163 @@
+//! A block from the models of its hits, and its drive step by step.
+
+use std::sync::Arc;
+
+use asperity_law::CompiledLaw;
+use pulp::Simd;
+
+use super::{Block, Coefficient, Contact, Drive, Mode, Pair, WHOLE, numbers, set_lane};
+use crate::modal::assembly::PreparedHit;
+use crate::modal::simd::table_lookup::TableRow;
+use crate::modal::step_model::ModeStep;
+
+/// The tables of a block's lanes one behind the other, each once; and where each lane's begins,
+/// interface by interface.
+fn lay_out(lanes: &[&PreparedHit], interfaces: usize) -> (Vec<TableRow>, Vec<Vec<usize>>) {
+    let mut rows: Vec<TableRow> = vec![[0.0; 4]];
+    let mut laid: Vec<(*const CompiledLaw, usize)> = Vec::new();
+    let starts = (0..interfaces).map(|i| {
+        let of = |lane: &&PreparedHit| {
+            let table = &lane.tabulated.tables[i];
+            let table = Arc::as_ptr(table);
+            if let Some((_, start)) = laid.iter().find(|(other, _)| *other == table) {
+                return *start;
+            }
+            // Even, so that halves round to the same row of the table wherever it is laid out.
+            rows.resize(rows.len().next_multiple_of(2), [0.0; 4]);
+            let start = rows.len();
+            rows.extend_from_slice(lane.tabulated.tables[i].cells());
+            laid.push((table, start));
+            start
+        };
+        lanes.iter().map(of).collect()
+    });
+    let starts = starts.collect();
+    (rows, starts)
+}
+
+impl<'a, S: Simd, C: Coefficient<S>, const N: usize> Block<'a, S, C, N> {
+    /// The hits of `lanes`, at most one per lane of two vectors, all of as many modes and
+    /// interfaces.
+    pub(in crate::modal) fn new(simd: S, lanes: &[&'a PreparedHit]) -> Self {
+        let count = lanes.first().map_or(0, |lane| lane.tabulated.step_model.modes.len());
+        let interfaces = lanes.first().map_or(0, |lane| lane.tabulated.tables.len());
+        let (rows, starts) = lay_out(lanes, interfaces);
+        let zero = Pair(simd).splat(0.0);
+        let all = |of: &dyn Fn(&'a PreparedHit) -> f64| {
+            C::new(simd, &|lane| lanes.get(lane).map_or(0.0, |&lane| of(lane)))
+        };
+        let at = |i: usize, of: &dyn Fn(&'a PreparedHit) -> f64| {
+            if i < interfaces { all(of) } else { C::new(simd, &|_| 0.0) }
+        };
+        let cells =
+            |lane: &PreparedHit, i: usize| lane.tabulated.tables[i].scales()[1].cells_per_metre;
+        let step = |m: usize, of: &dyn Fn(&ModeStep) -> f64| {
+            all(&|lane| of(&lane.tabulated.step_model.modes[m]))
+        };
+        let mode = |m: usize| Mode {
+            ahead: zero,
+            increment_ahead: zero,
+            carry: [zero; 2],
+            increment: zero,
+            decay: step(m, &|mode| mode.recurrence.decay),
+            spring: step(m, &|mode| -mode.recurrence.spring),
+            contact: std::array::from_fn(|k| step(m, &|mode| -mode.recurrence.contact[k])),
+            output: step(m, &|mode| mode.output),
+            closure: std::array::from_fn(|i| {
+                at(i, &|lane| lane.tabulated.step_model.modes[m].closure[i] * cells(lane, i))
+            }),
+            force: std::array::from_fn(|i| {
+                at(i, &|lane| lane.tabulated.step_model.modes[m].force[i])
+            }),
+            // The square of the mean velocity, and a twelfth of its change, over the step:
+            // summed by parts, 7/6 increment^2 - 1/6 increment increment_before.
+            loss: [7.0 / 6.0, -1.0 / 6.0].map(|share| {
+                all(&|lane| {
+                    let model = &lane.tabulated.step_model;
+                    share * model.modes[m].dynamics.rate / model.step
+                })
+            }),
+            drive: std::array::from_fn(|k| step(m, &|mode| mode.drive * mode.recurrence.drive[k])),
+            driving_point: step(m, &|mode| mode.drive),
+        };
+        let contact = |i: usize| {
+            let start = |lane: usize| starts.get(i).and_then(|s| s.get(lane)).copied();
+            Contact {
+                ahead: zero,
+                stiffness: zero,
+                coupling: std::array::from_fn(|j| {
+                    let entry = |lane: &PreparedHit| {
+                        lane.tabulated.step_model.coupling[i][j] * cells(lane, i)
+                    };
+                    if j < interfaces { at(i, &entry) } else { C::new(simd, &|_| 0.0) }
+                }),
+                output: at(i, &|lane| lane.tabulated.step_model.output_pressure[i]),
+                rest: at(i, &|lane| lane.tabulated.tables[i].scales()[1].offset),
+                first: at(i, &|_| 0.0),
+                // The last place within the last cell.
+                last: at(i, &|lane| lane.tabulated.tables[i].cells().len() as f64 - 1e-6),
+                whole: C::new(simd, &|lane| WHOLE + start(lane).unwrap_or(0) as f64),
+                tolerance: at(i, &|lane| lane.tabulated.tolerances[i]),
+                drive: at(i, &|lane| lane.tabulated.step_model.residual.drive[i] * cells(lane, i)),
+                driving_point: at(i, &|lane| {
+                    // By reciprocity the closure per drive force is also this.
+                    lane.tabulated.step_model.residual.drive[i] * lane.model.contacts()[i].area()
+                }),
+            }
+        };
+        Self {
+            modes: (0..count).map(mode).collect(),
+            contacts: std::array::from_fn(contact),
+            coupled: interfaces,
+            rows,
+            output_drive: all(&|lane| lane.tabulated.step_model.residual.direct),
+            driving_point: all(&|lane| lane.tabulated.step_model.residual.driving_point),
+            drive_before: [zero; 2],
+            output: zero,
+            driven: zero,
+            work: zero,
+            loss: zero,
+            lanes: (0..2 * S::F64_LANES).map(|lane| lanes.get(lane).copied()).collect(),
+        }
+    }
+
+    /// Fills the drive of the steps from `start` on; whether there is any.
+    #[inline(always)]
+    pub(in crate::modal) fn take_drive(
+        &self,
+        simd: S,
+        drives: &mut [Drive<[S::f64s; 2]>],
+        start: usize,
+    ) -> bool {
+        // One step more: the taps reach back to the step before.
+        let lasting = |lane: &&PreparedHit| start < lane.drive.steps() + 1;
+        if !self.lanes.iter().flatten().any(lasting) {
+            return false;
+        }
+        let pair = Pair(simd);
+        let mut hits = self.lanes.iter().flatten();
+        let Some(first) = hits.next() else { return false };
+        let at = |column: &[f64], n: usize| column.get(start + n).copied().unwrap_or(0.0);
+        if hits.all(|hit| Arc::ptr_eq(&hit.drive, &first.drive)) {
+            // One column for all lanes, as in a sweep over the force.
+            let amplitude = numbers(simd, |lane| self.lanes[lane].map_or(0.0, |hit| hit.amplitude));
+            for (n, Drive(drive)) in drives.iter_mut().enumerate() {
+                let column = &first.drive;
+                drive[0] = pair.mul(amplitude, pair.splat(at(&column.mean, n)));
+                drive[1] = pair.mul(amplitude, pair.splat(at(&column.rise, n)));
+                drive[2] = pair.mul(amplitude, pair.splat(at(&column.end, n)));
+            }
+            return true;
+        }
+        for (n, Drive(drive)) in drives.iter_mut().enumerate() {
+            for (lane, hit) in self.lanes.iter().enumerate() {
+                let Some(hit) = hit else { continue };
+                let columns = [&hit.drive.mean, &hit.drive.rise, &hit.drive.end];
+                for (numbers, column) in drive.iter_mut().zip(columns) {
+                    set_lane::<S>(numbers, lane, hit.amplitude * at(column, n));
+                }
+            }
+        }
+        true
+    }
+}

@@ -1,0 +1,59 @@
+//! Constants of a block: one for all lanes, or one for each.
+
+use pulp::Simd;
+
+use super::pair::Numbers;
+use super::{lane_of, numbers};
+
+/// A constant of every lane.
+///
+/// In the usual sweep many forces act on one structure: then all lanes share every constant, and a
+/// number in memory, a whole vector of it in a register, is all there is to load.
+pub(in crate::modal) trait Coefficient<S: Simd>: Copy {
+    /// The constant that `of` gives lane by lane; a shared one is that of the first lane.
+    fn new(simd: S, of: &dyn Fn(usize) -> f64) -> Self;
+
+    fn all(self, simd: S) -> Numbers<S>;
+
+    fn lane(&self, lane: usize) -> f64;
+}
+
+/// The same in every lane.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::modal) struct Same(f64);
+
+/// Its own in each lane.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::modal) struct Each<V>([V; 2]);
+
+impl<S: Simd> Coefficient<S> for Same {
+    #[inline(always)]
+    fn new(_: S, of: &dyn Fn(usize) -> f64) -> Self {
+        Self(of(0))
+    }
+
+    #[inline(always)]
+    fn all(self, simd: S) -> Numbers<S> {
+        [simd.splat_f64s(self.0); 2]
+    }
+
+    fn lane(&self, _: usize) -> f64 {
+        self.0
+    }
+}
+
+impl<S: Simd> Coefficient<S> for Each<S::f64s> {
+    #[inline(always)]
+    fn new(simd: S, of: &dyn Fn(usize) -> f64) -> Self {
+        Self(numbers(simd, of))
+    }
+
+    #[inline(always)]
+    fn all(self, _: S) -> Numbers<S> {
+        self.0
+    }
+
+    fn lane(&self, lane: usize) -> f64 {
+        lane_of::<S>(&self.0, lane)
+    }
+}

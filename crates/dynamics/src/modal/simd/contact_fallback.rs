@@ -1,0 +1,138 @@
+//! Contact fallback: nonlinear Gauss-Seidel, one by one, for lanes that Newton's method does not
+//! settle.
+
+use super::block::{Block, Coefficient, Numbers, WHOLE, lane_of, set_lane};
+use super::table_lookup::{TableLookup, TableRow};
+
+/// Sweeps over the interfaces, and halvings of one bracket.
+const SWEEPS: usize = 400;
+const HALVINGS: usize = 200;
+
+impl<S: TableLookup, C: Coefficient<S>, const N: usize> Block<'_, S, C, N> {
+    /// Solves `y + B p(y) = y*` in the lanes that `marks` has as ones, interface by interface.
+    ///
+    /// With B positive definite and the pressures rising, the equations are those of the minimum
+    /// of a convex energy, and going round the interfaces descends to it, if slowly. A lane that is not finite is left as it is.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn solve_fallback(
+        &mut self,
+        marks: &Numbers<S>,
+        closure: &mut [Numbers<S>; N],
+        pressure: &mut [Numbers<S>; N],
+    ) {
+        for lane in 0..2 * S::F64_LANES {
+            if lane_of::<S>(marks, lane) != 1.0 {
+                continue;
+            }
+            let of = |constant: C| constant.lane(lane);
+            let target: [f64; N] =
+                std::array::from_fn(|i| lane_of::<S>(&self.contacts[i].ahead, lane));
+            if target.iter().any(|value| !value.is_finite()) {
+                continue;
+            }
+            let contacts: [Curve<'_, N>; N] = std::array::from_fn(|i| Curve {
+                table: self
+                    .rows
+                    .get((of(self.contacts[i].whole) - WHOLE) as usize..)
+                    .unwrap_or(&[]),
+                first: of(self.contacts[i].first),
+                rest: of(self.contacts[i].rest),
+                last: of(self.contacts[i].last),
+                coupling: std::array::from_fn(|j| of(self.contacts[i].coupling[j])),
+            });
+            let (y, p) = settle(&contacts, &target);
+            for i in 0..N {
+                set_lane::<S>(&mut closure[i], lane, y[i]);
+                set_lane::<S>(&mut pressure[i], lane, p[i]);
+            }
+        }
+    }
+}
+
+/// The law of one interface in one lane, and what its closure loses to every pressure.
+struct Curve<'a, const N: usize> {
+    table: &'a [TableRow],
+    first: f64,
+    rest: f64,
+    last: f64,
+    coupling: [f64; N],
+}
+
+impl<const N: usize> Curve<'_, N> {
+    fn pressure(&self, closure: f64) -> f64 {
+        let place = (closure + self.rest).max(self.first).min(self.last);
+        let cell = (place as usize).min(self.table.len().saturating_sub(1));
+        let t = place - cell as f64;
+        let [c0, c1, c2, c3] = self.table.get(cell).copied().unwrap_or_default();
+        c0 + t * (c1 + t * (c2 + t * c3))
+    }
+
+    /// The closure at which `y + b p(y) = target`, by halving a bracket.
+    fn closure(&self, own: f64, target: f64) -> f64 {
+        let excess = |y: f64| y + own * self.pressure(y) - target;
+        let (mut low, mut high, mut width) = (target, target, 1.0);
+        for _ in 0..64 {
+            if excess(low) <= 0.0 && excess(high) >= 0.0 {
+                break;
+            }
+            if excess(low) > 0.0 {
+                low -= width;
+            } else {
+                high += width;
+            }
+            width *= 2.0;
+        }
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (low + high);
+            if middle <= low || middle >= high {
+                break;
+            }
+            if excess(middle) > 0.0 { high = middle } else { low = middle }
+        }
+        0.5 * (low + high)
+    }
+}
+
+fn settle<const N: usize>(contacts: &[Curve<'_, N>; N], target: &[f64; N]) -> ([f64; N], [f64; N]) {
+    let mut y = *target;
+    let mut p: [f64; N] = std::array::from_fn(|i| contacts[i].pressure(y[i]));
+    for _ in 0..SWEEPS {
+        let mut moved: f64 = 0.0;
+        for i in 0..N {
+            let others: f64 =
+                (0..N).filter(|&j| j != i).map(|j| contacts[i].coupling[j] * p[j]).sum();
+            let reached = contacts[i].closure(contacts[i].coupling[i], target[i] - others);
+            moved = moved.max((reached - y[i]).abs());
+            (y[i], p[i]) = (reached, contacts[i].pressure(reached));
+        }
+        if moved < 1e-9 {
+            break;
+        }
+    }
+    (y, p)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Against the equations themselves: a kinked law, coupled almost singularly, with one
+    /// contact open and one pressed.
+    #[test]
+    fn the_equations_are_met_where_newton_would_circle() {
+        // Open below cell 1, then stiff, then soft: a kink that sends Newton back and forth.
+        let table = [[-1.0, 0.0, 0.0, 0.0], [-1.0, 50.0, 0.0, 0.0], [49.0, 0.1, 0.0, 0.0]];
+        let curve =
+            |coupling| Curve { table: &table, first: 0.0, rest: 1.02, last: 2.999, coupling };
+        let contacts = [curve([0.9, -0.8]), curve([-0.8, 0.9])];
+        for target in [[3.0, -5.0], [0.0, 0.0], [-1.0, -1.0], [10.0, -30.0], [1.0, 1.0]] {
+            let (y, p) = settle(&contacts, &target);
+            for i in 0..2 {
+                let total: f64 = (0..2).map(|j| contacts[i].coupling[j] * p[j]).sum();
+                assert!((y[i] + total - target[i]).abs() < 1e-6, "{target:?} {y:?} {p:?}");
+                assert_eq!(p[i], contacts[i].pressure(y[i]));
+            }
+        }
+    }
+}

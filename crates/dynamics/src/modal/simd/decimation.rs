@@ -1,0 +1,128 @@
+//! Fewer samples than steps: a low-pass filter that keeps every so many outputs.
+
+use std::sync::Arc;
+
+use pulp::Simd;
+
+use super::block::{Numbers, Pair, Step, lane_of};
+
+/// A finite filter `y_j = sum of taps_l u_(j factor - l)`, u being zero before and after the run.
+///
+/// The taps are the caller's, who must apply the same filter to the force: ratios of spectra then
+/// do not see it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Decimation {
+    /// Steps per sample kept, at least 1.
+    pub factor: usize,
+    /// The filter, newest step first.
+    pub taps: Arc<[f64]>,
+}
+
+/// Numbers on lines of their own: a vector that straddles two costs twice.
+#[derive(Clone, Copy)]
+#[repr(align(64))]
+struct Line<V>(V);
+
+/// The filter at work on every lane of a block.
+pub(super) struct DecimationState<S: Simd> {
+    /// Taps, oldest step first.
+    taps: Vec<f64>,
+    factor: usize,
+    /// Steps taken in.
+    taken: usize,
+    /// The samples, as far as the steps taken in contribute to them.
+    samples: Vec<Line<Numbers<S>>>,
+}
+
+impl<S: Simd> DecimationState<S> {
+    /// A filter of `steps` outputs, the first being that at rest.
+    pub(super) fn new(simd: S, decimation: &Decimation, steps: usize) -> Self {
+        let factor = decimation.factor.max(1);
+        let taps: Vec<f64> = decimation.taps.iter().rev().copied().collect();
+        // Samples at multiples of the factor until the filter has run out.
+        let count = (steps + taps.len().saturating_sub(1)).div_ceil(factor);
+        Self { samples: vec![Line(Pair(simd).splat(0.0)); count], taps, factor, taken: 1 }
+    }
+
+    /// Takes in the outputs of `chunk`.
+    ///
+    /// Each sample that they contribute to is loaded and stored once a chunk, and no window of
+    /// past outputs has to be kept.
+    #[inline(always)]
+    pub(super) fn take<const N: usize>(&mut self, simd: S, chunk: &[Step<Numbers<S>, N>]) {
+        let pair = Pair(simd);
+        let reach = self.taps.len();
+        let mut j = self.taken.div_ceil(self.factor);
+        while j < self.samples.len() {
+            // Place in the chunk of the sample's newest step, which may be beyond it, and of
+            // its oldest.
+            let newest = j * self.factor - self.taken;
+            let oldest = (newest + 1).saturating_sub(reach);
+            if oldest >= chunk.len() {
+                break;
+            }
+            let steps = &chunk[oldest..chunk.len().min(newest + 1)];
+            let taps = &self.taps[oldest + reach - 1 - newest..][..steps.len()];
+            let zero = pair.splat(0.0);
+            // Four sums by name: an array of them would live in memory.
+            let (mut a, mut b, mut c, mut d) = (self.samples[j].0, zero, zero, zero);
+            let (quads, tap_quads) = (steps.chunks_exact(4), taps.chunks_exact(4));
+            for (step, tap) in quads.remainder().iter().zip(tap_quads.remainder()) {
+                a = pair.mul_add(pair.splat(*tap), step.output, a);
+            }
+            for (steps, taps) in quads.zip(tap_quads) {
+                let (&[t0, t1, t2, t3], [u0, u1, u2, u3]) = (taps, steps) else { continue };
+                a = pair.mul_add(pair.splat(t0), u0.output, a);
+                b = pair.mul_add(pair.splat(t1), u1.output, b);
+                c = pair.mul_add(pair.splat(t2), u2.output, c);
+                d = pair.mul_add(pair.splat(t3), u3.output, d);
+            }
+            self.samples[j].0 = pair.add(pair.add(a, b), pair.add(c, d));
+            j += 1;
+        }
+        self.taken += chunk.len();
+    }
+
+    /// The samples of each lane.
+    pub(super) fn finish(self) -> Vec<Vec<f64>> {
+        let of = |lane| self.samples.iter().map(|sample| lane_of::<S>(&sample.0, lane)).collect();
+        (0..2 * S::F64_LANES).map(of).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Against the sum that defines the filter, for taps within a chunk, across chunks, and
+    /// across all of them; the second lane has twice the output.
+    #[test]
+    fn samples_are_the_sums_of_the_definition() {
+        let simd = pulp::Scalar::new();
+        let output: Vec<f64> = (0..203).map(|n| (0.37 * f64::from(n)).sin()).collect();
+        for (factor, length) in [(1, 1), (8, 64), (3, 5), (7, 2), (5, 300)] {
+            let taps: Arc<[f64]> = (0..length).map(|l| 1.0 / (1.0 + f64::from(l))).collect();
+            let decimation = Decimation { factor, taps: Arc::clone(&taps) };
+            let mut decimator = DecimationState::new(simd, &decimation, output.len());
+            for chunk in output[1..].chunks(32) {
+                let step = |&u: &f64| Step {
+                    pressure: [[0.0; 2]],
+                    closure: [[0.0; 2]],
+                    output: [u, 2.0 * u],
+                };
+                let steps: Vec<Step<[f64; 2], 1>> = chunk.iter().map(step).collect();
+                decimator.take(simd, &steps);
+            }
+            let found = decimator.finish();
+            assert_eq!(found[0].len(), (output.len() + taps.len() - 1).div_ceil(factor));
+            for (j, sample) in found[0].iter().enumerate() {
+                let past = |l: usize| (j * factor).checked_sub(l).and_then(|n| output.get(n));
+                let sum: f64 =
+                    taps.iter().enumerate().filter_map(|(l, tap)| Some(tap * past(l)?)).sum();
+                // Roundings of three hundred terms of at most one.
+                assert!((sample - sum).abs() < 1e-13, "{factor} {length} {j}: {sample} {sum}");
+                assert_eq!(found[1][j], 2.0 * sample);
+            }
+        }
+    }
+}

@@ -1,0 +1,208 @@
+//! The run of one block of hits, and its recording.
+
+use pulp::Simd;
+
+use super::{ContactOutcome, LAST_STATES, Outcome, Recording, RunEnd};
+use crate::modal::assembly::PreparedHit;
+use crate::modal::simd::block::{
+    Block, CHUNK, Coefficient, Drive, Measure, Numbers, PAST, Pair, Step, lane_of,
+};
+use crate::modal::simd::contact_extremes::BlockExtremes;
+use crate::modal::simd::decimation::DecimationState;
+use crate::modal::simd::table_lookup::TableLookup;
+
+/// One block on its way.
+pub(super) struct Run<'a, S: Simd, C, const N: usize> {
+    block: Block<'a, S, C, N>,
+    /// The last steps before the chunk, and its own.
+    chunk: Vec<Step<Numbers<S>, N>>,
+    drive: Vec<Drive<Numbers<S>>>,
+    extremes: BlockExtremes<S>,
+    decimator: Option<DecimationState<S>>,
+    recorded: Vec<RecordedSteps>,
+    chunks: usize,
+    ends: Vec<RunEnd>,
+    states: Vec<[Numbers<S>; LAST_STATES]>,
+    pub(super) steps: usize,
+}
+
+/// Everything of one lane, step by step.
+#[derive(Debug, Clone, Default)]
+struct RecordedSteps {
+    displacement: Vec<f64>,
+    pressure: Vec<Vec<f64>>,
+    closure: Vec<Vec<f64>>,
+}
+
+impl<'a, S: TableLookup, C: Coefficient<S>, const N: usize> Run<'a, S, C, N> {
+    #[inline(always)]
+    pub(super) fn new(simd: S, lanes: &[&'a PreparedHit], recording: Recording<'_>) -> Self {
+        let block = Block::new(simd, lanes);
+        let steps = lanes.first().map_or(0, |lane| lane.steps);
+        let zero = Pair(simd).splat(0.0);
+        let rest = Step { pressure: [zero; N], closure: [zero; N], output: zero };
+        let mut decimator = None;
+        let mut recorded = Vec::new();
+        match recording {
+            Recording::Decimated(decimation) => {
+                // The state at the very end is beyond the samples.
+                decimator = Some(DecimationState::new(simd, decimation, steps));
+            }
+            Recording::EveryStep => {
+                let column = || {
+                    let mut column = Vec::with_capacity(steps + 1);
+                    column.push(0.0);
+                    column
+                };
+                let columns = |lane: &&PreparedHit| {
+                    let each = || lane.model.contacts().iter().map(|_| column()).collect();
+                    RecordedSteps { displacement: column(), pressure: each(), closure: each() }
+                };
+                recorded = lanes.iter().map(columns).collect();
+            }
+        }
+        Self {
+            extremes: BlockExtremes::new(simd, &block),
+            chunk: vec![rest; PAST + CHUNK],
+            drive: vec![Drive([zero; 3]); CHUNK],
+            decimator,
+            recorded,
+            chunks: 0,
+            ends: lanes.iter().map(|_| RunEnd::Done).collect(),
+            states: vec![[zero; LAST_STATES]; block.modes.len()],
+            steps,
+            block,
+        }
+    }
+
+    pub(super) fn goes_on(&self) -> bool {
+        self.ends.contains(&RunEnd::Done)
+    }
+
+    /// Takes the `count` steps after step `reached`.
+    #[inline(always)]
+    pub(super) fn advance(&mut self, simd: S, reached: usize, count: usize) {
+        let driven = self.block.take_drive(simd, &mut self.drive[..count], reached);
+        for n in 0..count {
+            let (past, next) = self.chunk.split_at_mut(PAST + n);
+            let (Some(past), [step, ..]) = (past.last_chunk::<PAST>(), next) else { return };
+            let mut measure = Measure::of(reached + n + 1, self.steps);
+            let drive = &self.drive[n];
+            let mut before = None;
+            if driven {
+                measure.remember = true;
+                before = Some(self.block.driving_point_increment(simd));
+                self.block.push(simd, drive);
+            }
+            self.block.step(simd, past, step, measure);
+            if let Some(before) = before {
+                self.block.count_work(simd, drive, before, step);
+            }
+        }
+    }
+
+    /// Keeps step `n` of the chunk whole.
+    #[cold]
+    fn keep(&mut self, n: usize) {
+        let step = &self.chunk[PAST + n];
+        for (lane, recorded) in self.recorded.iter_mut().enumerate() {
+            let of = |numbers: &Numbers<S>| lane_of::<S>(numbers, lane);
+            recorded.displacement.push(of(&step.output));
+            for (i, column) in recorded.pressure.iter_mut().enumerate() {
+                column.push(of(&step.pressure[i]));
+            }
+            for (i, column) in recorded.closure.iter_mut().enumerate() {
+                column.push(of(&step.closure[i]));
+            }
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn end(&mut self, simd: S, reached: usize, count: usize) {
+        let chunk = &self.chunk[PAST..PAST + count];
+        self.extremes.take(simd, chunk);
+        if let Some(decimator) = &mut self.decimator {
+            let samples = count - usize::from(reached == self.steps);
+            decimator.take(simd, &chunk[..samples]);
+        }
+        if self.steps - reached < LAST_STATES {
+            for (states, mode) in self.states.iter_mut().zip(&self.block.modes) {
+                states.rotate_right(1);
+                states[0] = Pair(simd).sub(mode.ahead, mode.increment_ahead);
+            }
+        }
+        if self.chunks.is_multiple_of(8) || reached == self.steps {
+            self.check_failures(reached);
+        }
+        self.chunks += 1;
+        if !self.recorded.is_empty() {
+            for n in 0..count {
+                self.keep(n);
+            }
+        }
+        self.chunk.copy_within(count..count + PAST, 0);
+    }
+
+    fn check_failures(&mut self, reached: usize) {
+        for (lane, end) in self.ends.iter_mut().enumerate() {
+            let (RunEnd::Done, Some(hit)) = (*end, self.block.lanes[lane]) else { continue };
+            let tables = hit.tabulated.tables.iter().zip(&hit.tabulated.tops);
+            for (i, (table, top)) in tables.enumerate() {
+                let seen = self.extremes.extremes(i, lane);
+                if seen.lost {
+                    *end = RunEnd::NotFinite(reached, i);
+                    break;
+                }
+                // The table's last value stands for everything beyond it.
+                if seen.highest_step + table.pressure_state() >= top * (1.0 - 1e-6) {
+                    *end = RunEnd::Beyond(i);
+                    break;
+                }
+            }
+        }
+    }
+
+    pub(super) fn outcomes(mut self) -> Vec<Outcome> {
+        let mut decimated = self.decimator.take().map(DecimationState::finish).unwrap_or_default();
+        let mut recorded = std::mem::take(&mut self.recorded);
+        // The newest step is the last of those before the next chunk.
+        let newest = &self.chunk[PAST - 1];
+        let lanes = self.ends.iter().enumerate();
+        let outcome = |(lane, &end): (usize, &RunEnd)| {
+            let of = |numbers: &Numbers<S>| lane_of::<S>(numbers, lane);
+            let hit = self.block.lanes[lane]?;
+            let contacts = hit.tabulated.tables.iter().enumerate().map(|(i, table)| {
+                let contact = &self.block.contacts[i];
+                let per_metre = table.scales()[1].cells_per_metre;
+                ContactOutcome {
+                    extremes: self.extremes.extremes(i, lane),
+                    stiffness: of(&contact.stiffness) * per_metre / self.steps as f64,
+                    pressure: self.extremes.newest(i, lane),
+                    closure: of(&newest.closure[i]) / per_metre,
+                }
+            });
+            let contacts = contacts.collect();
+            let mut columns = recorded.get_mut(lane).map(std::mem::take).unwrap_or_default();
+            for (column, table) in columns.closure.iter_mut().zip(&hit.tabulated.tables) {
+                let per_metre = table.scales()[1].cells_per_metre;
+                for cells in column {
+                    *cells /= per_metre;
+                }
+            }
+            Some(Outcome {
+                end,
+                displacement: match decimated.get_mut(lane) {
+                    Some(samples) => std::mem::take(samples),
+                    None => columns.displacement,
+                },
+                pressure: columns.pressure,
+                closure: columns.closure,
+                contacts,
+                work: of(&self.block.work),
+                loss: of(&self.block.loss),
+                states: self.states.iter().map(|states| states.map(|state| of(&state))).collect(),
+            })
+        };
+        lanes.filter_map(outcome).collect()
+    }
+}

@@ -1,0 +1,163 @@
+//! One step of every lane.
+//!
+//! ```text
+//! y + B p(y) = y*                          closures; Newton, all interfaces at once
+//! d   = d* - t0 F(p),   q = q* - t0 F      modes, once the pressures are known
+//! d*  = e d - k q + carried forces         and at once what the next step
+//! q*  = q + d*,   y* = sum of g q*         would reach without its pressures
+//! ```
+//!
+//! Every mode is loaded and stored once a step. The drive, which acts during a small part of a
+//! run, is added to `d*`, `q*` and `y*` when its step comes.
+#![allow(
+    clippy::needless_range_loop,
+    reason = "loops over the few interfaces run over several arrays at once"
+)]
+
+mod contact_solve;
+mod linear_solve;
+
+use super::block::{Block, Coefficient, Drive, Measure, Numbers, PAST, Pair, Step};
+use super::table_lookup::TableLookup;
+
+impl<S: TableLookup, C: Coefficient<S>, const N: usize> Block<'_, S, C, N> {
+    /// Interfaces: a constant for the usual one or two, so that loops over them are laid out.
+    #[inline(always)]
+    pub(super) fn interfaces(&self) -> usize {
+        if N <= 2 { N } else { self.coupled.min(N) }
+    }
+
+    /// Takes one step from the steps of `past`, oldest first.
+    #[inline(always)]
+    pub(super) fn step(
+        &mut self,
+        simd: S,
+        past: &[Step<Numbers<S>, N>; PAST],
+        step: &mut Step<Numbers<S>, N>,
+        measure: Measure,
+    ) {
+        let interfaces = self.interfaces();
+        let pair = Pair(simd);
+        let (closure, pressure) = self.solve(simd, past, measure);
+        let measured = measure.weight > 0.0;
+        let mut ahead = [pair.splat(0.0); N];
+        let mut output = pair.splat(0.0);
+        let mut loss = pair.splat(0.0);
+        for mode in &mut self.modes {
+            let mut force = pair.mul(mode.force[0].all(simd), pressure[0]);
+            for i in 1..interfaces {
+                force = pair.mul_add(mode.force[i].all(simd), pressure[i], force);
+            }
+            let [t0, t1, t2, t3] = mode.contact;
+            let pushed = pair.mul(t0.all(simd), force);
+            let increment = pair.add(mode.increment_ahead, pushed);
+            let reached = pair.add(mode.ahead, pushed);
+            output = pair.mul_add(mode.output.all(simd), reached, output);
+            if measured {
+                let change = pair.mul(mode.loss[1].all(simd), mode.increment);
+                let change = pair.mul_add(mode.loss[0].all(simd), increment, change);
+                loss = pair.mul_add(increment, change, loss);
+            }
+            if measure.remember {
+                mode.increment = increment;
+            }
+            let carried = pair.mul_add(t1.all(simd), force, mode.carry[0]);
+            mode.carry[0] = pair.mul_add(t2.all(simd), force, mode.carry[1]);
+            mode.carry[1] = pair.mul(t3.all(simd), force);
+            let sprung = pair.mul_add(mode.spring.all(simd), reached, carried);
+            let increment_ahead = pair.mul_add(mode.decay.all(simd), increment, sprung);
+            let reached_ahead = pair.add(reached, increment_ahead);
+            mode.increment_ahead = increment_ahead;
+            mode.ahead = reached_ahead;
+            for i in 0..interfaces {
+                ahead[i] = pair.mul_add(mode.closure[i].all(simd), reached_ahead, ahead[i]);
+            }
+        }
+        if measured {
+            self.loss = pair.mul_add(pair.splat(measure.weight), loss, self.loss);
+        }
+        for i in 0..interfaces {
+            let contact = &mut self.contacts[i];
+            output = pair.less_mul(contact.output.all(simd), pressure[i], output);
+            contact.ahead = ahead[i];
+            step.closure[i] = closure[i];
+            step.pressure[i] = pressure[i];
+        }
+        self.output = output;
+        step.output = output;
+    }
+
+    /// Adds the drive of the next step to what the step would reach without it.
+    #[inline(always)]
+    pub(super) fn push(&mut self, simd: S, drive: &Drive<Numbers<S>>) {
+        let interfaces = self.interfaces();
+        let pair = Pair(simd);
+        let Drive([mean, rise, end]) = *drive;
+        let [mean_before, rise_before] = self.drive_before;
+        let mut ahead = [pair.splat(0.0); N];
+        for i in 0..interfaces {
+            let contact = &self.contacts[i];
+            ahead[i] = pair.mul_add(contact.drive.all(simd), end, contact.ahead);
+        }
+        for mode in &mut self.modes {
+            let [b0, b1, b2, b3] = mode.drive;
+            let past = pair.mul(b2.all(simd), mean_before);
+            let past = pair.mul_add(b3.all(simd), rise_before, past);
+            let driven = pair.mul_add(b1.all(simd), rise, past);
+            let driven = pair.mul_add(b0.all(simd), mean, driven);
+            mode.increment_ahead = pair.add(mode.increment_ahead, driven);
+            mode.ahead = pair.add(mode.ahead, driven);
+            for i in 0..interfaces {
+                ahead[i] = pair.mul_add(mode.closure[i].all(simd), driven, ahead[i]);
+            }
+        }
+        for i in 0..interfaces {
+            self.contacts[i].ahead = ahead[i];
+        }
+    }
+
+    /// Gain of the driving point by the modes in the last step, if it was remembered.
+    #[inline(always)]
+    pub(super) fn driving_point_increment(&self, simd: S) -> Numbers<S> {
+        let pair = Pair(simd);
+        let mut change = pair.splat(0.0);
+        for mode in &self.modes {
+            change = pair.mul_add(mode.driving_point.all(simd), mode.increment, change);
+        }
+        change
+    }
+
+    /// Completes the output of a driven step, and counts the work of the drive; `change_before` is
+    /// the increment of the driving point in the step before.
+    #[inline(always)]
+    pub(super) fn count_work(
+        &mut self,
+        simd: S,
+        drive: &Drive<Numbers<S>>,
+        change_before: Numbers<S>,
+        step: &mut Step<Numbers<S>, N>,
+    ) {
+        let pair = Pair(simd);
+        let Drive([mean, rise, end]) = *drive;
+        let output = pair.mul_add(self.output_drive.all(simd), end, self.output);
+        self.output = output;
+        step.output = output;
+        let mut driven = pair.mul(self.driving_point.all(simd), end);
+        for i in 0..self.interfaces() {
+            let yielding = self.contacts[i].driving_point.all(simd);
+            driven = pair.less_mul(yielding, step.pressure[i], driven);
+        }
+        for mode in &self.modes {
+            let reached = pair.sub(mode.ahead, mode.increment_ahead);
+            driven = pair.mul_add(mode.driving_point.all(simd), reached, driven);
+        }
+        // The velocity of the driving point changes over the step by about `change` divided by the step.
+        let change = pair.sub(self.driving_point_increment(simd), change_before);
+        let moved = pair.sub(driven, self.driven);
+        let twelfth = pair.mul(pair.splat(1.0 / 12.0), rise);
+        let work = pair.mul_add(twelfth, change, self.work);
+        self.work = pair.mul_add(mean, moved, work);
+        self.driven = driven;
+        self.drive_before = [mean, rise];
+    }
+}

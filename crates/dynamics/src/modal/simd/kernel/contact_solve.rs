@@ -1,0 +1,178 @@
+//! The contact laws of one step: Newton's method on cubic tables.
+//!
+//! The parabola through the last three closures foresees the next one so well that one
+//! correction is enough, but when a contact opens or closes.
+
+use super::linear_solve::{factor, solve_factored};
+use crate::modal::simd::block::{
+    Block, Coefficient, Contacts, Matrix, Measure, Numbers, PAST, Pair, Step,
+};
+use crate::modal::simd::table_lookup::TableLookup;
+
+/// Newton corrections before a lane is solved by itself.
+const NEWTON: usize = 8;
+
+/// Rounding to nearest minus this is rounding down, but for the last bit of a whole number.
+const HALF: f64 = 0.5 - 1.0 / 1_073_741_824.0;
+
+/// Pressures and tangents of the laws at given closures, with the linear system of a correction.
+struct Linearised<S: TableLookup, const N: usize> {
+    pressure: Contacts<S, N>,
+    tangent: Contacts<S, N>,
+    /// `-y - B p(y)`
+    shortfall: Contacts<S, N>,
+    /// Of `I + B K`.
+    factors: Matrix<S, N>,
+}
+
+impl<S: TableLookup, C: Coefficient<S>, const N: usize> Block<'_, S, C, N> {
+    /// Closures (in cells) and pressures \[Pa\] that satisfy every law at once.
+    #[inline(always)]
+    pub(in crate::modal) fn solve(
+        &mut self,
+        simd: S,
+        past: &[Step<Numbers<S>, N>; PAST],
+        measure: Measure,
+    ) -> (Contacts<S, N>, Contacts<S, N>) {
+        let interfaces = self.interfaces();
+        let pair = Pair(simd);
+        let three = pair.splat(3.0);
+        let mut closure = [three; N];
+        for i in 0..interfaces {
+            let [x2, x1, x0] = [&past[0], &past[1], &past[2]].map(|step| step.closure[i]);
+            closure[i] = pair.mul_add(three, pair.sub(x0, x1), x2);
+        }
+        let law = self.linearise(simd, &closure);
+        let mut pressure = law.pressure;
+        let correction = self.correction(simd, &law);
+        for i in 0..interfaces {
+            closure[i] = pair.add(closure[i], correction[i]);
+            pressure[i] = pair.mul_add(law.tangent[i], correction[i], pressure[i]);
+        }
+        if measure.weight > 0.0 {
+            let weight = pair.splat(measure.weight);
+            for i in 0..interfaces {
+                let contact = &mut self.contacts[i];
+                contact.stiffness = pair.mul_add(weight, law.tangent[i], contact.stiffness);
+            }
+        }
+        let open = self.unsolved(simd, &correction);
+        if pair.any(open) {
+            self.refine(simd, open, &mut closure, &mut pressure);
+        }
+        (closure, pressure)
+    }
+
+    #[inline(always)]
+    fn correction(&self, simd: S, law: &Linearised<S, N>) -> Contacts<S, N> {
+        let interfaces = self.interfaces();
+        let mut residual = law.shortfall;
+        for i in 0..interfaces {
+            residual[i] = Pair(simd).add(self.contacts[i].ahead, residual[i]);
+        }
+        solve_factored(simd, interfaces, &law.factors, residual)
+    }
+
+    /// Lanes whose correction is not negligible.
+    #[inline(always)]
+    fn unsolved(&self, simd: S, correction: &Contacts<S, N>) -> [S::m64s; 2] {
+        let pair = Pair(simd);
+        let mut open = pair.exceeds(correction[0], self.contacts[0].tolerance.all(simd));
+        for i in 1..self.interfaces() {
+            let tolerance = self.contacts[i].tolerance.all(simd);
+            open = pair.or(open, pair.exceeds(correction[i], tolerance));
+        }
+        open
+    }
+
+    /// Goes on correcting the lanes of `open`, and leaves the others as they are: what a lane
+    /// answers must not depend on its neighbours.
+    #[inline(always)]
+    fn refine(
+        &mut self,
+        simd: S,
+        mut open: [S::m64s; 2],
+        closure: &mut Contacts<S, N>,
+        pressure: &mut Contacts<S, N>,
+    ) {
+        let interfaces = self.interfaces();
+        let pair = Pair(simd);
+        for _ in 1..NEWTON {
+            let law = self.linearise(simd, closure);
+            let correction = self.correction(simd, &law);
+            for i in 0..interfaces {
+                let reached = pair.add(closure[i], correction[i]);
+                let pressed = pair.mul_add(law.tangent[i], correction[i], law.pressure[i]);
+                closure[i] = pair.select(open, reached, closure[i]);
+                pressure[i] = pair.select(open, pressed, pressure[i]);
+            }
+            open = pair.and(open, self.unsolved(simd, &correction));
+            if !pair.any(open) {
+                return;
+            }
+        }
+        let marks = pair.select(open, pair.splat(1.0), pair.splat(0.0));
+        // Copies, so that the numbers of the usual path need not be in memory.
+        let (mut alone, mut pressed) = (*closure, *pressure);
+        self.solve_fallback(&marks, &mut alone, &mut pressed);
+        (*closure, *pressure) = (alone, pressed);
+    }
+
+    #[inline(always)]
+    fn linearise(&self, simd: S, closure: &Contacts<S, N>) -> Linearised<S, N> {
+        let interfaces = self.interfaces();
+        let pair = Pair(simd);
+        let (mut pressure, mut tangent) = (*closure, *closure);
+        // Written out for the usual two: the compiler leaves so long a loop a loop, and all that
+        // it touches in memory.
+        (pressure[0], tangent[0]) = self.law(simd, 0, closure[0]);
+        if N == 2 {
+            (pressure[N - 1], tangent[N - 1]) = self.law(simd, N - 1, closure[N - 1]);
+        } else {
+            for i in 1..interfaces {
+                (pressure[i], tangent[i]) = self.law(simd, i, closure[i]);
+            }
+        }
+        let zero = pair.splat(0.0);
+        let one = pair.splat(1.0);
+        let mut shortfall = [zero; N];
+        let mut matrix = [[zero; N]; N];
+        for i in 0..interfaces {
+            shortfall[i] = pair.sub(zero, closure[i]);
+            for j in 0..interfaces {
+                let coupling = self.contacts[i].coupling[j].all(simd);
+                shortfall[i] = pair.less_mul(coupling, pressure[j], shortfall[i]);
+                matrix[i][j] = if i == j {
+                    pair.mul_add(coupling, tangent[j], one)
+                } else {
+                    pair.mul(coupling, tangent[j])
+                };
+            }
+        }
+        let factors = factor(simd, interfaces, matrix);
+        Linearised { pressure, tangent, shortfall, factors }
+    }
+
+    /// Pressure increment \[Pa\] at a closure, in cells from rest, and its tangent per cell.
+    #[inline(always)]
+    fn law(&self, simd: S, i: usize, closure: Numbers<S>) -> (Numbers<S>, Numbers<S>) {
+        let contact = &self.contacts[i];
+        let pair = Pair(simd);
+        let place = pair.add(closure, contact.rest.all(simd));
+        // In this order: a place that is not a number becomes the first.
+        let place = pair.max(place, contact.first.all(simd));
+        let place = pair.min(place, contact.last.all(simd));
+        let whole = contact.whole.all(simd);
+        let marked = pair.add(pair.sub(place, pair.splat(HALF)), whole);
+        let t = pair.sub(place, pair.sub(marked, whole));
+        let ([a0, a1, a2, a3], [b0, b1, b2, b3]) =
+            (simd.lookup(&self.rows, marked[0]), simd.lookup(&self.rows, marked[1]));
+        let [c0, c1, c2, c3] = [[a0, b0], [a1, b1], [a2, b2], [a3, b3]];
+        let cubic = pair.mul(c3, t);
+        let curved = pair.add(cubic, c2);
+        let slope = pair.mul_add(t, curved, c1);
+        let value = pair.mul_add(t, slope, c0);
+        let tangent = pair.mul_add(t, pair.add(curved, cubic), slope);
+        (value, tangent)
+    }
+}

@@ -1,0 +1,349 @@
+//! Simulation of many hits, each at the step and with the tables that it needs.
+
+use asperity_structure::PreloadedContact;
+use std::cmp::Ordering;
+use std::sync::Arc;
+
+use super::assembly::PreparedHit;
+use super::dense_output::history;
+use super::drive::DriveForce;
+use super::energy::ledger;
+use super::simd::block::CHUNK;
+use super::simd::decimation::Decimation;
+use super::simd::integrate::{BlockRun, Outcome, Recording, RunEnd, room};
+use super::simulation::{HitResponse, HitSimulation};
+use super::step_size::{MOST_HALVINGS, Resolution};
+use crate::{ContactExtremes, DynamicsError, Excitation, InstructionSet, Sampling, Transient};
+
+/// Integrates hits in the lanes of vectors, on the calling thread.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Batch {
+    /// Vector instructions to run on.
+    pub instructions: InstructionSet,
+}
+
+impl Default for Batch {
+    fn default() -> Self {
+        Self { instructions: InstructionSet::detected() }
+    }
+}
+
+/// A hit that is not finished: how it is tried next.
+#[derive(Debug, Clone)]
+pub(super) struct Attempt {
+    index: usize,
+    pub(super) lane: PreparedHit,
+    halvings: u32,
+    reach: i32,
+    decimation: Arc<Decimation>,
+}
+
+/// Doublings of the tabulated pressures before a hit is given up.
+const MOST_DOUBLINGS: i32 = 24;
+
+/// Doublings of the tables' reach after a pressure beyond it.
+const REACH_FURTHER: i32 = 2;
+
+impl Batch {
+    /// Hits that are stepped side by side: batches of a multiple of this many waste no lane.
+    pub fn room(&self) -> usize {
+        room(self.instructions)
+    }
+
+    /// The responses to `hits`, in their order; a hit that fails has its own error, and no response
+    /// depends on the other hits.
+    ///
+    /// `decimation` gives the filter for the output of hit `index` at a step \[s\].
+    ///
+    /// ```
+    /// use asperity_dynamics::{Batch, Decimation, Excitation, HitSimulation, ModalModel};
+    /// # use std::sync::Arc;
+    /// # use asperity_law::Constant;
+    /// # use asperity_mesh::{Body, Interface, ModeCount, Stack, Support};
+    /// # use asperity_structure::{Damping, PreloadedStructure};
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// # let guide = Body::with_mass("guide", 0.229, 1.61, 71e9, 2710.0)?;
+    /// # let contact = Interface::new("guide-disc", 1.15e-4, Arc::new(Constant::new(4.25e11)?))?;
+    /// # let stack = Stack::new(vec![guide], vec![contact], Support::Rigid, 9.81)?;
+    /// # let structure = PreloadedStructure::new(stack, Damping::Ratio(0.035))?;
+    /// let model = Arc::new(ModalModel::new(structure.reduced(ModeCount::PerBody(3))?)?);
+    /// let hits = [9.0, 32.0].map(|peak| HitSimulation {
+    ///     model: Arc::clone(&model),
+    ///     excitation: Excitation::GammaPulse { peak, rise: 0.34e-3 },
+    ///     duration: 0.02,
+    ///     step: None,
+    /// });
+    /// let all_steps = Arc::new(Decimation { factor: 1, taps: Arc::new([1.0]) });
+    /// let responses = Batch::default().run(&hits, &|_, _| Arc::clone(&all_steps));
+    /// let highest = |n: usize| responses[n].as_ref().map_or(0.0, |hit| hit.contacts[0].pressure_max);
+    /// assert!(highest(1) > highest(0));
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub fn run(
+        &self,
+        hits: &[HitSimulation],
+        decimation: &dyn Fn(usize, f64) -> Arc<Decimation>,
+    ) -> Vec<Result<HitResponse, DynamicsError>> {
+        let mut results: Vec<Option<Result<HitResponse, DynamicsError>>> = vec![None; hits.len()];
+        let mut shapes = PulseShapes::default();
+        let mut attempts = Vec::with_capacity(hits.len());
+        for (index, hit) in hits.iter().enumerate() {
+            match Attempt::first(index, hit, &mut shapes, decimation) {
+                Ok(attempt) => attempts.push(attempt),
+                Err(error) => results[index] = Some(Err(error)),
+            }
+        }
+        while !attempts.is_empty() {
+            // Lanes of one model and reach share their constants.
+            attempts.sort_by(|a, b| a.batch_order(b).then(a.reach.cmp(&b.reach)));
+            let mut again = Vec::new();
+            for compatible in attempts.chunk_by(|a, b| a.batch_order(b) == Ordering::Equal) {
+                for group in compatible.chunks(self.room()) {
+                    let lanes: Vec<&PreparedHit> =
+                        group.iter().map(|attempt| &attempt.lane).collect();
+                    let recording = Recording::Decimated(&group[0].decimation);
+                    let Some(outcomes) =
+                        (BlockRun { lanes: &lanes, recording }).run(self.instructions)
+                    else {
+                        for attempt in group {
+                            results[attempt.index] =
+                                Some(Err(DynamicsError::InstructionSet { set: self.instructions }));
+                        }
+                        continue;
+                    };
+                    for (attempt, outcome) in group.iter().zip(outcomes) {
+                        let hit = &hits[attempt.index];
+                        match attempt.next(hit, &outcome, &mut shapes, decimation) {
+                            Ok(None) => {
+                                results[attempt.index] = Some(Ok(attempt.record(outcome)));
+                            }
+                            Ok(Some(next)) => again.push(next),
+                            Err(error) => results[attempt.index] = Some(Err(error)),
+                        }
+                    }
+                }
+            }
+            attempts = again;
+        }
+        let lost = || Err(DynamicsError::InstructionSet { set: self.instructions });
+        results.into_iter().map(|result| result.unwrap_or_else(lost)).collect()
+    }
+
+    /// The whole response to one hit.
+    ///
+    /// # Errors
+    /// As [`Modal::integrate`](super::Modal::integrate).
+    pub fn transient(
+        &self,
+        hit: &HitSimulation,
+        sampling: &Sampling,
+    ) -> Result<Transient, DynamicsError> {
+        let (lane, outcome) = self.whole(hit)?;
+        Ok(Transient {
+            step: lane.tabulated.step_model.step,
+            steps: lane.steps,
+            history: history(&lane, &outcome, &hit.excitation, sampling),
+            contacts: contact_extremes(&lane, &outcome),
+            energy: ledger(&lane, &outcome),
+        })
+    }
+
+    /// The steps of one hit, at the step and with the tables that it needs.
+    pub(super) fn whole(
+        self,
+        hit: &HitSimulation,
+    ) -> Result<(PreparedHit, Outcome), DynamicsError> {
+        let none = Arc::new(Decimation { factor: 1, taps: Arc::new([]) });
+        let decimation = |_: usize, _: f64| Arc::clone(&none);
+        let mut shapes = PulseShapes::default();
+        let mut attempt = Attempt::first(0, hit, &mut shapes, &decimation)?;
+        loop {
+            let run = BlockRun { lanes: &[&attempt.lane], recording: Recording::EveryStep };
+            let outcome = run
+                .run(self.instructions)
+                .and_then(|outcomes| outcomes.into_iter().next())
+                .ok_or_else(|| DynamicsError::InstructionSet { set: self.instructions })?;
+            match attempt.next(hit, &outcome, &mut shapes, &decimation)? {
+                Some(next) => attempt = next,
+                None => return Ok((attempt.lane, outcome)),
+            }
+        }
+    }
+}
+
+/// Power of two of the pressures \[Pa\] above rest that tables reach at first: three times the peak
+/// over the area, or a quarter of the weight, whichever is more.
+fn first_reach(hit: &HitSimulation) -> i32 {
+    let areas = hit.model.contacts().iter().map(PreloadedContact::area);
+    let smallest = areas.fold(f64::INFINITY, f64::min);
+    let weight = hit.model.contacts().iter().map(PreloadedContact::pressure);
+    let scale = weight.fold(3.0 * hit.excitation.peak() / smallest, |m, p| m.max(0.25 * p));
+    if scale > 0.0 { scale.log2().ceil().clamp(-30.0, 60.0) as i32 } else { 0 }
+}
+
+impl Attempt {
+    fn first(
+        index: usize,
+        hit: &HitSimulation,
+        shapes: &mut PulseShapes,
+        decimation: &dyn Fn(usize, f64) -> Arc<Decimation>,
+    ) -> Result<Self, DynamicsError> {
+        hit.excitation.check()?;
+        let resolution = Resolution::first(hit)?;
+        Self::at(index, hit, resolution, (0, first_reach(hit)), shapes, decimation)
+    }
+
+    fn at(
+        index: usize,
+        hit: &HitSimulation,
+        resolution: Resolution,
+        (halvings, reach): (u32, i32),
+        shapes: &mut PulseShapes,
+        decimation: &dyn Fn(usize, f64) -> Arc<Decimation>,
+    ) -> Result<Self, DynamicsError> {
+        let Resolution { step, steps } = resolution;
+        let (drive, amplitude) = shapes.drive_force(&hit.excitation, step, steps);
+        let tabulated = hit.model.prepare(step, reach)?;
+        let lane =
+            PreparedHit { model: Arc::clone(&hit.model), tabulated, drive, amplitude, steps };
+        Ok(Self { index, lane, halvings, reach, decimation: decimation(index, step) })
+    }
+
+    /// Orders attempts so that those that can be integrated together are neighbours; among them,
+    /// those whose forces end together.
+    fn batch_order(&self, other: &Self) -> Ordering {
+        let key = |attempt: &Self| {
+            let model = &attempt.lane.tabulated.step_model;
+            let size = (attempt.lane.steps, model.modes.len(), attempt.lane.model.contacts().len());
+            (size, attempt.decimation.factor, attempt.decimation.taps.len())
+        };
+        // Lanes share one filter, which must be that of each.
+        let taps = || {
+            if Arc::ptr_eq(&self.decimation.taps, &other.decimation.taps) {
+                return Ordering::Equal;
+            }
+            let mut pairs = self.decimation.taps.iter().zip(&*other.decimation.taps);
+            let unequal = pairs.find(|(a, b)| a.to_bits() != b.to_bits());
+            unequal.map_or(Ordering::Equal, |(a, b)| a.total_cmp(b))
+        };
+        key(self).cmp(&key(other)).then_with(taps)
+    }
+
+    /// The next attempt after an outcome; none if the outcome is accepted.
+    fn next(
+        &self,
+        hit: &HitSimulation,
+        outcome: &Outcome,
+        shapes: &mut PulseShapes,
+        decimation: &dyn Fn(usize, f64) -> Arc<Decimation>,
+    ) -> Result<Option<Self>, DynamicsError> {
+        let unstable = |steps: usize, i: usize| DynamicsError::Unstable {
+            time_s: steps as f64 * self.lane.tabulated.step_model.step,
+            interface: self.lane.model.contacts()[i].name().to_owned(),
+        };
+        let may_halve = hit.step.is_none() && self.halvings < MOST_HALVINGS;
+        let (halvings, reach) = match outcome.end {
+            RunEnd::Beyond(i) if self.doublings(hit) >= MOST_DOUBLINGS => {
+                return Err(unstable(self.lane.steps, i));
+            }
+            RunEnd::Beyond(_) => (self.halvings, self.reach + REACH_FURTHER),
+            // Below the table of a law that carries tension there are no numbers.
+            RunEnd::NotFinite(..) if self.may_pull_further(hit) => {
+                (self.halvings, self.reach + REACH_FURTHER)
+            }
+            RunEnd::NotFinite(..) if may_halve => (self.halvings + 1, self.reach),
+            RunEnd::NotFinite(reached, i) => {
+                return Err(unstable(reached.saturating_sub(8 * CHUNK), i));
+            }
+            RunEnd::Done => {
+                let residual = ledger(&self.lane, outcome).residual_relative();
+                if !(may_halve && Resolution::too_coarse(residual)) {
+                    Resolution::accept(residual, self.lane.tabulated.step_model.step)?;
+                    return Ok(None);
+                }
+                (self.halvings + 1, self.reach)
+            }
+        };
+        let finer = Resolution::halved(hit, halvings)?;
+        Self::at(self.index, hit, finer, (halvings, reach), shapes, decimation).map(Some)
+    }
+
+    /// Doublings of the reach since the first attempt.
+    fn doublings(&self, hit: &HitSimulation) -> i32 {
+        self.reach - first_reach(hit)
+    }
+
+    fn may_pull_further(&self, hit: &HitSimulation) -> bool {
+        let mut laws = hit.model.contacts().iter().map(|contact| contact.law().domain());
+        laws.any(|domain| domain.is_bilateral()) && self.doublings(hit) < MOST_DOUBLINGS
+    }
+
+    fn record(&self, outcome: Outcome) -> HitResponse {
+        HitResponse {
+            step: self.lane.tabulated.step_model.step,
+            steps: self.lane.steps,
+            decimation: Arc::clone(&self.decimation),
+            contacts: contact_extremes(&self.lane, &outcome),
+            energy: ledger(&self.lane, &outcome),
+            displacement: outcome.displacement,
+        }
+    }
+}
+
+/// Extremes as pressures, none below loss of contact, and the average stiffness.
+pub(super) fn contact_extremes(lane: &PreparedHit, outcome: &Outcome) -> Vec<ContactExtremes> {
+    let named = lane.model.contacts().iter().zip(&outcome.contacts).enumerate();
+    named
+        .map(|(i, (contact, outcome))| {
+            let (state, seen) = (contact.pressure(), &outcome.extremes);
+            let open = seen.lowest <= lane.open_below(i);
+            // A parabola through three steps can fall below the domain of the law.
+            let lowest = (state + seen.lowest).max(contact.law().domain().pressure_min);
+            let stiffness = |increment: f64| {
+                let closed = increment > lane.open_below(i);
+                if closed { contact.law().stiffness(state + increment) } else { 0.0 }
+            };
+            // From steps 1 to N to steps 0 to N - 1.
+            let shifted = (stiffness(0.0) - stiffness(outcome.pressure)) / lane.steps as f64;
+            ContactExtremes {
+                pressure_min: if open { 0.0 } else { lowest },
+                pressure_max: state + seen.highest,
+                lost: seen.open_steps as f64 * lane.tabulated.step_model.step,
+                stiffness_average: outcome.stiffness + shifted,
+            }
+        })
+        .collect()
+}
+
+/// Drive forces already computed: hits of one shape differ by a factor.
+#[derive(Debug, Default)]
+pub(super) struct PulseShapes {
+    known: Vec<(Excitation, f64, usize, Arc<DriveForce>)>,
+}
+
+/// Forces kept at a time.
+const MOST_SHAPES: usize = 32;
+
+impl PulseShapes {
+    pub(super) fn drive_force(
+        &mut self,
+        excitation: &Excitation,
+        step: f64,
+        steps: usize,
+    ) -> (Arc<DriveForce>, f64) {
+        let (unit, factor) = excitation.unit();
+        let same = |known: &&(Excitation, f64, usize, Arc<DriveForce>)| {
+            known.1 == step && known.2 == steps && known.0 == unit
+        };
+        if let Some(found) = self.known.iter().find(same) {
+            return (Arc::clone(&found.3), factor);
+        }
+        let drive = Arc::new(DriveForce::new(&unit, step, steps));
+        if self.known.len() >= MOST_SHAPES {
+            self.known.clear();
+        }
+        self.known.push((unit, step, steps, Arc::clone(&drive)));
+        (drive, factor)
+    }
+}

@@ -1,0 +1,24 @@
+//! The integrators against exact solutions, second methods, and each other.
+#![allow(unreachable_pub, reason = "a test binary has no other crate to show its items to")]
+#![allow(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
+
+mod support;
+
+mod both_engines;
+mod damping;
+mod energy;
+mod excitations;
+mod instruction_sets;
+mod interface_waves;
+mod invalid_settings;
+mod modal_batch;
+mod modal_exact;
+mod modal_limits;
+mod modal_responses;
+mod modal_structures;
+mod modal_waves;
+mod paper_rig;
+mod rest;
+mod scaling;
+mod second_method;
+mod sensitivity;
