@@ -4,7 +4,7 @@ mod derivatives;
 
 use std::path::PathBuf;
 
-use asperity_dynamics::{Batch, HitSimulation, HitResponse};
+use asperity_dynamics::{Batch, HitResponse, HitSimulation};
 use asperity_inference::{
     Derivatives, ForwardModel, Observation, Parameter, PredictionError, Predictions,
 };

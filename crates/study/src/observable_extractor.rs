@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use asperity_dynamics::{Excitation, HitSimulation, HitResponse, Decimation};
+use asperity_dynamics::{Decimation, Excitation, HitResponse, HitSimulation};
 use asperity_signal::{
     Complex64, DecimationFilter, HarmonicOptions, SharedForce, SharedForceFeatures, SignalError,
     transform_at,
@@ -74,7 +74,11 @@ impl ObservableExtractor {
     }
 
     /// The decimated force of a hit's shape, and the factor on it; none without a force.
-    fn force(&self, hit: &HitSimulation, record: &HitResponse) -> Option<(Arc<DecimatedForce>, f64)> {
+    fn force(
+        &self,
+        hit: &HitSimulation,
+        record: &HitResponse,
+    ) -> Option<(Arc<DecimatedForce>, f64)> {
         let (shape, factor) = hit.excitation.unit();
         if shape.peak() == 0.0 {
             return None;
@@ -135,7 +139,11 @@ impl ObservableExtractor {
 
     /// The displacement of a hit after its force \[m\], and its sample rate \[Hz\]; none without
     /// a force.
-    pub fn decay<'a>(&self, hit: &HitSimulation, record: &'a HitResponse) -> Option<(&'a [f64], f64)> {
+    pub fn decay<'a>(
+        &self,
+        hit: &HitSimulation,
+        record: &'a HitResponse,
+    ) -> Option<(&'a [f64], f64)> {
         let (force, _) = self.force(hit, record)?;
         Some((force.decay(record), sample_rate(record)))
     }

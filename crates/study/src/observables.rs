@@ -1,7 +1,7 @@
 //! Observables of a response, extracted by one definition from a full run, a decimated record, or
 //! the steps of a differentiated hit.
 
-use asperity_dynamics::{ContactMeasures, ContactExtremes, EnergyLedger};
+use asperity_dynamics::{ContactExtremes, ContactMeasures, EnergyLedger};
 use asperity_signal::{
     FrequencyResponse, HarmonicOptions, SharedForceFeatures, SignalError, find_harmonics,
     half_power, logarithmic_decrement,

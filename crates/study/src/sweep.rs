@@ -158,7 +158,8 @@ impl Work<'_> {
             });
         }
         let natural = |index: usize| of[index].1.at_rest.natural_frequency_hz;
-        let decimation = |index: usize, step: f64| self.extractor.decimation(natural(index), 0.0, step);
+        let decimation =
+            |index: usize, step: f64| self.extractor.decimation(natural(index), 0.0, step);
         let records = self.batch.run(&hits, &decimation);
         for ((record, hit), (place, prepared)) in records.into_iter().zip(&hits).zip(&of) {
             let row = record.map_err(StudyError::from).and_then(|record| {

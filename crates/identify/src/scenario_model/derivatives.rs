@@ -8,7 +8,8 @@
 use std::sync::Arc;
 
 use asperity_dynamics::{
-    StepHistory, HitSimulation, RELATIVE_STEP, STENCIL, Sensitivity, ParameterVariation, central_difference,
+    HitSimulation, ParameterVariation, RELATIVE_STEP, STENCIL, Sensitivity, StepHistory,
+    central_difference,
 };
 use asperity_inference::Derivatives;
 use asperity_signal::{BackbonePoint, Complex64, transform_at};

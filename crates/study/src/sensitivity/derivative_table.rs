@@ -1,6 +1,6 @@
 //! From the derivatives of a response to those of its observables.
 
-use asperity_dynamics::{StepHistory, Sensitivity, central_difference};
+use asperity_dynamics::{Sensitivity, StepHistory, central_difference};
 use asperity_signal::{
     FrequencyResponse, HarmonicOptions, Harmonics, Peak, PeakSensitivity, SharedForceFeatures,
     SignalError, find_harmonics, half_power_crossings,
@@ -106,8 +106,9 @@ impl Derivatives<'_> {
             | Quantity::PressureMax
             | Quantity::StiffnessAverage
             | Quantity::StiffnessAtPressureMin => {
-                let of =
-                    |course: &StepHistory| contact_value(course.contacts.get(interface?)?, quantity);
+                let of = |course: &StepHistory| {
+                    contact_value(course.contacts.get(interface?)?, quantity)
+                };
                 self.found.derivatives.iter().map(of).collect()
             }
             Quantity::NaturalFrequency

@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
-use asperity_dynamics::{DynamicsError, HitSimulation, ModalModel, RELATIVE_STEP, STENCIL, ParameterVariation};
+use asperity_dynamics::{
+    DynamicsError, HitSimulation, ModalModel, ParameterVariation, RELATIVE_STEP, STENCIL,
+};
 use asperity_scenario::Document;
 use asperity_structure::{Damping, PreloadedContact, PreloadedStructure};
 
@@ -48,7 +50,10 @@ impl Varied {
                 rig = Arc::new(with_laws_of(&base.model, &rig)?);
             }
             let excitation = prepared.assembly.excitation;
-            Ok::<_, SensitivityError>((HitSimulation { model: rig, excitation, ..base.clone() }, prepared.at_rest))
+            Ok::<_, SensitivityError>((
+                HitSimulation { model: rig, excitation, ..base.clone() },
+                prepared.at_rest,
+            ))
         };
         let [a, b, c, d] = STENCIL;
         let ((a, a_rest), (b, b_rest), (c, c_rest), (d, d_rest)) = (at(a)?, at(b)?, at(c)?, at(d)?);
