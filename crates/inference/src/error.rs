@@ -31,7 +31,7 @@ pub enum InferenceError {
         expected: &'static str,
     },
     /// A start outside the bounds.
-    #[error("the start of '{name}' is {start}; it must be within its bounds {lower} to {upper}")]
+    #[error("the start of '{name}' is {start}, outside its bounds {lower} to {upper}")]
     Start {
         /// The parameter.
         name: String,
