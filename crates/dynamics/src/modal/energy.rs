@@ -68,7 +68,7 @@ mod tests {
     fn small_gains_keep_their_energy() {
         let law = Power::new(1.81e10, 0.35, 0.0).unwrap();
         let (p, k) = (1.4e5, law.stiffness(1.4e5));
-        let rest = PreloadedContact::new("contact", 1e-4, Arc::new(law.clone()), p).unwrap();
+        let rest = PreloadedContact::new("contact", 1e-4, Arc::new(law), p).unwrap();
         let x = 0.9 * SMALL * p / k;
         let exact = law.energy(rest.closure() + x) - law.energy(rest.closure()) - p * x;
         // The difference is of 1e-4 of the energies.

@@ -163,7 +163,7 @@ impl Batch {
             let outcome = run
                 .run(self.instructions)
                 .and_then(|outcomes| outcomes.into_iter().next())
-                .ok_or_else(|| DynamicsError::InstructionSet { set: self.instructions })?;
+                .ok_or(DynamicsError::InstructionSet { set: self.instructions })?;
             match attempt.next(hit, &outcome, &mut shapes, &decimation)? {
                 Some(next) => attempt = next,
                 None => return Ok((attempt.lane, outcome)),

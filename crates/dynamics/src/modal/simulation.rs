@@ -31,7 +31,7 @@ pub struct HitResponse {
     pub displacement: Vec<f64>,
     /// The filter.
     pub decimation: Arc<Decimation>,
-    /// LaneExtremes and averages at each contact, from the top down.
+    /// Extremes and averages at each contact, from the top down.
     pub contacts: Vec<ContactExtremes>,
     /// The energy balance.
     pub energy: EnergyLedger,

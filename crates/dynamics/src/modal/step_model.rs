@@ -36,7 +36,7 @@ pub(super) struct ModeStep {
 #[derive(Debug, Clone)]
 pub(super) struct StepModel {
     pub(super) step: f64,
-    /// ForceInterpolation of the contact force on every oscillator of the structure; none for those left out.
+    /// Interpolation of the contact force on every mode of the structure; none for those left out.
     pub(super) interpolations: Vec<Option<ForceInterpolation>>,
     pub(super) modes: Vec<ModeStep>,
     /// Closure lost at once at interface i per pressure increment at j \[m/Pa\].
