@@ -5,15 +5,17 @@
 //! | `arrows` | crates depend only as the table in ARCHITECTURE.md allows |
 //! | `layout` | file names, file lengths, nothing stray at the root |
 //! | `sources` | no skipped tests, no unfinished code |
-//! | `manifests` | workspace lints in every crate, a CHANGELOG entry for the version |
+//! | `declarations` | unique names of public types, doc comments that start with their subject |
+//! | `manifests` | lints and metadata of every package, a CHANGELOG entry for the version |
 //! | `links` | links resolve, every page is in the book, paths exist |
 //! | `commands` | commands and options named in the documents exist |
 //!
-//! A rule is a function from what it looks at to its findings. It reads a
-//! [`Repository`] in memory, so that its test can hold a violating one.
+//! A rule is a function from a [`Repository`] in memory to its findings; its test gives it a
+//! repository that breaks the rule.
 
 mod arrows;
 mod commands;
+mod declarations;
 mod layout;
 mod links;
 mod manifests;
@@ -63,11 +65,15 @@ pub(crate) fn run(tasks: &clap::Command) -> Result<bool> {
 
     let mut findings = arrows::check(&repository, &crates);
     findings.extend(layout::long_files(&repository));
+    findings.extend(layout::short_files(&repository));
     findings.extend(layout::mod_files(&repository));
     findings.extend(layout::vague_names(&repository));
     findings.extend(layout::stray_entries(&repository));
     findings.extend(sources::unfinished(&repository));
+    findings.extend(declarations::repeated_types(&repository));
+    findings.extend(declarations::openers(&repository));
     findings.extend(manifests::workspace_lints(&repository));
+    findings.extend(manifests::publishable(&repository));
     findings.extend(manifests::changelog(&repository, &version(&metadata)));
     findings.extend(links::broken_links(&repository));
     findings.extend(links::pages_outside_the_book(&repository));

@@ -29,7 +29,7 @@ pub(super) struct Crate {
     uses_in_tests: BTreeSet<String>,
 }
 
-/// What the table says of one crate.
+/// The row of one crate.
 #[derive(Debug, Clone, PartialEq, Eq)]
 struct Row {
     /// Number of the row, from the top.

@@ -1,4 +1,4 @@
-//! The rule of commands: what the documents tell a reader to type exists.
+//! The rule of commands: every command and option named in the documents exists.
 
 mod program;
 

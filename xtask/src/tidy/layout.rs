@@ -6,9 +6,24 @@ use super::Finding;
 use super::repository::Repository;
 
 /// Most lines of a source file.
-const MOST_LINES: usize = 400;
+const MOST_LINES: usize = 600;
 
-/// Names that say nothing of what a file holds.
+/// Fewest lines of a source file of a crate, unless it is listed in [`SHORT`].
+const FEWEST_LINES: usize = 40;
+
+/// Shorter files, each with its reason.
+const SHORT: [(&str, &str); 8] = [
+    ("crates/asperity/src/prelude.rs", "a list of names"),
+    ("crates/cli/src/answer.rs", "the only macros that print"),
+    ("crates/cli/src/command/schema.rs", "one command a file"),
+    ("crates/cli/src/plot/structure.rs", "one figure a file"),
+    ("crates/dynamics/src/finite_difference/ledger.rs", "energy of the grid"),
+    ("crates/dynamics/src/modal/simulation.rs", "public types of a hit"),
+    ("crates/law/src/domain.rs", "used by all laws"),
+    ("crates/structure/src/damping.rs", "a public type of its own"),
+];
+
+/// Names that do not say which idea a file holds.
 const VAGUE: [&str; 3] = ["utils.rs", "common.rs", "helpers.rs"];
 
 /// Everything that may lie at the root.
@@ -36,7 +51,7 @@ const ROOT: [&str; 21] = [
     "xtask",
 ];
 
-/// No source file is longer than 400 lines.
+/// No source file is longer than 600 lines.
 pub(super) fn long_files(repository: &Repository) -> Vec<Finding> {
     repository
         .texts(".rs")
@@ -46,6 +61,29 @@ pub(super) fn long_files(repository: &Repository) -> Vec<Finding> {
             Finding::new(path, format!("{lines} lines; split it, at most {MOST_LINES}"))
         })
         .collect()
+}
+
+/// No module of a crate is shorter than 40 lines without a reason, and every reason is needed. A
+/// module with submodules may be short.
+pub(super) fn short_files(repository: &Repository) -> Vec<Finding> {
+    let short: Vec<(&str, usize)> = repository
+        .texts(".rs")
+        .filter(|(path, _)| path.starts_with("crates/") && path.contains("/src/"))
+        .filter(|(path, _)| !["lib.rs", "main.rs"].contains(&file_name(path)))
+        .filter(|(path, _)| !repository.has(path.trim_end_matches(".rs")))
+        .map(|(path, text)| (path, text.lines().count()))
+        .filter(|&(_, lines)| lines < FEWEST_LINES)
+        .collect();
+    let listed = |path: &str| SHORT.iter().any(|(known, _)| *known == path);
+    let unlisted = short.iter().filter(|(path, _)| !listed(path)).map(|(path, lines)| {
+        Finding::new(*path, format!("{lines} lines; merge it, or state a reason in tidy's layout"))
+    });
+    let is_short = |path: &str| short.iter().any(|(found, _)| *found == path);
+    let obsolete = SHORT
+        .iter()
+        .filter(|(path, _)| !is_short(path))
+        .map(|(path, _)| Finding::new(*path, "is listed as short in tidy's layout, and is not"));
+    unlisted.chain(obsolete).collect()
 }
 
 /// A module with submodules is `name.rs` beside `name/`, not `name/mod.rs`.
@@ -61,7 +99,7 @@ pub(super) fn mod_files(repository: &Repository) -> Vec<Finding> {
         .collect()
 }
 
-/// No file is called after nothing.
+/// No file has a name of [`VAGUE`].
 pub(super) fn vague_names(repository: &Repository) -> Vec<Finding> {
     repository
         .paths()
@@ -70,7 +108,7 @@ pub(super) fn vague_names(repository: &Repository) -> Vec<Finding> {
         .collect()
 }
 
-/// Nothing lies at the root that has no business there.
+/// The root folder holds only the entries of [`ROOT`].
 pub(super) fn stray_entries(repository: &Repository) -> Vec<Finding> {
     let entries: BTreeSet<&str> =
         repository.paths().filter_map(|path| path.split('/').next()).collect();
@@ -94,7 +132,21 @@ mod tests {
         let (at_limit, beyond) = ("//\n".repeat(MOST_LINES), "//\n".repeat(MOST_LINES + 1));
         let repository = Repository::of(&[("a.rs", &at_limit), ("b.rs", &beyond)]);
         let found = long_files(&repository);
-        assert_eq!(found, [Finding::new("b.rs", "401 lines; split it, at most 400")]);
+        assert_eq!(found, [Finding::new("b.rs", "601 lines; split it, at most 600")]);
+    }
+
+    #[test]
+    fn a_short_module_is_found() {
+        let repository = Repository::of(&[
+            ("crates/law/src/lib.rs", ""),
+            ("crates/law/src/power.rs", "//\n"),
+            ("crates/law/src/pchip.rs", "//\n"),
+            ("crates/law/src/pchip/slope.rs", &"//\n".repeat(FEWEST_LINES)),
+            ("crates/law/src/table.rs", &"//\n".repeat(FEWEST_LINES)),
+        ]);
+        let found = short_files(&repository);
+        assert_eq!(found.iter().filter(|f| f.message.contains("merge it")).count(), 1);
+        assert_eq!(found.iter().filter(|f| f.message.contains("listed")).count(), SHORT.len());
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! Rules of documents: what they point to is there.
+//! Rules of documents: links and paths lead to something that exists.
 
 use std::collections::BTreeSet;
 
@@ -6,11 +6,11 @@ use super::Finding;
 use super::markdown::{Piece, links, pieces};
 use super::repository::Repository;
 
-/// Where the book's pages lie.
+/// Folder of the book's pages.
 const BOOK: &str = "docs/src/";
 
 /// A code span that starts with one of these is a path from the root.
-const ROOMS: [&str; 6] = ["crates/", "xtask/", "docs/", "fixtures/", ".ci/", ".github/"];
+const FOLDERS: [&str; 6] = ["crates/", "xtask/", "docs/", "fixtures/", ".ci/", ".github/"];
 
 /// Every relative link of a document leads to a file or folder.
 pub(super) fn broken_links(repository: &Repository) -> Vec<Finding> {
@@ -51,7 +51,7 @@ pub(super) fn missing_paths(repository: &Repository) -> Vec<Finding> {
         for (line, piece) in pieces(text) {
             let Piece::Span(span) = piece else { continue };
             let pattern = span.contains(['*', '<', '{', ' ', '…']) || span.contains("NN");
-            let is_path = ROOMS.iter().any(|room| span.starts_with(room)) && !pattern;
+            let is_path = FOLDERS.iter().any(|room| span.starts_with(room)) && !pattern;
             if is_path && !repository.has(span) {
                 found.push(Finding::at(path, line, format!("`{span}` does not exist")));
             }

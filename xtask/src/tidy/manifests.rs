@@ -12,6 +12,28 @@ pub(super) fn workspace_lints(repository: &Repository) -> Vec<Finding> {
         .collect()
 }
 
+/// Every package can be published: licences, a README, keywords, categories and a repository.
+pub(super) fn publishable(repository: &Repository) -> Vec<Finding> {
+    let mut found = Vec::new();
+    let published =
+        |(path, text): &(&str, &str)| is_member(path) && !text.contains("publish = false");
+    for (path, text) in repository.texts("/Cargo.toml").filter(published) {
+        let folder = path.trim_end_matches("Cargo.toml");
+        for file in ["README.md", "LICENSE-MIT", "LICENSE-APACHE"] {
+            if !repository.has(&format!("{folder}{file}")) {
+                found.push(Finding::new(format!("{folder}{file}"), "is missing"));
+            }
+        }
+        for key in ["description = ", "repository.workspace = true", "keywords = ", "categories = "]
+        {
+            if !text.lines().any(|line| line.starts_with(key)) {
+                found.push(Finding::new(path, format!("add `{key}`")));
+            }
+        }
+    }
+    found
+}
+
 /// The CHANGELOG has a heading for `version`.
 pub(super) fn changelog(repository: &Repository, version: &str) -> Vec<Finding> {
     let Some(text) = repository.text("CHANGELOG.md") else {
@@ -52,6 +74,27 @@ mod tests {
         ]);
         let places: Vec<_> = workspace_lints(&repository).into_iter().map(|f| f.place).collect();
         assert_eq!(places, ["crates/mesh/Cargo.toml", "xtask/Cargo.toml"]);
+    }
+
+    #[test]
+    fn a_package_that_cannot_be_published_is_found() {
+        let whole =
+            "description = \"x\"\nrepository.workspace = true\nkeywords = []\ncategories = []\n";
+        let files = |folder: &str| {
+            ["README.md", "LICENSE-MIT", "LICENSE-APACHE"].map(|file| format!("{folder}{file}"))
+        };
+        let (law, mesh) = (files("crates/law/"), files("crates/mesh/"));
+        let mut texts = vec![
+            ("crates/law/Cargo.toml", whole),
+            ("crates/mesh/Cargo.toml", "description = \"x\"\nkeywords = []\ncategories = []\n"),
+            ("crates/table/Cargo.toml", whole),
+            ("xtask/Cargo.toml", "publish = false\n"),
+        ];
+        texts.extend(law.iter().chain(&mesh).map(|path| (path.as_str(), "")));
+        let found = publishable(&Repository::of(&texts));
+        let places: Vec<_> = found.iter().map(|finding| finding.place.as_str()).collect();
+        assert_eq!(places[0], "crates/mesh/Cargo.toml");
+        assert_eq!(places[1..], files("crates/table/"));
     }
 
     #[test]

@@ -42,7 +42,7 @@ pub(super) fn pieces(text: &str) -> Vec<(usize, Piece<'_>)> {
     pieces
 }
 
-/// What the links of a document lead to, with line numbers: `[text](target)`,
+/// Targets of the links of a document, with line numbers: `[text](target)`,
 /// `[name]: target`, and the `src` and `href` of HTML.
 pub(super) fn links(text: &str) -> Vec<(usize, String)> {
     let mut links = Vec::new();

@@ -81,7 +81,7 @@ impl Repository {
             .filter_map(|(path, text)| Some((path.as_str(), text.as_deref()?)))
     }
 
-    /// Whether `path` is a file, or a folder with files.
+    /// True if `path` is a file, or a folder with files.
     pub(super) fn has(&self, path: &str) -> bool {
         let path = path.trim_end_matches('/');
         let inside = format!("{path}/");

@@ -3,7 +3,7 @@
 use super::Finding;
 use super::repository::Repository;
 
-/// What may not be written, in two halves so that this file may hold it.
+/// Forbidden text, in two halves so that this file may hold it, and the reason.
 const FORBIDDEN: [(&str, &str, &str); 6] = [
     ("#[ig", "nore", "every test runs: mend it or remove it"),
     (", ig", "nore)]", "every test runs: mend it or remove it"),

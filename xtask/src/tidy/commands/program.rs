@@ -12,7 +12,7 @@ use crate::ci::cargo;
 /// Options that every command has.
 const EVERYWHERE: [&str; 2] = ["--help", "--version"];
 
-/// What may follow a program's name.
+/// A program with its subcommands and their options.
 #[derive(Debug, Clone)]
 pub(crate) struct Program {
     name: String,
@@ -85,7 +85,7 @@ impl Program {
         Self { name: name.to_owned(), commands }
     }
 
-    /// Whether any subcommand has this option.
+    /// True if any subcommand has this option.
     pub(crate) fn has_option(&self, option: &str) -> bool {
         EVERYWHERE.contains(&option) || self.commands.values().any(|known| known.contains(option))
     }
@@ -114,7 +114,7 @@ impl Program {
         Some(rest.take_while(|word| !ends(word)).collect())
     }
 
-    /// What is wrong with these arguments, if anything.
+    /// The first fault of these arguments, if any.
     pub(crate) fn wrong(&self, arguments: &[&str]) -> Option<String> {
         let name = &self.name;
         let (first, rest) = arguments.split_first()?;
