@@ -23,7 +23,7 @@ pub enum Loss {
     },
     /// Logarithmic far out; 2.385 keeps 95 % efficiency on normal noise.
     Cauchy {
-        /// ParameterScale `c`, in standard deviations.
+        /// Scale `c`, in standard deviations.
         scale: f64,
     },
 }
