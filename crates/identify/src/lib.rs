@@ -1,6 +1,6 @@
 //! Identification of contact laws, or of any numbers of a scenario, from measured responses.
 //!
-//! A [problem](problem) names a scenario, the parameters to identify, and data: features of hits,
+//! A [`problem`] names a scenario, the parameters to identify, and data: features of hits,
 //! receptances, backbones, records, stiffnesses, ratios. The scenario is the forward model of a
 //! weighted least-squares problem,
 //!

@@ -130,7 +130,7 @@ pub struct ModelComparison {
 ///
 /// # Errors
 ///
-/// Those of [`fit()`], and [`InferenceError::Size`] without candidates or if they have different
+/// Those of [`fit`](crate::fit()), and [`InferenceError::Size`] without candidates or if they have different
 /// numbers of observations.
 ///
 /// # Example
