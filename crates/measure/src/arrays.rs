@@ -7,9 +7,9 @@ mod layout;
 
 use num_complex::Complex64;
 
+use crate::heading::Heading;
 use crate::notice::Notices;
 use crate::source::Source;
-use crate::text::Heading;
 use crate::{
     Abscissa, Channel, ChannelQuantity, ChannelUnit, MeasureError, Notice, Origin, ReadOptions,
     Record, Samples, rate,

@@ -200,3 +200,31 @@ pub(crate) fn excerpt(text: &str) -> String {
     }
     format!("`{}`", short.escape_debug())
 }
+
+/// Errors of the writer of a format.
+#[derive(Debug)]
+pub(crate) enum WriteFault {
+    Io(std::io::Error),
+    Refused(MeasureError),
+}
+
+impl WriteFault {
+    pub(crate) fn at(self, file: &str) -> MeasureError {
+        match self {
+            Self::Io(source) => MeasureError::Io { file: file.to_owned(), source },
+            Self::Refused(error) => error,
+        }
+    }
+
+    /// A channel that the format cannot represent.
+    pub(crate) fn refused(format: Format, channel: &str, reason: &'static str) -> Self {
+        let channel = channel.to_owned();
+        Self::Refused(MeasureError::NotExpressible { format, channel, reason })
+    }
+}
+
+impl From<std::io::Error> for WriteFault {
+    fn from(error: std::io::Error) -> Self {
+        Self::Io(error)
+    }
+}

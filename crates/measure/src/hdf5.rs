@@ -7,8 +7,8 @@
 use hdf5_pure::{DType, Dataset, Error, File};
 
 use crate::arrays::{Array, Layout, records};
+use crate::decoding::{Budget, DecodedRecords};
 use crate::notice::Notices;
-use crate::npz::{Budget, DecodedRecords};
 use crate::number::NumberType;
 use crate::source::Source;
 use crate::{FilePosition, Format, MeasureError, Notice, ReadOptions, Samples};

@@ -46,10 +46,12 @@
 
 mod arrays;
 mod channel;
+mod decoding;
 mod error;
 mod format;
 #[cfg(feature = "hdf5")]
 mod hdf5;
+mod heading;
 mod mat;
 mod notice;
 mod npy;
@@ -74,11 +76,11 @@ pub use error::{FilePosition, MeasureError};
 pub use format::Format;
 pub use notice::Notice;
 pub use num_complex::Complex64;
-pub use options::{ReadOptions, SampleAxis};
+pub use options::{ReadOptions, SampleAxis, WriteOptions};
 pub use quantity::ChannelQuantity;
 pub use reader::{Reader, open, read, read_bytes};
 pub use record::{Measurement, Record};
 pub use sensitivity::SensorSensitivity;
 pub use source::ByteStream;
 pub use unit::{STANDARD_GRAVITY, Unit};
-pub use write::{WriteOptions, write};
+pub use write::write;

@@ -16,8 +16,8 @@ use flate2::read::ZlibDecoder;
 use std::io::Read;
 
 use crate::arrays::{Array, records};
+use crate::decoding::{Budget, DecodedRecords};
 use crate::notice::Notices;
-use crate::npz::{Budget, DecodedRecords};
 use crate::number::Endian;
 use crate::source::Source;
 use crate::{FilePosition, Format, MeasureError, ReadOptions};

@@ -9,8 +9,8 @@
 mod header;
 
 use crate::arrays::{Layout, Leading, bare_channel, check_channels, deinterleave, leading, paired};
+use crate::decoding::Records;
 use crate::notice::Notices;
-use crate::reader::Records;
 use crate::source::Source;
 use crate::{
     Abscissa, ChannelQuantity, FilePosition, Format, MeasureError, Notice, ReadOptions, Record,

@@ -1,4 +1,4 @@
-//! Options of reading.
+//! Options of reading and writing.
 
 /// Options of reading a file; by default everything is taken from the file.
 #[derive(Debug, Clone, PartialEq)]
@@ -38,4 +38,13 @@ pub enum SampleAxis {
     First,
     /// Columns: shape (channels, samples).
     Last,
+}
+
+/// Options of writing.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct WriteOptions {
+    /// Title, for formats with a title and records without one.
+    pub title: String,
+    /// Date as text, likewise.
+    pub date: String,
 }

@@ -3,21 +3,13 @@
 use std::io::Cursor;
 use std::path::Path;
 
+use crate::decoding::Records;
 use crate::notice::Notices;
 use crate::source::Source;
 use crate::{
     ByteStream, ChannelQuantity, ChannelUnit, Format, MeasureError, Measurement, Notice,
     ReadOptions, Record, Unit,
 };
-
-/// The records of a format, one after the other.
-pub(crate) trait Records: Send {
-    /// The format.
-    fn format(&self) -> Format;
-
-    /// The next record; none at the end.
-    fn next_record(&mut self, notices: &mut Notices) -> Result<Option<Record>, MeasureError>;
-}
 
 /// A file being read, record by record.
 pub struct Reader<'a> {

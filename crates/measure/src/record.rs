@@ -54,3 +54,8 @@ pub struct Measurement {
     /// Assumptions and observations of the reader.
     pub notices: Vec<Notice>,
 }
+
+/// The length of channel `index` of joined records.
+pub(crate) fn joined_len(parts: &[&Record], index: usize) -> usize {
+    parts.iter().map(|part| part.channels[index].samples.len()).sum()
+}

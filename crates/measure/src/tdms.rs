@@ -28,9 +28,9 @@ mod scale;
 mod segment;
 mod waveform;
 
+use crate::decoding::Budget;
+use crate::decoding::Records;
 use crate::notice::Notices;
-use crate::npz::Budget;
-use crate::reader::Records;
 use crate::source::Source;
 use crate::{
     Channel, ChannelQuantity, FilePosition, Format, MeasureError, Origin, ReadOptions, Record,

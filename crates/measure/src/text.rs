@@ -15,21 +15,20 @@
 
 mod axis;
 mod dialect;
-mod heading;
 mod labview;
 mod pairs;
 mod rows;
 mod write;
 
 use crate::arrays::check_channels;
+use crate::decoding::Records;
+use crate::heading::Heading;
 use crate::notice::Notices;
-use crate::reader::Records;
 use crate::source::Source;
 use crate::{Channel, Format, MeasureError, Notice, ReadOptions, Record};
 
 use axis::{AxisFinder, TextAxis};
 use dialect::{Dialect, NumberRun, is_passed_over, words};
-pub(crate) use heading::Heading;
 use labview::{FileHeader, HeaderAxis, LvmSegment};
 use rows::{NumberColumn, RowBlock, Tracked};
 pub(crate) use write::{even_throughout, heading, write};
@@ -242,7 +241,7 @@ fn headings(lines: &[&[u8]], dialect: Dialect, run: NumberRun) -> Vec<Option<Hea
     let mut above = above.map(row);
     let Some(Some(last)) = above.next() else { return Vec::new() };
     let named = |name: &str| (!name.is_empty()).then(|| Heading::parse(name));
-    if !heading::are_units(&last) {
+    if !crate::heading::are_units(&last) {
         return last.iter().map(|name| named(name)).collect();
     }
     let names = above.next().flatten().unwrap_or_default();

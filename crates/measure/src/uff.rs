@@ -26,16 +26,15 @@ use std::sync::Arc;
 
 use num_complex::Complex64;
 
+use crate::decoding::Records;
 use crate::notice::Notices;
-use crate::reader::Records;
 use crate::source::Source;
 use crate::{
     Abscissa, Channel, ChannelQuantity, Format, MeasureError, Origin, ReadOptions, Record, Samples,
 };
 
-use group::Group;
 use header::FunctionHeader;
-use index::{Data, FunctionEntry};
+use index::{Data, FunctionEntry, Group};
 use printed::Printed;
 
 pub(crate) use write::write;

@@ -3,8 +3,8 @@
 use hound::{SampleFormat, WavReader};
 
 use crate::arrays::bare_channel;
+use crate::decoding::Records;
 use crate::notice::Notices;
-use crate::reader::Records;
 use crate::source::Source;
 use crate::{
     Abscissa, ChannelQuantity, ChannelUnit, FilePosition, Format, MeasureError, ReadOptions,

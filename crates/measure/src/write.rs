@@ -3,16 +3,7 @@
 use std::io::{BufWriter, Write};
 use std::path::Path;
 
-use crate::{Abscissa, Channel, Format, MeasureError, Record};
-
-/// Options of writing.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct WriteOptions {
-    /// Title, for formats with a title and records without one.
-    pub title: String,
-    /// Date as text, likewise.
-    pub date: String,
-}
+use crate::{Abscissa, Channel, Format, MeasureError, Record, WriteOptions};
 
 /// Writes `records` to the file `path` in `format`: universal (58 or 58b, after
 /// datasets 151 and 164), text (CSV) or NPZ.
@@ -89,34 +80,6 @@ fn make_readable(file: &std::fs::File) {
 #[cfg(not(unix))]
 fn make_readable(_: &std::fs::File) {}
 
-/// Errors of the writer of a format.
-#[derive(Debug)]
-pub(crate) enum WriteFault {
-    Io(std::io::Error),
-    Refused(MeasureError),
-}
-
-impl WriteFault {
-    fn at(self, file: &str) -> MeasureError {
-        match self {
-            Self::Io(source) => MeasureError::Io { file: file.to_owned(), source },
-            Self::Refused(error) => error,
-        }
-    }
-
-    /// A channel that the format cannot represent.
-    pub(crate) fn refused(format: Format, channel: &str, reason: &'static str) -> Self {
-        let channel = channel.to_owned();
-        Self::Refused(MeasureError::NotExpressible { format, channel, reason })
-    }
-}
-
-impl From<std::io::Error> for WriteFault {
-    fn from(error: std::io::Error) -> Self {
-        Self::Io(error)
-    }
-}
-
 /// Rejects records with channels of different lengths or invalid axes.
 fn check(record: &Record, format: Format) -> Result<(), MeasureError> {
     let refuse = |channel: &Channel, reason| {
@@ -154,9 +117,4 @@ fn join(records: &[Record]) -> Vec<Vec<&Record>> {
         }
     }
     joined
-}
-
-/// The length of channel `index` of joined records.
-pub(crate) fn joined_len(parts: &[&Record], index: usize) -> usize {
-    parts.iter().map(|part| part.channels[index].samples.len()).sum()
 }

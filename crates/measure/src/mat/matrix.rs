@@ -5,10 +5,10 @@ use std::io::Read;
 use num_complex::Complex64;
 
 use crate::arrays::Layout;
+use crate::decoding::Budget;
 use crate::mat::MATRIX;
 use crate::mat::element::{ElementFault, Elements, Tag};
 use crate::notice::Notices;
-use crate::npz::Budget;
 use crate::number::{Endian, NumberType};
 use crate::{FilePosition, Notice, ReadOptions, Samples};
 

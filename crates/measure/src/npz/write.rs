@@ -5,10 +5,12 @@ use std::io::{BufWriter, Seek, Write};
 use zip::ZipWriter;
 use zip::write::SimpleFileOptions;
 
+use crate::error::WriteFault;
+use crate::heading::Heading;
 use crate::npy::NpyHeader;
 use crate::rate;
-use crate::text::{Heading, even_throughout, heading};
-use crate::write::{WriteFault, joined_len};
+use crate::record::joined_len;
+use crate::text::{even_throughout, heading};
 use crate::{Abscissa, Channel, ChannelQuantity, Format, Record, Samples};
 
 /// Writes joined records: an array for each channel, named `name [unit]`, with

@@ -5,8 +5,8 @@
 
 use std::collections::BTreeMap;
 
+use crate::decoding::Budget;
 use crate::notice::Notices;
-use crate::npz::Budget;
 use crate::source::Source;
 use crate::tdms::axis;
 use crate::tdms::chunk_group::ChunkGroup;

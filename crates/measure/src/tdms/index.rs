@@ -11,8 +11,8 @@
 use std::collections::BTreeMap;
 
 use crate::arrays::check_channels;
+use crate::decoding::Budget;
 use crate::notice::Notices;
-use crate::npz::Budget;
 use crate::source::Source;
 use crate::tdms::extent::Extent;
 use crate::tdms::object::ObjectPath;

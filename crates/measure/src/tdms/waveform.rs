@@ -1,9 +1,9 @@
 //! Axis and unit of a channel from its properties.
 
+use crate::heading::Heading;
 use crate::source::Source;
 use crate::tdms::property::Timestamp;
 use crate::tdms::property::{Properties, Property};
-use crate::text::Heading;
 use crate::{ChannelQuantity, ChannelUnit, MeasureError, Unit, unit};
 
 /// The axis of a channel from its properties `wf_...`.

@@ -78,7 +78,7 @@ impl AxisFinder<'_> {
         };
         if let Some(place) = named(self.columns) {
             let heading = self.columns[place].heading.as_ref();
-            let quantity = heading.map(super::Heading::quantity);
+            let quantity = heading.map(crate::heading::Heading::quantity);
             let quantity = quantity
                 .filter(|q| *q == ChannelQuantity::Frequency)
                 .unwrap_or(ChannelQuantity::Time);

@@ -2,9 +2,9 @@
 
 use crate::arrays::bare_channel;
 use crate::error::FilePosition;
+use crate::heading::Heading;
 use crate::notice::Notices;
 use crate::rate::rounding_of;
-use crate::text::heading::Heading;
 use crate::text::labview::LvmSegment;
 use crate::text::{Text, is_passed_over};
 use crate::{Abscissa, Channel, ChannelUnit, MeasureError, Notice, Samples};

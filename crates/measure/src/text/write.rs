@@ -4,8 +4,8 @@ use std::io::Write;
 
 use asperity_table::{Decimal, quoted};
 
-use crate::text::heading::Heading;
-use crate::write::WriteFault;
+use crate::error::WriteFault;
+use crate::heading::Heading;
 use crate::{Abscissa, Channel, ChannelQuantity, ChannelUnit, Format, Record, Samples};
 
 /// Writes the only joined record, with numbers that read back to the same bits.

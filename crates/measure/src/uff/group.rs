@@ -8,12 +8,7 @@
 use std::collections::HashSet;
 
 use crate::uff::header::FunctionHeader;
-use crate::uff::index::FunctionEntry;
-
-/// Functions of one record. Boxes keep growing vectors of large entries small, and their memory is
-/// freed after a group is read.
-#[allow(clippy::vec_box, reason = "see above")]
-pub(crate) type Group = Vec<Box<FunctionEntry>>;
+use crate::uff::index::Group;
 
 /// Divides the entries into groups, in their order.
 pub(crate) fn groups(entries: Group) -> Vec<Group> {

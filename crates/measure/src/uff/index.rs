@@ -7,10 +7,14 @@ use crate::source::Source;
 use crate::source::decode_text;
 use crate::uff::binary::Payload;
 use crate::uff::fields::text;
-use crate::uff::group::Group;
 use crate::uff::header::FunctionHeader;
 use crate::uff::system::System;
 use crate::{FilePosition, MeasureError, Notice};
+
+/// Functions of one record. Boxes keep growing vectors of large entries small, and their memory is
+/// freed after a group is read.
+#[allow(clippy::vec_box, reason = "see above")]
+pub(crate) type Group = Vec<Box<FunctionEntry>>;
 
 /// A function: its header and the position of its numbers.
 #[derive(Debug)]

@@ -3,8 +3,10 @@
 
 use std::io::Write;
 
+use crate::WriteOptions;
+use crate::error::WriteFault;
+use crate::record::joined_len;
 use crate::uff::fields::text;
-use crate::write::{WriteFault, WriteOptions, joined_len};
 use crate::{
     Abscissa, Channel, ChannelQuantity, ChannelUnit, DegreeOfFreedom, Format, Record, Samples,
 };
