@@ -15,6 +15,7 @@ documents! {
     harmonic: "crates/harmonic/README.md",
     signal: "crates/signal/README.md",
     measure: "crates/measure/README.md",
+    tdms: "crates/tdms/README.md",
     inference: "crates/inference/README.md",
     table: "crates/table/README.md",
     scenario: "crates/scenario/README.md",

@@ -59,6 +59,7 @@
 //! | scenario files | [`scenario`] | [`scenario::Document`] |
 //! | simulation, sweeps, steady responses | [`study`] | [`study::simulate`], [`study::sweep()`], [`study::steady()`] |
 //! | CSV | [`table`] | [`table::Table`] |
+//! | TDMS files, without units | [`tdms`] | [`tdms::TdmsFile`] |
 //! | figures | [`figure`] | [`figure::Figure`] |
 //!
 //! All quantities are `f64` in SI units; positions and displacements point down, pressure is
@@ -88,3 +89,4 @@ pub use asperity_signal as signal;
 pub use asperity_structure as structure;
 pub use asperity_study as study;
 pub use asperity_table as table;
+pub use asperity_tdms as tdms;

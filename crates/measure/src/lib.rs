@@ -25,7 +25,7 @@
 //! | `npy`, `npz`, `mat`, `arrays`, `number` | arrays of NumPy and MATLAB |
 //! | `wav` | RIFF WAVE |
 //! | `hdf5` | HDF5 and MATLAB 7.3, with the feature `hdf5` |
-//! | `tdms` | TDMS of LabVIEW |
+//! | `tdms` | TDMS of LabVIEW, read by `asperity-tdms` |
 //! | `write` | writing of complete files |
 //!
 //! The crate contains no mechanics and no signal processing.

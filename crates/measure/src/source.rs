@@ -46,6 +46,11 @@ impl<'a> Source<'a> {
         Ok(Self { name: name.into(), inner, length, position: 0 })
     }
 
+    /// The stream, at any position.
+    pub(crate) fn into_stream(self) -> Box<dyn ByteStream + 'a> {
+        self.inner.into_inner()
+    }
+
     pub(crate) fn name(&self) -> &str {
         &self.name
     }

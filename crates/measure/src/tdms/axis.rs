@@ -1,10 +1,9 @@
 //! Axis of a record.
 
+use asperity_tdms::{TdmsObject, TdmsPath};
+
 use crate::notice::Notices;
-use crate::source::Source;
 use crate::tdms::gather::ChannelGroup;
-use crate::tdms::object::ObjectPath;
-use crate::tdms::object::TdmsObject;
 use crate::tdms::waveform;
 use crate::{Abscissa, ChannelQuantity, MeasureError, Notice, rate};
 
@@ -31,7 +30,7 @@ pub(crate) struct Times {
 impl TdmsAxis {
     /// The axis from `wf_increment`, else from a channel named time, else from the rate of the options.
     pub(crate) fn of(
-        source: &Source<'_>,
+        file: &str,
         record: &ChannelGroup,
         objects: &[TdmsObject],
         rate_of_options: Option<f64>,
@@ -43,7 +42,7 @@ impl TdmsAxis {
         if let Some(times) = times_of(record, objects) {
             return Ok(Self::Times(times));
         }
-        let none = || MeasureError::NoSampleRate { file: source.name().to_owned() };
+        let none = || MeasureError::NoSampleRate { file: file.to_owned() };
         let rate_hz = rate_of_options.ok_or_else(none)?;
         notices.add(Notice::RateOfOptions { rate_hz });
         Ok(Self::Even(0.0, 1.0 / rate_hz, ChannelQuantity::Time))
@@ -74,15 +73,14 @@ impl TdmsAxis {
 
 /// The channel of times of a record without a step: one of several channels, by its name.
 pub(crate) fn times_of(record: &ChannelGroup, objects: &[TdmsObject]) -> Option<Times> {
-    let times = record.members.iter().enumerate().find_map(|(slot, member)| {
-        let object = &objects[member.object];
-        let ObjectPath::Channel(_, name) = &object.path else { return None };
-        let heading = waveform::heading(name, &object.properties);
+    let times = record.channels.iter().enumerate().find_map(|(slot, id)| {
+        let TdmsPath::Channel(_, name) = objects[*id].path() else { return None };
+        let heading = waveform::heading(name, &objects[*id]);
         let factor = heading.unit.known().map_or(1.0, |unit| unit.factor());
         let is_time = heading.quantity() == ChannelQuantity::Time;
         is_time.then_some(Times { slot, factor, even: None })
     });
-    times.filter(|_| record.waveform.even.is_none() && record.members.len() > 1)
+    times.filter(|_| record.waveform.even.is_none() && record.channels.len() > 1)
 }
 
 impl Times {

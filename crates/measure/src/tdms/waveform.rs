@@ -1,10 +1,10 @@
 //! Axis and unit of a channel from its properties.
 
+use asperity_tdms::{TdmsObject, TdmsProperty, TdmsTime};
+
+use crate::error::excerpt;
 use crate::heading::Heading;
-use crate::source::Source;
-use crate::tdms::property::Timestamp;
-use crate::tdms::property::{Properties, Property};
-use crate::{ChannelQuantity, ChannelUnit, MeasureError, Unit, unit};
+use crate::{ChannelQuantity, ChannelUnit, FilePosition, MeasureError, Unit, unit};
 
 /// The axis of a channel from its properties `wf_...`.
 #[derive(Debug, Clone, Copy)]
@@ -13,37 +13,32 @@ pub(crate) struct Waveform {
     pub(crate) even: Option<(f64, f64)>,
     pub(crate) quantity: ChannelQuantity,
     /// Time of the first sample, less the start.
-    pub(crate) time: Option<Timestamp>,
+    pub(crate) time: Option<TdmsTime>,
 }
 
 impl Waveform {
-    /// Reads the properties of a channel.
-    pub(crate) fn of(source: &Source<'_>, properties: &Properties) -> Result<Self, MeasureError> {
-        let unit = text(properties, "wf_xunit_string").and_then(Unit::parse);
-        let (quantity, factor) = match unit {
+    /// Reads the properties of a channel of `file`.
+    pub(crate) fn of(file: &str, channel: &TdmsObject) -> Result<Self, MeasureError> {
+        let (quantity, factor) = match text(channel, "wf_xunit_string").and_then(Unit::parse) {
             Some(unit) => (unit.quantity(), unit.factor()),
-            None => {
-                match ChannelQuantity::of_name(text(properties, "wf_xname").unwrap_or_default()) {
-                    ChannelQuantity::Frequency => (ChannelQuantity::Frequency, 1.0),
-                    _ => (ChannelQuantity::Time, 1.0),
-                }
-            }
+            None => match text(channel, "wf_xname").map(ChannelQuantity::of_name) {
+                Some(ChannelQuantity::Frequency) => (ChannelQuantity::Frequency, 1.0),
+                _ => (ChannelQuantity::Time, 1.0),
+            },
         };
-        let number = |name: &'static str, positive: bool| {
-            let Some(property) = properties.get(name) else { return Ok(0.0) };
+        let number = |name: &'static str, lowest: f64, expected: &str| {
+            let Some(property) = channel.property(name) else { return Ok(0.0) };
             let found = property.number();
-            let usable = |number: &f64| number.is_finite() && !(positive && *number < 0.0);
+            let usable = |number: &f64| number.is_finite() && *number >= lowest;
             found.filter(usable).ok_or_else(|| {
                 let found = found.map_or("no number".to_owned(), |number| number.to_string());
-                let expected = if positive { "a positive step" } else { "a finite start" };
-                source.malformed(property.place, name, &found, expected)
+                let place = FilePosition::Offset(property.offset);
+                MeasureError::malformed(file, place, name, excerpt(&found), expected)
             })
         };
-        let (step, start) = (number("wf_increment", true)?, number("wf_start_offset", false)?);
-        let time = match properties.get("wf_start_time").map(|property| &property.value) {
-            Some(crate::tdms::property::PropertyValue::Time(time)) => Some(*time),
-            _ => None,
-        };
+        let step = number("wf_increment", 0.0, "a positive step")?;
+        let start = number("wf_start_offset", f64::NEG_INFINITY, "a finite start")?;
+        let time = channel.property("wf_start_time").and_then(TdmsProperty::time);
         // LabVIEW writes a step of zero for a channel without one.
         let even = (step > 0.0).then_some((start * factor, step * factor));
         Ok(Self { even, quantity, time })
@@ -60,10 +55,25 @@ impl Waveform {
     }
 }
 
+/// True for a property used by records.
+pub(crate) fn is_used(property: &str) -> bool {
+    const NAMES: [&str; 8] = [
+        "wf_increment",
+        "wf_start_offset",
+        "wf_start_time",
+        "wf_xunit_string",
+        "wf_xname",
+        "unit_string",
+        "NI_UnitDescription",
+        "description",
+    ];
+    NAMES.contains(&property)
+}
+
 /// Name and unit of a channel: the unit from its properties, else from its name.
-pub(crate) fn heading(name: &str, properties: &Properties) -> Heading {
+pub(crate) fn heading(name: &str, channel: &TdmsObject) -> Heading {
     let stated = ["unit_string", "NI_UnitDescription"].into_iter();
-    let mut stated = stated.filter_map(|key| text(properties, key));
+    let mut stated = stated.filter_map(|key| text(channel, key));
     match stated.find(|text| !unit::says_none(text)) {
         Some(text) => Heading { name: name.to_owned(), unit: ChannelUnit::of_text(text) },
         None => Heading::parse(name),
@@ -71,6 +81,6 @@ pub(crate) fn heading(name: &str, properties: &Properties) -> Heading {
 }
 
 /// A text property.
-pub(crate) fn text<'p>(properties: &'p Properties, name: &str) -> Option<&'p str> {
-    properties.get(name).and_then(Property::text)
+pub(crate) fn text<'o>(channel: &'o TdmsObject, name: &str) -> Option<&'o str> {
+    channel.property(name).and_then(TdmsProperty::text)
 }

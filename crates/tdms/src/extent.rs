@@ -1,6 +1,6 @@
 //! Positions of the samples of a channel.
 
-use crate::number::{Endian, NumberType};
+use crate::data_type::{Endian, NumberType};
 
 /// Equally spaced chunks of samples in a segment or in equal consecutive segments.
 #[derive(Debug, Clone, Copy)]
@@ -23,7 +23,7 @@ pub(crate) struct Extent {
 impl Extent {
     /// Position of sample `value` of chunk `chunk`.
     pub(crate) fn position(&self, chunk: u64, value: u64) -> u64 {
-        let step = if self.row > 0 { self.row } else { self.number.size() as u64 };
+        let step = if self.row > 0 { self.row } else { self.number.size() };
         self.base + chunk * self.stride + self.column + value * step
     }
 
@@ -54,9 +54,11 @@ impl Extent {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::data_type::DataType;
 
     fn extent(base: u64, stride: u64, chunks: u64) -> Extent {
-        let (number, endian) = (NumberType::F64, Endian::Little);
+        let Some(DataType::Number(number)) = DataType::of_code(10) else { panic!("a double") };
+        let endian = Endian::Little;
         Extent { base, column: 0, row: 0, stride, chunks, values: 2, number, endian }
     }
 

@@ -1,8 +1,10 @@
 //! Channels with samples in common chunks, read in one pass.
 
-use crate::MeasureError;
-use crate::source::Source;
-use crate::tdms::object::TdmsObject;
+use std::io::{Read, Seek};
+
+use crate::byte_reader::ByteReader;
+use crate::extent::Extent;
+use crate::{TdmsError, TdmsObject};
 
 /// Most bytes of interleaved rows in memory, or one row.
 const PIECE: u64 = 1 << 16;
@@ -23,16 +25,21 @@ impl ChunkGroup {
         Self { members: vec![(slot, object)], ..Self::default() }
     }
 
-    /// Adds a channel with samples in the same chunks.
-    pub(crate) fn join(&mut self, slot: usize, object: usize, objects: &[TdmsObject]) -> bool {
-        let Some(&(_, first)) = self.members.first() else { return false };
+    /// Adds a channel if its samples are in the same chunks: the increase of the cost.
+    pub(crate) fn join(
+        &mut self,
+        slot: usize,
+        object: usize,
+        objects: &[TdmsObject],
+    ) -> Option<u64> {
+        let &(_, first) = self.members.first()?;
         let (one, other) = (&objects[first].extents, &objects[object].extents);
-        let together =
-            one.len() == other.len() && one.iter().zip(other).all(|(a, b)| a.lies_with(b));
-        if together {
-            self.members.push((slot, object));
+        if one.len() != other.len() || !one.iter().zip(other).all(|(a, b)| a.lies_with(b)) {
+            return None;
         }
-        together
+        let before = self.cost(objects);
+        self.members.push((slot, object));
+        Some(self.cost(objects).saturating_sub(before))
     }
 
     /// Most bytes of one pass.
@@ -57,26 +64,24 @@ impl ChunkGroup {
     /// Appends the next `count` samples of every member to its column.
     pub(crate) fn read(
         &mut self,
-        source: &mut Source<'_>,
+        bytes: &mut ByteReader<impl Read + Seek>,
         objects: &[TdmsObject],
         count: u64,
         columns: &mut [Vec<f64>],
-    ) -> Result<(), MeasureError> {
+    ) -> Result<(), TdmsError> {
         let mut left = count;
         while left > 0 {
             let first = self.members.first().map(|(_, object)| &objects[*object]);
             let Some(shape) = first.and_then(|first| first.extents.get(self.extent)) else { break };
             let now = left.min(shape.values - self.value);
             if shape.row > 0 {
-                self.read_rows(source, objects, now, columns)?;
+                self.read_rows(bytes, objects, now, columns)?;
             } else {
                 for &(slot, object) in &self.members {
                     let extent = &objects[object].extents[self.extent];
-                    source.seek_to(extent.position(self.chunk, self.value))?;
-                    source.need(now * extent.number.size() as u64, "the samples")?;
+                    bytes.seek_to(extent.position(self.chunk, self.value))?;
                     let column = &mut columns[slot];
-                    let read = extent.number.read(extent.endian, source, now as usize, column);
-                    read.map_err(|error| source.io(error))?;
+                    bytes.numbers((extent.number, extent.endian), now, column, "the samples")?;
                 }
             }
             left -= now;
@@ -93,32 +98,27 @@ impl ChunkGroup {
 
     fn read_rows(
         &self,
-        source: &mut Source<'_>,
+        bytes: &mut ByteReader<impl Read + Seek>,
         objects: &[TdmsObject],
         rows: u64,
         columns: &mut [Vec<f64>],
-    ) -> Result<(), MeasureError> {
+    ) -> Result<(), TdmsError> {
         let extent_of = |object: usize| &objects[object].extents[self.extent];
         let Some(&(_, first)) = self.members.first() else { return Ok(()) };
         let (shape, row) = (extent_of(first), extent_of(first).row);
         let per_piece = (PIECE / row).max(1).min(rows);
-        let start = shape.position(self.chunk, self.value) - shape.column;
-        source.seek_to(start)?;
+        bytes.seek_to(shape.position(self.chunk, self.value) - shape.column)?;
         let mut piece = vec![0; (per_piece * row) as usize];
         let mut left = rows;
         while left > 0 {
             let now = left.min(per_piece);
-            let bytes = &mut piece[..(now * row) as usize];
-            source.read_exact(bytes, "the samples")?;
+            let piece = &mut piece[..(now * row) as usize];
+            bytes.read_exact(piece, "the samples")?;
             for &(slot, object) in &self.members {
-                let extent = extent_of(object);
-                let (from, size) = (extent.column as usize, extent.number.size());
-                for row in bytes.chunks_exact(row as usize) {
-                    extent.number.decode(
-                        extent.endian,
-                        &row[from..from + size],
-                        &mut columns[slot],
-                    );
+                let Extent { column, number, endian, .. } = *extent_of(object);
+                let range = column as usize..(column + number.size()) as usize;
+                for row in piece.chunks_exact(row as usize) {
+                    number.decode(endian, &row[range.clone()], &mut columns[slot]);
                 }
             }
             left -= now;
