@@ -4,7 +4,9 @@
 use std::fs::File;
 use std::io::Cursor;
 
-use asperity_tdms::{TdmsError, TdmsFile, TdmsOptions, TdmsPath, TdmsSelection, TdmsValue};
+use asperity_tdms::{
+    TdmsError, TdmsFile, TdmsObject, TdmsOptions, TdmsPath, TdmsSelection, TdmsValue,
+};
 
 fn reference(name: &str) -> TdmsFile<File> {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/reference/measure/");
@@ -34,7 +36,7 @@ fn properties_not_kept_are_left_out_but_those_of_scales() {
     let bytes = std::fs::read(format!("{folder}scales.tdms")).unwrap();
     let options = TdmsOptions { keep: |_| false, ..TdmsOptions::default() };
     let file = TdmsFile::open(Cursor::new(bytes), &options).unwrap();
-    let names = file.objects().iter().flat_map(|object| object.properties());
+    let names = file.objects().iter().flat_map(TdmsObject::properties);
     let names: Vec<&str> = names.map(|(name, _)| name).collect();
     assert!(!names.is_empty() && names.iter().all(|name| name.starts_with("NI_")), "{names:?}");
 }
@@ -74,7 +76,7 @@ fn selections_in_blocks_are_the_whole_samples() {
 fn objects_without_numbers_cannot_be_selected() {
     let mut file = reference("hits.tdms");
     let (group, texts) = (file.find("/'Hit 1'").unwrap(), "its values are texts");
-    let of_texts = |object: &asperity_tdms::TdmsObject| object.other_content() == Some(texts);
+    let of_texts = |object: &TdmsObject| object.other_content() == Some(texts);
     let remarks = file.objects().iter().position(of_texts).unwrap();
     for object in [group, remarks, 1000] {
         let error = file.samples(object).unwrap_err();
