@@ -10,10 +10,7 @@ use num_complex::Complex64;
 use crate::heading::Heading;
 use crate::notice::Notices;
 use crate::source::Source;
-use crate::{
-    Abscissa, Channel, ChannelQuantity, ChannelUnit, MeasureError, Notice, Origin, ReadOptions,
-    Record, Samples, rate,
-};
+use crate::{Abscissa, ChannelQuantity, MeasureError, Notice, ReadOptions, Record, Samples, rate};
 
 pub(crate) use layout::{Layout, deinterleave};
 
@@ -123,14 +120,9 @@ impl ArrayGroup {
                 {
                     self.step = Some(1.0 / value);
                 }
-                "dt" | "delta_t" | "step" if positive => {
-                    self.step = Some(value);
-                }
+                "dt" | "delta_t" | "step" if positive => self.step = Some(value),
                 "t0" | "start" if value.is_finite() => self.start = Some(value),
-                _ => {
-                    let reason = "a single number other than a sample rate";
-                    notices.add(Notice::ArrayLeftOut { array: array.name, reason });
-                }
+                _ => notices.left_out(array.name, "a single number other than a sample rate"),
             }
             return;
         }
@@ -140,11 +132,7 @@ impl ArrayGroup {
             match columns.remove(0) {
                 Samples::Real(mut values) => {
                     let factor = heading.unit.known().map_or(1.0, |unit| unit.factor());
-                    if factor != 1.0 {
-                        for value in &mut values {
-                            *value *= factor;
-                        }
-                    }
+                    values.iter_mut().for_each(|value| *value *= factor);
                     self.axis = Some((values, quantity, array.epsilon));
                     return;
                 }
@@ -177,13 +165,8 @@ impl ArrayGroup {
                 let found = format!("more than {} lengths", lengths.len() - 1);
                 let expected = "arrays sampled together, of the same length";
                 let place = crate::FilePosition::Offset(0);
-                return Err(MeasureError::malformed(
-                    file,
-                    place,
-                    "the set of arrays",
-                    found,
-                    expected,
-                ));
+                let quantity = "the set of arrays";
+                return Err(MeasureError::malformed(file, place, quantity, found, expected));
             }
         }
         let mut channels = self.channels;
@@ -208,8 +191,7 @@ impl ArrayGroup {
                             Some(Abscissa::Even { start, step, quantity: ChannelQuantity::Time })
                         }
                         Some(Leading::Count) => {
-                            let (array, reason) = (own.remove(0).0.name, "it counts the samples");
-                            notices.add(Notice::ArrayLeftOut { array, reason });
+                            notices.left_out(own.remove(0).0.name, "it counts the samples");
                             None
                         }
                         None => None,
@@ -218,24 +200,15 @@ impl ArrayGroup {
                 _ => None,
             };
             if abscissa.is_none() && step.is_none() {
-                let rate = options.sample_rate_hz;
-                let none = || MeasureError::NoSampleRate { file: file.to_owned() };
-                let rate_hz = rate.ok_or_else(none)?;
-                notices.add(Notice::RateOfOptions { rate_hz });
-                step = Some(1.0 / rate_hz);
+                step = Some(1.0 / rate::of_options(file, options.sample_rate_hz, notices)?);
             }
             let (start, step) = (self.start.unwrap_or(0.0), step.unwrap_or(1.0));
             let abscissa =
                 abscissa.unwrap_or(Abscissa::Even { start, step, quantity: ChannelQuantity::Time });
-            let channels = own.into_iter().map(|(heading, samples, _)| Channel {
-                name: heading.name,
-                quantity: ChannelQuantity::Unknown,
-                unit: heading.unit,
-                abscissa: abscissa.clone(),
-                samples,
-                origin: Origin::default(),
-            });
-            let channels = channels.collect();
+            let own = own.into_iter();
+            let channels = own
+                .map(|(heading, samples, _)| heading.channel(abscissa.clone(), samples))
+                .collect();
             records.push(Record { channels, title: self.group.clone(), ..Record::default() });
         }
         Ok(())
@@ -254,17 +227,5 @@ fn axis_of(
     match rate::even_axis(values, |_| epsilon * largest, notices) {
         Some((start, step)) => Abscissa::Even { start, step, quantity },
         None => Abscissa::Uneven { values: values.to_vec(), quantity },
-    }
-}
-
-/// A channel without unit and further information.
-pub(crate) fn bare_channel(name: String, abscissa: Abscissa, samples: Samples) -> Channel {
-    Channel {
-        name,
-        quantity: ChannelQuantity::Unknown,
-        unit: ChannelUnit::Missing,
-        abscissa,
-        samples,
-        origin: Origin::default(),
     }
 }

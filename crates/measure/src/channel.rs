@@ -42,6 +42,11 @@ impl ChannelUnit {
         }
     }
 
+    /// The SI unit of a quantity; missing if the quantity is unknown.
+    pub(crate) fn si(quantity: ChannelQuantity) -> Self {
+        Unit::si(quantity).map_or(Self::Missing, Self::Known)
+    }
+
     /// The unit, if known.
     pub fn known(&self) -> Option<Unit> {
         if let Self::Known(unit) = self { Some(*unit) } else { None }
@@ -181,11 +186,7 @@ impl Channel {
     /// # Errors
     /// [`MeasureError::NotUnderstood`].
     pub fn set_unit(&mut self, text: &str) -> Result<(), MeasureError> {
-        let unit = Unit::parse(text).ok_or_else(|| MeasureError::NotUnderstood {
-            quantity: "unit",
-            text: text.to_owned(),
-            example: "m/s^2",
-        })?;
+        let unit = Unit::require(text)?;
         self.quantity = unit.quantity();
         self.unit = ChannelUnit::Known(unit);
         Ok(())
@@ -202,7 +203,7 @@ impl Channel {
         })?;
         if unit.factor() != 1.0 {
             self.samples.scale(unit.factor());
-            self.unit = Unit::si(unit.quantity()).map_or(ChannelUnit::Missing, ChannelUnit::Known);
+            self.unit = ChannelUnit::si(unit.quantity());
         }
         self.quantity = unit.quantity();
         Ok(())
@@ -237,7 +238,7 @@ impl Channel {
         self.to_si()?;
         self.samples.scale(1.0 / sensitivity.output_per_si());
         self.quantity = sensitivity.measures();
-        self.unit = Unit::si(self.quantity).map_or(ChannelUnit::Missing, ChannelUnit::Known);
+        self.unit = ChannelUnit::si(self.quantity);
         Ok(())
     }
 }

@@ -9,9 +9,8 @@ use hdf5_pure::{DType, Dataset, Error, File};
 use crate::arrays::{Array, Layout, records};
 use crate::decoding::{Budget, DecodedRecords};
 use crate::notice::Notices;
-use crate::number::NumberType;
 use crate::source::Source;
-use crate::{FilePosition, Format, MeasureError, Notice, ReadOptions, Samples};
+use crate::{FilePosition, Format, MeasureError, ReadOptions, Samples};
 
 /// Reads every dataset of numbers, in groups one level deep.
 pub(crate) fn open(
@@ -31,24 +30,19 @@ pub(crate) fn open(
     let root = file.root();
     let mut arrays = Vec::new();
     let mut take = |name: String, dataset: &Dataset| {
-        let Some((number, plane)) = shape(dataset).map_err(wrong)? else {
-            let reason = "it is not an array of numbers of one or two dimensions";
-            notices.add(Notice::ArrayLeftOut { array: name, reason });
+        let Some((epsilon, plane)) = shape(dataset).map_err(wrong)? else {
+            notices.left_out(name, "it is not an array of numbers of one or two dimensions");
             return Ok(());
         };
         // The dataset and its channels are in memory together.
         let elements = plane.0.saturating_mul(plane.1);
         let place = FilePosition::Offset(0);
         budget.take(elements.saturating_mul(16), place, "the datasets")?;
-        let layout = if plane.0 == 1 || plane.1 == 1 {
-            Layout { channels: 1, samples: elements, contiguous: true }
-        } else {
-            let asked = options.sample_axis;
-            Layout::of(source.name(), &name, plane, true, asked, notices)?
-        };
+        let (vector, asked) = (plane.0 == 1 || plane.1 == 1, options.sample_axis);
+        let layout = Layout::of(source.name(), &name, vector, plane, true, asked, notices)?;
         budget.take(layout.channels.saturating_mul(512), place, "the channels")?;
         let columns = cut(dataset.read_f64().map_err(wrong)?, layout);
-        arrays.push(Array { name, columns, epsilon: number.epsilon() });
+        arrays.push(Array { name, columns, epsilon });
         Ok::<(), MeasureError>(())
     };
     for name in root.datasets().map_err(wrong)? {
@@ -84,22 +78,16 @@ fn cut(values: Vec<f64>, layout: Layout) -> Vec<Samples> {
     (0..channels).map(|index| Samples::Real(channel(index))).collect()
 }
 
-/// Number type, rows and columns.
-type Shape = (NumberType, (u64, u64));
+/// Relative rounding, rows and columns.
+type Shape = (f64, (u64, u64));
 
-/// Type and shape of a dataset of numbers; none for another.
+/// Rounding and shape of a dataset of numbers; none for another.
 fn shape(dataset: &Dataset) -> Result<Option<Shape>, Error> {
-    let number = match dataset.dtype()? {
-        DType::F32 => NumberType::F32,
-        DType::F64 => NumberType::F64,
-        DType::I8 => NumberType::I8,
-        DType::I16 => NumberType::I16,
-        DType::I32 => NumberType::I32,
-        DType::I64 => NumberType::I64,
-        DType::U8 => NumberType::U8,
-        DType::U16 => NumberType::U16,
-        DType::U32 => NumberType::U32,
-        DType::U64 => NumberType::U64,
+    let epsilon = match dataset.dtype()? {
+        DType::F32 => f64::from(f32::EPSILON),
+        DType::F64 => f64::EPSILON,
+        DType::I8 | DType::I16 | DType::I32 | DType::I64 => 0.0,
+        DType::U8 | DType::U16 | DType::U32 | DType::U64 => 0.0,
         _ => return Ok(None),
     };
     let plane = match dataset.shape()?[..] {
@@ -108,5 +96,5 @@ fn shape(dataset: &Dataset) -> Result<Option<Shape>, Error> {
         [rows, columns] => (rows, columns),
         _ => return Ok(None),
     };
-    Ok((plane.0 > 0 && plane.1 > 0).then_some((number, plane)))
+    Ok((plane.0 > 0 && plane.1 > 0).then_some((epsilon, plane)))
 }

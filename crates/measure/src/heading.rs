@@ -1,6 +1,6 @@
 //! Names and units of columns.
 
-use crate::{ChannelQuantity, ChannelUnit, Unit};
+use crate::{Abscissa, Channel, ChannelQuantity, ChannelUnit, Origin, Samples, Unit};
 
 /// Name and unit of a column.
 #[derive(Debug, Clone, PartialEq)]
@@ -17,7 +17,19 @@ impl Heading {
         in_brackets(text)
             .or_else(|| after_slash(text))
             .or_else(|| after_underscore(text))
-            .unwrap_or_else(|| Self { name: text.to_owned(), unit: ChannelUnit::Missing })
+            .unwrap_or_else(|| Self::bare(text.to_owned()))
+    }
+
+    /// A name without unit.
+    pub(crate) fn bare(name: String) -> Self {
+        Self { name, unit: ChannelUnit::Missing }
+    }
+
+    /// A channel of this name and unit, without further information.
+    pub(crate) fn channel(self, abscissa: Abscissa, samples: Samples) -> Channel {
+        let Self { name, unit } = self;
+        let (quantity, origin) = (ChannelQuantity::Unknown, Origin::default());
+        Channel { name, quantity, unit, abscissa, samples, origin }
     }
 
     /// Quantity of the column, from its unit, else from its name.

@@ -23,7 +23,7 @@ use crate::source::Source;
 use crate::{FilePosition, Format, MeasureError, ReadOptions};
 
 use element::{ElementFault, Elements, Tag};
-use matrix::{MatContext, NumericArray};
+use matrix::MatContext;
 
 /// Element types of the outermost level.
 const MATRIX: u32 = 14;
@@ -62,7 +62,7 @@ pub(crate) fn open(
         source.need(length, "an element")?;
         let end = source.position() + length;
         let mut context = MatContext { options, notices, budget: &mut budget, file: &file, place };
-        let found: Result<Vec<NumericArray>, ElementFault> = match tag.kind {
+        let found: Result<Vec<Array>, ElementFault> = match tag.kind {
             MATRIX => {
                 let mut elements = Elements::new((&mut source).take(length), endian, length);
                 matrix::read(&mut elements, &mut context)
@@ -80,12 +80,7 @@ pub(crate) fn open(
             }
             _ => Ok(Vec::new()),
         };
-        let found = found.map_err(|fault| fault.at(&file, place))?;
-        arrays.extend(found.into_iter().map(|found| Array {
-            name: found.name,
-            columns: found.columns,
-            epsilon: found.epsilon,
-        }));
+        arrays.extend(found.map_err(|fault| fault.at(&file, place))?);
         source.seek_to(end)?;
     }
     Ok(DecodedRecords::new(Format::Mat, records(&file, arrays, '.', options, notices)?))

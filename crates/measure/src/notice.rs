@@ -180,6 +180,11 @@ impl Notices {
         }
     }
 
+    /// Adds the notice of an array that is left out.
+    pub(crate) fn left_out(&mut self, array: impl Into<String>, reason: &'static str) {
+        self.add(Notice::ArrayLeftOut { array: array.into(), reason });
+    }
+
     pub(crate) fn all(&self) -> &[Notice] {
         &self.0
     }

@@ -8,14 +8,12 @@
 
 mod header;
 
-use crate::arrays::{Layout, Leading, bare_channel, check_channels, deinterleave, leading, paired};
+use crate::arrays::{Layout, Leading, check_channels, deinterleave, leading, paired};
 use crate::decoding::Records;
+use crate::heading::Heading;
 use crate::notice::Notices;
 use crate::source::Source;
-use crate::{
-    Abscissa, ChannelQuantity, FilePosition, Format, MeasureError, Notice, ReadOptions, Record,
-    Samples,
-};
+use crate::{FilePosition, Format, MeasureError, Notice, ReadOptions, Record, Samples, rate};
 
 pub(crate) use header::NpyHeader;
 
@@ -61,13 +59,9 @@ impl<'a> Npy<'a> {
         })?;
         let elements = plane.0.saturating_mul(plane.1);
         source.need(elements.saturating_mul(header.element()), "the array")?;
-        let row_major = !header.fortran;
+        let (vector, row_major) = (header.shape.len() < 2, !header.fortran);
         let asked = options.sample_axis;
-        let layout = if header.shape.len() < 2 {
-            Layout { channels: 1, samples: elements, contiguous: true }
-        } else {
-            Layout::of(source.name(), "array", plane, row_major, asked, notices)?
-        };
+        let layout = Layout::of(source.name(), "array", vector, plane, row_major, asked, notices)?;
         check_channels(&source, layout.channels)?;
         Ok(Self {
             offset: source.position(),
@@ -130,13 +124,9 @@ impl<'a> Npy<'a> {
         }
         let counts = found.is_some();
         if counts {
-            let reason = "it counts the samples";
-            notices.add(Notice::ArrayLeftOut { array: "channel 1".into(), reason });
+            notices.left_out("channel 1", "it counts the samples");
         }
-        let file = || self.source.name().to_owned();
-        let rate = self.rate_of_options;
-        let rate_hz = rate.ok_or_else(|| MeasureError::NoSampleRate { file: file() })?;
-        notices.add(Notice::RateOfOptions { rate_hz });
+        let rate_hz = rate::of_options(self.source.name(), self.rate_of_options, notices)?;
         Ok(FirstAxis { start: 0.0, step: 1.0 / rate_hz, leads: counts, is_time: false })
     }
 }
@@ -151,26 +141,19 @@ impl Records for Npy<'_> {
         if count == 0 {
             return Ok(None);
         }
-        let columns = self.numbers(count)?;
+        let mut columns = self.numbers(count)?;
         let axis = match self.axis {
             Some(axis) => axis,
             None => self.find_axis(&columns[0], columns.len(), notices)?,
         };
         self.axis = Some(axis);
-        let quantity = ChannelQuantity::Time;
-        let start = axis.start + self.next as f64 * axis.step;
-        let mut abscissa = Abscissa::Even { start, step: axis.step, quantity };
-        if axis.is_time && self.next > 0 {
-            let tolerance = 4.0 * self.header.number.epsilon().max(1e-12);
-            let carries_on = columns[0].iter().enumerate().all(|(index, value)| {
-                let expected = start + index as f64 * axis.step;
-                (value - expected).abs() <= tolerance * expected.abs()
-            });
-            if !carries_on {
-                notices.add(Notice::UnevenBlock { sample: self.next });
-                abscissa = Abscissa::Uneven { values: columns[0].clone(), quantity };
-            }
-        }
+        // Only the times of later blocks are checked.
+        let checked = axis.is_time && self.next > 0;
+        let times = if checked { std::mem::take(&mut columns[0]) } else { Vec::new() };
+        let relative = 4.0 * self.header.number.epsilon().max(1e-12);
+        let tolerance = |expected: f64| relative * expected.abs();
+        let abscissa =
+            rate::continued((axis.start, axis.step), self.next, times, tolerance, notices);
         let left_out = usize::from(axis.leads);
         let channels = columns.into_iter().enumerate().skip(left_out).map(|(index, values)| {
             let samples = if self.header.complex {
@@ -178,7 +161,7 @@ impl Records for Npy<'_> {
             } else {
                 Samples::Real(values)
             };
-            bare_channel(format!("channel {}", index + 1), abscissa.clone(), samples)
+            Heading::bare(format!("channel {}", index + 1)).channel(abscissa.clone(), samples)
         });
         let channels = channels.collect();
         let continues = self.next > 0;

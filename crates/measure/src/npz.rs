@@ -14,7 +14,7 @@ use crate::decoding::{Budget, DecodedRecords};
 use crate::notice::Notices;
 use crate::npy::NpyHeader;
 use crate::source::Source;
-use crate::{FilePosition, Format, MeasureError, Notice, ReadOptions, Samples};
+use crate::{FilePosition, Format, MeasureError, ReadOptions, Samples};
 
 pub(crate) use write::write;
 
@@ -36,12 +36,8 @@ pub(crate) fn open(
     // An entry takes 76 bytes in the archive at least.
     if archive.len() as u64 > length / 76 {
         let found = archive.len().to_string();
-        return Err(wrong(
-            start,
-            "the number of arrays",
-            &found,
-            "at most one for 76 bytes of the file",
-        ));
+        let expected = "at most one for 76 bytes of the file";
+        return Err(wrong(start, "the number of arrays", &found, expected));
     }
     let mut arrays = Vec::new();
     for index in 0..archive.len() {
@@ -54,8 +50,7 @@ pub(crate) fn open(
             wrong(start, "an entry's name", &error.to_string(), "UTF-8 or code page 437")
         })?;
         let Some(name) = name.strip_suffix(".npy").map(str::to_owned) else {
-            let (array, reason) = (name, "it is not an array of NumPy");
-            notices.add(Notice::ArrayLeftOut { array, reason });
+            notices.left_out(name, "it is not an array of NumPy");
             continue;
         };
         let wrong_here =
@@ -67,15 +62,13 @@ pub(crate) fn open(
         let header = match header {
             Ok(header) => header,
             Err(MeasureError::Malformed { quantity: "the type of the array", .. }) => {
-                let reason = "its elements are not numbers";
-                notices.add(Notice::ArrayLeftOut { array: name, reason });
+                notices.left_out(name, "its elements are not numbers");
                 continue;
             }
             Err(error) => return Err(error),
         };
         let Some(plane) = header.plane().filter(|(rows, columns)| *rows > 0 && *columns > 0) else {
-            let reason = "it has more than two dimensions, or no elements";
-            notices.add(Notice::ArrayLeftOut { array: name, reason });
+            notices.left_out(name, "it has more than two dimensions, or no elements");
             continue;
         };
         let elements = plane.0.saturating_mul(plane.1);
@@ -83,12 +76,9 @@ pub(crate) fn open(
         // Complex numbers are paired after reading, which takes twice their size.
         let bytes = elements.saturating_mul(8 * parts * parts);
         budget.take(bytes, place, "the samples of the arrays")?;
-        let layout = if header.shape.len() < 2 {
-            Layout { channels: 1, samples: elements, contiguous: true }
-        } else {
-            let asked = options.sample_axis;
-            Layout::of(&file, &name, plane, !header.fortran, asked, notices)?
-        };
+        let (vector, row_major) = (header.shape.len() < 2, !header.fortran);
+        let asked = options.sample_axis;
+        let layout = Layout::of(&file, &name, vector, plane, row_major, asked, notices)?;
         budget.take(layout.channels.saturating_mul(512), place, "the channels of the arrays")?;
         let columns = columns(&header, layout, &mut entry).map_err(read)?;
         arrays.push(Array { name, columns, epsilon: header.number.epsilon() });

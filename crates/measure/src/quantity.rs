@@ -34,18 +34,22 @@ pub enum ChannelQuantity {
 impl ChannelQuantity {
     /// Symbol of the SI unit; empty where there is none.
     pub fn si_symbol(self) -> &'static str {
+        self.name_and_symbol().1
+    }
+
+    fn name_and_symbol(self) -> (&'static str, &'static str) {
         match self {
-            Self::Force => "N",
-            Self::Acceleration => "m/s^2",
-            Self::Velocity => "m/s",
-            Self::Displacement => "m",
-            Self::Pressure => "Pa",
-            Self::Strain => "m/m",
-            Self::Voltage => "V",
-            Self::FullScale => "FS",
-            Self::Time => "s",
-            Self::Frequency => "Hz",
-            Self::Unknown => "",
+            Self::Force => ("force", "N"),
+            Self::Acceleration => ("acceleration", "m/s^2"),
+            Self::Velocity => ("velocity", "m/s"),
+            Self::Displacement => ("displacement", "m"),
+            Self::Pressure => ("pressure", "Pa"),
+            Self::Strain => ("strain", "m/m"),
+            Self::Voltage => ("voltage", "V"),
+            Self::FullScale => ("fraction of full scale", "FS"),
+            Self::Time => ("time", "s"),
+            Self::Frequency => ("frequency", "Hz"),
+            Self::Unknown => ("an unknown quantity", ""),
         }
     }
 
@@ -76,19 +80,7 @@ fn of_word(word: &str) -> ChannelQuantity {
 
 impl fmt::Display for ChannelQuantity {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Force => "force",
-            Self::Acceleration => "acceleration",
-            Self::Velocity => "velocity",
-            Self::Displacement => "displacement",
-            Self::Pressure => "pressure",
-            Self::Strain => "strain",
-            Self::Voltage => "voltage",
-            Self::FullScale => "fraction of full scale",
-            Self::Time => "time",
-            Self::Frequency => "frequency",
-            Self::Unknown => "an unknown quantity",
-        })
+        f.write_str(self.name_and_symbol().0)
     }
 }
 

@@ -5,12 +5,24 @@
 //! whole rate within the rounding of the printed step is used.
 
 use crate::notice::{Notice, Notices};
+use crate::{Abscissa, ChannelQuantity, MeasureError};
 
 /// The rate of an exact `step`, whole if it is so to the last bits.
 pub(crate) fn of_step(step: f64) -> f64 {
     let rate = 1.0 / step;
     let whole = rate.round();
     if whole >= 1.0 && (rate - whole).abs() <= 4.0 * f64::EPSILON * whole { whole } else { rate }
+}
+
+/// The rate of the options for a file without one, with a notice.
+pub(crate) fn of_options(
+    file: &str,
+    rate_hz: Option<f64>,
+    notices: &mut Notices,
+) -> Result<f64, MeasureError> {
+    let rate_hz = rate_hz.ok_or_else(|| MeasureError::NoSampleRate { file: file.to_owned() })?;
+    notices.add(Notice::RateOfOptions { rate_hz });
+    Ok(rate_hz)
 }
 
 /// The step of the roundest whole rate within the `uncertainty` of `step`, with a notice if the rate
@@ -76,6 +88,35 @@ pub(crate) fn uncertainty_of_printed_step(text: &str) -> f64 {
     if significant <= 3 { 0.0 } else { half_unit }
 }
 
+/// True if all `values` are `start + index * step` to within `tolerance(value, expected)`.
+pub(crate) fn is_even(
+    values: &[f64],
+    (start, step): (f64, f64),
+    tolerance: impl Fn(f64, f64) -> f64,
+) -> bool {
+    values.iter().enumerate().all(|(index, &value)| {
+        let expected = start + index as f64 * step;
+        (value - expected).abs() <= tolerance(value, expected)
+    })
+}
+
+/// The times of a block from sample `from` of an axis that is even in the first block; uneven with a
+/// notice if the block does not continue it to within `tolerance(expected)`.
+pub(crate) fn continued(
+    (start, step): (f64, f64),
+    from: u64,
+    values: Vec<f64>,
+    tolerance: impl Fn(f64) -> f64,
+    notices: &mut Notices,
+) -> Abscissa {
+    let (start, quantity) = (start + from as f64 * step, ChannelQuantity::Time);
+    if is_even(&values, (start, step), |_, expected| tolerance(expected)) {
+        return Abscissa::Even { start, step, quantity };
+    }
+    notices.add(Notice::UnevenBlock { sample: from });
+    Abscissa::Uneven { values, quantity }
+}
+
 /// Start and step of evenly spaced `values`, each known to within `tolerance(value)`, with the step
 /// of a whole rate; none for others.
 pub(crate) fn even_axis(
@@ -92,11 +133,9 @@ pub(crate) fn even_axis(
     // Times summed up step by step have an error of some bits of the last of them.
     let summed = 1e-12 * first.abs().max(last.abs());
     let fits = |start: f64, step: f64| {
-        values.iter().enumerate().all(|(index, &value)| {
-            let expected = start + index as f64 * step;
-            // The rounding of this value and that of the ends between which it lies.
-            (value - expected).abs() <= 2.0 * tolerance(value).max(tolerance(last)) + summed
-        })
+        // The rounding of this value and that of the ends between which it lies.
+        let rounding = |value, _| 2.0 * tolerance(value).max(tolerance(last)) + summed;
+        is_even(values, (start, step), rounding)
     };
     // The step must exceed the rounding.
     if step <= 10.0 * tolerance(last) || !fits(first, step) {

@@ -156,8 +156,9 @@ impl<'a> Reader<'a> {
                 ChannelUnit::Known(unit) => {
                     let (stated, by_unit) = (channel.quantity, unit.quantity());
                     if stated != ChannelQuantity::Unknown && stated != by_unit {
+                        let channel = name();
                         self.notices.add(Notice::QuantityContradictsUnit {
-                            channel: name(),
+                            channel,
                             stated,
                             by_unit,
                         });
@@ -190,14 +191,6 @@ fn units(file: &str, options: &ReadOptions) -> Result<Vec<Option<Unit>>, Measure
             expected: "a positive rate in hertz".into(),
         });
     }
-    let parse = |text: &String| match (text.is_empty(), Unit::parse(text)) {
-        (true, _) => Ok(None),
-        (false, Some(unit)) => Ok(Some(unit)),
-        (false, None) => Err(MeasureError::NotUnderstood {
-            quantity: "unit",
-            text: text.clone(),
-            example: "m/s^2",
-        }),
-    };
+    let parse = |text: &String| (!text.is_empty()).then(|| Unit::require(text)).transpose();
     options.units.iter().map(parse).collect()
 }

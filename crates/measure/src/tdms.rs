@@ -14,8 +14,8 @@ use crate::decoding::Records;
 use crate::notice::Notices;
 use crate::source::Source;
 use crate::{
-    ByteStream, Channel, ChannelQuantity, FilePosition, Format, MeasureError, Notice, Origin,
-    ReadOptions, Record, Samples,
+    ByteStream, Channel, FilePosition, Format, MeasureError, Notice, Origin, ReadOptions, Record,
+    Samples,
 };
 
 use axis::TdmsAxis;
@@ -89,14 +89,9 @@ impl Records for Tdms<'_> {
             }
             let heading = waveform::heading(name, object);
             let description = waveform::text(object, "description").unwrap_or_default().to_owned();
-            channels.push(Channel {
-                name: heading.name,
-                quantity: ChannelQuantity::Unknown,
-                unit: heading.unit,
-                abscissa: abscissa.clone(),
-                samples: Samples::Real(samples),
-                origin: Origin { description, date: date.clone(), ..Origin::default() },
-            });
+            let origin = Origin { description, date: date.clone(), ..Origin::default() };
+            let channel = heading.channel(abscissa.clone(), Samples::Real(samples));
+            channels.push(Channel { origin, ..channel });
         }
         let title = record.group.clone();
         if from + count < record.samples {
@@ -108,20 +103,17 @@ impl Records for Tdms<'_> {
 
 /// The error of a file.
 fn measure_error(file: &str, error: TdmsError) -> MeasureError {
-    let file = file.to_owned();
+    let (file, at) = (file.to_owned(), FilePosition::Offset);
     match error {
         TdmsError::Io(source) => MeasureError::Io { file, source },
         TdmsError::Malformed { offset, quantity, found, expected } => {
-            let place = FilePosition::Offset(offset);
-            MeasureError::Malformed { file, place, quantity, found, expected }
+            MeasureError::Malformed { file, place: at(offset), quantity, found, expected }
         }
         TdmsError::Truncated { offset, quantity, needed, available } => {
-            let place = FilePosition::Offset(offset);
-            MeasureError::Truncated { file, place, quantity, needed, available }
+            MeasureError::Truncated { file, place: at(offset), quantity, needed, available }
         }
         TdmsError::TooLarge { offset, quantity, needed: announced, limit } => {
-            let place = FilePosition::Offset(offset);
-            MeasureError::TooLarge { file, place, quantity, announced, limit }
+            MeasureError::TooLarge { file, place: at(offset), quantity, announced, limit }
         }
         TdmsError::RawDaqmx => MeasureError::Unsupported {
             file,

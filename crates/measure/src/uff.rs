@@ -31,6 +31,7 @@ use crate::notice::Notices;
 use crate::source::Source;
 use crate::{
     Abscissa, Channel, ChannelQuantity, Format, MeasureError, Origin, ReadOptions, Record, Samples,
+    rate,
 };
 
 use header::FunctionHeader;
@@ -131,23 +132,15 @@ impl<'a> Universal<'a> {
     ) -> Result<Abscissa, MeasureError> {
         let (quantity, factor) = header.abscissa_unit();
         if !header.even {
-            if factor != 1.0 {
-                for value in &mut abscissae {
-                    *value *= factor;
-                }
-            }
+            abscissae.iter_mut().for_each(|value| *value *= factor);
             return Ok(Abscissa::Uneven { values: abscissae, quantity });
         }
         let mut step = header.step * factor;
         if quantity == ChannelQuantity::Time {
             if step == 0.0 {
-                let file = || self.source.name().to_owned();
-                let rate = self.rate_of_options;
-                let rate = rate.ok_or_else(|| MeasureError::NoSampleRate { file: file() })?;
-                notices.add(crate::Notice::RateOfOptions { rate_hz: rate });
-                step = 1.0 / rate;
+                step = 1.0 / rate::of_options(self.source.name(), self.rate_of_options, notices)?;
             }
-            step = crate::rate::snapped_step(step, header.step_uncertainty * factor, notices);
+            step = rate::snapped_step(step, header.step_uncertainty * factor, notices);
         }
         let start = header.start * factor + from as f64 * step;
         Ok(Abscissa::Even { start, step, quantity })

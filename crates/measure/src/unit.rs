@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::ChannelQuantity;
+use crate::{ChannelQuantity, MeasureError};
 
 /// Standard gravity \[m/s^2\], exact (BIPM, 3rd CGPM).
 pub const STANDARD_GRAVITY: f64 = 9.80665;
@@ -81,6 +81,15 @@ impl Unit {
         let normal = normalised(text);
         let exact = TABLE.iter().find(|row| row.1.contains(&normal.as_str()));
         exact.or_else(|| case_blind(&normal)).map(Self::of_row)
+    }
+
+    /// The unit of a text, or the error of an unknown one.
+    pub(crate) fn require(text: &str) -> Result<Self, MeasureError> {
+        Self::parse(text).ok_or_else(|| MeasureError::NotUnderstood {
+            quantity: "unit",
+            text: text.to_owned(),
+            example: "m/s^2",
+        })
     }
 
     /// The SI unit of `quantity`; none for [`ChannelQuantity::Unknown`].

@@ -2,13 +2,13 @@
 
 use hound::{SampleFormat, WavReader};
 
-use crate::arrays::bare_channel;
 use crate::decoding::Records;
+use crate::heading::Heading;
 use crate::notice::Notices;
 use crate::source::Source;
 use crate::{
     Abscissa, ChannelQuantity, ChannelUnit, FilePosition, Format, MeasureError, ReadOptions,
-    Record, Samples, Unit,
+    Record, Samples,
 };
 
 /// A WAVE file being read.
@@ -93,13 +93,10 @@ impl Records for Wav<'_> {
         }
         let rate = f64::from(spec.sample_rate);
         let abscissa = Abscissa::even_time(self.next as f64 / rate, rate);
-        let unit =
-            Unit::si(ChannelQuantity::FullScale).map_or(ChannelUnit::Missing, ChannelUnit::Known);
+        let unit = ChannelUnit::si(ChannelQuantity::FullScale);
         let channels = columns.into_iter().enumerate().map(|(index, values)| {
-            let name = format!("channel {}", index + 1);
-            let mut channel = bare_channel(name, abscissa.clone(), Samples::Real(values));
-            channel.unit = unit.clone();
-            channel
+            let heading = Heading { name: format!("channel {}", index + 1), unit: unit.clone() };
+            heading.channel(abscissa.clone(), Samples::Real(values))
         });
         let channels = channels.collect();
         let continues = self.next > 0;

@@ -137,7 +137,7 @@ impl TdmsIndex {
             }
         }
         bytes.reserve(600 + 4 * text.len() as u64, offset, "the objects")?;
-        self.objects.push(TdmsObject::new(path));
+        self.objects.push(TdmsObject { path, ..TdmsObject::default() });
         self.by_path.insert(text, self.objects.len() - 1);
         Ok(self.objects.len() - 1)
     }

@@ -9,7 +9,7 @@ use crate::property::Properties;
 use crate::{TdmsError, TdmsProperty};
 
 /// An object of the file: the file itself, a group or a channel.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct TdmsObject {
     pub(crate) path: TdmsPath,
     pub(crate) properties: Properties,
@@ -25,19 +25,6 @@ pub struct TdmsObject {
 }
 
 impl TdmsObject {
-    pub(crate) fn new(path: TdmsPath) -> Self {
-        Self {
-            path,
-            properties: Properties::new(),
-            index: None,
-            list: 0,
-            place: 0,
-            extents: Vec::new(),
-            samples: 0,
-            other_content: None,
-        }
-    }
-
     /// Its path.
     pub fn path(&self) -> &TdmsPath {
         &self.path
@@ -114,9 +101,10 @@ impl RawIndex {
 }
 
 /// The path of an object: `/` for the file, `/'group'`, `/'group'/'channel'`.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub enum TdmsPath {
     /// The file.
+    #[default]
     File,
     /// A group, by its name.
     Group(String),

@@ -16,15 +16,21 @@ pub(crate) struct Layout {
 }
 
 impl Layout {
-    /// The layout of an array of `rows` by `columns`, in the order of rows (`row_major`) or columns.
+    /// The layout of an array of `rows` by `columns`, in the order of rows (`row_major`) or columns;
+    /// of one channel for a `vector`.
     pub(crate) fn of(
         file: &str,
         array: &str,
+        vector: bool,
         (rows, columns): (u64, u64),
         row_major: bool,
         asked: Option<SampleAxis>,
         notices: &mut Notices,
     ) -> Result<Self, MeasureError> {
+        if vector {
+            let samples = rows.saturating_mul(columns);
+            return Ok(Self { channels: 1, samples, contiguous: true });
+        }
         let by_length = || {
             if rows == columns && rows > 1 {
                 let (file, array) = (file.to_owned(), array.to_owned());

@@ -55,13 +55,9 @@ impl Tag {
     /// The tag of eight bytes; none if a small element has more than four.
     pub(crate) fn parse(bytes: [u8; 8], endian: Endian) -> Option<Self> {
         let [a, b, c, d, data @ ..] = bytes;
-        let word = |bytes| match endian {
-            Endian::Little => u32::from_le_bytes(bytes),
-            Endian::Big => u32::from_be_bytes(bytes),
-        };
-        let first = word([a, b, c, d]);
+        let first = endian.u32([a, b, c, d]);
         if first >> 16 == 0 {
-            return Some(Self { kind: first, length: word(data), small: None });
+            return Some(Self { kind: first, length: endian.u32(data), small: None });
         }
         let length = first >> 16;
         (length <= 4).then_some(Self { kind: first & 0xffff, length, small: Some(data) })
@@ -104,19 +100,13 @@ impl<R: Read> Elements<R> {
         self.fill(&mut bytes)?;
         let tag = Tag::parse(bytes, self.endian);
         let tag = tag.ok_or_else(|| {
-            ElementFault::unexpected(
-                "a tag",
-                format!("{bytes:02x?}"),
-                "at most 4 bytes in a small element",
-            )
+            let expected = "at most 4 bytes in a small element";
+            ElementFault::unexpected("a tag", format!("{bytes:02x?}"), expected)
         })?;
         if !tag.is_small() && u64::from(tag.length) > self.left {
             let found = format!("{} bytes", tag.length);
-            return Err(ElementFault::unexpected(
-                "an element's length",
-                found,
-                "at most the rest of the enclosing element",
-            ));
+            let expected = "at most the rest of the enclosing element";
+            return Err(ElementFault::unexpected("an element's length", found, expected));
         }
         Ok(tag)
     }
@@ -160,11 +150,8 @@ impl<R: Read> Elements<R> {
     /// Skips all but the last `left` bytes.
     pub(crate) fn skip_to(&mut self, left: u64) -> Result<(), ElementFault> {
         let Some(length) = self.left.checked_sub(left) else {
-            return Err(ElementFault::unexpected(
-                "a field",
-                "longer than its tag",
-                "the length in its tag",
-            ));
+            let (found, expected) = ("longer than its tag", "the length in its tag");
+            return Err(ElementFault::unexpected("a field", found, expected));
         };
         let mut passed = (&mut self.reader).take(length);
         if std::io::copy(&mut passed, &mut std::io::sink())? < length {

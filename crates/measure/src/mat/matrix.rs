@@ -4,20 +4,13 @@ use std::io::Read;
 
 use num_complex::Complex64;
 
-use crate::arrays::Layout;
+use crate::arrays::{Array, Layout};
 use crate::decoding::Budget;
 use crate::mat::MATRIX;
 use crate::mat::element::{ElementFault, Elements, Tag};
 use crate::notice::Notices;
 use crate::number::{Endian, NumberType};
-use crate::{FilePosition, Notice, ReadOptions, Samples};
-
-/// A numeric array.
-pub(crate) struct NumericArray {
-    pub(crate) name: String,
-    pub(crate) columns: Vec<Samples>,
-    pub(crate) epsilon: f64,
-}
+use crate::{FilePosition, ReadOptions, Samples};
 
 /// Options, limits and position of an array.
 pub(crate) struct MatContext<'a> {
@@ -40,7 +33,7 @@ const LONGEST_NAME: u32 = 1 << 10;
 pub(crate) fn read<R: Read>(
     elements: &mut Elements<R>,
     context: &mut MatContext<'_>,
-) -> Result<Vec<NumericArray>, ElementFault> {
+) -> Result<Vec<Array>, ElementFault> {
     let head = MatrixHead::read(elements)?;
     if NUMERIC.contains(&head.class) {
         let found = numeric(elements, &head, head.name.clone(), context)?;
@@ -49,12 +42,8 @@ pub(crate) fn read<R: Read>(
     if head.class == STRUCTURE && head.elements() == 1 {
         return structure(elements, &head, context);
     }
-    leave_out(head.name, "it is not an array of numbers", context);
+    context.notices.left_out(head.name, "it is not an array of numbers");
     Ok(Vec::new())
-}
-
-fn leave_out(array: String, reason: &'static str, context: &mut MatContext<'_>) {
-    context.notices.add(Notice::ArrayLeftOut { array, reason });
 }
 
 /// The head of a matrix.
@@ -104,11 +93,7 @@ impl MatrixHead {
 
 fn words(bytes: &[u8], endian: Endian) -> Vec<u32> {
     let (chunks, _) = bytes.as_chunks::<4>();
-    let word = |bytes: &[u8; 4]| match endian {
-        Endian::Little => u32::from_le_bytes(*bytes),
-        Endian::Big => u32::from_be_bytes(*bytes),
-    };
-    chunks.iter().map(word).collect()
+    chunks.iter().map(|bytes| endian.u32(*bytes)).collect()
 }
 
 /// The numbers of an array after its head; none if it is left out, without reading its data.
@@ -117,19 +102,16 @@ fn numeric<R: Read>(
     head: &MatrixHead,
     name: String,
     context: &mut MatContext<'_>,
-) -> Result<Option<NumericArray>, ElementFault> {
+) -> Result<Option<Array>, ElementFault> {
     let plane = head.plane().filter(|_| head.elements() > 0);
     let Some((rows, columns)) = plane else {
-        leave_out(name, "it has more than two dimensions, or no elements", context);
+        context.notices.left_out(name, "it has more than two dimensions, or no elements");
         return Ok(None);
     };
-    let layout = if rows == 1 || columns == 1 {
-        Layout { channels: 1, samples: rows.saturating_mul(columns), contiguous: true }
-    } else {
-        let asked = context.options.sample_axis;
-        Layout::of(context.file, &name, (rows, columns), false, asked, context.notices)
-            .map_err(ElementFault::Placed)?
-    };
+    let (vector, asked) = (rows == 1 || columns == 1, context.options.sample_axis);
+    let plane = (rows, columns);
+    let layout = Layout::of(context.file, &name, vector, plane, false, asked, context.notices);
+    let layout = layout.map_err(ElementFault::Placed)?;
     let bytes = head.elements().saturating_mul(if head.complex { 16 } else { 8 });
     let bytes = bytes.saturating_add(layout.channels.saturating_mul(512));
     let place = context.place;
@@ -150,7 +132,7 @@ fn numeric<R: Read>(
     };
     columns.shrink_to_fit();
     // Floating-point numbers may be stored as integers, with exact steps.
-    Ok(Some(NumericArray { name, columns, epsilon: number.epsilon() }))
+    Ok(Some(Array { name, columns, epsilon: number.epsilon() }))
 }
 
 /// The tag of the real or the imaginary part, as long as the array.
@@ -171,21 +153,15 @@ fn part<R: Read>(
         12 => NumberType::I64,
         13 => NumberType::U64,
         other => {
-            return Err(ElementFault::unexpected(
-                "the type of numbers",
-                other,
-                "1 to 7, 9, 12, 13",
-            ));
+            let expected = "1 to 7, 9, 12, 13";
+            return Err(ElementFault::unexpected("the type of numbers", other, expected));
         }
     };
     let needed = head.elements().saturating_mul(number.size() as u64);
     if needed != u64::from(tag.length) {
         let found = format!("{} bytes for {} elements", tag.length, head.elements());
-        return Err(ElementFault::unexpected(
-            "the length of an array",
-            found,
-            "the length of its dimensions",
-        ));
+        let expected = "the length of its dimensions";
+        return Err(ElementFault::unexpected("the length of an array", found, expected));
     }
     Ok((number, tag))
 }
@@ -224,7 +200,7 @@ fn structure<R: Read>(
     elements: &mut Elements<R>,
     head: &MatrixHead,
     context: &mut MatContext<'_>,
-) -> Result<Vec<NumericArray>, ElementFault> {
+) -> Result<Vec<Array>, ElementFault> {
     const MOST_NAMES: u32 = 1 << 16;
     let tag = elements.tag()?;
     let length = elements.bytes(tag, 4)?;
@@ -251,7 +227,7 @@ fn structure<R: Read>(
         if NUMERIC.contains(&field.class) {
             found.extend(numeric(elements, &field, name, context)?);
         } else {
-            leave_out(name, "it is not an array of numbers", context);
+            context.notices.left_out(name, "it is not an array of numbers");
         }
         elements.skip_to(after)?;
     }

@@ -5,7 +5,7 @@ use asperity_tdms::{TdmsObject, TdmsPath};
 use crate::notice::Notices;
 use crate::tdms::gather::ChannelGroup;
 use crate::tdms::waveform;
-use crate::{Abscissa, ChannelQuantity, MeasureError, Notice, rate};
+use crate::{Abscissa, ChannelQuantity, MeasureError, rate};
 
 /// The axis of a record.
 #[derive(Debug)]
@@ -42,9 +42,7 @@ impl TdmsAxis {
         if let Some(times) = times_of(record, objects) {
             return Ok(Self::Times(times));
         }
-        let none = || MeasureError::NoSampleRate { file: file.to_owned() };
-        let rate_hz = rate_of_options.ok_or_else(none)?;
-        notices.add(Notice::RateOfOptions { rate_hz });
+        let rate_hz = rate::of_options(file, rate_of_options, notices)?;
         Ok(Self::Even(0.0, 1.0 / rate_hz, ChannelQuantity::Time))
     }
 
@@ -62,9 +60,7 @@ impl TdmsAxis {
             }
             Self::Times(times) => {
                 let mut values = std::mem::take(&mut columns[times.slot]);
-                for value in &mut values {
-                    *value *= times.factor;
-                }
+                values.iter_mut().for_each(|value| *value *= times.factor);
                 times.abscissa(from, values, notices)
             }
         }
@@ -85,7 +81,6 @@ pub(crate) fn times_of(record: &ChannelGroup, objects: &[TdmsObject]) -> Option<
 
 impl Times {
     fn abscissa(&mut self, from: u64, values: Vec<f64>, notices: &mut Notices) -> Abscissa {
-        let quantity = ChannelQuantity::Time;
         let largest = values.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
         if from == 0 {
             // Times may have single precision.
@@ -93,18 +88,10 @@ impl Times {
             let exact = rate::even_axis(&values, |_| 0.0, notices);
             self.even = exact.or_else(|| rate::even_axis(&values, tolerance, notices));
         }
-        let Some((start, step)) = self.even else {
-            return Abscissa::Uneven { values, quantity };
+        let Some(even) = self.even else {
+            return Abscissa::Uneven { values, quantity: ChannelQuantity::Time };
         };
-        let start = start + from as f64 * step;
-        let tolerance = 4.0 * f64::from(f32::EPSILON) * largest.max(step);
-        let carries_on = |(index, value): (usize, &f64)| {
-            (value - (start + index as f64 * step)).abs() <= tolerance
-        };
-        if values.iter().enumerate().all(carries_on) {
-            return Abscissa::Even { start, step, quantity };
-        }
-        notices.add(Notice::UnevenBlock { sample: from });
-        Abscissa::Uneven { values, quantity }
+        let tolerance = 4.0 * f64::from(f32::EPSILON) * largest.max(even.1);
+        rate::continued(even, from, values, |_| tolerance, notices)
     }
 }

@@ -11,7 +11,7 @@ use crate::notice::Notices;
 use crate::tdms::axis;
 use crate::tdms::measure_error;
 use crate::tdms::waveform::Waveform;
-use crate::{ByteStream, FilePosition, MeasureError, Notice};
+use crate::{ByteStream, FilePosition, MeasureError};
 
 /// Most records of one group.
 const MOST: usize = 64;
@@ -46,7 +46,7 @@ pub(crate) fn gather<'a>(
             _ => None,
         });
         if let Some(reason) = reason {
-            notices.add(Notice::ArrayLeftOut { array: channel.clone(), reason });
+            notices.left_out(channel, reason);
             continue;
         }
         let known = of_group.entry(group.clone()).or_default();

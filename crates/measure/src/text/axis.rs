@@ -1,5 +1,6 @@
 //! Time column and sample rate of a text.
 
+use crate::heading::Heading;
 use crate::notice::Notices;
 use crate::rate;
 use crate::text::labview::HeaderAxis;
@@ -78,10 +79,10 @@ impl AxisFinder<'_> {
         };
         if let Some(place) = named(self.columns) {
             let heading = self.columns[place].heading.as_ref();
-            let quantity = heading.map(crate::heading::Heading::quantity);
-            let quantity = quantity
-                .filter(|q| *q == ChannelQuantity::Frequency)
-                .unwrap_or(ChannelQuantity::Time);
+            let quantity = match heading.map(Heading::quantity) {
+                Some(ChannelQuantity::Frequency) => ChannelQuantity::Frequency,
+                _ => ChannelQuantity::Time,
+            };
             let unit = heading.and_then(|heading| heading.unit.known());
             let factor = unit.map_or(1.0, |unit| unit.factor());
             let even = self.by_header(&values[place], rounding, notices);
@@ -95,13 +96,8 @@ impl AxisFinder<'_> {
             return Ok(TextAxis { column: None, ..axis(ChannelQuantity::Time, 1.0, Some(even)) });
         }
         let rising = column.filter(|&place| values[place].len() > 2).and_then(|place| {
-            let even = even_axis(
-                &values[place],
-                1.0,
-                ChannelQuantity::Time,
-                rounding,
-                &mut Notices::default(),
-            );
+            let (quantity, mut ignored) = (ChannelQuantity::Time, Notices::default());
+            let even = even_axis(&values[place], 1.0, quantity, rounding, &mut ignored);
             even.map(|even| (place, even))
         });
         if let Some((place, EvenAxis { start, step, .. })) = rising {
@@ -112,7 +108,7 @@ impl AxisFinder<'_> {
                 let even = even_axis(&values[place], 1.0, ChannelQuantity::Time, rounding, notices);
                 return Ok(axis(ChannelQuantity::Time, 1.0, even));
             }
-            notices.add(Notice::ArrayLeftOut { array: name, reason: "it counts the samples" });
+            notices.left_out(name, "it counts the samples");
             let even = Some(self.by_rate(notices)?);
             return Ok(TextAxis { read: false, ..axis(ChannelQuantity::Time, 1.0, even) });
         }
@@ -121,9 +117,7 @@ impl AxisFinder<'_> {
     }
 
     fn by_rate(&self, notices: &mut Notices) -> Result<EvenAxis, MeasureError> {
-        let none = || MeasureError::NoSampleRate { file: self.file.to_owned() };
-        let rate_hz = self.rate_of_options.ok_or_else(none)?;
-        notices.add(Notice::RateOfOptions { rate_hz });
+        let rate_hz = rate::of_options(self.file, self.rate_of_options, notices)?;
         Ok(EvenAxis { start: 0.0, step: 1.0 / rate_hz, exact: true })
     }
 
@@ -136,11 +130,13 @@ impl AxisFinder<'_> {
     ) -> Option<EvenAxis> {
         let start = *values.first().filter(|_| self.labview && self.header.step > 0.0)?;
         let step = self.step_of_header(notices);
-        let fits = values.iter().enumerate().all(|(index, &value)| {
-            let expected = start + index as f64 * step;
-            (value - expected).abs() <= 3.0 * rounding.tolerance(value) + 1e-9 * expected.abs()
-        });
-        fits.then_some(EvenAxis { start, step, exact: false })
+        let tolerance =
+            |value, expected: f64| 3.0 * rounding.tolerance(value) + 1e-9 * expected.abs();
+        rate::is_even(values, (start, step), tolerance).then_some(EvenAxis {
+            start,
+            step,
+            exact: false,
+        })
     }
 
     fn step_of_header(&self, notices: &mut Notices) -> f64 {

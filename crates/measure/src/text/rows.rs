@@ -1,6 +1,5 @@
 //! Rows of numbers, in blocks.
 
-use crate::arrays::bare_channel;
 use crate::error::FilePosition;
 use crate::heading::Heading;
 use crate::notice::Notices;
@@ -21,7 +20,7 @@ impl NumberColumn {
     /// The channel of its samples.
     pub(crate) fn channel(&self, samples: Vec<f64>, abscissa: Abscissa) -> Channel {
         let unit = self.heading.as_ref().map_or(ChannelUnit::Missing, |h| h.unit.clone());
-        Channel { unit, ..bare_channel(self.name(), abscissa, Samples::Real(samples)) }
+        Heading { name: self.name(), unit }.channel(abscissa, Samples::Real(samples))
     }
 
     /// Name of the heading, or one made from the index.

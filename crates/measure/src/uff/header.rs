@@ -37,20 +37,26 @@ pub(crate) struct AxisHeader {
     pub(crate) unit: String,
 }
 
+/// Specific data types with their quantity and label; the first of a quantity is written.
+pub(crate) const SPECIFIC_TYPES: [(i64, ChannelQuantity, &str); 11] = [
+    (15, ChannelQuantity::Pressure, "Pressure"),
+    (2, ChannelQuantity::Pressure, "Stress"),
+    (21, ChannelQuantity::Pressure, "Sound pressure"),
+    (3, ChannelQuantity::Strain, "Strain"),
+    (8, ChannelQuantity::Displacement, "Displacement"),
+    (13, ChannelQuantity::Force, "Force"),
+    (9, ChannelQuantity::Force, "Reaction force"),
+    (11, ChannelQuantity::Velocity, "Velocity"),
+    (12, ChannelQuantity::Acceleration, "Acceleration"),
+    (17, ChannelQuantity::Time, "Time"),
+    (18, ChannelQuantity::Frequency, "Frequency"),
+];
+
 impl AxisHeader {
     /// The quantity of the specific data type.
     pub(crate) fn quantity(&self) -> ChannelQuantity {
-        match self.kind {
-            2 | 15 | 21 => ChannelQuantity::Pressure,
-            3 => ChannelQuantity::Strain,
-            8 => ChannelQuantity::Displacement,
-            9 | 13 => ChannelQuantity::Force,
-            11 => ChannelQuantity::Velocity,
-            12 => ChannelQuantity::Acceleration,
-            17 => ChannelQuantity::Time,
-            18 => ChannelQuantity::Frequency,
-            _ => ChannelQuantity::Unknown,
-        }
+        let known = SPECIFIC_TYPES.iter().find(|(kind, _, _)| *kind == self.kind);
+        known.map_or(ChannelQuantity::Unknown, |(_, quantity, _)| *quantity)
     }
 }
 

@@ -86,9 +86,8 @@ pub(crate) fn index(source: &mut Source<'_>, notices: &mut Notices) -> Result<Gr
                     None => printed(source, &mut line, &mut number, &header)?,
                 };
                 if header.points == 0 {
-                    let (array, reason) = (header.name, "it has no points");
-                    let array = if array.is_empty() { kind } else { array };
-                    notices.add(Notice::ArrayLeftOut { array, reason });
+                    let array = if header.name.is_empty() { kind } else { header.name };
+                    notices.left_out(array, "it has no points");
                 } else {
                     let context = Arc::clone(&context);
                     entries.push(Box::new(FunctionEntry { header, context, data }));

@@ -7,6 +7,7 @@ use crate::WriteOptions;
 use crate::error::WriteFault;
 use crate::record::joined_len;
 use crate::uff::fields::text;
+use crate::uff::header::SPECIFIC_TYPES;
 use crate::{
     Abscissa, Channel, ChannelQuantity, ChannelUnit, DegreeOfFreedom, Format, Record, Samples,
 };
@@ -124,7 +125,7 @@ fn header(
         exponential(step, 6, 13),
         exponential(0.0, 5, 13)
     )?;
-    let mut axis = |kind: i32, label: &str, unit: &str| {
+    let mut axis = |kind: i64, label: &str, unit: &str| {
         writeln!(out, "{kind:>10}{:>5}{:>5}{:>5} {label:<20} {unit:<20}", 0, 0, 0)
     };
     axis(kind.1, kind.2, kind.3)?;
@@ -142,18 +143,9 @@ fn header(
 }
 
 /// Specific data type and label of a quantity.
-fn specific_type(quantity: ChannelQuantity) -> (i32, &'static str) {
-    match quantity {
-        ChannelQuantity::Force => (13, "Force"),
-        ChannelQuantity::Acceleration => (12, "Acceleration"),
-        ChannelQuantity::Velocity => (11, "Velocity"),
-        ChannelQuantity::Displacement => (8, "Displacement"),
-        ChannelQuantity::Pressure => (15, "Pressure"),
-        ChannelQuantity::Strain => (3, "Strain"),
-        ChannelQuantity::Time => (17, "Time"),
-        ChannelQuantity::Frequency => (18, "Frequency"),
-        _ => (0, "NONE"),
-    }
+fn specific_type(quantity: ChannelQuantity) -> (i64, &'static str) {
+    let known = SPECIFIC_TYPES.iter().find(|(_, known, _)| *known == quantity);
+    known.map_or((0, "NONE"), |(kind, _, label)| (*kind, *label))
 }
 
 /// The numbers of one channel. Lines of text contain whole points, so that a
