@@ -5,8 +5,7 @@
 
 mod layout;
 
-use num_complex::Complex64;
-
+use crate::channel::scale;
 use crate::heading::Heading;
 use crate::notice::Notices;
 use crate::source::Source;
@@ -20,11 +19,6 @@ pub(crate) struct Array {
     pub(crate) columns: Vec<Samples>,
     /// Relative rounding of its numbers.
     pub(crate) epsilon: f64,
-}
-
-/// Pairs of real and imaginary parts as complex numbers.
-pub(crate) fn paired(parts: &[f64]) -> Vec<Complex64> {
-    parts.chunks_exact(2).map(|pair| Complex64::new(pair[0], pair[1])).collect()
 }
 
 /// Most channels accepted in a file of that size.
@@ -132,7 +126,7 @@ impl ArrayGroup {
             match columns.remove(0) {
                 Samples::Real(mut values) => {
                     let factor = heading.unit.known().map_or(1.0, |unit| unit.factor());
-                    values.iter_mut().for_each(|value| *value *= factor);
+                    scale(&mut values, factor);
                     self.axis = Some((values, quantity, array.epsilon));
                     return;
                 }

@@ -143,11 +143,27 @@ impl Samples {
         if let Self::Real(values) = self { Some(values) } else { None }
     }
 
+    /// Samples of real numbers, or of pairs of real and imaginary parts.
+    pub(crate) fn of_parts(parts: Vec<f64>, complex: bool) -> Self {
+        if !complex {
+            return Self::Real(parts);
+        }
+        let pairs = parts.chunks_exact(2);
+        Self::Complex(pairs.map(|pair| Complex64::new(pair[0], pair[1])).collect())
+    }
+
     fn scale(&mut self, factor: f64) {
         match self {
-            Self::Real(values) => values.iter_mut().for_each(|value| *value *= factor),
+            Self::Real(values) => scale(values, factor),
             Self::Complex(values) => values.iter_mut().for_each(|value| *value *= factor),
         }
+    }
+}
+
+/// Multiplies `values` by `factor`.
+pub(crate) fn scale(values: &mut [f64], factor: f64) {
+    for value in values {
+        *value *= factor;
     }
 }
 

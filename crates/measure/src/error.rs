@@ -202,9 +202,10 @@ pub(crate) fn excerpt(text: &str) -> String {
 }
 
 /// Errors of the writer of a format.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
+#[error(transparent)]
 pub(crate) enum WriteFault {
-    Io(std::io::Error),
+    Io(#[from] std::io::Error),
     Refused(MeasureError),
 }
 
@@ -220,11 +221,5 @@ impl WriteFault {
     pub(crate) fn refused(format: Format, channel: &str, reason: &'static str) -> Self {
         let channel = channel.to_owned();
         Self::Refused(MeasureError::NotExpressible { format, channel, reason })
-    }
-}
-
-impl From<std::io::Error> for WriteFault {
-    fn from(error: std::io::Error) -> Self {
-        Self::Io(error)
     }
 }

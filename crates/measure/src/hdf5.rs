@@ -86,8 +86,14 @@ fn shape(dataset: &Dataset) -> Result<Option<Shape>, Error> {
     let epsilon = match dataset.dtype()? {
         DType::F32 => f64::from(f32::EPSILON),
         DType::F64 => f64::EPSILON,
-        DType::I8 | DType::I16 | DType::I32 | DType::I64 => 0.0,
-        DType::U8 | DType::U16 | DType::U32 | DType::U64 => 0.0,
+        DType::I8
+        | DType::I16
+        | DType::I32
+        | DType::I64
+        | DType::U8
+        | DType::U16
+        | DType::U32
+        | DType::U64 => 0.0,
         _ => return Ok(None),
     };
     let plane = match dataset.shape()?[..] {

@@ -8,7 +8,7 @@
 
 mod header;
 
-use crate::arrays::{Layout, Leading, check_channels, deinterleave, leading, paired};
+use crate::arrays::{Layout, Leading, check_channels, deinterleave, leading};
 use crate::decoding::Records;
 use crate::heading::Heading;
 use crate::notice::Notices;
@@ -92,18 +92,8 @@ impl<'a> Npy<'a> {
             }
         } else {
             self.source.seek_to(self.offset + self.next * channels * element)?;
-            let read = if complex {
-                // Real and imaginary parts are interleaved too: twice the columns, then paired.
-                let mut halves = vec![Vec::with_capacity(count as usize); columns.len() * 2];
-                let read =
-                    deinterleave(number, endian, &mut self.source, count as usize, &mut halves);
-                for (column, halves) in columns.iter_mut().zip(halves.chunks_exact(2)) {
-                    column.extend(halves[0].iter().zip(&halves[1]).flat_map(|(re, im)| [*re, *im]));
-                }
-                read
-            } else {
-                deinterleave(number, endian, &mut self.source, count as usize, &mut columns)
-            };
+            let (types, samples) = ((number, endian), count as usize);
+            let read = deinterleave(types, &mut self.source, samples, parts, &mut columns);
             read.map_err(|error| self.source.io(error))?;
         }
         Ok(columns)
@@ -156,11 +146,7 @@ impl Records for Npy<'_> {
             rate::continued((axis.start, axis.step), self.next, times, tolerance, notices);
         let left_out = usize::from(axis.leads);
         let channels = columns.into_iter().enumerate().skip(left_out).map(|(index, values)| {
-            let samples = if self.header.complex {
-                Samples::Complex(paired(&values))
-            } else {
-                Samples::Real(values)
-            };
+            let samples = Samples::of_parts(values, self.header.complex);
             Heading::bare(format!("channel {}", index + 1)).channel(abscissa.clone(), samples)
         });
         let channels = channels.collect();

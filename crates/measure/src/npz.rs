@@ -9,12 +9,12 @@ use std::io::Read;
 
 use zip::ZipArchive;
 
-use crate::arrays::{Array, Layout, paired, records};
+use crate::arrays::{Array, Layout, records};
 use crate::decoding::{Budget, DecodedRecords};
 use crate::notice::Notices;
 use crate::npy::NpyHeader;
 use crate::source::Source;
-use crate::{FilePosition, Format, MeasureError, ReadOptions, Samples};
+use crate::{FilePosition, Format, MeasureError, ReadOptions};
 
 pub(crate) use write::write;
 
@@ -80,38 +80,9 @@ pub(crate) fn open(
         let asked = options.sample_axis;
         let layout = Layout::of(&file, &name, vector, plane, row_major, asked, notices)?;
         budget.take(layout.channels.saturating_mul(512), place, "the channels of the arrays")?;
-        let columns = columns(&header, layout, &mut entry).map_err(read)?;
+        let types = (header.number, header.endian);
+        let columns = layout.read(types, header.complex, &mut entry).map_err(read)?;
         arrays.push(Array { name, columns, epsilon: header.number.epsilon() });
     }
     Ok(DecodedRecords::new(Format::Npz, records(&file, arrays, ':', options, notices)?))
-}
-
-fn columns(
-    header: &NpyHeader,
-    layout: Layout,
-    entry: &mut impl Read,
-) -> std::io::Result<Vec<Samples>> {
-    let types = (header.number, header.endian);
-    if !header.complex {
-        return layout.read_real(types, entry);
-    }
-    // Real and imaginary parts alternate: twice the samples of contiguous channels, twice the
-    // channels of interleaved ones.
-    let real = if layout.contiguous {
-        Layout { samples: 2 * layout.samples, ..layout }
-    } else {
-        Layout { channels: 2 * layout.channels, ..layout }
-    };
-    let halves = real.read_real(types, entry)?;
-    let parts: Vec<&[f64]> = halves.iter().filter_map(Samples::real).collect();
-    Ok(if layout.contiguous {
-        parts.iter().map(|parts| Samples::Complex(paired(parts))).collect()
-    } else {
-        let pairs = parts.chunks_exact(2);
-        let zipped = pairs.map(|pair| {
-            let both = pair[0].iter().zip(pair[1]);
-            both.map(|(re, im)| num_complex::Complex64::new(*re, *im)).collect()
-        });
-        zipped.map(Samples::Complex).collect()
-    })
 }

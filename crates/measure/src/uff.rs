@@ -26,6 +26,7 @@ use std::sync::Arc;
 
 use num_complex::Complex64;
 
+use crate::channel::scale;
 use crate::decoding::Records;
 use crate::notice::Notices;
 use crate::source::Source;
@@ -132,7 +133,7 @@ impl<'a> Universal<'a> {
     ) -> Result<Abscissa, MeasureError> {
         let (quantity, factor) = header.abscissa_unit();
         if !header.even {
-            abscissae.iter_mut().for_each(|value| *value *= factor);
+            scale(&mut abscissae, factor);
             return Ok(Abscissa::Uneven { values: abscissae, quantity });
         }
         let mut step = header.step * factor;

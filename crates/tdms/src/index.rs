@@ -15,18 +15,16 @@ use crate::byte_reader::ByteReader;
 use crate::data_type::DataType;
 use crate::extent::Extent;
 use crate::object::RawIndex;
-use crate::segment::LeadIn;
+use crate::segment::{INTERLEAVED, LeadIn, METADATA, NEW_LIST, RAW_DATA};
 use crate::{TdmsError, TdmsObject, TdmsPath, TdmsProperty};
 
 /// The metadata of all segments.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(crate) struct TdmsIndex {
     pub(crate) objects: Vec<TdmsObject>,
     pub(crate) by_path: BTreeMap<String, usize>,
     /// Start of a segment that was not closed by its writer.
     pub(crate) cut_off: Option<u64>,
-    /// True for the names of properties to keep.
-    keep: fn(&str) -> bool,
     /// Objects of the current list with samples in a chunk, by their index in it.
     chunk: BTreeMap<usize, usize>,
     /// The current list, by number, and its length.
@@ -41,16 +39,7 @@ impl TdmsIndex {
         bytes: &mut ByteReader<impl Read + Seek>,
         keep: fn(&str) -> bool,
     ) -> Result<Self, TdmsError> {
-        let mut index = Self {
-            objects: Vec::new(),
-            by_path: BTreeMap::new(),
-            cut_off: None,
-            keep,
-            chunk: BTreeMap::new(),
-            list: 1,
-            length: 0,
-            channels: 0,
-        };
+        let mut index = Self { list: 1, ..Self::default() };
         while bytes.position() < bytes.len() {
             let start = bytes.position();
             let lead = LeadIn::read(bytes)?;
@@ -61,10 +50,10 @@ impl TdmsIndex {
                     break;
                 }
             }
-            if lead.has_metadata() {
-                index.metadata(bytes, &lead)?;
+            if lead.has(METADATA) {
+                index.metadata(bytes, &lead, keep)?;
             }
-            if lead.has_raw_data() {
+            if lead.has(RAW_DATA) {
                 index.raw_data(bytes, &lead, start)?;
             }
             // At least the length of a lead-in after the start of the segment.
@@ -77,8 +66,9 @@ impl TdmsIndex {
         &mut self,
         bytes: &mut ByteReader<impl Read + Seek>,
         lead: &LeadIn,
+        keep: fn(&str) -> bool,
     ) -> Result<(), TdmsError> {
-        if lead.starts_list() {
+        if lead.has(NEW_LIST) {
             self.list += 1;
             self.length = 0;
             self.chunk.clear();
@@ -92,7 +82,7 @@ impl TdmsIndex {
             let id = self.object(bytes, path, offset)?;
             self.raw_data_index(bytes, id)?;
             for _ in 0..bytes.u32("the number of properties")? {
-                let Some((name, property)) = TdmsProperty::read(bytes, self.keep)? else {
+                let Some((name, property)) = TdmsProperty::read(bytes, keep)? else {
                     continue;
                 };
                 let properties = &mut self.objects[id].properties;
@@ -203,11 +193,11 @@ impl TdmsIndex {
         if chunk == 0 {
             return wrong(&length, "empty: no channel has samples here");
         }
-        if lead.is_interleaved() && !even {
+        if lead.has(INTERLEAVED) && !even {
             return wrong("interleaved", "channels of numbers, each with as many samples");
         }
         // A single channel is a row of one, for which chunks make no difference.
-        let rows = even && (lead.is_interleaved() || self.chunk.len() == 1);
+        let rows = even && (lead.has(INTERLEAVED) || self.chunk.len() == 1);
         let unit = if rows { row } else { chunk };
         if !available.is_multiple_of(unit) && !lead.open {
             return wrong(&length, &format!("a multiple of {unit} bytes, by its metadata"));

@@ -9,10 +9,12 @@ use crate::data_type::Endian;
 /// Bytes of a lead-in.
 pub(crate) const LENGTH: u64 = 28;
 
-const METADATA: u32 = 1 << 1;
-const NEW_LIST: u32 = 1 << 2;
-const RAW_DATA: u32 = 1 << 3;
-const INTERLEAVED: u32 = 1 << 5;
+/// Flags of the contents.
+pub(crate) const METADATA: u32 = 1 << 1;
+/// The list of objects does not continue that of the segment before.
+pub(crate) const NEW_LIST: u32 = 1 << 2;
+pub(crate) const RAW_DATA: u32 = 1 << 3;
+pub(crate) const INTERLEAVED: u32 = 1 << 5;
 const BIG_ENDIAN: u32 = 1 << 6;
 const DAQMX: u32 = 1 << 7;
 
@@ -73,20 +75,8 @@ impl LeadIn {
         })
     }
 
-    pub(crate) fn has_metadata(&self) -> bool {
-        self.contents & METADATA != 0
-    }
-
-    /// True if the list of objects does not continue that of the segment before.
-    pub(crate) fn starts_list(&self) -> bool {
-        self.contents & NEW_LIST != 0
-    }
-
-    pub(crate) fn has_raw_data(&self) -> bool {
-        self.contents & RAW_DATA != 0
-    }
-
-    pub(crate) fn is_interleaved(&self) -> bool {
-        self.contents & INTERLEAVED != 0
+    /// True for contents with the given flag.
+    pub(crate) fn has(&self, flag: u32) -> bool {
+        self.contents & flag != 0
     }
 }

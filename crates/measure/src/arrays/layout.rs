@@ -50,43 +50,43 @@ impl Layout {
         Ok(Self { channels, samples, contiguous })
     }
 
-    /// Real numbers from `reader`, by channels. The caller has checked the memory needed.
-    pub(crate) fn read_real(
+    /// Real or complex samples from `reader`, by channels. The caller has checked the memory needed.
+    pub(crate) fn read(
         self,
         (number, endian): (NumberType, Endian),
+        complex: bool,
         reader: &mut impl Read,
     ) -> std::io::Result<Vec<Samples>> {
-        let (channels, samples) = (self.channels as usize, self.samples as usize);
-        let mut columns: Vec<Vec<f64>> =
-            (0..channels).map(|_| Vec::with_capacity(samples)).collect();
+        let (parts, samples) = (if complex { 2 } else { 1 }, self.samples as usize);
+        let column = |_| Vec::with_capacity(samples * parts);
+        let mut columns: Vec<Vec<f64>> = (0..self.channels).map(column).collect();
         if self.contiguous {
             for column in &mut columns {
-                number.read(endian, reader, samples, column)?;
+                number.read(endian, reader, samples * parts, column)?;
             }
         } else {
-            deinterleave(number, endian, reader, samples, &mut columns)?;
+            deinterleave((number, endian), reader, samples, parts, &mut columns)?;
         }
-        Ok(columns.into_iter().map(Samples::Real).collect())
+        Ok(columns.into_iter().map(|column| Samples::of_parts(column, complex)).collect())
     }
 }
 
-/// Reads `samples` interleaved samples of all `columns`.
+/// Reads `samples` interleaved samples of all `columns`, each of `parts` numbers.
 pub(crate) fn deinterleave(
-    number: NumberType,
-    endian: Endian,
+    (number, endian): (NumberType, Endian),
     reader: &mut impl Read,
     samples: usize,
+    parts: usize,
     columns: &mut [Vec<f64>],
 ) -> std::io::Result<()> {
     const PIECE: usize = 1024;
-    let total = samples * columns.len();
+    let (count, total) = (columns.len(), samples * parts * columns.len());
     let (mut values, mut done) = (Vec::with_capacity(PIECE), 0);
     while done < total {
         values.clear();
         number.read(endian, reader, PIECE.min(total - done), &mut values)?;
         for value in &values {
-            let count = columns.len();
-            columns[done % count].push(*value);
+            columns[done / parts % count].push(*value);
             done += 1;
         }
     }

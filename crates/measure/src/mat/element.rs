@@ -6,14 +6,17 @@ use crate::number::Endian;
 use crate::{FilePosition, MeasureError};
 
 /// An error in an element, without its position.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
 pub(crate) enum ElementFault {
     /// Content that violates the format.
+    #[error("{quantity} is {found}; expected {expected}")]
     Unexpected { quantity: &'static str, found: String, expected: &'static str },
     /// The stream ended or could not be decompressed.
-    Stream(std::io::Error),
+    #[error(transparent)]
+    Stream(#[from] std::io::Error),
     /// An error with its position.
-    Placed(MeasureError),
+    #[error(transparent)]
+    Placed(#[from] MeasureError),
 }
 
 impl ElementFault {
@@ -33,12 +36,6 @@ impl ElementFault {
             Self::Stream(error) => ("an element", error.to_string(), "the length in its tag"),
         };
         MeasureError::malformed(file, place, quantity, found, expected)
-    }
-}
-
-impl From<std::io::Error> for ElementFault {
-    fn from(error: std::io::Error) -> Self {
-        Self::Stream(error)
     }
 }
 

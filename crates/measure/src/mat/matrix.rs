@@ -110,12 +110,10 @@ fn numeric<R: Read>(
     };
     let (vector, asked) = (rows == 1 || columns == 1, context.options.sample_axis);
     let plane = (rows, columns);
-    let layout = Layout::of(context.file, &name, vector, plane, false, asked, context.notices);
-    let layout = layout.map_err(ElementFault::Placed)?;
+    let layout = Layout::of(context.file, &name, vector, plane, false, asked, context.notices)?;
     let bytes = head.elements().saturating_mul(if head.complex { 16 } else { 8 });
     let bytes = bytes.saturating_add(layout.channels.saturating_mul(512));
-    let place = context.place;
-    context.budget.take(bytes, place, "the samples of the arrays").map_err(ElementFault::Placed)?;
+    context.budget.take(bytes, context.place, "the samples of the arrays")?;
     let (number, tag) = part(elements, head)?;
     let types = (number, elements.endian());
     let mut columns = if head.complex {
@@ -128,7 +126,7 @@ fn numeric<R: Read>(
         elements.with_data(tag, |data| parts(layout, types, data, &mut columns, true))?;
         columns.into_iter().map(Samples::Complex).collect()
     } else {
-        elements.with_data(tag, |mut data| layout.read_real(types, &mut data))?
+        elements.with_data(tag, |mut data| layout.read(types, false, &mut data))?
     };
     columns.shrink_to_fit();
     // Floating-point numbers may be stored as integers, with exact steps.

@@ -2,6 +2,7 @@
 
 use asperity_tdms::{TdmsObject, TdmsPath};
 
+use crate::channel::scale;
 use crate::notice::Notices;
 use crate::tdms::gather::ChannelGroup;
 use crate::tdms::waveform;
@@ -60,7 +61,7 @@ impl TdmsAxis {
             }
             Self::Times(times) => {
                 let mut values = std::mem::take(&mut columns[times.slot]);
-                values.iter_mut().for_each(|value| *value *= times.factor);
+                scale(&mut values, times.factor);
                 times.abscissa(from, values, notices)
             }
         }

@@ -1,5 +1,6 @@
 //! Time column and sample rate of a text.
 
+use crate::channel::scale;
 use crate::heading::Heading;
 use crate::notice::Notices;
 use crate::rate;
@@ -160,8 +161,6 @@ impl TextAxis {
     ) -> Abscissa {
         let quantity = self.quantity;
         let mut column = self.column.map(|place| std::mem::take(&mut values[place]));
-        let scaled =
-            |values: &mut Vec<f64>| values.iter_mut().for_each(|value| *value *= self.factor);
         match (self.even, &mut column) {
             (Some(EvenAxis { start, step, exact }), column) => {
                 let start = start + from as f64 * step;
@@ -177,14 +176,14 @@ impl TextAxis {
                     // A count of samples is not time.
                     Some(values) if from > 0 && self.read && !carries_on(values) => {
                         notices.add(Notice::UnevenBlock { sample: from });
-                        scaled(values);
+                        scale(values, self.factor);
                         Abscissa::Uneven { values: std::mem::take(values), quantity }
                     }
                     _ => Abscissa::Even { start, step, quantity },
                 }
             }
             (None, Some(values)) => {
-                scaled(values);
+                scale(values, self.factor);
                 Abscissa::Uneven { values: std::mem::take(values), quantity }
             }
             (None, None) => Abscissa::Uneven { values: Vec::new(), quantity },
