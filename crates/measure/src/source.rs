@@ -18,7 +18,15 @@ pub(crate) struct Source<'a> {
     name: Arc<str>,
     inner: BufReader<Box<dyn ByteStream + 'a>>,
     length: u64,
-    position: u64,
+    position: Position,
+}
+
+/// A position in a source.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Position {
+    offset: u64,
+    /// Number of the last line read as text.
+    line: u64,
 }
 
 /// Longest line of a text; a row of 10 000 channels has some 200 kB.
@@ -43,7 +51,7 @@ impl<'a> Source<'a> {
         let length = stream.seek(SeekFrom::End(0)).map_err(io)?;
         stream.rewind().map_err(io)?;
         let inner = BufReader::with_capacity(1 << 16, stream);
-        Ok(Self { name: name.into(), inner, length, position: 0 })
+        Ok(Self { name: name.into(), inner, length, position: Position::default() })
     }
 
     /// The stream, at any position.
@@ -62,26 +70,47 @@ impl<'a> Source<'a> {
 
     /// Position in bytes.
     pub(crate) fn position(&self) -> u64 {
+        self.position.offset
+    }
+
+    /// Position in bytes and lines.
+    pub(crate) fn mark(&self) -> Position {
         self.position
     }
 
+    /// Continues at a position of [`Source::mark`].
+    pub(crate) fn resume(&mut self, position: Position) -> Result<(), MeasureError> {
+        self.position.line = position.line;
+        self.seek_to(position.offset)
+    }
+
+    /// Moves to the line after line `number`, at `offset` bytes.
+    pub(crate) fn skip_to_line(&mut self, number: u64, offset: u64) -> Result<(), MeasureError> {
+        self.resume(Position { offset, line: number })
+    }
+
+    /// The last line read as text.
+    pub(crate) fn line_place(&self) -> FilePosition {
+        FilePosition::Line(self.position.line)
+    }
+
     pub(crate) fn place(&self) -> FilePosition {
-        FilePosition::Offset(self.position)
+        FilePosition::Offset(self.position.offset)
     }
 
     /// Remaining bytes.
     pub(crate) fn remaining(&self) -> u64 {
-        self.length.saturating_sub(self.position)
+        self.length.saturating_sub(self.position.offset)
     }
 
     pub(crate) fn seek_to(&mut self, position: u64) -> Result<(), MeasureError> {
-        let jump = i64::try_from(i128::from(position) - i128::from(self.position));
+        let jump = i64::try_from(i128::from(position) - i128::from(self.position.offset));
         let result = match jump {
             Ok(jump) => self.inner.seek_relative(jump),
             Err(_) => self.inner.seek(SeekFrom::Start(position)).map(|_| ()),
         };
         result.map_err(|source| self.io(source))?;
-        self.position = position;
+        self.position.offset = position;
         Ok(())
     }
 
@@ -93,7 +122,7 @@ impl<'a> Source<'a> {
     ) -> Result<(), MeasureError> {
         self.need(buffer.len() as u64, quantity)?;
         self.inner.read_exact(buffer).map_err(|source| self.io(source))?;
-        self.position += buffer.len() as u64;
+        self.position.offset += buffer.len() as u64;
         Ok(())
     }
 
@@ -114,29 +143,24 @@ impl<'a> Source<'a> {
 
     /// Reads into `buffer` as far as possible without changing the position.
     pub(crate) fn peek(&mut self, buffer: &mut [u8]) -> Result<usize, MeasureError> {
-        let start = self.position;
+        let start = self.position.offset;
         let length = buffer.len().min(usize::try_from(self.remaining()).unwrap_or(usize::MAX));
         self.read_exact(&mut buffer[..length], "the start")?;
         self.seek_to(start)?;
         Ok(length)
     }
 
-    /// Reads the next line into `line`, without its end, and increments `number`; false at the end of
-    /// the file.
-    pub(crate) fn read_line(
-        &mut self,
-        line: &mut Vec<u8>,
-        number: &mut u64,
-    ) -> Result<bool, MeasureError> {
+    /// Reads the next line into `line`, without its end; false at the end of the file.
+    pub(crate) fn read_line(&mut self, line: &mut Vec<u8>) -> Result<bool, MeasureError> {
         line.clear();
-        *number += 1;
+        self.position.line += 1;
         let mut limited = (&mut self.inner).take(LONGEST_LINE + 1);
         let read = limited.read_until(b'\n', line);
         let read = read.map_err(|source| self.io(source))? as u64;
-        self.position += read;
+        self.position.offset += read;
         if read > LONGEST_LINE && line.last() != Some(&b'\n') {
             return Err(self.malformed(
-                FilePosition::Line(*number),
+                self.line_place(),
                 "a line",
                 &format!("longer than {LONGEST_LINE} bytes"),
                 "shorter lines of text",
@@ -170,7 +194,7 @@ impl<'a> Source<'a> {
 impl Read for Source<'_> {
     fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
         let read = self.inner.read(buffer)?;
-        self.position += read as u64;
+        self.position.offset += read as u64;
         Ok(read)
     }
 }
@@ -179,7 +203,7 @@ impl Seek for Source<'_> {
     fn seek(&mut self, to: SeekFrom) -> std::io::Result<u64> {
         let position = match to {
             SeekFrom::Start(position) => Some(position),
-            SeekFrom::Current(jump) => self.position.checked_add_signed(jump),
+            SeekFrom::Current(jump) => self.position.offset.checked_add_signed(jump),
             SeekFrom::End(jump) => self.length.checked_add_signed(jump),
         };
         let position = position.ok_or(std::io::ErrorKind::InvalidInput)?;

@@ -44,7 +44,6 @@ pub(crate) struct Text<'a> {
     /// none before its first block.
     axes: Vec<TextAxis>,
     line: Vec<u8>,
-    number: u64,
     /// Rows of the current segment read so far.
     rows: u64,
     block: usize,
@@ -68,13 +67,12 @@ impl<'a> Text<'a> {
             columns: Vec::new(),
             axes: Vec::new(),
             line: Vec::new(),
-            number: 0,
             rows: 0,
             block: options.block,
             rate_of_options: options.sample_rate_hz,
         };
         if start.starts_with(labview::MARK) {
-            let header = FileHeader::read(&mut text.source, &mut text.number)?;
+            let header = FileHeader::read(&mut text.source)?;
             text.dialect = header.dialect;
             text.labview = Some(header);
             text.next_segment()?;
@@ -117,17 +115,15 @@ impl<'a> Text<'a> {
             .map(|index| NumberColumn { index, heading: headings.get(index).cloned().flatten() })
             .collect();
         let before: usize = lines[..run.start].iter().map(|line| line.len() + 1).sum();
-        self.source.seek_to((start.len() - body.len() + before) as u64)?;
-        self.number = run.start as u64;
-        Ok(())
+        let offset = start.len() - body.len() + before;
+        self.source.skip_to_line(run.start as u64, offset as u64)
     }
 
     /// The next segment of a LabVIEW file; false at its end.
     fn next_segment(&mut self) -> Result<bool, MeasureError> {
         let Some(header) = &self.labview else { return Ok(false) };
         let (has_abscissa, in_pairs) = (header.has_abscissa, header.many_abscissae);
-        let segment =
-            LvmSegment::read(&mut self.source, &mut self.line, &mut self.number, self.dialect)?;
+        let segment = LvmSegment::read(&mut self.source, &mut self.line, self.dialect)?;
         let Some(segment) = segment else { return Ok(false) };
         let last = segment.names.len() - usize::from(segment.names.len() > 1);
         let commented = segment.names.last().is_some_and(|name| name == "Comment");

@@ -5,11 +5,10 @@
 //! has a header with the start, the step and the units of its channels, a line
 //! of column names, and rows whose last column is a comment.
 
+use crate::MeasureError;
 use crate::arrays::{check_channels, most_channels};
-use crate::source::Source;
-use crate::source::decode_text;
+use crate::source::{Source, decode_text};
 use crate::text::dialect::Dialect;
-use crate::{FilePosition, MeasureError};
 
 /// Start of the first line of such a file.
 pub(crate) const MARK: &[u8] = b"LabVIEW Measurement";
@@ -52,7 +51,7 @@ pub(crate) struct LvmSegment {
 
 impl FileHeader {
     /// Reads the header from the start of the file.
-    pub(crate) fn read(source: &mut Source<'_>, number: &mut u64) -> Result<Self, MeasureError> {
+    pub(crate) fn read(source: &mut Source<'_>) -> Result<Self, MeasureError> {
         let mut header = Self {
             dialect: Dialect { delimiter: b'\t', decimal: b'.' },
             has_abscissa: true,
@@ -61,7 +60,7 @@ impl FileHeader {
             date: String::new(),
         };
         let mut line = Vec::new();
-        lines_to_end(source, &mut line, number, |line| {
+        lines_to_end(source, &mut line, |line| {
             let text = decode_text(line).0;
             let (key, value) = text.split_once(['\t', ',', ';']).unwrap_or((&text, ""));
             let value = value.trim_end_matches(['\t', ',', ';']);
@@ -91,11 +90,10 @@ impl LvmSegment {
     pub(crate) fn read(
         source: &mut Source<'_>,
         line: &mut Vec<u8>,
-        number: &mut u64,
         dialect: Dialect,
     ) -> Result<Option<Self>, MeasureError> {
         while line.trim_ascii().is_empty() {
-            if !source.read_line(line, number)? {
+            if !source.read_line(line)? {
                 return Ok(None);
             }
         }
@@ -121,8 +119,8 @@ impl LvmSegment {
             }
         };
         keep(line);
-        lines_to_end(source, line, number, &mut keep)?;
-        source.read_line(line, number)?;
+        lines_to_end(source, line, &mut keep)?;
+        source.read_line(line)?;
         check_channels(source, dialect.fields(line).count() as u64)?;
         segment.names =
             dialect.fields(line).map(|field| decode_text(field).0.into_owned()).collect();
@@ -158,12 +156,11 @@ impl LvmSegment {
 fn lines_to_end(
     source: &mut Source<'_>,
     line: &mut Vec<u8>,
-    number: &mut u64,
     mut each: impl FnMut(&[u8]),
 ) -> Result<(), MeasureError> {
     loop {
-        if !source.read_line(line, number)? {
-            let place = FilePosition::Line(*number);
+        if !source.read_line(line)? {
+            let place = source.line_place();
             let expected = "***End_of_Header***";
             return Err(source.malformed(place, "a LabVIEW header", "cut off", expected));
         }

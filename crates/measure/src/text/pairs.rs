@@ -6,7 +6,7 @@
 use crate::notice::Notices;
 use crate::text::Text;
 use crate::text::rows::RowBlock;
-use crate::{Abscissa, Channel, FilePosition, MeasureError};
+use crate::{Abscissa, Channel, MeasureError};
 
 impl Text<'_> {
     /// The channels of a block of pairs.
@@ -15,7 +15,7 @@ impl Text<'_> {
         rows: RowBlock,
         notices: &mut Notices,
     ) -> Result<Vec<Channel>, MeasureError> {
-        let (mut values, last) = (rows.values, FilePosition::Line(self.number));
+        let (mut values, last) = (rows.values, self.source.line_place());
         if !values.len().is_multiple_of(2) {
             let found = format!("{} columns", values.len());
             let expected = "pairs of columns, as X_Columns is Multi";

@@ -1,6 +1,5 @@
 //! Rows of numbers, in blocks.
 
-use crate::error::FilePosition;
 use crate::heading::Heading;
 use crate::notice::Notices;
 use crate::rate::rounding_of;
@@ -97,7 +96,7 @@ impl RowBlock {
         let ended = text.labview.is_some() && LvmSegment::opens(&text.line);
         while count < text.block && !ended {
             let before = text.source.position();
-            if !text.source.read_line(&mut text.line, &mut text.number)? {
+            if !text.source.read_line(&mut text.line)? {
                 break;
             }
             if is_passed_over(&text.line) {
@@ -128,7 +127,7 @@ impl RowBlock {
                 for column in &mut values {
                     column.truncate(count);
                 }
-                notices.add(Notice::RowCutOff { place: FilePosition::Line(text.number) });
+                notices.add(Notice::RowCutOff { place: text.source.line_place() });
                 break;
             }
             text.line.clear();
@@ -151,7 +150,7 @@ fn read_row(
     let mut place = 0;
     let wrong = |field: &[u8], expected: String| {
         let found = String::from_utf8_lossy(field).into_owned();
-        text.source.malformed(FilePosition::Line(text.number), "a field", &found, expected)
+        text.source.malformed(text.source.line_place(), "a field", &found, expected)
     };
     for (index, field) in text.dialect.fields(&text.line).enumerate() {
         let Some(column) = text.columns.get(place) else {
@@ -186,5 +185,5 @@ fn read_row(
 fn wrong_row(text: &Text<'_>, filled: usize) -> MeasureError {
     let found = format!("{filled} columns");
     let expected = format!("{} columns of numbers", text.columns.len());
-    text.source.malformed(FilePosition::Line(text.number), "a row", &found, expected)
+    text.source.malformed(text.source.line_place(), "a row", &found, expected)
 }

@@ -92,12 +92,8 @@ impl Payload {
         source.seek_to(offset + taken)?;
         let length = source.peek(&mut found)?;
         let found = String::from_utf8_lossy(&found[..length]).into_owned();
-        Err(source.malformed(
-            FilePosition::Offset(offset + taken),
-            "the closing tag",
-            &found,
-            expected,
-        ))
+        let place = FilePosition::Offset(offset + taken);
+        Err(source.malformed(place, "the closing tag", &found, expected))
     }
 
     fn point_size(&self) -> u64 {

@@ -2,8 +2,7 @@
 
 use crate::notice::Notices;
 use crate::rate;
-use crate::source::Source;
-use crate::source::decode_text;
+use crate::source::{Source, decode_text};
 use crate::uff::fields::{columns, integer, numbers, real, text};
 use crate::{ChannelQuantity, DegreeOfFreedom, MeasureError, Notice, Unit};
 
@@ -64,17 +63,15 @@ impl FunctionHeader {
     /// Reads the header from the line after the number of the dataset.
     pub(crate) fn read(
         source: &mut Source<'_>,
-        line_number: &mut u64,
         notices: &mut Notices,
     ) -> Result<Self, MeasureError> {
-        let mut lines = Lines { bytes: Vec::new(), number: line_number };
-        let name = text(&lines.next(source, notices)?);
-        let description = text(&lines.next(source, notices)?);
-        let date = text(&lines.next(source, notices)?);
-        lines.next(source, notices)?;
-        lines.next(source, notices)?;
+        let name = text(&next_line(source, notices)?);
+        let description = text(&next_line(source, notices)?);
+        let date = text(&next_line(source, notices)?);
+        next_line(source, notices)?;
+        next_line(source, notices)?;
 
-        let nodes = lines.next(source, notices)?;
+        let nodes = next_line(source, notices)?;
         let freedom = |entity: usize| {
             let (node, direction) =
                 (columns(&nodes, entity + 10, 10), columns(&nodes, entity + 20, 4));
@@ -89,7 +86,7 @@ impl FunctionHeader {
 
         // Positions in binary files are given in bytes.
         let place = source.place();
-        let layout = lines.next(source, notices)?;
+        let layout = next_line(source, notices)?;
         let cut = numbers(&layout, &[10, 10, 10, 13, 13, 13]);
         let field = |index: usize| cut.get(index).copied().unwrap_or_default();
         let wrong = |quantity, index: usize, expected: &str| {
@@ -124,7 +121,7 @@ impl FunctionHeader {
         let step_uncertainty = rate::uncertainty_of_printed_step(field(4));
 
         let mut axis = || {
-            let line = lines.next(source, notices)?;
+            let line = next_line(source, notices)?;
             Ok(AxisHeader {
                 kind: integer(columns(&line, 0, 10)).unwrap_or(0),
                 unit: text(columns(&line, 47, 20)),
@@ -183,26 +180,15 @@ impl FunctionHeader {
     }
 }
 
-/// Required lines.
-struct Lines<'n> {
-    bytes: Vec<u8>,
-    number: &'n mut u64,
-}
-
-impl Lines<'_> {
-    fn next(
-        &mut self,
-        source: &mut Source<'_>,
-        notices: &mut Notices,
-    ) -> Result<String, MeasureError> {
-        let place = source.place();
-        if !source.read_line(&mut self.bytes, self.number)? {
-            return Err(source.malformed(place, "the header", "cut off", "11 lines of dataset 58"));
-        }
-        let (line, latin1) = decode_text(&self.bytes);
-        if latin1 {
-            notices.add(Notice::Latin1 { place });
-        }
-        Ok(line.into_owned())
+/// The next line, which is required.
+fn next_line(source: &mut Source<'_>, notices: &mut Notices) -> Result<String, MeasureError> {
+    let (place, mut bytes) = (source.place(), Vec::new());
+    if !source.read_line(&mut bytes)? {
+        return Err(source.malformed(place, "the header", "cut off", "11 lines of dataset 58"));
     }
+    let (line, latin1) = decode_text(&bytes);
+    if latin1 {
+        notices.add(Notice::Latin1 { place });
+    }
+    Ok(line.into_owned())
 }

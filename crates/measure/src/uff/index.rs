@@ -3,8 +3,7 @@
 use std::sync::Arc;
 
 use crate::notice::Notices;
-use crate::source::Source;
-use crate::source::decode_text;
+use crate::source::{Position, Source, decode_text};
 use crate::uff::binary::Payload;
 use crate::uff::fields::text;
 use crate::uff::header::FunctionHeader;
@@ -27,15 +26,8 @@ pub(crate) struct FunctionEntry {
 /// Position of the numbers.
 #[derive(Debug)]
 pub(crate) enum Data {
-    Printed(Start),
+    Printed(Position),
     Binary(Payload),
-}
-
-/// Start of printed numbers.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Start {
-    pub(crate) offset: u64,
-    pub(crate) line: u64,
 }
 
 /// Content of datasets 151 and 164 before a function.
@@ -50,10 +42,10 @@ pub(crate) struct FileContext {
 pub(crate) fn index(source: &mut Source<'_>, notices: &mut Notices) -> Result<Group, MeasureError> {
     let mut entries = Vec::new();
     let mut context = Arc::new(FileContext::default());
-    let (mut line, mut number) = (Vec::new(), 0);
+    let mut line = Vec::new();
     loop {
         let place = source.place();
-        if !source.read_line(&mut line, &mut number)? {
+        if !source.read_line(&mut line)? {
             return Ok(entries);
         }
         match line.trim_ascii() {
@@ -65,7 +57,7 @@ pub(crate) fn index(source: &mut Source<'_>, notices: &mut Notices) -> Result<Gr
             }
         }
         let place = source.place();
-        if !source.read_line(&mut line, &mut number)? {
+        if !source.read_line(&mut line)? {
             return Ok(entries);
         }
         let (kind, _) = decode_text(&line);
@@ -78,12 +70,12 @@ pub(crate) fn index(source: &mut Source<'_>, notices: &mut Notices) -> Result<Gr
             "58" => {
                 let kind = kind.to_owned();
                 let binary = binary.map(str::to_owned);
-                let header = FunctionHeader::read(source, &mut number, notices)?;
+                let header = FunctionHeader::read(source, notices)?;
                 let data = match binary {
                     Some(fields) => {
                         Data::Binary(Payload::locate(source, place, &fields, &header, notices)?)
                     }
-                    None => printed(source, &mut line, &mut number, &header)?,
+                    None => printed(source, &mut line, &header)?,
                 };
                 if header.points == 0 {
                     let array = if header.name.is_empty() { kind } else { header.name };
@@ -94,7 +86,7 @@ pub(crate) fn index(source: &mut Source<'_>, notices: &mut Notices) -> Result<Gr
                 }
             }
             "151" => {
-                let lines = first_lines(source, &mut line, &mut number, place)?;
+                let lines = first_lines(source, &mut line, place)?;
                 let stated = |index: usize| text(lines.get(index).map_or("", String::as_str));
                 let title = [stated(0), stated(1)].into_iter().find(|line| !line.is_empty());
                 let context = Arc::make_mut(&mut context);
@@ -102,12 +94,12 @@ pub(crate) fn index(source: &mut Source<'_>, notices: &mut Notices) -> Result<Gr
                 context.date = text(lines.get(3).map_or("", |line| date_of(line)));
             }
             "164" => {
-                let lines = first_lines(source, &mut line, &mut number, place)?;
+                let lines = first_lines(source, &mut line, place)?;
                 let factors = lines.get(1..).unwrap_or_default().join(" ");
                 Arc::make_mut(&mut context).system = Some(System::parse(source, place, &factors)?);
             }
             _ => {
-                first_lines(source, &mut line, &mut number, place)?;
+                first_lines(source, &mut line, place)?;
             }
         }
     }
@@ -123,15 +115,13 @@ fn date_of(line: &str) -> &str {
 fn printed(
     source: &mut Source<'_>,
     line: &mut Vec<u8>,
-    number: &mut u64,
     header: &FunctionHeader,
 ) -> Result<Data, MeasureError> {
-    let place = source.place();
-    let start = Start { offset: source.position(), line: *number };
+    let (place, start) = (source.place(), source.mark());
     // Each value takes at least a digit and a blank.
     let values = header.points.saturating_mul(header.values_per_point());
     source.need(values.saturating_mul(2), "the numbers of the announced points")?;
-    to_closing_tag(source, line, number, place, |_| ())?;
+    to_closing_tag(source, line, place, |_| ())?;
     Ok(Data::Printed(start))
 }
 
@@ -139,12 +129,11 @@ fn printed(
 fn first_lines(
     source: &mut Source<'_>,
     line: &mut Vec<u8>,
-    number: &mut u64,
     place: FilePosition,
 ) -> Result<Vec<String>, MeasureError> {
     const MOST: usize = 8;
     let mut lines = Vec::with_capacity(MOST);
-    to_closing_tag(source, line, number, place, |line| {
+    to_closing_tag(source, line, place, |line| {
         if lines.len() < MOST {
             lines.push(decode_text(line).0.into_owned());
         }
@@ -155,11 +144,10 @@ fn first_lines(
 fn to_closing_tag(
     source: &mut Source<'_>,
     line: &mut Vec<u8>,
-    number: &mut u64,
     place: FilePosition,
     mut each: impl FnMut(&[u8]),
 ) -> Result<(), MeasureError> {
-    while source.read_line(line, number)? {
+    while source.read_line(line)? {
         if line.trim_ascii() == b"-1" {
             return Ok(());
         }

@@ -2,17 +2,17 @@
 
 use num_complex::Complex64;
 
-use crate::source::Source;
+use crate::MeasureError;
+use crate::source::{Position, Source};
 use crate::uff::Values;
 use crate::uff::fields::real;
 use crate::uff::header::FunctionHeader;
-use crate::uff::index::{Data, FunctionEntry, Start};
-use crate::{FilePosition, MeasureError};
+use crate::uff::index::{Data, FunctionEntry};
 
 /// Position in the printed numbers of a function.
 #[derive(Debug)]
 pub(crate) struct Printed {
-    position: Start,
+    position: Position,
     /// Values of the last line of the next block.
     pending: Vec<f64>,
     line: Vec<u8>,
@@ -35,7 +35,7 @@ impl Printed {
         }
     }
 
-    fn new(position: Start, header: &FunctionHeader) -> Self {
+    fn new(position: Position, header: &FunctionHeader) -> Self {
         let value = if header.double { DOUBLE } else { SINGLE };
         let mut widths = if header.even { vec![] } else { vec![SINGLE] };
         widths.extend([value].repeat(1 + usize::from(header.complex)));
@@ -56,7 +56,7 @@ impl Printed {
         count: usize,
         values: &mut Values,
     ) -> Result<(), MeasureError> {
-        source.seek_to(self.position.offset)?;
+        source.resume(self.position)?;
         let per_point = self.widths.len();
         let mut left = count;
         loop {
@@ -79,31 +79,27 @@ impl Printed {
             }
             self.next_line(source, left)?;
         }
-        self.position.offset = source.position();
+        self.position = source.mark();
         Ok(())
     }
 
     /// Checks that only the closing tag remains.
     pub(crate) fn close(&mut self, source: &mut Source<'_>) -> Result<(), MeasureError> {
-        source.seek_to(self.position.offset)?;
-        let place = FilePosition::Line(self.position.line);
+        source.resume(self.position)?;
+        let place = source.line_place();
         if !self.pending.is_empty() {
             let found = format!("{} values too many", self.pending.len());
-            return Err(source.malformed(
-                place,
-                "the data",
-                &found,
-                "as many numbers as announced points",
-            ));
+            let expected = "as many numbers as announced points";
+            return Err(source.malformed(place, "the data", &found, expected));
         }
         loop {
-            let more = source.read_line(&mut self.line, &mut self.position.line)?;
+            let more = source.read_line(&mut self.line)?;
             match self.line.trim_ascii() {
                 b"" if more => {}
                 b"-1" => return Ok(()),
                 _ => {
                     let found = String::from_utf8_lossy(&self.line).into_owned();
-                    let place = FilePosition::Line(self.position.line);
+                    let place = source.line_place();
                     let expected = "`    -1` after the announced points";
                     return Err(source.malformed(place, "the closing tag", &found, expected));
                 }
@@ -113,8 +109,8 @@ impl Printed {
 
     /// Appends the values of the next line to those pending.
     fn next_line(&mut self, source: &mut Source<'_>, left: usize) -> Result<(), MeasureError> {
-        let more = source.read_line(&mut self.line, &mut self.position.line)?;
-        let place = FilePosition::Line(self.position.line);
+        let more = source.read_line(&mut self.line)?;
+        let place = source.line_place();
         if !more || self.line.trim_ascii() == b"-1" {
             let expected = format!("numbers for {left} more points");
             return Err(source.malformed(place, "the data", "their end", expected));
