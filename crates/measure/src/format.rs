@@ -3,6 +3,7 @@
 use std::fmt;
 
 use crate::MeasureError;
+use crate::number::Endian;
 use crate::source::Source;
 
 /// A file format.
@@ -117,20 +118,18 @@ fn is_universal(start: &[u8]) -> bool {
 /// True for a MAT version 4 matrix: type, rows, columns, complexity and length of a name.
 fn is_mat_4(start: &[u8]) -> bool {
     let Some(head) = start.first_chunk::<20>() else { return false };
-    let word = |index: usize, big: bool| {
-        let bytes = [head[index], head[index + 1], head[index + 2], head[index + 3]];
-        if big { u32::from_be_bytes(bytes) } else { u32::from_le_bytes(bytes) }
-    };
-    [false, true].into_iter().any(|big| {
-        let kind = word(0, big);
-        let plausible_kind =
-            kind / 1000 == u32::from(big) && kind % 100 / 10 <= 5 && kind % 10 <= 2;
-        plausible_kind
+    let (words, _) = head.as_chunks::<4>();
+    [Endian::Little, Endian::Big].into_iter().any(|endian| {
+        let word = |index: usize| endian.u32(words[index]);
+        let kind = word(0);
+        kind / 1000 == u32::from(endian == Endian::Big)
             && kind % 1000 < 100
-            && (1..1 << 30).contains(&word(4, big))
-            && (1..1 << 30).contains(&word(8, big))
-            && word(12, big) <= 1
-            && (2..=64).contains(&word(16, big))
+            && kind % 100 / 10 <= 5
+            && kind % 10 <= 2
+            && (1..1 << 30).contains(&word(1))
+            && (1..1 << 30).contains(&word(2))
+            && word(3) <= 1
+            && (2..=64).contains(&word(4))
     })
 }
 

@@ -68,12 +68,10 @@ fn cut(values: Vec<f64>, layout: Layout) -> Vec<Samples> {
     if channels == 1 {
         return vec![Samples::Real(values)];
     }
-    let channel = |channel: usize| {
-        if layout.contiguous {
-            values.iter().skip(channel * samples).take(samples).copied().collect()
-        } else {
-            values.iter().skip(channel).step_by(channels).copied().collect()
-        }
+    let channel = |index: usize| {
+        let (first, step) =
+            if layout.contiguous { (index * samples, 1) } else { (index, channels) };
+        values.iter().skip(first).step_by(step).take(samples).copied().collect()
     };
     (0..channels).map(|index| Samples::Real(channel(index))).collect()
 }

@@ -74,7 +74,7 @@ pub(crate) fn open(
                     if inner.kind != MATRIX {
                         return Ok(Vec::new());
                     }
-                    elements.limit(u64::from(inner.length));
+                    elements.left = u64::from(inner.length);
                     matrix::read(&mut elements, &mut context)
                 })
             }

@@ -68,27 +68,14 @@ impl Tag {
 /// A sequence of elements of a given length.
 pub(crate) struct Elements<R> {
     reader: R,
-    endian: Endian,
-    left: u64,
+    pub(crate) endian: Endian,
+    /// Remaining bytes, by the tag of the enclosing element.
+    pub(crate) left: u64,
 }
 
 impl<R: Read> Elements<R> {
     pub(crate) fn new(reader: R, endian: Endian, length: u64) -> Self {
         Self { reader, endian, left: length }
-    }
-
-    pub(crate) fn endian(&self) -> Endian {
-        self.endian
-    }
-
-    /// Remaining bytes.
-    pub(crate) fn left(&self) -> u64 {
-        self.left
-    }
-
-    /// Sets the remaining bytes, from the tag of the enclosing element.
-    pub(crate) fn limit(&mut self, length: u64) {
-        self.left = length;
     }
 
     /// The tag of the next element.

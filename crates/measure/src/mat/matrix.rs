@@ -56,7 +56,7 @@ struct MatrixHead {
 
 impl MatrixHead {
     fn read<R: Read>(elements: &mut Elements<R>) -> Result<Self, ElementFault> {
-        let endian = elements.endian();
+        let endian = elements.endian;
         let tag = elements.tag()?;
         let flags = elements.bytes(tag, 8)?;
         let flags = words(&flags, endian).first().copied();
@@ -115,7 +115,7 @@ fn numeric<R: Read>(
     let bytes = bytes.saturating_add(layout.channels.saturating_mul(512));
     context.budget.take(bytes, context.place, "the samples of the arrays")?;
     let (number, tag) = part(elements, head)?;
-    let types = (number, elements.endian());
+    let types = (number, elements.endian);
     let mut columns = if head.complex {
         let room = layout.samples as usize;
         let zeros = vec![Complex64::ZERO; room];
@@ -202,7 +202,7 @@ fn structure<R: Read>(
     const MOST_NAMES: u32 = 1 << 16;
     let tag = elements.tag()?;
     let length = elements.bytes(tag, 4)?;
-    let length = words(&length, elements.endian()).first().copied().unwrap_or(0);
+    let length = words(&length, elements.endian).first().copied().unwrap_or(0);
     if length == 0 || length > LONGEST_NAME {
         return Err(ElementFault::unexpected("the length of field names", length, "1 to 1024"));
     }
@@ -220,7 +220,7 @@ fn structure<R: Read>(
             continue;
         }
         // The unused rest of a field is skipped.
-        let after = elements.left().saturating_sub(u64::from(tag.length));
+        let after = elements.left.saturating_sub(u64::from(tag.length));
         let field = MatrixHead::read(elements)?;
         if NUMERIC.contains(&field.class) {
             found.extend(numeric(elements, &field, name, context)?);

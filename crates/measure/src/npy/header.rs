@@ -28,25 +28,17 @@ impl NpyHeader {
         if &start[..6] != b"\x93NUMPY" {
             return Err(wrong("the start of an array", &latin(&start[..6]), "\\x93NUMPY"));
         }
-        let length = match start[6] {
-            1 => {
-                let mut length = [0; 2];
-                fill(&mut length)?;
-                u32::from(u16::from_le_bytes(length))
-            }
-            2 | 3 => {
-                let mut length = [0; 4];
-                fill(&mut length)?;
-                u32::from_le_bytes(length)
-            }
+        let width = match start[6] {
+            1 => 2,
+            2 | 3 => 4,
             other => return Err(wrong("the NPY version", &other.to_string(), "1, 2 or 3")),
         };
+        let mut length = [0; 4];
+        fill(&mut length[..width])?;
+        let length = u32::from_le_bytes(length);
         if length > Self::LONGEST {
-            return Err(wrong(
-                "the length of the NPY header",
-                &length.to_string(),
-                "at most 16384",
-            ));
+            let quantity = "the length of the NPY header";
+            return Err(wrong(quantity, &length.to_string(), "at most 16384"));
         }
         let mut text = vec![0; length as usize];
         fill(&mut text)?;

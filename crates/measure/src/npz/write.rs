@@ -52,7 +52,7 @@ fn write_axis<W: Write + Seek>(
         (_, ChannelQuantity::Frequency) => "frequency [Hz]",
         _ => return Err(refused(first, "its axis is neither time nor frequency")),
     };
-    archive.array(name, joined_len(parts, 0), false, |put| {
+    archive.array(name, &format!("({},)", joined_len(parts, 0)), false, |put| {
         for channel in parts.iter().map(|part| &part.channels[0]) {
             for index in 0..channel.samples.len() {
                 put(channel.abscissa.at(index).unwrap_or(f64::NAN))?;
@@ -82,7 +82,7 @@ fn write_channel<W: Write + Seek>(
         return Err(refused(channel, "its name contains a colon, which separates records"));
     }
     let complex = matches!(channel.samples, Samples::Complex(_));
-    archive.array(&name, length, complex, |put| {
+    archive.array(&name, &format!("({length},)"), complex, |put| {
         for part in parts {
             match &part.channels[index].samples {
                 Samples::Real(values) => values.iter().try_for_each(|value| put(*value))?,
@@ -115,20 +115,10 @@ struct Archive<'a, W: Write + Seek> {
 
 impl<W: Write + Seek> Archive<'_, W> {
     fn scalar(&mut self, name: &str, value: f64) -> Result<(), WriteFault> {
-        self.entry(name, "()", false, |put| put(value))
+        self.array(name, "()", false, |put| put(value))
     }
 
     fn array(
-        &mut self,
-        name: &str,
-        length: usize,
-        complex: bool,
-        numbers: impl FnOnce(Put<'_>) -> std::io::Result<()>,
-    ) -> Result<(), WriteFault> {
-        self.entry(name, &format!("({length},)"), complex, numbers)
-    }
-
-    fn entry(
         &mut self,
         name: &str,
         shape: &str,

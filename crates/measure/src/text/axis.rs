@@ -160,34 +160,25 @@ impl TextAxis {
         notices: &mut Notices,
     ) -> Abscissa {
         let quantity = self.quantity;
-        let mut column = self.column.map(|place| std::mem::take(&mut values[place]));
-        match (self.even, &mut column) {
-            (Some(EvenAxis { start, step, exact }), column) => {
-                let start = start + from as f64 * step;
-                let carries_on = |values: &Vec<f64>| {
-                    values.iter().enumerate().all(|(index, &value)| {
-                        let expected = start + index as f64 * step;
-                        let rounding = if exact { 0.0 } else { self.rounding.tolerance(value) };
-                        let tolerance = 3.0 * self.factor * rounding + 1e-9 * expected.abs();
-                        (value * self.factor - expected).abs() <= tolerance
-                    })
-                };
-                match column {
-                    // A count of samples is not time.
-                    Some(values) if from > 0 && self.read && !carries_on(values) => {
-                        notices.add(Notice::UnevenBlock { sample: from });
-                        scale(values, self.factor);
-                        Abscissa::Uneven { values: std::mem::take(values), quantity }
-                    }
-                    _ => Abscissa::Even { start, step, quantity },
-                }
+        let column = self.column.map(|place| std::mem::take(&mut values[place]));
+        // A count of samples is not time.
+        let checked = from > 0 && self.read && column.is_some();
+        let mut values = column.unwrap_or_default();
+        if let Some(EvenAxis { start, step, exact }) = self.even {
+            let start = start + from as f64 * step;
+            let carries_on = |(index, &value): (usize, &f64)| {
+                let expected = start + index as f64 * step;
+                let rounding = if exact { 0.0 } else { self.rounding.tolerance(value) };
+                let tolerance = 3.0 * self.factor * rounding + 1e-9 * expected.abs();
+                (value * self.factor - expected).abs() <= tolerance
+            };
+            if !checked || values.iter().enumerate().all(carries_on) {
+                return Abscissa::Even { start, step, quantity };
             }
-            (None, Some(values)) => {
-                scale(values, self.factor);
-                Abscissa::Uneven { values: std::mem::take(values), quantity }
-            }
-            (None, None) => Abscissa::Uneven { values: Vec::new(), quantity },
+            notices.add(Notice::UnevenBlock { sample: from });
         }
+        scale(&mut values, self.factor);
+        Abscissa::Uneven { values, quantity }
     }
 }
 

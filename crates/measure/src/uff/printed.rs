@@ -6,7 +6,6 @@ use crate::MeasureError;
 use crate::source::{Position, Source};
 use crate::uff::Values;
 use crate::uff::fields::real;
-use crate::uff::header::FunctionHeader;
 use crate::uff::index::{Data, FunctionEntry};
 
 /// Position in the printed numbers of a function.
@@ -29,24 +28,13 @@ const DOUBLE: usize = 20;
 impl Printed {
     /// The first number of a function; none if its numbers are binary.
     pub(crate) fn of(entry: &FunctionEntry) -> Option<Self> {
-        match &entry.data {
-            Data::Printed(start) => Some(Self::new(*start, &entry.header)),
-            Data::Binary(_) => None,
-        }
-    }
-
-    fn new(position: Position, header: &FunctionHeader) -> Self {
+        let Data::Printed(position) = entry.data else { return None };
+        let header = &entry.header;
         let value = if header.double { DOUBLE } else { SINGLE };
         let mut widths = if header.even { vec![] } else { vec![SINGLE] };
         widths.extend([value].repeat(1 + usize::from(header.complex)));
-        Self {
-            position,
-            pending: Vec::new(),
-            line: Vec::new(),
-            widths,
-            complex: header.complex,
-            even: header.even,
-        }
+        let (complex, even) = (header.complex, header.even);
+        Some(Self { position, pending: Vec::new(), line: Vec::new(), widths, complex, even })
     }
 
     /// Appends the next `count` points.
