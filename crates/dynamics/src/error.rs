@@ -87,3 +87,12 @@ pub enum DynamicsError {
         source: LawError,
     },
 }
+
+/// `value` if it is positive and finite.
+pub(crate) fn positive(quantity: &'static str, value: f64) -> Result<f64, DynamicsError> {
+    if value.is_finite() && value > 0.0 {
+        Ok(value)
+    } else {
+        Err(DynamicsError::Setting { quantity, value, accepted: "positive and finite" })
+    }
+}

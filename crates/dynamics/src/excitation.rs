@@ -3,6 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use crate::DynamicsError;
+use crate::error::positive;
 
 /// A force over time, zero before `t = 0`; positive forces push down.
 ///
@@ -14,6 +15,7 @@ use crate::DynamicsError;
 /// assert_eq!(pulse.force(-1.0), 0.0);
 /// ```
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub enum Excitation {
     /// No force.
     None,
@@ -157,11 +159,7 @@ impl Excitation {
             let quantity = "force [N]";
             return Err(DynamicsError::Setting { quantity, value: force, accepted: "finite" });
         }
-        if !(scale.is_finite() && scale > 0.0) {
-            let accepted = "positive and finite";
-            return Err(DynamicsError::Setting { quantity, value: scale, accepted });
-        }
-        Ok(())
+        positive(quantity, scale).map(|_| ())
     }
 }
 

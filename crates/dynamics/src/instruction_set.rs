@@ -4,6 +4,7 @@ use pulp::Arch;
 
 /// A family of vector instructions, chosen when the program runs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum InstructionSet {
     /// One value at a time: any machine.
     Scalar,

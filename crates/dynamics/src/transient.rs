@@ -1,6 +1,7 @@
 //! The result of a time integration.
 
 use crate::DynamicsError;
+use crate::error::positive;
 
 /// When the response is recorded: at `n / rate` for every `0 <= n / rate < duration`.
 ///
@@ -27,12 +28,8 @@ impl Sampling {
     /// [`DynamicsError::Setting`] unless both are positive and finite and give
     /// at least one and at most 2e8 samples.
     pub fn new(duration: f64, rate: f64) -> Result<Self, DynamicsError> {
-        for (quantity, value) in [("duration [s]", duration), ("output rate [Hz]", rate)] {
-            if !(value.is_finite() && value > 0.0) {
-                let accepted = "positive and finite";
-                return Err(DynamicsError::Setting { quantity, value, accepted });
-            }
-        }
+        positive("duration [s]", duration)?;
+        positive("output rate [Hz]", rate)?;
         let samples = duration * rate;
         if !(0.5..=MOST_SAMPLES).contains(&samples) {
             return Err(DynamicsError::Setting {
@@ -99,6 +96,37 @@ pub struct InterfaceHistory {
     pub closure: Vec<f64>,
     /// Contact stiffness per area \[Pa/m\]; zero while contact is lost.
     pub stiffness: Vec<f64>,
+}
+
+impl History {
+    /// No samples yet, with room for `samples` of them.
+    pub(crate) fn with_capacity(samples: usize, interfaces: usize) -> Self {
+        let column = || Vec::with_capacity(samples);
+        let interface =
+            || InterfaceHistory { pressure: column(), closure: column(), stiffness: column() };
+        Self {
+            time: column(),
+            force: column(),
+            displacement: column(),
+            acceleration: column(),
+            interfaces: (0..interfaces).map(|_| interface()).collect(),
+        }
+    }
+
+    pub(crate) fn push(&mut self, time: f64, force: f64, displacement: f64, acceleration: f64) {
+        self.time.push(time);
+        self.force.push(force);
+        self.displacement.push(displacement);
+        self.acceleration.push(acceleration);
+    }
+}
+
+impl InterfaceHistory {
+    pub(crate) fn push(&mut self, (pressure, closure, stiffness): (f64, f64, f64)) {
+        self.pressure.push(pressure);
+        self.closure.push(closure);
+        self.stiffness.push(stiffness);
+    }
 }
 
 /// Extremes and averages at one interface over the integration steps.

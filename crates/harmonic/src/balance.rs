@@ -137,15 +137,15 @@ impl<'a> Balance<'a> {
                 })
                 .sum();
             for k in 1..=self.fourier.harmonics() {
-                let drive = if k == 1 { at.force } else { 0.0 };
-                let r = self.linear_part(i, k, drive, |receptance| receptance.value);
+                let r = self.linear_part(i, k, at.force, |receptance| receptance.value);
                 out[i * terms + 2 * k - 1] = x[i * terms + 2 * k - 1] + r.re;
                 out[i * terms + 2 * k] = x[i * terms + 2 * k] - r.im;
             }
         }
     }
 
-    /// `G_k P_k - g_k F_k` of one interface, or the same of a derivative of G and g.
+    /// `G_k P_k - g_k F_k` of one interface, or the same of a derivative of G and g, with
+    /// `F_1 = force`.
     fn linear_part(
         &self,
         i: usize,
@@ -160,7 +160,8 @@ impl<'a> Balance<'a> {
                 of(compliance.contact(i, j)) * amplitude_of(&self.forces[j * terms..][..terms], k)
             })
             .sum();
-        contact - of(compliance.drive(i)) * force
+        let drive = if k == 1 { force } else { 0.0 };
+        contact - of(compliance.drive(i)) * drive
     }
 
     /// Writes the derivative of the residual with respect to the closures into the upper left of a
@@ -198,31 +199,26 @@ impl<'a> Balance<'a> {
 
     /// Derivative of the residual with respect to the angular frequency of the fundamental.
     pub(crate) fn d_residual_d_frequency(&self, at: &Conditions, out: &mut [f64]) {
-        self.d_residual_d_condition(out, |k| {
-            let drive = if k == 1 { at.force } else { 0.0 };
-            (k as f64, drive, |receptance: &Receptance| receptance.d_frequency)
-        });
+        self.d_residual_d_condition(at, out, |k| k as f64, |receptance| receptance.d_frequency);
     }
 
     /// Derivative of the residual with respect to the anti-damping rate.
     pub(crate) fn d_residual_d_anti_damping(&self, at: &Conditions, out: &mut [f64]) {
-        self.d_residual_d_condition(out, |k| {
-            let drive = if k == 1 { at.force } else { 0.0 };
-            (1.0, drive, |receptance: &Receptance| receptance.d_anti_damping)
-        });
+        self.d_residual_d_condition(at, out, |_| 1.0, |receptance| receptance.d_anti_damping);
     }
 
-    fn d_residual_d_condition<D: Fn(&Receptance) -> Complex64>(
+    fn d_residual_d_condition(
         &self,
+        at: &Conditions,
         out: &mut [f64],
-        of: impl Fn(usize) -> (f64, f64, D),
+        factor: impl Fn(usize) -> f64,
+        of: impl Fn(&Receptance) -> Complex64,
     ) {
         let terms = self.fourier.terms();
         for i in 0..self.system.contacts().len() {
             out[i * terms] = 0.0;
             for k in 1..=self.fourier.harmonics() {
-                let (factor, drive, derivative) = of(k);
-                let r = self.linear_part(i, k, drive, derivative) * factor;
+                let r = self.linear_part(i, k, at.force, &of) * factor(k);
                 out[i * terms + 2 * k - 1] = r.re;
                 out[i * terms + 2 * k] = -r.im;
             }
@@ -244,8 +240,7 @@ impl<'a> Balance<'a> {
 
     /// Complex amplitude of harmonic k >= 1 of the driving point's displacement [m].
     pub(crate) fn output(&self, k: usize, at: &Conditions) -> Complex64 {
-        let drive = if k == 1 { at.force } else { 0.0 };
-        self.output_of(k, drive, |receptance| receptance.value)
+        self.output_of(k, at.force, |receptance| receptance.value)
     }
 
     fn output_of(&self, k: usize, force: f64, of: impl Fn(&Receptance) -> Complex64) -> Complex64 {
@@ -254,7 +249,8 @@ impl<'a> Balance<'a> {
         let contact: Complex64 = (0..self.system.contacts().len())
             .map(|j| of(compliance.drive(j)) * amplitude_of(&self.forces[j * terms..][..terms], k))
             .sum();
-        of(&compliance.direct) * force - contact
+        let drive = if k == 1 { force } else { 0.0 };
+        of(&compliance.direct) * drive - contact
     }
 
     /// Mean displacement of the driving point from rest [m].

@@ -100,11 +100,7 @@ impl BranchRecorder {
         let folded = found.iter().any(|(kind, _)| *kind == SpecialPointKind::Fold);
         found.extend(self.bifurcation(arc, from, step, folded));
         let after = self.branch.points.len() - 2;
-        let along = |point: &CurvePoint| -> f64 {
-            let steps = point.unknowns.iter().zip(&from.unknowns).zip(&from.tangent);
-            steps.map(|((x, x0), t)| (x - x0) * t).sum()
-        };
-        found.sort_by(|a, b| along(&a.1).total_cmp(&along(&b.1)));
+        found.sort_by(|a, b| along(from, &a.1).total_cmp(&along(from, &b.1)));
         for (kind, point) in found {
             // The curve is evaluated there again for the observables.
             if arc.ahead(&point, 0.0).is_ok() {
@@ -177,17 +173,16 @@ impl BranchRecorder {
         let sense = next.tangent[last].signum();
         match arc.solve_at(&guess, sense) {
             Ok(end_point) => {
-                let step = end_point
-                    .unknowns
-                    .iter()
-                    .zip(&from.unknowns)
-                    .zip(&from.tangent)
-                    .map(|((x, x0), t)| (x - x0) * t)
-                    .sum();
-                self.step(arc, from, &end_point, step);
+                self.step(arc, from, &end_point, along(from, &end_point));
                 self.ended(Termination::Reached)
             }
             Err(_) => self.ended(Termination::NotConverged),
         }
     }
+}
+
+/// Distance to a point along the tangent of `from`.
+fn along(from: &CurvePoint, point: &CurvePoint) -> f64 {
+    let steps = point.unknowns.iter().zip(&from.unknowns).zip(&from.tangent);
+    steps.map(|((x, x0), t)| (x - x0) * t).sum()
 }

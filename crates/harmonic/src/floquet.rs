@@ -13,11 +13,9 @@
 //!
 //! | module | holds |
 //! |---|---|
-//! | `koopman_hill` | the monodromy matrix projected from Hill's matrix |
-//! | `runge_kutta` | the same by integration in time |
+//! | `runge_kutta` | the monodromy matrix by integration in time |
 //! | `variational_equation` | the linear equation above |
 
-mod koopman_hill;
 mod runge_kutta;
 mod variational_equation;
 
@@ -26,40 +24,21 @@ use num_complex::Complex64;
 
 use crate::balance::Balance;
 use crate::{ContactSystem, HarmonicError};
-use koopman_hill::KoopmanHill;
 use runge_kutta::RungeKutta;
 use variational_equation::VariationalEquation;
-
-/// Method of computing the monodromy matrix.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub enum FloquetMethod {
-    /// Hill's matrix, projected: the disturbance and its products with the harmonics of the motion
-    /// obey a constant matrix; its exponential, applied to a disturbance and all its products,
-    /// gives the disturbance later. Applied over parts of a period, to keep the truncation of the
-    /// matrix below rounding. Converges exponentially with the harmonics of a smooth stiffness.
-    ///
-    /// Source: F. Bayer, R. Leine, Nonlinear Dyn. 2023, 111, 8439, doi 10.1007/s11071-023-08247-7.
-    KoopmanHill,
-    /// The classical Runge-Kutta method of fourth order in time. Cheaper, and the better of the
-    /// two where contact is lost and the stiffness has many harmonics.
-    #[default]
-    RungeKutta,
-}
 
 /// Settings of the stability analysis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Floquet {
-    /// The method.
-    pub method: FloquetMethod,
     /// Modes of the structure that disturbances are resolved in; the others are flexible but have
     /// no motion of their own. A system of a few masses keeps all of its modes.
     pub modes: usize,
 }
 
 impl Default for Floquet {
-    /// By integration in time, on six modes.
+    /// Six modes.
     fn default() -> Self {
-        Self { method: FloquetMethod::RungeKutta, modes: 6 }
+        Self { modes: 6 }
     }
 }
 
@@ -82,24 +61,14 @@ impl Floquet {
 #[derive(Debug)]
 pub(crate) struct FloquetSolver {
     variation: VariationalEquation,
-    method: Method,
-}
-
-#[derive(Debug)]
-enum Method {
-    KoopmanHill(KoopmanHill),
-    RungeKutta(RungeKutta),
+    integration: RungeKutta,
 }
 
 impl FloquetSolver {
     pub(crate) fn new(system: &ContactSystem, floquet: Floquet) -> Result<Self, HarmonicError> {
         let modes = system.linear().lowest_modes(floquet.modes)?;
         let variation = VariationalEquation::new(&modes, system.linear().mass_damping());
-        let method = match floquet.method {
-            FloquetMethod::KoopmanHill => Method::KoopmanHill(KoopmanHill::default()),
-            FloquetMethod::RungeKutta => Method::RungeKutta(RungeKutta::default()),
-        };
-        Ok(Self { variation, method })
+        Ok(Self { variation, integration: RungeKutta::default() })
     }
 
     /// The multipliers of the motion that the balance evaluated last, largest first; NaN if they
@@ -110,14 +79,8 @@ impl FloquetSolver {
         closures: &[f64],
         angular_frequency: f64,
     ) -> Vec<Complex64> {
-        let monodromy = match &mut self.method {
-            Method::KoopmanHill(method) => {
-                method.monodromy(&mut self.variation, balance, angular_frequency)
-            }
-            Method::RungeKutta(method) => {
-                method.monodromy(&mut self.variation, balance, closures, angular_frequency)
-            }
-        };
+        let variation = &mut self.variation;
+        let monodromy = self.integration.monodromy(variation, balance, closures, angular_frequency);
         let mut multipliers = eigenvalues(&monodromy);
         multipliers.sort_by(|a, b| b.norm().total_cmp(&a.norm()));
         multipliers

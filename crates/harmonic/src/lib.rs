@@ -29,7 +29,7 @@
 //! | `linear_response` | the response of the linearised structure |
 //! | `continuation`, `continuation_problem` | the parameter varied; the equations in scaled unknowns |
 //! | `factorization`, `arc_length` | elimination; predictor, corrector, step control, location of special points |
-//! | `floquet` | stability: Hill's matrix projected, or integration in time |
+//! | `floquet` | stability: Floquet multipliers by integration in time |
 //! | `settings`, `trace`, `branch_recorder` | settings; a branch from start to end; its points |
 //! | `periodic_response`, `branch` | results |
 //!
@@ -92,7 +92,7 @@ pub use compliance::{Compliance, MeanBalance, Receptance};
 pub use contact_system::{ContactSystem, LawEvaluation};
 pub use continuation::Continuation;
 pub use error::HarmonicError;
-pub use floquet::{Floquet, FloquetMethod};
+pub use floquet::Floquet;
 pub use linear_response::linear_receptance;
 pub use linear_system::LinearSystem;
 pub use periodic_response::{PeriodicResponse, PressureRange};

@@ -155,7 +155,7 @@ fn first(
         let fourier = arc.curve.balance().fourier();
         let resolution = (fourier.harmonics(), fourier.samples());
         let quiet = HarmonicSettings { stability: None, ..*settings };
-        let branch = follow_rising(system, rising, &quiet, resolution).ok();
+        let branch = follow(system, rising, &quiet, resolution, None).ok();
         if let Some(branch) = &branch
             && let (Termination::Reached, Some(last)) = (&branch.termination, branch.points.last())
         {
@@ -186,14 +186,4 @@ fn first(
             HarmonicError::NoStart { frequency_hz, force_n, residual }
         }
     })
-}
-
-/// [`follow`] along forces, which never calls itself again.
-fn follow_rising(
-    system: &ContactSystem,
-    continuation: Continuation,
-    settings: &HarmonicSettings,
-    resolution: (usize, usize),
-) -> Result<Branch, HarmonicError> {
-    follow(system, continuation, settings, resolution, None)
 }

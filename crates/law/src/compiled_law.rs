@@ -1,4 +1,8 @@
 //! A law tabulated about a state.
+#![allow(
+    clippy::inline_always,
+    reason = "the innermost calls of time stepping, in loops compiled for wider registers"
+)]
 
 mod cubic_cell;
 mod grid;
@@ -180,10 +184,6 @@ impl CompiledLaw {
     }
 
     /// Pressure increment \[Pa\] at closure increment `x` \[m\]; NaN outside the table.
-    #[allow(
-        clippy::inline_always,
-        reason = "the innermost call of time stepping, in loops compiled for wider registers"
-    )]
     #[inline(always)]
     pub fn get(&self, x: f64) -> f64 {
         let (i, t) = self.place(x);
@@ -217,10 +217,6 @@ impl CompiledLaw {
 
     /// Pressure increment \[Pa\] and tangent dp/dd \[Pa/m\] at closure increment `x` \[m\]; NaN outside
     /// the table.
-    #[allow(
-        clippy::inline_always,
-        reason = "the innermost call of time stepping, in loops compiled for wider registers"
-    )]
     #[inline(always)]
     pub fn get_with_tangent(&self, x: f64) -> (f64, f64) {
         let (i, t) = self.place(x);
@@ -237,10 +233,6 @@ impl CompiledLaw {
 
     /// The cell of `x` and the place in it, 0 <= t < 1. The conversion saturates, so that everything
     /// below the table falls in cell 0.
-    #[allow(
-        clippy::inline_always,
-        reason = "the innermost call of time stepping, in loops compiled for wider registers"
-    )]
     #[inline(always)]
     fn place(&self, x: f64) -> (u32, f64) {
         let scale = if x < self.fine_below { &self.fine } else { &self.coarse };

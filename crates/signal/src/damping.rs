@@ -9,7 +9,6 @@ pub use comparison::DampingComparison;
 use crate::peak::Peak;
 use crate::response::FrequencyResponse;
 use crate::root::bracketed_root;
-use crate::spectra::ExactSpectra;
 use std::f64::consts::SQRT_2;
 
 /// The frequencies on either side of a peak at which `|H|^2` is half of its maximum.
@@ -83,13 +82,7 @@ pub fn half_power(response: &FrequencyResponse, peak: &Peak) -> Option<f64> {
 
 /// Half-power crossings of a peak; `None` as for [`half_power`].
 pub fn half_power_crossings(response: &FrequencyResponse, peak: &Peak) -> Option<HalfPower> {
-    crossings_of(response, peak)
-}
-
-/// [`half_power_crossings`] of any spectra of a hit.
-fn crossings_of(hit: &impl ExactSpectra, peak: &Peak) -> Option<HalfPower> {
-    let response = hit.response();
-    let power = |frequency| hit.receptance_at(frequency).norm_sqr();
+    let power = |frequency| response.receptance_at(frequency).norm_sqr();
     let first_step = 0.25 / response.duration();
     half_power_of(power, peak.frequency_hz, first_step, 0.5 * response.sample_rate_hz())
 }

@@ -44,16 +44,6 @@ pub fn dominant_frequency(
     form: FrfForm,
     force_threshold: f64,
 ) -> Option<f64> {
-    dominant_of(response, band_hz, form, force_threshold)
-}
-
-/// [`dominant_frequency`] of any spectra of a hit.
-pub(crate) fn dominant_of(
-    response: &impl HitSpectra,
-    band_hz: (f64, f64),
-    form: FrfForm,
-    force_threshold: f64,
-) -> Option<f64> {
     let (low, high) = band_hz;
     let ordered = low >= 0.0 && high > low && high.is_finite();
     if !ordered {

@@ -228,6 +228,7 @@ pub fn analyse_hit(
     };
     // Fails for a hit longer than the average only, which then has no transform.
     found.frf = average.push(response.force(), response.samples()).ok();
+    let response = response.interpolated();
     found.features =
         features::of_hit(&response, &measured, hit.trigger, &pulse, force_offset.as_ref(), options);
     found

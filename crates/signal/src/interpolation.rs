@@ -33,7 +33,7 @@ const EDGE: f64 = 1.5 * PI;
 /// Source: J. Keiner, S. Kunis and D. Potts, "Using NFFT 3: a software library for various
 /// nonequispaced fast Fourier transforms", ACM Trans. Math. Softw. 36 (2009), 19, appendix C,
 /// doi 10.1145/1555386.1555388.
-#[derive(Debug)]
+#[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Interpolation {
     /// `G` of the samples, and of the samples times their index.
     plain: Vec<Complex64>,

@@ -73,7 +73,6 @@ mod frf;
 mod hammer;
 mod harmonics;
 mod hit;
-mod interpolated_response;
 mod interpolation;
 mod noise;
 mod peak;

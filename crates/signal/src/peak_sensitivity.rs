@@ -3,7 +3,7 @@
 use crate::damping::HalfPower;
 use crate::peak::Peak;
 use crate::response::FrequencyResponse;
-use crate::spectra::{ExactSpectra, HitSpectra};
+use crate::spectra::HitSpectra;
 use crate::transform::FourierKernel;
 use num_complex::Complex64;
 

@@ -1,9 +1,7 @@
 //! Spectra of a hit, as the searches for peaks and widths use them.
 
 use crate::form::ResponseKind;
-use crate::response::FrequencyResponse;
-use crate::sums::absolute_sum;
-use crate::sums::largest_magnitude;
+use crate::sums::{absolute_sum, largest_magnitude};
 use num_complex::Complex64;
 use std::borrow::Cow;
 use std::f64::consts::TAU;
@@ -24,14 +22,6 @@ pub(crate) trait HitSpectra {
     fn power_and_slope(&self, frequency_hz: f64) -> (f64, f64);
     /// Bounds on the ripple of `|H|` from truncation and rounding; see [`Ripple::of`].
     fn ripple(&self, frequency_hz: f64, period: f64) -> Ripple;
-}
-
-/// Spectra of the samples of one hit at any frequency.
-pub(crate) trait ExactSpectra: HitSpectra {
-    /// The hit.
-    fn response(&self) -> &FrequencyResponse;
-    /// Transforms and their derivatives at a frequency (Hz), up to a common phase.
-    fn transforms_at(&self, frequency_hz: f64) -> HitTransforms;
 }
 
 /// Transforms of force and response at `k step`, from zero.

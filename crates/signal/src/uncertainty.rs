@@ -2,7 +2,7 @@
 
 use crate::peak::Peak;
 use crate::response::FrequencyResponse;
-use crate::spectra::{ExactSpectra, SignalTransform};
+use crate::spectra::{HitSpectra, SignalTransform};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
@@ -92,16 +92,6 @@ pub fn peak_uncertainty(
     peak: &Peak,
     noise: NoiseDensity,
 ) -> Option<PeakUncertainty> {
-    uncertainty_of(response, peak, noise)
-}
-
-/// [`peak_uncertainty`] of any spectra of a hit.
-pub(crate) fn uncertainty_of(
-    hit: &impl ExactSpectra,
-    peak: &Peak,
-    noise: NoiseDensity,
-) -> Option<PeakUncertainty> {
-    let response = hit.response();
     let valid = |density: f64| density.is_finite() && density >= 0.0;
     if ![noise.force, noise.response, noise.window_rate].into_iter().all(valid) {
         return None;
@@ -109,9 +99,9 @@ pub(crate) fn uncertainty_of(
     let frequency = peak.frequency_hz;
     // The curve varies over 1/T: a step of 2 % of that gives the curvature to 1e-3.
     let step = 0.02 / response.duration();
-    let slope = |f: f64| 0.5 * hit.power_and_slope(f).1;
+    let slope = |f: f64| 0.5 * response.power_and_slope(f).1;
     let curvature = (slope(frequency + step) - slope(frequency - step)) / (2.0 * step);
-    let transforms = hit.transforms_at(frequency);
+    let transforms = response.transforms_at(frequency);
     let mut sums = [0.0; 3];
     for (signal, density) in
         [(transforms.response, noise.response), (transforms.force, noise.force)]

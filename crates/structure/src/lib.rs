@@ -19,14 +19,12 @@
 //! | [`equilibrium`] | nonlinear static equilibrium of a stack under weight |
 //! | [`damping`] | mass-proportional viscosity from a damping ratio |
 //! | [`modes`] | linearised natural frequencies and shapes, exact for elastic bars |
-//! | [`grid_modes`] | natural frequencies of a discretised structure, by a dense eigensolver |
 //! | [`error`] | errors |
 
 pub mod contact;
 pub mod damping;
 pub mod equilibrium;
 pub mod error;
-pub mod grid_modes;
 pub mod modes;
 pub mod preloaded;
 
@@ -34,6 +32,5 @@ pub use contact::PreloadedContact;
 pub use damping::Damping;
 pub use equilibrium::StaticDisplacement;
 pub use error::StructureError;
-pub use grid_modes::grid_frequencies;
 pub use modes::LinearisedMode;
 pub use preloaded::PreloadedStructure;

@@ -9,7 +9,7 @@ use super::bar::{Bar, BarStorage, fused};
 use super::contact::ContactStep;
 use super::ledger::Ledger;
 use super::support::SupportStep;
-use crate::{DynamicsError, EnergyLedger, Excitation, History, InterfaceHistory, Transient};
+use crate::{DynamicsError, EnergyLedger, Excitation, History, Transient};
 
 /// Most steps between two measurements of the viscous power.
 const LEDGER_STEPS: usize = 32;
@@ -36,7 +36,7 @@ impl WithSimd for TimeLoop<'_> {
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
         let mut storage: Vec<BarStorage> = self.grid.bars().iter().map(BarStorage::new).collect();
         let mut state = State::new(&self, simd, &mut storage)?;
-        let mut history = self.empty_history();
+        let mut history = History::with_capacity(self.samples, state.contacts.len());
         let mut forces = vec![0.0; self.stride];
         let mut ledger = Ledger::default();
         for sample in 0..self.samples {
@@ -82,21 +82,6 @@ impl WithSimd for TimeLoop<'_> {
             energy: state.balance(&ledger, self.form),
             history,
         })
-    }
-}
-
-impl TimeLoop<'_> {
-    fn empty_history(&self) -> History {
-        let column = || Vec::with_capacity(self.samples);
-        let interface =
-            || InterfaceHistory { pressure: column(), closure: column(), stiffness: column() };
-        History {
-            time: column(),
-            force: column(),
-            displacement: column(),
-            acceleration: column(),
-            interfaces: self.structure.contacts().iter().map(|_| interface()).collect(),
-        }
     }
 }
 
@@ -203,19 +188,14 @@ impl<'a, 'r, S: Simd> State<'a, 'r, S> {
     /// the history if it is a `sample`: time, force and motion of the top.
     fn record(&mut self, history: &mut History, sample: Option<(f64, f64, &Top)>, steps: usize) {
         if let Some((time, force, top)) = sample {
-            history.time.push(time);
-            history.force.push(force);
-            history.displacement.push(top.now);
             let acceleration = (top.after - 2.0 * top.now + top.before) / (self.step * self.step);
-            history.acceleration.push(acceleration);
+            history.push(time, force, top.now, acceleration);
         }
         for (contact, columns) in self.contacts.iter_mut().zip(&mut history.interfaces) {
-            let (pressure, closure, stiffness) = contact.observe();
-            contact.average(stiffness, steps);
+            let observed = contact.observe();
+            contact.average(observed.2, steps);
             if sample.is_some() {
-                columns.pressure.push(pressure);
-                columns.closure.push(closure);
-                columns.stiffness.push(stiffness);
+                columns.push(observed);
             }
         }
     }

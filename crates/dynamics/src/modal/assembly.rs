@@ -77,17 +77,6 @@ impl ModalModel {
         self.structure.component_modes()
     }
 
-    /// Mass-proportional damping h \[1/s\].
-    pub fn rate(&self) -> f64 {
-        self.structure.damping_rate()
-    }
-
-    /// Lowest natural frequency linearised at rest \[Hz\], of the modes kept; none without
-    /// stiffness.
-    pub fn natural_frequency(&self) -> Option<f64> {
-        self.structure.natural_frequency()
-    }
-
     /// The model for steps of `step` \[s\], with tables up to `2^reach` \[Pa\] above rest.
     ///
     /// # Errors
@@ -113,7 +102,13 @@ impl ModalModel {
         let stiffest: Vec<f64> = named
             .map(|(contact, &top)| contact.law().stiffness(top).max(contact.stiffness()))
             .collect();
-        let step_model = StepModel::new(self.structure(), &areas, &stiffest, self.rate(), step);
+        let step_model = StepModel::new(
+            self.structure(),
+            &areas,
+            &stiffest,
+            self.structure.damping_rate(),
+            step,
+        );
         let tolerances = tables.iter().map(|table| tolerance(table)).collect();
         let prepared = Arc::new(TabulatedModel { step_model, tables, tops, tolerances });
         if cache.len() >= MOST_TABULATED {

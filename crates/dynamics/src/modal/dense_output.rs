@@ -7,7 +7,7 @@
 use super::assembly::PreparedHit;
 use super::oscillator::Propagator;
 use super::simd::integrate::Outcome;
-use crate::{Excitation, History, InterfaceHistory, Sampling};
+use crate::{Excitation, History, Sampling};
 
 /// Parts of a step closer than this to one of its ends are that end.
 const ON_STEP: f64 = 1e-9;
@@ -24,26 +24,14 @@ pub(super) fn history(
 ) -> History {
     let mut motion = DenseOutput::new(hit, outcome);
     let count = sampling.samples();
-    let mut history = History {
-        time: Vec::with_capacity(count),
-        force: Vec::with_capacity(count),
-        displacement: Vec::with_capacity(count),
-        acceleration: Vec::with_capacity(count),
-        interfaces: vec![InterfaceHistory::default(); hit.model.contacts().len()],
-    };
+    let mut history = History::with_capacity(count, hit.model.contacts().len());
     for sample in 0..count {
         let time = sample as f64 * sampling.interval();
         let force = excitation.force(time);
         let (displacement, acceleration) = motion.output(time, excitation);
-        history.time.push(time);
-        history.force.push(force);
-        history.displacement.push(displacement);
-        history.acceleration.push(acceleration);
+        history.push(time, force, displacement, acceleration);
         for (i, columns) in history.interfaces.iter_mut().enumerate() {
-            let (pressure, closure, stiffness) = motion.contact(time, i);
-            columns.pressure.push(pressure);
-            columns.closure.push(closure);
-            columns.stiffness.push(stiffness);
+            columns.push(motion.contact(time, i));
         }
     }
     history

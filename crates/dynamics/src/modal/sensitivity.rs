@@ -192,14 +192,13 @@ impl ParameterDerivative {
         let base = prepared.model.contacts();
         let modes = prepared.model.structure().modes().len();
         for hit in &variation.hits {
-            let (found, interfaces) =
-                (hit.model.structure().modes().len(), hit.model.contacts().len());
-            if found != modes {
-                return refuse("number of modes", found as f64, "that of the hit that is varied");
-            }
-            if interfaces != base.len() {
-                let accepted = "that of the hit that is varied";
-                return refuse("number of interfaces", interfaces as f64, accepted);
+            for (quantity, found, expected) in [
+                ("number of modes", hit.model.structure().modes().len(), modes),
+                ("number of interfaces", hit.model.contacts().len(), base.len()),
+            ] {
+                if found != expected {
+                    return refuse(quantity, found as f64, "that of the hit that is varied");
+                }
             }
             hit.excitation.check()?;
         }
@@ -210,7 +209,7 @@ impl ParameterDerivative {
             let varied = StepModel::with_interpolations(
                 structure,
                 &areas,
-                hit.model.rate(),
+                hit.model.preloaded().damping_rate(),
                 model.step,
                 interpolations,
             );

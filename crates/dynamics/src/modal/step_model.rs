@@ -60,9 +60,8 @@ impl StepModel {
         let of = |mode: &NormalMode| {
             let pairs = mode.closure.iter().zip(areas).zip(stiffness);
             let stiff: f64 = pairs.map(|((g, area), k)| g * (g * area) * k * step * step).sum();
-            let damping = mode.damping_rate + if mode.mass_damped { rate } else { 0.0 };
             let turn = mode.angular_frequency * step;
-            (turn <= FAST).then(|| interpolation(turn, stiff, damping * step))
+            (turn <= FAST).then(|| interpolation(turn, stiff, mode.total_damping(rate) * step))
         };
         let interpolations = structure.modes().iter().map(of).collect();
         Self::with_interpolations(structure, areas, rate, step, interpolations)
@@ -89,8 +88,10 @@ impl StepModel {
         let mut modes = Vec::with_capacity(interpolations.len());
         for (mode, &interpolation) in named() {
             let Some(interpolation) = interpolation else { continue };
-            let damping = mode.damping_rate + if mode.mass_damped { rate } else { 0.0 };
-            let dynamics = Dynamics { angular_frequency: mode.angular_frequency, rate: damping };
+            let dynamics = Dynamics {
+                angular_frequency: mode.angular_frequency,
+                rate: mode.total_damping(rate),
+            };
             let force = times_areas(&mode.closure);
             let recurrence = dynamics.recurrence(step, interpolation);
             for (row, g) in coupling.iter_mut().zip(&mode.closure) {

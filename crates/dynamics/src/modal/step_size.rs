@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 
 use super::simulation::HitSimulation;
 use crate::DynamicsError;
+use crate::error::positive;
 
 /// Share of a radian of the lowest natural frequency in a step: the parabola through three
 /// pressures then changes the damping by `(w h)^3 / 48`, four millionths.
@@ -49,29 +50,17 @@ impl Resolution {
     /// The step that a hit is first tried with: as given, or so that the lowest natural
     /// frequency and the drive are resolved. A chosen step divides the duration.
     pub(super) fn first(hit: &HitSimulation) -> Result<Self, DynamicsError> {
-        let positive = |quantity, value: f64| {
-            let accepted = "positive and finite";
-            if value.is_finite() && value > 0.0 {
-                Ok(value)
-            } else {
-                Err(DynamicsError::Setting { quantity, value, accepted })
-            }
-        };
         let duration = positive("duration [s]", hit.duration)?;
+        let natural = hit.model.preloaded().natural_frequency();
         if let Some(step) = hit.step {
             let step = positive("step [s]", step)?;
-            let turn = TAU * step * hit.model.natural_frequency().unwrap_or(0.0);
-            if turn > MOST_RADIANS {
+            let value = TAU * step * natural.unwrap_or(0.0);
+            if value > MOST_RADIANS {
                 let quantity = "step [s] times lowest natural frequency [rad/s]";
-                return Err(DynamicsError::Setting {
-                    quantity,
-                    value: turn,
-                    accepted: "at most 0.2",
-                });
+                return Err(DynamicsError::Setting { quantity, value, accepted: "at most 0.2" });
             }
             return Self::of(step, (duration / step - 1e-9).ceil().max(1.0));
         }
-        let natural = hit.model.natural_frequency();
         let slow = natural.map_or(f64::INFINITY, |f| RADIANS / (TAU * f));
         let step = slow.min(hit.excitation.time_scale() / STEPS_A_PULSE).min(duration / 64.0);
         // Round down to 1, 2 or 5 times a power of ten, for numbers that people can read.

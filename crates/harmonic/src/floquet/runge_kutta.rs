@@ -44,7 +44,7 @@ impl RungeKutta {
     ) -> Mat<f64> {
         let steps = steps(variation, balance, angular_frequency);
         self.sample(variation, balance, closures, steps);
-        let (size, square) = (2 * variation.modes(), variation.interfaces().pow(2));
+        let (size, square) = (2 * variation.modes.len(), variation.interfaces().pow(2));
         self.closures.resize(variation.interfaces() * size, 0.0);
         self.forces.resize(variation.interfaces() * size, 0.0);
         let step = std::f64::consts::TAU / (angular_frequency * steps as f64);
@@ -84,15 +84,15 @@ impl RungeKutta {
         states: &[f64],
         slopes: &mut [f64],
     ) {
-        let (modes, size) = (variation.modes(), 2 * variation.modes());
+        let (modes, size) = (variation.modes.len(), 2 * variation.modes.len());
         let k = &self.stiffness[place];
         let n = self.closures.len() / size;
         let (q, v) = states.split_at(modes * size);
         let (q_slopes, v_slopes) = slopes.split_at_mut(modes * size);
         self.closures.fill(0.0);
         self.forces.fill(0.0);
-        for (j, q) in q.chunks_exact(size).enumerate() {
-            for (closure, phi) in self.closures.chunks_exact_mut(size).zip(variation.closure(j)) {
+        for (q, mode) in q.chunks_exact(size).zip(&variation.modes) {
+            for (closure, phi) in self.closures.chunks_exact_mut(size).zip(&mode.closure) {
                 add(closure, *phi, q);
             }
         }
@@ -101,16 +101,15 @@ impl RungeKutta {
                 add(force, k / scale, closure);
             }
         }
-        for (j, (q_slope, v_slope)) in
-            q_slopes.chunks_exact_mut(size).zip(v_slopes.chunks_exact_mut(size)).enumerate()
-        {
+        let slopes = q_slopes.chunks_exact_mut(size).zip(v_slopes.chunks_exact_mut(size));
+        for (j, ((q_slope, v_slope), mode)) in slopes.zip(&variation.modes).enumerate() {
             let (q, v) = (&q[j * size..][..size], &v[j * size..][..size]);
-            let (rate, square) = (variation.rate(j), variation.frequency(j).powi(2) / scale);
+            let (rate, square) = (mode.damping_rate, mode.angular_frequency.powi(2) / scale);
             for ((dq, dv), (q, v)) in q_slope.iter_mut().zip(&mut *v_slope).zip(q.iter().zip(v)) {
                 *dq = scale * v;
                 *dv = -rate * v - square * q;
             }
-            for (force, phi) in self.forces.chunks_exact(size).zip(variation.closure(j)) {
+            for (force, phi) in self.forces.chunks_exact(size).zip(&mode.closure) {
                 add(v_slope, -phi, force);
             }
         }

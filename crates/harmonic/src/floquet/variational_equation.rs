@@ -1,6 +1,6 @@
 //! The linear equation of small disturbances.
 
-use asperity_mesh::{ComponentModes, ResidualFlexibility};
+use asperity_mesh::{ComponentModes, NormalMode, ResidualFlexibility};
 
 /// Modes with contact tangents that vary over the period.
 ///
@@ -8,11 +8,8 @@ use asperity_mesh::{ComponentModes, ResidualFlexibility};
 /// halves are of one size.
 #[derive(Debug, Clone)]
 pub(super) struct VariationalEquation {
-    /// Angular frequency \[rad/s\] and damping rate \[1/s\] of each mode.
-    frequencies: Vec<f64>,
-    rates: Vec<f64>,
-    /// Closures of each mode at the interfaces \[kg^-1/2\].
-    closures: Vec<Vec<f64>>,
+    /// The modes, each with its total damping rate.
+    pub(super) modes: Vec<NormalMode>,
     residual: ResidualFlexibility,
     matrix: Vec<f64>,
 }
@@ -21,46 +18,25 @@ impl VariationalEquation {
     /// The equation of `modes` under the mass-proportional damping `rate` \[1/s\].
     pub(super) fn new(modes: &ComponentModes, rate: f64) -> Self {
         let (n, residual) = (modes.interfaces(), modes.residual().clone());
-        let modes = modes.modes();
-        Self {
-            frequencies: modes.iter().map(|mode| mode.angular_frequency).collect(),
-            rates: modes.iter().map(|mode| mode.total_damping(rate)).collect(),
-            closures: modes.iter().map(|mode| mode.closure.clone()).collect(),
-            residual,
-            matrix: vec![0.0; 2 * n * n],
+        let mut modes = modes.modes().to_vec();
+        for mode in &mut modes {
+            mode.damping_rate = mode.total_damping(rate);
         }
-    }
-
-    pub(super) fn modes(&self) -> usize {
-        self.frequencies.len()
+        Self { modes, residual, matrix: vec![0.0; 2 * n * n] }
     }
 
     pub(super) fn interfaces(&self) -> usize {
         self.residual.closure.len()
     }
 
-    pub(super) fn frequency(&self, mode: usize) -> f64 {
-        self.frequencies[mode]
-    }
-
-    pub(super) fn rate(&self, mode: usize) -> f64 {
-        self.rates[mode]
-    }
-
-    pub(super) fn closure(&self, mode: usize) -> &[f64] {
-        &self.closures[mode]
-    }
-
     /// An upper estimate of the highest frequency [rad/s] with contact stiffnesses up to
     /// `stiffness` [N/m].
     pub(super) fn highest_frequency(&self, stiffness: f64) -> f64 {
-        (0..self.modes())
-            .map(|j| {
-                let shape: f64 = self.closure(j).iter().map(|phi| phi * phi).sum();
-                self.frequency(j).powi(2) + stiffness * shape
-            })
-            .fold(0.0, f64::max)
-            .sqrt()
+        let square = |mode: &NormalMode| {
+            let shape: f64 = mode.closure.iter().map(|phi| phi * phi).sum();
+            mode.angular_frequency.powi(2) + stiffness * shape
+        };
+        self.modes.iter().map(square).fold(0.0, f64::max).sqrt()
     }
 
     /// Writes `(1 + K_c R)^-1 K_c` for the tangents `K_c` \[N/m\] of the contacts, by rows.

@@ -11,7 +11,7 @@ use asperity_mesh::{ComponentModes, NormalMode, ResidualFlexibility};
 use asperity_structure::{Damping, PreloadedContact, PreloadedStructure};
 
 use crate::rigs::{Cubic, Law};
-use crate::stability::{BOTH, with_stability};
+use crate::stability::{both, with_stability};
 
 /// `u'' + 2 z u' + u + q u^2 + c u^3 = F cos(W t)` near W = 2: the response modulates its own
 /// stiffness at twice the natural frequency; where the modulation exceeds the damping, the period
@@ -22,28 +22,30 @@ fn period_doublings_are_located() {
     let contact = PreloadedContact::new("spring", 1.0, Arc::clone(&law), 0.0).unwrap();
     let mass = RigidMass::new(1.0, 0.02).unwrap();
     let system = ContactSystem::new(Arc::new(mass), vec![contact], LawEvaluation::Exact).unwrap();
-    for method in BOTH {
-        let continuation = Continuation::Frequency { force: 0.2, from: 1.7 / TAU, to: 2.2 / TAU };
-        let found = with_stability(&system, continuation, method, 1);
-        let doublings: Vec<_> = found.of_kind(SpecialPointKind::PeriodDoubling).collect();
-        assert_eq!(doublings.len(), 2, "{:?}", found.special.len());
-        for doubling in &doublings {
-            let multiplier = doubling.multipliers.as_ref().unwrap()[0];
-            assert!((multiplier + 1.0).norm() < 1e-8, "{multiplier}");
-        }
-        // Mathieu: with the modulation d = 2 q U of the stiffness the edges are
-        // W = 2 w0 +- sqrt(d^2 / 4 - 4 z^2) w0 to first order, w0 the shifted natural frequency.
-        let modulation = 2.0 * doublings[0].amplitude(1);
-        let width = TAU * (doublings[1].frequency_hz() - doublings[0].frequency_hz());
-        let expected = 2.0 * (0.25 * modulation * modulation - 4.0 * 1e-4).sqrt();
-        assert!((width / expected - 1.0).abs() < 0.1, "{width} {expected}");
-        for (number, point) in found.points.iter().enumerate() {
-            let inside = found
-                .special
-                .iter()
-                .filter(|s| s.kind == SpecialPointKind::PeriodDoubling && s.after < number);
-            assert_eq!(point.stable(), Some(inside.count() != 1), "{number}");
-        }
+    let continuation = Continuation::Frequency { force: 0.2, from: 1.7 / TAU, to: 2.2 / TAU };
+    let found = with_stability(&system, continuation, 1);
+    let doublings: Vec<_> = found.of_kind(SpecialPointKind::PeriodDoubling).collect();
+    assert_eq!(doublings.len(), 2, "{:?}", found.special.len());
+    for doubling in &doublings {
+        let [hill, time] = both(&system, doubling, 1).map(|multipliers| multipliers[0]);
+        assert!((time + 1.0).norm() < 1e-8, "{time}");
+        assert!((hill + 1.0).norm() < 1e-7, "{hill}");
+    }
+    // Mathieu: with the modulation d = 2 q U of the stiffness the edges are
+    // W = 2 w0 +- sqrt(d^2 / 4 - 4 z^2) w0 to first order, w0 the shifted natural frequency.
+    let modulation = 2.0 * doublings[0].amplitude(1);
+    let width = TAU * (doublings[1].frequency_hz() - doublings[0].frequency_hz());
+    let expected = 2.0 * (0.25 * modulation * modulation - 4.0 * 1e-4).sqrt();
+    assert!((width / expected - 1.0).abs() < 0.1, "{width} {expected}");
+    for (number, point) in found.points.iter().enumerate() {
+        let inside = found
+            .special
+            .iter()
+            .filter(|s| s.kind == SpecialPointKind::PeriodDoubling && s.after < number);
+        let stable = inside.count() != 1;
+        assert_eq!(point.stable(), Some(stable), "{number}");
+        let [hill, _] = both(&system, point, 1);
+        assert_eq!(hill[0].norm() <= 1.0, stable, "{number}");
     }
 }
 
@@ -130,21 +132,17 @@ fn variation(law: &Law, frequency: f64) -> f64 {
 #[test]
 fn neimark_sacker_bifurcations_are_located() {
     let (system, law) = two_modes();
-    let mut edges = Vec::new();
-    for method in BOTH {
-        let continuation = Continuation::Frequency { force: FORCE, from: 0.9 / TAU, to: 1.1 / TAU };
-        let found = with_stability(&system, continuation, method, 2);
-        let located: Vec<_> = found.of_kind(SpecialPointKind::NeimarkSacker).collect();
-        assert_eq!(located.len(), 2);
-        for point in &located {
-            let multipliers = point.multipliers.as_ref().unwrap();
-            assert!((multipliers[0].norm() - 1.0).abs() < 1e-9);
-            assert!(multipliers[0].im.abs() > 1e-3);
-            edges.push(point.angular_frequency);
-        }
+    let continuation = Continuation::Frequency { force: FORCE, from: 0.9 / TAU, to: 1.1 / TAU };
+    let found = with_stability(&system, continuation, 2);
+    let located: Vec<_> = found.of_kind(SpecialPointKind::NeimarkSacker).collect();
+    assert_eq!(located.len(), 2);
+    for point in &located {
+        let [hill, time] = both(&system, point, 2).map(|multipliers| multipliers[0]);
+        assert!((time.norm() - 1.0).abs() < 1e-9);
+        assert!((hill.norm() - 1.0).abs() < 1e-7, "{hill}");
+        assert!(time.im.abs() > 1e-3 && hill.im.abs() > 1e-3);
     }
-    // The two methods locate the same points.
-    assert!((edges[0] - edges[2]).abs() < 1e-6 && (edges[1] - edges[3]).abs() < 1e-6);
+    let edges = [located[0].angular_frequency, located[1].angular_frequency];
     let middle = 0.5 * (edges[0] + edges[1]);
     assert!(variation(&law, middle) > 1e-2, "{}", variation(&law, middle));
     for outside in [2.0 * edges[0] - middle, 2.0 * edges[1] - middle] {

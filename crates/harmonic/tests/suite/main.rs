@@ -5,6 +5,7 @@ mod backbones;
 mod bifurcations;
 mod errors;
 mod integration;
+mod koopman_hill;
 mod linear;
 mod perturbation;
 mod reference;

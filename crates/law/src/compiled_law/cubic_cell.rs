@@ -14,10 +14,6 @@ pub struct CubicCell {
     pub(crate) cubic: [f64; 4],
 }
 
-#[allow(
-    clippy::inline_always,
-    reason = "the innermost calls of time stepping, in loops compiled for wider registers"
-)]
 impl CubicCell {
     /// A cell that contains nothing.
     pub const EMPTY: Self = Self {

@@ -6,7 +6,6 @@ use crate::form::FrfForm;
 use crate::frf::convert;
 use crate::peak::Peak;
 use crate::response::FrequencyResponse;
-use crate::spectra::HitSpectra;
 use num_complex::Complex64;
 use std::f64::consts::{PI, TAU};
 
@@ -77,8 +76,8 @@ pub fn circle_fit(response: &FrequencyResponse, peak: &Peak) -> Option<CircleFit
     circle_within(response, &half_power_crossings(response, peak)?)
 }
 
-/// [`circle_fit`] of any spectra of a hit, between known crossings.
-pub(super) fn circle_within(response: &impl HitSpectra, width: &HalfPower) -> Option<CircleFit> {
+/// [`circle_fit`] between known crossings.
+pub(super) fn circle_within(response: &FrequencyResponse, width: &HalfPower) -> Option<CircleFit> {
     let step = (width.upper_hz - width.lower_hz) / (POINTS - 1) as f64;
     let frequencies: Vec<f64> = (0..POINTS).map(|k| width.lower_hz + k as f64 * step).collect();
     let mobility =

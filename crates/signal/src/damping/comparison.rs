@@ -1,11 +1,10 @@
 //! Damping of one mode by three methods.
 
 use super::circle::circle_within;
-use super::crossings_of;
+use super::half_power_crossings;
 use crate::decrement::logarithmic_decrement;
 use crate::peak::Peak;
 use crate::response::FrequencyResponse;
-use crate::spectra::ExactSpectra;
 
 /// Damping ratios of one mode by three methods with different errors.
 ///
@@ -28,15 +27,10 @@ impl DampingComparison {
     /// - `decay`: without force and without other modes (see
     ///   [`BandPass`](crate::BandPass)), at the sample rate of the response.
     pub fn of(response: &FrequencyResponse, peak: &Peak, decay: &[f64]) -> Self {
-        Self::of_exact(response, peak, decay)
-    }
-
-    /// [`DampingComparison::of`] any spectra of a hit.
-    pub(crate) fn of_exact(hit: &impl ExactSpectra, peak: &Peak, decay: &[f64]) -> Self {
-        let rate = hit.response().sample_rate_hz();
+        let rate = response.sample_rate_hz();
         let decrement = logarithmic_decrement(decay, rate, peak.frequency_hz);
-        let width = crossings_of(hit, peak);
-        let circle = width.and_then(|width| circle_within(hit, &width));
+        let width = half_power_crossings(response, peak);
+        let circle = width.and_then(|width| circle_within(response, &width));
         Self {
             half_power: width.map(|width| width.ratio()),
             circle: circle.map(|circle| circle.ratio),

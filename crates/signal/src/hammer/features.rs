@@ -2,15 +2,14 @@
 
 use super::HammerOptions;
 use crate::damping::DampingComparison;
-use crate::dominant::dominant_of;
+use crate::dominant::dominant_frequency;
 use crate::form::FrfForm;
-use crate::harmonics::{Harmonics, harmonics_of};
+use crate::harmonics::{Harmonics, find_harmonics};
 use crate::hit::{Offset, Pulse};
-use crate::interpolated_response::InterpolatedResponse;
 use crate::noise::{band_density, white_density};
 use crate::response::FrequencyResponse;
 use crate::ring_down::{Backbone, BackboneOptions, BandPass, backbone_and_signal};
-use crate::uncertainty::{NoiseDensity, PeakUncertainty, ratio_uncertainty, uncertainty_of};
+use crate::uncertainty::{NoiseDensity, PeakUncertainty, peak_uncertainty, ratio_uncertainty};
 use crate::window::ExponentialWindow;
 
 /// Reference of the search for the fundamental.
@@ -53,7 +52,7 @@ pub struct HitFeatures {
 
 /// The features of a hit; `None` without a reference frequency.
 ///
-/// `response` is windowed, `measured` is not; an exponential
+/// `response` is windowed and interpolated, `measured` is neither; an exponential
 /// window has the value one at sample `trigger`.
 pub(super) fn of_hit(
     response: &FrequencyResponse,
@@ -63,18 +62,17 @@ pub(super) fn of_hit(
     force_offset: Option<&Offset>,
     options: &HammerOptions,
 ) -> Option<HitFeatures> {
-    let fine = InterpolatedResponse::new(response);
     let threshold = options.harmonics.force_threshold;
     let reference_hz = match options.fundamental {
         FundamentalSearch::Frequency(frequency) => frequency,
-        FundamentalSearch::Band(band, form) => dominant_of(&fine, band, form, threshold)?,
+        FundamentalSearch::Band(band, form) => dominant_frequency(response, band, form, threshold)?,
     };
-    let harmonics = harmonics_of(&fine, reference_hz, &options.harmonics);
+    let harmonics = find_harmonics(response, reference_hz, &options.harmonics);
     let noise = noise(response, measured, force_offset, options);
     let in_windowed = options.windows.exponential.map_or(noise, |window| {
         windowed(noise, window, trigger as f64 / response.sample_rate_hz())
     });
-    let uncertainty = |peak| uncertainty_of(&fine, peak, in_windowed);
+    let uncertainty = |peak| peak_uncertainty(response, peak, in_windowed);
     let first = harmonics.fundamental.as_ref().and_then(uncertainty);
     let second = harmonics.second.as_ref().and_then(uncertainty);
     let ratio = harmonics.ratio().zip(first.zip(second));
@@ -111,7 +109,7 @@ pub(super) fn of_hit(
         Some(signal.get(span)?.iter().map(|value| value.re).collect::<Vec<f64>>())
     });
     found.backbone = filtered.map(|(backbone, _)| backbone);
-    found.damping = DampingComparison::of_exact(&fine, &peak, &mode.unwrap_or_default());
+    found.damping = DampingComparison::of(response, &peak, &mode.unwrap_or_default());
     if let Some(window) = options.windows.exponential {
         let (frequency, magnitude) = (peak.frequency_hz, peak.magnitude);
         let ratio = found.damping.circle.or(found.damping.half_power);

@@ -5,10 +5,8 @@ use std::sync::Arc;
 
 use asperity_law::Constant;
 use asperity_mesh::{Body, Grid, Interface, LinearStructure, Stack, Support};
-use asperity_structure::{
-    Damping, LinearisedMode, PreloadedContact, PreloadedStructure, grid_frequencies,
-};
-use faer::Mat;
+use asperity_structure::{Damping, LinearisedMode, PreloadedContact, PreloadedStructure};
+use faer::{Mat, Side};
 
 use crate::rigs::{
     AREA, DISC, Law, at_rest, constant, modified, power, rig, rig_on, slope, three_bodies,
@@ -26,7 +24,31 @@ fn structure_of(stack: &Stack, cell: f64) -> (LinearStructure, Vec<f64>) {
 
 fn grid_modes_of(stack: &Stack, cell: f64) -> Vec<f64> {
     let (structure, stiffness) = structure_of(stack, cell);
-    grid_frequencies(&structure, &stiffness).unwrap()
+    grid_frequencies(&structure, &stiffness)
+}
+
+/// All natural frequencies [Hz] of `structure` with its contacts replaced by springs of
+/// `contact_stiffness` [Pa/m] per area: `k phi = w^2 M phi` with lumped masses as the symmetric
+/// problem of `M^(-1/2) k M^(-1/2)`.
+fn grid_frequencies(structure: &LinearStructure, contact_stiffness: &[f64]) -> Vec<f64> {
+    let size = structure.nodes();
+    let mut matrix = Mat::<f64>::zeros(size, size);
+    for &(row, column, value) in structure.stiffness() {
+        matrix[(row, column)] += value;
+    }
+    for (contact, stiffness) in structure.contacts().iter().zip(contact_stiffness) {
+        let k = stiffness * contact.area;
+        matrix[(contact.above, contact.above)] += k;
+        if let Some(below) = contact.below {
+            matrix[(below, below)] += k;
+            matrix[(contact.above, below)] -= k;
+            matrix[(below, contact.above)] -= k;
+        }
+    }
+    let root: Vec<f64> = structure.mass().iter().map(|mass| mass.sqrt()).collect();
+    let scaled = Mat::from_fn(size, size, |i, j| matrix[(i, j)] / (root[i] * root[j]));
+    let squares = scaled.self_adjoint_eigenvalues(Side::Lower).unwrap();
+    squares.into_iter().map(|square| square.max(0.0).sqrt() / TAU).collect()
 }
 
 /// Three equal lengths, so that every body's cells shrink in the same ratio.

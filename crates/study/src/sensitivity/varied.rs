@@ -75,7 +75,7 @@ pub fn with_laws_of(base: &ModalModel, rig: &ModalModel) -> Result<ModalModel, D
         PreloadedContact::new(contact.name(), contact.area(), law, contact.pressure())
     });
     let contacts = contacts.collect::<Result<_, _>>()?;
-    let damping = Damping::Rate(rig.rate());
+    let damping = Damping::Rate(rig.preloaded().damping_rate());
     let structure = PreloadedStructure::of_components(rig.structure().clone(), contacts, damping)?;
     ModalModel::new(structure)
 }

@@ -1,14 +1,14 @@
 //! The contact equations of one step, solved to rounding with the exact laws.
 
 use super::linear_system::Factors;
+use crate::modal::simd::contact_fallback::increasing_root;
 use asperity_structure::PreloadedContact;
 
 /// Newton corrections before the interfaces are solved one by one.
 const NEWTON: usize = 24;
 
-/// Sweeps over the interfaces, and halvings of one bracket.
+/// Sweeps over the interfaces.
 const SWEEPS: usize = 2000;
-const HALVINGS: usize = 200;
 
 /// Newton correction, over the largest closure so far, after which the tangent is not evaluated
 /// again: it is as good as this.
@@ -131,25 +131,5 @@ impl Contacts {
 fn closure(contact: &PreloadedContact, own: f64, target: f64, scale: f64) -> f64 {
     let rest = contact.pressure();
     let excess = |y: f64| y + own * contact.law().pressure_increment(rest, y).value - target;
-    let (mut low, mut high, mut width) = (target, target, scale.max(f64::MIN_POSITIVE));
-    for _ in 0..64 {
-        let (below, above) = (excess(low), excess(high));
-        if below <= 0.0 && above >= 0.0 {
-            break;
-        }
-        if below > 0.0 {
-            low -= width;
-        } else {
-            high += width;
-        }
-        width *= 2.0;
-    }
-    for _ in 0..HALVINGS {
-        let middle = 0.5 * (low + high);
-        if middle <= low || middle >= high {
-            break;
-        }
-        if excess(middle) > 0.0 { high = middle } else { low = middle }
-    }
-    0.5 * (low + high)
+    increasing_root(excess, target, scale.max(f64::MIN_POSITIVE))
 }

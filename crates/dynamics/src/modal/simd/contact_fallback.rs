@@ -71,27 +71,38 @@ impl<const N: usize> Curve<'_, N> {
     /// The closure at which `y + b p(y) = target`, by halving a bracket.
     fn closure(&self, own: f64, target: f64) -> f64 {
         let excess = |y: f64| y + own * self.pressure(y) - target;
-        let (mut low, mut high, mut width) = (target, target, 1.0);
-        for _ in 0..64 {
-            if excess(low) <= 0.0 && excess(high) >= 0.0 {
-                break;
-            }
-            if excess(low) > 0.0 {
-                low -= width;
-            } else {
-                high += width;
-            }
-            width *= 2.0;
-        }
-        for _ in 0..HALVINGS {
-            let middle = 0.5 * (low + high);
-            if middle <= low || middle >= high {
-                break;
-            }
-            if excess(middle) > 0.0 { high = middle } else { low = middle }
-        }
-        0.5 * (low + high)
+        increasing_root(excess, target, 1.0)
     }
+}
+
+/// The root of an increasing function by halving a bracket, which grows from `start` by `width` and
+/// more.
+pub(in crate::modal) fn increasing_root(
+    excess: impl Fn(f64) -> f64,
+    start: f64,
+    mut width: f64,
+) -> f64 {
+    let (mut low, mut high) = (start, start);
+    for _ in 0..64 {
+        let (below, above) = (excess(low), excess(high));
+        if below <= 0.0 && above >= 0.0 {
+            break;
+        }
+        if below > 0.0 {
+            low -= width;
+        } else {
+            high += width;
+        }
+        width *= 2.0;
+    }
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (low + high);
+        if middle <= low || middle >= high {
+            break;
+        }
+        if excess(middle) > 0.0 { high = middle } else { low = middle }
+    }
+    0.5 * (low + high)
 }
 
 fn settle<const N: usize>(contacts: &[Curve<'_, N>; N], target: &[f64; N]) -> ([f64; N], [f64; N]) {
