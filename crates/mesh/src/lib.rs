@@ -17,7 +17,6 @@
 //! | [`body`] | one elastic bar: mass, wave speed, impedance |
 //! | [`stack`] | the chain of bodies and interfaces, and the weight on each contact |
 //! | [`grid`] | the finite-difference grid with half-cell ends, and its stability limit |
-//! | [`linear_structure`] | mass, stiffness and contact pairs of a discretised structure |
 //! | [`component_modes`] | free-interface modes with residual flexibility |
 //! | [`mode_count`] | number of modes kept, by count or by error bound |
 //! | [`matrix_modes`] | component modes of mass and stiffness matrices |
@@ -50,7 +49,6 @@ pub mod body;
 pub mod component_modes;
 pub mod error;
 pub mod grid;
-pub mod linear_structure;
 pub mod matrix_modes;
 pub mod mode_count;
 pub mod stack;
@@ -60,7 +58,6 @@ pub use body::Body;
 pub use component_modes::{ComponentModes, NormalMode, ResidualFlexibility};
 pub use error::MeshError;
 pub use grid::{BarGrid, Grid};
-pub use linear_structure::{ContactPair, LinearStructure};
 pub use matrix_modes::InterfaceDofs;
 pub use mode_count::ModeCount;
 pub use stack::{Interface, Stack, Support, static_pressures};

@@ -7,10 +7,8 @@ pub use estimator::{FrfEstimator, HvScaling};
 pub use statistics::{Coherence, MagnitudeSpread};
 
 use crate::error::{Result, SignalError, check_rate, check_samples};
-use crate::form::FrfForm;
-use crate::form::ResponseKind;
-use crate::frf::ForceMask;
-use crate::frf::Frf;
+use crate::form::{FrfForm, ResponseKind};
+use crate::frf::{ForceMask, Frf};
 use crate::spectrum::{PADDING_LIMIT, Spectrum, fast_length};
 use num_complex::Complex64;
 use statistics::RunningVariance;

@@ -160,12 +160,11 @@ impl FrequencyResponse {
 
     /// Receptance \[m/N\] at any frequency (Hz), from the Fourier sums at that frequency.
     pub fn receptance_at(&self, frequency_hz: f64) -> Complex64 {
-        let ratio = match &self.interpolations {
-            Some([force, samples]) => samples.value(frequency_hz) / force.value(frequency_hz),
-            None => {
-                let kernel = FourierKernel::new(self.sample_rate_hz, frequency_hz);
-                kernel.transform(&self.samples, 0) / self.force_transform(&kernel)
-            }
+        let ratio = if let Some([force, samples]) = &self.interpolations {
+            samples.value(frequency_hz) / force.value(frequency_hz)
+        } else {
+            let kernel = FourierKernel::new(self.sample_rate_hz, frequency_hz);
+            kernel.transform(&self.samples, 0) / self.force_transform(&kernel)
         };
         convert(ratio, frequency_hz, self.form(), FrfForm::Receptance)
     }
@@ -217,16 +216,12 @@ impl FrequencyResponse {
     /// Transforms and their derivatives at a frequency (Hz), up to a common phase.
     pub(crate) fn transforms_at(&self, frequency_hz: f64) -> HitTransforms {
         let contact = self.contact.clone();
-        let (force, samples) = match &self.interpolations {
-            Some([force, samples]) => {
-                (force.value_and_slope(frequency_hz), samples.value_and_slope(frequency_hz))
-            }
-            None => {
-                let kernel = FourierKernel::new(self.sample_rate_hz, frequency_hz);
-                let force = &self.force[contact.clone()];
-                let force = kernel.transform_and_slope(force, contact.start);
-                (force, kernel.transform_and_slope(&self.samples, 0))
-            }
+        let (force, samples) = if let Some([force, samples]) = &self.interpolations {
+            (force.value_and_slope(frequency_hz), samples.value_and_slope(frequency_hz))
+        } else {
+            let kernel = FourierKernel::new(self.sample_rate_hz, frequency_hz);
+            let force = kernel.transform_and_slope(&self.force[contact.clone()], contact.start);
+            (force, kernel.transform_and_slope(&self.samples, 0))
         };
         let transform = |(value, slope), samples| SignalTransform { value, slope, samples };
         HitTransforms {

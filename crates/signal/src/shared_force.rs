@@ -2,17 +2,14 @@
 
 use std::borrow::Cow;
 use std::f64::consts::TAU;
-use std::fmt;
-use std::sync::Arc;
 
 use num_complex::Complex64;
-use realfft::RealToComplex;
 
 use crate::damping::half_power_of;
 use crate::form::ResponseKind;
 use crate::harmonics::{HarmonicOptions, Harmonics, harmonics_of};
 use crate::spectra::{BandSpectra, HitSpectra, Ripple};
-use crate::spectrum::{fast_length, forward_plan};
+use crate::spectrum::{fast_length, forward_transform};
 use crate::transform::transform_at;
 
 /// Zero padding of the grid of transforms.
@@ -55,11 +52,12 @@ const ACCEPTED: f64 = 1e-6;
 /// }
 /// # Ok::<(), &str>(())
 /// ```
-#[derive(Clone)]
+#[derive(Debug, Clone)]
 pub struct SharedForce {
     rate: f64,
     samples: Vec<f64>,
-    plan: Arc<dyn RealToComplex<f64>>,
+    /// Points of the transforms.
+    length: usize,
     force: CentredTransform,
     keep: usize,
 }
@@ -73,15 +71,6 @@ pub struct SharedForceFeatures {
     pub damping_ratio: Option<f64>,
 }
 
-impl fmt::Debug for SharedForce {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("SharedForce")
-            .field("samples", &self.samples.len())
-            .field("sample_rate_hz", &self.rate)
-            .finish_non_exhaustive()
-    }
-}
-
 impl SharedForce {
     /// The analysis for a time history `force` \[N\] of unit factor, sampled at `sample_rate_hz`, and
     /// peaks up to `high` (Hz); `None` if the force is zero or an argument is not finite.
@@ -91,14 +80,13 @@ impl SharedForce {
             return None;
         }
         let length = fast_length(PADDING * force.len().max(POINTS));
-        let plan = forward_plan(length);
         let step = sample_rate_hz / length as f64;
         let keep = ((high / step).ceil() as usize).saturating_add(POINTS).min(length / 2 + 1);
-        let force_transform = CentredTransform::of(force, 1.0 / sample_rate_hz, &plan, keep)?;
+        let force_transform = CentredTransform::of(force, 1.0 / sample_rate_hz, length, keep)?;
         Some(Self {
             rate: sample_rate_hz,
             samples: force.to_vec(),
-            plan,
+            length,
             force: force_transform,
             keep,
         })
@@ -119,7 +107,7 @@ impl SharedForce {
         }
         // Normalised to a factor of one.
         let scale = 1.0 / (self.rate * factor);
-        let response = CentredTransform::of(displacement, scale, &self.plan, self.keep)?;
+        let response = CentredTransform::of(displacement, scale, self.length, self.keep)?;
         let hit = SharedHit { shared: self, displacement, response, factor };
         let harmonics = harmonics_of(&hit, static_frequency_hz, options);
         let Some(first) = harmonics.fundamental else {
@@ -151,13 +139,8 @@ struct CentredTransform {
 }
 
 impl CentredTransform {
-    /// The transform times `scale`, on the grid of `plan` up to point `keep`.
-    fn of(
-        samples: &[f64],
-        scale: f64,
-        plan: &Arc<dyn RealToComplex<f64>>,
-        keep: usize,
-    ) -> Option<Self> {
+    /// The transform of `length` points times `scale`, up to point `keep`.
+    fn of(samples: &[f64], scale: f64, length: usize, keep: usize) -> Option<Self> {
         let (mut energy, mut moment) = (0.0, 0.0);
         for (n, sample) in samples.iter().enumerate() {
             energy += sample * sample;
@@ -167,12 +150,10 @@ impl CentredTransform {
             return None;
         }
         let centre = (moment / energy).round() as usize;
-        let mut padded = plan.make_input_vec();
-        let length = padded.len();
+        let mut padded = vec![0.0; length];
         padded[..samples.len() - centre].copy_from_slice(&samples[centre..]);
         padded[length - centre..].copy_from_slice(&samples[..centre]);
-        let mut values = plan.make_output_vec();
-        plan.process(&mut padded, &mut values).ok()?;
+        let mut values = forward_transform(padded);
         values.truncate(keep);
         for value in &mut values {
             *value *= scale;

@@ -2,7 +2,7 @@
 
 use crate::error::{Result, SignalError, check_rate, check_samples};
 use num_complex::Complex64;
-use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
+use realfft::{ComplexToReal, RealFftPlanner};
 use std::cell::RefCell;
 use std::sync::Arc;
 
@@ -67,19 +67,14 @@ impl Spectrum {
     }
 
     /// The transform of an even number of checked samples.
-    pub(crate) fn of(mut samples: Vec<f64>, sample_rate_hz: f64) -> Self {
-        let length = samples.len();
-        let plan = forward_plan(length);
-        let mut values = plan.make_output_vec();
-        // Cannot fail, since the plan made the buffers; NaN otherwise.
-        if plan.process(&mut samples, &mut values).is_err() {
-            values.fill(Complex64::new(f64::NAN, f64::NAN));
-        }
+    pub(crate) fn of(samples: Vec<f64>, sample_rate_hz: f64) -> Self {
+        let frequency_step = sample_rate_hz / samples.len() as f64;
+        let mut values = forward_transform(samples);
         let time_step = 1.0 / sample_rate_hz;
         for value in &mut values {
             *value *= time_step;
         }
-        Self { values, frequency_step: sample_rate_hz / length as f64 }
+        Self { values, frequency_step }
     }
 
     /// Spacing of the bins `1 / (M dt)`, in hertz.
@@ -103,9 +98,15 @@ impl Spectrum {
     }
 }
 
-/// The plan of a forward transform, from the cache of the thread.
-pub(crate) fn forward_plan(length: usize) -> Arc<dyn RealToComplex<f64>> {
-    PLANNER.with_borrow_mut(|planner| planner.plan_fft_forward(length))
+/// `sum_n x_n exp(-i 2 pi k n / M)` of an even number M of samples, for k from 0 to M/2.
+pub(crate) fn forward_transform(mut samples: Vec<f64>) -> Vec<Complex64> {
+    let plan = PLANNER.with_borrow_mut(|planner| planner.plan_fft_forward(samples.len()));
+    let mut values = plan.make_output_vec();
+    // Cannot fail, since the plan made the buffer; NaN otherwise.
+    if plan.process(&mut samples, &mut values).is_err() {
+        values.fill(Complex64::new(f64::NAN, f64::NAN));
+    }
+    values
 }
 
 /// The plan of an inverse transform, from the cache of the thread.

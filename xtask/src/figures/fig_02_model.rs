@@ -3,7 +3,7 @@
 use anyhow::{Result, bail};
 use asperity_dynamics::Integrator;
 use asperity_figure::{Align, Color, Drawing, Stroke};
-use asperity_mesh::{Grid, LinearStructure};
+use asperity_mesh::Grid;
 use asperity_table::Table;
 
 use crate::reproduce::rig::{Law, Rig};
@@ -27,14 +27,21 @@ fn compute(rig: &Rig) -> Result<Computed> {
         bail!("the figure shows the grid of finite differences");
     };
     let grid = Grid::new(assembly.structure.stack(), method.cell)?;
-    let structure = LinearStructure::on_grid(assembly.structure.stack(), &grid);
-    let bodies = grid.bars().iter().enumerate();
-    let body: Vec<f64> =
-        bodies.flat_map(|(index, bar)| vec![(index + 1) as f64; bar.nodes()]).collect();
+    let (mut body, mut position, mut mass) = (Vec::new(), Vec::new(), Vec::new());
+    let mut top = 0.0;
+    for (index, bar) in grid.bars().iter().enumerate() {
+        for node in 0..bar.nodes() {
+            let at_end = node == 0 || node == bar.cells();
+            body.push((index + 1) as f64);
+            position.push(top + node as f64 * bar.cell_length());
+            mass.push(if at_end { bar.end_mass() } else { bar.cell_mass() });
+        }
+        top += bar.cells() as f64 * bar.cell_length();
+    }
     let table = Table::new()
         .with_column("body", body)?
-        .with_column("position_m", structure.position())?
-        .with_column("mass_kg", structure.mass())?;
+        .with_column("position_m", position)?
+        .with_column("mass_kg", mass)?;
     let pressures = assembly.structure.stack().static_pressures();
     Ok(Computed { table, values: vec![("static_pressure", pressures[0] / 1e6)] })
 }

@@ -106,10 +106,6 @@ impl Batch {
                     let Some(outcomes) =
                         (BlockRun { lanes: &lanes, recording }).run(self.instructions)
                     else {
-                        for attempt in group {
-                            results[attempt.index] =
-                                Some(Err(DynamicsError::InstructionSet { set: self.instructions }));
-                        }
                         continue;
                     };
                     for (attempt, outcome) in group.iter().zip(outcomes) {
@@ -126,6 +122,7 @@ impl Batch {
             }
             attempts = again;
         }
+        // No block ran where the machine lacks the instructions.
         let lost = || Err(DynamicsError::InstructionSet { set: self.instructions });
         results.into_iter().map(|result| result.unwrap_or_else(lost)).collect()
     }

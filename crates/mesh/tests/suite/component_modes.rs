@@ -5,10 +5,12 @@ use std::sync::Arc;
 
 use asperity_law::Constant;
 use asperity_mesh::{
-    BarStiffness, Body, ComponentModes, Grid, Interface, InterfaceDofs, LinearStructure, MeshError,
-    ModeCount, ResidualFlexibility, Stack, Support,
+    BarStiffness, Body, ComponentModes, Grid, Interface, InterfaceDofs, MeshError, ModeCount,
+    ResidualFlexibility, Stack, Support,
 };
 use faer::{Mat, mat};
+
+use crate::linear_structure::LinearStructure;
 
 /// Two bars of different size.
 fn stack(support: Support) -> Stack {

@@ -2,7 +2,7 @@
 
 use super::band_pass::{BandPass, check_band};
 use crate::error::{Result, check_rate, check_samples};
-use crate::spectrum::{fast_length, forward_plan, inverse_plan};
+use crate::spectrum::{fast_length, forward_transform, inverse_plan};
 use num_complex::Complex64;
 
 /// Impulse response of the filter at which the zero padding ends.
@@ -41,14 +41,10 @@ pub fn analytic_signal(
         padding = padding.min((band.settling_s(WRAPPED) * sample_rate_hz) as usize);
     }
     let length = fast_length(samples.len() + padding);
-    let (forward, inverse) = (forward_plan(length), inverse_plan(length));
-    let mut buffer = forward.make_input_vec();
-    buffer[..samples.len()].copy_from_slice(samples);
-    let mut spectrum = forward.make_output_vec();
-    // Cannot fail, since the plan made the buffers; NaN otherwise.
-    if forward.process(&mut buffer, &mut spectrum).is_err() {
-        spectrum.fill(Complex64::new(f64::NAN, f64::NAN));
-    }
+    let mut padded = vec![0.0; length];
+    padded[..samples.len()].copy_from_slice(samples);
+    let mut spectrum = forward_transform(padded);
+    let inverse = inverse_plan(length);
     let step = sample_rate_hz / length as f64;
     let scale = 1.0 / length as f64;
     // A gain cut at zero frequency would have a slowly decaying impulse response. Both signs of
@@ -75,11 +71,8 @@ pub fn analytic_signal(
     }
     let invert = |mut spectrum: Vec<Complex64>| {
         let mut output = inverse.make_output_vec();
-        if let Some(first) = spectrum.first_mut() {
-            first.im = 0.0;
-        }
-        if let Some(last) = spectrum.last_mut() {
-            last.im = 0.0;
+        for end in [0, last] {
+            spectrum[end].im = 0.0;
         }
         if inverse.process(&mut spectrum, &mut output).is_err() {
             output.fill(f64::NAN);

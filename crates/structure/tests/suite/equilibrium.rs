@@ -1,9 +1,10 @@
 //! Static equilibrium against the discrete nonlinear equations.
 
 use asperity_law::ContactLaw;
-use asperity_mesh::{Body, Grid, LinearStructure, Stack, Support};
+use asperity_mesh::{Body, Grid, Stack, Support};
 use asperity_structure::{Damping, PreloadedStructure, StructureError};
 
+use crate::linear_structure::LinearStructure;
 use crate::rigs::{
     DISC, Law, at_rest, constant, every_law, exponential, modified, power, rig, rig_on,
     three_bodies,

@@ -2,5 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
 
 mod equilibrium;
+#[path = "../../../mesh/tests/suite/linear_structure.rs"]
+mod linear_structure;
 mod modes;
 mod rigs;

@@ -4,10 +4,11 @@ use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
 use asperity_law::Constant;
-use asperity_mesh::{Body, Grid, Interface, LinearStructure, Stack, Support};
+use asperity_mesh::{Body, Grid, Interface, Stack, Support};
 use asperity_structure::{Damping, LinearisedMode, PreloadedContact, PreloadedStructure};
 use faer::{Mat, Side};
 
+use crate::linear_structure::LinearStructure;
 use crate::rigs::{
     AREA, DISC, Law, at_rest, constant, modified, power, rig, rig_on, slope, three_bodies,
 };

@@ -116,7 +116,7 @@ impl<S: TableLookup, C: Coefficient<S>, const N: usize> Block<'_, S, C, N> {
         }
     }
 
-    /// Gain of the driving point by the modes in the last step, if it was remembered.
+    /// Increment of the driving point by the modes in the last step, if it was remembered.
     #[inline(always)]
     pub(super) fn driving_point_increment(&self, simd: S) -> Numbers<S> {
         let pair = Pair(simd);
