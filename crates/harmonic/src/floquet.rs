@@ -46,7 +46,7 @@ impl Floquet {
     /// Most modes accepted.
     pub const MOST_MODES: usize = 200;
 
-    pub(crate) fn check(&self) -> Result<(), HarmonicError> {
+    pub(crate) fn check(self) -> Result<(), HarmonicError> {
         if (1..=Self::MOST_MODES).contains(&self.modes) {
             Ok(())
         } else {

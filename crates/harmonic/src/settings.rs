@@ -111,6 +111,6 @@ impl HarmonicSettings {
         ] {
             crate::error::positive(quantity, value)?;
         }
-        self.stability.map_or(Ok(()), |floquet| floquet.check())
+        self.stability.map_or(Ok(()), Floquet::check)
     }
 }
