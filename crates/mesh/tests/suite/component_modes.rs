@@ -148,8 +148,8 @@ fn on_grid(stack: &Stack, cell: f64, count: usize) -> ComponentModes {
         [(pair.above, 1.0)].into_iter().chain(below).collect()
     });
     let dofs = InterfaceDofs {
-        drive: vec![(structure.drive(), 1.0)],
-        output: vec![(structure.drive(), 1.0)],
+        drive: vec![(0, 1.0)],
+        output: vec![(0, 1.0)],
         closures: closures.collect(),
     };
     ComponentModes::from_matrices(stiffness.as_ref(), mass.as_ref(), &dofs, count).unwrap()

@@ -5,19 +5,19 @@ use asperity_mesh::{Grid, Stack, Support};
 
 /// The two faces of a contact, a node each.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ContactPair {
+pub(crate) struct ContactPair {
     /// Node of the upper face.
-    pub above: usize,
+    pub(crate) above: usize,
     /// Node of the lower face; `None` for an immovable support.
-    pub below: Option<usize>,
+    pub(crate) below: Option<usize>,
     /// Nominal contact area [m2].
-    pub area: f64,
+    pub(crate) area: f64,
 }
 
 /// `M u'' + C u' + k u = f` without its contacts: lumped masses and symmetric
 /// stiffness triplets over numbered nodes.
 #[derive(Debug, Clone, PartialEq)]
-pub struct LinearStructure {
+pub(crate) struct LinearStructure {
     mass: Vec<f64>,
     in_body: Vec<bool>,
     position: Vec<f64>,
@@ -29,7 +29,7 @@ pub struct LinearStructure {
 impl LinearStructure {
     /// The structure of a stack on its finite-difference grid: nodes from the
     /// top down, body after body, then the support's mass if it has one.
-    pub fn on_grid(stack: &Stack, grid: &Grid) -> Self {
+    pub(crate) fn on_grid(stack: &Stack, grid: &Grid) -> Self {
         let mut structure = Self {
             mass: Vec::with_capacity(grid.nodes() + 1),
             in_body: Vec::with_capacity(grid.nodes() + 1),
@@ -87,47 +87,42 @@ impl LinearStructure {
     }
 
     /// Number of nodes.
-    pub fn nodes(&self) -> usize {
+    pub(crate) fn nodes(&self) -> usize {
         self.mass.len()
     }
 
     /// Lumped mass of each node [kg].
-    pub fn mass(&self) -> &[f64] {
+    pub(crate) fn mass(&self) -> &[f64] {
         &self.mass
     }
 
     /// Mass of each node on which mass-proportional damping acts [kg]: zero at the support.
-    pub fn damped_mass(&self) -> impl Iterator<Item = f64> + '_ {
+    pub(crate) fn damped_mass(&self) -> impl Iterator<Item = f64> + '_ {
         self.mass.iter().zip(&self.in_body).map(|(&mass, &damped)| if damped { mass } else { 0.0 })
     }
 
     /// Distance of each node from the top [m].
-    pub fn position(&self) -> &[f64] {
+    pub(crate) fn position(&self) -> &[f64] {
         &self.position
     }
 
     /// Stiffness as `(row, column, value [N/m])`; entries of the same place add up.
-    pub fn stiffness(&self) -> &[(usize, usize, f64)] {
+    pub(crate) fn stiffness(&self) -> &[(usize, usize, f64)] {
         &self.stiffness
     }
 
     /// Viscous coefficient between the last node and the ground [N s/m]: the support's damper.
-    pub fn support_damping(&self) -> f64 {
+    pub(crate) fn support_damping(&self) -> f64 {
         self.support_damping
     }
 
-    /// Node of the driving point, which is also the output.
-    pub fn drive(&self) -> usize {
-        0
-    }
-
     /// The contacts, from the top down.
-    pub fn contacts(&self) -> &[ContactPair] {
+    pub(crate) fn contacts(&self) -> &[ContactPair] {
         &self.contacts
     }
 
     /// `y = k u`, contacts not included.
-    pub fn elastic_forces(&self, displacement: &[f64]) -> Vec<f64> {
+    pub(crate) fn elastic_forces(&self, displacement: &[f64]) -> Vec<f64> {
         let mut forces = vec![0.0; self.nodes()];
         for &(row, column, value) in &self.stiffness {
             forces[row] += value * displacement[column];
