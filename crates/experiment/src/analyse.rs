@@ -13,7 +13,7 @@ use crate::error::AnalysisError;
 use crate::hit_analysis::HitAccumulator;
 use crate::options::{AnalysisOptions, HitCount};
 use crate::report::{AnalysedFile, AnalysisProvenance};
-use crate::stream::{FileSummary, SampleBlock, SampleStream};
+use crate::stream::{SampleBlock, SampleStream};
 use crate::trigger::{ForceEnvelope, TriggerSettings};
 
 /// Blocks that are read ahead of the analysis.
@@ -47,13 +47,14 @@ pub fn analyse_with_progress(
         let found = two_passes(files, options, progress);
         cancelled.store(found.is_err(), Ordering::Relaxed);
         let hashes: Result<Vec<String>, AnalysisError> = joined(hashes);
-        let (hits, trigger, stream, read) = found?;
-        let provenance = provenance(files, &read, hashes?);
+        let (hits, trigger, stream, mut files) = found?;
+        files.iter_mut().zip(hashes?).for_each(|(file, sha256)| file.sha256 = sha256);
+        let provenance = AnalysisProvenance { version: env!("CARGO_PKG_VERSION"), files };
         hits.finish(&trigger, stream, provenance)
     })
 }
 
-type Passes<'a> = (HitAccumulator<'a>, TriggerSettings, SampleStream<'a>, Vec<FileSummary>);
+type Passes<'a> = (HitAccumulator<'a>, TriggerSettings, SampleStream<'a>, Vec<AnalysedFile>);
 
 /// Finds the trigger settings, then cuts and analyses the hits.
 fn two_passes<'a>(
@@ -71,7 +72,6 @@ fn two_passes<'a>(
     }
 
     let mut found = HitAccumulator::new(options, &trigger, signals)?;
-    let names: Vec<String> = files.iter().map(|file| file.display().to_string()).collect();
     std::thread::scope(|scope| {
         let (sender, receiver) = sync_channel::<(usize, Option<SampleBlock>)>(BLOCKS_AHEAD);
         let stream = &mut stream;
@@ -87,7 +87,7 @@ fn two_passes<'a>(
             Ok(())
         });
         for (number, block) in receiver {
-            let name = &names[number];
+            let name = &read[number].file;
             if let Some(block) = block {
                 found.push(name, &block)?;
             } else {
@@ -110,18 +110,6 @@ fn two_passes<'a>(
 /// Result of a thread; its panic continues here.
 fn joined<T>(thread: ScopedJoinHandle<'_, T>) -> T {
     thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
-}
-
-fn provenance(files: &[PathBuf], read: &[FileSummary], hashes: Vec<String>) -> AnalysisProvenance {
-    let of_file = |((file, read), sha256): ((&PathBuf, &FileSummary), String)| AnalysedFile {
-        file: file.display().to_string(),
-        format: read.format.clone(),
-        records: read.records,
-        samples: read.samples,
-        sha256,
-    };
-    let files = files.iter().zip(read).zip(hashes).map(of_file).collect();
-    AnalysisProvenance { version: env!("CARGO_PKG_VERSION"), files }
 }
 
 /// SHA-256 of a file in hexadecimal; of its beginning once the analysis is cancelled.

@@ -5,7 +5,7 @@ use asperity_table::{CsvWriter, columns_to_csv};
 
 use crate::average::AveragedFrf;
 use crate::curve::HitCurve;
-use crate::report::AnalysisReport;
+use crate::report::{AnalysisReport, HitReport};
 
 /// Result of an analysis.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,58 +36,35 @@ pub struct HitBackbone {
 impl Analysis {
     /// Table `hits.csv`: a row for each hit. Flags are 0 and 1.
     pub fn hits_csv(&self) -> String {
-        let mut csv = CsvWriter::with_header([
-            "file",
-            "index",
-            "record",
-            "time_s",
-            "force_peak_n",
-            "impulse_ns",
-            "pulse_width_s",
-            "double_hit",
-            "overload",
-            "dropout",
-            "averaged",
-            "frequency_hz",
-            "magnitude_m_per_n",
-            "damping_ratio",
-            "damping_ratio_circle",
-            "damping_ratio_decrement",
-            "frequency_uncertainty_hz",
-            "magnitude_uncertainty_m_per_n",
-            "second_frequency_hz",
-            "second_magnitude_m_per_n",
-            "harmonic_ratio",
-            "harmonic_ratio_uncertainty",
-            "verdicts",
-        ]);
+        type Column = (&'static str, fn(&HitReport) -> Option<f64>);
+        let columns: [Column; 21] = [
+            ("index", |hit| Some(hit.index as f64)),
+            ("record", |hit| Some(hit.record as f64)),
+            ("time_s", |hit| Some(hit.time_s)),
+            ("force_peak_n", |hit| hit.force_peak_n),
+            ("impulse_ns", |hit| hit.impulse_ns),
+            ("pulse_width_s", |hit| hit.pulse_width_s),
+            ("double_hit", |hit| Some(flag(hit.double_hit))),
+            ("overload", |hit| Some(flag(hit.overload))),
+            ("dropout", |hit| Some(flag(hit.dropout))),
+            ("averaged", |hit| Some(flag(hit.averaged))),
+            ("frequency_hz", |hit| Some(hit.fundamental?.frequency_hz)),
+            ("magnitude_m_per_n", |hit| Some(hit.fundamental?.magnitude)),
+            ("damping_ratio", |hit| hit.fundamental?.damping_ratio),
+            ("damping_ratio_circle", |hit| hit.fundamental?.damping_ratio_circle),
+            ("damping_ratio_decrement", |hit| hit.fundamental?.damping_ratio_decrement),
+            ("frequency_uncertainty_hz", |hit| hit.fundamental?.frequency_uncertainty_hz),
+            ("magnitude_uncertainty_m_per_n", |hit| hit.fundamental?.magnitude_uncertainty),
+            ("second_frequency_hz", |hit| Some(hit.second_harmonic?.frequency_hz)),
+            ("second_magnitude_m_per_n", |hit| Some(hit.second_harmonic?.magnitude)),
+            ("harmonic_ratio", |hit| hit.harmonic_ratio),
+            ("harmonic_ratio_uncertainty", |hit| hit.harmonic_ratio_uncertainty),
+        ];
+        let names = columns.iter().map(|column| column.0);
+        let mut csv =
+            CsvWriter::with_header(std::iter::once("file").chain(names).chain(["verdicts"]));
         for hit in &self.report.hits {
-            let first = hit.fundamental;
-            let second = hit.second_harmonic;
-            let flag = |flag: bool| Some(f64::from(u8::from(flag)));
-            let numbers = [
-                Some(hit.index as f64),
-                Some(hit.record as f64),
-                Some(hit.time_s),
-                hit.force_peak_n,
-                hit.impulse_ns,
-                hit.pulse_width_s,
-                flag(hit.double_hit),
-                flag(hit.overload),
-                flag(hit.dropout),
-                flag(hit.averaged),
-                first.map(|f| f.frequency_hz),
-                first.map(|f| f.magnitude),
-                first.and_then(|f| f.damping_ratio),
-                first.and_then(|f| f.damping_ratio_circle),
-                first.and_then(|f| f.damping_ratio_decrement),
-                first.and_then(|f| f.frequency_uncertainty_hz),
-                first.and_then(|f| f.magnitude_uncertainty),
-                second.map(|s| s.frequency_hz),
-                second.map(|s| s.magnitude),
-                hit.harmonic_ratio,
-                hit.harmonic_ratio_uncertainty,
-            ];
+            let numbers = columns.iter().map(|column| (column.1)(hit));
             csv.text(&hit.file).numbers(numbers).text(&hit.issues.join("; ")).end_row();
         }
         csv.into_string()
@@ -102,8 +79,7 @@ impl Analysis {
         let imag: Vec<f64> = values.iter().map(|value| value.im).collect();
         let none = || vec![f64::NAN; values.len()];
         let coherence = average.coherence.clone().unwrap_or_else(none);
-        let valid: Vec<f64> =
-            average.valid.iter().map(|valid| f64::from(u8::from(*valid))).collect();
+        let valid: Vec<f64> = average.valid.iter().copied().map(flag).collect();
         columns_to_csv([
             ("frequency_hz", &average.frf.frequency_hz),
             ("real", &real),
@@ -131,4 +107,9 @@ impl Analysis {
             ("damping_ratio", &column(|point| point.damping_ratio)),
         ])
     }
+}
+
+/// A flag in a table.
+fn flag(flag: bool) -> f64 {
+    f64::from(u8::from(flag))
 }

@@ -1,8 +1,6 @@
 //! Selection of the channels of force and response.
 
-use std::convert::Infallible;
 use std::path::Path;
-use std::str::FromStr;
 
 use asperity_measure::{Channel, ChannelQuantity, Record};
 
@@ -17,12 +15,11 @@ pub enum ChannelSelector {
     Name(String),
 }
 
-impl FromStr for ChannelSelector {
-    type Err = Infallible;
-
+impl From<&str> for ChannelSelector {
     /// Parses `#NUMBER`; any other text is a name.
-    fn from_str(text: &str) -> Result<Self, Self::Err> {
-        Ok(Self::of_text(text))
+    fn from(text: &str) -> Self {
+        let number = text.strip_prefix('#').and_then(|number| number.trim().parse().ok());
+        number.map_or_else(|| Self::Name(text.to_owned()), Self::Number)
     }
 }
 
@@ -36,12 +33,6 @@ impl std::fmt::Display for ChannelSelector {
 }
 
 impl ChannelSelector {
-    /// Parses `#NUMBER`; any other text is a name.
-    pub fn of_text(text: &str) -> Self {
-        let number = text.strip_prefix('#').and_then(|number| number.trim().parse().ok());
-        number.map_or_else(|| Self::Name(text.to_owned()), Self::Number)
-    }
-
     /// Indices of the channels that fit.
     pub fn fitting(&self, record: &Record) -> Vec<usize> {
         let places = |fits: &dyn Fn(&Channel) -> bool| -> Vec<usize> {
@@ -49,11 +40,9 @@ impl ChannelSelector {
             channels.filter(|(_, channel)| fits(channel)).map(|(place, _)| place).collect()
         };
         match self {
-            Self::Number(number) => (1..=record.channels.len())
-                .contains(number)
-                .then(|| number - 1)
-                .into_iter()
-                .collect(),
+            Self::Number(number) => {
+                number.checked_sub(1).filter(|at| *at < record.channels.len()).into_iter().collect()
+            }
             Self::Name(name) => {
                 let named = places(&|channel| channel.name.trim() == name.trim());
                 let quantity = ChannelQuantity::of_name(name);
@@ -119,39 +108,27 @@ pub(crate) fn choose(
         let channels = record.channels.iter().enumerate();
         channels.filter(|(_, c)| role.fits(c.quantity)).map(|(place, _)| place).collect()
     };
-    let wanted_text = || wanted.map(ToString::to_string).unwrap_or_default();
-    let (file_name, role_name) = (|| file.to_owned(), role.name());
+    let (file_name, role_name) = (file.to_owned(), role.name());
+    let wanted = wanted.map(ToString::to_string).unwrap_or_default();
     let place = match fitting[..] {
         [place] => place,
         [] => {
             let every: Vec<usize> = (0..record.channels.len()).collect();
-            return Err(AnalysisError::NoChannel {
-                file: file_name(),
-                role: role_name,
-                wanted: wanted_text(),
-                channels: listed(record, &every),
-            });
+            let (file, role, channels) = (file_name, role_name, listed(record, &every));
+            return Err(AnalysisError::NoChannel { file, role, wanted, channels });
         }
         _ => {
-            return Err(AnalysisError::Ambiguous {
-                file: file_name(),
-                role: role_name,
-                wanted: wanted_text(),
-                channels: listed(record, &fitting),
-            });
+            let (file, role, channels) = (file_name, role_name, listed(record, &fitting));
+            return Err(AnalysisError::Ambiguous { file, role, wanted, channels });
         }
     };
     let channel = &record.channels[place];
     if channel.unit.known().is_none() {
-        return Err(AnalysisError::Unit {
-            file: file_name(),
-            channel: channel.name.clone(),
-            text: channel.unit.text().to_owned(),
-        });
+        return Err(AnalysisError::unit(file, channel));
     }
     if !role.fits(channel.quantity) {
         return Err(AnalysisError::Quantity {
-            file: file_name(),
+            file: file_name,
             role: role_name,
             channel: channel.name.clone(),
             found: channel.quantity,

@@ -2,9 +2,7 @@
 
 use std::path::Path;
 
-use asperity_measure::{
-    ChannelUnit, Format, Measurement, Notice, ReadOptions, WriteOptions, read, write,
-};
+use asperity_measure::{Format, Measurement, Notice, ReadOptions, WriteOptions, read, write};
 
 use crate::error::AnalysisError;
 use crate::stream::measure_error;
@@ -60,12 +58,8 @@ pub fn convert(
     let Measurement { format, mut records, notices } = measured;
     if in_si {
         for channel in records.iter_mut().flat_map(|record| &mut record.channels) {
-            if !matches!(channel.unit, ChannelUnit::Known(_)) {
-                return Err(AnalysisError::Unit {
-                    file: from.to_owned(),
-                    channel: channel.name.clone(),
-                    text: channel.unit.text().to_owned(),
-                });
+            if channel.unit.known().is_none() {
+                return Err(AnalysisError::unit(from, channel));
             }
             channel.to_si()?;
         }

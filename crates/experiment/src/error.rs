@@ -1,9 +1,9 @@
 //! Errors of an analysis.
 
 use std::io;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use asperity_measure::{ChannelQuantity, MeasureError};
+use asperity_measure::{Channel, ChannelQuantity, MeasureError};
 use asperity_signal::SignalError;
 use thiserror::Error;
 
@@ -70,11 +70,8 @@ pub enum AnalysisError {
         text: String,
     },
     /// File without a time axis and without a sample rate.
-    #[error("{}: no time axis and no sample rate; a sample rate is required", file.display())]
-    NoRate {
-        /// File.
-        file: PathBuf,
-    },
+    #[error("{}: no time axis and no sample rate; a sample rate is required", .0.display())]
+    NoRate(PathBuf),
     /// Selected channel of another quantity.
     #[error("{}: channel `{channel}` holds {found}; the {role} must be {expected}", file.display())]
     Quantity {
@@ -146,6 +143,12 @@ pub enum AnalysisError {
 }
 
 impl AnalysisError {
+    /// The error of a channel without a known unit.
+    pub(crate) fn unit(file: &Path, channel: &Channel) -> Self {
+        let (channel, text) = (channel.name.clone(), channel.unit.text().to_owned());
+        Self::Unit { file: file.to_owned(), channel, text }
+    }
+
     /// True for a wrong request, false for measurements that cannot be analysed.
     pub fn is_wrong_request(&self) -> bool {
         !matches!(

@@ -129,7 +129,7 @@ impl FromStr for ChannelSensor {
         let expected = "CHANNEL=SENSITIVITY, such as hammer=2.25mV/N";
         let parts = text.rsplit_once('=').filter(|(channel, _)| !channel.is_empty());
         let (channel, sensitivity) = parts.ok_or_else(|| invalid("the sensor", text, expected))?;
-        Ok(Self { channel: ChannelSelector::of_text(channel), sensitivity: sensitivity.parse()? })
+        Ok(Self { channel: channel.into(), sensitivity: sensitivity.parse()? })
     }
 }
 

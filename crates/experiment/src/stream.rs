@@ -10,6 +10,7 @@ use serde::Serialize;
 use crate::channel::{ChannelRole, choose};
 use crate::error::AnalysisError;
 use crate::options::AnalysisOptions;
+use crate::report::AnalysedFile;
 
 /// Consecutive samples of a record.
 pub(crate) struct SampleBlock {
@@ -56,28 +57,26 @@ pub(crate) struct SampleStream<'a> {
     pub(crate) notices: BTreeSet<String>,
 }
 
-/// Content of one file.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct FileSummary {
-    pub(crate) format: String,
-    pub(crate) records: usize,
-    pub(crate) samples: u64,
-}
-
 impl<'a> SampleStream<'a> {
     pub(crate) fn new(options: &'a AnalysisOptions) -> Self {
         Self { options, signals: None, channels: Vec::new(), notices: BTreeSet::new() }
     }
 
-    /// Calls `take` with the blocks of one file.
+    /// Calls `take` with the blocks of one file; returns its properties without the hash.
     pub(crate) fn read(
         &mut self,
         file: &Path,
         take: &mut dyn FnMut(SampleBlock, SignalParameters) -> Result<(), AnalysisError>,
-    ) -> Result<FileSummary, AnalysisError> {
+    ) -> Result<AnalysedFile, AnalysisError> {
         let mut reader =
             open(file, &self.options.reading).map_err(|error| measure_error(error, file))?;
-        let mut read = FileSummary { format: reader.format().to_string(), records: 0, samples: 0 };
+        let mut read = AnalysedFile {
+            file: file.display().to_string(),
+            format: reader.format().to_string(),
+            records: 0,
+            samples: 0,
+            sha256: String::new(),
+        };
         let mut other_records = 0_usize;
         let mut in_time = false;
         while let Some(record) = reader.next_record().map_err(|error| measure_error(error, file))? {
@@ -97,11 +96,8 @@ impl<'a> SampleStream<'a> {
         }
         self.note(file, &reader, other_records);
         if read.records == 0 {
-            return Err(MeasureError::NoSamples {
-                file: file.display().to_string(),
-                expected: "records in time",
-            }
-            .into());
+            let (file, expected) = (read.file, "records in time");
+            return Err(MeasureError::NoSamples { file, expected }.into());
         }
         Ok(read)
     }
@@ -164,11 +160,7 @@ impl<'a> SampleStream<'a> {
             for place in sensor.channel.fitting(record) {
                 let channel = &mut record.channels[place];
                 if channel.unit.known().is_none() {
-                    return Err(AnalysisError::Unit {
-                        file: file.to_owned(),
-                        channel: channel.name.clone(),
-                        text: channel.unit.text().to_owned(),
-                    });
+                    return Err(AnalysisError::unit(file, channel));
                 }
                 channel.calibrate(&sensor.sensitivity)?;
             }
@@ -182,9 +174,9 @@ impl<'a> SampleStream<'a> {
             self.notices.insert(format!("{name}: {notice}"));
         }
         if other_records > 0 {
-            let text =
-                format!("{name}: {other_records} records omitted, which are not time records");
-            self.notices.insert(text);
+            self.notices.insert(format!(
+                "{name}: {other_records} records omitted, which are not time records"
+            ));
         }
     }
 }
@@ -195,21 +187,17 @@ impl SignalParameters {
         let differs = |quantity, found: String, expected: String| {
             Err(AnalysisError::Differs { file: PathBuf::from(file), quantity, found, expected })
         };
-        let name = |kind: ResponseKind| {
-            let article = if kind == ResponseKind::Acceleration { "an" } else { "a" };
-            format!("{article} {}", kind.name())
-        };
         // Printed rates differ by their rounding.
         if (found.sample_rate_hz / self.sample_rate_hz - 1.0).abs() > 1e-6 {
-            let hertz = |rate: f64| format!("{rate} Hz");
-            return differs(
-                "the sample rate is",
-                hertz(found.sample_rate_hz),
-                hertz(self.sample_rate_hz),
-            );
+            let [found, expected] = [found, self].map(|one| format!("{} Hz", one.sample_rate_hz));
+            return differs("the sample rate is", found, expected);
         }
         if found.response != self.response {
-            return differs("the response is", name(found.response), name(self.response));
+            let [found, expected] = [found, self].map(|one| {
+                let article = if one.response == ResponseKind::Acceleration { "an" } else { "a" };
+                format!("{article} {}", one.response.name())
+            });
+            return differs("the response is", found, expected);
         }
         Ok(())
     }
@@ -235,7 +223,7 @@ fn is_in_time(record: &Record) -> bool {
 /// Error of a reader, with the file of a missing sample rate.
 pub(crate) fn measure_error(error: MeasureError, file: &Path) -> AnalysisError {
     match error {
-        MeasureError::NoSampleRate { .. } => AnalysisError::NoRate { file: file.to_owned() },
+        MeasureError::NoSampleRate { .. } => AnalysisError::NoRate(file.to_owned()),
         other => other.into(),
     }
 }

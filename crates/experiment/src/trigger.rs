@@ -9,7 +9,8 @@ use asperity_signal::{HitLength, HitOptions, TriggerLevel, robust_level};
 
 use crate::error::AnalysisError;
 use crate::options::{AnalysisOptions, HitCount};
-use crate::stream::{FileSummary, SampleStream, SignalParameters};
+use crate::report::AnalysedFile;
+use crate::stream::{SampleStream, SignalParameters};
 
 /// Interval of which the maximum is kept \[s\].
 const INTERVAL_S: f64 = 1e-3;
@@ -73,7 +74,7 @@ impl ForceEnvelope {
         stream: &mut SampleStream<'_>,
         files: &[PathBuf],
         progress: &dyn Fn(usize),
-    ) -> Result<(Self, SignalParameters, Vec<FileSummary>), AnalysisError> {
+    ) -> Result<(Self, SignalParameters, Vec<AnalysedFile>), AnalysisError> {
         let mut envelope: Option<Self> = None;
         let mut read = Vec::with_capacity(files.len());
         for (number, file) in files.iter().enumerate() {

@@ -130,16 +130,7 @@ fn write_problem(file: &str) {
                 {"kind": "scalar", "pointer": "/laws/modified/length_m", "bounds": [1e-8, 1e-6]}]},
         ],
         "design": {"force_peak_n": [5, 10, 20, 40], "set": [{}, {"/bodies/0/mass_kg": 0.8}]},
-        "data": [{
-            "kind": "hits",
-            "name": "twin",
-            "floor": {
-                "fundamental.frequency_hz": {"relative": 5e-5},
-                "fundamental.receptance_m_per_n": {"relative": 1e-3},
-                "harmonic_ratio": {"relative": 1e-3},
-            },
-            "hits": truth.measured(&sensors),
-        }],
+        "data": twin::data(&truth.measured(&sensors)),
     });
     std::fs::write(file, format!("{problem:#}\n")).unwrap();
 }

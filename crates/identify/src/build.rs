@@ -4,24 +4,17 @@ use asperity_dynamics::Batch;
 use serde_json::{Value, json};
 
 use crate::data_loader::{
-    Loaded, Loader, ObservationLabel, check_scenario, name_of, no_law, unnamed_law,
+    BuiltModel, Loader, check_scenario, folder_of, name_of, no_law, unnamed_law,
 };
 use crate::error::IdentificationError;
+use crate::hit::apply;
 use crate::identification_problem::IdentificationProblem;
 use crate::observed_quantity::SummaryColumns;
 use crate::problem::{CandidateSpec, DataSpec, ParameterSpec};
-use crate::problem_parameters::ProblemParameters;
+use crate::problem_parameters::{ProblemParameters, is_within};
 use crate::scenario_model::ScenarioModel;
-use asperity_scenario::{JsonPointer, set_value};
+use asperity_scenario::JsonPointer;
 use asperity_study::observable_extractor::ObservableExtractor;
-
-/// A forward model with the labels of its observations.
-#[derive(Debug)]
-pub(super) struct BuiltModel {
-    pub(super) forward: ScenarioModel,
-    pub(super) about: Vec<ObservationLabel>,
-    pub(super) notices: Vec<String>,
-}
 
 impl IdentificationProblem {
     /// The model of the problem.
@@ -36,19 +29,8 @@ impl IdentificationProblem {
         candidate: &CandidateSpec,
     ) -> Result<BuiltModel, IdentificationError> {
         let mut scenario = self.scenario.clone();
-        for (pointer, value) in &candidate.set {
-            let place = || format!("candidate \"{}\"", candidate.name);
-            set_value(&mut scenario, pointer, &value.to_string())
-                .map_err(|source| IdentificationError::Set { place: place(), source })?;
-        }
-        let changed = |pointer: &str| {
-            let inside = |set: &String| {
-                pointer
-                    .strip_prefix(set.as_str())
-                    .is_some_and(|rest| rest.is_empty() || rest.starts_with('/'))
-            };
-            candidate.set.keys().any(inside)
-        };
+        apply(&mut scenario, &candidate.set, &format!("candidate \"{}\"", candidate.name))?;
+        let changed = |pointer: &str| candidate.set.keys().any(|set| is_within(pointer, set));
         let stays = |parameter: &&ParameterSpec| match parameter {
             ParameterSpec::Scalar { pointer, .. } => !changed(pointer),
             ParameterSpec::MonotoneLaw { law, .. } => {
@@ -135,29 +117,26 @@ impl IdentificationProblem {
             .flatten()
             .filter_map(|interface| interface.get("name")?.as_str())
             .collect();
-        let columns = SummaryColumns::new(&interfaces);
-        let problem = self.document.folder();
-        let mut loader = Loader::new(scenario, &self.scenario_path, problem, &parameters, &columns);
-        for (index, data) in data.iter().enumerate() {
-            loader.load(index, data)?;
-        }
-        let Loaded { rigs, hits, quantities, observations, stiffness, about, notices, .. } =
-            loader.found;
-        let folder = self.scenario_path.parent().unwrap_or_else(|| std::path::Path::new("."));
         let forward = ScenarioModel {
             scenario: scenario.clone(),
-            folder: folder.to_owned(),
-            rigs,
-            hits,
-            quantities,
-            observations,
-            stiffness,
-            columns,
+            folder: folder_of(&self.scenario_path).to_owned(),
+            rigs: Vec::new(),
+            hits: Vec::new(),
+            quantities: Vec::new(),
+            observations: Vec::new(),
+            stiffness: Vec::new(),
+            columns: SummaryColumns::new(&interfaces),
             batch: Batch::default(),
             extractor: ObservableExtractor::default(),
             parameters,
         };
-        Ok(BuiltModel { forward, about, notices })
+        let built = BuiltModel { forward, about: Vec::new(), notices: Vec::new() };
+        let (path, folder) = (self.scenario_path.as_path(), self.document.folder());
+        let mut loader = Loader { path, folder, built, blocks: 0 };
+        for (index, data) in data.iter().enumerate() {
+            loader.load(index, data)?;
+        }
+        Ok(loader.built)
     }
 }
 
@@ -171,16 +150,10 @@ const CONSTANT_RANGE: f64 = 30.0;
 fn check_overlap(parameters: &ProblemParameters) -> Result<(), IdentificationError> {
     let pointers: Vec<&str> = parameters.pointers().collect();
     for (index, pointer) in pointers.iter().enumerate() {
-        let inside = |other: &&&str| {
-            pointer
-                .strip_prefix(**other)
-                .is_some_and(|rest| rest.is_empty() || rest.starts_with('/'))
-        };
-        let others = pointers.iter().enumerate().filter(|(other, _)| *other != index);
-        if let Some(other) = others.map(|(_, other)| other).find(inside) {
-            let (pointer, by) =
-                ((*pointer).to_owned(), format!("so is {other}, which contains it"));
-            return Err(IdentificationError::Contradiction { pointer, by });
+        let mut others = pointers.iter().enumerate().filter(|(other, _)| *other != index);
+        if let Some((_, other)) = others.find(|(_, other)| is_within(pointer, other)) {
+            let by = format!("so is {other}, which contains it");
+            return Err(IdentificationError::Contradiction { pointer: (*pointer).to_owned(), by });
         }
     }
     Ok(())

@@ -5,6 +5,7 @@ use serde::Serialize;
 
 use crate::build::CONSTANT;
 use crate::identification::Identification;
+use crate::law_band::LawBand;
 use asperity_scenario::four_digits;
 
 /// Evidence for a stiffness that depends on pressure.
@@ -51,7 +52,7 @@ impl Identification {
         let constant = comparison.candidates.iter().find(|candidate| candidate.name == CONSTANT);
         match constant.map(|constant| constant.assessment) {
             None => PressureDependence::NotAsked,
-            Some(verdict) if !verdict.is_rejected() => PressureDependence::NotShown,
+            Some(assessment) if !assessment.is_rejected() => PressureDependence::NotShown,
             Some(_) if self.comparison_noise_factor > MAX_FACTOR => PressureDependence::Unexplained,
             Some(_) => PressureDependence::Shown,
         }
@@ -61,23 +62,21 @@ impl Identification {
     pub fn conclusions(&self) -> Vec<String> {
         let mut words = vec![self.about_dependence()];
         words.extend(self.about_law());
-        words.extend(self.about_choice());
+        words.extend(self.about_comparison());
         words.push(self.about_fit());
         words.extend(self.about_parameters());
         if !self.has_converged() {
             let found = &self.posterior.diagnostics;
             let lost: Vec<&str> =
                 found.truncated.iter().map(|parameter| self.names[*parameter].as_str()).collect();
-            let lost = if lost.is_empty() {
-                String::new()
-            } else {
-                format!(
-                    ", and the draws leave out much of what the profiles allow of {}",
-                    lost.join(", ")
-                )
+            let lost = match lost.join(", ") {
+                none if none.is_empty() => none,
+                lost => format!(
+                    ", and the draws leave out more than a quarter of the profile interval of {lost}"
+                ),
             };
             words.push(format!(
-                "The posterior has not converged: {:.0} of {} draws are effective, the largest R-hat is {:.3}{lost}; take its bands for estimates.",
+                "The posterior has not converged: {:.0} of {} draws are effective, the largest R-hat is {:.3}{lost}; its bands are estimates.",
                 found.effective_draws,
                 self.posterior.draws.len(),
                 found.r_hat.iter().copied().fold(1.0, f64::max),
@@ -92,13 +91,13 @@ impl Identification {
                 "The data show a contact stiffness that depends on pressure: a constant stiffness is rejected.".to_owned()
             }
             PressureDependence::NotShown => {
-                "The data do not show a contact stiffness that depends on pressure: a constant stiffness predicts data that were left out as well. The law below is not to be relied on.".to_owned()
+                "The data do not show a contact stiffness that depends on pressure: a constant stiffness is not rejected. The data do not support the law below.".to_owned()
             }
             PressureDependence::Unexplained => format!(
-                "No law that was compared explains the data: residuals are {:.1} times as large as the standard deviations say. Whether the stiffness depends on pressure cannot be said.",
+                "None of the compared laws explains the data: the standard deviations are too small by a factor of {:.1}. The data do not decide if the stiffness depends on pressure.",
                 self.comparison_noise_factor
             ),
-            PressureDependence::NotAsked => "No contact law was in question.".to_owned(),
+            PressureDependence::NotAsked => "No parameter belongs to a contact law.".to_owned(),
         }
     }
 
@@ -108,23 +107,16 @@ impl Identification {
         }
         Some(match self.law.informed_range() {
             None => format!(
-                "The stiffness of law \"{}\" is not informed by the data at any pressure.",
+                "The data inform the stiffness of law \"{}\" at no pressure.",
                 self.law.name
             ),
             Some([low, high]) => {
-                let widest = self
-                    .law
-                    .informed
-                    .iter()
-                    .enumerate()
-                    .filter(|(_, informed)| **informed)
-                    .map(|(i, _)| {
-                        0.5 * (self.law.upper[i] - self.law.lower[i]) / self.law.median[i]
-                    })
-                    .fold(0.0, f64::max);
+                let LawBand { name, median, lower, upper, informed, .. } = &self.law;
+                let informed = (0..informed.len()).filter(|&i| informed[i]);
+                let half_widths = informed.map(|i| 0.5 * (upper[i] - lower[i]) / median[i]);
+                let widest = half_widths.fold(0.0, f64::max);
                 format!(
-                    "The stiffness of law \"{}\" is informed from {} to {} MPa; there its {} % band is at most {:.1} % to either side.",
-                    self.law.name,
+                    "The data inform the stiffness of law \"{name}\" from {} to {} MPa; the half width of its {} % band there is at most {:.1} % of the median.",
                     four_digits(1e-6 * low),
                     four_digits(1e-6 * high),
                     four_digits(100.0 * self.level),
@@ -134,24 +126,34 @@ impl Identification {
         })
     }
 
-    fn about_choice(&self) -> Vec<String> {
+    fn about_comparison(&self) -> Vec<String> {
         let Some(comparison) = &self.comparison else { return Vec::new() };
         let best = &comparison.candidates[comparison.best].name;
+        let others = comparison.candidates.iter().filter(|candidate| candidate.name != *best);
+        let next = others.min_by(|a, b| a.aicc.total_cmp(&b.aicc));
         comparison
             .candidates
             .iter()
             .map(|candidate| match candidate.assessment {
-                ModelAssessment::Best => format!("Of the laws compared, {best} does best."),
+                ModelAssessment::Best => match next.map(|next| (next, next.aicc - candidate.aicc)) {
+                    Some((next, difference)) if difference >= 0.0 => format!(
+                        "Of the compared laws, {best} has the lowest AICc, {difference:.1} below that of {}.",
+                        next.name
+                    ),
+                    _ => format!(
+                        "Of the laws whose cross-validation score is within one standard error of the highest, {best} has the lowest AICc."
+                    ),
+                },
                 ModelAssessment::Rejected { standard_errors, aicc_difference } => format!(
-                    "Rejected: {}; it predicts data that were left out worse by {:.1} standard errors, and its AICc is {:.0} larger than that of {best}.",
+                    "Rejected: {}; its cross-validation score is {:.1} standard errors lower, and its AICc is {:.0} larger than that of {best}.",
                     candidate.name, standard_errors, aicc_difference
                 ),
                 ModelAssessment::Misfit { p_value, aicc_difference } => format!(
-                    "Rejected: {}; residuals as large as its own have a probability of {p_value:.0e}, and its AICc is {aicc_difference:.0} larger than that of {best}.",
+                    "Rejected: {}; the p-value of its residuals is {p_value:.0e}, and its AICc is {aicc_difference:.0} larger than that of {best}.",
                     candidate.name
                 ),
                 ModelAssessment::Undecided => format!(
-                    "Undecided: the data do not tell {} from {best}{}.",
+                    "Undecided: the data do not distinguish {} from {best}{}.",
                     candidate.name,
                     difference_words(candidate.score_difference, candidate.difference_error),
                 ),
@@ -167,19 +169,17 @@ impl Identification {
         );
         let missing = match self.fit.missing.len() {
             0 => String::new(),
-            count => format!(" {count} of the data are peaks that the model does not have."),
+            count => format!(" {count} observations are peaks that the model does not have."),
         };
         if self.explains() {
             return format!("{base}: the law explains the data.");
         }
         let scaled = if self.noise_factor > 1.0 {
-            format!("; all uncertainties were multiplied by {:.2} for it", self.noise_factor)
+            format!("; all uncertainties are multiplied by {:.2}", self.noise_factor)
         } else {
             String::new()
         };
-        format!(
-            "{base}: the residuals are larger than the standard deviations say{scaled}.{missing}"
-        )
+        format!("{base}: the residuals exceed the standard deviations{scaled}.{missing}")
     }
 
     fn about_parameters(&self) -> Vec<String> {
@@ -192,17 +192,17 @@ impl Identification {
                 .map(|(name, weight)| format!("{weight:+.2} {name}"))
                 .collect();
             words.push(format!(
-                "The data do not determine: {} (each over its range); {:.0} % of the uncertainty beforehand is left.",
+                "The data do not determine {} (each over its range): {:.0} % of the prior standard deviation remains.",
                 parts.join(" "),
                 100.0 * undetermined.remaining
             ));
         }
         for profile in &self.profiles {
-            for (end, side) in profile.ends.iter().zip(["below", "above"]) {
+            for (end, side) in profile.ends.iter().zip(["lower", "upper"]) {
                 if *end != ProfileEnd::Crossed {
                     let name = &self.names[profile.parameter];
                     words.push(format!(
-                        "The data set no limit {side} to {name}: {}.",
+                        "The data give no {side} limit of {name}: {}.",
                         end_words(*end)
                     ));
                 }
@@ -232,6 +232,8 @@ fn end_words(end: ProfileEnd) -> &'static str {
         ProfileEnd::Crossed => "it is inside its bounds",
         ProfileEnd::Bound => "its interval ends at the bound",
         ProfileEnd::NoPrediction => "the scenario cannot be run further out",
-        ProfileEnd::NotReached => "its profile is too flat to be followed",
+        ProfileEnd::NotReached => {
+            "its profile does not reach the level within the points of the search"
+        }
     }
 }

@@ -1,7 +1,6 @@
 //! Data files: analyses, receptances, backbones.
 
 use std::collections::BTreeMap;
-use std::io::Read;
 use std::path::Path;
 
 use asperity_signal::Complex64;
@@ -9,7 +8,7 @@ use serde_json::Value;
 
 use crate::error::IdentificationError;
 use crate::problem::{HitSpec, Measured, Uncertain};
-use asperity_scenario::open_input;
+use asperity_scenario::read_text;
 
 /// Largest size of a data file, in bytes.
 const MAX_BYTES: u64 = 1 << 28;
@@ -28,11 +27,8 @@ pub(super) struct ReceptanceLine {
 }
 
 fn read(path: &Path) -> Result<String, IdentificationError> {
-    let fail = |source| IdentificationError::Input { path: path.to_owned(), source };
-    let file = open_input(path, MAX_BYTES).map_err(fail)?;
-    let mut text = String::new();
-    file.take(MAX_BYTES).read_to_string(&mut text).map_err(|error| fail(error.into()))?;
-    Ok(text)
+    read_text(path, MAX_BYTES)
+        .map_err(|source| IdentificationError::Input { path: path.to_owned(), source })
 }
 
 fn problem(path: &Path, problem: String, expected: &'static str) -> IdentificationError {

@@ -5,33 +5,23 @@ mod observations;
 
 use std::path::{Path, PathBuf};
 
-use asperity_inference::Observation;
 use serde_json::Value;
 
 use crate::data_files;
 use crate::error::IdentificationError;
-use crate::hit::{RigScenario, SimulatedHit};
-use crate::observed_quantity::{ObservedQuantity, SummaryColumns};
+use crate::observed_quantity::ObservedQuantity;
 use crate::problem::{DataSpec, SpreadSpec};
-use crate::problem_parameters::ProblemParameters;
 use crate::records;
+use crate::scenario_model::ScenarioModel;
 use asperity_scenario::{InvalidDocument, validate_json};
-use hits::ForceSource;
 
-/// Contents of the model of some data.
+/// A forward model with the labels of its observations.
 #[derive(Debug)]
-pub(super) struct Loaded {
-    pub(super) rigs: Vec<RigScenario>,
-    pub(super) hits: Vec<SimulatedHit>,
-    pub(super) quantities: Vec<ObservedQuantity>,
-    pub(super) observations: Vec<Observation>,
-    pub(super) stiffness: Vec<(String, f64)>,
-    /// Labels of the observations, for tables and figures.
+pub(super) struct BuiltModel {
+    pub(super) forward: ScenarioModel,
     pub(super) about: Vec<ObservationLabel>,
     /// Notices on omitted data.
     pub(super) notices: Vec<String>,
-    /// Number of blocks for cross-validation, one per hit.
-    blocks: usize,
 }
 
 /// Data, feature and abscissa of an observation.
@@ -45,40 +35,24 @@ pub(super) struct ObservationLabel {
     pub(super) at: Option<f64>,
 }
 
-/// Loads data into [`Loaded`].
+impl ObservationLabel {
+    fn new(data: &str, feature: impl Into<String>, at: Option<f64>) -> Self {
+        Self { data: data.to_owned(), feature: feature.into(), at }
+    }
+}
+
+/// Adds data to a model.
 pub(super) struct Loader<'a> {
-    /// The scenario, with the modal method.
-    pub(super) scenario: &'a Value,
     /// The scenario's file.
     pub(super) path: &'a Path,
     /// Folder of the problem.
     pub(super) folder: &'a Path,
-    pub(super) parameters: &'a ProblemParameters,
-    pub(super) columns: &'a SummaryColumns,
-    pub(super) found: Loaded,
+    pub(super) built: BuiltModel,
+    /// Number of blocks for cross-validation, one per hit.
+    pub(super) blocks: usize,
 }
 
-impl<'a> Loader<'a> {
-    pub(super) fn new(
-        scenario: &'a Value,
-        path: &'a Path,
-        folder: &'a Path,
-        parameters: &'a ProblemParameters,
-        columns: &'a SummaryColumns,
-    ) -> Self {
-        let found = Loaded {
-            rigs: Vec::new(),
-            hits: Vec::new(),
-            quantities: Vec::new(),
-            observations: Vec::new(),
-            stiffness: Vec::new(),
-            about: Vec::new(),
-            notices: Vec::new(),
-            blocks: 0,
-        };
-        Self { scenario, path, folder, parameters, columns, found }
-    }
-
+impl Loader<'_> {
     /// Loads the data at `index` of the problem.
     pub(super) fn load(
         &mut self,
@@ -103,11 +77,10 @@ impl<'a> Loader<'a> {
                 let path = self.folder.join(file);
                 let (hits, left_out) = data_files::analysed_hits(&path, features)?;
                 if left_out > 0 {
-                    let text = format!(
+                    self.built.notices.push(format!(
                         "{}: {left_out} hits that were not averaged left out",
                         path.display()
-                    );
-                    self.found.notices.push(text);
+                    ));
                 }
                 for hit in &hits {
                     self.hit_features(&path.display().to_string(), &name, set, floor, hit)?;
@@ -118,24 +91,20 @@ impl<'a> Loader<'a> {
                 check_band(&place, *band_hz)?;
                 let path = self.folder.join(file);
                 let lines = data_files::frf(&path, *band_hz, *points)?;
-                let force_source = ForceSource::Spec(hit);
-                let simulated = self.add_hit(&place, &name, &[], force_source)?;
+                let simulated = self.add_hit(&place, &name, &[&hit.set], hit.force_peak_n)?;
                 self.receptance(&place, &name, simulated, &lines, |_| *spread)
             }
             DataSpec::Backbone { file, index, hit, spread, .. } => {
                 let path = self.folder.join(file);
                 let points = data_files::backbone(&path, *index)?;
-                let simulated = self.add_hit(&place, &name, &[], ForceSource::Spec(hit))?;
-                self.found.hits[simulated].backbone = true;
+                let simulated = self.add_hit(&place, &name, &[&hit.set], hit.force_peak_n)?;
+                self.built.forward.hits[simulated].backbone = true;
                 let block = self.next_block();
                 for (amplitude, frequency) in points {
                     let quantity = ObservedQuantity::Backbone { hit: simulated, amplitude };
+                    let about =
+                        ObservationLabel::new(&name, "backbone.frequency_hz", Some(amplitude));
                     let deviation = spread.of(frequency);
-                    let about = ObservationLabel {
-                        data: name.clone(),
-                        feature: "backbone.frequency_hz".to_owned(),
-                        at: Some(amplitude),
-                    };
                     self.push(&place, block, quantity, about, (frequency, deviation))?;
                 }
                 Ok(())
@@ -145,8 +114,7 @@ impl<'a> Loader<'a> {
                 let files: Vec<PathBuf> = files.iter().map(|file| self.folder.join(file)).collect();
                 let channels = [force.as_deref(), response.as_deref()];
                 for hit in records::hits(&files, channels, *band_hz)? {
-                    let force_source = ForceSource::Record(&hit);
-                    let simulated = self.add_hit(&place, &name, &[set], force_source)?;
+                    let simulated = self.add_recorded_hit(&place, &name, set, &hit)?;
                     self.receptance(&place, &name, simulated, &hit.lines, |noise| SpreadSpec {
                         absolute: spread.absolute.hypot(noise),
                         ..*spread
@@ -159,12 +127,12 @@ impl<'a> Loader<'a> {
             }
             DataSpec::Ratio { feature, numerator, denominator, value, standard_deviation } => {
                 let column = self.column(&place, feature)?;
-                let above = self.add_hit(&place, &name, &[], ForceSource::Spec(numerator))?;
-                let below = self.add_hit(&place, &name, &[], ForceSource::Spec(denominator))?;
-                let quantity = ObservedQuantity::Ratio { hits: [above, below], column };
+                let [above, below] = [numerator, denominator]
+                    .map(|hit| self.add_hit(&place, &name, &[&hit.set], hit.force_peak_n));
+                let quantity = ObservedQuantity::Ratio { hits: [above?, below?], column };
                 let block = self.next_block();
                 let feature = format!("ratio of {feature}");
-                let about = ObservationLabel { data: name, feature, at: numerator.force_peak_n };
+                let about = ObservationLabel::new(&name, feature, numerator.force_peak_n);
                 self.push(&place, block, quantity, about, (*value, *standard_deviation))
             }
         }
@@ -185,10 +153,14 @@ pub(super) fn name_of(index: usize, data: &DataSpec) -> String {
     name.cloned().unwrap_or_else(|| format!("{kind} {}", index + 1))
 }
 
+/// Folder of a scenario's file.
+pub(super) fn folder_of(path: &Path) -> &Path {
+    path.parent().unwrap_or_else(|| Path::new("."))
+}
+
 /// Checks a scenario.
 pub(super) fn check_scenario(scenario: &Value, path: &Path) -> Result<(), IdentificationError> {
-    let folder = path.parent().unwrap_or_else(|| Path::new("."));
-    let diagnostics = validate_json(scenario, folder);
+    let diagnostics = validate_json(scenario, folder_of(path));
     if diagnostics.is_empty() {
         return Ok(());
     }
@@ -202,7 +174,7 @@ pub(super) fn no_law(scenario: &Value, law: &str) -> IdentificationError {
 
 /// The error of a law without a name.
 pub(super) fn unnamed_law(scenario: &Value) -> IdentificationError {
-    IdentificationError::UnnamedLaw { known: law_names(scenario) }
+    IdentificationError::UnnamedLaw(law_names(scenario))
 }
 
 fn law_names(scenario: &Value) -> String {

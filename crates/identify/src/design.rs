@@ -166,7 +166,7 @@ fn features(
         }
     }
     if all.is_empty() {
-        return Err(IdentificationError::Design { path: problem.document.path().to_owned() });
+        return Err(IdentificationError::Design(problem.document.path().to_owned()));
     }
     let median = |mut list: Vec<f64>| {
         list.sort_by(f64::total_cmp);

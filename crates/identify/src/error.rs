@@ -33,12 +33,9 @@ pub enum IdentificationError {
     },
     /// A law that does not exist or has no stiffnesses at points.
     #[error(
-        "law \"{law}\" has no stiffnesses at knots or points; expected the name of a modified_power or table law in \"laws\""
+        "law \"{0}\" has no stiffnesses at knots or points; expected the name of a modified_power or table law in \"laws\""
     )]
-    NotMonotone {
-        /// The name.
-        law: String,
-    },
+    NotMonotone(String),
     /// A law that does not exist.
     #[error("there is no law \"{law}\"; in \"laws\" there are: {known}")]
     NoLaw {
@@ -49,12 +46,9 @@ pub enum IdentificationError {
     },
     /// The law to report has no name.
     #[error(
-        "the law of the first interface has no name; expected \"law\" with one of the names in \"laws\": {known}"
+        "the law of the first interface has no name; expected \"law\" with one of the names in \"laws\": {0}"
     )]
-    UnnamedLaw {
-        /// The existing names.
-        known: String,
-    },
+    UnnamedLaw(String),
     /// A prior that is not a distribution.
     #[error("the prior of \"{parameter}\": {reason}")]
     Prior {
@@ -121,12 +115,9 @@ pub enum IdentificationError {
     },
     /// A peak force for a scenario whose force has none.
     #[error(
-        "{place}: the scenario's excitation has no peak_n to set; expected a gamma_pulse, half_sine, haversine or samples"
+        "{0}: the scenario's excitation has no peak_n to set; expected a gamma_pulse, half_sine, haversine or samples"
     )]
-    NoPeak {
-        /// The data.
-        place: String,
-    },
+    NoPeak(String),
     /// A file of data that cannot be read.
     #[error("{}: {source}", path.display())]
     Input {
@@ -151,12 +142,9 @@ pub enum IdentificationError {
     /// A design without features of measured hits.
     #[error(
         "{}: /design: the data have no features of hits from which to take the uncertainty of planned hits; expected data of the kind hits or analysis",
-        path.display()
+        .0.display()
     )]
-    Design {
-        /// The problem.
-        path: PathBuf,
-    },
+    Design(PathBuf),
     /// A value cannot be set.
     #[error("{place}: {source}")]
     Set {

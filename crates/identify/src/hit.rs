@@ -5,6 +5,7 @@ use std::path::Path;
 use asperity_dynamics::{Excitation, ForceRecord, HitSimulation};
 use serde_json::{Value, json};
 
+use crate::error::IdentificationError;
 use crate::problem::Changes;
 use crate::problem_parameters::{Gains, ProblemParameters, Sensors};
 use asperity_scenario::set_value;
@@ -13,11 +14,17 @@ use asperity_study::assemble::excitation;
 use asperity_study::error::StudyError;
 use asperity_study::prepared_scenario::PreparedScenario;
 
-/// The scenario of some hits, without the force.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct RigScenario {
-    /// The scenario, with the changes of these data.
-    pub(super) scenario: Value,
+/// Applies the changes of `place` to a scenario.
+pub(super) fn apply(
+    scenario: &mut Value,
+    changes: &Changes,
+    place: &str,
+) -> Result<(), IdentificationError> {
+    changes.iter().try_for_each(|(pointer, value)| {
+        set_value(scenario, pointer, &value.to_string())
+            .map(|_| ())
+            .map_err(|source| IdentificationError::Set { place: place.to_owned(), source })
+    })
 }
 
 /// One simulated hit.
@@ -64,26 +71,26 @@ pub(super) struct PreparedRig {
     excitation: Value,
 }
 
-impl RigScenario {
-    /// The rig at `point`.
-    pub(super) fn prepare(
-        &self,
+impl PreparedRig {
+    /// The rig of a scenario (with the changes of its data) at `point`.
+    pub(super) fn new(
+        scenario: &Value,
         parameters: &ProblemParameters,
         point: &[f64],
         folder: &Path,
-    ) -> Result<PreparedRig, StudyError> {
-        let mut scenario = self.scenario.clone();
+    ) -> Result<Self, StudyError> {
+        let mut scenario = scenario.clone();
         parameters
             .write(&mut scenario, point)
-            .map_err(|error| StudyError::Scenario { reason: error.to_string() })?;
+            .map_err(|error| StudyError::Scenario(error.to_string()))?;
         let silent = json!({"kind": "none"});
         let excitation = match scenario.get_mut("excitation") {
             Some(excitation) => std::mem::replace(excitation, silent),
             None => silent,
         };
         let scenario: Scenario = serde_json::from_value(scenario)
-            .map_err(|error| StudyError::Scenario { reason: error.to_string() })?;
-        Ok(PreparedRig { case: PreparedScenario::new(&scenario, folder)?, excitation })
+            .map_err(|error| StudyError::Scenario(error.to_string()))?;
+        Ok(Self { case: PreparedScenario::new(&scenario, folder)?, excitation })
     }
 }
 
@@ -108,7 +115,7 @@ impl SimulatedHit {
                 }
                 let spec = part.get_mut("excitation").map(Value::take).unwrap_or_default();
                 let spec: ExcitationSpec = serde_json::from_value(spec)
-                    .map_err(|error| StudyError::Scenario { reason: error.to_string() })?;
+                    .map_err(|error| StudyError::Scenario(error.to_string()))?;
                 excitation(&spec, folder)?
             }
             HitForce::Record { time_s, force_n } => {

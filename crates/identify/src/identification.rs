@@ -5,12 +5,11 @@ use std::time::Instant;
 use asperity_inference::{
     ComparisonOptions, Covariance, FitOptions, FitSolution, ForwardModel, GoodnessOfFit,
     Identifiability, Linearisation, Loss, ModelComparison, NoiseScale, Observation, Posterior,
-    PosteriorOptions, Profile, ProfileOptions, Progress, ProgressCallback, ScaledNoise, Stage,
+    PosteriorOptions, Profile, ProfileOptions, ProgressCallback, ScaledNoise,
     compare_with_progress, fit_with_progress,
 };
 
-use crate::build::BuiltModel;
-use crate::data_loader::ObservationLabel;
+use crate::data_loader::{BuiltModel, ObservationLabel};
 use crate::design::{DesignModel, DesignRanking};
 use crate::error::IdentificationError;
 use crate::identification_problem::IdentificationProblem;
@@ -31,17 +30,6 @@ const MAX_FOLDS: usize = 6;
 
 /// Starts of the fits of compared laws.
 const COMPARED_STARTS: usize = 2;
-
-/// Progress of an identification.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct IdentificationProgress {
-    /// The stage, for display.
-    pub name: &'static str,
-    /// Parts done.
-    pub done: usize,
-    /// Parts in total.
-    pub of: usize,
-}
 
 /// A finished identification.
 #[derive(Debug)]
@@ -111,7 +99,7 @@ pub fn identify(problem: &IdentificationProblem) -> Result<Identification, Ident
 /// Those of [`identify`].
 pub fn identify_with_progress(
     problem: &IdentificationProblem,
-    progress: &(dyn Fn(IdentificationProgress) + Sync),
+    progress: &ProgressCallback<'_>,
 ) -> Result<Identification, IdentificationError> {
     let started = Instant::now();
     let BuiltModel { forward, about, mut notices } = problem.model()?;
@@ -123,12 +111,8 @@ pub fn identify_with_progress(
     let candidates = candidates(problem)?;
     let planned = spec.design.as_ref().map(|asked| DesignModel::new(problem, &forward, asked));
     let planned = planned.transpose()?;
-    let report = |now: Progress| {
-        let name = stage_name(now.stage);
-        progress(IdentificationProgress { name, done: now.done, of: now.of });
-    };
 
-    let given = fit_with_progress(&forward, &fit_options(problem, spec.starts), &report)?;
+    let given = fit_with_progress(&forward, &fit_options(problem, spec.starts), progress)?;
     let goodness = given.goodness();
     let factor = match spec.noise {
         NoiseSpec::Given => 1.0,
@@ -137,7 +121,7 @@ pub fn identify_with_progress(
     // All results below are those of the model with scaled standard deviations.
     let model = ScaledNoise::new(&forward, factor);
     let best = if factor > 1.0 {
-        fit_with_progress(&model, &fit_options(problem, spec.starts), &report)?
+        fit_with_progress(&model, &fit_options(problem, spec.starts), progress)?
     } else {
         given
     };
@@ -152,7 +136,7 @@ pub fn identify_with_progress(
     let law = LawBand::new(problem, &forward, &law_name, &best.point, &posterior)?;
 
     let (comparison, comparison_noise_factor) =
-        compare_laws(problem, &forward, &law, candidates, &report)?;
+        compare_laws(problem, &forward, &law, candidates, progress)?;
     let design =
         planned.map(|hits| hits.rank(&law, &best.point, &covariance, factor)).transpose()?;
     Ok(Identification {
@@ -213,7 +197,7 @@ fn compare_laws(
     forward: &ScenarioModel,
     law: &LawBand,
     candidates: Vec<(String, BuiltModel)>,
-    report: &ProgressCallback<'_>,
+    progress: &ProgressCallback<'_>,
 ) -> Result<(Option<ModelComparison>, f64), IdentificationError> {
     let of_law =
         (0..forward.parameters().len()).any(|parameter| forward.parameters.is_of_law(parameter));
@@ -240,7 +224,7 @@ fn compare_laws(
             folds: MAX_FOLDS,
             seed: problem.spec.seed,
         };
-        let comparison = compare_with_progress(&models, &options, report)?;
+        let comparison = compare_with_progress(&models, &options, progress)?;
         let goodness = comparison.candidates[comparison.best].goodness;
         let reduced = goodness.chi_square / goodness.degrees_of_freedom.max(1) as f64;
         if factor > 1.0 || reduced <= MAX_REDUCED {
@@ -252,15 +236,3 @@ fn compare_laws(
 
 /// Reduced chi-square of the best law above which the standard deviations are scaled.
 const MAX_REDUCED: f64 = 2.0;
-
-fn stage_name(stage: Stage) -> &'static str {
-    match stage {
-        Stage::Fit => "fitting",
-        Stage::Profile => "profiles",
-        Stage::Surrogate => "response surface",
-        Stage::Sampling => "sampling",
-        Stage::Draws => "draws",
-        Stage::Comparison => "comparing laws",
-        _ => "working",
-    }
-}

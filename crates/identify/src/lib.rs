@@ -57,9 +57,7 @@ mod tests;
 pub use conclusions::PressureDependence;
 pub use design::{CandidateHit, DesignRanking};
 pub use error::IdentificationError;
-pub use identification::{
-    Identification, IdentificationProgress, identify, identify_with_progress,
-};
+pub use identification::{Identification, identify, identify_with_progress};
 pub use identification_problem::IdentificationProblem;
 pub use law_band::{INFORMED_SHARE, LawBand};
 pub use report::{Estimate, IDENTIFICATION_SCHEMA, PredictedObservation};

@@ -22,7 +22,7 @@ pub(super) struct MonotoneLaw {
     /// Name of the law.
     pub(super) name: String,
     /// Pointer to the pairs of pressure and stiffness.
-    pairs: String,
+    pub(super) pairs: String,
     /// Pointer to the law.
     law: String,
     /// True if the steps lead up to a power law.
@@ -51,11 +51,6 @@ impl MonotoneLaw {
         !self.below_power
     }
 
-    /// Pointer to the pairs.
-    pub(super) fn pointer(&self) -> &str {
-        &self.pairs
-    }
-
     /// The parameters of the law as the scenario has it: the softest stiffness if
     /// [`has_base`](Self::has_base), then the steps.
     pub(super) fn read(&self, scenario: &Value) -> Option<Vec<f64>> {
@@ -65,11 +60,10 @@ impl MonotoneLaw {
         if self.below_power {
             let (top, least) = self.top(scenario, &pairs)?;
             steps.push(1.0 - pairs.last()?[1] / (top * (1.0 - least)));
-            Some(steps)
         } else {
             steps.insert(0, pairs.first()?[1]);
-            Some(steps)
         }
+        Some(steps)
     }
 
     /// Writes the stiffnesses for these `parameters` into a scenario; `None` without such a law.

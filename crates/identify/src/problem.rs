@@ -8,10 +8,11 @@ mod data;
 mod parameter;
 
 use schemars::JsonSchema;
-use schemars::generate::SchemaSettings;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use std::sync::LazyLock;
+
+use asperity_scenario::schema_of;
 
 pub use data::{DataSpec, HitConditionsSpec, HitSpec, Measured, SpreadSpec, Uncertain};
 pub use parameter::{ChannelSpec, ParameterSpec, PriorSpec, ScaleSpec};
@@ -20,14 +21,12 @@ pub use parameter::{ChannelSpec, ParameterSpec, PriorSpec, ScaleSpec};
 pub type Changes = Map<String, Value>;
 
 /// An identification: a scenario, its unknown parameters, and data.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ProblemSpec {
     /// The version of this format.
     pub schema: ProblemSchemaId,
     /// A title.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(with = "String")]
     pub title: Option<String>,
     /// The scenario: a file relative to the folder of the problem, or a
     /// scenario in place.
@@ -40,12 +39,8 @@ pub struct ProblemSpec {
     pub data: Vec<DataSpec>,
     /// Name in "laws" of the law to report. The law of the first interface
     /// when left out.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(with = "String")]
     pub law: Option<String>,
     /// Range of pressures in Pa of the reported stiffness.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(with = "[f64; 2]")]
     pub pressures_pa: Option<[f64; 2]>,
     /// Loss of a residual.
     #[serde(default)]
@@ -61,8 +56,6 @@ pub struct ProblemSpec {
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub compare: Vec<CandidateSpec>,
     /// Possible further hits.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(with = "DesignSpec")]
     pub design: Option<DesignSpec>,
     /// Starts of the fit: the given one, and others within the bounds.
     #[serde(default = "default_starts")]
@@ -78,7 +71,7 @@ pub struct ProblemSpec {
 }
 
 /// A scenario by its file, or in place.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum ScenarioRef {
     /// The file, relative to the folder of the problem.
@@ -122,7 +115,7 @@ pub enum NoiseSpec {
 }
 
 /// Another law to compare with.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CandidateSpec {
     /// Its name in the comparison.
@@ -137,7 +130,7 @@ pub struct CandidateSpec {
 }
 
 /// Possible further hits, to be ranked by the information expected.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DesignSpec {
     /// Force levels in N.
@@ -154,7 +147,7 @@ pub struct DesignSpec {
 }
 
 /// The version of the problem format.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, JsonSchema)]
 pub enum ProblemSchemaId {
     /// Version 1.
     #[default]
@@ -164,10 +157,7 @@ pub enum ProblemSchemaId {
 
 /// The JSON Schema (draft 2020-12) of a problem.
 pub fn problem_schema() -> &'static Value {
-    static SCHEMA: LazyLock<Value> = LazyLock::new(|| {
-        let generator = SchemaSettings::draft2020_12().into_generator();
-        generator.into_root_schema_for::<ProblemSpec>().to_value()
-    });
+    static SCHEMA: LazyLock<Value> = LazyLock::new(schema_of::<ProblemSpec>);
     &SCHEMA
 }
 

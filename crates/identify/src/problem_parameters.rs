@@ -77,20 +77,14 @@ impl ProblemParameters {
                 let name = name.clone().unwrap_or_else(|| pointer.clone());
                 let prior = prior.map(|prior| prior_of(&name, prior, scale)).transpose()?;
                 self.scalars.push((self.list.len(), number));
-                self.list.push(Parameter::new(
-                    name,
-                    start.unwrap_or(value),
-                    *bounds,
-                    scale,
-                    prior,
-                )?);
+                let start = start.unwrap_or(value);
+                self.list.push(Parameter::new(name, start, *bounds, scale, prior)?);
             }
             ParameterSpec::MonotoneLaw { law: name, steps } => {
-                let law = MonotoneLaw::find(scenario, name)
-                    .ok_or_else(|| IdentificationError::NotMonotone { law: name.clone() })?;
-                let starts = law
-                    .read(scenario)
-                    .ok_or_else(|| IdentificationError::NotMonotone { law: name.clone() })?;
+                let found = MonotoneLaw::find(scenario, name)
+                    .and_then(|law| Some((law.read(scenario)?, law)));
+                let (starts, law) =
+                    found.ok_or_else(|| IdentificationError::NotMonotone(name.clone()))?;
                 let first = self.list.len();
                 for (place, start) in starts.into_iter().enumerate() {
                     let parameter = if law.has_base() && place == 0 {
@@ -117,11 +111,8 @@ impl ProblemParameters {
                 let scale = ParameterScale::Logarithmic;
                 let prior = prior.map(|prior| prior_of(&name, prior, scale)).transpose()?;
                 let start = prior.map_or(1.0, |prior| prior.mean.exp());
-                self.gains.push(Gain {
-                    parameter: self.list.len(),
-                    channel: *channel,
-                    data: data.clone(),
-                });
+                let (parameter, data) = (self.list.len(), data.clone());
+                self.gains.push(Gain { parameter, channel: *channel, data });
                 self.list.push(Parameter::new(name, start, *bounds, scale, prior)?);
             }
         }
@@ -140,12 +131,12 @@ impl ProblemParameters {
         for (parameter, ScenarioParameter { pointer, .. }) in &self.scalars {
             let place = scenario
                 .pointer_mut(pointer)
-                .ok_or_else(|| ParameterError::NotANumber { pointer: pointer.clone() })?;
+                .ok_or_else(|| ParameterError::NotANumber(pointer.clone()))?;
             *place = point[*parameter].into();
         }
         for (first, law) in &self.laws {
             law.write(scenario, &point[*first..first + law.count])
-                .ok_or_else(|| IdentificationError::NotMonotone { law: law.name.clone() })?;
+                .ok_or_else(|| IdentificationError::NotMonotone(law.name.clone()))?;
         }
         Ok(())
     }
@@ -172,12 +163,18 @@ impl ProblemParameters {
     /// Pointers to the written numbers.
     pub(super) fn pointers(&self) -> impl Iterator<Item = &str> {
         let scalars = self.scalars.iter().map(|(_, parameter)| parameter.pointer.as_str());
-        scalars.chain(self.laws.iter().map(|(_, law)| law.pointer()))
+        scalars.chain(self.laws.iter().map(|(_, law)| law.pairs.as_str()))
     }
 }
 
 /// Ratio of the bounds of the softest stiffness of a table to its start.
 const BASE_RANGE: f64 = 1e3;
+
+/// True if a JSON Pointer leads to the place of another, or inside it.
+pub(super) fn is_within(pointer: &str, container: &str) -> bool {
+    let rest = pointer.strip_prefix(container);
+    rest.is_some_and(|rest| rest.is_empty() || rest.starts_with('/'))
+}
 
 fn usual_scale(bounds: [f64; 2]) -> ParameterScale {
     if bounds[0] > 0.0 { ParameterScale::Logarithmic } else { ParameterScale::Linear }

@@ -40,8 +40,8 @@ pub(super) fn hits(
     band: [f64; 2],
 ) -> Result<Vec<RecordedHit>, IdentificationError> {
     let options = AnalysisOptions {
-        force: force.map(ChannelSelector::of_text),
-        response: response.map(ChannelSelector::of_text),
+        force: force.map(ChannelSelector::from),
+        response: response.map(ChannelSelector::from),
         ..AnalysisOptions::default()
     };
     let mut found = Vec::new();

@@ -11,7 +11,7 @@ use asperity_inference::{
 use rayon::prelude::*;
 use serde_json::Value;
 
-use crate::hit::{PreparedRig, RigScenario, SimulatedHit};
+use crate::hit::{PreparedRig, SimulatedHit};
 use crate::observed_quantity::{
     HitOutcome, ObservedQuantity, PointOutcomes, SummaryColumns, backbone_of,
 };
@@ -29,7 +29,8 @@ pub(super) struct ScenarioModel {
     /// The scenario without the changes of any data.
     pub(super) scenario: Value,
     pub(super) folder: PathBuf,
-    pub(super) rigs: Vec<RigScenario>,
+    /// Scenarios with the changes of some data.
+    pub(super) rigs: Vec<Value>,
     pub(super) hits: Vec<SimulatedHit>,
     pub(super) quantities: Vec<ObservedQuantity>,
     pub(super) observations: Vec<Observation>,
@@ -82,7 +83,8 @@ fn prediction_error(error: StudyError) -> PredictionError {
 impl ScenarioModel {
     /// Every rig at `point`.
     pub(super) fn prepare(&self, point: &[f64]) -> Result<Vec<PreparedRig>, StudyError> {
-        self.rigs.iter().map(|rig| rig.prepare(&self.parameters, point, &self.folder)).collect()
+        let prepare = |rig| PreparedRig::new(rig, &self.parameters, point, &self.folder);
+        self.rigs.iter().map(prepare).collect()
     }
 
     /// The gains of every hit's sensors at `point`.
@@ -186,7 +188,7 @@ impl ScenarioModel {
 
     /// The laws at `point`.
     pub(super) fn laws(&self, point: &[f64]) -> Result<Laws, StudyError> {
-        let fail = |reason: String| StudyError::Scenario { reason };
+        let fail = |reason: String| StudyError::Scenario(reason);
         let mut scenario = self.scenario.clone();
         self.parameters.write(&mut scenario, point).map_err(|error| fail(error.to_string()))?;
         let laws = scenario.get_mut("laws").map(Value::take).unwrap_or_default();

@@ -6,15 +6,36 @@ use asperity_inference::ForwardModel;
 use serde_json::{Value, json};
 
 use super::IdentificationProblem;
+use super::scenario_model::ScenarioModel;
 use asperity_scenario::Document;
 
 /// The paper's rig, with steps that are quick and few samples.
 fn scenario() -> Value {
-    let text = std::fs::read_to_string("../../fixtures/scenarios/nouira2020-modified.json");
-    let mut scenario: Value = serde_json::from_str(&text.unwrap()).unwrap();
-    scenario["method"] = json!({"kind": "modal", "step_s": 2e-5, "modes_per_body": 2});
-    scenario["duration_s"] = json!(0.08);
-    scenario
+    json!({
+        "schema": "asperity/scenario/1",
+        "bodies": [
+            {"name": "guide bar", "length_m": 0.229, "mass_kg": 1.61,
+             "youngs_modulus_pa": 71e9, "density_kg_per_m3": 2710},
+            {"name": "sample", "length_m": 0.015, "area_m2": 1.15e-4,
+             "youngs_modulus_pa": 71e9, "density_kg_per_m3": 2710},
+        ],
+        "interfaces": [
+            {"name": "guide-sample", "area_m2": 1.15e-4, "law": "modified"},
+            {"name": "sample-disc", "area_m2": 1.15e-4, "law": "modified"},
+        ],
+        "laws": {
+            "modified": {
+                "kind": "modified_power", "coefficient": 1.81e10, "exponent": 0.35,
+                "transition_pa": 2e5,
+                "knots": [[0, 0.02e12], [0.025e6, 0.12e12], [0.078e6, 0.40e12], [0.14e6, 0.97e12]],
+            },
+            "constant": {"kind": "constant", "stiffness_pa_per_m": 8.5e11},
+        },
+        "damping": {"kind": "mass_proportional", "ratio": 0.035},
+        "excitation": {"kind": "gamma_pulse", "peak_n": 32, "rise_s": 0.34e-3},
+        "duration_s": 0.08,
+        "method": {"kind": "modal", "step_s": 2e-5, "modes_per_body": 2},
+    })
 }
 
 fn problem(parameters: &Value, data: &Value) -> IdentificationProblem {
@@ -66,26 +87,34 @@ fn parameters() -> Value {
     ])
 }
 
+/// Fourth-order central differences of the predictions with respect to one parameter.
+fn differenced(model: &ScenarioModel, start: &[f64], parameter: usize) -> impl Fn(usize) -> f64 {
+    let step = 1e-5 * start[parameter];
+    let four = STENCIL.map(|place| {
+        let mut point = start.to_vec();
+        point[parameter] += place * step;
+        model.derivatives(&point).unwrap().values
+    });
+    move |i| central_difference(four.each_ref().map(|values| values[i].unwrap()), step)
+}
+
+fn starts(model: &ScenarioModel) -> Vec<f64> {
+    model.parameters().iter().map(asperity_inference::Parameter::start).collect()
+}
+
 /// Against fourth-order central differences of the predictions, both with the laws solved to rounding
 /// at the same step: to 1e-6 of the derivative, or of a hundredth of the value over the parameter's.
 #[test]
 fn derivatives_are_those_of_the_predictions() {
     let model = problem(&parameters(), &data()).model().unwrap().forward;
-    let start: Vec<f64> =
-        model.parameters().iter().map(asperity_inference::Parameter::start).collect();
+    let start = starts(&model);
     let exact = model.derivatives(&start).unwrap();
     let mut compared = 0;
     for (j, parameter) in model.parameters().iter().enumerate() {
-        let step = 1e-5 * start[j];
-        let four = STENCIL.map(|place| {
-            let mut point = start.clone();
-            point[j] += place * step;
-            model.derivatives(&point).unwrap().values
-        });
+        let differences = differenced(&model, &start, j);
         for (i, observation) in model.observations().iter().enumerate() {
             let Some(value) = exact.values[i] else { continue };
-            let at = four.each_ref().map(|values| values[i].unwrap());
-            let expected = central_difference(at, step);
+            let expected = differences(i);
             let found = exact.jacobian[i][j].unwrap();
             let scale = expected.abs().max(1e-2 * value.abs() / start[j]);
             let off = (found - expected).abs() / scale;
@@ -118,11 +147,11 @@ fn derivatives_of_receptances_and_backbones_are_those_of_the_predictions() {
     };
     let frf = file("frf.csv", FRF);
     let backbone = file("backbone.csv", "index,amplitude_m,frequency_hz\n1,3e-11,875\n");
-    let strike = json!({"force_peak_n": 15});
+    let hit = json!({"force_peak_n": 15});
     let data = json!([
-        {"kind": "frf", "file": frf, "hit": strike, "band_hz": [700, 1700],
+        {"kind": "frf", "file": frf, "hit": hit, "band_hz": [700, 1700],
          "spread": {"relative": 0.01}},
-        {"kind": "backbone", "file": backbone, "hit": strike, "spread": {"relative": 1e-4}},
+        {"kind": "backbone", "file": backbone, "hit": hit, "spread": {"relative": 1e-4}},
     ]);
     let model = problem(&parameters(), &data).model();
     // The gain of the half preload has no data here.
@@ -130,20 +159,13 @@ fn derivatives_of_receptances_and_backbones_are_those_of_the_predictions() {
     let mut some = parameters();
     some.as_array_mut().unwrap().pop();
     let model = problem(&some, &data).model().unwrap().forward;
-    let start: Vec<f64> =
-        model.parameters().iter().map(asperity_inference::Parameter::start).collect();
+    let start = starts(&model);
     let exact = model.derivatives(&start).unwrap();
     let largest = exact.values[..6].iter().flatten().fold(0.0_f64, |m, v| m.max(v.abs()));
     for (j, parameter) in model.parameters().iter().enumerate() {
-        let step = 1e-5 * start[j];
-        let four = STENCIL.map(|place| {
-            let mut point = start.clone();
-            point[j] += place * step;
-            model.derivatives(&point).unwrap().values
-        });
+        let differences = differenced(&model, &start, j);
         for (i, observation) in model.observations().iter().enumerate() {
-            let at = four.each_ref().map(|values| values[i].unwrap());
-            let expected = central_difference(at, step);
+            let expected = differences(i);
             let found = exact.jacobian[i][j].unwrap();
             let (scale, tolerance) = if i < 6 {
                 (largest / start[j], 1e-6)
@@ -161,8 +183,7 @@ fn derivatives_of_receptances_and_backbones_are_those_of_the_predictions() {
 #[test]
 fn batches_predict_what_is_differentiated() {
     let model = problem(&parameters(), &data()).model().unwrap().forward;
-    let start: Vec<f64> =
-        model.parameters().iter().map(asperity_inference::Parameter::start).collect();
+    let start = starts(&model);
     let exact = model.derivatives(&start).unwrap().values;
     let both = model.predict(&[start.clone(), start]);
     for (i, observation) in model.observations().iter().enumerate() {
@@ -204,7 +225,8 @@ fn requests_are_checked_before_any_work() {
         let mut asked = problem(&parameters(), &data()).document.value().clone();
         asked[key] = value;
         let document = Document::parse(&asked.to_string(), "problem.json").unwrap();
-        let started = |step: super::IdentificationProgress| panic!("{} has started", step.name);
+        let started =
+            |step: asperity_inference::Progress| panic!("{} has started", step.stage.name());
         let refused =
             super::identify_with_progress(&IdentificationProblem::of(document).unwrap(), &started)
                 .unwrap_err();

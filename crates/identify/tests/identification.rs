@@ -123,7 +123,7 @@ fn too_few_data_leave_the_law_undecided() {
     assert_eq!(found.pressure_dependence(), PressureDependence::NotShown);
     assert!(words.contains("do not show a contact stiffness that depends on pressure"));
     let comparison = found.comparison.as_ref().unwrap();
-    let undecided = |verdict| verdict == ModelAssessment::Undecided;
+    let undecided = |assessment| assessment == ModelAssessment::Undecided;
     assert!(comparison.candidates.iter().any(|candidate| undecided(candidate.assessment)));
 }
 
@@ -135,14 +135,14 @@ fn records_receptances_and_backbones_give_back_the_parameters() {
     document.set("/method", r#"{"kind": "modal", "step_s": 1e-5}"#).unwrap();
     document.set("/output_rate_hz", "100000").unwrap();
     document.set("/excitation/peak_n", "15").unwrap();
-    let run = simulate(&document, &document.scenario().unwrap(), &|_| ()).unwrap();
+    let run = simulate(&document, &document.scenario().unwrap()).unwrap();
     let record = measurement_record(&run.transient.history, 1e5, None);
     let options = WriteOptions::default();
     let uff = folder.path().join("hit.uff");
     write(&uff, std::slice::from_ref(&record), Format::UniversalBinary, &options).unwrap();
 
     let analysed = AnalysisOptions {
-        response: Some(asperity_experiment::ChannelSelector::of_text("acceleration")),
+        response: Some("acceleration".into()),
         band_hz: Some(FrequencyBand { low_hz: 600.0, high_hz: 1100.0 }),
         ..AnalysisOptions::default()
     };
@@ -158,13 +158,13 @@ fn records_receptances_and_backbones_give_back_the_parameters() {
          "start": 0.9e12},
         {"kind": "scalar", "pointer": "/damping/ratio", "bounds": [0.02, 0.06], "start": 0.03},
     ]);
-    let strike = json!({"force_peak_n": 15});
+    let hit = json!({"force_peak_n": 15});
     let kinds = [
         json!({"kind": "records", "files": ["hit.uff"], "response": "acceleration",
                "band_hz": [700, 1000], "spread": {"relative": 1e-3}}),
-        json!({"kind": "frf", "file": "frf.csv", "hit": strike, "band_hz": [700, 1000],
+        json!({"kind": "frf", "file": "frf.csv", "hit": hit, "band_hz": [700, 1000],
                "spread": {"relative": 1e-3}}),
-        json!({"kind": "backbone", "file": "backbone.csv", "hit": strike,
+        json!({"kind": "backbone", "file": "backbone.csv", "hit": hit,
                "spread": {"relative": 1e-4}}),
     ];
     // A backbone hardly depends on damping; the ends of a record differ for acceleration.

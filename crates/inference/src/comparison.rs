@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::error::{InferenceError, check_size};
+use crate::error::{InferenceError, check_range, check_size};
 use crate::fit::{Fit, FitSolution, fit_from, fit_with_progress};
 use crate::fit_options::FitOptions;
 use crate::fit_problem::FitProblem;
@@ -176,10 +176,8 @@ pub fn compare_with_progress<'m>(
     let Some((_, first)) = candidates.first() else {
         return Err(InferenceError::Size { quantity: "candidates", found: 0, expected: 1 });
     };
-    if options.folds < 2 {
-        let (quantity, value) = ("the number of folds", options.folds as f64);
-        return Err(InferenceError::Option { quantity, value, expected: "at least 2" });
-    }
+    let folds = options.folds as f64;
+    check_range("the number of folds", folds, 2.0..=f64::INFINITY, "at least 2")?;
     let expected = first.observations().len();
     let mut outcomes = Vec::with_capacity(candidates.len());
     for (done, &(name, model)) in candidates.iter().enumerate() {
@@ -225,10 +223,9 @@ fn cross_validate(
             ObservationSubset::new(model, |observation| fold_of[&observation.block] != fold);
         let problem = match FitProblem::new(&others, options.fit.loss, options.fit.missing_residual)
         {
-            Ok(problem) => problem,
             // Too few are left to determine the parameters.
             Err(InferenceError::TooFew { .. }) => return Ok(None),
-            Err(error) => return Err(error),
+            problem => problem?,
         };
         let start = problem.to_working(&full.point);
         let Ok(found) = fit_from(problem, &[start], &options.fit, NO_PROGRESS) else {

@@ -153,7 +153,7 @@ fn check(
     for row in covariance.iter().chain(targets).chain(rows) {
         check_size("entries of a row", row.len(), parameters)?;
         if row.iter().any(|entry| !entry.is_finite()) {
-            return Err(InferenceError::Singular { matrix: "covariance, Jacobian or gradient" });
+            return Err(InferenceError::Singular("covariance, Jacobian or gradient"));
         }
     }
     for candidate in candidates {

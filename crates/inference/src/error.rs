@@ -1,5 +1,7 @@
 //! Errors of fits and what follows them.
 
+use std::ops::RangeInclusive;
+
 use thiserror::Error as Derive;
 
 /// Errors of fits and what follows them.
@@ -13,11 +15,8 @@ pub enum InferenceError {
     #[error("the model has no observations")]
     NoObservations,
     /// Two parameters share a name.
-    #[error("two parameters are named '{name}'; names must differ")]
-    DuplicateName {
-        /// The name given twice.
-        name: String,
-    },
+    #[error("two parameters are named '{0}'; names must differ")]
+    DuplicateName(String),
     /// Bounds that are not finite and increasing, or not positive on a logarithmic scale.
     #[error("the bounds of '{name}' are {lower} to {upper}, they must be {expected}")]
     Bounds {
@@ -130,11 +129,8 @@ pub enum InferenceError {
         points: usize,
     },
     /// A singular matrix.
-    #[error("the {matrix} is singular or holds numbers that are not finite")]
-    Singular {
-        /// The matrix.
-        matrix: &'static str,
-    },
+    #[error("the {0} is singular or holds numbers that are not finite")]
+    Singular(&'static str),
 }
 
 /// Checks that an option (named in words) is positive and finite.
@@ -143,6 +139,21 @@ pub(crate) fn check_positive(quantity: &'static str, value: f64) -> Result<(), I
         Ok(())
     } else {
         Err(InferenceError::Option { quantity, value, expected: "positive and finite" })
+    }
+}
+
+/// Checks that an option (named in words) is within a range, which `expected` states.
+pub(crate) fn check_range<T: Into<f64>>(
+    quantity: &'static str,
+    value: f64,
+    range: RangeInclusive<T>,
+    expected: &'static str,
+) -> Result<(), InferenceError> {
+    let (least, most) = range.into_inner();
+    if (least.into()..=most.into()).contains(&value) {
+        Ok(())
+    } else {
+        Err(InferenceError::Option { quantity, value, expected })
     }
 }
 

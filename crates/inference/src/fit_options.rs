@@ -1,6 +1,6 @@
 //! Options of a fit.
 
-use crate::error::{InferenceError, check_positive};
+use crate::error::{InferenceError, check_positive, check_range};
 use crate::loss::Loss;
 
 /// Options of a fit.
@@ -49,18 +49,9 @@ impl FitOptions {
         check_positive("the tolerance", self.tolerance)?;
         check_positive("the difference step", self.difference_step)?;
         check_positive("the residual of a missing prediction", self.missing_residual)?;
-        if self.difference_step > 0.1 {
-            let (quantity, value) = ("the difference step", self.difference_step);
-            return Err(InferenceError::Option { quantity, value, expected: "at most 0.1" });
-        }
-        if !(1..=10_000).contains(&self.starts) {
-            let (quantity, value) = ("the number of starts", self.starts as f64);
-            return Err(InferenceError::Option { quantity, value, expected: "1 to 10000" });
-        }
-        if self.max_iterations == 0 {
-            let quantity = "the number of iterations";
-            return Err(InferenceError::Option { quantity, value: 0.0, expected: "at least 1" });
-        }
-        Ok(())
+        check_range("the difference step", self.difference_step, 0.0..=0.1, "at most 0.1")?;
+        check_range("the number of starts", self.starts as f64, 1..=10_000, "1 to 10000")?;
+        let iterations = self.max_iterations as f64;
+        check_range("the number of iterations", iterations, 1.0..=f64::INFINITY, "at least 1")
     }
 }

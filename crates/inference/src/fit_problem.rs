@@ -39,7 +39,7 @@ impl<'a> FitProblem<'a> {
         }
         let mut names = HashSet::new();
         if let Some(twice) = parameters.iter().find(|parameter| !names.insert(parameter.name())) {
-            return Err(InferenceError::DuplicateName { name: twice.name().to_owned() });
+            return Err(InferenceError::DuplicateName(twice.name().to_owned()));
         }
         if observations.is_empty() {
             return Err(InferenceError::NoObservations);

@@ -26,9 +26,6 @@ pub struct Identifiability {
     /// Singular values of the scaled Jacobian, largest first, one per parameter: the precision of
     /// the data over that before the measurement, along each combination.
     pub singular_values: Vec<f64>,
-    /// The combinations themselves, in the order of the singular values: unit weights per
-    /// parameter.
-    pub directions: Vec<Vec<f64>>,
     /// Largest over smallest singular value; infinite if the smallest is zero.
     pub condition: f64,
     /// Combinations that the data leave undetermined, the least determined first.
@@ -55,7 +52,7 @@ impl Linearisation {
         let scaled = Mat::from_fn(rows.len().max(parameters.len()), parameters.len(), |i, j| {
             rows.get(i).map_or(0.0, |row| row[j] * before[j])
         });
-        let singular = |_| InferenceError::Singular { matrix: "Jacobian" };
+        let singular = |_| InferenceError::Singular("Jacobian");
         let decomposition = scaled.thin_svd().map_err(singular)?;
         let (values, vectors) = (decomposition.S().column_vector(), decomposition.V());
         let count = parameters.len();
@@ -66,14 +63,10 @@ impl Linearisation {
             let sign = largest.unwrap_or(1.0).signum();
             (0..count).map(|j| sign * vectors[(j, k)]).collect()
         };
-        let directions: Vec<Vec<f64>> = (0..count).map(direction).collect();
         let undetermined = (0..count).rev().filter_map(|k| {
             let remaining = 1.0 / singular_values[k].hypot(1.0);
-            let mut weights: Vec<(String, f64)> = parameters
-                .iter()
-                .zip(&directions[k])
-                .map(|(u, &w)| (u.name().to_owned(), w))
-                .collect();
+            let names = parameters.iter().map(|parameter| parameter.name().to_owned());
+            let mut weights: Vec<(String, f64)> = names.zip(direction(k)).collect();
             weights.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()));
             (remaining >= UNDETERMINED_SHARE).then_some(Undetermined { weights, remaining })
         });
@@ -81,7 +74,6 @@ impl Linearisation {
             condition: singular_values[0] / singular_values[count - 1],
             undetermined: undetermined.collect(),
             singular_values,
-            directions,
         })
     }
 }

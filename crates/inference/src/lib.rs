@@ -18,7 +18,7 @@
 //! | combinations determined by the data | [`Linearisation::identifiability`] |
 //! | uncertainty, normal approximation | [`Fit::covariance`], [`Linearisation::covariance`] |
 //! | intervals of a nonlinear model | [`Fit::profile`] |
-//! | posterior distribution | [`Fit::posterior`], on a [`Surrogate`] with exact weights |
+//! | posterior distribution | [`Fit::posterior`], on a response surface with exact weights |
 //! | convergence of Markov chains | [`r_hat`], [`effective_sample_size`] |
 //! | comparison of several models | [`compare`] |
 //! | design of the next measurement | [`expected_information`], [`design_sequence`] |
@@ -101,4 +101,3 @@ pub use profile::{Profile, ProfileEnd, ProfileOptions, ProfilePoint};
 pub use progress::{Progress, ProgressCallback, Stage};
 pub use random::normal_quantile;
 pub use search::FitTermination;
-pub use surrogate::{Surrogate, SurrogateOptions};

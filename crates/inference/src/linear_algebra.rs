@@ -17,7 +17,7 @@ pub(crate) fn inverse_normal(
     columns: usize,
     matrix: &'static str,
 ) -> Result<InverseNormal, InferenceError> {
-    let singular = || InferenceError::Singular { matrix };
+    let singular = || InferenceError::Singular(matrix);
     let norm = |j: usize| rows.iter().map(|row| row[j] * row[j]).sum::<f64>().sqrt();
     let norms: Vec<f64> = (0..columns).map(norm).collect();
     if rows.len() < columns || norms.iter().any(|norm| !(norm.is_finite() && *norm > 0.0)) {

@@ -61,7 +61,7 @@ impl Fit<'_> {
         let exact = own.is_some();
         let jacobian = own.unwrap_or(differences);
         if jacobian.iter().flatten().any(|entry| !entry.is_finite()) {
-            return Err(InferenceError::Singular { matrix: "Jacobian" });
+            return Err(InferenceError::Singular("Jacobian"));
         }
         Ok(Linearisation {
             point: self.point.clone(),

@@ -50,12 +50,8 @@ impl Parameter {
         let (name, [lower, upper]) = (name.into(), bounds);
         let width = upper - lower;
         if !(lower.is_finite() && upper.is_finite() && width > 0.0 && width.is_finite()) {
-            return Err(InferenceError::Bounds {
-                name,
-                lower,
-                upper,
-                expected: "finite, increasing",
-            });
+            let expected = "finite, increasing";
+            return Err(InferenceError::Bounds { name, lower, upper, expected });
         }
         if scale == ParameterScale::Logarithmic && lower <= 0.0 {
             let expected = "positive on a logarithmic scale";

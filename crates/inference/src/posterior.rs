@@ -16,7 +16,7 @@ use crate::model::Predictions;
 use crate::profile::Profile;
 use crate::progress::{ProgressCallback, Stage, report};
 use crate::sampler::{ChainLayout, Chains, sample_chains};
-use crate::surrogate::{RANGE, Surrogate, SurrogateOptions, Training, Whitening, sample};
+use crate::surrogate::{RANGE, Surrogate, Training, Whitening, sample};
 
 pub use options::{PosteriorMethod, PosteriorOptions};
 pub use summary::CredibleBand;
@@ -33,7 +33,7 @@ const WIDENING: f64 = 1.5;
 const MAX_LEFT_OUT: f64 = 0.25;
 
 /// Diagnostics of chains, weights and response surface.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct PosteriorDiagnostics {
     /// Rank-normalised split R-hat of every parameter, each ensemble one chain of its walkers' steps
     /// in turn; below 1.01 is good.
@@ -83,7 +83,8 @@ impl Fit<'_> {
     /// likelihood (a pseudo-likelihood unless squared) and the priors count; the observations'
     /// variances are multiplied by the square of the covariance's noise factor.
     ///
-    /// Markov chains run on a [`Surrogate`]. Of their steps [`PosteriorOptions::draws`] evenly
+    /// Markov chains run on a response surface: polynomials of degree three (two above ten
+    /// parameters) in whitened coordinates. Of their steps [`PosteriorOptions::draws`] evenly
     /// spread ones are evaluated on the model and weighted by exact over surrogate density
     /// (importance sampling), so that errors of the surface cost precision but cause no bias within
     /// its range. While the effective share of draws is below [`PosteriorOptions::target_share`],
@@ -98,7 +99,8 @@ impl Fit<'_> {
     ///
     /// # Errors
     ///
-    /// Options out of range; the errors of [`Surrogate::train`]; [`InferenceError::Size`] for a
+    /// Options out of range; [`InferenceError::TooFewTraining`] and
+    /// [`InferenceError::MissingPredictions`] of the surface; [`InferenceError::Size`] for a
     /// covariance of another model; [`InferenceError::NoPredictions`] if no draw has a finite cost.
     ///
     /// # Example
@@ -174,8 +176,7 @@ fn by_surrogate(
     for round in 1..=options.max_rounds {
         let along = if round == 1 { profiles } else { &[] };
         let seed = options.seed.wrapping_add(round as u64);
-        let training_options = SurrogateOptions { oversampling: options.oversampling, seed };
-        let fresh = sample(problem, &whitening, along, &training_options, progress)?;
+        let fresh = sample(problem, &whitening, along, options.oversampling, seed, progress)?;
         evaluations += fresh.points.len();
         training.points.extend(fresh.points);
         training.predictions.extend(fresh.predictions);
@@ -274,7 +275,7 @@ fn surface_density(problem: &FitProblem<'_>, surface: &Surrogate, z: &[f64]) -> 
     if z.iter().any(|z| z.abs() > RANGE) {
         return f64::NEG_INFINITY;
     }
-    let x = surface.whitening().to_working(z);
+    let x = surface.whitening.to_working(z);
     if !problem.inside(&x) {
         return f64::NEG_INFINITY;
     }
@@ -338,13 +339,7 @@ fn chain_diagnostics(chains: &Chains, dimensions: usize) -> PosteriorDiagnostics
         autocorrelation_time: sizes.iter().map(|size| kept as f64 / size).collect(),
         effective_sample_size: sizes,
         acceptance: chains.acceptance,
-        effective_draws: 0.0,
-        pareto_shape: None,
-        at_range_limit: 0.0,
-        rounds: 0,
-        surrogate_error: 0.0,
-        evaluations: 0,
-        truncated: Vec::new(),
+        ..PosteriorDiagnostics::default()
     }
 }
 

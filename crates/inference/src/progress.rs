@@ -18,6 +18,20 @@ pub enum Stage {
     Comparison,
 }
 
+impl Stage {
+    /// Name for display.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Fit => "fitting",
+            Self::Profile => "profiles",
+            Self::Surrogate => "response surface",
+            Self::Sampling => "sampling",
+            Self::Draws => "draws",
+            Self::Comparison => "comparing models",
+        }
+    }
+}
+
 /// State of a long computation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Progress {

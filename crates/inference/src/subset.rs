@@ -1,9 +1,9 @@
 //! A model restricted to some of its observations.
 
-use crate::model::{Derivatives, ForwardModel, Observation, PredictionError, Predictions};
+use crate::model::{ForwardModel, Observation, PredictionError, Predictions};
 use crate::parameter::Parameter;
 
-/// The model with some of its observations, in their order.
+/// The model with some of its observations, in their order; without derivatives.
 pub(crate) struct ObservationSubset<'a> {
     model: &'a dyn ForwardModel,
     kept: Vec<usize>,
@@ -17,11 +17,6 @@ impl<'a> ObservationSubset<'a> {
         let observations = kept.iter().map(|&i| all[i].clone()).collect();
         Self { model, kept, observations }
     }
-
-    fn choose<T: Clone>(&self, all: &[T]) -> Vec<T> {
-        // A result of a wrong size keeps it, for the caller's check.
-        self.kept.iter().filter_map(|&i| all.get(i).cloned()).collect()
-    }
 }
 
 impl ForwardModel for ObservationSubset<'_> {
@@ -34,14 +29,10 @@ impl ForwardModel for ObservationSubset<'_> {
     }
 
     fn predict(&self, points: &[Vec<f64>]) -> Vec<Result<Predictions, PredictionError>> {
-        let answers = self.model.predict(points).into_iter();
-        answers.map(|answer| answer.map(|all| self.choose(&all))).collect()
-    }
-
-    fn differentiate(&self, point: &[f64]) -> Option<Result<Derivatives, PredictionError>> {
-        Some(self.model.differentiate(point)?.map(|all| Derivatives {
-            values: self.choose(&all.values),
-            jacobian: self.choose(&all.jacobian),
-        }))
+        // A result of a wrong size keeps it, for the caller's check.
+        let choose = |all: Predictions| {
+            self.kept.iter().filter_map(|&i| all.get(i).copied()).collect::<Predictions>()
+        };
+        self.model.predict(points).into_iter().map(|answer| answer.map(choose)).collect()
     }
 }

@@ -2,7 +2,6 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use thiserror::Error;
 
 /// Viscous damping of the bodies.
 ///
@@ -35,32 +34,24 @@ enum DampingKeys {
         /// Damping ratio of the lowest mode linearised about static equilibrium; give this or
         /// `rate_per_s`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
-        #[schemars(with = "f64", range(min = 0.0))]
+        #[schemars(range(min = 0.0))]
         ratio: Option<f64>,
         /// Damping rate h of the equation of motion in 1/s; give this or ratio.
         #[serde(default, skip_serializing_if = "Option::is_none")]
-        #[schemars(with = "f64", range(min = 0.0))]
+        #[schemars(range(min = 0.0))]
         rate_per_s: Option<f64>,
     },
 }
 
-/// Damping whose amount is not given exactly once.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
-#[error("mass_proportional damping needs exactly one of ratio and rate_per_s, found {found}")]
-struct AmountNotGivenOnce {
-    found: usize,
-}
-
 impl TryFrom<DampingKeys> for DampingSpec {
-    type Error = AmountNotGivenOnce;
+    type Error = &'static str;
 
     fn try_from(keys: DampingKeys) -> Result<Self, Self::Error> {
         let DampingKeys::MassProportional { ratio, rate_per_s } = keys;
         match (ratio, rate_per_s) {
             (Some(xi), None) => Ok(Self::MassProportional(DampingAmount::Ratio(xi))),
             (None, Some(h)) => Ok(Self::MassProportional(DampingAmount::RatePerS(h))),
-            (None, None) => Err(AmountNotGivenOnce { found: 0 }),
-            (Some(_), Some(_)) => Err(AmountNotGivenOnce { found: 2 }),
+            _ => Err("mass_proportional damping needs exactly one of ratio and rate_per_s"),
         }
     }
 }

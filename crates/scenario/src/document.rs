@@ -66,17 +66,11 @@ pub enum DocumentError {
         offset: usize,
     },
     /// Text in UTF-16, as some editors save it.
-    #[error("{}: the text is saved as UTF-16; expected a JSON text saved as UTF-8", path.display())]
-    Utf16 {
-        /// File.
-        path: PathBuf,
-    },
+    #[error("{}: the text is saved as UTF-16; expected a JSON text saved as UTF-8", .0.display())]
+    Utf16(PathBuf),
     /// Empty text.
-    #[error("{}: the file is empty; expected a JSON object with a \"schema\"", path.display())]
-    Empty {
-        /// File.
-        path: PathBuf,
-    },
+    #[error("{}: the file is empty; expected a JSON object with a \"schema\"", .0.display())]
+    Empty(PathBuf),
     /// Text that is not JSON.
     #[error("{}: {source}", path.display())]
     Syntax {
@@ -113,7 +107,7 @@ impl Document {
             .read_to_end(&mut bytes)
             .map_err(|error| fail(error.into()))?;
         if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) {
-            return Err(DocumentError::Utf16 { path: path.to_owned() });
+            return Err(DocumentError::Utf16(path.to_owned()));
         }
         let text = String::from_utf8(bytes).map_err(|error| {
             let offset = error.utf8_error().valid_up_to();
@@ -138,22 +132,15 @@ impl Document {
         let path = name.into();
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         if text.trim().is_empty() {
-            return Err(DocumentError::Empty { path });
+            return Err(DocumentError::Empty(path));
         }
-        let places = match locate::locate(text, &BTreeSet::new()) {
-            Ok(places) => places,
-            Err(source) => {
-                let text = text.to_owned();
-                return Err(DocumentError::Syntax { path, text, source });
-            }
-        };
-        let value = match serde_json::from_str(text) {
-            Ok(value) => value,
-            Err(error) => {
-                let (line, column) = (error.line(), error.column());
-                return Err(DocumentError::Unparsed { path, line, column });
-            }
-        };
+        let places = locate::locate(text, &BTreeSet::new()).map_err(|source| {
+            DocumentError::Syntax { path: path.clone(), text: text.to_owned(), source }
+        })?;
+        let value = serde_json::from_str(text).map_err(|error| {
+            let (path, line, column) = (path.clone(), error.line(), error.column());
+            DocumentError::Unparsed { path, line, column }
+        })?;
         let repeated = places.repeated.into_iter().map(|(pointer, span)| Diagnostic {
             pointer,
             fault: Fault::RepeatedKey,
@@ -211,7 +198,7 @@ impl Document {
                 Ok(value) => return Ok(value),
                 Err(error) => diagnostics.push(Diagnostic::new(
                     &JsonPointer::root(),
-                    Fault::SchemaGap { reason: error.to_string() },
+                    Fault::SchemaGap(error.to_string()),
                     "a document that fits its JSON Schema",
                 )),
             }
@@ -224,9 +211,7 @@ impl Document {
         let wanted: BTreeSet<&str> = diagnostics.iter().map(|d| d.pointer.as_str()).collect();
         let places = locate::locate(&self.text, &wanted).unwrap_or_default();
         for diagnostic in diagnostics.iter_mut().filter(|d| d.span.is_none()) {
-            let Some(place) = places.found.get(&diagnostic.pointer) else {
-                continue;
-            };
+            let Some(place) = places.found.get(&diagnostic.pointer) else { continue };
             let pointer: JsonPointer = diagnostic.pointer.parse().unwrap_or_default();
             let contains = |changed: &JsonPointer| pointer.parts().starts_with(changed.parts());
             if !self.changed.iter().any(contains) {

@@ -50,7 +50,6 @@ pub enum ExcitationSpec {
         /// Largest magnitude in N to which the force is rescaled; as measured when left out, reversed
         /// when negative.
         #[serde(default, skip_serializing_if = "Option::is_none")]
-        #[schemars(with = "f64")]
         peak_n: Option<f64>,
     },
 }

@@ -2,7 +2,6 @@
 
 use std::fmt;
 
-use serde_json::Value;
 use thiserror::Error;
 
 use crate::force_samples::SamplesError;
@@ -19,23 +18,14 @@ pub enum Fault {
     #[error("the key is written more than once in this object")]
     RepeatedKey,
     /// Required key that is not given.
-    #[error("missing key {}", brief(key))]
-    MissingKey {
-        /// Key.
-        key: String,
-    },
-    /// Value of another type, or another word, than those accepted.
-    #[error("found {found}")]
-    NotAccepted {
-        /// Value found.
-        found: FoundValue,
-    },
+    #[error("missing key {}", brief(.0))]
+    MissingKey(String),
+    /// Value of another type, or another word, than those accepted; in words.
+    #[error("found {0}")]
+    NotAccepted(String),
     /// Kind that does not exist.
-    #[error("unknown kind {}", brief(kind))]
-    UnknownKind {
-        /// Kind.
-        kind: String,
-    },
+    #[error("unknown kind {}", brief(.0))]
+    UnknownKind(String),
     /// Number outside its bound.
     #[error("{} is out of range: it must be {bound}", number(*value))]
     OutOfBounds {
@@ -48,23 +38,14 @@ pub enum Fault {
     #[error("the string is empty")]
     EmptyText,
     /// Array with too few or too many items.
-    #[error("the array has {}", count(*items, "item", "items"))]
-    WrongLength {
-        /// Number of items.
-        items: usize,
-    },
+    #[error("the array has {}", count(*.0, "item", "items"))]
+    WrongLength(usize),
     /// Keys of which exactly one is required, and none is given.
-    #[error("neither {} is given", joined(keys, "nor"))]
-    NoneGiven {
-        /// Keys.
-        keys: Vec<String>,
-    },
+    #[error("neither {} is given", joined(.0, "nor"))]
+    NoneGiven(Vec<String>),
     /// Keys of which exactly one is required, and several are given.
-    #[error("{} are given together", joined(keys, "and"))]
-    SeveralGiven {
-        /// Keys given.
-        keys: Vec<String>,
-    },
+    #[error("{} are given together", joined(.0, "and"))]
+    SeveralGiven(Vec<String>),
     /// Number of interfaces that differs from the number of bodies.
     #[error(
         "{} for {}",
@@ -90,27 +71,18 @@ pub enum Fault {
     UnusableName {
         /// Name.
         name: String,
-        /// Fault of the name.
-        fault: NameFault,
+        /// Fault of the name, in words.
+        fault: String,
     },
     /// Reference to a law that is not in "laws".
-    #[error("there is no law named {}", brief(name))]
-    UnknownLaw {
-        /// Name.
-        name: String,
-    },
+    #[error("there is no law named {}", brief(.0))]
+    UnknownLaw(String),
     /// Law in series that refers back to itself.
-    #[error("the law is in series with itself: {}", chain.join(" -> "))]
-    CyclicLaw {
-        /// Names from the law back to itself.
-        chain: Vec<String>,
-    },
+    #[error("the law is in series with itself: {}", .0.join(" -> "))]
+    CyclicLaw(Vec<String>),
     /// Laws in series nested too deep.
-    #[error("laws in series are nested more than {max} deep")]
-    LawTooDeep {
-        /// Deepest accepted nesting.
-        max: usize,
-    },
+    #[error("laws in series are nested more than {0} deep")]
+    LawTooDeep(usize),
     /// Column of numbers that does not increase.
     #[error("{} does not increase: {} follows {}", quantity, number(*value), number(*previous))]
     NotIncreasing {
@@ -155,11 +127,8 @@ pub enum Fault {
         value: f64,
     },
     /// Too few output samples for a spectrum.
-    #[error("duration_s times output_rate_hz gives {} samples", four_digits(*samples))]
-    TooFewSamples {
-        /// Number of samples.
-        samples: f64,
-    },
+    #[error("duration_s times output_rate_hz gives {} samples", four_digits(*.0))]
+    TooFewSamples(f64),
     /// More output samples than can be held in memory.
     #[error(
         "duration_s times output_rate_hz gives {} samples, about {} GB",
@@ -172,11 +141,8 @@ pub enum Fault {
         gigabytes: f64,
     },
     /// More finite-difference cells than can be held in memory.
-    #[error("length_m / cell_m gives {} cells in the body", four_digits(*cells))]
-    TooManyCells {
-        /// Number of cells.
-        cells: f64,
-    },
+    #[error("length_m / cell_m gives {} cells in the body", four_digits(*.0))]
+    TooManyCells(f64),
     /// More time steps than can be computed.
     #[error("the run would take {} time steps of {} s", four_digits(*steps), four_digits(*step_s))]
     TooManySteps {
@@ -187,11 +153,8 @@ pub enum Fault {
     },
     /// Document that fits the schema but not the types it is generated from: a defect of this
     /// program.
-    #[error("the document cannot be read although it fits the schema: {reason}")]
-    SchemaGap {
-        /// Message of the deserialiser.
-        reason: String,
-    },
+    #[error("the document cannot be read although it fits the schema: {0}")]
+    SchemaGap(String),
     /// File of force samples that cannot be used.
     #[error("{}: {source}", brief(file))]
     Samples {
@@ -234,70 +197,6 @@ impl fmt::Display for Bound {
             Self::AtLeast(limit) => write!(f, "at least {}", number(*limit)),
             Self::Below(limit) => write!(f, "less than {}", number(*limit)),
             Self::AtMost(limit) => write!(f, "at most {}", number(*limit)),
-        }
-    }
-}
-
-/// Value found instead of an accepted one.
-#[derive(Debug, Clone, PartialEq)]
-pub enum FoundValue {
-    /// `null`.
-    Null,
-    /// `true` or `false`.
-    Bool(bool),
-    /// Number.
-    Number(f64),
-    /// String.
-    Text(String),
-    /// Array.
-    Array,
-    /// Object.
-    Object,
-}
-
-impl From<&Value> for FoundValue {
-    fn from(value: &Value) -> Self {
-        match value {
-            Value::Null => Self::Null,
-            Value::Bool(truth) => Self::Bool(*truth),
-            Value::Number(number) => Self::Number(number.as_f64().unwrap_or(f64::NAN)),
-            Value::String(text) => Self::Text(text.clone()),
-            Value::Array(_) => Self::Array,
-            Value::Object(_) => Self::Object,
-        }
-    }
-}
-
-impl fmt::Display for FoundValue {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Null => f.write_str("null"),
-            Self::Bool(truth) => write!(f, "{truth}"),
-            Self::Number(value) => write!(f, "the number {}", number(*value)),
-            Self::Text(text) => write!(f, "the string {}", brief(text)),
-            Self::Array => f.write_str("an array"),
-            Self::Object => f.write_str("an object"),
-        }
-    }
-}
-
-/// Fault of a name that cannot head a column or name a file.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum NameFault {
-    /// Character that is not accepted.
-    Character(char),
-    /// Space or dot at the start or the end.
-    Edge,
-    /// More than this many bytes.
-    Long(usize),
-}
-
-impl fmt::Display for NameFault {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Character(character) => write!(f, "contains the character {character:?}"),
-            Self::Edge => f.write_str("starts or ends with a space or a dot"),
-            Self::Long(max) => write!(f, "is longer than {max} bytes"),
         }
     }
 }

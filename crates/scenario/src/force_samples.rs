@@ -38,20 +38,14 @@ pub struct ForceSamples {
 #[non_exhaustive]
 pub enum SamplesError {
     /// File that cannot be opened or read.
-    #[error("{source}")]
-    Input {
-        /// Cause.
-        source: InputError,
-    },
+    #[error("{0}")]
+    Input(#[from] InputError),
     /// Empty file.
     #[error("the samples file is empty; the header time_s,force_n is expected")]
     Empty,
     /// First line that is not the header.
-    #[error("line 1 is {}; the header time_s,force_n is expected", brief(found))]
-    Header {
-        /// First line.
-        found: String,
-    },
+    #[error("line 1 is {}; the header time_s,force_n is expected", brief(.0))]
+    Header(String),
     /// Row with another number of columns.
     #[error(
         "line {line} has {}; 2 are expected: time_s,force_n",
@@ -89,12 +83,9 @@ pub enum SamplesError {
     /// Too few rows to interpolate between.
     #[error(
         "the samples file has {} after its header; at least 2 are expected",
-        count(*rows, "row", "rows")
+        count(*.0, "row", "rows")
     )]
-    TooFewRows {
-        /// Number of rows after the header.
-        rows: usize,
-    },
+    TooFewRows(usize),
     /// Force that is zero throughout and cannot be rescaled to a peak.
     #[error("the force is zero throughout, so it cannot be rescaled to a peak")]
     ZeroForce,
@@ -126,14 +117,12 @@ impl ForceSamples {
             .trim(Trim::All)
             .from_reader(stream);
         let mut row = ByteRecord::new();
-        let header = reader.read_byte_record(&mut row)?;
-        if !header {
+        if !reader.read_byte_record(&mut row)? {
             return Err(SamplesError::Empty);
         }
         if !row.iter().eq(COLUMNS.map(str::as_bytes)) {
             let entries: Vec<_> = row.iter().map(String::from_utf8_lossy).collect();
-            let found = entries.join(",");
-            return Err(SamplesError::Header { found });
+            return Err(SamplesError::Header(entries.join(",")));
         }
         let (mut time_s, mut force_n) = (Vec::new(), Vec::<f64>::new());
         while reader.read_byte_record(&mut row)? {
@@ -142,8 +131,7 @@ impl ForceSamples {
             }
             let line = reader.position().line() - 1;
             let (Some(time), Some(force), 2) = (row.get(0), row.get(1), row.len()) else {
-                let found = row.len();
-                return Err(SamplesError::Columns { line, found });
+                return Err(SamplesError::Columns { line, found: row.len() });
             };
             let time = finite(time, line, COLUMNS[0])?;
             let force = finite(force, line, COLUMNS[1])?;
@@ -156,7 +144,7 @@ impl ForceSamples {
             force_n.push(force);
         }
         match time_s.len() {
-            rows @ 0..2 => Err(SamplesError::TooFewRows { rows }),
+            rows @ 0..2 => Err(SamplesError::TooFewRows(rows)),
             _ => Ok(Self { time_s, force_n }),
         }
     }
@@ -184,12 +172,6 @@ impl ForceSamples {
     }
 }
 
-impl From<InputError> for SamplesError {
-    fn from(source: InputError) -> Self {
-        Self::Input { source }
-    }
-}
-
 impl From<csv::Error> for SamplesError {
     fn from(error: csv::Error) -> Self {
         // Rows of any length and any bytes are accepted, so only reading can fail.
@@ -197,7 +179,7 @@ impl From<csv::Error> for SamplesError {
             csv::ErrorKind::Io(error) => error.kind(),
             _ => std::io::ErrorKind::InvalidData,
         };
-        InputError::Unreadable { kind }.into()
+        InputError::Unreadable(kind).into()
     }
 }
 
@@ -243,7 +225,7 @@ mod tests {
         assert_eq!(line_of("time_s,force_n\r\n0,0\r\n1,x\r\n"), 3);
         assert_eq!(line_of("time_s,force_n\n0,nan\n"), 2);
         assert_eq!(line_of("time_s,force_n\n\n0,0\n\r\n0,1"), 5);
-        assert_eq!(read("time_s,force_n\n0,0\n"), Err(SamplesError::TooFewRows { rows: 1 }));
+        assert_eq!(read("time_s,force_n\n0,0\n"), Err(SamplesError::TooFewRows(1)));
         assert_eq!(read(""), Err(SamplesError::Empty));
         let zero = read("time_s,force_n\n0,0\n1,0\n").unwrap();
         assert_eq!(zero.rescaled(1.0), Err(SamplesError::ZeroForce));

@@ -1,7 +1,7 @@
 //! Opening of an input file: a regular file of limited size.
 
 use std::fs::File;
-use std::io;
+use std::io::{self, Read};
 use std::path::Path;
 
 use thiserror::Error;
@@ -31,11 +31,8 @@ pub enum InputError {
         max: u64,
     },
     /// Any other failure that the operating system reports.
-    #[error("it cannot be read: {kind}")]
-    Unreadable {
-        /// Kind of the failure.
-        kind: io::ErrorKind,
-    },
+    #[error("it cannot be read: {0}")]
+    Unreadable(io::ErrorKind),
 }
 
 impl From<io::Error> for InputError {
@@ -44,9 +41,19 @@ impl From<io::Error> for InputError {
             io::ErrorKind::NotFound => Self::NotFound,
             io::ErrorKind::IsADirectory => Self::Directory,
             io::ErrorKind::PermissionDenied => Self::NotPermitted,
-            kind => Self::Unreadable { kind },
+            kind => Self::Unreadable(kind),
         }
     }
+}
+
+/// Reads a text from a file that [`open_input`] accepts.
+///
+/// # Errors
+/// [`InputError`] as of [`open_input`], and for a text that is not UTF-8.
+pub fn read_text(path: &Path, max_bytes: u64) -> Result<String, InputError> {
+    let mut text = String::new();
+    open_input(path, max_bytes)?.take(max_bytes).read_to_string(&mut text)?;
+    Ok(text)
 }
 
 /// Opens a regular file of at most `max_bytes`, checked by its metadata before anything is read.

@@ -1,11 +1,12 @@
 //! Contact laws in a scenario.
 
-use std::fmt;
+use std::collections::BTreeMap;
 
-use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
-use serde::de::{Deserializer, MapAccess, Visitor};
+use schemars::JsonSchema;
+use serde::de::{Deserializer, Error};
 use serde::ser::Serializer;
 use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
 
 /// Contact law: stiffness per area K as a function of the contact pressure p.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -88,8 +89,10 @@ pub enum LawRef {
 }
 
 /// Contact laws by name, in the order of the scenario.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, JsonSchema)]
+#[schemars(transparent, description = "Contact laws by name.")]
 pub struct Laws {
+    #[schemars(with = "BTreeMap<String, LawSpec>")]
     entries: Vec<(String, LawSpec)>,
 }
 
@@ -160,39 +163,8 @@ impl Serialize for Laws {
 
 impl<'de> Deserialize<'de> for Laws {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct Entries;
-
-        impl<'de> Visitor<'de> for Entries {
-            type Value = Laws;
-
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("an object of contact laws by name")
-            }
-
-            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Laws, A::Error> {
-                let mut laws = Laws::default();
-                while let Some((name, law)) = map.next_entry::<String, LawSpec>()? {
-                    laws.insert(name, law);
-                }
-                Ok(laws)
-            }
-        }
-
-        deserializer.deserialize_map(Entries)
-    }
-}
-
-impl JsonSchema for Laws {
-    fn schema_name() -> std::borrow::Cow<'static, str> {
-        "Laws".into()
-    }
-
-    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
-        let law = generator.subschema_for::<LawSpec>();
-        json_schema!({
-            "type": "object",
-            "description": "Contact laws by name.",
-            "additionalProperties": law,
-        })
+        let laws = Map::<String, Value>::deserialize(deserializer)?.into_iter();
+        laws.map(|(name, law)| Ok((name, serde_json::from_value(law).map_err(Error::custom)?)))
+            .collect()
     }
 }

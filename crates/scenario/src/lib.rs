@@ -65,9 +65,9 @@ pub use damping::{DampingAmount, DampingSpec};
 pub use diagnostic::{Diagnostic, InvalidDocument};
 pub use document::{Document, DocumentError, MAX_DOCUMENT_BYTES};
 pub use excitation::ExcitationSpec;
-pub use fault::{Bound, Fault, FoundValue, NameFault};
+pub use fault::{Bound, Fault};
 pub use force_samples::{ForceSamples, MAX_SAMPLE_BYTES, SamplesError};
-pub use input_file::{InputError, open_input};
+pub use input_file::{InputError, open_input, read_text};
 pub use law::{LawRef, LawSpec, Laws};
 pub use locate::{ExpectedToken, MAX_NESTING, SyntaxError, SyntaxFault};
 pub use method::{
@@ -76,7 +76,7 @@ pub use method::{
 pub use pointer::{JsonPointer, PointerError};
 pub use scenario::{
     DEFAULT_GRAVITY_M_PER_S2, DEFAULT_OUTPUT_RATE_HZ, InterfaceSpec, MAX_OUTPUT_RATE_HZ, Scenario,
-    SchemaId, SupportSpec, scenario_schema,
+    SchemaId, SupportSpec, scenario_schema, schema_of,
 };
 pub use schema_check::check_schema;
 pub use set_value::{SetError, set_value};

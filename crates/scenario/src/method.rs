@@ -1,7 +1,7 @@
 //! Methods of time integration.
 
 use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
 
 /// Default length of a finite-difference cell in m.
 pub const DEFAULT_CELL_M: f64 = 0.001;
@@ -11,9 +11,11 @@ pub const DEFAULT_COURANT: f64 = 0.95;
 
 /// Method of time integration.
 ///
-/// In JSON an object with its `kind`, or the kind alone as a string for the defaults of the method.
+/// In a scenario an object with its `kind`, or the kind alone as a string for the defaults of the
+/// method.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(from = "MethodKeys", into = "MethodSettings")]
+#[serde(tag = "kind", rename_all = "snake_case")]
+#[schemars(rename = "MethodSettings", description = "Method with its settings.")]
 pub enum MethodSpec {
     /// Explicit finite differences of the paper (Eqs. 2 to 5).
     FiniteDifference(FiniteDifferenceSpec),
@@ -22,22 +24,32 @@ pub enum MethodSpec {
 }
 
 /// Exact modal steps with implicit contact.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
 pub struct ModalSpec {
-    /// Step in s; `None` for a step chosen from an error estimate.
+    /// Step in s; left out, it is chosen so that the lowest natural frequency and the
+    /// excitation are resolved, and halved until the energy balance closes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
     pub step_s: Option<f64>,
-    /// Modes of each body, the rigid one included; `None` for a number chosen from an error bound.
+    /// Modes of each body, the rigid one included; left out, the number is chosen so that the
+    /// inertia of the omitted modes is negligible.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1, max = 2000))]
     pub modes_per_body: Option<usize>,
 }
 
 /// Explicit finite differences of the paper (Eqs. 2 to 5).
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
 pub struct FiniteDifferenceSpec {
     /// Largest length of a cell in m; each body takes a whole number of cells.
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
     pub cell_m: f64,
-    /// Courant number c dt / dx, below 1 (Eq. 3).
+    /// Courant number c dt / dx of the stability condition (Eq. 3, CFL).
+    #[schemars(extend("exclusiveMinimum" = 0.0, "exclusiveMaximum" = 1.0))]
     pub courant: f64,
-    /// Time at which the contact pressure is taken.
+    /// Time at which the contact pressure is taken within a step.
     pub contact: ContactScheme,
 }
 
@@ -69,90 +81,32 @@ impl Default for MethodSpec {
 #[derive(Deserialize, JsonSchema)]
 #[serde(untagged)]
 #[schemars(rename = "MethodSpec")]
-enum MethodKeys {
+pub(crate) enum MethodKeys {
     /// Kind alone, with the defaults.
     Kind(MethodKind),
     /// Kind with settings.
-    Settings(MethodSettings),
+    Settings(MethodSpec),
 }
 
 /// Method by its kind alone, with its defaults.
 #[derive(Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
-enum MethodKind {
+pub(crate) enum MethodKind {
     /// Explicit finite differences of the paper, with cells of 1 mm.
     FiniteDifference,
     /// Exact modal steps, with step and modes chosen from error bounds.
     Modal,
 }
 
-/// Method with its settings.
-#[derive(Serialize, Deserialize, JsonSchema)]
-#[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
-enum MethodSettings {
-    /// Explicit finite differences of the paper (Eqs. 2 to 5).
-    FiniteDifference {
-        /// Largest length of a cell in m; each body takes a whole number of cells.
-        #[serde(default = "default_cell")]
-        #[schemars(extend("exclusiveMinimum" = 0.0))]
-        cell_m: f64,
-        /// Courant number c dt / dx of the stability condition (Eq. 3, CFL).
-        #[serde(default = "default_courant")]
-        #[schemars(extend("exclusiveMinimum" = 0.0, "exclusiveMaximum" = 1.0))]
-        courant: f64,
-        /// Time at which the contact pressure is taken within a step.
-        #[serde(default)]
-        contact: ContactScheme,
-    },
-    /// Exact modal steps with implicit contact.
-    Modal {
-        /// Step in s; left out, it is chosen so that the lowest natural frequency and the
-        /// excitation are resolved, and halved until the energy balance closes.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
-        #[schemars(with = "f64", extend("exclusiveMinimum" = 0.0))]
-        step_s: Option<f64>,
-        /// Modes of each body, the rigid one included; left out, the number is chosen so that the
-        /// inertia of the omitted modes is negligible.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
-        #[schemars(with = "usize", range(min = 1, max = 2000))]
-        modes_per_body: Option<usize>,
-    },
-}
-
-fn default_cell() -> f64 {
-    DEFAULT_CELL_M
-}
-
-fn default_courant() -> f64 {
-    DEFAULT_COURANT
-}
-
-impl From<MethodKeys> for MethodSpec {
-    fn from(keys: MethodKeys) -> Self {
-        match keys {
-            MethodKeys::Kind(MethodKind::FiniteDifference) => {
-                Self::FiniteDifference(FiniteDifferenceSpec::default())
-            }
-            MethodKeys::Kind(MethodKind::Modal) => Self::Modal(ModalSpec::default()),
-            MethodKeys::Settings(MethodSettings::Modal { step_s, modes_per_body }) => {
-                Self::Modal(ModalSpec { step_s, modes_per_body })
-            }
-            MethodKeys::Settings(MethodSettings::FiniteDifference { cell_m, courant, contact }) => {
-                Self::FiniteDifference(FiniteDifferenceSpec { cell_m, courant, contact })
-            }
+/// Reads a method, or its kind alone.
+pub(crate) fn deserialize_method<'de, D: Deserializer<'de>>(
+    deserializer: D,
+) -> Result<MethodSpec, D::Error> {
+    Ok(match MethodKeys::deserialize(deserializer)? {
+        MethodKeys::Kind(MethodKind::FiniteDifference) => {
+            MethodSpec::FiniteDifference(FiniteDifferenceSpec::default())
         }
-    }
-}
-
-impl From<MethodSpec> for MethodSettings {
-    fn from(method: MethodSpec) -> Self {
-        match method {
-            MethodSpec::FiniteDifference(FiniteDifferenceSpec { cell_m, courant, contact }) => {
-                Self::FiniteDifference { cell_m, courant, contact }
-            }
-            MethodSpec::Modal(ModalSpec { step_s, modes_per_body }) => {
-                Self::Modal { step_s, modes_per_body }
-            }
-        }
-    }
+        MethodKeys::Kind(MethodKind::Modal) => MethodSpec::default(),
+        MethodKeys::Settings(method) => method,
+    })
 }

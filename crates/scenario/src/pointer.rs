@@ -35,12 +35,9 @@ pub enum PointerError {
     },
     /// Tilde that is not followed by 0 or 1.
     #[error(
-        "{text:?} is not a JSON Pointer: inside a key \"~\" is written \"~0\" and \"/\" is written \"~1\""
+        "{0:?} is not a JSON Pointer: inside a key \"~\" is written \"~0\" and \"/\" is written \"~1\""
     )]
-    BadEscape {
-        /// Text.
-        text: String,
-    },
+    BadEscape(String),
 }
 
 impl JsonPointer {
@@ -87,7 +84,7 @@ impl std::str::FromStr for JsonPointer {
         let parts: Option<Vec<String>> = tail.split('/').map(unescape).collect();
         match parts {
             Some(parts) => Ok(Self { parts }),
-            None => Err(PointerError::BadEscape { text: text.to_owned() }),
+            None => Err(PointerError::BadEscape(text.to_owned())),
         }
     }
 }

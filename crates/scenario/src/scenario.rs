@@ -6,8 +6,9 @@
 
 use std::sync::LazyLock;
 
-use schemars::JsonSchema;
 use schemars::generate::SchemaSettings;
+use schemars::transform::transform_subschemas;
+use schemars::{JsonSchema, Schema};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
@@ -15,7 +16,7 @@ use crate::body::BodySpec;
 use crate::damping::DampingSpec;
 use crate::excitation::ExcitationSpec;
 use crate::law::{LawRef, Laws};
-use crate::method::MethodSpec;
+use crate::method::{MethodKeys, MethodSpec, deserialize_method};
 
 /// Default gravity in m/s², as the paper rounds it.
 pub const DEFAULT_GRAVITY_M_PER_S2: f64 = 9.81;
@@ -34,7 +35,6 @@ pub struct Scenario {
     pub schema: SchemaId,
     /// Title, for the reader.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(with = "String")]
     pub title: Option<String>,
     /// Gravity in m/s², positive down the stack.
     #[serde(default = "default_gravity")]
@@ -65,7 +65,8 @@ pub struct Scenario {
     #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = MAX_OUTPUT_RATE_HZ))]
     pub output_rate_hz: f64,
     /// Method of time integration.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "deserialize_method")]
+    #[schemars(with = "MethodKeys")]
     pub method: MethodSpec,
 }
 
@@ -123,11 +124,36 @@ pub enum SchemaId {
 /// assert_eq!(schema["properties"]["gravity_m_per_s2"]["default"], 9.81);
 /// ```
 pub fn scenario_schema() -> &'static Value {
-    static SCHEMA: LazyLock<Value> = LazyLock::new(|| {
-        let generator = SchemaSettings::draft2020_12().into_generator();
-        generator.into_root_schema_for::<Scenario>().to_value()
-    });
+    static SCHEMA: LazyLock<Value> = LazyLock::new(schema_of::<Scenario>);
     &SCHEMA
+}
+
+/// JSON Schema (draft 2020-12) of a document type. An `Option` is left out or has its value: null
+/// is not accepted.
+pub fn schema_of<T: JsonSchema>() -> Value {
+    let settings = SchemaSettings::draft2020_12().with_transform(without_null);
+    settings.into_generator().into_root_schema_for::<T>().to_value()
+}
+
+/// Removes the null that is generated for an `Option`, in this schema and all inside it.
+fn without_null(schema: &mut Schema) {
+    transform_subschemas(&mut without_null, schema);
+    let Some(keywords) = schema.as_object_mut() else { return };
+    if let Some([kind, Value::String(null)]) =
+        keywords.get("type").and_then(Value::as_array).map(Vec::as_slice)
+        && null == "null"
+    {
+        let kind = kind.clone();
+        keywords.insert("type".to_owned(), kind);
+    }
+    if let Some([Value::Object(inner), null]) =
+        keywords.get("anyOf").and_then(Value::as_array).map(Vec::as_slice)
+        && null.get("type").is_some_and(|kind| kind == "null")
+    {
+        let inner = inner.clone();
+        keywords.remove("anyOf");
+        keywords.extend(inner);
+    }
 }
 
 fn default_gravity() -> f64 {

@@ -13,7 +13,7 @@ use crate::diagnostic::Diagnostic;
 use crate::fault::Fault;
 use crate::pointer::JsonPointer;
 use crate::suggest::nearest;
-use crate::wording::{brief, number};
+use crate::wording::{brief, found, number};
 
 /// Checks a JSON value against a schema generated from a Rust type, and returns all faults.
 ///
@@ -90,7 +90,7 @@ impl<'s> Walker<'s> {
                     None => brief(key),
                 };
                 let key = key.to_owned();
-                self.found.push(Diagnostic::new(at, Fault::MissingKey { key }, accepted));
+                self.found.push(Diagnostic::new(at, Fault::MissingKey(key), accepted));
             }
         }
     }
@@ -101,7 +101,7 @@ impl<'s> Walker<'s> {
         let few = limit("minItems").is_some_and(|least| (count as u64) < least);
         let many = limit("maxItems").is_some_and(|most| count as u64 > most);
         if few || many {
-            let fault = Fault::WrongLength { items: count };
+            let fault = Fault::WrongLength(count);
             self.found.push(Diagnostic::new(at, fault, self.accepted(node)));
         }
         if let Some(item_node) = node.get("items") {
@@ -112,9 +112,7 @@ impl<'s> Walker<'s> {
     }
 
     fn bounds(&mut self, node: &'s Value, value: &Value, at: &JsonPointer) {
-        let Some(size) = value.as_f64() else {
-            return;
-        };
+        let Some(size) = value.as_f64() else { return };
         for bound in accepted::bounds(node) {
             if !bound.holds(size) {
                 let fault = Fault::OutOfBounds { value: size, bound };
@@ -134,7 +132,7 @@ impl<'s> Walker<'s> {
 
     /// Reports a value of the wrong type or the wrong word.
     fn reject(&mut self, node: &'s Value, value: &Value, at: &JsonPointer) {
-        let fault = Fault::NotAccepted { found: value.into() };
+        let fault = Fault::NotAccepted(found(value));
         let suggestion = self.meant(node, value);
         let accepted = self.accepted(node);
         self.found.push(Diagnostic::new(at, fault, accepted).suggest(suggestion));

@@ -17,11 +17,7 @@ use crate::wording::{brief, list};
 pub enum SetError {
     /// Pointer that is not a JSON Pointer.
     #[error(transparent)]
-    Pointer {
-        /// Cause.
-        #[from]
-        source: PointerError,
-    },
+    Pointer(#[from] PointerError),
     /// Empty pointer, which would replace the whole scenario.
     #[error(
         "the empty pointer denotes the whole scenario; expected a pointer such as /excitation/peak_n"
@@ -121,9 +117,7 @@ fn meant(suggestion: Option<&str>) -> String {
 
 /// Checks that the part at `depth` of the pointer exists, or can be added if it is the last one.
 fn check_part(document: &Value, target: &JsonPointer, depth: usize) -> Result<(), SetError> {
-    let Some(part) = target.parts().get(depth) else {
-        return Ok(());
-    };
+    let Some(part) = target.parts().get(depth) else { return Ok(()) };
     let last = depth + 1 == target.parts().len();
     let deepest = target.ancestor(depth);
     let pointer = target.to_string();
@@ -185,9 +179,7 @@ fn index(part: &str) -> Option<usize> {
 /// Writes out the default of the top-level object that the pointer leads into, where the scenario
 /// leaves it out or gives its kind alone.
 fn fill_default(document: &mut Value, target: &JsonPointer) {
-    let (Some(key), Value::Object(object)) = (target.parts().first(), document) else {
-        return;
-    };
+    let (Some(key), Value::Object(object)) = (target.parts().first(), document) else { return };
     let Some(default @ Value::Object(_)) =
         scenario_schema().pointer(&format!("/properties{}/default", target.ancestor(1)))
     else {

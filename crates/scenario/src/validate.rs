@@ -122,9 +122,7 @@ fn interface_count(root: &Node<'_>, found: &mut Vec<Diagnostic>) {
 }
 
 fn samples(root: &Node<'_>, folder: &Path, found: &mut Vec<Diagnostic>) {
-    let Some(excitation) = root.get("excitation") else {
-        return;
-    };
+    let Some(excitation) = root.get("excitation") else { return };
     let (Some("samples"), Some(file)) = (excitation.text("kind"), excitation.text("file")) else {
         return;
     };
@@ -142,7 +140,7 @@ fn samples(root: &Node<'_>, folder: &Path, found: &mut Vec<Diagnostic>) {
             _ => "no peak_n, or samples of a force that is not zero throughout",
         };
         let near = match source {
-            SamplesError::Input { source: InputError::NotFound } => neighbour(folder, file),
+            SamplesError::Input(InputError::NotFound) => neighbour(folder, file),
             _ => None,
         };
         let file = file.to_owned();

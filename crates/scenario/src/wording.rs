@@ -1,5 +1,7 @@
 //! Numbers, strings and lists inside a message.
 
+use serde_json::Value;
+
 /// Longest string quoted in full.
 const MAX_QUOTE: usize = 60;
 
@@ -29,6 +31,18 @@ pub(crate) fn number(value: f64) -> String {
     }
 }
 
+/// JSON value as a message names it.
+pub(crate) fn found(value: &Value) -> String {
+    match value {
+        Value::Null => "null".to_owned(),
+        Value::Bool(truth) => truth.to_string(),
+        Value::Number(size) => format!("the number {}", number(size.as_f64().unwrap_or(f64::NAN))),
+        Value::String(text) => format!("the string {}", brief(text)),
+        Value::Array(_) => "an array".to_owned(),
+        Value::Object(_) => "an object".to_owned(),
+    }
+}
+
 /// String in quotes, escaped, and shortened if it is long.
 pub(crate) fn brief(text: &str) -> String {
     quoted(text, MAX_QUOTE)
@@ -46,27 +60,17 @@ fn quoted(text: &str, max: usize) -> String {
     if shown.len() < text.len() {
         shown.push('…');
     }
-    serde_json::Value::String(shown).to_string()
+    Value::String(shown).to_string()
 }
 
 /// Words separated by commas; of a long list the rest is counted.
 pub(crate) fn list<S: AsRef<str>>(words: impl IntoIterator<Item = S>) -> String {
-    let mut shown = String::new();
-    let mut count = 0_usize;
-    for word in words {
-        count += 1;
-        if count <= MAX_LIST {
-            if count > 1 {
-                shown.push_str(", ");
-            }
-            shown.push_str(word.as_ref());
-        }
+    let mut words = words.into_iter();
+    let shown: Vec<String> = words.by_ref().take(MAX_LIST).map(|w| w.as_ref().into()).collect();
+    match (shown.join(", "), words.count()) {
+        (shown, 0) => shown,
+        (shown, rest) => format!("{shown} and {rest} more"),
     }
-    if count > MAX_LIST {
-        let rest = count - MAX_LIST;
-        return format!("{shown} and {rest} more");
-    }
-    shown
 }
 
 /// Words in quotes, with `conjunction` before the last one.

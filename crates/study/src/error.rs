@@ -58,11 +58,8 @@ pub enum StudyError {
     #[error(transparent)]
     Set(#[from] asperity_scenario::SetError),
     /// A combination of values is not a valid scenario, though each value is.
-    #[error("these values do not make a valid scenario: {reason}")]
-    Scenario {
-        /// The fault.
-        reason: String,
-    },
+    #[error("these values do not make a valid scenario: {0}")]
+    Scenario(String),
     /// A run of a sweep has other interfaces than the first, and so other columns.
     #[error("this run has other interfaces than the first run of the sweep")]
     OtherColumns,
@@ -95,48 +92,35 @@ fn at(interface: Option<&str>) -> String {
 
 /// A table of pressures and stiffnesses that cannot be fitted.
 #[derive(Debug, Error)]
+#[error("{}: {fault}", path.display())]
+pub struct FitTableError {
+    /// The file.
+    pub path: PathBuf,
+    /// Its fault.
+    pub fault: FitTableFault,
+}
+
+/// Fault of a table of pressures and stiffnesses.
+#[derive(Debug, Error)]
 #[non_exhaustive]
-pub enum FitTableError {
-    /// The file cannot be opened.
-    #[error("{}: {source}", path.display())]
-    Input {
-        /// The file.
-        path: PathBuf,
-        /// The error.
-        source: InputError,
-    },
-    /// The header is not the one expected.
-    #[error(
-        "{}: line 1 is \"{found}\"; the header pressure_pa,stiffness_pa_per_m is expected",
-        path.display()
-    )]
-    Header {
-        /// The file.
-        path: PathBuf,
-        /// The first line.
-        found: String,
-    },
+pub enum FitTableFault {
+    /// The file cannot be read.
+    #[error(transparent)]
+    Input(#[from] InputError),
+    /// The first line is not the header.
+    #[error("line 1 is \"{0}\"; the header pressure_pa,stiffness_pa_per_m is expected")]
+    Header(String),
     /// A row is not two numbers.
-    #[error(
-        "{}: line {line} is \"{found}\"; two numbers are expected: pressure_pa,stiffness_pa_per_m",
-        path.display()
-    )]
+    #[error("line {line} is \"{found}\"; two numbers are expected: pressure_pa,stiffness_pa_per_m")]
     Row {
-        /// The file.
-        path: PathBuf,
         /// Line, from 1.
         line: usize,
         /// The line.
         found: String,
     },
     /// The points do not determine a power law.
-    #[error("{}: {source}", path.display())]
-    Fit {
-        /// The file.
-        path: PathBuf,
-        /// The error.
-        source: LawError,
-    },
+    #[error(transparent)]
+    Fit(#[from] LawError),
 }
 
 /// Results that cannot be written.
@@ -152,11 +136,8 @@ pub enum OutputError {
         example: String,
     },
     /// The path is a file.
-    #[error("the output folder {} is a file", folder.display())]
-    NotAFolder {
-        /// The path.
-        folder: PathBuf,
-    },
+    #[error("the output folder {} is a file", .0.display())]
+    NotAFolder(PathBuf),
     /// The operating system refuses.
     #[error("cannot write {}: {source}", path.display())]
     Io {

@@ -1,15 +1,14 @@
 //! Tables of the laws of a scenario, and the fit of the power law to measurements.
 
-use std::io::Read;
 use std::path::Path;
 use std::sync::Arc;
 
 use asperity_law::{ContactLaw, PowerFit, fit_power};
 use asperity_mesh::Body;
-use asperity_scenario::{LawRef, LawSpec, Laws, Scenario, open_input};
+use asperity_scenario::{LawRef, LawSpec, Laws, Scenario, read_text};
 
 use crate::assemble::{body, build_law};
-use crate::error::{FitTableError, StudyError};
+use crate::error::{FitTableError, FitTableFault, StudyError};
 
 /// Rows of a tabulated law.
 const ROWS: usize = 501;
@@ -91,23 +90,11 @@ fn highest_point(spec: &LawSpec, laws: &Laws) -> f64 {
 
 fn table(name: &str, law: &Arc<dyn ContactLaw>, top: f64) -> LawTable {
     let pressures = (0..ROWS).map(|row| top * (row as f64 / (ROWS - 1) as f64).powi(2));
-    let mut table = LawTable {
-        name: name.to_owned(),
-        pressure: Vec::with_capacity(ROWS),
-        stiffness: Vec::with_capacity(ROWS),
-        closure: Vec::with_capacity(ROWS),
-        energy: Vec::with_capacity(ROWS),
-    };
-    for pressure in pressures {
-        let closure = law.closure(pressure);
-        if closure.is_finite() {
-            table.pressure.push(pressure);
-            table.stiffness.push(law.stiffness(pressure));
-            table.closure.push(closure);
-            table.energy.push(law.energy(closure));
-        }
-    }
-    table
+    let pairs = pressures.map(|pressure| (pressure, law.closure(pressure)));
+    let (pressure, closure): (Vec<f64>, Vec<f64>) = pairs.filter(|pair| pair.1.is_finite()).unzip();
+    let stiffness = pressure.iter().map(|&pressure| law.stiffness(pressure)).collect();
+    let energy = closure.iter().map(|&closure| law.energy(closure)).collect();
+    LawTable { name: name.to_owned(), pressure, stiffness, closure, energy }
 }
 
 /// Fits `ln K = ln C + m ln p` to a CSV of `pressure_pa,stiffness_pa_per_m` rows.
@@ -128,27 +115,22 @@ fn table(name: &str, law: &Arc<dyn ContactLaw>, top: f64) -> LawTable {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn fit(path: &Path) -> Result<PowerFit, FitTableError> {
-    let points = read_points(path)?;
-    fit_power(&points).map_err(|source| FitTableError::Fit { path: path.to_owned(), source })
+    let fitted = read_points(path).and_then(|points| Ok(fit_power(&points)?));
+    fitted.map_err(|fault| FitTableError { path: path.to_owned(), fault })
 }
 
-fn read_points(path: &Path) -> Result<Vec<(f64, f64)>, FitTableError> {
-    let fail = |source| FitTableError::Input { path: path.to_owned(), source };
-    let file = open_input(path, MOST_FIT_BYTES).map_err(fail)?;
-    let mut text = String::new();
-    file.take(MOST_FIT_BYTES).read_to_string(&mut text).map_err(|error| fail(error.into()))?;
+fn read_points(path: &Path) -> Result<Vec<(f64, f64)>, FitTableFault> {
+    let text = read_text(path, MOST_FIT_BYTES)?;
     let mut lines = text.trim_start_matches('\u{feff}').lines().enumerate();
     let header = lines.next().map(|(_, line)| line.trim()).unwrap_or_default();
     if header.replace(' ', "") != "pressure_pa,stiffness_pa_per_m" {
-        return Err(FitTableError::Header { path: path.to_owned(), found: header.to_owned() });
+        return Err(FitTableFault::Header(header.to_owned()));
     }
     let rows = lines.filter(|(_, line)| !line.trim().is_empty());
     rows.map(|(number, line)| {
         let parse = |field: &str| field.trim().parse::<f64>().ok();
         let pair = line.split_once(',').and_then(|(p, k)| Some((parse(p)?, parse(k)?)));
-        let row = || (path.to_owned(), number + 1, line.to_owned());
-        pair.ok_or_else(row)
+        pair.ok_or_else(|| FitTableFault::Row { line: number + 1, found: line.to_owned() })
     })
-    .map(|row| row.map_err(|(path, line, found)| FitTableError::Row { path, line, found }))
     .collect()
 }

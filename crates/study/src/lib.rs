@@ -38,7 +38,7 @@ pub mod sweep;
 pub mod warning;
 
 pub use laws::{fit, tabulate};
-pub use run::simulate;
+pub use run::{simulate, simulate_with_progress};
 pub use sensitivity::sensitivities;
-pub use steady::steady;
-pub use sweep::sweep;
+pub use steady::{steady, steady_with_progress};
+pub use sweep::{sweep, sweep_with_progress};

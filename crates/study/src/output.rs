@@ -39,7 +39,7 @@ impl OutputFolder {
             Err(source) => return Err(OutputError::Io { path, source }),
         };
         if !metadata.is_dir() {
-            return Err(OutputError::NotAFolder { folder: path });
+            return Err(OutputError::NotAFolder(path));
         }
         let earlier_output = MARKS.iter().any(|mark| path.join(mark).is_file());
         if !overwrite && !earlier_output {

@@ -25,21 +25,13 @@ pub enum ParameterError {
     #[error(transparent)]
     Pointer(#[from] PointerError),
     /// There is no number at this place.
-    #[error(
-        "`{pointer}` is not a number of the scenario; expected a pointer such as /excitation/peak_n"
-    )]
-    NotANumber {
-        /// The pointer.
-        pointer: String,
-    },
+    #[error("`{0}` is not a number of the scenario; expected a pointer such as /excitation/peak_n")]
+    NotANumber(String),
     /// The number sets the computation or the sampling.
     #[error(
-        "`{pointer}` is a setting of the computation; expected a number of the structure, its laws or its force"
+        "`{0}` is a setting of the computation; expected a number of the structure, its laws or its force"
     )]
-    Setting {
-        /// The pointer.
-        pointer: String,
-    },
+    Setting(String),
 }
 
 impl ScenarioParameter {
@@ -53,11 +45,11 @@ impl ScenarioParameter {
         let parts: JsonPointer = pointer.parse()?;
         let first = parts.parts().first().map(String::as_str).unwrap_or_default();
         if SETTINGS.contains(&first) {
-            return Err(ParameterError::Setting { pointer });
+            return Err(ParameterError::Setting(pointer));
         }
         match scenario.pointer(&pointer).and_then(Value::as_f64) {
             Some(value) => Ok(Self { pointer, value }),
-            None => Err(ParameterError::NotANumber { pointer }),
+            None => Err(ParameterError::NotANumber(pointer)),
         }
     }
 

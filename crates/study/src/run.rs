@@ -34,7 +34,7 @@ pub struct Run {
     pub summary: Summary,
 }
 
-/// Carries out the run that `document` describes; `progress` receives the fraction done.
+/// Carries out the run that `document` describes.
 ///
 /// Warnings about the response are in the summary, and logged.
 ///
@@ -45,13 +45,21 @@ pub struct Run {
 /// # use asperity_scenario::Document;
 /// # use asperity_study::run::simulate;
 /// let document = Document::read("examples/block.json")?;
-/// let run = simulate(&document, &document.scenario()?, &|_| ())?;
+/// let run = simulate(&document, &document.scenario()?)?;
 /// let fundamental = run.summary.fundamental.unwrap();
 /// let at_rest = run.summary.at_rest.natural_frequency_hz.unwrap();
 /// assert!((fundamental.frequency_hz / at_rest - 1.0).abs() < 0.05);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn simulate(
+pub fn simulate(document: &Document, scenario: &Scenario) -> Result<Run, StudyError> {
+    simulate_with_progress(document, scenario, &|_| ())
+}
+
+/// As [`simulate`]; `progress` receives the fraction done.
+///
+/// # Errors
+/// Those of [`simulate`].
+pub fn simulate_with_progress(
     document: &Document,
     scenario: &Scenario,
     progress: &(dyn Fn(f64) + Sync),
@@ -59,7 +67,9 @@ pub fn simulate(
     let started = Instant::now();
     let assembly =
         info_span!("assemble").in_scope(|| Assembly::new(scenario, document.folder()))?;
-    let transient = info_span!("integrate").in_scope(|| integrate(&assembly, progress))?;
+    let Assembly { structure, excitation, sampling, method } = &assembly;
+    let transient = info_span!("integrate")
+        .in_scope(|| method.integrate_with_progress(structure, excitation, sampling, progress))?;
     let stage = info_span!("analyse").entered();
     let at_rest = StaticSummary::of(&assembly);
     let observables = observables(&assembly, &at_rest, &transient)?;
@@ -78,18 +88,6 @@ pub fn simulate(
     let title = scenario.title.clone();
     let summary = Summary::new(title, at_rest, &observables, numerics, provenance);
     Ok(Run { assembly, transient, observables, summary })
-}
-
-/// Integrates an assembled scenario.
-///
-/// # Errors
-/// [`StudyError::Dynamics`] when the integration fails.
-pub fn integrate(
-    assembly: &Assembly,
-    progress: &(dyn Fn(f64) + Sync),
-) -> Result<Transient, StudyError> {
-    let Assembly { structure, excitation, sampling, method } = assembly;
-    Ok(method.integrate_with_progress(structure, excitation, sampling, progress)?)
 }
 
 /// The observables of a response at the output rate.

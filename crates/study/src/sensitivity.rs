@@ -60,11 +60,8 @@ pub enum SensitivityError {
     #[error(transparent)]
     Parameter(#[from] ParameterError),
     /// A parameter of zero has no scale to vary it by.
-    #[error("`{pointer}` is zero, which gives no scale to vary it by; expected another value")]
-    Zero {
-        /// The pointer.
-        pointer: String,
-    },
+    #[error("`{0}` is zero, which gives no scale to vary it by; expected another value")]
+    Zero(String),
     /// A parameter is so near a limit that a neighbour is not valid.
     #[error("`{pointer}` cannot be varied to {value}: {source}")]
     AtLimit {
@@ -76,11 +73,8 @@ pub enum SensitivityError {
         source: Box<InvalidDocument>,
     },
     /// The scenario asks for another integrator.
-    #[error("method \"{method}\" has no derivatives; expected \"modal\"")]
-    Method {
-        /// The method.
-        method: &'static str,
-    },
+    #[error("method \"{0}\" has no derivatives; expected \"modal\"")]
+    Method(&'static str),
     /// The run fails.
     #[error(transparent)]
     Study(#[from] StudyError),
@@ -127,7 +121,7 @@ pub fn sensitivities(
     let scenario = document.scenario()?;
     let prepared = PreparedScenario::new(&scenario, document.folder())?;
     let Some(method) = prepared.modal() else {
-        return Err(SensitivityError::Method { method: prepared.assembly.method.name() });
+        return Err(SensitivityError::Method(prepared.assembly.method.name()));
     };
     let excitation = &prepared.assembly.excitation;
     let counts = prepared.mode_counts(&method, excitation)?;

@@ -17,10 +17,7 @@ use crate::error::StudyError;
 use crate::static_state::StaticSummary;
 
 pub use check::TimeCheck;
-pub use summary::{
-    BackboneSummary, BackbonesSummary, BifurcationSummary, BranchSummary, LevelSummary,
-    STEADY_SCHEMA, SteadySummary, TerminationSummary,
-};
+pub use summary::STEADY_SCHEMA;
 pub use table::{backbone_csv, steady_csv};
 
 /// Truncation that the automatic choice of harmonics aims at, and most harmonics. More would reach
@@ -90,7 +87,7 @@ pub struct Steady {
 /// Computes the steady responses of an assembled scenario to a harmonic force on the top; its own
 /// excitation has no part in them.
 ///
-/// Levels go over all threads; `done` is called after each.
+/// Levels go over all threads.
 ///
 /// # Errors
 /// [`StudyError`] for a request out of range or a structure that cannot be balanced. A level without
@@ -110,15 +107,23 @@ pub struct Steady {
 ///     backbone: false,
 ///     verify: false,
 /// };
-/// let found = steady(&assembly, &request, &|| ())?;
+/// let found = steady(&assembly, &request)?;
 /// let peak = found.levels[0].outcome.as_ref().unwrap().highest().unwrap();
 /// assert!((1200.0..1900.0).contains(&peak.frequency_hz()));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn steady(
+pub fn steady(assembly: &Assembly, request: &SteadyRequest) -> Result<Steady, StudyError> {
+    steady_with_progress(assembly, request, &|| ())
+}
+
+/// As [`steady`]; `progress` is called after each level.
+///
+/// # Errors
+/// Those of [`steady`].
+pub fn steady_with_progress(
     assembly: &Assembly,
     request: &SteadyRequest,
-    done: &(dyn Fn() + Sync),
+    progress: &(dyn Fn() + Sync),
 ) -> Result<Steady, StudyError> {
     let started = Instant::now();
     let _stage = tracing::info_span!("continue branches").entered();
@@ -130,7 +135,7 @@ pub fn steady(
         .par_iter()
         .map(|&force_n| {
             let level = level(assembly, &system, request, &settings, force_n);
-            done();
+            progress();
             level
         })
         .collect::<Result<Vec<_>, StudyError>>()?;

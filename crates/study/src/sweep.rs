@@ -23,7 +23,7 @@ use crate::error::StudyError;
 use crate::observable_extractor::ObservableExtractor;
 use crate::observables::Observables;
 use crate::prepared_scenario::PreparedScenario;
-use crate::run::{integrate, observables};
+use crate::run::observables;
 use plan::Plan;
 
 pub use plan::SweepError;
@@ -41,8 +41,7 @@ const MOST_PREPARED: usize = 64;
 ///
 /// The variations are checked before the first run starts. Runs go over all threads, those with the
 /// modal method many at a time in the lanes of vectors; results are in order and do not depend on
-/// the number of threads and lanes. `progress` receives the numbers of finished and of all runs.
-/// Warnings are logged once a kind.
+/// the number of threads and lanes. Warnings are logged once a kind.
 ///
 /// # Errors
 /// [`SweepError`] when a combination is invalid. A run that fails does not end the sweep: its
@@ -53,12 +52,20 @@ const MOST_PREPARED: usize = 64;
 /// # use asperity_study::sweep::{Variation, sweep};
 /// let document = Document::read("examples/block.json")?;
 /// let forces = Variation::parse("/excitation/peak_n=2:14:3")?;
-/// let results = sweep(&document, &[forces], &|_, _| ())?;
+/// let results = sweep(&document, &[forces])?;
 /// let f1 = [0, 2].map(|run| results.number(run, "fundamental.frequency_hz").unwrap());
 /// assert!(f1[1] < f1[0], "the contact softens with the force");
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn sweep(
+pub fn sweep(document: &Document, variations: &[Variation]) -> Result<Sweep, SweepError> {
+    sweep_with_progress(document, variations, &|_, _| ())
+}
+
+/// As [`sweep`]; `progress` receives the numbers of finished and of all runs.
+///
+/// # Errors
+/// Those of [`sweep`].
+pub fn sweep_with_progress(
     document: &Document,
     variations: &[Variation],
     progress: &(dyn Fn(usize, usize) + Sync),
@@ -85,14 +92,14 @@ pub fn sweep(
         })
         .collect();
     let named = rows.iter().find_map(|row| row.as_ref().ok());
-    let columns = named.map_or_else(|| Arc::from([]), |row| Arc::clone(&row.names));
+    let columns = named.map_or_else(|| Arc::from([]), |(names, _)| Arc::clone(names));
     let mut warnings = Vec::new();
     let runs = rows.into_iter().enumerate().map(|(run, row)| {
-        let row = row?;
+        let (names, found) = row?;
         // Values may rename an interface, or add a body: the table has no columns for such runs.
-        if Arc::ptr_eq(&row.names, &columns) || row.names == columns {
-            warnings.extend(row.found.warnings.into_iter().map(|warning| (run, warning)));
-            Ok(row.found.values)
+        if Arc::ptr_eq(&names, &columns) || names == columns {
+            warnings.extend(found.warnings.into_iter().map(|warning| (run, warning)));
+            Ok(found.values)
         } else {
             Err(StudyError::OtherColumns)
         }
@@ -120,10 +127,7 @@ pub fn on_threads<T: Send>(threads: Option<usize>, work: impl FnOnce() -> T + Se
 }
 
 /// The observables of one run, and their names, which runs share.
-struct Row {
-    names: Arc<[String]>,
-    found: Observables,
-}
+type Row = (Arc<[String]>, Observables);
 
 /// State shared by the tasks of a sweep.
 struct Work<'a> {
@@ -153,7 +157,9 @@ impl Work<'_> {
                     of.push((place, prepared));
                     None
                 }
-                Ok((prepared, Started::Done(found))) => Some(Ok(Row::new(&prepared, found))),
+                Ok((prepared, Started::Done(found))) => {
+                    Some(Ok((Arc::clone(&prepared.names), found)))
+                }
                 Err(error) => Some(Err(error)),
             });
         }
@@ -164,7 +170,7 @@ impl Work<'_> {
         for ((record, hit), (place, prepared)) in records.into_iter().zip(&hits).zip(&of) {
             let row = record.map_err(StudyError::from).and_then(|record| {
                 let found = self.extractor.observables(prepared, hit, &record)?;
-                Ok(Row::new(prepared, found))
+                Ok((Arc::clone(&prepared.names), found))
             });
             rows[*place] = Some(row);
         }
@@ -181,7 +187,8 @@ impl Work<'_> {
             return Ok((prepared, Started::Hit(Box::new(hit))));
         }
         let assembly = Assembly::new(&self.plan.scenario(&chosen)?, self.plan.folder())?;
-        let transient = integrate(&assembly, &|_| ())?;
+        let Assembly { structure, excitation, sampling, method } = &assembly;
+        let transient = method.integrate(structure, excitation, sampling)?;
         let found = observables(&assembly, &prepared.at_rest, &transient)?;
         Ok((prepared, Started::Done(found)))
     }
@@ -200,11 +207,5 @@ impl Work<'_> {
         }
         // Another task may have been faster; both results are the same.
         Ok(Arc::clone(all.entry(key).or_insert(prepared)))
-    }
-}
-
-impl Row {
-    fn new(prepared: &PreparedScenario, found: Observables) -> Self {
-        Self { names: Arc::clone(&prepared.names), found }
     }
 }

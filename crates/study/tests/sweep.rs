@@ -16,7 +16,7 @@ fn document(name: &str) -> Document {
 
 fn swept(document: &Document, vary: &[&str]) -> Sweep {
     let variations: Vec<Variation> = vary.iter().map(|v| Variation::parse(v).unwrap()).collect();
-    sweep(document, &variations, &|_, _| ()).unwrap()
+    sweep(document, &variations).unwrap()
 }
 
 /// Largest relative difference allowed between a sweep's number and a single run's.
@@ -50,7 +50,7 @@ fn compare(document: &Document, vary: &[&str], corners: bool) {
             alone.set(&variation.pointer, value).unwrap();
         }
         let scenario = alone.scenario().unwrap();
-        let single = simulate(&alone, &scenario, &|_| ()).unwrap().observables;
+        let single = simulate(&alone, &scenario).unwrap().observables;
         let numbers = sweep.runs[run].as_ref().unwrap();
         assert_eq!(numbers.len(), single.values.len());
         for ((column, &expected), found) in
@@ -130,8 +130,7 @@ fn average_stiffness_is_that_of_a_single_run() {
         let sweep = swept(&document, &["/interfaces/0/law=modified,pl"]);
         for (run, law) in ["modified", "pl"].iter().enumerate() {
             document.set("/interfaces/0/law", law).unwrap();
-            let summary =
-                simulate(&document, &document.scenario().unwrap(), &|_| ()).unwrap().summary;
+            let summary = simulate(&document, &document.scenario().unwrap()).unwrap().summary;
             for contact in &summary.interfaces {
                 let column = format!("interfaces.{}.stiffness_average_pa_per_m", contact.name);
                 let found = sweep.number(run, &column).unwrap();
@@ -150,7 +149,7 @@ fn warnings_are_those_of_a_single_run() {
     document.set("/interfaces/0/law", "measured").unwrap();
     let sweep = swept(&document, &["/excitation/peak_n=1,32"]);
     let scenario = document.scenario().unwrap();
-    let single = simulate(&document, &scenario, &|_| ()).unwrap().summary;
+    let single = simulate(&document, &scenario).unwrap().summary;
     assert_eq!(single.warnings.len(), 1);
     let of_last: Vec<_> = sweep.warnings.iter().filter(|(run, _)| *run == 1).collect();
     assert_eq!(of_last.len(), 1);
@@ -193,6 +192,6 @@ fn invalid_values_are_errors_before_the_first_run() {
         ["/excitation/peek_n=1:2:1000", "/bodies/0/length_m=-1:1:1000", "/method/step_s=0,1e-5"]
     {
         let variations = [Variation::parse(vary).unwrap()];
-        assert!(sweep(&document, &variations, &|_, _| ()).is_err(), "{vary}");
+        assert!(sweep(&document, &variations).is_err(), "{vary}");
     }
 }

@@ -3,7 +3,7 @@
 use std::slice;
 
 use anyhow::{Context, Result, ensure};
-use asperity_experiment::{AnalysisOptions, ChannelSelector, FrequencyBand, HitCount, analyse};
+use asperity_experiment::{AnalysisOptions, FrequencyBand, HitCount, analyse};
 use asperity_figure::{Axis, Figure, Legend, Marker, Panel, Series};
 use asperity_measure::{Format, WriteOptions, write};
 use asperity_study::record::measurement_record;
@@ -74,7 +74,7 @@ fn both_paths(case: &Case, run: &Run) -> Result<(Observed, Observed)> {
     let record = measurement_record(&run.transient.history, rate, None);
     write(&file, slice::from_ref(&record), Format::UniversalBinary, &WriteOptions::default())?;
     let options = AnalysisOptions {
-        response: Some(ChannelSelector::of_text("acceleration")),
+        response: Some("acceleration".into()),
         hits: HitCount::Strongest(1),
         band_hz: Some(FrequencyBand { low_hz: 0.4 * natural, high_hz: 1.4 * natural }),
         ..AnalysisOptions::default()

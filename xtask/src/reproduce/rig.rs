@@ -113,7 +113,7 @@ impl Rig {
         if let Some(done) = locked(&self.runs)?.get(&key) {
             return Ok(Arc::clone(done));
         }
-        let run = Arc::new(simulate(&case.document, &case.scenario, &|_| ())?);
+        let run = Arc::new(simulate(&case.document, &case.scenario)?);
         locked(&self.summaries)?.insert(key.clone(), Arc::new(run.summary.clone()));
         locked(&self.runs)?.insert(key, Arc::clone(&run));
         Ok(run)
@@ -127,7 +127,7 @@ impl Rig {
             if let Some(done) = locked(&self.summaries)?.get(&key) {
                 return Ok(Arc::clone(done));
             }
-            let summary = Arc::new(simulate(&case.document, &case.scenario, &|_| ())?.summary);
+            let summary = Arc::new(simulate(&case.document, &case.scenario)?.summary);
             locked(&self.summaries)?.insert(key, Arc::clone(&summary));
             Ok(summary)
         })
@@ -142,7 +142,7 @@ impl Rig {
     ) -> Result<Vec<T>> {
         self.each(cases, |case| {
             let key = case.document.sha256();
-            let run = simulate(&case.document, &case.scenario, &|_| ())?;
+            let run = simulate(&case.document, &case.scenario)?;
             locked(&self.summaries)?.insert(key, Arc::new(run.summary.clone()));
             of(case, &run)
         })

@@ -3,9 +3,9 @@
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 
+use asperity_identify::inference::Progress;
 use asperity_identify::{
-    Identification, IdentificationError, IdentificationProblem, IdentificationProgress,
-    identify_with_progress,
+    Identification, IdentificationError, IdentificationProblem, identify_with_progress,
 };
 use indicatif::ProgressBar;
 use tracing::info_span;
@@ -25,13 +25,14 @@ pub(crate) fn run(
     let problem = info_span!("read").in_scope(|| IdentificationProblem::read(path))?;
     let folder = ResultFolder::claim(path, output)?;
     let bar: Mutex<Option<(&str, ProgressBar)>> = Mutex::new(None);
-    let show = |step: IdentificationProgress| {
+    let show = |step: Progress| {
+        let stage = step.stage.name();
         let mut bar = bar.lock().unwrap_or_else(PoisonError::into_inner);
-        if bar.as_ref().is_none_or(|(name, _)| *name != step.name) {
+        if bar.as_ref().is_none_or(|(name, _)| *name != stage) {
             if let Some((_, old)) = bar.take() {
                 old.finish_and_clear();
             }
-            *bar = Some((step.name, crate::progress::bar(step.of as u64, step.name, quiet)));
+            *bar = Some((stage, crate::progress::bar(step.of as u64, stage, quiet)));
         }
         if let Some((_, bar)) = bar.as_ref() {
             bar.set_length(step.of as u64);

@@ -7,7 +7,7 @@ use asperity_experiment::AnalysisError;
 use asperity_measure::{MeasureError, WriteOptions, write};
 use asperity_study::error::OutputError;
 use asperity_study::record::{frf_csv, history_csv, measurement_record};
-use asperity_study::run::{receptance, simulate};
+use asperity_study::run::{receptance, simulate_with_progress};
 use asperity_study::summary::Summary;
 use serde_json::json;
 
@@ -30,7 +30,7 @@ pub(crate) fn run(
 
     let bar = crate::progress::bar(100, "integrating", quiet);
     let shown = AtomicU64::new(0);
-    let run = simulate(&document, &scenario, &|fraction| {
+    let run = simulate_with_progress(&document, &scenario, &|fraction| {
         let percent = (100.0 * fraction) as u64;
         if shown.swap(percent, Ordering::Relaxed) != percent {
             bar.set_position(percent);

@@ -4,10 +4,9 @@ use asperity_structure::PreloadedContact;
 use asperity_study::assemble::Assembly;
 use asperity_study::static_state::StaticSummary;
 use asperity_study::steady::{
-    Steady, SteadyRequest, SteadySummary, backbone_csv, steady, steady_csv,
+    Steady, SteadyRequest, backbone_csv, steady_csv, steady_with_progress,
 };
 use asperity_study::summary::Provenance;
-use serde_json::json;
 
 use super::ResultFolder;
 use crate::args::{Input, Output, SteadyRange};
@@ -35,7 +34,8 @@ pub(crate) fn run(
     };
     let folder = ResultFolder::claim(document.path(), output)?;
     let bar = crate::progress::bar(request.amplitudes.len() as u64, "amplitudes", quiet);
-    let found = super::on_threads(threads, || steady(&assembly, &request, &|| bar.inc(1)));
+    let work = || steady_with_progress(&assembly, &request, &|| bar.inc(1));
+    let found = super::on_threads(threads, work);
     bar.finish_and_clear();
     let found = found??;
 
@@ -49,8 +49,8 @@ pub(crate) fn run(
         folder.draw("steady.svg", &figure)?;
     }
     let (at_rest, provenance) = (StaticSummary::of(&assembly), Provenance::new(document.sha256()));
-    let summary = SteadySummary::new(scenario.title, at_rest, &found, provenance);
-    folder.answer("summary.json", &json!(summary), output.json)?;
+    let summary = found.summary(scenario.title.as_deref(), &at_rest, &provenance);
+    folder.answer("summary.json", &summary, output.json)?;
     if !output.json && !quiet {
         print_peaks(&found);
         answer_line!("written to {}", folder.path().display());

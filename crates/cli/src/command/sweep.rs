@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::time::Instant;
 
 use asperity_study::summary::Provenance;
-use asperity_study::sweep::{Variation, number_of_runs, sweep};
+use asperity_study::sweep::{Variation, number_of_runs, sweep_with_progress};
 use serde_json::json;
 
 use super::ResultFolder;
@@ -27,7 +27,8 @@ pub(crate) fn run(
     let folder = ResultFolder::claim(document.path(), output)?;
     let bar = crate::progress::bar(runs as u64, "runs", quiet);
     let started = Instant::now();
-    let work = || sweep(&document, &variations, &|done, _| bar.set_position(done as u64));
+    let work =
+        || sweep_with_progress(&document, &variations, &|done, _| bar.set_position(done as u64));
     let results = super::on_threads(threads, work);
     bar.finish_and_clear();
     let results = results??;

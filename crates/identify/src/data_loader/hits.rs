@@ -4,56 +4,47 @@ use serde_json::Value;
 
 use super::{Loader, check_scenario};
 use crate::error::IdentificationError;
-use crate::hit::{HitForce, RigScenario, SimulatedHit};
-use crate::problem::{Changes, HitConditionsSpec};
-use crate::records;
-use asperity_scenario::set_value;
-
-/// The source of the force of a hit.
-#[derive(Clone, Copy)]
-pub(super) enum ForceSource<'a> {
-    Spec(&'a HitConditionsSpec),
-    Record(&'a records::RecordedHit),
-}
+use crate::hit::{HitForce, SimulatedHit, apply};
+use crate::problem::Changes;
+use crate::problem_parameters::is_within;
+use crate::records::RecordedHit;
 
 impl Loader<'_> {
-    /// Index of the hit with these changes, which is added unless an equal one exists.
+    /// Index of the hit with these changes and this peak force \[N\], which is added unless an equal
+    /// one exists.
     pub(super) fn add_hit(
         &mut self,
         place: &str,
         data: &str,
         sets: &[&Changes],
-        drive: ForceSource<'_>,
+        peak_n: Option<f64>,
     ) -> Result<usize, IdentificationError> {
-        let mut of_rig = Changes::new();
-        let mut of_force = Changes::new();
-        let own = match drive {
-            ForceSource::Spec(spec) => Some(&spec.set),
-            ForceSource::Record(_) => None,
-        };
-        for (pointer, value) in sets.iter().copied().chain(own).flatten() {
-            self.check_known(place, pointer)?;
-            let force = pointer.starts_with("/excitation/");
-            let into = if force { &mut of_force } else { &mut of_rig };
-            into.insert(pointer.clone(), value.clone());
+        let (rig, set) = self.rig(place, sets)?;
+        if peak_n.is_some() {
+            self.check_known(place, "/excitation/peak_n")?;
+            self.check_peak(place)?;
         }
-        let rig = self.rig(place, &of_rig, &of_force)?;
-        let (drive, duration) = match drive {
-            ForceSource::Spec(spec) => {
-                if spec.force_peak_n.is_some() {
-                    self.check_known(place, "/excitation/peak_n")?;
-                    self.check_peak(place)?;
-                }
-                (HitForce::Scenario { set: of_force, peak_n: spec.force_peak_n }, None)
-            }
-            ForceSource::Record(recorded) => {
-                let (time_s, force_n) = (recorded.time_s.clone(), recorded.force_n.clone());
-                (HitForce::Record { time_s, force_n }, Some(recorded.duration_s))
-            }
-        };
+        Ok(self.add(rig, data, HitForce::Scenario { set, peak_n }, None))
+    }
+
+    /// The same for a hit with a measured force.
+    pub(super) fn add_recorded_hit(
+        &mut self,
+        place: &str,
+        data: &str,
+        set: &Changes,
+        hit: &RecordedHit,
+    ) -> Result<usize, IdentificationError> {
+        let (rig, _) = self.rig(place, &[set])?;
+        let drive = HitForce::Record { time_s: hit.time_s.clone(), force_n: hit.force_n.clone() };
+        Ok(self.add(rig, data, drive, Some(hit.duration_s)))
+    }
+
+    fn add(&mut self, rig: usize, data: &str, drive: HitForce, duration: Option<f64>) -> usize {
+        let forward = &mut self.built.forward;
         let hit = SimulatedHit {
             rig,
-            sensors: self.parameters.sensors(data),
+            sensors: forward.parameters.sensors(data),
             drive,
             duration,
             frequencies: Vec::new(),
@@ -64,48 +55,42 @@ impl Loader<'_> {
             (known.rig, &known.drive, known.duration, &known.sensors)
                 == (hit.rig, &hit.drive, hit.duration, &hit.sensors)
         };
-        if let Some(known) = self.found.hits.iter().position(same) {
-            return Ok(known);
-        }
-        self.found.hits.push(hit);
-        Ok(self.found.hits.len() - 1)
+        forward.hits.iter().position(same).unwrap_or_else(|| {
+            forward.hits.push(hit);
+            forward.hits.len() - 1
+        })
     }
 
+    /// Index of the rig with the changes in `sets`, and those of them inside the excitation.
     fn rig(
         &mut self,
         place: &str,
-        changes: &Changes,
-        of_force: &Changes,
-    ) -> Result<usize, IdentificationError> {
-        let mut scenario = self.scenario.clone();
-        for (pointer, value) in changes {
-            set_value(&mut scenario, pointer, &value.to_string())
-                .map_err(|source| IdentificationError::Set { place: place.to_owned(), source })?;
+        sets: &[&Changes],
+    ) -> Result<(usize, Changes), IdentificationError> {
+        let (mut of_rig, mut of_force) = (Changes::new(), Changes::new());
+        for (pointer, value) in sets.iter().copied().flatten() {
+            self.check_known(place, pointer)?;
+            let force = pointer.starts_with("/excitation/");
+            let into = if force { &mut of_force } else { &mut of_rig };
+            into.insert(pointer.clone(), value.clone());
         }
-        let mut whole = scenario.clone();
-        for (pointer, value) in of_force {
-            set_value(&mut whole, pointer, &value.to_string())
-                .map_err(|source| IdentificationError::Set { place: place.to_owned(), source })?;
-        }
+        let mut rig = self.built.forward.scenario.clone();
+        apply(&mut rig, &of_rig, place)?;
+        let mut whole = rig.clone();
+        apply(&mut whole, &of_force, place)?;
         check_scenario(&whole, self.path)?;
-        let rig = RigScenario { scenario };
-        if let Some(known) = self.found.rigs.iter().position(|known| *known == rig) {
-            return Ok(known);
-        }
-        self.found.rigs.push(rig);
-        Ok(self.found.rigs.len() - 1)
+        let rigs = &mut self.built.forward.rigs;
+        let index = rigs.iter().position(|known| *known == rig).unwrap_or_else(|| {
+            rigs.push(rig);
+            rigs.len() - 1
+        });
+        Ok((index, of_force))
     }
 
     /// Checks that a change does not set a parameter.
     fn check_known(&self, place: &str, pointer: &str) -> Result<(), IdentificationError> {
-        let inside = |a: &str, b: &str| {
-            a.strip_prefix(b).is_some_and(|rest| rest.is_empty() || rest.starts_with('/'))
-        };
-        let clash = self
-            .parameters
-            .pointers()
-            .find(|known| inside(known, pointer) || inside(pointer, known));
-        match clash {
+        let clashes = |known: &&str| is_within(known, pointer) || is_within(pointer, known);
+        match self.built.forward.parameters.pointers().find(clashes) {
             None => Ok(()),
             Some(known) => Err(IdentificationError::Contradiction {
                 pointer: known.to_owned(),
@@ -115,10 +100,10 @@ impl Loader<'_> {
     }
 
     fn check_peak(&self, place: &str) -> Result<(), IdentificationError> {
-        let kind = self.scenario.pointer("/excitation/kind").and_then(Value::as_str);
+        let kind = self.built.forward.scenario.pointer("/excitation/kind").and_then(Value::as_str);
         match kind {
             Some("gamma_pulse" | "half_sine" | "haversine" | "samples") => Ok(()),
-            _ => Err(IdentificationError::NoPeak { place: place.to_owned() }),
+            _ => Err(IdentificationError::NoPeak(place.to_owned())),
         }
     }
 }

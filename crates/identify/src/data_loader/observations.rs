@@ -4,12 +4,11 @@ use std::collections::BTreeMap;
 
 use asperity_inference::Observation;
 
-use super::hits::ForceSource;
 use super::{Loader, ObservationLabel, no_law};
 use crate::data_files::ReceptanceLine;
 use crate::error::IdentificationError;
 use crate::observed_quantity::{ComplexPart, ObservedQuantity};
-use crate::problem::{Changes, HitConditionsSpec, HitSpec, SpreadSpec};
+use crate::problem::{Changes, HitSpec, SpreadSpec};
 use asperity_scenario::four_digits;
 use asperity_study::quantity::Quantity;
 
@@ -25,8 +24,8 @@ impl Loader<'_> {
         points: &[[f64; 2]],
         spread: SpreadSpec,
     ) -> Result<(), IdentificationError> {
-        if self.scenario.pointer("/laws").and_then(|laws| laws.get(law)).is_none() {
-            return Err(no_law(self.scenario, law));
+        if self.built.forward.scenario.pointer("/laws").and_then(|laws| laws.get(law)).is_none() {
+            return Err(no_law(&self.built.forward.scenario, law));
         }
         for &[pressure, stiffness] in points {
             for (quantity, value) in [("pressure [Pa]", pressure), ("stiffness [Pa/m]", stiffness)]
@@ -36,11 +35,12 @@ impl Loader<'_> {
                     return Err(IdentificationError::Value { place, quantity, value, expected });
                 }
             }
-            let quantity = ObservedQuantity::Stiffness { place: self.found.stiffness.len() };
-            self.found.stiffness.push((law.to_owned(), pressure));
+            let quantity =
+                ObservedQuantity::Stiffness { place: self.built.forward.stiffness.len() };
+            self.built.forward.stiffness.push((law.to_owned(), pressure));
             let block = self.next_block();
             let feature = format!("stiffness of {law}");
-            let about = ObservationLabel { data: data.to_owned(), feature, at: Some(pressure) };
+            let about = ObservationLabel::new(data, feature, Some(pressure));
             self.push(place, block, quantity, about, (stiffness, spread.of(stiffness)))?;
         }
         Ok(())
@@ -54,8 +54,7 @@ impl Loader<'_> {
         floor: &BTreeMap<String, SpreadSpec>,
         hit: &HitSpec,
     ) -> Result<(), IdentificationError> {
-        let spec = HitConditionsSpec { force_peak_n: hit.force_peak_n, set: hit.set.clone() };
-        let simulated = self.add_hit(place, data, &[set], ForceSource::Spec(&spec))?;
+        let simulated = self.add_hit(place, data, &[set, &hit.set], hit.force_peak_n)?;
         let block = self.next_block();
         for (feature, measured) in &hit.features {
             let column = self.column(place, feature)?;
@@ -66,11 +65,7 @@ impl Loader<'_> {
                 let (place, feature) = (place.to_owned(), feature.clone());
                 return Err(IdentificationError::NoDeviation { place, feature });
             }
-            let about = ObservationLabel {
-                data: data.to_owned(),
-                feature: feature.clone(),
-                at: hit.force_peak_n,
-            };
+            let about = ObservationLabel::new(data, feature, hit.force_peak_n);
             let quantity = ObservedQuantity::Feature { hit: simulated, column };
             self.push(place, block, quantity, about, (value, deviation))?;
         }
@@ -89,16 +84,14 @@ impl Loader<'_> {
         let block = self.next_block();
         let largest = lines.iter().map(|line| line.value.norm()).fold(0.0, f64::max);
         for line in lines {
-            let at = self.found.hits[simulated].frequencies.len();
-            self.found.hits[simulated].frequencies.push(line.frequency_hz);
+            let frequencies = &mut self.built.forward.hits[simulated].frequencies;
+            let at = frequencies.len();
+            frequencies.push(line.frequency_hz);
             for (part, word) in [(ComplexPart::Real, "real"), (ComplexPart::Imaginary, "imaginary")]
             {
                 let quantity = ObservedQuantity::Receptance { hit: simulated, place: at, part };
-                let about = ObservationLabel {
-                    data: data.to_owned(),
-                    feature: format!("receptance, {word} part"),
-                    at: Some(line.frequency_hz),
-                };
+                let feature = format!("receptance, {word} part");
+                let about = ObservationLabel::new(data, feature, Some(line.frequency_hz));
                 let deviation = spread(line.deviation).of(largest);
                 self.push(place, block, quantity, about, (part.of(line.value), deviation))?;
             }
@@ -107,8 +100,8 @@ impl Loader<'_> {
     }
 
     pub(super) fn next_block(&mut self) -> usize {
-        self.found.blocks += 1;
-        self.found.blocks - 1
+        self.blocks += 1;
+        self.blocks - 1
     }
 
     pub(super) fn push(
@@ -119,7 +112,8 @@ impl Loader<'_> {
         about: ObservationLabel,
         (value, deviation): (f64, f64),
     ) -> Result<(), IdentificationError> {
-        for (known, earlier) in self.found.quantities.iter().zip(&self.found.observations) {
+        let forward = &mut self.built.forward;
+        for (known, earlier) in forward.quantities.iter().zip(&forward.observations) {
             let apart = (earlier.value - value).abs() / earlier.standard_deviation.hypot(deviation);
             if *known == quantity && apart > MAX_APART {
                 return Err(IdentificationError::Contradictory {
@@ -132,14 +126,14 @@ impl Loader<'_> {
             }
         }
         let at = about.at.map_or_else(String::new, |at| format!(" at {}", four_digits(at)));
-        self.found.quantities.push(quantity);
-        self.found.observations.push(Observation {
+        forward.quantities.push(quantity);
+        forward.observations.push(Observation {
             label: format!("{}: {}{at}", about.data, about.feature),
             block,
             value,
             standard_deviation: deviation,
         });
-        self.found.about.push(about);
+        self.built.about.push(about);
         Ok(())
     }
 
@@ -147,7 +141,7 @@ impl Loader<'_> {
         // Data need exact derivatives.
         let known =
             Quantity::of_name(feature).is_some_and(|(quantity, _)| quantity.has_derivative());
-        self.columns.find(feature).filter(|_| known).ok_or_else(|| {
+        self.built.forward.columns.find(feature).filter(|_| known).ok_or_else(|| {
             let all = Quantity::ALL.iter().copied().filter(|quantity| quantity.has_derivative());
             IdentificationError::Feature {
                 place: place.to_owned(),

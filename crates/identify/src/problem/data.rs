@@ -8,14 +8,12 @@ use serde::{Deserialize, Serialize};
 use super::Changes;
 
 /// Data of one kind.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
 pub enum DataSpec {
     /// Features of hits, written in place.
     Hits {
         /// A name.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
-        #[schemars(with = "String")]
         name: Option<String>,
         /// Changes of the scenario for these hits, such as a preload: JSON
         /// Pointers and values.
@@ -31,8 +29,6 @@ pub enum DataSpec {
     /// Features of hits, from the `analysis.json` of `asperity analyse`.
     Analysis {
         /// A name.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
-        #[schemars(with = "String")]
         name: Option<String>,
         /// The file, relative to the folder of the problem.
         #[schemars(length(min = 1))]
@@ -51,8 +47,6 @@ pub enum DataSpec {
     /// The receptance of one hit in a band, from a `frf.csv`.
     Frf {
         /// A name.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
-        #[schemars(with = "String")]
         name: Option<String>,
         /// The file, relative to the folder of the problem, with the columns
         /// `frequency_hz` and real and imaginary part in m/N.
@@ -74,15 +68,11 @@ pub enum DataSpec {
     /// Frequency over amplitude along the decay of one hit, from a `backbone.csv`.
     Backbone {
         /// A name.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
-        #[schemars(with = "String")]
         name: Option<String>,
         /// The file, relative to the folder of the problem.
         #[schemars(length(min = 1))]
         file: String,
         /// Number of the hit in the file; the only one when left out.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
-        #[schemars(with = "usize")]
         index: Option<usize>,
         /// The hit.
         #[serde(default)]
@@ -94,19 +84,13 @@ pub enum DataSpec {
     /// receptances are compared in a band.
     Records {
         /// A name.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
-        #[schemars(with = "String")]
         name: Option<String>,
         /// The files, relative to the folder of the problem.
         #[schemars(length(min = 1))]
         files: Vec<String>,
         /// The channel of the force, as for `asperity analyse`.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
-        #[schemars(with = "String")]
         force: Option<String>,
         /// The channel of the response.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
-        #[schemars(with = "String")]
         response: Option<String>,
         /// Changes of the scenario for these hits.
         #[serde(default, skip_serializing_if = "Changes::is_empty")]
@@ -150,7 +134,6 @@ pub enum DataSpec {
 pub struct HitConditionsSpec {
     /// Largest force in N; the scenario's when left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(with = "f64")]
     pub force_peak_n: Option<f64>,
     /// Changes of the scenario for this hit: JSON Pointers and values.
     #[serde(default, skip_serializing_if = "Changes::is_empty")]
@@ -158,12 +141,10 @@ pub struct HitConditionsSpec {
 }
 
 /// A hit and its features.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct HitSpec {
     /// Largest force in N; the scenario's when left out.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(with = "f64")]
     pub force_peak_n: Option<f64>,
     /// Changes of the scenario for this hit: JSON Pointers and values.
     #[serde(default, skip_serializing_if = "Changes::is_empty")]
@@ -174,7 +155,7 @@ pub struct HitSpec {
 }
 
 /// A measured number, with or without its standard deviation.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum Measured {
     /// The number; its standard deviation is the floor's.
@@ -184,7 +165,7 @@ pub enum Measured {
 }
 
 /// A number with its standard deviation.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Uncertain {
     /// The number.

@@ -1,10 +1,10 @@
 //! Parameters of a problem file.
 
 use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 
 /// One parameter to identify, or several of one law.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
 pub enum ParameterSpec {
     /// A number of the scenario.
@@ -13,22 +13,14 @@ pub enum ParameterSpec {
         #[schemars(length(min = 1))]
         pointer: String,
         /// Its name in the results; the pointer when left out.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
-        #[schemars(with = "String")]
         name: Option<String>,
         /// The least and the greatest value.
         bounds: [f64; 2],
         /// Start of the fit; the scenario's value when left out.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
-        #[schemars(with = "f64")]
         start: Option<f64>,
         /// Its scale; logarithmic by default when both bounds are positive.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
-        #[schemars(with = "ScaleSpec")]
         scale: Option<ScaleSpec>,
         /// Its prior.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
-        #[schemars(with = "PriorSpec")]
         prior: Option<PriorSpec>,
     },
     /// The stiffnesses at the knots of a modified power law or the points of a
@@ -46,25 +38,19 @@ pub enum ParameterSpec {
         /// The channel.
         channel: ChannelSpec,
         /// Its name in the results.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
-        #[schemars(with = "String")]
         name: Option<String>,
         /// Names of the data it holds for; all when left out.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
-        #[schemars(with = "Vec<String>")]
         data: Option<Vec<String>>,
         /// The least and the greatest value.
         #[serde(default = "default_gains")]
         bounds: [f64; 2],
         /// Its prior.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
-        #[schemars(with = "PriorSpec")]
         prior: Option<PriorSpec>,
     },
 }
 
 /// The scale of a parameter.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum ScaleSpec {
     /// Its value.
@@ -74,23 +60,21 @@ pub enum ScaleSpec {
 }
 
 /// A normal distribution: of the value, or on a logarithmic scale of its logarithm.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PriorSpec {
     /// Its mean.
     pub value: f64,
     /// Its standard deviation; give this or relative.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(with = "f64", extend("exclusiveMinimum" = 0.0))]
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
     pub standard_deviation: Option<f64>,
     /// Its standard deviation over its mean.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(with = "f64", extend("exclusiveMinimum" = 0.0))]
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
     pub relative: Option<f64>,
 }
 
 /// A channel of a measurement.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum ChannelSpec {
     /// The hammer's force.

@@ -10,7 +10,7 @@ use asperity_signal::{
 use asperity_study::run::simulate;
 use serde_json::{Value, json};
 
-/// Time before the blow \[s\].
+/// Time before the hit \[s\].
 const BEFORE_S: f64 = 5e-3;
 
 /// Responses of a rig without measurement errors.
@@ -34,7 +34,7 @@ pub struct Sensors {
 }
 
 impl Truth {
-    /// The `scenario` struck with these peaks \[N\], by finite differences.
+    /// Hits on the `scenario` with these peaks \[N\], by finite differences.
     pub fn new(scenario: &str, peaks: &[f64], changes: &[(&str, &str)]) -> Self {
         let mut document = Document::read(scenario).unwrap();
         for (pointer, value) in changes {
@@ -45,7 +45,7 @@ impl Truth {
         let hits = peaks.iter().map(|peak| {
             document.set("/excitation/peak_n", &peak.to_string()).unwrap();
             let typed = document.scenario().unwrap();
-            let history = simulate(&document, &typed, &|_| ()).unwrap().transient.history;
+            let history = simulate(&document, &typed).unwrap().transient.history;
             (*peak, history.force, history.acceleration)
         });
         let hits = hits.collect();
@@ -111,23 +111,13 @@ impl Truth {
         self.hits.iter().map(one).collect()
     }
 
-    /// The problem of finding `unknowns` from measured `hits`, with what else it asks.
+    /// The problem of identifying `unknowns` from measured `hits`, with `more` keys.
     pub fn problem(&self, hits: &[Value], unknowns: &Value, more: &Value) -> IdentificationProblem {
         let mut problem = json!({
             "schema": "asperity/identify/1",
             "scenario": self.scenario,
             "unknowns": unknowns,
-            "data": [{
-                "kind": "hits",
-                "name": "twin",
-                // What the engines, and the analysis of a noisy record, differ by.
-                "floor": {
-                    "fundamental.frequency_hz": {"relative": 5e-5},
-                    "fundamental.receptance_m_per_n": {"relative": 1e-3},
-                    "harmonic_ratio": {"relative": 1e-3},
-                },
-                "hits": hits,
-            }],
+            "data": data(hits),
         });
         for (key, value) in more.as_object().into_iter().flatten() {
             problem[key] = value.clone();
@@ -135,6 +125,21 @@ impl Truth {
         let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/twin.json");
         IdentificationProblem::of(Document::parse(&problem.to_string(), folder).unwrap()).unwrap()
     }
+}
+
+/// The data of a problem: measured `hits`.
+pub fn data(hits: &[Value]) -> Value {
+    json!([{
+        "kind": "hits",
+        "name": "twin",
+        // Difference of the engines, and of the analysis of a noisy record.
+        "floor": {
+            "fundamental.frequency_hz": {"relative": 5e-5},
+            "fundamental.receptance_m_per_n": {"relative": 1e-3},
+            "harmonic_ratio": {"relative": 1e-3},
+        },
+        "hits": hits,
+    }])
 }
 
 /// Normal random numbers: `SplitMix64` and the method of Box and Muller.

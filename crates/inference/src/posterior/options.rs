@@ -1,6 +1,6 @@
 //! Options of a posterior.
 
-use crate::error::InferenceError;
+use crate::error::{InferenceError, check_range};
 
 /// The density on which the Markov chains run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -56,24 +56,20 @@ impl Default for PosteriorOptions {
 impl PosteriorOptions {
     /// Checks the ranges of the options.
     pub(crate) fn check(&self) -> Result<(), InferenceError> {
-        let within = |quantity, value: usize, expected, least: usize, most: usize| {
-            if (least..=most).contains(&value) {
-                Ok(())
-            } else {
-                Err(InferenceError::Option { quantity, value: value as f64, expected })
-            }
-        };
-        within("the number of draws", self.draws, "10 to 1000000", 10, 1_000_000)?;
-        within("the number of ensembles", self.ensembles, "2 to 64", 2, 64)?;
-        let quantity = "the number of walkers per parameter";
-        within(quantity, self.walkers_per_parameter, "4 to 1000", 4, 1000)?;
-        within("the number of steps", self.steps, "10 to 1000000", 10, 1_000_000)?;
-        within("the number of dropped steps", self.burn_in, "at most 1000000", 0, 1_000_000)?;
-        within("the number of rounds", self.max_rounds, "1 to 20", 1, 20)?;
-        if !(0.0..=1.0).contains(&self.target_share) {
-            let (quantity, value) = ("the target share", self.target_share);
-            return Err(InferenceError::Option { quantity, value, expected: "0 to 1" });
-        }
-        Ok(())
+        let many = 1_000_000;
+        check_range("the number of draws", self.draws as f64, 10..=many, "10 to 1000000")?;
+        check_range("the number of ensembles", self.ensembles as f64, 2..=64, "2 to 64")?;
+        let (quantity, walkers) =
+            ("the number of walkers per parameter", self.walkers_per_parameter as f64);
+        check_range(quantity, walkers, 4..=1000, "4 to 1000")?;
+        check_range("the number of steps", self.steps as f64, 10..=many, "10 to 1000000")?;
+        check_range(
+            "the number of dropped steps",
+            self.burn_in as f64,
+            0..=many,
+            "at most 1000000",
+        )?;
+        check_range("the number of rounds", self.max_rounds as f64, 1..=20, "1 to 20")?;
+        check_range("the target share", self.target_share, 0.0..=1.0, "0 to 1")
     }
 }

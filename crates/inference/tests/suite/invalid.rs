@@ -30,7 +30,7 @@ fn invalid_input_has_its_error() {
     assert_eq!(error_of(Vec::new(), &[1.0], 1.0, plain), InferenceError::NoParameters);
     assert_eq!(error_of(one(), &[], 1.0, plain), InferenceError::NoObservations);
     let twice = error_of(vec![x.clone(), x.clone()], &[1.0, 1.0], 1.0, plain);
-    assert_eq!(twice, InferenceError::DuplicateName { name: "x".into() });
+    assert_eq!(twice, InferenceError::DuplicateName("x".into()));
     let few = error_of(vec![x.clone(), y], &[1.0], 1.0, plain);
     assert_eq!(few, InferenceError::TooFew { observations: 1, priors: 0, parameters: 2 });
     assert!(matches!(error_of(one(), &[f64::NAN], 1.0, plain), InferenceError::Observation { .. }));

@@ -15,4 +15,3 @@ mod minpack;
 mod models;
 mod posteriors;
 mod robust;
-mod surrogates;

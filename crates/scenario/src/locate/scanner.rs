@@ -13,7 +13,7 @@ pub(super) fn scan(text: &str, wanted: &BTreeSet<&str>) -> Result<Places, Syntax
     scanner.value(None, 0)?;
     match scanner.word() {
         None => Ok(scanner.places),
-        Some(word) => Err(scanner.quoting(word, |found| SyntaxFault::TrailingText { found })),
+        Some(word) => Err(scanner.quoting(word, SyntaxFault::TrailingText)),
     }
 }
 
@@ -34,7 +34,7 @@ impl Scanner<'_> {
         let start = self.at;
         match self.peek() {
             Some('{' | '[') if depth == MAX_NESTING => {
-                return Err(self.error(start..start + 1, SyntaxFault::TooDeep { max: MAX_NESTING }));
+                return Err(self.error(start..start + 1, SyntaxFault::TooDeep(MAX_NESTING)));
             }
             Some('{') => self.object(depth)?,
             Some('[') => self.array(depth)?,
@@ -110,7 +110,7 @@ impl Scanner<'_> {
         }
         self.skip_space();
         if self.peek() == Some(close) {
-            return Err(self.error(start..start + 1, SyntaxFault::TrailingComma { close }));
+            return Err(self.error(start..start + 1, SyntaxFault::TrailingComma(close)));
         }
         Ok(())
     }
@@ -123,7 +123,7 @@ impl Scanner<'_> {
         let start = whole.trim_end_matches(is_number).len();
         let end = self.at + rest.len() - rest.trim_start_matches(is_number).len();
         let decimals = start < whole.len() && end > self.at;
-        decimals.then(|| self.quoting(start..end, |word| SyntaxFault::DecimalComma { word }))
+        decimals.then(|| self.quoting(start..end, SyntaxFault::DecimalComma))
     }
 
     /// Reads a string, and returns it unescaped.
@@ -137,7 +137,7 @@ impl Scanner<'_> {
                 Some('\\') => self.escape()?,
                 Some(character) if character < ' ' => {
                     let span = self.at..self.at + 1;
-                    return Err(self.error(span, SyntaxFault::ControlCharacter { character }));
+                    return Err(self.error(span, SyntaxFault::ControlCharacter(character)));
                 }
                 Some(character) => self.at += character.len_utf8(),
             }
@@ -146,7 +146,7 @@ impl Scanner<'_> {
         let quoted = self.text.get(start..self.at).unwrap_or_default();
         serde_json::from_str(quoted).map_err(|_| {
             let from = quoted.find('\\').map_or(start, |escape| start + escape);
-            self.quoting(from..self.at, |found| SyntaxFault::BadEscape { found })
+            self.quoting(from..self.at, SyntaxFault::BadEscape)
         })
     }
 
@@ -158,7 +158,7 @@ impl Scanner<'_> {
         self.at += escaped.map_or(0, char::len_utf8);
         match escaped {
             Some('"' | '\\' | '/' | 'b' | 'f' | 'n' | 'r' | 't' | 'u') | None => Ok(()),
-            Some(_) => Err(self.quoting(start..self.at, |found| SyntaxFault::BadEscape { found })),
+            Some(_) => Err(self.quoting(start..self.at, SyntaxFault::BadEscape)),
         }
     }
 
@@ -166,21 +166,19 @@ impl Scanner<'_> {
     fn scalar(&mut self) -> Scanned {
         let expected =
             if self.pointer.is_empty() { ExpectedToken::Document } else { ExpectedToken::Value };
-        let Some(span) = self.word() else {
-            return Err(self.unexpected(expected));
-        };
+        let Some(span) = self.word() else { return Err(self.unexpected(expected)) };
         let word = self.text.get(span.clone()).unwrap_or_default();
         let bare = word.trim_start_matches(['-', '+']).to_ascii_lowercase();
         if matches!(bare.as_str(), "nan" | "inf" | "infinity") {
-            return Err(self.quoting(span, |word| SyntaxFault::NotFinite { word }));
+            return Err(self.quoting(span, SyntaxFault::NotFinite));
         }
         if word.starts_with(|first: char| first.is_ascii_digit() || "+-.".contains(first)) {
             match word.parse::<f64>() {
                 Ok(value) if value.is_infinite() => {
-                    return Err(self.quoting(span, |word| SyntaxFault::NumberTooLarge { word }));
+                    return Err(self.quoting(span, SyntaxFault::NumberTooLarge));
                 }
                 _ if serde_json::from_str::<f64>(word).is_err() => {
-                    return Err(self.quoting(span, |word| SyntaxFault::BadNumber { word }));
+                    return Err(self.quoting(span, SyntaxFault::BadNumber));
                 }
                 _ => {}
             }
@@ -205,7 +203,7 @@ impl Scanner<'_> {
     fn unexpected(&mut self, expected: ExpectedToken) -> SyntaxError {
         let Some(span) = self.word() else {
             let end = self.text.trim_end().len();
-            return self.error(end..end, SyntaxFault::Ended { expected });
+            return self.error(end..end, SyntaxFault::Ended(expected));
         };
         let found = self.text.get(span.clone()).unwrap_or_default();
         if found.starts_with("//") || found.starts_with("/*") || found.starts_with('#') {
@@ -213,7 +211,7 @@ impl Scanner<'_> {
         }
         match found.chars().next() {
             Some(quote @ ('\'' | '`' | '“' | '”' | '‘' | '’')) => {
-                self.error(span, SyntaxFault::OtherQuotes { quote })
+                self.error(span, SyntaxFault::OtherQuotes(quote))
             }
             Some('"') => {
                 // The whole string is quoted, not only its quote.

@@ -26,11 +26,8 @@ pub struct SyntaxError {
 #[non_exhaustive]
 pub enum SyntaxFault {
     /// End of the text inside a value.
-    #[error("unexpected end of the text; expected {expected}")]
-    Ended {
-        /// Expected token.
-        expected: ExpectedToken,
-    },
+    #[error("unexpected end of the text; expected {0}")]
+    Ended(ExpectedToken),
     /// Token other than the expected one.
     #[error("found `{}`; expected {expected}", shown(found))]
     Unexpected {
@@ -40,73 +37,43 @@ pub enum SyntaxFault {
         expected: ExpectedToken,
     },
     /// Comma before a closing bracket or brace.
-    #[error("a comma before {close:?}; expected another item after it, or no comma")]
-    TrailingComma {
-        /// Closing bracket or brace.
-        close: char,
-    },
+    #[error("a comma before {0:?}; expected another item after it, or no comma")]
+    TrailingComma(char),
     /// Comment.
     #[error("JSON has no comments; expected a value, a key or punctuation")]
     Comment,
     /// String in other quotes.
-    #[error("found a quote {quote}; expected strings and keys in double quotes, \"like this\"")]
-    OtherQuotes {
-        /// Quote.
-        quote: char,
-    },
+    #[error("found a quote {0}; expected strings and keys in double quotes, \"like this\"")]
+    OtherQuotes(char),
     /// Number with a decimal comma.
-    #[error("`{}` has a decimal comma; expected a decimal point, as in 0.5", shown(word))]
-    DecimalComma {
-        /// Number.
-        word: String,
-    },
+    #[error("`{}` has a decimal comma; expected a decimal point, as in 0.5", shown(.0))]
+    DecimalComma(String),
     /// NaN or infinity.
-    #[error("`{}` is not a JSON number; expected a finite number such as 0.5 or 2e5", shown(word))]
-    NotFinite {
-        /// Word.
-        word: String,
-    },
+    #[error("`{}` is not a JSON number; expected a finite number such as 0.5 or 2e5", shown(.0))]
+    NotFinite(String),
     /// Malformed number.
-    #[error("`{}` is not a JSON number; expected digits as in 12, -0.5 or 2.5e-3", shown(word))]
-    BadNumber {
-        /// Word.
-        word: String,
-    },
+    #[error("`{}` is not a JSON number; expected digits as in 12, -0.5 or 2.5e-3", shown(.0))]
+    BadNumber(String),
     /// Number above the range of double precision.
-    #[error("the number `{}` is too large; expected a magnitude below 1.8e308", shown(word))]
-    NumberTooLarge {
-        /// Word.
-        word: String,
-    },
+    #[error("the number `{}` is too large; expected a magnitude below 1.8e308", shown(.0))]
+    NumberTooLarge(String),
     /// Backslash that does not start an escape sequence.
     #[error(
         r#"`{}` is not an escape; expected \\ for a backslash or \" for a quote"#,
-        shown(found)
+        shown(.0)
     )]
-    BadEscape {
-        /// Backslash and the characters after it.
-        found: String,
-    },
+    BadEscape(String),
     /// Line break or another control character inside a string.
     #[error(
-        "a string contains the control character {character:?}; expected a closing quote before it, or an escape such as \\n"
+        "a string contains the control character {0:?}; expected a closing quote before it, or an escape such as \\n"
     )]
-    ControlCharacter {
-        /// Character.
-        character: char,
-    },
+    ControlCharacter(char),
     /// Arrays and objects nested too deep.
-    #[error("arrays and objects are nested more than {max} deep; expected a scenario object")]
-    TooDeep {
-        /// Deepest accepted nesting.
-        max: usize,
-    },
+    #[error("arrays and objects are nested more than {0} deep; expected a scenario object")]
+    TooDeep(usize),
     /// Text after the end of the document.
-    #[error("found `{}` after the end of the document; expected nothing more", shown(found))]
-    TrailingText {
-        /// Text found.
-        found: String,
-    },
+    #[error("found `{}` after the end of the document; expected nothing more", shown(.0))]
+    TrailingText(String),
 }
 
 /// Token expected in a JSON text.

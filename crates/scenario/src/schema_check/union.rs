@@ -8,7 +8,7 @@ use crate::diagnostic::Diagnostic;
 use crate::fault::Fault;
 use crate::pointer::JsonPointer;
 use crate::suggest::nearest;
-use crate::wording::{brief, joined};
+use crate::wording::{brief, found, joined};
 
 impl<'s> Walker<'s> {
     /// Checks a `oneOf`, which has three forms: objects with a `kind`, words, and keys of which
@@ -29,7 +29,7 @@ impl<'s> Walker<'s> {
 
     fn tagged(&mut self, node: &'s Value, kinds: &[&'s str], value: &Value, at: &JsonPointer) {
         let Value::Object(object) = value else {
-            let fault = Fault::NotAccepted { found: value.into() };
+            let fault = Fault::NotAccepted(found(value));
             let near = value.as_str().and_then(|word| nearest(word, kinds.iter().copied()));
             let meant = near.map(|kind| format!("{{\"kind\": {}}}", brief(kind)));
             let accepted = self.accepted(node);
@@ -45,7 +45,7 @@ impl<'s> Walker<'s> {
                         Diagnostic::new(&at.child(near), Fault::UnknownKey, one_of(&["kind"]))
                             .suggest_word(Some("kind"))
                     }
-                    None => Diagnostic::new(at, Fault::MissingKey { key }, one_of(kinds)),
+                    None => Diagnostic::new(at, Fault::MissingKey(key), one_of(kinds)),
                 };
                 self.found.push(diagnostic);
             }
@@ -54,35 +54,32 @@ impl<'s> Walker<'s> {
                 if let Some(branch) = meant {
                     return self.node(branch, value, at);
                 }
-                let fault = Fault::UnknownKind { kind: kind.clone() };
+                let fault = Fault::UnknownKind(kind.clone());
                 let near = nearest(kind, kinds.iter().copied());
                 let diagnostic = Diagnostic::new(&at.child("kind"), fault, one_of(kinds));
                 self.found.push(diagnostic.suggest_word(near));
             }
             Some(other) => {
-                let fault = Fault::NotAccepted { found: other.into() };
+                let fault = Fault::NotAccepted(found(other));
                 self.found.push(Diagnostic::new(&at.child("kind"), fault, one_of(kinds)));
             }
         }
     }
 
     fn exactly_one_key(&mut self, node: &Value, value: &Value, at: &JsonPointer) {
-        let Value::Object(object) = value else {
-            return;
-        };
+        let Value::Object(object) = value else { return };
         let required = |branch: &Value| branch.pointer("/required/0")?.as_str().map(str::to_owned);
         let keys: Vec<String> = branches(node).filter_map(required).collect();
         let given: Vec<String> =
             keys.iter().filter(|key| object.contains_key(*key)).cloned().collect();
         let accepted = format!("exactly one of {}", joined(&keys, "and"));
-        match given.len() {
-            1 => {}
-            0 if self.is_misspelt(&keys, at) => {}
-            0 => self.found.push(Diagnostic::new(at, Fault::NoneGiven { keys }, accepted)),
-            _ => {
-                self.found.push(Diagnostic::new(at, Fault::SeveralGiven { keys: given }, accepted));
-            }
-        }
+        let fault = match given.len() {
+            1 => return,
+            0 if self.is_misspelt(&keys, at) => return,
+            0 => Fault::NoneGiven(keys),
+            _ => Fault::SeveralGiven(given),
+        };
+        self.found.push(Diagnostic::new(at, fault, accepted));
     }
 
     /// True where an unknown key of the object at `at` was reported as a misspelling of one of `keys`.
@@ -101,14 +98,9 @@ impl<'s> Walker<'s> {
 
     /// Checks an `anyOf`, whose branches differ by their JSON type: a word or an object.
     pub(super) fn any_of(&mut self, node: &'s Value, value: &Value, at: &JsonPointer) {
-        let Some(branches) = node.get("anyOf").and_then(Value::as_array) else {
-            return;
-        };
-        let matching = branches.iter().find(|branch| {
-            let kind = self.type_of(branch);
-            kind.is_some_and(|kind| has_type(value, kind))
-        });
-        match matching {
+        let Some(branches) = node.get("anyOf").and_then(Value::as_array) else { return };
+        let fits = |kind: &str| has_type(value, kind);
+        match branches.iter().find(|branch| self.type_of(branch).is_some_and(fits)) {
             Some(branch) => self.node(branch, value, at),
             None => self.reject(node, value, at),
         }

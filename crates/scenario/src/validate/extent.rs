@@ -49,9 +49,7 @@ fn samples(root: &Node<'_>, found: &mut Vec<Diagnostic>) {
         Some(rate) => rate.value.as_f64(),
         None => Some(DEFAULT_OUTPUT_RATE_HZ),
     };
-    let (Some(duration), Some(rate)) = (root.number("duration_s"), rate) else {
-        return;
-    };
+    let (Some(duration), Some(rate)) = (root.number("duration_s"), rate) else { return };
     let samples = (duration * rate).round();
     if duration <= 0.0 || rate <= 0.0 || rate > MAX_OUTPUT_RATE_HZ {
         return;
@@ -62,7 +60,7 @@ fn samples(root: &Node<'_>, found: &mut Vec<Diagnostic>) {
             number(rate),
             four_digits(MIN_SAMPLES / rate)
         );
-        let fault = Fault::TooFewSamples { samples };
+        let fault = Fault::TooFewSamples(samples);
         found.push(Diagnostic::new(&root.at.child("duration_s"), fault, accepted));
     } else if samples > MAX_SAMPLES {
         // Time history: four columns, and three for each interface.
@@ -110,9 +108,7 @@ fn cells_and_steps(root: &Node<'_>, found: &mut Vec<Diagnostic>) {
     for body in root.items("bodies") {
         let quantities =
             ["length_m", "youngs_modulus_pa", "density_kg_per_m3"].map(|key| body.number(key));
-        let [Some(length), Some(modulus), Some(density)] = quantities else {
-            return;
-        };
+        let [Some(length), Some(modulus), Some(density)] = quantities else { return };
         // c dt / dx below the Courant number (Eq. 3), in the stiffest body.
         longest = longest.max(length);
         step_s = step_s.min(courant * cell_m.min(length) / (modulus / density).sqrt());
@@ -124,12 +120,10 @@ fn cells_and_steps(root: &Node<'_>, found: &mut Vec<Diagnostic>) {
             number(MAX_CELLS),
             four_digits(longest / MAX_CELLS)
         );
-        found.push(Diagnostic::new(&at, Fault::TooManyCells { cells }, accepted));
+        found.push(Diagnostic::new(&at, Fault::TooManyCells(cells), accepted));
         return;
     }
-    let Some(duration) = root.number("duration_s") else {
-        return;
-    };
+    let Some(duration) = root.number("duration_s") else { return };
     let steps = (duration / step_s).ceil();
     if steps > MAX_STEPS {
         let fault = Fault::TooManySteps { steps, step_s };

@@ -45,7 +45,7 @@ impl<'a> Checker<'a, '_> {
         if readable && self.named(name).is_none() {
             let laws = self.laws.as_ref().and_then(|laws| laws.value.as_object());
             let near = nearest(name, laws.into_iter().flatten().map(|(name, _)| name.as_str()));
-            let fault = Fault::UnknownLaw { name: name.to_owned() };
+            let fault = Fault::UnknownLaw(name.to_owned());
             let unknown = Diagnostic::new(&node.at, fault, self.accepted.clone());
             self.found.push(unknown.suggest_word(near));
         }
@@ -103,9 +103,7 @@ impl<'a> Checker<'a, '_> {
                 "0, the pressure of the first knot",
             ));
         }
-        let Some(transition_pa) = law.number("transition_pa") else {
-            return;
-        };
+        let Some(transition_pa) = law.number("transition_pa") else { return };
         for knot in &knots {
             let pressure_pa = knot.pair[0];
             if pressure_pa >= transition_pa {
@@ -176,7 +174,7 @@ impl<'a> Checker<'a, '_> {
                     // One report for each cycle, at its first law in alphabetical order.
                     if first == 0 && own == chain.iter().copied().min() {
                         let chain = chain.into_iter().map(str::to_owned).collect();
-                        let fault = Fault::CyclicLaw { chain };
+                        let fault = Fault::CyclicLaw(chain);
                         let accepted = "a law that does not refer back to this one";
                         let at = start.at.child("law");
                         self.found.push(Diagnostic::new(&at, fault, accepted));
@@ -195,7 +193,7 @@ impl<'a> Checker<'a, '_> {
         }
         let max = MAX_SERIES_DEPTH;
         let accepted = format!("at most {max} nested laws in series");
-        self.found.push(Diagnostic::new(&start.at, Fault::LawTooDeep { max }, accepted));
+        self.found.push(Diagnostic::new(&start.at, Fault::LawTooDeep(max), accepted));
     }
 
     fn named(&self, name: &str) -> Option<Node<'a>> {
@@ -212,9 +210,7 @@ struct Pair<'a> {
 /// Rows of the array at `key`; none if one of them is not a pair of numbers.
 fn pairs<'a>(law: &Node<'a>, key: &str) -> Vec<Pair<'a>> {
     let pair = |node: Node<'a>| {
-        let [pressure, stiffness] = node.value.as_array()?.as_slice() else {
-            return None;
-        };
+        let [pressure, stiffness] = node.value.as_array()?.as_slice() else { return None };
         let pair = [pressure.as_f64()?, stiffness.as_f64()?];
         Some(Pair { node, pair })
     };

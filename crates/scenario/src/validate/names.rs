@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use super::Node;
 use crate::diagnostic::Diagnostic;
-use crate::fault::{Fault, NameFault};
+use crate::fault::Fault;
 
 /// Longest name in bytes.
 const MAX_BYTES: usize = 100;
@@ -58,9 +58,11 @@ fn unique(
 fn usable(name: &str, excluded: &str, node: &Node<'_>, found: &mut Vec<Diagnostic>) {
     let bad = |character: &char| character.is_control() || excluded.contains(*character);
     let fault = match name.chars().find(bad) {
-        Some(character) => Some(NameFault::Character(character)),
-        None if name.len() > MAX_BYTES => Some(NameFault::Long(MAX_BYTES)),
-        None if name.trim_matches([' ', '.']) != name => Some(NameFault::Edge),
+        Some(character) => Some(format!("contains the character {character:?}")),
+        None if name.len() > MAX_BYTES => Some(format!("is longer than {MAX_BYTES} bytes")),
+        None if name.trim_matches([' ', '.']) != name => {
+            Some("starts or ends with a space or a dot".to_owned())
+        }
         None => None,
     };
     if let Some(fault) = fault {

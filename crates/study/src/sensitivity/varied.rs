@@ -32,7 +32,7 @@ impl Varied {
         let parameter = ScenarioParameter::of_scenario(document.value(), pointer)?;
         let value = parameter.value;
         if value == 0.0 {
-            return Err(SensitivityError::Zero { pointer: pointer.to_owned() });
+            return Err(SensitivityError::Zero(pointer.to_owned()));
         }
         let step = RELATIVE_STEP * value.abs();
         let at = |place: f64| {

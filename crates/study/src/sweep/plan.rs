@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use serde_json::{Value, json};
 use thiserror::Error;
 
-use super::variation::{Variation, VariationError, number_of_runs};
+use super::variation::{Variation, VariationError, chosen_values, digits, number_of_runs};
 use crate::error::StudyError;
 use asperity_scenario::{Document, ExcitationSpec, InvalidDocument, Scenario, SetError, set_value};
 
@@ -105,7 +105,7 @@ impl<'a> Plan<'a> {
 
     /// Number of the value of each variation in a run, the last varying fastest.
     pub(super) fn chosen(&self, run: usize) -> Vec<usize> {
-        digits(run, self.variations.iter().map(|variation| variation.values.len()))
+        chosen_values(run, self.variations)
     }
 
     /// The values in `chosen` that vary more than the force: runs that share them share a prepared
@@ -128,7 +128,7 @@ impl<'a> Plan<'a> {
     pub(super) fn scenario(&self, chosen: &[usize]) -> Result<Scenario, StudyError> {
         let document = self.document(chosen)?;
         serde_json::from_value(document.value().clone())
-            .map_err(|error| StudyError::Scenario { reason: error.to_string() })
+            .map_err(|error| StudyError::Scenario(error.to_string()))
     }
 
     /// The force of a run.
@@ -142,8 +142,7 @@ impl<'a> Plan<'a> {
             set_value(&mut part, &variation.pointer, &variation.values[value])?;
         }
         let excitation = part.get_mut("excitation").map(Value::take).unwrap_or_default();
-        serde_json::from_value(excitation)
-            .map_err(|error| StudyError::Scenario { reason: error.to_string() })
+        serde_json::from_value(excitation).map_err(|error| StudyError::Scenario(error.to_string()))
     }
 
     fn check(&self, chosen: &[usize]) -> Result<(), SweepError> {
@@ -173,19 +172,4 @@ fn checked_values(variation: &Variation) -> Vec<usize> {
     let mut checked: Vec<usize> = extremes.into_iter().flatten().collect();
     checked.dedup();
     checked
-}
-
-/// `number` in mixed radices, the last fastest.
-fn digits(number: usize, radices: impl DoubleEndedIterator<Item = usize>) -> Vec<usize> {
-    let mut rest = number;
-    let mut digits: Vec<usize> = radices
-        .rev()
-        .map(|radix| {
-            let digit = rest % radix;
-            rest /= radix;
-            digit
-        })
-        .collect();
-    digits.reverse();
-    digits
 }

@@ -1,6 +1,6 @@
 //! The results of a sweep.
 
-use super::variation::Variation;
+use super::variation::{Variation, chosen_values};
 use crate::error::StudyError;
 use crate::warning::Warning;
 use asperity_table::CsvWriter;
@@ -29,14 +29,8 @@ impl Sweep {
 
     /// The values that a run was given, in the order of the variations.
     pub fn values(&self, run: usize) -> Vec<&str> {
-        let mut rest = run;
-        let mut values: Vec<&str> = Vec::with_capacity(self.variations.len());
-        for variation in self.variations.iter().rev() {
-            values.push(&variation.values[rest % variation.values.len()]);
-            rest /= variation.values.len();
-        }
-        values.reverse();
-        values
+        let chosen = chosen_values(run, &self.variations).into_iter();
+        chosen.zip(&self.variations).map(|(at, variation)| variation.values[at].as_str()).collect()
     }
 
     /// Runs that failed, with their errors.

@@ -19,17 +19,11 @@ pub struct Variation {
 #[non_exhaustive]
 pub enum VariationError {
     /// There is no equals sign.
-    #[error("`{text}` has no \"=\"; accepted: POINTER=start:stop:count or POINTER=v1,v2,...")]
-    NoEquals {
-        /// The argument.
-        text: String,
-    },
+    #[error("`{0}` has no \"=\"; accepted: POINTER=start:stop:count or POINTER=v1,v2,...")]
+    NoEquals(String),
     /// There are no values.
-    #[error("{pointer}: no values; accepted: start:stop:count or v1,v2,...")]
-    Empty {
-        /// The pointer.
-        pointer: String,
-    },
+    #[error("{0}: no values; accepted: start:stop:count or v1,v2,...")]
+    Empty(String),
     /// A range that is not two numbers and a count.
     #[error(
         "{pointer}: `{text}` is not a range; accepted: start:stop:count with finite numbers and a count from 1 to 10000000"
@@ -41,11 +35,8 @@ pub enum VariationError {
         text: String,
     },
     /// More runs than a sweep takes.
-    #[error("the sweep would take {runs} runs; at most 10000000 are accepted")]
-    TooMany {
-        /// The number of runs.
-        runs: u128,
-    },
+    #[error("the sweep would take {0} runs; at most 10000000 are accepted")]
+    TooMany(u128),
 }
 
 impl Variation {
@@ -54,12 +45,11 @@ impl Variation {
     /// # Errors
     /// [`VariationError`] when it is neither.
     pub fn parse(text: &str) -> Result<Self, VariationError> {
-        let (pointer, values) = text
-            .split_once('=')
-            .ok_or_else(|| VariationError::NoEquals { text: text.to_owned() })?;
+        let (pointer, values) =
+            text.split_once('=').ok_or_else(|| VariationError::NoEquals(text.to_owned()))?;
         let pointer = pointer.to_owned();
         if values.trim().is_empty() {
-            return Err(VariationError::Empty { pointer });
+            return Err(VariationError::Empty(pointer));
         }
         let values = if values.contains(':') && !values.contains(['{', '[', '"', ',']) {
             range(values).ok_or(VariationError::Range {
@@ -100,8 +90,28 @@ pub fn number_of_runs(variations: &[Variation]) -> Result<usize, VariationError>
         .unwrap_or(u128::MAX);
     match usize::try_from(product) {
         Ok(runs) if runs <= MOST_RUNS => Ok(runs),
-        _ => Err(VariationError::TooMany { runs: product }),
+        _ => Err(VariationError::TooMany(product)),
     }
+}
+
+/// Number of the value of each variation in a run, the last varying fastest.
+pub(super) fn chosen_values(run: usize, variations: &[Variation]) -> Vec<usize> {
+    digits(run, variations.iter().map(|variation| variation.values.len()))
+}
+
+/// `number` in mixed radices, the last fastest.
+pub(super) fn digits(number: usize, radices: impl DoubleEndedIterator<Item = usize>) -> Vec<usize> {
+    let mut rest = number;
+    let mut digits: Vec<usize> = radices
+        .rev()
+        .map(|radix| {
+            let digit = rest % radix;
+            rest /= radix;
+            digit
+        })
+        .collect();
+    digits.reverse();
+    digits
 }
 
 #[cfg(test)]
