@@ -126,6 +126,7 @@ pub struct CandidateSpec {
     /// Additional parameters of the candidate. Parameters of the problem remain
     /// unless they are inside a change.
     #[serde(default)]
+    #[schemars(extend("default" = []))]
     pub unknowns: Vec<ParameterSpec>,
 }
 

@@ -77,7 +77,9 @@ impl Default for MethodSpec {
     }
 }
 
-/// Method of time integration: its kind with settings, or the kind alone for the defaults.
+/// Method of time integration.
+///
+/// In JSON an object with its `kind`, or the kind alone as a string for the defaults of the method.
 #[derive(Deserialize, JsonSchema)]
 #[serde(untagged)]
 #[schemars(rename = "MethodSpec")]
