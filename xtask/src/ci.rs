@@ -12,14 +12,15 @@ use anyhow::{Context, Result};
 use crate::{tidy, workspace_root};
 
 /// Steps of the inner loop, as arguments of cargo.
-const QUICK: [(&str, &str); 3] = [
+const QUICK: [(&str, &str); 4] = [
     ("fmt", "fmt --all --check"),
     ("clippy", "clippy --workspace --all-targets -- -D warnings"),
     ("unit tests", "test --workspace --lib --bins --quiet"),
+    ("tidy", "xtask tidy"),
 ];
 
 /// Steps of the whole run, as arguments of cargo.
-const ALL: [(&str, &str); 7] = [
+const ALL: [(&str, &str); 9] = [
     ("fmt", "fmt --all --check"),
     ("clippy", "clippy --workspace --all-targets --all-features -- -D warnings"),
     ("clippy, no features", "clippy --workspace --no-default-features -- -D warnings"),
@@ -29,47 +30,33 @@ const ALL: [(&str, &str); 7] = [
     ("doc", "doc --workspace --no-deps --all-features"),
     // Each package is built from its own archive; uncommitted changes are packaged too.
     ("package", "package --workspace --exclude xtask --allow-dirty --quiet"),
+    ("tidy", "xtask tidy"),
+    ("reproduce --check", "xtask reproduce --check"),
 ];
-
-/// One check.
-struct Step<'a> {
-    name: &'static str,
-    check: Box<dyn Fn() -> Result<bool> + 'a>,
-}
-
-impl<'a> Step<'a> {
-    fn new(name: &'static str, check: impl Fn() -> Result<bool> + 'a) -> Self {
-        Self { name, check: Box::new(check) }
-    }
-
-    /// A run of cargo with `arguments`, separated by spaces.
-    fn cargo((name, arguments): (&'static str, &'static str)) -> Self {
-        Self::new(name, move || {
-            let mut command = cargo();
-            command.args(arguments.split(' ')).current_dir(workspace_root());
-            match name {
-                "doc" => command.env("RUSTDOCFLAGS", "-D warnings"),
-                // One target folder, so that the packages share their dependencies.
-                "package" => command.env("CARGO_TARGET_DIR", "target/packages"),
-                _ => &mut command,
-            };
-            let status =
-                command.status().with_context(|| format!("cannot run cargo {arguments}"))?;
-            Ok(status.success())
-        })
-    }
-}
 
 /// Runs every step up to the first failure; true if all passed. `tasks` is the command line of
 /// xtask. With `quick` only the steps of the inner loop run: format, lints, unit tests, tidy.
 pub(crate) fn run(quick: bool, tasks: &clap::Command) -> Result<bool> {
-    let mut steps: Vec<Step<'_>> =
-        if quick { QUICK.map(Step::cargo).into() } else { ALL.map(Step::cargo).into() };
-    steps.push(Step::new("tidy", || tidy::run(tasks)));
-    if !quick {
-        steps.push(Step::cargo(("reproduce --check", "xtask reproduce --check")));
-    }
-    run_steps(&steps, &mut std::io::stdout())
+    let steps: &[(&str, &str)] = if quick { &QUICK } else { &ALL };
+    let check = |name: &str, arguments: &str| match name {
+        "tidy" => tidy::run(tasks),
+        _ => run_cargo(name, arguments),
+    };
+    run_steps(steps, check, &mut std::io::stdout())
+}
+
+/// Runs cargo with `arguments`, separated by spaces; true if it succeeds.
+fn run_cargo(step: &str, arguments: &str) -> Result<bool> {
+    let mut command = cargo();
+    command.args(arguments.split(' ')).current_dir(workspace_root());
+    match step {
+        "doc" => command.env("RUSTDOCFLAGS", "-D warnings"),
+        // One target folder, so that the packages share their dependencies.
+        "package" => command.env("CARGO_TARGET_DIR", "target/packages"),
+        _ => &mut command,
+    };
+    let status = command.status().with_context(|| format!("cannot run cargo {arguments}"))?;
+    Ok(status.success())
 }
 
 /// The cargo that runs this task, or else the one on the path.
@@ -77,22 +64,26 @@ pub(crate) fn cargo() -> Command {
     Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()))
 }
 
-fn run_steps(steps: &[Step<'_>], out: &mut impl Write) -> Result<bool> {
+fn run_steps(
+    steps: &[(&str, &str)],
+    check: impl Fn(&str, &str) -> Result<bool>,
+    out: &mut impl Write,
+) -> Result<bool> {
     let started = Instant::now();
-    for (number, step) in steps.iter().enumerate() {
+    for (number, (name, arguments)) in steps.iter().enumerate() {
         let step_started = Instant::now();
-        writeln!(out, "ci: {} ...", step.name)?;
+        writeln!(out, "ci: {name} ...")?;
         out.flush()?;
-        let passed = (step.check)().unwrap_or_else(|error| {
+        let passed = check(name, arguments).unwrap_or_else(|error| {
             eprintln!("error: {error:#}");
             false
         });
         let outcome = if passed { "ok" } else { "FAILED" };
         let seconds = step_started.elapsed().as_secs_f64();
-        writeln!(out, "ci: {} {outcome} ({seconds:.1} s)", step.name)?;
+        writeln!(out, "ci: {name} {outcome} ({seconds:.1} s)")?;
         if !passed {
             let left = steps.len() - number - 1;
-            writeln!(out, "ci: FAILED at {}, {left} steps not run", step.name)?;
+            writeln!(out, "ci: FAILED at {name}, {left} steps not run")?;
             return Ok(false);
         }
     }
@@ -106,21 +97,15 @@ mod tests {
     use super::*;
     use std::cell::RefCell;
 
-    fn outcome(verdicts: &[(&'static str, bool)]) -> (bool, Vec<&'static str>, String) {
+    fn outcome(outcomes: &[(&'static str, bool)]) -> (bool, Vec<String>, String) {
+        let steps: Vec<(&str, &str)> = outcomes.iter().map(|&(name, _)| (name, "")).collect();
         let ran = RefCell::new(Vec::new());
-        let steps: Vec<_> = verdicts
-            .iter()
-            .map(|&(name, passes)| {
-                let ran = &ran;
-                Step::new(name, move || {
-                    ran.borrow_mut().push(name);
-                    Ok(passes)
-                })
-            })
-            .collect();
+        let check = |name: &str, _: &str| {
+            ran.borrow_mut().push(name.to_owned());
+            Ok(outcomes.contains(&(name, true)))
+        };
         let mut out = Vec::new();
-        let passed = run_steps(&steps, &mut out).unwrap();
-        drop(steps);
+        let passed = run_steps(&steps, check, &mut out).unwrap();
         (passed, ran.into_inner(), String::from_utf8(out).unwrap())
     }
 

@@ -73,6 +73,28 @@ pub(crate) struct Computed {
     pub(crate) values: Vec<(&'static str, f64)>,
 }
 
+/// Columns of a table to be.
+#[derive(Default)]
+pub(crate) struct Columns(Vec<(String, Vec<f64>)>);
+
+impl Columns {
+    /// Adds a column.
+    pub(crate) fn push(&mut self, name: impl Into<String>, values: impl Into<Vec<f64>>) {
+        self.0.push((name.into(), values.into()));
+    }
+
+    /// The result of a figure without claims. Columns shorter than the longest end in NaN.
+    pub(crate) fn computed(self) -> Result<Computed> {
+        let rows = self.0.iter().map(|(_, values)| values.len()).max().unwrap_or(0);
+        let mut table = Table::new();
+        for (name, mut values) in self.0 {
+            values.resize(rows, f64::NAN);
+            table.push(name, values)?;
+        }
+        Ok(Computed { table, values: Vec::new() })
+    }
+}
+
 /// A figure, done.
 pub(crate) struct Finished {
     pub(crate) figure: &'static PaperFigure,

@@ -69,16 +69,16 @@ fn two_panels() -> Figure {
 fn force_levels() -> Figure {
     let frequency = sweep(20.0, 450.0, 4000);
     let levels = [0.05, 0.1, 0.2, 0.4, 0.8, 1.15, 1.6, 2.3];
+    let bar = ColorBar::continuous("Force amplitude", "N", levels[0], levels[7]);
     let mut panel = Panel::new(
         Axis::linear("Frequency", "Hz").range(0.0, 450.0),
         Axis::log("Receptance |H|", "m/N"),
     )
-    .color_bar(ColorBar::levels("Force amplitude", "N", &levels));
-    for (index, level) in levels.iter().enumerate() {
+    .color_bar(bar.clone());
+    for level in levels {
         let gain =
             frequency.iter().map(|f| receptance(*f, 14.0 * level, 0.012)).collect::<Vec<_>>();
-        let color = Color::ramp_step(index, levels.len());
-        panel = panel.series(Series::line("", &frequency, gain).color(color));
+        panel = panel.series(Series::line("", &frequency, gain).color(bar.color(level)));
     }
     let linear: Vec<f64> = frequency.iter().map(|f| receptance(*f, 0.0, 0.012)).collect();
     let linear = Series::line("linearised", &frequency, linear);
@@ -122,8 +122,7 @@ fn many_panels() -> Figure {
     Figure::new("Four panels")
         .panel(
             Panel::new(Axis::log("Log abscissa", "s"), Axis::log("Log ordinate", "kg"))
-                .series(Series::line("square", &x, y).color(Color::PURPLE))
-                .grid(true),
+                .series(Series::line("square", &x, y).color(Color::PURPLE)),
         )
         .panel(
             Panel::new(Axis::linear("With a gap", ""), Axis::linear("Sine", ""))
@@ -153,9 +152,8 @@ fn many_panels() -> Figure {
                 Axis::linear("Order", "").range(0.0, 10.0),
                 Axis::linear("Amplitude", "m/s²"),
             )
-            .series(Series::stems("", sweep(1.0, 9.0, 5), [10.0, 3.0, 5.0, 1.0, 0.5]))
-            .corner(Legend::TopRight, "F_{0} = 1.15 N")
-            .color_bar(ColorBar::continuous("Contact pressure", "Pa", 1e3, 1e7).log()),
+            .series(Series::points("", sweep(1.0, 9.0, 5), [10.0, 3.0, 5.0, 1.0, 0.5]))
+            .color_bar(ColorBar::continuous("Contact pressure", "Pa", 1e3, 1e7)),
         )
 }
 
@@ -164,10 +162,11 @@ fn sketch() -> Drawing {
     let (beam, edge) = (Color::hex(0xe4_e9ef), Stroke::BLACK);
     drawing.rect((14.0, 10.0), (56.0, 9.0), Some(beam), Some(edge));
     drawing.rect((14.0, 29.0), (56.0, 9.0), Some(beam), Some(edge));
+    let dotted = Stroke { dash: Dash::Dotted, ..Stroke::THIN };
     for i in 1..8_u32 {
         let x = 14.0 + 7.0 * f64::from(i);
-        drawing.line((x, 10.0), (x, 19.0), Stroke::THIN.dashed(Dash::Dotted));
-        drawing.line((x, 29.0), (x, 38.0), Stroke::THIN.dashed(Dash::Dotted));
+        drawing.line((x, 10.0), (x, 19.0), dotted);
+        drawing.line((x, 29.0), (x, 38.0), dotted);
         drawing.spring((x, 19.0), (x, 29.0), 2.2, Stroke::new(Color::BLUE, 0.7));
     }
     drawing.damper((14.0, 19.0), (14.0, 29.0), 2.6, Stroke::new(Color::RED, 0.7));
@@ -232,9 +231,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             ],
         )
         .section("How it was made")
-        .key_values([("seed", "none"), ("laws", "Hertz, exponential")])
-        .code("asperity report --all")
-        .footer("Drawn by asperity-figure.");
+        .key_values([("seed", "none"), ("laws", "Hertz, exponential")]);
     fs::write(folder.join("index.html"), report.to_html())?;
     fs::write(folder.join("index.md"), report.to_markdown(|id| format!("{id}.png")))?;
     Ok(())

@@ -81,6 +81,11 @@ impl Axis {
     /// The value shown for a datum, NaN where this axis cannot show it.
     pub(crate) fn shown(&self, datum: f64) -> f64 {
         let value = datum * self.factor;
-        if value.is_finite() && (!self.log || value > 0.0) { value } else { f64::NAN }
+        if self.can_show(value) { value } else { f64::NAN }
+    }
+
+    /// True for a value in display units that this axis can show.
+    pub(crate) fn can_show(&self, value: f64) -> bool {
+        value.is_finite() && (!self.log || value > 0.0)
     }
 }

@@ -6,7 +6,7 @@ use crate::{
     line,
     markup::{PX_PER_MM, PX_PER_PT},
     raster,
-    svg::{Canvas, HorizontalAlign, TextStyle},
+    svg::{Canvas, TextStyle},
     symbol, text, trace,
 };
 
@@ -32,13 +32,6 @@ impl Stroke {
 
     /// A solid grey line of 0.5 points.
     pub const THIN: Self = Self::new(Color::GREY, 0.5);
-
-    /// The same line in another pattern.
-    #[must_use]
-    pub const fn dashed(mut self, dash: Dash) -> Self {
-        self.dash = dash;
-        self
-    }
 }
 
 /// Horizontal alignment of a text on its point; vertically it is centred on it.
@@ -143,11 +136,6 @@ impl Drawing {
         degrees: f64,
     ) {
         let size = points * PX_PER_PT;
-        let align = match align {
-            Align::Left => HorizontalAlign::Start,
-            Align::Center => HorizontalAlign::Middle,
-            Align::Right => HorizontalAlign::End,
-        };
         // The baseline lies half a capital below the centre, in the turned direction.
         let drop = 0.5 * text::CAP_HEIGHT * size;
         let (sine, cosine) = degrees.to_radians().sin_cos();

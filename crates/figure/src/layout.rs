@@ -1,7 +1,7 @@
 //! A figure on the page: frames of all panels, aligned in rows and columns.
 
 use crate::{
-    Color, Figure, FigureError, Legend, Marker, Panel,
+    Align, Color, Figure, FigureError, Legend, Marker, Panel,
     frame::Frame,
     legend::LegendBlock,
     markup::PX_PER_MM,
@@ -9,8 +9,7 @@ use crate::{
     plot::{Plot, TICK_GAP},
     raster,
     ruler::Ruler,
-    series::Join,
-    svg::{Canvas, HorizontalAlign, TextStyle},
+    svg::{Canvas, TextStyle},
     text::{self, LABEL_FONT, TITLE_FONT},
 };
 
@@ -29,8 +28,8 @@ impl Figure {
         let page = PageLayout::new(self);
         // A legend without a free place goes above its frame, which moves the frames: once.
         let first = page.plots(self, &vec![0.0; self.panels.len()]);
-        let above: Vec<Option<LegendBlock>> = first.iter().map(legend_above).collect();
-        let height = |block: &LegendBlock| block.height() + 5.0;
+        let above: Vec<Option<LegendBlock<'_>>> = first.iter().map(legend_above).collect();
+        let height = |block: &LegendBlock<'_>| block.height() + 5.0;
         let heads: Vec<f64> =
             above.iter().map(|block| block.as_ref().map_or(0.0, height)).collect();
         let mut canvas = Canvas::default();
@@ -64,7 +63,7 @@ impl Figure {
 }
 
 /// The legend of a panel, where it has no free place inside its frame.
-fn legend_above(plot: &Plot<'_>) -> Option<LegendBlock> {
+fn legend_above<'a>(plot: &Plot<'a>) -> Option<LegendBlock<'a>> {
     let block = LegendBlock::new(plot.panel)?;
     let inside = block.place(plot.panel.legend, &plot.frame, &note::obstacles(plot));
     inside.is_none().then(|| block.spread(plot.frame.width()))
@@ -78,7 +77,7 @@ fn draw_panel(canvas: &mut Canvas, plot: &Plot<'_>) {
         bar.draw(canvas, &plot.frame);
     }
     if let Err(error) = plot.panel.check() {
-        let style = TextStyle::new(LABEL_FONT, HorizontalAlign::Middle).color(Color::RED).halo();
+        let style = TextStyle::new(LABEL_FONT, Align::Center).color(Color::RED).halo();
         let (x, y) = plot.frame.middle();
         canvas.text(x, y, &error.to_string(), style);
     }
@@ -134,10 +133,8 @@ impl PageLayout {
             .collect();
 
         let mut sides = vec![(0.0_f64, 0.0_f64); self.columns];
-        let mut verticals = Vec::new();
-        for (panel, &(top, low)) in panels.iter().zip(&spans) {
-            verticals.push(vertical(panel, top, low.max(top + 10.0)));
-        }
+        let vertical = |(panel, &(top, low))| vertical(panel, top, f64::max(low, top + 10.0));
+        let verticals: Vec<Ruler> = panels.iter().zip(&spans).map(vertical).collect();
         for (index, ruler) in verticals.iter().enumerate() {
             let (left, right) = &mut sides[column(index)];
             *left = left.max(TICK_GAP + ruler.label_width() + 6.0 + TITLE_FONT);
@@ -150,14 +147,9 @@ impl PageLayout {
             let (left, right) = sides[column(index)];
             let ruler = horizontal(panel, 0.0, (self.cell.0 - left - right).max(20.0));
             let end = self.cell.0 - left;
-            let out = ruler
-                .major
-                .iter()
-                .map(|(x, label)| x + 0.5 * text::width(label, LABEL_FONT, false) + 1.0 - end);
-            let out = out.fold(f64::NEG_INFINITY, f64::max);
-            if out > 0.0 {
-                sides[column(index)].1 += out;
-            }
+            let half = |label: &str| 0.5 * text::width(label, LABEL_FONT);
+            let out = ruler.major.iter().map(|(x, label)| x + half(label) + 1.0 - end);
+            sides[column(index)].1 += out.fold(0.0, f64::max);
         }
         panels
             .iter()
@@ -187,12 +179,12 @@ impl PageLayout {
         let panel = &figure.panels[index];
         if self.tagged {
             let left = (index % self.columns) as f64 * (self.cell.0 + GAP.0);
-            let style = TextStyle::new(TITLE_FONT, HorizontalAlign::Start).bold();
+            let style = TextStyle::new(TITLE_FONT, Align::Left).bold();
             let before = figure.panels[..index].iter().filter(|panel| !panel.blank);
             canvas.text(left + 1.0, plot.frame.top - 5.0, &tag(before.count()), style);
         }
         let middle = 0.5 * (plot.frame.left + plot.frame.right);
-        let style = TextStyle::new(TITLE_FONT, HorizontalAlign::Middle);
+        let style = TextStyle::new(TITLE_FONT, Align::Center);
         canvas.text(middle, plot.frame.top - 5.0 - legend, &panel.title, style);
     }
 }
@@ -206,10 +198,7 @@ fn tag(index: usize) -> String {
 }
 
 fn vertical(panel: &Panel, top: f64, bottom: f64) -> Ruler {
-    let data = panel.series.iter().flat_map(|series| {
-        let foot = (series.join == Join::Stems).then_some(0.0);
-        series.extent().map(|point| point.1).chain(foot)
-    });
+    let data = panel.series.iter().flat_map(|series| series.extent().map(|point| point.1));
     Ruler::new(&panel.y_axis, data, true, (bottom, top), false)
 }
 

@@ -1,12 +1,12 @@
 //! The legend: its entries, their size, and a place where they cover no data.
 
 use crate::{
-    Color, Dash, Legend, Panel,
+    Align, Color, Legend, Panel,
     frame::{Frame, Obstacles, crossed},
     line::stroke,
-    mark::{self, MarkerStyle},
-    series::{BAND_LIGHTNESS, Join},
-    svg::{Canvas, HorizontalAlign, TextStyle},
+    mark,
+    series::{BAND_LIGHTNESS, Join, Series},
+    svg::{Canvas, TextStyle},
     text::{self, LABEL_FONT},
 };
 
@@ -23,39 +23,26 @@ const CLEAR: f64 = 5.0;
 
 /// The legend entries of one panel, in columns.
 #[derive(Debug, Clone)]
-pub(crate) struct LegendBlock {
-    entries: Vec<LegendEntry>,
+pub(crate) struct LegendBlock<'a> {
+    entries: Vec<LegendEntry<'a>>,
     columns: usize,
 }
 
 #[derive(Debug, Clone)]
-struct LegendEntry {
-    name: String,
-    join: Join,
-    dash: Dash,
-    width: f64,
-    style: MarkerStyle,
+struct LegendEntry<'a> {
+    series: &'a Series,
+    color: Color,
 }
 
-impl LegendBlock {
+impl<'a> LegendBlock<'a> {
     /// The named series of a panel, in one column; none without a named series.
-    pub(crate) fn new(panel: &Panel) -> Option<Self> {
+    pub(crate) fn new(panel: &'a Panel) -> Option<Self> {
         if panel.legend == Legend::None {
             return None;
         }
-        let entries: Vec<LegendEntry> = panel
-            .series
-            .iter()
-            .enumerate()
-            .filter(|(_, series)| !series.name.is_empty())
-            .map(|(index, series)| LegendEntry {
-                name: series.name.clone(),
-                join: series.join,
-                dash: series.dash,
-                width: series.width,
-                style: MarkerStyle::of(panel, index),
-            })
-            .collect();
+        let entry = |(index, series)| LegendEntry { series, color: panel.series_color(index) };
+        let all = panel.series.iter().enumerate().map(entry);
+        let entries: Vec<_> = all.filter(|entry| !entry.series.name.is_empty()).collect();
         (!entries.is_empty()).then_some(Self { entries, columns: 1 })
     }
 
@@ -71,7 +58,7 @@ impl LegendBlock {
     }
 
     fn sample(&self) -> f64 {
-        let markers_only = self.entries.iter().all(|entry| entry.join == Join::Points);
+        let markers_only = self.entries.iter().all(|entry| entry.series.join == Join::Points);
         if markers_only { SAMPLES.1 } else { SAMPLES.0 }
     }
 
@@ -83,7 +70,7 @@ impl LegendBlock {
         let names = self.entries.iter().skip(column * self.rows()).take(self.rows());
         self.sample()
             + GAP
-            + names.map(|e| text::width(&e.name, LABEL_FONT, false)).fold(0.0, f64::max)
+            + names.map(|e| text::width(&e.series.name, LABEL_FONT)).fold(0.0, f64::max)
     }
 
     fn width(&self) -> f64 {
@@ -109,27 +96,19 @@ impl LegendBlock {
         let top = frame.top + CLEAR;
         let bottom = frame.bottom - CLEAR - height;
         let at = |x: f64, y: f64| Frame { left: x, top: y, right: x + width, bottom: y + height };
-        let (middle_x, middle_y) = (0.5 * (left + right), 0.5 * (top + bottom));
+        let corners = [at(right, top), at(left, top), at(right, bottom), at(left, bottom)];
         match position {
-            Legend::TopRight => return Some(at(right, top)),
-            Legend::TopLeft => return Some(at(left, top)),
-            Legend::BottomRight => return Some(at(right, bottom)),
-            Legend::BottomLeft => return Some(at(left, bottom)),
+            Legend::TopRight => return Some(corners[0]),
+            Legend::TopLeft => return Some(corners[1]),
+            Legend::BottomRight => return Some(corners[2]),
+            Legend::BottomLeft => return Some(corners[3]),
             Legend::Above | Legend::None => return None,
             Legend::Auto => {}
         }
-        let places = [
-            (right, top),
-            (left, top),
-            (right, bottom),
-            (left, bottom),
-            (middle_x, top),
-            (middle_x, bottom),
-            (right, middle_y),
-            (left, middle_y),
-        ];
+        let (x, y) = (0.5 * (left + right), 0.5 * (top + bottom));
+        let middles = [at(x, top), at(x, bottom), at(right, y), at(left, y)];
         let fits = left <= right && top <= bottom;
-        places.into_iter().map(|(x, y)| at(x, y)).find(|place| {
+        corners.into_iter().chain(middles).find(|place| {
             let room = place.grown(CLEAR - 1.0);
             fits && !obstacles.meet(&room) && !crossed(&obstacles.areas, &room)
         })
@@ -155,28 +134,24 @@ impl LegendBlock {
     }
 }
 
-impl LegendEntry {
+impl LegendEntry<'_> {
     fn draw(&self, canvas: &mut Canvas, sample: f64, x: f64, y: f64) {
         let middle = (x + 0.5 * sample, y);
-        match self.join {
+        let &Self { series, color } = self;
+        match series.join {
             Join::Line => {
                 let line = vec![vec![(x, y), (x + sample, y)]];
-                stroke(canvas, &line, self.style.color, self.dash, self.width);
-            }
-            Join::Stems => {
-                let line = vec![vec![(middle.0, y + 0.5 * LINE - 1.0), middle]];
-                stroke(canvas, &line, self.style.color, self.dash, self.width);
+                stroke(canvas, &line, color, series.dash, series.width);
             }
             Join::Band => {
-                let fill = self.style.color.lighten(BAND_LIGHTNESS);
-                let fill = format!(r#"fill="{fill}""#);
+                let fill = format!(r#"fill="{}""#, color.lighten(BAND_LIGHTNESS));
                 canvas.rectangle(x, y - 0.3 * LINE, sample, 0.6 * LINE, &fill);
             }
             Join::Points => {}
         }
-        mark::draw(canvas, &[middle], &self.style);
-        let style = TextStyle::new(LABEL_FONT, HorizontalAlign::Start).color(Color::BLACK).halo();
+        mark::draw(canvas, &[middle], series, color);
+        let style = TextStyle::new(LABEL_FONT, Align::Left).color(Color::BLACK).halo();
         let baseline = y + 0.5 * text::CAP_HEIGHT * LABEL_FONT;
-        canvas.text(x + sample + GAP, baseline, &self.name, style);
+        canvas.text(x + sample + GAP, baseline, &series.name, style);
     }
 }

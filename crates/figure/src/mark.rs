@@ -1,53 +1,24 @@
 //! Point symbols.
 
 use crate::{
-    Color, Marker, Panel,
+    Color, Marker,
     frame::Point,
     markup::{PX_PER_PT, number},
+    series::Series,
     svg::Canvas,
 };
 use std::fmt::Write as _;
 
-/// Shape, size and colour of the markers of one series.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct MarkerStyle {
-    pub(crate) marker: Marker,
-    /// Diameter of the circle; the other symbols have about its area.
-    pub(crate) size: f64,
-    pub(crate) line: f64,
-    pub(crate) color: Color,
-    pub(crate) filled: bool,
-}
-
-impl MarkerStyle {
-    /// Style of series `index` of a panel.
-    pub(crate) fn of(panel: &Panel, index: usize) -> Self {
-        let series = &panel.series[index];
-        Self {
-            marker: series.marker,
-            size: series.marker_size * PX_PER_PT,
-            line: (series.width * PX_PER_PT).min(1.1),
-            color: panel.series_color(index),
-            filled: series.filled,
-        }
-    }
-}
-
 /// Draws one symbol at each point.
-pub(crate) fn draw(canvas: &mut Canvas, points: &[Point], style: &MarkerStyle) {
-    let mut data = String::new();
-    for &point in points {
-        append(&mut data, point, style);
-    }
-    let open = matches!(style.marker, Marker::Cross | Marker::Plus);
-    let fill = if open {
-        "none".to_owned()
-    } else if style.filled {
-        style.color.to_string()
-    } else {
-        Color::WHITE.to_string()
+pub(crate) fn draw(canvas: &mut Canvas, points: &[Point], series: &Series, color: Color) {
+    let radius = 0.5 * series.marker_size * PX_PER_PT;
+    let data: String = points.iter().map(|&point| symbol(series.marker, point, radius)).collect();
+    let fill = match series.marker {
+        Marker::Cross | Marker::Plus => "none".to_owned(),
+        _ if series.filled => color.to_string(),
+        _ => Color::WHITE.to_string(),
     };
-    let (color, width) = (style.color, number(style.line));
+    let width = number((series.width * PX_PER_PT).min(1.1));
     canvas.path(
         &data,
         &format!(
@@ -56,8 +27,8 @@ pub(crate) fn draw(canvas: &mut Canvas, points: &[Point], style: &MarkerStyle) {
     );
 }
 
-fn append(data: &mut String, (x, y): Point, style: &MarkerStyle) {
-    let r = style.size / 2.0;
+/// Path data of a symbol about the area of a circle of radius `r`.
+fn symbol(marker: Marker, (x, y): Point, r: f64) -> String {
     let moves = |pairs: &[(f64, f64)], close: &str| {
         let mut text = String::new();
         for (index, (dx, dy)) in pairs.iter().enumerate() {
@@ -67,7 +38,7 @@ fn append(data: &mut String, (x, y): Point, style: &MarkerStyle) {
         }
         text + close
     };
-    let shape = match style.marker {
+    match marker {
         Marker::None => String::new(),
         Marker::Circle => {
             let (radius, across) = (number(r), number(2.0 * r));
@@ -97,6 +68,5 @@ fn append(data: &mut String, (x, y): Point, style: &MarkerStyle) {
             let a = 1.15 * r;
             moves(&[(-a, 0.0), (a, 0.0)], "") + &moves(&[(0.0, -a), (0.0, a)], "")
         }
-    };
-    data.push_str(&shape);
+    }
 }

@@ -1,11 +1,11 @@
 //! Texts inside a frame: in a corner, along reference lines, at points.
 
 use crate::{
-    Anchor, Color, Legend,
+    Align, Anchor, Color,
     frame::{Frame, Obstacles, Point},
     panel::{Note, ReferenceLine},
     plot::Plot,
-    svg::{Canvas, HorizontalAlign, TextStyle},
+    svg::{Canvas, TextStyle},
     text::{self, LABEL_FONT},
 };
 
@@ -50,9 +50,6 @@ fn labels(plot: &Plot<'_>) -> (Vec<Label>, Obstacles) {
             labels.push(label.clone());
         }
     };
-    if let Some((corner, text)) = &plot.panel.corner {
-        place(vec![in_corner(&plot.frame, *corner, text)]);
-    }
     for reference in plot.panel.references.iter().filter(|line| !line.text.is_empty()) {
         place(beside_line(plot, reference));
     }
@@ -60,18 +57,6 @@ fn labels(plot: &Plot<'_>) -> (Vec<Label>, Obstacles) {
         place(beside_point(plot, note));
     }
     (labels, obstacles)
-}
-
-fn in_corner(frame: &Frame, corner: Legend, text: &str) -> Label {
-    let Frame { left, top, right, bottom } = frame.grown(-7.0);
-    let low = top + 2.0 * HALF;
-    let (at, align) = match corner {
-        Legend::TopRight => ((right, low), HorizontalAlign::End),
-        Legend::BottomRight => ((right, bottom), HorizontalAlign::End),
-        Legend::BottomLeft => ((left, bottom), HorizontalAlign::Start),
-        _ => ((left, low), HorizontalAlign::Start),
-    };
-    Label::new(at, text, align, Color::BLACK)
 }
 
 /// Both sides of both ends of a reference line, the last end first.
@@ -82,31 +67,19 @@ fn beside_line(plot: &Plot<'_>, reference: &ReferenceLine) -> Vec<Label> {
     let ends = [line[line.len() - 1], line[0]];
     let color = Color::GREY.mix(Color::BLACK, 0.4);
     let label = |at, align| Label::new(at, &reference.text, align, color);
-    if reference.vertical {
-        let heights = [ends[0].1 + 14.0, ends[1].1 - 9.0];
-        let sides = |y: f64| {
-            [
-                label((ends[0].0 + 4.0, y), HorizontalAlign::Start),
-                label((ends[0].0 - 4.0, y), HorizontalAlign::End),
-            ]
-        };
-        return heights.into_iter().flat_map(sides).collect();
-    }
     let y = ends[0].1;
-    [y - 3.5, y + 3.5 + 2.0 * HALF]
-        .into_iter()
-        .flat_map(|y| {
-            [
-                label((ends[0].0 - 7.0, y), HorizontalAlign::End),
-                label((ends[1].0 + 7.0, y), HorizontalAlign::Start),
-            ]
-        })
-        .collect()
+    let (heights, sides) = if reference.vertical {
+        let sides = [(ends[0].0 + 4.0, Align::Left), (ends[0].0 - 4.0, Align::Right)];
+        ([y + 14.0, ends[1].1 - 9.0], sides)
+    } else {
+        let sides = [(ends[0].0 - 7.0, Align::Right), (ends[1].0 + 7.0, Align::Left)];
+        ([y - 3.5, y + 3.5 + 2.0 * HALF], sides)
+    };
+    heights.into_iter().flat_map(|y| sides.map(|(x, align)| label((x, y), align))).collect()
 }
 
 /// The chosen side of a point, or all eight around it.
 fn beside_point(plot: &Plot<'_>, note: &Note) -> Vec<Label> {
-    use HorizontalAlign::{End, Middle, Start};
     let (x, y) = (plot.x.scale.datum(note.x), plot.y.scale.datum(note.y));
     if !plot.frame.holds((x, y)) {
         return Vec::new();
@@ -114,8 +87,8 @@ fn beside_point(plot: &Plot<'_>, note: &Note) -> Vec<Label> {
     let label = |(dx, dy, align): (f64, f64, _)| {
         Label::new((x + dx, y + dy), &note.text, align, note.color)
     };
-    let (right, left) = ((CLEAR, HALF, Start), (-CLEAR, HALF, End));
-    let (above, below) = ((0.0, -CLEAR, Middle), (0.0, CLEAR + 2.0 * HALF, Middle));
+    let (right, left) = ((CLEAR, HALF, Align::Left), (-CLEAR, HALF, Align::Right));
+    let (above, below) = ((0.0, -CLEAR, Align::Center), (0.0, CLEAR + 2.0 * HALF, Align::Center));
     let (up, down) = (-0.6 * CLEAR, 0.6 * CLEAR + 2.0 * HALF);
     let side = 0.6 * CLEAR;
     match note.anchor {
@@ -123,13 +96,12 @@ fn beside_point(plot: &Plot<'_>, note: &Note) -> Vec<Label> {
         Anchor::Left => vec![label(left)],
         Anchor::Above => vec![label(above)],
         Anchor::Below => vec![label(below)],
-        Anchor::Center => vec![label((0.0, HALF, Middle))],
+        Anchor::Center => vec![label((0.0, HALF, Align::Center))],
         Anchor::Auto => {
-            let diagonals = [(-side, up, End), (side, up, Start), (side, down, Start)];
-            let mut around = vec![right, left, above, below];
-            around.extend(diagonals);
-            around.push((-side, down, End));
-            let width = text::width(&note.text, LABEL_FONT, false);
+            let (right_up, right_down) = ((side, up, Align::Left), (side, down, Align::Left));
+            let (left_up, left_down) = ((-side, up, Align::Right), (-side, down, Align::Right));
+            let mut around = [right, left, above, below, left_up, right_up, right_down, left_down];
+            let width = text::width(&note.text, LABEL_FONT);
             if x + CLEAR + width > plot.frame.right {
                 around.swap(0, 1);
             }
@@ -139,17 +111,17 @@ fn beside_point(plot: &Plot<'_>, note: &Note) -> Vec<Label> {
 }
 
 impl Label {
-    fn new(at: Point, text: &str, align: HorizontalAlign, color: Color) -> Self {
+    fn new(at: Point, text: &str, align: Align, color: Color) -> Self {
         let style = TextStyle::new(LABEL_FONT, align).color(color).halo();
         Self { at, text: text.to_owned(), style }
     }
 
     fn bounds(&self) -> Frame {
-        let width = text::width(&self.text, LABEL_FONT, false);
+        let width = text::width(&self.text, LABEL_FONT);
         let left = match self.style.align {
-            HorizontalAlign::Start => self.at.0,
-            HorizontalAlign::Middle => self.at.0 - 0.5 * width,
-            HorizontalAlign::End => self.at.0 - width,
+            Align::Left => self.at.0,
+            Align::Center => self.at.0 - 0.5 * width,
+            Align::Right => self.at.0 - width,
         };
         let (top, bottom) = (self.at.1 - 0.8 * LABEL_FONT, self.at.1 + 0.22 * LABEL_FONT);
         Frame { left, top, right: left + width, bottom }

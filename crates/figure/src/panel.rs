@@ -79,10 +79,8 @@ pub struct Panel {
     pub(crate) notes: Vec<Note>,
     pub(crate) references: Vec<ReferenceLine>,
     pub(crate) shades: Vec<(f64, f64)>,
-    pub(crate) corner: Option<(Legend, String)>,
     pub(crate) legend: Legend,
     pub(crate) color_bar: Option<ColorBar>,
-    pub(crate) grid: bool,
     pub(crate) blank: bool,
 }
 
@@ -97,10 +95,8 @@ impl Panel {
             notes: Vec::new(),
             references: Vec::new(),
             shades: Vec::new(),
-            corner: None,
             legend: Legend::Auto,
             color_bar: None,
-            grid: false,
             blank: false,
         }
     }
@@ -156,13 +152,6 @@ impl Panel {
         self
     }
 
-    /// Writes `text` in a corner of the frame ([`Legend::TopLeft`] and the like).
-    #[must_use]
-    pub fn corner(mut self, corner: Legend, text: impl Into<String>) -> Self {
-        self.corner = Some((corner, text.into()));
-        self
-    }
-
     /// Draws a thin dashed vertical at `x`, in data units, with a text at its top.
     #[must_use]
     pub fn vertical(mut self, x: f64, text: impl Into<String>) -> Self {
@@ -196,13 +185,6 @@ impl Panel {
     #[must_use]
     pub fn color_bar(mut self, bar: ColorBar) -> Self {
         self.color_bar = Some(bar);
-        self
-    }
-
-    /// Draws pale lines at the labelled ticks.
-    #[must_use]
-    pub fn grid(mut self, grid: bool) -> Self {
-        self.grid = grid;
         self
     }
 

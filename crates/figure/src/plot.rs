@@ -1,14 +1,14 @@
 //! One panel on the page: frame, axes, curves, markers.
 
 use crate::{
-    Color, Dash, Panel, error_bar,
+    Align, Color, Dash, Marker, Panel, error_bar,
     frame::{Frame, Obstacles, Point},
     line::stroke,
-    mark::{self, MarkerStyle},
+    mark,
     panel::ReferenceLine,
     ruler::Ruler,
     series::{BAND_LIGHTNESS, Join, Series},
-    svg::{Canvas, HorizontalAlign, TextStyle},
+    svg::{Canvas, TextStyle},
     text::{self, LABEL_FONT, TITLE_FONT},
     trace,
 };
@@ -44,7 +44,7 @@ impl Plot<'_> {
 
     /// The markers of a series that lie in the frame.
     fn markers(&self, series: &Series) -> Vec<Point> {
-        if series.marker == crate::Marker::None {
+        if series.marker == Marker::None {
             return Vec::new();
         }
         let all = self.points(series).into_iter().step_by(series.marker_every);
@@ -61,15 +61,6 @@ impl Plot<'_> {
         match series.join {
             Join::Points | Join::Band => Vec::new(),
             Join::Line => trace::visible(&self.points(series), &self.frame),
-            Join::Stems => {
-                let zero = self.y.scale.datum(0.0);
-                let foot = if zero.is_nan() { self.frame.bottom } else { zero };
-                let stems = self.points(series).into_iter();
-                stems
-                    .filter_map(|p| self.frame.clip((p.0, foot), p))
-                    .map(|(a, b)| vec![a, b])
-                    .collect()
-            }
         }
     }
 
@@ -124,9 +115,6 @@ impl Plot<'_> {
     /// Draws frame, axes, curves and markers.
     pub(crate) fn draw(&self, canvas: &mut Canvas) {
         self.shades(canvas);
-        if self.panel.grid {
-            self.grid(canvas);
-        }
         for (index, series) in self.panel.series.iter().enumerate() {
             let fill = self.panel.series_color(index).lighten(BAND_LIGHTNESS);
             let style = format!(r#"fill="{fill}""#);
@@ -144,7 +132,7 @@ impl Plot<'_> {
             stroke(canvas, &self.lines(series), color, series.dash, series.width);
         }
         for (index, series) in self.panel.series.iter().enumerate() {
-            mark::draw(canvas, &self.markers(series), &MarkerStyle::of(self.panel, index));
+            mark::draw(canvas, &self.markers(series), series, self.panel.series_color(index));
         }
     }
 
@@ -163,49 +151,33 @@ impl Plot<'_> {
         }
     }
 
-    fn grid(&self, canvas: &mut Canvas) {
-        let Frame { left, top, right, bottom } = self.frame;
-        let mut lines: Vec<Vec<Point>> = Vec::new();
-        lines.extend(self.x.major.iter().map(|mark| vec![(mark.0, top), (mark.0, bottom)]));
-        lines.extend(self.y.major.iter().map(|mark| vec![(left, mark.0), (right, mark.0)]));
-        stroke(canvas, &lines, Color::LIGHT_GREY, Dash::Solid, 0.4);
-    }
-
     /// Frame, marks on all four sides, labels and titles.
     fn axes(&self, canvas: &mut Canvas) {
         let Frame { left, top, right, bottom } = self.frame;
-        let mut marks: Vec<Vec<Point>> = Vec::new();
-        let mut cross = |length: f64, x: Option<f64>, y: Option<f64>| {
-            if let Some(x) = x {
-                marks.push(vec![(x, bottom), (x, bottom - length)]);
-                marks.push(vec![(x, top), (x, top + length)]);
-            }
-            if let Some(y) = y {
-                marks.push(vec![(left, y), (left + length, y)]);
-                marks.push(vec![(right, y), (right - length, y)]);
-            }
+        let across = |x: f64, length: f64| {
+            [vec![(x, bottom), (x, bottom - length)], vec![(x, top), (x, top + length)]]
         };
-        for mark in &self.x.major {
-            cross(MARKS.0, Some(mark.0), None);
-        }
-        for mark in &self.y.major {
-            cross(MARKS.0, None, Some(mark.0));
-        }
-        self.x.minor.iter().for_each(|&x| cross(MARKS.1, Some(x), None));
-        self.y.minor.iter().for_each(|&y| cross(MARKS.1, None, Some(y)));
+        let along = |y: f64, length: f64| {
+            [vec![(left, y), (left + length, y)], vec![(right, y), (right - length, y)]]
+        };
+        let mut marks: Vec<Vec<Point>> = Vec::new();
+        marks.extend(self.x.major.iter().flat_map(|mark| across(mark.0, MARKS.0)));
+        marks.extend(self.y.major.iter().flat_map(|mark| along(mark.0, MARKS.0)));
+        marks.extend(self.x.minor.iter().flat_map(|&x| across(x, MARKS.1)));
+        marks.extend(self.y.minor.iter().flat_map(|&y| along(y, MARKS.1)));
         let style = format!(r##"fill="none" stroke="#000000" stroke-width="{HAIRLINE}""##);
         canvas.path(&trace::path(&marks, false), &style);
         canvas.rectangle(left, top, right - left, bottom - top, &style);
 
-        let style = TextStyle::new(LABEL_FONT, HorizontalAlign::Middle);
+        let style = TextStyle::new(LABEL_FONT, Align::Center);
         for (x, label) in &self.x.major {
             canvas.text(*x, bottom + TICK_GAP + text::CAP_HEIGHT * LABEL_FONT, label, style);
         }
-        let style = TextStyle::new(LABEL_FONT, HorizontalAlign::End);
+        let style = TextStyle::new(LABEL_FONT, Align::Right);
         for (y, label) in &self.y.major {
             canvas.text(left - TICK_GAP, y + 0.5 * text::CAP_HEIGHT * LABEL_FONT, label, style);
         }
-        let style = TextStyle::new(TITLE_FONT, HorizontalAlign::Middle);
+        let style = TextStyle::new(TITLE_FONT, Align::Center);
         let below = bottom + TICK_GAP + LABEL_FONT + 4.0 + text::CAP_HEIGHT * TITLE_FONT;
         canvas.text(0.5 * (left + right), below, &self.x.title, style);
         let beside = left - TICK_GAP - self.y.label_width() - 6.0;

@@ -21,11 +21,16 @@ pub enum ClaimOutcome {
 impl ClaimOutcome {
     /// The word shown.
     pub fn word(self) -> &'static str {
+        self.shown().0
+    }
+
+    /// Word, class of the badge in HTML, and sign in Markdown.
+    fn shown(self) -> (&'static str, &'static str, char) {
         match self {
-            Self::Pass => "pass",
-            Self::Fail => "fail",
-            Self::Warn => "note",
-            Self::Skip => "not judged",
+            Self::Pass => ("pass", "pass", '✓'),
+            Self::Fail => ("fail", "fail", '✗'),
+            Self::Warn => ("note", "warn", '△'),
+            Self::Skip => ("not judged", "skip", '–'),
         }
     }
 }
@@ -89,10 +94,14 @@ enum ReportBlock {
     Section { title: String },
     Subsection { title: String },
     Paragraph { text: String },
-    Code { text: String },
     Figure { id: String, caption: String, svg: String },
     Table { headers: Vec<String>, rows: Vec<Vec<TableCell>> },
     KeyValues { pairs: Vec<(String, String)> },
+}
+
+/// True for a column of `rows` that holds a number.
+fn is_numeric(rows: &[Vec<TableCell>], column: usize) -> bool {
+    rows.iter().any(|row| matches!(row.get(column), Some(TableCell::Number(_))))
 }
 
 /// A page of sections, built from top to bottom.
@@ -112,14 +121,13 @@ enum ReportBlock {
 pub struct Report {
     title: String,
     intro: Vec<String>,
-    footer: String,
     blocks: Vec<ReportBlock>,
 }
 
 impl Report {
     /// An empty report.
     pub fn new(title: impl Into<String>) -> Self {
-        Self { title: title.into(), intro: Vec::new(), footer: String::new(), blocks: Vec::new() }
+        Self { title: title.into(), intro: Vec::new(), blocks: Vec::new() }
     }
 
     fn with(mut self, block: ReportBlock) -> Self {
@@ -131,13 +139,6 @@ impl Report {
     #[must_use]
     pub fn intro(mut self, paragraph: impl Into<String>) -> Self {
         self.intro.push(paragraph.into());
-        self
-    }
-
-    /// Sets the last line of the page: versions, dates.
-    #[must_use]
-    pub fn footer(mut self, text: impl Into<String>) -> Self {
-        self.footer = text.into();
         self
     }
 
@@ -157,12 +158,6 @@ impl Report {
     #[must_use]
     pub fn paragraph(self, text: impl Into<String>) -> Self {
         self.with(ReportBlock::Paragraph { text: text.into() })
-    }
-
-    /// Adds text in a fixed pitch, line by line as it stands.
-    #[must_use]
-    pub fn code(self, text: impl Into<String>) -> Self {
-        self.with(ReportBlock::Code { text: text.into() })
     }
 
     /// Adds a figure: an identifier (link target and file name), a caption, an SVG text.

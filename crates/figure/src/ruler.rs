@@ -36,13 +36,10 @@ impl Ruler {
         let scale = AxisScale::new(axis, (low, high), start, end);
         let length = (end - start).abs();
         let most = (length / if horizontal { 38.0 } else { 26.0 }).clamp(2.0, 8.0) as usize;
-        let exponent = if axis.log || axis.ticks.is_some() {
-            0
-        } else {
-            tick_label::common_exponent(low, high)
-        };
-        let mut ruler = Self { scale, major: Vec::new(), minor: Vec::new(), title: String::new() };
-        ruler.title = tick_label::axis_title(axis, exponent);
+        let plain = axis.log || axis.ticks.is_some();
+        let exponent = if plain { 0 } else { tick_label::common_exponent(low, high) };
+        let title = tick_label::title(&axis.label, &axis.unit, exponent);
+        let mut ruler = Self { scale, major: Vec::new(), minor: Vec::new(), title };
         if let Some(fixed) = &axis.ticks {
             let inside = |at: f64| at >= low && at <= high;
             let marks = fixed.iter().filter(|mark| inside(mark.0));
@@ -78,14 +75,14 @@ impl Ruler {
 
     fn labels_fit(&self) -> bool {
         self.major.windows(2).all(|pair| {
-            let halves = pair.iter().map(|mark| 0.5 * text::width(&mark.1, LABEL_FONT, false));
+            let halves = pair.iter().map(|mark| 0.5 * text::width(&mark.1, LABEL_FONT));
             (pair[1].0 - pair[0].0).abs() >= halves.sum::<f64>() + LABEL_GAP
         })
     }
 
     /// Width of the widest label.
     pub(crate) fn label_width(&self) -> f64 {
-        self.major.iter().map(|mark| text::width(&mark.1, LABEL_FONT, false)).fold(0.0, f64::max)
+        text::widest(&self.major)
     }
 }
 

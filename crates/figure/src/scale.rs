@@ -44,7 +44,7 @@ impl AxisScale {
 pub(crate) fn range(axis: &Axis, data: impl Iterator<Item = f64>, padded: bool) -> (f64, f64) {
     let place = |value: f64| if axis.log { value.log10() } else { value };
     let back = |value: f64| if axis.log { 10f64.powf(value) } else { value };
-    let usable = |end: &f64| end.is_finite() && (!axis.log || *end > 0.0);
+    let usable = |end: &f64| axis.can_show(*end);
     let (fixed_low, fixed_high) = (axis.low.filter(usable), axis.high.filter(usable));
 
     let mut bounds: Option<(f64, f64)> = None;
@@ -89,11 +89,8 @@ pub(crate) fn range(axis: &Axis, data: impl Iterator<Item = f64>, padded: bool) 
 /// Checks the ends and the factor that an axis fixes.
 pub(crate) fn check(axis: &Axis) -> Result<(), FigureError> {
     let (low, high) = (axis.low, axis.high);
-    let end = |value: f64| value.is_finite() && (!axis.log || value > 0.0);
-    let increasing = match (low, high) {
-        (Some(low), Some(high)) => low < high,
-        _ => true,
-    };
+    let end = |value: f64| axis.can_show(value);
+    let increasing = low.zip(high).is_none_or(|(low, high)| low < high);
     let factor = axis.factor.is_finite() && axis.factor != 0.0;
     if increasing && factor && low.is_none_or(end) && high.is_none_or(end) {
         return Ok(());

@@ -48,8 +48,6 @@ pub(crate) enum Join {
     Points,
     /// A polyline, broken at points that are not finite.
     Line,
-    /// A vertical line from the axis to each point.
-    Stems,
     /// A filled area between the ordinates and `lower`.
     Band,
 }
@@ -113,11 +111,6 @@ impl Series {
         y: impl AsRef<[f64]>,
     ) -> Self {
         Self::new(name, x.as_ref(), y.as_ref(), Join::Line, Marker::Circle)
-    }
-
-    /// Vertical lines from the horizontal axis to the points `(x, y)`, with markers: line spectra.
-    pub fn stems(name: impl Into<String>, x: impl AsRef<[f64]>, y: impl AsRef<[f64]>) -> Self {
-        Self::new(name, x.as_ref(), y.as_ref(), Join::Stems, Marker::Circle).filled(true)
     }
 
     /// A pale area between the ordinates `lower` and `upper`: an uncertainty or a range.

@@ -1,26 +1,18 @@
 //! SVG text of shapes in CSS pixels.
 
 use crate::{
-    Color,
+    Align, Color,
     markup::{PX_PER_MM, escape, number},
     text,
 };
 use std::fmt::Write as _;
-
-/// Horizontal alignment of a text on its point.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum HorizontalAlign {
-    Start,
-    Middle,
-    End,
-}
 
 /// Size, weight, alignment and colour of a text.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct TextStyle {
     pub(crate) size: f64,
     pub(crate) bold: bool,
-    pub(crate) align: HorizontalAlign,
+    pub(crate) align: Align,
     pub(crate) color: Color,
     /// Degrees, anticlockwise.
     pub(crate) turn: f64,
@@ -29,7 +21,7 @@ pub(crate) struct TextStyle {
 }
 
 impl TextStyle {
-    pub(crate) fn new(size: f64, align: HorizontalAlign) -> Self {
+    pub(crate) fn new(size: f64, align: Align) -> Self {
         Self { size, bold: false, align, color: Color::BLACK, turn: 0.0, halo: false }
     }
 
@@ -95,9 +87,9 @@ impl Canvas {
         }
         let mut attributes = format!(r#"font-size="{}""#, number(style.size));
         match style.align {
-            HorizontalAlign::Start => {}
-            HorizontalAlign::Middle => attributes.push_str(r#" text-anchor="middle""#),
-            HorizontalAlign::End => attributes.push_str(r#" text-anchor="end""#),
+            Align::Left => {}
+            Align::Center => attributes.push_str(r#" text-anchor="middle""#),
+            Align::Right => attributes.push_str(r#" text-anchor="end""#),
         }
         if style.bold {
             attributes.push_str(r#" font-weight="700""#);

@@ -104,13 +104,10 @@ pub(crate) fn tagged(content: &str, escape: impl Fn(&str) -> String) -> String {
 }
 
 /// Width of a line of text in the bundled font, in the unit of `size`.
-pub(crate) fn width(content: &str, size: f64, bold: bool) -> f64 {
-    let fonts: Vec<FontRef<'_>> = [if bold { BOLD } else { REGULAR }, MATH]
-        .into_iter()
-        .filter_map(|data| FontRef::new(data).ok())
-        .collect();
+pub(crate) fn width(content: &str, size: f64) -> f64 {
+    let fonts = [REGULAR, MATH].map(FontRef::new);
     let advance = |character: char| {
-        fonts.iter().find_map(|font| {
+        fonts.iter().flatten().find_map(|font| {
             let glyph = font.charmap().map(character)?;
             font.glyph_metrics(Size::new(1.0), LocationRef::default()).advance_width(glyph)
         })
@@ -119,11 +116,15 @@ pub(crate) fn width(content: &str, size: f64, bold: bool) -> f64 {
         .iter()
         .map(|run| {
             let size = if run.rise == 0 { size } else { size * SCRIPT_SIZE };
-            let em: f64 =
-                run.text.chars().map(|c| advance(c).map_or(UNKNOWN_WIDTH, f64::from)).sum();
-            em * size
+            let advances = run.text.chars().map(|c| advance(c).map_or(UNKNOWN_WIDTH, f64::from));
+            advances.sum::<f64>() * size
         })
         .sum()
+}
+
+/// Width of the widest of the labels of marks, in the label font.
+pub(crate) fn widest(marks: &[(f64, String)]) -> f64 {
+    marks.iter().map(|mark| width(&mark.1, LABEL_FONT)).fold(0.0, f64::max)
 }
 
 #[cfg(test)]
@@ -143,10 +144,9 @@ mod tests {
     #[test]
     fn width_follows_the_font() {
         // Digits of Inter are 1308 to 1808 of 2816 units wide.
-        let digits = width("0123456789", 2816.0, false);
+        let digits = width("0123456789", 2816.0);
         assert!((13_080.0..18_080.0).contains(&digits), "{digits}");
-        assert!(width("x^{2}", 10.0, false) < width("x2", 10.0, false));
-        assert!(width("Stiffness", 10.0, true) > width("Stiffness", 10.0, false));
+        assert!(width("x^{2}", 10.0) < width("x2", 10.0));
     }
 
     #[test]

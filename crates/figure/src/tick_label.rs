@@ -1,7 +1,5 @@
 //! Labels of the marks of an axis, and the axis title with its unit.
 
-use crate::Axis;
-
 /// Largest shown value from which a linear axis takes out a power of ten.
 const LARGE: f64 = 1e5;
 /// Largest shown value below which a linear axis takes out a power of ten.
@@ -28,11 +26,6 @@ pub(crate) fn title(label: &str, unit: &str, exponent: i32) -> String {
     }
 }
 
-/// [`title`] of an axis.
-pub(crate) fn axis_title(axis: &Axis, exponent: i32) -> String {
-    title(&axis.label, &axis.unit, exponent)
-}
-
 /// A value of a linear axis with the decimals that tell its marks apart.
 pub(crate) fn linear(value: f64, exponent: i32, decimals: i32) -> String {
     let places = (decimals + exponent).clamp(0, 12) as usize;
@@ -47,16 +40,6 @@ pub(crate) fn logarithmic(values: &[f64]) -> Vec<String> {
         .iter()
         .map(|&value| if plain { grouped(&short(value)) } else { scientific(value) })
         .collect()
-}
-
-/// A free number in few digits, as in a legend of levels.
-pub(crate) fn free(value: f64) -> String {
-    let magnitude = value.abs();
-    if value == 0.0 || (1e-3..1e5).contains(&magnitude) {
-        grouped(&short(value))
-    } else {
-        scientific(value)
-    }
 }
 
 /// At most six significant decimals, without trailing zeros.
@@ -139,14 +122,7 @@ mod tests {
     fn logarithmic_labels_are_plain_or_powers() {
         assert_eq!(logarithmic(&[0.1, 1.0, 10.0, 100.0]), ["0.1", "1", "10", "100"]);
         assert_eq!(logarithmic(&[1e-9, 1e-8]), ["10^{−9}", "10^{−8}"]);
+        assert_eq!(logarithmic(&[0.1 + 0.2]), ["0.3"]);
         assert_eq!(logarithmic(&[2e-7, 5e-7]), ["2×10^{−7}", "5×10^{−7}"]);
-    }
-
-    #[test]
-    fn free_numbers_are_short() {
-        assert_eq!(free(1.15), "1.15");
-        assert_eq!(free(0.1 + 0.2), "0.3");
-        assert_eq!(free(0.0), "0");
-        assert_eq!(free(2e9), "2×10^{9}");
     }
 }

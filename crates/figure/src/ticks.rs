@@ -17,6 +17,9 @@ const SLACK: f64 = 1e-9;
 /// Marks beyond which an axis is left without them.
 const MOST: f64 = 500.0;
 
+/// Multiples of a power of ten that have short marks.
+const MULTIPLES: [f64; 8] = [2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0];
+
 /// Multiples of 1, 2 or 5 times a power of ten, at most about `target` of them labelled.
 pub(crate) fn linear(low: f64, high: f64, target: usize) -> Ticks {
     let span = high - low;
@@ -43,17 +46,15 @@ pub(crate) fn linear(low: f64, high: f64, target: usize) -> Ticks {
         let count = last - first + 1.0;
         let count = if (1.0..MOST).contains(&count) { count as usize } else { 0 };
         // The power of ten divides where it is a fraction, so that 0.3 is the nearest double.
-        (0..count)
-            .map(|index| {
-                let multiple = (first + index as f64) * mantissa;
-                if exponent < 0 {
-                    multiple / (10f64.powi(-exponent) * divisor)
-                } else {
-                    multiple / divisor * 10f64.powi(exponent)
-                }
-            })
-            .map(|tick| tick + 0.0)
-            .collect()
+        let tick = |index: usize| {
+            let multiple = (first + index as f64) * mantissa;
+            if exponent < 0 {
+                multiple / (10f64.powi(-exponent) * divisor) + 0.0
+            } else {
+                multiple / divisor * 10f64.powi(exponent) + 0.0
+            }
+        };
+        (0..count).map(tick).collect()
     };
     let major = multiples(1.0);
     let near = |a: f64, b: f64| (a - b).abs() < 1e-6 * span / target.max(1) as f64;
@@ -82,8 +83,7 @@ pub(crate) fn logarithmic(low: f64, high: f64, target: usize) -> Ticks {
         // Strides count from 10^0, so that the labels do not move with the range.
         let labelled = |value: &f64| (value.log10().round() as i32).rem_euclid(stride) == 0;
         let (major, between): (Vec<f64>, Vec<f64>) = decades.into_iter().partition(labelled);
-        let minor =
-            if stride == 1 { within(&[2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0]) } else { between };
+        let minor = if stride == 1 { within(&MULTIPLES) } else { between };
         return Ticks { major, minor, decimals: None };
     }
     let major = within(&[1.0, 2.0, 5.0]);
@@ -92,7 +92,7 @@ pub(crate) fn logarithmic(low: f64, high: f64, target: usize) -> Ticks {
         return Ticks { major, minor, decimals: None };
     }
     if decades.len() >= 2 {
-        let minor = within(&[2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0]);
+        let minor = within(&MULTIPLES);
         return Ticks { major: decades, minor, decimals: None };
     }
     linear(low, high, target)

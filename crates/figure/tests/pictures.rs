@@ -1,8 +1,7 @@
 //! Figures as a reader gets them: sizes, determinism, refusals, what is on the page.
 
 use asperity_figure::{
-    Axis, Color, ColorBar, Drawing, Figure, FigureError, Legend, Marker, Panel, Series, Stroke,
-    svg_to_png,
+    Axis, Color, Drawing, Figure, FigureError, Legend, Marker, Panel, Series, Stroke, svg_to_png,
 };
 
 fn axes() -> Panel {
@@ -198,16 +197,6 @@ fn shades_stay_inside_the_frame() {
     assert!((shaded(0.0, 5.0).unwrap() / whole - 0.5).abs() < 1e-3);
     assert_eq!(shaded(-100.0, 100.0), Some(whole));
     assert_eq!(shaded(11.0, 12.0), None);
-}
-
-#[test]
-fn colours_of_levels_match_their_bar() {
-    let levels = [0.1, 0.5, 2.0];
-    let bar = ColorBar::levels("Force", "N", &levels);
-    for (index, &level) in levels.iter().enumerate() {
-        assert_eq!(bar.color(level), Color::ramp_step(index, levels.len()));
-    }
-    assert_eq!(ColorBar::continuous("p", "Pa", 1.0, 100.0).log().color(10.0), Color::ramp(0.5));
 }
 
 #[test]

@@ -1,9 +1,7 @@
 //! Fig. 2: the numerical model, drawn from the scenario.
 
-use anyhow::{Result, bail};
-use asperity_dynamics::Integrator;
+use anyhow::Result;
 use asperity_figure::{Align, Color, Drawing, Stroke};
-use asperity_mesh::Grid;
 use asperity_table::Table;
 
 use crate::reproduce::rig::{Law, Rig};
@@ -22,11 +20,8 @@ pub(crate) const FIGURE: PaperFigure = PaperFigure {
 };
 
 fn compute(rig: &Rig) -> Result<Computed> {
-    let assembly = rig.struck(Law::Modified, 32.0)?.assembly()?;
-    let Integrator::FiniteDifference(method) = assembly.method else {
-        bail!("the figure shows the grid of finite differences");
-    };
-    let grid = Grid::new(assembly.structure.stack(), method.cell)?;
+    let case = rig.struck(Law::Modified, 32.0)?;
+    let (assembly, grid) = (case.assembly()?, case.grid()?);
     let (mut body, mut position, mut mass) = (Vec::new(), Vec::new(), Vec::new());
     let mut top = 0.0;
     for (index, bar) in grid.bars().iter().enumerate() {

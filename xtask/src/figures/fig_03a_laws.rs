@@ -1,15 +1,14 @@
 //! Fig. 3a: the contact laws, and the measurements of Table 3.
 
 use anyhow::{Context, Result};
-use asperity_figure::{Axis, Figure, Legend, Panel, Series};
+use asperity_figure::{Axis, Color, Legend, Marker, Panel, Series};
 use asperity_law::{ContactLaw, fit_power};
-use asperity_scenario::{LawRef, LawSpec};
-use asperity_study::assemble::build_law;
 use asperity_table::Table;
 
+use super::levels::yes;
 use super::style;
 use crate::reproduce::rig::{Law, Rig};
-use crate::reproduce::{Computed, PaperFigure};
+use crate::reproduce::{Columns, Computed, PaperFigure};
 
 pub(crate) const FIGURE: PaperFigure = PaperFigure {
     id: "fig03a",
@@ -27,71 +26,46 @@ const ROWS: usize = 201;
 
 fn compute(rig: &Rig) -> Result<Computed> {
     let case = rig.struck(Law::Modified, 32.0)?;
-    let laws = &case.scenario.laws;
-    let law = |law: Law| build_law(&LawRef::Named(law.key().to_owned()), laws, 0.14e6);
-    let (power, modified) = (law(Law::Power)?, law(Law::Modified)?);
+    let (power, modified) = (case.law(Law::Power, 0.14e6)?, case.law(Law::Modified, 0.14e6)?);
     let pressure: Vec<f64> =
         (0..ROWS).map(|row| 1e6 * (row as f64 / (ROWS - 1) as f64).powi(2)).collect();
     let stiffness =
         |law: &dyn ContactLaw| pressure.iter().map(|&p| law.stiffness(p)).collect::<Vec<_>>();
-    let Some(LawSpec::Table { points }) = laws.get("measured") else {
-        anyhow::bail!("the scenario has no table of measurements named \"measured\"");
-    };
-    let points: Vec<(f64, f64)> = points.iter().map(|&[p, k]| (p, k)).collect();
-    let padded = |pick: fn(&(f64, f64)) -> f64| {
-        let mut column: Vec<f64> = points.iter().map(pick).collect();
-        column.resize(ROWS, f64::NAN);
-        column
-    };
+    let points = case.table_3()?;
     let fit = fit_power(&points).context("fitting Table 3")?;
     let worst =
         points.iter().map(|&(p, k)| (power.stiffness(p) / k - 1.0).abs()).fold(0.0, f64::max);
-    let transition = 2e5;
+    let mut same =
+        [2e5, 4e5, 1e6].iter().map(|&p| (modified.stiffness(p) / power.stiffness(p) - 1.0).abs());
+    let mut lower = [1e4, 5e4, 1e5, 1.4e5].into_iter();
     let values = vec![
         ("table3_coefficient", fit.coefficient),
         ("table3_exponent", fit.exponent),
         ("table3_agreement", worst),
-        (
-            "modified_equals_pl_above",
-            f64::from(u8::from(
-                [transition, 4e5, 1e6]
-                    .iter()
-                    .all(|&p| (modified.stiffness(p) / power.stiffness(p) - 1.0).abs() < 1e-12),
-            )),
-        ),
-        (
-            "modified_below_pl",
-            f64::from(u8::from(
-                [1e4, 5e4, 1e5, 1.4e5].iter().all(|&p| modified.stiffness(p) < power.stiffness(p)),
-            )),
-        ),
+        ("modified_equals_pl_above", yes(same.all(|difference| difference < 1e-12))),
+        ("modified_below_pl", yes(lower.all(|p| modified.stiffness(p) < power.stiffness(p)))),
     ];
-    let table = Table::new()
-        .with_column("pl:stiffness_pa_per_m", stiffness(&power))?
-        .with_column("modified:stiffness_pa_per_m", stiffness(&modified))?
-        .with_column("pressure_pa", pressure)?
-        .with_column("table3:pressure_pa", padded(|point| point.0))?
-        .with_column("table3:stiffness_pa_per_m", padded(|point| point.1))?;
-    Ok(Computed { table, values })
+    let (measured_pressure, measured): (Vec<f64>, Vec<f64>) = points.into_iter().unzip();
+    let mut columns = Columns::default();
+    columns.push("pl:stiffness_pa_per_m", stiffness(&power));
+    columns.push("modified:stiffness_pa_per_m", stiffness(&modified));
+    columns.push("pressure_pa", pressure);
+    columns.push("table3:pressure_pa", measured_pressure);
+    columns.push("table3:stiffness_pa_per_m", measured);
+    Ok(Computed { values, ..columns.computed()? })
 }
 
 fn draw(table: &Table) -> Result<String> {
-    let pressure = table.column("pressure_pa")?;
-    let line = |name: &str, column: &str| -> Result<Series> {
-        Ok(Series::line_points(name, pressure, table.column(column)?).marker_every(14))
-    };
+    let quantity = "stiffness_pa_per_m";
+    let laws = style::both_laws(table, "pressure_pa", quantity, |series| series.marker_every(14))?;
     let measured = Series::points(
         "Table 3",
         table.column("table3:pressure_pa")?,
         table.column("table3:stiffness_pa_per_m")?,
     );
-    let panel = Panel::new(
-        Axis::linear("Contact pressure", "MPa").scale(1e-6),
-        Axis::linear("Contact stiffness", "Pa/m"),
-    )
-    .series(style::power(line("PL", "pl:stiffness_pa_per_m")?))
-    .series(style::modified(line("Modified PL", "modified:stiffness_pa_per_m")?))
-    .series(style::experiment(measured).marker_size(6.0))
-    .legend(Legend::BottomRight);
-    style::svg(&Figure::new("Contact laws").panel(panel).width_mm(style::COLUMN))
+    let panel = Panel::new(style::pressure_axis(), Axis::linear("Contact stiffness", "Pa/m"))
+        .all_series(laws)
+        .series(measured.color(Color::RED).marker(Marker::Cross).marker_size(6.0))
+        .legend(Legend::BottomRight);
+    style::svg("Contact laws", [panel])
 }

@@ -1,10 +1,8 @@
 //! Fig. 3b: the inflexion of the modified law at low pressure.
 
 use anyhow::Result;
-use asperity_figure::{Axis, Figure, Legend, Panel, Series};
+use asperity_figure::{Axis, Color, Legend, Panel, Series};
 use asperity_law::ContactLaw;
-use asperity_scenario::LawRef;
-use asperity_study::assemble::build_law;
 use asperity_table::Table;
 
 use super::style;
@@ -27,9 +25,7 @@ const TOP: f64 = 0.3e6;
 
 fn compute(rig: &Rig) -> Result<Computed> {
     let case = rig.struck(Law::Modified, 32.0)?;
-    let law =
-        |law: Law| build_law(&LawRef::Named(law.key().to_owned()), &case.scenario.laws, 0.14e6);
-    let (power, modified) = (law(Law::Power)?, law(Law::Modified)?);
+    let (power, modified) = (case.law(Law::Power, 0.14e6)?, case.law(Law::Modified, 0.14e6)?);
     let pressure: Vec<f64> = (0..ROWS).map(|row| TOP * row as f64 / (ROWS - 1) as f64).collect();
     let column = |of: &dyn Fn(f64) -> f64| pressure.iter().map(|&p| of(p)).collect::<Vec<_>>();
     let slope = column(&|p| modified.stiffness_slope(p));
@@ -45,18 +41,14 @@ fn compute(rig: &Rig) -> Result<Computed> {
 
 fn draw(table: &Table) -> Result<String> {
     let pressure = table.column("pressure_pa")?;
-    let axis = || Axis::linear("Contact pressure", "MPa").scale(1e-6);
-    let line = |name: &str, column: &str| -> Result<Series> {
-        Ok(Series::line_points(name, pressure, table.column(column)?).marker_every(25))
-    };
-    let laws = Panel::new(axis(), Axis::linear("Contact stiffness", "Pa/m"))
-        .series(style::power(line("PL", "pl:stiffness_pa_per_m")?))
-        .series(style::modified(line("Modified PL", "modified:stiffness_pa_per_m")?))
+    let quantity = "stiffness_pa_per_m";
+    let laws = style::both_laws(table, "pressure_pa", quantity, |series| series.marker_every(25))?;
+    let laws = Panel::new(style::pressure_axis(), Axis::linear("Contact stiffness", "Pa/m"))
+        .all_series(laws)
         .legend(Legend::BottomRight);
     let slope = Series::line("", pressure, table.column("modified:slope_1_per_m")?);
-    let slope = Panel::new(axis(), Axis::linear("Slope dK/dp", "1/m"))
-        .series(slope.color(asperity_figure::Color::BLUE))
+    let slope = Panel::new(style::pressure_axis(), Axis::linear("Slope dK/dp", "1/m"))
+        .series(slope.color(Color::BLUE))
         .legend(Legend::None);
-    let figure = Figure::new("The inflexion at low pressure").panel(laws).panel(slope);
-    style::svg(&figure.columns(2).width_mm(style::PAGE))
+    style::svg("The inflexion at low pressure", [laws, slope])
 }

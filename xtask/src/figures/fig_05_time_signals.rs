@@ -1,7 +1,7 @@
 //! Fig. 5: force and acceleration at 32 N.
 
 use anyhow::Result;
-use asperity_figure::{Axis, Color, Figure, Legend, Panel, Series};
+use asperity_figure::{Axis, Color, Legend, Panel, Series};
 use asperity_table::Table;
 
 use super::style;
@@ -41,8 +41,7 @@ fn draw(table: &Table) -> Result<String> {
         let series = Series::line("", time, table.column(column)?).color(color);
         Ok(Panel::new(axis, Axis::linear(label, unit)).series(series).legend(Legend::None))
     };
-    let figure = Figure::new("Force and acceleration")
-        .panel(panel("force_n", "Force", "N", Color::BLACK)?)
-        .panel(panel("acceleration_m_per_s2", "Acceleration", "m/s²", Color::BLUE)?);
-    style::svg(&figure.columns(2).width_mm(style::PAGE))
+    let force = panel("force_n", "Force", "N", Color::BLACK)?;
+    let acceleration = panel("acceleration_m_per_s2", "Acceleration", "m/s²", Color::BLUE)?;
+    style::svg("Force and acceleration", [force, acceleration])
 }

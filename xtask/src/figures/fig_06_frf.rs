@@ -1,13 +1,13 @@
 //! Fig. 6: receptance with nonlinear and with constant stiffness.
 
 use anyhow::{Context, Result};
-use asperity_figure::{Axis, Color, Figure, Legend, Panel, Series};
-use asperity_signal::FrequencyResponse;
+use asperity_figure::{Axis, Color, Dash, Legend, Panel, Series};
 use asperity_study::summary::Summary;
 use asperity_table::Table;
 
+use super::levels::yes;
 use super::style;
-use crate::reproduce::rig::{Law, Rig};
+use crate::reproduce::rig::{Law, Rig, response};
 use crate::reproduce::{Computed, PaperFigure};
 
 pub(crate) const FIGURE: PaperFigure = PaperFigure {
@@ -27,16 +27,10 @@ const STEP: f64 = 2.5;
 fn compute(rig: &Rig) -> Result<Computed> {
     let frequency: Vec<f64> = (20..=1000).map(|n| f64::from(n) * STEP).collect();
     let receptance = |law| -> Result<(Vec<f64>, Summary)> {
-        let case = rig.struck(law, 32.0)?;
-        let run = rig.run(&case)?;
-        let history = &run.transient.history;
-        let response = FrequencyResponse::from_displacement(
-            &history.force,
-            &history.displacement,
-            case.scenario.output_rate_hz,
-        )?;
+        let run = rig.run(&rig.struck(law, 32.0)?)?;
+        let response = response(&run)?;
         let magnitude = frequency.iter().map(|&f| response.receptance_at(f).norm()).collect();
-        Ok((magnitude, run.summary.clone()))
+        Ok((magnitude, run.summary))
     };
     let (modified, nonlinear) = receptance(Law::Modified)?;
     let (constant, linear) = receptance(Law::Constant)?;
@@ -48,15 +42,12 @@ fn compute(rig: &Rig) -> Result<Computed> {
     let first = nonlinear.fundamental.context("the modified law gives no fundamental")?;
     let flat = linear.fundamental.context("the constant stiffness gives no fundamental")?;
     let second = nonlinear.second_harmonic;
-    let yes = |condition: bool| f64::from(u8::from(condition));
+    let at_twice = second.map_or(f64::NAN, |peak| peak.frequency_hz / first.frequency_hz);
     let values = vec![
         ("fundamental_frequency", first.frequency_hz),
         ("constant_same_frequency", flat.frequency_hz / first.frequency_hz),
         ("second_harmonic_present", yes(second.is_some())),
-        (
-            "second_harmonic_at_twice",
-            second.map_or(f64::NAN, |peak| peak.frequency_hz / first.frequency_hz),
-        ),
+        ("second_harmonic_at_twice", at_twice),
         ("second_harmonic_absent_constant", yes(linear.second_harmonic.is_none())),
     ];
     Ok(Computed { table, values })
@@ -73,7 +64,7 @@ fn draw(table: &Table) -> Result<String> {
     );
     let panel = Panel::new(Axis::linear("Frequency", "Hz"), Axis::log("Receptance", "m/N"))
         .series(nonlinear.color(Color::BLUE))
-        .series(style::constant(constant).color(Color::BLACK))
+        .series(constant.color(Color::BLACK).dash(Dash::Dashed))
         .legend(Legend::TopRight);
-    style::svg(&Figure::new("Receptance").panel(panel).width_mm(style::COLUMN))
+    style::svg("Receptance", [panel])
 }

@@ -1,13 +1,12 @@
 //! Fig. 7: receptance of the modified law from 9 to 32 N.
 
 use anyhow::Result;
-use asperity_figure::{Axis, Color, ColorBar, Figure, Legend, Panel, Series};
-use asperity_signal::FrequencyResponse;
+use asperity_figure::{Axis, ColorBar, Legend, Panel, Series};
 use asperity_table::Table;
 
-use super::levels::yes;
+use super::levels::{SECOND_HARMONIC, yes};
 use super::style;
-use crate::reproduce::rig::{Case, Law, Rig, levels};
+use crate::reproduce::rig::{Law, Rig, levels, response};
 use crate::reproduce::{Computed, PaperFigure};
 
 pub(crate) const FIGURE: PaperFigure = PaperFigure {
@@ -31,22 +30,12 @@ fn column(force: f64) -> String {
 
 fn compute(rig: &Rig) -> Result<Computed> {
     let frequency: Vec<f64> = (100..=400).map(|n| f64::from(n) * STEP).collect();
-    let cases: Vec<Case> = levels()
-        .into_iter()
-        .map(|force| rig.struck(Law::Modified, force))
-        .collect::<Result<_>>()?;
-    let curves = rig.observe(&cases, |case, run| {
-        let history = &run.transient.history;
-        let rate = case.scenario.output_rate_hz;
-        let response =
-            FrequencyResponse::from_displacement(&history.force, &history.displacement, rate)?;
+    let cases = rig.struck_with(Law::Modified, &levels())?;
+    let curves = rig.observe(&cases, |_, run| {
+        let response = response(run)?;
         Ok(frequency.iter().map(|&f| response.receptance_at(f).norm()).collect::<Vec<f64>>())
     })?;
-    let second: Vec<f64> = rig
-        .sweep(Law::Modified)?
-        .iter()
-        .map(|summary| summary.second_harmonic.map_or(f64::NAN, |peak| peak.frequency_hz))
-        .collect();
+    let second = super::levels::column(&rig.sweep(Law::Modified)?, SECOND_HARMONIC);
     // A level without a peak is a level without the number: the claim then has none either.
     let found = second.iter().all(|f| f.is_finite());
     let extreme = |pick: fn(f64, f64) -> f64, start: f64| {
@@ -77,10 +66,8 @@ fn draw(table: &Table) -> Result<String> {
     .vertical(1400.0, "")
     .vertical(1800.0, "");
     for force in forces {
-        let color: Color = bar.color(force);
         let series = Series::line("", frequency, table.column(&column(force))?);
-        panel = panel.series(series.color(color).width(0.7));
+        panel = panel.series(series.color(bar.color(force)).width(0.7));
     }
-    let figure = Figure::new("Receptance from 9 to 32 N").panel(panel.color_bar(bar));
-    style::svg(&figure.width_mm(style::COLUMN))
+    style::svg("Receptance from 9 to 32 N", [panel.color_bar(bar)])
 }

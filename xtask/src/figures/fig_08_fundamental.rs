@@ -4,7 +4,7 @@ use anyhow::Result;
 use asperity_figure::{Axis, Legend};
 use asperity_table::Table;
 
-use super::levels::{self, Sweep, drop_percent, falls, yes};
+use super::levels::{self, FREQUENCY, SECOND_HARMONIC, Sweep, drop_percent, falls, yes};
 use crate::reproduce::rig::Rig;
 use crate::reproduce::{Computed, PaperFigure};
 
@@ -22,7 +22,7 @@ pub(crate) const FIGURE: PaperFigure = PaperFigure {
 const QUANTITY: &str = "frequency_hz";
 
 fn compute(rig: &Rig) -> Result<Computed> {
-    let sweep = Sweep::new(rig, |summary| summary.fundamental.map(|peak| peak.frequency_hz))?;
+    let sweep = Sweep::new(rig, FREQUENCY)?;
     let (modified, power) = (drop_percent(&sweep.modified), drop_percent(&sweep.power));
     let values = vec![
         ("fundamental_falls_modified", falls(&sweep.modified)),
@@ -31,7 +31,7 @@ fn compute(rig: &Rig) -> Result<Computed> {
         ("fundamental_drop_pl", power),
         ("fundamental_drop_greater", yes(modified > power)),
     ];
-    let second = Sweep::new(rig, |summary| summary.second_harmonic.map(|peak| peak.frequency_hz))?;
+    let second = Sweep::new(rig, SECOND_HARMONIC)?;
     let table = sweep
         .table(QUANTITY)?
         .with_column("pl:second_harmonic_hz", second.power)?

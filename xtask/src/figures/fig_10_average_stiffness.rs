@@ -4,7 +4,7 @@ use anyhow::Result;
 use asperity_figure::{Axis, Legend};
 use asperity_table::Table;
 
-use super::levels::{self, Sweep, falls};
+use super::levels::{self, PRESSURE_MIN, STIFFNESS_AVERAGE, Sweep, falls};
 use crate::reproduce::rig::Rig;
 use crate::reproduce::{Computed, PaperFigure};
 
@@ -23,14 +23,10 @@ pub(crate) const FIGURE: PaperFigure = PaperFigure {
 const QUANTITY: &str = "stiffness_average_pa_per_m";
 
 fn compute(rig: &Rig) -> Result<Computed> {
-    let sweep = Sweep::new(rig, |summary| {
-        summary.interfaces.first().map(|contact| contact.stiffness_average_pa_per_m)
-    })?;
-    let lowest = Sweep::new(rig, |summary| {
-        summary.interfaces.first().map(|contact| contact.pressure_min_pa)
-    })?;
+    let sweep = Sweep::new(rig, STIFFNESS_AVERAGE)?;
+    let lowest = Sweep::new(rig, PRESSURE_MIN)?;
     let there = Sweep::new(rig, |summary| {
-        summary.interfaces.first().map(|contact| contact.stiffness_at_pressure_min_pa_per_m)
+        Some(summary.interfaces.first()?.stiffness_at_pressure_min_pa_per_m)
     })?;
     let table = sweep
         .table(QUANTITY)?

@@ -1,10 +1,11 @@
 //! Fig. 11: amplitude of the fundamental against force.
 
 use anyhow::Result;
-use asperity_figure::{Axis, Legend};
+use asperity_figure::Legend;
 use asperity_table::Table;
 
-use super::levels::{self, Sweep, yes};
+use super::levels::{self, RECEPTANCE, Sweep, yes};
+use super::style::amplitude_axis;
 use crate::reproduce::rig::Rig;
 use crate::reproduce::{Computed, PaperFigure};
 
@@ -21,7 +22,7 @@ pub(crate) const FIGURE: PaperFigure = PaperFigure {
 const QUANTITY: &str = "receptance_m_per_n";
 
 fn compute(rig: &Rig) -> Result<Computed> {
-    let sweep = Sweep::new(rig, |summary| summary.fundamental.map(|peak| peak.receptance_m_per_n))?;
+    let sweep = Sweep::new(rig, RECEPTANCE)?;
     let nowhere_up = |values: &[f64]| yes(values.windows(2).all(|pair| pair[1] <= pair[0]));
     let values = vec![
         ("amplitude_not_rising_modified", nowhere_up(&sweep.modified)),
@@ -31,6 +32,6 @@ fn compute(rig: &Rig) -> Result<Computed> {
 }
 
 fn draw(table: &Table) -> Result<String> {
-    let axis = Axis::linear("Amplitude A_{1}", "10^{-7} m/N").scale(1e7).low(0.0);
-    levels::draw(table, "Amplitude of the fundamental", QUANTITY, axis, Legend::BottomLeft)
+    let (title, axis) = ("Amplitude of the fundamental", amplitude_axis());
+    levels::draw(table, title, QUANTITY, axis, Legend::BottomLeft)
 }

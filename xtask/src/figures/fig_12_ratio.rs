@@ -3,11 +3,9 @@
 use anyhow::Result;
 use asperity_figure::{Axis, Legend};
 use asperity_law::ContactLaw;
-use asperity_scenario::LawRef;
-use asperity_study::assemble::build_law;
 use asperity_table::Table;
 
-use super::levels::{self, Sweep, rises, yes};
+use super::levels::{self, HARMONIC_RATIO, Sweep, rises, yes};
 use crate::reproduce::rig::{Law, Rig};
 use crate::reproduce::{Computed, PaperFigure};
 
@@ -25,12 +23,12 @@ pub(crate) const FIGURE: PaperFigure = PaperFigure {
 const QUANTITY: &str = "harmonic_ratio";
 
 fn compute(rig: &Rig) -> Result<Computed> {
-    let sweep = Sweep::new(rig, |summary| summary.harmonic_ratio)?;
+    let sweep = Sweep::new(rig, HARMONIC_RATIO)?;
     let above = sweep.modified.iter().zip(&sweep.power).all(|(modified, power)| modified > power);
     let case = rig.struck(Law::Modified, 32.0)?;
     let pressure = case.assembly()?.structure.contacts()[0].pressure();
     let nonlinearity = |law: Law| -> Result<f64> {
-        let law = build_law(&LawRef::Named(law.key().to_owned()), &case.scenario.laws, pressure)?;
+        let law = case.law(law, pressure)?;
         Ok(law.stiffness_slope(pressure) / law.stiffness(pressure))
     };
     let values = vec![

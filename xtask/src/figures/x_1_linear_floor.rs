@@ -1,12 +1,12 @@
 //! x1: how much of A2/A1 is the second harmonic.
 
 use anyhow::Result;
-use asperity_figure::{Axis, Color, Dash, Figure, Legend, Panel, Series};
+use asperity_figure::{Axis, Color, Dash, Legend, Marker, Panel, Series};
 use asperity_signal::FrequencyResponse;
 use asperity_table::Table;
 
 use super::style;
-use crate::reproduce::rig::{Case, Law, Rig};
+use crate::reproduce::rig::{Law, Rig};
 use crate::reproduce::{Computed, PaperFigure};
 
 pub(crate) const FIGURE: PaperFigure = PaperFigure {
@@ -28,22 +28,19 @@ const FORCES: [f64; 14] =
     [0.1, 0.2, 0.5, 1.0, 2.0, 3.0, 5.0, 7.0, 9.0, 12.0, 16.0, 20.0, 25.0, 32.0];
 /// The largest of them at which the response is split, in N.
 const SPLIT: f64 = 5.0;
-const LAWS: [(Law, &str); 2] = [(Law::Power, "pl"), (Law::Modified, "modified")];
 
 fn compute(rig: &Rig) -> Result<Computed> {
-    let forces = FORCES;
-    let mut table = Table::new().with_column("force_n", forces)?;
-    for (law, name) in LAWS {
-        let signed: Vec<f64> = forces.iter().flat_map(|&force| [force, -force]).collect();
-        let cases: Vec<Case> =
-            signed.iter().map(|&force| rig.struck(law, force)).collect::<Result<_>>()?;
+    let mut table = Table::new().with_column("force_n", FORCES)?;
+    let signed: Vec<f64> = FORCES.iter().flat_map(|&force| [force, -force]).collect();
+    for law in [Law::Power, Law::Modified] {
+        let cases = rig.struck_with(law, &signed)?;
         let runs = rig.observe(&cases, |_, run| {
             let history = &run.transient.history;
             Ok((history.force.clone(), history.displacement.clone(), run.summary.clone()))
         })?;
         let rate = cases[0].scenario.output_rate_hz;
         let mut columns = [Vec::new(), Vec::new(), Vec::new()];
-        for (pair, peak) in runs.chunks_exact(2).zip(forces) {
+        for (pair, peak) in runs.chunks_exact(2).zip(FORCES) {
             let ((force, push, summary), (_, pull, _)) = (&pair[0], &pair[1]);
             let half = |sign: f64| -> Vec<f64> {
                 push.iter().zip(pull).map(|(a, b)| 0.5 * (a + sign * b)).collect()
@@ -61,14 +58,14 @@ fn compute(rig: &Rig) -> Result<Computed> {
             columns[2].push(if split { ratio(&odd, &odd) } else { f64::NAN });
         }
         for (quantity, column) in ["ratio_at_2_f1", "even_ratio", "odd_ratio"].iter().zip(columns) {
-            table.push(format!("{name}:{quantity}"), column)?;
+            table.push(format!("{}:{quantity}", law.key()), column)?;
         }
     }
     let assembly = rig.struck(Law::Constant, 32.0)?.assembly()?;
     let natural = asperity_study::static_state::StaticSummary::of(&assembly).natural_frequency_hz;
     let ratio = natural
         .map_or(f64::NAN, |f| assembly.structure.damping_rate() / (4.0 * std::f64::consts::PI * f));
-    table.push("linear_floor", vec![2.0 * ratio / 3.0; forces.len()])?;
+    table.push("linear_floor", vec![2.0 * ratio / 3.0; FORCES.len()])?;
     Ok(Computed { table, values: Vec::new() })
 }
 
@@ -76,25 +73,18 @@ fn draw(table: &Table) -> Result<String> {
     let force = table.column("force_n")?;
     let mut panel = Panel::new(Axis::log("Force", "N"), Axis::log("Ratio to the fundamental", ""))
         .legend(Legend::Above);
-    for (name, label) in [("pl", "PL"), ("modified", "Modified PL")] {
+    for (name, label, marker, color) in [
+        ("pl", "PL", Marker::Circle, Color::BLACK),
+        ("modified", "Modified PL", Marker::Triangle, Color::BLUE),
+    ] {
         let column = |quantity: &str| table.column(&format!("{name}:{quantity}"));
-        let mark = |series: Series| {
-            if name == "pl" { style::power(series) } else { style::modified(series) }
-        };
-        let color = if name == "pl" { Color::BLACK } else { Color::BLUE };
-        panel = panel
-            .series(
-                Series::line(format!("{label}: +F"), force, column("ratio_at_2_f1")?).color(color),
-            )
-            .series(mark(Series::points(format!("{label}: even"), force, column("even_ratio")?)))
-            .series(
-                Series::line(format!("{label}: odd"), force, column("odd_ratio")?)
-                    .color(color)
-                    .dash(Dash::Dotted),
-            );
+        let whole = Series::line(format!("{label}: +F"), force, column("ratio_at_2_f1")?);
+        let even = Series::points(format!("{label}: even"), force, column("even_ratio")?);
+        let odd = Series::line(format!("{label}: odd"), force, column("odd_ratio")?);
+        let series = [whole, even.marker(marker), odd.dash(Dash::Dotted)];
+        panel = panel.all_series(series.map(|series| series.color(color)));
     }
     let floor = Series::line("2 ξ / 3", force, table.column("linear_floor")?);
     let panel = panel.series(floor.color(Color::GREY).dash(Dash::Dashed));
-    let figure = Figure::new("The linear floor under A2/A1").panel(panel);
-    style::svg(&figure.width_mm(style::COLUMN))
+    style::svg("The linear floor under A2/A1", [panel])
 }

@@ -1,11 +1,12 @@
 //! x2: what the unpublished shape of the blow does.
 
 use anyhow::Result;
-use asperity_figure::{Axis, Color, Dash, Figure, Legend, Marker, Panel, Series};
-use asperity_study::summary::Summary;
+use asperity_figure::{Axis, Color, Dash, Marker, Panel};
 use asperity_table::Table;
 
-use super::levels::force_axis;
+use super::levels::{
+    self, CONTACT_LOST, FREQUENCY, HARMONIC_RATIO, Observable, PRESSURE_MIN, RECEPTANCE, column,
+};
 use super::style;
 use crate::reproduce::rig::{Case, Law, Rig, few_levels};
 use crate::reproduce::{Computed, PaperFigure};
@@ -32,13 +33,12 @@ const E2: f64 = std::f64::consts::E * std::f64::consts::E;
 const PULSES: [(&str, f64); 3] =
     [("gamma_pulse", 1.0), ("half_sine", E2 * std::f64::consts::PI / 8.0), ("haversine", E2 / 2.0)];
 
-type Quantity = (&'static str, fn(&Summary) -> Option<f64>);
-const QUANTITIES: [Quantity; 5] = [
-    ("frequency_hz", |summary| summary.fundamental.map(|peak| peak.frequency_hz)),
-    ("receptance_m_per_n", |summary| summary.fundamental.map(|peak| peak.receptance_m_per_n)),
-    ("harmonic_ratio", |summary| summary.harmonic_ratio),
-    ("pressure_min_pa", |summary| summary.interfaces.first().map(|c| c.pressure_min_pa)),
-    ("contact_lost_s", |summary| summary.interfaces.first().map(|c| c.contact_lost_s)),
+const QUANTITIES: [(&str, Observable); 5] = [
+    ("frequency_hz", FREQUENCY),
+    ("receptance_m_per_n", RECEPTANCE),
+    ("harmonic_ratio", HARMONIC_RATIO),
+    ("pressure_min_pa", PRESSURE_MIN),
+    ("contact_lost_s", CONTACT_LOST),
 ];
 
 fn struck(rig: &Rig, law: Law, pulse: (&str, f64), peak: f64) -> Result<Case> {
@@ -48,12 +48,7 @@ fn struck(rig: &Rig, law: Law, pulse: (&str, f64), peak: f64) -> Result<Case> {
     }
     let duration = RISE * stretch;
     let excitation = format!(r#"{{"kind": "{kind}", "peak_n": {peak}, "duration_s": {duration}}}"#);
-    let law = law.key().to_owned();
-    rig.with(&[
-        ("/interfaces/0/law", law.clone()),
-        ("/interfaces/1/law", law),
-        ("/excitation", excitation),
-    ])
+    rig.with(law, &[("/excitation", excitation)])
 }
 
 fn compute(rig: &Rig) -> Result<Computed> {
@@ -61,15 +56,11 @@ fn compute(rig: &Rig) -> Result<Computed> {
     let mut table = Table::new().with_column("force_n", forces.as_slice())?;
     for law in [Law::Modified, Law::Power] {
         for pulse in PULSES {
-            let cases: Vec<Case> = forces
-                .iter()
-                .map(|&force| struck(rig, law, pulse, force))
-                .collect::<Result<_>>()?;
-            let summaries = rig.summaries(&cases)?;
+            let cases = forces.iter().map(|&force| struck(rig, law, pulse, force));
+            let summaries = rig.summaries(&cases.collect::<Result<Vec<Case>>>()?)?;
             for (quantity, of) in QUANTITIES {
-                let column: Vec<f64> =
-                    summaries.iter().map(|summary| of(summary).unwrap_or(f64::NAN)).collect();
-                table.push(format!("{}:{}:{quantity}", law.key(), pulse.0), column)?;
+                let name = format!("{}:{}:{quantity}", law.key(), pulse.0);
+                table.push(name, column(&summaries, of))?;
             }
         }
     }
@@ -77,22 +68,15 @@ fn compute(rig: &Rig) -> Result<Computed> {
 }
 
 fn draw(table: &Table) -> Result<String> {
-    let force = table.column("force_n")?;
     let panel = |quantity: &str, axis: Axis| -> Result<Panel> {
-        let mut panel = Panel::new(force_axis(), axis).legend(Legend::Above);
-        for (pulse, label, color, marker, dash) in [
-            ("gamma_pulse", "gamma", Color::BLUE, Marker::Triangle, Dash::Solid),
-            ("half_sine", "half-sine", Color::ORANGE, Marker::Square, Dash::Dashed),
-            ("haversine", "haversine", Color::GREEN, Marker::Diamond, Dash::Dotted),
-        ] {
-            let column = table.column(&format!("modified:{pulse}:{quantity}"))?;
-            let series = Series::line_points(label, force, column).width(0.7);
-            panel = panel.series(series.color(color).marker(marker).dash(dash));
-        }
-        Ok(panel)
+        let variants = [
+            ("modified:gamma_pulse", "gamma", Color::BLUE, Marker::Triangle, Dash::Solid),
+            ("modified:half_sine", "half-sine", Color::ORANGE, Marker::Square, Dash::Dashed),
+            ("modified:haversine", "haversine", Color::GREEN, Marker::Diamond, Dash::Dotted),
+        ];
+        levels::variants(table, quantity, axis, &variants)
     };
-    let figure = Figure::new("The shape of the blow")
-        .panel(panel("frequency_hz", Axis::linear("Frequency f_{1}", "Hz"))?)
-        .panel(panel("harmonic_ratio", Axis::log("Ratio A_{2}/A_{1}", ""))?);
-    style::svg(&figure.columns(2).width_mm(style::PAGE))
+    let frequency = panel("frequency_hz", Axis::linear("Frequency f_{1}", "Hz"))?;
+    let ratio = panel("harmonic_ratio", Axis::log("Ratio A_{2}/A_{1}", ""))?;
+    style::svg("The shape of the blow", [frequency, ratio])
 }

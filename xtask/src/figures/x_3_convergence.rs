@@ -1,15 +1,15 @@
 //! x3: convergence of each reported number with the cell.
 
-use anyhow::{Context, Result, bail};
-use asperity_dynamics::Integrator;
-use asperity_figure::{Axis, Color, Dash, Figure, Legend, Marker, Panel, Series};
-use asperity_mesh::Grid;
-use asperity_study::summary::Summary;
+use anyhow::{Context, Result};
+use asperity_figure::{Axis, Color, Dash, Legend, Marker, Panel, Series};
 use asperity_table::Table;
 
+use super::levels::{
+    FREQUENCY, HARMONIC_RATIO, Observable, PRESSURE_MIN, RECEPTANCE, STIFFNESS_AVERAGE, column,
+};
 use super::style;
 use crate::reproduce::rig::{Case, Law, Rig};
-use crate::reproduce::{Computed, PaperFigure};
+use crate::reproduce::{Columns, Computed, PaperFigure};
 
 pub(crate) const FIGURE: PaperFigure = PaperFigure {
     id: "x3",
@@ -29,26 +29,21 @@ const CELLS: [f64; 5] = [2.2e-3, 1e-3, 0.5e-3, 0.25e-3, 0.125e-3];
 /// Number of cells that are shown.
 const SHOWN: usize = CELLS.len() - 1;
 
-type Quantity = (&'static str, &'static str, fn(&Summary) -> Option<f64>);
-const QUANTITIES: [Quantity; 5] = [
-    ("frequency", "f_{1}", |summary| summary.fundamental.map(|peak| peak.frequency_hz)),
-    ("receptance", "A_{1}", |summary| summary.fundamental.map(|peak| peak.receptance_m_per_n)),
-    ("harmonic_ratio", "A_{2}/A_{1}", |summary| summary.harmonic_ratio),
-    ("pressure_min", "p_{min}", |summary| summary.interfaces.first().map(|c| c.pressure_min_pa)),
-    ("stiffness_average", "K_{avr}", |summary| {
-        summary.interfaces.first().map(|c| c.stiffness_average_pa_per_m)
-    }),
+const QUANTITIES: [(&str, &str, Marker, Observable); 5] = [
+    ("frequency", "f_{1}", Marker::Circle, FREQUENCY),
+    ("receptance", "A_{1}", Marker::Triangle, RECEPTANCE),
+    ("harmonic_ratio", "A_{2}/A_{1}", Marker::Square, HARMONIC_RATIO),
+    ("pressure_min", "p_{min}", Marker::Diamond, PRESSURE_MIN),
+    ("stiffness_average", "K_{avr}", Marker::Cross, STIFFNESS_AVERAGE),
 ];
 
 fn case(rig: &Rig, contact: &str, cell: f64) -> Result<Case> {
-    let law = Law::Modified.key().to_owned();
-    rig.with(&[
-        ("/interfaces/0/law", law.clone()),
-        ("/interfaces/1/law", law),
+    let changes = [
         ("/excitation/peak_n", "32".to_owned()),
         ("/method/contact", contact.to_owned()),
         ("/method/cell_m", cell.to_string()),
-    ])
+    ];
+    rig.with(Law::Modified, &changes)
 }
 
 fn compute(rig: &Rig) -> Result<Computed> {
@@ -65,40 +60,31 @@ fn compute(rig: &Rig) -> Result<Computed> {
         cases[1..=SHOWN].iter().rev().map(cell_length).collect::<Result<_>>()?;
     // Linear in the cell, through the reference run and the finest one shown.
     let (finest, fine) = (cell_length(&cases[0])?, lengths[SHOWN - 1]);
-    let exact = |of: fn(&Summary) -> Option<f64>| {
-        let value = |summary: &Summary| of(summary).unwrap_or(f64::NAN);
-        let (nearest, near) = (value(&summaries[0]), value(&summaries[1]));
-        nearest + (nearest - near) * finest / (fine - finest)
+    let exact = |of: Observable| {
+        let ends = column(&summaries[..2], of);
+        ends[0] + (ends[0] - ends[1]) * finest / (fine - finest)
     };
-    let mut table = Table::new().with_column("cell_m", lengths.as_slice())?;
+    let mut columns = Columns::default();
+    columns.push("cell_m", lengths.as_slice());
     for (number, form) in forms.iter().enumerate() {
         let runs = &summaries[1 + number * SHOWN..][..SHOWN];
-        for (quantity, _, of) in QUANTITIES {
-            let value = |summary: &Summary| of(summary).unwrap_or(f64::NAN);
-            let errors: Vec<f64> =
-                runs.iter().rev().map(|run| (value(run) / exact(of) - 1.0).abs()).collect();
-            let mut slopes = vec![f64::NAN; SHOWN];
-            slopes[0] = slope(&lengths, &errors);
-            table.push(format!("{form}:{quantity}_error"), errors)?;
-            table.push(format!("{form}:{quantity}_slope"), slopes)?;
+        for (quantity, .., of) in QUANTITIES {
+            let values = column(runs, of).into_iter().rev();
+            let errors: Vec<f64> = values.map(|value| (value / exact(of) - 1.0).abs()).collect();
+            let slope = slope(&lengths, &errors);
+            columns.push(format!("{form}:{quantity}_error"), errors);
+            columns.push(format!("{form}:{quantity}_slope"), [slope]);
         }
     }
-    for (quantity, _, of) in QUANTITIES {
-        let mut column = vec![f64::NAN; SHOWN];
-        column[0] = exact(of);
-        table.push(format!("reference:{quantity}"), column)?;
+    for (quantity, .., of) in QUANTITIES {
+        columns.push(format!("reference:{quantity}"), [exact(of)]);
     }
-    Ok(Computed { table, values: Vec::new() })
+    columns.computed()
 }
 
 /// Length of the sample's cells, in m.
 fn cell_length(case: &Case) -> Result<f64> {
-    let assembly = case.assembly()?;
-    let Integrator::FiniteDifference(method) = assembly.method else {
-        bail!("the figure shows the grid of finite differences");
-    };
-    let grid = Grid::new(assembly.structure.stack(), method.cell)?;
-    Ok(grid.bars().last().context("the rig has no sample")?.cell_length())
+    Ok(case.grid()?.bars().last().context("the rig has no sample")?.cell_length())
 }
 
 /// Slope of the least-squares line through the logarithms.
@@ -114,9 +100,7 @@ fn slope(x: &[f64], y: &[f64]) -> f64 {
 
 fn draw(table: &Table) -> Result<String> {
     let cell = table.column("cell_m")?;
-    let markers =
-        [Marker::Circle, Marker::Triangle, Marker::Square, Marker::Diamond, Marker::Cross];
-    let mut figure = Figure::new("Convergence with the cell").columns(2).width_mm(style::PAGE);
+    let mut panels = Vec::new();
     for (form, title, level, legend) in [
         ("centred", "centred", 3e-4, Legend::TopLeft),
         ("new_level", "new level", 3e-3, Legend::BottomRight),
@@ -126,11 +110,11 @@ fn draw(table: &Table) -> Result<String> {
         let guide: Vec<f64> = cell.iter().map(|c| level * c / 1e-3).collect();
         let guide = Series::line("slope 1", cell, guide).color(Color::GREY).dash(Dash::Dashed);
         let mut panel = Panel::new(axis, error).title(title).legend(legend).series(guide);
-        for ((quantity, label, _), marker) in QUANTITIES.into_iter().zip(markers) {
+        for (quantity, label, marker, _) in QUANTITIES {
             let error = table.column(&format!("{form}:{quantity}_error"))?;
             panel = panel.series(Series::line_points(label, cell, error).marker(marker));
         }
-        figure = figure.panel(panel);
+        panels.push(panel);
     }
-    style::svg(&figure)
+    style::svg("Convergence with the cell", panels)
 }

@@ -1,13 +1,16 @@
 //! x4: where contact is lost, and what follows.
 
 use anyhow::Result;
-use asperity_figure::{Axis, Figure, Legend, Panel, Series};
+use asperity_figure::{Axis, Legend, Panel};
 use asperity_study::summary::Summary;
 use asperity_table::Table;
 
+use super::levels::{
+    CONTACT_LOST, FREQUENCY, HARMONIC_RATIO, Observable, PRESSURE_MIN, both_laws, column,
+};
 use super::style;
-use crate::reproduce::rig::{Case, Law, Rig};
-use crate::reproduce::{Computed, PaperFigure};
+use crate::reproduce::rig::{Law, Rig};
+use crate::reproduce::{Columns, Computed, PaperFigure};
 
 pub(crate) const FIGURE: PaperFigure = PaperFigure {
     id: "x4",
@@ -22,41 +25,34 @@ pub(crate) const FIGURE: PaperFigure = PaperFigure {
     draw,
 };
 
-const LAWS: [(Law, &str); 2] = [(Law::Power, "pl"), (Law::Modified, "modified")];
 /// Tolerance of the thresholds, in N.
 const CLOSE: f64 = 0.02;
 
-type Quantity = (&'static str, fn(&Summary) -> Option<f64>);
-const QUANTITIES: [Quantity; 5] = [
-    ("contact_lost_s", |summary| summary.interfaces.first().map(|c| c.contact_lost_s)),
-    ("frequency_hz", |summary| summary.fundamental.map(|peak| peak.frequency_hz)),
-    ("harmonic_ratio", |summary| summary.harmonic_ratio),
-    ("pressure_min_pa", |summary| summary.interfaces.first().map(|c| c.pressure_min_pa)),
-    ("pressure_max_pa", |summary| summary.interfaces.first().map(|c| c.pressure_max_pa)),
+const QUANTITIES: [(&str, Observable); 5] = [
+    ("contact_lost_s", CONTACT_LOST),
+    ("frequency_hz", FREQUENCY),
+    ("harmonic_ratio", HARMONIC_RATIO),
+    ("pressure_min_pa", PRESSURE_MIN),
+    ("pressure_max_pa", |summary| Some(summary.interfaces.first()?.pressure_max_pa)),
 ];
 
 fn compute(rig: &Rig) -> Result<Computed> {
     let forces: Vec<f64> = (2..=32).map(|n| 2.5 * f64::from(n)).collect();
-    let mut table = Table::new().with_column("force_n", forces.as_slice())?;
-    for (law, name) in LAWS {
-        let cases: Vec<Case> =
-            forces.iter().map(|&force| rig.struck(law, force)).collect::<Result<_>>()?;
-        let summaries = rig.summaries(&cases)?;
+    let mut columns = Columns::default();
+    columns.push("force_n", forces.as_slice());
+    for law in [Law::Power, Law::Modified] {
+        let summaries = rig.summaries(&rig.struck_with(law, &forces)?)?;
         for (quantity, of) in QUANTITIES {
-            let column: Vec<f64> =
-                summaries.iter().map(|summary| of(summary).unwrap_or(f64::NAN)).collect();
-            table.push(format!("{name}:{quantity}"), column)?;
+            columns.push(format!("{}:{quantity}", law.key()), column(&summaries, of));
         }
         let first = summaries.iter().position(|summary| lost(summary));
         let threshold = match first {
             Some(index) if index > 0 => bisect(rig, law, forces[index - 1], forces[index])?,
             _ => f64::NAN,
         };
-        let mut column = vec![f64::NAN; forces.len()];
-        column[0] = threshold;
-        table.push(format!("{name}:threshold_n"), column)?;
+        columns.push(format!("{}:threshold_n", law.key()), [threshold]);
     }
-    Ok(Computed { table, values: Vec::new() })
+    columns.computed()
 }
 
 /// True if any contact was lost.
@@ -79,28 +75,19 @@ fn bisect(rig: &Rig, law: Law, mut keeps: f64, mut loses: f64) -> Result<f64> {
 }
 
 fn draw(table: &Table) -> Result<String> {
-    let force = table.column("force_n")?;
     let panel = |quantity: &str, axis: Axis, legend: Legend| -> Result<Panel> {
-        let series = |label: &str, law: &str| -> Result<Series> {
-            let column = table.column(&format!("{law}:{quantity}"))?;
-            Ok(Series::line_points(label, force, column).width(0.6))
-        };
-        Ok(Panel::new(Axis::linear("Force", "N").range(0.0, 82.0), axis)
-            .series(style::power(series("PL", "pl")?))
-            .series(style::modified(series("Modified PL", "modified")?))
-            .vertical(32.0, "")
-            .legend(legend))
+        let force = Axis::linear("Force", "N").range(0.0, 82.0);
+        Ok(both_laws(table, quantity, force, axis)?.vertical(32.0, "").legend(legend))
     };
     let lost = Axis::linear("Time without contact", "ms").scale(1e3);
+    let frequency = Axis::linear("Frequency f_{1}", "Hz");
+    let ratio = Axis::linear("Ratio A_{2}/A_{1}", "").low(0.0);
     let lowest = Axis::linear("Lowest pressure", "MPa").scale(1e-6);
-    let figure = Figure::new("Where contact is lost")
-        .panel(panel("contact_lost_s", lost, Legend::TopLeft)?)
-        .panel(panel("frequency_hz", Axis::linear("Frequency f_{1}", "Hz"), Legend::None)?)
-        .panel(panel(
-            "harmonic_ratio",
-            Axis::linear("Ratio A_{2}/A_{1}", "").low(0.0),
-            Legend::None,
-        )?)
-        .panel(panel("pressure_min_pa", lowest, Legend::None)?);
-    style::svg(&figure.columns(2).width_mm(style::PAGE))
+    let panels = [
+        panel("contact_lost_s", lost, Legend::TopLeft)?,
+        panel("frequency_hz", frequency, Legend::None)?,
+        panel("harmonic_ratio", ratio, Legend::None)?,
+        panel("pressure_min_pa", lowest, Legend::None)?,
+    ];
+    style::svg("Where contact is lost", panels)
 }

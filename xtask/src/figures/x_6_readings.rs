@@ -1,14 +1,13 @@
 //! x6: the natural frequencies under each reading of the paper's gaps.
 
-use anyhow::{Result, ensure};
-use asperity_figure::{Axis, Color, Figure, Legend, Marker, Panel, Series};
+use anyhow::Result;
+use asperity_figure::{Axis, Color, Legend, Panel, Series};
 use asperity_law::fit_power;
-use asperity_scenario::LawSpec;
 use asperity_table::Table;
 
 use super::style;
 use crate::reproduce::rig::{Case, Law, Rig};
-use crate::reproduce::{Computed, PaperFigure};
+use crate::reproduce::{Columns, Computed, PaperFigure};
 
 pub(crate) const FIGURE: PaperFigure = PaperFigure {
     id: "x6",
@@ -25,13 +24,8 @@ pub(crate) const FIGURE: PaperFigure = PaperFigure {
 
 /// The rig with a constant stiffness at both contacts, and `more` changes.
 fn constant(rig: &Rig, stiffness: f64, more: &[(&str, String)]) -> Result<Case> {
-    let mut changes = vec![
-        ("/interfaces/0/law", "constant".to_owned()),
-        ("/interfaces/1/law", "constant".to_owned()),
-        ("/laws/constant/stiffness_pa_per_m", stiffness.to_string()),
-    ];
-    changes.extend_from_slice(more);
-    rig.with(&changes)
+    let stiffness = ("/laws/constant/stiffness_pa_per_m", stiffness.to_string());
+    rig.with(Law::Constant, &[&[stiffness], more].concat())
 }
 
 fn compute(rig: &Rig) -> Result<Computed> {
@@ -49,34 +43,24 @@ fn compute(rig: &Rig) -> Result<Computed> {
     ];
     let (mut lowest, mut next, mut damping) = (Vec::new(), Vec::new(), Vec::new());
     for case in &cases {
-        let assembly = case.assembly()?;
-        let found = assembly.structure.modes(2)?;
-        ensure!(found.len() == 2, "the rig has fewer than two modes");
-        lowest.push(found[0].frequency_hz);
-        next.push(found[1].frequency_hz);
-        damping.push(assembly.structure.damping_rate());
+        let [first, second] = case.natural_frequencies()?;
+        lowest.push(first);
+        next.push(second);
+        damping.push(case.assembly()?.structure.damping_rate());
     }
-    let first_row = |value: f64| {
-        let mut column = vec![f64::NAN; cases.len()];
-        column[0] = value;
-        column
-    };
-    let Some(LawSpec::Table { points }) = cases[0].scenario.laws.get("measured") else {
-        anyhow::bail!("the scenario has no table of measurements named \"measured\"");
-    };
-    let points: Vec<(f64, f64)> = points.iter().map(|&[p, k]| (p, k)).collect();
+    let points = cases[0].table_3()?;
     let logarithms = fit_power(&points)?;
     let (coefficient, exponent) = fit_stiffness(&points);
-    let table = Table::new()
-        .with_column("reading", (1..=cases.len()).map(|n| n as f64).collect::<Vec<_>>())?
-        .with_column("natural_frequency_hz", lowest)?
-        .with_column("next_mode_hz", next)?
-        .with_column("damping_rate_1_per_s", damping)?
-        .with_column("fit_of_logarithms:coefficient", first_row(logarithms.coefficient))?
-        .with_column("fit_of_logarithms:exponent", first_row(logarithms.exponent))?
-        .with_column("fit_of_stiffness:coefficient", first_row(coefficient))?
-        .with_column("fit_of_stiffness:exponent", first_row(exponent))?;
-    Ok(Computed { table, values: Vec::new() })
+    let mut columns = Columns::default();
+    columns.push("reading", (1..=cases.len()).map(|n| n as f64).collect::<Vec<_>>());
+    columns.push("natural_frequency_hz", lowest);
+    columns.push("next_mode_hz", next);
+    columns.push("damping_rate_1_per_s", damping);
+    columns.push("fit_of_logarithms:coefficient", [logarithms.coefficient]);
+    columns.push("fit_of_logarithms:exponent", [logarithms.exponent]);
+    columns.push("fit_of_stiffness:coefficient", [coefficient]);
+    columns.push("fit_of_stiffness:exponent", [exponent]);
+    columns.computed()
 }
 
 /// Coefficient and exponent that make the squares of `K - C p^m` least.
@@ -107,7 +91,7 @@ fn draw(table: &Table) -> Result<String> {
     let ticks: Vec<(f64, String)> = reading.iter().map(|&n| (n, format!("{n:.0}"))).collect();
     let series = |label: &str, column: &str| -> Result<Series> {
         let series = Series::points(label, reading, table.column(column)?);
-        Ok(series.color(Color::BLUE).marker(Marker::Circle).marker_size(5.0))
+        Ok(series.color(Color::BLUE).marker_size(5.0))
     };
     let panel = Panel::new(
         Axis::linear("Reading", "").range(0.5, reading.len() as f64 + 0.5).ticks(ticks),
@@ -117,5 +101,5 @@ fn draw(table: &Table) -> Result<String> {
     .series(series("next", "next_mode_hz")?)
     .horizontal(800.0, "")
     .legend(Legend::Above);
-    style::svg(&Figure::new("Natural frequencies").panel(panel).width_mm(style::COLUMN))
+    style::svg("Natural frequencies", [panel])
 }

@@ -4,12 +4,13 @@ use std::slice;
 
 use anyhow::{Context, Result, ensure};
 use asperity_experiment::{AnalysisOptions, FrequencyBand, HitCount, analyse};
-use asperity_figure::{Axis, Figure, Legend, Marker, Panel, Series};
+use asperity_figure::{Axis, Legend, Marker, Series};
 use asperity_measure::{Format, WriteOptions, write};
 use asperity_study::record::measurement_record;
 use asperity_study::run::Run;
 use asperity_table::Table;
 
+use super::levels::{both_laws, force_axis};
 use super::style;
 use crate::reproduce::rig::{Case, Law, Rig};
 use crate::reproduce::{Computed, PaperFigure};
@@ -41,9 +42,8 @@ const QUANTITIES: [&str; 3] = ["frequency_hz", "receptance_m_per_n", "harmonic_r
 
 fn compute(rig: &Rig) -> Result<Computed> {
     let mut table = Table::new().with_column("force_n", FORCES)?;
-    for (law, name) in [(Law::Power, "pl"), (Law::Modified, "modified")] {
-        let cases: Vec<Case> =
-            FORCES.iter().map(|&peak| rig.struck(law, peak)).collect::<Result<_>>()?;
+    for law in [Law::Power, Law::Modified] {
+        let (name, cases) = (law.key(), rig.struck_with(law, &FORCES)?);
         let found = rig.observe(&cases, both_paths)?;
         for (i, quantity) in QUANTITIES.iter().enumerate() {
             for (direct, measured) in &found {
@@ -88,27 +88,21 @@ fn both_paths(case: &Case, run: &Run) -> Result<(Observed, Observed)> {
 
 fn draw(table: &Table) -> Result<String> {
     let force = table.column("force_n")?;
-    let mut figure = Figure::new("The second path").columns(3).width_mm(style::PAGE);
+    let mut panels = Vec::new();
     let axes = [
         Axis::linear("Fundamental f_{1}", "Hz"),
         Axis::linear("Amplitude A_{1}", "m/N"),
         Axis::linear("Ratio A_{2}/A_{1}", ""),
     ];
     for (quantity, axis) in QUANTITIES.into_iter().zip(axes) {
-        let series = |name: &str, column: String| -> Result<Series> {
-            Ok(Series::line_points(name, force, table.column(&column)?).width(0.6))
+        let hollow = |law: &str| -> Result<Series> {
+            let column = table.column(&format!("{law}:measured:{quantity}"))?;
+            Ok(Series::points("", force, column).marker(Marker::Square).marker_size(7.0))
         };
-        let hollow = |column: String| -> Result<Series> {
-            let points = Series::points("", force, table.column(&column)?);
-            Ok(points.marker(Marker::Square).marker_size(7.0))
-        };
-        let panel = Panel::new(Axis::linear("Force", "N").range(8.0, 33.0), axis)
-            .series(style::power(series("PL", format!("pl:{quantity}"))?))
-            .series(style::modified(series("Modified PL", format!("modified:{quantity}"))?))
-            .series(hollow(format!("pl:measured:{quantity}"))?)
-            .series(hollow(format!("modified:measured:{quantity}"))?)
-            .legend(if quantity == QUANTITIES[2] { Legend::TopLeft } else { Legend::None });
-        figure = figure.panel(panel);
+        let legend = if quantity == QUANTITIES[2] { Legend::TopLeft } else { Legend::None };
+        let panel = both_laws(table, quantity, force_axis(), axis)?
+            .all_series([hollow("pl")?, hollow("modified")?]);
+        panels.push(panel.legend(legend));
     }
-    style::svg(&figure)
+    style::svg("The second path", panels)
 }

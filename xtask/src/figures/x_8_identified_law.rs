@@ -1,20 +1,16 @@
 //! x8: the paper's own law, identified from the numbers that its text states.
 
-use std::sync::Arc;
-
 use anyhow::{Result, bail, ensure};
-use asperity_figure::{Axis, Color, Dash, Figure, Legend, Marker, Panel, Series};
-use asperity_identify::{Identification, IdentificationProblem, identify};
+use asperity_figure::{Axis, Color, Dash, Legend, Marker, Panel, Series};
+use asperity_identify::{Identification, IdentificationProblem, PredictedObservation, identify};
 use asperity_law::ContactLaw;
-use asperity_scenario::{Document, ExcitationSpec, LawRef, LawSpec, Laws, Scenario};
-use asperity_study::assemble::build_law;
-use asperity_study::summary::Summary;
+use asperity_scenario::{Document, ExcitationSpec, LawSpec, Laws, Scenario};
 use asperity_table::Table;
 
-use super::levels::force_axis;
+use super::levels::{FREQUENCY, Observable, PRESSURE_MIN, column, force_axis, yes};
 use super::style;
 use crate::reproduce::rig::{Case, Law, Rig};
-use crate::reproduce::{Computed, PaperFigure};
+use crate::reproduce::{Columns, Computed, PaperFigure};
 
 pub(crate) const FIGURE: PaperFigure = PaperFigure {
     id: "x8",
@@ -57,11 +53,8 @@ const STATED_STIFFNESS: [usize; 2] = [0, 1];
 const STATED_FREQUENCY: [usize; 1] = [4];
 const STATED_PRESSURE: [usize; 2] = [2, 5];
 
-type Quantity = (&'static str, fn(&Summary) -> Option<f64>);
-const QUANTITIES: [Quantity; 2] = [
-    ("frequency_hz", |summary| summary.fundamental.map(|peak| peak.frequency_hz)),
-    ("pressure_min_pa", |summary| summary.interfaces.first().map(|c| c.pressure_min_pa)),
-];
+const QUANTITIES: [(&str, Observable); 2] =
+    [("frequency_hz", FREQUENCY), ("pressure_min_pa", PRESSURE_MIN)];
 
 fn compute(rig: &Rig) -> Result<Computed> {
     let fixtures = crate::workspace_root().join("fixtures");
@@ -71,33 +64,24 @@ fn compute(rig: &Rig) -> Result<Computed> {
     let stored = Document::read(fixtures.join("scenarios/nouira2020-identified.json"))?;
     is_stored(&found, &stored)?;
 
-    let reconstruction = rig.struck(Law::Modified, 32.0)?.scenario;
-    let mut columns = law_columns(&found, &reconstruction.laws)?;
-    columns.extend(knot_columns(&found, &reconstruction.laws)?);
-    columns.extend(unknown_columns(&found, &reconstruction)?);
-    columns.extend(datum_columns(&found));
+    let reconstruction = rig.struck(Law::Modified, 32.0)?;
+    let mut columns = Columns::default();
+    law_columns(&mut columns, &found, &reconstruction)?;
+    knot_columns(&mut columns, &found, &reconstruction.scenario.laws)?;
+    parameter_columns(&mut columns, &found, &reconstruction.scenario)?;
+    datum_columns(&mut columns, &found);
     let identified =
         FORCES.iter().map(|&peak| struck(&stored, peak)).collect::<Result<Vec<_>>>()?;
-    let reconstructed =
-        FORCES.iter().map(|&peak| rig.struck(Law::Modified, peak)).collect::<Result<Vec<_>>>()?;
-    columns.push(("force_n".to_owned(), FORCES.to_vec()));
+    let reconstructed = rig.struck_with(Law::Modified, &FORCES)?;
+    columns.push("force_n", FORCES);
     for (name, cases) in [("identified", identified), ("reconstruction", reconstructed)] {
-        let summaries: Vec<Arc<Summary>> = rig.summaries(&cases)?;
+        let summaries = rig.summaries(&cases)?;
         for (quantity, of) in QUANTITIES {
-            let values = summaries.iter().map(|summary| of(summary).unwrap_or(f64::NAN));
-            columns.push((format!("{name}:{quantity}"), values.collect()));
+            columns.push(format!("{name}:{quantity}"), column(&summaries, of));
         }
     }
-    let rows = columns.iter().map(|(_, values)| values.len()).max().unwrap_or(0);
-    let mut table = Table::new();
-    for (name, mut values) in columns {
-        values.resize(rows, f64::NAN);
-        table.push(name, values)?;
-    }
-    Ok(Computed { table, values: Vec::new() })
+    columns.computed()
 }
-
-type Columns = Vec<(String, Vec<f64>)>;
 
 /// The identified rig, struck with `peak` in N.
 fn struck(stored: &Document, peak: f64) -> Result<Case> {
@@ -139,32 +123,31 @@ fn is_stored(found: &Identification, stored: &Document) -> Result<()> {
     Ok(())
 }
 
-fn law_columns(found: &Identification, reconstruction: &Laws) -> Result<Columns> {
+fn law_columns(columns: &mut Columns, found: &Identification, before: &Case) -> Result<()> {
     let law = &found.law;
-    let curve = |name: &str| -> Result<Vec<f64>> {
-        let built = build_law(&LawRef::Named(name.to_owned()), reconstruction, law.at_rest)?;
+    let curve = |name: Law| -> Result<Vec<f64>> {
+        let built = before.law(name, law.at_rest)?;
         Ok(law.pressure.iter().map(|&p| built.stiffness(p)).collect())
     };
-    let informed = law.informed.iter().map(|&informed| f64::from(u8::from(informed)));
-    Ok(vec![
-        ("pressure_pa".to_owned(), law.pressure.clone()),
-        ("identified:stiffness_pa_per_m:fit".to_owned(), law.stiffness.clone()),
-        ("identified:stiffness_pa_per_m:lower".to_owned(), law.lower.clone()),
-        ("identified:stiffness_pa_per_m:median".to_owned(), law.median.clone()),
-        ("identified:stiffness_pa_per_m:upper".to_owned(), law.upper.clone()),
-        ("identified:informed".to_owned(), informed.collect()),
-        ("reconstruction:stiffness_pa_per_m".to_owned(), curve("modified")?),
-        ("pl:stiffness_pa_per_m".to_owned(), curve("pl")?),
-    ])
+    columns.push("pressure_pa", law.pressure.as_slice());
+    columns.push("identified:stiffness_pa_per_m:fit", law.stiffness.as_slice());
+    columns.push("identified:stiffness_pa_per_m:lower", law.lower.as_slice());
+    columns.push("identified:stiffness_pa_per_m:median", law.median.as_slice());
+    columns.push("identified:stiffness_pa_per_m:upper", law.upper.as_slice());
+    let informed: Vec<f64> = law.informed.iter().map(|&informed| yes(informed)).collect();
+    columns.push("identified:informed", informed);
+    columns.push("reconstruction:stiffness_pa_per_m", curve(Law::Modified)?);
+    columns.push("pl:stiffness_pa_per_m", curve(Law::Power)?);
+    Ok(())
 }
 
 /// The knots with the intervals of the posterior; they must be those of the caption.
-fn knot_columns(found: &Identification, reconstruction: &Laws) -> Result<Columns> {
-    let (knots, [coefficient, exponent, transition]) = modified(&found.laws)?;
-    let top = Top::new(knots, [coefficient, exponent, transition]);
+fn knot_columns(columns: &mut Columns, found: &Identification, before: &Laws) -> Result<()> {
+    let (knots, power) = modified(&found.laws)?;
+    let top = Top::new(knots, power);
     let stiffnesses = |point: &[f64]| top.stiffnesses(&point[..knots.len()]);
-    let column = |of: &[[f64; 2]], place: usize| of.iter().map(|knot| knot[place]).collect();
-    let best: Vec<f64> = column(knots, 1);
+    let column = |of: &[[f64; 2]], at: usize| of.iter().map(|knot| knot[at]).collect::<Vec<_>>();
+    let best = column(knots, 1);
     for (a, b) in best.iter().zip(stiffnesses(&found.fit.point)) {
         ensure!((a / b - 1.0).abs() < 1e-9, "the knots are not those of the steps: {a:e}, {b:e}");
     }
@@ -177,13 +160,12 @@ fn knot_columns(found: &Identification, reconstruction: &Laws) -> Result<Columns
         let is_said = FIGURE.caption.contains(&words) && !(0..3).any(far);
         ensure!(is_said, "knot {knot}: {computed:?} is computed, the caption has to say it");
     }
-    Ok(vec![
-        ("knot:pressure_pa".to_owned(), column(knots, 0)),
-        ("knot:stiffness_pa_per_m:fit".to_owned(), best),
-        ("knot:stiffness_pa_per_m:lower".to_owned(), band[0].clone()),
-        ("knot:stiffness_pa_per_m:upper".to_owned(), band[1].clone()),
-        ("knot:reconstruction_pa_per_m".to_owned(), column(modified(reconstruction)?.0, 1)),
-    ])
+    columns.push("knot:pressure_pa", column(knots, 0));
+    columns.push("knot:stiffness_pa_per_m:fit", best);
+    columns.push("knot:stiffness_pa_per_m:lower", band[0].as_slice());
+    columns.push("knot:stiffness_pa_per_m:upper", band[1].as_slice());
+    columns.push("knot:reconstruction_pa_per_m", column(modified(before)?.0, 1));
+    Ok(())
 }
 
 /// Stiffness from which the steps of a modified law lead down, in Pa/m; see the explanation of
@@ -216,54 +198,46 @@ impl Top {
 }
 
 /// The steps, then the rise in ms; an end of a profile that the data do not set is not a number.
-fn unknown_columns(found: &Identification, reconstruction: &Scenario) -> Result<Columns> {
+fn parameter_columns(
+    columns: &mut Columns,
+    found: &Identification,
+    reconstruction: &Scenario,
+) -> Result<()> {
     let estimates = found.estimates();
-    let scale = |unknown: usize| if unknown < SAID.len() { 1.0 } else { 1e3 };
-    let column = |of: &dyn Fn(usize) -> f64| -> Vec<f64> {
-        (0..estimates.len()).map(|unknown| scale(unknown) * of(unknown)).collect()
-    };
     let (knots, power) = modified(&reconstruction.laws)?;
     let mut before = Top::new(knots, power).steps(knots);
     before.push(rise(reconstruction)?);
-    let end = |side: usize| {
-        column(&|unknown| estimates[unknown].profile_interval[side].unwrap_or(f64::NAN))
+    let mut push = |name: &str, of: &dyn Fn(usize) -> f64| {
+        let scale = |parameter: usize| if parameter < SAID.len() { 1.0 } else { 1e3 };
+        let values = (0..estimates.len()).map(|parameter| scale(parameter) * of(parameter));
+        columns.push(format!("unknown:{name}"), values.collect::<Vec<_>>());
     };
-    Ok(vec![
-        ("unknown:fit".to_owned(), column(&|unknown| estimates[unknown].value)),
-        ("unknown:lower".to_owned(), column(&|unknown| estimates[unknown].posterior_interval[0])),
-        ("unknown:upper".to_owned(), column(&|unknown| estimates[unknown].posterior_interval[1])),
-        ("unknown:profile_lower:fit".to_owned(), end(0)),
-        ("unknown:profile_upper:fit".to_owned(), end(1)),
-        ("unknown:reconstruction".to_owned(), column(&|unknown| before[unknown])),
-    ])
+    push("fit", &|i| estimates[i].value);
+    push("lower", &|i| estimates[i].posterior_interval[0]);
+    push("upper", &|i| estimates[i].posterior_interval[1]);
+    push("profile_lower:fit", &|i| estimates[i].profile_interval[0].unwrap_or(f64::NAN));
+    push("profile_upper:fit", &|i| estimates[i].profile_interval[1].unwrap_or(f64::NAN));
+    push("reconstruction", &|i| before[i]);
+    Ok(())
 }
 
 /// Stated numbers in the order of the problem, and the predictions of the best fit.
-fn datum_columns(found: &Identification) -> Columns {
-    let data: Vec<_> = found.observations().collect();
-    let given = |deviation: f64| deviation / found.noise_factor;
-    let column = |name: &str, values: Vec<f64>| (format!("datum:{name}"), values);
-    let factor = vec![found.noise_factor];
-    vec![
-        column("at", data.iter().map(|datum| datum.at.unwrap_or(f64::NAN)).collect()),
-        column("stated", data.iter().map(|datum| datum.value).collect()),
-        column(
-            "standard_deviation:fit",
-            data.iter().map(|datum| given(datum.standard_deviation)).collect(),
-        ),
-        column(
-            "predicted:fit",
-            data.iter().map(|datum| datum.predicted.unwrap_or(f64::NAN)).collect(),
-        ),
-        column("residual:fit", data.iter().map(|d| d.residual * found.noise_factor).collect()),
-        ("chi_square:fit".to_owned(), vec![found.goodness.chi_square]),
-        ("noise_factor:fit".to_owned(), factor),
-    ]
+fn datum_columns(columns: &mut Columns, found: &Identification) {
+    let factor = found.noise_factor;
+    let mut push = |name: &str, of: &dyn Fn(PredictedObservation<'_>) -> f64| {
+        columns.push(format!("datum:{name}"), found.observations().map(of).collect::<Vec<_>>());
+    };
+    push("at", &|datum| datum.at.unwrap_or(f64::NAN));
+    push("stated", &|datum| datum.value);
+    push("standard_deviation:fit", &|datum| datum.standard_deviation / factor);
+    push("predicted:fit", &|datum| datum.predicted.unwrap_or(f64::NAN));
+    push("residual:fit", &|datum| datum.residual * factor);
+    columns.push("chi_square:fit", [found.goodness.chi_square]);
+    columns.push("noise_factor:fit", [factor]);
 }
 
 fn draw(table: &Table) -> Result<String> {
     let pressure = table.column("pressure_pa")?;
-    let identified = |quantity: &str| table.column(&format!("identified:{quantity}"));
     let curve = |name: &str, column: &str| -> Result<Series> {
         Ok(Series::line_points(name, pressure, table.column(column)?).marker_every(8).width(0.8))
     };
@@ -276,12 +250,10 @@ fn draw(table: &Table) -> Result<String> {
         let points = Series::points("stated", of(at), of(value)).errors(bars);
         points.color(Color::RED).marker(Marker::Square).marker_size(4.5)
     };
-    let band = "stiffness_pa_per_m";
-    let (lower, upper) =
-        (identified(&format!("{band}:lower"))?, identified(&format!("{band}:upper"))?);
-    let best = identified(&format!("{band}:fit"))?;
+    let identified = |end: &str| table.column(&format!("identified:stiffness_pa_per_m:{end}"));
+    let (lower, best, upper) = (identified("lower")?, identified("fit")?, identified("upper")?);
     let law = Panel::new(
-        Axis::linear("Contact pressure", "MPa").scale(1e-6).range(0.0, 0.22),
+        style::pressure_axis().range(0.0, 0.22),
         Axis::linear("Stiffness", "10^{12} Pa/m").scale(1e-12).low(0.0),
     )
     .series(Series::band("95 %", pressure, lower, upper).color(Color::GREEN))
@@ -295,7 +267,8 @@ fn draw(table: &Table) -> Result<String> {
     let against = |quantity: &str, axis: Axis, rows: &[usize]| -> Result<Panel> {
         let before = table.column(&format!("reconstruction:{quantity}"))?;
         let before = style::modified(Series::line_points("reconstruction", force, before));
-        let found = Series::line_points("identified", force, identified(quantity)?);
+        let found = table.column(&format!("identified:{quantity}"))?;
+        let found = Series::line_points("identified", force, found);
         let found = found.color(Color::GREEN).marker(Marker::Circle).width(1.2);
         Ok(Panel::new(force_axis(), axis)
             .series(before.dash(Dash::Dashed).width(0.8))
@@ -303,13 +276,10 @@ fn draw(table: &Table) -> Result<String> {
             .series(stated(rows))
             .legend(if quantity == QUANTITIES[1].0 { Legend::TopRight } else { Legend::None }))
     };
-    let figure = Figure::new("The law that the text states")
-        .panel(law)
-        .panel(against("frequency_hz", Axis::linear("Fundamental f_{1}", "Hz"), &STATED_FREQUENCY)?)
-        .panel(against(
-            "pressure_min_pa",
-            Axis::linear("Lowest pressure", "MPa").scale(1e-6).low(0.0),
-            &STATED_PRESSURE,
-        )?);
-    style::svg(&figure.columns(3).width_mm(style::PAGE).row_height_mm(54.0))
+    let frequency = Axis::linear("Fundamental f_{1}", "Hz");
+    let frequency = against("frequency_hz", frequency, &STATED_FREQUENCY)?;
+    let lowest = Axis::linear("Lowest pressure", "MPa").scale(1e-6).low(0.0);
+    let lowest = against("pressure_min_pa", lowest, &STATED_PRESSURE)?;
+    let figure = style::figure("The law that the text states", [law, frequency, lowest]);
+    style::checked(&figure.row_height_mm(54.0))
 }

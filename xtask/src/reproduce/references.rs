@@ -32,23 +32,23 @@ pub(crate) fn store(folder: &Path, finished: &[Finished]) -> Result<()> {
     std::fs::create_dir_all(folder)?;
     for done in finished {
         let place = folder.join(format!("{}.csv", done.figure.id));
-        super::write(&place, thinned(&done.table)?.to_csv().as_bytes())?;
+        super::write(&place, decimated(&done.table)?.to_csv().as_bytes())?;
     }
     Ok(())
 }
 
 /// Differences from the stored tables, one line each.
 pub(crate) fn compare(folder: &Path, finished: &[Finished]) -> Result<Vec<String>> {
-    let mut complaints = Vec::new();
+    let mut differences = Vec::new();
     for done in finished {
         let id = done.figure.id;
         let place = folder.join(format!("{id}.csv"));
         let stored = read(&place)?;
-        if let Some(difference) = difference(&stored, &thinned(&done.table)?) {
-            complaints.push(format!("{id}: {difference}"));
+        if let Some(difference) = difference(&stored, &decimated(&done.table)?) {
+            differences.push(format!("{id}: {difference}"));
         }
     }
-    Ok(complaints)
+    Ok(differences)
 }
 
 /// A stored table; NaN where a field is empty.
@@ -70,14 +70,14 @@ fn read(place: &Path) -> Result<Table> {
     Ok(table)
 }
 
-fn thinned(table: &Table) -> Result<Table> {
+fn decimated(table: &Table) -> Result<Table> {
     let stride = table.rows().div_ceil(MOST_ROWS).max(1);
-    let mut thin = Table::new();
+    let mut decimated = Table::new();
     for column in table.columns() {
         let values: Vec<f64> = column.values().iter().copied().step_by(stride).collect();
-        thin = thin.with_column(column.name(), values)?;
+        decimated.push(column.name(), values)?;
     }
-    Ok(thin)
+    Ok(decimated)
 }
 
 /// Tolerance of the column of this name.

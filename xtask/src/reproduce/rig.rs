@@ -3,11 +3,15 @@
 use std::collections::HashMap;
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, MutexGuard};
 
-use anyhow::{Context, Result, anyhow};
-use asperity_scenario::{Document, Scenario};
-use asperity_study::assemble::Assembly;
+use anyhow::{Context, Result, anyhow, bail, ensure};
+use asperity_dynamics::Integrator;
+use asperity_law::ContactLaw;
+use asperity_mesh::Grid;
+use asperity_scenario::{Document, LawRef, LawSpec, Scenario};
+use asperity_signal::FrequencyResponse;
+use asperity_study::assemble::{Assembly, build_law};
 use asperity_study::run::{Run, simulate};
 use asperity_study::summary::Summary;
 use indicatif::ProgressBar;
@@ -37,6 +41,41 @@ impl Case {
     pub(crate) fn assembly(&self) -> Result<Assembly> {
         Ok(Assembly::new(&self.scenario, self.document.folder())?)
     }
+
+    /// A law of the scenario at a contact under `pressure` in Pa.
+    pub(crate) fn law(&self, law: Law, pressure: f64) -> Result<Arc<dyn ContactLaw>> {
+        Ok(build_law(&LawRef::Named(law.key().to_owned()), &self.scenario.laws, pressure)?)
+    }
+
+    /// Pressures and stiffnesses of Table 3.
+    pub(crate) fn table_3(&self) -> Result<Vec<(f64, f64)>> {
+        let Some(LawSpec::Table { points }) = self.scenario.laws.get("measured") else {
+            bail!("the scenario has no table of measurements named \"measured\"");
+        };
+        Ok(points.iter().map(|&[p, k]| (p, k)).collect())
+    }
+
+    /// The finite-difference grid.
+    pub(crate) fn grid(&self) -> Result<Grid> {
+        let assembly = self.assembly()?;
+        let Integrator::FiniteDifference(method) = assembly.method else {
+            bail!("the figure shows the grid of finite differences");
+        };
+        Ok(Grid::new(assembly.structure.stack(), method.cell)?)
+    }
+
+    /// The two lowest natural frequencies at rest, in Hz.
+    pub(crate) fn natural_frequencies(&self) -> Result<[f64; 2]> {
+        let found = self.assembly()?.structure.modes(2)?;
+        ensure!(found.len() == 2, "the rig has fewer than two modes");
+        Ok([found[0].frequency_hz, found[1].frequency_hz])
+    }
+}
+
+/// The response of a run at any frequency.
+pub(crate) fn response(run: &Run) -> Result<FrequencyResponse> {
+    let (history, rate) = (&run.transient.history, run.assembly.sampling.rate());
+    Ok(FrequencyResponse::from_displacement(&history.force, &history.displacement, rate)?)
 }
 
 /// The three laws that the paper compares, by their name in the scenario.
@@ -65,7 +104,6 @@ impl Law {
 pub(crate) struct Rig {
     base: Document,
     quick: bool,
-    runs: Mutex<HashMap<String, Arc<Run>>>,
     summaries: Mutex<HashMap<String, Arc<Summary>>>,
     bar: ProgressBar,
 }
@@ -76,7 +114,7 @@ impl Rig {
     pub(crate) fn load(scenarios: &Path, quick: bool, bar: ProgressBar) -> Result<Self> {
         let path = scenarios.join("nouira2020-modified.json");
         let base = Document::read(&path).context("reading the paper's rig")?;
-        Ok(Self { base, quick, runs: Mutex::default(), summaries: Mutex::default(), bar })
+        Ok(Self { base, quick, summaries: Mutex::default(), bar })
     }
 
     /// SHA-256 of the rig's scenario.
@@ -84,13 +122,16 @@ impl Rig {
         self.base.sha256()
     }
 
-    /// The rig with `changes`, pairs of JSON pointer and value.
-    pub(crate) fn with(&self, changes: &[(&str, String)]) -> Result<Case> {
+    /// The rig with `law` at both contacts and `changes`, pairs of JSON pointer and value.
+    pub(crate) fn with(&self, law: Law, changes: &[(&str, String)]) -> Result<Case> {
         let mut document = self.base.clone();
         if self.quick {
             document.set("/method/cell_m", "0.004")?;
         }
-        for (pointer, value) in changes {
+        let contacts = ["/interfaces/0/law", "/interfaces/1/law"];
+        for (pointer, value) in
+            contacts.map(|contact| (contact, law.key().to_owned())).iter().chain(changes)
+        {
             document.set(pointer, value)?;
         }
         let scenario = document.scenario()?;
@@ -99,23 +140,18 @@ impl Rig {
 
     /// The rig with `law` at both contacts, struck with `peak` in N.
     pub(crate) fn struck(&self, law: Law, peak: f64) -> Result<Case> {
-        let law = law.key().to_owned();
-        self.with(&[
-            ("/interfaces/0/law", law.clone()),
-            ("/interfaces/1/law", law),
-            ("/excitation/peak_n", peak.to_string()),
-        ])
+        self.with(law, &[("/excitation/peak_n", peak.to_string())])
     }
 
-    /// The run of a case, kept with its whole history; the same case is run once.
-    pub(crate) fn run(&self, case: &Case) -> Result<Arc<Run>> {
-        let key = case.document.sha256();
-        if let Some(done) = locked(&self.runs)?.get(&key) {
-            return Ok(Arc::clone(done));
-        }
-        let run = Arc::new(simulate(&case.document, &case.scenario)?);
-        locked(&self.summaries)?.insert(key.clone(), Arc::new(run.summary.clone()));
-        locked(&self.runs)?.insert(key, Arc::clone(&run));
+    /// The rig with `law` at both contacts, struck with each of `peaks` in N.
+    pub(crate) fn struck_with(&self, law: Law, peaks: &[f64]) -> Result<Vec<Case>> {
+        peaks.iter().map(|&peak| self.struck(law, peak)).collect()
+    }
+
+    /// The run of a case.
+    pub(crate) fn run(&self, case: &Case) -> Result<Run> {
+        let run = simulate(&case.document, &case.scenario)?;
+        self.locked()?.insert(case.document.sha256(), Arc::new(run.summary.clone()));
         Ok(run)
     }
 
@@ -124,12 +160,10 @@ impl Rig {
     pub(crate) fn summaries(&self, cases: &[Case]) -> Result<Vec<Arc<Summary>>> {
         self.each(cases, |case| {
             let key = case.document.sha256();
-            if let Some(done) = locked(&self.summaries)?.get(&key) {
+            if let Some(done) = self.locked()?.get(&key) {
                 return Ok(Arc::clone(done));
             }
-            let summary = Arc::new(simulate(&case.document, &case.scenario)?.summary);
-            locked(&self.summaries)?.insert(key, Arc::clone(&summary));
-            Ok(summary)
+            Ok(Arc::new(self.run(case)?.summary))
         })
     }
 
@@ -140,19 +174,12 @@ impl Rig {
         cases: &[Case],
         of: impl Fn(&Case, &Run) -> Result<T> + Sync,
     ) -> Result<Vec<T>> {
-        self.each(cases, |case| {
-            let key = case.document.sha256();
-            let run = simulate(&case.document, &case.scenario)?;
-            locked(&self.summaries)?.insert(key, Arc::new(run.summary.clone()));
-            of(case, &run)
-        })
+        self.each(cases, |case| of(case, &self.run(case)?))
     }
 
     /// The summaries of `law` struck with each of [`levels`].
     pub(crate) fn sweep(&self, law: Law) -> Result<Vec<Arc<Summary>>> {
-        let cases: Result<Vec<Case>> =
-            levels().into_iter().map(|peak| self.struck(law, peak)).collect();
-        self.summaries(&cases?)
+        self.summaries(&self.struck_with(law, &levels())?)
     }
 
     fn each<T: Send>(
@@ -173,8 +200,8 @@ impl Rig {
         self.bar.set_message("");
         results
     }
-}
 
-fn locked<T>(shared: &Mutex<T>) -> Result<std::sync::MutexGuard<'_, T>> {
-    shared.lock().map_err(|_| anyhow!("a run panicked"))
+    fn locked(&self) -> Result<MutexGuard<'_, HashMap<String, Arc<Summary>>>> {
+        self.summaries.lock().map_err(|_| anyhow!("a run panicked"))
+    }
 }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::Finding;
-use super::repository::Repository;
+use super::repository::{Repository, is_crate_source};
 
 /// Words that a doc comment does not start with.
 const OPENERS: [&str; 7] = ["What", "Why", "Whether", "How", "Where", "Who", "That"];
@@ -14,14 +14,10 @@ const TYPES: [&str; 5] = ["struct ", "enum ", "trait ", "type ", "union "];
 /// No two public types of the workspace share a name.
 pub(super) fn repeated_types(repository: &Repository) -> Vec<Finding> {
     let mut places: BTreeMap<&str, Vec<(&str, usize)>> = BTreeMap::new();
-    let sources = repository.texts(".rs");
-    for (path, text) in
-        sources.filter(|(path, _)| path.starts_with("crates/") && path.contains("/src/"))
-    {
-        for (number, line) in (1..).zip(text.lines()) {
-            if let Some(name) = line.trim_start().strip_prefix("pub ").and_then(type_name) {
-                places.entry(name).or_default().push((path, number));
-            }
+    for (path, number, line) in repository.source_lines() {
+        let name = line.trim_start().strip_prefix("pub ").and_then(type_name);
+        if let Some(name) = name.filter(|_| is_crate_source(path)) {
+            places.entry(name).or_default().push((path, number));
         }
     }
     let mut found = Vec::new();
@@ -44,28 +40,23 @@ fn type_name(declaration: &str) -> Option<&str> {
 /// No doc comment, and no cell of a table in one, starts with a question word.
 pub(super) fn openers(repository: &Repository) -> Vec<Finding> {
     let mut found = Vec::new();
-    for (path, text) in repository.texts(".rs") {
-        let mut previous = "";
-        for (number, line) in (1..).zip(text.lines()) {
-            let mark = line.trim_start().get(..3).unwrap_or_default();
-            if mark == "///" || mark == "//!" {
-                let prose = line.trim_start()[3..].trim();
-                let opens = mark != previous;
-                let opener = if let Some(row) = prose.strip_prefix('|') {
-                    row.split('|').find_map(|cell| opener(&capitalised(cell.trim())))
-                } else {
-                    opens.then(|| opener(prose)).flatten()
-                };
-                found.extend(opener.map(|word| {
-                    Finding::at(
-                        path,
-                        number,
-                        format!("starts with \"{word}\": start with the subject"),
-                    )
-                }));
+    let mut previous = None;
+    for (path, number, line) in repository.source_lines() {
+        let comment = line.trim_start().split_at_checked(3);
+        let comment = comment.filter(|(mark, _)| ["///", "//!"].contains(mark));
+        let mark = comment.map(|(mark, _)| mark);
+        let opener = comment.map(|(_, prose)| prose.trim()).and_then(|prose| {
+            if let Some(row) = prose.strip_prefix('|') {
+                row.split('|').find_map(|cell| opener(&capitalised(cell.trim())))
+            } else {
+                opener(prose).filter(|_| mark != previous)
             }
-            previous = if mark == "///" || mark == "//!" { mark } else { "" };
-        }
+        });
+        found.extend(opener.map(|word| {
+            let message = format!("starts with \"{word}\": start with the subject");
+            Finding::at(path, number, message)
+        }));
+        previous = mark;
     }
     found
 }

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use super::Finding;
-use super::repository::Repository;
+use super::repository::{Repository, is_crate_source};
 
 /// Most lines of a source file.
 const MOST_LINES: usize = 600;
@@ -68,7 +68,7 @@ pub(super) fn long_files(repository: &Repository) -> Vec<Finding> {
 pub(super) fn short_files(repository: &Repository) -> Vec<Finding> {
     let short: Vec<(&str, usize)> = repository
         .texts(".rs")
-        .filter(|(path, _)| path.starts_with("crates/") && path.contains("/src/"))
+        .filter(|(path, _)| is_crate_source(path))
         .filter(|(path, _)| !["lib.rs", "main.rs"].contains(&file_name(path)))
         .filter(|(path, _)| !repository.has(path.trim_end_matches(".rs")))
         .map(|(path, text)| (path, text.lines().count()))
@@ -88,9 +88,7 @@ pub(super) fn short_files(repository: &Repository) -> Vec<Finding> {
 
 /// A module with submodules is `name.rs` beside `name/`, not `name/mod.rs`.
 pub(super) fn mod_files(repository: &Repository) -> Vec<Finding> {
-    let in_sources = |path: &&str| {
-        path.starts_with("xtask/src/") || (path.starts_with("crates/") && path.contains("/src/"))
-    };
+    let in_sources = |path: &&str| path.starts_with("xtask/src/") || is_crate_source(path);
     repository
         .paths()
         .filter(in_sources)

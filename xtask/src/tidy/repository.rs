@@ -49,12 +49,9 @@ impl Repository {
                 self.walk(&entry.path(), &format!("{path}/"), skipped)?;
                 continue;
             }
-            let text = if TEXT.iter().any(|suffix| name.ends_with(suffix)) {
-                let text = fs::read_to_string(entry.path());
-                Some(text.with_context(|| format!("cannot read {path}"))?)
-            } else {
-                None
-            };
+            let is_text = TEXT.iter().any(|suffix| name.ends_with(suffix));
+            let text = is_text.then(|| fs::read_to_string(entry.path())).transpose();
+            let text = text.with_context(|| format!("cannot read {path}"))?;
             self.files.insert(path, text);
         }
         Ok(())
@@ -81,18 +78,26 @@ impl Repository {
             .filter_map(|(path, text)| Some((path.as_str(), text.as_deref()?)))
     }
 
+    /// Path, number from 1 and text of every line of the Rust sources.
+    pub(super) fn source_lines(&self) -> impl Iterator<Item = (&str, usize, &str)> {
+        self.texts(".rs").flat_map(|(path, text)| {
+            (1..).zip(text.lines()).map(move |(number, line)| (path, number, line))
+        })
+    }
+
     /// True if `path` is a file, or a folder with files.
     pub(super) fn has(&self, path: &str) -> bool {
         let path = path.trim_end_matches('/');
         let inside = format!("{path}/");
         path.is_empty()
             || self.files.contains_key(path)
-            || self
-                .files
-                .range(inside.clone()..)
-                .next()
-                .is_some_and(|(k, _)| k.starts_with(&inside))
+            || self.files.keys().any(|file| file.starts_with(&inside))
     }
+}
+
+/// True for a source file of a crate.
+pub(super) fn is_crate_source(path: &str) -> bool {
+    path.starts_with("crates/") && path.contains("/src/")
 }
 
 #[cfg(test)]

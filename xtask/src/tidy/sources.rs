@@ -16,15 +16,13 @@ const FORBIDDEN: [(&str, &str, &str); 6] = [
 /// No skipped test or example, no placeholder, no debugging aid.
 pub(super) fn unfinished(repository: &Repository) -> Vec<Finding> {
     let mut found = Vec::new();
-    for (path, text) in repository.texts(".rs") {
-        for (number, line) in (1..).zip(text.lines()) {
-            let comment = line.trim_start().starts_with("//");
-            for (start, end, why) in FORBIDDEN {
-                let example = start.starts_with("```");
-                // Comments may speak of code; examples live in nothing but comments.
-                if comment == example && line.contains(&format!("{start}{end}")) {
-                    found.push(Finding::at(path, number, format!("`{start}{end}`: {why}")));
-                }
+    for (path, number, line) in repository.source_lines() {
+        let comment = line.trim_start().starts_with("//");
+        for (start, end, why) in FORBIDDEN {
+            let example = start.starts_with("```");
+            // Comments may speak of code; examples live in nothing but comments.
+            if comment == example && line.contains(&format!("{start}{end}")) {
+                found.push(Finding::at(path, number, format!("`{start}{end}`: {why}")));
             }
         }
     }

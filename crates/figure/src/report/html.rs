@@ -1,7 +1,7 @@
 //! A report as one HTML page: style, font and figures inside, nothing fetched.
 
 use super::embed::{fonts, inline, paper_width};
-use super::{ClaimOutcome, Report, ReportBlock, TableCell};
+use super::{ClaimOutcome, Report, ReportBlock, TableCell, is_numeric};
 use crate::{
     markup::{escape, number},
     text,
@@ -23,8 +23,6 @@ pub(super) fn render(report: &Report) -> String {
         let contents = page.contents;
         format!("<nav aria-label=\"Contents\"><h2>Contents</h2>\n<ol>\n{contents}</ol></nav>\n")
     };
-    let footer =
-        if report.footer.is_empty() { String::new() } else { element("footer", &report.footer) };
     let (title, heading) = (escape(&report.title), element("h1", &report.title));
     let (fonts, summary) = (fonts(), summary(report));
     format!(
@@ -32,7 +30,7 @@ pub(super) fn render(report: &Report) -> String {
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
          <title>{title}</title>\n<style>\n{fonts}{STYLE}</style>\n</head>\n<body>\n\
          <header>\n{heading}{intro}{summary}</header>\n{navigation}\
-         <main>\n{main}</main>\n{footer}</body>\n</html>\n"
+         <main>\n{main}</main>\n</body>\n</html>\n"
     )
 }
 
@@ -55,7 +53,6 @@ impl HtmlPage {
             }
             ReportBlock::Subsection { title } => element("h3", title),
             ReportBlock::Paragraph { text } => element("p", text),
-            ReportBlock::Code { text } => format!("<pre>{}</pre>\n", preformatted(text)),
             ReportBlock::Figure { id, caption, svg } => self.figure(id, caption, svg),
             ReportBlock::Table { headers, rows } => table(headers, rows),
             ReportBlock::KeyValues { pairs } => {
@@ -92,16 +89,8 @@ fn rich(text: &str) -> String {
     text::tagged(text, escape)
 }
 
-/// Escaped text that keeps its lines.
-fn preformatted(text: &str) -> String {
-    text.lines().map(escape).collect::<Vec<_>>().join("\n")
-}
-
 fn table(headers: &[String], rows: &[Vec<TableCell>]) -> String {
-    let numeric: Vec<bool> = (0..headers.len())
-        .map(|column| rows.iter().any(|row| matches!(row.get(column), Some(TableCell::Number(_)))))
-        .collect();
-    let class = |column: usize| if numeric[column] { " class=\"number\"" } else { "" };
+    let class = |column: usize| if is_numeric(rows, column) { " class=\"number\"" } else { "" };
     let head: Vec<String> = headers
         .iter()
         .enumerate()
@@ -126,13 +115,7 @@ fn table(headers: &[String], rows: &[Vec<TableCell>]) -> String {
 }
 
 fn badge(outcome: ClaimOutcome, text: &str) -> String {
-    let class = match outcome {
-        ClaimOutcome::Pass => "pass",
-        ClaimOutcome::Fail => "fail",
-        ClaimOutcome::Warn => "warn",
-        ClaimOutcome::Skip => "skip",
-    };
-    format!("<span class=\"badge {class}\">{text}</span>")
+    format!("<span class=\"badge {}\">{text}</span>", outcome.shown().1)
 }
 
 /// Counts of the outcomes in all tables; empty if there are none.
@@ -213,11 +196,9 @@ mod tests {
             .intro(evil)
             .section(evil)
             .paragraph(evil)
-            .code(evil)
             .figure(evil, evil, "<svg/>")
             .table([evil], [vec![evil.into()]])
             .key_values([(evil, evil)])
-            .footer(evil)
             .to_html();
         assert!(!page.contains("<script") && !page.contains("alert('"));
         assert!(page.contains("&lt;script&gt;"));

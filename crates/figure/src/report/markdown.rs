@@ -1,6 +1,6 @@
 //! A report as Markdown.
 
-use super::{ClaimOutcome, Report, ReportBlock, TableCell};
+use super::{Report, ReportBlock, TableCell, is_numeric};
 use crate::text;
 
 /// Renders the report; `figure_path` maps figure identifiers to paths.
@@ -13,7 +13,6 @@ pub(super) fn render(report: &Report, figure_path: impl Fn(&str) -> String) -> S
             ReportBlock::Section { title } => format!("## {}", line(title)),
             ReportBlock::Subsection { title } => format!("### {}", line(title)),
             ReportBlock::Paragraph { text } => line(text),
-            ReportBlock::Code { text } => fenced(text),
             ReportBlock::Figure { id, caption, .. } => {
                 number += 1;
                 let path = figure_path(id);
@@ -29,42 +28,26 @@ pub(super) fn render(report: &Report, figure_path: impl Fn(&str) -> String) -> S
             }
         });
     }
-    if !report.footer.is_empty() {
-        parts.push(format!("---\n\n{}", line(&report.footer)));
-    }
     parts.join("\n\n") + "\n"
 }
 
 fn table(headers: &[String], rows: &[Vec<TableCell>]) -> String {
     let row = |cells: Vec<String>| format!("| {} |", cells.join(" | "));
     let cell = |text: &str| line(text).replace('|', "\\|");
-    let numeric = |column: usize| {
-        rows.iter().any(|row| matches!(row.get(column), Some(TableCell::Number(_))))
-    };
     let mut lines = vec![
         row(headers.iter().map(|header| cell(header)).collect()),
         row((0..headers.len())
-            .map(|column| if numeric(column) { "---:" } else { "---" }.to_owned())
+            .map(|column| if is_numeric(rows, column) { "---:" } else { "---" }.to_owned())
             .collect()),
     ];
     for cells in rows {
         let texts = cells.iter().map(|content| match content {
             TableCell::Text(text) | TableCell::Number(text) => cell(text),
-            TableCell::Outcome(outcome) => badge(*outcome),
+            TableCell::Outcome(outcome) => format!("{} {}", outcome.shown().2, outcome.word()),
         });
         lines.push(row(texts.collect()));
     }
     lines.join("\n")
-}
-
-fn badge(outcome: ClaimOutcome) -> String {
-    let sign = match outcome {
-        ClaimOutcome::Pass => "✓",
-        ClaimOutcome::Fail => "✗",
-        ClaimOutcome::Warn => "△",
-        ClaimOutcome::Skip => "–",
-    };
-    format!("{sign} {}", outcome.word())
 }
 
 /// One line of text in which nothing is markup but `_{...}` and `^{...}`.
@@ -87,21 +70,14 @@ fn escaped(text: &str) -> String {
     escaped
 }
 
-/// A code block whose fence is longer than any run of backticks inside.
-fn fenced(text: &str) -> String {
-    let longest = text.split(|c| c != '`').map(str::len).max().unwrap_or(0);
-    let fence = "`".repeat((longest + 1).max(3));
-    format!("{fence}text\n{}\n{fence}", text.trim_end_matches('\n'))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::report::ClaimOutcome;
 
     #[test]
     fn text_is_not_markup() {
         assert_eq!(line("a*b* <k_c> k_{c}\n # x"), "a\\*b\\* &lt;k\\_c&gt; k<sub>c</sub> \\# x");
-        assert_eq!(fenced("a ```` b"), "`````text\na ```` b\n`````");
     }
 
     #[test]
