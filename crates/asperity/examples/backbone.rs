@@ -11,10 +11,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let near = structure.natural_frequency().ok_or("no stiffness at rest")?;
     let system = ContactSystem::of_structure(&structure, LawEvaluation::default())?;
     let mode = Continuation::Mode { near, from: 1e-9, to: 1e-7 };
-    let branch = trace(&system, &mode, &HarmonicSettings::default())?;
-    for point in &branch.points {
-        let (amplitude, frequency) = (point.amplitude(1), point.frequency_hz());
-        println!("{amplitude:.2e} m: {frequency:.2} Hz, ratio {:.4}", point.harmonic_ratio());
+    for point in &trace(&system, &mode, &HarmonicSettings::default())?.points {
+        let (frequency, ratio) = (point.frequency_hz(), point.harmonic_ratio());
+        println!("{:.2e} m: {frequency:.2} Hz, ratio {ratio:.4}", point.amplitude(1));
     }
     Ok(())
 }

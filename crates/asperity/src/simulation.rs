@@ -31,7 +31,7 @@ pub struct Simulation {
 }
 
 impl Simulation {
-    /// The response to `excitation`.
+    /// The response to `excitation`, which must have a force.
     pub fn new(excitation: Excitation) -> Self {
         Self { excitation, duration: 0.12, sample_rate: 2e5, method: Integrator::default() }
     }
@@ -66,9 +66,12 @@ impl Simulation {
     /// Integrates the response of `structure`.
     ///
     /// # Errors
-    /// [`SimulationError`] for a setting out of range, or when the integration or its analysis
-    /// fails.
+    /// [`SimulationError::NoForce`] for an excitation without a force; else [`SimulationError`]
+    /// for a setting out of range, or when the integration or its analysis fails.
     pub fn run(&self, structure: &PreloadedStructure) -> Result<SimulatedHit, SimulationError> {
+        if self.excitation.peak() == 0.0 {
+            return Err(SimulationError::NoForce);
+        }
         let sampling = Sampling::new(self.duration, self.sample_rate)?;
         let transient = self.method.integrate(structure, &self.excitation, &sampling)?;
         let (force, displacement) = (&transient.history.force, &transient.history.displacement);
@@ -114,10 +117,33 @@ impl SimulatedHit {
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SimulationError {
+    /// The excitation is none, or its force is zero at all times.
+    #[error(
+        "the excitation has no force; expected one with a peak other than zero, such as a gamma pulse of 9 N"
+    )]
+    NoForce,
     /// The settings are out of range, or the integration failed.
     #[error(transparent)]
     Dynamics(#[from] DynamicsError),
-    /// The samples cannot be analysed, for example without a force.
+    /// The samples cannot be analysed, for example if the force begins after the simulated time.
     #[error(transparent)]
     Signal(#[from] SignalError),
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::prelude::*;
+
+    #[test]
+    fn a_simulation_without_force_is_refused() {
+        let structure = StackBuilder::new()
+            .body(Body::new("bar", 0.2, 1e-3, 71e9, 2710.0).unwrap())
+            .interface("bar-disc", 1e-4, Constant::new(8.5e11).unwrap())
+            .preloaded(Damping::Ratio(0.02))
+            .unwrap();
+        for simulation in [Simulation::new(Excitation::None), Simulation::of_hit(0.0)] {
+            let error = simulation.run(&structure).unwrap_err();
+            assert!(matches!(error, SimulationError::NoForce), "{error}");
+        }
+    }
 }

@@ -7,7 +7,7 @@ use std::path::PathBuf;
 
 use clap::{ArgAction, Args as Group, Parser, Subcommand};
 
-use analyse::{Analyse, RecordFormat, SourceOptions};
+use analyse::{Analyse, Conversion, RecordFormat};
 
 use crate::progress::LogFormat;
 
@@ -165,26 +165,7 @@ pub(crate) enum Command {
     ///
     /// The extension of OUT gives the format: .uff (58b), .csv, .npz. Samples keep their units unless
     /// --si is given.
-    Convert {
-        /// The file to read.
-        #[arg(value_name = "IN")]
-        input: PathBuf,
-        /// The file to write.
-        #[arg(value_name = "OUT")]
-        output: PathBuf,
-        #[command(flatten)]
-        source: SourceOptions,
-        /// Format to write, in place of that of the extension: uff (58b), uff-ascii (58), csv or
-        /// npz.
-        #[arg(long, value_name = "FORMAT")]
-        to: Option<RecordFormat>,
-        /// Convert all channels to SI units.
-        #[arg(long)]
-        si: bool,
-        /// Print the conversion as JSON.
-        #[arg(long)]
-        json: bool,
-    },
+    Convert(Conversion),
 }
 
 /// Force amplitudes and frequency range of steady responses.

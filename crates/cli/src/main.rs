@@ -57,9 +57,6 @@ fn run(args: &Args) -> Result<(), Failure> {
             command::identify::run(problem, output, *threads, args.quiet)
         }
         Command::Analyse(asked) => command::analyse::run(asked, args.quiet),
-        Command::Convert { input, output, source, to, si, json } => {
-            let written = command::convert::Written { to: *to, si: *si, json: *json };
-            command::convert::run(input, output, source, written, args.quiet)
-        }
+        Command::Convert(asked) => command::convert::run(asked, args.quiet),
     }
 }

@@ -42,10 +42,9 @@ pub(crate) fn logarithmic(values: &[f64]) -> Vec<String> {
         .collect()
 }
 
-/// At most six significant decimals, without trailing zeros.
+/// At most six significant decimals of a positive value, without trailing zeros.
 fn short(value: f64) -> String {
-    let magnitude = if value == 0.0 { 0 } else { value.abs().log10().floor() as i32 };
-    let places = (5 - magnitude).clamp(0, 12) as usize;
+    let places = (5 - value.log10().floor() as i32).clamp(0, 12) as usize;
     let text = format!("{value:.places$}");
     if text.contains('.') {
         text.trim_end_matches('0').trim_end_matches('.').to_owned()
@@ -54,12 +53,9 @@ fn short(value: f64) -> String {
     }
 }
 
-/// Mantissa times a power of ten; the mantissa is left out where it is 1.
+/// A positive value as mantissa times a power of ten; the mantissa is left out where it is 1.
 fn scientific(value: f64) -> String {
-    if value == 0.0 {
-        return "0".to_owned();
-    }
-    let exponent = (value.abs().log10() + 1e-9).floor() as i32;
+    let exponent = (value.log10() + 1e-9).floor() as i32;
     let mantissa = short(value / 10f64.powi(exponent));
     match mantissa.as_str() {
         "1" => power_of_ten(exponent),

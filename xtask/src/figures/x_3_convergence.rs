@@ -2,6 +2,7 @@
 
 use anyhow::{Context, Result};
 use asperity_figure::{Axis, Color, Dash, Legend, Marker, Panel, Series};
+use asperity_law::fit_power;
 use asperity_table::Table;
 
 use super::levels::{
@@ -89,13 +90,8 @@ fn cell_length(case: &Case) -> Result<f64> {
 
 /// Slope of the least-squares line through the logarithms.
 fn slope(x: &[f64], y: &[f64]) -> f64 {
-    let points: Vec<(f64, f64)> = x.iter().zip(y).map(|(x, y)| (x.ln(), y.ln())).collect();
-    let count = points.len() as f64;
-    let mean_x = points.iter().map(|point| point.0).sum::<f64>() / count;
-    let mean_y = points.iter().map(|point| point.1).sum::<f64>() / count;
-    let above: f64 = points.iter().map(|(x, y)| (x - mean_x) * (y - mean_y)).sum();
-    let below: f64 = points.iter().map(|(x, _)| (x - mean_x).powi(2)).sum();
-    above / below
+    let points: Vec<(f64, f64)> = x.iter().copied().zip(y.iter().copied()).collect();
+    fit_power(&points).map_or(f64::NAN, |fit| fit.exponent)
 }
 
 fn draw(table: &Table) -> Result<String> {

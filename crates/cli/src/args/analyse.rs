@@ -94,6 +94,29 @@ pub(crate) struct Analyse {
     pub(crate) json: bool,
 }
 
+/// Files to convert, and the form of the result.
+#[derive(Debug, Group)]
+pub(crate) struct Conversion {
+    /// The file to read.
+    #[arg(value_name = "IN")]
+    pub(crate) input: PathBuf,
+    /// The file to write.
+    #[arg(value_name = "OUT")]
+    pub(crate) output: PathBuf,
+    #[command(flatten)]
+    pub(crate) source: SourceOptions,
+    /// Format to write, in place of that of the extension: uff (58b), uff-ascii (58), csv or
+    /// npz.
+    #[arg(long, value_name = "FORMAT")]
+    pub(crate) to: Option<RecordFormat>,
+    /// Convert all channels to SI units.
+    #[arg(long)]
+    pub(crate) si: bool,
+    /// Print the conversion as JSON.
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
 /// Names, units and sample rate of files that lack them.
 #[derive(Debug, Group)]
 pub(crate) struct SourceOptions {

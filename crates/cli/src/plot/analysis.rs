@@ -15,32 +15,28 @@ const MOST_DECAYS: usize = 48;
 
 /// The figures of an analysis with their file names; those without anything to draw are left out.
 pub(crate) fn figures(analysis: &Analysis) -> Vec<(&'static str, Figure)> {
-    let shades = Shades::of(analysis);
+    let bar = force_bar(analysis);
     let all = [
-        ("records.svg", records(analysis, &shades)),
-        ("frf.svg", functions(analysis, &shades)),
+        ("records.svg", records(analysis, &bar)),
+        ("frf.svg", functions(analysis, &bar)),
         ("features.svg", features(analysis)),
-        ("backbone.svg", backbones(analysis, &shades)),
+        ("backbone.svg", backbones(analysis, &bar)),
     ];
     all.into_iter().filter_map(|(name, figure)| Some((name, figure?))).collect()
 }
 
 /// Colours by force level.
-struct Shades(ColorBar);
+fn force_bar(analysis: &Analysis) -> ColorBar {
+    let forces = || analysis.report.hits.iter().filter_map(|hit| hit.force_peak_n);
+    let low = forces().fold(f64::INFINITY, f64::min);
+    let high = forces().fold(f64::NEG_INFINITY, f64::max);
+    // One level still needs a bar of some length.
+    let (low, high) = if high > low { (low, high) } else { (0.9 * low, 1.1 * high) };
+    ColorBar::continuous("Peak force", "N", low, high)
+}
 
-impl Shades {
-    fn of(analysis: &Analysis) -> Self {
-        let forces = || analysis.report.hits.iter().filter_map(|hit| hit.force_peak_n);
-        let low = forces().fold(f64::INFINITY, f64::min);
-        let high = forces().fold(f64::NEG_INFINITY, f64::max);
-        // One level still needs a bar of some length.
-        let (low, high) = if high > low { (low, high) } else { (0.9 * low, 1.1 * high) };
-        Self(ColorBar::continuous("Peak force", "N", low, high))
-    }
-
-    fn line(&self, x: &[f64], y: &[f64], force: f64, width: f64) -> Series {
-        Series::line("", x, y).color(self.0.color(force)).width(width)
-    }
+fn line(x: &[f64], y: &[f64], color: Color) -> Series {
+    Series::line("", x, y).color(color).width(0.6)
 }
 
 /// A panel without legend.
@@ -49,7 +45,7 @@ fn plain(x: Axis, y: Axis) -> Panel {
 }
 
 /// Force and response of the hits over time.
-fn records(analysis: &Analysis, shades: &Shades) -> Option<Figure> {
+fn records(analysis: &Analysis, bar: &ColorBar) -> Option<Figure> {
     let (label, unit, scale) = match analysis.response {
         ResponseKind::Displacement => ("Displacement", "µm", 1e6),
         ResponseKind::Velocity => ("Velocity", "mm/s", 1e3),
@@ -57,18 +53,17 @@ fn records(analysis: &Analysis, shades: &Shades) -> Option<Figure> {
     };
     let time = || Axis::linear("Time from trigger", "ms").scale(1e3);
     let mut force = plain(time(), Axis::linear("Force", "N"));
-    let mut response =
-        plain(time(), Axis::linear(label, unit).scale(scale)).color_bar(shades.0.clone());
+    let mut response = plain(time(), Axis::linear(label, unit).scale(scale)).color_bar(bar.clone());
     for curve in &analysis.curves {
-        let line = |(x, y): &(Vec<f64>, Vec<f64>)| shades.line(x, y, curve.force_peak_n, 0.6);
-        force = force.series_if_visible(line(&curve.force));
-        response = response.series_if_visible(line(&curve.response));
+        let color = bar.color(curve.force_peak_n);
+        force = force.series_if_visible(line(&curve.force.0, &curve.force.1, color));
+        response = response.series_if_visible(line(&curve.response.0, &curve.response.1, color));
     }
     figure("Hits over time", 2, 170.0, [force, response])
 }
 
 /// Receptances by force level, the averaged FRF, and the coherence.
-fn functions(analysis: &Analysis, shades: &Shades) -> Option<Figure> {
+fn functions(analysis: &Analysis, bar: &ColorBar) -> Option<Figure> {
     let average = &analysis.average;
     let top = match analysis.report.average.frequency_hz {
         Some(first) => RANGE * first.mean,
@@ -76,10 +71,10 @@ fn functions(analysis: &Analysis, shades: &Shades) -> Option<Figure> {
     };
     let top = top.min(average.frf.frequency_hz.last().copied().unwrap_or(top));
     let frequency = || Axis::linear("Frequency", "Hz").range(0.0, top);
-    let mut each = plain(frequency(), Axis::log("Receptance", "m/N")).color_bar(shades.0.clone());
+    let mut each = plain(frequency(), Axis::log("Receptance", "m/N")).color_bar(bar.clone());
     for curve in &analysis.curves {
         let (x, y) = &curve.receptance;
-        each = each.series_if_visible(shades.line(x, y, curve.force_peak_n, 0.6));
+        each = each.series_if_visible(line(x, y, bar.color(curve.force_peak_n)));
     }
     let inside = 1..average.frf.frequency_hz.partition_point(|f| *f <= top).max(1);
     let part = inside.len().div_ceil(MOST_LINES).max(1);
@@ -122,16 +117,15 @@ fn features(analysis: &Analysis) -> Option<Figure> {
 }
 
 /// Frequency and damping along the decays.
-fn backbones(analysis: &Analysis, shades: &Shades) -> Option<Figure> {
+fn backbones(analysis: &Analysis, bar: &ColorBar) -> Option<Figure> {
     let amplitude = || Axis::log("Amplitude", "m");
     let mut frequency = plain(amplitude(), Axis::linear("Frequency", "Hz"));
-    let mut damping =
-        plain(amplitude(), Axis::linear("Damping ratio", "")).color_bar(shades.0.clone());
+    let mut damping = plain(amplitude(), Axis::linear("Damping ratio", "")).color_bar(bar.clone());
     let every = analysis.backbones.len().div_ceil(MOST_DECAYS).max(1);
     for of in analysis.backbones.iter().step_by(every) {
         let column = |value: fn(&BackbonePoint) -> f64| of.points.iter().map(value).collect();
         let x: Vec<f64> = column(|point| point.amplitude);
-        let line = |y: Vec<f64>| shades.line(&x, &y, of.force_peak_n, 0.8);
+        let line = |y: Vec<f64>| line(&x, &y, bar.color(of.force_peak_n)).width(0.8);
         frequency = frequency.series_if_visible(line(column(|point| point.frequency_hz)));
         damping = damping.series_if_visible(line(column(|point| point.damping_ratio)));
     }

@@ -36,13 +36,10 @@ pub(crate) fn frf(frf: &Frf, summary: &Summary) -> Figure {
     let mut panel = Panel::new(Axis::linear("Frequency", "Hz"), Axis::log("Receptance", "m/N"))
         .series(Series::line("", frequency, magnitude).color(Color::BLUE))
         .legend(Legend::None);
-    if let Some(first) = &summary.fundamental {
-        let text = format!("{:.1} Hz", first.frequency_hz);
-        panel = panel.note(first.frequency_hz, first.receptance_m_per_n, text);
-    }
-    if let Some(second) = &summary.second_harmonic {
-        let text = format!("{:.1} Hz", second.frequency_hz);
-        panel = panel.note(second.frequency_hz, second.receptance_m_per_n, text);
+    let first = summary.fundamental.map(|peak| (peak.frequency_hz, peak.receptance_m_per_n));
+    let second = summary.second_harmonic.map(|peak| (peak.frequency_hz, peak.receptance_m_per_n));
+    for (frequency, receptance) in first.into_iter().chain(second) {
+        panel = panel.note(frequency, receptance, format!("{frequency:.1} Hz"));
     }
     Figure::new("Receptance").panel(panel).width_mm(120.0)
 }

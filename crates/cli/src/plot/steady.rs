@@ -4,6 +4,8 @@ use asperity_figure::{Axis, Color, Dash, Figure, Legend, Panel, Series};
 use asperity_harmonic::{Branch, PeriodicResponse};
 use asperity_study::steady::Steady;
 
+use super::figure;
+
 /// Most force amplitudes in the legend.
 const MOST_NAMED: usize = 8;
 
@@ -20,12 +22,11 @@ pub(crate) fn steady(found: &Steady) -> Option<Figure> {
     if branches.is_empty() {
         return None;
     }
-    let frequency = || Axis::linear("Frequency", "Hz");
-    let mut amplitude = all(
-        Panel::new(frequency(), Axis::linear("Amplitude A_{1}", "µm").scale(1e6)),
-        &branches,
-        |point| point.amplitude(1),
-    );
+    let panel = |axis: Axis, observable: Observable| {
+        all(Panel::new(Axis::linear("Frequency", "Hz"), axis), &branches, observable)
+    };
+    let amplitude = Axis::linear("Amplitude A_{1}", "µm").scale(1e6);
+    let mut amplitude = panel(amplitude, |point| point.amplitude(1));
     if let Some(backbones) = &found.backbones {
         let lines = [
             ("phase resonance", &backbones.phase_resonance, Dash::DashDot),
@@ -34,24 +35,17 @@ pub(crate) fn steady(found: &Steady) -> Option<Figure> {
         for (name, outcome, dash) in lines {
             if let Ok(branch) = outcome {
                 let (x, y) = columns(&branch.points, |point| point.amplitude(1));
-                amplitude =
-                    amplitude.series(Series::line(name, x, y).color(Color::BLACK).dash(dash));
+                let line = Series::line(name, x, y).color(Color::BLACK);
+                amplitude = amplitude.series(line.dash(dash));
             }
         }
     }
-    let ratio = all(
-        Panel::new(frequency(), Axis::linear("Ratio A_{2}/A_{1}", "")).legend(Legend::None),
-        &branches,
-        PeriodicResponse::harmonic_ratio,
-    );
-    let pressure = all(
-        Panel::new(frequency(), Axis::linear("Lowest pressure", "MPa").scale(1e-6))
-            .legend(Legend::None),
-        &branches,
-        |point| point.pressures.iter().map(|range| range.lowest).fold(f64::INFINITY, f64::min),
-    );
-    let figure = Figure::new("Steady responses").panel(amplitude).panel(ratio).panel(pressure);
-    Some(figure.columns(1).width_mm(120.0))
+    let ratio = panel(Axis::linear("Ratio A_{2}/A_{1}", ""), PeriodicResponse::harmonic_ratio);
+    let pressure = panel(Axis::linear("Lowest pressure", "MPa").scale(1e-6), |point| {
+        point.pressures.iter().map(|range| range.lowest).fold(f64::INFINITY, f64::min)
+    });
+    let panels = [amplitude, ratio.legend(Legend::None), pressure.legend(Legend::None)];
+    figure("Steady responses", 1, 120.0, panels)
 }
 
 fn all(mut panel: Panel, branches: &[(f64, &Branch)], observable: Observable) -> Panel {

@@ -35,9 +35,11 @@ fn panel(
     value: &dyn Fn(&ComparedModel) -> Option<f64>,
     errors: bool,
 ) -> Panel {
+    let error = |candidate: &ComparedModel| {
+        candidate.difference_error.filter(|error| errors && error.is_finite())
+    };
     let reach = |candidate: &ComparedModel| {
-        let x = value(candidate)?;
-        let error = candidate.difference_error.filter(|e| errors && e.is_finite()).unwrap_or(0.0);
+        let (x, error) = (value(candidate)?, error(candidate).unwrap_or(0.0));
         Some([x - error, x + error])
     };
     let ends = || choice.candidates.iter().filter_map(reach).flatten();
@@ -53,17 +55,15 @@ fn panel(
             ModelAssessment::Rejected { .. } | ModelAssessment::Misfit { .. } => Color::RED,
         };
         let mut series = Series::points("", [x], [place(index)]).color(color).filled(true);
-        if errors && let Some(error) = candidate.difference_error.filter(|e| e.is_finite()) {
+        if let Some(error) = error(candidate) {
             series = series.horizontal_errors([error]);
         }
         panel = panel.series(series);
         // The best is at zero, where the vertical is.
-        if x == 0.0 {
-            continue;
+        if x != 0.0 {
+            let text = format!("{x:.*}", usize::from(x.abs() < 10.0)).replace('-', "−");
+            panel = panel.note_at(x, place(index), text, Anchor::Above, color);
         }
-        let text = if x.abs() < 10.0 { format!("{x:.1}") } else { format!("{x:.0}") };
-        let text = text.replace('-', "−");
-        panel = panel.note_at(x, place(index), text, Anchor::Above, color);
     }
     panel.legend(Legend::None)
 }

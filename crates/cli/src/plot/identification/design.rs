@@ -5,6 +5,7 @@ use asperity_identify::problem::Changes;
 use asperity_identify::{CandidateHit, DesignRanking};
 
 use super::fitted;
+use super::observations::groups;
 
 /// Most changes of the rig that are drawn.
 const MOST_CHANGES: usize = 7;
@@ -17,7 +18,8 @@ pub(super) fn design(design: &DesignRanking) -> Figure {
     let mut left = Panel::new(force(), left).legend(Legend::Above);
     let mut gained =
         Panel::new(force(), Axis::linear("Information", "nat").low(0.0)).legend(Legend::None);
-    for (index, (set, mut hits)) in by_change(&design.candidates).into_iter().enumerate() {
+    let rigs = groups(&design.candidates, |hit| &hit.set).into_iter().take(MOST_CHANGES);
+    for (index, (set, mut hits)) in rigs.enumerate() {
         hits.sort_by(|a, b| a.force_peak_n.total_cmp(&b.force_peak_n));
         let x: Vec<f64> = hits.iter().map(|hit| hit.force_peak_n).collect();
         let line = |name: String, value: fn(&CandidateHit) -> f64| {
@@ -34,19 +36,6 @@ pub(super) fn design(design: &DesignRanking) -> Figure {
         left = left.note(first.force_peak_n, first.remaining, "first");
     }
     Figure::new("Hits to come").panel(left).panel(gained).columns(2).width_mm(170.0)
-}
-
-/// The hits of each rig, rigs in order of first appearance.
-fn by_change(hits: &[CandidateHit]) -> Vec<(&Changes, Vec<&CandidateHit>)> {
-    let mut groups: Vec<(&Changes, Vec<&CandidateHit>)> = Vec::new();
-    for hit in hits {
-        if let Some(group) = groups.iter_mut().find(|group| *group.0 == hit.set) {
-            group.1.push(hit);
-        } else if groups.len() < MOST_CHANGES {
-            groups.push((&hit.set, vec![hit]));
-        }
-    }
-    groups
 }
 
 /// Changes of a rig in words: the last three keys of each pointer and the value.
@@ -82,7 +71,7 @@ mod tests {
             information: 1.0,
         };
         let hits = [hit(1.0, "{}"), hit(1.0, r#"{"/a": 1}"#), hit(2.0, "{}")];
-        let groups = by_change(&hits);
+        let groups = groups(&hits, |hit| &hit.set);
         assert_eq!(groups.iter().map(|group| group.1.len()).collect::<Vec<_>>(), [2, 1]);
     }
 }

@@ -1,6 +1,6 @@
 //! Stiffness over pressure with its band, and the uncertainty left.
 
-use asperity_figure::{Axis, Color, Dash, Figure, Legend, Marker, Panel, Series};
+use asperity_figure::{Axis, Color, Figure, Legend, Marker, Panel, Series};
 use asperity_identify::{INFORMED_SHARE, Identification};
 
 use super::observations::{ObservationKind, ObservationRow, column};
@@ -26,16 +26,11 @@ pub(super) fn law(found: &Identification, rows: &[ObservationRow<'_>]) -> Figure
     let band = format!("{:.0} % band", 100.0 * found.level);
     let [low, high] = range(found, &points);
     let stiffness = Axis::log("Contact stiffness", "Pa/m").range(low, high);
-    let drawn = |ends: &[f64]| ends.iter().any(|end| *end > 0.0 && end.is_finite());
-    let mut shown = Panel::new(pressure(), stiffness);
-    if drawn(&law.upper) {
-        let series = Series::band(band, &law.pressure, &law.lower, &law.upper);
-        shown = shown.series(series.color(Color::BLUE));
-    }
-    if drawn(&law.stiffness) {
-        let series = Series::line("best fit", &law.pressure, &law.stiffness);
-        shown = shown.series(series.color(Color::BLUE).width(1.2));
-    }
+    let band = Series::band(band, &law.pressure, &law.lower, &law.upper);
+    let best = Series::line("best fit", &law.pressure, &law.stiffness).width(1.2);
+    let mut shown = Panel::new(pressure(), stiffness)
+        .series_if_visible(band.color(Color::BLUE))
+        .series_if_visible(best.color(Color::BLUE));
     if !points.is_empty() {
         let errors = column(&points, |row| 2.0 * row.standard_deviation);
         let series = Series::points(
@@ -55,12 +50,10 @@ pub(super) fn law(found: &Identification, rows: &[ObservationRow<'_>]) -> Figure
     let usable = law.remaining.iter().copied().filter(|part| *part > 0.0 && part.is_finite());
     let least = usable.fold(f64::INFINITY, f64::min).clamp(1e-6, 0.1);
     let left = Axis::log("Uncertainty left, of that before", "").range(0.8 * least, 1.5);
-    let mut left = Panel::new(pressure(), left).legend(Legend::None);
-    if law.remaining.iter().any(|part| *part > 0.0 && part.is_finite()) {
-        let series = Series::line("", &law.pressure, &law.remaining);
-        left = left.series(series.color(Color::BLUE).dash(Dash::Solid));
-    }
-    left = shaded(left, law.informed_range())
+    let left = Panel::new(pressure(), left)
+        .legend(Legend::None)
+        .series_if_visible(Series::line("", &law.pressure, &law.remaining).color(Color::BLUE));
+    let left = shaded(left, law.informed_range())
         .vertical(law.reached[0], "")
         .vertical(law.reached[1], "")
         .vertical(law.at_rest, "")

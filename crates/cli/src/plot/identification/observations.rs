@@ -67,17 +67,17 @@ fn kind(feature: &str) -> ObservationKind {
     }
 }
 
-/// The observations in groups of one key, keys in order of first appearance.
-pub(super) fn groups<'a>(
-    rows: impl IntoIterator<Item = &'a ObservationRow<'a>>,
-    key: fn(&ObservationRow<'a>) -> &'a str,
-) -> Vec<(&'a str, Vec<&'a ObservationRow<'a>>)> {
-    let mut groups: Vec<(&str, Vec<&ObservationRow<'_>>)> = Vec::new();
-    for row in rows {
-        let name = key(row);
+/// The items in groups of one key, keys in order of first appearance.
+pub(super) fn groups<'a, T, K: PartialEq>(
+    items: impl IntoIterator<Item = &'a T>,
+    key: fn(&'a T) -> K,
+) -> Vec<(K, Vec<&'a T>)> {
+    let mut groups: Vec<(K, Vec<&T>)> = Vec::new();
+    for item in items {
+        let name = key(item);
         match groups.iter_mut().find(|group| group.0 == name) {
-            Some(group) => group.1.push(row),
-            None => groups.push((name, vec![row])),
+            Some(group) => group.1.push(item),
+            None => groups.push((name, vec![item])),
         }
     }
     groups
