@@ -5,7 +5,7 @@
 //! | `cargo xtask ci [--quick]` | `ci` | every check of CI, in order, up to the first failure |
 //! | `cargo xtask tidy` | `tidy` | holds the repository to its rules |
 //! | `cargo xtask bench` | `bench` | speed of the kernels and of a sweep, as one table |
-//! | `cargo xtask reproduce` | `reproduce` | every figure of the paper, every claim judged |
+//! | `cargo xtask reproduce` | `reproduce` | every figure of the paper, every claim checked |
 #![allow(clippy::print_stdout, clippy::print_stderr, reason = "tasks report to a terminal")]
 
 mod bench;
@@ -39,7 +39,7 @@ enum Task {
     Tidy,
     /// Measure the kernels and a sweep of 100 000 hits.
     Bench,
-    /// Recompute every figure of the paper and judge every claim.
+    /// Recompute every figure of the paper and check every claim.
     Reproduce(reproduce::Arguments),
 }
 

@@ -1,4 +1,4 @@
-//! `cargo xtask reproduce`: every figure of the paper, every claim judged.
+//! `cargo xtask reproduce`: every figure of the paper, every claim checked.
 //!
 //! Each figure is one file under `figures/` and one constant, [`PaperFigure`]:
 //! it computes a table and the numbers that the claims ask for, and draws from
@@ -28,7 +28,7 @@ use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::figures::FIGURES;
-use claims::{Judged, Verdict};
+use claims::{CheckedClaim, Verdict};
 use rig::Rig;
 
 /// Resolution of the PNG files, in pixels per millimetre: 300 dots per inch.
@@ -125,11 +125,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<bool> {
     bar.finish_and_clear();
 
     let claims = claims::load(&root.join("fixtures/paper/claims.json"))?;
-    let judged = claims::judge(&claims, &values, arguments.only.is_empty())?;
+    let checked = claims::check(&claims, &values, arguments.only.is_empty())?;
     write_all(&folder, &finished)?;
     let seconds = started.elapsed().as_secs_f64();
-    report::write(&folder, &finished, &judged, &rig, seconds)?;
-    say(&judged, &folder, finished.len(), seconds);
+    report::write(&folder, &finished, &checked, &rig, seconds)?;
+    print_summary(&checked, &folder, finished.len(), seconds);
 
     let stored = root.join("fixtures/reference/figures");
     if arguments.bless {
@@ -139,15 +139,15 @@ pub(crate) fn run(arguments: &Arguments) -> Result<bool> {
     if !arguments.check {
         return Ok(true);
     }
-    let mut complaints = references::compare(&stored, &finished)?;
-    complaints.extend(judged.iter().filter_map(Judged::complaint));
-    for complaint in &complaints {
-        eprintln!("check: {complaint}");
+    let mut differences = references::compare(&stored, &finished)?;
+    differences.extend(checked.iter().filter_map(CheckedClaim::difference));
+    for difference in &differences {
+        eprintln!("check: {difference}");
     }
-    if complaints.is_empty() {
+    if differences.is_empty() {
         println!("check: tables and verdicts are as stored");
     }
-    Ok(complaints.is_empty())
+    Ok(differences.is_empty())
 }
 
 fn choose(only: &[String]) -> Result<Vec<&'static PaperFigure>> {
@@ -186,12 +186,12 @@ pub(crate) fn write(place: &PathBuf, contents: &[u8]) -> Result<()> {
         .with_context(|| format!("writing {}", place.display()))
 }
 
-fn say(judged: &[Judged<'_>], folder: &Path, figures: usize, seconds: f64) {
-    let count = |verdict| judged.iter().filter(|claim| claim.verdict == verdict).count();
+fn print_summary(checked: &[CheckedClaim<'_>], folder: &Path, figures: usize, seconds: f64) {
+    let count = |verdict| checked.iter().filter(|claim| claim.verdict == verdict).count();
     println!("{figures} figures in {seconds:.1} s: {}", folder.join("report.html").display());
     println!(
         "{} claims: {} reproduced, {} under a stated reading, {} not reproduced",
-        judged.len(),
+        checked.len(),
         count(Verdict::Reproduced),
         count(Verdict::UnderReading),
         count(Verdict::NotReproduced)

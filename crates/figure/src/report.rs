@@ -14,8 +14,6 @@ pub enum ClaimOutcome {
     Fail,
     /// Within reach of a looser tolerance, or with a reservation.
     Warn,
-    /// Not compared.
-    Skip,
 }
 
 impl ClaimOutcome {
@@ -30,7 +28,6 @@ impl ClaimOutcome {
             Self::Pass => ("pass", "pass", '✓'),
             Self::Fail => ("fail", "fail", '✗'),
             Self::Warn => ("note", "warn", '△'),
-            Self::Skip => ("not judged", "skip", '–'),
         }
     }
 }

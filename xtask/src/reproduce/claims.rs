@@ -22,7 +22,7 @@ pub(crate) struct Claim {
     pub(crate) expected: Expected,
     /// Reason for the tolerance.
     pub(crate) reason: String,
-    /// The reading of the paper under which the claim is judged, if its words alone do not do.
+    /// The reading of the paper under which the claim is checked, if its words alone do not do.
     #[serde(default)]
     pub(crate) reading: Option<String>,
     /// Known reason for a claim that is not reproduced.
@@ -86,15 +86,15 @@ pub(crate) enum Verdict {
 
 /// A claim with its number and verdict.
 #[derive(Debug)]
-pub(crate) struct Judged<'a> {
+pub(crate) struct CheckedClaim<'a> {
     pub(crate) claim: &'a Claim,
     pub(crate) value: f64,
     pub(crate) verdict: Verdict,
 }
 
-impl Judged<'_> {
+impl CheckedClaim<'_> {
     /// Message of `--check` about an outcome that differs from the stored one.
-    pub(crate) fn complaint(&self) -> Option<String> {
+    pub(crate) fn difference(&self) -> Option<String> {
         (self.verdict != self.claim.verdict).then(|| {
             format!(
                 "claim {}: {:?} is stored, but {} {} makes it {:?}",
@@ -111,17 +111,17 @@ pub(crate) fn load(path: &Path) -> Result<Vec<Claim>> {
     serde_json::from_str(&text).with_context(|| format!("reading {}", path.display()))
 }
 
-/// Judges every claim for which there is a value; with `all`, each must have one
+/// Checks every claim for which there is a value; with `all`, each must have one
 /// and each value a claim.
-pub(crate) fn judge<'a>(
+pub(crate) fn check<'a>(
     claims: &'a [Claim],
     values: &BTreeMap<String, f64>,
     all: bool,
-) -> Result<Vec<Judged<'a>>> {
+) -> Result<Vec<CheckedClaim<'a>>> {
     if let Some(stray) = values.keys().find(|id| !claims.iter().any(|claim| claim.id == **id)) {
         bail!("a figure gives a value for \"{stray}\", which is no claim in claims.json");
     }
-    let mut judged = Vec::with_capacity(claims.len());
+    let mut checked = Vec::with_capacity(claims.len());
     for claim in claims {
         let Some(&value) = values.get(&claim.id) else {
             if all {
@@ -134,9 +134,9 @@ pub(crate) fn judge<'a>(
             (true, Some(_)) => Verdict::UnderReading,
             (false, _) => Verdict::NotReproduced,
         };
-        judged.push(Judged { claim, value, verdict });
+        checked.push(CheckedClaim { claim, value, verdict });
     }
-    Ok(judged)
+    Ok(checked)
 }
 
 #[cfg(test)]
@@ -165,18 +165,18 @@ mod tests {
         for (claim, value, verdict) in cases {
             let values = BTreeMap::from([("a".to_owned(), value)]);
             let claims = [claim];
-            let judged = judge(&claims, &values, true).unwrap();
-            assert_eq!(judged[0].verdict, verdict);
-            assert_eq!(judged[0].complaint().is_some(), verdict != Verdict::Reproduced);
+            let checked = check(&claims, &values, true).unwrap();
+            assert_eq!(checked[0].verdict, verdict);
+            assert_eq!(checked[0].difference().is_some(), verdict != Verdict::Reproduced);
         }
     }
 
     #[test]
     fn a_claim_without_a_number_and_a_number_without_a_claim_are_refused() {
         let claims = [claim(r#"{"kind": "holds"}"#, "")];
-        assert!(judge(&claims, &BTreeMap::new(), true).is_err());
-        assert!(judge(&claims, &BTreeMap::new(), false).unwrap().is_empty());
+        assert!(check(&claims, &BTreeMap::new(), true).is_err());
+        assert!(check(&claims, &BTreeMap::new(), false).unwrap().is_empty());
         let stray = BTreeMap::from([("b".to_owned(), 1.0)]);
-        assert!(judge(&claims, &stray, false).is_err());
+        assert!(check(&claims, &stray, false).is_err());
     }
 }

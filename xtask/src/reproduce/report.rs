@@ -6,14 +6,14 @@ use anyhow::Result;
 use asperity_figure::report::{ClaimOutcome, Report, TableCell, four_digits};
 
 use super::Finished;
-use super::claims::{Expected, Judged, Verdict};
+use super::claims::{CheckedClaim, Expected, Verdict};
 use super::rig::Rig;
 
 /// Writes both forms of the report into `folder`.
 pub(crate) fn write(
     folder: &Path,
     finished: &[Finished],
-    judged: &[Judged<'_>],
+    checked: &[CheckedClaim<'_>],
     rig: &Rig,
     seconds: f64,
 ) -> Result<()> {
@@ -31,7 +31,7 @@ pub(crate) fn write(
         (Verdict::NotReproduced, "Not reproduced"),
     ] {
         let rows: Vec<Vec<TableCell>> =
-            judged.iter().filter(|claim| claim.verdict == verdict).map(row).collect();
+            checked.iter().filter(|claim| claim.verdict == verdict).map(row).collect();
         if !rows.is_empty() {
             let headers = ["Section", "Statement", "Paper", "Here", "Verdict", "Remark"];
             report = report.subsection(title).table(headers, rows);
@@ -56,20 +56,20 @@ pub(crate) fn write(
     super::write(&folder.join("report.md"), markdown.as_bytes())
 }
 
-fn row(judged: &Judged<'_>) -> Vec<TableCell> {
-    let claim = judged.claim;
-    let badge = match judged.verdict {
+fn row(checked: &CheckedClaim<'_>) -> Vec<TableCell> {
+    let claim = checked.claim;
+    let badge = match checked.verdict {
         Verdict::Reproduced => ClaimOutcome::Pass,
         Verdict::UnderReading => ClaimOutcome::Warn,
         Verdict::NotReproduced => ClaimOutcome::Fail,
     };
-    let why_not = claim.why_not.iter().filter(|_| judged.verdict == Verdict::NotReproduced);
+    let why_not = claim.why_not.iter().filter(|_| checked.verdict == Verdict::NotReproduced);
     let remarks = why_not.chain(&claim.reading).chain([&claim.reason]);
     let remark = remarks.map(String::as_str).collect::<Vec<_>>().join(" ");
     let here = match claim.expected {
-        Expected::Holds if judged.value == 1.0 => "holds".to_owned(),
+        Expected::Holds if checked.value == 1.0 => "holds".to_owned(),
         Expected::Holds => "does not hold".to_owned(),
-        _ => format!("{} {}", four_digits(judged.value), claim.unit),
+        _ => format!("{} {}", four_digits(checked.value), claim.unit),
     };
     vec![
         TableCell::from(claim.section.as_str()),
