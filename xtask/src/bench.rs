@@ -1,11 +1,10 @@
 //! `cargo xtask bench`: the speed of the kernels and of a sweep, as one table.
 
-use std::process::Command;
 use std::time::Instant;
 
 use anyhow::{Context, Result, ensure};
 
-use crate::{ci, workspace_root};
+use crate::ci::cargo;
 
 /// Runs of the sweep that is timed.
 const RUNS: usize = 100_000;
@@ -41,10 +40,4 @@ pub(crate) fn run() -> Result<bool> {
     println!("|---|---|---|---|");
     println!("| observables, CSV, figure | {RUNS} | {seconds:.2} | {:.0} |", RUNS as f64 / seconds);
     Ok(true)
-}
-
-fn cargo(arguments: &[&str]) -> Command {
-    let mut command = ci::cargo();
-    command.args(arguments).current_dir(workspace_root());
-    command
 }

@@ -47,8 +47,7 @@ pub(crate) fn run(quick: bool, tasks: &clap::Command) -> Result<bool> {
 
 /// Runs cargo with `arguments`, separated by spaces; true if it succeeds.
 fn run_cargo(step: &str, arguments: &str) -> Result<bool> {
-    let mut command = cargo();
-    command.args(arguments.split(' ')).current_dir(workspace_root());
+    let mut command = cargo(&arguments.split(' ').collect::<Vec<_>>());
     match step {
         "doc" => command.env("RUSTDOCFLAGS", "-D warnings"),
         // One target folder, so that the packages share their dependencies.
@@ -59,9 +58,11 @@ fn run_cargo(step: &str, arguments: &str) -> Result<bool> {
     Ok(status.success())
 }
 
-/// The cargo that runs this task, or else the one on the path.
-pub(crate) fn cargo() -> Command {
-    Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()))
+/// The cargo that runs this task, or else the one on the path, at the root of the workspace.
+pub(crate) fn cargo(arguments: &[&str]) -> Command {
+    let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+    command.args(arguments).current_dir(workspace_root());
+    command
 }
 
 fn run_steps(

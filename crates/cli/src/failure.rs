@@ -1,6 +1,6 @@
 //! Errors of the command, their exit status, and the options that help.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use asperity_dynamics::DynamicsError;
@@ -35,10 +35,8 @@ pub(crate) enum Failure {
     Variation(#[from] VariationError),
     #[error(transparent)]
     Sweep(#[from] SweepError),
-    #[error("{failed} of {runs} runs failed; the first, run {first}: {reason}")]
-    Runs { failed: usize, runs: usize, first: usize, reason: String },
-    #[error("{failed} of {levels} force amplitudes failed; the first, {force_n} N: {reason}")]
-    Levels { failed: usize, levels: usize, force_n: f64, reason: String },
+    #[error("{failed} of {of} failed; the first, {first}: {reason}")]
+    Parts { failed: usize, of: String, first: String, reason: String },
     #[error("cannot start {threads} threads; accepted: 1 to 1024")]
     Threads { threads: usize },
     #[error(transparent)]
@@ -66,7 +64,7 @@ impl Failure {
     pub(crate) fn exit_code(&self) -> ExitCode {
         let request_is_wrong = match self {
             Self::Study(error) => is_wrong_request(error),
-            Self::Runs { .. } | Self::Levels { .. } | Self::Figure(_) => false,
+            Self::Parts { .. } | Self::Figure(_) => false,
             Self::Analysis(error) => error.is_wrong_request(),
             Self::Problem(error) => error.is_wrong_request(),
             _ => true,
@@ -87,8 +85,7 @@ impl Failure {
             Self::Document(DocumentError::Syntax { path, text, source }) => {
                 let label = LabeledSpan::at(source.span.clone(), "here");
                 let diagnostic = MietteDiagnostic::new(self.to_string()).with_label(label);
-                let named = NamedSource::new(path.display().to_string(), text.clone());
-                eprintln!("{:?}", Report::new(diagnostic).with_source_code(named));
+                show_in_text(diagnostic, path, text);
             }
             _ => {
                 eprintln!("error: {self}");
@@ -102,11 +99,11 @@ impl Failure {
     /// Options of the command that help with the failure.
     fn hint(&self) -> Option<String> {
         match self {
-            Self::Study(StudyError::Output(OutputError::Occupied { .. })) => Some(
-                "choose another folder with --out, or overwrite it with --overwrite".to_owned(),
-            ),
+            Self::Study(StudyError::Output(OutputError::Occupied { .. })) => {
+                Some("choose another folder with --out, or overwrite it with --overwrite".into())
+            }
             Self::Study(StudyError::Output(OutputError::NotAFolder { .. })) => {
-                Some("choose another folder with --out".to_owned())
+                Some("choose another folder with --out".into())
             }
             Self::Analysis(error) => analysis_hint(error),
             _ => None,
@@ -118,11 +115,11 @@ impl Failure {
 fn analysis_hint(error: &AnalysisError) -> Option<String> {
     Some(match error {
         AnalysisError::Setting { name, .. } => match *name {
-            "trigger_level_n" => "trigger_level_n is the option --level NEWTONS".to_owned(),
-            "hit_length_s" => "hit_length_s is the option --length SECONDS".to_owned(),
-            "pre_trigger_s" => "pre_trigger_s is the option --pre-trigger SECONDS".to_owned(),
-            "hold_off_s" => "hold_off_s is the option --hold-off SECONDS".to_owned(),
-            "the output file" => "--to FORMAT gives the format".to_owned(),
+            "trigger_level_n" => "trigger_level_n is the option --level NEWTONS".into(),
+            "hit_length_s" => "hit_length_s is the option --length SECONDS".into(),
+            "pre_trigger_s" => "pre_trigger_s is the option --pre-trigger SECONDS".into(),
+            "hold_off_s" => "hold_off_s is the option --hold-off SECONDS".into(),
+            "the output file" => "--to FORMAT gives the format".into(),
             _ => return None,
         },
         AnalysisError::NoChannel { role, .. } => {
@@ -133,18 +130,18 @@ fn analysis_hint(error: &AnalysisError) -> Option<String> {
         }
         AnalysisError::Unit { .. } => {
             "give the units of all channels in their order with --units, such as --units N,m/s^2"
-                .to_owned()
+                .into()
         }
-        AnalysisError::NoRate { .. } => "give the sample rate with --rate HZ".to_owned(),
+        AnalysisError::NoRate { .. } => "give the sample rate with --rate HZ".into(),
         AnalysisError::Quantity { .. } => {
-            "volts are converted with --sensitivity CHANNEL=SENSITIVITY".to_owned()
+            "volts are converted with --sensitivity CHANNEL=SENSITIVITY".into()
         }
         AnalysisError::NoHit { .. } => {
             "--level NEWTONS sets the trigger level, and --flip-force reverses a force that is \
              negative while the hammer pushes"
-                .to_owned()
+                .into()
         }
-        AnalysisError::NoGoodHit { .. } => "--keep-all averages them".to_owned(),
+        AnalysisError::NoGoodHit { .. } => "--keep-all averages them".into(),
         _ => return None,
     })
 }
@@ -181,34 +178,31 @@ fn is_wrong_structure(error: &StructureError) -> bool {
 }
 
 /// Shows every problem, first in one line, then at its place in the text.
-fn show_invalid(text: &str, path: &std::path::Path, invalid: &InvalidDocument) {
+fn show_invalid(text: &str, path: &Path, invalid: &InvalidDocument) {
     let problems = &invalid.diagnostics;
+    let shown = &problems[..problems.len().min(MOST_SHOWN)];
     eprintln!(
         "error: {} is not a valid scenario: {} {}",
         path.display(),
         problems.len(),
         if problems.len() == 1 { "problem" } else { "problems" }
     );
-    for problem in problems.iter().take(MOST_SHOWN) {
+    for problem in shown {
         eprintln!("{problem}");
     }
-    if problems.len() > MOST_SHOWN {
-        eprintln!("... and {} more", problems.len() - MOST_SHOWN);
+    if problems.len() > shown.len() {
+        eprintln!("... and {} more", problems.len() - shown.len());
     }
-    let labels: Vec<LabeledSpan> = problems
-        .iter()
-        .take(MOST_SHOWN)
-        .filter_map(|problem| {
-            let label = problem.pointer.clone();
-            Some(LabeledSpan::at(problem.span.clone()?, label))
-        })
-        .collect();
-    if labels.is_empty() {
-        return;
+    let places = shown.iter().filter_map(|problem| Some((problem.span.clone()?, &problem.pointer)));
+    let labels: Vec<_> = places.map(|(span, label)| LabeledSpan::at(span, label)).collect();
+    if !labels.is_empty() {
+        let diagnostic = MietteDiagnostic::new("in the scenario").with_severity(Severity::Advice);
+        show_in_text(diagnostic.with_labels(labels), path, text);
     }
-    let diagnostic = MietteDiagnostic::new("in the scenario")
-        .with_severity(Severity::Advice)
-        .with_labels(labels);
+}
+
+/// Shows a diagnostic with the lines of the text that it is about.
+fn show_in_text(diagnostic: MietteDiagnostic, path: &Path, text: &str) {
     let named = NamedSource::new(path.display().to_string(), text.to_owned());
     eprintln!("{:?}", Report::new(diagnostic).with_source_code(named));
 }

@@ -146,10 +146,10 @@ impl Drawing {
 
     /// A line with a head at its end.
     pub fn arrow(&mut self, from: (f64, f64), to: (f64, f64), stroke: Stroke) {
-        let arrow = symbol::arrow(from, to, 1.0 + 0.9 * stroke.width);
-        self.line(from, arrow.neck, stroke);
+        let (head, neck) = symbol::arrow(from, to, 1.0 + 0.9 * stroke.width);
+        self.line(from, neck, stroke);
         let solid = Stroke { width: 0.2, dash: Dash::Solid, ..stroke };
-        self.polygon(&arrow.head, Some(stroke.color), Some(solid));
+        self.polygon(&head, Some(stroke.color), Some(solid));
     }
 
     /// A line with heads at both ends and a text beside its middle.
@@ -157,8 +157,7 @@ impl Drawing {
         let middle = (0.5 * (from.0 + to.0), 0.5 * (from.1 + to.1));
         self.arrow(middle, from, stroke);
         self.arrow(middle, to, stroke);
-        let upright = (to.0 - from.0).abs() < (to.1 - from.1).abs();
-        if upright {
+        if (to.0 - from.0).abs() < (to.1 - from.1).abs() {
             self.text((middle.0 + 1.2, middle.1), text, 7.0, Align::Left);
         } else {
             self.text((middle.0, middle.1 - 2.2), text, 7.0, Align::Center);

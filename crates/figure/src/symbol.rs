@@ -2,14 +2,6 @@
 
 use crate::frame::Point;
 
-/// Head and neck of an arrow.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Arrow {
-    pub(crate) head: [Point; 3],
-    /// Junction of line and head.
-    pub(crate) neck: Point,
-}
-
 /// A frame along a segment: its length, and the point `along` it and `across` to the left of it.
 fn along(from: Point, to: Point) -> (f64, impl Fn(f64, f64) -> Point) {
     let (dx, dy) = (to.0 - from.0, to.1 - from.1);
@@ -18,15 +10,14 @@ fn along(from: Point, to: Point) -> (f64, impl Fn(f64, f64) -> Point) {
     (length, move |s: f64, n: f64| (from.0 + s * ux + n * uy, from.1 + s * uy - n * ux))
 }
 
-/// An arrow that ends at `to`, with a head of the given length or less on a short line.
-pub(crate) fn arrow(from: Point, to: Point, head: f64) -> Arrow {
+/// Head of an arrow that ends at `to`, of the given length or less on a short line, and the junction
+/// of line and head.
+pub(crate) fn arrow(from: Point, to: Point, head: f64) -> ([Point; 3], Point) {
     let (length, at) = along(from, to);
     let head = head.min(length);
     let half = 0.42 * head;
-    Arrow {
-        head: [to, at(length - head, half), at(length - head, -half)],
-        neck: at(length - 0.8 * head, 0.0),
-    }
+    let base = length - head;
+    ([to, at(base, half), at(base, -half)], at(length - 0.8 * head, 0.0))
 }
 
 /// A zigzag between straight ends.
@@ -120,6 +111,6 @@ mod tests {
     fn shapes_of_no_length_are_finite() {
         let point = (1.0, 1.0);
         assert!(spring(point, point, 1.0).iter().all(|p| p.0.is_finite() && p.1.is_finite()));
-        assert!(arrow(point, point, 1.0).neck.0.is_finite());
+        assert!(arrow(point, point, 1.0).1.0.is_finite());
     }
 }

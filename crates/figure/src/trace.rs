@@ -58,12 +58,11 @@ pub(crate) fn decimated(points: &[Point]) -> Vec<Point> {
         let extreme = |sign: f64| {
             (0..group.len()).min_by(|&i, &j| (sign * group[i].1).total_cmp(&(sign * group[j].1)))
         };
-        let mut indices =
-            [0, extreme(1.0).unwrap_or(0), extreme(-1.0).unwrap_or(0), group.len() - 1];
+        let mut indices = vec![0, group.len() - 1];
+        indices.extend([extreme(1.0), extreme(-1.0)].into_iter().flatten());
         indices.sort_unstable();
-        kept.extend(indices.iter().enumerate().filter_map(|(position, &index)| {
-            (position == 0 || indices[position - 1] != index).then_some(group[index])
-        }));
+        indices.dedup();
+        kept.extend(indices.into_iter().map(|index| group[index]));
     }
     kept
 }

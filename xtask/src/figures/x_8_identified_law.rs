@@ -87,8 +87,7 @@ fn compute(rig: &Rig) -> Result<Computed> {
 fn struck(stored: &Document, peak: f64) -> Result<Case> {
     let mut document = stored.clone();
     document.set("/excitation/peak_n", &peak.to_string())?;
-    let scenario = document.scenario()?;
-    Ok(Case { document, scenario })
+    Case::new(document)
 }
 
 /// Knots of the modified law, its coefficient, exponent and transition.

@@ -106,9 +106,9 @@ impl CheckedClaim<'_> {
 
 /// Reads the claims.
 pub(crate) fn load(path: &Path) -> Result<Vec<Claim>> {
-    let text =
-        std::fs::read_to_string(path).with_context(|| format!("reading {}", path.display()))?;
-    serde_json::from_str(&text).with_context(|| format!("reading {}", path.display()))
+    let reading = || format!("reading {}", path.display());
+    let text = std::fs::read_to_string(path).with_context(reading)?;
+    serde_json::from_str(&text).with_context(reading)
 }
 
 /// Checks every claim for which there is a value; with `all`, each must have one
@@ -121,7 +121,7 @@ pub(crate) fn check<'a>(
     if let Some(stray) = values.keys().find(|id| !claims.iter().any(|claim| claim.id == **id)) {
         bail!("a figure gives a value for \"{stray}\", which is no claim in claims.json");
     }
-    let mut checked = Vec::with_capacity(claims.len());
+    let mut checked = Vec::new();
     for claim in claims {
         let Some(&value) = values.get(&claim.id) else {
             if all {

@@ -37,6 +37,12 @@ pub(crate) struct Case {
 }
 
 impl Case {
+    /// The scenario of `document`, if it is valid.
+    pub(crate) fn new(document: Document) -> Result<Self> {
+        let scenario = document.scenario()?;
+        Ok(Self { document, scenario })
+    }
+
     /// The objects that compute.
     pub(crate) fn assembly(&self) -> Result<Assembly> {
         Ok(Assembly::new(&self.scenario, self.document.folder())?)
@@ -134,8 +140,7 @@ impl Rig {
         {
             document.set(pointer, value)?;
         }
-        let scenario = document.scenario()?;
-        Ok(Case { document, scenario })
+        Case::new(document)
     }
 
     /// The rig with `law` at both contacts, struck with `peak` in N.

@@ -20,7 +20,8 @@ const FOREIGN: [&str; 3] = ["--release", "--workspace", "--locked"];
 /// Every subcommand and option of `programs` that a document names exists.
 pub(super) fn unknown(repository: &Repository, programs: &[Program]) -> Vec<Finding> {
     let mut found = Vec::new();
-    for (path, text) in repository.texts(".md").filter(|(path, _)| is_for_users(path)) {
+    // The CHANGELOG speaks of commands as they were.
+    for (path, text) in repository.texts(".md").filter(|(path, _)| *path != "CHANGELOG.md") {
         for (line, command) in commands(text) {
             for program in programs {
                 let wrong = program.arguments(&command).and_then(|words| program.wrong(&words));
@@ -37,11 +38,6 @@ pub(super) fn unknown(repository: &Repository, programs: &[Program]) -> Vec<Find
         }
     }
     found
-}
-
-/// The CHANGELOG speaks of commands as they were.
-fn is_for_users(path: &str) -> bool {
-    path != "CHANGELOG.md"
 }
 
 /// Commands in code spans and in the shell blocks of a document, as words.

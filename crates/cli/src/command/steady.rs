@@ -62,10 +62,10 @@ pub(crate) fn run(
         .collect();
     match failed.first() {
         None => Ok(()),
-        Some(&(force_n, error)) => Err(Failure::Levels {
+        Some((force_n, error)) => Err(Failure::Parts {
             failed: failed.len(),
-            levels: found.levels.len(),
-            force_n,
+            of: format!("{} force amplitudes", found.levels.len()),
+            first: format!("{force_n} N"),
             reason: error.to_string(),
         }),
     }

@@ -54,8 +54,8 @@ pub(crate) fn run(
         answer_line!("{runs} runs in {wall_s:.2} s, written to {}", folder.path().display());
     }
     if let Some((index, error)) = results.failed().next() {
-        let (first, reason) = (index + 1, error.to_string());
-        return Err(Failure::Runs { failed, runs, first, reason });
+        let (of, first) = (format!("{runs} runs"), format!("run {}", index + 1));
+        return Err(Failure::Parts { failed, of, first, reason: error.to_string() });
     }
     Ok(())
 }

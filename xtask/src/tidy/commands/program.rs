@@ -24,8 +24,7 @@ impl Program {
     /// The workspace's binary `name`, built and asked for its help.
     pub(crate) fn built(name: &str) -> Result<Self> {
         // Features as in the other tasks, so that nothing is built twice.
-        let output = cargo()
-            .args(["build", "--quiet", "--workspace", "--bin", name])
+        let output = cargo(&["build", "--quiet", "--workspace", "--bin", name])
             .arg("--message-format=json-render-diagnostics")
             .stderr(Stdio::inherit())
             .output()

@@ -128,21 +128,19 @@ pub(super) fn residuals(rows: &[ObservationRow<'_>]) -> Option<Figure> {
         return None;
     }
     let largest = column(&known, |row| row.residual.abs()).into_iter().fold(2.5, f64::max);
-    let axis = || {
-        let label = "Residual";
-        Axis::linear(label, "standard deviations").range(-1.1 * largest, 1.1 * largest)
-    };
-    let mut figure = Figure::new("Standardised residuals").columns(2).width_mm(170.0);
-    figure = figure.row_height_mm(70.0);
+    let axis = Axis::linear("Residual", "standard deviations");
+    let axis = || axis.clone().range(-1.1 * largest, 1.1 * largest);
+    let figure = Figure::new("Standardised residuals").columns(2).width_mm(170.0);
+    let mut figure = figure.row_height_mm(70.0);
     // An amplitude is drawn on a logarithmic axis.
     let shown = |row: &ObservationRow<'_>| {
         row.at.is_finite() && (row.kind != ObservationKind::Backbone || row.at > 0.0)
     };
-    for kind in [
-        ObservationKind::Hit,
-        ObservationKind::Receptance,
-        ObservationKind::Backbone,
-        ObservationKind::Stiffness,
+    for (kind, across) in [
+        (ObservationKind::Hit, Axis::linear("Peak force", "N")),
+        (ObservationKind::Receptance, Axis::linear("Frequency", "Hz")),
+        (ObservationKind::Backbone, Axis::log("Amplitude", "m")),
+        (ObservationKind::Stiffness, Axis::linear("Pressure", "MPa").scale(1e-6)),
     ] {
         let of = known.iter().copied().filter(|row| row.kind == kind && shown(row));
         let mut of = groups(of, |row| row.feature);
@@ -150,12 +148,6 @@ pub(super) fn residuals(rows: &[ObservationRow<'_>]) -> Option<Figure> {
         if of.is_empty() {
             continue;
         }
-        let across = match kind {
-            ObservationKind::Hit => Axis::linear("Peak force", "N"),
-            ObservationKind::Receptance => Axis::linear("Frequency", "Hz"),
-            ObservationKind::Backbone => Axis::log("Amplitude", "m"),
-            ObservationKind::Stiffness => Axis::linear("Pressure", "MPa").scale(1e-6),
-        };
         let mut panel = Panel::new(across, axis()).horizontal(0.0, "");
         for (index, (feature, rows)) in of.iter().enumerate() {
             let name = if index < MOST_FEATURES { feature_name(feature).0 } else { String::new() };
