@@ -41,12 +41,8 @@ fn symbol(marker: Marker, (x, y): Point, r: f64) -> String {
     match marker {
         Marker::None => String::new(),
         Marker::Circle => {
-            let (radius, across) = (number(r), number(2.0 * r));
-            format!(
-                "M{} {}a{radius} {radius} 0 1 0 {across} 0a{radius} {radius} 0 1 0 -{across} 0Z",
-                number(x - r),
-                number(y)
-            )
+            let [left, y, r, d] = [x - r, y, r, 2.0 * r].map(number);
+            format!("M{left} {y}a{r} {r} 0 1 0 {d} 0a{r} {r} 0 1 0 -{d} 0Z")
         }
         Marker::Triangle => {
             let h = 1.25 * r;

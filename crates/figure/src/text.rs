@@ -2,7 +2,6 @@
 
 use crate::markup::{PX_PER_PT, escape, number};
 use skrifa::{FontRef, MetadataProvider as _, instance::LocationRef, instance::Size};
-use std::fmt::Write as _;
 
 /// Family name of the bundled font.
 pub(crate) const FAMILY: &str = "Inter";
@@ -78,13 +77,8 @@ pub(crate) fn spans(content: &str, size: f64) -> String {
             spans.push_str(&text);
         } else {
             let font = if run.rise == 0 { size } else { size * SCRIPT_SIZE };
-            // Writing to a String cannot fail.
-            let _ = write!(
-                spans,
-                r#"<tspan dy="{}" font-size="{}">{text}</tspan>"#,
-                number(shift),
-                number(font)
-            );
+            let (shift, font) = (number(shift), number(font));
+            spans += &format!(r#"<tspan dy="{shift}" font-size="{font}">{text}</tspan>"#);
         }
         height = target;
     }

@@ -95,12 +95,9 @@ fn tolerance(column: &str) -> f64 {
 /// The first difference between two tables, in words.
 fn difference(stored: &Table, computed: &Table) -> Option<String> {
     let names = |table: &Table| table.names().map(str::to_owned).collect::<Vec<_>>();
-    if names(stored) != names(computed) {
-        return Some(format!(
-            "columns {:?} are stored, {:?} computed",
-            names(stored),
-            names(computed)
-        ));
+    let (old, new) = (names(stored), names(computed));
+    if old != new {
+        return Some(format!("columns {old:?} are stored, {new:?} computed"));
     }
     if stored.rows() != computed.rows() {
         return Some(format!("{} rows are stored, {} computed", stored.rows(), computed.rows()));

@@ -76,14 +76,9 @@ fn in_words(report: &AnalysisReport) -> String {
         // Writing to a string cannot fail.
         let _ = writeln!(text, "... and {} more in hits.csv", report.hits.len() - MOST_SHOWN);
     }
-    let average = &report.average;
-    let _ = write!(
-        text,
-        "average of {} of {} hits ({})",
-        average.hits,
-        report.hits.len(),
-        report.settings.estimator
-    );
+    let (average, all, estimator) =
+        (&report.average, report.hits.len(), &report.settings.estimator);
+    let _ = write!(text, "average of {} of {all} hits ({estimator})", average.hits);
     if let Some(first) = average.fundamental {
         let _ = write!(text, ": {:.2} Hz, {:.4e} m/N", first.frequency_hz, first.magnitude);
         if let Some(ratio) = first.damping_ratio {

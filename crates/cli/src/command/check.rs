@@ -42,11 +42,8 @@ pub(crate) fn run(input: &Input, as_json: bool) -> Result<(), Failure> {
         Integrator::Modal(_) => "modes",
     };
     answer_line!("  {:<26} {} {unknowns}", method.name().replace('_', " "), outline.unknowns);
-    answer_line!(
-        "  run                        {} steps of {:.4} us",
-        outline.steps,
-        outline.step * 1e6
-    );
+    let (steps, step_us) = (outline.steps, outline.step * 1e6);
+    answer_line!("  run                        {steps} steps of {step_us:.4} us");
     answer_line!("  record                     {} samples", sampling.samples());
     Ok(())
 }

@@ -73,11 +73,8 @@ fn print_estimates(found: &Identification) {
     let percent = 100.0 * found.level;
     for estimate in found.estimates() {
         let [low, high] = estimate.posterior_interval;
-        answer_line!(
-            "{:<36} {:>12.5e}   {percent:.0} %: {low:.5e} to {high:.5e}",
-            estimate.name,
-            estimate.value
-        );
+        let (name, value) = (estimate.name, estimate.value);
+        answer_line!("{name:<36} {value:>12.5e}   {percent:.0} %: {low:.5e} to {high:.5e}");
     }
 }
 

@@ -46,18 +46,12 @@ pub(crate) fn run(input: &Input, output: &Output, table: Option<&Path>) -> Resul
         return Ok(());
     }
     if let Some(fit) = &fitted {
-        answer_line!(
-            "K = C p^m with C = {:.4e} Pa^(1-m)/m, m = {:.4}",
-            fit.coefficient,
-            fit.exponent
-        );
+        let (c, m) = (fit.coefficient, fit.exponent);
+        answer_line!("K = C p^m with C = {c:.4e} Pa^(1-m)/m, m = {m:.4}");
         answer_line!("scatter of ln K: {:.3} rms", fit.residual_log_rms);
         if let Some(errors) = &fit.errors {
-            answer_line!(
-                "standard errors: ln C {:.3}, m {:.3}",
-                errors.log_coefficient,
-                errors.exponent
-            );
+            let (c, m) = (errors.log_coefficient, errors.exponent);
+            answer_line!("standard errors: ln C {c:.3}, m {m:.3}");
         }
     }
     answer_line!("{} laws tabulated in {}", tables.len(), folder.path().display());

@@ -77,13 +77,9 @@ fn print_peaks(found: &Steady) {
         let Some(peak) = level.outcome.as_ref().ok().and_then(|branch| branch.highest()) else {
             continue;
         };
-        answer!(
-            "{:>10} N   peak {:.3} Hz   A1 {:.5e} m   A2/A1 {:.5}",
-            level.force_n,
-            peak.frequency_hz(),
-            peak.amplitude(1),
-            peak.harmonic_ratio()
-        );
+        let (hz, a1, ratio) = (peak.frequency_hz(), peak.amplitude(1), peak.harmonic_ratio());
+        let force_n = level.force_n;
+        answer!("{force_n:>10} N   peak {hz:.3} Hz   A1 {a1:.5e} m   A2/A1 {ratio:.5}");
         if let Some(check) = level.check {
             answer!("   differs from time integration by {:.1e}", check.relative_difference);
         }
