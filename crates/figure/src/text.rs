@@ -2,6 +2,7 @@
 
 use crate::markup::{PX_PER_PT, escape, number};
 use skrifa::{FontRef, MetadataProvider as _, instance::LocationRef, instance::Size};
+use std::fmt::Write as _;
 
 /// Family name of the bundled font.
 pub(crate) const FAMILY: &str = "Inter";
@@ -78,7 +79,8 @@ pub(crate) fn spans(content: &str, size: f64) -> String {
         } else {
             let font = if run.rise == 0 { size } else { size * SCRIPT_SIZE };
             let (shift, font) = (number(shift), number(font));
-            spans += &format!(r#"<tspan dy="{shift}" font-size="{font}">{text}</tspan>"#);
+            // Writing to a String cannot fail.
+            let _ = write!(spans, r#"<tspan dy="{shift}" font-size="{font}">{text}</tspan>"#);
         }
         height = target;
     }
