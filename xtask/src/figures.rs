@@ -18,7 +18,7 @@ mod style;
 mod x_1_linear_floor;
 mod x_2_pulse_shape;
 mod x_3_convergence;
-mod x_4_clapping;
+mod x_4_contact_loss;
 mod x_5_compliant_disc;
 mod x_6_readings;
 mod x_7_second_path;
@@ -44,7 +44,7 @@ pub(crate) const FIGURES: &[&PaperFigure] = &[
     &x_1_linear_floor::FIGURE,
     &x_2_pulse_shape::FIGURE,
     &x_3_convergence::FIGURE,
-    &x_4_clapping::FIGURE,
+    &x_4_contact_loss::FIGURE,
     &x_5_compliant_disc::FIGURE,
     &x_6_readings::FIGURE,
     &x_7_second_path::FIGURE,

@@ -1,5 +1,5 @@
 //! Draws one figure of each kind into a folder: `cargo run --example gallery -- FOLDER`.
-#![allow(clippy::print_stdout, reason = "an example talks to its user")]
+#![allow(clippy::print_stdout, reason = "an example prints its results")]
 
 use asperity_figure::report::{ClaimOutcome, Report, TableCell};
 use asperity_figure::{

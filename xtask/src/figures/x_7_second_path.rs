@@ -33,7 +33,7 @@ const FORCES: [f64; 5] = [9.0, 15.0, 20.0, 26.0, 32.0];
 /// Largest relative difference of the two paths; 2.4e-4 was found, in the ratio at 9 N. By way of
 /// acceleration, divided by the squared frequency, what is left at the end of a record counts
 /// differently, and most in what is small.
-const AGREE: f64 = 5e-4;
+const TOLERANCE: f64 = 5e-4;
 
 /// Fundamental, its receptance and the harmonic ratio.
 type Observed = [f64; 3];
@@ -48,7 +48,7 @@ fn compute(rig: &Rig) -> Result<Computed> {
         for (i, quantity) in QUANTITIES.iter().enumerate() {
             for (direct, measured) in &found {
                 let off = (measured[i] / direct[i] - 1.0).abs();
-                ensure!(off <= AGREE, "{name}, {quantity}: the two paths differ by {off:e}");
+                ensure!(off <= TOLERANCE, "{name}, {quantity}: the two paths differ by {off:e}");
             }
             let column = |of: fn(&(Observed, Observed)) -> &Observed| -> Vec<f64> {
                 found.iter().map(|pair| of(pair)[i]).collect()

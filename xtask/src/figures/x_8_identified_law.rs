@@ -32,21 +32,21 @@ pub(crate) const FIGURE: PaperFigure = PaperFigure {
 };
 
 /// Knots as the caption states them, in 1e12 Pa/m: best fit, lower and upper end.
-const SAID: [[f64; 3]; 4] =
+const CAPTION: [[f64; 3]; 4] =
     [[0.100, 0.026, 0.122], [0.120, 0.110, 0.127], [0.468, 0.450, 0.481], [0.980, 0.957, 1.005]];
 
 /// Largest distance of the caption's numbers from those computed: the last digit of a best fit, and
 /// of an end of an interval what another seed moves it by.
-const AS_SAID: [f64; 3] = [6e-4, 8e-3, 8e-3];
+const CAPTION_TOLERANCE: [f64; 3] = [6e-4, 8e-3, 8e-3];
 
 /// Largest relative difference of the stored scenario from what is found.
-const STORED: f64 = 1e-3;
+const STORED_TOLERANCE: f64 = 1e-3;
 
 /// Peak forces, in N.
 const FORCES: [f64; 5] = [9.0, 15.0, 20.0, 26.0, 32.0];
 
 /// Half the range of a number over its standard deviation, where it is even within the range.
-const EVEN: f64 = 1.732_050_807_568_877_2;
+const EVEN_RANGE: f64 = 1.732_050_807_568_877_2;
 
 /// Rows of what is stated: of stiffnesses at a pressure, of the fundamental, of lowest pressures.
 const STATED_STIFFNESS: [usize; 2] = [0, 1];
@@ -111,13 +111,13 @@ fn rise(scenario: &Scenario) -> Result<f64> {
 /// The stored scenario must hold what was found.
 fn is_stored(found: &Identification, stored: &Document) -> Result<()> {
     let scenario = stored.scenario()?;
-    let mut pairs = vec![("the rise".to_owned(), rise(&scenario)?, found.fit.point[SAID.len()])];
+    let mut pairs = vec![("the rise".to_owned(), rise(&scenario)?, found.fit.point[CAPTION.len()])];
     for (old, new) in modified(&scenario.laws)?.0.iter().zip(modified(&found.laws)?.0) {
         pairs.push((format!("the stiffness at {} Pa", new[0]), old[1], new[1]));
     }
     for (name, old, new) in pairs {
         let off = (old / new - 1.0).abs();
-        ensure!(off <= STORED, "{name}: {old:e} is stored, {new:e} found");
+        ensure!(off <= STORED_TOLERANCE, "{name}: {old:e} is stored, {new:e} found");
     }
     Ok(())
 }
@@ -151,13 +151,13 @@ fn knot_columns(columns: &mut Columns, found: &Identification, before: &Laws) ->
         ensure!((a / b - 1.0).abs() < 1e-9, "the knots are not those of the steps: {a:e}, {b:e}");
     }
     let band = found.posterior.band(&stiffnesses, &[0.025, 0.975]).quantiles;
-    for (knot, said) in SAID.iter().enumerate() {
+    for (knot, said) in CAPTION.iter().enumerate() {
         let [a, b, c] = said;
         let words = format!("= {a:.3} ({b:.3} to {c:.3})");
         let computed = [best[knot], band[0][knot], band[1][knot]].map(|value| value / 1e12);
-        let far = |i: usize| (computed[i] - said[i]).abs() > AS_SAID[i];
-        let is_said = FIGURE.caption.contains(&words) && !(0..3).any(far);
-        ensure!(is_said, "knot {knot}: {computed:?} is computed, the caption has to say it");
+        let far = |i: usize| (computed[i] - said[i]).abs() > CAPTION_TOLERANCE[i];
+        let is_stated = FIGURE.caption.contains(&words) && !(0..3).any(far);
+        ensure!(is_stated, "knot {knot}: {computed:?} is computed, the caption has to say it");
     }
     columns.push("knot:pressure_pa", column(knots, 0));
     columns.push("knot:stiffness_pa_per_m:fit", best);
@@ -207,7 +207,7 @@ fn parameter_columns(
     let mut before = Top::new(knots, power).steps(knots);
     before.push(rise(reconstruction)?);
     let mut push = |name: &str, of: &dyn Fn(usize) -> f64| {
-        let scale = |parameter: usize| if parameter < SAID.len() { 1.0 } else { 1e3 };
+        let scale = |parameter: usize| if parameter < CAPTION.len() { 1.0 } else { 1e3 };
         let values = (0..estimates.len()).map(|parameter| scale(parameter) * of(parameter));
         columns.push(format!("unknown:{name}"), values.collect::<Vec<_>>());
     };
@@ -245,7 +245,7 @@ fn draw(table: &Table) -> Result<String> {
     let at = table.column("datum:at")?;
     let stated = |rows: &[usize]| {
         let of = |column: &[f64]| rows.iter().map(|&row| column[row]).collect::<Vec<_>>();
-        let bars: Vec<f64> = of(deviation).iter().map(|deviation| EVEN * deviation).collect();
+        let bars: Vec<f64> = of(deviation).iter().map(|deviation| EVEN_RANGE * deviation).collect();
         let points = Series::points("stated", of(at), of(value)).errors(bars);
         points.color(Color::RED).marker(Marker::Square).marker_size(4.5)
     };

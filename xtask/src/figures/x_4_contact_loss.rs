@@ -26,7 +26,7 @@ pub(crate) const FIGURE: PaperFigure = PaperFigure {
 };
 
 /// Tolerance of the thresholds, in N.
-const CLOSE: f64 = 0.02;
+const TOLERANCE: f64 = 0.02;
 
 const QUANTITIES: [(&str, Observable); 5] = [
     ("contact_lost_s", CONTACT_LOST),
@@ -62,7 +62,7 @@ fn lost(summary: &Summary) -> bool {
 
 /// The force above which contact is lost, between one that keeps it and one that does not.
 fn bisect(rig: &Rig, law: Law, mut keeps: f64, mut loses: f64) -> Result<f64> {
-    while loses - keeps > CLOSE {
+    while loses - keeps > TOLERANCE {
         let middle = 0.5 * (keeps + loses);
         let summaries = rig.summaries(&[rig.struck(law, middle)?])?;
         if lost(&summaries[0]) {
