@@ -165,9 +165,12 @@ fn is_wrong_request(error: &StudyError) -> bool {
                 | DynamicsError::Mesh(_)
                 | DynamicsError::ForceRecord { .. }
         ),
-        StudyError::Harmonic(error) => {
-            !matches!(error, HarmonicError::NoStart { .. } | HarmonicError::BeyondLaw { .. })
-        }
+        StudyError::Harmonic(error) => !matches!(
+            error,
+            HarmonicError::NoStart { .. }
+                | HarmonicError::NoLinearResponse { .. }
+                | HarmonicError::BeyondLaw { .. }
+        ),
         // Signals that cannot be analysed, and errors to come.
         _ => false,
     }

@@ -69,6 +69,16 @@ impl Continuation {
         }
     }
 
+    /// Frequency \[Hz\] and force amplitude \[N\] at the start.
+    pub(crate) fn start(&self) -> (f64, f64) {
+        match *self {
+            Self::Frequency { force, from, .. } => (from, force),
+            Self::Force { frequency, from, .. } => (frequency, from),
+            Self::PhaseResonance { near, from, .. } => (near, from),
+            Self::Mode { near, .. } => (near, 0.0),
+        }
+    }
+
     pub(crate) fn check(&self) -> Result<(), HarmonicError> {
         let (from, to) = self.range();
         let fine = |value: f64| value.is_finite() && value > 0.0;

@@ -64,11 +64,7 @@ impl<'a> ContinuationProblem<'a> {
         };
         let positive = |value: f64| value.is_finite() && value > 0.0;
         if !(positive(closure) && positive(frequency)) {
-            return Err(HarmonicError::NoStart {
-                frequency_hz: continuation.range().0,
-                force_n: f64::NAN,
-                residual: f64::NAN,
-            });
+            return Err(HarmonicError::NoLinearResponse { frequency_hz: continuation.start().0 });
         }
         let n = balance.unknowns();
         let output = [vec![0.0; n], vec![0.0; n]];

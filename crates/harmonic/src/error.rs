@@ -70,6 +70,14 @@ pub enum HarmonicError {
         /// Number of them that the contacts hold.
         held: usize,
     },
+    /// The linearised structure has no response at the start of the branch.
+    #[error(
+        "the linearised structure has no finite response at {frequency_hz} Hz; start at another frequency"
+    )]
+    NoLinearResponse {
+        /// Frequency \[Hz\].
+        frequency_hz: f64,
+    },
     /// No periodic response was found at the start of the branch.
     #[error(
         "no periodic response found at {frequency_hz} Hz and {force_n} N (relative residual {residual:.1e}); start at a lower force or further from resonance, or allow more harmonics"
@@ -79,7 +87,7 @@ pub enum HarmonicError {
         frequency_hz: f64,
         /// Force amplitude \[N\].
         force_n: f64,
-        /// Residual left, relative to the motion; NaN if the numbers overflowed.
+        /// Residual left, relative to the motion; infinite if the numbers overflowed.
         residual: f64,
     },
     /// The response at the start of the branch closes an interface beyond the limit of its law.

@@ -136,18 +136,11 @@ fn first(
     sense: f64,
     settings: &HarmonicSettings,
 ) -> Result<CurvePoint, HarmonicError> {
-    let failure = match arc.curve.linear_start() {
-        None => CorrectorFailure::Stalled(f64::NAN),
-        Some(guess) => match arc.solve_at(&guess, sense) {
-            Ok(point) => return Ok(point),
-            Err(failure) => failure,
-        },
-    };
-    let (frequency_hz, force_n) = match continuation {
-        Continuation::Frequency { force, from, .. } => (from, force),
-        Continuation::Force { frequency, from, .. } => (frequency, from),
-        Continuation::PhaseResonance { near, from, .. } => (near, from),
-        Continuation::Mode { near, .. } => (near, 0.0),
+    let (frequency_hz, force_n) = continuation.start();
+    let guess = arc.curve.linear_start().ok_or(HarmonicError::NoLinearResponse { frequency_hz })?;
+    let failure = match arc.solve_at(&guess, sense) {
+        Ok(point) => return Ok(point),
+        Err(failure) => failure,
     };
     let mut end = None;
     if let Continuation::Frequency { force, from, .. } = continuation {
@@ -183,6 +176,7 @@ fn first(
             force_n,
         },
         CorrectorFailure::Stalled(residual) => {
+            let residual = if residual.is_nan() { f64::INFINITY } else { residual };
             HarmonicError::NoStart { frequency_hz, force_n, residual }
         }
     })

@@ -162,19 +162,11 @@ impl ResponseView<'_> {
 
     /// Warnings about the response.
     pub(crate) fn warnings(&self) -> Vec<Warning> {
-        let outside =
-            self.interfaces.iter().zip(&self.contacts).filter_map(|(interface, contact)| {
-                let (low, high) = interface.law().measured_range()?;
-                let ContactMeasures { pressure_min, pressure_max, .. } = contact.measures;
-                let leaves = pressure_min < low || pressure_max > high;
-                leaves.then(|| Warning::OutsideMeasuredRange {
-                    interface: interface.name().to_owned(),
-                    pressure_min_pa: pressure_min,
-                    pressure_max_pa: pressure_max,
-                    measured_min_pa: low,
-                    measured_max_pa: high,
-                })
-            });
+        let pairs = self.interfaces.iter().zip(&self.contacts);
+        let outside = pairs.filter_map(|(interface, contact)| {
+            let ContactMeasures { pressure_min, pressure_max, .. } = contact.measures;
+            Warning::outside_measured_range(interface, pressure_min, pressure_max)
+        });
         let residual = self.energy.map(|energy| energy.residual_relative());
         let suspect = residual.filter(|residual| *residual > MOST_RESIDUAL);
         let balance = suspect.map(|residual_relative| Warning::EnergyBalance { residual_relative });

@@ -10,14 +10,19 @@ use asperity_harmonic::{
     Branch, ContactSystem, Continuation, Floquet, FourierResolution, HarmonicError,
     HarmonicSettings, LawEvaluation, StepControl, trace,
 };
+use asperity_structure::PreloadedContact;
 use rayon::prelude::*;
 
 use crate::assemble::Assembly;
 use crate::error::StudyError;
 use crate::static_state::StaticSummary;
+use crate::warning::Warning;
 
 pub use check::TimeCheck;
-pub use summary::STEADY_SCHEMA;
+pub use summary::{
+    BackboneSummary, BackbonesSummary, BifurcationSummary, BranchSummary, LevelSummary,
+    STEADY_SCHEMA, SteadySummary, TerminationSummary,
+};
 pub use table::{backbone_csv, steady_csv};
 
 /// Truncation that the automatic choice of harmonics aims at, and most harmonics. More would reach
@@ -58,8 +63,10 @@ pub struct SteadyLevel {
     pub force_n: f64,
     /// The branch, or the error.
     pub outcome: Result<Branch, HarmonicError>,
-    /// A response by time integration, if asked for.
+    /// A response by time integration, if requested.
     pub check: Option<TimeCheck>,
+    /// Warnings about the responses.
+    pub warnings: Vec<Warning>,
     /// Time of the computation \[s\].
     pub wall_s: f64,
 }
@@ -78,7 +85,7 @@ pub struct Backbones {
 pub struct Steady {
     /// The levels, in the order of the request.
     pub levels: Vec<SteadyLevel>,
-    /// The backbones, if asked for.
+    /// The backbones, if requested.
     pub backbones: Option<Backbones>,
     /// Time of the whole computation \[s\].
     pub wall_s: f64,
@@ -139,6 +146,11 @@ pub fn steady_with_progress(
             level
         })
         .collect::<Result<Vec<_>, StudyError>>()?;
+    for level in &levels {
+        for warning in &level.warnings {
+            tracing::warn!(force_n = level.force_n, "{warning}");
+        }
+    }
     let backbones = request.backbone.then(|| backbones(assembly, &system, request, &settings));
     Ok(Steady { levels, backbones, wall_s: started.elapsed().as_secs_f64() })
 }
@@ -150,8 +162,11 @@ fn check_range(request: &SteadyRequest) -> Result<(), HarmonicError> {
     if !(positive(from) && positive(to)) || from == to {
         return Err(HarmonicError::EmptyRange { quantity: "frequency [Hz]", from, to });
     }
-    let bad = request.amplitudes.iter().copied().find(|&force| !positive(force));
-    if let Some(value) = bad.or(request.amplitudes.is_empty().then_some(f64::NAN)) {
+    if request.amplitudes.is_empty() {
+        let quantity = "number of force amplitudes";
+        return Err(HarmonicError::Setting { quantity, value: 0.0, accepted: "at least 1" });
+    }
+    if let Some(value) = request.amplitudes.iter().copied().find(|&force| !positive(force)) {
         let quantity = "force amplitude [N]";
         return Err(HarmonicError::Setting { quantity, value, accepted: "positive and finite" });
     }
@@ -191,7 +206,21 @@ fn level(
         Some(peak) if request.verify => Some(TimeCheck::of(assembly, peak)?),
         _ => None,
     };
-    Ok(SteadyLevel { force_n, outcome, check, wall_s })
+    let contacts = assembly.structure.contacts();
+    let warnings =
+        outcome.as_ref().map_or_else(|_| Vec::new(), |branch| warnings(branch, contacts));
+    Ok(SteadyLevel { force_n, outcome, check, warnings, wall_s })
+}
+
+/// Warnings about the contacts whose pressures leave the measured range on a branch.
+fn warnings(branch: &Branch, contacts: &[PreloadedContact]) -> Vec<Warning> {
+    let outside = |(i, contact): (usize, &PreloadedContact)| {
+        let ranges = || branch.points.iter().filter_map(|point| point.pressures.get(i));
+        let lowest = ranges().map(|range| range.lowest).fold(f64::INFINITY, f64::min);
+        let highest = ranges().map(|range| range.highest).fold(f64::NEG_INFINITY, f64::max);
+        Warning::outside_measured_range(contact, lowest, highest)
+    };
+    contacts.iter().enumerate().filter_map(outside).collect()
 }
 
 /// Phase resonance up to the largest force, and the damped mode up to the amplitude reached there.
@@ -207,16 +236,15 @@ fn backbones(
     let settings = HarmonicSettings { stability: None, ..*settings };
     let path = Continuation::PhaseResonance { near, from: LOWEST_FORCE * largest, to: largest };
     let phase_resonance = trace(system, &path, &settings);
-    let reached = phase_resonance.as_ref().ok().and_then(|branch| {
-        Some((branch.points.first()?.amplitude(1), branch.points.last()?.amplitude(1)))
-    });
-    let mode = match reached {
-        Some((from, to)) => trace(system, &Continuation::Mode { near, from, to }, &settings),
-        None => Err(HarmonicError::NoStart {
-            frequency_hz: near,
-            force_n: LOWEST_FORCE * largest,
-            residual: f64::NAN,
-        }),
+    let mode = match &phase_resonance {
+        Ok(branch) => match (branch.points.first(), branch.points.last()) {
+            (Some(first), Some(last)) => {
+                let (from, to) = (first.amplitude(1), last.amplitude(1));
+                trace(system, &Continuation::Mode { near, from, to }, &settings)
+            }
+            _ => Err(HarmonicError::NoLinearResponse { frequency_hz: near }),
+        },
+        Err(error) => Err(error.clone()),
     };
     Backbones { phase_resonance, mode }
 }

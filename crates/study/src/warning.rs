@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use asperity_structure::PreloadedContact;
 use serde::Serialize;
 
 /// A reason for doubt about a response, found whichever command asked for it.
@@ -34,6 +35,23 @@ pub enum Warning {
 pub const MOST_RESIDUAL: f64 = 1e-2;
 
 impl Warning {
+    /// The warning about pressures of `lowest` to `highest` \[Pa\] at `interface`, if its law was
+    /// measured in a range that they leave.
+    pub(crate) fn outside_measured_range(
+        interface: &PreloadedContact,
+        lowest: f64,
+        highest: f64,
+    ) -> Option<Self> {
+        let (low, high) = interface.law().measured_range()?;
+        (lowest < low || highest > high).then(|| Self::OutsideMeasuredRange {
+            interface: interface.name().to_owned(),
+            pressure_min_pa: lowest,
+            pressure_max_pa: highest,
+            measured_min_pa: low,
+            measured_max_pa: high,
+        })
+    }
+
     /// Name of the kind, as in `summary.json`.
     pub fn kind(&self) -> &'static str {
         match self {

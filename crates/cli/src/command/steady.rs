@@ -4,9 +4,10 @@ use asperity_structure::PreloadedContact;
 use asperity_study::assemble::Assembly;
 use asperity_study::static_state::StaticSummary;
 use asperity_study::steady::{
-    Steady, SteadyRequest, backbone_csv, steady_csv, steady_with_progress,
+    Steady, SteadyRequest, SteadySummary, backbone_csv, steady_csv, steady_with_progress,
 };
 use asperity_study::summary::Provenance;
+use serde_json::json;
 
 use super::ResultFolder;
 use crate::args::{Input, Output, SteadyRange};
@@ -49,8 +50,8 @@ pub(crate) fn run(
         folder.draw("steady.svg", &figure)?;
     }
     let (at_rest, provenance) = (StaticSummary::of(&assembly), Provenance::new(document.sha256()));
-    let summary = found.summary(scenario.title.as_deref(), &at_rest, &provenance);
-    folder.answer("summary.json", &summary, output.json)?;
+    let summary = SteadySummary::new(scenario.title, at_rest, &found, provenance);
+    folder.answer("summary.json", &json!(summary), output.json)?;
     if !output.json && !quiet {
         print_peaks(&found);
         answer_line!("written to {}", folder.path().display());

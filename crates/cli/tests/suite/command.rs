@@ -340,6 +340,23 @@ fn steady_writes_the_files_and_columns_of_the_contract() {
     }
 }
 
+/// A branch whose pressures leave the points of a table law says so; one within them does not.
+#[test]
+fn steady_warns_of_pressures_outside_the_measured_range() {
+    let folder = tempfile::tempdir().unwrap();
+    let law = r#"/laws/modified={"kind": "table", "points": [[1.3e5, 9e11], [1.45e5, 1e12]]}"#;
+    let range = ["--amplitude", "0.02,0.2", "--from", "850", "--to", "900", "--harmonics", "3"];
+    let scenario = rig();
+    let arguments = [&["steady", &scenario, "--json", "--set", law], &range[..]].concat();
+    let output = asperity(folder.path(), &arguments);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let summary: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(summary["levels"][0]["warnings"], serde_json::json!([]));
+    let warning = &summary["levels"][1]["warnings"][0];
+    assert_eq!(warning["kind"], "outside_measured_range");
+    assert!(warning["pressure_min_pa"].as_f64().unwrap() < 1.3e5, "{warning}");
+}
+
 /// No amplitude, a range of no length and a force of nothing are wrong requests.
 #[test]
 fn steady_requests_without_sense_exit_with_two() {

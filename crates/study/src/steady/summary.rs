@@ -1,93 +1,230 @@
 //! `summary.json` of steady responses, under the names of the contract.
 
 use asperity_harmonic::{Branch, HarmonicError, PeriodicResponse, SpecialPointKind, Termination};
-use serde_json::{Value, json};
+use serde::Serialize;
 
-use super::{Steady, SteadyLevel};
+use super::{Backbones, Steady, SteadyLevel, TimeCheck};
 use crate::static_state::StaticSummary;
 use crate::summary::Provenance;
+use crate::warning::Warning;
 
 /// Identifier of the summary's format.
 pub const STEADY_SCHEMA: &str = "asperity/steady/1";
 
-impl Steady {
-    /// `summary.json`, for a scenario with this title and state at rest.
-    pub fn summary(
-        &self,
-        title: Option<&str>,
-        at_rest: &StaticSummary,
-        provenance: &Provenance,
-    ) -> Value {
-        let backbones = self.backbones.as_ref().map(|found| {
-            json!({
-                "phase_resonance": backbone(&found.phase_resonance),
-                "mode": backbone(&found.mode),
-            })
-        });
-        json!({
-            "schema": STEADY_SCHEMA,
-            "title": title,
-            "static": at_rest,
-            "levels": self.levels.iter().map(level).collect::<Vec<_>>(),
-            "backbone": backbones,
-            "wall_s": self.wall_s,
-            "provenance": provenance,
-        })
+/// The summary of the steady responses of one scenario.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SteadySummary {
+    /// [`STEADY_SCHEMA`].
+    pub schema: &'static str,
+    /// Title of the scenario.
+    pub title: Option<String>,
+    /// State at rest.
+    #[serde(rename = "static")]
+    pub at_rest: StaticSummary,
+    /// The force amplitudes, in the order of the request.
+    pub levels: Vec<LevelSummary>,
+    /// The backbones, if requested.
+    pub backbone: Option<BackbonesSummary>,
+    /// Time of the computation \[s\].
+    pub wall_s: f64,
+    /// Origin of the numbers.
+    pub provenance: Provenance,
+}
+
+/// One force amplitude.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum LevelSummary {
+    /// A branch of responses.
+    Solved(Box<BranchSummary>),
+    /// An amplitude without a response.
+    Failed {
+        /// Force amplitude \[N\].
+        force_n: f64,
+        /// The error.
+        error: String,
+    },
+}
+
+/// The branch of one force amplitude.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct BranchSummary {
+    /// Force amplitude \[N\].
+    pub force_n: f64,
+    /// Frequency of the largest fundamental \[Hz\].
+    pub peak_frequency_hz: Option<f64>,
+    /// Largest fundamental of the top \[m\].
+    pub peak_amplitude_1_m: Option<f64>,
+    /// Ratio of the second harmonic to the fundamental there.
+    pub harmonic_ratio: Option<f64>,
+    /// True for a peak within the frequencies, false for one at their end.
+    pub peak_is_inside: bool,
+    /// Number of points.
+    pub points: usize,
+    /// Number of harmonics.
+    pub harmonics: usize,
+    /// Largest share of the last harmonics in a response.
+    pub truncation: f64,
+    /// Termination of the branch.
+    pub end: TerminationSummary,
+    /// True if contact is lost in a response.
+    pub contact_lost: bool,
+    /// The bifurcations, along the branch.
+    pub bifurcations: Vec<BifurcationSummary>,
+    /// A response by time integration, if requested.
+    pub verify: Option<TimeCheck>,
+    /// Warnings about the responses.
+    pub warnings: Vec<Warning>,
+    /// Time of the computation \[s\].
+    pub wall_s: f64,
+}
+
+/// Termination of a branch.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+#[non_exhaustive]
+pub enum TerminationSummary {
+    /// The last value of the range is reached.
+    Reached,
+    /// The branch has returned to its start.
+    Returned,
+    /// The corrector does not converge at the smallest step.
+    NotConverged,
+    /// The largest number of points is reached.
+    PointLimit,
+    /// A closure is beyond the domain of a law.
+    BeyondLaw {
+        /// Name of the interface.
+        interface: String,
+        /// The closure \[m\].
+        closure_m: f64,
+    },
+}
+
+/// A bifurcation on a branch.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct BifurcationSummary {
+    /// Kind of the bifurcation.
+    pub kind: &'static str,
+    /// Frequency \[Hz\].
+    pub frequency_hz: f64,
+    /// Fundamental of the top \[m\].
+    pub amplitude_1_m: f64,
+}
+
+/// Both backbones.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct BackbonesSummary {
+    /// Phase resonance over force.
+    pub phase_resonance: BackboneSummary,
+    /// The damped mode over amplitude.
+    pub mode: BackboneSummary,
+}
+
+/// One backbone.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum BackboneSummary {
+    /// A branch of resonances.
+    Solved {
+        /// Number of points.
+        points: usize,
+        /// Termination of the branch.
+        end: TerminationSummary,
+        /// Frequency of the last point \[Hz\].
+        last_frequency_hz: Option<f64>,
+        /// Fundamental of the top at the last point \[m\].
+        last_amplitude_1_m: Option<f64>,
+    },
+    /// A backbone that was not found.
+    Failed {
+        /// The error.
+        error: String,
+    },
+}
+
+impl SteadySummary {
+    /// The summary of `steady`, for a scenario with this title and state at rest.
+    pub fn new(
+        title: Option<String>,
+        at_rest: StaticSummary,
+        steady: &Steady,
+        provenance: Provenance,
+    ) -> Self {
+        let backbones = |found: &Backbones| BackbonesSummary {
+            phase_resonance: BackboneSummary::of(&found.phase_resonance),
+            mode: BackboneSummary::of(&found.mode),
+        };
+        Self {
+            schema: STEADY_SCHEMA,
+            title,
+            at_rest,
+            levels: steady.levels.iter().map(LevelSummary::of).collect(),
+            backbone: steady.backbones.as_ref().map(backbones),
+            wall_s: steady.wall_s,
+            provenance,
+        }
     }
 }
 
-fn level(level: &SteadyLevel) -> Value {
-    let branch = match &level.outcome {
-        Ok(branch) => branch,
-        Err(error) => return json!({"force_n": level.force_n, "error": error.to_string()}),
-    };
-    let peak = branch.highest();
-    let bifurcations = branch.special.iter().filter(|special| special.kind.is_bifurcation());
-    let bifurcations = bifurcations.map(|special| {
-        json!({
-            "kind": special.kind.name(),
-            "frequency_hz": special.response.frequency_hz(),
-            "amplitude_1_m": special.response.amplitude(1),
-        })
-    });
-    json!({
-        "force_n": level.force_n,
-        "peak_frequency_hz": peak.map(PeriodicResponse::frequency_hz),
-        "peak_amplitude_1_m": peak.map(|peak| peak.amplitude(1)),
-        "harmonic_ratio": peak.map(PeriodicResponse::harmonic_ratio),
-        // False for a peak at the end of the frequencies.
-        "peak_is_inside": branch.of_kind(SpecialPointKind::Peak).next().is_some(),
-        "points": branch.points.len(),
-        "harmonics": branch.harmonics,
-        "truncation": branch.truncation(),
-        "end": end(&branch.termination),
-        "contact_lost": branch.points.iter().any(PeriodicResponse::contact_lost),
-        "bifurcations": bifurcations.collect::<Vec<_>>(),
-        "verify": level.check,
-        "wall_s": level.wall_s,
-    })
-}
-
-fn backbone(outcome: &Result<Branch, HarmonicError>) -> Value {
-    match outcome {
-        Ok(branch) => json!({
-            "points": branch.points.len(),
-            "end": end(&branch.termination),
-            "last_frequency_hz": branch.points.last().map(PeriodicResponse::frequency_hz),
-            "last_amplitude_1_m": branch.points.last().map(|point| point.amplitude(1)),
-        }),
-        Err(error) => json!({"error": error.to_string()}),
+impl LevelSummary {
+    fn of(level: &SteadyLevel) -> Self {
+        let force_n = level.force_n;
+        let branch = match &level.outcome {
+            Ok(branch) => branch,
+            Err(error) => return Self::Failed { force_n, error: error.to_string() },
+        };
+        let peak = branch.highest();
+        let bifurcations = branch.special.iter().filter(|special| special.kind.is_bifurcation());
+        Self::Solved(Box::new(BranchSummary {
+            force_n,
+            peak_frequency_hz: peak.map(PeriodicResponse::frequency_hz),
+            peak_amplitude_1_m: peak.map(|peak| peak.amplitude(1)),
+            harmonic_ratio: peak.map(PeriodicResponse::harmonic_ratio),
+            peak_is_inside: branch.of_kind(SpecialPointKind::Peak).next().is_some(),
+            points: branch.points.len(),
+            harmonics: branch.harmonics,
+            truncation: branch.truncation(),
+            end: TerminationSummary::of(&branch.termination),
+            contact_lost: branch.points.iter().any(PeriodicResponse::contact_lost),
+            bifurcations: bifurcations
+                .map(|special| BifurcationSummary {
+                    kind: special.kind.name(),
+                    frequency_hz: special.response.frequency_hz(),
+                    amplitude_1_m: special.response.amplitude(1),
+                })
+                .collect(),
+            verify: level.check,
+            warnings: level.warnings.clone(),
+            wall_s: level.wall_s,
+        }))
     }
 }
 
-fn end(termination: &Termination) -> Value {
-    match termination {
-        Termination::Reached => json!("reached"),
-        Termination::Returned => json!("returned"),
-        Termination::NotConverged => json!("not_converged"),
-        Termination::PointLimit => json!("point_limit"),
-        Termination::BeyondLaw { interface, closure } => {
-            json!({"beyond_law": {"interface": interface, "closure_m": closure}})
+impl BackboneSummary {
+    fn of(outcome: &Result<Branch, HarmonicError>) -> Self {
+        match outcome {
+            Ok(branch) => Self::Solved {
+                points: branch.points.len(),
+                end: TerminationSummary::of(&branch.termination),
+                last_frequency_hz: branch.points.last().map(PeriodicResponse::frequency_hz),
+                last_amplitude_1_m: branch.points.last().map(|point| point.amplitude(1)),
+            },
+            Err(error) => Self::Failed { error: error.to_string() },
+        }
+    }
+}
+
+impl TerminationSummary {
+    fn of(end: &Termination) -> Self {
+        match end {
+            Termination::Reached => Self::Reached,
+            Termination::Returned => Self::Returned,
+            Termination::NotConverged => Self::NotConverged,
+            Termination::PointLimit => Self::PointLimit,
+            Termination::BeyondLaw { interface, closure } => {
+                Self::BeyondLaw { interface: interface.clone(), closure_m: *closure }
+            }
         }
     }
 }
