@@ -40,7 +40,7 @@ use asperity_structure::PreloadedStructure;
 use crate::{DynamicsError, Excitation, InstructionSet, Sampling, Transient};
 use time_loop::TimeLoop;
 
-/// Which closure the implicit contact pressure answers to (Eq. 5).
+/// Closure at which the implicit contact pressure is taken (Eq. 5).
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum ContactForm {
     /// The mean of the new and the previous-but-one closure: no first-order

@@ -1,4 +1,4 @@
-//! Which vector instructions a kernel runs on.
+//! Vector instructions that a kernel runs on.
 
 use pulp::Arch;
 

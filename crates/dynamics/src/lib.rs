@@ -1,7 +1,7 @@
 //! Time integration of preloaded structures with implicit contact.
 //!
-//! A [`PreloadedStructure`](asperity_structure::PreloadedStructure) answers an [`Excitation`] with
-//! a [`Transient`]. All integrators work with the perturbation about static equilibrium,
+//! A [`PreloadedStructure`](asperity_structure::PreloadedStructure) under an [`Excitation`]
+//! gives a [`Transient`]. All integrators work with the perturbation about static equilibrium,
 //!
 //! ```text
 //! M w'' + h M w' + k w = f(t) - sum_i S_i (p_i(d_i) - p_i0) (e_above - e_below)

@@ -3,7 +3,7 @@
 use crate::DynamicsError;
 use crate::error::positive;
 
-/// When the response is recorded: at `n / rate` for every `0 <= n / rate < duration`.
+/// Times at which the response is recorded: `n / rate` for every `0 <= n / rate < duration`.
 ///
 /// ```
 /// use asperity_dynamics::Sampling;
@@ -146,7 +146,7 @@ pub struct ContactExtremes {
     ///
     /// with K = 0 while contact is lost. The integrators evaluate the stiffness at every fourth
     /// (modal) or at least every thirty-second (finite differences) of their steps; each value
-    /// stands for the steps up to the next.
+    /// is weighted with the steps up to the next.
     pub stiffness_average: f64,
 }
 

@@ -6,7 +6,7 @@ use super::Finding;
 use super::repository::{Repository, is_crate_source};
 
 /// Words that a doc comment does not start with.
-const OPENERS: [&str; 7] = ["What", "Why", "Whether", "How", "Where", "Who", "That"];
+const OPENERS: [&str; 8] = ["What", "Which", "Why", "Whether", "How", "Where", "Who", "That"];
 
 /// Keywords that declare a type.
 const TYPES: [&str; 5] = ["struct ", "enum ", "trait ", "type ", "union "];

@@ -28,13 +28,13 @@ const TABLE_TOLERANCE: f64 = 1e-6;
 /// (centred) its mean with the previous-but-one: `x + b' q(x) = c` with `c`
 /// known. That is the pressure of the law in series with an elastic layer of
 /// stiffness `1 / b'` at the total closure `c`: a function of one number, which
-/// is tabulated once, with a certified error, instead of iterated every step.
+/// is tabulated once, with an error estimate, instead of iterated every step.
 /// Beyond the table, and to build it, the exact law is solved by safeguarded Newton.
 pub(super) struct ContactStep<'a> {
     contact: &'a PreloadedContact,
     area: f64,
     centred: bool,
-    /// Weights of the new and the previous-but-one closure in the one that the law sees.
+    /// Weights of the new and the previous-but-one closure in the argument of the law.
     weight_new: f64,
     weight_old: f64,
     /// Pressure increment at which contact is lost \[Pa\]; -inf for a law that never separates.

@@ -6,9 +6,9 @@ use pulp::{Simd, bytemuck};
 const LINE: usize = 64;
 const NUMBERS_A_LINE: usize = LINE / size_of::<f64>();
 
-/// Numbers that start at a cache line, seen as vectors or one by one.
+/// Numbers that start at a cache line, read as vectors or one by one.
 ///
-/// A vector type asks for no more than the alignment of its elements; a vector
+/// A vector type has no more than the alignment of its elements; a vector
 /// that straddles two cache lines costs twice, and one that was stored so is
 /// not forwarded to the load that follows.
 #[derive(Debug, Clone)]

@@ -11,8 +11,8 @@ use super::drive::DriveForce;
 use super::step_model::StepModel;
 use crate::DynamicsError;
 
-/// Largest error of a tabulated pressure, as a share of the static pressure: a hundredth of what
-/// the step itself errs at its default length.
+/// Largest error of a tabulated pressure, as a share of the static pressure: a hundredth of
+/// the error of the step at its default length.
 const TABLE_TOLERANCE: f64 = 1e-5;
 
 /// Factors on that error, tried in turn for laws that stiffen without bound.
@@ -41,7 +41,7 @@ pub(super) struct TabulatedModel {
     pub(super) tables: Vec<Arc<CompiledLaw>>,
     /// Pressure \[Pa\] at which each table ends.
     pub(super) tops: Vec<f64>,
-    /// Newton correction at each interface, in cells, below which the tangent stands for the law.
+    /// Newton correction at each interface, in cells, below which the law is replaced by its tangent.
     pub(super) tolerances: Vec<f64>,
 }
 
@@ -77,25 +77,25 @@ impl ModalModel {
         self.structure.component_modes()
     }
 
-    /// The model for steps of `step` \[s\], with tables up to `2^reach` \[Pa\] above rest.
+    /// The model for steps of `step` \[s\], with tables up to `2^table_exponent` \[Pa\] above rest.
     ///
     /// # Errors
     /// [`DynamicsError::Law`] when a law cannot be tabulated that far.
     pub(super) fn prepare(
         &self,
         step: f64,
-        reach: i32,
+        table_exponent: i32,
     ) -> Result<Arc<TabulatedModel>, DynamicsError> {
-        let key = (step.to_bits(), reach);
+        let key = (step.to_bits(), table_exponent);
         // A thread that panicked elsewhere leaves whole entries behind.
         let mut cache = self.prepared.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(found) = cache.get(&key) {
             return Ok(Arc::clone(found));
         }
-        let of_reach = cache.iter().find(|((_, other), _)| *other == reach);
-        let (tables, tops) = match of_reach {
+        let of_exponent = cache.iter().find(|((_, other), _)| *other == table_exponent);
+        let (tables, tops) = match of_exponent {
             Some((_, found)) => (found.tables.clone(), found.tops.clone()),
-            None => self.compile(reach)?,
+            None => self.compile(table_exponent)?,
         };
         let areas: Vec<f64> = self.contacts().iter().map(PreloadedContact::area).collect();
         let named = self.contacts().iter().zip(&tops);
@@ -118,12 +118,15 @@ impl ModalModel {
         Ok(prepared)
     }
 
-    fn compile(&self, reach: i32) -> Result<(Vec<Arc<CompiledLaw>>, Vec<f64>), DynamicsError> {
+    fn compile(
+        &self,
+        table_exponent: i32,
+    ) -> Result<(Vec<Arc<CompiledLaw>>, Vec<f64>), DynamicsError> {
         let mut tables = Vec::with_capacity(self.contacts().len());
         let mut tops = Vec::with_capacity(self.contacts().len());
         for contact in self.contacts() {
             let state = contact.pressure();
-            let top = state + f64::from(reach).exp2();
+            let top = state + f64::from(table_exponent).exp2();
             let compile =
                 |times| CompiledLaw::uniform(contact.law(), state, top, times * TABLE_TOLERANCE);
             let mut table = compile(TOLERANCES[0]);
@@ -159,8 +162,8 @@ pub(super) struct PreparedHit {
     pub(super) steps: usize,
 }
 
-/// Pressure over static pressure below which contact counts as lost: tables and tangents err by
-/// as much.
+/// Pressure over static pressure below which contact counts as lost: the error of tables and
+/// tangents.
 const OPEN: f64 = 2e-5;
 
 impl PreparedHit {
@@ -176,7 +179,7 @@ impl PreparedHit {
     }
 }
 
-/// Newton correction, in cells, below which the tangent stands for the law.
+/// Newton correction, in cells, below which the law is replaced by its tangent.
 ///
 /// A correction `x` leaves an error of pressure `p'' x^2 / 2`; it may be as large as the table's
 /// own. The steepest tenth of the cells, those next to a singular loss of contact, do not count:

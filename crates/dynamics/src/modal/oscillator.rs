@@ -1,6 +1,6 @@
 //! The exact step of one oscillator under a polynomial force.
 //!
-//! `q'' + c q' + w^2 q = F(t)` answers a unit impulse with
+//! The response of `q'' + c q' + w^2 q = F(t)` to a unit impulse is
 //!
 //! ```text
 //! G(t) = exp(-c t / 2) t S(z),   z = (w^2 - c^2 / 4) t^2,   S(z) = sin(sqrt z) / sqrt z

@@ -283,7 +283,7 @@ fn march(
     let mut history = StepHistory::new(inputs.force(prepared.steps), &inputs.pressure);
     for n in 0..prepared.steps {
         let drive = inputs.drive(n);
-        motion.reach(inputs, &drive, &mut target);
+        motion.predict(inputs, &drive, &mut target);
         for (closure, guess) in found.closure.iter_mut().zip(guesses) {
             *closure = guess.get(n + 1).copied().unwrap_or(*closure);
         }
@@ -293,9 +293,9 @@ fn march(
         for parameter in &mut parameters {
             let ParameterDerivative { derivatives, motion: moved, closure, .. } = parameter;
             let drives = (&drive, &derivatives.drive(n));
-            moved.reach_derivative((inputs, &*derivatives), drives, &motion, closure);
+            moved.predict_derivative((inputs, &*derivatives), drives, &motion, closure);
         }
-        let output = motion.settle(inputs, &drive, &found.pressure);
+        let output = motion.correct(inputs, &drive, &found.pressure);
         history.displacement.push(output);
         for (i, contact) in contacts.iter().enumerate() {
             open[i] = open_at(contact, found.pressure[i]);
@@ -328,7 +328,7 @@ fn unstable(prepared: &PreparedHit, n: usize, found: &Contacts) -> DynamicsError
 }
 
 impl ParameterDerivative {
-    /// Takes step `n` after the hit has taken it; `closure` holds what the step would reach.
+    /// Takes step `n` after the hit has taken it; `closure` holds the predicted closures.
     fn step(
         &mut self,
         n: usize,
@@ -362,7 +362,7 @@ impl ParameterDerivative {
         let drives = (&inputs.drive(n), &self.derivatives.drive(n));
         let pressures = (found.pressure.as_slice(), self.pressure.as_slice());
         let output =
-            self.motion.settle_derivative((inputs, &self.derivatives), drives, motion, pressures);
+            self.motion.correct_derivative((inputs, &self.derivatives), drives, motion, pressures);
         self.history.displacement.push(output);
     }
 

@@ -6,7 +6,7 @@
 //! | `integrate` | blocks from rest to the end, on any instruction set |
 //! | `kernel` | one step of every lane |
 //! | `table_lookup` | a row of a law's table for each lane, by instruction set |
-//! | `contact_fallback` | lanes that Newton's method does not settle |
+//! | `contact_fallback` | lanes in which Newton's method does not converge |
 //! | `contact_extremes` | extremes of pressure, and steps with lost contact |
 //! | `decimation` | fewer samples than steps |
 

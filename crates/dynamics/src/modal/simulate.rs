@@ -34,15 +34,15 @@ pub(super) struct Attempt {
     index: usize,
     pub(super) lane: PreparedHit,
     halvings: u32,
-    reach: i32,
+    table_exponent: i32,
     decimation: Arc<Decimation>,
 }
 
 /// Doublings of the tabulated pressures before a hit is given up.
 const MOST_DOUBLINGS: i32 = 24;
 
-/// Doublings of the tables' reach after a pressure beyond it.
-const REACH_FURTHER: i32 = 2;
+/// Doublings of the tabulated pressures after a pressure beyond them.
+const DOUBLINGS_AT_ONCE: i32 = 2;
 
 impl Batch {
     /// Hits that are stepped side by side: batches of a multiple of this many waste no lane.
@@ -95,8 +95,8 @@ impl Batch {
             }
         }
         while !attempts.is_empty() {
-            // Lanes of one model and reach share their constants.
-            attempts.sort_by(|a, b| a.batch_order(b).then(a.reach.cmp(&b.reach)));
+            // Lanes of one model and one range of its tables share their constants.
+            attempts.sort_by(|a, b| a.batch_order(b).then(a.table_exponent.cmp(&b.table_exponent)));
             let mut again = Vec::new();
             for compatible in attempts.chunk_by(|a, b| a.batch_order(b) == Ordering::Equal) {
                 for group in compatible.chunks(self.room()) {
@@ -169,9 +169,9 @@ impl Batch {
     }
 }
 
-/// Power of two of the pressures \[Pa\] above rest that tables reach at first: three times the peak
+/// Exponent of two of the first top pressure \[Pa\] of tables above rest: three times the peak
 /// over the area, or a quarter of the weight, whichever is more.
-fn first_reach(hit: &HitSimulation) -> i32 {
+fn first_table_exponent(hit: &HitSimulation) -> i32 {
     let areas = hit.model.contacts().iter().map(PreloadedContact::area);
     let smallest = areas.fold(f64::INFINITY, f64::min);
     let weight = hit.model.contacts().iter().map(PreloadedContact::pressure);
@@ -188,23 +188,23 @@ impl Attempt {
     ) -> Result<Self, DynamicsError> {
         hit.excitation.check()?;
         let resolution = Resolution::first(hit)?;
-        Self::at(index, hit, resolution, (0, first_reach(hit)), shapes, decimation)
+        Self::at(index, hit, resolution, (0, first_table_exponent(hit)), shapes, decimation)
     }
 
     fn at(
         index: usize,
         hit: &HitSimulation,
         resolution: Resolution,
-        (halvings, reach): (u32, i32),
+        (halvings, table_exponent): (u32, i32),
         shapes: &mut PulseShapes,
         decimation: &dyn Fn(usize, f64) -> Arc<Decimation>,
     ) -> Result<Self, DynamicsError> {
         let Resolution { step, steps } = resolution;
         let (drive, amplitude) = shapes.drive_force(&hit.excitation, step, steps);
-        let tabulated = hit.model.prepare(step, reach)?;
+        let tabulated = hit.model.prepare(step, table_exponent)?;
         let lane =
             PreparedHit { model: Arc::clone(&hit.model), tabulated, drive, amplitude, steps };
-        Ok(Self { index, lane, halvings, reach, decimation: decimation(index, step) })
+        Ok(Self { index, lane, halvings, table_exponent, decimation: decimation(index, step) })
     }
 
     /// Orders attempts so that those that can be integrated together are neighbours; among them,
@@ -240,16 +240,16 @@ impl Attempt {
             interface: self.lane.model.contacts()[i].name().to_owned(),
         };
         let may_halve = hit.step.is_none() && self.halvings < MOST_HALVINGS;
-        let (halvings, reach) = match outcome.end {
+        let (halvings, table_exponent) = match outcome.end {
             RunEnd::Beyond(i) if self.doublings(hit) >= MOST_DOUBLINGS => {
                 return Err(unstable(self.lane.steps, i));
             }
-            RunEnd::Beyond(_) => (self.halvings, self.reach + REACH_FURTHER),
+            RunEnd::Beyond(_) => (self.halvings, self.table_exponent + DOUBLINGS_AT_ONCE),
             // Below the table of a law that carries tension there are no numbers.
             RunEnd::NotFinite(..) if self.may_pull_further(hit) => {
-                (self.halvings, self.reach + REACH_FURTHER)
+                (self.halvings, self.table_exponent + DOUBLINGS_AT_ONCE)
             }
-            RunEnd::NotFinite(..) if may_halve => (self.halvings + 1, self.reach),
+            RunEnd::NotFinite(..) if may_halve => (self.halvings + 1, self.table_exponent),
             RunEnd::NotFinite(reached, i) => {
                 return Err(unstable(reached.saturating_sub(8 * CHUNK), i));
             }
@@ -259,16 +259,16 @@ impl Attempt {
                     Resolution::accept(residual, self.lane.tabulated.step_model.step)?;
                     return Ok(None);
                 }
-                (self.halvings + 1, self.reach)
+                (self.halvings + 1, self.table_exponent)
             }
         };
         let finer = Resolution::halved(hit, halvings)?;
-        Self::at(self.index, hit, finer, (halvings, reach), shapes, decimation).map(Some)
+        Self::at(self.index, hit, finer, (halvings, table_exponent), shapes, decimation).map(Some)
     }
 
-    /// Doublings of the reach since the first attempt.
+    /// Doublings of the tabulated pressures since the first attempt.
     fn doublings(&self, hit: &HitSimulation) -> i32 {
-        self.reach - first_reach(hit)
+        self.table_exponent - first_table_exponent(hit)
     }
 
     fn may_pull_further(&self, hit: &HitSimulation) -> bool {

@@ -4,13 +4,14 @@ use asperity_mesh::{ComponentModes, NormalMode, ResidualFlexibility};
 
 use super::oscillator::{Dynamics, ForceInterpolation, Recurrence};
 
-/// Growth that the parabola may lend an oscillator: as a damping ratio, whatever its own damping,
+/// Largest growth of an oscillator by the parabola: as a damping ratio, whatever its own damping,
 /// and as a share of its own decay.
 ///
-/// The parabola lags: it sees a contact spring `k` (over the oscillator's inertia) as `k` and a
-/// negative damping `k (w^2 + k) h^3 / 24`. The mean of both ends errs more, in second order, but
-/// keeps the energy of any linear contact exactly, at any frequency; so it takes over where the
-/// parabola would feed an oscillation, first those of light bodies and of elastic modes.
+/// The parabola lags: it turns a contact spring `k` (over the oscillator's inertia) into `k` and a
+/// negative damping `k (w^2 + k) h^3 / 24`. The mean of both ends has a larger error, of second
+/// order, but keeps the energy of any linear contact exactly, at any frequency; so it replaces the
+/// parabola where that would excite an oscillation, first those of light bodies and of elastic
+/// modes.
 const GROWTH_RATIO: f64 = 3e-5;
 const GROWTH_SHARE: f64 = 0.25;
 
@@ -67,8 +68,8 @@ impl StepModel {
         Self::with_interpolations(structure, areas, rate, step, interpolations)
     }
 
-    /// The model of [`new`](Self::new) with the interpolations of another: what a scenario answers must
-    /// not jump as it is varied.
+    /// The model of [`new`](Self::new) with the interpolations of another, so that results are
+    /// continuous in the parameters of a scenario.
     pub(super) fn with_interpolations(
         structure: &ComponentModes,
         areas: &[f64],

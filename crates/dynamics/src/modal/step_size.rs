@@ -11,7 +11,7 @@ use crate::error::positive;
 const RADIANS: f64 = 0.056;
 
 /// Most radians of the lowest natural frequency in a step that was given. The mean of both ends
-/// keeps the energy and errs in phase, by `(w h)^2 / 24`, which the energy balance does not see.
+/// keeps the energy and has a phase error of `(w h)^2 / 24`, which the energy balance does not show.
 const MOST_RADIANS: f64 = 0.2;
 
 /// Steps in the time in which the drive force changes.
@@ -86,7 +86,7 @@ impl Resolution {
         Err(DynamicsError::Setting { quantity, value: steps, accepted: "at most 4e8" })
     }
 
-    /// True if an energy residual asks for half the step.
+    /// True if an energy residual is too large for a chosen step.
     pub(super) fn too_coarse(residual: f64) -> bool {
         // A residual that is not a number is not a small one.
         residual.is_nan() || residual > COARSE_RESIDUAL

@@ -11,7 +11,7 @@ const NEWTON: usize = 24;
 const SWEEPS: usize = 2000;
 
 /// Newton correction, over the largest closure so far, after which the tangent is not evaluated
-/// again: it is as good as this.
+/// again: its relative error is of this size.
 const LAST_CORRECTION: f64 = 1e-12;
 
 /// Closure increments \[m\], pressure increments \[Pa\] and tangents \[Pa/m\] of a step.

@@ -5,13 +5,13 @@ use super::step_inputs::{Drive, Inputs, ModeInputs};
 /// One oscillator between two steps.
 #[derive(Debug, Clone, Copy, Default)]
 struct State {
-    /// Displacement and increment that the next step would reach without its new pressures.
-    ahead: f64,
-    increment_ahead: f64,
+    /// Displacement and increment at the end of the next step without its new pressures.
+    predicted: f64,
+    predicted_increment: f64,
     carry: [f64; 2],
-    /// Gain of this step, what it reached, and the modal force at its end.
+    /// Increment of this step, displacement and modal force at its end.
     increment: f64,
-    reached: f64,
+    displacement: f64,
     force: f64,
 }
 
@@ -30,46 +30,46 @@ impl Motion {
         Self { states: vec![State::default(); modes] }
     }
 
-    /// Adds the drive of a step, and gives the closures without its new pressures.
-    pub(super) fn reach(&mut self, inputs: &Inputs, drive: &Drive, target: &mut [f64]) {
+    /// Adds the drive of a step, and gives the closures without its new pressures in `target`.
+    pub(super) fn predict(&mut self, inputs: &Inputs, drive: &Drive, target: &mut [f64]) {
         for (place, of) in target.iter_mut().zip(&inputs.drive_closure) {
             *place = of * drive.end;
         }
         for (state, mode) in self.states.iter_mut().zip(&inputs.modes) {
             let driven = mode.driven(drive);
-            state.increment_ahead += driven;
-            state.ahead += driven;
+            state.predicted_increment += driven;
+            state.predicted += driven;
             for (place, g) in target.iter_mut().zip(&mode.closure) {
-                *place += g * state.ahead;
+                *place += g * state.predicted;
             }
         }
     }
 
-    /// Takes the step under its new `pressure`; the output.
-    pub(super) fn settle(&mut self, inputs: &Inputs, drive: &Drive, pressure: &[f64]) -> f64 {
+    /// Completes the step with its new `pressure`; the output.
+    pub(super) fn correct(&mut self, inputs: &Inputs, drive: &Drive, pressure: &[f64]) -> f64 {
         let mut output = inputs.output_drive * drive.end - dot(&inputs.output_pressure, pressure);
         for (state, mode) in self.states.iter_mut().zip(&inputs.modes) {
             let force = dot(&mode.force, pressure);
             let [t0, t1, t2, t3] = mode.contact;
-            let increment = state.increment_ahead - t0 * force;
-            let reached = state.ahead - t0 * force;
-            output += mode.output * reached;
+            let increment = state.predicted_increment - t0 * force;
+            let displacement = state.predicted - t0 * force;
+            output += mode.output * displacement;
             let carried = state.carry[0] - t1 * force;
-            let increment_ahead = mode.decay * increment - mode.spring * reached + carried;
+            let predicted_increment = mode.decay * increment - mode.spring * displacement + carried;
             *state = State {
-                ahead: reached + increment_ahead,
-                increment_ahead,
+                predicted: displacement + predicted_increment,
+                predicted_increment,
                 carry: [state.carry[1] - t2 * force, -t3 * force],
                 increment,
-                reached,
+                displacement,
                 force,
             };
         }
         output
     }
 
-    /// [`reach`](Self::reach) of a derivative, `base` having been driven already.
-    pub(super) fn reach_derivative(
+    /// [`predict`](Self::predict) of a derivative, `base` having been predicted already.
+    pub(super) fn predict_derivative(
         &mut self,
         (inputs, derivatives): (&Inputs, &Inputs),
         (drive, drive_derivative): (&Drive, &Drive),
@@ -86,17 +86,17 @@ impl Motion {
             self.states.iter_mut().zip(&base.states).zip(modes)
         {
             let driven = derivative.driven(drive) + mode.driven(drive_derivative);
-            state.increment_ahead += driven;
-            state.ahead += driven;
+            state.predicted_increment += driven;
+            state.predicted += driven;
             let shapes = mode.closure.iter().zip(&derivative.closure);
             for (place, (g, g_derivative)) in target.iter_mut().zip(shapes) {
-                *place += g * state.ahead + g_derivative * moved.ahead;
+                *place += g * state.predicted + g_derivative * moved.predicted;
             }
         }
     }
 
-    /// [`settle`](Self::settle) of a derivative, `base` having settled already.
-    pub(super) fn settle_derivative(
+    /// [`correct`](Self::correct) of a derivative, `base` having been corrected already.
+    pub(super) fn correct_derivative(
         &mut self,
         (inputs, derivatives): (&Inputs, &Inputs),
         (drive, drive_derivative): (&Drive, &Drive),
@@ -112,16 +112,16 @@ impl Motion {
             self.states.iter_mut().zip(&base.states).zip(modes)
         {
             let force = dot(&derivative.force, pressure) + dot(&mode.force, pressure_derivative);
-            output += state.settle(force, (mode, derivative), moved);
+            output += state.correct(force, (mode, derivative), moved);
         }
         output
     }
 }
 
 impl State {
-    /// The derivative of a settled state under the derivative of its modal `force`; its share in
+    /// The derivative of a corrected state under the derivative of its modal `force`; its share in
     /// that of the output.
-    fn settle(
+    fn correct(
         &mut self,
         force: f64,
         (mode, derivative): (&ModeInputs, &ModeInputs),
@@ -129,21 +129,21 @@ impl State {
     ) -> f64 {
         let taps = |k: usize| mode.contact[k] * force + derivative.contact[k] * moved.force;
         let pressed = taps(0);
-        let increment = self.increment_ahead - pressed;
-        let reached = self.ahead - pressed;
+        let increment = self.predicted_increment - pressed;
+        let displacement = self.predicted - pressed;
         let carried = self.carry[0] - taps(1);
-        let increment_ahead = mode.decay * increment + derivative.decay * moved.increment
-            - mode.spring * reached
-            - derivative.spring * moved.reached
+        let predicted_increment = mode.decay * increment + derivative.decay * moved.increment
+            - mode.spring * displacement
+            - derivative.spring * moved.displacement
             + carried;
         *self = Self {
-            ahead: reached + increment_ahead,
-            increment_ahead,
+            predicted: displacement + predicted_increment,
+            predicted_increment,
             carry: [self.carry[1] - taps(2), -taps(3)],
             increment,
-            reached,
+            displacement,
             force,
         };
-        mode.output * reached + derivative.output * moved.reached
+        mode.output * displacement + derivative.output * moved.displacement
     }
 }

@@ -120,7 +120,7 @@ impl Inputs {
     }
 }
 
-/// The drive as one step sees it.
+/// The drive in one step.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Drive {
     pub(super) taps: [f64; 4],

@@ -18,13 +18,13 @@ pub(in crate::modal) const CHUNK: usize = 32;
 #[derive(Clone, Copy)]
 #[repr(C, align(64))]
 pub(super) struct Mode<V, C, const N: usize> {
-    /// Displacement and increment that the next step would reach without its drive and its new
+    /// Displacement and increment at the end of the next step without its drive and its new
     /// pressures.
-    pub(super) ahead: V,
-    pub(super) increment_ahead: V,
+    pub(super) predicted: V,
+    pub(super) predicted_increment: V,
     /// Shares of the contact forces so far in the step after next and the one after.
     pub(super) carry: [V; 2],
-    /// Gain of the last step, if it was to be remembered.
+    /// Increment of the last step, if it was kept.
     pub(super) increment: V,
     pub(super) decay: C,
     /// Less `k`.
@@ -51,8 +51,8 @@ pub(super) const WHOLE: f64 = 6_755_399_441_055_744.0;
 #[derive(Clone, Copy)]
 #[repr(C, align(64))]
 pub(super) struct Contact<V, C, const N: usize> {
-    /// Closure that the next step would reach without its drive and its new pressures.
-    pub(super) ahead: V,
+    /// Closure at the end of the next step without its drive and its new pressures.
+    pub(super) predicted: V,
     /// Sum of the tangent over the steps, per cell.
     pub(super) stiffness: V,
     /// Cells lost at once per pressure increment at every interface.
@@ -67,7 +67,7 @@ pub(super) struct Contact<V, C, const N: usize> {
     /// of the table's first row. Places stay those in the table, so that their rounding does not
     /// depend on which tables are laid out before.
     pub(super) whole: C,
-    /// Newton correction, in cells, after which the tangent is as good as the law.
+    /// Newton correction, in cells, below which the law is replaced by its tangent.
     pub(super) tolerance: C,
     /// Cells per drive force, and displacement of the driving point per pressure, of the modes
     /// left out.
@@ -85,7 +85,7 @@ pub(super) type Matrix<S, const N: usize> = [[Numbers<S>; N]; N];
 pub(super) struct Block<'a, S: Simd, C, const N: usize> {
     pub(super) modes: Vec<Mode<Numbers<S>, C, N>>,
     pub(super) contacts: [Contact<Numbers<S>, C, N>; N],
-    /// Interfaces that there are; the rest of the N have no part in anything.
+    /// Number of interfaces; the rest of the N are unused.
     pub(super) coupled: usize,
     /// The tables of all lanes, one behind the other.
     pub(super) rows: Vec<TableRow>,
@@ -117,7 +117,7 @@ pub(super) struct Step<V, const N: usize> {
     pub(super) output: V,
 }
 
-/// Earlier steps from which the next closure is foreseen.
+/// Earlier steps from which the next closure is extrapolated.
 pub(super) const PAST: usize = 3;
 
 /// The drive force in one step: its mean, rise and end \[N\].
@@ -128,8 +128,7 @@ pub(super) struct Drive<V>(pub(super) [V; 3]);
 /// Quantities summed over steps besides the samples.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Measure {
-    /// Steps that this one stands for in sums over all steps; zero for those that others stand
-    /// for.
+    /// Weight of this step in sums over all steps; zero for steps that are left out.
     pub(super) weight: f64,
     /// True if the increments are kept for the next step.
     pub(super) remember: bool,
@@ -142,9 +141,9 @@ impl Measure {
     /// The measure of step `n`, counted from one, of `steps`.
     ///
     /// Loss and tangent change little over a few steps, so every fourth is summed with the
-    /// weights of the trapezoidal rule: four, and two and a half at both ends, where a step is
-    /// itself and half of three neighbours. The steps before the first and after the last
-    /// multiple of four stand for themselves.
+    /// weights of the trapezoidal rule: four, and two and a half at both ends, for the
+    /// step itself and half of three neighbours. The steps before the first and after the last
+    /// multiple of four have the weight one.
     pub(super) fn of(n: usize, steps: usize) -> Self {
         Self { weight: weight(n, steps), remember: weight(n + 1, steps) > 0.0 }
     }
@@ -192,7 +191,7 @@ mod tests {
     /// The sum over steps is exact for a constant, whatever the number of steps, and for a line:
     /// the weights have the right centre.
     #[test]
-    fn weights_stand_for_all_steps() {
+    fn weights_sum_to_all_steps() {
         for steps in 1..60_usize {
             let sum = |of: &dyn Fn(f64) -> f64| -> f64 {
                 (1..=steps).map(|n| weight(n, steps) * of(n as f64)).sum()
@@ -206,7 +205,7 @@ mod tests {
 
     /// A measured step has the increment before it kept.
     #[test]
-    fn gains_are_remembered_before_measured_steps() {
+    fn increments_are_kept_before_measured_steps() {
         for steps in 1..40 {
             for n in 2..=steps {
                 let measured = Measure::of(n, steps).weight > 0.0;

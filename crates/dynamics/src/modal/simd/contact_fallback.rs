@@ -27,7 +27,7 @@ impl<S: TableLookup, C: Coefficient<S>, const N: usize> Block<'_, S, C, N> {
             }
             let of = |constant: C| constant.lane(lane);
             let target: [f64; N] =
-                std::array::from_fn(|i| lane_of::<S>(&self.contacts[i].ahead, lane));
+                std::array::from_fn(|i| lane_of::<S>(&self.contacts[i].predicted, lane));
             if target.iter().any(|value| !value.is_finite()) {
                 continue;
             }

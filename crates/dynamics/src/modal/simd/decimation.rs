@@ -64,7 +64,7 @@ impl<S: Simd> DecimationState<S> {
             let steps = &chunk[oldest..chunk.len().min(newest + 1)];
             let taps = &self.taps[oldest + reach - 1 - newest..][..steps.len()];
             let zero = pair.splat(0.0);
-            // Four sums by name: an array of them would live in memory.
+            // Four sums by name: an array of them would be kept in memory.
             let (mut a, mut b, mut c, mut d) = (self.samples[j].0, zero, zero, zero);
             let (quads, tap_quads) = (steps.chunks_exact(4), taps.chunks_exact(4));
             for (step, tap) in quads.remainder().iter().zip(tap_quads.remainder()) {

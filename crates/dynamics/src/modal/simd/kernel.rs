@@ -4,7 +4,7 @@
 //! y + B p(y) = y*                          closures; Newton, all interfaces at once
 //! d   = d* - t0 F(p),   q = q* - t0 F      modes, once the pressures are known
 //! d*  = e d - k q + carried forces         and at once what the next step
-//! q*  = q + d*,   y* = sum of g q*         would reach without its pressures
+//! q*  = q + d*,   y* = sum of g q*         has without its pressures
 //! ```
 //!
 //! Every mode is loaded and stored once a step. The drive, which acts during a small part of a
@@ -40,7 +40,7 @@ impl<S: TableLookup, C: Coefficient<S>, const N: usize> Block<'_, S, C, N> {
         let pair = Pair(simd);
         let (closure, pressure) = self.solve(simd, past, measure);
         let measured = measure.weight > 0.0;
-        let mut ahead = [pair.splat(0.0); N];
+        let mut predicted = [pair.splat(0.0); N];
         let mut output = pair.splat(0.0);
         let mut loss = pair.splat(0.0);
         for mode in &mut self.modes {
@@ -50,8 +50,8 @@ impl<S: TableLookup, C: Coefficient<S>, const N: usize> Block<'_, S, C, N> {
             }
             let [t0, t1, t2, t3] = mode.contact;
             let pushed = pair.mul(t0.all(simd), force);
-            let increment = pair.add(mode.increment_ahead, pushed);
-            let reached = pair.add(mode.ahead, pushed);
+            let increment = pair.add(mode.predicted_increment, pushed);
+            let reached = pair.add(mode.predicted, pushed);
             output = pair.mul_add(mode.output.all(simd), reached, output);
             if measured {
                 let change = pair.mul(mode.loss[1].all(simd), mode.increment);
@@ -65,12 +65,13 @@ impl<S: TableLookup, C: Coefficient<S>, const N: usize> Block<'_, S, C, N> {
             mode.carry[0] = pair.mul_add(t2.all(simd), force, mode.carry[1]);
             mode.carry[1] = pair.mul(t3.all(simd), force);
             let sprung = pair.mul_add(mode.spring.all(simd), reached, carried);
-            let increment_ahead = pair.mul_add(mode.decay.all(simd), increment, sprung);
-            let reached_ahead = pair.add(reached, increment_ahead);
-            mode.increment_ahead = increment_ahead;
-            mode.ahead = reached_ahead;
+            let predicted_increment = pair.mul_add(mode.decay.all(simd), increment, sprung);
+            let next_predicted = pair.add(reached, predicted_increment);
+            mode.predicted_increment = predicted_increment;
+            mode.predicted = next_predicted;
             for i in 0..interfaces {
-                ahead[i] = pair.mul_add(mode.closure[i].all(simd), reached_ahead, ahead[i]);
+                predicted[i] =
+                    pair.mul_add(mode.closure[i].all(simd), next_predicted, predicted[i]);
             }
         }
         if measured {
@@ -79,7 +80,7 @@ impl<S: TableLookup, C: Coefficient<S>, const N: usize> Block<'_, S, C, N> {
         for i in 0..interfaces {
             let contact = &mut self.contacts[i];
             output = pair.less_mul(contact.output.all(simd), pressure[i], output);
-            contact.ahead = ahead[i];
+            contact.predicted = predicted[i];
             step.closure[i] = closure[i];
             step.pressure[i] = pressure[i];
         }
@@ -87,17 +88,17 @@ impl<S: TableLookup, C: Coefficient<S>, const N: usize> Block<'_, S, C, N> {
         step.output = output;
     }
 
-    /// Adds the drive of the next step to what the step would reach without it.
+    /// Adds the drive of the next step to the prediction without it.
     #[inline(always)]
     pub(super) fn push(&mut self, simd: S, drive: &Drive<Numbers<S>>) {
         let interfaces = self.interfaces();
         let pair = Pair(simd);
         let Drive([mean, rise, end]) = *drive;
         let [mean_before, rise_before] = self.drive_before;
-        let mut ahead = [pair.splat(0.0); N];
+        let mut predicted = [pair.splat(0.0); N];
         for i in 0..interfaces {
             let contact = &self.contacts[i];
-            ahead[i] = pair.mul_add(contact.drive.all(simd), end, contact.ahead);
+            predicted[i] = pair.mul_add(contact.drive.all(simd), end, contact.predicted);
         }
         for mode in &mut self.modes {
             let [b0, b1, b2, b3] = mode.drive;
@@ -105,18 +106,18 @@ impl<S: TableLookup, C: Coefficient<S>, const N: usize> Block<'_, S, C, N> {
             let past = pair.mul_add(b3.all(simd), rise_before, past);
             let driven = pair.mul_add(b1.all(simd), rise, past);
             let driven = pair.mul_add(b0.all(simd), mean, driven);
-            mode.increment_ahead = pair.add(mode.increment_ahead, driven);
-            mode.ahead = pair.add(mode.ahead, driven);
+            mode.predicted_increment = pair.add(mode.predicted_increment, driven);
+            mode.predicted = pair.add(mode.predicted, driven);
             for i in 0..interfaces {
-                ahead[i] = pair.mul_add(mode.closure[i].all(simd), driven, ahead[i]);
+                predicted[i] = pair.mul_add(mode.closure[i].all(simd), driven, predicted[i]);
             }
         }
         for i in 0..interfaces {
-            self.contacts[i].ahead = ahead[i];
+            self.contacts[i].predicted = predicted[i];
         }
     }
 
-    /// Increment of the driving point by the modes in the last step, if it was remembered.
+    /// Increment of the driving point by the modes in the last step, if it was kept.
     #[inline(always)]
     pub(super) fn driving_point_increment(&self, simd: S) -> Numbers<S> {
         let pair = Pair(simd);
@@ -148,7 +149,7 @@ impl<S: TableLookup, C: Coefficient<S>, const N: usize> Block<'_, S, C, N> {
             driven = pair.less_mul(yielding, step.pressure[i], driven);
         }
         for mode in &self.modes {
-            let reached = pair.sub(mode.ahead, mode.increment_ahead);
+            let reached = pair.sub(mode.predicted, mode.predicted_increment);
             driven = pair.mul_add(mode.driving_point.all(simd), reached, driven);
         }
         // The velocity of the driving point changes over the step by about `change` divided by the step.

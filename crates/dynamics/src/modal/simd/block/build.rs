@@ -55,8 +55,8 @@ impl<'a, S: Simd, C: Coefficient<S>, const N: usize> Block<'a, S, C, N> {
             all(&|lane| of(&lane.tabulated.step_model.modes[m]))
         };
         let mode = |m: usize| Mode {
-            ahead: zero,
-            increment_ahead: zero,
+            predicted: zero,
+            predicted_increment: zero,
             carry: [zero; 2],
             increment: zero,
             decay: step(m, &|mode| mode.recurrence.decay),
@@ -83,7 +83,7 @@ impl<'a, S: Simd, C: Coefficient<S>, const N: usize> Block<'a, S, C, N> {
         let contact = |i: usize| {
             let start = |lane: usize| starts.get(i).and_then(|s| s.get(lane)).copied();
             Contact {
-                ahead: zero,
+                predicted: zero,
                 stiffness: zero,
                 coupling: std::array::from_fn(|j| {
                     let entry = |lane: &PreparedHit| {

@@ -128,7 +128,7 @@ impl<'a, S: TableLookup, C: Coefficient<S>, const N: usize> Run<'a, S, C, N> {
         if self.steps - reached < LAST_STATES {
             for (states, mode) in self.states.iter_mut().zip(&self.block.modes) {
                 states.rotate_right(1);
-                states[0] = Pair(simd).sub(mode.ahead, mode.increment_ahead);
+                states[0] = Pair(simd).sub(mode.predicted, mode.predicted_increment);
             }
         }
         if self.chunks.is_multiple_of(8) || reached == self.steps {
@@ -153,7 +153,7 @@ impl<'a, S: TableLookup, C: Coefficient<S>, const N: usize> Run<'a, S, C, N> {
                     *end = RunEnd::NotFinite(reached, i);
                     break;
                 }
-                // The table's last value stands for everything beyond it.
+                // Beyond the table its last value was used.
                 if seen.highest_step + table.pressure_state() >= top * (1.0 - 1e-6) {
                     *end = RunEnd::Beyond(i);
                     break;

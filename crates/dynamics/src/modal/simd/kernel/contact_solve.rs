@@ -1,7 +1,7 @@
 //! The contact laws of one step: Newton's method on cubic tables.
 //!
-//! The parabola through the last three closures foresees the next one so well that one
-//! correction is enough, but when a contact opens or closes.
+//! The parabola through the last three closures predicts the next one so closely that one
+//! correction is enough, except when a contact opens or closes.
 
 use super::linear_solve::{factor, solve_factored};
 use crate::modal::simd::block::{
@@ -68,7 +68,7 @@ impl<S: TableLookup, C: Coefficient<S>, const N: usize> Block<'_, S, C, N> {
         let interfaces = self.interfaces();
         let mut residual = law.shortfall;
         for i in 0..interfaces {
-            residual[i] = Pair(simd).add(self.contacts[i].ahead, residual[i]);
+            residual[i] = Pair(simd).add(self.contacts[i].predicted, residual[i]);
         }
         solve_factored(simd, interfaces, &law.factors, residual)
     }
@@ -85,8 +85,8 @@ impl<S: TableLookup, C: Coefficient<S>, const N: usize> Block<'_, S, C, N> {
         open
     }
 
-    /// Goes on correcting the lanes of `open`, and leaves the others as they are: what a lane
-    /// answers must not depend on its neighbours.
+    /// Goes on correcting the lanes of `open`, and leaves the others as they are: the result of a
+    /// lane must not depend on its neighbours.
     #[inline(always)]
     fn refine(
         &mut self,
@@ -123,8 +123,8 @@ impl<S: TableLookup, C: Coefficient<S>, const N: usize> Block<'_, S, C, N> {
         let interfaces = self.interfaces();
         let pair = Pair(simd);
         let (mut pressure, mut tangent) = (*closure, *closure);
-        // Written out for the usual two: the compiler leaves so long a loop a loop, and all that
-        // it touches in memory.
+        // Written out for the usual two: the compiler does not unroll so long a loop, and keeps its
+        // arrays in memory.
         (pressure[0], tangent[0]) = self.law(simd, 0, closure[0]);
         if N == 2 {
             (pressure[N - 1], tangent[N - 1]) = self.law(simd, N - 1, closure[N - 1]);
