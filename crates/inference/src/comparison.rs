@@ -7,10 +7,9 @@ use crate::fit::{Fit, FitSolution, fit_from, fit_with_progress};
 use crate::fit_options::FitOptions;
 use crate::fit_problem::FitProblem;
 use crate::goodness::GoodnessOfFit;
-use crate::model::ForwardModel;
+use crate::model::{ForwardModel, ObservationSubset};
 use crate::progress::{NO_PROGRESS, ProgressCallback, Stage, report};
 use crate::random::{generator, shuffle};
-use crate::subset::ObservationSubset;
 
 /// Number of standard errors of the difference by which the cross-validation score of a rejected
 /// candidate is worse.

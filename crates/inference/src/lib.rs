@@ -71,7 +71,6 @@ mod random;
 mod sampler;
 mod search;
 mod stencil;
-mod subset;
 mod surrogate;
 
 pub use comparison::{
