@@ -9,7 +9,7 @@ use std::time::Instant;
 
 use anyhow::{Context, Result};
 
-use crate::{tidy, workspace_root};
+use crate::{package, tidy, workspace_root};
 
 /// Steps of the inner loop, as arguments of cargo.
 const QUICK: [(&str, &str); 4] = [
@@ -28,8 +28,7 @@ const ALL: [(&str, &str); 9] = [
     ("test", "test --workspace --all-features"),
     ("test, no features", "test --package asperity-measure --no-default-features"),
     ("doc", "doc --workspace --no-deps --all-features"),
-    // Each package is built from its own archive; uncommitted changes are packaged too.
-    ("package", "package --workspace --exclude xtask --allow-dirty --quiet"),
+    ("package", "xtask package"),
     ("tidy", "xtask tidy"),
     ("reproduce --check", "xtask reproduce --check"),
 ];
@@ -40,6 +39,7 @@ pub(crate) fn run(quick: bool, tasks: &clap::Command) -> Result<bool> {
     let steps: &[(&str, &str)] = if quick { &QUICK } else { &ALL };
     let check = |name: &str, arguments: &str| match name {
         "tidy" => tidy::run(tasks),
+        "package" => package::run(),
         _ => run_cargo(name, arguments),
     };
     run_steps(steps, check, &mut std::io::stdout())
@@ -48,12 +48,9 @@ pub(crate) fn run(quick: bool, tasks: &clap::Command) -> Result<bool> {
 /// Runs cargo with `arguments`, separated by spaces; true if it succeeds.
 fn run_cargo(step: &str, arguments: &str) -> Result<bool> {
     let mut command = cargo(&arguments.split(' ').collect::<Vec<_>>());
-    match step {
-        "doc" => command.env("RUSTDOCFLAGS", "-D warnings"),
-        // One target folder, so that the packages share their dependencies.
-        "package" => command.env("CARGO_TARGET_DIR", "target/packages"),
-        _ => &mut command,
-    };
+    if step == "doc" {
+        command.env("RUSTDOCFLAGS", "-D warnings");
+    }
     let status = command.status().with_context(|| format!("cannot run cargo {arguments}"))?;
     Ok(status.success())
 }

@@ -4,6 +4,7 @@
 //! |---|---|---|
 //! | `cargo xtask ci [--quick]` | `ci` | every check of CI, in order, up to the first failure |
 //! | `cargo xtask tidy` | `tidy` | holds the repository to its rules |
+//! | `cargo xtask package` | `package` | every package, checked from its own archive |
 //! | `cargo xtask bench` | `bench` | speed of the kernels and of a sweep, as one table |
 //! | `cargo xtask reproduce` | `reproduce` | every figure of the paper, every claim checked |
 #![allow(clippy::print_stdout, clippy::print_stderr, reason = "tasks report to a terminal")]
@@ -11,6 +12,7 @@
 mod bench;
 mod ci;
 mod figures;
+mod package;
 mod reproduce;
 mod tidy;
 
@@ -37,6 +39,8 @@ enum Task {
     },
     /// Hold the repository to its rules.
     Tidy,
+    /// Check every package from its own archive.
+    Package,
     /// Measure the kernels and a sweep of 100 000 hits.
     Bench,
     /// Recompute every figure of the paper and check every claim.
@@ -54,6 +58,7 @@ fn main() -> ExitCode {
     let passed = match Cli::parse().task {
         Task::Ci { quick } => ci::run(quick, &Cli::command()),
         Task::Tidy => tidy::run(&Cli::command()),
+        Task::Package => package::run(),
         Task::Bench => bench::run(),
         Task::Reproduce(arguments) => reproduce::run(&arguments),
     };

@@ -1,0 +1,84 @@
+//! Packages of the workspace, each checked from its own archive.
+//!
+//! `cargo package` builds every package by itself, with the features that it alone needs, and so
+//! compiles most dependencies several times. Here the archives are unpacked into one workspace,
+//! in which each package stands for the published one, and checked together: a file or feature
+//! that an archive lacks is found all the same.
+
+use std::fs::{self, File};
+use std::path::Path;
+
+use anyhow::{Context, Result};
+use flate2::read::GzDecoder;
+
+use crate::ci::cargo;
+use crate::workspace_root;
+
+/// Packs all packages and checks libraries, commands and examples from the archives; true if all
+/// compile.
+pub(crate) fn run() -> Result<bool> {
+    let target = std::path::absolute(workspace_root().join("target"))?;
+    let packages = target.join("packages");
+    let (archives, unpacked) = (packages.join("package"), packages.join("workspace"));
+    for folder in [&archives, &unpacked] {
+        if folder.exists() {
+            fs::remove_dir_all(folder).with_context(|| folder.display().to_string())?;
+        }
+    }
+    // Uncommitted changes are packed too.
+    let pack = "package --workspace --exclude xtask --allow-dirty --no-verify --quiet";
+    let packed = cargo(&pack.split(' ').collect::<Vec<_>>())
+        .env("CARGO_TARGET_DIR", &packages)
+        .status()
+        .context("cannot run cargo package")?;
+    if !packed.success() {
+        return Ok(false);
+    }
+    for entry in fs::read_dir(&archives)? {
+        let path = entry?.path();
+        if path.extension().is_some_and(|extension| extension == "crate") {
+            let archive = GzDecoder::new(File::open(&path)?);
+            let unpack = tar::Archive::new(archive).unpack(&unpacked);
+            unpack.with_context(|| path.display().to_string())?;
+        }
+    }
+    fs::write(unpacked.join("Cargo.toml"), manifest(&unpacked)?)?;
+    fs::copy(workspace_root().join("Cargo.lock"), unpacked.join("Cargo.lock"))?;
+    let check = "check --workspace --all-features --lib --bins --examples";
+    let checked = cargo(&check.split(' ').collect::<Vec<_>>())
+        .current_dir(&unpacked)
+        .env("CARGO_TARGET_DIR", &target)
+        .status()
+        .context("cannot run cargo check")?;
+    Ok(checked.success())
+}
+
+/// Manifest of a workspace of the unpacked packages, each of which replaces the published one.
+fn manifest(unpacked: &Path) -> Result<String> {
+    let version = concat!("-", env!("CARGO_PKG_VERSION"));
+    let mut text =
+        "[workspace]\nmembers = [\"*\"]\nresolver = \"3\"\n\n[patch.crates-io]\n".to_owned();
+    for entry in fs::read_dir(unpacked)? {
+        let folder = entry?.file_name().into_string().unwrap_or_default();
+        if let Some(name) = folder.strip_suffix(version) {
+            text += &format!("{name} = {{ path = \"{folder}\" }}\n");
+        }
+    }
+    Ok(text)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn unpacked_packages_replace_the_published_ones() {
+        let folder = tempfile::tempdir().unwrap();
+        let name = format!("asperity-law-{}", env!("CARGO_PKG_VERSION"));
+        fs::create_dir(folder.path().join(&name)).unwrap();
+        fs::create_dir(folder.path().join("another")).unwrap();
+        let text = manifest(folder.path()).unwrap();
+        let patch = text.split_once("[patch.crates-io]\n").unwrap().1;
+        assert_eq!(patch, format!("asperity-law = {{ path = \"{name}\" }}\n"));
+    }
+}
