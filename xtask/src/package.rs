@@ -56,15 +56,15 @@ pub(crate) fn run() -> Result<bool> {
 /// Manifest of a workspace of the unpacked packages, each of which replaces the published one.
 fn manifest(unpacked: &Path) -> Result<String> {
     let version = concat!("-", env!("CARGO_PKG_VERSION"));
-    let mut text =
-        "[workspace]\nmembers = [\"*\"]\nresolver = \"3\"\n\n[patch.crates-io]\n".to_owned();
+    let mut patches = Vec::new();
     for entry in fs::read_dir(unpacked)? {
         let folder = entry?.file_name().into_string().unwrap_or_default();
         if let Some(name) = folder.strip_suffix(version) {
-            text += &format!("{name} = {{ path = \"{folder}\" }}\n");
+            patches.push(format!("{name} = {{ path = \"{folder}\" }}\n"));
         }
     }
-    Ok(text)
+    let workspace = "[workspace]\nmembers = [\"*\"]\nresolver = \"3\"\n\n[patch.crates-io]\n";
+    Ok(workspace.to_owned() + &patches.concat())
 }
 
 #[cfg(test)]
