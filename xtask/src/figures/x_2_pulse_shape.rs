@@ -1,4 +1,4 @@
-//! x2: what the unpublished shape of the blow does.
+//! x2: influence of the pulse shape, which the paper does not give.
 
 use anyhow::Result;
 use asperity_figure::{Axis, Color, Dash, Marker, Panel};
@@ -13,7 +13,7 @@ use crate::reproduce::{Computed, PaperFigure};
 
 pub(crate) const FIGURE: PaperFigure = PaperFigure {
     id: "x2",
-    title: "x2: the shape of the blow",
+    title: "x2: the shape of the pulse",
     caption: "Modified power law struck with three pulses of equal peak and equal impulse: the \
               gamma pulse of all other figures (blue), a half-sine of 0.987 ms (orange) and a \
               haversine of 1.256 ms (green). The last two have a zero in their spectrum next to \
@@ -78,5 +78,5 @@ fn draw(table: &Table) -> Result<String> {
     };
     let frequency = panel("frequency_hz", Axis::linear("Frequency f_{1}", "Hz"))?;
     let ratio = panel("harmonic_ratio", Axis::log("Ratio A_{2}/A_{1}", ""))?;
-    style::svg("The shape of the blow", [frequency, ratio])
+    style::svg("The shape of the pulse", [frequency, ratio])
 }

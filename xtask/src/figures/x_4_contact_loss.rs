@@ -1,4 +1,4 @@
-//! x4: where contact is lost, and what follows.
+//! x4: loss of contact and its influence on the response.
 
 use anyhow::Result;
 use asperity_figure::{Axis, Legend, Panel};
@@ -14,7 +14,7 @@ use crate::reproduce::{Columns, Computed, PaperFigure};
 
 pub(crate) const FIGURE: PaperFigure = PaperFigure {
     id: "x4",
-    title: "x4: where contact is lost",
+    title: "x4: loss of contact",
     caption: "Both laws struck with 5 to 80 N, beyond the paper's range, which ends at the dashed \
               line: (a) time without contact between guide bar and sample, (b) fundamental, (c) \
               A2/A1 and (d) lowest contact pressure. The power law loses contact within the \
@@ -89,5 +89,5 @@ fn draw(table: &Table) -> Result<String> {
         panel("harmonic_ratio", ratio, Legend::None)?,
         panel("pressure_min_pa", lowest, Legend::None)?,
     ];
-    style::svg("Where contact is lost", panels)
+    style::svg("Loss of contact", panels)
 }

@@ -1,4 +1,4 @@
-//! x5: a disc that yields.
+//! x5: a compliant disc.
 
 use anyhow::Result;
 use asperity_figure::{Axis, Color, Dash, Marker, Panel};
@@ -11,7 +11,7 @@ use crate::reproduce::{Columns, Computed, PaperFigure};
 
 pub(crate) const FIGURE: PaperFigure = PaperFigure {
     id: "x5",
-    title: "x5: a disc that yields",
+    title: "x5: a compliant disc",
     caption: "Modified power law on a rigid disc (blue) and on a disc of 1, 5 and 10 kg on a \
               spring whose stiffness lowers the natural frequency at rest by 13 %, the offset \
               that the paper ascribes to its disc; the disc's own damping ratio is 0.01. (a) \
@@ -92,5 +92,5 @@ fn draw(table: &Table) -> Result<String> {
     };
     let frequency = panel("frequency_hz", Axis::linear("Frequency f_{1}", "Hz"))?;
     let amplitude = panel("receptance_m_per_n", style::amplitude_axis())?;
-    style::svg("A disc that yields", [frequency, amplitude])
+    style::svg("A compliant disc", [frequency, amplitude])
 }
