@@ -158,8 +158,9 @@ pub(crate) enum Command {
     /// Analyse measured hammer hits: FRFs, harmonics, damping and backbones of each and of the
     /// average.
     ///
-    /// Reads universal files (58, 58b), CSV and LabVIEW text, NPY, NPZ, MATLAB 5 and WAVE; several
-    /// files are one test. Writes analysis.json, hits.csv, frf.csv, backbone.csv and figures.
+    /// Reads universal files (58, 58b), CSV and LabVIEW text, NPY, NPZ, MATLAB 5 to 7, WAVE and TDMS,
+    /// and HDF5 where built with it; several files are one test. Writes analysis.json, hits.csv,
+    /// frf.csv, backbone.csv and figures.
     Analyse(Box<Analyse>),
     /// Convert a file of measurements to another format.
     ///
