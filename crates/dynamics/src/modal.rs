@@ -25,6 +25,7 @@
 //! | `simulate` | many hits, tried again where a step or a table was too short |
 //! | `dense_output` | the motion between steps |
 //! | `energy` | the energy balance |
+//! | `increasing_root` | a bracketed root, for contacts solved one by one |
 //! | `simd` | hits in the lanes of vectors |
 //! | `sensitivity` | derivatives of a hit with respect to parameters |
 #![allow(
@@ -36,6 +37,7 @@ mod assembly;
 mod dense_output;
 mod drive;
 mod energy;
+mod increasing_root;
 mod oscillator;
 mod sensitivity;
 mod simd;

@@ -12,7 +12,7 @@
 
 pub(super) mod block;
 pub(super) mod contact_extremes;
-pub(super) mod contact_fallback;
+mod contact_fallback;
 pub(super) mod decimation;
 pub(super) mod integrate;
 mod kernel;

@@ -21,6 +21,7 @@ impl VariationalEquation {
         let mut modes = modes.modes().to_vec();
         for mode in &mut modes {
             mode.damping_rate = mode.total_damping(rate);
+            mode.mass_damped = false;
         }
         Self { modes, residual, matrix: vec![0.0; 2 * n * n] }
     }

@@ -1,7 +1,7 @@
 //! The contact equations of one step, solved to rounding with the exact laws.
 
 use super::linear_system::Factors;
-use crate::modal::simd::contact_fallback::increasing_root;
+use crate::modal::increasing_root::increasing_root;
 use asperity_structure::PreloadedContact;
 
 /// Newton corrections before the interfaces are solved one by one.
@@ -52,7 +52,7 @@ impl Contacts {
             return false;
         }
         self.scale = self.scale.max(size);
-        let mut settled = false;
+        let mut converged = false;
         for _ in 0..NEWTON {
             let largest = self.correct(contacts, coupling, target);
             for (i, correction) in self.correction.iter().enumerate() {
@@ -60,11 +60,11 @@ impl Contacts {
                 self.pressure[i] += self.tangent[i] * correction;
             }
             if largest <= LAST_CORRECTION * self.scale {
-                settled = true;
+                converged = true;
                 break;
             }
         }
-        if !settled {
+        if !converged {
             self.solve_fallback(contacts, coupling, target);
         }
         self.pressure.iter().chain(&self.tangent).all(|value| value.is_finite())

@@ -1,18 +1,18 @@
-//! Contact fallback: nonlinear Gauss-Seidel, one by one, for lanes that Newton's method does not
-//! settle.
+//! Contact fallback: nonlinear Gauss-Seidel, lane by lane, where Newton's method does not converge.
 
 use super::block::{Block, Coefficient, Numbers, WHOLE, lane_of, set_lane};
 use super::table_lookup::{TableLookup, TableRow};
+use crate::modal::increasing_root::increasing_root;
 
-/// Sweeps over the interfaces, and halvings of one bracket.
+/// Sweeps over the interfaces.
 const SWEEPS: usize = 400;
-const HALVINGS: usize = 200;
 
 impl<S: TableLookup, C: Coefficient<S>, const N: usize> Block<'_, S, C, N> {
     /// Solves `y + B p(y) = y*` in the lanes that `marks` has as ones, interface by interface.
     ///
     /// With B positive definite and the pressures rising, the equations are those of the minimum
-    /// of a convex energy, and going round the interfaces descends to it, if slowly. A lane that is not finite is left as it is.
+    /// of a convex energy, and sweeps over the interfaces descend to it, if slowly. A lane that is
+    /// not finite is left as it is.
     #[cold]
     #[inline(never)]
     pub(super) fn solve_fallback(
@@ -41,7 +41,7 @@ impl<S: TableLookup, C: Coefficient<S>, const N: usize> Block<'_, S, C, N> {
                 last: of(self.contacts[i].last),
                 coupling: std::array::from_fn(|j| of(self.contacts[i].coupling[j])),
             });
-            let (y, p) = settle(&contacts, &target);
+            let (y, p) = gauss_seidel(&contacts, &target);
             for i in 0..N {
                 set_lane::<S>(&mut closure[i], lane, y[i]);
                 set_lane::<S>(&mut pressure[i], lane, p[i]);
@@ -75,37 +75,11 @@ impl<const N: usize> Curve<'_, N> {
     }
 }
 
-/// The root of an increasing function by halving a bracket, which grows from `start` by `width` and
-/// more.
-pub(in crate::modal) fn increasing_root(
-    excess: impl Fn(f64) -> f64,
-    start: f64,
-    mut width: f64,
-) -> f64 {
-    let (mut low, mut high) = (start, start);
-    for _ in 0..64 {
-        let (below, above) = (excess(low), excess(high));
-        if below <= 0.0 && above >= 0.0 {
-            break;
-        }
-        if below > 0.0 {
-            low -= width;
-        } else {
-            high += width;
-        }
-        width *= 2.0;
-    }
-    for _ in 0..HALVINGS {
-        let middle = 0.5 * (low + high);
-        if middle <= low || middle >= high {
-            break;
-        }
-        if excess(middle) > 0.0 { high = middle } else { low = middle }
-    }
-    0.5 * (low + high)
-}
-
-fn settle<const N: usize>(contacts: &[Curve<'_, N>; N], target: &[f64; N]) -> ([f64; N], [f64; N]) {
+/// Closures and pressures of all interfaces by sweeps over them.
+fn gauss_seidel<const N: usize>(
+    contacts: &[Curve<'_, N>; N],
+    target: &[f64; N],
+) -> ([f64; N], [f64; N]) {
     let mut y = *target;
     let mut p: [f64; N] = std::array::from_fn(|i| contacts[i].pressure(y[i]));
     for _ in 0..SWEEPS {
@@ -138,7 +112,7 @@ mod tests {
             |coupling| Curve { table: &table, first: 0.0, rest: 1.02, last: 2.999, coupling };
         let contacts = [curve([0.9, -0.8]), curve([-0.8, 0.9])];
         for target in [[3.0, -5.0], [0.0, 0.0], [-1.0, -1.0], [10.0, -30.0], [1.0, 1.0]] {
-            let (y, p) = settle(&contacts, &target);
+            let (y, p) = gauss_seidel(&contacts, &target);
             for i in 0..2 {
                 let total: f64 = (0..2).map(|j| contacts[i].coupling[j] * p[j]).sum();
                 assert!((y[i] + total - target[i]).abs() < 1e-6, "{target:?} {y:?} {p:?}");
