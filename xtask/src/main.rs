@@ -6,10 +6,12 @@
 //! | `cargo xtask tidy` | `tidy` | holds the repository to its rules |
 //! | `cargo xtask package` | `package` | every package, checked from its own archive |
 //! | `cargo xtask bench` | `bench` | speed of the kernels and of a sweep, as one table |
+//! | `cargo xtask campaign` | `campaign` | random scenarios through both engines, differences judged |
 //! | `cargo xtask reproduce` | `reproduce` | every figure of the paper, every claim checked |
 #![allow(clippy::print_stdout, clippy::print_stderr, reason = "tasks report to a terminal")]
 
 mod bench;
+mod campaign;
 mod ci;
 mod figures;
 mod package;
@@ -43,6 +45,8 @@ enum Task {
     Package,
     /// Measure the kernels and a sweep of 100 000 hits.
     Bench,
+    /// Run random scenarios with both engines and judge where they differ.
+    Campaign(campaign::Arguments),
     /// Recompute every figure of the paper and check every claim.
     Reproduce(reproduce::Arguments),
 }
@@ -60,6 +64,7 @@ fn main() -> ExitCode {
         Task::Tidy => tidy::run(&Cli::command()),
         Task::Package => package::run(),
         Task::Bench => bench::run(),
+        Task::Campaign(arguments) => campaign::run(&arguments),
         Task::Reproduce(arguments) => reproduce::run(&arguments),
     };
     match passed {

@@ -1,0 +1,290 @@
+//! Judgement of both engines on one scenario: by their agreement, or else by refined runs.
+//!
+//! Where the answers with default settings agree within the tolerances, both are right. Elsewhere
+//! both engines run again, refined: modal steps of a quarter and at least 20 modes a body, cells of
+//! a third. Refined runs of both that agree within half the tolerances are the truth. Otherwise
+//! both are refined once more, to a sixteenth of the step and 40 modes and a sixth of the cell, and
+//! an observable in which those agree within the tolerance, and with the less refined run of either
+//! engine, has that truth. An observable without such an agreement has none: the response is
+//! chaotic, or beyond both engines.
+
+use asperity_dynamics::Integrator;
+use asperity_scenario::{Document, FiniteDifferenceSpec, MethodSpec, ModalSpec, Scenario};
+use asperity_study::assemble::Assembly;
+use serde::{Deserialize, Serialize};
+
+use super::answer::{Answer, Kind, Observable, Outcome, run};
+
+/// True value of an observable.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct TrueValue {
+    /// The observable: the mean of two answers.
+    #[serde(flatten)]
+    pub(super) observable: Observable,
+    /// Half the difference of these answers, in tolerances.
+    pub(super) uncertainty: f64,
+    /// False where no two answers agree.
+    pub(super) known: bool,
+}
+
+impl TrueValue {
+    /// The mean of two values, known where they are within `tolerances` of each other.
+    fn new(one: &Observable, other: &Observable, tolerances: f64) -> Self {
+        let distance = one.distance(other.value).max(other.distance(one.value));
+        let value = match (one.value, other.value) {
+            (Some(a), Some(b)) => Some(0.5 * (a + b)),
+            (a, b) => a.or(b),
+        };
+        let scale = 0.5 * (one.scale + other.scale);
+        let observable = Observable { value, scale, ..one.clone() };
+        let uncertainty = one.value.map_or(0.0, |_| observable.distance(one.value));
+        Self { observable, uncertainty, known: distance <= tolerances }
+    }
+
+    /// Error of `value` beyond the uncertainty, in tolerances.
+    fn error(&self, value: Option<f64>) -> f64 {
+        (self.observable.distance(value) - self.uncertainty).max(0.0)
+    }
+}
+
+/// Class of an engine's default answer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum Class {
+    /// Right within the tolerances.
+    Right,
+    /// Ended in an error.
+    Refused,
+    /// Wrong, and the answer says that it may be.
+    NamedWrong,
+    /// Wrong without a word, or a panic.
+    SilentlyWrong,
+    /// Without a truth to judge by, and the answer says that it may be wrong.
+    NamedUndecided,
+    /// Without a truth to judge by, without a word.
+    SilentlyUndecided,
+}
+
+impl Class {
+    /// All classes.
+    pub(super) const ALL: [Self; 6] = [
+        Self::Right,
+        Self::Refused,
+        Self::NamedWrong,
+        Self::SilentlyWrong,
+        Self::NamedUndecided,
+        Self::SilentlyUndecided,
+    ];
+
+    /// Description in words.
+    pub(super) fn words(self) -> &'static str {
+        match self {
+            Self::Right => "right",
+            Self::Refused => "refused",
+            Self::NamedWrong => "wrong, named",
+            Self::SilentlyWrong => "SILENTLY WRONG",
+            Self::NamedUndecided => "no truth, named",
+            Self::SilentlyUndecided => "no truth, silent",
+        }
+    }
+}
+
+/// An observable in which an answer is wrong.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub(super) struct WrongValue {
+    pub(super) name: String,
+    pub(super) value: Option<f64>,
+    pub(super) truth: Option<f64>,
+    /// Error in tolerances; none where one has no value.
+    pub(super) tolerances: Option<f64>,
+}
+
+/// Judgement of one engine's default answer.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub(super) struct EngineJudgement {
+    pub(super) class: Class,
+    /// Words of the error or panic.
+    pub(super) error: Option<String>,
+    /// Statements of the answer that it may be wrong.
+    pub(super) reservations: Vec<String>,
+    /// Step \[s\].
+    pub(super) step_s: Option<f64>,
+    /// Residual of the energy balance.
+    pub(super) residual: Option<f64>,
+    /// The worst first.
+    pub(super) wrong: Vec<WrongValue>,
+}
+
+impl EngineJudgement {
+    /// The judgement of `outcome` by the true values.
+    pub(super) fn new(outcome: &Outcome, truth: &[TrueValue]) -> Self {
+        let answer = match outcome {
+            Outcome::Answered(answer) => answer,
+            Outcome::Refused(error) => return Self::without(Class::Refused, error),
+            Outcome::Panicked(panic) => return Self::without(Class::SilentlyWrong, panic),
+        };
+        let mut wrong: Vec<(f64, WrongValue)> = Vec::new();
+        for truth in truth.iter().filter(|truth| truth.known) {
+            let Observable { name, value: true_value, .. } = &truth.observable;
+            let value = answer.value(name);
+            let error = truth.error(value);
+            if error > 1.0 {
+                let (name, truth) = (name.clone(), *true_value);
+                let tolerances = error.is_finite().then_some(error);
+                wrong.push((error, WrongValue { name, value, truth, tolerances }));
+            }
+        }
+        wrong.sort_by(|(one, _), (other, _)| other.total_cmp(one));
+        let named = !answer.reservations.is_empty();
+        let class = match (wrong.is_empty(), truth.iter().all(|truth| truth.known), named) {
+            (false, _, true) => Class::NamedWrong,
+            (false, _, false) => Class::SilentlyWrong,
+            (true, true, _) => Class::Right,
+            (true, false, true) => Class::NamedUndecided,
+            (true, false, false) => Class::SilentlyUndecided,
+        };
+        Self {
+            class,
+            error: None,
+            reservations: answer.reservations.clone(),
+            step_s: Some(answer.step_s),
+            residual: Some(answer.residual),
+            wrong: wrong.into_iter().map(|(_, wrong)| wrong).collect(),
+        }
+    }
+
+    fn without(class: Class, error: &str) -> Self {
+        let error = Some(error.to_owned());
+        let (reservations, wrong) = (Vec::new(), Vec::new());
+        Self { class, error, reservations, step_s: None, residual: None, wrong }
+    }
+}
+
+/// Default answers of both engines, and the truth.
+pub(super) struct Judgement {
+    pub(super) modal: EngineJudgement,
+    pub(super) finite_difference: EngineJudgement,
+    pub(super) truth: Vec<TrueValue>,
+    /// True if a default answer opens a contact for a time.
+    pub(super) contact_lost: bool,
+    /// Refinements that the truth took.
+    pub(super) refinements: usize,
+}
+
+/// A scenario to be run by both engines.
+pub(super) struct Case<'a> {
+    pub(super) document: &'a Document,
+    pub(super) scenario: &'a Scenario,
+}
+
+impl Case<'_> {
+    /// Judges the default answers of both engines by each other, or by refined runs.
+    pub(super) fn judge(&self) -> Judgement {
+        let [modal, finite_difference] = self.defaults();
+        if let (Some(one), Some(other)) = (modal.answer(), finite_difference.answer())
+            && one.distance(other).max(other.distance(one)) <= 1.0
+        {
+            return Self::judgement(&modal, &finite_difference, mean(one, other, 1.0), 0);
+        }
+        let (truth, refinements) = self.refined_truth(&modal);
+        Self::judgement(&modal, &finite_difference, truth, refinements)
+    }
+
+    /// Judges the default answers of both engines by a known truth.
+    pub(super) fn judge_by(&self, truth: &[TrueValue]) -> Judgement {
+        let [modal, finite_difference] = self.defaults();
+        Self::judgement(&modal, &finite_difference, truth.to_vec(), 0)
+    }
+
+    fn judgement(
+        modal: &Outcome,
+        finite_difference: &Outcome,
+        truth: Vec<TrueValue>,
+        refinements: usize,
+    ) -> Judgement {
+        Judgement {
+            modal: EngineJudgement::new(modal, &truth),
+            finite_difference: EngineJudgement::new(finite_difference, &truth),
+            truth,
+            contact_lost: [modal, finite_difference]
+                .iter()
+                .any(|outcome| outcome.answer().is_some_and(|answer| answer.contact_lost)),
+            refinements,
+        }
+    }
+
+    /// The answers with default settings.
+    fn defaults(&self) -> [Outcome; 2] {
+        let cells = MethodSpec::FiniteDifference(FiniteDifferenceSpec::default());
+        [MethodSpec::default(), cells].map(|method| run(self.document, self.scenario, method))
+    }
+
+    /// The true values by refined runs.
+    pub(super) fn truth(&self) -> Vec<TrueValue> {
+        let [modal, _] = self.defaults();
+        self.refined_truth(&modal).0
+    }
+
+    /// The true values by refined runs, and the number of refinements; `modal` is the default
+    /// answer.
+    fn refined_truth(&self, modal: &Outcome) -> (Vec<TrueValue>, usize) {
+        let step = modal.answer().map(|answer| answer.step_s).or_else(|| self.default_step());
+        let refined = |parts: f64, modes: usize, cells: f64| {
+            let step_s = step.map(|step| step / parts);
+            let settings = ModalSpec { step_s, modes_per_body: Some(modes) };
+            let modal = run(self.document, self.scenario, MethodSpec::Modal(settings));
+            let default = FiniteDifferenceSpec::default();
+            let settings = FiniteDifferenceSpec { cell_m: default.cell_m / cells, ..default };
+            let differences =
+                run(self.document, self.scenario, MethodSpec::FiniteDifference(settings));
+            [modal, differences]
+        };
+        let first = refined(4.0, 20, 3.0);
+        if let [Some(one), Some(other)] = [first[0].answer(), first[1].answer()]
+            && one.distance(other).max(other.distance(one)) <= 0.5
+        {
+            return (mean(one, other, 0.5), 1);
+        }
+        let second = refined(16.0, 40, 6.0);
+        let truth = match [second[0].answer(), second[1].answer()] {
+            [Some(one), Some(other)] => {
+                let coarse: Vec<&Answer> = first.iter().filter_map(Outcome::answer).collect();
+                confirmed(mean(one, other, 1.0), &coarse)
+            }
+            // An engine that refuses leaves the convergence of the other.
+            [Some(fine), None] => first[0].answer().map_or_else(Vec::new, |c| mean(fine, c, 0.5)),
+            [None, Some(fine)] => first[1].answer().map_or_else(Vec::new, |c| mean(fine, c, 0.5)),
+            [None, None] => Vec::new(),
+        };
+        (if truth.is_empty() { Self::unknown() } else { truth }, 2)
+    }
+
+    /// The step that the modal engine tries first.
+    fn default_step(&self) -> Option<f64> {
+        let assembly = Assembly::new(self.scenario, self.document.folder()).ok()?;
+        let Assembly { structure, excitation, sampling, .. } = &assembly;
+        let outline = Integrator::default().outline(structure, excitation, sampling).ok()?;
+        Some(outline.step)
+    }
+
+    /// A truth in which nothing is known.
+    fn unknown() -> Vec<TrueValue> {
+        let observable = Observable::new("fundamental.frequency_hz", Kind::Frequency, None);
+        vec![TrueValue { observable, uncertainty: 0.0, known: false }]
+    }
+}
+
+/// The means of two answers, known where they are within `tolerances` of each other.
+fn mean(one: &Answer, other: &Answer, tolerances: f64) -> Vec<TrueValue> {
+    let pairs = one.observables.iter().zip(&other.observables);
+    pairs.map(|(one, other)| TrueValue::new(one, other, tolerances)).collect()
+}
+
+/// These true values, known where one of the less refined answers is within a tolerance of each.
+fn confirmed(mut truth: Vec<TrueValue>, coarse: &[&Answer]) -> Vec<TrueValue> {
+    for one in &mut truth {
+        let name = &one.observable.name;
+        one.known &= coarse.iter().any(|answer| one.error(answer.value(name)) <= 1.0);
+    }
+    truth
+}
