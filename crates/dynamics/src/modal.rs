@@ -10,8 +10,8 @@
 //! ```
 //!
 //! with x* the closures without them. Light bodies between stiff contacts see the mean force of
-//! the step, which is stable for any contact stiffness; the others the parabola through three
-//! pressures, which is third order. The integrator works with modes only, whatever structure they
+//! the step, which is stable for any contact stiffness; the others the quartic through five
+//! pressures, which is of fifth order. The integrator works with modes only, whatever structure they
 //! are from.
 //!
 //! | module | holds |
@@ -74,7 +74,7 @@ const NEGLECTED: f64 = 1e-3;
 /// Settings of the modal integrator.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Modal {
-    /// Step \[s\], at most 0.2 over the lowest natural angular frequency; none to have it chosen
+    /// Step \[s\], at most 1 over the lowest natural angular frequency; none to have it chosen
     /// from that frequency and the drive, and halved until the energy balance closes to 5e-4.
     pub step: Option<f64>,
     /// Modes of each body, the rigid one included; none to have them chosen from the error bound

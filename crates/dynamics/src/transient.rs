@@ -144,9 +144,9 @@ pub struct ContactExtremes {
     /// K_avr = (1/T) sum |K_c(t_n)| dt,   t_n = 0, dt, ..., T - dt
     /// ```
     ///
-    /// with K = 0 while contact is lost. The integrators evaluate the stiffness at every fourth
-    /// (modal) or at least every thirty-second (finite differences) of their steps; each value
-    /// is weighted with the steps up to the next.
+    /// with K = 0 while contact is lost. The modal integrator evaluates the stiffness at every
+    /// step, finite differences at least at every thirty-second; each value is weighted with the
+    /// steps up to the next.
     pub stiffness_average: f64,
 }
 

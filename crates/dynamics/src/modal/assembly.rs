@@ -99,13 +99,16 @@ impl ModalModel {
         };
         let areas: Vec<f64> = self.contacts().iter().map(PreloadedContact::area).collect();
         let named = self.contacts().iter().zip(&tops);
-        let stiffest: Vec<f64> = named
-            .map(|(contact, &top)| contact.law().stiffness(top).max(contact.stiffness()))
+        let stiffness: Vec<[f64; 2]> = named
+            .map(|(contact, &top)| {
+                let rest = contact.stiffness();
+                [rest, contact.law().stiffness(top).max(rest)]
+            })
             .collect();
         let step_model = StepModel::new(
             self.structure(),
             &areas,
-            &stiffest,
+            &stiffness,
             self.structure.damping_rate(),
             step,
         );
@@ -162,20 +165,14 @@ pub(super) struct PreparedHit {
     pub(super) steps: usize,
 }
 
-/// Pressure over static pressure below which contact counts as lost: the error of tables and
-/// tangents.
-const OPEN: f64 = 2e-5;
-
 impl PreparedHit {
-    /// Pressure increment \[Pa\] at and below which contact `i` counts as lost; -inf if it never
-    /// separates.
+    /// Closure increment \[m\] at and below which contact `i` is lost; -inf if it never separates.
     pub(super) fn open_below(&self, i: usize) -> f64 {
         let contact = &self.model.contacts()[i];
         if !contact.law().domain().separates() {
             return f64::NEG_INFINITY;
         }
-        let state = contact.pressure();
-        OPEN * state.max(1e-3 * self.tabulated.tops[i]) - state
+        contact.law().closure_increment(contact.pressure(), -contact.pressure())
     }
 }
 

@@ -5,7 +5,7 @@
 //! steps, nor lie farther apart than they.
 
 use super::assembly::PreparedHit;
-use super::oscillator::Propagator;
+use super::oscillator::{NODES, Propagator};
 use super::simd::integrate::Outcome;
 use crate::{Excitation, History, Sampling};
 
@@ -46,12 +46,15 @@ struct DenseOutput<'a> {
     at: usize,
     /// Propagators of every mode to places within a step, the whole step first.
     places: Vec<(f64, Vec<Propagator>)>,
+    /// Closure increment \[m\] at and below which each contact is lost.
+    open_below: Vec<f64>,
 }
 
 impl<'a> DenseOutput<'a> {
     fn new(hit: &'a PreparedHit, outcome: &'a Outcome) -> Self {
         let states = vec![[0.0; 2]; hit.tabulated.step_model.modes.len()];
-        let mut motion = Self { hit, outcome, states, at: 0, places: Vec::new() };
+        let open_below = (0..hit.model.contacts().len()).map(|i| hit.open_below(i)).collect();
+        let mut motion = Self { hit, outcome, states, at: 0, places: Vec::new(), open_below };
         motion.place(1.0);
         motion
     }
@@ -78,10 +81,10 @@ impl<'a> DenseOutput<'a> {
     }
 
     /// Coefficients of `s^k` of the modal force of mode `m` within the step from `n`.
-    fn force(&self, m: usize, n: usize) -> [f64; 3] {
+    fn force(&self, m: usize, n: usize) -> [f64; NODES] {
         let mode = &self.hit.tabulated.step_model.modes[m];
-        let ends = [Some(n + 1), Some(n), n.checked_sub(1)];
-        let forces = ends.map(|end| {
+        let forces: [f64; NODES] = std::array::from_fn(|age| {
+            let end = (n + 1).checked_sub(age);
             let each = mode.force.iter().enumerate();
             -each.map(|(i, force)| force * self.pressure(i, end)).sum::<f64>()
         });
@@ -93,7 +96,7 @@ impl<'a> DenseOutput<'a> {
         let mut interpolation = mode
             .interpolation
             .weights()
-            .map(|row| (0..3).map(|end| row[end] * forces[end]).sum::<f64>());
+            .map(|row| (0..NODES).map(|end| row[end] * forces[end]).sum::<f64>());
         interpolation[0] += mean - 0.5 * rise;
         interpolation[1] += rise;
         interpolation
@@ -136,8 +139,8 @@ impl<'a> DenseOutput<'a> {
         let (mut displacement, mut acceleration) = (0.0, 0.0);
         for (m, mode) in model.modes.iter().enumerate() {
             let [q, v] = place.map_or(self.states[m], |place| self.state(m, place));
-            let [f0, f1, f2] = self.force(m, self.at);
-            let force = f0 + s * (f1 + s * f2);
+            let coefficients = self.force(m, self.at);
+            let force = coefficients.iter().rev().fold(0.0, |sum, f| sum * s + f);
             let dynamics = &mode.dynamics;
             displacement += mode.output * q;
             acceleration +=
@@ -188,12 +191,12 @@ impl<'a> DenseOutput<'a> {
     fn contact(&self, time: f64, i: usize) -> (f64, f64, f64) {
         let (step, s) = self.locate(time);
         let contact = &self.hit.model.contacts()[i];
-        let closure = contact.closure() + self.closure(i, step, s);
-        let increment = self.pressure_increment(i, step, s);
-        if increment <= self.hit.open_below(i) {
+        let increment = self.closure(i, step, s);
+        let closure = contact.closure() + increment;
+        if increment <= self.open_below[i] {
             return (0.0, closure, 0.0);
         }
-        let pressure = contact.pressure() + increment;
-        (pressure, closure, contact.law().stiffness(pressure))
+        let pressure = contact.law().pressure_increment(contact.pressure(), increment);
+        (contact.pressure() + pressure.value, closure, pressure.tangent)
     }
 }

@@ -19,23 +19,38 @@
 
 use std::sync::LazyLock;
 
+/// Forces at the ends of steps that an interpolation may use.
+pub(super) const NODES: usize = 5;
+
 /// Interpolation of a contact force within a step from its values at the ends of steps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum ForceInterpolation {
     /// The mean of both ends: second order, and stable however stiff the contact is against the
     /// oscillator's inertia, because a rigid motion is then stepped by the trapezoidal rule.
     Average,
-    /// The parabola through both ends and the end before: third order, for oscillators that the
-    /// contact stiffness moves little within a step.
-    Parabola,
+    /// The quartic through both ends and the three ends before: fifth order. An oscillation of up
+    /// to one radian a step, its contact stiffness included, is damped by it, not excited.
+    Quartic,
 }
 
 impl ForceInterpolation {
-    /// Coefficient of `s^k` (row) per force at the new end, the old end, the end before (column).
-    pub(super) fn weights(self) -> [[f64; 3]; 3] {
+    /// Coefficient of `s^k` (row) per force at the new end, the old end, and the ends before
+    /// (column): Lagrange's polynomials of the nodes 1, 0, -1, -2, -3.
+    pub(super) fn weights(self) -> [[f64; NODES]; NODES] {
         match self {
-            Self::Average => [[0.5, 0.5, 0.0], [0.0; 3], [0.0; 3]],
-            Self::Parabola => [[0.0, 1.0, 0.0], [0.5, 0.0, -0.5], [0.5, -1.0, 0.5]],
+            Self::Average => {
+                let mut weights = [[0.0; NODES]; NODES];
+                weights[0] = [0.5, 0.5, 0.0, 0.0, 0.0];
+                weights
+            }
+            Self::Quartic => [
+                [0.0, 24.0, 0.0, 0.0, 0.0],
+                [6.0, 20.0, -36.0, 12.0, -2.0],
+                [11.0, -20.0, 6.0, 4.0, -1.0],
+                [6.0, -20.0, 24.0, -12.0, 2.0],
+                [1.0, -4.0, 6.0, -4.0, 1.0],
+            ]
+            .map(|row| row.map(|weight| weight / 24.0)),
         }
     }
 }
@@ -56,8 +71,8 @@ pub(super) struct Recurrence {
     pub(super) decay: f64,
     /// `k`, of the displacement.
     pub(super) spring: f64,
-    /// Of the contact force at the new end, the old end, and the two before.
-    pub(super) contact: [f64; 4],
+    /// Of the contact force at the new end, the old end, and those before.
+    pub(super) contact: [f64; NODES + 1],
     /// Of the drive force's mean and rise in this step, and in the step before.
     pub(super) drive: [f64; 4],
 }
@@ -70,7 +85,7 @@ pub(super) struct Propagator {
     /// Of displacement and velocity, in the new velocity.
     pub(super) velocity: [f64; 2],
     /// Of `F_k`, in the new displacement and velocity.
-    pub(super) moments: [[f64; 2]; 3],
+    pub(super) moments: [[f64; 2]; NODES],
 }
 
 impl Dynamics {
@@ -88,20 +103,21 @@ impl Dynamics {
         (w * w - 0.25 * self.rate * self.rate) * t * t
     }
 
-    /// `h integral of kernel(s) s^k ds` over the step, k = 0, 1, 2.
-    fn moments(self, h: f64, kernel: impl Fn(f64) -> f64) -> [f64; 3] {
+    /// `h integral of kernel(s) s^k ds` over the step, k from 0.
+    fn moments(self, h: f64, kernel: impl Fn(f64) -> f64) -> [f64; NODES] {
         // Sixteen points integrate to round-off over an argument of six and more.
         let extent = (self.angular_frequency + self.rate) * h;
         let panels = (extent / 6.0).ceil().clamp(1.0, 1e4) as usize;
         let width = 1.0 / panels as f64;
-        let mut sums = [0.0; 3];
+        let mut sums = [0.0; NODES];
         for panel in 0..panels {
             for &(node, weight) in GAUSS.iter() {
                 let s = (panel as f64 + node) * width;
-                let value = h * width * weight * kernel(s);
-                sums[0] += value;
-                sums[1] += value * s;
-                sums[2] += value * s * s;
+                let mut value = h * width * weight * kernel(s);
+                for sum in &mut sums {
+                    *sum += value;
+                    value *= s;
+                }
             }
         }
         sums
@@ -112,7 +128,7 @@ impl Dynamics {
         let now = self.moments(h, |s| self.impulse(h * (1.0 - s)));
         let before = self.moments(h, |s| (-c * h * (1.0 - s)).exp() * self.impulse(h * s));
         let weights = interpolation.weights();
-        let mut contact = [0.0; 4];
+        let mut contact = [0.0; NODES + 1];
         for (k, row) in weights.iter().enumerate() {
             for (end, weight) in row.iter().enumerate() {
                 contact[end] += now[k] * weight;
@@ -194,30 +210,29 @@ mod tests {
         for (angular_frequency, rate) in CASES {
             let oscillator = Dynamics { angular_frequency, rate };
             let whole = oscillator.propagator(h);
-            for interpolation in [ForceInterpolation::Average, ForceInterpolation::Parabola] {
+            for interpolation in [ForceInterpolation::Average, ForceInterpolation::Quartic] {
                 let recurrence = oscillator.recurrence(h, interpolation);
-                // Contact forces 3, 1, -2, 5 from the oldest to the newest, from q = 0.3, v = -40.
-                let forces = [3.0, 1.0, -2.0, 5.0];
+                // Contact forces from the oldest to the newest, from q = 0.3, v = -40.
+                let forces = [0.7, -4.0, 3.0, 1.0, -2.0, 5.0];
                 let step = |[q, v]: [f64; 2], newest: usize| {
                     let mut z = [
                         whole.displacement[0] * q + whole.displacement[1] * v,
                         whole.velocity[0] * q + whole.velocity[1] * v,
                     ];
                     for (k, row) in interpolation.weights().iter().enumerate() {
-                        let of = |age: usize| newest.checked_sub(age).map_or(0.0, |i| forces[i]);
-                        let f = row[0] * of(0) + row[1] * of(1) + row[2] * of(2);
+                        let f: f64 = (0..NODES).map(|age| row[age] * forces[newest - age]).sum();
                         z[0] += whole.moments[k][0] * f;
                         z[1] += whole.moments[k][1] * f;
                     }
                     z
                 };
                 let start = [0.3, -40.0];
-                let middle = step(start, 2);
-                let end = step(middle, 3);
+                let middle = step(start, NODES - 1);
+                let end = step(middle, NODES);
                 let increment = middle[0] - start[0];
                 let mut next = recurrence.decay * increment - recurrence.spring * middle[0];
                 for (age, tap) in recurrence.contact.iter().enumerate() {
-                    next += tap * forces[3 - age];
+                    next += tap * forces[NODES - age];
                 }
                 let found = middle[0] + next;
                 assert!(
@@ -237,7 +252,7 @@ mod tests {
         assert_eq!((recurrence.decay, recurrence.spring), (1.0, 0.0));
         assert!((recurrence.contact.iter().sum::<f64>() / (h * h) - 1.0).abs() < 1e-14);
         assert_eq!(
-            Dynamics { rate: 352.0, ..free }.recurrence(h, ForceInterpolation::Parabola).spring,
+            Dynamics { rate: 352.0, ..free }.recurrence(h, ForceInterpolation::Quartic).spring,
             0.0
         );
 

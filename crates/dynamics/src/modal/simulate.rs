@@ -293,20 +293,30 @@ pub(super) fn contact_extremes(lane: &PreparedHit, outcome: &Outcome) -> Vec<Con
     let named = lane.model.contacts().iter().zip(&outcome.contacts).enumerate();
     named
         .map(|(i, (contact, outcome))| {
-            let (state, seen) = (contact.pressure(), &outcome.extremes);
-            let open = seen.lowest <= lane.open_below(i);
-            // A parabola through three steps can fall below the domain of the law.
-            let lowest = (state + seen.lowest).max(contact.law().domain().pressure_min);
-            let stiffness = |increment: f64| {
-                let closed = increment > lane.open_below(i);
-                if closed { contact.law().stiffness(state + increment) } else { 0.0 }
+            let (law, state, seen) = (contact.law(), contact.pressure(), &outcome.extremes);
+            let open_below = lane.open_below(i);
+            // The pressure rises with the closure, so its extremes are those of the closure.
+            let at = |closure: f64| {
+                if closure <= open_below {
+                    return [0.0; 2];
+                }
+                let increment = law.pressure_increment(state, closure);
+                // Of what is left of a pressure the difference would be round-off.
+                if increment.value > -0.5 * state {
+                    [state + increment.value, increment.tangent]
+                } else {
+                    let left = law.pressure(contact.closure() + closure);
+                    [left.value, left.tangent]
+                }
             };
+            let ([pressure_min, _], [pressure_max, _]) = (at(seen.lowest), at(seen.highest));
             // From steps 1 to N to steps 0 to N - 1.
-            let shifted = (stiffness(0.0) - stiffness(outcome.pressure)) / lane.steps as f64;
+            let [[_, first], [_, last]] = [at(0.0), at(outcome.closure)];
+            let shifted = (first - last) / lane.steps as f64;
             ContactExtremes {
-                pressure_min: if open { 0.0 } else { lowest },
-                pressure_max: state + seen.highest,
-                lost: seen.open_steps as f64 * lane.tabulated.step_model.step,
+                pressure_min,
+                pressure_max,
+                lost: seen.open_steps * lane.tabulated.step_model.step,
                 stiffness_average: outcome.stiffness + shifted,
             }
         })

@@ -4,16 +4,19 @@ use asperity_mesh::{ComponentModes, NormalMode, ResidualFlexibility};
 
 use super::oscillator::{Dynamics, ForceInterpolation, Recurrence};
 
-/// Largest growth of an oscillator by the parabola: as a damping ratio, whatever its own damping,
-/// and as a share of its own decay.
+/// Square of the radians in a step up to which the quartic damps an oscillation on its contacts.
+const DAMPED: f64 = 1.44;
+
+/// Largest growth of an oscillator of more radians by the quartic, as a share of its own decay.
 ///
-/// The parabola lags: it turns a contact spring `k` (over the oscillator's inertia) into `k` and a
-/// negative damping `k (w^2 + k) h^3 / 24`. The mean of both ends has a larger error, of second
-/// order, but keeps the energy of any linear contact exactly, at any frequency; so it replaces the
-/// parabola where that would excite an oscillation, first those of light bodies and of elastic
-/// modes.
-const GROWTH_RATIO: f64 = 3e-5;
-const GROWTH_SHARE: f64 = 0.25;
+/// The quartic turns a contact spring `k` (over the oscillator's inertia) of an oscillator of
+/// `r^2 = (w^2 + k) h^2` into a growth of at most `k h^2 (r^2 - 1.44^2 / r^2) / 48` a step. The mean of
+/// both ends has a larger error, of second order, but keeps the energy of any linear contact
+/// exactly, at any frequency; so it replaces the quartic where that would excite an oscillation.
+const GROWTH_SHARE: f64 = 0.5;
+
+/// Contact stiffness over a mode's own up to which it hardly moves the mode.
+const WEAK: f64 = 0.1;
 
 /// Radians in a step from which on a mode counts as following its forces at once. A step cannot
 /// show such an oscillation, and under a force that is frozen within the step it can even grow.
@@ -50,17 +53,20 @@ pub(super) struct StepModel {
 
 impl StepModel {
     /// The model of `structure` with contact `areas` \[m2\] under mass-proportional damping `rate`
-    /// \[1/s\] at `step` \[s\]; `stiffness` \[Pa/m\] is the highest expected at each contact.
+    /// \[1/s\] at `step` \[s\]; `stiffness` \[Pa/m\] is that of each contact at rest, and the highest
+    /// expected.
     pub(super) fn new(
         structure: &ComponentModes,
         areas: &[f64],
-        stiffness: &[f64],
+        stiffness: &[[f64; 2]],
         rate: f64,
         step: f64,
     ) -> Self {
         let of = |mode: &NormalMode| {
-            let pairs = mode.closure.iter().zip(areas).zip(stiffness);
-            let stiff: f64 = pairs.map(|((g, area), k)| g * (g * area) * k * step * step).sum();
+            let stiff = [0, 1].map(|which| -> f64 {
+                let pairs = mode.closure.iter().zip(areas).zip(stiffness);
+                pairs.map(|((g, area), k)| g * (g * area) * k[which] * step * step).sum()
+            });
             let turn = mode.angular_frequency * step;
             (turn <= FAST).then(|| interpolation(turn, stiff, mode.total_damping(rate) * step))
         };
@@ -115,13 +121,16 @@ impl StepModel {
     }
 }
 
-/// The interpolation of force for an oscillator of `turn` radians in a step, under a contact stiffness
-/// `stiff` over its inertia and a damping rate `damping`, both times the step, squared and once.
-fn interpolation(turn: f64, stiff: f64, damping: f64) -> ForceInterpolation {
+/// The interpolation of force for an oscillator of `turn` radians in a step, under contact
+/// stiffnesses at rest and at most over its inertia, and a damping rate `damping`, times the step
+/// squared and once.
+fn interpolation(turn: f64, [rest, most]: [f64; 2], damping: f64) -> ForceInterpolation {
+    // Two equal bodies in contact have twice the stiffness of each of them.
+    let coupled = turn * turn + 2.0 * most;
+    // The stiffness that a mode of its own frequency sees on average is about that at rest.
+    let stiff = if most < WEAK * turn * turn { rest } else { most };
     let squared = turn * turn + stiff;
-    // Per step; over the radians in a step it is a ratio.
-    let growth = stiff * squared / 48.0;
-    let harmless =
-        growth <= GROWTH_RATIO * squared.sqrt() || growth <= GROWTH_SHARE * 0.5 * damping;
-    if harmless { ForceInterpolation::Parabola } else { ForceInterpolation::Average }
+    let growth = stiff * (squared - DAMPED * DAMPED / squared) / 48.0;
+    let harmless = coupled <= DAMPED || growth <= GROWTH_SHARE * 0.5 * damping;
+    if harmless { ForceInterpolation::Quartic } else { ForceInterpolation::Average }
 }

@@ -6,16 +6,16 @@ use super::simulation::HitSimulation;
 use crate::DynamicsError;
 use crate::error::positive;
 
-/// Share of a radian of the lowest natural frequency in a step: the parabola through three
-/// pressures then changes the damping by `(w h)^3 / 48`, four millionths.
-const RADIANS: f64 = 0.056;
+/// Share of a radian of the lowest natural frequency in a step: the quartic through five
+/// pressures then changes the damping ratio by `(w h)^5 / 100`, less than one millionth.
+const RADIANS: f64 = 0.115;
 
-/// Most radians of the lowest natural frequency in a step that was given. The mean of both ends
-/// keeps the energy and has a phase error of `(w h)^2 / 24`, which the energy balance does not show.
-const MOST_RADIANS: f64 = 0.2;
+/// Most radians of the lowest natural frequency in a step that was given, beyond which the motion
+/// is not resolved.
+const MOST_RADIANS: f64 = 1.0;
 
 /// Steps in the time in which the drive force changes.
-const STEPS_A_PULSE: f64 = 24.0;
+const STEPS_A_PULSE: f64 = 16.0;
 
 /// Energy residual above which a step that was chosen is halved, and how often.
 const COARSE_RESIDUAL: f64 = 5e-4;
@@ -57,7 +57,7 @@ impl Resolution {
             let value = TAU * step * natural.unwrap_or(0.0);
             if value > MOST_RADIANS {
                 let quantity = "step [s] times lowest natural frequency [rad/s]";
-                return Err(DynamicsError::Setting { quantity, value, accepted: "at most 0.2" });
+                return Err(DynamicsError::Setting { quantity, value, accepted: "at most 1" });
             }
             return Self::of(step, (duration / step - 1e-9).ceil().max(1.0));
         }

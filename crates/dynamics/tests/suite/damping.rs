@@ -39,7 +39,6 @@ fn free_decay_of_the_linear_rig_has_the_damping_ratio_of_its_first_mode() {
         let grid = |contact| FiniteDifference { contact, ..FiniteDifference::default() }.into();
         let (ratio, maxima) = decay(Modal::default().into());
         let off = ratio / expected.damping_ratio - 1.0;
-        // The parabola of the default step takes some 1e-4 of it away.
         assert!(maxima > 15 && off.abs() < 1e-3, "{name}, modal: off by {off}");
         let (ratio, maxima) = decay(grid(ContactForm::Centred));
         let off = ratio / expected.damping_ratio - 1.0;

@@ -48,7 +48,7 @@ fn hits() -> Vec<HitSimulation> {
             model: Arc::clone(&rigs[5 * n % rigs.len()]),
             excitation,
             duration: [3e-3, 2e-3, 4.5e-3][n / 2 % 3],
-            step: [None, Some(5e-6), Some(4e-6), None][n / 3 % 4],
+            step: [None, Some(2.5e-6), Some(2e-6), None][n / 3 % 4],
         });
     }
     hits
@@ -137,7 +137,7 @@ fn a_failing_hit_changes_no_other() {
         step,
     };
     let fails = [
-        bad(pulse(32.0), 3e-3, Some(1e-5)),
+        bad(pulse(32.0), 3e-3, Some(5e-5)),
         bad(pulse(1e300), 3e-3, Some(5e-6)),
         bad(pulse(1e306), 3e-3, None),
         bad(pulse(f64::NAN), 3e-3, None),

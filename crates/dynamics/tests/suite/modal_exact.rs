@@ -85,7 +85,7 @@ fn undamped_energy_stays_and_the_support_takes_its_share() {
             assert!(off.abs() < 1e-4, "{off}");
         }
     }
-    let damped = run_at(&rig_on(&power(), DISC), &fixed(2e-6), 0.0, &strike, (0.01, 2e5)).energy;
+    let damped = run_at(&rig_on(&power(), DISC), &fixed(5e-7), 0.0, &strike, (0.01, 2e5)).energy;
     assert!(damped.dissipated > 0.05 * damped.input && damped.residual_relative() < 1e-3);
 }
 

@@ -1,6 +1,7 @@
 //! The oscillators of a hit, and of its derivatives.
 
 use super::step_inputs::{Drive, Inputs, ModeInputs};
+use crate::modal::oscillator::NODES;
 
 /// One oscillator between two steps.
 #[derive(Debug, Clone, Copy, Default)]
@@ -8,7 +9,8 @@ struct State {
     /// Displacement and increment at the end of the next step without its new pressures.
     predicted: f64,
     predicted_increment: f64,
-    carry: [f64; 2],
+    /// Shares of the contact forces so far in the steps after next.
+    carry: [f64; NODES - 1],
     /// Increment of this step, displacement and modal force at its end.
     increment: f64,
     displacement: f64,
@@ -19,6 +21,11 @@ struct State {
 #[derive(Debug, Clone)]
 pub(super) struct Motion {
     states: Vec<State>,
+}
+
+/// Shares in the steps to come, one step on, less those of a new force.
+fn carried_on(carry: &[f64; NODES - 1], new: [f64; NODES - 1]) -> [f64; NODES - 1] {
+    std::array::from_fn(|k| carry.get(k + 1).copied().unwrap_or(0.0) - new[k])
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {
@@ -50,7 +57,7 @@ impl Motion {
         let mut output = inputs.output_drive * drive.end - dot(&inputs.output_pressure, pressure);
         for (state, mode) in self.states.iter_mut().zip(&inputs.modes) {
             let force = dot(&mode.force, pressure);
-            let [t0, t1, t2, t3] = mode.contact;
+            let [t0, t1, later @ ..] = mode.contact;
             let increment = state.predicted_increment - t0 * force;
             let displacement = state.predicted - t0 * force;
             output += mode.output * displacement;
@@ -59,7 +66,7 @@ impl Motion {
             *state = State {
                 predicted: displacement + predicted_increment,
                 predicted_increment,
-                carry: [state.carry[1] - t2 * force, -t3 * force],
+                carry: carried_on(&state.carry, later.map(|tap| tap * force)),
                 increment,
                 displacement,
                 force,
@@ -139,7 +146,7 @@ impl State {
         *self = Self {
             predicted: displacement + predicted_increment,
             predicted_increment,
-            carry: [self.carry[1] - taps(2), -taps(3)],
+            carry: carried_on(&self.carry, std::array::from_fn(|k| taps(k + 2))),
             increment,
             displacement,
             force,

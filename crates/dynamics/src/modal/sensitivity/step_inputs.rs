@@ -2,6 +2,7 @@
 
 use crate::difference::central_difference;
 use crate::modal::drive::DriveForce;
+use crate::modal::oscillator::NODES;
 use crate::modal::step_model::StepModel;
 
 /// Coefficients of one mode in a step.
@@ -9,7 +10,7 @@ use crate::modal::step_model::StepModel;
 pub(super) struct ModeInputs {
     pub(super) decay: f64,
     pub(super) spring: f64,
-    pub(super) contact: [f64; 4],
+    pub(super) contact: [f64; NODES + 1],
     pub(super) output: f64,
     /// Of the drive's mean and rise in this step, and in the step before.
     pub(super) drive: [f64; 4],

@@ -8,6 +8,7 @@ use pulp::Simd;
 
 use super::table_lookup::TableRow;
 use crate::modal::assembly::PreparedHit;
+use crate::modal::oscillator::NODES;
 pub(super) use coefficient::{Coefficient, Each, Same};
 pub(super) use pair::{Numbers, Pair};
 
@@ -22,15 +23,15 @@ pub(super) struct Mode<V, C, const N: usize> {
     /// pressures.
     pub(super) predicted: V,
     pub(super) predicted_increment: V,
-    /// Shares of the contact forces so far in the step after next and the one after.
-    pub(super) carry: [V; 2],
-    /// Increment of the last step, if it was kept.
+    /// Shares of the contact forces so far in the steps after next.
+    pub(super) carry: [V; NODES - 1],
+    /// Increment of the last step.
     pub(super) increment: V,
     pub(super) decay: C,
     /// Less `k`.
     pub(super) spring: C,
     /// Less the taps of the contact force.
-    pub(super) contact: [C; 4],
+    pub(super) contact: [C; NODES + 1],
     pub(super) output: C,
     /// Shape of each closure, in cells of its table.
     pub(super) closure: [C; N],
@@ -59,7 +60,7 @@ pub(super) struct Contact<V, C, const N: usize> {
     pub(super) coupling: [C; N],
     /// Output per pressure, of the modes left out.
     pub(super) output: C,
-    /// Places in the lane's table: of rest, of its start and of its end.
+    /// Place of rest in the lane's table, and closures of its start and of its end.
     pub(super) rest: C,
     pub(super) first: C,
     pub(super) last: C,
@@ -67,6 +68,8 @@ pub(super) struct Contact<V, C, const N: usize> {
     /// of the table's first row. Places stay those in the table, so that their rounding does not
     /// depend on which tables are laid out before.
     pub(super) whole: C,
+    /// The sum of `whole` and `rest`: less it, a place so marked is the closure where its row begins.
+    pub(super) whole_at_rest: C,
     /// Newton correction, in cells, below which the law is replaced by its tangent.
     pub(super) tolerance: C,
     /// Cells per drive force, and displacement of the driving point per pressure, of the modes
@@ -118,49 +121,12 @@ pub(super) struct Step<V, const N: usize> {
 }
 
 /// Earlier steps from which the next closure is extrapolated.
-pub(super) const PAST: usize = 3;
+pub(super) const PAST: usize = 5;
 
 /// The drive force in one step: its mean, rise and end \[N\].
 #[derive(Clone, Copy)]
 #[repr(C, align(64))]
 pub(super) struct Drive<V>(pub(super) [V; 3]);
-
-/// Quantities summed over steps besides the samples.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Measure {
-    /// Weight of this step in sums over all steps; zero for steps that are left out.
-    pub(super) weight: f64,
-    /// True if the increments are kept for the next step.
-    pub(super) remember: bool,
-}
-
-/// Steps from one that is measured to the next.
-const EVERY: usize = 4;
-
-impl Measure {
-    /// The measure of step `n`, counted from one, of `steps`.
-    ///
-    /// Loss and tangent change little over a few steps, so every fourth is summed with the
-    /// weights of the trapezoidal rule: four, and two and a half at both ends, for the
-    /// step itself and half of three neighbours. The steps before the first and after the last
-    /// multiple of four have the weight one.
-    pub(super) fn of(n: usize, steps: usize) -> Self {
-        Self { weight: weight(n, steps), remember: weight(n + 1, steps) > 0.0 }
-    }
-}
-
-fn weight(n: usize, steps: usize) -> f64 {
-    let last = steps - steps % EVERY;
-    if n < EVERY || n > last || last == EVERY {
-        1.0
-    } else if !n.is_multiple_of(EVERY) {
-        0.0
-    } else if n == EVERY || n == last {
-        2.5
-    } else {
-        4.0
-    }
-}
 
 /// Numbers from one per lane.
 #[inline(always)]
@@ -182,35 +148,4 @@ pub(super) fn lane_of<S: Simd>(numbers: &Numbers<S>, lane: usize) -> f64 {
 #[inline(always)]
 pub(super) fn set_lane<S: Simd>(numbers: &mut Numbers<S>, lane: usize, number: f64) {
     pulp::bytemuck::cast_slice_mut::<S::f64s, f64>(numbers)[lane] = number;
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// The sum over steps is exact for a constant, whatever the number of steps, and for a line:
-    /// the weights have the right centre.
-    #[test]
-    fn weights_sum_to_all_steps() {
-        for steps in 1..60_usize {
-            let sum = |of: &dyn Fn(f64) -> f64| -> f64 {
-                (1..=steps).map(|n| weight(n, steps) * of(n as f64)).sum()
-            };
-            let count = steps as f64;
-            // Multiples of one half below 2^53: no rounding.
-            assert_eq!(sum(&|_| 1.0), count);
-            assert_eq!(sum(&|n| n), 0.5 * count * (count + 1.0));
-        }
-    }
-
-    /// A measured step has the increment before it kept.
-    #[test]
-    fn increments_are_kept_before_measured_steps() {
-        for steps in 1..40 {
-            for n in 2..=steps {
-                let measured = Measure::of(n, steps).weight > 0.0;
-                assert_eq!(Measure::of(n - 1, steps).remember, measured);
-            }
-        }
-    }
 }

@@ -61,9 +61,10 @@ struct Curve<'a, const N: usize> {
 
 impl<const N: usize> Curve<'_, N> {
     fn pressure(&self, closure: f64) -> f64 {
-        let place = (closure + self.rest).max(self.first).min(self.last);
+        let closure = closure.max(self.first).min(self.last);
+        let place = closure + self.rest;
         let cell = (place as usize).min(self.table.len().saturating_sub(1));
-        let t = place - cell as f64;
+        let t = closure - (cell as f64 - self.rest);
         let [c0, c1, c2, c3] = self.table.get(cell).copied().unwrap_or_default();
         c0 + t * (c1 + t * (c2 + t * c3))
     }
@@ -109,7 +110,7 @@ mod tests {
         // Open below cell 1, then stiff, then soft: a kink that sends Newton back and forth.
         let table = [[-1.0, 0.0, 0.0, 0.0], [-1.0, 50.0, 0.0, 0.0], [49.0, 0.1, 0.0, 0.0]];
         let curve =
-            |coupling| Curve { table: &table, first: 0.0, rest: 1.02, last: 2.999, coupling };
+            |coupling| Curve { table: &table, first: -1.0, rest: 1.0, last: 1.999, coupling };
         let contacts = [curve([0.9, -0.8]), curve([-0.8, 0.9])];
         for target in [[3.0, -5.0], [0.0, 0.0], [-1.0, -1.0], [10.0, -30.0], [1.0, 1.0]] {
             let (y, p) = gauss_seidel(&contacts, &target);

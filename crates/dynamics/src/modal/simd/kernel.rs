@@ -17,7 +17,7 @@
 mod contact_solve;
 mod linear_solve;
 
-use super::block::{Block, Coefficient, Drive, Measure, Numbers, PAST, Pair, Step};
+use super::block::{Block, Coefficient, Drive, Numbers, PAST, Pair, Step};
 use super::table_lookup::TableLookup;
 
 impl<S: TableLookup, C: Coefficient<S>, const N: usize> Block<'_, S, C, N> {
@@ -34,36 +34,32 @@ impl<S: TableLookup, C: Coefficient<S>, const N: usize> Block<'_, S, C, N> {
         simd: S,
         past: &[Step<Numbers<S>, N>; PAST],
         step: &mut Step<Numbers<S>, N>,
-        measure: Measure,
     ) {
         let interfaces = self.interfaces();
         let pair = Pair(simd);
-        let (closure, pressure) = self.solve(simd, past, measure);
-        let measured = measure.weight > 0.0;
+        let (closure, pressure) = self.solve(simd, past);
         let mut predicted = [pair.splat(0.0); N];
         let mut output = pair.splat(0.0);
-        let mut loss = pair.splat(0.0);
+        let mut loss = self.loss;
         for mode in &mut self.modes {
             let mut force = pair.mul(mode.force[0].all(simd), pressure[0]);
             for i in 1..interfaces {
                 force = pair.mul_add(mode.force[i].all(simd), pressure[i], force);
             }
-            let [t0, t1, t2, t3] = mode.contact;
+            let [t0, t1, t2, t3, t4, t5] = mode.contact;
             let pushed = pair.mul(t0.all(simd), force);
             let increment = pair.add(mode.predicted_increment, pushed);
             let reached = pair.add(mode.predicted, pushed);
             output = pair.mul_add(mode.output.all(simd), reached, output);
-            if measured {
-                let change = pair.mul(mode.loss[1].all(simd), mode.increment);
-                let change = pair.mul_add(mode.loss[0].all(simd), increment, change);
-                loss = pair.mul_add(increment, change, loss);
-            }
-            if measure.remember {
-                mode.increment = increment;
-            }
+            let change = pair.mul(mode.loss[1].all(simd), mode.increment);
+            let change = pair.mul_add(mode.loss[0].all(simd), increment, change);
+            loss = pair.mul_add(increment, change, loss);
+            mode.increment = increment;
             let carried = pair.mul_add(t1.all(simd), force, mode.carry[0]);
             mode.carry[0] = pair.mul_add(t2.all(simd), force, mode.carry[1]);
-            mode.carry[1] = pair.mul(t3.all(simd), force);
+            mode.carry[1] = pair.mul_add(t3.all(simd), force, mode.carry[2]);
+            mode.carry[2] = pair.mul_add(t4.all(simd), force, mode.carry[3]);
+            mode.carry[3] = pair.mul(t5.all(simd), force);
             let sprung = pair.mul_add(mode.spring.all(simd), reached, carried);
             let predicted_increment = pair.mul_add(mode.decay.all(simd), increment, sprung);
             let next_predicted = pair.add(reached, predicted_increment);
@@ -74,9 +70,7 @@ impl<S: TableLookup, C: Coefficient<S>, const N: usize> Block<'_, S, C, N> {
                     pair.mul_add(mode.closure[i].all(simd), next_predicted, predicted[i]);
             }
         }
-        if measured {
-            self.loss = pair.mul_add(pair.splat(measure.weight), loss, self.loss);
-        }
+        self.loss = loss;
         for i in 0..interfaces {
             let contact = &mut self.contacts[i];
             output = pair.less_mul(contact.output.all(simd), pressure[i], output);
@@ -117,7 +111,7 @@ impl<S: TableLookup, C: Coefficient<S>, const N: usize> Block<'_, S, C, N> {
         }
     }
 
-    /// Increment of the driving point by the modes in the last step, if it was kept.
+    /// Increment of the driving point by the modes in the last step.
     #[inline(always)]
     pub(super) fn driving_point_increment(&self, simd: S) -> Numbers<S> {
         let pair = Pair(simd);

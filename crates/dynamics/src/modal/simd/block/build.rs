@@ -7,6 +7,7 @@ use pulp::Simd;
 
 use super::{Block, Coefficient, Contact, Drive, Mode, Pair, WHOLE, numbers, set_lane};
 use crate::modal::assembly::PreparedHit;
+use crate::modal::oscillator::NODES;
 use crate::modal::simd::table_lookup::TableRow;
 use crate::modal::step_model::ModeStep;
 
@@ -57,7 +58,7 @@ impl<'a, S: Simd, C: Coefficient<S>, const N: usize> Block<'a, S, C, N> {
         let mode = |m: usize| Mode {
             predicted: zero,
             predicted_increment: zero,
-            carry: [zero; 2],
+            carry: [zero; NODES - 1],
             increment: zero,
             decay: step(m, &|mode| mode.recurrence.decay),
             spring: step(m, &|mode| -mode.recurrence.spring),
@@ -93,10 +94,20 @@ impl<'a, S: Simd, C: Coefficient<S>, const N: usize> Block<'a, S, C, N> {
                 }),
                 output: at(i, &|lane| lane.tabulated.step_model.output_pressure[i]),
                 rest: at(i, &|lane| lane.tabulated.tables[i].scales()[1].offset),
-                first: at(i, &|_| 0.0),
+                first: at(i, &|lane| -lane.tabulated.tables[i].scales()[1].offset),
                 // The last place within the last cell.
-                last: at(i, &|lane| lane.tabulated.tables[i].cells().len() as f64 - 1e-6),
+                last: at(i, &|lane| {
+                    let table = &lane.tabulated.tables[i];
+                    table.cells().len() as f64 - 1e-6 - table.scales()[1].offset
+                }),
                 whole: C::new(simd, &|lane| WHOLE + start(lane).unwrap_or(0) as f64),
+                whole_at_rest: C::new(simd, &|lane| {
+                    let rest = |hit: &&PreparedHit| {
+                        hit.tabulated.tables.get(i).map(|table| table.scales()[1].offset)
+                    };
+                    let rest = lanes.get(lane).and_then(rest).unwrap_or(0.0);
+                    WHOLE + start(lane).unwrap_or(0) as f64 + rest
+                }),
                 tolerance: at(i, &|lane| lane.tabulated.tolerances[i]),
                 drive: at(i, &|lane| lane.tabulated.step_model.residual.drive[i] * cells(lane, i)),
                 driving_point: at(i, &|lane| {

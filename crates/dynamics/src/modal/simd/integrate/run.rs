@@ -5,7 +5,7 @@ use pulp::Simd;
 use super::{ContactOutcome, LAST_STATES, Outcome, Recording, RunEnd};
 use crate::modal::assembly::PreparedHit;
 use crate::modal::simd::block::{
-    Block, CHUNK, Coefficient, Drive, Measure, Numbers, PAST, Pair, Step, lane_of,
+    Block, CHUNK, Coefficient, Drive, Numbers, PAST, Pair, Step, lane_of,
 };
 use crate::modal::simd::contact_extremes::BlockExtremes;
 use crate::modal::simd::decimation::DecimationState;
@@ -86,15 +86,13 @@ impl<'a, S: TableLookup, C: Coefficient<S>, const N: usize> Run<'a, S, C, N> {
         for n in 0..count {
             let (past, next) = self.chunk.split_at_mut(PAST + n);
             let (Some(past), [step, ..]) = (past.last_chunk::<PAST>(), next) else { return };
-            let mut measure = Measure::of(reached + n + 1, self.steps);
             let drive = &self.drive[n];
             let mut before = None;
             if driven {
-                measure.remember = true;
                 before = Some(self.block.driving_point_increment(simd));
                 self.block.push(simd, drive);
             }
-            self.block.step(simd, past, step, measure);
+            self.block.step(simd, past, step);
             if let Some(before) = before {
                 self.block.count_work(simd, drive, before, step);
             }
@@ -146,15 +144,15 @@ impl<'a, S: TableLookup, C: Coefficient<S>, const N: usize> Run<'a, S, C, N> {
     fn check_failures(&mut self, reached: usize) {
         for (lane, end) in self.ends.iter_mut().enumerate() {
             let (RunEnd::Done, Some(hit)) = (*end, self.block.lanes[lane]) else { continue };
-            let tables = hit.tabulated.tables.iter().zip(&hit.tabulated.tops);
-            for (i, (table, top)) in tables.enumerate() {
+            for (i, table) in hit.tabulated.tables.iter().enumerate() {
                 let seen = self.extremes.extremes(i, lane);
                 if seen.lost {
                     *end = RunEnd::NotFinite(reached, i);
                     break;
                 }
                 // Beyond the table its last value was used.
-                if seen.highest_step + table.pressure_state() >= top * (1.0 - 1e-6) {
+                let cells = table.cells().len() as f64 - table.scales()[1].offset;
+                if seen.highest_step >= cells {
                     *end = RunEnd::Beyond(i);
                     break;
                 }
@@ -175,9 +173,9 @@ impl<'a, S: TableLookup, C: Coefficient<S>, const N: usize> Run<'a, S, C, N> {
                 let contact = &self.block.contacts[i];
                 let per_metre = table.scales()[1].cells_per_metre;
                 ContactOutcome {
-                    extremes: self.extremes.extremes(i, lane),
+                    extremes: self.extremes.extremes(i, lane).scaled(1.0 / per_metre),
                     stiffness: of(&contact.stiffness) * per_metre / self.steps as f64,
-                    pressure: self.extremes.newest(i, lane),
+                    pressure: of(&newest.pressure[i]),
                     closure: of(&newest.closure[i]) / per_metre,
                 }
             });

@@ -1,12 +1,10 @@
 //! The contact laws of one step: Newton's method on cubic tables.
 //!
-//! The parabola through the last three closures predicts the next one so closely that one
+//! The quartic through the last five closures predicts the next one so closely that one
 //! correction is enough, except when a contact opens or closes.
 
 use super::linear_solve::{factor, solve_factored};
-use crate::modal::simd::block::{
-    Block, Coefficient, Contacts, Matrix, Measure, Numbers, PAST, Pair, Step,
-};
+use crate::modal::simd::block::{Block, Coefficient, Contacts, Matrix, Numbers, PAST, Pair, Step};
 use crate::modal::simd::table_lookup::TableLookup;
 
 /// Newton corrections before a lane is solved by itself.
@@ -32,15 +30,15 @@ impl<S: TableLookup, C: Coefficient<S>, const N: usize> Block<'_, S, C, N> {
         &mut self,
         simd: S,
         past: &[Step<Numbers<S>, N>; PAST],
-        measure: Measure,
     ) -> (Contacts<S, N>, Contacts<S, N>) {
         let interfaces = self.interfaces();
         let pair = Pair(simd);
-        let three = pair.splat(3.0);
-        let mut closure = [three; N];
+        let (five, ten) = (pair.splat(5.0), pair.splat(10.0));
+        let mut closure = [five; N];
         for i in 0..interfaces {
-            let [x2, x1, x0] = [&past[0], &past[1], &past[2]].map(|step| step.closure[i]);
-            closure[i] = pair.mul_add(three, pair.sub(x0, x1), x2);
+            let [x4, x3, x2, x1, x0] = past.each_ref().map(|step| step.closure[i]);
+            let inner = pair.mul_add(ten, pair.sub(x2, x1), x4);
+            closure[i] = pair.mul_add(five, pair.sub(x0, x3), inner);
         }
         let law = self.linearise(simd, &closure);
         let mut pressure = law.pressure;
@@ -49,16 +47,13 @@ impl<S: TableLookup, C: Coefficient<S>, const N: usize> Block<'_, S, C, N> {
             closure[i] = pair.add(closure[i], correction[i]);
             pressure[i] = pair.mul_add(law.tangent[i], correction[i], pressure[i]);
         }
-        if measure.weight > 0.0 {
-            let weight = pair.splat(measure.weight);
-            for i in 0..interfaces {
-                let contact = &mut self.contacts[i];
-                contact.stiffness = pair.mul_add(weight, law.tangent[i], contact.stiffness);
-            }
-        }
+        let mut tangent = law.tangent;
         let open = self.unsolved(simd, &correction);
         if pair.any(open) {
-            self.refine(simd, open, &mut closure, &mut pressure);
+            self.refine(simd, open, &mut closure, &mut pressure, &mut tangent);
+        }
+        for i in 0..interfaces {
+            self.contacts[i].stiffness = pair.add(self.contacts[i].stiffness, tangent[i]);
         }
         (closure, pressure)
     }
@@ -94,6 +89,7 @@ impl<S: TableLookup, C: Coefficient<S>, const N: usize> Block<'_, S, C, N> {
         mut open: [S::m64s; 2],
         closure: &mut Contacts<S, N>,
         pressure: &mut Contacts<S, N>,
+        tangent: &mut Contacts<S, N>,
     ) {
         let interfaces = self.interfaces();
         let pair = Pair(simd);
@@ -105,6 +101,7 @@ impl<S: TableLookup, C: Coefficient<S>, const N: usize> Block<'_, S, C, N> {
                 let pressed = pair.mul_add(law.tangent[i], correction[i], law.pressure[i]);
                 closure[i] = pair.select(open, reached, closure[i]);
                 pressure[i] = pair.select(open, pressed, pressure[i]);
+                tangent[i] = pair.select(open, law.tangent[i], tangent[i]);
             }
             open = pair.and(open, self.unsolved(simd, &correction));
             if !pair.any(open) {
@@ -116,6 +113,10 @@ impl<S: TableLookup, C: Coefficient<S>, const N: usize> Block<'_, S, C, N> {
         let (mut alone, mut pressed) = (*closure, *pressure);
         self.solve_fallback(&marks, &mut alone, &mut pressed);
         (*closure, *pressure) = (alone, pressed);
+        let law = self.linearise(simd, closure);
+        for i in 0..interfaces {
+            tangent[i] = pair.select(open, law.tangent[i], tangent[i]);
+        }
     }
 
     #[inline(always)]
@@ -158,13 +159,13 @@ impl<S: TableLookup, C: Coefficient<S>, const N: usize> Block<'_, S, C, N> {
     fn law(&self, simd: S, i: usize, closure: Numbers<S>) -> (Numbers<S>, Numbers<S>) {
         let contact = &self.contacts[i];
         let pair = Pair(simd);
+        // In this order: a closure that is not a number becomes the first.
+        let closure = pair.max(closure, contact.first.all(simd));
+        let closure = pair.min(closure, contact.last.all(simd));
         let place = pair.add(closure, contact.rest.all(simd));
-        // In this order: a place that is not a number becomes the first.
-        let place = pair.max(place, contact.first.all(simd));
-        let place = pair.min(place, contact.last.all(simd));
-        let whole = contact.whole.all(simd);
-        let marked = pair.add(pair.sub(place, pair.splat(HALF)), whole);
-        let t = pair.sub(place, pair.sub(marked, whole));
+        let marked = pair.add(pair.sub(place, pair.splat(HALF)), contact.whole.all(simd));
+        // From the closure, not the place: next to rest all of its digits count.
+        let t = pair.sub(closure, pair.sub(marked, contact.whole_at_rest.all(simd)));
         let ([a0, a1, a2, a3], [b0, b1, b2, b3]) =
             (simd.lookup(&self.rows, marked[0]), simd.lookup(&self.rows, marked[1]));
         let [c0, c1, c2, c3] = [[a0, b0], [a1, b1], [a2, b2], [a3, b3]];
