@@ -221,7 +221,8 @@ pub(crate) struct Output {
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
 
-    /// Write into a folder that holds other files.
+    /// Write into a folder that holds other files, which are kept, or the results of another file of
+    /// the same name, which are replaced.
     #[arg(long, visible_alias = "force")]
     pub(crate) overwrite: bool,
 

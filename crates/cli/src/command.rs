@@ -13,9 +13,9 @@ pub(crate) mod sweep;
 
 use std::path::{Path, PathBuf};
 
-use asperity_figure::Figure;
+use asperity_figure::{Figure, FigureError};
 use asperity_scenario::{Document, Scenario};
-use asperity_study::output::OutputFolder;
+use asperity_study::output::{OutputFolder, OutputRequest};
 use serde_json::Value;
 use tracing::info_span;
 
@@ -54,23 +54,31 @@ fn on_threads<T: Send>(
         .ok_or(Failure::Threads { threads: threads.unwrap_or_default() })
 }
 
-/// The folder that takes the results of a command.
+/// The folder that takes the result of a command.
 struct ResultFolder(OutputFolder);
 
 impl ResultFolder {
-    /// Claims the folder of `output`, by default out/ and the name of the file `input`.
-    fn claim(input: &Path, output: &Output) -> Result<Self, Failure> {
-        Self::claim_at(input, output.out.as_deref(), output.overwrite)
+    /// Claims the folder of `output` for `command`, by default out/ and the name of the file `input`.
+    fn claim(command: &str, input: &Path, output: &Output) -> Result<Self, Failure> {
+        Self::claim_at(command, input, output.out.as_deref(), output.overwrite)
     }
 
-    fn claim_at(input: &Path, out: Option<&Path>, overwrite: bool) -> Result<Self, Failure> {
+    fn claim_at(
+        command: &str,
+        input: &Path,
+        out: Option<&Path>,
+        overwrite: bool,
+    ) -> Result<Self, Failure> {
         let name = || PathBuf::from("out").join(input.file_stem().unwrap_or(input.as_os_str()));
         let folder = out.map_or_else(name, Path::to_owned);
-        Ok(Self(OutputFolder::claim(folder, overwrite)?))
-    }
-
-    fn path(&self) -> &Path {
-        self.0.path()
+        Ok(Self(OutputFolder::claim(&OutputRequest {
+            folder: &folder,
+            command,
+            document: input,
+            // Two files of one name, from two folders, have the same folder by default.
+            replace_other_document: overwrite || out.is_some(),
+            allow_other_files: overwrite,
+        })?))
     }
 
     /// Writes a file.
@@ -80,23 +88,38 @@ impl ResultFolder {
         Ok(())
     }
 
-    /// Draws a figure as SVG.
+    /// Place of a file until the result is finished.
+    fn unfinished(&self, name: &str) -> Result<PathBuf, Failure> {
+        Ok(self.0.unfinished(name)?)
+    }
+
+    /// Draws a figure as SVG. One that cannot be drawn is left out, with a warning.
     fn draw(&self, name: &str, figure: &Figure) -> Result<(), Failure> {
         let svg = info_span!("draw", file = name).in_scope(|| {
             figure.check()?;
-            Ok::<String, Failure>(figure.to_svg())
-        })?;
-        self.write(name, svg)
+            Ok::<String, FigureError>(figure.to_svg())
+        });
+        match svg {
+            Ok(svg) => self.write(name, svg),
+            Err(error) => {
+                tracing::warn!("{name} cannot be drawn: {error}");
+                Ok(())
+            }
+        }
     }
 
-    /// Writes the answer of a command, and prints it where `print` is set.
-    fn answer(&self, name: &str, answer: &Value, print: bool) -> Result<(), Failure> {
+    /// Writes the answer of a command, puts the result in place, and prints the answer where `print`
+    /// is set. Returns the folder.
+    fn finish(self, name: &str, answer: &Value, print: bool) -> Result<PathBuf, Failure> {
         let text = pretty(answer);
-        self.write(name, &text)?;
+        let folder = {
+            let _span = info_span!("write", file = name).entered();
+            self.0.finish(name, &text)?
+        };
         if print {
             answer!("{text}");
         }
-        Ok(())
+        Ok(folder)
     }
 }
 

@@ -99,8 +99,17 @@ impl Failure {
     /// Options of the command that help with the failure.
     fn hint(&self) -> Option<String> {
         match self {
-            Self::Study(StudyError::Output(OutputError::Occupied { .. })) => {
-                Some("choose another folder with --out, or overwrite it with --overwrite".into())
+            Self::Study(StudyError::Output(OutputError::Occupied { .. })) => Some(
+                "choose another folder with --out, or write beside these files with \
+                     --overwrite, which replaces only those that have the name of a new file"
+                    .into(),
+            ),
+            Self::Study(StudyError::Output(OutputError::OtherDocument { .. })) => Some(
+                "choose another folder with --out, or replace these results with --overwrite"
+                    .into(),
+            ),
+            Self::Study(StudyError::Output(OutputError::Busy { .. })) => {
+                Some("wait until it has ended, or choose another folder with --out".into())
             }
             Self::Study(StudyError::Output(OutputError::NotAFolder { .. })) => {
                 Some("choose another folder with --out".into())
@@ -149,6 +158,7 @@ fn analysis_hint(error: &AnalysisError) -> Option<String> {
 fn is_wrong_request(error: &StudyError) -> bool {
     match error {
         StudyError::Samples { .. }
+        | StudyError::Input { .. }
         | StudyError::FitTable(_)
         | StudyError::Document(_)
         | StudyError::Set(_)

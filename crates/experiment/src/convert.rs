@@ -1,8 +1,11 @@
 //! Conversion of measurement files.
 
+use std::io::ErrorKind;
 use std::path::Path;
 
-use asperity_measure::{Format, Measurement, Notice, ReadOptions, WriteOptions, read, write};
+use asperity_measure::{
+    Format, MeasureError, Measurement, Notice, ReadOptions, WriteOptions, read, write,
+};
 
 use crate::error::AnalysisError;
 use crate::stream::measure_error;
@@ -64,6 +67,11 @@ pub fn convert(
             channel.to_si()?;
         }
     }
-    write(to, &records, to_format, &WriteOptions::default())?;
+    write(to, &records, to_format, &WriteOptions::default()).map_err(|error| match error {
+        MeasureError::Io { source, .. } if source.kind() != ErrorKind::InvalidInput => {
+            AnalysisError::Write { path: to.to_owned(), source }
+        }
+        other => other.into(),
+    })?;
     Ok(Conversion { from: format, to: to_format, records: records.len(), notices })
 }

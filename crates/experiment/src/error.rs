@@ -22,6 +22,14 @@ pub enum AnalysisError {
         /// Cause.
         source: io::Error,
     },
+    /// File that cannot be written.
+    #[error("cannot write {}: {source}", path.display())]
+    Write {
+        /// File.
+        path: PathBuf,
+        /// Cause.
+        source: io::Error,
+    },
     /// Empty list of files.
     #[error("no file to analyse")]
     NoFile,
@@ -158,6 +166,7 @@ impl AnalysisError {
                 | Self::NoGoodHit { .. }
                 | Self::Signal(_)
                 | Self::Io { .. }
+                | Self::Write { .. }
         )
     }
 }

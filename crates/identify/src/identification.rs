@@ -17,6 +17,7 @@ use crate::law_band::{LawBand, check_pressures};
 use crate::problem::{CandidateSpec, LossSpec, NoiseSpec};
 use crate::scenario_model::ScenarioModel;
 use asperity_scenario::Laws;
+use asperity_study::provenance::InputFile;
 
 /// Relative reduction of the cost at which a fit has converged.
 const TOLERANCE: f64 = 1e-7;
@@ -65,6 +66,8 @@ pub struct Identification {
     pub laws: Laws,
     /// Notices on replaced or omitted data and settings.
     pub notices: Vec<String>,
+    /// Files that the result depends on, beside problem and scenario.
+    pub files: Vec<InputFile>,
     /// Probability of the intervals.
     pub level: f64,
     /// Wall-clock time \[s\].
@@ -104,6 +107,7 @@ pub fn identify_with_progress(
     let started = Instant::now();
     let BuiltModel { forward, about, mut notices } = problem.model()?;
     let law_name = problem.law()?;
+    let files = problem.input_files()?;
     notices.splice(0..0, problem.notices.iter().cloned());
     let spec = &problem.spec;
     // Errors of the request come before any computation.
@@ -156,6 +160,7 @@ pub fn identify_with_progress(
         comparison_noise_factor,
         design,
         notices,
+        files,
         level: spec.level,
         wall_s: started.elapsed().as_secs_f64(),
         about,

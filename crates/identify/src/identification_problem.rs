@@ -4,9 +4,11 @@ use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
 
+use crate::data_loader::folder_of;
 use crate::error::IdentificationError;
-use crate::problem::{ProblemSpec, ScenarioRef, problem_schema};
+use crate::problem::{DataSpec, ProblemSpec, ScenarioRef, problem_schema};
 use asperity_scenario::{Document, validate_json};
+use asperity_study::provenance::InputFile;
 
 /// An identification problem with its scenario, checked except for the data files.
 #[derive(Debug, Clone)]
@@ -32,6 +34,22 @@ impl IdentificationProblem {
     /// [`IdentificationError`] for a file that cannot be read, a problem or scenario that is not valid.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, IdentificationError> {
         Self::of(Document::read(path)?)
+    }
+
+    /// The files that the problem and its scenario name, with their SHA-256.
+    ///
+    /// # Errors
+    /// [`IdentificationError::Study`] for a file that cannot be read.
+    pub fn input_files(&self) -> Result<Vec<InputFile>, IdentificationError> {
+        let text = |key: &str| self.scenario["excitation"].get(key).and_then(Value::as_str);
+        let mut files = Vec::new();
+        if let (Some("samples"), Some(file)) = (text("kind"), text("file")) {
+            files.push(InputFile::read(folder_of(&self.scenario_path), file.as_ref())?);
+        }
+        for file in self.spec.data.iter().flat_map(DataSpec::files) {
+            files.push(InputFile::read(self.document.folder(), file.as_ref())?);
+        }
+        Ok(files)
     }
 
     /// The problem of a document.

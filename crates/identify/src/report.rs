@@ -131,6 +131,7 @@ impl Identification {
                 "version": env!("CARGO_PKG_VERSION"),
                 "problem_sha256": problem.document.sha256(),
                 "scenario_sha256": problem.scenario_sha256,
+                "files": self.files,
             },
         })
     }

@@ -6,7 +6,6 @@ use std::path::{Path, PathBuf};
 
 use serde::de::DeserializeOwned;
 use serde_json::Value;
-use sha2::{Digest, Sha256};
 use thiserror::Error;
 
 use crate::diagnostic::{Diagnostic, InvalidDocument};
@@ -17,6 +16,7 @@ use crate::pointer::JsonPointer;
 use crate::scenario::{Scenario, scenario_schema};
 use crate::schema_check::check_schema;
 use crate::set_value::{SetError, set_value};
+use crate::sha256::text_sha256;
 use crate::validate;
 
 /// Largest size of a document in bytes.
@@ -250,9 +250,7 @@ impl Document {
 
     /// SHA-256, in hexadecimal, of the value: its JSON without white space and with sorted keys.
     pub fn sha256(&self) -> String {
-        let digest = Sha256::digest(sorted(&self.value).to_string());
-        let nibbles = digest.iter().flat_map(|byte| [byte >> 4, byte & 15]);
-        nibbles.filter_map(|nibble| char::from_digit(nibble.into(), 16)).collect()
+        text_sha256(&sorted(&self.value).to_string())
     }
 }
 

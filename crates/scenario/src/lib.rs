@@ -56,6 +56,7 @@ mod pointer;
 mod scenario;
 mod schema_check;
 mod set_value;
+mod sha256;
 mod suggest;
 mod validate;
 mod wording;
@@ -80,6 +81,7 @@ pub use scenario::{
 };
 pub use schema_check::check_schema;
 pub use set_value::{SetError, set_value};
+pub use sha256::file_sha256;
 pub use validate::{
     MAX_CELLS, MAX_SAMPLES, MAX_SERIES_DEPTH, MAX_STEPS, MIN_SAMPLES, validate, validate_json,
 };

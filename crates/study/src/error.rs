@@ -37,6 +37,14 @@ pub enum StudyError {
         /// The fault.
         source: BuildLawError,
     },
+    /// A file that the result depends on cannot be read.
+    #[error("{}: {source}", path.display())]
+    Input {
+        /// The file.
+        path: PathBuf,
+        /// The fault.
+        source: InputError,
+    },
     /// The force samples cannot be read.
     #[error("{}: {source}", path.display())]
     Samples {
@@ -90,6 +98,11 @@ fn at(interface: Option<&str>) -> String {
     interface.map_or_else(String::new, |name| format!(" at interface \"{name}\""))
 }
 
+/// The number of files that a message does not name.
+fn more(count: usize, named: usize) -> String {
+    if count > named { format!(" and {} more", count - named) } else { String::new() }
+}
+
 /// A table of pressures and stiffnesses that cannot be fitted.
 #[derive(Debug, Error)]
 #[error("{}: {fault}", path.display())]
@@ -127,16 +140,41 @@ pub enum FitTableFault {
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum OutputError {
-    /// The folder holds files that are not results of this command.
-    #[error("the output folder {} holds other files, such as \"{example}\"", folder.display())]
+    /// The folder holds files that are not results.
+    #[error(
+        "the output folder {} holds files that asperity did not write: {}{}",
+        folder.display(),
+        files.join(", "),
+        more(*count, files.len())
+    )]
     Occupied {
         /// The folder.
         folder: PathBuf,
-        /// A file in it that no earlier run of this command wrote.
-        example: String,
+        /// Names of files in it that no earlier run wrote.
+        files: Vec<String>,
+        /// Number of all such files.
+        count: usize,
     },
-    /// The path is a file.
-    #[error("the output folder {} is a file", .0.display())]
+    /// The folder holds results of another document.
+    #[error(
+        "the output folder {} holds the results of another file: {}",
+        folder.display(),
+        document.display()
+    )]
+    OtherDocument {
+        /// The folder.
+        folder: PathBuf,
+        /// The other document.
+        document: PathBuf,
+    },
+    /// Another run writes to the folder.
+    #[error("another run of asperity is writing to the output folder {}", folder.display())]
+    Busy {
+        /// The folder.
+        folder: PathBuf,
+    },
+    /// The path is a file, or a link to nothing.
+    #[error("the output folder {} is not a folder", .0.display())]
     NotAFolder(PathBuf),
     /// The operating system refuses.
     #[error("cannot write {}: {source}", path.display())]

@@ -17,7 +17,7 @@
 //! | prepare | [`assemble`], [`static_state`], [`prepared_scenario`], [`parameter`] |
 //! | compute | [`run`], [`mod@sweep`], [`mod@steady`], [`sensitivity`], [`laws`] |
 //! | observe | [`quantity`], [`observables`], [`observable_extractor`], [`warning`] |
-//! | write | [`summary`], [`record`], [`output`], [`error`] |
+//! | write | [`summary`], [`provenance`], [`record`], [`output`], [`error`] |
 
 pub mod assemble;
 pub mod error;
@@ -27,6 +27,7 @@ pub mod observables;
 pub mod output;
 pub mod parameter;
 pub mod prepared_scenario;
+pub mod provenance;
 pub mod quantity;
 pub mod record;
 pub mod run;

@@ -1,125 +1,183 @@
-//! The output folder: claimed before work starts, written file by file, each whole.
+//! Output folders: a result is written beside its folder and put in place as a whole.
+//!
+//! ```text
+//! out/rig                    results, with .asperity.json: command, document and files of each
+//! out/.rig.asperity/lock     held while a run writes to out/rig
+//! out/.rig.asperity/new      files of a run that is not finished
+//! ```
+//!
+//! A finished run exchanges the folder for the new one in one step where the operating system can,
+//! so that at every moment it holds one complete result. The next run removes what a killed run
+//! has left.
+//!
+//! | module | does |
+//! |---|---|
+//! | `marker` | `.asperity.json`, the record of what wrote the files of a folder |
+//! | `work_folder` | the lock, the unfinished files, and what killed runs have left |
+//! | `replace` | puts a complete result in place: by exchange, or file by file |
 
-use std::io::Write;
+mod marker;
+mod replace;
+mod work_folder;
+
+use std::fs::{self, File};
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use crate::error::OutputError;
+use marker::FolderMarker;
+use work_folder::WorkFolder;
 
-/// File whose presence marks a folder as an earlier output of this command.
-const MARKS: [&str; 6] = [
-    "summary.json",
-    "sweep.json",
-    "modes.json",
-    "law.json",
-    "analysis.json",
-    "identification.json",
-];
+/// Most names of other files in an error.
+const MOST_NAMED: usize = 10;
 
-/// A folder that takes results.
+/// Request for an output folder.
+#[derive(Debug, Clone, Copy)]
+pub struct OutputRequest<'a> {
+    /// The folder.
+    pub folder: &'a Path,
+    /// Command that writes, e.g. `simulate`. Its earlier result is replaced.
+    pub command: &'a str,
+    /// Document that the result is computed from.
+    pub document: &'a Path,
+    /// True if results of another document are replaced, too.
+    pub replace_other_document: bool,
+    /// True if the folder may hold files that are no results. They are kept, except those that have
+    /// the name of a new file.
+    pub allow_other_files: bool,
+}
+
+/// A folder that takes the result of one run.
 ///
-/// Nothing is created before the first file is written, so a failed run leaves
-/// no trace. Each file is written beside its place under a temporary name and
-/// renamed, so that a reader never sees half of it.
-#[derive(Debug, Clone)]
+/// Only [`finish`](Self::finish) changes it. A result that is dropped before leaves the folder as it
+/// was.
+///
+/// ```
+/// use asperity_study::output::{OutputFolder, OutputRequest};
+///
+/// let parent = tempfile::tempdir()?;
+/// let folder = parent.path().join("rig");
+/// let output = OutputFolder::claim(&OutputRequest {
+///     folder: &folder,
+///     command: "simulate",
+///     document: "rig.json".as_ref(),
+///     replace_other_document: false,
+///     allow_other_files: false,
+/// })?;
+/// output.write("history.csv", "time_s\n0\n")?;
+/// assert!(!folder.exists());
+/// output.finish("summary.json", "{}")?;
+/// assert!(folder.join("history.csv").exists());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug)]
 pub struct OutputFolder {
+    /// As requested.
     path: PathBuf,
+    /// Absolute and without links.
+    place: PathBuf,
+    command: String,
+    /// Relative to the folder.
+    document: String,
+    work: WorkFolder,
 }
 
 impl OutputFolder {
-    /// Claims the folder at `path`: it must not exist, or be empty, or hold an
-    /// earlier output of this command, unless `overwrite`.
+    /// Locks a folder for one run, and removes what killed runs have left.
     ///
     /// # Errors
-    /// [`OutputError`] when it holds other files, is a file, or cannot be read.
-    pub fn claim(path: impl Into<PathBuf>, overwrite: bool) -> Result<Self, OutputError> {
-        let path = path.into();
-        let metadata = match std::fs::metadata(&path) {
-            Ok(metadata) => metadata,
-            Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(Self { path }),
-            Err(source) => return Err(OutputError::Io { path, source }),
+    /// [`OutputError`] if another run writes to the folder, if it holds files that are no results or
+    /// results of another document, each unless requested, or cannot be written.
+    pub fn claim(request: &OutputRequest<'_>) -> Result<Self, OutputError> {
+        let path = request.folder.to_owned();
+        let fail = |source| OutputError::Io { path: path.clone(), source };
+        let is_folder = match fs::metadata(&path) {
+            Ok(metadata) if metadata.is_dir() => true,
+            Ok(_) => return Err(OutputError::NotAFolder(path)),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => false,
+            Err(error) => return Err(fail(error)),
         };
-        if !metadata.is_dir() {
+        if !is_folder && fs::symlink_metadata(&path).is_ok() {
             return Err(OutputError::NotAFolder(path));
         }
-        let earlier_output = MARKS.iter().any(|mark| path.join(mark).is_file());
-        if !overwrite && !earlier_output {
-            let io = |source| OutputError::Io { path: path.clone(), source };
-            let entry = std::fs::read_dir(&path).map_err(io)?.next();
-            if let Some(entry) = entry.transpose().map_err(io)? {
-                let example = entry.file_name().to_string_lossy().into_owned();
-                return Err(OutputError::Occupied { folder: path, example });
+        let (work, place) = WorkFolder::lock(&path, is_folder)?;
+        work.recover(&place).map_err(fail)?;
+        let document = marker::relative_path(request.document, &place);
+        let marker = FolderMarker::read(&place);
+        if !request.allow_other_files {
+            let others = marker.others(&place).map_err(fail)?;
+            if !others.is_empty() {
+                let named = others.iter().take(MOST_NAMED);
+                let files = named.map(|name| name.to_string_lossy().into_owned()).collect();
+                return Err(OutputError::Occupied { folder: path, files, count: others.len() });
             }
         }
-        Ok(Self { path })
+        if !request.replace_other_document && marker.is_of_other_document(&document) {
+            let document = place.join(&marker.document);
+            let document = document.canonicalize().unwrap_or(document);
+            return Err(OutputError::OtherDocument { folder: path, document });
+        }
+        Ok(Self { path, place, command: request.command.to_owned(), document, work })
     }
 
-    /// The folder.
+    /// The folder, as requested.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Writes `contents` to the file `name`, whole or not at all.
+    /// Place of the file `name` until the result is finished.
+    ///
+    /// # Errors
+    /// [`OutputError::Io`] when the folder of unfinished files cannot be created.
+    pub fn unfinished(&self, name: &str) -> Result<PathBuf, OutputError> {
+        let new = self.work.new_files();
+        fs::create_dir_all(&new).map_err(self.fail(name))?;
+        Ok(new.join(name))
+    }
+
+    /// Writes `contents` as the file `name` of the result.
     ///
     /// # Errors
     /// [`OutputError::Io`] when the operating system refuses.
-    pub fn write(&self, name: &str, contents: impl AsRef<[u8]>) -> Result<PathBuf, OutputError> {
-        let place = self.path.join(name);
-        let fail = |path: &Path| {
-            let path = path.to_owned();
-            move |source| OutputError::Io { path, source }
-        };
-        std::fs::create_dir_all(&self.path).map_err(fail(&self.path))?;
-        let mut file = tempfile::Builder::new()
-            .prefix(".asperity-")
-            .suffix(".tmp")
-            .tempfile_in(&self.path)
-            .map_err(fail(&self.path))?;
-        file.write_all(contents.as_ref()).map_err(fail(file.path()))?;
-        make_readable(file.as_file());
-        file.persist(&place).map_err(|error| fail(&place)(error.error))?;
-        Ok(place)
+    pub fn write(&self, name: &str, contents: impl AsRef<[u8]>) -> Result<(), OutputError> {
+        let place = self.unfinished(name)?;
+        write_file(&place, contents.as_ref()).map_err(self.fail(name))
+    }
+
+    /// Writes the last file, and puts the result in place of the command's earlier one.
+    ///
+    /// Results of other commands on the same document stay, unless they have a file of the same
+    /// name: then they are removed as a whole.
+    ///
+    /// # Errors
+    /// [`OutputError::Io`] when the operating system refuses. The folder is then as it was.
+    pub fn finish(self, last: &str, contents: impl AsRef<[u8]>) -> Result<PathBuf, OutputError> {
+        self.write(last, contents)?;
+        let fail = |source| OutputError::Io { path: self.path.clone(), source };
+        let mut files = replace::file_names(&self.work.new_files()).map_err(fail)?;
+        files.sort_by_key(|name| (name == last, name.clone()));
+        let earlier = FolderMarker::read(&self.place);
+        let marker = earlier.with_result(&self.document, &self.command, &files);
+        for command in earlier.results.keys().filter(|name| !marker.results.contains_key(*name)) {
+            let folder = self.path.display();
+            tracing::warn!("the results of {command} in {folder} are replaced");
+        }
+        replace::replace(&self.work, &self.place, &earlier, &marker, &files).map_err(fail)?;
+        Ok(self.path.clone())
+    }
+
+    fn fail(&self, name: &str) -> impl FnOnce(io::Error) -> OutputError + use<> {
+        let path = self.path.join(name);
+        |source| OutputError::Io { path, source }
     }
 }
 
-/// Temporary files are private to their owner; results are as readable as any new file.
-#[cfg(unix)]
-fn make_readable(file: &std::fs::File) {
-    use std::os::unix::fs::PermissionsExt;
-    // A failure leaves the file readable for its owner.
-    let _ = file.set_permissions(std::fs::Permissions::from_mode(0o644));
+/// Writes a file to the disk, not to memory alone: a full disk is an error here.
+fn write_file(path: &Path, contents: &[u8]) -> io::Result<()> {
+    let mut file = File::create(path)?;
+    file.write_all(contents)?;
+    file.sync_all()
 }
-
-#[cfg(not(unix))]
-fn make_readable(_: &std::fs::File) {}
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_folder_of_other_files_needs_overwrite() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("out");
-        assert!(OutputFolder::claim(&path, false).is_ok());
-        assert!(!path.exists(), "claiming creates nothing");
-        std::fs::create_dir(&path).unwrap();
-        assert!(OutputFolder::claim(&path, false).is_ok());
-        std::fs::write(path.join("thesis.tex"), "x").unwrap();
-        let refused = OutputFolder::claim(&path, false).unwrap_err();
-        assert!(refused.to_string().contains("thesis.tex"));
-        assert!(OutputFolder::claim(&path, true).is_ok());
-        assert!(OutputFolder::claim(path.join("thesis.tex"), true).is_err());
-    }
-
-    #[test]
-    fn an_earlier_output_is_written_over_and_no_temporary_file_stays() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("deep/out");
-        let output = OutputFolder::claim(&path, false).unwrap();
-        output.write("summary.json", "1").unwrap();
-        let again = OutputFolder::claim(&path, false).unwrap();
-        again.write("summary.json", "2").unwrap();
-        assert_eq!(std::fs::read_to_string(path.join("summary.json")).unwrap(), "2");
-        assert_eq!(std::fs::read_dir(&path).unwrap().count(), 1);
-    }
-}
+mod tests;

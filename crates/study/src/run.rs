@@ -12,8 +12,9 @@ use crate::error::StudyError;
 use crate::observables::{
     Observables, Peaks, ResponseView, contact_views, features_of, free_from, frequency_response,
 };
+use crate::provenance::Provenance;
 use crate::static_state::StaticSummary;
-use crate::summary::{Numerics, Provenance, Summary};
+use crate::summary::{Numerics, Summary};
 
 /// Zero padding of the FRF that is written and drawn.
 const FRF_PADDING: usize = 4;
@@ -84,7 +85,7 @@ pub fn simulate_with_progress(
         instructions: format!("{:?}", assembly.method.instructions()).to_lowercase(),
         wall_s: started.elapsed().as_secs_f64(),
     };
-    let provenance = Provenance::new(document.sha256());
+    let provenance = Provenance::of_scenario(document, scenario)?;
     let title = scenario.title.clone();
     let summary = Summary::new(title, at_rest, &observables, numerics, provenance);
     Ok(Run { assembly, transient, observables, summary })

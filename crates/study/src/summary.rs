@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use crate::observables::Observables;
+use crate::provenance::Provenance;
 use crate::quantity::Quantity;
 use crate::static_state::{StaticInterface, StaticSummary};
 use crate::warning::Warning;
@@ -105,22 +106,6 @@ pub struct Numerics {
     pub instructions: String,
     /// Time the integration and analysis took \[s\].
     pub wall_s: f64,
-}
-
-/// Origin of a result.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct Provenance {
-    /// Version of asperity.
-    pub version: &'static str,
-    /// SHA-256 of the scenario, with its changes, in canonical form.
-    pub scenario_sha256: String,
-}
-
-impl Provenance {
-    /// The provenance of a scenario with this hash.
-    pub fn new(scenario_sha256: String) -> Self {
-        Self { version: env!("CARGO_PKG_VERSION"), scenario_sha256 }
-    }
 }
 
 impl Summary {

@@ -3,9 +3,11 @@
 //! | module | holds |
 //! |---|---|
 //! | `variation` | pointers and their values |
+//! | `input_files` | files that the runs read, with their SHA-256 |
 //! | `plan` | the scenarios of a sweep, checked before the first run |
 //! | `table` | the results, and as CSV |
 
+mod input_files;
 mod plan;
 mod table;
 mod variation;
@@ -26,6 +28,7 @@ use crate::prepared_scenario::PreparedScenario;
 use crate::run::observables;
 use plan::Plan;
 
+pub use input_files::input_files;
 pub use plan::SweepError;
 pub use table::Sweep;
 pub use variation::{MOST_RUNS, Variation, VariationError, number_of_runs};

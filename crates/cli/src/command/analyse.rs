@@ -17,7 +17,8 @@ const MOST_SHOWN: usize = 30;
 /// Analyses the files of one test; writes tables and figures.
 pub(crate) fn run(asked: &Analyse, quiet: bool) -> Result<(), Failure> {
     let first = asked.files.first().map_or("analysis".as_ref(), PathBuf::as_path);
-    let folder = ResultFolder::claim_at(first, asked.out.as_deref(), asked.overwrite)?;
+    let out = asked.out.as_deref();
+    let folder = ResultFolder::claim_at("analyse", first, out, asked.overwrite)?;
     let bar = crate::progress::bar(2 * asked.files.len() as u64, "reading", quiet);
     let analysis = analyse_with_progress(&asked.files, &options(asked), &|passes| {
         bar.set_position(passes as u64);
@@ -31,14 +32,14 @@ pub(crate) fn run(asked: &Analyse, quiet: bool) -> Result<(), Failure> {
     for (name, figure) in plot::figures(&analysis) {
         folder.draw(name, &figure)?;
     }
-    folder.answer("analysis.json", &json!(analysis.report), asked.json)?;
+    let folder = folder.finish("analysis.json", &json!(analysis.report), asked.json)?;
     if !asked.json && !quiet {
         crate::progress::show_notices(analysis.report.notices.iter().map(|notice| {
             let notice = notice.replace("`band_hz`", "--band LO:HI");
             notice.replace("`flip_force`", "--flip-force")
         }));
         answer!("{}", in_words(&analysis.report));
-        answer_line!("written to {}", folder.path().display());
+        answer_line!("written to {}", folder.display());
     }
     Ok(())
 }

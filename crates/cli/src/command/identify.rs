@@ -23,7 +23,7 @@ pub(crate) fn run(
     quiet: bool,
 ) -> Result<(), Failure> {
     let problem = info_span!("read").in_scope(|| IdentificationProblem::read(path))?;
-    let folder = ResultFolder::claim(path, output)?;
+    let folder = ResultFolder::claim("identify", path, output)?;
     let bar: Mutex<Option<(&str, ProgressBar)>> = Mutex::new(None);
     let show = |step: Progress| {
         let stage = step.stage.name();
@@ -57,10 +57,10 @@ pub(crate) fn run(
         folder.draw(&format!("{name}.svg"), figure)?;
     }
     folder.write("report.html", plot::identification_report(&problem, &found, &figures))?;
-    folder.answer("identification.json", &found.report(&problem), output.json)?;
+    let folder = folder.finish("identification.json", &found.report(&problem), output.json)?;
     if !output.json && !quiet {
         print_estimates(&found);
-        answer_line!("written to {}", folder.path().display());
+        answer_line!("written to {}", folder.display());
     }
     Ok(())
 }

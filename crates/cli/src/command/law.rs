@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use asperity_study::laws::{fit, tabulate};
+use asperity_study::provenance::{InputFile, Provenance};
 use asperity_study::record::law_csv;
-use asperity_study::summary::Provenance;
 use serde_json::json;
 
 use super::ResultFolder;
@@ -18,7 +18,7 @@ pub(crate) fn run(input: &Input, output: &Output, table: Option<&Path>) -> Resul
     let scenario = super::checked(&document)?;
     let fitted = table.map(fit).transpose().map_err(asperity_study::error::StudyError::from)?;
     let tables = tabulate(&scenario)?;
-    let folder = ResultFolder::claim(document.path(), output)?;
+    let folder = ResultFolder::claim("law", document.path(), output)?;
     for law in &tables {
         folder.write(&format!("law-{}.csv", law.name), law_csv(law))?;
     }
@@ -35,13 +35,17 @@ pub(crate) fn run(input: &Input, output: &Output, table: Option<&Path>) -> Resul
         })
     });
     let names: Vec<&str> = tables.iter().map(|law| law.name.as_str()).collect();
+    let mut provenance = Provenance::of_scenario(&document, &scenario)?;
+    if let Some(table) = table {
+        provenance.files.push(InputFile::read(Path::new(""), table)?);
+    }
     let answer = json!({
         "schema": "asperity/law/1",
         "laws": names,
         "fit": fit_json,
-        "provenance": Provenance::new(document.sha256()),
+        "provenance": provenance,
     });
-    folder.answer("law.json", &answer, output.json)?;
+    let folder = folder.finish("law.json", &answer, output.json)?;
     if output.json {
         return Ok(());
     }
@@ -54,6 +58,6 @@ pub(crate) fn run(input: &Input, output: &Output, table: Option<&Path>) -> Resul
             answer_line!("standard errors: ln C {c:.3}, m {m:.3}");
         }
     }
-    answer_line!("{} laws tabulated in {}", tables.len(), folder.path().display());
+    answer_line!("{} laws tabulated in {}", tables.len(), folder.display());
     Ok(())
 }

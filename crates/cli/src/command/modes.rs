@@ -2,9 +2,9 @@
 
 use asperity_structure::LinearisedMode;
 use asperity_study::assemble::Assembly;
+use asperity_study::provenance::Provenance;
 use asperity_study::record::modes_csv;
 use asperity_study::static_state::StaticSummary;
-use asperity_study::summary::Provenance;
 use serde_json::json;
 
 use super::ResultFolder;
@@ -21,11 +21,12 @@ pub(crate) fn run(input: &Input, output: &Output, count: usize) -> Result<(), Fa
     let scenario = super::checked(&document)?;
     let assembly = Assembly::new(&scenario, document.folder())?;
     let found = assembly.structure.modes(count)?;
-    let folder = ResultFolder::claim(document.path(), output)?;
+    let folder = ResultFolder::claim("modes", document.path(), output)?;
 
     let (places, shapes) = shapes(&assembly, &found);
     folder.write("modes.csv", modes_csv(&places, &found, &shapes))?;
     folder.draw("modes.svg", &plot::modes(&places, &found, &shapes))?;
+    let provenance = Provenance::of_scenario(&document, &scenario)?;
     let answer = json!({
         "schema": "asperity/modes/1",
         "title": scenario.title,
@@ -34,9 +35,9 @@ pub(crate) fn run(input: &Input, output: &Output, count: usize) -> Result<(), Fa
             "frequency_hz": mode.frequency_hz,
             "damping_ratio": mode.damping_ratio,
         })).collect::<Vec<_>>(),
-        "provenance": Provenance::new(document.sha256()),
+        "provenance": provenance,
     });
-    folder.answer("modes.json", &answer, output.json)?;
+    let folder = folder.finish("modes.json", &answer, output.json)?;
     if output.json {
         return Ok(());
     }
@@ -44,7 +45,7 @@ pub(crate) fn run(input: &Input, output: &Output, count: usize) -> Result<(), Fa
         let (hz, percent) = (mode.frequency_hz, 100.0 * mode.damping_ratio);
         answer_line!("mode {:<3} {hz:>12.3} Hz   damping {percent:.3} %", number + 1);
     }
-    answer_line!("written to {}", folder.path().display());
+    answer_line!("written to {}", folder.display());
     Ok(())
 }
 

@@ -26,7 +26,7 @@ pub(crate) fn run(
 ) -> Result<(), Failure> {
     let document = super::read(input)?;
     let scenario = super::checked(&document)?;
-    let folder = ResultFolder::claim(document.path(), output)?;
+    let folder = ResultFolder::claim("simulate", document.path(), output)?;
 
     let bar = crate::progress::bar(100, "integrating", quiet);
     let shown = AtomicU64::new(0);
@@ -50,17 +50,17 @@ pub(crate) fn run(
     if let Some(format) = record {
         let rate = run.assembly.sampling.rate();
         let record = measurement_record(history, rate, scenario.title.as_deref());
-        let place = folder.path().join(format.file_name());
+        let place = folder.unfinished(format.file_name())?;
         let written = write(&place, &[record], format.format(), &WriteOptions::default());
         written.map_err(|error| match error {
             MeasureError::Io { source, .. } => OutputError::Io { path: place, source }.into(),
             other => Failure::from(AnalysisError::from(other)),
         })?;
     }
-    folder.answer("summary.json", &json!(run.summary), output.json)?;
+    let folder = folder.finish("summary.json", &json!(run.summary), output.json)?;
     if !output.json && !quiet {
         answer!("{}", in_words(&run.summary));
-        answer_line!("written to {}", folder.path().display());
+        answer_line!("written to {}", folder.display());
     }
     Ok(())
 }

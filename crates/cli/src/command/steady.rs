@@ -2,11 +2,11 @@
 
 use asperity_structure::PreloadedContact;
 use asperity_study::assemble::Assembly;
+use asperity_study::provenance::Provenance;
 use asperity_study::static_state::StaticSummary;
 use asperity_study::steady::{
     Steady, SteadyRequest, SteadySummary, backbone_csv, steady_csv, steady_with_progress,
 };
-use asperity_study::summary::Provenance;
 use serde_json::json;
 
 use super::ResultFolder;
@@ -33,7 +33,7 @@ pub(crate) fn run(
         backbone: range.backbone,
         verify: range.verify,
     };
-    let folder = ResultFolder::claim(document.path(), output)?;
+    let folder = ResultFolder::claim("steady", document.path(), output)?;
     let bar = crate::progress::bar(request.amplitudes.len() as u64, "amplitudes", quiet);
     let work = || steady_with_progress(&assembly, &request, &|| bar.inc(1));
     let found = super::on_threads(threads, work);
@@ -49,12 +49,13 @@ pub(crate) fn run(
     if let Some(figure) = plot::steady(&found) {
         folder.draw("steady.svg", &figure)?;
     }
-    let (at_rest, provenance) = (StaticSummary::of(&assembly), Provenance::new(document.sha256()));
+    let at_rest = StaticSummary::of(&assembly);
+    let provenance = Provenance::of_scenario(&document, &scenario)?;
     let summary = SteadySummary::new(scenario.title, at_rest, &found, provenance);
-    folder.answer("summary.json", &json!(summary), output.json)?;
+    let folder = folder.finish("summary.json", &json!(summary), output.json)?;
     if !output.json && !quiet {
         print_peaks(&found);
-        answer_line!("written to {}", folder.path().display());
+        answer_line!("written to {}", folder.display());
     }
     let failed: Vec<_> = found
         .levels

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 use std::time::Instant;
 
-use asperity_study::summary::Provenance;
-use asperity_study::sweep::{Variation, number_of_runs, sweep_with_progress};
+use asperity_study::provenance::Provenance;
+use asperity_study::sweep::{Variation, input_files, number_of_runs, sweep_with_progress};
 use serde_json::json;
 
 use super::ResultFolder;
@@ -24,7 +24,7 @@ pub(crate) fn run(
     let variations: Vec<Variation> =
         vary.iter().map(|text| Variation::parse(text)).collect::<Result<_, _>>()?;
     let runs = number_of_runs(&variations)?;
-    let folder = ResultFolder::claim(document.path(), output)?;
+    let folder = ResultFolder::claim("sweep", document.path(), output)?;
     let bar = crate::progress::bar(runs as u64, "runs", quiet);
     let started = Instant::now();
     let work =
@@ -47,11 +47,11 @@ pub(crate) fn run(
         "failed": failed,
         "warnings": results.warning_counts().into_iter().collect::<BTreeMap<_, _>>(),
         "wall_s": wall_s,
-        "provenance": Provenance::new(document.sha256()),
+        "provenance": Provenance::new(&document, input_files(&document, &variations)?),
     });
-    folder.answer("sweep.json", &report, output.json)?;
+    let folder = folder.finish("sweep.json", &report, output.json)?;
     if !output.json && !quiet {
-        answer_line!("{runs} runs in {wall_s:.2} s, written to {}", folder.path().display());
+        answer_line!("{runs} runs in {wall_s:.2} s, written to {}", folder.display());
     }
     if let Some((index, error)) = results.failed().next() {
         let (of, first) = (format!("{runs} runs"), format!("run {}", index + 1));

@@ -40,11 +40,7 @@ fn identified(problem: &Value, pictures: &[&str]) -> Value {
     );
     expected.extend(["report.html", "scenario.json"].map(str::to_owned));
     expected.sort();
-    let entries = std::fs::read_dir(&out).unwrap();
-    let mut files: Vec<String> =
-        entries.map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned()).collect();
-    files.sort();
-    assert_eq!(files, expected);
+    assert_eq!(crate::files(&out), expected);
 
     let read = |name: &str| std::fs::read_to_string(out.join(name)).unwrap();
     let page = read("report.html");

@@ -5,6 +5,7 @@
 mod analyse;
 mod command;
 mod identify;
+mod result_folders;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -39,13 +40,14 @@ fn number(value: &Value, pointer: &str) -> f64 {
     found.unwrap_or_else(|| panic!("{pointer} is not a number in {value:#}"))
 }
 
-/// Names of the files in a folder, sorted; none if there is no folder.
+/// Names of the files in a folder without hidden ones, sorted; none if there is no folder.
 fn files(folder: &Path) -> Vec<String> {
     let mut names: Vec<String> = std::fs::read_dir(folder)
         .map(|entries| {
             entries.map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned()).collect()
         })
         .unwrap_or_default();
+    names.retain(|name| !name.starts_with('.'));
     names.sort();
     names
 }

@@ -128,6 +128,19 @@ pub enum DataSpec {
     },
 }
 
+impl DataSpec {
+    /// Files that the data are read from, relative to the folder of the problem.
+    pub fn files(&self) -> &[String] {
+        match self {
+            Self::Analysis { file, .. } | Self::Frf { file, .. } | Self::Backbone { file, .. } => {
+                std::slice::from_ref(file)
+            }
+            Self::Records { files, .. } => files,
+            Self::Hits { .. } | Self::Stiffness { .. } | Self::Ratio { .. } => &[],
+        }
+    }
+}
+
 /// Conditions of a hit.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]

@@ -120,6 +120,41 @@ fn a_failed_write_keeps_the_existing_file() {
     assert!(refused.to_string().contains("text holds one record"), "{refused}");
 }
 
+/// Unfinished files that no run has locked are those of killed runs.
+#[test]
+fn unfinished_files_of_killed_runs_are_removed() {
+    let folder = tempfile::tempdir().unwrap();
+    let place = |name: &str| folder.path().join(name);
+    let names =
+        [".hit.csv.asperity-dead.tmp", ".hit.csv.asperity-live.tmp", ".hit.uff.asperity-a.tmp"];
+    for name in names {
+        std::fs::write(place(name), "half a fi").unwrap();
+    }
+    let live = std::fs::File::open(place(names[1])).unwrap();
+    live.lock().unwrap();
+    let good = record(vec![channel("good", "N", 1.0, vec![1.0, 2.0])]);
+    write(&place("hit.csv"), &[good], Format::Text, &WriteOptions::default()).unwrap();
+    let left = names.map(|name| place(name).exists());
+    assert_eq!(left, [false, true, true], "dead, live and of another file");
+}
+
+#[cfg(unix)]
+#[test]
+fn links_stay_and_only_regular_files_are_replaced() {
+    let folder = tempfile::tempdir().unwrap();
+    let place = |name: &str| folder.path().join(name);
+    let good = [record(vec![channel("good", "N", 1.0, vec![1.0, 2.0])])];
+    let options = WriteOptions::default();
+    std::fs::write(place("disk.csv"), "as it was").unwrap();
+    std::os::unix::fs::symlink(place("disk.csv"), place("hit.csv")).unwrap();
+    write(&place("hit.csv"), &good, Format::Text, &options).unwrap();
+    assert!(std::fs::symlink_metadata(place("hit.csv")).unwrap().is_symlink());
+    assert!(std::fs::read_to_string(place("disk.csv")).unwrap().starts_with("time_s,good"));
+    let _socket = std::os::unix::net::UnixListener::bind(place("device")).unwrap();
+    let refused = write(&place("device"), &good, Format::Text, &options).unwrap_err();
+    assert!(refused.to_string().contains("regular file"), "{refused}");
+}
+
 #[test]
 fn complex_samples_cannot_be_written_as_text() {
     let folder = tempfile::tempdir().unwrap();

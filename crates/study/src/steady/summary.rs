@@ -4,8 +4,8 @@ use asperity_harmonic::{Branch, HarmonicError, PeriodicResponse, SpecialPointKin
 use serde::Serialize;
 
 use super::{Backbones, Steady, SteadyLevel, TimeCheck};
+use crate::provenance::Provenance;
 use crate::static_state::StaticSummary;
-use crate::summary::Provenance;
 use crate::warning::Warning;
 
 /// Identifier of the summary's format.

@@ -1,0 +1,184 @@
+//! Result folders: replaced as a whole, by one run at a time, with nothing of a user lost.
+
+#[cfg(unix)]
+mod full_disk;
+#[cfg(unix)]
+mod killed;
+mod provenance;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use asperity_study::output::{OutputFolder, OutputRequest};
+use serde_json::{Value, json};
+
+use crate::{asperity, files, fixture, text};
+
+/// A quick run of the rig.
+const QUICK: [&str; 4] = ["--set", "/method/cell_m=0.005", "--set", "/duration_s=0.04"];
+
+fn rig() -> Value {
+    let path = fixture("scenarios/nouira2020-modified.json");
+    serde_json::from_str(&fs::read_to_string(path).unwrap()).unwrap()
+}
+
+/// Stores a scenario, with folders where there are none.
+fn store(path: &Path, scenario: &Value) -> PathBuf {
+    fs::create_dir_all(path.parent().unwrap()).unwrap();
+    fs::write(path, scenario.to_string()).unwrap();
+    path.to_owned()
+}
+
+/// Runs a command that succeeds.
+fn succeed(folder: &Path, arguments: &[&str]) {
+    let output = asperity(folder, arguments);
+    assert!(output.status.success(), "{arguments:?}: {}", text(&output.stderr));
+}
+
+/// Runs a command that is refused with status 2, and returns its message.
+fn refused(folder: &Path, arguments: &[&str]) -> String {
+    let output = asperity(folder, arguments);
+    let message = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {message}");
+    message
+}
+
+/// All entries of a folder, hidden ones included, sorted.
+fn entries(folder: &Path) -> Vec<String> {
+    let entries = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name());
+    let mut names: Vec<String> = entries.map(|name| name.to_string_lossy().into_owned()).collect();
+    names.sort();
+    names
+}
+
+/// A record of a force.
+#[cfg(unix)]
+fn hammer_csv(rows: usize) -> String {
+    let row = |row: usize| format!("{},{}", row as f64 * 1e-4, row % 7);
+    let rows: Vec<String> = (0..rows).map(row).collect();
+    format!("time_s,hammer (N)\n{}\n", rows.join("\n"))
+}
+
+#[test]
+fn tables_of_laws_that_no_longer_exist_are_removed() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut scenario = rig();
+    let path = store(&folder.path().join("rig.json"), &scenario);
+    succeed(folder.path(), &["law", "rig.json"]);
+    let out = folder.path().join("out/rig");
+    assert!(files(&out).contains(&"law-constant.csv".to_owned()));
+    scenario["laws"] = json!({"modified": scenario["laws"]["modified"]});
+    store(&path, &scenario);
+    succeed(folder.path(), &["law", "rig.json"]);
+    assert_eq!(files(&out), ["law-modified.csv", "law.json", "law.svg"]);
+}
+
+#[test]
+fn commands_on_one_scenario_share_its_folder() {
+    let folder = tempfile::tempdir().unwrap();
+    store(&folder.path().join("rig.json"), &rig());
+    succeed(folder.path(), &[&["simulate", "rig.json"], &QUICK[..]].concat());
+    let mut both = files(&folder.path().join("out/rig"));
+    succeed(folder.path(), &["modes", "rig.json"]);
+    both.extend(["modes.csv", "modes.json", "modes.svg"].map(str::to_owned));
+    both.sort();
+    assert_eq!(files(&folder.path().join("out/rig")), both);
+    assert_eq!(entries(&folder.path().join("out")), ["rig"]);
+}
+
+/// By default both write to `out/rig`.
+#[test]
+fn two_scenarios_of_one_name_do_not_share_a_folder() {
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["a/rig.json", "b/rig.json"] {
+        store(&folder.path().join(name), &rig());
+    }
+    succeed(folder.path(), &["law", "a/rig.json"]);
+    let first = fs::read(folder.path().join("out/rig/law.json")).unwrap();
+    for command in ["law", "modes"] {
+        let message = refused(folder.path(), &[command, "b/rig.json"]);
+        let other = Path::new("a").join("rig.json").display().to_string();
+        assert!(message.contains(&other) && message.contains("--out"), "{message}");
+    }
+    assert_eq!(fs::read(folder.path().join("out/rig/law.json")).unwrap(), first);
+    succeed(folder.path(), &["law", "a/rig.json"]);
+    succeed(folder.path(), &["modes", "b/rig.json", "--out", "out/b"]);
+    succeed(folder.path(), &["modes", "b/rig.json", "--overwrite"]);
+    let out = folder.path().join("out/rig");
+    assert_eq!(files(&out), ["modes.csv", "modes.json", "modes.svg"]);
+    // A folder that is named holds what was written last.
+    succeed(folder.path(), &["modes", "a/rig.json", "--out", "out/rig"]);
+}
+
+#[test]
+fn files_of_the_user_are_listed_and_kept() {
+    let folder = tempfile::tempdir().unwrap();
+    store(&folder.path().join("rig.json"), &rig());
+    succeed(folder.path(), &["modes", "rig.json"]);
+    let out = folder.path().join("out/rig");
+    fs::write(out.join("thesis.tex"), "x").unwrap();
+    fs::create_dir(out.join("photographs")).unwrap();
+    fs::write(out.join("photographs/rig.jpg"), "x").unwrap();
+    let message = refused(folder.path(), &["modes", "rig.json"]);
+    assert!(message.contains("photographs, thesis.tex"), "{message}");
+    assert!(message.contains("--overwrite") && message.contains("--out"), "{message}");
+    succeed(folder.path(), &["modes", "rig.json", "--overwrite", "--count", "2"]);
+    let modes = fs::read_to_string(out.join("modes.json")).unwrap();
+    let modes: Value = serde_json::from_str(&modes).unwrap();
+    assert_eq!(modes["modes"].as_array().unwrap().len(), 2);
+    assert_eq!(fs::read_to_string(out.join("thesis.tex")).unwrap(), "x");
+    assert_eq!(fs::read_to_string(out.join("photographs/rig.jpg")).unwrap(), "x");
+    assert!(!out.join(".asperity").exists());
+}
+
+/// A receptance of one line, at zero frequency, has no curve.
+#[test]
+fn a_figure_that_cannot_be_drawn_is_left_out() {
+    let folder = tempfile::tempdir().unwrap();
+    store(&folder.path().join("rig.json"), &rig());
+    let set = ["--set", "/duration_s=8e-5", "--set", "/bodies/0/mass_kg=60"];
+    let output = asperity(folder.path(), &[&["simulate", "rig.json"], &set[..]].concat());
+    let message = text(&output.stderr);
+    assert!(output.status.success(), "{message}");
+    assert!(message.contains("frf.svg cannot be drawn"), "{message}");
+    let written = files(&folder.path().join("out/rig"));
+    assert_eq!(written, ["frf.csv", "history.csv", "history.svg", "summary.json"]);
+}
+
+#[test]
+fn two_runs_do_not_write_to_one_folder_at_the_same_time() {
+    let folder = tempfile::tempdir().unwrap();
+    let document = store(&folder.path().join("rig.json"), &rig());
+    let out = folder.path().join("out/rig");
+    let request = OutputRequest {
+        folder: &out,
+        command: "simulate",
+        document: &document,
+        replace_other_document: false,
+        allow_other_files: false,
+    };
+    let other_run = OutputFolder::claim(&request).unwrap();
+    let message = refused(folder.path(), &["modes", "rig.json"]);
+    assert!(message.contains("another run") && message.contains("--out"), "{message}");
+    succeed(folder.path(), &["modes", "rig.json", "--out", "out/other"]);
+    drop(other_run);
+    succeed(folder.path(), &["modes", "rig.json"]);
+}
+
+/// The working directory is not exchanged: a shell in it would be left in a removed folder.
+#[cfg(unix)]
+#[test]
+fn the_working_directory_stays_the_same_folder() {
+    use std::os::unix::fs::MetadataExt;
+    let folder = tempfile::tempdir().unwrap();
+    let path = store(&folder.path().join("rig.json"), &rig()).display().to_string();
+    let out = folder.path().join("here");
+    fs::create_dir(&out).unwrap();
+    let before = fs::metadata(&out).unwrap().ino();
+    for count in ["3", "2"] {
+        succeed(&out, &["modes", &path, "--out", ".", "--count", count]);
+        assert_eq!(fs::metadata(&out).unwrap().ino(), before);
+        assert_eq!(entries(&out), [".asperity.json", "modes.csv", "modes.json", "modes.svg"]);
+    }
+    assert_eq!(entries(folder.path()), ["here", "rig.json"]);
+}
