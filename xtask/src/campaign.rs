@@ -14,6 +14,8 @@
 //! | [`random_scenario`] | random but sensible scenarios |
 //! | [`answer`] | observables of an engine's answer, and distances in tolerances |
 //! | [`judgement`] | classes of answers, by agreement or by refined runs |
+//! | [`steady`] | harmonic balance against exact and integrated responses |
+//! | [`linear_oracle`] | exact linear response of a stack |
 //! | [`cases`] | a folder of scenarios with their truths |
 //! | [`report`] | `report.json` and `report.md` |
 
@@ -21,8 +23,10 @@ mod answer;
 mod cases;
 mod draw;
 mod judgement;
+mod linear_oracle;
 mod random_scenario;
 mod report;
+mod steady;
 
 use std::path::{Path, PathBuf};
 use std::time::{Instant, SystemTime};
@@ -35,6 +39,7 @@ use rayon::prelude::*;
 
 use judgement::{Case, Class, Judgement};
 use random_scenario::RandomScenario;
+use steady::SteadyJudgement;
 
 /// Options of `cargo xtask campaign`.
 #[derive(Debug, Args)]
@@ -61,8 +66,22 @@ struct Judged {
     /// Number of a random scenario, or name of a case.
     name: String,
     judgement: Judgement,
+    /// Judgements of the state at rest and of steady responses.
+    steady: Vec<SteadyJudgement>,
     seconds: f64,
 }
+
+impl Judged {
+    /// Classes of all its answers.
+    fn classes(&self) -> impl Iterator<Item = Class> {
+        let Judgement { modal, finite_difference, .. } = &self.judgement;
+        let transient = [modal.class, finite_difference.class];
+        transient.into_iter().chain(self.steady.iter().map(|one| one.class))
+    }
+}
+
+/// Steady responses are judged for every scenario of this many.
+const STEADY_EVERY: u64 = 4;
 
 /// Carries out the task; true if no answer is silently wrong.
 pub(crate) fn run(arguments: &Arguments) -> Result<bool> {
@@ -81,11 +100,12 @@ pub(crate) fn run(arguments: &Arguments) -> Result<bool> {
     let seconds = started.elapsed().as_secs_f64();
     report::write(&folder, &title, &judged, seconds)?;
     report::print(&title, &judged, &folder, seconds);
-    let silently_wrong = |judged: &Judged| {
-        let Judgement { modal, finite_difference, .. } = &judged.judgement;
-        [modal, finite_difference].iter().any(|engine| engine.class == Class::SilentlyWrong)
+    // A stored case without a truth is known to be chaotic, which its answers have to say.
+    let fails = |class| {
+        let undecided = arguments.cases.is_some() && class == Class::SilentlyUndecided;
+        class == Class::SilentlyWrong || undecided
     };
-    Ok(!judged.iter().any(silently_wrong))
+    Ok(!judged.iter().flat_map(Judged::classes).any(fails))
 }
 
 /// Judges the random scenarios, which are written to `folder`.
@@ -104,9 +124,13 @@ fn judge_random(arguments: &Arguments, folder: &Path) -> Result<Vec<Judged>> {
                 .scenario()
                 .with_context(|| format!("the scenario {} is not valid", path.display()))?;
             let judgement = Case { document: &document, scenario: &scenario }.judge();
+            let steady = match number % STEADY_EVERY {
+                0 => steady::judge(&document, &scenario, seed, number),
+                _ => Vec::new(),
+            };
             bar.inc(1);
             let seconds = started.elapsed().as_secs_f64();
-            Ok(Judged { name: format!("seed{seed}-{number}"), judgement, seconds })
+            Ok(Judged { name: format!("seed{seed}-{number}"), judgement, steady, seconds })
         })
         .collect::<Result<Vec<_>>>()?;
     bar.finish_and_clear();

@@ -13,7 +13,7 @@ pub(super) const RATIO_FLOOR: f64 = 1e-3;
 
 /// Departure of a pressure extreme from rest below which its error counts relative to this part
 /// of the other extreme's departure.
-pub(super) const DEPARTURE_FLOOR: f64 = 0.01;
+pub(super) const DEPARTURE_FLOOR: f64 = 0.1;
 
 /// Kind of an observable, with its tolerance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -53,7 +53,7 @@ impl Kind {
             Self::Receptance => "receptance A1, relative",
             Self::Ratio => "harmonic ratio A2/A1, relative to it or to 0.001",
             Self::Pressure => {
-                "lowest and highest pressure, relative to the departure from rest, or to 1 % of \
+                "lowest and highest pressure, relative to the departure from rest, or to 10 % of \
                  the other departure"
             }
             Self::Stiffness => "average stiffness, relative",
@@ -264,8 +264,8 @@ mod tests {
         close(distance("/fundamental/frequency_hz", 50.05), 2.0);
         close(distance("/fundamental/receptance_m_per_n", 1.01e-6), 1.0);
         close(distance("/interfaces/0/pressure_min_pa", 90.2), 2.0);
-        // The departure of 0.02 Pa counts as 1 % of that of 10 Pa.
-        close(distance("/interfaces/0/pressure_max_pa", 100.022), 2.0);
+        // The departure of 0.02 Pa counts as 10 % of that of 10 Pa.
+        close(distance("/interfaces/0/pressure_max_pa", 100.04), 2.0);
         close(distance("/interfaces/0/stiffness_average_pa_per_m", 1.01e9), 2.0);
         close(distance("/harmonic_ratio", 0.5 * RATIO_FLOOR), 0.0);
         assert_eq!(distance("/harmonic_ratio", 2.0 * RATIO_FLOOR), f64::INFINITY);

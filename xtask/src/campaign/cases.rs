@@ -36,7 +36,8 @@ pub(super) fn judge(folder: &Path) -> Result<Vec<Judged>> {
         let document = Document::read(&path)?;
         let scenario = document.scenario()?;
         let judgement = Case { document: &document, scenario: &scenario }.judge_by(truth);
-        Ok(Judged { name, judgement, seconds: started.elapsed().as_secs_f64() })
+        let seconds = started.elapsed().as_secs_f64();
+        Ok(Judged { name, judgement, steady: Vec::new(), seconds })
     };
     scenarios(folder)?.into_par_iter().map(judge_one).collect()
 }

@@ -15,6 +15,20 @@ use serde::{Deserialize, Serialize};
 
 use super::answer::{Answer, Kind, Observable, Outcome, run};
 
+/// Refinement of both engines, as divisors of their default step and cell.
+struct Refinement {
+    step: f64,
+    cell: f64,
+    modes_per_body: usize,
+}
+
+/// Refinements, one after the other.
+const REFINEMENTS: [Refinement; 3] = [
+    Refinement { step: 4.0, cell: 3.0, modes_per_body: 20 },
+    Refinement { step: 16.0, cell: 6.0, modes_per_body: 40 },
+    Refinement { step: 64.0, cell: 12.0, modes_per_body: 80 },
+];
+
 /// True value of an observable.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct TrueValue {
@@ -186,7 +200,7 @@ impl Case<'_> {
         {
             return Self::judgement(&modal, &finite_difference, mean(one, other, 1.0), 0);
         }
-        let (truth, refinements) = self.refined_truth(&modal);
+        let (truth, refinements) = self.refined_truth(&modal, &REFINEMENTS[..2]);
         Self::judgement(&modal, &finite_difference, truth, refinements)
     }
 
@@ -219,44 +233,57 @@ impl Case<'_> {
         [MethodSpec::default(), cells].map(|method| run(self.document, self.scenario, method))
     }
 
-    /// The true values by refined runs.
+    /// The true values by refined runs, to one refinement more than [`judge`](Self::judge) takes.
     pub(super) fn truth(&self) -> Vec<TrueValue> {
         let [modal, _] = self.defaults();
-        self.refined_truth(&modal).0
+        self.refined_truth(&modal, &REFINEMENTS).0
     }
 
     /// The true values by refined runs, and the number of refinements; `modal` is the default
     /// answer.
-    fn refined_truth(&self, modal: &Outcome) -> (Vec<TrueValue>, usize) {
+    fn refined_truth(
+        &self,
+        modal: &Outcome,
+        refinements: &[Refinement],
+    ) -> (Vec<TrueValue>, usize) {
         let step = modal.answer().map(|answer| answer.step_s).or_else(|| self.default_step());
-        let refined = |parts: f64, modes: usize, cells: f64| {
-            let step_s = step.map(|step| step / parts);
-            let settings = ModalSpec { step_s, modes_per_body: Some(modes) };
-            let modal = run(self.document, self.scenario, MethodSpec::Modal(settings));
-            let default = FiniteDifferenceSpec::default();
-            let settings = FiniteDifferenceSpec { cell_m: default.cell_m / cells, ..default };
-            let differences =
-                run(self.document, self.scenario, MethodSpec::FiniteDifference(settings));
-            [modal, differences]
-        };
-        let first = refined(4.0, 20, 3.0);
-        if let [Some(one), Some(other)] = [first[0].answer(), first[1].answer()]
-            && one.distance(other).max(other.distance(one)) <= 0.5
-        {
-            return (mean(one, other, 0.5), 1);
-        }
-        let second = refined(16.0, 40, 6.0);
-        let truth = match [second[0].answer(), second[1].answer()] {
-            [Some(one), Some(other)] => {
-                let coarse: Vec<&Answer> = first.iter().filter_map(Outcome::answer).collect();
-                confirmed(mean(one, other, 1.0), &coarse)
+        let mut truth = Vec::new();
+        let mut coarse: Option<[Outcome; 2]> = None;
+        for (number, refinement) in refinements.iter().enumerate() {
+            let fine = self.refined(step, refinement);
+            let answers = [fine[0].answer(), fine[1].answer()];
+            truth = match (answers, &coarse) {
+                ([Some(one), Some(other)], None) => {
+                    let all = mean(one, other, 0.5);
+                    if all.iter().all(|truth| truth.known) { all } else { Vec::new() }
+                }
+                ([Some(one), Some(other)], Some(coarse)) => {
+                    confirmed(mean(one, other, 1.0), coarse)
+                }
+                // An engine that refuses leaves the convergence of the other.
+                ([Some(fine), None], Some([Outcome::Answered(coarse), _]))
+                | ([None, Some(fine)], Some([_, Outcome::Answered(coarse)])) => {
+                    mean(fine, coarse, 0.5)
+                }
+                _ => Vec::new(),
+            };
+            if !truth.is_empty() && truth.iter().all(|truth| truth.known) {
+                return (truth, number + 1);
             }
-            // An engine that refuses leaves the convergence of the other.
-            [Some(fine), None] => first[0].answer().map_or_else(Vec::new, |c| mean(fine, c, 0.5)),
-            [None, Some(fine)] => first[1].answer().map_or_else(Vec::new, |c| mean(fine, c, 0.5)),
-            [None, None] => Vec::new(),
-        };
-        (if truth.is_empty() { Self::unknown() } else { truth }, 2)
+            coarse = Some(fine);
+        }
+        (if truth.is_empty() { Self::unknown() } else { truth }, refinements.len())
+    }
+
+    /// Refined runs of both engines; `step` is the modal engine's default.
+    fn refined(&self, step: Option<f64>, refinement: &Refinement) -> [Outcome; 2] {
+        let step_s = step.map(|step| step / refinement.step);
+        let modal = ModalSpec { step_s, modes_per_body: Some(refinement.modes_per_body) };
+        let default = FiniteDifferenceSpec::default();
+        let cell_m = default.cell_m / refinement.cell;
+        let cells = FiniteDifferenceSpec { cell_m, ..default };
+        let methods = [MethodSpec::Modal(modal), MethodSpec::FiniteDifference(cells)];
+        methods.map(|method| run(self.document, self.scenario, method))
     }
 
     /// The step that the modal engine tries first.
@@ -281,10 +308,11 @@ fn mean(one: &Answer, other: &Answer, tolerances: f64) -> Vec<TrueValue> {
 }
 
 /// These true values, known where one of the less refined answers is within a tolerance of each.
-fn confirmed(mut truth: Vec<TrueValue>, coarse: &[&Answer]) -> Vec<TrueValue> {
+fn confirmed(mut truth: Vec<TrueValue>, coarse: &[Outcome; 2]) -> Vec<TrueValue> {
     for one in &mut truth {
         let name = &one.observable.name;
-        one.known &= coarse.iter().any(|answer| one.error(answer.value(name)) <= 1.0);
+        let mut answers = coarse.iter().filter_map(Outcome::answer);
+        one.known &= answers.any(|answer| one.error(answer.value(name)) <= 1.0);
     }
     truth
 }

@@ -9,6 +9,7 @@ use serde_json::json;
 use super::Judged;
 use super::answer::Kind;
 use super::judgement::{Class, EngineJudgement};
+use super::steady::{AMPLITUDE, LINEAR};
 
 /// Engines in the order of the report.
 const ENGINES: [&str; 2] = ["modal", "finite differences"];
@@ -57,6 +58,7 @@ pub(super) fn write(folder: &Path, title: &str, judged: &[Judged], seconds: f64)
                 "contact_lost": one.judgement.contact_lost,
                 "refinements": one.judgement.refinements,
                 "undecided": undecided(one),
+                "steady": one.steady,
                 "wall_s": one.seconds,
             })
         })
@@ -85,6 +87,19 @@ pub(super) fn write(folder: &Path, title: &str, judged: &[Judged], seconds: f64)
         .table(["class"].into_iter().chain(COLUMNS), Class::ALL.map(class_row))
         .section("Tolerances")
         .table(["of", "tolerance"], Kind::ALL.map(tolerance_row));
+    let rows = steady_rows(judged);
+    if !rows.is_empty() {
+        let paragraph = format!(
+            "Relative errors: up to {LINEAR} of static pressures and responses to a small force, up \
+             to {AMPLITUDE} of responses to a large force."
+        );
+        let headers = ["of", "class", "number"];
+        report = report
+            .section("State at rest and steady responses")
+            .paragraph(paragraph)
+            .table(headers, steady_counts(judged))
+            .table(["scenario", "of", "class", "error", "remark"], rows);
+    }
     for class in [Class::SilentlyWrong, Class::NamedWrong] {
         let rows = wrong_rows(judged, class);
         if !rows.is_empty() {
@@ -156,6 +171,43 @@ fn remark_rows(judged: &[Judged], class: Class) -> Vec<Vec<TableCell>> {
     rows
 }
 
+/// Numbers of comparisons at rest and of steady responses, by quantity and class.
+fn steady_totals(judged: &[Judged]) -> Vec<(&'static str, Class, usize)> {
+    let mut totals: Vec<(&'static str, Class, usize)> = Vec::new();
+    for one in judged.iter().flat_map(|judged| &judged.steady) {
+        match totals.iter_mut().find(|(of, class, _)| (*of, *class) == (one.of, one.class)) {
+            Some((_, _, count)) => *count += 1,
+            None => totals.push((one.of, one.class, 1)),
+        }
+    }
+    totals.sort_by_key(|(of, _, _)| *of);
+    totals
+}
+
+fn steady_counts(judged: &[Judged]) -> Vec<Vec<TableCell>> {
+    let row = |(of, class, count): (&str, Class, usize)| {
+        vec![of.into(), class.words().into(), TableCell::Number(count.to_string())]
+    };
+    steady_totals(judged).into_iter().map(row).collect()
+}
+
+/// Comparisons at rest and of steady responses that are not right.
+fn steady_rows(judged: &[Judged]) -> Vec<Vec<TableCell>> {
+    let mut rows = Vec::new();
+    for one in judged {
+        for steady in one.steady.iter().filter(|steady| steady.class != Class::Right) {
+            rows.push(vec![
+                one.name.as_str().into(),
+                steady.of.into(),
+                steady.class.words().into(),
+                steady.error.unwrap_or(f64::NAN).into(),
+                steady.remark.as_str().into(),
+            ]);
+        }
+    }
+    rows
+}
+
 /// Prints the classes and every silently wrong answer.
 pub(super) fn print(title: &str, judged: &[Judged], folder: &Path, seconds: f64) {
     println!("campaign: {title}, {seconds:.0} s: {}", folder.join("report.md").display());
@@ -165,7 +217,14 @@ pub(super) fn print(title: &str, judged: &[Judged], folder: &Path, seconds: f64)
         let numbers = counts(judged, class).map(|count| format!("{count:>12}"));
         println!("{:<20}{}", class.words(), numbers.concat());
     }
+    for (of, class, count) in steady_totals(judged) {
+        println!("{of}: {} {count}", class.words());
+    }
     for one in judged {
+        for steady in one.steady.iter().filter(|steady| steady.class == Class::SilentlyWrong) {
+            let error = steady.error.map_or("all".to_owned(), four_digits);
+            println!("{} {}: off by {error}; {}", one.name, steady.of, steady.remark);
+        }
         for (engine, name) in engines(one).into_iter().zip(ENGINES) {
             if engine.class != Class::SilentlyWrong {
                 continue;

@@ -1,0 +1,254 @@
+//! Steady responses of a random scenario: harmonic balance against exact and integrated ones.
+//!
+//! | response | truth |
+//! |---|---|
+//! | static pressures | weights above over areas |
+//! | lowest natural frequency | zero of the exact dynamic stiffness of the stack |
+//! | steady responses to a small force | exact receptance of the stack linearised at rest |
+//! | a steady response to a large force | integration by finite differences, extrapolated in the step; by small modal steps where that would take long |
+//!
+//! Where harmonic balance and finite differences differ, a modal integration with a small step
+//! decides between them; without an agreement there is no truth.
+
+use std::f64::consts::TAU;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use asperity_dynamics::{Excitation, FiniteDifference, Integrator, Modal, Sampling};
+use asperity_harmonic::{Branch, PeriodicResponse};
+use asperity_scenario::{Document, Scenario};
+use asperity_structure::PreloadedStructure;
+use asperity_study::assemble::Assembly;
+use asperity_study::steady::{Steady, SteadyRequest, TimeCheck, steady};
+use serde::Serialize;
+
+use super::draw::Draw;
+use super::judgement::Class;
+use super::linear_oracle::{is_lowest_frequency, receptance};
+
+/// Largest relative error of the amplitude of a steady response.
+pub(super) const AMPLITUDE: f64 = 1e-2;
+
+/// Largest relative error of the amplitude of a linear response, and of a static pressure.
+pub(super) const LINEAR: f64 = 1e-3;
+
+/// Most node updates of an integration to a steady response.
+const MOST_NODE_STEPS: f64 = 4e8;
+
+/// Truncation of harmonics above which a branch says that it may be wrong.
+const TRUNCATION: f64 = 1e-3;
+
+/// Stream of random numbers of the force.
+const STREAM: u64 = 1 << 32;
+
+/// A comparison with its class.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub(super) struct SteadyJudgement {
+    /// Quantity compared.
+    pub(super) of: &'static str,
+    pub(super) class: Class,
+    /// Largest relative error, if there is a number.
+    pub(super) error: Option<f64>,
+    /// Conditions, or the words of an error.
+    pub(super) remark: String,
+}
+
+impl SteadyJudgement {
+    fn new(of: &'static str, error: f64, tolerance: f64, remark: String) -> Self {
+        let class = if error <= tolerance { Class::Right } else { Class::SilentlyWrong };
+        Self { of, class, error: Some(error), remark }
+    }
+
+    fn without(of: &'static str, class: Class, remark: String) -> Self {
+        Self { of, class, error: None, remark }
+    }
+}
+
+/// Judges the static state, the lowest natural frequency, and the steady responses to a small and a
+/// large force. Two numbers determine the forces.
+pub(super) fn judge(
+    document: &Document,
+    scenario: &Scenario,
+    seed: u64,
+    number: u64,
+) -> Vec<SteadyJudgement> {
+    let attempt = || judge_all(document, scenario, &mut Draw::new(seed, number, STREAM));
+    catch_unwind(AssertUnwindSafe(attempt)).unwrap_or_else(|_| {
+        let remark = "panic".to_owned();
+        vec![SteadyJudgement::without("steady responses", Class::SilentlyWrong, remark)]
+    })
+}
+
+fn judge_all(document: &Document, scenario: &Scenario, draw: &mut Draw) -> Vec<SteadyJudgement> {
+    let assembly = match Assembly::new(scenario, document.folder()) {
+        Ok(assembly) => assembly,
+        Err(error) => {
+            let remark = error.to_string();
+            return vec![SteadyJudgement::without("static state", Class::Refused, remark)];
+        }
+    };
+    let structure = &assembly.structure;
+    let Some(natural) = structure.natural_frequency() else { return Vec::new() };
+    let mut found = vec![static_pressures(structure)];
+    let error = if is_lowest_frequency(structure, natural) { 0.0 } else { f64::INFINITY };
+    let remark = format!("{natural:.6} Hz");
+    found.push(SteadyJudgement::new("lowest natural frequency", error, LINEAR, remark));
+
+    let ratio = structure.damping_rate() / (2.0 * TAU * natural);
+    let weights = structure.contacts().iter().map(|contact| contact.pressure() * contact.area());
+    let smallest = weights.clone().fold(f64::INFINITY, f64::min);
+    let largest = weights.fold(0.0, f64::max);
+    // At resonance a force is amplified by 1/(2 ratio).
+    found.push(small_force(&assembly, natural, 1e-4 * 2.0 * ratio * smallest));
+    let force = draw.log_uniform(0.01, 1.0) * 2.0 * ratio * largest;
+    found.push(large_force(&assembly, natural, force));
+    found
+}
+
+fn static_pressures(structure: &PreloadedStructure) -> SteadyJudgement {
+    let (mut weight, mut worst) = (0.0, 0.0_f64);
+    for (body, contact) in structure.stack().bodies().iter().zip(structure.contacts()) {
+        let mass = body.density() * body.section() * body.length();
+        weight += mass * structure.stack().gravity();
+        worst = worst.max((contact.pressure() * contact.area() / weight - 1.0).abs());
+    }
+    SteadyJudgement::new("static pressures", worst, LINEAR, String::new())
+}
+
+fn request(natural: f64, force: f64, verify: bool) -> SteadyRequest {
+    SteadyRequest {
+        amplitudes: vec![force],
+        from_hz: 0.7 * natural,
+        to_hz: 1.3 * natural,
+        harmonics: None,
+        backbone: false,
+        verify,
+    }
+}
+
+/// The branch of a request of one level, and its check by integration.
+fn branch(found: &Steady) -> Result<(&Branch, Option<TimeCheck>), String> {
+    let level = found.levels.first().ok_or("no level")?;
+    let branch = level.outcome.as_ref().map_err(ToString::to_string)?;
+    Ok((branch, level.check))
+}
+
+/// Responses to a force so small that contacts act as springs.
+fn small_force(assembly: &Assembly, natural: f64, force: f64) -> SteadyJudgement {
+    const OF: &str = "steady response to a small force";
+    let refused = |remark| SteadyJudgement::without(OF, Class::Refused, remark);
+    let found = match steady(assembly, &request(natural, force, false)) {
+        Ok(found) => found,
+        Err(error) => return refused(error.to_string()),
+    };
+    let points = match branch(&found) {
+        Ok((branch, _)) => &branch.points,
+        Err(error) => return refused(error),
+    };
+    let error = |point: &PeriodicResponse| {
+        let exact = receptance(&assembly.structure, point.angular_frequency).norm() * force;
+        (point.amplitude(1) / exact - 1.0).abs()
+    };
+    let worst = points.iter().map(error).fold(0.0, f64::max);
+    SteadyJudgement::new(OF, worst, LINEAR, format!("{force:.3e} N, {} points", points.len()))
+}
+
+/// A response to a force that makes pressures vary much, where integration is affordable.
+fn large_force(assembly: &Assembly, natural: f64, force: f64) -> SteadyJudgement {
+    const OF: &str = "steady response to a large force";
+    let without = |class, remark| SteadyJudgement::without(OF, class, remark);
+    let verify = integration_cost(assembly, natural).is_some_and(|cost| cost <= MOST_NODE_STEPS);
+    let found = match steady(assembly, &request(natural, force, verify)) {
+        Ok(found) => found,
+        Err(error) => return without(Class::Refused, error.to_string()),
+    };
+    let (branch, check) = match branch(&found) {
+        Ok(found) => found,
+        Err(error) => return without(Class::Refused, error),
+    };
+    let (points, truncation) = (branch.points.len(), branch.truncation());
+    let state = format!(
+        "{force:.3e} N, {points} points, {:?}, {} harmonics, truncation {truncation:.1e}{}",
+        branch.termination,
+        branch.harmonics,
+        if branch.points.iter().any(PeriodicResponse::contact_lost) {
+            ", contact lost"
+        } else {
+            ""
+        }
+    );
+    let Some(check) = check else {
+        return by_modes(assembly, branch, force, &state);
+    };
+    let TimeCheck { frequency_hz, amplitude_1_m, integrated_1_m, relative_difference } = check;
+    let remark = format!("at {frequency_hz:.3} Hz {amplitude_1_m:.4e} m; {state}");
+    if relative_difference <= AMPLITUDE {
+        return SteadyJudgement::new(OF, relative_difference, AMPLITUDE, remark);
+    }
+    let named = truncation > TRUNCATION;
+    let integrated = modal_amplitude(assembly, force, frequency_hz);
+    let decided = integrated.is_some_and(|modal| (modal / integrated_1_m - 1.0).abs() <= 5e-3);
+    let class = match (decided, named) {
+        (true, true) => Class::NamedWrong,
+        (true, false) => Class::SilentlyWrong,
+        (false, true) => Class::NamedUndecided,
+        (false, false) => Class::SilentlyUndecided,
+    };
+    let by_modes = integrated.map_or("refused".to_owned(), |modal| format!("{modal:.4e} m"));
+    let remark = format!("{remark}; by cells {integrated_1_m:.4e} m, by modes {by_modes}");
+    SteadyJudgement { of: OF, class, error: Some(relative_difference), remark }
+}
+
+/// The highest response of a branch against a modal integration from rest, which may settle on
+/// another response where several exist.
+fn by_modes(assembly: &Assembly, branch: &Branch, force: f64, state: &str) -> SteadyJudgement {
+    const OF: &str = "steady response to a large force";
+    let undecided = |remark| {
+        SteadyJudgement::without(OF, Class::SilentlyUndecided, format!("{remark}; {state}"))
+    };
+    let Some(peak) = branch.highest().filter(|peak| peak.stable() == Some(true)) else {
+        return undecided("no stable peak".to_owned());
+    };
+    let (frequency, amplitude) = (peak.frequency_hz(), peak.amplitude(1));
+    let remark = format!("at {frequency:.3} Hz {amplitude:.4e} m");
+    match modal_amplitude(assembly, force, frequency) {
+        Some(integrated) if (amplitude / integrated - 1.0).abs() <= AMPLITUDE => {
+            let error = (amplitude / integrated - 1.0).abs();
+            SteadyJudgement::new(OF, error, AMPLITUDE, format!("{remark}; {state}"))
+        }
+        Some(integrated) => undecided(format!("{remark}, by modes {integrated:.4e} m")),
+        None => undecided(format!("{remark}, not integrated")),
+    }
+}
+
+/// Periods until a transient has fallen to a millionth.
+fn periods(assembly: &Assembly, frequency: f64) -> f64 {
+    let decay = 0.5 * assembly.structure.damping_rate() / frequency;
+    (1e6_f64.ln() / decay).max(20.0).ceil()
+}
+
+/// Node updates of an integration to the steady response in cells of 1 mm.
+fn integration_cost(assembly: &Assembly, frequency: f64) -> Option<f64> {
+    let sampling =
+        Sampling::new(periods(assembly, frequency) / frequency, 64.0 * frequency).ok()?;
+    let method = Integrator::from(FiniteDifference::default());
+    let outline = method.outline(&assembly.structure, &Excitation::None, &sampling).ok()?;
+    Some(outline.unknowns as f64 * outline.steps as f64)
+}
+
+/// Fundamental of the top \[m\] by modal steps of a quarter of the default.
+fn modal_amplitude(assembly: &Assembly, amplitude: f64, frequency: f64) -> Option<f64> {
+    const SAMPLES: usize = 64;
+    let shaker = Excitation::Harmonic { amplitude, frequency };
+    let rate = SAMPLES as f64 * frequency;
+    let sampling = Sampling::new(periods(assembly, frequency) / frequency, rate).ok()?;
+    let default = Integrator::default().outline(&assembly.structure, &shaker, &sampling).ok()?;
+    let (step, modes_per_body) = (Some(default.step / 4.0), Some(20));
+    let method = Modal { step, modes_per_body, ..Modal::default() };
+    let done = method.integrate(&assembly.structure, &shaker, &sampling).ok()?;
+    let displacement = &done.history.displacement;
+    let last = &displacement[displacement.len().saturating_sub(SAMPLES)..];
+    let angle = |n: usize| TAU * n as f64 / SAMPLES as f64;
+    let cos: f64 = last.iter().enumerate().map(|(n, u)| u * angle(n).cos()).sum();
+    let sin: f64 = last.iter().enumerate().map(|(n, u)| u * angle(n).sin()).sum();
+    Some(2.0 / SAMPLES as f64 * cos.hypot(sin))
+}
