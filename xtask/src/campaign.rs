@@ -56,7 +56,7 @@ pub(crate) struct Arguments {
     /// Run the scenarios of this folder instead, and judge them by its truths.json.
     #[arg(long, value_name = "DIR")]
     cases: Option<PathBuf>,
-    /// Determine the truths of the folder by refined runs and store them.
+    /// Determine the missing truths of the folder by refined runs and store them.
     #[arg(long, requires = "cases")]
     bless: bool,
 }

@@ -7,6 +7,7 @@
 //! | `cargo xtask package` | `package` | every package, checked from its own archive |
 //! | `cargo xtask bench` | `bench` | speed of the kernels and of a sweep, as one table |
 //! | `cargo xtask campaign` | `campaign` | random scenarios through both engines, differences judged |
+//! | `cargo xtask fuzz` | `fuzz` | every fuzz target for a time |
 //! | `cargo xtask reproduce` | `reproduce` | every figure of the paper, every claim checked |
 #![allow(clippy::print_stdout, clippy::print_stderr, reason = "tasks report to a terminal")]
 
@@ -14,6 +15,7 @@ mod bench;
 mod campaign;
 mod ci;
 mod figures;
+mod fuzz;
 mod package;
 mod reproduce;
 mod tidy;
@@ -47,6 +49,8 @@ enum Task {
     Bench,
     /// Run random scenarios with both engines and judge where they differ.
     Campaign(campaign::Arguments),
+    /// Run the fuzz targets one after the other.
+    Fuzz(fuzz::Arguments),
     /// Recompute every figure of the paper and check every claim.
     Reproduce(reproduce::Arguments),
 }
@@ -65,6 +69,7 @@ fn main() -> ExitCode {
         Task::Package => package::run(),
         Task::Bench => bench::run(),
         Task::Campaign(arguments) => campaign::run(&arguments),
+        Task::Fuzz(arguments) => fuzz::run(&arguments),
         Task::Reproduce(arguments) => reproduce::run(&arguments),
     };
     match passed {

@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::{Context, Result, ensure};
+use asperity_figure::report::{Report, TableCell};
 use asperity_scenario::Document;
 use rayon::prelude::*;
 
@@ -25,11 +26,7 @@ type Truths = BTreeMap<String, Vec<TrueValue>>;
 /// # Errors
 /// For a folder that cannot be read, a scenario that is not valid, or one without a truth.
 pub(super) fn judge(folder: &Path) -> Result<Vec<Judged>> {
-    let path = folder.join(TRUTHS);
-    let text = std::fs::read_to_string(&path)
-        .with_context(|| format!("reading {}; --bless writes it", path.display()))?;
-    let truths: Truths =
-        serde_json::from_str(&text).with_context(|| format!("reading {}", path.display()))?;
+    let truths = stored(folder)?;
     let judge_one = |(name, path): (String, PathBuf)| {
         let started = Instant::now();
         let truth = truths.get(&name).with_context(|| format!("no truth of \"{name}\""))?;
@@ -42,25 +39,65 @@ pub(super) fn judge(folder: &Path) -> Result<Vec<Judged>> {
     scenarios(folder)?.into_par_iter().map(judge_one).collect()
 }
 
-/// Determines the truths of the scenarios of `folder` by refined runs, and stores them.
+/// Determines the truths that `folder` does not hold yet by refined runs, and stores all of them,
+/// with a table of them in `README.md`.
 ///
 /// # Errors
 /// For a folder that cannot be read or written, or a scenario that is not valid.
 pub(super) fn bless(folder: &Path) -> Result<()> {
+    let known = if folder.join(TRUTHS).exists() { stored(folder)? } else { Truths::default() };
     let scenarios = scenarios(folder)?;
     let bar = super::progress(scenarios.len() as u64);
     let truth = |(name, path): (String, PathBuf)| {
         let document = Document::read(&path)?;
         let scenario = document.scenario()?;
-        let truth = Case { document: &document, scenario: &scenario }.truth();
+        let case = Case { document: &document, scenario: &scenario };
+        let truth = known.get(&name).cloned().unwrap_or_else(|| case.truth());
         bar.inc(1);
-        Ok((name, truth))
+        Ok((name, (scenario.title.unwrap_or_default(), truth)))
     };
-    let truths = scenarios.into_par_iter().map(truth).collect::<Result<Truths>>()?;
+    let found = scenarios.into_par_iter().map(truth).collect::<Result<BTreeMap<_, _>>>()?;
     bar.finish_and_clear();
+    crate::reproduce::write(&folder.join("README.md"), readme(&found).as_bytes())?;
+    let truths: Truths = found.into_iter().map(|(name, (_, truth))| (name, truth)).collect();
     let mut text = serde_json::to_string_pretty(&truths)?;
     text.push('\n');
     crate::reproduce::write(&folder.join(TRUTHS), text.as_bytes())
+}
+
+/// The stored truths of a folder.
+fn stored(folder: &Path) -> Result<Truths> {
+    let path = folder.join(TRUTHS);
+    let text = std::fs::read_to_string(&path)
+        .with_context(|| format!("reading {}; --bless writes it", path.display()))?;
+    serde_json::from_str(&text).with_context(|| format!("reading {}", path.display()))
+}
+
+/// Titles and truths as Markdown tables.
+fn readme(found: &BTreeMap<String, (String, Vec<TrueValue>)>) -> String {
+    let mut report = Report::new("Random scenarios in which an engine was wrong").intro(
+        "Each observable is the mean of a modal run and of one by finite differences, both refined \
+         until they agree; the uncertainty is half their difference, in tolerances of the campaign. \
+         An observable without a truth differs between all refined runs: the response is chaotic. \
+         A new case is a scenario in this folder; `cargo xtask campaign --cases fixtures/cases \
+         --bless` adds its truth here and in truths.json.",
+    );
+    for (name, (title, truths)) in found {
+        let row = |truth: &TrueValue| {
+            let value = match (truth.known, truth.observable.value) {
+                (false, _) => "no truth".to_owned(),
+                (true, None) => "no peak".to_owned(),
+                (true, Some(value)) => format!("{value:.6e}"),
+            };
+            let uncertainty = if truth.known { truth.uncertainty } else { f64::NAN };
+            let observable = truth.observable.name.as_str();
+            vec![observable.into(), TableCell::Number(value), uncertainty.into()]
+        };
+        report = report
+            .section(format!("{name}: {title}"))
+            .table(["observable", "truth", "uncertainty"], truths.iter().map(row));
+    }
+    report.to_markdown(ToOwned::to_owned)
 }
 
 /// File stems and paths of the scenarios of a folder, by name.

@@ -1,0 +1,77 @@
+//! Properties of contact laws of any parameters that a scenario accepts.
+
+use asperity_law::CompiledLaw;
+use asperity_scenario::{LawRef, LawSpec, Laws};
+use asperity_study::assemble::build_law;
+
+use crate::numbers::Numbers;
+
+/// Relative decrease of a rising curve that is rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// Builds a law and evaluates it: no value is NaN, closures rise with pressure, pressures and
+/// energies with closure, and a compiled table holds its error estimate.
+///
+/// # Panics
+/// If one of these does not hold.
+pub fn law(bytes: &[u8]) {
+    let mut numbers = Numbers::new(bytes);
+    let static_pressure = numbers.between(1e-3, 1e9);
+    let text = numbers.law(static_pressure, 1e12).to_string();
+    let Ok(spec) = serde_json::from_str::<LawSpec>(&text) else { return };
+    let reference = LawRef::InPlace(Box::new(spec));
+    let law = match build_law(&reference, &Laws::default(), static_pressure) {
+        Ok(law) => law,
+        Err(error) => return assert!(!error.to_string().is_empty()),
+    };
+    let pressures = (0..60).map(|at| static_pressure * 10.0_f64.powf(0.2 * f64::from(at - 40)));
+    let mut last = f64::NEG_INFINITY;
+    let mut closures = Vec::new();
+    for pressure in pressures {
+        let (stiffness, closure) = (law.stiffness(pressure), law.closure(pressure));
+        assert!(stiffness >= 0.0, "{text}: stiffness {stiffness} at {pressure} Pa");
+        assert!(!closure.is_nan(), "{text}: closure {closure} at {pressure} Pa");
+        rises(&text, "closure", last, closure);
+        last = closure;
+        closures.push(closure);
+    }
+    let (mut last_pressure, mut last_energy) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
+    for closure in closures.into_iter().filter(|closure| closure.is_finite()) {
+        let (pressure, energy) = (law.pressure(closure).value, law.energy(closure));
+        assert!(
+            !pressure.is_nan() && !energy.is_nan(),
+            "{text}: {pressure}, {energy} at {closure} m"
+        );
+        rises(&text, "pressure", last_pressure, pressure);
+        rises(&text, "energy", last_energy, energy);
+        (last_pressure, last_energy) = (pressure, energy);
+    }
+    let increment = law.pressure_increment(static_pressure, 0.0).value;
+    assert!(increment.abs() <= ROUNDING * static_pressure, "{text}: increment {increment} at rest");
+    compiled(&text, &law, static_pressure);
+}
+
+fn compiled(text: &str, law: &dyn asperity_law::ContactLaw, pressure: f64) {
+    let table = match CompiledLaw::new(law, pressure, 20.0 * pressure, 1e-6) {
+        Ok(table) => table,
+        Err(error) => return assert!(!error.to_string().is_empty()),
+    };
+    let (low, high) = (table.x_lo().max(-1.0), table.x_hi());
+    let mut last = f64::NEG_INFINITY;
+    for at in 0..200 {
+        let x = low + (high - low) * (f64::from(at) + 0.5) / 200.0;
+        let (value, exact) = (table.get(x), law.pressure_increment(pressure, x).value);
+        assert!(!value.is_nan(), "{text}: the table has no value at {x} m");
+        let error = (value - exact).abs();
+        let most = table.error_estimate() + ROUNDING * (pressure + exact.abs());
+        assert!(error <= 4.0 * most, "{text}: error {error} Pa at {x} m, estimate {most} Pa");
+        assert!(value >= last - most, "{text}: the table falls at {x} m");
+        last = value;
+    }
+}
+
+fn rises(text: &str, quantity: &str, last: f64, value: f64) {
+    let rounding = ROUNDING * last.abs().max(value.abs());
+    let falls = last.is_finite() && value < last - rounding;
+    assert!(!falls, "{text}: {quantity} falls from {last} to {value}");
+}
