@@ -3,7 +3,8 @@
 //! Each figure is one file under `figures/` and one constant, [`PaperFigure`]:
 //! it computes a table and the numbers that the claims ask for, and draws from
 //! the table alone. The results go to `target/reproduce/`, a CSV, an SVG and a
-//! PNG for each figure, and a report in HTML and Markdown.
+//! PNG for each figure, and a report in HTML and Markdown, and replace those of the
+//! run before.
 //!
 //! | module | does |
 //! |---|---|
@@ -23,6 +24,7 @@ use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
 use asperity_figure::svg_to_png;
+use asperity_study::output::{OutputFolder, OutputRequest};
 use asperity_table::Table;
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -108,6 +110,14 @@ pub(crate) fn run(arguments: &Arguments) -> Result<bool> {
     let root = crate::workspace_root();
     let chosen = choose(&arguments.only)?;
     let folder = root.join("target/reproduce");
+    let claims_file = root.join("fixtures/paper/claims.json");
+    let output = OutputFolder::claim(&OutputRequest {
+        folder: &folder,
+        command: "reproduce",
+        document: &claims_file,
+        replace_other_document: true,
+        allow_other_files: true,
+    })?;
     let bar = progress(chosen.len() as u64);
     let rig = Rig::load(&root.join("fixtures/scenarios"), arguments.quick, bar.clone())?;
     let mut finished = Vec::new();
@@ -124,11 +134,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<bool> {
     }
     bar.finish_and_clear();
 
-    let claims = claims::load(&root.join("fixtures/paper/claims.json"))?;
+    let claims = claims::load(&claims_file)?;
     let checked = claims::check(&claims, &values, arguments.only.is_empty())?;
-    write_all(&folder, &finished)?;
+    write_figures(&output, &finished)?;
     let seconds = started.elapsed().as_secs_f64();
-    report::write(&folder, &finished, &checked, &rig, seconds)?;
+    report::write(output, &finished, &checked, &rig, seconds)?;
     print_summary(&checked, &folder, finished.len(), seconds);
 
     let stored = root.join("fixtures/reference/figures");
@@ -166,14 +176,12 @@ fn progress(length: u64) -> ProgressBar {
     ProgressBar::new(length).with_style(style)
 }
 
-fn write_all(folder: &Path, finished: &[Finished]) -> Result<()> {
-    std::fs::create_dir_all(folder)
-        .with_context(|| format!("creating the folder {}", folder.display()))?;
+fn write_figures(output: &OutputFolder, finished: &[Finished]) -> Result<()> {
     for done in finished {
-        let place = |extension: &str| folder.join(format!("{}.{extension}", done.figure.id));
-        write(&place("csv"), done.table.to_csv().as_bytes())?;
-        write(&place("svg"), done.svg.as_bytes())?;
-        write(&place("png"), &svg_to_png(&done.svg, PIXELS_PER_MM)?)?;
+        let name = |extension: &str| format!("{}.{extension}", done.figure.id);
+        output.write(&name("csv"), done.table.to_csv())?;
+        output.write(&name("svg"), &done.svg)?;
+        output.write(&name("png"), svg_to_png(&done.svg, PIXELS_PER_MM)?)?;
     }
     Ok(())
 }

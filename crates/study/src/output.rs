@@ -105,7 +105,8 @@ impl OutputFolder {
         let document = marker::relative_path(request.document, &place);
         let marker = FolderMarker::read(&place);
         if !request.allow_other_files {
-            let others = marker.others(&place).map_err(fail)?;
+            let mut others = marker.others(&place).map_err(fail)?;
+            others.retain(|name| !marker::is_of_results(&place.join(name)));
             if !others.is_empty() {
                 let named = others.iter().take(MOST_NAMED);
                 let files = named.map(|name| name.to_string_lossy().into_owned()).collect();

@@ -1,17 +1,16 @@
 //! `report.html` and `report.md`: figures, claims, verdicts, provenance.
 
-use std::path::Path;
-
 use anyhow::Result;
 use asperity_figure::report::{ClaimOutcome, Report, TableCell, four_digits};
+use asperity_study::output::OutputFolder;
 
 use super::Finished;
 use super::claims::{CheckedClaim, Expected, Verdict};
 use super::rig::Rig;
 
-/// Writes both forms of the report into `folder`.
+/// Writes both forms of the report, and puts the results in place.
 pub(crate) fn write(
-    folder: &Path,
+    output: OutputFolder,
     finished: &[Finished],
     checked: &[CheckedClaim<'_>],
     rig: &Rig,
@@ -51,9 +50,9 @@ pub(crate) fn write(
         ("run time", format!("{seconds:.1} s")),
         ("machine", format!("{} {}", std::env::consts::OS, std::env::consts::ARCH)),
     ]);
-    super::write(&folder.join("report.html"), report.to_html().as_bytes())?;
-    let markdown = report.to_markdown(|id| format!("{id}.png"));
-    super::write(&folder.join("report.md"), markdown.as_bytes())
+    output.write("report.md", report.to_markdown(|id| format!("{id}.png")))?;
+    output.finish("report.html", report.to_html())?;
+    Ok(())
 }
 
 fn row(checked: &CheckedClaim<'_>) -> Vec<TableCell> {

@@ -8,7 +8,7 @@ use std::path::{Component, Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::work_folder::INNER_FOLDER;
+use super::work_folder::{INNER_FOLDER, LOCK};
 
 /// Name of the file.
 pub(super) const MARKER: &str = ".asperity.json";
@@ -116,6 +116,11 @@ impl FolderMarker {
         names.sort();
         Ok(names)
     }
+}
+
+/// True if a folder inside another is itself an output folder, or one of unfinished files.
+pub(super) fn is_of_results(folder: &Path) -> bool {
+    folder.join(MARKER).is_file() || folder.join(LOCK).is_file()
 }
 
 /// The path of a document relative to a folder, so that both can be moved together.

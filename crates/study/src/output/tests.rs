@@ -97,6 +97,20 @@ fn other_files_are_named_and_kept() {
     assert_eq!(contents(&folder), named(&kept));
 }
 
+/// `--out out` and `--out out/law`, in any order.
+#[test]
+fn output_folders_inside_an_output_folder_stay() {
+    let parent = tempfile::tempdir().unwrap();
+    let [outer, inner] = ["out", "out/law"].map(|name| parent.path().join(name));
+    write_result(&request(&outer, "simulate"), SIMULATE, "1");
+    write_result(&request(&inner, "law"), LAW, "2");
+    let running = OutputFolder::claim(&request(&inner, "law")).unwrap();
+    write_result(&request(&outer, "simulate"), SIMULATE, "3");
+    running.finish("law.json", "4").unwrap();
+    assert_eq!(contents(&inner), named(&[("law.json", "4")]));
+    assert_eq!(fs::read_to_string(outer.join("history.csv")).unwrap(), "3");
+}
+
 /// A file that appears while the run computes does not stop it, and is not lost.
 #[test]
 fn a_file_that_appears_during_a_run_is_kept() {

@@ -13,6 +13,9 @@ use crate::error::OutputError;
 /// Name of the same inside an output folder, for folders that cannot be exchanged.
 pub(super) const INNER_FOLDER: &str = ".asperity";
 
+/// Name of the locked file in a work folder.
+pub(super) const LOCK: &str = "lock";
+
 /// Attempts to lock a file that other runs remove at the same time.
 const MOST_ATTEMPTS: usize = 1000;
 
@@ -69,7 +72,7 @@ impl WorkFolder {
 
     /// Locks the file `lock`; false if another run has it.
     fn try_lock(&mut self) -> io::Result<bool> {
-        let path = self.path.join("lock");
+        let path = self.path.join(LOCK);
         for _ in 0..MOST_ATTEMPTS {
             match fs::create_dir(&self.path) {
                 Err(error) if error.kind() != io::ErrorKind::AlreadyExists => return Err(error),
@@ -138,7 +141,7 @@ impl Drop for WorkFolder {
         if let Some(lock) = self.lock.take() {
             let _ = remove_folder(&self.new_files());
             // Removed while it is locked: after that it may be the lock of another run.
-            let _ = fs::remove_file(self.path.join("lock"));
+            let _ = fs::remove_file(self.path.join(LOCK));
             drop(lock);
             let _ = fs::remove_dir(&self.path);
         }

@@ -3,8 +3,10 @@
 use std::collections::BTreeMap;
 use std::ffi::OsStr;
 use std::fs;
+use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
+use std::thread;
 use std::time::{Duration, Instant};
 
 use rustix::process::{Pid, Signal, kill_process};
@@ -161,6 +163,27 @@ fn a_run_killed_at_any_time_leaves_one_complete_result() {
         runs.survive(run, Signal::KILL, || started.elapsed() >= whole.mul_f64(fraction.sqrt()));
         run = 1 - run;
     }
+}
+
+/// A state that nobody can see is one that no killed run can leave.
+#[test]
+fn a_reader_finds_one_complete_result_at_any_time() {
+    let runs = simulations();
+    let folder = || fs::metadata(runs.out()).unwrap().ino();
+    let mut observed = 0;
+    thread::scope(|scope| {
+        let writer = scope.spawn(|| [0, 1, 0, 1, 0, 1].map(|run| runs.succeed(run)));
+        while !writer.is_finished() {
+            let before = folder();
+            let found = contents(&runs.out());
+            // Otherwise the folder was exchanged between two files.
+            if folder() == before {
+                assert!(runs.results.contains(&found), "{:?}", found.keys());
+                observed += 1;
+            }
+        }
+    });
+    assert!(observed > 0);
 }
 
 #[test]
