@@ -184,6 +184,10 @@ fn records_receptances_and_backbones_give_back_the_parameters() {
         if !of_backbone {
             assert!((found.fit.point[1] / 0.035 - 1.0).abs() < tolerance, "{:?}", found.fit.point);
         }
+        let name = data["file"].as_str().unwrap_or("hit.uff");
+        let sha256 = asperity_scenario::file_sha256(&folder.path().join(name)).unwrap();
+        let expected = json!([{"file": name, "sha256": sha256}]);
+        assert_eq!(found.report(&problem)["provenance"]["files"], expected);
     }
 }
 
