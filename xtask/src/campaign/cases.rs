@@ -79,8 +79,8 @@ fn readme(found: &BTreeMap<String, (String, Vec<TrueValue>)>) -> String {
         "Each observable is the mean of a modal run and of one by finite differences, both refined \
          until they agree; the uncertainty is half their difference, in tolerances of the campaign. \
          An observable without a truth differs between all refined runs: the response is chaotic. \
-         A new case is a scenario in this folder; `cargo xtask campaign --cases fixtures/cases \
-         --bless` adds its truth here and in truths.json.",
+         A new case is a scenario in this folder; the task campaign with the options cases and bless \
+         adds its truth here and in truths.json.",
     );
     for (name, (title, truths)) in found {
         let row = |truth: &TrueValue| {

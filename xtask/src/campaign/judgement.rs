@@ -316,3 +316,57 @@ fn confirmed(mut truth: Vec<TrueValue>, coarse: &[Outcome; 2]) -> Vec<TrueValue>
     }
     truth
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn answer(frequency: f64, ratio: Option<f64>, reservations: &[&str]) -> Answer {
+        Answer {
+            observables: vec![
+                Observable::new("f", Kind::Frequency, Some(frequency)),
+                Observable::new("r", Kind::Ratio, ratio),
+            ],
+            reservations: reservations.iter().map(|&text| text.to_owned()).collect(),
+            step_s: 1e-5,
+            residual: 1e-6,
+            contact_lost: false,
+        }
+    }
+
+    fn class(answer: Answer, truth: &[TrueValue]) -> Class {
+        EngineJudgement::new(&Outcome::Answered(answer), truth).class
+    }
+
+    #[test]
+    fn an_answer_is_classed_by_its_error_and_its_words() {
+        let truth = mean(&answer(100.0, Some(0.1), &[]), &answer(100.02, Some(0.1), &[]), 0.5);
+        assert!(truth.iter().all(|one| one.known));
+        assert_eq!(class(answer(100.05, Some(0.1), &[]), &truth), Class::Right);
+        assert_eq!(class(answer(100.08, Some(0.1), &[]), &truth), Class::SilentlyWrong);
+        assert_eq!(class(answer(100.08, Some(0.1), &["sensitive"]), &truth), Class::NamedWrong);
+        assert_eq!(class(answer(100.0, None, &[]), &truth), Class::SilentlyWrong);
+        let refused = EngineJudgement::new(&Outcome::Refused("coarse".to_owned()), &truth);
+        assert_eq!(refused.class, Class::Refused);
+        let panicked = EngineJudgement::new(&Outcome::Panicked("index".to_owned()), &truth);
+        assert_eq!(panicked.class, Class::SilentlyWrong);
+    }
+
+    #[test]
+    fn an_observable_in_which_refined_answers_differ_has_no_truth() {
+        let truth = mean(&answer(100.0, Some(0.1), &[]), &answer(100.0, Some(0.2), &[]), 1.0);
+        assert_eq!(truth.iter().map(|one| one.known).collect::<Vec<_>>(), [true, false]);
+        assert_eq!(class(answer(100.0, Some(0.1), &[]), &truth), Class::SilentlyUndecided);
+        assert_eq!(class(answer(100.0, Some(0.1), &["sensitive"]), &truth), Class::NamedUndecided);
+        assert_eq!(class(answer(101.0, Some(0.1), &[]), &truth), Class::SilentlyWrong);
+    }
+
+    #[test]
+    fn a_truth_needs_a_less_refined_answer_beside_it() {
+        let truth = mean(&answer(100.0, Some(0.1), &[]), &answer(100.0, Some(0.1), &[]), 1.0);
+        let refused = || Outcome::Refused("coarse".to_owned());
+        let coarse = [refused(), Outcome::Answered(answer(100.04, Some(0.3), &[]))];
+        let known: Vec<bool> = confirmed(truth, &coarse).iter().map(|one| one.known).collect();
+        assert_eq!(known, [true, false]);
+    }
+}
