@@ -15,6 +15,7 @@ use std::path::{Path, PathBuf};
 
 use asperity_figure::{Figure, FigureError};
 use asperity_scenario::{Document, Scenario};
+use asperity_study::file_name::file_name;
 use asperity_study::output::{OutputFolder, OutputRequest};
 use serde_json::Value;
 use tracing::info_span;
@@ -69,7 +70,8 @@ impl ResultFolder {
         out: Option<&Path>,
         overwrite: bool,
     ) -> Result<Self, Failure> {
-        let name = || PathBuf::from("out").join(input.file_stem().unwrap_or(input.as_os_str()));
+        let stem = input.file_stem().unwrap_or(input.as_os_str()).to_string_lossy();
+        let name = || PathBuf::from("out").join(file_name(&stem));
         let folder = out.map_or_else(name, Path::to_owned);
         Ok(Self(OutputFolder::claim(&OutputRequest {
             folder: &folder,
@@ -117,7 +119,7 @@ impl ResultFolder {
             self.0.finish(name, &text)?
         };
         if print {
-            answer!("{text}");
+            answer!("{text}")?;
         }
         Ok(folder)
     }

@@ -8,12 +8,14 @@ use asperity_experiment::AnalysisError;
 use asperity_figure::FigureError;
 use asperity_harmonic::HarmonicError;
 use asperity_identify::IdentificationError;
-use asperity_scenario::{DocumentError, InvalidDocument, SetError};
+use asperity_scenario::{Diagnostic, DocumentError, InvalidDocument, SetError};
 use asperity_structure::StructureError;
 use asperity_study::error::{OutputError, StudyError};
 use asperity_study::sweep::{SweepError, VariationError};
-use miette::{LabeledSpan, MietteDiagnostic, NamedSource, Report, Severity};
 use thiserror::Error;
+
+use crate::excerpt::{Label, show_excerpts};
+use crate::progress::show_line;
 
 /// Most problems of one scenario that are shown.
 const MOST_SHOWN: usize = 20;
@@ -45,6 +47,8 @@ pub(crate) enum Failure {
     Analysis(#[from] AnalysisError),
     #[error(transparent)]
     Problem(Box<IdentificationError>),
+    #[error("the answer cannot be written to standard output: {0}")]
+    Answer(std::io::Error),
 }
 
 impl From<OutputError> for Failure {
@@ -64,7 +68,7 @@ impl Failure {
     pub(crate) fn exit_code(&self) -> ExitCode {
         let request_is_wrong = match self {
             Self::Study(error) => is_wrong_request(error),
-            Self::Parts { .. } | Self::Figure(_) => false,
+            Self::Parts { .. } | Self::Figure(_) | Self::Answer(_) => false,
             Self::Analysis(error) => error.is_wrong_request(),
             Self::Problem(error) => error.is_wrong_request(),
             _ => true,
@@ -83,14 +87,14 @@ impl Failure {
             }
             Self::Invalid { text, path, source } => show_invalid(text, path, source),
             Self::Document(DocumentError::Syntax { path, text, source }) => {
-                let label = LabeledSpan::at(source.span.clone(), "here");
-                let diagnostic = MietteDiagnostic::new(self.to_string()).with_label(label);
-                show_in_text(diagnostic, path, text);
+                show_line(&format!("error: {self}"));
+                let label = Label { span: source.span.clone(), text: "here".to_owned() };
+                show_excerpts(path, text, &[label]);
             }
             _ => {
-                eprintln!("error: {self}");
+                show_line(&format!("error: {self}"));
                 if let Some(hint) = self.hint() {
-                    eprintln!("hint: {hint}");
+                    show_line(&format!("hint: {hint}"));
                 }
             }
         }
@@ -194,28 +198,21 @@ fn is_wrong_structure(error: &StructureError) -> bool {
 fn show_invalid(text: &str, path: &Path, invalid: &InvalidDocument) {
     let problems = &invalid.diagnostics;
     let shown = &problems[..problems.len().min(MOST_SHOWN)];
-    eprintln!(
+    show_line(&format!(
         "error: {} is not a valid scenario: {} {}",
         path.display(),
         problems.len(),
         if problems.len() == 1 { "problem" } else { "problems" }
-    );
+    ));
     for problem in shown {
-        eprintln!("{problem}");
+        show_line(&problem.to_string());
     }
     if problems.len() > shown.len() {
-        eprintln!("... and {} more", problems.len() - shown.len());
+        show_line(&format!("... and {} more", problems.len() - shown.len()));
     }
-    let places = shown.iter().filter_map(|problem| Some((problem.span.clone()?, &problem.pointer)));
-    let labels: Vec<_> = places.map(|(span, label)| LabeledSpan::at(span, label)).collect();
-    if !labels.is_empty() {
-        let diagnostic = MietteDiagnostic::new("in the scenario").with_severity(Severity::Advice);
-        show_in_text(diagnostic.with_labels(labels), path, text);
-    }
-}
-
-/// Shows a diagnostic with the lines of the text that it is about.
-fn show_in_text(diagnostic: MietteDiagnostic, path: &Path, text: &str) {
-    let named = NamedSource::new(path.display().to_string(), text.to_owned());
-    eprintln!("{:?}", Report::new(diagnostic).with_source_code(named));
+    let label = |problem: &Diagnostic| {
+        Some(Label { span: problem.span.clone()?, text: problem.pointer.clone() })
+    };
+    let labels: Vec<Label> = shown.iter().filter_map(label).collect();
+    show_excerpts(path, text, &labels);
 }

@@ -7,35 +7,56 @@
 //! | [`command`] | the subcommands, one a file |
 //! | [`plot`] | the figures that the subcommands write |
 //! | [`failure`] | errors, their exit status and their hints |
-//! | [`progress`] | progress bars and logs on standard error |
-#![allow(clippy::print_stderr, reason = "a command prints its errors to standard error")]
+//! | [`excerpt`] | the lines of a text that an error is about |
+//! | [`progress`] | progress bars, logs and messages on standard error |
 
 #[macro_use]
 mod answer;
 mod args;
 mod command;
+mod excerpt;
 mod failure;
 mod plot;
 mod progress;
 
 use std::process::ExitCode;
 
-use clap::Parser;
+use clap::{ColorChoice, CommandFactory, FromArgMatches};
 
 use args::{Args, Command};
 use failure::Failure;
 
 fn main() -> ExitCode {
-    let args = Args::parse();
+    let colors = if progress::takes_colors() { ColorChoice::Auto } else { ColorChoice::Never };
+    let matches = Args::command().color(colors).try_get_matches();
+    let args = match matches.and_then(|matches| Args::from_arg_matches(&matches)) {
+        Ok(args) => args,
+        Err(usage) => return show_usage(&usage),
+    };
     let identifying = matches!(args.command, Command::Identify { .. });
     progress::start_logging(args.verbosity(), args.log_format, identifying);
-    match run(&args) {
+    ended(run(&args).and_then(|()| answer::finish()))
+}
+
+fn ended(outcome: Result<(), Failure>) -> ExitCode {
+    match outcome {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
             failure.show();
             failure.exit_code()
         }
     }
+}
+
+/// Prints the help or the version on standard output, or the error of an option on standard error.
+fn show_usage(usage: &clap::Error) -> ExitCode {
+    if usage.use_stderr() {
+        // The exit status remains where standard error is closed or full.
+        let _ = usage.print();
+        return ExitCode::from(2);
+    }
+    let printed = answer!("").and_then(|()| usage.print().map_err(Failure::Answer));
+    ended(printed.and_then(|()| answer::finish()))
 }
 
 fn run(args: &Args) -> Result<(), Failure> {

@@ -22,17 +22,45 @@ pub(crate) enum LogFormat {
     Json,
 }
 
-/// Standard error, above the progress bars.
+/// Standard error, above the progress bars. A closed or full one loses the text, without an error:
+/// the exit status remains.
 struct LogWriter;
 
 impl Write for LogWriter {
     fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
-        TERMINAL.suspend(|| stderr().write(bytes))
+        let _ = TERMINAL.suspend(|| stderr().write_all(bytes));
+        Ok(bytes.len())
     }
 
     fn flush(&mut self) -> std::io::Result<()> {
-        stderr().flush()
+        Ok(())
     }
+}
+
+/// Writes text to standard error, above the progress bars, with a line break at its end.
+/// Characters that would control the terminal or reorder the text, as names and files may contain
+/// them, are replaced.
+pub(crate) fn show_line(text: &str) {
+    let plain: String =
+        text.chars().map(|c| if is_deceptive(c) { '\u{fffd}' } else { c }).collect();
+    show_styled(&plain);
+}
+
+/// Writes text that may contain the escape sequences of its own styles to standard error.
+pub(crate) fn show_styled(text: &str) {
+    let _ = LogWriter.write_all(format!("{text}\n").as_bytes());
+}
+
+/// True for control characters but the line break and the tab, and for those that change the
+/// direction of the text.
+fn is_deceptive(character: char) -> bool {
+    let directs = matches!(character, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+    directs || (character.is_control() && !matches!(character, '\n' | '\t'))
+}
+
+/// True if standard error takes colours: it is a terminal, and `NO_COLOR` is not set or empty.
+pub(crate) fn takes_colors() -> bool {
+    stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
 }
 
 /// Starts logging at `verbosity`: -1 errors only, 0 warnings, 1 the times of the stages of a run,
@@ -55,7 +83,7 @@ pub(crate) fn start_logging(verbosity: i8, format: LogFormat, identifying: bool)
     let log = tracing_subscriber::fmt()
         .with_env_filter(filter)
         .with_span_events(FmtSpan::CLOSE)
-        .with_ansi(stderr().is_terminal())
+        .with_ansi(takes_colors())
         .with_writer(|| LogWriter);
     let _ = LOG_FORMAT.set(format);
     // A second start in one process is the only way to fail, and harmless.
@@ -77,7 +105,7 @@ pub(crate) fn show_notices<T: std::fmt::Display>(notices: impl IntoIterator<Item
         if logs_json() {
             tracing::warn!("{notice}");
         } else {
-            eprintln!("note: {notice}");
+            show_line(&format!("note: {notice}"));
         }
     }
 }

@@ -32,6 +32,20 @@ pub enum DynamicsError {
         /// The values accepted.
         accepted: &'static str,
     },
+    /// A run would take more time or memory than is accepted.
+    #[error(
+        "the run would take {count:.3e} {unit} with steps of {step_s:.3e} s; at most {limit:.0e} are accepted"
+    )]
+    TooLarge {
+        /// The count that is too large.
+        count: f64,
+        /// What is counted.
+        unit: &'static str,
+        /// Largest count accepted.
+        limit: f64,
+        /// Step \[s\].
+        step_s: f64,
+    },
     /// The machine does not have the vector instructions asked for.
     #[error("this machine has no {set:?} instructions; it has {:?}", InstructionSet::available())]
     InstructionSet {

@@ -37,7 +37,8 @@ mod time_loop;
 use asperity_mesh::Grid;
 use asperity_structure::PreloadedStructure;
 
-use crate::{DynamicsError, Excitation, InstructionSet, Sampling, Transient};
+use crate::run_bounds::{check_finite_differences, check_history};
+use crate::{DynamicsError, Excitation, InstructionSet, RunOutline, Sampling, Transient};
 use time_loop::TimeLoop;
 
 /// Closure at which the implicit contact pressure is taken (Eq. 5).
@@ -103,6 +104,7 @@ impl FiniteDifference {
     ///
     /// # Errors
     /// [`DynamicsError::Mesh`] for a grid or Courant number out of range,
+    /// [`DynamicsError::TooLarge`] for a run beyond the [bounds](crate::run_bounds),
     /// [`DynamicsError::Setting`] for an excitation out of range or an instruction set that the
     /// machine lacks, [`DynamicsError::Law`] when a law cannot be tabulated,
     /// [`DynamicsError::Unstable`] when the numbers overflow.
@@ -127,8 +129,7 @@ impl FiniteDifference {
         progress: &(dyn Fn(f64) + Sync),
     ) -> Result<Transient, DynamicsError> {
         excitation.check()?;
-        let grid = Grid::new(structure.stack(), self.cell)?;
-        let (step, stride) = grid.step_within(sampling.interval(), self.courant)?;
+        let (grid, step, stride) = self.grid(structure, sampling)?;
         let arch = self
             .instructions
             .arch()
@@ -144,5 +145,31 @@ impl FiniteDifference {
             step,
             progress,
         })
+    }
+
+    /// Nodes, step and steps that [`integrate`](Self::integrate) takes.
+    ///
+    /// # Errors
+    /// [`DynamicsError::Mesh`] and [`DynamicsError::TooLarge`] as [`integrate`](Self::integrate).
+    pub fn outline(
+        &self,
+        structure: &PreloadedStructure,
+        sampling: &Sampling,
+    ) -> Result<RunOutline, DynamicsError> {
+        let (grid, step, stride) = self.grid(structure, sampling)?;
+        Ok(RunOutline { unknowns: grid.nodes(), step, steps: stride * sampling.samples() })
+    }
+
+    /// The grid, the step \[s\] and the number of steps a sample of a run within the bounds.
+    fn grid(
+        &self,
+        structure: &PreloadedStructure,
+        sampling: &Sampling,
+    ) -> Result<(Grid, f64, usize), DynamicsError> {
+        let grid = Grid::new(structure.stack(), self.cell)?;
+        let (step, stride) = grid.step_within(sampling.interval(), self.courant)?;
+        check_finite_differences(grid.nodes(), (step, stride), sampling.samples())?;
+        check_history(sampling.samples(), structure.contacts().len(), step)?;
+        Ok((grid, step, stride))
     }
 }

@@ -1,8 +1,8 @@
 //! The choice of time integrator.
 
-use asperity_mesh::Grid;
 use asperity_structure::PreloadedStructure;
 
+use crate::run_bounds::{check_history, check_recorded_steps};
 use crate::{
     DynamicsError, Excitation, FiniteDifference, InstructionSet, Modal, Sampling, Transient,
 };
@@ -50,7 +50,8 @@ impl Integrator {
     /// Unknowns, step and steps that [`integrate`](Self::integrate) takes.
     ///
     /// # Errors
-    /// [`DynamicsError::Mesh`] and [`DynamicsError::Setting`] as [`integrate`](Self::integrate).
+    /// [`DynamicsError::Mesh`], [`DynamicsError::Setting`] and [`DynamicsError::TooLarge`] as
+    /// [`integrate`](Self::integrate).
     pub fn outline(
         &self,
         structure: &PreloadedStructure,
@@ -58,14 +59,13 @@ impl Integrator {
         sampling: &Sampling,
     ) -> Result<RunOutline, DynamicsError> {
         match self {
-            Self::FiniteDifference(method) => {
-                let grid = Grid::new(structure.stack(), method.cell)?;
-                let (step, stride) = grid.step_within(sampling.interval(), method.courant)?;
-                Ok(RunOutline { unknowns: grid.nodes(), step, steps: stride * sampling.samples() })
-            }
+            Self::FiniteDifference(method) => method.outline(structure, sampling),
             Self::Modal(method) => {
                 let hit = method.hit(structure, excitation, sampling)?;
                 let (step, steps) = hit.first_step()?;
+                let interfaces = structure.contacts().len();
+                check_recorded_steps(steps, interfaces, step)?;
+                check_history(sampling.samples(), interfaces, step)?;
                 Ok(RunOutline { unknowns: hit.model.structure().modes().len(), step, steps })
             }
         }
@@ -90,7 +90,8 @@ impl Integrator {
     /// The response of `structure`, from rest, to `excitation`.
     ///
     /// # Errors
-    /// As [`FiniteDifference::integrate`] and [`Modal::integrate`].
+    /// As [`FiniteDifference::integrate`] and [`Modal::integrate`], and [`DynamicsError::TooLarge`]
+    /// for a run beyond the [bounds](crate::run_bounds).
     pub fn integrate(
         &self,
         structure: &PreloadedStructure,
@@ -116,6 +117,7 @@ impl Integrator {
                 method.integrate_with_progress(structure, excitation, sampling, progress)
             }
             Self::Modal(method) => {
+                self.outline(structure, excitation, sampling)?;
                 let transient = method.integrate(structure, excitation, sampling)?;
                 progress(1.0);
                 Ok(transient)

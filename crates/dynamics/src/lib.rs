@@ -41,6 +41,7 @@
 //! | [`finite_difference`] | the paper's explicit scheme, Eqs. (2) to (5) |
 //! | [`modal`] | exact modal steps with implicit contact, many hits in vector lanes |
 //! | [`integrator`] | the choice of integrator |
+//! | [`run_bounds`] | the largest runs |
 //! | [`transient`] | result of a run: history, contact extremes, energy ledger |
 
 pub mod difference;
@@ -50,6 +51,7 @@ pub mod finite_difference;
 pub mod instruction_set;
 pub mod integrator;
 pub mod modal;
+pub mod run_bounds;
 pub mod transient;
 
 pub use difference::{RELATIVE_STEP, STENCIL, central_difference};

@@ -11,6 +11,7 @@ use sha2::{Digest, Sha256};
 use crate::analysis::Analysis;
 use crate::error::AnalysisError;
 use crate::hit_analysis::HitAccumulator;
+use crate::input_size::{MAX_ANALYSED_BYTES, check_size};
 use crate::options::{AnalysisOptions, HitCount};
 use crate::report::{AnalysedFile, AnalysisProvenance};
 use crate::stream::{SampleBlock, SampleStream};
@@ -40,6 +41,7 @@ pub fn analyse_with_progress(
     progress: &dyn Fn(usize),
 ) -> Result<Analysis, AnalysisError> {
     options.check()?;
+    check_size(files, MAX_ANALYSED_BYTES)?;
     // The hashes are a third pass over the files, in parallel with the two others.
     let cancelled = AtomicBool::new(false);
     std::thread::scope(|scope| {

@@ -8,6 +8,7 @@ use asperity_measure::{
 };
 
 use crate::error::AnalysisError;
+use crate::input_size::{MAX_CONVERTED_BYTES, check_size};
 use crate::stream::measure_error;
 
 /// Result of [`convert`].
@@ -25,7 +26,8 @@ pub struct Conversion {
 
 /// Converts a file to another format: `format`, or that of the extension of `to`.
 ///
-/// With `in_si` all channels are converted to SI units. The whole file is held in memory.
+/// With `in_si` all channels are converted to SI units. The whole file is held in memory, so
+/// that at most [`MAX_CONVERTED_BYTES`] are accepted.
 ///
 /// # Errors
 /// [`AnalysisError`] for a file that cannot be read, an unknown unit to convert, and a format that
@@ -57,6 +59,7 @@ pub fn convert(
         let expected = "a name that ends in .uff, .unv, .csv, .txt or .npz, or a format";
         AnalysisError::Setting { name: "the output file", found, expected }
     })?;
+    check_size(&[from], MAX_CONVERTED_BYTES)?;
     let measured = read(from, options).map_err(|error| measure_error(error, from))?;
     let Measurement { format, mut records, notices } = measured;
     if in_si {

@@ -33,6 +33,18 @@ pub enum AnalysisError {
     /// Empty list of files.
     #[error("no file to analyse")]
     NoFile,
+    /// Files that are too large.
+    #[error("{}{}: {bytes} bytes; at most {limit} are accepted", path.display(), others(*files))]
+    TooLarge {
+        /// First file.
+        path: PathBuf,
+        /// Number of files.
+        files: usize,
+        /// Size of all in bytes.
+        bytes: u64,
+        /// Largest size accepted.
+        limit: u64,
+    },
     /// Setting that is not valid.
     #[error("{name} is `{found}`; accepted: {expected}")]
     Setting {
@@ -169,6 +181,10 @@ impl AnalysisError {
                 | Self::Write { .. }
         )
     }
+}
+
+fn others(files: usize) -> String {
+    if files > 1 { format!(" and {} more", files - 1) } else { String::new() }
 }
 
 fn quoted(wanted: &str) -> String {

@@ -57,6 +57,7 @@
 //! | `analyse`, `hit_analysis`, `average` | [`analyse`]: the two passes, single hits, their average |
 //! | `analysis`, `report`, `curve` | [`Analysis`], `analysis.json`, CSV, curves to draw |
 //! | `convert` | [`convert`] from one format to another |
+//! | `input_size` | largest inputs |
 
 mod analyse;
 mod analysis;
@@ -67,6 +68,7 @@ mod curve;
 mod cutting;
 mod error;
 mod hit_analysis;
+mod input_size;
 mod options;
 mod report;
 mod stream;
@@ -80,6 +82,7 @@ pub use convert::{Conversion, convert};
 pub use curve::HitCurve;
 pub use cutting::for_each_hit;
 pub use error::AnalysisError;
+pub use input_size::{MAX_ANALYSED_BYTES, MAX_CONVERTED_BYTES};
 pub use options::{
     AnalysisOptions, ChannelSensor, FrequencyBand, HitCount, TimeConstant, WindowOptions,
     parse_estimator, parse_frf_form,

@@ -49,7 +49,7 @@ impl BranchRecorder {
         let mut response = PeriodicResponse::of(balance, curve.closures(), &at, point.iterations);
         if let Some(floquet) = &mut self.floquet {
             response.multipliers =
-                Some(floquet.multipliers(balance, curve.closures(), at.angular_frequency));
+                floquet.multipliers(balance, curve.closures(), at.angular_frequency);
         }
         response
     }
@@ -140,8 +140,10 @@ impl BranchRecorder {
             .locate(from, step, ends, |curve, at| {
                 let frequency = curve.conditions(&at.unknowns).angular_frequency;
                 let multipliers = floquet.multipliers(curve.balance(), curve.closures(), frequency);
-                crossing = multipliers[index];
-                excess(&multipliers)
+                crossing = multipliers
+                    .as_ref()
+                    .map_or(Complex64::new(f64::NAN, f64::NAN), |found| found[index]);
+                crossing.norm() - 1.0
             })
             .ok()?;
         // Two real multipliers meet the circle at its real points only.

@@ -72,18 +72,19 @@ impl FloquetSolver {
     }
 
     /// The multipliers of the motion that the balance evaluated last, largest first; NaN if they
-    /// cannot be computed.
+    /// cannot be computed, and none where a mode is too fast to be integrated over a period.
     pub(crate) fn multipliers(
         &mut self,
         balance: &Balance<'_>,
         closures: &[f64],
         angular_frequency: f64,
-    ) -> Vec<Complex64> {
+    ) -> Option<Vec<Complex64>> {
         let variation = &mut self.variation;
-        let monodromy = self.integration.monodromy(variation, balance, closures, angular_frequency);
+        let monodromy =
+            self.integration.monodromy(variation, balance, closures, angular_frequency)?;
         let mut multipliers = eigenvalues(&monodromy);
         multipliers.sort_by(|a, b| b.norm().total_cmp(&a.norm()));
-        multipliers
+        Some(multipliers)
     }
 }
 

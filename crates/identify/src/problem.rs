@@ -32,10 +32,10 @@ pub struct ProblemSpec {
     /// scenario in place.
     pub scenario: ScenarioRef,
     /// The parameters to identify.
-    #[schemars(length(min = 1))]
+    #[schemars(length(min = 1, max = 100))]
     pub unknowns: Vec<ParameterSpec>,
     /// The data.
-    #[schemars(length(min = 1))]
+    #[schemars(length(min = 1, max = 1000))]
     pub data: Vec<DataSpec>,
     /// Name in "laws" of the law to report. The law of the first interface
     /// when left out.
@@ -54,6 +54,7 @@ pub struct ProblemSpec {
     pub level: f64,
     /// Other laws to compare with.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(length(max = 100))]
     pub compare: Vec<CandidateSpec>,
     /// Possible further hits.
     pub design: Option<DesignSpec>,
@@ -135,7 +136,7 @@ pub struct CandidateSpec {
 #[serde(deny_unknown_fields)]
 pub struct DesignSpec {
     /// Force levels in N.
-    #[schemars(length(min = 1))]
+    #[schemars(length(min = 1, max = 1000))]
     pub force_peak_n: Vec<f64>,
     /// Preloads or other changes of the scenario: JSON Pointers and values, one
     /// object for each.
@@ -143,7 +144,7 @@ pub struct DesignSpec {
     pub set: Vec<Changes>,
     /// Number of hits of each kind.
     #[serde(default = "default_repeats")]
-    #[schemars(range(min = 1))]
+    #[schemars(range(min = 1, max = 1_000_000))]
     pub hits: usize,
 }
 

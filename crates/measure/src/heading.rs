@@ -13,7 +13,7 @@ impl Heading {
     /// The heading of a text such as `Force (N)`, `Force [N]`, `Force/N`, `force_N`,
     /// `acceleration_m_per_s2`.
     pub(crate) fn parse(text: &str) -> Self {
-        let text = text.trim();
+        let text = asperity_table::unquoted(text.trim());
         in_brackets(text)
             .or_else(|| after_slash(text))
             .or_else(|| after_underscore(text))
@@ -123,6 +123,8 @@ mod tests {
             ("signal_in", "signal_in", ""),
             ("acc_x", "acc_x", ""),
             ("_s", "_s", ""),
+            ("'=1+2 (N)", "=1+2", "N"),
+            ("'-x_s", "-x", "s"),
             ("", "", ""),
         ] {
             let heading = Heading::parse(text);

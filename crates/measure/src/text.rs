@@ -243,7 +243,10 @@ fn headings(lines: &[&[u8]], dialect: Dialect, run: NumberRun) -> Vec<Option<Hea
     let names = above.next().flatten().unwrap_or_default();
     let name = |index: usize| names.get(index).map_or("", String::as_str);
     let with_unit = |(index, unit): (usize, &String)| {
-        Some(Heading { name: name(index).to_owned(), unit: crate::ChannelUnit::of_text(unit) })
+        Some(Heading {
+            name: asperity_table::unquoted(name(index)).to_owned(),
+            unit: crate::ChannelUnit::of_text(unit),
+        })
     };
     last.iter().enumerate().map(with_unit).collect()
 }

@@ -29,7 +29,8 @@ impl Body {
     /// A bar of `length` \[m\], `section` \[m2\], `youngs_modulus` \[Pa\] and `density` \[kg/m3\].
     ///
     /// # Errors
-    /// [`MeshError::NotPositive`] for any value that is not positive and finite.
+    /// [`MeshError::NotPositive`] for any value that is not positive and finite, or values whose mass,
+    /// wave speed or stiffness is not.
     pub fn new(
         name: &str,
         length: f64,
@@ -37,13 +38,17 @@ impl Body {
         youngs_modulus: f64,
         density: f64,
     ) -> Result<Self, MeshError> {
-        Ok(Self {
+        let body = Self {
             name: name.to_owned(),
             length: positive(name, "length [m]", length)?,
             section: positive(name, "section [m2]", section)?,
             youngs_modulus: positive(name, "Young's modulus [Pa]", youngs_modulus)?,
             density: positive(name, "density [kg/m3]", density)?,
-        })
+        };
+        positive(name, "mass [kg]", body.mass())?;
+        positive(name, "wave speed over length [1/s]", body.wave_speed() / length)?;
+        positive(name, "stiffness E A / L [N/m]", body.axial_rigidity() / length)?;
+        Ok(body)
     }
 
     /// A bar of known `mass` \[kg\]; its section is `mass / (density length)`.
@@ -131,5 +136,21 @@ mod tests {
             assert!(Body::new("b", 1.0, 1.0, 1.0, bad).is_err());
             assert!(Body::with_mass("b", 1.0, bad, 1.0, 1.0).is_err());
         }
+    }
+
+    /// Numbers that are positive and finite, whose products and quotients are not.
+    #[test]
+    fn sizes_beyond_the_range_of_numbers_are_errors() {
+        let (tiny, huge) = (f64::from_bits(1), 1e300);
+        for (length, section, modulus, density) in [
+            (1.0, 1.0, tiny, 1e3),
+            (1.0, 1.0, huge, tiny),
+            (1.0, tiny, 0.1, 1.0),
+            (huge, huge, 1.0, 1.0),
+            (huge, 1.0, 1e-100, 1e200),
+        ] {
+            assert!(Body::new("b", length, section, modulus, density).is_err());
+        }
+        assert!(Body::with_mass("b", tiny, 1.0, 1.0, 1.0).is_err());
     }
 }

@@ -72,6 +72,7 @@ impl Support {
             positive("support", "stiffness [N/m]", stiffness)?;
             positive("support", "mass [kg]", mass)?;
             not_negative("support", "damping ratio", damping_ratio)?;
+            not_negative("support", "damping coefficient [N s/m]", self.damping())?;
         }
         Ok(())
     }

@@ -8,6 +8,9 @@ use crate::fault::Fault;
 use crate::pointer::JsonPointer;
 use crate::wording::{brief, one_line};
 
+/// Most faults of one document that are looked for by its schema, and by its other conditions.
+pub const MAX_FAULTS: usize = 1000;
+
 /// Fault of a document: its place, its kind, and the accepted values.
 ///
 /// `Display` gives all of it in one line.

@@ -74,6 +74,9 @@ pub enum Fault {
         /// Fault of the name, in words.
         fault: String,
     },
+    /// More laws than are accepted.
+    #[error("there are {0} laws")]
+    TooManyLaws(usize),
     /// Reference to a law that is not in "laws".
     #[error("there is no law named {}", brief(.0))]
     UnknownLaw(String),

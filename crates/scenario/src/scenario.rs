@@ -41,13 +41,13 @@ pub struct Scenario {
     #[schemars(range(min = 0.0))]
     pub gravity_m_per_s2: f64,
     /// Bodies, from the free top down to the support.
-    #[schemars(length(min = 1))]
+    #[schemars(length(min = 1, max = 1000))]
     pub bodies: Vec<BodySpec>,
     /// Support below the lowest interface.
     #[serde(default)]
     pub support: SupportSpec,
     /// Contact interfaces: one below each body, the last onto the support.
-    #[schemars(length(min = 1))]
+    #[schemars(length(min = 1, max = 1000))]
     pub interfaces: Vec<InterfaceSpec>,
     /// Contact laws by name, to be shared by interfaces.
     #[serde(default, skip_serializing_if = "Laws::is_empty")]

@@ -9,13 +9,14 @@ mod union;
 
 use serde_json::{Map, Value};
 
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, MAX_FAULTS};
 use crate::fault::Fault;
 use crate::pointer::JsonPointer;
 use crate::suggest::nearest;
 use crate::wording::{brief, found, number};
 
-/// Checks a JSON value against a schema generated from a Rust type, and returns all faults.
+/// Checks a JSON value against a schema generated from a Rust type, and returns all faults; of more
+/// than [`MAX_FAULTS`] the first.
 ///
 /// The keywords that [`scenario_schema`](crate::scenario_schema) contains are applied.
 ///
@@ -39,6 +40,9 @@ struct Walker<'s> {
 impl<'s> Walker<'s> {
     /// Checks `value` under `node` and whatever `node` refers to.
     fn node(&mut self, node: &'s Value, value: &Value, at: &JsonPointer) {
+        if self.found.len() >= MAX_FAULTS {
+            return;
+        }
         if let Some(target) = self.target(node) {
             self.node(target, value, at);
         }
@@ -66,6 +70,9 @@ impl<'s> Walker<'s> {
         let names = || properties.into_iter().flat_map(Map::keys).map(String::as_str);
         let mut meant = Vec::new();
         for (key, value) in object {
+            if self.found.len() >= MAX_FAULTS {
+                return;
+            }
             let child = at.child(key);
             match (known(key), node.get("additionalProperties")) {
                 (Some(property), _) => self.node(property, value, &child),

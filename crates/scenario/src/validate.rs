@@ -27,14 +27,15 @@ pub const MAX_SERIES_DEPTH: usize = 8;
 /// Fewest output samples of a run.
 pub const MIN_SAMPLES: f64 = 16.0;
 
-/// Most output samples of a run.
-pub const MAX_SAMPLES: f64 = 2e8;
+/// Most numbers of the time history of a run, samples times columns: 0.8 GB, and some three times
+/// as much as text.
+pub const MAX_HISTORY_NUMBERS: f64 = 1e8;
 
 /// Most finite-difference cells of one body.
 pub const MAX_CELLS: f64 = 1e6;
 
-/// Most time steps of a run.
-pub const MAX_STEPS: f64 = 1e11;
+/// Most time steps of a run by finite differences.
+pub const MAX_STEPS: f64 = 2e10;
 
 /// Checks a scenario built or changed in code, and returns all its faults.
 ///

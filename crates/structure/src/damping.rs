@@ -25,9 +25,15 @@ impl Damping {
             let accepted = "finite and not negative";
             return Err(StructureError::Setting { quantity, value, accepted });
         }
-        match self {
-            Self::Ratio(ratio) if ratio > 0.0 => Ok(2.0 * ratio * TAU * natural?),
-            Self::Ratio(_) | Self::Rate(_) => Ok(value),
+        let rate = match self {
+            Self::Ratio(ratio) if ratio > 0.0 => 2.0 * ratio * TAU * natural?,
+            Self::Ratio(_) | Self::Rate(_) => value,
+        };
+        if rate.is_finite() {
+            Ok(rate)
+        } else {
+            let quantity = "damping rate [1/s]";
+            Err(StructureError::Setting { quantity, value: rate, accepted: "finite" })
         }
     }
 }

@@ -44,6 +44,15 @@ pub enum StructureError {
         /// Contacts given.
         contacts: usize,
     },
+    /// The shape of a mode is beyond the precision of numbers: a body resonates next to contacts that
+    /// hardly hold it.
+    #[error(
+        "the shape of the mode at {frequency_hz} Hz cannot be computed: its bodies resonate between contacts that hardly hold them"
+    )]
+    Shape {
+        /// Natural frequency \[Hz\].
+        frequency_hz: f64,
+    },
     /// An eigenvalue computation did not converge.
     #[error("the eigenvalues of {size} coupled equations did not converge")]
     Eigenvalues {

@@ -90,7 +90,7 @@ impl<'a> Chain<'a> {
     }
 
     /// Angular frequency of mode `number`, counted from 1, by bisection to round-off.
-    pub(crate) fn frequency(&self, number: usize) -> f64 {
+    pub(crate) fn frequency(&self, number: usize) -> Result<f64, StructureError> {
         let slowest = |body: &Body| PI * body.wave_speed() / body.length();
         // Off the clamped frequencies themselves, where the dynamic stiffness is infinite.
         let start = std::f64::consts::LN_2;
@@ -98,6 +98,11 @@ impl<'a> Chain<'a> {
             start * self.stack.bodies().iter().map(slowest).fold(f64::INFINITY, f64::min);
         while self.modes_below(high) < number {
             high *= 2.0;
+            if !(high > 0.0 && high.is_finite()) {
+                let quantity = "natural frequency [rad/s]";
+                let accepted = "positive and finite";
+                return Err(StructureError::Setting { quantity, value: high, accepted });
+            }
         }
         let mut low = 0.0;
         // 1100 halvings reach the smallest double from any start.
@@ -108,7 +113,7 @@ impl<'a> Chain<'a> {
             }
             if self.modes_below(middle) >= number { high = middle } else { low = middle }
         }
-        high
+        Ok(high)
     }
 
     /// Face displacements at a natural frequency: the eigenvector of the
@@ -147,12 +152,11 @@ impl<'a> Chain<'a> {
         };
         let viscous = rate * body_mass + self.stack.support().damping() * support * support;
         let total_mass = body_mass + support_mass * support * support;
-        Ok(LinearisedMode {
-            frequency_hz: w / TAU,
-            damping_ratio: viscous / (2.0 * w * total_mass),
-            faces,
-            support,
-        })
+        let (frequency_hz, damping_ratio) = (w / TAU, viscous / (2.0 * w * total_mass));
+        if !(damping_ratio.is_finite() && shape.iter().all(|value| value.is_finite())) {
+            return Err(StructureError::Shape { frequency_hz });
+        }
+        Ok(LinearisedMode { frequency_hz, damping_ratio, faces, support })
     }
 }
 

@@ -11,6 +11,10 @@ use crate::equilibrium::{self, StaticDisplacement};
 use crate::modes::Chain;
 use crate::{Damping, LinearisedMode, PreloadedContact, StructureError};
 
+/// Most work of a computation of modes, their number times the cube of the number of faces: some
+/// minutes.
+const MOST_MODE_WORK: f64 = 1e11;
+
 /// A structure in static equilibrium: mesh, contacts at rest, and mass-proportional damping.
 ///
 /// The mesh is a [`Stack`] of bars, or the [`ComponentModes`] of any structure. The first is
@@ -82,7 +86,7 @@ impl PreloadedStructure {
     /// at rest.
     pub fn new(stack: Stack, damping: Damping) -> Result<Self, StructureError> {
         let contacts = equilibrium::contacts(&stack)?;
-        let natural = Chain::new(&stack, &contacts).map(|chain| chain.frequency(1) / TAU);
+        let natural = Chain::new(&stack, &contacts).and_then(|chain| Ok(chain.frequency(1)? / TAU));
         Self::with(stack, contacts, damping, natural)
     }
 
@@ -108,7 +112,14 @@ impl PreloadedStructure {
     /// [`StructureError::Eigenvalues`] if a shape cannot be found.
     pub fn modes(&self, count: usize) -> Result<Vec<LinearisedMode>, StructureError> {
         let chain = Chain::new(&self.mesh, &self.contacts)?;
-        (1..=count).map(|number| chain.mode(chain.frequency(number), self.damping_rate)).collect()
+        let work = count as f64 * ((2 * self.contacts.len() + 1) as f64).powi(3);
+        if work > MOST_MODE_WORK {
+            let quantity = "number of modes times the cube of the number of faces";
+            let accepted = "at most 1e11";
+            return Err(StructureError::Setting { quantity, value: work, accepted });
+        }
+        let mode = |number| chain.mode(chain.frequency(number)?, self.damping_rate);
+        (1..=count).map(mode).collect()
     }
 
     /// The structure in free-interface modes of its bars with residual flexibility.

@@ -33,6 +33,12 @@ const MOST_HARMONICS: usize = 30;
 /// Most points of a branch.
 const MOST_POINTS: usize = 2000;
 
+/// Most force amplitudes, most equations of a point, interfaces times Fourier coefficients, and most
+/// of amplitudes times the cube of the equations: hours at the most points.
+const MOST_AMPLITUDES: usize = 1000;
+const MOST_EQUATIONS: f64 = 2000.0;
+const MOST_WORK: f64 = 1e11;
+
 /// Samples per harmonic where the number of harmonics is given.
 const SAMPLES_PER_HARMONIC: usize = 16;
 
@@ -135,6 +141,7 @@ pub fn steady_with_progress(
     let started = Instant::now();
     let _stage = tracing::info_span!("continue branches").entered();
     check_range(request)?;
+    check_work(assembly.structure.contacts().len(), request)?;
     let system = ContactSystem::of_structure(&assembly.structure, LawEvaluation::default())?;
     let settings = settings(request);
     let levels = request
@@ -177,6 +184,29 @@ fn check_range(request: &SteadyRequest) -> Result<(), HarmonicError> {
         return Err(HarmonicError::Setting { quantity, value, accepted: "1 to 400" });
     }
     Ok(())
+}
+
+/// Refuses requests whose work exceeds the bounds.
+fn check_work(interfaces: usize, request: &SteadyRequest) -> Result<(), HarmonicError> {
+    let harmonics = request.harmonics.unwrap_or(MOST_HARMONICS);
+    let amplitudes = request.amplitudes.len() as f64;
+    let equations = (interfaces * (2 * harmonics + 1)) as f64;
+    let checks = [
+        ("number of force amplitudes", amplitudes, MOST_AMPLITUDES as f64, "at most 1000"),
+        ("number of interfaces times (2 harmonics + 1)", equations, MOST_EQUATIONS, "at most 2000"),
+        (
+            "number of force amplitudes times the cube of interfaces (2 harmonics + 1)",
+            amplitudes * equations.powi(3),
+            MOST_WORK,
+            "at most 1e11",
+        ),
+    ];
+    match checks.into_iter().find(|(_, value, limit, _)| value > limit) {
+        Some((quantity, value, _, accepted)) => {
+            Err(HarmonicError::Setting { quantity, value, accepted })
+        }
+        None => Ok(()),
+    }
 }
 
 fn settings(request: &SteadyRequest) -> HarmonicSettings {

@@ -28,7 +28,7 @@ impl CsvWriter {
         csv
     }
 
-    /// Appends a field of text, in quotes where it holds a comma, a quote or a line break.
+    /// Appends a field of text, as [`quoted`] writes it.
     pub fn text(&mut self, field: &str) -> &mut Self {
         self.separate();
         self.text.push_str(&quoted(field));
@@ -104,13 +104,42 @@ impl fmt::Display for Decimal {
     }
 }
 
+/// Characters that make a spreadsheet run a cell that starts with them as a formula.
+const FORMULA: [char; 7] = ['=', '+', '-', '@', '\t', '\r', '\n'];
+
 /// A field of CSV text, in quotes if it contains a comma, a quote or a line break.
+///
+/// A text that a spreadsheet would run, since it starts with `=`, `+`, `-`, `@`, a tab or a line
+/// break and is not a number, gets an apostrophe before it, which spreadsheets take as the mark of a
+/// text. So does a text that already starts with apostrophes before such a character; [`unquoted`]
+/// reverses both.
+///
+/// ```
+/// use asperity_table::{quoted, unquoted};
+/// assert_eq!(quoted("=1+2"), "'=1+2");
+/// assert_eq!(quoted("-1.5e3"), "-1.5e3");
+/// assert_eq!(unquoted("'=1+2"), "=1+2");
+/// ```
 pub fn quoted(field: &str) -> Cow<'_, str> {
-    if field.contains([',', '"', '\n', '\r']) {
-        Cow::Owned(format!("\"{}\"", field.replace('"', "\"\"")))
+    let is_formula = starts_formula(field) && field.parse::<f64>().is_err();
+    let mark = if is_formula { "'" } else { "" };
+    if field.contains([',', '"', '\n', '\r', '\t']) {
+        Cow::Owned(format!("\"{mark}{}\"", field.replace('"', "\"\"")))
+    } else if is_formula {
+        Cow::Owned(format!("{mark}{field}"))
     } else {
         Cow::Borrowed(field)
     }
+}
+
+/// A text that was read from CSV, without the apostrophe that [`quoted`] puts before one that a
+/// spreadsheet would run.
+pub fn unquoted(field: &str) -> &str {
+    field.strip_prefix('\'').filter(|rest| starts_formula(rest)).unwrap_or(field)
+}
+
+fn starts_formula(field: &str) -> bool {
+    field.trim_start_matches('\'').starts_with(FORMULA)
 }
 
 /// Columns as CSV text, without copying them into a [`Table`](crate::Table).
@@ -155,6 +184,31 @@ mod tests {
     fn text_is_quoted_where_needed() {
         let names = ["force, measured_n", "say \"k\"", "two\nlines"];
         assert_eq!(read(&columns_to_csv(names.map(|name| (name, [1.0])))).0, names);
+    }
+
+    #[test]
+    fn no_text_starts_like_a_formula_and_each_reads_back() {
+        for (text, written) in [
+            ("=cmd|' /C calc'!A0", "'=cmd|' /C calc'!A0"),
+            ("@SUM(1,2)", "\"'@SUM(1,2)\""),
+            ("-guide", "'-guide"),
+            ("+", "'+"),
+            ("\t=1", "\"'\t=1\""),
+            ("\r=1", "\"'\r=1\""),
+            ("'=1", "''=1"),
+            ("'tis", "'tis"),
+            ("guide-sample", "guide-sample"),
+            ("-1e5", "-1e5"),
+            ("+3", "+3"),
+        ] {
+            assert_eq!(quoted(text), written);
+            let mut csv = CsvWriter::with_header(["name", "x"]);
+            csv.text(text).number(1.0).end_row();
+            let text_read = csv.into_string();
+            let mut reader = ::csv::Reader::from_reader(text_read.as_bytes());
+            let row = reader.records().next().unwrap().unwrap();
+            assert_eq!(unquoted(&row[0]), text);
+        }
     }
 
     #[test]

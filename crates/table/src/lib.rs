@@ -13,6 +13,8 @@
 //! # Ok::<(), asperity_table::TableError>(())
 //! ```
 //!
+//! A text that a spreadsheet would run as a formula gets an apostrophe before it ([`quoted`]).
+//!
 //! | module | holds |
 //! |---|---|
 //! | `table` | [`Table`], [`Column`], [`TableError`] |
@@ -21,5 +23,5 @@
 mod csv;
 mod table;
 
-pub use csv::{CsvWriter, Decimal, columns_to_csv, quoted};
+pub use csv::{CsvWriter, Decimal, columns_to_csv, quoted, unquoted};
 pub use table::{Column, Table, TableError};

@@ -3,9 +3,12 @@
 #![allow(clippy::print_stderr, reason = "a test without its data says that it was skipped")]
 
 mod analyse;
+mod bounds;
 mod command;
+mod diagnostics;
 mod identify;
 mod result_folders;
+mod streams;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

@@ -2,12 +2,13 @@
 
 use std::sync::Arc;
 
-use crate::support::{Law, modified, pulse, rig};
+use crate::support::{Law, modified, pulse, rig, rig_on};
 use asperity_dynamics::{
-    DynamicsError, Excitation, FiniteDifference, ForceRecord, InstructionSet, Sampling,
+    DynamicsError, Excitation, FiniteDifference, ForceRecord, InstructionSet, Integrator, Modal,
+    Sampling,
 };
 use asperity_law::Hyperbolic;
-use asperity_mesh::{MeshError, Stack};
+use asperity_mesh::{MeshError, Stack, Support};
 use asperity_structure::{Damping, PreloadedStructure};
 
 fn attempt(
@@ -52,6 +53,34 @@ fn a_cell_that_is_no_length_is_refused() {
     }
     let refused = with(|method| method.cell = 1e-15);
     assert!(matches!(refused, Err(DynamicsError::Mesh(MeshError::TooManyNodes { .. }))));
+}
+
+/// Runs that would take years or more memory than there is, refused by their size.
+#[test]
+fn runs_beyond_the_bounds_are_refused() {
+    let on = |stiffness: f64, duration: f64, rate: f64, method: Integrator| {
+        let support = Support::SpringMass { stiffness, mass: 2.0, damping_ratio: 0.0 };
+        let stack = rig_on(&modified(), support);
+        let structure = PreloadedStructure::new(stack, Damping::Rate(352.0)).unwrap();
+        let sampling = Sampling::new(duration, rate).unwrap();
+        method.outline(&structure, &pulse(9.0), &sampling).map(|_| ())
+    };
+    let coarse = Integrator::from(FiniteDifference { cell: 5e-3, ..FiniteDifference::default() });
+    assert_eq!(on(1e9, 0.1, 2e5, coarse), Ok(()));
+    for stiffness in [1e24, 1e100, 1e300] {
+        let refused = on(stiffness, 0.1, 2e5, coarse);
+        assert!(matches!(refused, Err(DynamicsError::TooLarge { .. })), "{refused:?}");
+    }
+    let many_samples = on(1e9, 0.1, 2e8, coarse);
+    assert!(matches!(many_samples, Err(DynamicsError::TooLarge { limit: 1e8, .. })));
+    let short = Integrator::from(Modal { step: Some(1e-10), ..Modal::default() });
+    let refused = on(1e9, 0.1, 2e5, short);
+    assert!(refused.is_err(), "{refused:?}");
+    let many_steps = Integrator::from(Modal { step: Some(1e-9), ..Modal::default() });
+    let refused = on(1e9, 0.1, 2e5, many_steps);
+    assert!(matches!(refused, Err(DynamicsError::TooLarge { limit: 2e8, .. })), "{refused:?}");
+    let modal = on(1e9, 0.1, 2e8, Integrator::default());
+    assert!(matches!(modal, Err(DynamicsError::TooLarge { limit: 1e8, .. })), "{modal:?}");
 }
 
 #[test]

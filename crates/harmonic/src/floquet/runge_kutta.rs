@@ -13,6 +13,9 @@ const RADIANS_PER_STEP: f64 = 0.2;
 /// Steps per period, at least and at most.
 const STEPS: (usize, usize) = (512, 1 << 14);
 
+/// Radians of the fastest mode per step at most: the method is stable up to 2.8.
+const MOST_RADIANS_PER_STEP: f64 = 2.0;
+
 /// Steps at least where contact is lost: the stiffness leaves zero with a vertical tangent there,
 /// and the order falls to about 1.5.
 const STEPS_WITH_LOSS: usize = 1024;
@@ -35,14 +38,15 @@ const STAGES: [(f64, usize); 4] = [(0.0, 0), (0.5, 1), (0.5, 1), (1.0, 2)];
 const WEIGHTS: [f64; 4] = [1.0, 2.0, 2.0, 1.0];
 
 impl RungeKutta {
+    /// The monodromy matrix; none where a mode is too fast for the most steps.
     pub(super) fn monodromy(
         &mut self,
         variation: &mut VariationalEquation,
         balance: &Balance<'_>,
         closures: &[f64],
         angular_frequency: f64,
-    ) -> Mat<f64> {
-        let steps = steps(variation, balance, angular_frequency);
+    ) -> Option<Mat<f64>> {
+        let steps = steps(variation, balance, angular_frequency)?;
         self.sample(variation, balance, closures, steps);
         let (size, square) = (2 * variation.modes.len(), variation.interfaces().pow(2));
         self.closures.resize(variation.interfaces() * size, 0.0);
@@ -72,7 +76,7 @@ impl RungeKutta {
             }
             states.copy_from_slice(&sum);
         }
-        Mat::from_fn(size, size, |row, column| states[row * size + column])
+        Some(Mat::from_fn(size, size, |row, column| states[row * size + column]))
     }
 
     /// Time derivatives of all states, with the stiffness stored at `place`.
@@ -144,7 +148,7 @@ impl RungeKutta {
     }
 }
 
-fn steps(variation: &VariationalEquation, balance: &Balance<'_>, w: f64) -> usize {
+fn steps(variation: &VariationalEquation, balance: &Balance<'_>, w: f64) -> Option<usize> {
     let stiffest = (0..variation.interfaces())
         .flat_map(|i| balance.tangents(i))
         .fold(0.0_f64, |largest, &k| largest.max(k));
@@ -152,9 +156,12 @@ fn steps(variation: &VariationalEquation, balance: &Balance<'_>, w: f64) -> usiz
     let fewest = if lost { STEPS_WITH_LOSS } else { STEPS.0 };
     let wanted =
         std::f64::consts::TAU * variation.highest_frequency(stiffest) / (w * RADIANS_PER_STEP);
+    if wanted * RADIANS_PER_STEP > MOST_RADIANS_PER_STEP * STEPS.1 as f64 || wanted.is_nan() {
+        return None;
+    }
     // Steps in eighths of a power of two, so that the tables serve many points of a branch.
     let grain = ((wanted / 8.0) as usize).next_power_of_two().clamp(1, STEPS.1 / 8);
-    ((wanted as usize).next_multiple_of(grain)).clamp(fewest, STEPS.1)
+    Some((wanted as usize).next_multiple_of(grain).clamp(fewest, STEPS.1))
 }
 
 fn add(to: &mut [f64], factor: f64, what: &[f64]) {

@@ -60,6 +60,7 @@ impl<'s> Walker<'s> {
             (Some(least), Some(most)) if least == most => {
                 format!("an array of {least} items{item}")
             }
+            (Some(least), Some(most)) => format!("an array of {least} to {most} items{item}"),
             (Some(1), None) => format!("an array of at least 1 item{item}"),
             (Some(least), None) => format!("an array of at least {least} items{item}"),
             _ => format!("an array{item}"),

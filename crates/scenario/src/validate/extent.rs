@@ -2,8 +2,8 @@
 
 use serde_json::Value;
 
-use super::{MAX_CELLS, MAX_SAMPLES, MAX_STEPS, MIN_SAMPLES, Node};
-use crate::diagnostic::Diagnostic;
+use super::{MAX_CELLS, MAX_HISTORY_NUMBERS, MAX_STEPS, MIN_SAMPLES, Node};
+use crate::diagnostic::{Diagnostic, MAX_FAULTS};
 use crate::fault::Fault;
 use crate::method::{DEFAULT_CELL_M, DEFAULT_COURANT};
 use crate::scenario::{DEFAULT_OUTPUT_RATE_HZ, MAX_OUTPUT_RATE_HZ};
@@ -19,28 +19,62 @@ pub(super) fn check(root: &Node<'_>, found: &mut Vec<Diagnostic>) {
     }
 }
 
-/// Checks that the section `m / (rho L)` or the mass `rho A L` is finite and not zero.
+/// Checks that the section `m / (rho L)` or the mass `rho A L`, the wave speed `sqrt(E / rho)` over
+/// the length and the stiffness `E A / L` of each body are finite and not zero, and the frequency
+/// `sqrt(k / m)` of the support.
 fn sections(root: &Node<'_>, found: &mut Vec<Diagnostic>) {
+    if let Some((support, frequency)) = support(root) {
+        let quantity = "the natural frequency in rad/s, sqrt(stiffness / mass),";
+        degenerate(&support, quantity, frequency, found);
+    }
     for body in root.items("bodies") {
+        if found.len() >= MAX_FAULTS {
+            return;
+        }
         let (Some(length), Some(density)) =
             (body.number("length_m"), body.number("density_kg_per_m3"))
         else {
             continue;
         };
-        let (quantity, value) = match (body.number("area_m2"), body.number("mass_kg")) {
-            (Some(area), None) => ("the mass in kg, density area length,", density * area * length),
+        let (quantity, value, area) = match (body.number("area_m2"), body.number("mass_kg")) {
+            (Some(area), None) => {
+                ("the mass in kg, density area length,", density * area * length, area)
+            }
             (None, Some(mass)) => {
-                ("the section in m², mass / (density length),", mass / (density * length))
+                let area = mass / (density * length);
+                ("the section in m², mass / (density length),", area, area)
             }
             _ => continue,
         };
-        let positive = length > 0.0 && density > 0.0;
-        if positive && (value == 0.0 || !value.is_finite()) {
-            let fault = Fault::Degenerate { quantity, value };
-            let accepted = "sizes that give a finite result above zero";
-            found.push(Diagnostic::new(&body.at, fault, accepted));
+        if length <= 0.0 || density <= 0.0 || degenerate(&body, quantity, value, found) {
+            continue;
+        }
+        let Some(modulus) = body.number("youngs_modulus_pa").filter(|modulus| *modulus > 0.0)
+        else {
+            continue;
+        };
+        let quantity = "the wave speed over the length in 1/s, sqrt(modulus / density) / length,";
+        if !degenerate(&body, quantity, (modulus / density).sqrt() / length, found) {
+            let quantity = "the stiffness in N/m, modulus area / length,";
+            degenerate(&body, quantity, modulus * area / length, found);
         }
     }
+}
+
+/// Reports a quantity that is zero or not finite; true if it is.
+fn degenerate(
+    node: &Node<'_>,
+    quantity: &'static str,
+    value: f64,
+    found: &mut Vec<Diagnostic>,
+) -> bool {
+    let degenerate = value == 0.0 || !value.is_finite();
+    if degenerate {
+        let fault = Fault::Degenerate { quantity, value };
+        let accepted = "sizes that give a finite result above zero";
+        found.push(Diagnostic::new(&node.at, fault, accepted));
+    }
+    degenerate
 }
 
 /// Checks that the output is long enough for a spectrum and fits into memory.
@@ -62,15 +96,18 @@ fn samples(root: &Node<'_>, found: &mut Vec<Diagnostic>) {
         );
         let fault = Fault::TooFewSamples(samples);
         found.push(Diagnostic::new(&root.at.child("duration_s"), fault, accepted));
-    } else if samples > MAX_SAMPLES {
-        // Time history: four columns, and three for each interface.
-        let columns = 4 + 3 * root.items("interfaces").len();
-        let gigabytes = (samples * 8.0 * columns as f64 / 1e9).round();
+        return;
+    }
+    // Time history: four columns, and three for each interface.
+    let columns = (4 + 3 * root.items("interfaces").len()) as f64;
+    let most = (MAX_HISTORY_NUMBERS / columns).floor();
+    if samples > most {
+        let gigabytes = samples * 8.0 * columns / 1e9;
         let accepted = format!(
             "at most {} samples: at {} Hz a duration_s of at most {}",
-            number(MAX_SAMPLES),
+            four_digits(most),
             number(rate),
-            four_digits(MAX_SAMPLES / rate)
+            four_digits(most / rate)
         );
         let fault = Fault::TooManySamples { samples, gigabytes };
         found.push(Diagnostic::new(&root.at.child("duration_s"), fault, accepted));
@@ -113,6 +150,7 @@ fn cells_and_steps(root: &Node<'_>, found: &mut Vec<Diagnostic>) {
         longest = longest.max(length);
         step_s = step_s.min(courant * cell_m.min(length) / (modulus / density).sqrt());
     }
+    let support = support(root).map(|(node, frequency)| (node, courant * 2.0 / frequency));
     let cells = (longest / cell_m).ceil();
     if cells > MAX_CELLS {
         let accepted = format!(
@@ -123,12 +161,26 @@ fn cells_and_steps(root: &Node<'_>, found: &mut Vec<Diagnostic>) {
         found.push(Diagnostic::new(&at, Fault::TooManyCells(cells), accepted));
         return;
     }
+    let (at, remedy) = match support {
+        Some((support, step)) if step < step_s => {
+            step_s = step;
+            (support.at, "a support that is softer or heavier")
+        }
+        _ => (at, "a larger cell_m"),
+    };
     let Some(duration) = root.number("duration_s") else { return };
     let steps = (duration / step_s).ceil();
     if steps > MAX_STEPS {
         let fault = Fault::TooManySteps { steps, step_s };
-        let accepted =
-            format!("at most {} steps: a shorter duration_s or a larger cell_m", number(MAX_STEPS));
+        let most = number(MAX_STEPS);
+        let accepted = format!("at most {most} steps: a shorter duration_s or {remedy}");
         found.push(Diagnostic::new(&at, fault, accepted));
     }
+}
+
+/// The support and its natural frequency `sqrt(k / m)` \[rad/s\], of a mass on a spring.
+fn support<'a>(root: &Node<'a>) -> Option<(Node<'a>, f64)> {
+    let support = root.get("support")?;
+    let (stiffness, mass) = (support.number("stiffness_n_per_m")?, support.number("mass_kg")?);
+    (stiffness > 0.0 && mass > 0.0).then(|| (support, (stiffness / mass).sqrt()))
 }

@@ -1,15 +1,24 @@
 //! Contact laws: references to existing laws, and increasing curves.
 
 use super::{MAX_SERIES_DEPTH, Node};
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, MAX_FAULTS};
 use crate::fault::{Bound, Fault};
 use crate::suggest::nearest;
 use crate::wording::{brief, list};
+
+/// Most laws of a scenario.
+const MAX_LAWS: usize = 1000;
 
 /// Checks all laws of the scenario, named or in place.
 pub(super) fn check(root: &Node<'_>, found: &mut Vec<Diagnostic>) {
     let laws = root.get("laws");
     let names = laws.as_ref().and_then(|laws| laws.value.as_object());
+    if let (Some(laws), Some(names)) = (&laws, names)
+        && names.len() > MAX_LAWS
+    {
+        let accepted = format!("at most {MAX_LAWS} laws");
+        found.push(Diagnostic::new(&laws.at, Fault::TooManyLaws(names.len()), accepted));
+    }
     let known = names.map(|laws| list(laws.keys().map(|name| brief(name)))).unwrap_or_default();
     let accepted = match known.as_str() {
         "" => "a law written in place; \"laws\" holds none".to_owned(),
@@ -17,10 +26,16 @@ pub(super) fn check(root: &Node<'_>, found: &mut Vec<Diagnostic>) {
     };
     let mut checker = Checker { laws, accepted, found };
     for (name, law) in root.entries("laws") {
+        if checker.found.len() >= MAX_FAULTS {
+            return;
+        }
         checker.law(&law);
         checker.series(&law, Some(name));
     }
     for interface in root.items("interfaces") {
+        if checker.found.len() >= MAX_FAULTS {
+            return;
+        }
         if let Some(law) = interface.get("law") {
             checker.reference(&law);
             checker.series(&law, None);
@@ -104,7 +119,7 @@ impl<'a> Checker<'a, '_> {
             ));
         }
         let Some(transition_pa) = law.number("transition_pa") else { return };
-        for knot in &knots {
+        for knot in knots.iter().take(MAX_FAULTS) {
             let pressure_pa = knot.pair[0];
             if pressure_pa >= transition_pa {
                 let fault = Fault::KnotBeyondTransition { pressure_pa, transition_pa };
@@ -137,6 +152,9 @@ impl<'a> Checker<'a, '_> {
     /// Checks that the numbers of one column increase.
     fn curve(&mut self, points: &[Pair<'a>], quantity: &'static str, column: usize) {
         for (before, point) in points.iter().zip(points.iter().skip(1)) {
+            if self.found.len() >= MAX_FAULTS {
+                return;
+            }
             let (previous, value) = (before.pair[column], point.pair[column]);
             if value <= previous {
                 let fault = Fault::NotIncreasing { quantity, previous, value };
@@ -152,6 +170,9 @@ impl<'a> Checker<'a, '_> {
             (Bound::Above(0.0), "a stiffness greater than 0 Pa/m"),
         ];
         for point in points {
+            if self.found.len() >= MAX_FAULTS {
+                return;
+            }
             for (column, (bound, accepted)) in bounds.into_iter().enumerate() {
                 let value = point.pair[column];
                 if !bound.holds(value) {

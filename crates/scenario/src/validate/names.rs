@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use super::Node;
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, MAX_FAULTS};
 use crate::fault::Fault;
 
 /// Longest name in bytes.
@@ -21,6 +21,9 @@ pub(super) fn check(root: &Node<'_>, found: &mut Vec<Diagnostic>) {
     family(root, "interfaces", NOT_IN_HEADERS, found);
     let mut first = HashMap::new();
     for (name, law) in root.entries("laws") {
+        if found.len() >= MAX_FAULTS {
+            return;
+        }
         usable(name, NOT_IN_FILES, &law, found);
         // Some file systems ignore case.
         let accepted = "a unique name; upper and lower case count as equal";
@@ -31,6 +34,9 @@ pub(super) fn check(root: &Node<'_>, found: &mut Vec<Diagnostic>) {
 fn family(root: &Node<'_>, key: &str, excluded: &str, found: &mut Vec<Diagnostic>) {
     let mut first = HashMap::new();
     for item in root.items(key) {
+        if found.len() >= MAX_FAULTS {
+            return;
+        }
         if let (Some(name), Some(node)) = (item.text("name"), item.get("name")) {
             usable(name, excluded, &node, found);
             unique(name, name, "a unique name", &node, &mut first, found);

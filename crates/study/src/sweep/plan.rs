@@ -7,11 +7,17 @@ use serde_json::{Value, json};
 use thiserror::Error;
 
 use super::variation::{Variation, VariationError, chosen_values, digits, number_of_runs};
+use crate::assemble::Assembly;
 use crate::error::StudyError;
 use asperity_scenario::{Document, ExcitationSpec, InvalidDocument, Scenario, SetError, set_value};
 
 /// Most combinations of extreme values that are checked; beyond, each value on its own.
 const MOST_CORNERS: usize = 4096;
+
+/// Combinations whose size is estimated, and the most work of a sweep, steps times unknowns of all
+/// runs: about a day of one core.
+const ESTIMATED: usize = 8;
+const MOST_WORK: f64 = 1e14;
 
 /// Values of a variation up to which each is checked, not the extremes alone.
 const FEW: usize = 256;
@@ -38,6 +44,18 @@ pub enum SweepError {
         values: String,
         /// The faults.
         source: InvalidDocument,
+    },
+    /// The runs together would take too long.
+    #[error(
+        "the sweep would take {runs} runs of up to {work:.1e} steps times unknowns, {:.1e} in all; \
+         at most {:.0e} are accepted",
+        *runs as f64 * work, MOST_WORK
+    )]
+    TooLong {
+        /// Number of runs.
+        runs: usize,
+        /// Steps times unknowns of the largest run that was estimated.
+        work: f64,
     },
 }
 
@@ -88,11 +106,25 @@ impl<'a> Plan<'a> {
                 })
                 .collect(),
         };
-        combinations.into_par_iter().try_for_each(|at| {
-            let chosen: Vec<usize> = at.iter().zip(&checked).map(|(&n, list)| list[n]).collect();
-            plan.check(&chosen)
-        })?;
+        let chosen = |at: &Vec<usize>| -> Vec<usize> {
+            at.iter().zip(&checked).map(|(&n, list)| list[n]).collect()
+        };
+        combinations.par_iter().try_for_each(|at| plan.check(&chosen(at)))?;
+        let every = combinations.len().div_ceil(ESTIMATED).max(1);
+        let ends = combinations.iter().step_by(every).chain(combinations.last());
+        let work = ends.map(|at| plan.work(&chosen(at)).unwrap_or(0.0)).fold(0.0, f64::max);
+        if work * runs as f64 > MOST_WORK {
+            return Err(SweepError::TooLong { runs, work });
+        }
         Ok(plan)
+    }
+
+    /// Steps times unknowns of a run; a run that cannot be set up has its own error later.
+    fn work(&self, chosen: &[usize]) -> Result<f64, StudyError> {
+        let assembly = Assembly::new(&self.scenario(chosen)?, self.folder())?;
+        let Assembly { structure, excitation, sampling, method } = &assembly;
+        let outline = method.outline(structure, excitation, sampling)?;
+        Ok(outline.steps as f64 * outline.unknowns as f64)
     }
 
     pub(super) fn runs(&self) -> usize {

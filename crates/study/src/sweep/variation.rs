@@ -2,8 +2,8 @@
 
 use thiserror::Error;
 
-/// Most runs of one sweep.
-pub const MOST_RUNS: usize = 10_000_000;
+/// Most runs of one sweep: values, results and their table take about 1 kB a run, 1 GB in all.
+pub const MOST_RUNS: usize = 1_000_000;
 
 /// One place of the scenario and the values it takes.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -26,7 +26,8 @@ pub enum VariationError {
     Empty(String),
     /// A range that is not two numbers and a count.
     #[error(
-        "{pointer}: `{text}` is not a range; accepted: start:stop:count with finite numbers and a count from 1 to 10000000"
+        "{pointer}: `{text}` is not a range; accepted: start:stop:count with finite numbers and a count from 1 to {}",
+        MOST_RUNS
     )]
     Range {
         /// The pointer.
@@ -35,7 +36,7 @@ pub enum VariationError {
         text: String,
     },
     /// More runs than a sweep takes.
-    #[error("the sweep would take {0} runs; at most 10000000 are accepted")]
+    #[error("the sweep would take {} runs; at most {} are accepted", .0, MOST_RUNS)]
     TooMany(u128),
 }
 
