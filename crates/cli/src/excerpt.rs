@@ -8,8 +8,11 @@ use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
 use crate::progress::{show_line, show_styled, takes_colors};
 
 /// Characters shown of a long line before and after the start of a place.
-const BEFORE: usize = 40;
-const AFTER: usize = 100;
+const BEFORE: usize = 50;
+const AFTER: usize = 140;
+
+/// Width of an excerpt at most, with its line number, so that it is not cut again.
+const WIDTH: usize = 400;
 
 /// A place of a text and a word about it.
 #[derive(Debug)]
@@ -22,6 +25,7 @@ pub(crate) struct Label {
 /// Shows the line of each label on standard error. `labels` are in the order of the text.
 pub(crate) fn show_excerpts(path: &Path, text: &str, labels: &[Label]) {
     let renderer = if takes_colors() { Renderer::styled() } else { Renderer::plain() };
+    let renderer = renderer.term_width(WIDTH);
     for excerpt in Excerpts::new(text, labels).0 {
         let Excerpt { line, column, shown, marks } = &excerpt;
         let digits = line.to_string().len();

@@ -176,6 +176,7 @@ fn is_wrong_request(error: &StudyError) -> bool {
         StudyError::Dynamics(error) => matches!(
             error,
             DynamicsError::Setting { .. }
+                | DynamicsError::TooLarge { .. }
                 | DynamicsError::Mesh(_)
                 | DynamicsError::ForceRecord { .. }
         ),

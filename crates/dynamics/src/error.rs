@@ -34,7 +34,7 @@ pub enum DynamicsError {
     },
     /// A run would take more time or memory than is accepted.
     #[error(
-        "the run would take {count:.3e} {unit} with steps of {step_s:.3e} s; at most {limit:.0e} are accepted"
+        "the run would take {count:.3e} {unit}, with steps of {step_s:.3e} s; at most {limit:.0e} are accepted"
     )]
     TooLarge {
         /// The count that is too large.

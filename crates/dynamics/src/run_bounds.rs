@@ -27,7 +27,7 @@ pub(crate) fn check_finite_differences(
     let steps = steps_a_sample as f64 * samples as f64;
     let unit = "steps";
     at_most(steps, MOST_STEPS, unit, step)?;
-    let unit = "node updates, steps times nodes,";
+    let unit = "node updates (steps times nodes)";
     at_most(steps * nodes as f64, MOST_NODE_UPDATES, unit, step)?;
     at_most(steps_a_sample as f64, MOST_STEPS_A_SAMPLE, "steps between two samples", step)
 }

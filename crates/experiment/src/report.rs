@@ -297,6 +297,10 @@ fn describe(issue: &QualityIssue) -> String {
         QualityIssue::Truncated { samples, missing } => {
             format!("truncated: {missing} of {} samples are missing", samples + missing)
         }
+        QualityIssue::NotDecayed { ratio, threshold, .. } if !ratio.is_finite() => format!(
+            "not decayed: the response does not fall below {:.1} % of its largest",
+            100.0 * threshold
+        ),
         QualityIssue::NotDecayed { ratio, threshold, .. } => format!(
             "not decayed: {:.1} % of the largest response remain at the end, above the limit of {:.1} %",
             100.0 * ratio,

@@ -23,6 +23,9 @@ const MIN_FRACTION: f64 = 1e-3;
 /// Longest hit that is found, in samples.
 const MAX_HIT_SAMPLES: u64 = 1 << 20;
 
+/// Sample rates \[Hz\] that are accepted.
+const RATES_HZ: std::ops::RangeInclusive<f64> = 1e-6..=1e12;
+
 /// Envelope of the force of all files, and samples of its noise.
 pub(crate) struct ForceEnvelope {
     /// Samples of an interval.
@@ -142,6 +145,10 @@ impl ForceEnvelope {
         options: &AnalysisOptions,
         rate_hz: f64,
     ) -> Result<TriggerSettings, AnalysisError> {
+        if !RATES_HZ.contains(&rate_hz) {
+            let (name, expected) = ("the sample rate in Hz", "1e-6 to 1e12");
+            return Err(AnalysisError::Setting { name, found: format!("{rate_hz:e}"), expected });
+        }
         let rest = robust_level(&self.noise);
         let (median, noise_n) = rest.map_or((0.0, 0.0), |level| (level.median, level.deviation));
         let maxima = self.records.iter().flat_map(|record| &record.maxima);
@@ -165,7 +172,7 @@ impl ForceEnvelope {
             None => self.length(level_n, hold_off, pre_trigger).ok_or(no_hit)?,
         };
         let is_inverted = -self.lowest > 2.0 * largest_n.max(0.0);
-        let hit_samples = length.clamp(pre_trigger + 2, u64::MAX) as usize;
+        let hit_samples = length.max(pre_trigger.saturating_add(2)) as usize;
         Ok(TriggerSettings { level_n, noise_n, largest_n, hit_samples, is_inverted })
     }
 

@@ -44,13 +44,25 @@ pub enum MeshError {
         courant: f64,
     },
     /// No mode, or more than are accepted, would be kept of a body.
-    #[error("{body}: {modes} modes; accepted: 1 to {limit} (fewer for a lower frequency bound)")]
+    #[error("{body}: {modes} modes; accepted: 1 to {limit}")]
     ModeCount {
         /// The body concerned.
         body: String,
-        /// The count given, or the frequency bound over the first elastic mode's.
-        modes: f64,
+        /// The count given.
+        modes: usize,
         /// The most accepted.
+        limit: usize,
+    },
+    /// The frequencies of interest need more modes of a body than are accepted.
+    #[error(
+        "{body}: the frequencies of interest reach {ratio:.3e} times its first natural frequency, for which {limit} modes are too few; a slower force or a given number of modes is accepted"
+    )]
+    FrequencyBound {
+        /// The body concerned.
+        body: String,
+        /// Highest frequency of interest over that of the body's first elastic mode.
+        ratio: f64,
+        /// Most modes accepted.
         limit: usize,
     },
     /// Modal data do not fit together.

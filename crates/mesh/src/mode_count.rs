@@ -35,7 +35,8 @@ impl ModeCount {
     /// `1 / (N + 1)^4 + 1 / (3 (N + 1)^3)`.
     ///
     /// # Errors
-    /// [`MeshError::ModeCount`] for no modes, or more than 2000.
+    /// [`MeshError::ModeCount`] for no modes, or more than 2000, and [`MeshError::FrequencyBound`]
+    /// for a bound that needs more.
     pub fn counts(self, stack: &Stack) -> Result<Vec<usize>, MeshError> {
         let bodies = stack.bodies().iter();
         match self {
@@ -53,12 +54,12 @@ pub(crate) fn first_frequency(body: &Body) -> f64 {
     PI * body.wave_speed() / body.length()
 }
 
-fn count_error(body: &Body, modes: f64) -> MeshError {
-    MeshError::ModeCount { body: body.name().to_owned(), modes, limit: MOST_MODES }
-}
-
 pub(crate) fn checked_count(body: &Body, modes: usize) -> Result<usize, MeshError> {
-    if (1..=MOST_MODES).contains(&modes) { Ok(modes) } else { Err(count_error(body, modes as f64)) }
+    if (1..=MOST_MODES).contains(&modes) {
+        Ok(modes)
+    } else {
+        Err(MeshError::ModeCount { body: body.name().to_owned(), modes, limit: MOST_MODES })
+    }
 }
 
 fn bounded_count(body: &Body, frequency: f64, tolerance: f64) -> Result<usize, MeshError> {
@@ -72,7 +73,11 @@ fn bounded_count(body: &Body, frequency: f64, tolerance: f64) -> Result<usize, M
         if below < 0.5 { f64::INFINITY } else { 2.0 * ratio.powi(4) * tail / below }
     };
     let fewest = (1..=MOST_MODES).find(|&kept| neglected(kept) <= tolerance);
-    fewest.ok_or_else(|| count_error(body, ratio))
+    fewest.ok_or_else(|| MeshError::FrequencyBound {
+        body: body.name().to_owned(),
+        ratio,
+        limit: MOST_MODES,
+    })
 }
 
 fn lowest_counts(stack: &Stack, count: usize) -> Vec<usize> {

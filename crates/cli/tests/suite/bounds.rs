@@ -16,12 +16,12 @@ fn requests_beyond_the_bounds_end_with_status_2_and_tell_number_and_limit() {
     let steady = ["--from", "700", "--to", "900"];
     let cases: [(&str, Vec<&str>, [&str; 2]); 15] = [
         ("simulate", vec!["--set=/output_rate_hz=1e9"], ["1.2e8 samples", "at most 1e7"]),
-        ("simulate", vec!["--set=/support/mass_kg=1e-30"], ["1.2e17 time steps", "2e10 steps"]),
+        ("simulate", vec!["--set=/support/mass_kg=1e-30"], ["time steps", "2e10 steps"]),
         ("check", vec!["--set=/support/stiffness_n_per_m=1e24"], ["time steps", "2e10 steps"]),
         ("check", vec!["--set=/support/stiffness_n_per_m=1e100"], ["time steps", "2e10 steps"]),
         ("modes", vec!["--set=/support/stiffness_n_per_m=1.7e308"], ["time steps", "2e10 steps"]),
-        ("simulate", vec!["--set=/support/stiffness_n_per_m=4e21"], ["node updates", "1e12"]),
-        ("simulate", vec!["--set=/bodies/1/density_kg_per_m3=1e-3"], ["node updates", "1e12"]),
+        ("simulate", vec!["--set=/support/stiffness_n_per_m=1e23"], ["node updates", "1e12"]),
+        ("simulate", vec!["--set=/bodies/1/density_kg_per_m3=1e-5"], ["node updates", "1e12"]),
         (
             "simulate",
             vec![r#"--set=/method={"kind": "modal", "step_s": 1e-9}"#],
@@ -56,6 +56,34 @@ fn requests_beyond_the_bounds_end_with_status_2_and_tell_number_and_limit() {
         assert!(expected.iter().all(|word| message.contains(word)), "{arguments:?}: {message}");
     }
     assert!(files(folder.path()).is_empty());
+}
+
+/// Measurements whose axis has no rate that a sensor could have, and inputs that never end.
+#[test]
+fn measurements_that_cannot_be_analysed_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    for step in [5e-324, 1e-300, 1e-18, 1e12] {
+        let row = |n: i32| {
+            let force = if (500..520).contains(&n) { 30 } else { 0 };
+            format!("{:e},{force},{}\n", f64::from(n) * step, n % 13)
+        };
+        let rows: String = (0..4000).map(row).collect();
+        let text_of_file = format!("time_s,force_N,acc_m_s2\n{rows}");
+        std::fs::write(folder.path().join("hits.csv"), text_of_file).unwrap();
+        let output = asperity(folder.path(), &["analyse", "hits.csv"]);
+        let message = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{step}: {message}");
+        assert!(message.contains("rate"), "{step}: {message}");
+    }
+    if cfg!(unix) {
+        for arguments in [&["analyse", "/dev/zero"][..], &["convert", "/dev/zero", "x.npz"]] {
+            let output = asperity(folder.path(), arguments);
+            let message = text(&output.stderr);
+            assert_eq!(output.status.code(), Some(2), "{message}");
+            assert!(message.contains("a regular file"), "{message}");
+        }
+    }
+    assert_eq!(files(folder.path()), ["hits.csv"]);
 }
 
 #[test]
@@ -105,7 +133,7 @@ fn steady_gives_no_stability_where_a_mode_is_too_fast_for_it() {
     let range = ["--amplitude", "0.1", "--from", "200", "--to", "210", "--harmonics", "1"];
     let arguments = [
         &["steady", &rig, "--out", "out", "--set", COMPLIANT][..],
-        &["--set", "/support/stiffness_n_per_m=1e300", "--quiet"],
+        &["--set", "/support/stiffness_n_per_m=1e300", "--set", "/method=modal", "--quiet"],
         &range,
     ]
     .concat();
