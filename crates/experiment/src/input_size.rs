@@ -42,7 +42,9 @@ mod tests {
     fn sizes_add_up_and_devices_are_refused() {
         let folder = tempfile::tempdir().unwrap();
         let files = ["a", "b"].map(|name| folder.path().join(name));
-        files.iter().for_each(|file| std::fs::write(file, [0; 600]).unwrap());
+        for file in &files {
+            std::fs::write(file, [0; 600]).unwrap();
+        }
         assert!(check_size(&files, 1200).is_ok());
         let refused = check_size(&files, 1199).unwrap_err();
         assert!(matches!(refused, AnalysisError::TooLarge { bytes: 1200, files: 2, .. }));
