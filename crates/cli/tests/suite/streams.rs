@@ -125,7 +125,7 @@ fn no_escape_sequence_reaches_a_standard_error_that_is_no_terminal() {
         &["schema", "-vv"],
     ];
     for arguments in cases {
-        // What makes programs colour their output although no terminal reads it.
+        // Variables by which programs colour their output although no terminal reads it.
         for (name, value) in [("CLICOLOR_FORCE", "1"), ("FORCE_COLOR", "1"), ("NO_COLOR", "1")] {
             let mut command = command(folder.path(), arguments);
             let output = command.env(name, value).env("TERM", "xterm-256color").output().unwrap();

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use asperity_structure::PreloadedContact;
 use rayon::prelude::*;
 use serde_json::{Value, json};
 use thiserror::Error;
@@ -9,6 +10,7 @@ use thiserror::Error;
 use super::variation::{Variation, VariationError, chosen_values, digits, number_of_runs};
 use crate::assemble::Assembly;
 use crate::error::StudyError;
+use crate::quantity::observable_names;
 use asperity_scenario::{Document, ExcitationSpec, InvalidDocument, Scenario, SetError, set_value};
 
 /// Most combinations of extreme values that are checked; beyond, each value on its own.
@@ -18,6 +20,9 @@ const MOST_CORNERS: usize = 4096;
 /// runs: about a day of one core.
 const ESTIMATED: usize = 8;
 const MOST_WORK: f64 = 1e14;
+
+/// Most numbers of the results: 0.8 GB, and some three times as much as text.
+const MOST_NUMBERS: f64 = 1e8;
 
 /// Values of a variation up to which each is checked, not the extremes alone.
 const FEW: usize = 256;
@@ -44,6 +49,17 @@ pub enum SweepError {
         values: String,
         /// The faults.
         source: InvalidDocument,
+    },
+    /// The results would take too much memory.
+    #[error(
+        "the sweep would take {runs} runs with {columns} numbers each; at most {:.0e} numbers are accepted",
+        MOST_NUMBERS
+    )]
+    TooLarge {
+        /// Number of runs.
+        runs: usize,
+        /// Numbers of a run.
+        columns: usize,
     },
     /// The runs together would take too long.
     #[error(
@@ -112,19 +128,27 @@ impl<'a> Plan<'a> {
         combinations.par_iter().try_for_each(|at| plan.check(&chosen(at)))?;
         let every = combinations.len().div_ceil(ESTIMATED).max(1);
         let ends = combinations.iter().step_by(every).chain(combinations.last());
-        let work = ends.map(|at| plan.work(&chosen(at)).unwrap_or(0.0)).fold(0.0, f64::max);
+        let sizes = ends.filter_map(|at| plan.size(&chosen(at)).ok());
+        let largest = |a: (f64, usize), b: (f64, usize)| (a.0.max(b.0), a.1.max(b.1));
+        let (work, columns) = sizes.fold((0.0, 0), largest);
+        if columns as f64 * runs as f64 > MOST_NUMBERS {
+            return Err(SweepError::TooLarge { runs, columns });
+        }
         if work * runs as f64 > MOST_WORK {
             return Err(SweepError::TooLong { runs, work });
         }
         Ok(plan)
     }
 
-    /// Steps times unknowns of a run; a run that cannot be set up has its own error later.
-    fn work(&self, chosen: &[usize]) -> Result<f64, StudyError> {
+    /// Steps times unknowns of a run, and the numbers of its row; a run that cannot be set up has its
+    /// own error later.
+    fn size(&self, chosen: &[usize]) -> Result<(f64, usize), StudyError> {
         let assembly = Assembly::new(&self.scenario(chosen)?, self.folder())?;
         let Assembly { structure, excitation, sampling, method } = &assembly;
         let outline = method.outline(structure, excitation, sampling)?;
-        Ok(outline.steps as f64 * outline.unknowns as f64)
+        let names: Vec<&str> = structure.contacts().iter().map(PreloadedContact::name).collect();
+        let columns = observable_names(&names).len() + self.variations.len();
+        Ok((outline.steps as f64 * outline.unknowns as f64, columns))
     }
 
     pub(super) fn runs(&self) -> usize {

@@ -2,7 +2,8 @@
 
 use thiserror::Error;
 
-/// Most runs of one sweep: values, results and their table take about 1 kB a run, 1 GB in all.
+/// Most runs of one sweep: values, results and their table take about 1.5 kB a run,
+/// 1.5 GB in all.
 pub const MOST_RUNS: usize = 1_000_000;
 
 /// One place of the scenario and the values it takes.
