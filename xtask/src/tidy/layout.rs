@@ -12,9 +12,8 @@ const MOST_LINES: usize = 600;
 const FEWEST_LINES: usize = 40;
 
 /// Shorter files, each with its reason.
-const SHORT: [(&str, &str); 9] = [
+const SHORT: [(&str, &str); 8] = [
     ("crates/asperity/src/prelude.rs", "a list of names"),
-    ("crates/cli/src/answer.rs", "the only macros that print"),
     ("crates/cli/src/command/convert.rs", "one command a file"),
     ("crates/cli/src/command/schema.rs", "one command a file"),
     ("crates/cli/src/plot/structure.rs", "one figure a file"),
