@@ -26,14 +26,14 @@ pub(crate) fn finish() -> Result<(), Failure> {
     stdout().flush().map_err(Failure::Answer)
 }
 
-/// [`write()`] of a format.
+/// [`write()`] of a format; an error is returned from the function.
 macro_rules! answer {
-    ($($part:tt)*) => { $crate::answer::write(format_args!($($part)*)) };
+    ($($part:tt)*) => { $crate::answer::write(format_args!($($part)*))? };
 }
 
-/// [`write()`] of a format and a line break.
+/// [`write()`] of a format and a line break; an error is returned from the function.
 macro_rules! answer_line {
-    ($($part:tt)*) => { $crate::answer::write(format_args!("{}\n", format_args!($($part)*))) };
+    ($($part:tt)*) => { $crate::answer::write(format_args!("{}\n", format_args!($($part)*)))? };
 }
 
 /// True if standard output was closed when the program started.

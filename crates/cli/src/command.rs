@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 
 use asperity_figure::{Figure, FigureError};
 use asperity_scenario::{Document, Scenario};
-use asperity_study::file_name::file_name;
+use asperity_study::output::file_name::file_name;
 use asperity_study::output::{OutputFolder, OutputRequest};
 use serde_json::Value;
 use tracing::info_span;
@@ -119,7 +119,7 @@ impl ResultFolder {
             self.0.finish(name, &text)?
         };
         if print {
-            answer!("{text}")?;
+            answer!("{text}");
         }
         Ok(folder)
     }

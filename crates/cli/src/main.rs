@@ -55,7 +55,8 @@ fn show_usage(usage: &clap::Error) -> ExitCode {
         let _ = usage.print();
         return ExitCode::from(2);
     }
-    let printed = answer!("").and_then(|()| usage.print().map_err(Failure::Answer));
+    let printed =
+        answer::write(format_args!("")).and_then(|()| usage.print().map_err(Failure::Answer));
     ended(printed.and_then(|()| answer::finish()))
 }
 

@@ -17,11 +17,10 @@
 //! | prepare | [`assemble`], [`static_state`], [`prepared_scenario`], [`parameter`] |
 //! | compute | [`run`], [`mod@sweep`], [`mod@steady`], [`sensitivity`], [`laws`] |
 //! | observe | [`quantity`], [`observables`], [`observable_extractor`], [`warning`] |
-//! | write | [`summary`], [`provenance`], [`record`], [`output`], [`file_name`], [`error`] |
+//! | write | [`summary`], [`provenance`], [`record`], [`output`], [`error`] |
 
 pub mod assemble;
 pub mod error;
-pub mod file_name;
 pub mod laws;
 pub mod observable_extractor;
 pub mod observables;

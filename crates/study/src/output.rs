@@ -12,10 +12,12 @@
 //!
 //! | module | does |
 //! |---|---|
+//! | [`file_name`] | names of files that every file system accepts |
 //! | `marker` | `.asperity.json`, the record of what wrote the files of a folder |
 //! | `work_folder` | the lock, the unfinished files, and what killed runs have left |
 //! | `replace` | puts a complete result in place: by exchange, or file by file |
 
+pub mod file_name;
 mod marker;
 mod replace;
 mod work_folder;

@@ -38,8 +38,8 @@ pub(crate) fn run(asked: &Analyse, quiet: bool) -> Result<(), Failure> {
             let notice = notice.replace("`band_hz`", "--band LO:HI");
             notice.replace("`flip_force`", "--flip-force")
         }));
-        answer!("{}", in_words(&analysis.report))?;
-        answer_line!("written to {}", folder.display())?;
+        answer!("{}", in_words(&analysis.report));
+        answer_line!("written to {}", folder.display());
     }
     Ok(())
 }

@@ -30,20 +30,20 @@ pub(crate) fn run(input: &Input, as_json: bool) -> Result<(), Failure> {
             "steps": outline.steps,
             "samples": sampling.samples(),
         });
-        answer!("{}", super::pretty(&answer))?;
+        answer!("{}", super::pretty(&answer));
         return Ok(());
     }
-    answer_line!("{}: valid", document.path().display())?;
+    answer_line!("{}: valid", document.path().display());
     if let Some(natural) = natural {
-        answer_line!("  natural frequency at rest  {natural:.2} Hz")?;
+        answer_line!("  natural frequency at rest  {natural:.2} Hz");
     }
     let unknowns = match method {
         Integrator::FiniteDifference(_) => "nodes",
         Integrator::Modal(_) => "modes",
     };
-    answer_line!("  {:<26} {} {unknowns}", method.name().replace('_', " "), outline.unknowns)?;
+    answer_line!("  {:<26} {} {unknowns}", method.name().replace('_', " "), outline.unknowns);
     let (steps, step_us) = (outline.steps, outline.step * 1e6);
-    answer_line!("  run                        {steps} steps of {step_us:.4} us")?;
-    answer_line!("  record                     {} samples", sampling.samples())?;
+    answer_line!("  run                        {steps} steps of {step_us:.4} us");
+    answer_line!("  record                     {} samples", sampling.samples());
     Ok(())
 }

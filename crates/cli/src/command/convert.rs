@@ -20,12 +20,12 @@ pub(crate) fn run(asked: &Conversion, quiet: bool) -> Result<(), Failure> {
             "records": done.records,
             "notices": notices,
         });
-        answer!("{}", super::pretty(&answer))?;
+        answer!("{}", super::pretty(&answer));
     } else if !quiet {
         crate::progress::show_notices(&done.notices);
         let records = if done.records == 1 { "record" } else { "records" };
         let (from, to) = (done.from, done.to);
-        answer_line!("{} {records}, {from} to {to}: {}", done.records, output.display())?;
+        answer_line!("{} {records}, {from} to {to}: {}", done.records, output.display());
     }
     Ok(())
 }

@@ -60,7 +60,7 @@ pub(crate) fn run(
     let folder = folder.finish("identification.json", &found.report(&problem), output.json)?;
     if !output.json && !quiet {
         print_estimates(&found)?;
-        answer_line!("written to {}", folder.display())?;
+        answer_line!("written to {}", folder.display());
     }
     Ok(())
 }
@@ -68,13 +68,13 @@ pub(crate) fn run(
 /// Prints the answer in words, and a line for each parameter.
 fn print_estimates(found: &Identification) -> Result<(), Failure> {
     for sentence in found.conclusions() {
-        answer_line!("{sentence}")?;
+        answer_line!("{sentence}");
     }
     let percent = 100.0 * found.level;
     for estimate in found.estimates() {
         let [low, high] = estimate.posterior_interval;
         let (name, value) = (estimate.name, estimate.value);
-        answer_line!("{name:<36} {value:>12.5e}   {percent:.0} %: {low:.5e} to {high:.5e}")?;
+        answer_line!("{name:<36} {value:>12.5e}   {percent:.0} %: {low:.5e} to {high:.5e}");
     }
     Ok(())
 }

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use asperity_study::file_name::distinct_file_names;
 use asperity_study::laws::{fit, tabulate};
+use asperity_study::output::file_name::distinct_file_names;
 use asperity_study::provenance::{InputFile, Provenance};
 use asperity_study::record::law_csv;
 use serde_json::json;
@@ -53,13 +53,13 @@ pub(crate) fn run(input: &Input, output: &Output, table: Option<&Path>) -> Resul
     }
     if let Some(fit) = &fitted {
         let (c, m) = (fit.coefficient, fit.exponent);
-        answer_line!("K = C p^m with C = {c:.4e} Pa^(1-m)/m, m = {m:.4}")?;
-        answer_line!("scatter of ln K: {:.3} rms", fit.residual_log_rms)?;
+        answer_line!("K = C p^m with C = {c:.4e} Pa^(1-m)/m, m = {m:.4}");
+        answer_line!("scatter of ln K: {:.3} rms", fit.residual_log_rms);
         if let Some(errors) = &fit.errors {
             let (c, m) = (errors.log_coefficient, errors.exponent);
-            answer_line!("standard errors: ln C {c:.3}, m {m:.3}")?;
+            answer_line!("standard errors: ln C {c:.3}, m {m:.3}");
         }
     }
-    answer_line!("{} laws tabulated in {}", tables.len(), folder.display())?;
+    answer_line!("{} laws tabulated in {}", tables.len(), folder.display());
     Ok(())
 }

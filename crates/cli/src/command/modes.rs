@@ -43,9 +43,9 @@ pub(crate) fn run(input: &Input, output: &Output, count: usize) -> Result<(), Fa
     }
     for (number, mode) in found.iter().enumerate() {
         let (hz, percent) = (mode.frequency_hz, 100.0 * mode.damping_ratio);
-        answer_line!("mode {:<3} {hz:>12.3} Hz   damping {percent:.3} %", number + 1)?;
+        answer_line!("mode {:<3} {hz:>12.3} Hz   damping {percent:.3} %", number + 1);
     }
-    answer_line!("written to {}", folder.display())?;
+    answer_line!("written to {}", folder.display());
     Ok(())
 }
 

@@ -59,8 +59,8 @@ pub(crate) fn run(
     }
     let folder = folder.finish("summary.json", &json!(run.summary), output.json)?;
     if !output.json && !quiet {
-        answer!("{}", in_words(&run.summary))?;
-        answer_line!("written to {}", folder.display())?;
+        answer!("{}", in_words(&run.summary));
+        answer_line!("written to {}", folder.display());
     }
     Ok(())
 }

@@ -55,7 +55,7 @@ pub(crate) fn run(
     let folder = folder.finish("summary.json", &json!(summary), output.json)?;
     if !output.json && !quiet {
         print_peaks(&found)?;
-        answer_line!("written to {}", folder.display())?;
+        answer_line!("written to {}", folder.display());
     }
     let failed: Vec<_> = found
         .levels
@@ -81,11 +81,11 @@ fn print_peaks(found: &Steady) -> Result<(), Failure> {
         };
         let (hz, a1, ratio) = (peak.frequency_hz(), peak.amplitude(1), peak.harmonic_ratio());
         let force_n = level.force_n;
-        answer!("{force_n:>10} N   peak {hz:.3} Hz   A1 {a1:.5e} m   A2/A1 {ratio:.5}")?;
+        answer!("{force_n:>10} N   peak {hz:.3} Hz   A1 {a1:.5e} m   A2/A1 {ratio:.5}");
         if let Some(check) = level.check {
-            answer!("   differs from time integration by {:.1e}", check.relative_difference)?;
+            answer!("   differs from time integration by {:.1e}", check.relative_difference);
         }
-        answer_line!("{}", if peak.contact_lost() { "   contact lost" } else { "" })?;
+        answer_line!("{}", if peak.contact_lost() { "   contact lost" } else { "" });
     }
     Ok(())
 }

@@ -51,7 +51,7 @@ pub(crate) fn run(
     });
     let folder = folder.finish("sweep.json", &report, output.json)?;
     if !output.json && !quiet {
-        answer_line!("{runs} runs in {wall_s:.2} s, written to {}", folder.display())?;
+        answer_line!("{runs} runs in {wall_s:.2} s, written to {}", folder.display());
     }
     if let Some((index, error)) = results.failed().next() {
         let (of, first) = (format!("{runs} runs"), format!("run {}", index + 1));

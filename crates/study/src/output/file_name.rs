@@ -15,7 +15,7 @@ const REFUSED: [char; 9] = ['/', '\\', ':', '*', '?', '"', '<', '>', '|'];
 /// a device of Windows, such as `con` or `nul.txt`, gets an underscore.
 ///
 /// ```
-/// use asperity_study::file_name::file_name;
+/// use asperity_study::output::file_name::file_name;
 ///
 /// assert_eq!(file_name("modified, 2"), "modified, 2");
 /// assert_eq!(file_name("a/b\u{202e}c. "), "a-b-c");
