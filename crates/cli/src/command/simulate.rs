@@ -51,9 +51,10 @@ pub(crate) fn run(
         let rate = run.assembly.sampling.rate();
         let record = measurement_record(history, rate, scenario.title.as_deref());
         let place = folder.unfinished(format.file_name())?;
+        let path = folder.0.path().join(format.file_name());
         let written = write(&place, &[record], format.format(), &WriteOptions::default());
         written.map_err(|error| match error {
-            MeasureError::Io { source, .. } => OutputError::Io { path: place, source }.into(),
+            MeasureError::Io { source, .. } => OutputError::Io { path, source }.into(),
             other => Failure::from(AnalysisError::from(other)),
         })?;
     }

@@ -79,16 +79,21 @@ impl WorkFolder {
                 _ => {}
             }
             // A run that ends removes file and folder.
-            let opened = OpenOptions::new().create(true).truncate(false).write(true).open(&path);
-            let file = match opened {
+            let existed = path.exists();
+            let mut options = OpenOptions::new();
+            options.write(true).create_new(!existed);
+            let file = match options.open(&path) {
                 Err(error) if error.kind() == io::ErrorKind::NotFound => continue,
+                Err(error) if error.kind() == io::ErrorKind::AlreadyExists => continue,
                 opened => opened?,
             };
             match file.try_lock() {
                 Err(TryLockError::WouldBlock) => return Ok(false),
-                // On file systems without locks, runs at the same time are not noticed.
-                Err(TryLockError::Error(error)) if error.kind() != io::ErrorKind::Unsupported => {
-                    return Err(error);
+                // Without locks, a file that exists may be that of another run, or of a killed one.
+                Err(TryLockError::Error(error)) if existed => {
+                    let folder = self.path.display();
+                    let remedy = format!("{error}; delete {folder} if no other run writes to it");
+                    return Err(io::Error::new(error.kind(), remedy));
                 }
                 _ => {}
             }
