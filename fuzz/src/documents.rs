@@ -4,8 +4,8 @@ use asperity_identify::IdentificationProblem;
 use asperity_scenario::{Document, ForceSamples, Scenario};
 use asperity_study::sweep::Variation;
 
-/// Scenario that `--set` changes.
-const BASE: &str = include_str!("../../fixtures/scenarios/three-body.json");
+/// Scenario that values are set in.
+pub(crate) const BASE: &str = include_str!("../../fixtures/scenarios/three-body.json");
 
 /// Longest range of `--vary` that is expanded, a matter of memory.
 const LONGEST_RANGE: f64 = 1e4;

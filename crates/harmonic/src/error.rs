@@ -80,7 +80,7 @@ pub enum HarmonicError {
     },
     /// No periodic response was found at the start of the branch.
     #[error(
-        "no periodic response found at {frequency_hz} Hz and {force_n} N (relative residual {residual:.1e}); start at a lower force or further from resonance, or allow more harmonics"
+        "no periodic response found at {frequency_hz} Hz and {force_n} N (relative residual {residual:.1e}); start further from resonance, at another force (a lower one, or a higher one where this moves contacts by rounding errors only), or allow more harmonics"
     )]
     NoStart {
         /// Frequency \[Hz\].

@@ -76,7 +76,13 @@ fn range(text: &str) -> Option<Vec<String>> {
     }
     let last = (count - 1).max(1) as f64;
     let value = |i: usize| {
-        if i + 1 == count && count > 1 { stop } else { start + (stop - start) * i as f64 / last }
+        if i + 1 == count && count > 1 {
+            return stop;
+        }
+        // This form gives whole numbers exactly; the other does not overflow.
+        let value = start + (stop - start) * i as f64 / last;
+        let fraction = i as f64 / last;
+        if value.is_finite() { value } else { start * (1.0 - fraction) + stop * fraction }
     };
     Some((0..count).map(|i| value(i).to_string()).collect())
 }
@@ -119,6 +125,17 @@ pub(super) fn digits(number: usize, radices: impl DoubleEndedIterator<Item = usi
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn ranges_of_the_largest_numbers_do_not_overflow() {
+        let numbers = |text: &str| -> Vec<f64> {
+            let values = Variation::parse(text).unwrap().values;
+            values.iter().map(|value| value.parse().unwrap()).collect()
+        };
+        assert_eq!(numbers("/a=-1e308:1e308:3"), [-1e308, 0.0, 1e308]);
+        let rising = numbers("/a=0:1e308:1000");
+        assert!(rising.windows(2).all(|pair| pair[0] < pair[1]) && rising[999] == 1e308);
+    }
 
     #[test]
     fn ranges_meet_their_ends_and_lists_are_taken_as_they_are() {
