@@ -64,7 +64,7 @@ pub enum DynamicsError {
     },
     /// The energy balance does not close: the step is too long for what happens.
     #[error(
-        "the energy balance is off by {residual:.1e} of the energy at a step of {step_s:.3e} s; accepted: {limit}; use a smaller step"
+        "the energy balance is off by {residual:.1e} of the energy at a step of {step_s:.3e} s; accepted: {limit}; use a smaller {smaller}"
     )]
     Coarse {
         /// Energy residual over the work done.
@@ -73,6 +73,8 @@ pub enum DynamicsError {
         step_s: f64,
         /// Largest residual accepted.
         limit: f64,
+        /// The setting that makes it smaller.
+        smaller: &'static str,
     },
     /// A varied hit has no derivative with respect to what was varied.
     #[error("parameter {parameter}: {quantity} is {value}; accepted: {accepted}")]
@@ -100,6 +102,21 @@ pub enum DynamicsError {
         /// The error of the law.
         source: LawError,
     },
+}
+
+/// Energy residual above which a response is refused, by either integrator.
+const REFUSED_RESIDUAL: f64 = 2e-2;
+
+/// Refuses a response whose energy balance does not close, at a step \[s\]; one of NaN too.
+pub(crate) fn balanced(
+    residual: f64,
+    step_s: f64,
+    smaller: &'static str,
+) -> Result<(), DynamicsError> {
+    if residual <= REFUSED_RESIDUAL {
+        return Ok(());
+    }
+    Err(DynamicsError::Coarse { residual, step_s, limit: REFUSED_RESIDUAL, smaller })
 }
 
 /// `value` if it is positive and finite.

@@ -141,6 +141,20 @@ impl Excitation {
         }
     }
 
+    /// The same force times `factor`.
+    pub fn scaled(&self, factor: f64) -> Self {
+        let mut scaled = self.clone();
+        match &mut scaled {
+            Self::None => {}
+            Self::GammaPulse { peak, .. }
+            | Self::HalfSine { peak, .. }
+            | Self::Haversine { peak, .. }
+            | Self::Harmonic { amplitude: peak, .. } => *peak *= factor,
+            Self::Record(record) => record.force.iter_mut().for_each(|force| *force *= factor),
+        }
+        scaled
+    }
+
     /// Checks that every parameter is in its range.
     ///
     /// # Errors

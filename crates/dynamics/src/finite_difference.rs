@@ -37,6 +37,7 @@ mod time_loop;
 use asperity_mesh::Grid;
 use asperity_structure::PreloadedStructure;
 
+use crate::error::balanced;
 use crate::run_bounds::{check_finite_differences, check_history};
 use crate::{DynamicsError, Excitation, InstructionSet, RunOutline, Sampling, Transient};
 use time_loop::TimeLoop;
@@ -107,7 +108,8 @@ impl FiniteDifference {
     /// [`DynamicsError::TooLarge`] for a run beyond the [bounds](crate::run_bounds),
     /// [`DynamicsError::Setting`] for an excitation out of range or an instruction set that the
     /// machine lacks, [`DynamicsError::Law`] when a law cannot be tabulated,
-    /// [`DynamicsError::Unstable`] when the numbers overflow.
+    /// [`DynamicsError::Unstable`] when the numbers overflow, [`DynamicsError::Coarse`] when the
+    /// energy balance does not close to 2e-2.
     pub fn integrate(
         &self,
         structure: &PreloadedStructure,
@@ -135,7 +137,7 @@ impl FiniteDifference {
             .arch()
             .ok_or(DynamicsError::InstructionSet { set: self.instructions })?;
         tracing::debug!(nodes = grid.nodes(), step, stride, set = ?self.instructions, "march");
-        arch.dispatch(TimeLoop {
+        let response: Result<Transient, DynamicsError> = arch.dispatch(TimeLoop {
             structure,
             grid: &grid,
             form: self.contact,
@@ -144,7 +146,10 @@ impl FiniteDifference {
             stride,
             step,
             progress,
-        })
+        });
+        let response = response?;
+        balanced(response.energy.residual_relative(), response.step, "cell")?;
+        Ok(response)
     }
 
     /// Nodes, step and steps that [`integrate`](Self::integrate) takes.

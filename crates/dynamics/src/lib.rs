@@ -44,6 +44,7 @@
 //! | [`run_bounds`] | the largest runs |
 //! | [`transient`] | result of a run: history, contact extremes, energy ledger |
 
+mod contact_energy;
 pub mod difference;
 pub mod error;
 pub mod excitation;

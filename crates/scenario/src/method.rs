@@ -37,6 +37,11 @@ pub struct ModalSpec {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1, max = 2000))]
     pub modes_per_body: Option<usize>,
+    /// Relative accuracy of the observables, a tenth of it for the fundamental frequency: step and
+    /// modes that are not given are refined until the estimated errors are smaller. Left out, 1e-3.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1e-7, max = 0.1))]
+    pub accuracy: Option<f64>,
 }
 
 /// Explicit finite differences of the paper (Eqs. 2 to 5).

@@ -12,14 +12,15 @@ use asperity_law::{
 use asperity_mesh::{Body, Interface, Stack, Support};
 use asperity_structure::{Damping, PreloadedStructure, StructureError};
 
+use crate::accuracy::DEFAULT_ACCURACY;
 use crate::error::{BuildLawError, StudyError};
 use asperity_scenario::{
     BodySpec, ContactScheme, DampingAmount, DampingSpec, ExcitationSpec, ForceSamples, LawRef,
-    LawSpec, Laws, MethodSpec, Scenario, SectionSpec, SupportSpec,
+    LawSpec, Laws, MAX_SERIES_DEPTH, MethodSpec, ModalSpec, Scenario, SectionSpec, SupportSpec,
 };
 
 /// A scenario turned into the objects that compute.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Assembly {
     /// Bodies, interfaces and support at rest, with their damping.
     pub structure: PreloadedStructure,
@@ -29,6 +30,8 @@ pub struct Assembly {
     pub sampling: Sampling,
     /// The integrator and its settings.
     pub method: Integrator,
+    /// Relative accuracy of a modal response's observables.
+    pub accuracy: f64,
 }
 
 impl Assembly {
@@ -47,6 +50,10 @@ impl Assembly {
             excitation: excitation(&scenario.excitation, folder)?,
             sampling: Sampling::new(scenario.duration_s, scenario.output_rate_hz)?,
             method: integrator(scenario.method),
+            accuracy: match scenario.method {
+                MethodSpec::Modal(ModalSpec { accuracy: Some(accuracy), .. }) => accuracy,
+                _ => DEFAULT_ACCURACY,
+            },
         })
     }
 }
@@ -159,8 +166,18 @@ pub fn build_law(
             Arc::new(Tabulated::new(&points)?)
         }
         LawSpec::InSeries { law, stiffness_pa_per_m } => {
-            let inner = build_law(law, laws, static_pressure)?;
-            Arc::new(InSeries::new(inner, *stiffness_pa_per_m)?)
+            // Layers in series are one layer, and a law in it is inverted by one iteration.
+            let (mut inner, mut layer) = (law, *stiffness_pa_per_m);
+            for _ in 0..MAX_SERIES_DEPTH {
+                let Some(LawSpec::InSeries { law, stiffness_pa_per_m }) = laws.resolve(inner)
+                else {
+                    break;
+                };
+                inner = law;
+                layer = 1.0 / (1.0 / layer + 1.0 / stiffness_pa_per_m);
+            }
+            let inner = build_law(inner, laws, static_pressure)?;
+            Arc::new(InSeries::new(inner, layer)?)
         }
     })
 }
@@ -198,4 +215,24 @@ pub fn excitation(spec: &ExcitationSpec, folder: &Path) -> Result<Excitation, St
             Excitation::Record(ForceRecord::new(samples.time_s, samples.force_n)?)
         }
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nested_layers_in_series_are_one_layer() {
+        let power = LawSpec::Power { coefficient: 1.81e10, exponent: 0.35 };
+        let in_series = |law: LawSpec, stiffness_pa_per_m| {
+            let law = LawRef::InPlace(Box::new(law));
+            LawSpec::InSeries { law, stiffness_pa_per_m }
+        };
+        let nested = [4e12, 4e12, 2e12].into_iter().fold(power.clone(), in_series);
+        let built = |law: LawSpec| {
+            let law = LawRef::InPlace(Box::new(law));
+            format!("{:?}", build_law(&law, &Laws::default(), 1e5).unwrap())
+        };
+        assert_eq!(built(nested), built(in_series(power, 1e12)));
+    }
 }

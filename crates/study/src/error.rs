@@ -22,6 +22,16 @@ pub enum StudyError {
     /// The structure cannot be integrated.
     #[error(transparent)]
     Dynamics(#[from] DynamicsError),
+    /// A response cannot be integrated with any step that was tried.
+    #[error(
+        "{source}; steps down to {step_s:.1e} s were tried; finite differences may resolve the response"
+    )]
+    NotResolved {
+        /// Shortest step tried \[s\].
+        step_s: f64,
+        /// Error at that step.
+        source: DynamicsError,
+    },
     /// A steady response cannot be computed.
     #[error(transparent)]
     Harmonic(#[from] HarmonicError),

@@ -15,12 +15,14 @@
 //! | step | modules |
 //! |---|---|
 //! | prepare | [`assemble`], [`static_state`], [`prepared_scenario`], [`parameter`] |
-//! | compute | [`run`], [`mod@sweep`], [`mod@steady`], [`sensitivity`], [`laws`] |
+//! | compute | [`run`], [`mod@sweep`], [`mod@steady`], [`sensitivity`], [`laws`], [`accuracy`] |
 //! | observe | [`quantity`], [`observables`], [`observable_extractor`], [`warning`] |
 //! | write | [`summary`], [`provenance`], [`record`], [`output`], [`error`] |
 
+pub mod accuracy;
 pub mod assemble;
 pub mod error;
+mod error_control;
 pub mod laws;
 pub mod observable_extractor;
 pub mod observables;

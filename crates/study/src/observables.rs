@@ -8,6 +8,7 @@ use asperity_signal::{
 };
 use asperity_structure::PreloadedContact;
 
+use crate::accuracy::ErrorEstimate;
 use crate::quantity::{Observable, Quantity};
 use crate::static_state::StaticSummary;
 use crate::warning::{MOST_RESIDUAL, Warning};
@@ -22,15 +23,79 @@ pub struct Observables {
     pub values: Box<[f64]>,
     /// Warnings about the response.
     pub warnings: Vec<Warning>,
+    estimate: Option<Box<ErrorEstimate>>,
     interfaces: usize,
 }
 
 impl Observables {
     /// Value of a quantity of the whole structure, or of the interface of this number.
     pub fn get(&self, quantity: Quantity, interface: Option<usize>) -> Option<f64> {
-        let wanted = Observable { quantity, interface };
-        let place = Observable::all(self.interfaces).iter().position(|one| *one == wanted)?;
+        let place = self.place(Observable { quantity, interface })?;
         self.values.get(place).copied().filter(|value| !value.is_nan())
+    }
+
+    /// Estimated errors of the values, if there are.
+    pub fn estimate(&self) -> Option<&ErrorEstimate> {
+        self.estimate.as_deref()
+    }
+
+    pub(crate) fn interfaces(&self) -> usize {
+        self.interfaces
+    }
+
+    /// Place of an observable among the values.
+    pub(crate) fn place(&self, wanted: Observable) -> Option<usize> {
+        Observable::all(self.interfaces).iter().position(|one| *one == wanted)
+    }
+
+    /// These observables with the errors of `estimate`, and a warning where they are larger than
+    /// was asked for.
+    pub(crate) fn with_estimate(mut self, estimate: ErrorEstimate) -> Self {
+        self.set(Quantity::EstimatedError, estimate.relative);
+        if !estimate.is_reached() {
+            self.warnings.push(Warning::AccuracyNotReached {
+                estimated: estimate.relative,
+                asked: estimate.asked,
+            });
+        }
+        self.estimate = Some(Box::new(estimate));
+        self
+    }
+
+    /// These observables with the errors of others of the same response.
+    pub(crate) fn with_estimate_of(mut self, other: &Self) -> Self {
+        if let Some(estimate) = other.estimate() {
+            self = self.with_estimate(estimate.clone());
+        }
+        match other.get(Quantity::SensitiveFrom, None) {
+            Some(from_s) => self.mark_sensitive(from_s),
+            None => {}
+        }
+        self
+    }
+
+    /// Marks a response that depends on rounding from a time \[s\] on, as the observables of a
+    /// `twin` show.
+    pub(crate) fn set_sensitive(&mut self, from_s: f64, twin: &Self) {
+        let of_twin = ErrorEstimate::new(self, twin, 1.0, f64::INFINITY);
+        if let Some(estimate) = self.estimate.take() {
+            let asked = estimate.asked;
+            let larger = estimate.larger(of_twin);
+            self.estimate = Some(Box::new(ErrorEstimate { asked, ..larger }));
+        }
+        self.mark_sensitive(from_s);
+    }
+
+    /// Marks a response without error estimates that depends on rounding.
+    pub(crate) fn mark_sensitive(&mut self, from_s: f64) {
+        self.set(Quantity::SensitiveFrom, from_s);
+        self.warnings.push(Warning::Sensitive { from_s });
+    }
+
+    fn set(&mut self, quantity: Quantity, value: f64) {
+        if let Some(place) = self.place(Observable { quantity, interface: None }) {
+            self.values[place] = value;
+        }
     }
 }
 
@@ -124,7 +189,7 @@ impl ResponseView<'_> {
         let interfaces = self.contacts.len();
         let all = Observable::all(interfaces);
         let values = all.iter().map(|&one| self.value(one).unwrap_or(f64::NAN)).collect();
-        Observables { values, warnings: self.warnings(), interfaces }
+        Observables { values, warnings: self.warnings(), estimate: None, interfaces }
     }
 
     /// Value of one observable, if the response has it.
@@ -157,6 +222,8 @@ impl ResponseView<'_> {
             Quantity::EnergyResidual => Some(self.energy?.residual_relative()),
             Quantity::Step => Some(self.step),
             Quantity::Steps => Some(self.steps as f64),
+            // Not read off one response.
+            Quantity::EstimatedError | Quantity::SensitiveFrom => None,
         }
     }
 

@@ -76,6 +76,10 @@ quantities! {
     Step: "numerics.step_s", "s", "Integration step", false;
     /// Number of integration steps.
     Steps: "numerics.steps", "", "Integration steps", false;
+    /// Largest estimated error of the observables over their scales.
+    EstimatedError: "accuracy.estimated_error", "", "Estimated relative error", false;
+    /// Time from which on the response depends on rounding; none if it does not.
+    SensitiveFrom: "sensitive_from_s", "s", "Time from which rounding counts", false;
 }
 
 impl Quantity {

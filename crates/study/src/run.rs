@@ -1,17 +1,20 @@
 //! One transient run: equilibrium, integration, observables.
 
+use std::sync::Arc;
 use std::time::Instant;
 
-use asperity_dynamics::Transient;
+use asperity_dynamics::{Batch, Modal, Transient};
 use asperity_scenario::{Document, Scenario};
 use asperity_signal::Frf;
 use tracing::info_span;
 
 use crate::assemble::Assembly;
 use crate::error::StudyError;
+use crate::error_control::{ErrorControl, Request, parting_sample, perturbed};
 use crate::observables::{
     Observables, Peaks, ResponseView, contact_views, features_of, free_from, frequency_response,
 };
+use crate::prepared_scenario::PreparedScenario;
 use crate::provenance::Provenance;
 use crate::static_state::StaticSummary;
 use crate::summary::{Numerics, Summary};
@@ -66,15 +69,13 @@ pub fn simulate_with_progress(
     progress: &(dyn Fn(f64) + Sync),
 ) -> Result<Run, StudyError> {
     let started = Instant::now();
-    let assembly =
-        info_span!("assemble").in_scope(|| Assembly::new(scenario, document.folder()))?;
-    let Assembly { structure, excitation, sampling, method } = &assembly;
-    let transient = info_span!("integrate")
-        .in_scope(|| method.integrate_with_progress(structure, excitation, sampling, progress))?;
-    let stage = info_span!("analyse").entered();
-    let at_rest = StaticSummary::of(&assembly);
-    let observables = observables(&assembly, &at_rest, &transient)?;
-    drop(stage);
+    let prepared = info_span!("assemble")
+        .in_scope(|| PreparedScenario::new(scenario, document.folder()).map(Arc::new))?;
+    let (transient, observables) = match prepared.modal() {
+        Some(modal) => controlled(&prepared, modal, progress)?,
+        None => integrate(&prepared.assembly, &prepared.at_rest, progress)?,
+    };
+    let (assembly, at_rest) = (prepared.assembly.clone(), prepared.at_rest.clone());
     for warning in &observables.warnings {
         tracing::warn!("{warning}");
     }
@@ -91,8 +92,53 @@ pub fn simulate_with_progress(
     Ok(Run { assembly, transient, observables, summary })
 }
 
+/// The modal response to the accuracy of the scenario.
+fn controlled(
+    prepared: &Arc<PreparedScenario>,
+    modal: Modal,
+    progress: &(dyn Fn(f64) + Sync),
+) -> Result<(Transient, Observables), StudyError> {
+    let Assembly { excitation, sampling, .. } = &prepared.assembly;
+    let batch = Batch { instructions: modal.instructions };
+    let request = Request { prepared: Arc::clone(prepared), excitation: excitation.clone() };
+    let stage = info_span!("choose step and modes").entered();
+    let chosen = ErrorControl::new(batch).run_one(&request)?;
+    drop(stage);
+    progress(0.5);
+    let _stage = info_span!("integrate and analyse").entered();
+    let transient = batch.transient(&chosen.hit, sampling)?;
+    let found = observables(&prepared.assembly, &prepared.at_rest, &transient)?;
+    progress(1.0);
+    Ok((transient, found.with_estimate_of(&chosen.observables)))
+}
+
+/// The response by finite differences; where contact is lost, with the time from which on it
+/// depends on rounding.
+pub(crate) fn integrate(
+    assembly: &Assembly,
+    at_rest: &StaticSummary,
+    progress: &(dyn Fn(f64) + Sync),
+) -> Result<(Transient, Observables), StudyError> {
+    let Assembly { structure, excitation, sampling, method, .. } = assembly;
+    let stage = info_span!("integrate").entered();
+    let transient = method.integrate_with_progress(structure, excitation, sampling, progress)?;
+    let mut parted = None;
+    if transient.contacts.iter().any(|contact| contact.lost > 0.0) {
+        let twin = method.integrate(structure, &perturbed(excitation), sampling)?;
+        let displacements = (&transient.history.displacement, &twin.history.displacement);
+        parted = parting_sample(displacements.0, displacements.1);
+    }
+    drop(stage);
+    let _stage = info_span!("analyse").entered();
+    let mut found = observables(assembly, at_rest, &transient)?;
+    if let Some(sample) = parted {
+        found.mark_sensitive(transient.history.time[sample]);
+    }
+    Ok((transient, found))
+}
+
 /// The observables of a response at the output rate.
-pub(crate) fn observables(
+fn observables(
     assembly: &Assembly,
     at_rest: &StaticSummary,
     transient: &Transient,

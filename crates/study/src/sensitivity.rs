@@ -8,6 +8,8 @@
 mod derivative_table;
 mod varied;
 
+use std::sync::Arc;
+
 use asperity_dynamics::{Batch, DynamicsError};
 use asperity_scenario::{Document, InvalidDocument, SetError};
 use asperity_signal::SignalError;
@@ -15,6 +17,7 @@ use serde::Serialize;
 use thiserror::Error;
 
 use crate::error::StudyError;
+use crate::error_control::{ErrorControl, Request};
 use crate::parameter::{ParameterError, ScenarioParameter};
 use crate::prepared_scenario::PreparedScenario;
 use crate::warning::Warning;
@@ -119,20 +122,21 @@ pub fn sensitivities(
 ) -> Result<Sensitivities, SensitivityError> {
     let _stage = tracing::info_span!("differentiate").entered();
     let scenario = document.scenario()?;
-    let prepared = PreparedScenario::new(&scenario, document.folder())?;
+    let prepared = Arc::new(PreparedScenario::new(&scenario, document.folder())?);
     let Some(method) = prepared.modal() else {
         return Err(SensitivityError::Method(prepared.assembly.method.name()));
     };
-    let excitation = &prepared.assembly.excitation;
-    let counts = prepared.mode_counts(&method, excitation)?;
-    let base = prepared.hit(&method, excitation.clone())?;
+    let batch = Batch { instructions: method.instructions };
+    let excitation = prepared.assembly.excitation.clone();
+    let chosen = ErrorControl::new(batch)
+        .run_one(&Request { prepared: Arc::clone(&prepared), excitation })?;
+    let (base, counts) = (chosen.hit, chosen.counts);
     let mut all = Vec::with_capacity(pointers.len());
     for pointer in pointers {
         all.push(Varied::new(document, pointer, &base, &counts)?);
     }
     let (variations, others): (Vec<_>, Vec<_>) =
         all.into_iter().map(|one| (one.variation, (one.parameter, one.at_rest))).unzip();
-    let batch = Batch { instructions: method.instructions };
     let found = batch.sensitivity(&base, &variations)?;
     let pairs = variations.iter().zip(&others);
     let stencils: Vec<StaticStencil<'_>> =

@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use crate::accuracy::AccuracySummary;
 use crate::observables::Observables;
 use crate::provenance::Provenance;
 use crate::quantity::Quantity;
@@ -31,6 +32,12 @@ pub struct Summary {
     pub interfaces: Vec<InterfaceSummary>,
     /// Energy balance.
     pub energy: EnergySummary,
+    /// Estimated errors of a modal response; none by finite differences.
+    pub accuracy: Option<AccuracySummary>,
+    /// True if the response depends on rounding.
+    pub sensitive: bool,
+    /// Time from which on it does: where it and a response to a force larger by 1e-12 part.
+    pub sensitive_from_s: Option<f64>,
     /// Warnings about the response.
     pub warnings: Vec<Warning>,
     /// Method, step and time of the computation.
@@ -133,6 +140,9 @@ impl Summary {
                 contact_lost_s: number(Quantity::ContactLost),
             }
         };
+        let names: Vec<&str> = at_rest.interfaces.iter().map(|one| one.name.as_str()).collect();
+        let accuracy = found.estimate().map(|estimate| estimate.summary(&names));
+        let sensitive_from_s = whole(Quantity::SensitiveFrom);
         Self {
             schema: SUMMARY_SCHEMA,
             title,
@@ -156,6 +166,9 @@ impl Summary {
                 numerical_loss_j: number(Quantity::EnergyNumericalLoss, None),
                 residual_relative: number(Quantity::EnergyResidual, None),
             },
+            accuracy,
+            sensitive: sensitive_from_s.is_some(),
+            sensitive_from_s,
             warnings: found.warnings.clone(),
             numerics,
             provenance,

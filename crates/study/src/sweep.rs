@@ -16,16 +16,16 @@ use std::collections::HashMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use asperity_dynamics::{Batch, HitSimulation};
+use asperity_dynamics::Batch;
 use asperity_scenario::Document;
 use rayon::prelude::*;
 
 use crate::assemble::{Assembly, excitation};
 use crate::error::StudyError;
-use crate::observable_extractor::ObservableExtractor;
+use crate::error_control::{ErrorControl, Request};
 use crate::observables::Observables;
 use crate::prepared_scenario::PreparedScenario;
-use crate::run::observables;
+use crate::run::integrate;
 use plan::Plan;
 
 pub use input_files::input_files;
@@ -76,12 +76,7 @@ pub fn sweep_with_progress(
     let plan = tracing::info_span!("check").in_scope(|| Plan::new(document, variations))?;
     let _stage = tracing::info_span!("integrate and analyse").entered();
     let batch = Batch::default();
-    let work = Work {
-        plan: &plan,
-        batch,
-        prepared: Mutex::default(),
-        extractor: ObservableExtractor::default(),
-    };
+    let work = Work { plan: &plan, prepared: Mutex::default(), control: ErrorControl::new(batch) };
     let size = batch.room() * HITS_A_LANE;
     let finished = AtomicUsize::new(0);
     let rows: Vec<Result<Row, StudyError>> = (0..plan.runs().div_ceil(size))
@@ -135,65 +130,53 @@ type Row = (Arc<[String]>, Observables);
 /// State shared by the tasks of a sweep.
 struct Work<'a> {
     plan: &'a Plan<'a>,
-    batch: Batch,
     prepared: Mutex<HashMap<Vec<usize>, Arc<PreparedScenario>>>,
-    extractor: ObservableExtractor,
+    control: ErrorControl,
 }
 
 /// A run that has been set up: a modal hit, or a row that is done.
 enum Started {
-    Hit(Box<HitSimulation>),
-    Done(Observables),
+    Hit(Box<Request>),
+    Done(Row),
 }
 
 impl Work<'_> {
     /// The rows of some runs: the modal ones in one batch, the others one by one.
     fn rows(&self, runs: std::ops::Range<usize>) -> Vec<Result<Row, StudyError>> {
         let mut rows: Vec<Option<Result<Row, StudyError>>> = Vec::new();
-        let mut hits: Vec<HitSimulation> = Vec::new();
-        let mut of: Vec<(usize, Arc<PreparedScenario>)> = Vec::new();
+        let mut requests: Vec<Request> = Vec::new();
+        let mut places: Vec<usize> = Vec::new();
         for run in runs {
             let place = rows.len();
             rows.push(match self.start(run) {
-                Ok((prepared, Started::Hit(hit))) => {
-                    hits.push(*hit);
-                    of.push((place, prepared));
+                Ok(Started::Hit(request)) => {
+                    requests.push(*request);
+                    places.push(place);
                     None
                 }
-                Ok((prepared, Started::Done(found))) => {
-                    Some(Ok((Arc::clone(&prepared.names), found)))
-                }
+                Ok(Started::Done(row)) => Some(Ok(row)),
                 Err(error) => Some(Err(error)),
             });
         }
-        let natural = |index: usize| of[index].1.at_rest.natural_frequency_hz;
-        let decimation =
-            |index: usize, step: f64| self.extractor.decimation(natural(index), 0.0, step);
-        let records = self.batch.run(&hits, &decimation);
-        for ((record, hit), (place, prepared)) in records.into_iter().zip(&hits).zip(&of) {
-            let row = record.map_err(StudyError::from).and_then(|record| {
-                let found = self.extractor.observables(prepared, hit, &record)?;
-                Ok((Arc::clone(&prepared.names), found))
-            });
-            rows[*place] = Some(row);
+        let outcomes = self.control.run(&requests);
+        for ((outcome, request), place) in outcomes.into_iter().zip(&requests).zip(places) {
+            let names = || Arc::clone(&request.prepared.names);
+            rows[place] = Some(outcome.map(|done| (names(), done.observables)));
         }
         rows.into_iter().flatten().collect()
     }
 
     /// The hit of a run, or its observables if it is not modal.
-    fn start(&self, run: usize) -> Result<(Arc<PreparedScenario>, Started), StudyError> {
+    fn start(&self, run: usize) -> Result<Started, StudyError> {
         let chosen = self.plan.chosen(run);
         let prepared = self.prepared(&chosen)?;
-        if let Some(modal) = prepared.modal() {
-            let force = excitation(&self.plan.excitation(&chosen)?, self.plan.folder())?;
-            let hit = prepared.hit(&modal, force)?;
-            return Ok((prepared, Started::Hit(Box::new(hit))));
+        if prepared.modal().is_some() {
+            let excitation = excitation(&self.plan.excitation(&chosen)?, self.plan.folder())?;
+            return Ok(Started::Hit(Box::new(Request { prepared, excitation })));
         }
         let assembly = Assembly::new(&self.plan.scenario(&chosen)?, self.plan.folder())?;
-        let Assembly { structure, excitation, sampling, method } = &assembly;
-        let transient = method.integrate(structure, excitation, sampling)?;
-        let found = observables(&assembly, &prepared.at_rest, &transient)?;
-        Ok((prepared, Started::Done(found)))
+        let (_, found) = integrate(&assembly, &prepared.at_rest, &|_| ())?;
+        Ok(Started::Done((Arc::clone(&prepared.names), found)))
     }
 
     fn prepared(&self, chosen: &[usize]) -> Result<Arc<PreparedScenario>, StudyError> {

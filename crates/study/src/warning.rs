@@ -24,6 +24,18 @@ pub enum Warning {
         /// Highest pressure of the measurement \[Pa\].
         measured_max_pa: f64,
     },
+    /// The accuracy that was asked for is not reached, by the estimated errors.
+    AccuracyNotReached {
+        /// Largest estimated error over the scale of its observable.
+        estimated: f64,
+        /// Relative accuracy that was asked for.
+        asked: f64,
+    },
+    /// The response depends on rounding: two forces that differ by 1e-12 give responses that part.
+    Sensitive {
+        /// Time at which they part \[s\].
+        from_s: f64,
+    },
     /// The energy balance does not close to [`MOST_RESIDUAL`].
     EnergyBalance {
         /// Remainder of the balance over the input.
@@ -57,6 +69,8 @@ impl Warning {
         match self {
             Self::OutsideMeasuredRange { .. } => "outside_measured_range",
             Self::EnergyBalance { .. } => "energy_balance",
+            Self::AccuracyNotReached { .. } => "accuracy_not_reached",
+            Self::Sensitive { .. } => "sensitive",
         }
     }
 }
@@ -75,6 +89,17 @@ impl fmt::Display for Warning {
                 "pressures of {pressure_min_pa:.4e} to {pressure_max_pa:.4e} Pa at interface \
                  \"{interface}\" leave those at which its law was measured, {measured_min_pa:.4e} \
                  to {measured_max_pa:.4e} Pa; the stiffness is held at the end values there"
+            ),
+            Self::AccuracyNotReached { estimated, asked } => write!(
+                f,
+                "the estimated relative error of the observables is {estimated:.1e}, more than the \
+                 {asked:.0e} asked for"
+            ),
+            Self::Sensitive { from_s } => write!(
+                f,
+                "from {from_s:.4e} s on the response depends on rounding: forces that differ by \
+                 1e-12 give responses that part; what depends on later times is one of many \
+                 possible outcomes"
             ),
             Self::EnergyBalance { residual_relative } => write!(
                 f,

@@ -22,7 +22,7 @@ const POINTERS: [&str; 12] = [
 
 fn rig(peak: &str) -> Document {
     let mut document = Document::read("../../fixtures/scenarios/nouira2020-modified.json").unwrap();
-    document.set("/method", r#"{"kind": "modal", "step_s": 2e-5, "modes_per_body": 2}"#).unwrap();
+    document.set("/method", r#"{"kind": "modal", "step_s": 1e-5, "modes_per_body": 2}"#).unwrap();
     document.set("/excitation/peak_n", peak).unwrap();
     document
 }

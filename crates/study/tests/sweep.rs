@@ -113,7 +113,11 @@ fn results_do_not_depend_on_threads_or_other_runs() {
     assert_eq!(one.csv(), two.csv());
     let few = swept(&document, &["/excitation/peak_n=9,32"]);
     for (run, of_many) in [(0, 0), (1, 149)] {
-        assert_eq!(few.runs[run].as_ref().unwrap(), one.runs[of_many].as_ref().unwrap());
+        let [few, many] = [&few.runs[run], &one.runs[of_many]].map(|outcome| {
+            // Bits, since a run that does not depend on rounding has no time from which it does.
+            outcome.as_ref().unwrap().iter().map(|number| number.to_bits()).collect::<Vec<_>>()
+        });
+        assert_eq!(few, many);
     }
 }
 
@@ -182,7 +186,7 @@ fn a_failed_run_does_not_end_the_sweep() {
     assert!(sweep.runs[0].is_ok());
     let error = sweep.runs[1].as_ref().unwrap_err().to_string();
     assert!(error.contains("step"), "{error}");
-    assert!(sweep.csv().lines().nth(2).unwrap().contains("at most 0.2"), "{}", sweep.csv());
+    assert!(sweep.csv().lines().nth(2).unwrap().contains("at most 1"), "{}", sweep.csv());
 }
 
 #[test]

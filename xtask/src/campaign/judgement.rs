@@ -278,7 +278,11 @@ impl Case<'_> {
     /// Refined runs of both engines; `step` is the modal engine's default.
     fn refined(&self, step: Option<f64>, refinement: &Refinement) -> [Outcome; 2] {
         let step_s = step.map(|step| step / refinement.step);
-        let modal = ModalSpec { step_s, modes_per_body: Some(refinement.modes_per_body) };
+        let modal = ModalSpec {
+            step_s,
+            modes_per_body: Some(refinement.modes_per_body),
+            ..ModalSpec::default()
+        };
         let default = FiniteDifferenceSpec::default();
         let cell_m = default.cell_m / refinement.cell;
         let cells = FiniteDifferenceSpec { cell_m, ..default };

@@ -13,7 +13,7 @@ pub(crate) fn run(input: &Input, as_json: bool) -> Result<(), Failure> {
     let document = super::read(input)?;
     let scenario = super::checked(&document)?;
     let assembly = Assembly::new(&scenario, document.folder())?;
-    let Assembly { structure, excitation, sampling, method } = &assembly;
+    let Assembly { structure, excitation, sampling, method, .. } = &assembly;
     let outline = method
         .outline(structure, excitation, sampling)
         .map_err(asperity_study::error::StudyError::from)?;

@@ -8,6 +8,7 @@ use pulp::Simd;
 
 use super::ContactForm;
 use super::bar::fused;
+use crate::contact_energy::excess;
 use crate::{ContactExtremes, DynamicsError};
 
 /// Largest error of a tabulated pressure, as a share of the static pressure. A
@@ -202,11 +203,7 @@ impl<'a> ContactStep<'a> {
     /// Energy stored beyond rest and against the static pressure, averaged over
     /// the last two states, and the work done on the contact \[J\].
     pub(super) fn energy(&self) -> (f64, f64) {
-        let law = self.contact.law();
-        let (pressure, closure) = (self.contact.pressure(), self.contact.closure());
-        let excess = |increment: f64| {
-            law.energy(closure + increment) - law.energy(closure) - pressure * increment
-        };
+        let excess = |increment: f64| excess(self.contact, increment);
         let stored = 0.5 * (excess(self.closure) + excess(self.closure_before));
         (self.area * stored, self.area * self.work)
     }

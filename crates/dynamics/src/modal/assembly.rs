@@ -99,16 +99,13 @@ impl ModalModel {
         };
         let areas: Vec<f64> = self.contacts().iter().map(PreloadedContact::area).collect();
         let named = self.contacts().iter().zip(&tops);
-        let stiffness: Vec<[f64; 2]> = named
-            .map(|(contact, &top)| {
-                let rest = contact.stiffness();
-                [rest, contact.law().stiffness(top).max(rest)]
-            })
+        let stiffest: Vec<f64> = named
+            .map(|(contact, &top)| contact.law().stiffness(top).max(contact.stiffness()))
             .collect();
         let step_model = StepModel::new(
             self.structure(),
             &areas,
-            &stiffness,
+            &stiffest,
             self.structure.damping_rate(),
             step,
         );

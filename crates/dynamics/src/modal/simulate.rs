@@ -1,5 +1,6 @@
 //! Simulation of many hits, each at the step and with the tables that it needs.
 
+use asperity_law::LawError;
 use asperity_structure::PreloadedContact;
 use std::cmp::Ordering;
 use std::sync::Arc;
@@ -13,6 +14,7 @@ use super::simd::decimation::Decimation;
 use super::simd::integrate::{BlockRun, Outcome, Recording, RunEnd, room};
 use super::simulation::{HitResponse, HitSimulation};
 use super::step_size::{MOST_HALVINGS, Resolution};
+use crate::error::balanced;
 use crate::{ContactExtremes, DynamicsError, Excitation, InstructionSet, Sampling, Transient};
 
 /// Integrates hits in the lanes of vectors, on the calling thread.
@@ -256,14 +258,22 @@ impl Attempt {
             RunEnd::Done => {
                 let residual = ledger(&self.lane, outcome).residual_relative();
                 if !(may_halve && Resolution::too_coarse(residual)) {
-                    Resolution::accept(residual, self.lane.tabulated.step_model.step)?;
+                    balanced(residual, self.lane.tabulated.step_model.step, "step")?;
                     return Ok(None);
                 }
                 (self.halvings + 1, self.table_exponent)
             }
         };
         let finer = Resolution::halved(hit, halvings)?;
-        Self::at(self.index, hit, finer, (halvings, table_exponent), shapes, decimation).map(Some)
+        let next = Self::at(self.index, hit, finer, (halvings, table_exponent), shapes, decimation);
+        match (next, outcome.end) {
+            // Pressures that no table reaches are those of numbers that grow beyond all bounds.
+            (
+                Err(DynamicsError::Law { source: LawError::Unresolved { .. }, .. }),
+                RunEnd::Beyond(i),
+            ) => Err(unstable(self.lane.steps, i)),
+            (next, _) => next.map(Some),
+        }
     }
 
     /// Doublings of the tabulated pressures since the first attempt.
@@ -280,6 +290,7 @@ impl Attempt {
         HitResponse {
             step: self.lane.tabulated.step_model.step,
             steps: self.lane.steps,
+            modes: self.lane.tabulated.step_model.modes.len(),
             decimation: Arc::clone(&self.decimation),
             contacts: contact_extremes(&self.lane, &outcome),
             energy: ledger(&self.lane, &outcome),

@@ -26,6 +26,8 @@ pub struct HitResponse {
     pub step: f64,
     /// Number of steps.
     pub steps: usize,
+    /// Number of modes that were integrated; the others count as flexibility.
+    pub modes: usize,
     /// Displacement of the output \[m\], through the filter of `decimation`: sample j is the
     /// filter's output at step `j factor`, until the filter has run out.
     pub displacement: Vec<f64>,

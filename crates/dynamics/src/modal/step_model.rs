@@ -4,19 +4,11 @@ use asperity_mesh::{ComponentModes, NormalMode, ResidualFlexibility};
 
 use super::oscillator::{Dynamics, ForceInterpolation, Recurrence};
 
-/// Square of the radians in a step up to which the quartic damps an oscillation on its contacts.
+/// Square of the radians in a step up to which the quartic damps an oscillation: of a mode and the
+/// contact springs, that of 1.2. Faster oscillations would grow by it; the mean of both ends has
+/// a larger error, of second order, but keeps the energy of any linear contact exactly, at any
+/// frequency.
 const DAMPED: f64 = 1.44;
-
-/// Largest growth of an oscillator of more radians by the quartic, as a share of its own decay.
-///
-/// The quartic turns a contact spring `k` (over the oscillator's inertia) of an oscillator of
-/// `r^2 = (w^2 + k) h^2` into a growth of at most `k h^2 (r^2 - 1.44^2 / r^2) / 48` a step. The mean of
-/// both ends has a larger error, of second order, but keeps the energy of any linear contact
-/// exactly, at any frequency; so it replaces the quartic where that would excite an oscillation.
-const GROWTH_SHARE: f64 = 0.5;
-
-/// Contact stiffness over a mode's own up to which it hardly moves the mode.
-const WEAK: f64 = 0.1;
 
 /// Radians in a step from which on a mode counts as following its forces at once. A step cannot
 /// show such an oscillation, and under a force that is frozen within the step it can even grow.
@@ -53,24 +45,15 @@ pub(super) struct StepModel {
 
 impl StepModel {
     /// The model of `structure` with contact `areas` \[m2\] under mass-proportional damping `rate`
-    /// \[1/s\] at `step` \[s\]; `stiffness` \[Pa/m\] is that of each contact at rest, and the highest
-    /// expected.
+    /// \[1/s\] at `step` \[s\]; `stiffness` \[Pa/m\] is the highest expected at each contact.
     pub(super) fn new(
         structure: &ComponentModes,
         areas: &[f64],
-        stiffness: &[[f64; 2]],
+        stiffness: &[f64],
         rate: f64,
         step: f64,
     ) -> Self {
-        let of = |mode: &NormalMode| {
-            let stiff = [0, 1].map(|which| -> f64 {
-                let pairs = mode.closure.iter().zip(areas).zip(stiffness);
-                pairs.map(|((g, area), k)| g * (g * area) * k[which] * step * step).sum()
-            });
-            let turn = mode.angular_frequency * step;
-            (turn <= FAST).then(|| interpolation(turn, stiff, mode.total_damping(rate) * step))
-        };
-        let interpolations = structure.modes().iter().map(of).collect();
+        let interpolations = interpolations(structure.modes(), areas, stiffness, step);
         Self::with_interpolations(structure, areas, rate, step, interpolations)
     }
 
@@ -121,16 +104,45 @@ impl StepModel {
     }
 }
 
-/// The interpolation of force for an oscillator of `turn` radians in a step, under contact
-/// stiffnesses at rest and at most over its inertia, and a damping rate `damping`, times the step
-/// squared and once.
-fn interpolation(turn: f64, [rest, most]: [f64; 2], damping: f64) -> ForceInterpolation {
-    // Two equal bodies in contact have twice the stiffness of each of them.
-    let coupled = turn * turn + 2.0 * most;
-    // The stiffness that a mode of its own frequency sees on average is about that at rest.
-    let stiff = if most < WEAK * turn * turn { rest } else { most };
-    let squared = turn * turn + stiff;
-    let growth = stiff * (squared - DAMPED * DAMPED / squared) / 48.0;
-    let harmless = coupled <= DAMPED || growth <= GROWTH_SHARE * 0.5 * damping;
-    if harmless { ForceInterpolation::Quartic } else { ForceInterpolation::Average }
+/// The interpolation of the contact force for each mode at `step` \[s\]: the quartic, slowest modes
+/// first, as long as all that have it turn slowly enough together.
+///
+/// With `A_km = sum_i g_ki g_mi S_i K_i h^2` the contact springs between modes k and m, no
+/// oscillation of those with the quartic turns faster than the largest
+/// `(w_k h)^2 + sum_m |A_km|` (Gershgorin).
+fn interpolations(
+    modes: &[NormalMode],
+    areas: &[f64],
+    stiffness: &[f64],
+    step: f64,
+) -> Vec<Option<ForceInterpolation>> {
+    let spring = |a: &NormalMode, b: &NormalMode| -> f64 {
+        let shapes = a.closure.iter().zip(&b.closure).zip(areas.iter().zip(stiffness));
+        shapes.map(|((g, other), (area, k))| g * other * area * k * step * step).sum()
+    };
+    let squared = |mode: &NormalMode| (mode.angular_frequency * step).powi(2);
+    let alone = |mode: &NormalMode| squared(mode) + spring(mode, mode);
+    let mut order: Vec<usize> = (0..modes.len()).collect();
+    order.sort_by(|&a, &b| alone(&modes[a]).total_cmp(&alone(&modes[b])));
+    // Those with the quartic so far, and their sums.
+    let mut quartic: Vec<(usize, f64)> = Vec::new();
+    for k in order {
+        let springs: Vec<f64> =
+            quartic.iter().map(|&(m, _)| spring(&modes[k], &modes[m]).abs()).collect();
+        let own = alone(&modes[k]) + springs.iter().sum::<f64>();
+        let sums = quartic.iter().zip(&springs).map(|((_, sum), spring)| sum + spring);
+        // Written so that what is not a number is not slow.
+        if sums.fold(own, f64::max) <= DAMPED && own <= DAMPED {
+            for ((_, sum), spring) in quartic.iter_mut().zip(&springs) {
+                *sum += spring;
+            }
+            quartic.push((k, own));
+        }
+    }
+    let of = |(k, mode): (usize, &NormalMode)| {
+        let slow = quartic.iter().any(|&(m, _)| m == k);
+        let kept = mode.angular_frequency * step <= FAST;
+        kept.then_some(if slow { ForceInterpolation::Quartic } else { ForceInterpolation::Average })
+    };
+    modes.iter().enumerate().map(of).collect()
 }

@@ -21,9 +21,6 @@ const STEPS_A_PULSE: f64 = 16.0;
 const COARSE_RESIDUAL: f64 = 5e-4;
 pub(super) const MOST_HALVINGS: u32 = 7;
 
-/// Energy residual above which a result is refused.
-const REFUSED_RESIDUAL: f64 = 2e-2;
-
 /// Most steps of a hit.
 const MOST_STEPS: f64 = 4e8;
 
@@ -90,14 +87,5 @@ impl Resolution {
     pub(super) fn too_coarse(residual: f64) -> bool {
         // A residual that is not a number is not a small one.
         residual.is_nan() || residual > COARSE_RESIDUAL
-    }
-
-    /// Refuses a result whose energy balance does not close.
-    pub(super) fn accept(residual: f64, step: f64) -> Result<(), DynamicsError> {
-        if residual <= REFUSED_RESIDUAL {
-            Ok(())
-        } else {
-            Err(DynamicsError::Coarse { residual, step_s: step, limit: REFUSED_RESIDUAL })
-        }
     }
 }

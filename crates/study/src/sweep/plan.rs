@@ -144,7 +144,7 @@ impl<'a> Plan<'a> {
     /// own error later.
     fn size(&self, chosen: &[usize]) -> Result<(f64, usize), StudyError> {
         let assembly = Assembly::new(&self.scenario(chosen)?, self.folder())?;
-        let Assembly { structure, excitation, sampling, method } = &assembly;
+        let Assembly { structure, excitation, sampling, method, .. } = &assembly;
         let outline = method.outline(structure, excitation, sampling)?;
         let names: Vec<&str> = structure.contacts().iter().map(PreloadedContact::name).collect();
         let columns = observable_names(&names).len() + self.variations.len();

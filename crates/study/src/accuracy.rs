@@ -1,0 +1,208 @@
+//! Error estimates of observables, and the accuracy that is asked of them.
+//!
+//! The error of an observable is estimated from two responses, the second with half the step and
+//! about twice the elastic modes of the first,
+//!
+//! ```text
+//! e = |Q(h) - Q(2h)| / 3,   or   e = |Q(h) - Q(2h)|   where contact is lost,
+//! ```
+//!
+//! which holds for any method of second order, or of first. It is compared with a scale of the
+//! observable, its own value for most ([`scale`]).
+
+use serde::Serialize;
+
+use crate::observables::Observables;
+use crate::quantity::{Observable, Quantity};
+
+/// Relative accuracy of a run that asks for none.
+pub const DEFAULT_ACCURACY: f64 = 1e-3;
+
+/// The fundamental frequency is held to this share of the accuracy of the other observables.
+const FREQUENCY_SHARE: f64 = 0.1;
+
+/// Second-harmonic over fundamental receptance below which the second harmonic is not resolved for
+/// its own sake.
+const SMALL_HARMONIC: f64 = 1e-2;
+
+/// Damping ratio below which the damping is not resolved for its own sake.
+const SMALL_DAMPING: f64 = 1e-2;
+
+/// Departure of one extreme pressure from rest, over the range of pressures, below which it is not
+/// resolved for its own sake; and stiffness over the stiffness at rest.
+const SMALL_DEPARTURE: f64 = 0.1;
+
+/// Estimated errors of the observables of one response.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ErrorEstimate {
+    /// Relative accuracy that was asked for.
+    pub asked: f64,
+    /// Largest estimated error over the scale of its observable; that of the fundamental frequency
+    /// counts tenfold.
+    pub relative: f64,
+    /// The observable with that error.
+    pub worst: Option<Observable>,
+    /// Estimated error of each observable in its own unit, in the order of [`Observable::all`]; NaN
+    /// for one without an estimate.
+    pub errors: Box<[f64]>,
+}
+
+/// The estimate as `summary.json` has it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct AccuracySummary {
+    /// Relative accuracy that was asked for.
+    pub asked: f64,
+    /// Largest estimated error over the scale of its observable; that of the fundamental frequency
+    /// counts tenfold.
+    pub estimated_error: f64,
+    /// True if that is at most the accuracy asked for.
+    pub reached: bool,
+    /// Name of the observable with that error.
+    pub of: Option<String>,
+    /// Estimated error of each observable in its own unit.
+    pub errors: serde_json::Map<String, serde_json::Value>,
+}
+
+impl ErrorEstimate {
+    /// The estimate from the observables of a response, and those of one of twice the step: the
+    /// error is their difference over `divisor`.
+    pub(crate) fn new(fine: &Observables, coarse: &Observables, divisor: f64, asked: f64) -> Self {
+        let all = Observable::all(fine.interfaces());
+        let mut estimate =
+            Self { asked, relative: 0.0, worst: None, errors: vec![f64::NAN; all.len()].into() };
+        for (place, &observable) in all.iter().enumerate() {
+            let Some(scale) = scale(fine, observable) else { continue };
+            let [a, b] = [fine, coarse].map(|found| found.values[place]);
+            // A peak that only one of them has is all error.
+            let error = match (a.is_nan(), b.is_nan()) {
+                (true, true) => continue,
+                (false, false) => (a - b).abs() / divisor,
+                _ => scale,
+            };
+            estimate.take(place, observable, error, scale);
+        }
+        estimate
+    }
+
+    fn take(&mut self, place: usize, observable: Observable, error: f64, scale: f64) {
+        self.errors[place] = error;
+        let relative = if error == 0.0 { 0.0 } else { error / scale };
+        if relative > self.relative || relative.is_nan() {
+            (self.relative, self.worst) = (relative, Some(observable));
+        }
+    }
+
+    /// The errors of another response of the same structure to a force of the same shape, whose
+    /// `observables` have the same relative errors.
+    pub(crate) fn transferred(&self, from: &Observables, to: &Observables) -> Self {
+        let mut errors = self.errors.clone();
+        for (error, observable) in errors.iter_mut().zip(Observable::all(to.interfaces())) {
+            let ratio = match (scale(from, observable), scale(to, observable)) {
+                (Some(from), Some(to)) if from > 0.0 => to / from,
+                _ => f64::NAN,
+            };
+            *error *= ratio;
+        }
+        Self { errors, ..self.clone() }
+    }
+
+    /// The larger error of two estimates for each observable.
+    pub(crate) fn larger(self, other: Self) -> Self {
+        let (mut more, less) =
+            if other.relative > self.relative { (other, self) } else { (self, other) };
+        for (error, lesser) in more.errors.iter_mut().zip(&less.errors) {
+            *error = error.max(*lesser);
+        }
+        more
+    }
+
+    /// The sum of two errors of each observable.
+    pub(crate) fn plus(mut self, other: &Self) -> Self {
+        for (error, more) in self.errors.iter_mut().zip(&other.errors) {
+            *error += more;
+        }
+        if other.relative > self.relative {
+            self.worst = other.worst;
+        }
+        // At least that of any observable.
+        self.relative += other.relative;
+        self
+    }
+
+    /// No errors.
+    pub(crate) fn none(found: &Observables, asked: f64) -> Self {
+        let errors = vec![0.0; found.values.len()].into();
+        Self { asked, relative: 0.0, worst: None, errors }
+    }
+
+    /// No estimate: the accuracy counts as not reached.
+    pub(crate) fn unknown(found: &Observables, asked: f64) -> Self {
+        let errors = vec![f64::NAN; found.values.len()].into();
+        Self { asked, relative: f64::INFINITY, worst: None, errors }
+    }
+
+    /// True if every error is as small as was asked for.
+    pub fn is_reached(&self) -> bool {
+        self.relative <= self.asked
+    }
+
+    /// Estimated error of an observable over its scale; none without an estimate.
+    pub fn relative_of(&self, found: &Observables, observable: Observable) -> Option<f64> {
+        let place = found.place(observable)?;
+        let error = self.errors[place];
+        (!error.is_nan()).then(|| error / scale(found, observable).unwrap_or(f64::NAN))
+    }
+
+    /// The estimate with the observables by name.
+    pub(crate) fn summary(&self, interfaces: &[&str]) -> AccuracySummary {
+        let all = Observable::all(interfaces.len());
+        let named = all.iter().zip(&self.errors).filter(|(_, error)| error.is_finite());
+        AccuracySummary {
+            asked: self.asked,
+            estimated_error: self.relative,
+            reached: self.is_reached(),
+            of: self.worst.map(|observable| observable.name(interfaces)),
+            errors: named.map(|(one, &error)| (one.name(interfaces), error.into())).collect(),
+        }
+    }
+}
+
+/// The number that the error of an observable is compared with, in its unit; none for observables
+/// that are exact, that are settings, or that measure errors themselves.
+fn scale(found: &Observables, observable: Observable) -> Option<f64> {
+    let Observable { quantity, interface } = observable;
+    let of = |quantity| found.get(quantity, interface).map(f64::abs);
+    let whole = |quantity| found.get(quantity, None).map(f64::abs);
+    match quantity {
+        Quantity::FundamentalFrequency => Some(FREQUENCY_SHARE * of(quantity).unwrap_or(1.0)),
+        Quantity::FundamentalReceptance | Quantity::StiffnessAverage => of(quantity),
+        Quantity::DampingRatio | Quantity::DampingRatioDecrement => {
+            Some(of(quantity)?.max(SMALL_DAMPING))
+        }
+        Quantity::SecondHarmonicFrequency => {
+            let ratio = whole(Quantity::HarmonicRatio)?;
+            (ratio >= SMALL_HARMONIC).then(|| of(quantity))?
+        }
+        Quantity::SecondHarmonicReceptance => {
+            let first = whole(Quantity::FundamentalReceptance)?;
+            Some(of(quantity)?.max(SMALL_HARMONIC * first))
+        }
+        Quantity::HarmonicRatio => Some(of(quantity)?.max(SMALL_HARMONIC)),
+        Quantity::PressureMin | Quantity::PressureMax => {
+            let range = of(Quantity::PressureMax)? - of(Quantity::PressureMin)?;
+            let departure = found.get(quantity, interface)? - of(Quantity::StaticPressure)?;
+            Some(departure.abs().max(SMALL_DEPARTURE * range))
+        }
+        Quantity::StiffnessAtPressureMin => {
+            Some(of(quantity)?.max(SMALL_DEPARTURE * of(Quantity::StaticStiffness)?))
+        }
+        Quantity::ContactLost => {
+            let period = whole(Quantity::NaturalFrequency).map_or(0.0, f64::recip);
+            Some(of(quantity)?.max(period))
+        }
+        Quantity::EnergyInput | Quantity::EnergyDissipated | Quantity::EnergyStored => {
+            whole(Quantity::EnergyInput)
+        }
+        _ => None,
+    }
+}
