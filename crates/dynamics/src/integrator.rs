@@ -2,7 +2,7 @@
 
 use asperity_structure::PreloadedStructure;
 
-use crate::run_bounds::{check_history, check_recorded_steps};
+use crate::run_bounds::check_history;
 use crate::{
     DynamicsError, Excitation, FiniteDifference, InstructionSet, Modal, Sampling, Transient,
 };
@@ -63,9 +63,7 @@ impl Integrator {
             Self::Modal(method) => {
                 let hit = method.hit(structure, excitation, sampling)?;
                 let (step, steps) = hit.first_step()?;
-                let interfaces = structure.contacts().len();
-                check_recorded_steps(steps, interfaces, step)?;
-                check_history(sampling.samples(), interfaces, step)?;
+                check_history(sampling.samples(), structure.contacts().len(), step)?;
                 Ok(RunOutline { unknowns: hit.model.structure().modes().len(), step, steps })
             }
         }
@@ -117,7 +115,8 @@ impl Integrator {
                 method.integrate_with_progress(structure, excitation, sampling, progress)
             }
             Self::Modal(method) => {
-                self.outline(structure, excitation, sampling)?;
+                let (samples, interval) = (sampling.samples(), sampling.interval());
+                check_history(samples, structure.contacts().len(), interval)?;
                 let transient = method.integrate(structure, excitation, sampling)?;
                 progress(1.0);
                 Ok(transient)

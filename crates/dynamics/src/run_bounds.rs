@@ -43,15 +43,15 @@ pub(crate) fn check_history(
     at_most(samples as f64 * (4 + 3 * interfaces) as f64, MOST_HISTORY_NUMBERS, unit, step)
 }
 
-/// Checks what a modal run records at each step: the displacement, and pressure and closure of each
-/// interface.
+/// Checks what a modal run may record at each step: the displacement, and pressure and closure of
+/// each interface.
 pub(crate) fn check_recorded_steps(
-    steps: usize,
+    steps: f64,
     interfaces: usize,
     step: f64,
 ) -> Result<(), DynamicsError> {
     let unit = "numbers recorded at its steps";
-    at_most(steps as f64 * (1 + 2 * interfaces) as f64, MOST_RECORDED_NUMBERS, unit, step)
+    at_most(steps * (1 + 2 * interfaces) as f64, MOST_RECORDED_NUMBERS, unit, step)
 }
 
 fn at_most(count: f64, limit: f64, unit: &'static str, step_s: f64) -> Result<(), DynamicsError> {

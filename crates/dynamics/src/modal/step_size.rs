@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 use super::simulation::HitSimulation;
 use crate::DynamicsError;
 use crate::error::positive;
+use crate::run_bounds::check_recorded_steps;
 
 /// Share of a radian of the lowest natural frequency in a step: the quartic through five
 /// pressures then changes the damping ratio by `(w h)^5 / 100`, less than one millionth.
@@ -21,15 +22,12 @@ const STEPS_A_PULSE: f64 = 16.0;
 const COARSE_RESIDUAL: f64 = 5e-4;
 pub(super) const MOST_HALVINGS: u32 = 7;
 
-/// Most steps of a hit.
-const MOST_STEPS: f64 = 4e8;
-
 impl HitSimulation {
     /// Step \[s\] that the hit is first tried with, and the number of steps.
     ///
     /// # Errors
-    /// [`DynamicsError::Setting`] for a step or duration that is not positive and finite, or more
-    /// than 4e8 steps.
+    /// [`DynamicsError::Setting`] for a step or duration that is not positive and finite,
+    /// [`DynamicsError::TooLarge`] for more steps than can be recorded.
     pub fn first_step(&self) -> Result<(f64, usize), DynamicsError> {
         Resolution::first(self).map(|resolution| (resolution.step, resolution.steps))
     }
@@ -56,7 +54,7 @@ impl Resolution {
                 let quantity = "step [s] times lowest natural frequency [rad/s]";
                 return Err(DynamicsError::Setting { quantity, value, accepted: "at most 1" });
             }
-            return Self::of(step, (duration / step - 1e-9).ceil().max(1.0));
+            return Self::of(hit, step, (duration / step - 1e-9).ceil().max(1.0));
         }
         let slow = natural.map_or(f64::INFINITY, |f| RADIANS / (TAU * f));
         let step = slow.min(hit.excitation.time_scale() / STEPS_A_PULSE).min(duration / 64.0);
@@ -65,22 +63,19 @@ impl Resolution {
         let round = [5.0, 2.0, 1.0].into_iter().find(|m| m * decade <= step * (1.0 + 1e-9));
         let step = round.unwrap_or(1.0) * decade;
         let steps = (duration / step - 1e-9).ceil();
-        Self::of(duration / steps, steps)
+        Self::of(hit, duration / steps, steps)
     }
 
     /// The step of [`first`](Self::first), halved.
     pub(super) fn halved(hit: &HitSimulation, halvings: u32) -> Result<Self, DynamicsError> {
         let Self { step, steps } = Self::first(hit)?;
         let parts = f64::from(halvings).exp2();
-        Self::of(step / parts, steps as f64 * parts)
+        Self::of(hit, step / parts, steps as f64 * parts)
     }
 
-    fn of(step: f64, steps: f64) -> Result<Self, DynamicsError> {
-        if steps <= MOST_STEPS {
-            return Ok(Self { step, steps: steps as usize });
-        }
-        let quantity = "number of steps, duration over step";
-        Err(DynamicsError::Setting { quantity, value: steps, accepted: "at most 4e8" })
+    fn of(hit: &HitSimulation, step: f64, steps: f64) -> Result<Self, DynamicsError> {
+        check_recorded_steps(steps, hit.model.contacts().len(), step)?;
+        Ok(Self { step, steps: steps as usize })
     }
 
     /// True if an energy residual is too large for a chosen step.
