@@ -117,7 +117,7 @@ mod tests {
     #[test]
     fn places_on_one_short_line_share_an_excerpt() {
         let text = "{\n  \"é\": 1, \"b\": {\r\n}}";
-        let labels = [label(9..10, "one"), label(17..22, "object")];
+        let labels = [label(10..11, "one"), label(18..23, "object")];
         let Excerpts(found) = Excerpts::new(text, &labels);
         assert_eq!(found.len(), 1);
         assert_eq!((found[0].line, found[0].column), (2, 8));

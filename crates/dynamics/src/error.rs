@@ -39,7 +39,7 @@ pub enum DynamicsError {
     TooLarge {
         /// The count that is too large.
         count: f64,
-        /// What is counted.
+        /// The thing counted.
         unit: &'static str,
         /// Largest count accepted.
         limit: f64,

@@ -136,7 +136,9 @@ impl IdentificationProblem {
         for (index, data) in data.iter().enumerate() {
             loader.load(index, data)?;
         }
-        Ok(loader.built)
+        let mut built = loader.built;
+        built.forward.hold_steps();
+        Ok(built)
     }
 }
 

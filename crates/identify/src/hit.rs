@@ -38,6 +38,8 @@ pub(super) struct SimulatedHit {
     pub(super) drive: HitForce,
     /// Duration \[s\]; that of the scenario if not given.
     pub(super) duration: Option<f64>,
+    /// Step \[s\], held for all points so that results are smooth in the parameters.
+    pub(super) step: Option<f64>,
     /// Frequencies of the requested receptance \[Hz\].
     pub(super) frequencies: Vec<f64>,
     /// True if its backbone is requested.
@@ -137,6 +139,10 @@ impl SimulatedHit {
         let modal = rig.case.modal().unwrap_or_default();
         let excitation = self.excitation(rig, gains, folder)?;
         let hit = rig.case.hit(&modal, excitation)?;
-        Ok(HitSimulation { duration: self.duration.unwrap_or(hit.duration), ..hit })
+        Ok(HitSimulation {
+            duration: self.duration.unwrap_or(hit.duration),
+            step: self.step.or(hit.step),
+            ..hit
+        })
     }
 }

@@ -3,8 +3,9 @@
 mod derivatives;
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
-use asperity_dynamics::{Batch, HitResponse, HitSimulation};
+use asperity_dynamics::{Batch, Decimation, HitResponse, HitSimulation};
 use asperity_inference::{
     Derivatives, ForwardModel, Observation, Parameter, PredictionError, Predictions,
 };
@@ -139,6 +140,18 @@ impl ScenarioModel {
         };
         let simulations = self.hits.iter().map(simulation).collect::<Result<_, _>>()?;
         Ok((rigs, simulations))
+    }
+
+    /// Holds the step of every hit: that which is chosen at the start of the parameters. A hit that
+    /// cannot be integrated there has a step of its own at every point.
+    pub(super) fn hold_steps(&mut self) {
+        let start: Vec<f64> = self.parameters.list.iter().map(Parameter::start).collect();
+        let Ok((_, simulations)) = self.prepare_hits(&start) else { return };
+        let whole = Arc::new(Decimation { factor: 1, taps: Arc::new([1.0]) });
+        let responses = self.batch.run(&simulations, &|_, _| Arc::clone(&whole));
+        for (hit, response) in self.hits.iter_mut().zip(responses) {
+            hit.step = response.ok().map(|response| response.step);
+        }
     }
 
     /// Results of a hit, from its record.

@@ -463,7 +463,7 @@ impl ErrorControl {
         }
     }
 
-    /// Whether responses that did not converge depend on rounding.
+    /// Marks responses that did not converge where they depend on rounding.
     fn compare_with_twins(&self, tasks: &mut [Task<'_>], numbers: &[usize]) {
         let doubtful = |n: &usize| match &tasks[*n].done {
             Some(Ok(done)) => !done.is_reached(),

@@ -30,13 +30,14 @@ fn swept(document: &Document, vary: &[&str]) -> Sweep {
 fn tolerance(column: &str, corners: bool) -> f64 {
     let spectral = ["fundamental", "second", "harmonic"].iter().any(|s| column.starts_with(s));
     match column {
-        "fundamental.damping_ratio_decrement" => 5e-3,
+        // The maxima of a decimated record are coarser.
+        "fundamental.damping_ratio_decrement" => 6e-3,
         _ if corners && spectral => 1e-3,
         "fundamental.frequency_hz" | "fundamental.receptance_m_per_n" => 2e-6,
         "second_harmonic.frequency_hz"
         | "second_harmonic.receptance_m_per_n"
         | "harmonic_ratio"
-        | "fundamental.damping_ratio" => 5e-5,
+        | "fundamental.damping_ratio" => 1e-4,
         _ => 1e-9,
     }
 }

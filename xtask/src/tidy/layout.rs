@@ -18,7 +18,7 @@ const SHORT: [(&str, &str); 8] = [
     ("crates/cli/src/command/schema.rs", "one command a file"),
     ("crates/cli/src/plot/structure.rs", "one figure a file"),
     ("crates/dynamics/src/finite_difference/ledger.rs", "energy of the grid"),
-    ("crates/dynamics/src/modal/simulation.rs", "public types of a hit"),
+    ("crates/dynamics/src/modal/energy.rs", "the energy balance of one hit"),
     ("crates/law/src/domain.rs", "used by all laws"),
     ("crates/structure/src/damping.rs", "a public type of its own"),
 ];

@@ -264,14 +264,22 @@ impl Attempt {
                 (self.halvings + 1, self.table_exponent)
             }
         };
-        let finer = Resolution::halved(hit, halvings)?;
-        let next = Self::at(self.index, hit, finer, (halvings, table_exponent), shapes, decimation);
-        match (next, outcome.end) {
+        let mut at = |halvings: u32, exponent: i32| {
+            let finer = Resolution::halved(hit, halvings)?;
+            Self::at(self.index, hit, finer, (halvings, exponent), shapes, decimation)
+        };
+        match (at(halvings, table_exponent), outcome.end) {
             // Pressures that no table reaches are those of numbers that grow beyond all bounds.
             (
                 Err(DynamicsError::Law { source: LawError::Unresolved { .. }, .. }),
                 RunEnd::Beyond(i),
-            ) => Err(unstable(self.lane.steps, i)),
+            ) => {
+                if may_halve {
+                    at(self.halvings + 1, first_table_exponent(hit)).map(Some)
+                } else {
+                    Err(unstable(self.lane.steps, i))
+                }
+            }
             (next, _) => next.map(Some),
         }
     }

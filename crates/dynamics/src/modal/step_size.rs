@@ -9,7 +9,7 @@ use crate::run_bounds::check_recorded_steps;
 
 /// Share of a radian of the lowest natural frequency in a step: the quartic through five
 /// pressures then changes the damping ratio by `(w h)^5 / 100`, less than one millionth.
-const RADIANS: f64 = 0.115;
+const RADIANS: f64 = 0.095;
 
 /// Most radians of the lowest natural frequency in a step that was given, beyond which the motion
 /// is not resolved.
@@ -17,6 +17,9 @@ const MOST_RADIANS: f64 = 1.0;
 
 /// Steps in the time in which the drive force changes.
 const STEPS_A_PULSE: f64 = 16.0;
+
+/// Multiples of a power of ten that steps are rounded down to.
+const ROUND: [f64; 10] = [8.0, 6.4, 5.0, 4.0, 3.2, 2.5, 2.0, 1.6, 1.25, 1.0];
 
 /// Energy residual above which a step that was chosen is halved, and how often.
 const COARSE_RESIDUAL: f64 = 5e-4;
@@ -58,9 +61,9 @@ impl Resolution {
         }
         let slow = natural.map_or(f64::INFINITY, |f| RADIANS / (TAU * f));
         let step = slow.min(hit.excitation.time_scale() / STEPS_A_PULSE).min(duration / 64.0);
-        // Round down to 1, 2 or 5 times a power of ten, for numbers that people can read.
+        // Round down, ten steps a decade, so that hits of like structures share a step.
         let decade = 10.0_f64.powf(step.log10().floor());
-        let round = [5.0, 2.0, 1.0].into_iter().find(|m| m * decade <= step * (1.0 + 1e-9));
+        let round = ROUND.into_iter().find(|m| m * decade <= step * (1.0 + 1e-9));
         let step = round.unwrap_or(1.0) * decade;
         let steps = (duration / step - 1e-9).ceil();
         Self::of(hit, duration / steps, steps)

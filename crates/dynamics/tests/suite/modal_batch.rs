@@ -163,6 +163,7 @@ fn a_failing_hit_changes_no_other() {
                 0 => assert!(matches!(error, DynamicsError::Coarse { .. }), "{error:?}"),
                 // Beyond all tables: any error.
                 1 | 2 => {}
+                6 => assert!(matches!(error, DynamicsError::TooLarge { .. }), "{error:?}"),
                 _ => assert!(matches!(error, DynamicsError::Setting { .. }), "{error:?}"),
             }
         }

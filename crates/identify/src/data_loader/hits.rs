@@ -47,6 +47,7 @@ impl Loader<'_> {
             sensors: forward.parameters.sensors(data),
             drive,
             duration,
+            step: None,
             frequencies: Vec::new(),
             backbone: false,
         };

@@ -73,10 +73,7 @@ fn omitted_values_take_their_defaults() {
     assert_eq!(scenario.support, SupportSpec::Rigid);
     assert_eq!(scenario.excitation, ExcitationSpec::None);
     assert_eq!(scenario.output_rate_hz, 200_000.0);
-    assert_eq!(
-        scenario.method,
-        MethodSpec::Modal(ModalSpec { step_s: None, modes_per_body: None })
-    );
+    assert_eq!(scenario.method, MethodSpec::Modal(ModalSpec::default()));
     assert!(scenario.laws.is_empty());
     assert!(matches!(&scenario.interfaces[0].law, LawRef::InPlace(law)
         if matches!(**law, LawSpec::Constant { unilateral: false, .. })));
@@ -130,7 +127,7 @@ fn values_inside_a_default_can_be_set() {
     value.as_object_mut().unwrap().remove("method");
     let mut document = Document::parse(&value.to_string(), "three-body.json").unwrap();
     document.set("/method/step_s", "1e-5").unwrap();
-    let expected = MethodSpec::Modal(ModalSpec { step_s: Some(1e-5), modes_per_body: None });
+    let expected = MethodSpec::Modal(ModalSpec { step_s: Some(1e-5), ..ModalSpec::default() });
     assert_eq!(document.scenario().unwrap().method, expected);
     document.set("/method", "finite_difference").unwrap();
     document.set("/method/contact", "new_level").unwrap();

@@ -121,7 +121,7 @@ pub(super) struct Step<V, const N: usize> {
 }
 
 /// Earlier steps from which the next closure is extrapolated.
-pub(super) const PAST: usize = 5;
+pub(super) const PAST: usize = 4;
 
 /// The drive force in one step: its mean, rise and end \[N\].
 #[derive(Clone, Copy)]

@@ -1,6 +1,6 @@
 //! The contact laws of one step: Newton's method on cubic tables.
 //!
-//! The quartic through the last five closures predicts the next one so closely that one
+//! The cubic through the last four closures predicts the next one so closely that one
 //! correction is enough, except when a contact opens or closes.
 
 use super::linear_solve::{factor, solve_factored};
@@ -33,12 +33,12 @@ impl<S: TableLookup, C: Coefficient<S>, const N: usize> Block<'_, S, C, N> {
     ) -> (Contacts<S, N>, Contacts<S, N>) {
         let interfaces = self.interfaces();
         let pair = Pair(simd);
-        let (five, ten) = (pair.splat(5.0), pair.splat(10.0));
-        let mut closure = [five; N];
+        let (four, six) = (pair.splat(4.0), pair.splat(6.0));
+        let mut closure = [four; N];
         for i in 0..interfaces {
-            let [x4, x3, x2, x1, x0] = past.each_ref().map(|step| step.closure[i]);
-            let inner = pair.mul_add(ten, pair.sub(x2, x1), x4);
-            closure[i] = pair.mul_add(five, pair.sub(x0, x3), inner);
+            let [x3, x2, x1, x0] = past.each_ref().map(|step| step.closure[i]);
+            let inner = pair.less_mul(six, x1, pair.sub(pair.splat(0.0), x3));
+            closure[i] = pair.mul_add(four, pair.add(x0, x2), inner);
         }
         let law = self.linearise(simd, &closure);
         let mut pressure = law.pressure;
