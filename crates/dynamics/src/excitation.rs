@@ -142,6 +142,7 @@ impl Excitation {
     }
 
     /// The same force times `factor`.
+    #[must_use]
     pub fn scaled(&self, factor: f64) -> Self {
         let mut scaled = self.clone();
         match &mut scaled {

@@ -8,7 +8,7 @@
 //! ```
 //!
 //! which holds for any method of second order, or of first. It is compared with a scale of the
-//! observable, its own value for most ([`scale`]).
+//! observable, its own value for most.
 
 use serde::Serialize;
 

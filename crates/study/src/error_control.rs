@@ -274,7 +274,9 @@ impl<'a> Task<'a> {
                 let residual = fine.record.energy.residual_relative();
                 let halve =
                     self.may_halve() && !(by_step.relative <= half && residual <= COARSE_RESIDUAL);
-                let add_modes = self.may_add_modes() && !(by_modes.relative <= half);
+                // An error that is not a number is not small.
+                let truncated = by_modes.relative.is_nan() || by_modes.relative > half;
+                let add_modes = self.may_add_modes() && truncated;
                 if add_modes {
                     self.level.modes += 1;
                     self.level.step += i32::from(halve);
@@ -295,7 +297,9 @@ impl<'a> Task<'a> {
 /// Modes of each body at the first level: at least one elastic, whose share can be seen.
 fn first_counts(mut counts: Vec<usize>, modal: &Modal) -> Vec<usize> {
     if modal.modes_per_body.is_none() {
-        counts.iter_mut().for_each(|count| *count = (*count).max(2));
+        for count in &mut counts {
+            *count = (*count).max(2);
+        }
     }
     counts
 }

@@ -67,9 +67,8 @@ impl Observables {
         if let Some(estimate) = other.estimate() {
             self = self.with_estimate(estimate.clone());
         }
-        match other.get(Quantity::SensitiveFrom, None) {
-            Some(from_s) => self.mark_sensitive(from_s),
-            None => {}
+        if let Some(from_s) = other.get(Quantity::SensitiveFrom, None) {
+            self.mark_sensitive(from_s);
         }
         self
     }
