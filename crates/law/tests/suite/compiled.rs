@@ -90,7 +90,11 @@ proptest! {
         share in 0.0..1.0_f64,
     ) {
         let law = Power::new(1e12 * 1e5_f64.powf(-m), m, state).unwrap();
-        let table = CompiledLaw::new(&law, state, ratio * state, 1e-5).unwrap();
+        let table = match CompiledLaw::new(&law, state, ratio * state, 1e-5) {
+            // Just below m = 1 a power law separates, but at a closure of 1 / (1 - m).
+            Err(LawError::Unresolved { .. }) if (m - 1.0).abs() < 1e-2 => return Ok(()),
+            table => table.unwrap(),
+        };
         let x = table.x_lo() + share * (table.x_hi() - table.x_lo());
         let off = (table.get(x) - law.pressure_increment(state, x).value).abs();
         prop_assert!(off <= table.error_estimate());
