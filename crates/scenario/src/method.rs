@@ -28,7 +28,7 @@ pub enum MethodSpec {
 #[serde(deny_unknown_fields)]
 pub struct ModalSpec {
     /// Step in s; left out, it is chosen so that the lowest natural frequency and the
-    /// excitation are resolved, and halved until the energy balance closes.
+    /// excitation are resolved, and halved until the accuracy is reached.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0.0))]
     pub step_s: Option<f64>,

@@ -50,7 +50,7 @@ pub(crate) struct Controlled {
     pub(crate) observables: Observables,
     /// Modes of each body.
     pub(crate) counts: Vec<usize>,
-    contact_is_lost: bool,
+    record: HitResponse,
 }
 
 /// Integrates hits to the accuracy of their scenarios.
@@ -86,10 +86,8 @@ struct Response {
     observables: Observables,
 }
 
-impl Response {
-    fn contact_is_lost(&self) -> bool {
-        self.record.contacts.iter().any(|contact| contact.lost > 0.0)
-    }
+fn contact_is_lost(record: &HitResponse) -> bool {
+    record.contacts.iter().any(|contact| contact.lost > 0.0)
 }
 
 /// A request on its way.
@@ -204,7 +202,7 @@ impl<'a> Task<'a> {
             return ErrorEstimate::unknown(&fine.observables, self.accuracy());
         };
         // Of second order while contact holds, of first where it is lost.
-        let lost = fine.contact_is_lost() || other.contact_is_lost();
+        let lost = contact_is_lost(&fine.record) || contact_is_lost(&other.record);
         let divisor = match (self.step_is_given, lost) {
             (false, false) => 3.0,
             (false, true) => 1.0,
@@ -219,7 +217,7 @@ impl<'a> Task<'a> {
         match &self.fewer {
             None => ErrorEstimate::none(&fine.observables, self.accuracy()),
             Some(Ok(fewer)) => {
-                let lost = fewer.contact_is_lost() || fine.contact_is_lost();
+                let lost = contact_is_lost(&fewer.record) || contact_is_lost(&fine.record);
                 let divisor = if lost { 1.0 } else { 3.0 };
                 ErrorEstimate::new(&fine.observables, &fewer.observables, divisor, self.accuracy())
             }
@@ -231,7 +229,7 @@ impl<'a> Task<'a> {
     fn follow(&mut self, pilot: &(Level, Observables)) {
         let fine = self.fine.take();
         if let (Some(Ok(fine)), Some(estimate)) = (fine, pilot.1.estimate())
-            && !fine.contact_is_lost()
+            && !contact_is_lost(&fine.record)
             && fine.record.energy.residual_relative() <= COARSE_RESIDUAL
         {
             let estimate = estimate.transferred(&pilot.1, &fine.observables);
@@ -307,7 +305,7 @@ fn first_counts(mut counts: Vec<usize>, modal: &Modal) -> Vec<usize> {
 fn accepted(response: Response, counts: Vec<usize>, estimate: ErrorEstimate) -> Controlled {
     Controlled {
         counts,
-        contact_is_lost: response.contact_is_lost(),
+        record: response.record,
         observables: response.observables.with_estimate(estimate),
         hit: response.hit,
     }
@@ -406,7 +404,7 @@ impl ErrorControl {
         self.refine(&mut pilots, all);
         for (task, request) in pilots.into_iter().zip(of) {
             let outcome = match task.done {
-                Some(Ok(done)) if !done.contact_is_lost && done.is_reached() => {
+                Some(Ok(done)) if !contact_is_lost(&done.record) && done.is_reached() => {
                     Some(Arc::new((task.level, done.observables)))
                 }
                 _ => None,
@@ -474,20 +472,19 @@ impl ErrorControl {
             _ => false,
         };
         let doubtful: Vec<usize> = numbers.iter().copied().filter(doubtful).collect();
-        let found = self.respond(tasks, &doubtful, |task| task.hit_at(task.level));
         let twins = self.respond(tasks, &doubtful, |task| {
             task.hit(task.level, perturbed(&task.request.excitation))
         });
-        for ((n, found), twin) in doubtful.into_iter().zip(found).zip(twins) {
-            let (Ok(found), Some(Ok(done))) = (found, &mut tasks[n].done) else { continue };
+        for (n, twin) in doubtful.into_iter().zip(twins) {
+            let Some(Ok(done)) = &mut tasks[n].done else { continue };
             match twin {
                 Ok(twin) => {
-                    if let Some(time) = parting(&found.record, &twin.record) {
-                        done.observables.set_sensitive(time, &twin.observables);
+                    if let Some(time) = parting(&done.record, &twin.record) {
+                        done.observables.set_sensitive(time, Some(&twin.observables));
                     }
                 }
                 // One of the two went beyond all bounds.
-                Err(_) => done.observables.set_sensitive(0.0, &found.observables),
+                Err(_) => done.observables.set_sensitive(0.0, None),
             }
         }
     }

@@ -74,13 +74,16 @@ impl Observables {
     }
 
     /// Marks a response that depends on rounding from a time \[s\] on, as the observables of a
-    /// `twin` show.
-    pub(crate) fn set_sensitive(&mut self, from_s: f64, twin: &Self) {
-        let of_twin = ErrorEstimate::new(self, twin, 1.0, f64::INFINITY);
+    /// `twin` show; without one no error is known.
+    pub(crate) fn set_sensitive(&mut self, from_s: f64, twin: Option<&Self>) {
         if let Some(estimate) = self.estimate.take() {
             let asked = estimate.asked;
-            let larger = estimate.larger(of_twin);
-            self.estimate = Some(Box::new(ErrorEstimate { asked, ..larger }));
+            let estimate = match twin {
+                Some(twin) => estimate.larger(ErrorEstimate::new(self, twin, 1.0, asked)),
+                None => ErrorEstimate::unknown(self, asked),
+            };
+            self.set(Quantity::EstimatedError, estimate.relative);
+            self.estimate = Some(Box::new(estimate));
         }
         self.mark_sensitive(from_s);
     }

@@ -1,0 +1,83 @@
+//! Modal responses against truths, and what is said of those that are not accurate.
+
+use asperity_scenario::Document;
+use asperity_study::run::{Run, simulate};
+use serde_json::Value;
+
+fn run(document: &Document) -> Run {
+    simulate(document, &document.scenario().unwrap()).unwrap()
+}
+
+fn rig(changes: &[(&str, &str)]) -> Document {
+    let mut document = Document::read("../../fixtures/scenarios/nouira2020-modified.json").unwrap();
+    for (pointer, value) in changes {
+        document.set(pointer, value).unwrap();
+    }
+    document
+}
+
+fn warnings(run: &Run) -> Vec<&'static str> {
+    run.summary.warnings.iter().map(|warning| warning.kind()).collect()
+}
+
+/// Light bodies on stiff contacts, once wrong by up to 43 % of the departure from rest: within the
+/// tolerances of the truth by refined runs of both engines.
+#[test]
+fn scenarios_that_were_wrong_are_right_without_a_setting() {
+    let text = std::fs::read_to_string("../../fixtures/cases/truths.json").unwrap();
+    let truths: Value = serde_json::from_str(&text).unwrap();
+    for name in ["random-015", "random-118", "random-195"] {
+        let document = Document::read(format!("../../fixtures/cases/{name}.json")).unwrap();
+        let run = run(&document);
+        assert!(run.summary.accuracy.as_ref().unwrap().reached, "{name}");
+        let interfaces: Vec<&str> =
+            run.summary.interfaces.iter().map(|interface| interface.name.as_str()).collect();
+        let names = asperity_study::quantity::observable_names(&interfaces);
+        let mut compared = 0;
+        for truth in truths[name].as_array().unwrap() {
+            let (Some(value), Some(scale)) = (truth["value"].as_f64(), truth["scale"].as_f64())
+            else {
+                continue;
+            };
+            let place = names.iter().position(|known| *known == truth["name"]).unwrap();
+            let share = match truth["kind"].as_str().unwrap() {
+                "frequency" => 5e-4,
+                "ratio" => 2e-2,
+                "stiffness" => 5e-3,
+                _ => 1e-2,
+            };
+            let found = run.observables.values[place];
+            let off = (found - value).abs() / scale;
+            assert!(off < share, "{name}, {}: {found} for {value}", names[place]);
+            compared += 1;
+        }
+        assert!(compared > 4, "{name}: {compared}");
+    }
+}
+
+/// A step that is given is kept, and the summary says that it is too long.
+#[test]
+fn a_given_step_that_is_too_long_is_said_to_be() {
+    let run = run(&rig(&[("/method", r#"{"kind": "modal", "step_s": 5e-5}"#)]));
+    let accuracy = run.summary.accuracy.as_ref().unwrap();
+    assert!((run.summary.numerics.step_s - 5e-5).abs() < 1e-12);
+    assert!(!accuracy.reached && accuracy.estimated_error > accuracy.asked);
+    assert!(warnings(&run).contains(&"accuracy_not_reached"), "{:?}", warnings(&run));
+}
+
+/// A stack that rattles on springs without tension depends on rounding.
+#[test]
+fn rattling_is_named_with_the_time_from_which_rounding_counts() {
+    let law = r#"{"kind": "constant", "stiffness_pa_per_m": 8.5e11, "unilateral": true}"#;
+    let run = run(&rig(&[
+        ("/method", r#"{"kind": "modal", "step_s": 2e-6}"#),
+        ("/excitation/peak_n", "200"),
+        ("/interfaces/0/law", law),
+        ("/interfaces/1/law", law),
+    ]));
+    let summary = &run.summary;
+    let from = summary.sensitive_from_s.unwrap();
+    // Contact is lost before rounding can count.
+    assert!(summary.sensitive && from > 1e-3 && from < 0.12, "{from}");
+    assert!(warnings(&run).contains(&"sensitive"));
+}
