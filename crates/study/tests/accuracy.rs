@@ -1,7 +1,10 @@
 //! Modal responses against truths, and what is said of those that are not accurate.
 
+#![allow(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
+
 use asperity_scenario::Document;
 use asperity_study::run::{Run, simulate};
+use asperity_study::warning::Warning;
 use serde_json::Value;
 
 fn run(document: &Document) -> Run {
@@ -17,7 +20,7 @@ fn rig(changes: &[(&str, &str)]) -> Document {
 }
 
 fn warnings(run: &Run) -> Vec<&'static str> {
-    run.summary.warnings.iter().map(|warning| warning.kind()).collect()
+    run.summary.warnings.iter().map(Warning::kind).collect()
 }
 
 /// Light bodies on stiff contacts, once wrong by up to 43 % of the departure from rest: within the
