@@ -72,6 +72,13 @@ struct Judged {
 }
 
 impl Judged {
+    /// Name, time and classes, in a line.
+    fn line(&self) -> String {
+        let Judgement { modal, finite_difference, .. } = &self.judgement;
+        let (modal, other) = (modal.class.words(), finite_difference.class.words());
+        format!("{}: {:.1} s, modal {modal}, finite differences {other}", self.name, self.seconds)
+    }
+
     /// Classes of all its answers.
     fn classes(&self) -> impl Iterator<Item = Class> {
         let Judgement { modal, finite_difference, .. } = &self.judgement;
@@ -128,9 +135,14 @@ fn judge_random(arguments: &Arguments, folder: &Path) -> Result<Vec<Judged>> {
                 0 => steady::judge(&document, &scenario, seed, number),
                 _ => Vec::new(),
             };
-            bar.inc(1);
             let seconds = started.elapsed().as_secs_f64();
-            Ok(Judged { name: format!("seed{seed}-{number}"), judgement, steady, seconds })
+            let judged =
+                Judged { name: format!("seed{seed}-{number}"), judgement, steady, seconds };
+            bar.inc(1);
+            if bar.is_hidden() {
+                eprintln!("{}", judged.line());
+            }
+            Ok(judged)
         })
         .collect::<Result<Vec<_>>>()?;
     bar.finish_and_clear();

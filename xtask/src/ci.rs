@@ -20,7 +20,7 @@ const QUICK: [(&str, &str); 4] = [
 ];
 
 /// Steps of the whole run, as arguments of cargo.
-const ALL: [(&str, &str); 9] = [
+const ALL: [(&str, &str); 11] = [
     ("fmt", "fmt --all --check"),
     ("clippy", "clippy --workspace --all-targets --all-features -- -D warnings"),
     ("clippy, no features", "clippy --workspace --no-default-features -- -D warnings"),
@@ -31,6 +31,8 @@ const ALL: [(&str, &str); 9] = [
     ("package", "xtask package"),
     ("tidy", "xtask tidy"),
     ("reproduce --check", "xtask reproduce --check"),
+    ("cases", "xtask campaign --cases fixtures/cases"),
+    ("campaign", "xtask campaign --count 30 --seed 1"),
 ];
 
 /// Runs every step up to the first failure; true if all passed. `tasks` is the command line of

@@ -137,7 +137,7 @@ impl IdentificationProblem {
             loader.load(index, data)?;
         }
         let mut built = loader.built;
-        built.forward.hold_steps();
+        built.forward.hold_at_start();
         Ok(built)
     }
 }

@@ -1,6 +1,7 @@
 //! Simulated hits: from values of the parameters to simulations.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use asperity_dynamics::{Excitation, ForceRecord, HitSimulation};
 use serde_json::{Value, json};
@@ -30,6 +31,8 @@ pub(super) fn apply(
 /// One simulated hit.
 #[derive(Debug, Clone)]
 pub(super) struct SimulatedHit {
+    /// Name of the first data that ask for it.
+    pub(super) data: String,
     /// Index of its rig.
     pub(super) rig: usize,
     /// Gains of its sensors.
@@ -38,12 +41,29 @@ pub(super) struct SimulatedHit {
     pub(super) drive: HitForce,
     /// Duration \[s\]; that of the scenario if not given.
     pub(super) duration: Option<f64>,
-    /// Step \[s\], held for all points so that results are smooth in the parameters.
-    pub(super) step: Option<f64>,
+    /// Step and modes, held for all points so that results are smooth in the parameters.
+    pub(super) resolution: Option<HitResolution>,
     /// Frequencies of the requested receptance \[Hz\].
     pub(super) frequencies: Vec<f64>,
     /// True if its backbone is requested.
     pub(super) backbone: bool,
+}
+
+/// Step and modes of a hit.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct HitResolution {
+    /// Step \[s\].
+    pub(super) step: f64,
+    /// Modes of each body.
+    pub(super) counts: Vec<usize>,
+}
+
+impl HitResolution {
+    /// True if this has steps as short and modes as many as `other`.
+    pub(super) fn covers(&self, other: &Self) -> bool {
+        let mut modes = self.counts.iter().zip(&other.counts);
+        self.step <= 1.001 * other.step && modes.all(|(own, asked)| own >= asked)
+    }
 }
 
 /// The force of a hit.
@@ -68,7 +88,7 @@ pub(super) enum HitForce {
 /// A rig at some values of the parameters.
 #[derive(Debug)]
 pub(super) struct PreparedRig {
-    pub(super) case: PreparedScenario,
+    pub(super) case: Arc<PreparedScenario>,
     /// The scenario's excitation there.
     excitation: Value,
 }
@@ -92,7 +112,7 @@ impl PreparedRig {
         };
         let scenario: Scenario = serde_json::from_value(scenario)
             .map_err(|error| StudyError::Scenario(error.to_string()))?;
-        Ok(Self { case: PreparedScenario::new(&scenario, folder)?, excitation })
+        Ok(Self { case: Arc::new(PreparedScenario::new(&scenario, folder)?), excitation })
     }
 }
 
@@ -139,10 +159,25 @@ impl SimulatedHit {
         let modal = rig.case.modal().unwrap_or_default();
         let excitation = self.excitation(rig, gains, folder)?;
         let hit = rig.case.hit(&modal, excitation)?;
-        Ok(HitSimulation {
-            duration: self.duration.unwrap_or(hit.duration),
-            step: self.step.or(hit.step),
-            ..hit
+        let duration = self.duration.unwrap_or(hit.duration);
+        Ok(match &self.resolution {
+            Some(HitResolution { step, counts }) => {
+                let model = rig.case.modal_model(counts)?;
+                HitSimulation { model, duration, step: Some(*step), ..hit }
+            }
+            None => HitSimulation { duration, ..hit },
         })
+    }
+
+    /// Modes of each body in the simulation of the hit under `excitation`.
+    pub(super) fn mode_counts(
+        &self,
+        rig: &PreparedRig,
+        excitation: &Excitation,
+    ) -> Result<Vec<usize>, StudyError> {
+        match &self.resolution {
+            Some(resolution) => Ok(resolution.counts.clone()),
+            None => Ok(rig.case.mode_counts(&rig.case.modal().unwrap_or_default(), excitation)?),
+        }
     }
 }

@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use asperity_inference::{
-    ComparisonOptions, Covariance, FitOptions, FitSolution, ForwardModel, GoodnessOfFit,
+    ComparisonOptions, Covariance, Fit, FitOptions, FitSolution, ForwardModel, GoodnessOfFit,
     Identifiability, Linearisation, Loss, ModelComparison, NoiseScale, Observation, Posterior,
     PosteriorOptions, Profile, ProfileOptions, ProgressCallback, ScaledNoise,
     compare_with_progress, fit_with_progress,
@@ -12,6 +12,7 @@ use asperity_inference::{
 use crate::data_loader::{BuiltModel, ObservationLabel};
 use crate::design::{DesignModel, DesignRanking};
 use crate::error::IdentificationError;
+use crate::hit_numerics::HitNumerics;
 use crate::identification_problem::IdentificationProblem;
 use crate::law_band::{LawBand, check_pressures};
 use crate::problem::{CandidateSpec, LossSpec, NoiseSpec};
@@ -64,7 +65,9 @@ pub struct Identification {
     pub design: Option<DesignRanking>,
     /// The laws at the best fit.
     pub laws: Laws,
-    /// Notices on replaced or omitted data and settings.
+    /// Step, modes and estimated errors of each simulated hit at the best fit.
+    pub hits: Vec<HitNumerics>,
+    /// Notices on replaced or omitted data and settings, and warnings about simulated hits.
     pub notices: Vec<String>,
     /// Files that the result depends on, beside problem and scenario.
     pub files: Vec<InputFile>,
@@ -105,7 +108,7 @@ pub fn identify_with_progress(
     progress: &ProgressCallback<'_>,
 ) -> Result<Identification, IdentificationError> {
     let started = Instant::now();
-    let BuiltModel { forward, about, mut notices } = problem.model()?;
+    let BuiltModel { mut forward, about, mut notices } = problem.model()?;
     let law_name = problem.law()?;
     let files = problem.input_files()?;
     notices.splice(0..0, problem.notices.iter().cloned());
@@ -116,7 +119,13 @@ pub fn identify_with_progress(
     let planned = spec.design.as_ref().map(|asked| DesignModel::new(problem, &forward, asked));
     let planned = planned.transpose()?;
 
-    let given = fit_with_progress(&forward, &fit_options(problem, spec.starts), progress)?;
+    let options = fit_options(problem, spec.starts);
+    let mut given = fit_with_progress(&forward, &options, progress)?.into_solution();
+    // Step and modes are those that the start needs; the best fit may need finer ones.
+    if forward.hold(&forward.controlled(&given.point)?) {
+        given = fit_with_progress(&forward, &options, progress)?.into_solution();
+    }
+    let given = Fit::resumed(&forward, given, progress)?;
     let goodness = given.goodness();
     let factor = match spec.noise {
         NoiseSpec::Given => 1.0,
@@ -124,11 +133,9 @@ pub fn identify_with_progress(
     };
     // All results below are those of the model with scaled standard deviations.
     let model = ScaledNoise::new(&forward, factor);
-    let best = if factor > 1.0 {
-        fit_with_progress(&model, &fit_options(problem, spec.starts), progress)?
-    } else {
-        given
-    };
+    let best = if factor > 1.0 { fit_with_progress(&model, &options, progress)? } else { given };
+    let hits = HitNumerics::of(&forward, &forward.controlled(&best.point)?);
+    notices.extend(HitNumerics::notices(&hits));
     let linearisation = best.linearise()?;
     let covariance = linearisation.covariance(NoiseScale::Given)?;
     let all: Vec<usize> = (0..best.point.len()).collect();
@@ -159,6 +166,7 @@ pub fn identify_with_progress(
         comparison,
         comparison_noise_factor,
         design,
+        hits,
         notices,
         files,
         level: spec.level,

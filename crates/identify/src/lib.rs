@@ -18,7 +18,7 @@
 //! | `data_loader`, `data_files`, `records` | data to simulated hits and observations |
 //! | `hit`, `observed_quantity`, `scenario_model` | the forward model and its exact derivatives |
 //! | `build` | the models of the problem, of compared laws, and of planned hits |
-//! | `identification` | fit, uncertainty, comparison |
+//! | `identification`, `hit_numerics` | fit, uncertainty, comparison; estimated errors of the simulated hits |
 //! | `law_band`, `design` | the law with its credible band; ranking of further hits |
 //! | `conclusions`, `report` | conclusions in sentences; JSON and tables |
 //!
@@ -41,6 +41,7 @@ mod data_loader;
 mod design;
 mod error;
 mod hit;
+mod hit_numerics;
 mod identification;
 mod identification_problem;
 mod law_band;
@@ -57,6 +58,7 @@ mod tests;
 pub use conclusions::PressureDependence;
 pub use design::{CandidateHit, DesignRanking};
 pub use error::IdentificationError;
+pub use hit_numerics::HitNumerics;
 pub use identification::{Identification, identify, identify_with_progress};
 pub use identification_problem::IdentificationProblem;
 pub use law_band::{INFORMED_SHARE, LawBand};

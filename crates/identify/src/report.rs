@@ -125,6 +125,7 @@ impl Identification {
             "notices": self.notices,
             "numerics": {
                 "evaluations": self.fit.evaluations + found.evaluations,
+                "hits": self.hits,
                 "wall_s": self.wall_s,
             },
             "provenance": {

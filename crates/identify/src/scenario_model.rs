@@ -5,14 +5,14 @@ mod derivatives;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use asperity_dynamics::{Batch, Decimation, HitResponse, HitSimulation};
+use asperity_dynamics::{Batch, HitResponse, HitSimulation};
 use asperity_inference::{
     Derivatives, ForwardModel, Observation, Parameter, PredictionError, Predictions,
 };
 use rayon::prelude::*;
 use serde_json::Value;
 
-use crate::hit::{PreparedRig, SimulatedHit};
+use crate::hit::{HitResolution, PreparedRig, SimulatedHit};
 use crate::observed_quantity::{
     HitOutcome, ObservedQuantity, PointOutcomes, SummaryColumns, backbone_of,
 };
@@ -20,6 +20,7 @@ use crate::problem_parameters::{Gains, ProblemParameters};
 use asperity_scenario::{LawRef, Laws};
 use asperity_study::assemble::build_law;
 use asperity_study::error::StudyError;
+use asperity_study::error_control::{Controlled, ErrorControl, Request};
 use asperity_study::observable_extractor::ObservableExtractor;
 use asperity_study::quantity::Quantity;
 
@@ -142,15 +143,46 @@ impl ScenarioModel {
         Ok((rigs, simulations))
     }
 
-    /// Holds the step of every hit: that which is chosen at the start of the parameters. A hit that
-    /// cannot be integrated there has a step of its own at every point.
-    pub(super) fn hold_steps(&mut self) {
+    /// Every hit at `point` to the accuracy of its scenario: step and modes, observables with their
+    /// errors.
+    pub(super) fn controlled(
+        &self,
+        point: &[f64],
+    ) -> Result<Vec<Result<Controlled, StudyError>>, StudyError> {
+        let rigs = self.prepare(point)?;
+        let request = |hit: &SimulatedHit| -> Result<Request, StudyError> {
+            let rig = &rigs[hit.rig];
+            let excitation = hit.excitation(rig, hit.sensors.gains(point), &self.folder)?;
+            Ok(Request { prepared: Arc::clone(&rig.case), excitation, duration: hit.duration })
+        };
+        let requests: Vec<Request> = self.hits.iter().map(request).collect::<Result<_, _>>()?;
+        Ok(ErrorControl::new(self.batch).run(&requests))
+    }
+
+    /// Holds step and modes of every hit: those that `controlled` hits have. One that cannot be
+    /// integrated has a step of its own at every point. True if any is finer than before.
+    pub(super) fn hold(&mut self, controlled: &[Result<Controlled, StudyError>]) -> bool {
+        let mut finer = false;
+        for (hit, controlled) in self.hits.iter_mut().zip(controlled) {
+            let Ok(Controlled { hit: HitSimulation { step: Some(step), .. }, counts, .. }) =
+                controlled
+            else {
+                continue;
+            };
+            let asked = HitResolution { step: *step, counts: counts.clone() };
+            if !hit.resolution.as_ref().is_some_and(|held| held.covers(&asked)) {
+                finer = true;
+                hit.resolution = Some(asked);
+            }
+        }
+        finer
+    }
+
+    /// Holds step and modes that the hits need at the start of the parameters.
+    pub(super) fn hold_at_start(&mut self) {
         let start: Vec<f64> = self.parameters.list.iter().map(Parameter::start).collect();
-        let Ok((_, simulations)) = self.prepare_hits(&start) else { return };
-        let whole = Arc::new(Decimation { factor: 1, taps: Arc::new([1.0]) });
-        let responses = self.batch.run(&simulations, &|_, _| Arc::clone(&whole));
-        for (hit, response) in self.hits.iter_mut().zip(responses) {
-            hit.step = response.ok().map(|response| response.step);
+        if let Ok(controlled) = self.controlled(&start) {
+            self.hold(&controlled);
         }
     }
 

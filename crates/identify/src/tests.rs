@@ -125,6 +125,35 @@ fn derivatives_are_those_of_the_predictions() {
     assert_eq!(compared, start.len() * 21);
 }
 
+/// Steps and modes are those that the start needs, until a point needs finer ones; coarser ones are
+/// not taken.
+#[test]
+fn step_and_modes_are_held_until_a_point_needs_finer_ones() {
+    let parameters = json!([
+        {"kind": "scalar", "pointer": "/laws/modified/coefficient", "bounds": [1e10, 1e13]},
+    ]);
+    let mut problem = problem(&parameters, &data());
+    problem.scenario["method"] = json!("modal");
+    let mut model = problem.model().unwrap().forward;
+    let start = starts(&model);
+    let at = |model: &ScenarioModel, point: &[f64]| model.controlled(point).unwrap();
+    let steps = |model: &ScenarioModel| -> Vec<f64> {
+        model.hits.iter().map(|hit| hit.resolution.as_ref().unwrap().step).collect()
+    };
+    assert!(!model.hold(&at(&model, &start)));
+    let before = steps(&model);
+    let stiff = [400.0 * start[0]];
+    assert!(model.hold(&at(&model, &stiff)));
+    assert!(steps(&model).iter().zip(&before).all(|(step, before)| *step < 0.6 * before));
+    assert!(!model.hold(&at(&model, &start)));
+    // The predictions are those of a response to the accuracy.
+    let exact = at(&model, &stiff).remove(0).unwrap().observables;
+    let predicted = model.predict(&[stiff.to_vec()]).remove(0).unwrap();
+    let first = exact.get(asperity_study::quantity::Quantity::FundamentalFrequency, None).unwrap();
+    let off = predicted.iter().flatten().map(|value| (value / first - 1.0).abs());
+    assert!(off.fold(f64::INFINITY, f64::min) < 1e-4);
+}
+
 /// As written by `asperity analyse`: no value at zero, and a line with too little force.
 const FRF: &str = "frequency_hz,real,imag,magnitude,phase_rad,coherence,valid
 0,,,,,0.9,1

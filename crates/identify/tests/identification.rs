@@ -91,6 +91,12 @@ fn the_modal_engine_identifies_the_law_of_a_finite_difference_run() {
         assert!(10 * inside >= 9 * informed, "{inside} of {informed}");
         assert!(worst < 0.02, "{worst}");
         assert!(found.explains() && found.has_converged());
+        assert_eq!(found.hits.len(), PEAKS.len());
+        assert!(
+            found.hits.iter().all(|hit| hit.estimated_error.unwrap() < 1e-2),
+            "{:?}",
+            found.hits
+        );
         assert_eq!(found.pressure_dependence(), PressureDependence::Shown);
         let comparison = found.comparison.as_ref().unwrap();
         assert_eq!(comparison.best, 0);

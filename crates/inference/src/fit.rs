@@ -83,7 +83,21 @@ pub struct Fit<'m> {
     solution: FitSolution,
 }
 
-impl Fit<'_> {
+impl<'m> Fit<'m> {
+    /// The fit of `model` that has ended in `solution`.
+    ///
+    /// # Errors
+    ///
+    /// [`InferenceError`] for a model that cannot be fitted, as [`fit`].
+    pub fn resumed(
+        model: &'m dyn ForwardModel,
+        solution: FitSolution,
+        progress: &'m ProgressCallback<'m>,
+    ) -> Result<Self, InferenceError> {
+        let FitOptions { loss, missing_residual, .. } = solution.options;
+        Ok(Self { problem: FitProblem::new(model, loss, missing_residual)?, progress, solution })
+    }
+
     /// Names and best values of the parameters.
     pub fn parameters(&self) -> impl Iterator<Item = (&str, f64)> {
         self.problem.parameters.iter().map(Parameter::name).zip(self.point.iter().copied())

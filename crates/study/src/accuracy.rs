@@ -125,6 +125,13 @@ impl ErrorEstimate {
         self
     }
 
+    /// The same relative error of all observables.
+    pub(crate) fn of_share(found: &Observables, relative: f64, asked: f64) -> Self {
+        let all = Observable::all(found.interfaces());
+        let error = |observable| scale(found, observable).map_or(0.0, |scale| relative * scale);
+        Self { asked, relative, worst: None, errors: all.into_iter().map(error).collect() }
+    }
+
     /// No errors.
     pub(crate) fn none(found: &Observables, asked: f64) -> Self {
         let errors = vec![0.0; found.values.len()].into();

@@ -15,14 +15,15 @@
 //! | step | modules |
 //! |---|---|
 //! | prepare | [`assemble`], [`static_state`], [`prepared_scenario`], [`parameter`] |
-//! | compute | [`run`], [`mod@sweep`], [`mod@steady`], [`sensitivity`], [`laws`], [`accuracy`] |
+//! | compute | [`run`], [`mod@sweep`], [`mod@steady`], [`sensitivity`], [`laws`], [`accuracy`], [`error_control`] |
 //! | observe | [`quantity`], [`observables`], [`observable_extractor`], [`warning`] |
 //! | write | [`summary`], [`provenance`], [`record`], [`output`], [`error`] |
 
 pub mod accuracy;
 pub mod assemble;
 pub mod error;
-mod error_control;
+pub mod error_control;
+mod finite_differences;
 pub mod laws;
 pub mod observable_extractor;
 pub mod observables;

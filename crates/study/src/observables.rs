@@ -1,7 +1,7 @@
 //! Observables of a response, extracted by one definition from a full run, a decimated record, or
 //! the steps of a differentiated hit.
 
-use asperity_dynamics::{ContactExtremes, ContactMeasures, EnergyLedger};
+use asperity_dynamics::{ContactExtremes, ContactMeasures, EnergyLedger, Transient};
 use asperity_signal::{
     FrequencyResponse, HarmonicOptions, SharedForceFeatures, SignalError, find_harmonics,
     half_power, logarithmic_decrement,
@@ -9,6 +9,8 @@ use asperity_signal::{
 use asperity_structure::PreloadedContact;
 
 use crate::accuracy::ErrorEstimate;
+use crate::assemble::Assembly;
+use crate::error::StudyError;
 use crate::quantity::{Observable, Quantity};
 use crate::static_state::StaticSummary;
 use crate::warning::{MOST_RESIDUAL, Warning};
@@ -28,6 +30,34 @@ pub struct Observables {
 }
 
 impl Observables {
+    /// The observables of a response at the output rate.
+    pub(crate) fn of_transient(
+        assembly: &Assembly,
+        at_rest: &StaticSummary,
+        transient: &Transient,
+    ) -> Result<Self, StudyError> {
+        let (history, rate) = (&transient.history, assembly.sampling.rate());
+        let mut peaks = Peaks::default();
+        if let Some(natural) = at_rest.natural_frequency_hz
+            && let Some(response) = frequency_response(&history.force, &history.displacement, rate)?
+        {
+            let free = free_from(&history.force, assembly.excitation.peak());
+            let decay = history.displacement.get(free..).unwrap_or_default();
+            peaks = Peaks::new(features_of(&response, natural), decay, rate);
+        }
+        let interfaces = assembly.structure.contacts();
+        let view = ResponseView {
+            at_rest,
+            interfaces,
+            peaks,
+            contacts: contact_views(interfaces, &transient.contacts),
+            energy: Some(transient.energy),
+            step: transient.step,
+            steps: transient.steps,
+        };
+        Ok(view.observables())
+    }
+
     /// Value of a quantity of the whole structure, or of the interface of this number.
     pub fn get(&self, quantity: Quantity, interface: Option<usize>) -> Option<f64> {
         let place = self.place(Observable { quantity, interface })?;

@@ -10,13 +10,11 @@ use tracing::info_span;
 
 use crate::assemble::Assembly;
 use crate::error::StudyError;
-use crate::error_control::{ErrorControl, Request, parting_sample, perturbed};
-use crate::observables::{
-    Observables, Peaks, ResponseView, contact_views, features_of, free_from, frequency_response,
-};
+use crate::error_control::{ErrorControl, Request};
+use crate::finite_differences::integrate;
+use crate::observables::{Observables, frequency_response};
 use crate::prepared_scenario::PreparedScenario;
 use crate::provenance::Provenance;
-use crate::static_state::StaticSummary;
 use crate::summary::{Numerics, Summary};
 
 /// Zero padding of the FRF that is written and drawn.
@@ -100,69 +98,17 @@ fn controlled(
 ) -> Result<(Transient, Observables), StudyError> {
     let Assembly { excitation, sampling, .. } = &prepared.assembly;
     let batch = Batch { instructions: modal.instructions };
-    let request = Request { prepared: Arc::clone(prepared), excitation: excitation.clone() };
+    let request =
+        Request { prepared: Arc::clone(prepared), excitation: excitation.clone(), duration: None };
     let stage = info_span!("choose step and modes").entered();
     let chosen = ErrorControl::new(batch).run_one(&request)?;
     drop(stage);
     progress(0.5);
     let _stage = info_span!("integrate and analyse").entered();
     let transient = batch.transient(&chosen.hit, sampling)?;
-    let found = observables(&prepared.assembly, &prepared.at_rest, &transient)?;
+    let found = Observables::of_transient(&prepared.assembly, &prepared.at_rest, &transient)?;
     progress(1.0);
     Ok((transient, found.with_estimate_of(&chosen.observables)))
-}
-
-/// The response by finite differences; where contact is lost, with the time from which on it
-/// depends on rounding.
-pub(crate) fn integrate(
-    assembly: &Assembly,
-    at_rest: &StaticSummary,
-    progress: &(dyn Fn(f64) + Sync),
-) -> Result<(Transient, Observables), StudyError> {
-    let Assembly { structure, excitation, sampling, method, .. } = assembly;
-    let stage = info_span!("integrate").entered();
-    let transient = method.integrate_with_progress(structure, excitation, sampling, progress)?;
-    let mut parted = None;
-    if transient.contacts.iter().any(|contact| contact.lost > 0.0) {
-        let twin = method.integrate(structure, &perturbed(excitation), sampling)?;
-        let displacements = (&transient.history.displacement, &twin.history.displacement);
-        parted = parting_sample(displacements.0, displacements.1);
-    }
-    drop(stage);
-    let _stage = info_span!("analyse").entered();
-    let mut found = observables(assembly, at_rest, &transient)?;
-    if let Some(sample) = parted {
-        found.mark_sensitive(transient.history.time[sample]);
-    }
-    Ok((transient, found))
-}
-
-/// The observables of a response at the output rate.
-fn observables(
-    assembly: &Assembly,
-    at_rest: &StaticSummary,
-    transient: &Transient,
-) -> Result<Observables, StudyError> {
-    let (history, rate) = (&transient.history, assembly.sampling.rate());
-    let mut peaks = Peaks::default();
-    if let Some(natural) = at_rest.natural_frequency_hz
-        && let Some(response) = frequency_response(&history.force, &history.displacement, rate)?
-    {
-        let free = free_from(&history.force, assembly.excitation.peak());
-        let decay = history.displacement.get(free..).unwrap_or_default();
-        peaks = Peaks::new(features_of(&response, natural), decay, rate);
-    }
-    let interfaces = assembly.structure.contacts();
-    let view = ResponseView {
-        at_rest,
-        interfaces,
-        peaks,
-        contacts: contact_views(interfaces, &transient.contacts),
-        energy: Some(transient.energy),
-        step: transient.step,
-        steps: transient.steps,
-    };
-    Ok(view.observables())
 }
 
 /// The receptance from the top displacement, up to six times the static

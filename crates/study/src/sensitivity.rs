@@ -128,8 +128,11 @@ pub fn sensitivities(
     };
     let batch = Batch { instructions: method.instructions };
     let excitation = prepared.assembly.excitation.clone();
-    let chosen = ErrorControl::new(batch)
-        .run_one(&Request { prepared: Arc::clone(&prepared), excitation })?;
+    let chosen = ErrorControl::new(batch).run_one(&Request {
+        prepared: Arc::clone(&prepared),
+        excitation,
+        duration: None,
+    })?;
     let (base, counts) = (chosen.hit, chosen.counts);
     let mut all = Vec::with_capacity(pointers.len());
     for pointer in pointers {

@@ -32,7 +32,7 @@ pub struct Summary {
     pub interfaces: Vec<InterfaceSummary>,
     /// Energy balance.
     pub energy: EnergySummary,
-    /// Estimated errors of a modal response; none by finite differences.
+    /// Estimated errors.
     pub accuracy: Option<AccuracySummary>,
     /// True if the response depends on rounding.
     pub sensitive: bool,

@@ -23,9 +23,9 @@ use rayon::prelude::*;
 use crate::assemble::{Assembly, excitation};
 use crate::error::StudyError;
 use crate::error_control::{ErrorControl, Request};
+use crate::finite_differences::integrate;
 use crate::observables::Observables;
 use crate::prepared_scenario::PreparedScenario;
-use crate::run::integrate;
 use plan::Plan;
 
 pub use input_files::input_files;
@@ -172,7 +172,7 @@ impl Work<'_> {
         let prepared = self.prepared(&chosen)?;
         if prepared.modal().is_some() {
             let excitation = excitation(&self.plan.excitation(&chosen)?, self.plan.folder())?;
-            return Ok(Started::Hit(Box::new(Request { prepared, excitation })));
+            return Ok(Started::Hit(Box::new(Request { prepared, excitation, duration: None })));
         }
         let assembly = Assembly::new(&self.plan.scenario(&chosen)?, self.plan.folder())?;
         let (_, found) = integrate(&assembly, &prepared.at_rest, &|_| ())?;

@@ -68,6 +68,39 @@ fn a_given_step_that_is_too_long_is_said_to_be() {
     assert!(warnings(&run).contains(&"accuracy_not_reached"), "{:?}", warnings(&run));
 }
 
+/// Against a modal response to 1e-5: no error of finite differences is more than half larger than
+/// stated, nor all of them far smaller, and the statement falls with the step.
+#[test]
+fn finite_differences_state_their_error() {
+    let truth = run(&rig(&[("/method", r#"{"kind": "modal", "accuracy": 1e-5}"#)])).observables;
+    let mut stated = Vec::new();
+    for cell in ["0.004", "0.002"] {
+        let method = format!(r#"{{"kind": "finite_difference", "cell_m": {cell}}}"#);
+        let run = run(&rig(&[("/method", &method)]));
+        let estimate = run.observables.estimate().unwrap();
+        let mut largest = 0.0_f64;
+        for observable in [
+            "fundamental.frequency_hz",
+            "fundamental.receptance_m_per_n",
+            "interfaces.guide-sample.pressure_min_pa",
+            "interfaces.sample-disc.pressure_min_pa",
+        ] {
+            let names =
+                asperity_study::quantity::observable_names(&["guide-sample", "sample-disc"]);
+            let place = names.iter().position(|name| name == observable).unwrap();
+            let error = (run.observables.values[place] - truth.values[place]).abs();
+            let stated = estimate.errors[place];
+            assert!(error < 1.5 * stated, "{observable} {cell}: {error}, stated {stated}");
+            largest = largest.max(error / estimate.errors[place]);
+        }
+        assert!(largest > 0.3, "{cell}: {largest}");
+        stated.push(estimate.relative);
+    }
+    let order = (stated[0] / stated[1]).log2();
+    // The steps have the ratio 2.08.
+    assert!((0.95..1.15).contains(&order), "{order} {stated:?}");
+}
+
 /// A stack that rattles on springs without tension depends on rounding.
 #[test]
 fn rattling_is_named_with_the_time_from_which_rounding_counts() {

@@ -215,6 +215,17 @@ impl Outcome {
     }
 }
 
+impl Outcome {
+    /// True if it states nothing without a reservation.
+    pub(super) fn is_reserved(&self) -> bool {
+        match self {
+            Self::Answered(answer) => !answer.reservations.is_empty(),
+            Self::Refused(_) => true,
+            Self::Panicked(_) => false,
+        }
+    }
+}
+
 /// The outcome of `scenario` of `document` with `method`.
 pub(super) fn run(document: &Document, scenario: &Scenario, method: MethodSpec) -> Outcome {
     let scenario = Scenario { method, ..scenario.clone() };

@@ -1,7 +1,8 @@
 //! Judgement of both engines on one scenario: by their agreement, or else by refined runs.
 //!
 //! Where the answers with default settings agree within the tolerances, both are right. Elsewhere
-//! both engines run again, refined: modal steps of a quarter and at least 20 modes a body, cells of
+//! both engines run again, refined, unless both say that they may be wrong: modal steps of a quarter
+//! of the first (or half the one chosen) and at least 20 modes a body, cells of
 //! a third. Refined runs of both that agree within half the tolerances are the truth. Otherwise
 //! both are refined once more, to a sixteenth of the step and 40 modes and a sixth of the cell, and
 //! an observable in which those agree within the tolerance, and with the less refined run of either
@@ -200,6 +201,9 @@ impl Case<'_> {
         {
             return Self::judgement(&modal, &finite_difference, mean(one, other, 1.0), 0);
         }
+        if modal.is_reserved() && finite_difference.is_reserved() {
+            return Self::judgement(&modal, &finite_difference, Self::unknown(), 0);
+        }
         let (truth, refinements) = self.refined_truth(&modal, &REFINEMENTS[..2]);
         Self::judgement(&modal, &finite_difference, truth, refinements)
     }
@@ -246,7 +250,8 @@ impl Case<'_> {
         modal: &Outcome,
         refinements: &[Refinement],
     ) -> (Vec<TrueValue>, usize) {
-        let step = modal.answer().map(|answer| answer.step_s).or_else(|| self.default_step());
+        let steps = [self.default_step(), modal.answer().map(|answer| 2.0 * answer.step_s)];
+        let step = steps.into_iter().flatten().reduce(f64::min);
         let mut truth = Vec::new();
         let mut coarse: Option<[Outcome; 2]> = None;
         for (number, refinement) in refinements.iter().enumerate() {
@@ -275,7 +280,8 @@ impl Case<'_> {
         (if truth.is_empty() { Self::unknown() } else { truth }, refinements.len())
     }
 
-    /// Refined runs of both engines; `step` is the modal engine's default.
+    /// Refined runs of both engines, the modal one with a part of `step`: that which it tries first,
+    /// or twice the one it has chosen.
     fn refined(&self, step: Option<f64>, refinement: &Refinement) -> [Outcome; 2] {
         let step_s = step.map(|step| step / refinement.step);
         let modal = ModalSpec {

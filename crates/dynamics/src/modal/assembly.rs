@@ -8,7 +8,7 @@ use asperity_mesh::ComponentModes;
 use asperity_structure::{PreloadedContact, PreloadedStructure};
 
 use super::drive::DriveForce;
-use super::step_model::StepModel;
+use super::step_model::{InterpolationChoice, StepModel};
 use crate::DynamicsError;
 
 /// Largest error of a tabulated pressure, as a share of the static pressure: a hundredth of
@@ -31,16 +31,17 @@ const MOST_TABULATED: usize = 64;
 #[derive(Debug)]
 pub struct ModalModel {
     structure: PreloadedStructure<ComponentModes>,
-    prepared: Mutex<HashMap<(u64, i32), Arc<TabulatedModel>>>,
+    prepared: Mutex<Prepared>,
 }
+
+/// Tabulated models by the bits of their step, the exponents of their tables, and interpolation.
+type Prepared = HashMap<(u64, Vec<i32>, InterpolationChoice), Arc<TabulatedModel>>;
 
 /// A model for one step length, with its laws tabulated up to some pressure.
 #[derive(Debug)]
 pub(super) struct TabulatedModel {
     pub(super) step_model: StepModel,
     pub(super) tables: Vec<Arc<CompiledLaw>>,
-    /// Pressure \[Pa\] at which each table ends.
-    pub(super) tops: Vec<f64>,
     /// Newton correction at each interface, in cells, below which the law is replaced by its tangent.
     pub(super) tolerances: Vec<f64>,
 }
@@ -77,26 +78,33 @@ impl ModalModel {
         self.structure.component_modes()
     }
 
-    /// The model for steps of `step` \[s\], with tables up to `2^table_exponent` \[Pa\] above rest.
+    /// The model for steps of `step` \[s\], with the table of each contact up to `2^exponent` \[Pa\]
+    /// above rest, and a choice of interpolations.
     ///
     /// # Errors
     /// [`DynamicsError::Law`] when a law cannot be tabulated that far.
     pub(super) fn prepare(
         &self,
         step: f64,
-        table_exponent: i32,
+        exponents: &[i32],
+        interpolation: InterpolationChoice,
     ) -> Result<Arc<TabulatedModel>, DynamicsError> {
-        let key = (step.to_bits(), table_exponent);
+        let key = (step.to_bits(), exponents.to_vec(), interpolation);
         // A thread that panicked elsewhere leaves whole entries behind.
         let mut cache = self.prepared.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(found) = cache.get(&key) {
             return Ok(Arc::clone(found));
         }
-        let of_exponent = cache.iter().find(|((_, other), _)| *other == table_exponent);
-        let (tables, tops) = match of_exponent {
-            Some((_, found)) => (found.tables.clone(), found.tops.clone()),
-            None => self.compile(table_exponent)?,
-        };
+        let mut tables = Vec::with_capacity(exponents.len());
+        let mut tops = Vec::with_capacity(exponents.len());
+        for (i, (contact, &exponent)) in self.contacts().iter().zip(exponents).enumerate() {
+            let known = cache.iter().find(|((_, others, _), _)| others.get(i) == Some(&exponent));
+            tables.push(match known {
+                Some((_, found)) => Arc::clone(&found.tables[i]),
+                None => Arc::new(compile(contact, top(contact, exponent))?),
+            });
+            tops.push(top(contact, exponent));
+        }
         let areas: Vec<f64> = self.contacts().iter().map(PreloadedContact::area).collect();
         let named = self.contacts().iter().zip(&tops);
         let stiffest: Vec<f64> = named
@@ -108,46 +116,55 @@ impl ModalModel {
             &stiffest,
             self.structure.damping_rate(),
             step,
+            interpolation,
         );
         let tolerances = tables.iter().map(|table| tolerance(table)).collect();
-        let prepared = Arc::new(TabulatedModel { step_model, tables, tops, tolerances });
+        let prepared = Arc::new(TabulatedModel { step_model, tables, tolerances });
         if cache.len() >= MOST_TABULATED {
             cache.clear();
         }
         cache.insert(key, Arc::clone(&prepared));
         Ok(prepared)
     }
+}
 
-    fn compile(
-        &self,
-        table_exponent: i32,
-    ) -> Result<(Vec<Arc<CompiledLaw>>, Vec<f64>), DynamicsError> {
-        let mut tables = Vec::with_capacity(self.contacts().len());
-        let mut tops = Vec::with_capacity(self.contacts().len());
-        for contact in self.contacts() {
-            let state = contact.pressure();
-            let top = state + f64::from(table_exponent).exp2();
-            let compile =
-                |times| CompiledLaw::uniform(contact.law(), state, top, times * TABLE_TOLERANCE);
-            let mut table = compile(TOLERANCES[0]);
-            for times in &TOLERANCES[1..] {
-                if !matches!(table, Err(LawError::Unresolved { .. })) {
-                    break;
-                }
-                table = compile(*times);
-                tracing::warn!(
-                    interface = contact.name(),
-                    share_of_static_pressure = times * TABLE_TOLERANCE,
-                    "the law is too steep for its table, which is coarser than usual"
-                );
-            }
-            let named =
-                |source| DynamicsError::Law { interface: contact.name().to_owned(), source };
-            tables.push(Arc::new(table.map_err(named)?));
-            tops.push(top);
+/// Closures at which the error of a table is found.
+const TABLE_SAMPLES: u32 = 64;
+
+/// Largest difference \[Pa\] between the table and the law of a contact between two pressures \[Pa\].
+pub(super) fn table_error(
+    contact: &PreloadedContact,
+    table: &CompiledLaw,
+    [lowest, highest]: [f64; 2],
+) -> f64 {
+    let (law, state) = (contact.law(), contact.pressure());
+    let [low, high] =
+        [lowest, highest].map(|pressure| law.closure_increment(state, pressure - state));
+    let error = |sample: u32| {
+        let closure = low + (high - low) * f64::from(sample) / f64::from(TABLE_SAMPLES);
+        (table.get(closure) - law.pressure_increment(state, closure).value).abs()
+    };
+    (0..=TABLE_SAMPLES).map(error).fold(0.0, f64::max)
+}
+
+/// Pressure \[Pa\] at which the table of a contact ends.
+fn top(contact: &PreloadedContact, exponent: i32) -> f64 {
+    contact.pressure() + f64::from(exponent).exp2()
+}
+
+/// The table of a contact's law up to `top` \[Pa\]; coarser than usual for a law that is too steep.
+fn compile(contact: &PreloadedContact, top: f64) -> Result<CompiledLaw, DynamicsError> {
+    let compile = |times| {
+        CompiledLaw::uniform(contact.law(), contact.pressure(), top, times * TABLE_TOLERANCE)
+    };
+    let mut table = compile(TOLERANCES[0]);
+    for times in &TOLERANCES[1..] {
+        if !matches!(table, Err(LawError::Unresolved { .. })) {
+            break;
         }
-        Ok((tables, tops))
+        table = compile(*times);
     }
+    table.map_err(|source| DynamicsError::Law { interface: contact.name().to_owned(), source })
 }
 
 /// A hit with its model tabulated for its step, and its drive.

@@ -13,6 +13,7 @@ use super::simd::block::CHUNK;
 use super::simd::decimation::Decimation;
 use super::simd::integrate::{BlockRun, Outcome, Recording, RunEnd, room};
 use super::simulation::{HitResponse, HitSimulation};
+use super::step_model::InterpolationChoice;
 use super::step_size::{MOST_HALVINGS, Resolution};
 use crate::error::balanced;
 use crate::{ContactExtremes, DynamicsError, Excitation, InstructionSet, Sampling, Transient};
@@ -35,13 +36,21 @@ impl Default for Batch {
 pub(super) struct Attempt {
     index: usize,
     pub(super) lane: PreparedHit,
-    halvings: u32,
-    table_exponent: i32,
+    settings: Settings,
     decimation: Arc<Decimation>,
 }
 
+/// Settings of an attempt.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+struct Settings {
+    halvings: u32,
+    /// Each contact's table ends at `2^exponent` \[Pa\] above rest.
+    table_exponents: Vec<i32>,
+    interpolation: InterpolationChoice,
+}
+
 /// Doublings of the tabulated pressures before a hit is given up.
-const MOST_DOUBLINGS: i32 = 24;
+const MOST_DOUBLINGS: i32 = 16;
 
 /// Doublings of the tabulated pressures after a pressure beyond them.
 const DOUBLINGS_AT_ONCE: i32 = 2;
@@ -98,7 +107,7 @@ impl Batch {
         }
         while !attempts.is_empty() {
             // Lanes of one model and one range of its tables share their constants.
-            attempts.sort_by(|a, b| a.batch_order(b).then(a.table_exponent.cmp(&b.table_exponent)));
+            attempts.sort_by(|a, b| a.batch_order(b).then_with(|| a.settings.cmp(&b.settings)));
             let mut again = Vec::new();
             for compatible in attempts.chunk_by(|a, b| a.batch_order(b) == Ordering::Equal) {
                 for group in compatible.chunks(self.room()) {
@@ -171,14 +180,45 @@ impl Batch {
     }
 }
 
-/// Exponent of two of the first top pressure \[Pa\] of tables above rest: three times the peak
+/// Exponents of two of the first top pressures \[Pa\] of tables above rest: three times the peak
 /// over the area, or a quarter of the weight, whichever is more.
-fn first_table_exponent(hit: &HitSimulation) -> i32 {
-    let areas = hit.model.contacts().iter().map(PreloadedContact::area);
-    let smallest = areas.fold(f64::INFINITY, f64::min);
-    let weight = hit.model.contacts().iter().map(PreloadedContact::pressure);
-    let scale = weight.fold(3.0 * hit.excitation.peak() / smallest, |m, p| m.max(0.25 * p));
-    if scale > 0.0 { scale.log2().ceil().clamp(-30.0, 60.0) as i32 } else { 0 }
+fn first_table_exponents(hit: &HitSimulation) -> Vec<i32> {
+    let first = |contact: &PreloadedContact| {
+        let scale = (3.0 * hit.excitation.peak() / contact.area()).max(0.25 * contact.pressure());
+        if scale > 0.0 { scale.log2().ceil().clamp(-30.0, 60.0) as i32 } else { 0 }
+    };
+    hit.model.contacts().iter().map(first).collect()
+}
+
+impl Settings {
+    /// The first settings of a hit at its first step, halved so often.
+    fn first(hit: &HitSimulation, halvings: u32) -> Self {
+        let table_exponents = first_table_exponents(hit);
+        Self { halvings, table_exponents, interpolation: InterpolationChoice::default() }
+    }
+
+    /// These settings with the tables of more pressures, after a pressure beyond them; none after
+    /// too many.
+    fn wider(&self, hit: &HitSimulation, end: RunEnd) -> Option<Self> {
+        let first = first_table_exponents(hit);
+        let mut wider = self.clone();
+        let mut widen = |i: usize| {
+            let may = self.table_exponents[i] - first[i] < MOST_DOUBLINGS;
+            wider.table_exponents[i] += if may { DOUBLINGS_AT_ONCE } else { 0 };
+            may
+        };
+        let widened = match end {
+            RunEnd::Beyond(i) => widen(i),
+            // Below the table of a law that carries tension there are no numbers.
+            RunEnd::NotFinite(..) => {
+                let contacts = hit.model.contacts().iter().enumerate();
+                let bilateral = contacts.filter(|(_, one)| one.law().domain().is_bilateral());
+                bilateral.map(|(i, _)| i).fold(false, |any, i| widen(i) || any)
+            }
+            RunEnd::Done => false,
+        };
+        widened.then_some(wider)
+    }
 }
 
 impl Attempt {
@@ -190,23 +230,24 @@ impl Attempt {
     ) -> Result<Self, DynamicsError> {
         hit.excitation.check()?;
         let resolution = Resolution::first(hit)?;
-        Self::at(index, hit, resolution, (0, first_table_exponent(hit)), shapes, decimation)
+        Self::at(index, hit, resolution, Settings::first(hit, 0), shapes, decimation)
     }
 
     fn at(
         index: usize,
         hit: &HitSimulation,
         resolution: Resolution,
-        (halvings, table_exponent): (u32, i32),
+        settings: Settings,
         shapes: &mut PulseShapes,
         decimation: &dyn Fn(usize, f64) -> Arc<Decimation>,
     ) -> Result<Self, DynamicsError> {
         let Resolution { step, steps } = resolution;
         let (drive, amplitude) = shapes.drive_force(&hit.excitation, step, steps);
-        let tabulated = hit.model.prepare(step, table_exponent)?;
+        let tabulated =
+            hit.model.prepare(step, &settings.table_exponents, settings.interpolation)?;
         let lane =
             PreparedHit { model: Arc::clone(&hit.model), tabulated, drive, amplitude, steps };
-        Ok(Self { index, lane, halvings, table_exponent, decimation: decimation(index, step) })
+        Ok(Self { index, lane, settings, decimation: decimation(index, step) })
     }
 
     /// Orders attempts so that those that can be integrated together are neighbours; among them,
@@ -241,57 +282,38 @@ impl Attempt {
             time_s: steps as f64 * self.lane.tabulated.step_model.step,
             interface: self.lane.model.contacts()[i].name().to_owned(),
         };
-        let may_halve = hit.step.is_none() && self.halvings < MOST_HALVINGS;
-        let (halvings, table_exponent) = match outcome.end {
-            RunEnd::Beyond(i) if self.doublings(hit) >= MOST_DOUBLINGS => {
-                return Err(unstable(self.lane.steps, i));
-            }
-            RunEnd::Beyond(_) => (self.halvings, self.table_exponent + DOUBLINGS_AT_ONCE),
-            // Below the table of a law that carries tension there are no numbers.
-            RunEnd::NotFinite(..) if self.may_pull_further(hit) => {
-                (self.halvings, self.table_exponent + DOUBLINGS_AT_ONCE)
-            }
-            RunEnd::NotFinite(..) if may_halve => (self.halvings + 1, self.table_exponent),
-            RunEnd::NotFinite(reached, i) => {
-                return Err(unstable(reached.saturating_sub(8 * CHUNK), i));
-            }
+        let may_halve = hit.step.is_none() && self.settings.halvings < MOST_HALVINGS;
+        let mut at = |settings: Settings| {
+            let finer = Resolution::halved(hit, settings.halvings)?;
+            Self::at(self.index, hit, finer, settings, shapes, decimation)
+        };
+        let (i, time) = match outcome.end {
             RunEnd::Done => {
                 let residual = ledger(&self.lane, outcome).residual_relative();
-                if !(may_halve && Resolution::too_coarse(residual)) {
-                    balanced(residual, self.lane.tabulated.step_model.step, "step")?;
-                    return Ok(None);
+                if may_halve && Resolution::too_coarse(residual) {
+                    return at(Settings::first(hit, self.settings.halvings + 1)).map(Some);
                 }
-                (self.halvings + 1, self.table_exponent)
+                balanced(residual, self.lane.tabulated.step_model.step, "step")?;
+                return Ok(None);
             }
+            RunEnd::Beyond(i) => (i, self.lane.steps),
+            RunEnd::NotFinite(reached, i) => (i, reached.saturating_sub(8 * CHUNK)),
         };
-        let mut at = |halvings: u32, exponent: i32| {
-            let finer = Resolution::halved(hit, halvings)?;
-            Self::at(self.index, hit, finer, (halvings, exponent), shapes, decimation)
-        };
-        match (at(halvings, table_exponent), outcome.end) {
+        let wider = self.settings.wider(hit, outcome.end);
+        match wider.map(&mut at) {
             // Pressures that no table reaches are those of numbers that grow beyond all bounds.
-            (
-                Err(DynamicsError::Law { source: LawError::Unresolved { .. }, .. }),
-                RunEnd::Beyond(i),
-            ) => {
-                if may_halve {
-                    at(self.halvings + 1, first_table_exponent(hit)).map(Some)
-                } else {
-                    Err(unstable(self.lane.steps, i))
-                }
-            }
-            (next, _) => next.map(Some),
+            None | Some(Err(DynamicsError::Law { source: LawError::Unresolved { .. }, .. })) => {}
+            Some(next) => return next.map(Some),
         }
-    }
-
-    /// Doublings of the tabulated pressures since the first attempt.
-    fn doublings(&self, hit: &HitSimulation) -> i32 {
-        self.table_exponent - first_table_exponent(hit)
-    }
-
-    fn may_pull_further(&self, hit: &HitSimulation) -> bool {
-        let mut laws = hit.model.contacts().iter().map(|contact| contact.law().domain());
-        laws.any(|domain| domain.is_bilateral()) && self.doublings(hit) < MOST_DOUBLINGS
+        if self.settings.interpolation == InterpolationChoice::HighestOrder {
+            let interpolation = InterpolationChoice::Average;
+            let first = Settings::first(hit, self.settings.halvings);
+            at(Settings { interpolation, ..first }).map(Some)
+        } else if may_halve {
+            at(Settings::first(hit, self.settings.halvings + 1)).map(Some)
+        } else {
+            Err(unstable(time, i))
+        }
     }
 
     fn record(&self, outcome: Outcome) -> HitResponse {
@@ -303,9 +325,13 @@ impl Attempt {
             contacts: contact_extremes(&self.lane, &outcome),
             energy: ledger(&self.lane, &outcome),
             displacement: outcome.displacement,
+            table_exponents: self.settings.table_exponents.clone(),
         }
     }
 }
+
+/// Pressure of faces that just touch, over that at rest.
+const TOUCH: f64 = 1e-9;
 
 /// Extremes as pressures, none below loss of contact, and the average stiffness.
 pub(super) fn contact_extremes(lane: &PreparedHit, outcome: &Outcome) -> Vec<ContactExtremes> {
@@ -329,9 +355,10 @@ pub(super) fn contact_extremes(lane: &PreparedHit, outcome: &Outcome) -> Vec<Con
                 }
             };
             let ([pressure_min, _], [pressure_max, _]) = (at(seen.lowest), at(seen.highest));
-            // From steps 1 to N to steps 0 to N - 1.
+            // From steps 1 to N to steps 0 to N - 1, and to the parts of steps without contact.
             let [[_, first], [_, last]] = [at(0.0), at(outcome.closure)];
-            let shifted = (first - last) / lane.steps as f64;
+            let touching = if seen.open_excess == 0.0 { 0.0 } else { law.stiffness(TOUCH * state) };
+            let shifted = (first - last - touching * seen.open_excess) / lane.steps as f64;
             ContactExtremes {
                 pressure_min,
                 pressure_max,

@@ -2,9 +2,12 @@
 
 use std::sync::Arc;
 
-use super::assembly::ModalModel;
+use asperity_law::CompiledLaw;
+
+use super::assembly::{ModalModel, table_error};
 use super::simd::decimation::Decimation;
-use crate::{ContactExtremes, EnergyLedger, Excitation};
+use super::step_model::InterpolationChoice;
+use crate::{ContactExtremes, DynamicsError, EnergyLedger, Excitation};
 
 /// One hit on a structure, to be simulated.
 #[derive(Debug, Clone)]
@@ -37,4 +40,22 @@ pub struct HitResponse {
     pub contacts: Vec<ContactExtremes>,
     /// The energy balance.
     pub energy: EnergyLedger,
+    pub(super) table_exponents: Vec<i32>,
+}
+
+impl HitResponse {
+    /// Largest difference \[Pa\] between the table of each contact and its law, over the pressures of
+    /// the response, from samples; `model` is that of the hit.
+    ///
+    /// # Errors
+    /// [`DynamicsError::Law`] when a law cannot be tabulated any more.
+    pub fn table_errors(&self, model: &ModalModel) -> Result<Vec<f64>, DynamicsError> {
+        let tabulated =
+            model.prepare(self.step, &self.table_exponents, InterpolationChoice::default())?;
+        let contacts = model.contacts().iter().zip(&tabulated.tables).zip(&self.contacts);
+        let error = |((contact, table), seen): ((_, &Arc<CompiledLaw>), &ContactExtremes)| {
+            table_error(contact, table, [seen.pressure_min, seen.pressure_max])
+        };
+        Ok(contacts.map(error).collect())
+    }
 }

@@ -14,6 +14,37 @@ const DAMPED: f64 = 1.44;
 /// show such an oscillation, and under a force that is frozen within the step it can even grow.
 const FAST: f64 = 2.0;
 
+/// Choice of the interpolation of the contact force for each mode.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub(super) enum InterpolationChoice {
+    /// The quartic for all modes that turn slowly enough, the mean of both ends for the others.
+    #[default]
+    HighestOrder,
+    /// The mean of both ends for all modes: no linear contact gains energy, at any stiffness.
+    Average,
+}
+
+impl InterpolationChoice {
+    /// The interpolation of the contact force for each mode at `step` \[s\]; none for a mode that
+    /// counts as flexibility.
+    fn of(
+        self,
+        modes: &[NormalMode],
+        areas: &[f64],
+        stiffness: &[f64],
+        step: f64,
+    ) -> Vec<Option<ForceInterpolation>> {
+        let mut interpolations = vec![ForceInterpolation::Average; modes.len()];
+        if self == Self::HighestOrder {
+            for k in slow_modes(modes, areas, stiffness, step) {
+                interpolations[k] = ForceInterpolation::Quartic;
+            }
+        }
+        let kept = modes.iter().map(|mode| mode.angular_frequency * step <= FAST);
+        kept.zip(interpolations).map(|(kept, one)| kept.then_some(one)).collect()
+    }
+}
+
 /// One mode and its share in forces and closures.
 #[derive(Debug, Clone)]
 pub(super) struct ModeStep {
@@ -52,8 +83,9 @@ impl StepModel {
         stiffness: &[f64],
         rate: f64,
         step: f64,
+        choice: InterpolationChoice,
     ) -> Self {
-        let interpolations = interpolations(structure.modes(), areas, stiffness, step);
+        let interpolations = choice.of(structure.modes(), areas, stiffness, step);
         Self::with_interpolations(structure, areas, rate, step, interpolations)
     }
 
@@ -104,18 +136,13 @@ impl StepModel {
     }
 }
 
-/// The interpolation of the contact force for each mode at `step` \[s\]: the quartic, slowest modes
-/// first, as long as all that have it turn slowly enough together.
+/// The modes with the quartic at `step` \[s\]: the slowest first, as long as all that have it turn
+/// slowly enough together.
 ///
 /// With `A_km = sum_i g_ki g_mi S_i K_i h^2` the contact springs between modes k and m, no
 /// oscillation of those with the quartic turns faster than the largest
 /// `(w_k h)^2 + sum_m |A_km|` (Gershgorin).
-fn interpolations(
-    modes: &[NormalMode],
-    areas: &[f64],
-    stiffness: &[f64],
-    step: f64,
-) -> Vec<Option<ForceInterpolation>> {
+fn slow_modes(modes: &[NormalMode], areas: &[f64], stiffness: &[f64], step: f64) -> Vec<usize> {
     let spring = |a: &NormalMode, b: &NormalMode| -> f64 {
         let shapes = a.closure.iter().zip(&b.closure).zip(areas.iter().zip(stiffness));
         shapes.map(|((g, other), (area, k))| g * other * area * k * step * step).sum()
@@ -139,10 +166,5 @@ fn interpolations(
             quartic.push((k, own));
         }
     }
-    let of = |(k, mode): (usize, &NormalMode)| {
-        let slow = quartic.iter().any(|&(m, _)| m == k);
-        let kept = mode.angular_frequency * step <= FAST;
-        kept.then_some(if slow { ForceInterpolation::Quartic } else { ForceInterpolation::Average })
-    };
-    modes.iter().enumerate().map(of).collect()
+    quartic.into_iter().map(|(k, _)| k).collect()
 }

@@ -43,11 +43,12 @@ impl Loader<'_> {
     fn add(&mut self, rig: usize, data: &str, drive: HitForce, duration: Option<f64>) -> usize {
         let forward = &mut self.built.forward;
         let hit = SimulatedHit {
+            data: data.to_owned(),
             rig,
             sensors: forward.parameters.sensors(data),
             drive,
             duration,
-            step: None,
+            resolution: None,
             frequencies: Vec::new(),
             backbone: false,
         };

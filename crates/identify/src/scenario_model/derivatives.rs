@@ -114,8 +114,7 @@ impl ScenarioModel {
         let rig = &base[hit.rig];
         let gains = |point: &[f64]| hit.sensors.gains(point);
         let simulation = hit.simulation(rig, gains(point), &self.folder)?;
-        let modal = rig.case.modal().unwrap_or_default();
-        let counts = rig.case.mode_counts(&modal, &simulation.excitation)?;
+        let counts = hit.mode_counts(rig, &simulation.excitation)?;
         let mut variations = Vec::with_capacity(neighbours.len());
         for around in neighbours {
             let at = |place: usize| -> Result<HitSimulation, StudyError> {

@@ -15,6 +15,8 @@ pub(in crate::modal) struct LaneExtremes {
     lowest_step: f64,
     /// Number of steps, and parts of them, without contact.
     pub(in crate::modal) open_steps: f64,
+    /// Less those at whose end there is none.
+    pub(in crate::modal) open_excess: f64,
     /// True once a closure was not finite.
     pub(in crate::modal) lost: bool,
 }
@@ -154,7 +156,9 @@ impl LaneExtremes {
         self.highest = self.highest.max(self.highest_step);
         for window in closures.windows(3) {
             let &[a, b, c] = window else { continue };
-            self.open_steps += open_part([a, b, c], open_below);
+            let open = open_part([a, b, c], open_below);
+            self.open_steps += open;
+            self.open_excess += open - if b <= open_below { 1.0 } else { 0.0 };
             // The vertex of the parabola through three steps around an extreme.
             let bend = a - 2.0 * b + c;
             if bend == 0.0 || (b - a) * (b - c) < 0.0 {

@@ -1,0 +1,79 @@
+//! Step, modes and estimated errors of the simulated hits at the best fit.
+
+use asperity_study::error::StudyError;
+use asperity_study::error_control::Controlled;
+use asperity_study::quantity::Quantity;
+use asperity_study::warning::Warning;
+use serde::Serialize;
+
+use crate::scenario_model::ScenarioModel;
+
+/// Numerics of one simulated hit.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct HitNumerics {
+    /// Name of the first data that ask for the hit.
+    pub data: String,
+    /// Peak force \[N\].
+    pub peak_n: f64,
+    /// Step \[s\].
+    pub step_s: f64,
+    /// Modes of each body, the rigid one included.
+    pub modes_per_body: Vec<usize>,
+    /// Largest estimated error of the observables over their scales; that of the fundamental
+    /// frequency counts tenfold.
+    pub estimated_error: Option<f64>,
+    /// Time \[s\] from which on the response depends on rounding.
+    pub sensitive_from_s: Option<f64>,
+    /// Warnings about the response.
+    pub warnings: Vec<Warning>,
+}
+
+impl HitNumerics {
+    /// The numerics of all hits of a model, `controlled` at one point; hits that fail there are
+    /// left out.
+    pub(super) fn of(
+        model: &ScenarioModel,
+        controlled: &[Result<Controlled, StudyError>],
+    ) -> Vec<Self> {
+        let hits = model.hits.iter().zip(controlled);
+        let numerics = hits.filter_map(|(hit, controlled)| {
+            let Controlled { hit: simulation, observables, counts, .. } =
+                controlled.as_ref().ok()?;
+            let number = |quantity| observables.get(quantity, None);
+            Some(Self {
+                data: hit.data.clone(),
+                peak_n: simulation.excitation.peak(),
+                step_s: simulation.step?,
+                modes_per_body: counts.clone(),
+                estimated_error: number(Quantity::EstimatedError).filter(|error| error.is_finite()),
+                sensitive_from_s: number(Quantity::SensitiveFrom),
+                warnings: observables.warnings.clone(),
+            })
+        });
+        numerics.collect()
+    }
+
+    /// A notice for each kind of warning, about the first hit that has it.
+    pub(super) fn notices(all: &[Self]) -> Vec<String> {
+        let mut kinds: Vec<(&Warning, &Self, usize)> = Vec::new();
+        for hit in all {
+            for warning in &hit.warnings {
+                match kinds.iter_mut().find(|(known, ..)| known.kind() == warning.kind()) {
+                    Some((.., count)) => *count += 1,
+                    None => kinds.push((warning, hit, 1)),
+                }
+            }
+        }
+        let notice = |(warning, hit, count): (&Warning, &Self, usize)| {
+            format!(
+                "{count} of {} simulated hits at the best fit have the warning {}; the first, \
+                 {:.3} N of \"{}\": {warning}",
+                all.len(),
+                warning.kind(),
+                hit.peak_n,
+                hit.data
+            )
+        };
+        kinds.into_iter().map(notice).collect()
+    }
+}

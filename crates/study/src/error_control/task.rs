@@ -1,0 +1,331 @@
+//! One response on its way to its accuracy.
+
+use asperity_dynamics::{
+    ContactExtremes, DynamicsError, Excitation, HitResponse, HitSimulation, Modal,
+};
+use asperity_law::LawError;
+
+use super::{Controlled, Request};
+use crate::accuracy::ErrorEstimate;
+use crate::error::StudyError;
+use crate::observables::Observables;
+
+/// Halvings of the first step before an accuracy counts as not reached.
+const MOST_REFINEMENTS: i32 = 7;
+
+/// Steps of a response beyond which it is not refined any more.
+const MOST_STEPS: f64 = 2e6;
+
+/// Most modes of a body: those too fast for the step count as flexibility anyway.
+const MOST_MODES: usize = 512;
+
+/// Share of the accuracy that each of step and modes may take; the rest is for the tables.
+const SHARE: f64 = 0.45;
+
+/// Energy residual above which a response is refined, whatever its estimated errors.
+const COARSE_RESIDUAL: f64 = 5e-4;
+
+/// Halvings from which on a response that loses contact is suspected to depend on rounding, and its
+/// estimated error, over the accuracy.
+const SUSPECT_REFINEMENTS: i32 = 2;
+const SUSPECT_ERROR: f64 = 10.0;
+
+/// A response and its observables.
+#[derive(Debug)]
+pub(super) struct Response {
+    pub(super) hit: HitSimulation,
+    pub(super) record: HitResponse,
+    pub(super) observables: Observables,
+}
+
+pub(super) fn contact_is_lost(record: &HitResponse) -> bool {
+    record.contacts.iter().any(|contact| contact.lost > 0.0)
+}
+
+/// A request on its way.
+#[derive(Debug)]
+pub(super) struct Task<'a> {
+    pub(super) request: &'a Request,
+    /// Modes of each body, and step \[s\], of the first level.
+    counts: Vec<usize>,
+    first_step: f64,
+    duration: f64,
+    /// True if the scenario gives the step, or the modes.
+    step_is_given: bool,
+    modes_are_given: bool,
+    /// True if its level is that of many hits.
+    is_pilot: bool,
+    pub(super) level: Level,
+    pub(super) fine: Option<Result<Response, StudyError>>,
+    /// The response that the step is judged by; and the one, of fewer modes, that the modes are
+    /// judged by.
+    pub(super) other: Option<Result<Response, StudyError>>,
+    pub(super) fewer: Option<Result<Response, StudyError>>,
+    /// Errors by the truncation of modes, of a response with so many.
+    truncation: Option<(usize, ErrorEstimate)>,
+    /// The time from which on the fine response depends on rounding, and the observables of its twin.
+    pub(super) parted: Option<(f64, Observables)>,
+    pub(super) done: Option<Result<Controlled, StudyError>>,
+}
+
+/// Halvings of the first step, and doublings of the first modes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
+pub(super) struct Level {
+    step: i32,
+    modes: i32,
+}
+
+impl<'a> Task<'a> {
+    pub(super) fn new(request: &'a Request) -> Result<Self, StudyError> {
+        let prepared = &request.prepared;
+        let modal = prepared.modal().unwrap_or_default();
+        let mut hit = prepared.hit(&modal, request.excitation.clone())?;
+        hit.duration = request.duration.unwrap_or(hit.duration);
+        Ok(Self {
+            request,
+            counts: first_counts(prepared.mode_counts(&modal, &request.excitation)?, &modal),
+            first_step: hit.first_step()?.0,
+            duration: hit.duration,
+            step_is_given: modal.step.is_some(),
+            modes_are_given: modal.modes_per_body.is_some(),
+            is_pilot: false,
+            level: Level::default(),
+            fine: None,
+            other: None,
+            fewer: None,
+            truncation: None,
+            parted: None,
+            done: None,
+        })
+    }
+
+    /// Modes of each body at a level: the rigid one always, of the elastic ones 0, 1, 3, 7, ...
+    fn counts_at(&self, level: Level) -> Vec<usize> {
+        let factor = f64::from(level.modes).exp2();
+        let modes = |&count: &usize| ((count as f64 * factor) as usize).clamp(1, MOST_MODES);
+        self.counts.iter().map(modes).collect()
+    }
+
+    pub(super) fn hit(
+        &self,
+        level: Level,
+        excitation: Excitation,
+    ) -> Result<HitSimulation, StudyError> {
+        Ok(HitSimulation {
+            model: self.request.prepared.modal_model(&self.counts_at(level))?,
+            excitation,
+            duration: self.duration,
+            step: Some(self.first_step / f64::from(level.step).exp2()),
+        })
+    }
+
+    /// The hit at a level, if there is one.
+    pub(super) fn hit_at(&self, level: Level) -> Result<HitSimulation, StudyError> {
+        self.hit(level, self.request.excitation.clone())
+    }
+
+    pub(super) fn pilot(request: &'a Request) -> Result<Self, StudyError> {
+        Ok(Self { is_pilot: true, ..Self::new(request)? })
+    }
+
+    /// True if the step is judged by one of half its length, false if by one of twice: a longer step
+    /// for many hits is worth the comparison.
+    fn compares_with_half(&self) -> bool {
+        self.is_pilot || self.step_is_given
+    }
+
+    /// Level of the response that the step is judged by.
+    pub(super) fn other_level(&self) -> Level {
+        let change = if self.compares_with_half() { 1 } else { -1 };
+        Level { step: self.level.step + change, ..self.level }
+    }
+
+    /// Level of the response that the truncation of modes is judged by: of fewer modes.
+    pub(super) fn fewer_level(&self) -> Level {
+        Level { modes: self.level.modes - 1, ..self.level }
+    }
+
+    /// True if the truncation of the fine response's modes is not judged yet.
+    pub(super) fn lacks_truncation(&self) -> bool {
+        let Some(Ok(fine)) = &self.fine else { return false };
+        let known = self.truncation.as_ref().map(|(modes, _)| *modes);
+        !self.modes_are_given && known != Some(fine.record.modes)
+    }
+
+    /// True if refinement may be of no use: the fine response loses contact, and is still far from
+    /// converged.
+    pub(super) fn is_suspect(&self) -> bool {
+        let Some(Ok(fine)) = &self.fine else { return false };
+        let refined = self.level.step >= SUSPECT_REFINEMENTS;
+        refined
+            && contact_is_lost(&fine.record)
+            && self.step_errors(fine).relative > SUSPECT_ERROR * self.accuracy()
+    }
+
+    fn may_halve(&self) -> bool {
+        let steps = self.duration / self.first_step * f64::from(self.level.step + 1).exp2();
+        !self.step_is_given && self.level.step < MOST_REFINEMENTS && steps <= MOST_STEPS
+    }
+
+    fn may_add_modes(&self) -> bool {
+        let more = Level { modes: self.level.modes + 1, ..self.level };
+        !self.modes_are_given
+            && self.level.modes < MOST_REFINEMENTS
+            && self.counts_at(more) != self.counts_at(self.level)
+    }
+
+    fn accuracy(&self) -> f64 {
+        self.request.prepared.assembly.accuracy
+    }
+
+    /// Errors by the step.
+    fn step_errors(&self, fine: &Response) -> ErrorEstimate {
+        let Some(Ok(other)) = &self.other else {
+            return ErrorEstimate::unknown(&fine.observables, self.accuracy());
+        };
+        // Of second order while contact holds, of first where it is lost.
+        let lost = contact_is_lost(&fine.record) || contact_is_lost(&other.record);
+        let divisor = match (self.compares_with_half(), lost) {
+            (false, false) => 3.0,
+            (false, true) => 1.0,
+            (true, false) => 0.75,
+            (true, true) => 0.5,
+        };
+        ErrorEstimate::new(&fine.observables, &other.observables, divisor, self.accuracy())
+    }
+
+    /// Errors by the truncation of modes, of third order in their number.
+    fn truncation_errors(&self, fine: &Response) -> ErrorEstimate {
+        match &self.fewer {
+            None => ErrorEstimate::none(&fine.observables, self.accuracy()),
+            Some(Ok(fewer)) => {
+                let lost = contact_is_lost(&fewer.record) || contact_is_lost(&fine.record);
+                let divisor = if lost { 1.0 } else { 3.0 };
+                ErrorEstimate::new(&fine.observables, &fewer.observables, divisor, self.accuracy())
+            }
+            Some(Err(_)) => ErrorEstimate::unknown(&fine.observables, self.accuracy()),
+        }
+    }
+
+    /// Errors by the tables of the laws: their largest differences from the laws, over the ranges of
+    /// pressure, are those of the forces.
+    fn table_errors(&self, fine: &Response) -> ErrorEstimate {
+        let Ok(errors) = fine.record.table_errors(&fine.hit.model) else {
+            return ErrorEstimate::unknown(&fine.observables, self.accuracy());
+        };
+        let share = |(error, contact): (f64, &ContactExtremes)| {
+            if error == 0.0 { 0.0 } else { error / (contact.pressure_max - contact.pressure_min) }
+        };
+        let shares = errors.into_iter().zip(&fine.record.contacts).map(share);
+        let largest = shares.fold(0.0, f64::max);
+        ErrorEstimate::of_share(&fine.observables, largest, self.accuracy())
+    }
+
+    /// Accepts the fine response with the errors of its pilot if contact held; begins anew otherwise.
+    pub(super) fn follow(&mut self, pilot: &(Level, Observables)) {
+        let fine = self.fine.take();
+        if let (Some(Ok(fine)), Some(estimate)) = (fine, pilot.1.estimate())
+            && !contact_is_lost(&fine.record)
+            && fine.record.energy.residual_relative() <= COARSE_RESIDUAL
+        {
+            let estimate = estimate.transferred(&pilot.1, &fine.observables);
+            self.done = Some(Ok(accepted(fine, self.counts_at(self.level), estimate)));
+        } else {
+            self.level = Level::default();
+        }
+    }
+
+    /// Accepts the fine response, or prepares the next level.
+    pub(super) fn judge(&mut self) {
+        match self.fine.take() {
+            None => {}
+            Some(Err(error)) if self.may_halve() && is_mended_by_refinement(&error) => {
+                self.level.step += 1;
+                self.other = None;
+            }
+            Some(Err(StudyError::Dynamics(source))) if self.level.step > 0 => {
+                let step_s = self.first_step / f64::from(self.level.step).exp2();
+                self.done = Some(Err(StudyError::NotResolved { step_s, source }));
+            }
+            Some(Err(error)) => self.done = Some(Err(error)),
+            // Its hits are refined one by one.
+            Some(Ok(fine)) if self.is_pilot && contact_is_lost(&fine.record) => {
+                let estimate = ErrorEstimate::unknown(&fine.observables, self.accuracy());
+                self.done = Some(Ok(accepted(fine, self.counts_at(self.level), estimate)));
+            }
+            Some(Ok(fine)) => {
+                let by_step = self.step_errors(&fine);
+                let by_modes = match (self.truncation.take(), &self.fewer) {
+                    (Some((_, known)), None) => known,
+                    _ => self.truncation_errors(&fine),
+                };
+                self.fewer = None;
+                tracing::debug!(
+                    step_s = fine.record.step,
+                    modes = fine.record.modes,
+                    error_by_step = by_step.relative,
+                    of = ?by_step.worst,
+                    error_by_modes = by_modes.relative,
+                    of_modes = ?by_modes.worst,
+                    "errors estimated"
+                );
+                let share = SHARE * self.accuracy();
+                let residual = fine.record.energy.residual_relative();
+                let halve =
+                    self.may_halve() && !(by_step.relative <= share && residual <= COARSE_RESIDUAL);
+                // An error that is not a number is not small.
+                let truncated = by_modes.relative.is_nan() || by_modes.relative > share;
+                let add_modes = self.may_add_modes() && truncated;
+                let parted = self.parted.take();
+                if parted.is_none() && add_modes {
+                    self.level.modes += 1;
+                    self.level.step += i32::from(halve);
+                    self.other = None;
+                } else if parted.is_none() && halve {
+                    self.level.step += 1;
+                    self.truncation = Some((fine.record.modes, by_modes));
+                    if self.compares_with_half() {
+                        self.fine = self.other.take();
+                    } else {
+                        self.other = Some(Ok(fine));
+                    }
+                } else {
+                    let estimate = by_step.plus(&by_modes).plus(&self.table_errors(&fine));
+                    let mut done = accepted(fine, self.counts_at(self.level), estimate);
+                    if let Some((from, twin)) = parted {
+                        done.observables.set_sensitive(from, Some(&twin));
+                    }
+                    self.done = Some(Ok(done));
+                }
+            }
+        }
+    }
+}
+
+/// Modes of each body at the first level: at least one elastic, whose share can be seen.
+fn first_counts(mut counts: Vec<usize>, modal: &Modal) -> Vec<usize> {
+    if modal.modes_per_body.is_none() {
+        for count in &mut counts {
+            *count = (*count).max(2);
+        }
+    }
+    counts
+}
+
+fn accepted(response: Response, counts: Vec<usize>, estimate: ErrorEstimate) -> Controlled {
+    Controlled {
+        counts,
+        record: response.record,
+        observables: response.observables.with_estimate(estimate),
+        hit: response.hit,
+    }
+}
+
+fn is_mended_by_refinement(error: &StudyError) -> bool {
+    let StudyError::Dynamics(error) = error else { return false };
+    match error {
+        DynamicsError::Unstable { .. } | DynamicsError::Coarse { .. } => true,
+        DynamicsError::Law { source, .. } => matches!(source, LawError::Unresolved { .. }),
+        _ => false,
+    }
+}
