@@ -28,7 +28,7 @@ use asperity_structure::{Damping, PreloadedStructure};
 const AREA: f64 = 1.15e-4;
 const DURATION: f64 = 0.12;
 const ROUNDS: usize = 5;
-const STEPS: [f64; 3] = [5e-6, 10e-6, 20e-6];
+const STEPS: [f64; 3] = [10e-6, 16e-6, 20e-6];
 
 fn main() {
     let structure = PreloadedStructure::new(rig(), Damping::Ratio(0.035)).unwrap();

@@ -42,6 +42,8 @@ pub(super) struct Mode<V, C, const N: usize> {
     pub(super) drive: [C; 4],
     /// Shape at the driving point.
     pub(super) driving_point: C,
+    /// True if a contact force acts in more than three steps.
+    pub(super) carries: bool,
 }
 
 /// Numbers of this size are spaced by one: added to a smaller number, it rounds that to a whole

@@ -56,10 +56,14 @@ impl<S: TableLookup, C: Coefficient<S>, const N: usize> Block<'_, S, C, N> {
             loss = pair.mul_add(increment, change, loss);
             mode.increment = increment;
             let carried = pair.mul_add(t1.all(simd), force, mode.carry[0]);
-            mode.carry[0] = pair.mul_add(t2.all(simd), force, mode.carry[1]);
-            mode.carry[1] = pair.mul_add(t3.all(simd), force, mode.carry[2]);
-            mode.carry[2] = pair.mul_add(t4.all(simd), force, mode.carry[3]);
-            mode.carry[3] = pair.mul(t5.all(simd), force);
+            if mode.carries {
+                mode.carry[0] = pair.mul_add(t2.all(simd), force, mode.carry[1]);
+                mode.carry[1] = pair.mul_add(t3.all(simd), force, mode.carry[2]);
+                mode.carry[2] = pair.mul_add(t4.all(simd), force, mode.carry[3]);
+                mode.carry[3] = pair.mul(t5.all(simd), force);
+            } else {
+                mode.carry[0] = pair.mul(t2.all(simd), force);
+            }
             let sprung = pair.mul_add(mode.spring.all(simd), reached, carried);
             let predicted_increment = pair.mul_add(mode.decay.all(simd), increment, sprung);
             let next_predicted = pair.add(reached, predicted_increment);

@@ -7,6 +7,7 @@ use pulp::Simd;
 
 use super::{Block, Coefficient, Contact, Drive, Mode, Pair, WHOLE, numbers, set_lane};
 use crate::modal::assembly::PreparedHit;
+use crate::modal::oscillator::ForceInterpolation;
 use crate::modal::oscillator::NODES;
 use crate::modal::simd::table_lookup::TableRow;
 use crate::modal::step_model::ModeStep;
@@ -80,6 +81,9 @@ impl<'a, S: Simd, C: Coefficient<S>, const N: usize> Block<'a, S, C, N> {
             }),
             drive: std::array::from_fn(|k| step(m, &|mode| mode.drive * mode.recurrence.drive[k])),
             driving_point: step(m, &|mode| mode.drive),
+            carries: lanes.iter().any(|lane| {
+                lane.tabulated.step_model.modes[m].interpolation == ForceInterpolation::Quartic
+            }),
         };
         let contact = |i: usize| {
             let start = |lane: usize| starts.get(i).and_then(|s| s.get(lane)).copied();
