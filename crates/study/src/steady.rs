@@ -1,6 +1,7 @@
 //! Steady responses to a shaker: one branch per force amplitude, and the backbones.
 
 mod check;
+mod settled;
 mod summary;
 mod table;
 
@@ -19,6 +20,7 @@ use crate::static_state::StaticSummary;
 use crate::warning::Warning;
 
 pub use check::TimeCheck;
+pub use settled::{SettledAmplitude, first_periods};
 pub use summary::{
     BackboneSummary, BackbonesSummary, BifurcationSummary, BranchSummary, LevelSummary,
     STEADY_SCHEMA, SteadySummary, TerminationSummary,

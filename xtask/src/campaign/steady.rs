@@ -18,7 +18,9 @@ use asperity_harmonic::{Branch, PeriodicResponse};
 use asperity_scenario::{Document, Scenario};
 use asperity_structure::PreloadedStructure;
 use asperity_study::assemble::Assembly;
-use asperity_study::steady::{Steady, SteadyRequest, TimeCheck, steady};
+use asperity_study::steady::{
+    SettledAmplitude, Steady, SteadyRequest, TimeCheck, first_periods, steady,
+};
 use serde::Serialize;
 
 use super::draw::Draw;
@@ -179,8 +181,12 @@ fn large_force(assembly: &Assembly, natural: f64, force: f64) -> SteadyJudgement
     let Some(check) = check else {
         return by_modes(assembly, branch, force, &state);
     };
-    let TimeCheck { frequency_hz, amplitude_1_m, integrated_1_m, relative_difference } = check;
+    let TimeCheck { frequency_hz, amplitude_1_m, integrated_1_m, relative_difference, settled } =
+        check;
     let remark = format!("at {frequency_hz:.3} Hz {amplitude_1_m:.4e} m; {state}");
+    if !settled {
+        return without(Class::NamedUndecided, format!("{remark}; integration has not settled"));
+    }
     if relative_difference <= AMPLITUDE {
         return SteadyJudgement::new(OF, relative_difference, AMPLITUDE, remark);
     }
@@ -220,35 +226,22 @@ fn by_modes(assembly: &Assembly, branch: &Branch, force: f64, state: &str) -> St
     }
 }
 
-/// Periods until a transient has fallen to a millionth.
-fn periods(assembly: &Assembly, frequency: f64) -> f64 {
-    let decay = 0.5 * assembly.structure.damping_rate() / frequency;
-    (1e6_f64.ln() / decay).max(20.0).ceil()
-}
-
 /// Node updates of an integration to the steady response in cells of 1 mm.
 fn integration_cost(assembly: &Assembly, frequency: f64) -> Option<f64> {
     let sampling =
-        Sampling::new(periods(assembly, frequency) / frequency, 64.0 * frequency).ok()?;
+        Sampling::new(first_periods(assembly, frequency) / frequency, 64.0 * frequency).ok()?;
     let method = Integrator::from(FiniteDifference::default());
     let outline = method.outline(&assembly.structure, &Excitation::None, &sampling).ok()?;
     Some(outline.unknowns as f64 * outline.steps as f64)
 }
 
-/// Fundamental of the top \[m\] by modal steps of a quarter of the default.
+/// Fundamental of the top \[m\] by modal steps of a quarter of the default, if it settles.
 fn modal_amplitude(assembly: &Assembly, amplitude: f64, frequency: f64) -> Option<f64> {
-    const SAMPLES: usize = 64;
     let shaker = Excitation::Harmonic { amplitude, frequency };
-    let rate = SAMPLES as f64 * frequency;
-    let sampling = Sampling::new(periods(assembly, frequency) / frequency, rate).ok()?;
+    let sampling = Sampling::new(20.0 / frequency, 64.0 * frequency).ok()?;
     let default = Integrator::default().outline(&assembly.structure, &shaker, &sampling).ok()?;
     let (step, modes_per_body) = (Some(default.step / 4.0), Some(20));
-    let method = Modal { step, modes_per_body, ..Modal::default() };
-    let done = method.integrate(&assembly.structure, &shaker, &sampling).ok()?;
-    let displacement = &done.history.displacement;
-    let last = &displacement[displacement.len().saturating_sub(SAMPLES)..];
-    let angle = |n: usize| TAU * n as f64 / SAMPLES as f64;
-    let cos: f64 = last.iter().enumerate().map(|(n, u)| u * angle(n).cos()).sum();
-    let sin: f64 = last.iter().enumerate().map(|(n, u)| u * angle(n).sin()).sum();
-    Some(2.0 / SAMPLES as f64 * cos.hypot(sin))
+    let method = Modal { step, modes_per_body, ..Modal::default() }.into();
+    let found = SettledAmplitude::of(assembly, &method, amplitude, frequency).ok()?;
+    found.settled.then_some(found.amplitude_1_m)
 }

@@ -83,7 +83,9 @@ fn print_peaks(found: &Steady) -> Result<(), Failure> {
         let force_n = level.force_n;
         answer!("{force_n:>10} N   peak {hz:.3} Hz   A1 {a1:.5e} m   A2/A1 {ratio:.5}");
         if let Some(check) = level.check {
-            answer!("   differs from time integration by {:.1e}", check.relative_difference);
+            let unsettled = if check.settled { "" } else { ", which has not settled" };
+            let difference = check.relative_difference;
+            answer!("   differs from time integration{unsettled} by {difference:.1e}");
         }
         answer_line!("{}", if peak.contact_lost() { "   contact lost" } else { "" });
     }

@@ -1,21 +1,11 @@
 //! A response by time integration, as a check of a branch.
 
-use std::f64::consts::TAU;
-
-use asperity_dynamics::{DynamicsError, Excitation, FiniteDifference, Integrator, Sampling};
+use asperity_dynamics::{DynamicsError, FiniteDifference, Integrator};
 use asperity_harmonic::{Branch, PeriodicResponse, SpecialPointKind};
 use serde::Serialize;
 
+use super::settled::SettledAmplitude;
 use crate::assemble::Assembly;
-
-/// Samples of the last period.
-const SAMPLES: usize = 64;
-
-/// Transients are integrated until they have fallen to this.
-const REMAINS: f64 = 1e-6;
-
-/// Periods at most, for lightly damped rigs.
-const MOST_PERIODS: f64 = 2000.0;
 
 /// Relative distance in frequency of a checked response from a fold: next to one transients
 /// hardly decay.
@@ -36,6 +26,8 @@ pub struct TimeCheck {
     pub integrated_1_m: f64,
     /// Difference over the integrated amplitude.
     pub relative_difference: f64,
+    /// False if the integrated amplitude still changed at the end: the difference shows nothing then.
+    pub settled: bool,
 }
 
 impl TimeCheck {
@@ -73,43 +65,29 @@ impl TimeCheck {
             Integrator::Modal(_) => FiniteDifference::default(),
         };
         let cell = method.cell;
-        let (coarse, long) = fundamental(assembly, response, method)?;
-        let (mut fine, mut short) = (coarse, long);
+        let settled = |method: FiniteDifference| {
+            let (force, frequency) = (response.force, response.frequency_hz());
+            SettledAmplitude::of(assembly, &method.into(), force, frequency)
+        };
+        let coarse = settled(method)?;
+        let mut fine = coarse;
         let mut finer = cell;
         for _ in 0..HALVINGS {
-            if short < 0.75 * long {
+            if fine.step_s < 0.75 * coarse.step_s {
                 break;
             }
             finer *= 0.5;
-            (fine, short) =
-                fundamental(assembly, response, FiniteDifference { cell: finer, ..method })?;
+            fine = settled(FiniteDifference { cell: finer, ..method })?;
         }
         let amplitude_1_m = response.amplitude(1);
-        let integrated_1_m = fine + (fine - coarse) * short / (long - short);
+        let change = (fine.amplitude_1_m - coarse.amplitude_1_m) / (coarse.step_s - fine.step_s);
+        let integrated_1_m = fine.amplitude_1_m + change * fine.step_s;
         Ok(Self {
             frequency_hz: response.frequency_hz(),
             amplitude_1_m,
             integrated_1_m,
             relative_difference: (amplitude_1_m / integrated_1_m - 1.0).abs(),
+            settled: coarse.settled && fine.settled,
         })
     }
-}
-
-fn fundamental(
-    assembly: &Assembly,
-    response: &PeriodicResponse,
-    method: FiniteDifference,
-) -> Result<(f64, f64), DynamicsError> {
-    let frequency = response.frequency_hz();
-    let decay = 0.5 * assembly.structure.damping_rate() / frequency;
-    let periods = (-REMAINS.ln() / decay).clamp(20.0, MOST_PERIODS).ceil();
-    let sampling = Sampling::new(periods / frequency, SAMPLES as f64 * frequency)?;
-    let shaker = Excitation::Harmonic { amplitude: response.force, frequency };
-    let done = method.integrate(&assembly.structure, &shaker, &sampling)?;
-    let displacement = &done.history.displacement;
-    let last = &displacement[displacement.len().saturating_sub(SAMPLES)..];
-    let angle = |n: usize| TAU * n as f64 / SAMPLES as f64;
-    let cos: f64 = last.iter().enumerate().map(|(n, u)| u * angle(n).cos()).sum();
-    let sin: f64 = last.iter().enumerate().map(|(n, u)| u * angle(n).sin()).sum();
-    Ok((2.0 / SAMPLES as f64 * cos.hypot(sin), done.step))
 }
