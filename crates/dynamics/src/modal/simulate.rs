@@ -213,7 +213,7 @@ impl Settings {
             RunEnd::NotFinite(..) => {
                 let contacts = hit.model.contacts().iter().enumerate();
                 let bilateral = contacts.filter(|(_, one)| one.law().domain().is_bilateral());
-                bilateral.map(|(i, _)| i).fold(false, |any, i| widen(i) || any)
+                bilateral.filter(|(i, _)| widen(*i)).count() > 0
             }
             RunEnd::Done => false,
         };

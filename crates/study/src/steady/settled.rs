@@ -49,8 +49,7 @@ impl SettledAmplitude {
             let done = method.integrate(&assembly.structure, &shaker, &sampling)?;
             let displacement = &done.history.displacement;
             let before = displacement.len() - displacement.len() / 4;
-            let [earlier, last] =
-                [&displacement[..before], displacement].map(|samples| fundamental(samples));
+            let [earlier, last] = [&displacement[..before], &displacement[..]].map(fundamental);
             let settled = (last - earlier).abs() <= SETTLED * last;
             if settled || periods >= MOST_PERIODS {
                 return Ok(Self { amplitude_1_m: last, step_s: done.step, settled });
