@@ -7,13 +7,9 @@
 //! other hits. A hit that loses contact is refined by itself. A response that does not converge is
 //! integrated once more under a force larger by 1e-12: if the two part, it depends on rounding.
 //!
-//! | module | holds |
-//! |---|---|
-//! | `task` | one response, its estimated errors, and the next step and modes |
-//! | `twin` | the comparison with a slightly larger force |
+//! One response, its estimated errors, and the next step and modes are in `task`.
 
 mod task;
-mod twin;
 
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -26,8 +22,12 @@ use crate::observables::Observables;
 use crate::prepared_scenario::PreparedScenario;
 use crate::quantity::Quantity;
 use task::{Level, Response, Task, contact_is_lost};
-use twin::parting;
-pub(crate) use twin::{parting_sample, perturbed};
+
+/// Relative change of the force of the twin that shows dependence on rounding.
+const PERTURBATION: f64 = 1e-12;
+
+/// Difference of two displacements, over the largest, from which on they count as parted.
+const PARTED: f64 = 1e-3;
 
 /// A modal hit to be carried out to the accuracy of its scenario.
 #[derive(Debug, Clone)]
@@ -315,4 +315,23 @@ impl ErrorControl {
         }
         responses
     }
+}
+
+/// The force of a response that shows dependence on rounding.
+pub(crate) fn perturbed(excitation: &Excitation) -> Excitation {
+    excitation.scaled(1.0 + PERTURBATION)
+}
+
+/// Sample from which on two displacements differ.
+pub(crate) fn parting_sample(a: &[f64], b: &[f64]) -> Option<usize> {
+    let largest = a.iter().fold(0.0, |most: f64, u| most.max(u.abs()));
+    a.iter().zip(b).position(|(a, b)| (a - b).abs() > PARTED * largest)
+}
+
+/// Time \[s\] from which on the displacements of two responses differ.
+fn parting(a: &HitResponse, b: &HitResponse) -> Option<f64> {
+    let sample = parting_sample(&a.displacement, &b.displacement)?;
+    // The filter delays by half its length.
+    let steps = (sample * a.decimation.factor).saturating_sub(a.decimation.taps.len() / 2);
+    Some(steps as f64 * a.step)
 }
