@@ -289,7 +289,11 @@ impl Attempt {
         };
         let (i, time) = match outcome.end {
             RunEnd::Done => {
-                let residual = ledger(&self.lane, outcome).residual_relative();
+                let residual = if is_finite(&self.lane, outcome) {
+                    ledger(&self.lane, outcome).residual_relative()
+                } else {
+                    f64::NAN
+                };
                 if may_halve && Resolution::too_coarse(residual) {
                     return at(Settings::first(hit, self.settings.halvings + 1)).map(Some);
                 }
@@ -328,6 +332,15 @@ impl Attempt {
             table_exponents: self.settings.table_exponents.clone(),
         }
     }
+}
+
+/// True if every number of an outcome is one. Closures between steps may be beyond those that a law
+/// has, also where those at the steps are not.
+fn is_finite(lane: &PreparedHit, outcome: &Outcome) -> bool {
+    let samples = outcome.displacement.iter().chain(outcome.pressure.iter().flatten());
+    let contacts = contact_extremes(lane, outcome);
+    samples.copied().all(f64::is_finite)
+        && contacts.iter().all(|one| one.pressure_max.is_finite() && one.pressure_min.is_finite())
 }
 
 /// Pressure of faces that just touch, over that at rest.

@@ -6,7 +6,7 @@ use asperity_dynamics::{
 use asperity_law::LawError;
 
 use super::{Controlled, Request};
-use crate::accuracy::ErrorEstimate;
+use crate::accuracy::{DEFAULT_ACCURACY, ErrorEstimate};
 use crate::error::StudyError;
 use crate::observables::Observables;
 
@@ -16,8 +16,16 @@ const MOST_REFINEMENTS: i32 = 7;
 /// Steps of a response beyond which it is not refined any more.
 const MOST_STEPS: f64 = 2e6;
 
+/// Steps times modes of a response beyond which it is not refined any more: some seconds, or, where a
+/// smaller accuracy than the default is asked for, minutes.
+const MOST_WORK: f64 = 1e8;
+const MOST_WORK_ASKED: f64 = 4e9;
+
 /// Most modes of a body: those too fast for the step count as flexibility anyway.
 const MOST_MODES: usize = 512;
+
+/// Levels in a row without a response after which none is expected.
+const MOST_FAILURES: usize = 4;
 
 /// Share of the accuracy that each of step and modes may take; the rest is for the tables.
 const SHARE: f64 = 0.45;
@@ -56,6 +64,8 @@ pub(super) struct Task<'a> {
     /// True if its level is that of many hits.
     is_pilot: bool,
     pub(super) level: Level,
+    /// Levels in a row without a response.
+    failures: usize,
     pub(super) fine: Option<Result<Response, StudyError>>,
     /// The response that the step is judged by; and the one, of fewer modes, that the modes are
     /// judged by.
@@ -90,6 +100,7 @@ impl<'a> Task<'a> {
             modes_are_given: modal.modes_per_body.is_some(),
             is_pilot: false,
             level: Level::default(),
+            failures: 0,
             fine: None,
             other: None,
             fewer: None,
@@ -162,16 +173,37 @@ impl<'a> Task<'a> {
             && self.step_errors(fine).relative > SUSPECT_ERROR * self.accuracy()
     }
 
-    fn may_halve(&self) -> bool {
-        let steps = self.duration / self.first_step * f64::from(self.level.step + 1).exp2();
-        !self.step_is_given && self.level.step < MOST_REFINEMENTS && steps <= MOST_STEPS
+    /// True if the fine response of a pilot will hardly be one for other hits.
+    fn is_of_no_use(&self, fine: &Response) -> bool {
+        let refined = self.level.step >= SUSPECT_REFINEMENTS;
+        contact_is_lost(&fine.record)
+            || refined && self.step_errors(fine).relative > SUSPECT_ERROR * self.accuracy()
     }
 
-    fn may_add_modes(&self) -> bool {
+    /// True if half the step, after a response of so many `modes`, is worth its work.
+    fn may_halve(&self, modes: usize) -> bool {
+        let steps = 2.0 * self.steps();
+        !self.step_is_given
+            && self.level.step < MOST_REFINEMENTS
+            && steps <= MOST_STEPS
+            && steps * modes as f64 <= self.most_work()
+    }
+
+    /// True if twice the modes, after a response of so many, are worth their work.
+    fn may_add_modes(&self, modes: usize) -> bool {
         let more = Level { modes: self.level.modes + 1, ..self.level };
         !self.modes_are_given
             && self.level.modes < MOST_REFINEMENTS
+            && self.steps() * 2.0 * modes as f64 <= self.most_work()
             && self.counts_at(more) != self.counts_at(self.level)
+    }
+
+    fn steps(&self) -> f64 {
+        self.duration / self.first_step * f64::from(self.level.step).exp2()
+    }
+
+    fn most_work(&self) -> f64 {
+        if self.accuracy() < DEFAULT_ACCURACY { MOST_WORK_ASKED } else { MOST_WORK }
     }
 
     fn accuracy(&self) -> f64 {
@@ -239,7 +271,12 @@ impl<'a> Task<'a> {
     pub(super) fn judge(&mut self) {
         match self.fine.take() {
             None => {}
-            Some(Err(error)) if self.may_halve() && is_mended_by_refinement(&error) => {
+            Some(Err(error))
+                if self.failures < MOST_FAILURES
+                    && self.may_halve(1)
+                    && is_mended_by_refinement(&error) =>
+            {
+                self.failures += 1;
                 self.level.step += 1;
                 self.other = None;
             }
@@ -249,11 +286,12 @@ impl<'a> Task<'a> {
             }
             Some(Err(error)) => self.done = Some(Err(error)),
             // Its hits are refined one by one.
-            Some(Ok(fine)) if self.is_pilot && contact_is_lost(&fine.record) => {
+            Some(Ok(fine)) if self.is_pilot && self.is_of_no_use(&fine) => {
                 let estimate = ErrorEstimate::unknown(&fine.observables, self.accuracy());
                 self.done = Some(Ok(accepted(fine, self.counts_at(self.level), estimate)));
             }
             Some(Ok(fine)) => {
+                self.failures = 0;
                 let by_step = self.step_errors(&fine);
                 let by_modes = match (self.truncation.take(), &self.fewer) {
                     (Some((_, known)), None) => known,
@@ -271,11 +309,11 @@ impl<'a> Task<'a> {
                 );
                 let share = SHARE * self.accuracy();
                 let residual = fine.record.energy.residual_relative();
-                let halve =
-                    self.may_halve() && !(by_step.relative <= share && residual <= COARSE_RESIDUAL);
+                let halve = self.may_halve(fine.record.modes)
+                    && !(by_step.relative <= share && residual <= COARSE_RESIDUAL);
                 // An error that is not a number is not small.
                 let truncated = by_modes.relative.is_nan() || by_modes.relative > share;
-                let add_modes = self.may_add_modes() && truncated;
+                let add_modes = self.may_add_modes(fine.record.modes) && truncated;
                 let parted = self.parted.take();
                 if parted.is_none() && add_modes {
                     self.level.modes += 1;
