@@ -62,8 +62,8 @@ pub use finite_difference::{ContactForm, FiniteDifference};
 pub use instruction_set::InstructionSet;
 pub use integrator::{Integrator, RunOutline};
 pub use modal::{
-    Batch, ContactMeasures, Decimation, HitResponse, HitSimulation, Modal, ModalModel,
-    ParameterVariation, Sensitivity, StepHistory,
+    Batch, COARSE_RESIDUAL, ContactMeasures, Decimation, HitResponse, HitSimulation, Modal,
+    ModalModel, ParameterVariation, Sensitivity, StepHistory,
 };
 pub use transient::{
     ContactExtremes, EnergyLedger, History, InterfaceHistory, Sampling, Transient,

@@ -59,6 +59,7 @@ pub use sensitivity::{ContactMeasures, ParameterVariation, Sensitivity, StepHist
 pub use simd::decimation::Decimation;
 pub use simulate::Batch;
 pub use simulation::{HitResponse, HitSimulation};
+pub use step_size::COARSE_RESIDUAL;
 
 /// Frequencies of interest over the lowest natural one: the top of the window in which the second
 /// harmonic is searched.

@@ -1,13 +1,14 @@
 //! Error estimates of observables, and the accuracy that is asked of them.
 //!
-//! The error of an observable is estimated from two responses, of steps h and 2h, or of modes and
-//! half as many,
+//! The error of an observable is estimated from a second response, of another step, of half the
+//! modes, or on another grid,
 //!
 //! ```text
-//! e = |Q(h) - Q(2h)| / 3,   or   e = |Q(h) - Q(2h)|   where contact is lost,
+//! e = |Q - Q'| / divisor,
 //! ```
 //!
-//! which holds for any method of second order, or of first; both errors are added. They are compared
+//! where the order of the method gives the divisor: 3 for one of second order and twice the step, 1
+//! for one of first. Errors of different origin are added. They are compared
 //! with a scale of the observable, its own value for most.
 
 use serde::Serialize;
@@ -64,15 +65,15 @@ pub struct AccuracySummary {
 }
 
 impl ErrorEstimate {
-    /// The estimate from the observables of a response, and those of one of twice the step: the
-    /// error is their difference over `divisor`.
-    pub(crate) fn new(fine: &Observables, coarse: &Observables, divisor: f64, asked: f64) -> Self {
-        let all = Observable::all(fine.interfaces());
+    /// The estimate from the observables of a response, and those of another: the error is their
+    /// difference over `divisor`.
+    pub(crate) fn new(found: &Observables, other: &Observables, divisor: f64, asked: f64) -> Self {
+        let all = Observable::all(found.interfaces());
         let mut estimate =
             Self { asked, relative: 0.0, worst: None, errors: vec![f64::NAN; all.len()].into() };
         for (place, &observable) in all.iter().enumerate() {
-            let Some(scale) = scale(fine, observable) else { continue };
-            let [a, b] = [fine, coarse].map(|found| found.values[place]);
+            let Some(scale) = scale(found, observable) else { continue };
+            let [a, b] = [found, other].map(|one| one.values[place]);
             // A peak that only one of them has is all error.
             let error = match (a.is_nan(), b.is_nan()) {
                 (true, true) => continue,
@@ -130,12 +131,6 @@ impl ErrorEstimate {
         let all = Observable::all(found.interfaces());
         let error = |observable| scale(found, observable).map_or(0.0, |scale| relative * scale);
         Self { asked, relative, worst: None, errors: all.into_iter().map(error).collect() }
-    }
-
-    /// No errors.
-    pub(crate) fn none(found: &Observables, asked: f64) -> Self {
-        let errors = vec![0.0; found.values.len()].into();
-        Self { asked, relative: 0.0, worst: None, errors }
     }
 
     /// No estimate: the accuracy counts as not reached.

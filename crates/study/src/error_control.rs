@@ -21,7 +21,8 @@ use crate::observable_extractor::ObservableExtractor;
 use crate::observables::Observables;
 use crate::prepared_scenario::PreparedScenario;
 use crate::quantity::Quantity;
-use task::{Level, Response, Task, contact_is_lost};
+pub(crate) use task::contact_is_lost;
+use task::{Level, Response, Task};
 
 /// Relative change of the force of the twin that shows dependence on rounding.
 const PERTURBATION: f64 = 1e-12;
@@ -164,7 +165,7 @@ impl ErrorControl {
         self.refine(&mut pilots, all);
         for (task, request) in pilots.into_iter().zip(of) {
             let outcome = match task.done {
-                Some(Ok(done)) if !contact_is_lost(&done.record) && done.is_reached() => {
+                Some(Ok(done)) if !contact_is_lost(&done.record.contacts) && done.is_reached() => {
                     Some(Arc::new((task.level, done.observables)))
                 }
                 _ => None,

@@ -13,7 +13,7 @@ use tracing::info_span;
 use crate::accuracy::{DEFAULT_ACCURACY, ErrorEstimate};
 use crate::assemble::Assembly;
 use crate::error::StudyError;
-use crate::error_control::{parting_sample, perturbed};
+use crate::error_control::{contact_is_lost, parting_sample, perturbed};
 use crate::observables::Observables;
 use crate::static_state::StaticSummary;
 
@@ -31,7 +31,7 @@ pub(crate) fn integrate(
     let stage = info_span!("integrate").entered();
     let transient = method.integrate_with_progress(structure, excitation, sampling, progress)?;
     let mut parted = None;
-    if contact_is_lost(&transient) {
+    if contact_is_lost(&transient.contacts) {
         let twin = method.integrate(structure, &perturbed(excitation), sampling)?;
         let displacements = (&transient.history.displacement, &twin.history.displacement);
         parted = parting_sample(displacements.0, displacements.1);
@@ -76,8 +76,4 @@ fn estimated(
     };
     let divisor = (other.step / transient.step - 1.0).abs();
     ErrorEstimate::new(found, &observables, divisor, DEFAULT_ACCURACY)
-}
-
-fn contact_is_lost(transient: &Transient) -> bool {
-    transient.contacts.iter().any(|contact| contact.lost > 0.0)
 }

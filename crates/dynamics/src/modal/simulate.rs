@@ -289,16 +289,16 @@ impl Attempt {
         };
         let (i, time) = match outcome.end {
             RunEnd::Done => {
-                let residual = if is_finite(&self.lane, outcome) {
-                    ledger(&self.lane, outcome).residual_relative()
+                if let Some(i) = not_finite(&self.lane, outcome) {
+                    (i, self.lane.steps)
                 } else {
-                    f64::NAN
-                };
-                if may_halve && Resolution::too_coarse(residual) {
-                    return at(Settings::first(hit, self.settings.halvings + 1)).map(Some);
+                    let residual = ledger(&self.lane, outcome).residual_relative();
+                    if may_halve && Resolution::too_coarse(residual) {
+                        return at(Settings::first(hit, self.settings.halvings + 1)).map(Some);
+                    }
+                    balanced(residual, self.lane.tabulated.step_model.step, "step")?;
+                    return Ok(None);
                 }
-                balanced(residual, self.lane.tabulated.step_model.step, "step")?;
-                return Ok(None);
             }
             RunEnd::Beyond(i) => (i, self.lane.steps),
             RunEnd::NotFinite(reached, i) => (i, reached.saturating_sub(8 * CHUNK)),
@@ -334,13 +334,15 @@ impl Attempt {
     }
 }
 
-/// True if every number of an outcome is one. Closures between steps may be beyond those that a law
-/// has, also where those at the steps are not.
-fn is_finite(lane: &PreparedHit, outcome: &Outcome) -> bool {
-    let samples = outcome.displacement.iter().chain(outcome.pressure.iter().flatten());
+/// The first contact with a number that is not finite. Closures between steps may be beyond those
+/// that a law has, also where those at the steps are not.
+fn not_finite(lane: &PreparedHit, outcome: &Outcome) -> Option<usize> {
     let contacts = contact_extremes(lane, outcome);
-    samples.copied().all(f64::is_finite)
-        && contacts.iter().all(|one| one.pressure_max.is_finite() && one.pressure_min.is_finite())
+    let extremes = |one: &ContactExtremes| [one.pressure_min, one.pressure_max];
+    let bad = contacts.iter().position(|one| !extremes(one).iter().all(|p| p.is_finite()));
+    let samples = outcome.displacement.iter().chain(outcome.pressure.iter().flatten());
+    let all = samples.copied().all(f64::is_finite);
+    bad.or((!all).then_some(0))
 }
 
 /// Pressure of faces that just touch, over that at rest.

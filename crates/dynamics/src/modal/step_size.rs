@@ -21,8 +21,10 @@ const STEPS_A_PULSE: f64 = 16.0;
 /// Multiples of a power of ten that steps are rounded down to.
 const ROUND: [f64; 10] = [8.0, 6.4, 5.0, 4.0, 3.2, 2.5, 2.0, 1.6, 1.25, 1.0];
 
-/// Energy residual above which a step that was chosen is halved, and how often.
-const COARSE_RESIDUAL: f64 = 5e-4;
+/// Energy residual above which a step that was chosen is halved.
+pub const COARSE_RESIDUAL: f64 = 5e-4;
+
+/// Halvings of it at most.
 pub(super) const MOST_HALVINGS: u32 = 7;
 
 impl HitSimulation {

@@ -1,7 +1,7 @@
 //! One response on its way to its accuracy.
 
 use asperity_dynamics::{
-    ContactExtremes, DynamicsError, Excitation, HitResponse, HitSimulation, Modal,
+    COARSE_RESIDUAL, ContactExtremes, DynamicsError, Excitation, HitResponse, HitSimulation, Modal,
 };
 use asperity_law::LawError;
 
@@ -30,11 +30,8 @@ const MOST_FAILURES: usize = 4;
 /// Share of the accuracy that each of step and modes may take; the rest is for the tables.
 const SHARE: f64 = 0.45;
 
-/// Energy residual above which a response is refined, whatever its estimated errors.
-const COARSE_RESIDUAL: f64 = 5e-4;
-
-/// Halvings from which on a response that loses contact is suspected to depend on rounding, and its
-/// estimated error, over the accuracy.
+/// Halvings from which on a response counts as far from converged, and its estimated error then, over
+/// the accuracy.
 const SUSPECT_REFINEMENTS: i32 = 2;
 const SUSPECT_ERROR: f64 = 10.0;
 
@@ -46,8 +43,15 @@ pub(super) struct Response {
     pub(super) observables: Observables,
 }
 
-pub(super) fn contact_is_lost(record: &HitResponse) -> bool {
-    record.contacts.iter().any(|contact| contact.lost > 0.0)
+impl Response {
+    pub(super) fn loses_contact(&self) -> bool {
+        contact_is_lost(&self.record.contacts)
+    }
+}
+
+/// True if any of some contacts is lost for a time.
+pub(crate) fn contact_is_lost(contacts: &[ContactExtremes]) -> bool {
+    contacts.iter().any(|contact| contact.lost > 0.0)
 }
 
 /// A request on its way.
@@ -163,21 +167,15 @@ impl<'a> Task<'a> {
         !self.modes_are_given && known != Some(fine.record.modes)
     }
 
-    /// True if refinement may be of no use: the fine response loses contact, and is still far from
-    /// converged.
+    /// True if the response may depend on rounding: it loses contact, and is far from converged.
     pub(super) fn is_suspect(&self) -> bool {
         let Some(Ok(fine)) = &self.fine else { return false };
-        let refined = self.level.step >= SUSPECT_REFINEMENTS;
-        refined
-            && contact_is_lost(&fine.record)
-            && self.step_errors(fine).relative > SUSPECT_ERROR * self.accuracy()
+        fine.loses_contact() && self.is_far_from_converged(fine)
     }
 
-    /// True if the fine response of a pilot will hardly be one for other hits.
-    fn is_of_no_use(&self, fine: &Response) -> bool {
-        let refined = self.level.step >= SUSPECT_REFINEMENTS;
-        contact_is_lost(&fine.record)
-            || refined && self.step_errors(fine).relative > SUSPECT_ERROR * self.accuracy()
+    fn is_far_from_converged(&self, fine: &Response) -> bool {
+        self.level.step >= SUSPECT_REFINEMENTS
+            && self.step_errors(fine).relative > SUSPECT_ERROR * self.accuracy()
     }
 
     /// True if half the step, after a response of so many `modes`, is worth its work.
@@ -216,7 +214,7 @@ impl<'a> Task<'a> {
             return ErrorEstimate::unknown(&fine.observables, self.accuracy());
         };
         // Of second order while contact holds, of first where it is lost.
-        let lost = contact_is_lost(&fine.record) || contact_is_lost(&other.record);
+        let lost = fine.loses_contact() || other.loses_contact();
         let divisor = match (self.compares_with_half(), lost) {
             (false, false) => 3.0,
             (false, true) => 1.0,
@@ -229,9 +227,9 @@ impl<'a> Task<'a> {
     /// Errors by the truncation of modes, of third order in their number.
     fn truncation_errors(&self, fine: &Response) -> ErrorEstimate {
         match &self.fewer {
-            None => ErrorEstimate::none(&fine.observables, self.accuracy()),
+            None => ErrorEstimate::of_share(&fine.observables, 0.0, self.accuracy()),
             Some(Ok(fewer)) => {
-                let lost = contact_is_lost(&fewer.record) || contact_is_lost(&fine.record);
+                let lost = fewer.loses_contact() || fine.loses_contact();
                 let divisor = if lost { 1.0 } else { 3.0 };
                 ErrorEstimate::new(&fine.observables, &fewer.observables, divisor, self.accuracy())
             }
@@ -257,7 +255,7 @@ impl<'a> Task<'a> {
     pub(super) fn follow(&mut self, pilot: &(Level, Observables)) {
         let fine = self.fine.take();
         if let (Some(Ok(fine)), Some(estimate)) = (fine, pilot.1.estimate())
-            && !contact_is_lost(&fine.record)
+            && !fine.loses_contact()
             && fine.record.energy.residual_relative() <= COARSE_RESIDUAL
         {
             let estimate = estimate.transferred(&pilot.1, &fine.observables);
@@ -286,7 +284,9 @@ impl<'a> Task<'a> {
             }
             Some(Err(error)) => self.done = Some(Err(error)),
             // Its hits are refined one by one.
-            Some(Ok(fine)) if self.is_pilot && self.is_of_no_use(&fine) => {
+            Some(Ok(fine))
+                if self.is_pilot && (fine.loses_contact() || self.is_far_from_converged(&fine)) =>
+            {
                 let estimate = ErrorEstimate::unknown(&fine.observables, self.accuracy());
                 self.done = Some(Ok(accepted(fine, self.counts_at(self.level), estimate)));
             }
