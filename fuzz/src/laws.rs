@@ -8,8 +8,9 @@ use serde_json::Value;
 use crate::documents::BASE;
 use crate::numbers::Numbers;
 
-/// Relative decrease of a rising curve that is rounding.
+/// Relative decrease of a rising curve that is rounding, and relative rounding of a closure.
 const ROUNDING: f64 = 1e-9;
+const CLOSURE_ROUNDING: f64 = 1e-12;
 
 /// Magnitudes of parameters for which values have to hold, not only to be there.
 const SENSIBLE: std::ops::RangeInclusive<f64> = 1e-20..=1e20;
@@ -56,13 +57,16 @@ pub fn law(bytes: &[u8]) {
     closures.sort_by(f64::total_cmp);
     let (mut last_pressure, mut last_energy) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
     for closure in closures.into_iter().filter(|closure| closure.is_finite()) {
-        let (pressure, energy) = (law.pressure(closure).value, law.energy(closure));
+        let (state, energy) = (law.pressure(closure), law.energy(closure));
+        // Next to a closure limit a steep tangent turns the rounding of a closure into one of pressure.
+        let pressure = state.value;
+        let by_closure = CLOSURE_ROUNDING * closure.abs() * state.tangent;
         assert!(
             !pressure.is_nan() && !energy.is_nan(),
             "{text}: {pressure}, {energy} at {closure} m"
         );
-        rises(&text, "pressure", last_pressure, pressure);
-        rises(&text, "energy", last_energy, energy);
+        rises(&text, "pressure", last_pressure, pressure + by_closure);
+        rises(&text, "energy", last_energy, energy + by_closure * closure.abs());
         (last_pressure, last_energy) = (pressure, energy);
     }
     let increment = law.pressure_increment(static_pressure, 0.0).value;

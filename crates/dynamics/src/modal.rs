@@ -37,6 +37,7 @@ mod assembly;
 mod dense_output;
 mod drive;
 mod energy;
+mod fast_modes;
 mod increasing_root;
 mod oscillator;
 mod sensitivity;

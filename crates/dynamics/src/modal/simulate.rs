@@ -3,6 +3,7 @@
 use asperity_law::LawError;
 use asperity_structure::PreloadedContact;
 use std::cmp::Ordering;
+use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use super::assembly::PreparedHit;
@@ -49,8 +50,11 @@ struct Settings {
     interpolation: InterpolationChoice,
 }
 
-/// Doublings of the tabulated pressures before a hit is given up.
+/// Doublings of the tabulated pressures before a hit is given up; and before pressures with the
+/// interpolation of highest order count as an instability of it, as can arise where fast and slow
+/// modes share a contact.
 const MOST_DOUBLINGS: i32 = 16;
+const MOST_DOUBLINGS_OF_HIGHEST_ORDER: i32 = 4;
 
 /// Doublings of the tabulated pressures after a pressure beyond them.
 const DOUBLINGS_AT_ONCE: i32 = 2;
@@ -181,10 +185,19 @@ impl Batch {
 }
 
 /// Exponents of two of the first top pressures \[Pa\] of tables above rest: three times the peak
-/// over the area, or a quarter of the weight, whichever is more.
+/// over the area, times the amplification of a lasting force at resonance, or a quarter of the
+/// weight, whichever is more.
 fn first_table_exponents(hit: &HitSimulation) -> Vec<i32> {
+    let structure = hit.model.preloaded();
+    let radians = TAU * structure.natural_frequency().unwrap_or(0.0);
+    let amplification = if hit.excitation.ends_at() == f64::INFINITY {
+        (radians / structure.damping_rate()).min(0.5 * radians * hit.duration).max(1.0)
+    } else {
+        1.0
+    };
+    let force = 3.0 * hit.excitation.peak() * amplification;
     let first = |contact: &PreloadedContact| {
-        let scale = (3.0 * hit.excitation.peak() / contact.area()).max(0.25 * contact.pressure());
+        let scale = (force / contact.area()).max(0.25 * contact.pressure());
         if scale > 0.0 { scale.log2().ceil().clamp(-30.0, 60.0) as i32 } else { 0 }
     };
     hit.model.contacts().iter().map(first).collect()
@@ -201,9 +214,13 @@ impl Settings {
     /// too many.
     fn wider(&self, hit: &HitSimulation, end: RunEnd) -> Option<Self> {
         let first = first_table_exponents(hit);
+        let most = match self.interpolation {
+            InterpolationChoice::HighestOrder => MOST_DOUBLINGS_OF_HIGHEST_ORDER,
+            InterpolationChoice::Average => MOST_DOUBLINGS,
+        };
         let mut wider = self.clone();
         let mut widen = |i: usize| {
-            let may = self.table_exponents[i] - first[i] < MOST_DOUBLINGS;
+            let may = self.table_exponents[i] - first[i] < most;
             wider.table_exponents[i] += if may { DOUBLINGS_AT_ONCE } else { 0 };
             may
         };
@@ -329,6 +346,7 @@ impl Attempt {
             contacts: contact_extremes(&self.lane, &outcome),
             energy: ledger(&self.lane, &outcome),
             displacement: outcome.displacement,
+            is_of_second_order: self.settings.interpolation == InterpolationChoice::Average,
             table_exponents: self.settings.table_exponents.clone(),
         }
     }

@@ -40,6 +40,9 @@ pub struct HitResponse {
     pub contacts: Vec<ContactExtremes>,
     /// The energy balance.
     pub energy: EnergyLedger,
+    /// True if all modes took the mean of the contact forces at both ends of a step, since those of
+    /// higher order did not stay bounded.
+    pub is_of_second_order: bool,
     pub(super) table_exponents: Vec<i32>,
 }
 

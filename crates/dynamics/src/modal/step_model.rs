@@ -12,7 +12,7 @@ const DAMPED: f64 = 1.44;
 
 /// Radians in a step from which on a mode counts as following its forces at once. A step cannot
 /// show such an oscillation, and under a force that is frozen within the step it can even grow.
-const FAST: f64 = 2.0;
+pub(super) const FAST: f64 = 2.0;
 
 /// Choice of the interpolation of the contact force for each mode.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]

@@ -27,8 +27,11 @@ const MOST_MODES: usize = 512;
 /// Levels in a row without a response after which none is expected.
 const MOST_FAILURES: usize = 4;
 
-/// Share of the accuracy that each of step and modes may take; the rest is for the tables.
-const SHARE: f64 = 0.45;
+/// Shares of the accuracy that the step, the number of modes, and modes too fast for the step may
+/// take; the rest is for the tables.
+const STEP_SHARE: f64 = 0.45;
+const COUNT_SHARE: f64 = 0.35;
+const FAST_SHARE: f64 = 0.1;
 
 /// Halvings from which on a response counts as far from converged, and its estimated error then, over
 /// the accuracy.
@@ -213,6 +216,12 @@ impl<'a> Task<'a> {
         let Some(Ok(other)) = &self.other else {
             return ErrorEstimate::unknown(&fine.observables, self.accuracy());
         };
+        let [finer, coarser] =
+            if self.compares_with_half() { [other, fine] } else { [fine, other] };
+        if finer.record.is_of_second_order && !coarser.record.is_of_second_order {
+            // The error of the finer one may be the larger.
+            return ErrorEstimate::unknown(&fine.observables, self.accuracy());
+        }
         // Of second order while contact holds, of first where it is lost.
         let lost = fine.loses_contact() || other.loses_contact();
         let divisor = match (self.compares_with_half(), lost) {
@@ -235,6 +244,17 @@ impl<'a> Task<'a> {
             }
             Some(Err(_)) => ErrorEstimate::unknown(&fine.observables, self.accuracy()),
         }
+    }
+
+    /// Errors by modes that neither the fine response nor the one that judges its step shows, from
+    /// above.
+    fn fast_mode_errors(&self, fine: &Response) -> ErrorEstimate {
+        let step = match &self.other {
+            Some(Ok(other)) => other.record.step.min(fine.record.step),
+            _ => fine.record.step,
+        };
+        let error = fine.hit.error_of_fast_modes(step, &fine.record);
+        ErrorEstimate::of_share(&fine.observables, error, self.accuracy())
     }
 
     /// Errors by the tables of the laws: their largest differences from the laws, over the ranges of
@@ -298,6 +318,7 @@ impl<'a> Task<'a> {
                     _ => self.truncation_errors(&fine),
                 };
                 self.fewer = None;
+                let by_fast_modes = self.fast_mode_errors(&fine);
                 tracing::debug!(
                     step_s = fine.record.step,
                     modes = fine.record.modes,
@@ -305,15 +326,22 @@ impl<'a> Task<'a> {
                     of = ?by_step.worst,
                     error_by_modes = by_modes.relative,
                     of_modes = ?by_modes.worst,
+                    error_by_fast_modes = by_fast_modes.relative,
                     "errors estimated"
                 );
-                let share = SHARE * self.accuracy();
                 let residual = fine.record.energy.residual_relative();
-                let halve = self.may_halve(fine.record.modes)
-                    && !(by_step.relative <= share && residual <= COARSE_RESIDUAL);
                 // An error that is not a number is not small.
-                let truncated = by_modes.relative.is_nan() || by_modes.relative > share;
-                let add_modes = self.may_add_modes(fine.record.modes) && truncated;
+                let accuracy = self.accuracy();
+                let exceeds = |estimate: &ErrorEstimate, share: f64| {
+                    estimate.relative.is_nan() || estimate.relative > share * accuracy
+                };
+                let is_coarse = exceeds(&by_step, STEP_SHARE)
+                    || exceeds(&by_fast_modes, FAST_SHARE)
+                    || residual.is_nan()
+                    || residual > COARSE_RESIDUAL;
+                let halve = is_coarse && self.may_halve(fine.record.modes);
+                let add_modes =
+                    exceeds(&by_modes, COUNT_SHARE) && self.may_add_modes(fine.record.modes);
                 let parted = self.parted.take();
                 if parted.is_none() && add_modes {
                     self.level.modes += 1;
@@ -328,7 +356,8 @@ impl<'a> Task<'a> {
                         self.other = Some(Ok(fine));
                     }
                 } else {
-                    let estimate = by_step.plus(&by_modes).plus(&self.table_errors(&fine));
+                    let by_tables = self.table_errors(&fine);
+                    let estimate = by_step.plus(&by_modes).plus(&by_fast_modes).plus(&by_tables);
                     let mut done = accepted(fine, self.counts_at(self.level), estimate);
                     if let Some((from, twin)) = parted {
                         done.observables.set_sensitive(from, Some(&twin));
