@@ -8,6 +8,7 @@ use asperity_experiment::AnalysisError;
 use asperity_figure::FigureError;
 use asperity_harmonic::HarmonicError;
 use asperity_identify::IdentificationError;
+use asperity_measure::MeasureError;
 use asperity_scenario::{Diagnostic, DocumentError, InvalidDocument, SetError};
 use asperity_structure::StructureError;
 use asperity_study::error::{OutputError, StudyError};
@@ -108,7 +109,9 @@ impl Failure {
                      --overwrite, which replaces only those that have the name of a new file"
                     .into(),
             ),
-            Self::Study(StudyError::Output(OutputError::OtherDocument { .. })) => Some(
+            Self::Study(StudyError::Output(
+                OutputError::OtherDocument { .. } | OutputError::OtherKind { .. },
+            )) => Some(
                 "choose another folder with --out, or replace these results with --overwrite"
                     .into(),
             ),
@@ -135,6 +138,10 @@ fn analysis_hint(error: &AnalysisError) -> Option<String> {
             "the output file" => "--to FORMAT gives the format".into(),
             _ => return None,
         },
+        AnalysisError::Measure(MeasureError::Exists { .. }) => {
+            "choose another name, or replace the file with --overwrite".into()
+        }
+        AnalysisError::SameFile { .. } => "choose another name".into(),
         AnalysisError::NoChannel { role, .. } => {
             format!("select one with --{role}, or describe the channels with --names and --units")
         }

@@ -30,6 +30,12 @@ pub enum AnalysisError {
         /// Cause.
         source: io::Error,
     },
+    /// The input of a conversion as its output.
+    #[error("{} is the input and the output", path.display())]
+    SameFile {
+        /// File.
+        path: PathBuf,
+    },
     /// Empty list of files.
     #[error("no file to analyse")]
     NoFile,

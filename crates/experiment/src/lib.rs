@@ -78,7 +78,7 @@ pub use analyse::{analyse, analyse_with_progress};
 pub use analysis::{Analysis, HitBackbone};
 pub use average::AveragedFrf;
 pub use channel::ChannelSelector;
-pub use convert::{Conversion, convert};
+pub use convert::{Conversion, ConvertOptions, convert};
 pub use curve::HitCurve;
 pub use cutting::for_each_hit;
 pub use error::AnalysisError;

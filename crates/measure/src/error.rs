@@ -34,6 +34,12 @@ pub enum MeasureError {
         /// The error.
         source: std::io::Error,
     },
+    /// A file that exists, and is not to be replaced.
+    #[error("{file} exists")]
+    Exists {
+        /// The file.
+        file: String,
+    },
     /// Content that violates the format.
     #[error("{file}, {place}: {quantity} is {found}; expected {expected}")]
     Malformed {

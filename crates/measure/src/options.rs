@@ -47,4 +47,6 @@ pub struct WriteOptions {
     pub title: String,
     /// Date as text, likewise.
     pub date: String,
+    /// Replaces an existing file, which is an error otherwise.
+    pub replace: bool,
 }

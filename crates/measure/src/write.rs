@@ -18,7 +18,8 @@ const SUFFIX: &str = ".tmp";
 ///
 /// # Errors
 /// [`MeasureError::NotExpressible`] for channels that the format cannot represent,
-/// [`MeasureError::Unsupported`] for a format that is only read,
+/// [`MeasureError::Unsupported`] for a format that is only read, [`MeasureError::Exists`] for an
+/// existing file that is not to be [replaced](WriteOptions::replace),
 /// [`MeasureError::Io`] for errors of the operating system. An existing file is then unchanged, and
 /// no new file remains.
 ///
@@ -45,6 +46,9 @@ pub fn write(
             ErrorKind::InvalidInput,
             "only a regular file can be replaced",
         )));
+    }
+    if place.exists() && !options.replace {
+        return Err(MeasureError::Exists { file });
     }
     let folder = match place.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
@@ -86,7 +90,14 @@ pub fn write(
     out.flush().map_err(io)?;
     drop(out);
     temporary.as_file().sync_all().map_err(io)?;
-    temporary.persist(&place).map_err(|error| io(error.error))?;
+    if options.replace {
+        temporary.persist(&place).map_err(|error| io(error.error))?;
+        return Ok(());
+    }
+    temporary.persist_noclobber(&place).map_err(|error| match error.error.kind() {
+        ErrorKind::AlreadyExists => MeasureError::Exists { file: file.clone() },
+        _ => io(error.error),
+    })?;
     Ok(())
 }
 

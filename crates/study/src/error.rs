@@ -177,6 +177,14 @@ pub enum OutputError {
         /// The other document.
         document: PathBuf,
     },
+    /// The folder has the results of another kind of command.
+    #[error("the output folder {} holds the results of `{command}`", folder.display())]
+    OtherKind {
+        /// The folder.
+        folder: PathBuf,
+        /// The other command.
+        command: String,
+    },
     /// Another run writes to the folder.
     #[error("another run of asperity is writing to the output folder {}", folder.display())]
     Busy {

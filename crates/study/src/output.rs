@@ -44,6 +44,9 @@ pub struct OutputRequest<'a> {
     pub document: &'a Path,
     /// True if results of another document are replaced, too.
     pub replace_other_document: bool,
+    /// True if results of another kind are replaced, too: a folder holds results of scenarios, of
+    /// measurements, or of an identification.
+    pub replace_other_kind: bool,
     /// True if the folder may hold files that are no results. They are kept, except those that have
     /// the name of a new file.
     pub allow_other_files: bool,
@@ -64,6 +67,7 @@ pub struct OutputRequest<'a> {
 ///     command: "simulate",
 ///     document: "rig.json".as_ref(),
 ///     replace_other_document: false,
+///     replace_other_kind: false,
 ///     allow_other_files: false,
 /// })?;
 /// output.write("history.csv", "time_s\n0\n")?;
@@ -89,7 +93,7 @@ impl OutputFolder {
     ///
     /// # Errors
     /// [`OutputError`] if another run writes to the folder, if it holds files that are no results or
-    /// results of another document, each unless requested, or cannot be written.
+    /// results of another document or kind, each unless requested, or cannot be written.
     pub fn claim(request: &OutputRequest<'_>) -> Result<Self, OutputError> {
         let path = request.folder.to_owned();
         let fail = |source| OutputError::Io { path: path.clone(), source };
@@ -114,6 +118,12 @@ impl OutputFolder {
                 let files = named.map(|name| name.to_string_lossy().into_owned()).collect();
                 return Err(OutputError::Occupied { folder: path, files, count: others.len() });
             }
+        }
+        if !request.replace_other_kind
+            && let Some(other) = marker.command_of_other_kind(request.command)
+        {
+            let command = other.to_owned();
+            return Err(OutputError::OtherKind { folder: path, command });
         }
         if !request.replace_other_document && marker.is_of_other_document(&document) {
             let document = place.join(&marker.document);

@@ -113,6 +113,9 @@ pub(crate) struct Conversion {
     /// Convert all channels to SI units.
     #[arg(long)]
     pub(crate) si: bool,
+    /// Replace OUT if it exists.
+    #[arg(long)]
+    pub(crate) overwrite: bool,
     /// Print the conversion as JSON.
     #[arg(long)]
     pub(crate) json: bool,

@@ -1,6 +1,6 @@
 //! `asperity convert`.
 
-use asperity_experiment::convert;
+use asperity_experiment::{ConvertOptions, convert};
 use asperity_measure::ReadOptions;
 use serde_json::json;
 
@@ -9,9 +9,14 @@ use crate::failure::Failure;
 
 /// Converts one file to another.
 pub(crate) fn run(asked: &Conversion, quiet: bool) -> Result<(), Failure> {
-    let Conversion { input, output, source, to, si, json } = asked;
-    let options = source.read_options(&ReadOptions::default());
-    let done = convert(input, output, to.map(RecordFormat::format), *si, &options)?;
+    let Conversion { input, output, source, to, si, overwrite, json } = asked;
+    let options = ConvertOptions {
+        reading: source.read_options(&ReadOptions::default()),
+        format: to.map(RecordFormat::format),
+        in_si: *si,
+        replace: *overwrite,
+    };
+    let done = convert(input, output, &options)?;
     if *json {
         let notices: Vec<String> = done.notices.iter().map(ToString::to_string).collect();
         let answer = json!({

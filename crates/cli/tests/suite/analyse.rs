@@ -25,7 +25,8 @@ fn test_record() -> Record {
 
 fn store(folder: &Path, name: &str, record: Record, format: Format) -> String {
     let path = folder.join(name);
-    write(&path, &[record], format, &WriteOptions::default()).unwrap();
+    write(&path, &[record], format, &WriteOptions { replace: true, ..WriteOptions::default() })
+        .unwrap();
     path.display().to_string()
 }
 
@@ -124,6 +125,41 @@ fn the_mode_is_found_and_the_double_hit_left_out() {
     assert!((number(&found, "/average/fundamental/frequency_hz") - top).abs() < 0.2);
     let kept = answer(folder.path(), &["analyse", &file, "--json", "--keep-all", "--out", "a"]);
     assert_eq!(kept["average"]["hits"], 4);
+}
+
+/// Neither a measurement nor the results of another kind of command are replaced without a question.
+#[test]
+fn nothing_is_replaced_that_the_command_did_not_write() {
+    let folder = tempfile::tempdir().unwrap();
+    store(folder.path(), "a.uff", test_record(), Format::UniversalBinary);
+    store(folder.path(), "b.npz", test_record(), Format::Npz);
+    let bytes = |name: &str| std::fs::read(folder.path().join(name)).unwrap();
+    let before = bytes("b.npz");
+    for (arguments, told) in [
+        (&["convert", "a.uff", "b.npz"][..], "--overwrite"),
+        (&["convert", "b.npz", "b.npz"], "the input and the output"),
+        (&["convert", "b.npz", "./b.npz", "--overwrite"], "the input and the output"),
+    ] {
+        let output = asperity(folder.path(), arguments);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        assert!(text(&output.stderr).contains(told), "{arguments:?}: {}", text(&output.stderr));
+        assert_eq!(bytes("b.npz"), before, "{arguments:?}");
+    }
+    assert!(
+        asperity(folder.path(), &["convert", "a.uff", "b.npz", "--overwrite"]).status.success()
+    );
+
+    answer(folder.path(), &["analyse", "a.uff", "--json", "--out", "hits"]);
+    let before = bytes("hits/frf.csv");
+    let rig =
+        concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/scenarios/nouira2020-power.json");
+    let modes = ["modes", rig, "--out", "hits"];
+    let output = asperity(folder.path(), &modes);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(text(&output.stderr).contains("results of `analyse`"), "{}", text(&output.stderr));
+    assert_eq!(bytes("hits/frf.csv"), before);
+    assert!(asperity(folder.path(), &[&modes[..], &["--overwrite"]].concat()).status.success());
+    assert!(!folder.path().join("hits/frf.csv").exists(), "a folder has one kind of result");
 }
 
 /// The same samples in four formats: doubles to the last bit, text to its digits.

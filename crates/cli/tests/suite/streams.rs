@@ -35,7 +35,7 @@ fn answers(folder: &Path) -> Vec<Vec<String>> {
         &["sweep", &rig, quick, "--vary", "/excitation/peak_n=1,2", "--json"],
         &["law", &rig],
         &["modes", &rig],
-        &["convert", "hits/record.csv", "record.npz"],
+        &["convert", "hits/record.csv", "record.npz", "--overwrite"],
     ];
     let owned = |part: &[&str]| part.iter().map(|&word| word.to_owned()).collect();
     commands.into_iter().map(owned).collect()

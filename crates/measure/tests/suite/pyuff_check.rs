@@ -16,7 +16,8 @@ fn pyuff_reads_what_we_write() {
         channel("top", "m/s^2", 51_200.0, wave(-8.0)),
     ])];
     let place = |name: &str| folder.path().join(name);
-    let options = WriteOptions { title: "beam".into(), date: "01-Nov-26".into() };
+    let options =
+        WriteOptions { title: "beam".into(), date: "01-Nov-26".into(), ..WriteOptions::default() };
     write(&place("expected.npz"), &hit, Format::Npz, &options).unwrap();
     write(&place("text.uff"), &hit, Format::UniversalText, &options).unwrap();
     write(&place("binary.uff"), &hit, Format::UniversalBinary, &options).unwrap();

@@ -16,7 +16,8 @@ fn a_universal_file_byte_by_byte() {
     let path = folder.path().join("hit.uff");
     let mut force = channel("hammer", "N", 51_200.0, vec![1.5, -2.0, 0.0, 4.0, 1e-3]);
     force.origin.response = Some(DegreeOfFreedom { entity: "BEAM".into(), node: 7, direction: -3 });
-    let options = WriteOptions { title: "beam".into(), date: "2026-11-01".into() };
+    let options =
+        WriteOptions { title: "beam".into(), date: "2026-11-01".into(), ..WriteOptions::default() };
     write(&path, &[record(vec![force])], Format::UniversalText, &options).unwrap();
     let text = std::fs::read_to_string(path).unwrap();
     let lines: Vec<&str> = text.lines().map(str::trim_end).collect();
@@ -138,13 +139,30 @@ fn unfinished_files_of_killed_runs_are_removed() {
     assert_eq!(left, [false, true, true], "dead, live and of another file");
 }
 
+#[test]
+fn an_existing_file_is_kept_unless_it_is_to_be_replaced() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("hit.csv");
+    std::fs::write(&path, "as it was").unwrap();
+    let records = [record(vec![channel("good", "N", 1.0, vec![1.0, 2.0])])];
+    for format in WRITABLE {
+        let refused = write(&path, &records, format, &WriteOptions::default()).unwrap_err();
+        assert!(matches!(refused, MeasureError::Exists { .. }), "{refused}");
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), "as it was");
+    }
+    let replacing = WriteOptions { replace: true, ..WriteOptions::default() };
+    write(&path, &records, Format::Text, &replacing).unwrap();
+    assert!(std::fs::read_to_string(&path).unwrap().starts_with("time_s,good"));
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1, "no temporary file stays");
+}
+
 #[cfg(unix)]
 #[test]
 fn links_stay_and_only_regular_files_are_replaced() {
     let folder = tempfile::tempdir().unwrap();
     let place = |name: &str| folder.path().join(name);
     let good = [record(vec![channel("good", "N", 1.0, vec![1.0, 2.0])])];
-    let options = WriteOptions::default();
+    let options = WriteOptions { replace: true, ..WriteOptions::default() };
     std::fs::write(place("disk.csv"), "as it was").unwrap();
     std::os::unix::fs::symlink(place("disk.csv"), place("hit.csv")).unwrap();
     write(&place("hit.csv"), &good, Format::Text, &options).unwrap();
@@ -182,7 +200,7 @@ fn records_that_continue_are_joined() {
         blocks.push(block);
     }
     for format in WRITABLE {
-        let path = folder.path().join("joined");
+        let path = folder.path().join(format!("joined {format:?}"));
         write(&path, &blocks, format, &WriteOptions::default()).unwrap();
         let measured = read(&path, &ReadOptions::default()).unwrap();
         assert_eq!(measured.records.len(), 1, "{format}");

@@ -37,6 +37,14 @@ pub(super) struct ResultFiles {
     files: Vec<String>,
 }
 
+/// Kind of the results of a command, by one that has them: those of a scenario share a folder.
+fn kind(command: &str) -> &str {
+    match command {
+        "analyse" | "identify" => command,
+        _ => "simulate",
+    }
+}
+
 impl FolderMarker {
     /// The marker of a folder; empty if there is none that can be read.
     pub(super) fn read(folder: &Path) -> Self {
@@ -63,6 +71,11 @@ impl FolderMarker {
     /// Files of all results.
     pub(super) fn files(&self) -> impl DoubleEndedIterator<Item = &String> {
         self.results.values().flat_map(|result| &result.files)
+    }
+
+    /// A command in the folder with results of another kind than those of `command`.
+    pub(super) fn command_of_other_kind(&self, command: &str) -> Option<&str> {
+        self.results.keys().map(String::as_str).find(|other| kind(other) != kind(command))
     }
 
     /// True if the folder has results, and of another document.

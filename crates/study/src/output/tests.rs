@@ -9,6 +9,7 @@ fn request<'a>(folder: &'a Path, command: &'a str) -> OutputRequest<'a> {
         command,
         document: "rig.json".as_ref(),
         replace_other_document: false,
+        replace_other_kind: false,
         allow_other_files: false,
     }
 }

@@ -59,7 +59,7 @@ fn a_full_disk_leaves_the_earlier_file_of_a_conversion() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("hit.csv"), hammer_csv(4000)).unwrap();
     fs::write(folder.path().join("hit.uff"), "as it was").unwrap();
-    let output = with_full_disk(folder.path(), &["convert", "hit.csv", "hit.uff"]);
+    let output = with_full_disk(folder.path(), &["convert", "hit.csv", "hit.uff", "--overwrite"]);
     let message = text(&output.stderr);
     assert_eq!(output.status.code(), Some(1), "{message}");
     assert!(message.contains("hit.uff"), "{message}");

@@ -229,7 +229,7 @@ fn a_killed_conversion_leaves_a_whole_file() {
     let folder = tempfile::tempdir().unwrap();
     let place = folder.path().join("hit.uff");
     fs::write(folder.path().join("hit.csv"), hammer_csv(100_000)).unwrap();
-    let convert = ["convert", "hit.csv", "hit.uff", "--to", "uff-ascii"];
+    let convert = ["convert", "hit.csv", "hit.uff", "--to", "uff-ascii", "--overwrite"];
     succeed(folder.path(), &convert);
     let whole = fs::read(&place).unwrap();
     let unfinished = || entries(folder.path()).iter().any(|name| name.starts_with(".hit.uff"));
