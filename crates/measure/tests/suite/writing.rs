@@ -76,6 +76,7 @@ fn text_begins_with_names_and_units() {
 
 #[test]
 fn a_failed_write_keeps_the_existing_file() {
+    let options = WriteOptions { replace: true, ..WriteOptions::default() };
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("kept");
     std::fs::write(&path, "as it was").unwrap();
@@ -98,7 +99,7 @@ fn a_failed_write_keeps_the_existing_file() {
         let records = [record(vec![good.clone(), channel.clone()])];
         let records =
             if channel.name == "order" { &[record(vec![channel.clone()])] } else { &records };
-        let error = write(&path, records, format, &WriteOptions::default()).unwrap_err();
+        let error = write(&path, records, format, &options).unwrap_err();
         assert!(
             matches!(&error, MeasureError::NotExpressible { format: told, .. } if *told == format),
             "{error}"
@@ -110,14 +111,14 @@ fn a_failed_write_keeps_the_existing_file() {
     let records = [record(vec![good.clone()])];
     for format in WRITABLE {
         assert!(matches!(
-            write(&nowhere, &records, format, &WriteOptions::default()),
+            write(&nowhere, &records, format, &options),
             Err(MeasureError::Io { .. })
         ));
     }
-    let refused = write(&path, &records, Format::Wav, &WriteOptions::default()).unwrap_err();
+    let refused = write(&path, &records, Format::Wav, &options).unwrap_err();
     assert!(matches!(refused, MeasureError::Unsupported { .. }));
     let two = [record(vec![good.clone()]), record(vec![good])];
-    let refused = write(&path, &two, Format::Text, &WriteOptions::default()).unwrap_err();
+    let refused = write(&path, &two, Format::Text, &options).unwrap_err();
     assert!(refused.to_string().contains("text holds one record"), "{refused}");
 }
 
