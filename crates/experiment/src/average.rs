@@ -1,7 +1,8 @@
 //! Averaged frequency response function and its fundamental.
 
 use asperity_signal::{
-    Complex64, ExponentialWindow, Frf, FrfAverage, FrfForm, ResponseKind, circle_fit_of,
+    ExponentialWindow, Frf, FrfAverage, FrfEstimator, FrfForm, HammerOptions, ModeFeatures,
+    ResponseKind, dominant_frequency, find_harmonics,
 };
 
 use crate::error::AnalysisError;
@@ -25,13 +26,13 @@ pub struct AveragedFrf {
 }
 
 impl AveragedFrf {
-    /// Averaged function, and its receptance.
+    /// Averaged function at its lines.
     pub(crate) fn of(
         average: &FrfAverage,
         response: ResponseKind,
         options: &AnalysisOptions,
         exponential: Option<ExponentialWindow>,
-    ) -> Result<(Self, Frf), AnalysisError> {
+    ) -> Result<Self, AnalysisError> {
         let mut receptance = average.frf(options.estimator)?.to(FrfForm::Receptance);
         if let Some(window) = exponential {
             let lines = receptance.frequency_hz.iter().zip(&mut receptance.values);
@@ -43,44 +44,30 @@ impl AveragedFrf {
         let coherence = average.coherence().ok().map(|coherence| coherence.values);
         let first_masked_hz = mask.first_masked_hz();
         let frf = receptance.to(options.form);
-        Ok((Self { frf, coherence, valid: mask.valid, first_masked_hz }, receptance))
+        Ok(Self { frf, coherence, valid: mask.valid, first_masked_hz })
     }
 
-    /// Largest peak of the receptance in a band.
+    /// Largest peak of the averaged receptance in a band, found and corrected as those of hits are.
     pub(crate) fn fundamental(
         &self,
-        receptance: &Frf,
-        (low, high): (f64, f64),
+        average: &FrfAverage,
+        estimator: FrfEstimator,
+        limits: (f64, f64),
+        hammer: &HammerOptions,
     ) -> Option<AverageFundamental> {
-        let magnitude = receptance.magnitude();
-        let frequency = &receptance.frequency_hz;
-        let inside = |k: &usize| {
-            let f = frequency[*k];
-            let peak = magnitude[*k] > magnitude[k - 1] && magnitude[*k] >= magnitude[k + 1];
-            f > low && f < high && self.valid[*k] && peak
-        };
-        let lines = 1..magnitude.len().saturating_sub(1);
-        let top = lines.filter(inside).max_by(|&a, &b| magnitude[a].total_cmp(&magnitude[b]))?;
-        // Parabola through the logarithms, in which a resonance is smooth.
-        let [a, b, c] = [top - 1, top, top + 1].map(|k| magnitude[k].ln());
-        let shift = 0.5 * (a - c) / (a - 2.0 * b + c);
-        let step = frequency[top + 1] - frequency[top];
-        let above = |k: &usize| magnitude[*k] >= magnitude[top] * std::f64::consts::FRAC_1_SQRT_2;
-        let first = (1..top).rev().take_while(above).last().unwrap_or(top);
-        let last = (top..magnitude.len()).take_while(above).last().unwrap_or(top);
-        let mobility: Vec<Complex64> = (first..=last)
-            .map(|k| receptance.values[k] * Complex64::I * omega(frequency[k]))
-            .collect();
-        let coherence = self.coherence.as_ref().map(|values| values[top]);
+        let response = average.response(estimator).ok()?;
+        let threshold = hammer.harmonics.force_threshold;
+        let reference = dominant_frequency(&response, limits, FrfForm::Receptance, threshold)?;
+        let peak = find_harmonics(&response, reference, &hammer.harmonics).fundamental?;
+        let mode = ModeFeatures::of(&response, &peak, &[], hammer.windows.exponential);
+        let line = self.frf.frequency_hz.partition_point(|line| *line < peak.frequency_hz);
+        let coherence = self.coherence.as_ref().and_then(|values| values.get(line).copied());
         Some(AverageFundamental {
-            frequency_hz: frequency[top] + shift * step,
-            magnitude: (b - 0.25 * (a - c) * shift).exp(),
-            damping_ratio: circle_fit_of(&frequency[first..=last], &mobility).map(|fit| fit.ratio),
+            frequency_hz: mode.frequency_hz?,
+            magnitude: mode.magnitude?,
+            damping_ratio: mode.damping.half_power,
+            damping_ratio_circle: mode.damping.circle,
             coherence: coherence.filter(|value| value.is_finite()),
         })
     }
-}
-
-fn omega(frequency_hz: f64) -> f64 {
-    std::f64::consts::TAU * frequency_hz
 }

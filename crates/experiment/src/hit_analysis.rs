@@ -233,10 +233,11 @@ impl<'a> HitAccumulator<'a> {
         }
         let exponential = self.hammer.windows.exponential;
         let response = self.signals.response;
-        let (average, receptance) =
-            AveragedFrf::of(&self.average, response, self.options, exponential)?;
+        let average = AveragedFrf::of(&self.average, response, self.options, exponential)?;
         let limits = self.band.map(|band| (band.low_hz, band.high_hz));
-        let fundamental = limits.and_then(|limits| average.fundamental(&receptance, limits));
+        let estimator = self.options.estimator;
+        let fundamental = limits
+            .and_then(|limits| average.fundamental(&self.average, estimator, limits, &self.hammer));
         let firsts = || self.hits.iter().filter_map(|hit| hit.fundamental);
         let rate = self.signals.sample_rate_hz;
         let report = AnalysisReport {

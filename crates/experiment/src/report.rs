@@ -157,12 +157,14 @@ pub struct AverageReport {
 /// Fundamental of the averaged function.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct AverageFundamental {
-    /// Frequency of the largest receptance, by a parabola through three spectral lines \[Hz\].
+    /// Frequency of the largest receptance, between the spectral lines too \[Hz\].
     pub frequency_hz: f64,
     /// Receptance there \[m/N\].
     pub magnitude: f64,
-    /// Damping ratio of the circle fit to the lines above half power; `None` below five lines.
+    /// Damping ratio from the half-power width.
     pub damping_ratio: Option<f64>,
+    /// Damping ratio from the circle fit.
+    pub damping_ratio_circle: Option<f64>,
     /// Coherence at the nearest line; `None` for one hit.
     pub coherence: Option<f64>,
 }

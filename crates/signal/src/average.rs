@@ -9,12 +9,17 @@ pub use statistics::{Coherence, MagnitudeSpread};
 use crate::error::{Result, SignalError, check_rate, check_samples};
 use crate::form::{FrfForm, ResponseKind};
 use crate::frf::{ForceMask, Frf};
-use crate::spectrum::{PADDING_LIMIT, Spectrum, fast_length};
+use crate::response::FrequencyResponse;
+use crate::spectrum::{PADDING_LIMIT, Spectrum, fast_length, inverse_transform};
 use num_complex::Complex64;
 use statistics::RunningVariance;
 
-/// Longest transform of an average; its spectra take two gigabytes.
-const TRANSFORM_LIMIT: usize = 1 << 26;
+/// Longest transform with one value a line; the spectra of an average take more than a gigabyte.
+const TRANSFORM_LIMIT: usize = 1 << 25;
+
+/// Spectra are summed at twice the lines: products of spectra are transforms of correlations, which
+/// last twice as long as the records.
+const OVERSAMPLING: usize = 2;
 
 /// Scaling of a one-sided spectral density.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -37,7 +42,7 @@ pub enum SpectralDensity {
 /// ```
 ///
 /// (not doubled at zero frequency and half the rate) are one-sided energy
-/// densities. Memory is seven numbers a frequency for any number of hits. Signals are windowed
+/// densities. Memory is ten numbers a frequency for any number of hits. Signals are windowed
 /// before, by [`ForceWindow`](crate::ForceWindow) and
 /// [`ExponentialWindow`](crate::ExponentialWindow).
 ///
@@ -64,9 +69,10 @@ pub struct FrfAverage {
     kind: ResponseKind,
     sample_rate_hz: f64,
     samples: usize,
+    /// Samples of a transform with one value a line.
     length: usize,
     averages: usize,
-    /// Sums over hits of `|F|^2`, `|X|^2` and `conj(F) X`.
+    /// Sums over hits of `|F|^2`, `|X|^2` and `conj(F) X`, at lines and between.
     force: Vec<f64>,
     response: Vec<f64>,
     cross: Vec<Complex64>,
@@ -100,7 +106,7 @@ impl FrfAverage {
             return Err(SignalError::TooLong { samples, limit });
         }
         let length = fast_length(samples * padding);
-        let bins = length / 2 + 1;
+        let bins = OVERSAMPLING * length / 2 + 1;
         Ok(Self {
             kind,
             sample_rate_hz,
@@ -110,7 +116,7 @@ impl FrfAverage {
             force: vec![0.0; bins],
             response: vec![0.0; bins],
             cross: vec![Complex64::ZERO; bins],
-            magnitude: RunningVariance::new(bins),
+            magnitude: RunningVariance::new(length / 2 + 1),
         })
     }
 
@@ -138,15 +144,20 @@ impl FrfAverage {
         if force.iter().all(|x| *x == 0.0) {
             return Err(SignalError::NoForce { samples: force.len() });
         }
-        let transform = |x| Spectrum::padded_to(x, self.sample_rate_hz, self.length).into_values();
-        let (force, mut values) = (transform(force), transform(response));
+        let length = OVERSAMPLING * self.length;
+        let transform = |x| Spectrum::padded_to(x, self.sample_rate_hz, length).into_values();
+        let (force, response) = (transform(force), transform(response));
         self.averages += 1;
-        for (k, (f, x)) in force.iter().zip(&mut values).enumerate() {
+        let mut values = Vec::with_capacity(self.length / 2 + 1);
+        for (k, (f, x)) in force.iter().zip(&response).enumerate() {
             self.force[k] += f.norm_sqr();
             self.response[k] += x.norm_sqr();
-            self.cross[k] += f.conj() * *x;
-            *x /= f;
-            self.magnitude.push(k, x.norm(), self.averages);
+            self.cross[k] += f.conj() * x;
+            if k % OVERSAMPLING == 0 {
+                let ratio = x / f;
+                self.magnitude.push(values.len(), ratio.norm(), self.averages);
+                values.push(ratio);
+            }
         }
         Ok(Frf { frequency_hz: self.frequency_hz(), values, form: self.form() })
     }
@@ -186,7 +197,13 @@ impl FrfAverage {
     /// Frequencies of every result, zero to half the sample rate, in hertz.
     pub fn frequency_hz(&self) -> Vec<f64> {
         let step = self.sample_rate_hz / self.length as f64;
-        (0..self.force.len()).map(|k| k as f64 * step).collect()
+        (0..=self.length / 2).map(|k| k as f64 * step).collect()
+    }
+
+    /// The sums of `|F|^2`, `|X|^2` and `conj(F) X` at the lines.
+    fn lines(&self) -> impl Iterator<Item = (f64, f64, Complex64)> {
+        let all = self.force.iter().zip(&self.response).zip(&self.cross);
+        all.step_by(OVERSAMPLING).map(|((f, x), c)| (*f, *x, *c))
     }
 
     /// Auto spectrum of the force `Gff`, in N^2 s / Hz or N^2 / Hz.
@@ -195,7 +212,7 @@ impl FrfAverage {
     /// [`SignalError::TooFewAverages`] without a hit.
     pub fn force_auto(&self, density: SpectralDensity) -> Result<Vec<f64>> {
         let scale = self.scale("auto spectrum", density)?;
-        Ok(self.force.iter().enumerate().map(|(k, sum)| sum * scale(k)).collect())
+        Ok(self.lines().enumerate().map(|(k, (force, ..))| force * scale(k)).collect())
     }
 
     /// Auto spectrum of the response `Gxx`.
@@ -204,7 +221,7 @@ impl FrfAverage {
     /// [`SignalError::TooFewAverages`] without a hit.
     pub fn response_auto(&self, density: SpectralDensity) -> Result<Vec<f64>> {
         let scale = self.scale("auto spectrum", density)?;
-        Ok(self.response.iter().enumerate().map(|(k, sum)| sum * scale(k)).collect())
+        Ok(self.lines().enumerate().map(|(k, (_, response, _))| response * scale(k)).collect())
     }
 
     /// Cross spectrum `Gfx`, with the phase of the response relative to the force.
@@ -213,7 +230,7 @@ impl FrfAverage {
     /// [`SignalError::TooFewAverages`] without a hit.
     pub fn cross(&self, density: SpectralDensity) -> Result<Vec<Complex64>> {
         let scale = self.scale("cross spectrum", density)?;
-        Ok(self.cross.iter().enumerate().map(|(k, sum)| sum * scale(k)).collect())
+        Ok(self.lines().enumerate().map(|(k, (.., cross))| cross * scale(k)).collect())
     }
 
     /// The averaged frequency response function; other forms by [`Frf::to`].
@@ -227,9 +244,38 @@ impl FrfAverage {
     pub fn frf(&self, estimator: FrfEstimator) -> Result<Frf> {
         self.need("frequency response function", 1)?;
         estimator.check()?;
-        let spectra = self.force.iter().zip(&self.response).zip(&self.cross);
-        let values = spectra.map(|((f, x), c)| estimator.value(*f, *x, *c)).collect();
+        let values = self.lines().map(|(f, x, c)| estimator.value(f, x, c)).collect();
         Ok(Frf { frequency_hz: self.frequency_hz(), values, form: self.form() })
+    }
+
+    /// A force and a response of one hit with the averaged frequency response function, at every
+    /// frequency: peaks and damping are found in it as in those of hits.
+    ///
+    /// They are the mean autocorrelation of the forces, and the transform of `H Gff`; with H1 the
+    /// mean cross correlation, so that the function is exact between the lines. Of one hit it is
+    /// that of the hit with each estimator.
+    ///
+    /// # Errors
+    /// Those of [`FrfAverage::frf`], and [`SignalError::NotFinite`] where the function is not finite.
+    pub fn response(&self, estimator: FrfEstimator) -> Result<FrequencyResponse> {
+        self.need("frequency response function", 1)?;
+        estimator.check()?;
+        let all = self.force.iter().zip(&self.response).zip(&self.cross);
+        let cross = all.map(|((&f, &x), &c)| match estimator {
+            FrfEstimator::H1 => c,
+            _ if f == 0.0 || c == Complex64::ZERO => Complex64::ZERO,
+            _ => estimator.value(f, x, c) * f,
+        });
+        let correlation = |spectrum: Vec<Complex64>| {
+            let mut samples = inverse_transform(spectrum, OVERSAMPLING * self.length);
+            // No delay in the middle.
+            samples.rotate_right(self.length);
+            samples
+        };
+        let response = correlation(cross.collect());
+        let force = correlation(self.force.iter().map(|&f| f.into()).collect());
+        let found = FrequencyResponse::new(&force, &response, self.sample_rate_hz, self.kind)?;
+        Ok(found.interpolated())
     }
 
     /// Ordinary coherence and the random errors that follow from it.
@@ -238,8 +284,7 @@ impl FrfAverage {
     /// [`SignalError::TooFewAverages`] for fewer than two hits, since the coherence of one is 1.
     pub fn coherence(&self) -> Result<Coherence> {
         self.need("coherence", 2)?;
-        let spectra = self.force.iter().zip(&self.response).zip(&self.cross);
-        let values = spectra.map(|((f, x), c)| c.norm_sqr() / (f * x)).collect();
+        let values = self.lines().map(|(f, x, c)| c.norm_sqr() / (f * x)).collect();
         Ok(Coherence { frequency_hz: self.frequency_hz(), values, averages: self.averages })
     }
 
@@ -260,7 +305,8 @@ impl FrfAverage {
     pub fn force_mask(&self, threshold: f64) -> Result<ForceMask> {
         self.need("force mask", 1)?;
         let averages = self.averages as f64;
-        let magnitude: Vec<f64> = self.force.iter().map(|sum| (sum / averages).sqrt()).collect();
+        let magnitude: Vec<f64> =
+            self.lines().map(|(force, ..)| (force / averages).sqrt()).collect();
         Ok(ForceMask::new(self.frequency_hz(), &magnitude, threshold))
     }
 
@@ -281,7 +327,7 @@ impl FrfAverage {
                 self.averages as f64 * self.samples as f64 / self.sample_rate_hz
             }
         };
-        let last = self.force.len() - 1;
+        let last = self.length / 2;
         Ok(move |k| if k == 0 || k == last { 1.0 / over } else { 2.0 / over })
     }
 

@@ -2,7 +2,7 @@
 
 mod features;
 
-pub use features::{FundamentalSearch, HitFeatures};
+pub use features::{FundamentalSearch, HitFeatures, ModeFeatures};
 
 use crate::average::FrfAverage;
 use crate::error::{Result, check_positive};

@@ -103,7 +103,7 @@ pub use form::{FrfForm, ResponseKind};
 pub use frf::{ForceMask, Frf};
 pub use hammer::{
     AnalysedHit, FundamentalSearch, HammerOptions, HammerTest, HitFeatures, HitWindows,
-    analyse_hit, hammer_test,
+    ModeFeatures, analyse_hit, hammer_test,
 };
 pub use harmonics::{HarmonicOptions, Harmonics, find_harmonics};
 pub use hit::{

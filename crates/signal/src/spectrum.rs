@@ -114,6 +114,20 @@ pub(crate) fn inverse_plan(length: usize) -> Arc<dyn ComplexToReal<f64>> {
     PLANNER.with_borrow_mut(|planner| planner.plan_fft_inverse(length))
 }
 
+/// The `length` real samples with the transform `values`, up to a factor, from bins 0 to `length / 2`.
+pub(crate) fn inverse_transform(mut values: Vec<Complex64>, length: usize) -> Vec<f64> {
+    for real in [0, length / 2] {
+        values[real].im = 0.0;
+    }
+    let plan = inverse_plan(length);
+    let mut samples = plan.make_output_vec();
+    // Cannot fail, since the plan fits the buffers; NaN otherwise.
+    if plan.process(&mut values, &mut samples).is_err() {
+        samples.fill(f64::NAN);
+    }
+    samples
+}
+
 /// The smallest even `2^a 3^b 5^c` not below `minimum`, a fast length of an FFT.
 ///
 /// Even, so that the last bin is at half the sample rate; zero gives 2.

@@ -7,6 +7,7 @@ use crate::form::FrfForm;
 use crate::harmonics::{Harmonics, find_harmonics};
 use crate::hit::{Offset, Pulse};
 use crate::noise::{band_density, white_density};
+use crate::peak::Peak;
 use crate::response::FrequencyResponse;
 use crate::ring_down::{Backbone, BackboneOptions, BandPass, backbone_and_signal};
 use crate::uncertainty::{NoiseDensity, PeakUncertainty, peak_uncertainty, ratio_uncertainty};
@@ -109,19 +110,50 @@ pub(super) fn of_hit(
         Some(signal.get(span)?.iter().map(|value| value.re).collect::<Vec<f64>>())
     });
     found.backbone = filtered.map(|(backbone, _)| backbone);
-    found.damping = DampingComparison::of(response, &peak, &mode.unwrap_or_default());
-    if let Some(window) = options.windows.exponential {
-        let (frequency, magnitude) = (peak.frequency_hz, peak.magnitude);
-        let ratio = found.damping.circle.or(found.damping.half_power);
-        found.unwindowed_frequency_hz =
-            ratio.map(|ratio| window.corrected_peak_frequency(frequency, ratio, frequency));
-        found.unwindowed_magnitude =
-            ratio.map(|ratio| window.corrected_peak(frequency, ratio, magnitude));
-        let corrected = |ratio: f64| window.corrected_damping(frequency, ratio);
-        found.damping.half_power = found.damping.half_power.map(corrected);
-        found.damping.circle = found.damping.circle.map(corrected);
-    }
+    let decay = mode.unwrap_or_default();
+    let mode = ModeFeatures::of(response, &peak, &decay, options.windows.exponential);
+    found.damping = mode.damping;
+    found.unwindowed_frequency_hz = mode.frequency_hz;
+    found.unwindowed_magnitude = mode.magnitude;
     Some(found)
+}
+
+/// Frequency, receptance and damping of the mode of a peak, corrected for an exponential window.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct ModeFeatures {
+    /// Frequency of the peak, in hertz; `None` if the correction needs a damping ratio that was not
+    /// found.
+    pub frequency_hz: Option<f64>,
+    /// Receptance at the peak, in m/N, likewise.
+    pub magnitude: Option<f64>,
+    /// Damping ratios.
+    pub damping: DampingComparison,
+}
+
+impl ModeFeatures {
+    /// The features of a peak of a response under an exponential window, with the free decay of its
+    /// mode as for [`DampingComparison::of`].
+    pub fn of(
+        response: &FrequencyResponse,
+        peak: &Peak,
+        decay: &[f64],
+        window: Option<ExponentialWindow>,
+    ) -> Self {
+        let mut damping = DampingComparison::of(response, peak, decay);
+        let (frequency, magnitude) = (peak.frequency_hz, peak.magnitude);
+        let Some(window) = window else {
+            return Self { frequency_hz: Some(frequency), magnitude: Some(magnitude), damping };
+        };
+        let ratio = damping.circle.or(damping.half_power);
+        let corrected = |ratio: f64| window.corrected_damping(frequency, ratio);
+        damping.half_power = damping.half_power.map(corrected);
+        damping.circle = damping.circle.map(corrected);
+        Self {
+            frequency_hz: ratio.map(|r| window.corrected_peak_frequency(frequency, r, frequency)),
+            magnitude: ratio.map(|r| window.corrected_peak(frequency, r, magnitude)),
+            damping,
+        }
+    }
 }
 
 /// Densities of the noise before any window.

@@ -41,10 +41,11 @@ fn lines(folder: &Path, options: &[&str]) -> Vec<Line> {
 }
 
 /// Six hits with noise on both signals.
-fn noisy_test(folder: &Path) {
+fn noisy_test(folder: &Path, noise: f64) {
     let signals = blows(DAMPING, &[10.0, 14.0, 18.0, 22.0, 26.0, 30.0]);
     let largest = signals[3].iter().fold(0.0, |most: f64, x| most.max(x.abs()));
-    let (force, motion) = (noisy(&signals[0], 0.05, 1), noisy(&signals[3], 0.01 * largest, 2));
+    let (force, motion) =
+        (noisy(&signals[0], 5.0 * noise, 1), noisy(&signals[3], noise * largest, 2));
     store(
         folder,
         "test.uff",
@@ -59,7 +60,7 @@ fn noisy_test(folder: &Path) {
 #[test]
 fn estimators_are_ordered_by_the_coherence() {
     let folder = tempfile::tempdir().unwrap();
-    noisy_test(folder.path());
+    noisy_test(folder.path(), 0.01);
     let of = |name: &str| lines(folder.path(), &["--estimator", name]);
     let [h1, h2, hv] = ["h1", "h2", "hv"].map(of);
     let mut least: f64 = 1.0;
@@ -82,7 +83,7 @@ fn estimators_are_ordered_by_the_coherence() {
 #[test]
 fn forms_differ_by_powers_of_i_omega() {
     let folder = tempfile::tempdir().unwrap();
-    noisy_test(folder.path());
+    noisy_test(folder.path(), 0.01);
     let of = |name: &str| lines(folder.path(), &["--form", name]);
     let [receptance, mobility, accelerance] = ["receptance", "mobility", "accelerance"].map(of);
     let mut top: f64 = 0.0;
@@ -120,5 +121,51 @@ fn an_exponential_window_is_undone() {
         }
         assert!((first("frequency_hz") / NATURAL_HZ - 1.0).abs() < 1e-4, "{unit}");
         assert!((first("magnitude") / height - 1.0).abs() < 0.01, "{unit} {}", first("magnitude"));
+    }
+}
+
+/// The average of one hit is that hit, with every window, and also where the length asked for is
+/// longer than the record; an average of several lies between them.
+#[test]
+fn an_average_is_refined_and_corrected_as_its_hits_are() {
+    let folder = tempfile::tempdir().unwrap();
+    let keys = ["frequency_hz", "magnitude", "damping_ratio", "damping_ratio_circle"];
+    let analysed = |options: &[&str]| {
+        let asked =
+            [&["analyse", "test.uff", "--band", "700:1000", "--overwrite", "--json"], options];
+        answer(folder.path(), &asked.concat())
+    };
+    let one = blows(DAMPING, &[20.0]);
+    let stored = |signals: [&[f64]; 2]| {
+        let test = record(signals[0], "top", "m/s^2", signals[1], 1.0);
+        store(folder.path(), "test.uff", test, Format::UniversalBinary);
+    };
+    stored([&one[0], &one[3]]);
+    for window in ["none", "force", "exponential:0.08", "force+exponential"] {
+        for length in [&[][..], &["--length", "20"]] {
+            let found = analysed(&[&["--window", window], length].concat());
+            for key in keys {
+                let of_hit = number(&found, &format!("/hits/0/fundamental/{key}"));
+                let of_average = number(&found, &format!("/average/fundamental/{key}"));
+                let off = (of_average / of_hit - 1.0).abs();
+                assert!(off < 1e-7, "{window} {length:?} {key}: {of_average} {of_hit}");
+            }
+        }
+    }
+    noisy_test(folder.path(), 1e-3);
+    for window in ["none", "exponential:0.08"] {
+        let found = analysed(&["--window", window]);
+        for key in keys {
+            let hits = found["hits"].as_array().unwrap().iter();
+            let of_hits: Vec<f64> =
+                hits.map(|hit| number(hit, &format!("/fundamental/{key}"))).collect();
+            let low = of_hits.iter().copied().fold(f64::INFINITY, f64::min);
+            let high = of_hits.iter().copied().fold(0.0, f64::max);
+            let of_average = number(&found, &format!("/average/fundamental/{key}"));
+            assert!(
+                low <= of_average && of_average <= high,
+                "{window} {key}: {of_average} {of_hits:?}"
+            );
+        }
     }
 }
