@@ -60,7 +60,8 @@ impl AveragedFrf {
         let reference = dominant_frequency(&response, limits, FrfForm::Receptance, threshold)?;
         let peak = find_harmonics(&response, reference, &hammer.harmonics).fundamental?;
         let mode = ModeFeatures::of(&response, &peak, &[], hammer.windows.exponential);
-        let line = self.frf.frequency_hz.partition_point(|line| *line < peak.frequency_hz);
+        let step = self.frf.frequency_hz.get(1)?;
+        let line = (peak.frequency_hz / step).round() as usize;
         let coherence = self.coherence.as_ref().and_then(|values| values.get(line).copied());
         Some(AverageFundamental {
             frequency_hz: mode.frequency_hz?,
