@@ -49,8 +49,9 @@ pub fn analyse_with_progress(
         let found = two_passes(files, options, progress);
         cancelled.store(found.is_err(), Ordering::Relaxed);
         let hashes: Result<Vec<String>, AnalysisError> = joined(hashes);
-        let (hits, trigger, stream, mut files) = found?;
+        let (hits, trigger, mut stream, mut files) = found?;
         files.iter_mut().zip(hashes?).for_each(|(file, sha256)| file.sha256 = sha256);
+        stream.notices.extend(files_given_twice(&files));
         let provenance = AnalysisProvenance { version: env!("CARGO_PKG_VERSION"), files };
         hits.finish(&trigger, stream, provenance)
     })
@@ -107,6 +108,22 @@ fn two_passes<'a>(
         stream.notices.insert(format!("{requested} hits requested, {found} above this level"));
     }
     Ok((found, trigger, stream, read))
+}
+
+/// A sentence for each file with the bytes of an earlier one.
+fn files_given_twice(files: &[AnalysedFile]) -> Vec<String> {
+    let mut sentences = Vec::new();
+    for (number, file) in files.iter().enumerate() {
+        let same = files[..number].iter().find(|earlier| earlier.sha256 == file.sha256);
+        if let Some(earlier) = same {
+            sentences.push(format!(
+                "{} and {} hold the same bytes: their hits are counted twice, and coherence and \
+                 scatter mean nothing",
+                earlier.file, file.file
+            ));
+        }
+    }
+    sentences
 }
 
 /// Result of a thread; its panic continues here.

@@ -14,8 +14,8 @@ use crate::cutting::{CutHit, HitCutter};
 use crate::error::AnalysisError;
 use crate::options::{AnalysisOptions, FrequencyBand, TimeConstant, estimator_name};
 use crate::report::{
-    ANALYSIS_SCHEMA, AnalysisProvenance, AnalysisReport, AnalysisSettings, AverageReport,
-    HitReport, HitStatistics,
+    ANALYSIS_SCHEMA, AnalysisProvenance, AnalysisReport, AnalysisSettings, AverageFundamental,
+    AverageReport, HitReport, HitStatistics,
 };
 use crate::stream::{SampleBlock, SampleStream, SignalParameters};
 use crate::trigger::TriggerSettings;
@@ -37,6 +37,10 @@ const DEFAULT_BAND: (f64, f64) = (0.85, 1.15);
 const DECAY_HALF_WIDTH: (f64, f64) = (0.02, 0.3);
 /// Highest frequency of a drawn receptance, over the fundamental.
 const DRAWN_RANGE: f64 = 4.0;
+/// Coherence at the fundamental below which hits of different forces do not average, and the ratio
+/// of forces that are different.
+const LOW_COHERENCE: f64 = 0.95;
+const MIXED_FORCES: f64 = 1.5;
 /// Most pending hits.
 const MAX_PENDING: usize = 16;
 /// Most samples in pending hits.
@@ -238,6 +242,7 @@ impl<'a> HitAccumulator<'a> {
         let estimator = self.options.estimator;
         let fundamental = limits
             .and_then(|limits| average.fundamental(&self.average, estimator, limits, &self.hammer));
+        stream.notices.extend(mixed_levels(&self.hits, fundamental.as_ref()));
         let firsts = || self.hits.iter().filter_map(|hit| hit.fundamental);
         let rate = self.signals.sample_rate_hz;
         let report = AnalysisReport {
@@ -278,4 +283,20 @@ impl<'a> HitAccumulator<'a> {
         let curves = self.curves.kept;
         Ok(Analysis { report, average, backbones: self.backbones, curves, response })
     }
+}
+
+/// A sentence where the average mixes hits whose different forces have different functions.
+fn mixed_levels(hits: &[HitReport], average: Option<&AverageFundamental>) -> Option<String> {
+    let coherence = average?.coherence.filter(|coherence| *coherence < LOW_COHERENCE)?;
+    let peaks = hits.iter().filter(|hit| hit.averaged).filter_map(|hit| hit.force_peak_n);
+    let (low, high) = peaks.fold((f64::INFINITY, 0.0), |(low, high): (f64, f64), peak| {
+        (low.min(peak), high.max(peak))
+    });
+    (high > MIXED_FORCES * low).then(|| {
+        format!(
+            "the forces of the averaged hits are from {low:.3} to {high:.3} N, and the coherence at \
+             the fundamental is {coherence:.2}: where the function depends on the force, an average \
+             over levels is that of none; compare hits, or average equal levels"
+        )
+    })
 }

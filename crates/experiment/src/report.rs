@@ -230,7 +230,9 @@ impl HitReport {
             impulse_ns: hit.pulse.map(|pulse| pulse.impulse_n_s),
             pulse_width_s: hit.pulse.map(|pulse| pulse.width_s),
             double_hit: any(|issue| matches!(issue, QualityIssue::DoubleHit(_))),
-            overload: any(|issue| matches!(issue, QualityIssue::Overload { .. })),
+            overload: any(|issue| {
+                matches!(issue, QualityIssue::Overload { .. } | QualityIssue::Clipped { .. })
+            }),
             dropout: any(|issue| {
                 matches!(issue, QualityIssue::Dropout { .. } | QualityIssue::NotFinite { .. })
             }),
@@ -289,6 +291,9 @@ fn describe(issue: &QualityIssue) -> String {
         ),
         QualityIssue::Overload { channel, samples, value, .. } => {
             format!("overload: the {} stays at {value} for {samples} samples", name(channel))
+        }
+        QualityIssue::Clipped { channel, times, value, .. } => {
+            format!("overload: the {} is at {value}, a limit, {times} times", name(channel))
         }
         QualityIssue::Dropout { channel, samples, value, .. } => {
             format!("dropout: the {} stays at {value} for {samples} samples", name(channel))

@@ -84,6 +84,16 @@ pub enum Notice {
         /// Position of the first such line.
         place: FilePosition,
     },
+    /// More names or units were given than there are channels.
+    #[error("{given} {of} given for {channels} channels; the last {} not used", unused(*given, *channels))]
+    NotUsed {
+        /// `names` or `units`.
+        of: &'static str,
+        /// Number of them.
+        given: usize,
+        /// Number of channels.
+        channels: usize,
+    },
     /// No axis is named time; this evenly spaced one was used.
     #[error("`{column}` rises evenly and was taken as the time in seconds")]
     TimeByValues {
@@ -130,6 +140,13 @@ pub enum Notice {
         /// The position.
         place: FilePosition,
     },
+}
+
+fn unused(given: usize, channels: usize) -> String {
+    match given - channels {
+        1 => "is".to_owned(),
+        count => format!("{count} are"),
+    }
 }
 
 /// The notices of one reader, without repetition and limited in number.

@@ -143,6 +143,12 @@ impl<'a> Reader<'a> {
 
     /// Sets the names and units of the options, then the quantities.
     fn name_and_unit(&mut self, record: &mut Record) {
+        let channels = record.channels.len();
+        for (of, given) in [("names", self.names.len()), ("units", self.units.len())] {
+            if given > channels {
+                self.notices.add(Notice::NotUsed { of, given, channels });
+            }
+        }
         for (index, channel) in record.channels.iter_mut().enumerate() {
             if let Some(name) = self.names.get(index).filter(|name| !name.is_empty()) {
                 channel.name.clone_from(name);

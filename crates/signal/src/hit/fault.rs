@@ -53,6 +53,31 @@ pub(super) fn overloads(samples: &[f64], fewest: usize, full_scale: Option<f64>)
     runs(samples).filter(|run| flat(run) || beyond(run)).collect()
 }
 
+/// Fewest separate times at one limit of a clipped oscillation.
+const TOUCHES: usize = 5;
+/// Fewest converter steps from the smallest to the largest sample for that: of few steps, equal
+/// maxima are chance.
+const STEPS_OF_RANGE: f64 = 256.0;
+
+/// Separate times at which an oscillation is at exactly its largest or smallest sample, if there are
+/// so many that it is clipped: the maxima of one that decays differ. The first sample, the times
+/// and the value of the limit that is met more often.
+pub(super) fn clipped(samples: &[f64]) -> Option<SampleRun> {
+    let (least, most) = extremes(samples);
+    if most <= least {
+        return None;
+    }
+    let met = |limit: f64| {
+        let mut times = runs(samples).filter(|run| run.value == limit);
+        let first = times.next()?.first;
+        Some(SampleRun { first, samples: 1 + times.count(), value: limit })
+    };
+    let found = [most, least].into_iter().filter_map(met).max_by_key(|found| found.samples)?;
+    let far = found.value.abs() >= 0.5 * most.max(-least);
+    let is_fine = || most - least >= STEPS_OF_RANGE * converter_step(samples);
+    (found.samples >= TOUCHES && far && is_fine()).then_some(found)
+}
+
 /// Smallest and largest finite sample; `(inf, -inf)` without one.
 fn extremes(samples: &[f64]) -> (f64, f64) {
     // Independent lanes, which the compiler can put into vector registers.

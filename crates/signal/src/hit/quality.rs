@@ -2,7 +2,7 @@
 
 use super::HitRecord;
 use super::double::{DoubleHit, double_hits};
-use super::fault::{SampleRun, force_dropouts, not_finite, overloads, response_dropouts};
+use super::fault::{SampleRun, clipped, force_dropouts, not_finite, overloads, response_dropouts};
 use super::offset::Offset;
 use crate::sums::largest_magnitude;
 
@@ -33,6 +33,17 @@ pub enum QualityIssue {
         value: f64,
         /// The full scale, if given, in the unit of the signal.
         full_scale: Option<f64>,
+    },
+    /// An oscillation that is at exactly its largest or smallest value again and again.
+    Clipped {
+        /// The signal.
+        channel: HitChannel,
+        /// Time of the first such sample, in seconds.
+        time_s: f64,
+        /// Separate times at the value.
+        times: usize,
+        /// The value, in the unit of the signal.
+        value: f64,
     },
     /// A constant signal where it should vary.
     Dropout {
@@ -115,6 +126,7 @@ impl Default for QualityOptions {
 /// - Double hits by [`double_hits`], of the force without its offset at rest.
 /// - Overloads: flat tops of [`QualityOptions::flat_samples`] whose edge is
 ///   steeper than two converter steps, and samples at or beyond a full scale.
+/// - Clipped responses: five and more separate times at exactly the largest or the smallest value.
 /// - Dropouts: [`QualityOptions::constant_samples`] equal samples in a response
 ///   above 2 % of its largest value before and after; three in a force that is
 ///   above a quarter of its largest value before and after.
@@ -181,8 +193,17 @@ pub(crate) fn issues_with_force(
             time_s: hit.time(run.first),
             samples: run.samples,
         };
-        issues
-            .extend(overloads(samples, options.flat_samples, full_scale).into_iter().map(overload));
+        let flat = overloads(samples, options.flat_samples, full_scale);
+        let is_clipped = |found: SampleRun| QualityIssue::Clipped {
+            channel,
+            time_s: hit.time(found.first),
+            times: found.samples,
+            value: found.value,
+        };
+        if let (true, HitChannel::Response(_)) = (flat.is_empty(), channel) {
+            issues.extend(clipped(samples).map(is_clipped));
+        }
+        issues.extend(flat.into_iter().map(overload));
         issues.extend(dropouts.into_iter().map(dropout));
         issues.extend(not_finite(samples).into_iter().map(not_finite_run));
         if let HitChannel::Response(_) = channel {

@@ -156,6 +156,40 @@ fn each_fault_is_reported() {
     assert!(matches!(issues[..], [QualityIssue::NotDecayed { ratio, .. }] if ratio > 0.05));
 }
 
+/// A fast decay that is clipped touches its limits at single samples only; unclipped decays, digitised
+/// or not, and noise of a few converter steps have no such limit.
+#[test]
+fn a_clipped_oscillation_is_reported() {
+    let force = sampled(4000, half_sine(20.0, 1.0e-3));
+    // About eight samples a cycle, so that no two in a row are beyond 47 of 50.
+    let decay = |t: f64| 50.0 * (-60.0 * t).exp() * (2.0 * PI * 6013.0 * t).sin();
+    let response = sampled(4000, decay);
+    let issues_of = |response: &[f64]| {
+        let all =
+            quality_issues(&hit(force.clone(), response.to_vec()), &QualityOptions::default());
+        let of_limits = |issue: &QualityIssue| {
+            matches!(issue, QualityIssue::Clipped { .. } | QualityIssue::Overload { .. })
+        };
+        all.into_iter().filter(of_limits).collect::<Vec<_>>()
+    };
+    let clipped: Vec<f64> = response.iter().map(|x| x.clamp(-46.0, 46.0)).collect();
+    let at_limits = clipped.iter().filter(|x| x.abs() == 46.0).count();
+    assert!((8..=40).contains(&at_limits), "{at_limits}");
+    let [QualityIssue::Clipped { channel: HitChannel::Response(0), times, value, .. }] =
+        issues_of(&clipped)[..]
+    else {
+        panic!("{:?}", issues_of(&clipped));
+    };
+    assert!(value.abs() == 46.0 && times >= 5, "{value} {times}");
+    assert_eq!(issues_of(&response), []);
+    let digitised = |steps: f64| -> Vec<f64> {
+        response.iter().map(|x| (x / 50.0 * steps).round() * 50.0 / steps).collect()
+    };
+    for steps in [32768.0, 2048.0, 10.0] {
+        assert_eq!(issues_of(&digitised(steps)), [], "{steps}");
+    }
+}
+
 /// Verified against the full scale of the converter, an overload, and against a coarsely digitised
 /// slow oscillation with flat maxima, which is none.
 #[test]

@@ -169,3 +169,48 @@ fn an_average_is_refined_and_corrected_as_its_hits_are() {
         }
     }
 }
+
+/// Each fault of the data is said in words: a file twice, more names than channels, levels that do
+/// not average, a clipped response.
+#[test]
+fn doubtful_data_are_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let notices = |arguments: &[&str]| {
+        let asked = [&["analyse"], arguments, &["--overwrite", "--json", "--out", "a"]].concat();
+        let found = answer(folder.path(), &asked);
+        let hits = found["hits"].as_array().unwrap().iter();
+        let of_hits = hits.flat_map(|hit| hit["verdicts"].as_array().unwrap().clone());
+        let all = found["notices"].as_array().unwrap().iter().cloned().chain(of_hits);
+        all.map(|text| text.as_str().unwrap().to_owned()).collect::<Vec<String>>()
+    };
+    let says = |found: &[String], words: &str| found.iter().any(|text| text.contains(words));
+    let stored = |name: &str, signals: [&[f64]; 2]| {
+        let test = record(signals[0], "top", "m/s^2", signals[1], 1.0);
+        store(folder.path(), name, test, Format::UniversalBinary);
+    };
+    let good = blows(DAMPING, &[20.0, 20.5]);
+    stored("a.uff", [&good[0], &good[3]]);
+    std::fs::copy(folder.path().join("a.uff"), folder.path().join("b.uff")).unwrap();
+    assert_eq!(notices(&["a.uff", "--band", "700:1000"]), Vec::<String>::new());
+    let found = notices(&["a.uff", "b.uff", "--band", "700:1000"]);
+    assert!(says(&found, "a.uff and b.uff hold the same bytes"), "{found:?}");
+    let found = notices(&["a.uff", "--band", "700:1000", "--names", "hammer,top,side,base"]);
+    assert!(says(&found, "4 names given for 2 channels; the last 2 are not used"), "{found:?}");
+
+    // A weak blow and a strong one whose response is half of the linear.
+    let levels = blows(DAMPING, &[10.0, 30.0]);
+    let half = levels[3].len() / 2;
+    let motion: Vec<f64> = (0..levels[3].len())
+        .map(|n| if n < half { levels[3][n] } else { -0.5 * levels[3][n] })
+        .collect();
+    stored("mixed.uff", [&levels[0], &motion]);
+    let found = notices(&["mixed.uff", "--band", "700:1000"]);
+    assert!(says(&found, "average over levels"), "{found:?}");
+
+    let largest = good[3].iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+    let clipped: Vec<f64> =
+        good[3].iter().map(|x| x.clamp(-0.8 * largest, 0.8 * largest)).collect();
+    stored("clipped.uff", [&good[0], &clipped]);
+    let found = notices(&["clipped.uff", "--band", "700:1000", "--keep-all"]);
+    assert!(says(&found, "overload: the response"), "{found:?}");
+}
