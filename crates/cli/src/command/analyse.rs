@@ -68,7 +68,8 @@ fn options(asked: &Analyse) -> AnalysisOptions {
 /// The analysis as text.
 fn in_words(report: &AnalysisReport) -> String {
     let mut text = String::from(
-        " hit  force N  impulse Ns  width ms     f1 Hz    A1 m/N  damping %   A2/A1\n",
+        "                                                       damping %\n \
+          hit  force N  impulse Ns  width ms     f1 Hz    A1 m/N  half power  decrement   A2/A1\n",
     );
     for hit in report.hits.iter().take(MOST_SHOWN) {
         text.push_str(&row(hit));
@@ -83,7 +84,7 @@ fn in_words(report: &AnalysisReport) -> String {
     if let Some(first) = average.fundamental {
         let _ = write!(text, ": {:.2} Hz, {:.4e} m/N", first.frequency_hz, first.magnitude);
         if let Some(ratio) = first.damping_ratio {
-            let _ = write!(text, ", damping {:.3} %", 100.0 * ratio);
+            let _ = write!(text, ", damping {:.3} % (half power)", 100.0 * ratio);
         }
         if let Some(coherence) = first.coherence {
             let _ = write!(text, ", coherence {coherence:.5}");
@@ -101,13 +102,14 @@ fn row(hit: &HitReport) -> String {
     let first = hit.fundamental;
     let height = first.map_or("-".to_owned(), |first| format!("{:.3e}", first.magnitude));
     let mut text = format!(
-        "{:>4} {} {} {} {} {height:>9} {} {}",
+        "{:>4} {} {} {} {} {height:>9} {} {} {}",
         hit.index,
         number(hit.force_peak_n, 1.0, 8, 2),
         number(hit.impulse_ns, 1.0, 11, 5),
         number(hit.pulse_width_s, 1e3, 9, 4),
         number(first.map(|first| first.frequency_hz), 1.0, 9, 2),
-        number(first.and_then(|first| first.damping_ratio), 100.0, 10, 3),
+        number(first.and_then(|first| first.damping_ratio), 100.0, 11, 3),
+        number(first.and_then(|first| first.damping_ratio_decrement), 100.0, 10, 3),
         number(hit.harmonic_ratio, 1.0, 7, 4),
     );
     if !hit.averaged {
