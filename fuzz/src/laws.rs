@@ -58,8 +58,8 @@ pub fn law(bytes: &[u8]) {
     let (mut last_pressure, mut last_energy) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
     for closure in closures.into_iter().filter(|closure| closure.is_finite()) {
         let (state, energy) = (law.pressure(closure), law.energy(closure));
-        // Next to a closure limit a steep tangent turns the rounding of a closure into one of pressure.
         let pressure = state.value;
+        // Next to a closure limit a steep tangent turns the rounding of a closure into one of pressure.
         let by_closure = CLOSURE_ROUNDING * closure.abs() * state.tangent;
         assert!(
             !pressure.is_nan() && !energy.is_nan(),

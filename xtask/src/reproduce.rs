@@ -116,8 +116,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<bool> {
         command: "reproduce",
         document: &claims_file,
         replace_other_document: true,
-        replace_other_kind: true,
-        allow_other_files: true,
+        overwrite: true,
     })?;
     let bar = progress(chosen.len() as u64);
     let rig = Rig::load(&root.join("fixtures/scenarios"), arguments.quick, bar.clone())?;

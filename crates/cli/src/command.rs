@@ -79,8 +79,7 @@ impl ResultFolder {
             document: input,
             // Two files of one name, from two folders, have the same folder by default.
             replace_other_document: overwrite || out.is_some(),
-            replace_other_kind: overwrite,
-            allow_other_files: overwrite,
+            overwrite,
         })?))
     }
 

@@ -22,6 +22,7 @@
 //! | `drive` | the drive force, step by step |
 //! | `simulation` | one hit and its response |
 //! | `step_size` | the choice of the step |
+//! | `fast_modes` | the error by modes that a step does not show |
 //! | `simulate` | many hits, tried again where a step or a table was too short |
 //! | `dense_output` | the motion between steps |
 //! | `energy` | the energy balance |

@@ -253,11 +253,11 @@ impl HitFundamental {
     fn of(found: &HitFeatures) -> Option<Self> {
         let sigma = found.fundamental_uncertainty;
         Some(Self {
-            frequency_hz: found.unwindowed_frequency_hz?,
-            magnitude: found.unwindowed_magnitude?,
-            damping_ratio: found.damping.half_power,
-            damping_ratio_circle: found.damping.circle,
-            damping_ratio_decrement: found.damping.decrement,
+            frequency_hz: found.mode.frequency_hz?,
+            magnitude: found.mode.magnitude?,
+            damping_ratio: found.mode.damping.half_power,
+            damping_ratio_circle: found.mode.damping.circle,
+            damping_ratio_decrement: found.mode.damping.decrement,
             frequency_uncertainty_hz: sigma.map(|sigma| sigma.frequency_hz),
             magnitude_uncertainty: sigma.map(|sigma| sigma.magnitude),
         })

@@ -91,9 +91,9 @@ fn blocks_and_the_whole_record_give_equal_results() {
         for (hit, exact) in found.report.hits.iter().zip(&whole.hits) {
             let features = exact.features.as_ref().unwrap();
             let first = hit.fundamental.unwrap();
-            assert_eq!(Some(first.frequency_hz), features.unwindowed_frequency_hz);
-            assert_eq!(Some(first.magnitude), features.unwindowed_magnitude);
-            assert_eq!(first.damping_ratio_decrement, features.damping.decrement);
+            assert_eq!(Some(first.frequency_hz), features.mode.frequency_hz);
+            assert_eq!(Some(first.magnitude), features.mode.magnitude);
+            assert_eq!(first.damping_ratio_decrement, features.mode.damping.decrement);
             assert_eq!(hit.impulse_ns, exact.pulse.map(|pulse| pulse.impulse_n_s));
             assert_eq!(hit.time_s, (exact.start + exact.trigger as u64) as f64 / RATE);
         }

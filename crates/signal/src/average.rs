@@ -261,10 +261,9 @@ impl FrfAverage {
         self.need("frequency response function", 1)?;
         estimator.check()?;
         let all = self.force.iter().zip(&self.response).zip(&self.cross);
-        let cross = all.map(|((&f, &x), &c)| match estimator {
-            FrfEstimator::H1 => c,
-            _ if f == 0.0 || c == Complex64::ZERO => Complex64::ZERO,
-            _ => estimator.value(f, x, c) * f,
+        let cross = all.map(|((&f, &x), &c)| {
+            let is_zero = f == 0.0 || c == Complex64::ZERO;
+            if is_zero { Complex64::ZERO } else { estimator.value(f, x, c) * f }
         });
         let correlation = |spectrum: Vec<Complex64>| {
             let mut samples = inverse_transform(spectrum, OVERSAMPLING * self.length);

@@ -155,7 +155,7 @@ pub struct HammerTest {
 /// assert_eq!((test.hits.len(), test.average.averages()), (2, 2));
 /// for hit in &test.hits {
 ///     let features = hit.features.as_ref().ok_or("a good hit has features")?;
-///     let ratio = features.damping.mean().ok_or("and damping")?;
+///     let ratio = features.mode.damping.mean().ok_or("and damping")?;
 ///     assert!((ratio - damping).abs() < 1e-4);
 /// }
 /// let receptance = test.average.frf(FrfEstimator::H1)?;

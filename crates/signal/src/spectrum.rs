@@ -2,9 +2,8 @@
 
 use crate::error::{Result, SignalError, check_rate, check_samples};
 use num_complex::Complex64;
-use realfft::{ComplexToReal, RealFftPlanner};
+use realfft::RealFftPlanner;
 use std::cell::RefCell;
-use std::sync::Arc;
 
 /// Largest zero padding; use [`transform_at`](crate::transform_at) for denser grids.
 pub(crate) const PADDING_LIMIT: usize = 1024;
@@ -109,17 +108,12 @@ pub(crate) fn forward_transform(mut samples: Vec<f64>) -> Vec<Complex64> {
     values
 }
 
-/// The plan of an inverse transform, from the cache of the thread.
-pub(crate) fn inverse_plan(length: usize) -> Arc<dyn ComplexToReal<f64>> {
-    PLANNER.with_borrow_mut(|planner| planner.plan_fft_inverse(length))
-}
-
-/// The `length` real samples with the transform `values`, up to a factor, from bins 0 to `length / 2`.
+/// `length` times the real samples with the transform `values`, from bins 0 to `length / 2`.
 pub(crate) fn inverse_transform(mut values: Vec<Complex64>, length: usize) -> Vec<f64> {
     for real in [0, length / 2] {
         values[real].im = 0.0;
     }
-    let plan = inverse_plan(length);
+    let plan = PLANNER.with_borrow_mut(|planner| planner.plan_fft_inverse(length));
     let mut samples = plan.make_output_vec();
     // Cannot fail, since the plan fits the buffers; NaN otherwise.
     if plan.process(&mut values, &mut samples).is_err() {

@@ -44,12 +44,10 @@ pub struct OutputRequest<'a> {
     pub document: &'a Path,
     /// True if results of another document are replaced, too.
     pub replace_other_document: bool,
-    /// True if results of another kind are replaced, too: a folder holds results of scenarios, of
-    /// measurements, or of an identification.
-    pub replace_other_kind: bool,
-    /// True if the folder may hold files that are no results. They are kept, except those that have
-    /// the name of a new file.
-    pub allow_other_files: bool,
+    /// True if the folder may hold what the command would not write: files that are no results,
+    /// which are kept except those that have the name of a new file, and results of another kind
+    /// (of scenarios, of measurements, of an identification), which are replaced.
+    pub overwrite: bool,
 }
 
 /// A folder that takes the result of one run.
@@ -67,8 +65,7 @@ pub struct OutputRequest<'a> {
 ///     command: "simulate",
 ///     document: "rig.json".as_ref(),
 ///     replace_other_document: false,
-///     replace_other_kind: false,
-///     allow_other_files: false,
+///     overwrite: false,
 /// })?;
 /// output.write("history.csv", "time_s\n0\n")?;
 /// assert!(!folder.exists());
@@ -110,7 +107,7 @@ impl OutputFolder {
         work.recover(&place).map_err(fail)?;
         let document = marker::relative_path(request.document, &place);
         let marker = FolderMarker::read(&place);
-        if !request.allow_other_files {
+        if !request.overwrite {
             let mut others = marker.others(&place).map_err(fail)?;
             others.retain(|name| !marker::is_of_results(&place.join(name)));
             if !others.is_empty() {
@@ -119,7 +116,7 @@ impl OutputFolder {
                 return Err(OutputError::Occupied { folder: path, files, count: others.len() });
             }
         }
-        if !request.replace_other_kind
+        if !request.overwrite
             && let Some(other) = marker.command_of_other_kind(request.command)
         {
             let command = other.to_owned();

@@ -155,8 +155,7 @@ fn two_runs_do_not_write_to_one_folder_at_the_same_time() {
         command: "simulate",
         document: &document,
         replace_other_document: false,
-        replace_other_kind: false,
-        allow_other_files: false,
+        overwrite: false,
     };
     let other_run = OutputFolder::claim(&request).unwrap();
     let message = refused(folder.path(), &["modes", "rig.json"]);

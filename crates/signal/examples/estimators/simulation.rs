@@ -150,7 +150,7 @@ fn read(features: &HitFeatures) -> [Reading; 9] {
     // First-order deviations are stated where the first order holds.
     let a = features.fundamental_uncertainty.filter(PeakUncertainty::is_first_order);
     let b = features.second_uncertainty.filter(PeakUncertainty::is_first_order);
-    let damping = features.damping;
+    let damping = features.mode.damping;
     let backbone = features.backbone.as_ref().and_then(|backbone| {
         // The points down to a tenth of the first, of equal weight.
         let floor = 0.1 * backbone.points.first()?.amplitude;
@@ -168,8 +168,8 @@ fn read(features: &HitFeatures) -> [Reading; 9] {
     };
     let of_ratio = features.ratio_uncertainty.filter(|_| a.is_some() && b.is_some());
     [
-        (features.unwindowed_frequency_hz, frequency(first, a)),
-        (features.unwindowed_magnitude, height(first, a)),
+        (features.mode.frequency_hz, frequency(first, a)),
+        (features.mode.magnitude, height(first, a)),
         (second.map(|peak| peak.frequency_hz), frequency(second, b)),
         (second.map(|peak| peak.magnitude), height(second, b)),
         (ratio, ratio.zip(of_ratio)),

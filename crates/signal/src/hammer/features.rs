@@ -39,14 +39,9 @@ pub struct HitFeatures {
     pub second_uncertainty: Option<PeakUncertainty>,
     /// Standard deviation of the ratio of receptances `A2/A1`.
     pub ratio_uncertainty: Option<f64>,
-    /// Damping ratios of the fundamental, corrected for the exponential window.
-    pub damping: DampingComparison,
-    /// Frequency of the fundamental corrected for the exponential window, in hertz, with the
-    /// damping ratio of the circle fit or else of the half-power width.
-    pub unwindowed_frequency_hz: Option<f64>,
-    /// Magnitude of the fundamental corrected for the exponential window, in m/N, with the same
-    /// ratio.
-    pub unwindowed_magnitude: Option<f64>,
+    /// The mode of the fundamental, corrected for the exponential window; empty without a
+    /// fundamental.
+    pub mode: ModeFeatures,
     /// Backbone from the decay of the response without window.
     pub backbone: Option<Backbone>,
 }
@@ -83,9 +78,7 @@ pub(super) fn of_hit(
         fundamental_uncertainty: first,
         second_uncertainty: second,
         ratio_uncertainty: ratio.map(|(ratio, (a, b))| ratio_uncertainty(ratio, &a, &b)),
-        damping: DampingComparison::default(),
-        unwindowed_frequency_hz: harmonics.fundamental.map(|peak| peak.frequency_hz),
-        unwindowed_magnitude: harmonics.fundamental.map(|peak| peak.magnitude),
+        mode: ModeFeatures::default(),
         backbone: None,
         harmonics,
     };
@@ -104,17 +97,14 @@ pub(super) fn of_hit(
     let filtered = settings.and_then(|settings| backbone_and_signal(free, rate, &settings).ok());
     // Between its first and last point the filtered decay is that of the mode, after the ringing
     // of the edges and above the noise.
-    let mode = filtered.as_ref().and_then(|(backbone, signal)| {
+    let decay = filtered.as_ref().and_then(|(backbone, signal)| {
         let (first, last) = (backbone.points.first()?, backbone.points.last()?);
         let span = (first.time_s * rate) as usize..(last.time_s * rate) as usize;
         Some(signal.get(span)?.iter().map(|value| value.re).collect::<Vec<f64>>())
     });
     found.backbone = filtered.map(|(backbone, _)| backbone);
-    let decay = mode.unwrap_or_default();
-    let mode = ModeFeatures::of(response, &peak, &decay, options.windows.exponential);
-    found.damping = mode.damping;
-    found.unwindowed_frequency_hz = mode.frequency_hz;
-    found.unwindowed_magnitude = mode.magnitude;
+    let decay = decay.unwrap_or_default();
+    found.mode = ModeFeatures::of(response, &peak, &decay, options.windows.exponential);
     Some(found)
 }
 

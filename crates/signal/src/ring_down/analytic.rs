@@ -2,7 +2,7 @@
 
 use super::band_pass::{BandPass, check_band};
 use crate::error::{Result, check_rate, check_samples};
-use crate::spectrum::{fast_length, forward_transform, inverse_plan};
+use crate::spectrum::{fast_length, forward_transform, inverse_transform};
 use num_complex::Complex64;
 
 /// Impulse response of the filter at which the zero padding ends.
@@ -44,7 +44,6 @@ pub fn analytic_signal(
     let mut padded = vec![0.0; length];
     padded[..samples.len()].copy_from_slice(samples);
     let mut spectrum = forward_transform(padded);
-    let inverse = inverse_plan(length);
     let step = sample_rate_hz / length as f64;
     let scale = 1.0 / length as f64;
     // A gain cut at zero frequency would have a slowly decaying impulse response. Both signs of
@@ -69,14 +68,8 @@ pub fn analytic_signal(
         }
         *value *= even;
     }
-    let invert = |mut spectrum: Vec<Complex64>| {
-        let mut output = inverse.make_output_vec();
-        for end in [0, last] {
-            spectrum[end].im = 0.0;
-        }
-        if inverse.process(&mut spectrum, &mut output).is_err() {
-            output.fill(f64::NAN);
-        }
+    let invert = |spectrum| {
+        let mut output = inverse_transform(spectrum, length);
         output.truncate(samples.len());
         output
     };

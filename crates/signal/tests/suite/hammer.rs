@@ -74,13 +74,13 @@ fn a_test_finds_the_mode() {
         let sigma = features.fundamental_uncertainty.unwrap();
         assert!((found.frequency_hz - top).abs() < 4.0 * sigma.frequency_hz + 1e-4 * top);
         assert!(sigma.relative < 1e-3, "{sigma:?}");
-        assert_eq!(features.damping.ratios().count(), 3);
+        assert_eq!(features.mode.damping.ratios().count(), 3);
         assert!(
-            features.damping.ratios().all(|z| (z / 0.01 - 1.0).abs() < 0.02),
+            features.mode.damping.ratios().all(|z| (z / 0.01 - 1.0).abs() < 0.02),
             "{:?}",
-            features.damping
+            features.mode.damping
         );
-        assert!(features.damping.spread().unwrap() < 0.02);
+        assert!(features.mode.damping.spread().unwrap() < 0.02);
         let backbone = features.backbone.as_ref().unwrap();
         assert!(backbone.points.len() > 5);
         for point in &backbone.points {
@@ -88,7 +88,7 @@ fn a_test_finds_the_mode() {
             let tolerance = 4.0 * 0.013 * backbone.floor / point.amplitude + 1e-4;
             assert!((point.frequency_hz / 831.0 - 1.0).abs() < tolerance, "{point:?}");
         }
-        assert_eq!(features.unwindowed_magnitude, Some(found.magnitude));
+        assert_eq!(features.mode.magnitude, Some(found.magnitude));
     }
     let average = test.average.frf(FrfEstimator::H1).unwrap().to(FrfForm::Receptance);
     let k = (831.0 * 2.0 * (average.len() - 1) as f64 / RATE).round() as usize;
@@ -109,9 +109,9 @@ fn a_windowed_test_is_corrected() {
     let height = MODE.receptance(MODE.natural_hz).norm();
     for hit in test.hits.iter().filter(|hit| hit.is_averaged()) {
         let features = hit.features.as_ref().unwrap();
-        let circle = features.damping.circle.unwrap();
-        assert!((circle / 0.01 - 1.0).abs() < 0.02, "{:?}", features.damping);
-        let found = features.unwindowed_magnitude.unwrap();
+        let circle = features.mode.damping.circle.unwrap();
+        assert!((circle / 0.01 - 1.0).abs() < 0.02, "{:?}", features.mode.damping);
+        let found = features.mode.magnitude.unwrap();
         assert!((found / height - 1.0).abs() < 0.02, "{found} {height}");
         assert!(features.harmonics.fundamental.unwrap().magnitude < 0.6 * height);
     }
@@ -146,8 +146,8 @@ fn measured_hits_agree_with_each_other() {
         assert!((peak.frequency_hz - 900.0).abs() < 1.0, "{peak:?}");
         assert!((peak.frequency_hz - peaks[0].frequency_hz).abs() < 0.02, "{peaks:?}");
         assert!((peak.magnitude / peaks[0].magnitude - 1.0).abs() < 0.1, "{peaks:?}");
-        assert_eq!(features.damping.ratios().count(), 3, "{:?}", features.damping);
-        assert!(features.damping.spread().unwrap() < 0.1, "{:?}", features.damping);
+        assert_eq!(features.mode.damping.ratios().count(), 3, "{:?}", features.mode.damping);
+        assert!(features.mode.damping.spread().unwrap() < 0.1, "{:?}", features.mode.damping);
         let backbone = features.backbone.as_ref().unwrap();
         assert!(backbone.points.len() > 10, "{backbone:?}");
         for point in &backbone.points {
@@ -187,9 +187,9 @@ fn features_are_those_of_the_direct_sums() {
             let (a, b) = (a.unwrap(), b.unwrap());
             assert!((a / b - 1.0).abs() < bound, "{a} {b} {:e}", a / b - 1.0);
         };
-        same(features.damping.half_power, half_power(&response, &exact), 1e-9);
+        same(features.mode.damping.half_power, half_power(&response, &exact), 1e-9);
         let circle = circle_fit(&response, &exact).map(|circle| circle.ratio);
-        same(features.damping.circle, circle, 1e-9);
+        same(features.mode.damping.circle, circle, 1e-9);
         let sigma = peak_uncertainty(&response, &exact, features.noise);
         let stated = features.fundamental_uncertainty;
         same(stated.map(|s| s.frequency_hz), sigma.map(|s| s.frequency_hz), 1e-9);

@@ -9,8 +9,7 @@ fn request<'a>(folder: &'a Path, command: &'a str) -> OutputRequest<'a> {
         command,
         document: "rig.json".as_ref(),
         replace_other_document: false,
-        replace_other_kind: false,
-        allow_other_files: false,
+        overwrite: false,
     }
 }
 
@@ -91,7 +90,7 @@ fn other_files_are_named_and_kept() {
     let refused = OutputFolder::claim(&request(&folder, "simulate")).unwrap_err();
     assert!(matches!(&refused, OutputError::Occupied { files, count: 1, .. }
         if files == &["thesis.tex"]));
-    let allowed = OutputRequest { allow_other_files: true, ..request(&folder, "simulate") };
+    let allowed = OutputRequest { overwrite: true, ..request(&folder, "simulate") };
     write_result(&allowed, ["frf.csv", "summary.json"], "2");
     fs::remove_file(folder.join(".DS_Store")).unwrap();
     let kept = [("frf.csv", "2"), ("summary.json", "2"), ("thesis.tex", "x")];

@@ -208,9 +208,15 @@ fn doubtful_data_are_named() {
     assert!(says(&found, "average over levels"), "{found:?}");
 
     let largest = good[3].iter().fold(0.0, |most: f64, x| most.max(x.abs()));
-    let clipped: Vec<f64> =
-        good[3].iter().map(|x| x.clamp(-0.8 * largest, 0.8 * largest)).collect();
+    // At the limit, but never two samples in a row: no flat top.
+    let limit = 0.5 * largest;
+    let mut clipped: Vec<f64> = good[3].iter().map(|x| x.clamp(-limit, limit)).collect();
+    for n in 1..clipped.len() {
+        if clipped[n].abs() == limit && clipped[n - 1].abs() > 0.9 * limit {
+            clipped[n] *= 0.95 + 0.01 * (n as f64).sin();
+        }
+    }
     stored("clipped.uff", [&good[0], &clipped]);
     let found = notices(&["clipped.uff", "--band", "700:1000", "--keep-all"]);
-    assert!(says(&found, "overload: the response"), "{found:?}");
+    assert!(says(&found, ", a limit, "), "{found:?}");
 }
