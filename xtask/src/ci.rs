@@ -9,7 +9,7 @@ use std::time::Instant;
 
 use anyhow::{Context, Result};
 
-use crate::{package, tidy, workspace_root};
+use crate::{package, python, tidy, workspace_root};
 
 /// Steps of the inner loop, as arguments of cargo.
 const QUICK: [(&str, &str); 4] = [
@@ -20,7 +20,7 @@ const QUICK: [(&str, &str); 4] = [
 ];
 
 /// Steps of the whole run, as arguments of cargo.
-const ALL: [(&str, &str); 11] = [
+const ALL: [(&str, &str); 12] = [
     ("fmt", "fmt --all --check"),
     ("clippy", "clippy --workspace --all-targets --all-features -- -D warnings"),
     ("clippy, no features", "clippy --workspace --no-default-features -- -D warnings"),
@@ -29,6 +29,7 @@ const ALL: [(&str, &str); 11] = [
     ("test, no features", "test --package asperity-measure --no-default-features"),
     ("doc", "doc --workspace --no-deps --all-features"),
     ("package", "xtask package"),
+    ("python", "xtask python"),
     ("tidy", "xtask tidy"),
     ("reproduce --check", "xtask reproduce --check"),
     ("cases", "xtask campaign --cases fixtures/cases"),
@@ -42,6 +43,7 @@ pub(crate) fn run(quick: bool, tasks: &clap::Command) -> Result<bool> {
     let check = |name: &str, arguments: &str| match name {
         "tidy" => tidy::run(tasks),
         "package" => package::run(),
+        "python" => python::run(),
         _ => run_cargo(name, arguments),
     };
     run_steps(steps, check, &mut std::io::stdout())

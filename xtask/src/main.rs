@@ -5,6 +5,7 @@
 //! | `cargo xtask ci [--quick]` | `ci` | every check of CI, in order, up to the first failure |
 //! | `cargo xtask tidy` | `tidy` | holds the repository to its rules |
 //! | `cargo xtask package` | `package` | every package, checked from its own archive |
+//! | `cargo xtask python` | `python` | the Python package, built and tested as a wheel |
 //! | `cargo xtask bench` | `bench` | speed of the kernels and of a sweep, as one table |
 //! | `cargo xtask campaign` | `campaign` | random scenarios through both engines, differences judged |
 //! | `cargo xtask fuzz` | `fuzz` | every fuzz target for a time |
@@ -17,6 +18,7 @@ mod ci;
 mod figures;
 mod fuzz;
 mod package;
+mod python;
 mod reproduce;
 mod tidy;
 
@@ -45,6 +47,8 @@ enum Task {
     Tidy,
     /// Check every package from its own archive.
     Package,
+    /// Build the Python package as a wheel and test it.
+    Python,
     /// Measure the kernels and a sweep of 100 000 hits.
     Bench,
     /// Run random scenarios with both engines and judge where they differ.
@@ -67,6 +71,7 @@ fn main() -> ExitCode {
         Task::Ci { quick } => ci::run(quick, &Cli::command()),
         Task::Tidy => tidy::run(&Cli::command()),
         Task::Package => package::run(),
+        Task::Python => python::run(),
         Task::Bench => bench::run(),
         Task::Campaign(arguments) => campaign::run(&arguments),
         Task::Fuzz(arguments) => fuzz::run(&arguments),

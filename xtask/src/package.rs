@@ -26,7 +26,8 @@ pub(crate) fn run() -> Result<bool> {
         }
     }
     // Uncommitted changes are packed too.
-    let pack = "package --workspace --exclude xtask --allow-dirty --no-verify --quiet";
+    let pack = "package --workspace --exclude xtask --exclude asperity-python --allow-dirty \
+                --no-verify --quiet";
     let packed = cargo(&pack.split(' ').collect::<Vec<_>>())
         .env("CARGO_TARGET_DIR", &packages)
         .status()

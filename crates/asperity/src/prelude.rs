@@ -11,8 +11,8 @@ pub use asperity_inference::{
     Fit, FitOptions, ForwardModel, FunctionModel, InferenceError, Observation, Parameter, fit,
 };
 pub use asperity_law::{
-    Constant, ContactLaw, Exponential, Hyperbolic, InSeries, LawError, ModifiedPower, Power,
-    Tabulated, fit_power,
+    Constant, ContactLaw, Exponential, GreenwoodWilliamson, Hyperbolic, InSeries, LawError,
+    ModifiedPower, Persson, Power, Tabulated, fit_power,
 };
 pub use asperity_mesh::{Body, Stack, Support};
 pub use asperity_scenario::Document;

@@ -2,12 +2,19 @@
 #![allow(clippy::doc_markdown, reason = "these comments are help texts, shown without markup")]
 
 pub(crate) mod analyse;
+pub(crate) mod decay;
+pub(crate) mod figures;
+pub(crate) mod law;
 
 use std::path::PathBuf;
 
 use clap::{ArgAction, Args as Group, Parser, Subcommand};
+use clap_complete::Shell;
 
-use analyse::{Analyse, Conversion, RecordFormat};
+use analyse::{Analyse, Conversion, Inspect, RecordFormat, Watch};
+use decay::Decay;
+use figures::{FigureOptions, MagnitudeAxis};
+use law::DeckExport;
 
 use crate::progress::LogFormat;
 
@@ -65,6 +72,9 @@ pub(crate) enum Command {
         /// uff (58b), uff-ascii (58), csv or npz.
         #[arg(long, value_name = "FORMAT")]
         record: Option<RecordFormat>,
+        /// Axis of the magnitude in the figure of the receptance: linear, log or db.
+        #[arg(long, value_name = "AXIS", default_value = "log", hide_possible_values = true)]
+        magnitude: MagnitudeAxis,
     },
     /// Simulate the cartesian product of the variations, in parallel.
     ///
@@ -88,8 +98,8 @@ pub(crate) enum Command {
     /// Follow the steady responses to a shaker on the top by harmonic balance: a branch over
     /// frequency for each force amplitude, with its folds and unstable parts.
     ///
-    /// The scenario's own excitation is not used. Writes summary.json, steady.csv and
-    /// steady.svg, and with --backbone backbone.csv.
+    /// The scenario's own excitation is not used. Writes summary.json, steady.csv, steady.svg and
+    /// report.html, and with --backbone backbone.csv.
     Steady {
         #[command(flatten)]
         input: Input,
@@ -103,15 +113,23 @@ pub(crate) enum Command {
     },
     /// Tabulate every law of the scenario: pressure, stiffness, closure, energy.
     ///
-    /// Writes law-NAME.csv for each law, law.json and law.svg.
+    /// Writes law-NAME.csv for each law, law.json and law.svg, and with --export contacts-FORMAT.inp.
     Law {
         #[command(flatten)]
         input: Input,
         #[command(flatten)]
         output: Output,
+        #[command(flatten)]
+        export: DeckExport,
         /// Fit C and m of K = C p^m to this CSV of pressure_pa,stiffness_pa_per_m rows.
         #[arg(long, value_name = "TABLE.csv")]
         fit: Option<PathBuf>,
+        /// Turn this CSV of gaps and pressures, as a contact solver writes it, into a table law.
+        ///
+        /// The header is gap_m,pressure_pa; gap or closure in m, mm, um or nm, pressure in pa, kpa,
+        /// mpa or gpa. Writes imported-law.json, and tabulates the law with the others.
+        #[arg(long, value_name = "TABLE.csv")]
+        import_gaps: Option<PathBuf>,
     },
     /// Compute static equilibrium, and the natural frequencies and mode shapes linearised about it.
     ///
@@ -139,6 +157,9 @@ pub(crate) enum Command {
         /// Print that of a problem for `asperity identify` instead.
         #[arg(long)]
         identify: bool,
+        /// Print that of the settings of a rig instead, which `analyse`, `inspect` and `convert` read.
+        #[arg(long, conflicts_with = "identify")]
+        rig: bool,
     },
     /// Identify the contact law, or any numbers of a scenario, from measured responses, with their
     /// uncertainty.
@@ -160,28 +181,66 @@ pub(crate) enum Command {
     ///
     /// Reads universal files (58, 58b), CSV and LabVIEW text, NPY, NPZ, MATLAB 5 to 7, WAVE and TDMS,
     /// and HDF5 where built with it; several files are one test. Writes analysis.json, hits.csv,
-    /// frf.csv, backbone.csv and figures.
+    /// frf.csv, backbone.csv, figures and report.html.
     Analyse(Box<Analyse>),
+    /// Judge the hits of a test while they are measured: each file that is added to a folder.
+    ///
+    /// Each hit is called good, weak, double hit, overload or dropout within a second after its file is
+    /// complete. Then all files are analysed as by `analyse`, whose results are written anew, and the
+    /// force of the next hit is proposed. Ctrl-C ends it.
+    Watch(Box<Watch>),
+    /// Analyse free decays whose force was not measured: frequency, damping and harmonics over
+    /// amplitude.
+    ///
+    /// Finds the decays after blows, after a sustained excitation, or at the beginning of a record, in
+    /// the files that `analyse` reads. Writes decay.json, decays.csv, backbone.csv (data of
+    /// `identify`), figures and report.html.
+    Decay(Box<Decay>),
+    /// Describe measurement files: channels, units, rates, ranges, and the channels that `analyse`
+    /// would take.
+    Inspect(Inspect),
     /// Convert a file of measurements to another format.
     ///
     /// The extension of OUT gives the format: .uff (58b), .csv, .npz. Samples keep their units unless
     /// --si is given.
     Convert(Conversion),
+    /// Print the completions of a shell: bash, elvish, fish, powershell or zsh.
+    ///
+    /// With bash: `asperity completions bash > ~/.local/share/bash-completion/completions/asperity`.
+    Completions {
+        /// The shell.
+        #[arg(value_name = "SHELL", hide_possible_values = true)]
+        shell: Shell,
+    },
+    /// Write the manual pages of the command and of every subcommand: asperity.1, asperity-simulate.1
+    /// and so on.
+    Man {
+        /// Folder for the pages, which are replaced; read them with `man -M`, or below man1 of a folder
+        /// of manual pages.
+        #[arg(value_name = "DIR")]
+        folder: PathBuf,
+    },
 }
 
 /// Force amplitudes and frequency range of steady responses.
 #[derive(Debug, Group)]
 pub(crate) struct SteadyRange {
     /// Force amplitudes in N.
-    #[arg(long, value_name = "N[,N...]", required = true, value_delimiter = ',')]
+    #[arg(
+        long,
+        value_name = "N[,N...]",
+        required = true,
+        value_delimiter = ',',
+        allow_negative_numbers = true
+    )]
     pub(crate) amplitude: Vec<f64>,
 
     /// Frequency in Hz at which each branch starts.
-    #[arg(long, value_name = "HZ")]
+    #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
     pub(crate) from: f64,
 
     /// Frequency in Hz at which each branch ends; may be the lower one.
-    #[arg(long, value_name = "HZ")]
+    #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
     pub(crate) to: f64,
 
     /// Number of harmonics. Default: chosen by their truncation, up to 30.
@@ -229,4 +288,7 @@ pub(crate) struct Output {
     /// Print the summary as JSON on standard output, and nothing else there.
     #[arg(long)]
     pub(crate) json: bool,
+
+    #[command(flatten)]
+    pub(crate) figures: FigureOptions,
 }

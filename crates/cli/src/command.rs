@@ -2,31 +2,42 @@
 
 pub(crate) mod analyse;
 pub(crate) mod check;
+pub(crate) mod completions;
 pub(crate) mod convert;
+pub(crate) mod decay;
 pub(crate) mod identify;
+pub(crate) mod inspect;
 pub(crate) mod law;
+pub(crate) mod man;
 pub(crate) mod modes;
 pub(crate) mod schema;
 pub(crate) mod simulate;
 pub(crate) mod steady;
 pub(crate) mod sweep;
+pub(crate) mod watch;
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
-use asperity_figure::{Figure, FigureError};
+use asperity_figure::Figure;
 use asperity_scenario::{Document, Scenario};
 use asperity_study::output::file_name::file_name;
 use asperity_study::output::{OutputFolder, OutputRequest};
 use serde_json::Value;
+use signal_hook::consts::{SIGINT, SIGTERM};
+use signal_hook::flag;
 use tracing::info_span;
 
+use crate::args::figures::FigureFormat;
 use crate::args::{Input, Output};
-use crate::failure::Failure;
+use crate::failure::{Failure, INTERRUPTED};
+use crate::file_kind::{FileKind, check_document, check_name};
 
 /// Reads the scenario and applies its changes, without checking it.
 fn read(input: &Input) -> Result<Document, Failure> {
     let _span = info_span!("read").entered();
-    let mut document = Document::read(&input.scenario)?;
+    let mut document = read_document(&input.scenario, FileKind::Scenario)?;
     for argument in &input.set {
         let (pointer, value) = argument.split_once('=').ok_or_else(|| Failure::SetForm {
             argument: argument.clone(),
@@ -37,9 +48,18 @@ fn read(input: &Input) -> Result<Document, Failure> {
     Ok(document)
 }
 
+/// Reads a JSON document that is of this kind, or does not name its kind.
+pub(crate) fn read_document(path: &Path, kind: FileKind) -> Result<Document, Failure> {
+    check_name(path, kind)?;
+    let document = Document::read(path)?;
+    check_document(path, document.value(), kind)?;
+    Ok(document)
+}
+
 /// The typed scenario of a document that is valid.
 fn checked(document: &Document) -> Result<Scenario, Failure> {
     document.scenario().map_err(|source| Failure::Invalid {
+        kind: "scenario",
         text: document.text().to_owned(),
         path: document.path().to_owned(),
         source,
@@ -55,13 +75,34 @@ fn on_threads<T: Send>(
         .ok_or(Failure::Threads { threads: threads.unwrap_or_default() })
 }
 
-/// The folder that takes the result of a command.
-struct ResultFolder(OutputFolder);
+/// Sets the flag at the first Ctrl-C, or request to terminate; the second ends the command at once.
+fn stop_on_signals(stop: &Arc<AtomicBool>) {
+    for signal in [SIGINT, SIGTERM] {
+        let registered =
+            flag::register_conditional_shutdown(signal, INTERRUPTED.into(), Arc::clone(stop))
+                .and_then(|_| flag::register(signal, Arc::clone(stop)));
+        if let Err(error) = registered {
+            tracing::debug!("signal {signal} ends the command at once: {error}");
+        }
+    }
+}
+
+/// Pixels a millimetre of a figure as PNG: 300 dpi.
+const PIXELS_PER_MM: f64 = 300.0 / 25.4;
+
+/// The folder that takes the result of a command, and the formats of its figures.
+struct ResultFolder(OutputFolder, Vec<FigureFormat>);
 
 impl ResultFolder {
     /// Claims the folder of `output` for `command`, by default out/ and the name of the file `input`.
     fn claim(command: &str, input: &Path, output: &Output) -> Result<Self, Failure> {
-        Self::claim_at(command, input, output.out.as_deref(), output.overwrite)
+        Self::claim_at(
+            command,
+            input,
+            output.out.as_deref(),
+            output.overwrite,
+            &output.figures.figures,
+        )
     }
 
     fn claim_at(
@@ -69,18 +110,23 @@ impl ResultFolder {
         input: &Path,
         out: Option<&Path>,
         overwrite: bool,
+        figures: &[FigureFormat],
     ) -> Result<Self, Failure> {
         let stem = input.file_stem().unwrap_or(input.as_os_str()).to_string_lossy();
         let name = || PathBuf::from("out").join(file_name(&stem));
         let folder = out.map_or_else(name, Path::to_owned);
-        Ok(Self(OutputFolder::claim(&OutputRequest {
+        let claimed = OutputFolder::claim(&OutputRequest {
             folder: &folder,
             command,
             document: input,
             // Two files of one name, from two folders, have the same folder by default.
             replace_other_document: overwrite || out.is_some(),
             overwrite,
-        })?))
+        })?;
+        let mut figures = figures.to_vec();
+        figures.sort_unstable();
+        figures.dedup();
+        Ok(Self(claimed, figures))
     }
 
     /// Writes a file.
@@ -95,19 +141,26 @@ impl ResultFolder {
         Ok(self.0.unfinished(name)?)
     }
 
-    /// Draws a figure as SVG. One that cannot be drawn is left out, with a warning.
-    fn draw(&self, name: &str, figure: &Figure) -> Result<(), Failure> {
-        let svg = info_span!("draw", file = name).in_scope(|| {
-            figure.check()?;
-            Ok::<String, FigureError>(figure.to_svg())
-        });
-        match svg {
-            Ok(svg) => self.write(name, svg),
-            Err(error) => {
-                tracing::warn!("{name} cannot be drawn: {error}");
-                Ok(())
+    /// Draws a figure as `stem.svg` and in the other formats asked for. One that cannot be drawn is
+    /// left out, with a warning.
+    fn draw(&self, stem: &str, figure: &Figure) -> Result<(), Failure> {
+        for format in &self.1 {
+            let name = match format {
+                FigureFormat::Svg => format!("{stem}.svg"),
+                FigureFormat::Pdf => format!("{stem}.pdf"),
+                FigureFormat::Png => format!("{stem}.png"),
+            };
+            let drawn = info_span!("draw", file = name).in_scope(|| match format {
+                FigureFormat::Svg => figure.check().map(|()| figure.to_svg().into_bytes()),
+                FigureFormat::Pdf => figure.to_pdf(),
+                FigureFormat::Png => figure.to_png(PIXELS_PER_MM),
+            });
+            match drawn {
+                Ok(data) => self.write(&name, data)?,
+                Err(error) => tracing::warn!("{name} cannot be drawn: {error}"),
             }
         }
+        Ok(())
     }
 
     /// Writes the answer of a command, puts the result in place, and prints the answer where `print`
@@ -126,6 +179,6 @@ impl ResultFolder {
 }
 
 /// JSON with indentation and a line break at its end.
-fn pretty(value: &Value) -> String {
+pub(crate) fn pretty(value: &Value) -> String {
     format!("{value:#}\n")
 }

@@ -1,12 +1,11 @@
 //! Errors of the command, their exit status, and the options that help.
 
+use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use asperity_dynamics::DynamicsError;
 use asperity_experiment::AnalysisError;
 use asperity_figure::FigureError;
-use asperity_harmonic::HarmonicError;
 use asperity_identify::IdentificationError;
 use asperity_measure::MeasureError;
 use asperity_scenario::{Diagnostic, DocumentError, InvalidDocument, SetError};
@@ -16,7 +15,11 @@ use asperity_study::sweep::{SweepError, VariationError};
 use thiserror::Error;
 
 use crate::excerpt::{Label, show_excerpts};
+use crate::file_kind::FileKind;
 use crate::progress::show_line;
+
+/// Exit status of a command that was stopped: that of shells after Ctrl-C.
+pub(crate) const INTERRUPTED: u8 = 130;
 
 /// Most problems of one scenario that are shown.
 const MOST_SHOWN: usize = 20;
@@ -30,8 +33,12 @@ pub(crate) enum Failure {
     SetForm { argument: String, accepted: &'static str },
     #[error("--set {source}")]
     Set { source: SetError },
-    #[error("the scenario is invalid")]
-    Invalid { text: String, path: PathBuf, source: InvalidDocument },
+    #[error("{} is {}; accepted: {}", path.display(), found.noun(), wanted.noun())]
+    WrongKind { path: PathBuf, found: FileKind, wanted: FileKind },
+    #[error("the {kind} is invalid")]
+    Invalid { kind: &'static str, text: String, path: PathBuf, source: InvalidDocument },
+    #[error("{} has no `design`", path.display())]
+    NoDesign { path: PathBuf },
     #[error(transparent)]
     Study(#[from] StudyError),
     #[error("--vary {0}")]
@@ -42,12 +49,18 @@ pub(crate) enum Failure {
     Parts { failed: usize, of: String, first: String, reason: String },
     #[error("cannot start {threads} threads; accepted: 1 to 1024")]
     Threads { threads: usize },
+    #[error("{rows} rows; {code} takes {} to {}", accepted.start(), accepted.end())]
+    Rows { rows: usize, code: &'static str, accepted: RangeInclusive<usize> },
     #[error(transparent)]
     Figure(#[from] FigureError),
     #[error(transparent)]
     Analysis(#[from] AnalysisError),
     #[error(transparent)]
     Problem(Box<IdentificationError>),
+    #[error("the manual pages cannot be written to {}: {source}", folder.display())]
+    Pages { folder: PathBuf, source: std::io::Error },
+    #[error("stopped; {} holds what was finished", .0.display())]
+    Stopped(PathBuf),
     #[error("the answer cannot be written to standard output: {0}")]
     Answer(std::io::Error),
 }
@@ -68,8 +81,12 @@ impl Failure {
     /// 2 for a wrong request, 1 for a run that failed.
     pub(crate) fn exit_code(&self) -> ExitCode {
         let request_is_wrong = match self {
-            Self::Study(error) => is_wrong_request(error),
-            Self::Parts { .. } | Self::Figure(_) | Self::Answer(_) => false,
+            Self::Stopped(_) => return ExitCode::from(INTERRUPTED),
+            Self::Problem(error) if matches!(**error, IdentificationError::StoppedAtOnce) => {
+                return ExitCode::from(INTERRUPTED);
+            }
+            Self::Study(error) => error.is_wrong_request(),
+            Self::Parts { .. } | Self::Figure(_) | Self::Pages { .. } | Self::Answer(_) => false,
             Self::Analysis(error) => error.is_wrong_request(),
             Self::Problem(error) => error.is_wrong_request(),
             _ => true,
@@ -86,7 +103,7 @@ impl Failure {
                 }
                 tracing::error!(hint = self.hint(), "{self}");
             }
-            Self::Invalid { text, path, source } => show_invalid(text, path, source),
+            Self::Invalid { kind, text, path, source } => show_invalid(kind, text, path, source),
             Self::Document(DocumentError::Syntax { path, text, source }) => {
                 show_line(&format!("error: {self}"));
                 let label = Label { span: source.span.clone(), text: "here".to_owned() };
@@ -122,6 +139,9 @@ impl Failure {
                 Some("choose another folder with --out".into())
             }
             Self::Analysis(error) => analysis_hint(error),
+            Self::WrongKind { path, found, .. } => {
+                found.command(path).map(|command| format!("`{command}` reads it"))
+            }
             _ => None,
         }
     }
@@ -142,8 +162,18 @@ fn analysis_hint(error: &AnalysisError) -> Option<String> {
             "choose another name, or replace the file with --overwrite".into()
         }
         AnalysisError::SameFile { .. } => "choose another name".into(),
+        AnalysisError::NoChannel { role: "force", .. } => {
+            "select one with --force, or describe the channels with --names and --units; decays \
+             without a force are for `asperity decay`"
+                .into()
+        }
         AnalysisError::NoChannel { role, .. } => {
             format!("select one with --{role}, or describe the channels with --names and --units")
+        }
+        AnalysisError::Ambiguous { role: "response", .. } => {
+            "select one with --response NAME or --response '#NUMBER', several by repeating it, or \
+             --response all"
+                .into()
         }
         AnalysisError::Ambiguous { role, .. } => {
             format!("select one with --{role} NAME or --{role} '#NUMBER'")
@@ -161,53 +191,25 @@ fn analysis_hint(error: &AnalysisError) -> Option<String> {
              negative while the hammer pushes"
                 .into()
         }
-        AnalysisError::NoGoodHit { .. } => "--keep-all averages them".into(),
+        AnalysisError::NoDecay { .. } => {
+            "a decay begins with a blow, or where a shaker stops, and needs some cycles until it is \
+             noise; `asperity inspect` shows what the channels hold, --response selects one, and \
+             records of hits with their force are for `asperity analyse`"
+                .into()
+        }
+        AnalysisError::NoGoodHit { .. } => {
+            "--keep-all averages them, --force CHANNEL selects another force".into()
+        }
         _ => return None,
     })
 }
 
-fn is_wrong_request(error: &StudyError) -> bool {
-    match error {
-        StudyError::Samples { .. }
-        | StudyError::Input { .. }
-        | StudyError::FitTable(_)
-        | StudyError::Document(_)
-        | StudyError::Set(_)
-        | StudyError::Scenario { .. }
-        | StudyError::OtherColumns
-        | StudyError::Law { .. } => true,
-        StudyError::Output(error) => !matches!(error, OutputError::Io { .. }),
-        StudyError::Structure(error) | StudyError::Dynamics(DynamicsError::Structure(error)) => {
-            is_wrong_structure(error)
-        }
-        StudyError::Dynamics(error) => matches!(
-            error,
-            DynamicsError::Setting { .. }
-                | DynamicsError::TooLarge { .. }
-                | DynamicsError::Mesh(_)
-                | DynamicsError::ForceRecord { .. }
-        ),
-        StudyError::Harmonic(error) => !matches!(
-            error,
-            HarmonicError::NoStart { .. }
-                | HarmonicError::NoLinearResponse { .. }
-                | HarmonicError::BeyondLaw { .. }
-        ),
-        // Signals that cannot be analysed, and errors to come.
-        _ => false,
-    }
-}
-
-fn is_wrong_structure(error: &StructureError) -> bool {
-    matches!(error, StructureError::Setting { .. } | StructureError::Mesh(_))
-}
-
 /// Shows every problem, first in one line, then at its place in the text.
-fn show_invalid(text: &str, path: &Path, invalid: &InvalidDocument) {
+fn show_invalid(kind: &str, text: &str, path: &Path, invalid: &InvalidDocument) {
     let problems = &invalid.diagnostics;
     let shown = &problems[..problems.len().min(MOST_SHOWN)];
     show_line(&format!(
-        "error: {} is not a valid scenario: {} {}",
+        "error: {} is not a valid {kind}: {} {}",
         path.display(),
         problems.len(),
         if problems.len() == 1 { "problem" } else { "problems" }

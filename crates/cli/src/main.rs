@@ -7,6 +7,8 @@
 //! | [`command`] | the subcommands, one a file |
 //! | [`plot`] | the figures that the subcommands write |
 //! | [`failure`] | errors, their exit status and their hints |
+//! | [`file_kind`] | kinds of input files |
+//! | [`usage`] | errors of options in words |
 //! | [`excerpt`] | the lines of a text that an error is about |
 //! | [`progress`] | progress bars, logs and messages on standard error |
 
@@ -16,8 +18,12 @@ mod args;
 mod command;
 mod excerpt;
 mod failure;
+mod file_kind;
 mod plot;
 mod progress;
+mod rig;
+mod steady_words;
+mod usage;
 
 use std::process::ExitCode;
 
@@ -49,21 +55,20 @@ fn ended(outcome: Result<(), Failure>) -> ExitCode {
 }
 
 /// Prints the help or the version on standard output, or the error of an option on standard error.
-fn show_usage(usage: &clap::Error) -> ExitCode {
-    if usage.use_stderr() {
-        // The exit status remains where standard error is closed or full.
-        let _ = usage.print();
+fn show_usage(error: &clap::Error) -> ExitCode {
+    if error.use_stderr() {
+        usage::show(error);
         return ExitCode::from(2);
     }
     let printed =
-        answer::write(format_args!("")).and_then(|()| usage.print().map_err(Failure::Answer));
+        answer::write(format_args!("")).and_then(|()| error.print().map_err(Failure::Answer));
     ended(printed.and_then(|()| answer::finish()))
 }
 
 fn run(args: &Args) -> Result<(), Failure> {
     match &args.command {
-        Command::Simulate { input, output, record } => {
-            command::simulate::run(input, output, *record, args.quiet)
+        Command::Simulate { input, output, record, magnitude } => {
+            command::simulate::run(input, output, *record, *magnitude, args.quiet)
         }
         Command::Sweep { input, output, vary, threads } => {
             command::sweep::run(input, output, vary, *threads, args.quiet)
@@ -71,14 +76,21 @@ fn run(args: &Args) -> Result<(), Failure> {
         Command::Steady { input, output, range, threads } => {
             command::steady::run(input, output, range, *threads, args.quiet)
         }
-        Command::Law { input, output, fit } => command::law::run(input, output, fit.as_deref()),
+        Command::Law { input, output, export, fit, import_gaps } => {
+            command::law::run(input, output, export, fit.as_deref(), import_gaps.as_deref())
+        }
         Command::Modes { input, output, count } => command::modes::run(input, output, *count),
         Command::Check { input, json } => command::check::run(input, *json),
-        Command::Schema { identify } => command::schema::run(*identify),
+        Command::Schema { identify, rig } => command::schema::run(*identify, *rig),
         Command::Identify { problem, output, threads } => {
             command::identify::run(problem, output, *threads, args.quiet)
         }
         Command::Analyse(asked) => command::analyse::run(asked, args.quiet),
+        Command::Watch(asked) => command::watch::run(asked, args.quiet),
+        Command::Decay(asked) => command::decay::run(asked, args.quiet),
+        Command::Inspect(asked) => command::inspect::run(asked, args.quiet),
         Command::Convert(asked) => command::convert::run(asked, args.quiet),
+        Command::Completions { shell } => command::completions::run(*shell),
+        Command::Man { folder } => command::man::run(folder, args.quiet),
     }
 }

@@ -1,7 +1,9 @@
 //! The figures that the subcommands write, from the same numbers as their tables.
 
 mod analysis;
+mod decay;
 mod identification;
+mod magnitude;
 mod response;
 mod steady;
 mod structure;
@@ -9,10 +11,11 @@ mod sweep;
 
 use asperity_figure::{Figure, Panel};
 
-pub(crate) use analysis::figures;
+pub(crate) use analysis::{analysis_report, figures, responses};
+pub(crate) use decay::{decay_figures, decay_report};
 pub(crate) use identification::{identification, identification_report};
 pub(crate) use response::{frf, history};
-pub(crate) use steady::steady;
+pub(crate) use steady::{steady, steady_report};
 pub(crate) use structure::{laws, modes};
 pub(crate) use sweep::sweep;
 

@@ -5,7 +5,7 @@ use std::io::{IsTerminal, Write, stderr};
 use std::sync::{LazyLock, OnceLock};
 
 use clap::ValueEnum;
-use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
+use indicatif::{HumanDuration, MultiProgress, ProgressBar, ProgressState, ProgressStyle};
 use tracing_subscriber::filter::{EnvFilter, LevelFilter};
 use tracing_subscriber::fmt::format::FmtSpan;
 use tracing_subscriber::fmt::time::uptime;
@@ -110,14 +110,31 @@ pub(crate) fn show_notices<T: std::fmt::Display>(notices: impl IntoIterator<Item
     }
 }
 
+/// A bar of `length` steps of the whole of a command, whose message tells the time left; nothing where
+/// standard error is not a terminal.
+pub(crate) fn whole_bar(length: u64, quiet: bool) -> ProgressBar {
+    if quiet {
+        return ProgressBar::hidden();
+    }
+    let style = ProgressStyle::with_template("[{bar:40}] {percent} % {elapsed} {msg}")
+        .unwrap_or_else(|_| ProgressStyle::default_bar());
+    TERMINAL.add(ProgressBar::new(length).with_style(style.progress_chars("=> ")))
+}
+
 /// A bar of `length` steps on standard error; nothing where that is not a terminal.
 pub(crate) fn bar(length: u64, message: &'static str, quiet: bool) -> ProgressBar {
     if quiet {
         return ProgressBar::hidden();
     }
-    let style =
-        ProgressStyle::with_template("{msg} [{bar:40}] {pos}/{len} {elapsed} (left: {eta})")
-            .unwrap_or_else(|_| ProgressStyle::default_bar());
+    let style = ProgressStyle::with_template("{msg} [{bar:40}] {pos}/{len} {elapsed}{left}")
+        .unwrap_or_else(|_| ProgressStyle::default_bar());
+    let style = style.with_key("left", |state: &ProgressState, text: &mut dyn std::fmt::Write| {
+        let left = state.eta();
+        // Nothing is known before the first step, and nothing is left after the last.
+        if state.pos() > 0 && !left.is_zero() {
+            let _ = write!(text, " (left: {:#})", HumanDuration(left));
+        }
+    });
     let bar = ProgressBar::new(length).with_style(style.progress_chars("=> "));
     TERMINAL.add(bar.with_message(message))
 }

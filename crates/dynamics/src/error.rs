@@ -94,6 +94,12 @@ pub enum DynamicsError {
     /// The structure has no rest, damping or modes.
     #[error(transparent)]
     Structure(#[from] StructureError),
+    /// Derivatives are not computed with contact damping.
+    #[error("interface \"{interface}\" is damped; derivatives need contacts without damping")]
+    ContactDamping {
+        /// Name of the interface.
+        interface: String,
+    },
     /// A contact law cannot be prepared for the integration.
     #[error("interface \"{interface}\": {source}")]
     Law {

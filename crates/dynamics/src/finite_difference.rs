@@ -19,6 +19,7 @@
 //! | `bar` | one body's nodes in vector lanes, and the sweep of Eq. (4) over them |
 //! | `lanes` | storage aligned to cache lines |
 //! | `contact` | the implicit contact step |
+//! | `damped_contact` | the same with viscous damping |
 //! | `support` | the step of a spring-mass support |
 //! | `ledger` | the energy balance of the discrete motion |
 //! | `time_loop` | the loop over time |
@@ -29,6 +30,7 @@
 
 mod bar;
 mod contact;
+mod damped_contact;
 mod lanes;
 mod ledger;
 mod support;

@@ -17,6 +17,7 @@
 //! | module | holds |
 //! |---|---|
 //! | `assembly` | a structure in modes, tabulated and stepped once for many hits |
+//! | `damped_table` | the law of a damped contact in one step, as tables |
 //! | `oscillator` | the exact step of one mode under a polynomial force |
 //! | `step_model` | all numbers of a step that do not depend on the drive |
 //! | `drive` | the drive force, step by step |
@@ -35,6 +36,7 @@
 )]
 
 mod assembly;
+mod damped_table;
 mod dense_output;
 mod drive;
 mod energy;

@@ -160,8 +160,10 @@ pub struct ContactExtremes {
 pub struct EnergyLedger {
     /// Work of the exciting force \[J\].
     pub input: f64,
-    /// Viscous loss in bodies and support \[J\].
+    /// Viscous loss in bodies, support and contacts \[J\].
     pub dissipated: f64,
+    /// The part of it in the contacts \[J\].
+    pub contact_dissipated: f64,
     /// Kinetic energy at the end \[J\].
     pub kinetic: f64,
     /// Elastic energy of bodies and support at the end \[J\].

@@ -43,7 +43,8 @@ fn main() {
     let (mut best, mut script): (f64, Option<Script>) = (f64::INFINITY, None);
     for run in 0..RUNS {
         let started = Instant::now();
-        let analysis = analyse(std::slice::from_ref(&file), &options).unwrap();
+        let mut analysis = analyse(std::slice::from_ref(&file), &options).unwrap();
+        let analysis = analysis.responses.remove(0);
         best = best.min(started.elapsed().as_secs_f64());
         if run == 0 {
             let first = analysis.report.average.frequency_hz.unwrap();

@@ -52,8 +52,12 @@ pub fn analyse_with_progress(
         let (hits, trigger, mut stream, mut files) = found?;
         files.iter_mut().zip(hashes?).for_each(|(file, sha256)| file.sha256 = sha256);
         stream.notices.extend(files_given_twice(&files));
-        let provenance = AnalysisProvenance { version: env!("CARGO_PKG_VERSION"), files };
-        hits.finish(&trigger, stream, provenance)
+        let provenance = AnalysisProvenance {
+            version: env!("CARGO_PKG_VERSION"),
+            rig: options.rig.clone(),
+            files,
+        };
+        hits.finish(&trigger, stream, &provenance)
     })
 }
 
@@ -74,7 +78,7 @@ fn two_passes<'a>(
         stream.notices.insert(text.to_owned());
     }
 
-    let mut found = HitAccumulator::new(options, &trigger, signals)?;
+    let mut found = HitAccumulator::new(options, &trigger, &signals)?;
     std::thread::scope(|scope| {
         let (sender, receiver) = sync_channel::<(usize, Option<SampleBlock>)>(BLOCKS_AHEAD);
         let stream = &mut stream;
@@ -102,16 +106,16 @@ fn two_passes<'a>(
     })?;
     found.analyse_pending()?;
     if let HitCount::Strongest(requested) = options.hits
-        && requested != found.hits.len()
+        && requested != found.hits()
     {
-        let found = found.hits.len();
+        let found = found.hits();
         stream.notices.insert(format!("{requested} hits requested, {found} above this level"));
     }
     Ok((found, trigger, stream, read))
 }
 
 /// A sentence for each file with the bytes of an earlier one.
-fn files_given_twice(files: &[AnalysedFile]) -> Vec<String> {
+pub(crate) fn files_given_twice(files: &[AnalysedFile]) -> Vec<String> {
     let mut sentences = Vec::new();
     for (number, file) in files.iter().enumerate() {
         let same = files[..number].iter().find(|earlier| earlier.sha256 == file.sha256);
@@ -132,7 +136,7 @@ fn joined<T>(thread: ScopedJoinHandle<'_, T>) -> T {
 }
 
 /// SHA-256 of a file in hexadecimal; of its beginning once the analysis is cancelled.
-fn sha256(path: &Path, cancelled: &AtomicBool) -> Result<String, AnalysisError> {
+pub(crate) fn sha256(path: &Path, cancelled: &AtomicBool) -> Result<String, AnalysisError> {
     let io = |source| AnalysisError::Io { path: path.to_owned(), source };
     let mut file = std::fs::File::open(path).map_err(io)?;
     let mut hash = Sha256::new();

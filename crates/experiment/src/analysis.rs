@@ -5,11 +5,22 @@ use asperity_table::{CsvWriter, columns_to_csv};
 
 use crate::average::AveragedFrf;
 use crate::curve::HitCurve;
+use crate::frf_record::HitFrf;
+use crate::modes::{Mode, ModeAtResponse};
 use crate::report::{AnalysisReport, HitReport};
 
 /// Result of an analysis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Analysis {
+    /// Each response, in the order asked for; one at least.
+    pub responses: Vec<ResponseAnalysis>,
+    /// Modes in the band, by frequency.
+    pub modes: Vec<Mode>,
+}
+
+/// Result of an analysis for one response.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ResponseAnalysis {
     /// Content of `analysis.json`.
     pub report: AnalysisReport,
     /// Averaged frequency response function.
@@ -18,6 +29,8 @@ pub struct Analysis {
     pub backbones: Vec<HitBackbone>,
     /// Curves of some hits, to be drawn.
     pub curves: Vec<HitCurve>,
+    /// Functions of the averaged hits, where they were to be kept.
+    pub frfs: Vec<HitFrf>,
     /// Measured quantity of the response.
     pub response: ResponseKind,
 }
@@ -34,10 +47,54 @@ pub struct HitBackbone {
 }
 
 impl Analysis {
+    /// Joins the results of the responses. The first report names the others and has the modes.
+    pub(crate) fn new(mut responses: Vec<ResponseAnalysis>, modes: Vec<Mode>) -> Self {
+        let others: Vec<String> =
+            responses.iter().skip(1).map(|other| other.name().to_owned()).collect();
+        if let Some(first) = responses.first_mut() {
+            first.report.other_responses = others;
+            first.report.modes.clone_from(&modes);
+        }
+        Self { responses, modes }
+    }
+
+    /// Table `modes.csv`: a row for each mode and response.
+    pub fn modes_csv(&self) -> String {
+        type Column = (&'static str, fn(&ModeAtResponse) -> Option<f64>);
+        let columns: [Column; 10] = [
+            ("hits", |at| Some(at.hits as f64)),
+            ("peak_frequency_hz", |at| Some(at.peak_frequency_hz)),
+            ("natural_frequency_hz", |at| Some(at.natural_frequency_hz)),
+            ("natural_frequency_uncertainty_hz", |at| at.natural_frequency_uncertainty_hz),
+            ("damping_ratio", |at| Some(at.damping_ratio)),
+            ("damping_ratio_uncertainty", |at| at.damping_ratio_uncertainty),
+            ("modal_constant_real_per_kg", |at| Some(at.modal_constant_per_kg[0])),
+            ("modal_constant_imag_per_kg", |at| Some(at.modal_constant_per_kg[1])),
+            ("modal_constant_uncertainty_per_kg", |at| at.modal_constant_uncertainty_per_kg),
+            ("phase_deg", |at| Some(at.phase_deg)),
+        ];
+        let names = columns.iter().map(|column| column.0);
+        let mut csv = CsvWriter::with_header(["mode", "response"].into_iter().chain(names));
+        for mode in &self.modes {
+            for at in &mode.responses {
+                let numbers = columns.iter().map(|column| (column.1)(at));
+                csv.text(&mode.number.to_string()).text(&at.response).numbers(numbers).end_row();
+            }
+        }
+        csv.into_string()
+    }
+}
+
+impl ResponseAnalysis {
+    /// Name of the channel of the response.
+    pub fn name(&self) -> &str {
+        self.report.channels.last().map_or("", |channel| channel.name.as_str())
+    }
+
     /// Table `hits.csv`: a row for each hit. Flags are 0 and 1.
     pub fn hits_csv(&self) -> String {
         type Column = (&'static str, fn(&HitReport) -> Option<f64>);
-        let columns: [Column; 21] = [
+        let columns: [Column; 25] = [
             ("index", |hit| Some(hit.index as f64)),
             ("record", |hit| Some(hit.record as f64)),
             ("time_s", |hit| Some(hit.time_s)),
@@ -55,6 +112,14 @@ impl Analysis {
             ("damping_ratio_decrement", |hit| hit.fundamental?.damping_ratio_decrement),
             ("frequency_uncertainty_hz", |hit| hit.fundamental?.frequency_uncertainty_hz),
             ("magnitude_uncertainty_m_per_n", |hit| hit.fundamental?.magnitude_uncertainty),
+            ("damping_ratio_uncertainty", |hit| hit.fundamental?.damping_ratio_uncertainty),
+            ("damping_ratio_circle_uncertainty", |hit| {
+                hit.fundamental?.damping_ratio_circle_uncertainty
+            }),
+            ("damping_ratio_decrement_uncertainty", |hit| {
+                hit.fundamental?.damping_ratio_decrement_uncertainty
+            }),
+            ("response_end_s", |hit| hit.response_end_s),
             ("second_frequency_hz", |hit| Some(hit.second_harmonic?.frequency_hz)),
             ("second_magnitude_m_per_n", |hit| Some(hit.second_harmonic?.magnitude)),
             ("harmonic_ratio", |hit| hit.harmonic_ratio),

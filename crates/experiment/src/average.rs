@@ -25,6 +25,23 @@ pub struct AveragedFrf {
     pub first_masked_hz: Option<f64>,
 }
 
+/// A measured function in the requested form, corrected for an exponential window.
+pub(crate) fn corrected(
+    measured: &Frf,
+    response: ResponseKind,
+    options: &AnalysisOptions,
+    exponential: Option<ExponentialWindow>,
+) -> Frf {
+    let mut receptance = measured.to(FrfForm::Receptance);
+    if let Some(window) = exponential {
+        let lines = receptance.frequency_hz.iter().zip(&mut receptance.values);
+        for (frequency, value) in lines.filter(|(frequency, _)| **frequency > 0.0) {
+            *value = window.corrected_receptance(*frequency, *value, response);
+        }
+    }
+    receptance.to(options.form)
+}
+
 impl AveragedFrf {
     /// Averaged function at its lines.
     pub(crate) fn of(
@@ -33,17 +50,10 @@ impl AveragedFrf {
         options: &AnalysisOptions,
         exponential: Option<ExponentialWindow>,
     ) -> Result<Self, AnalysisError> {
-        let mut receptance = average.frf(options.estimator)?.to(FrfForm::Receptance);
-        if let Some(window) = exponential {
-            let lines = receptance.frequency_hz.iter().zip(&mut receptance.values);
-            for (frequency, value) in lines.filter(|(frequency, _)| **frequency > 0.0) {
-                *value = window.corrected_receptance(*frequency, *value, response);
-            }
-        }
+        let frf = corrected(&average.frf(options.estimator)?, response, options, exponential);
         let mask = average.force_mask(FORCE_THRESHOLD)?;
         let coherence = average.coherence().ok().map(|coherence| coherence.values);
         let first_masked_hz = mask.first_masked_hz();
-        let frf = receptance.to(options.form);
         Ok(Self { frf, coherence, valid: mask.valid, first_masked_hz })
     }
 

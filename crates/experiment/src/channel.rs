@@ -5,6 +5,7 @@ use std::path::Path;
 use asperity_measure::{Channel, ChannelQuantity, Record};
 
 use crate::error::AnalysisError;
+use crate::options::ResponseChoice;
 
 /// Selection of a channel by its number, its name or its quantity.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -93,6 +94,70 @@ impl ChannelRole {
             }
         }
     }
+}
+
+/// Indices of the chosen responses.
+pub(crate) fn choose_responses(
+    file: &Path,
+    record: &Record,
+    choice: &ResponseChoice,
+) -> Result<Vec<usize>, AnalysisError> {
+    let role = ChannelRole::Response;
+    let places = match choice {
+        ResponseChoice::Only => vec![choose(file, record, role, None)?],
+        ResponseChoice::Channels(wanted) => {
+            let places = wanted.iter().map(|wanted| choose(file, record, role, Some(wanted)));
+            places.collect::<Result<Vec<_>, _>>()?
+        }
+        ResponseChoice::All => {
+            let fits =
+                |channel: &Channel| role.fits(channel.quantity) && channel.unit.known().is_some();
+            let places: Vec<usize> =
+                (0..record.channels.len()).filter(|at| fits(&record.channels[*at])).collect();
+            // Without any, the error of a missing response.
+            if places.is_empty() { vec![choose(file, record, role, None)?] } else { places }
+        }
+    };
+    for (number, place) in places.iter().enumerate() {
+        if places[..number].contains(place) {
+            let channel = record.channels[*place].name.clone();
+            return Err(AnalysisError::ChannelTwice { file: file.to_owned(), channel });
+        }
+    }
+    Ok(places)
+}
+
+/// Indices of the responses of a decay: the channels that `wanted` selects, of any quantity and unit;
+/// without any, or for `all`, every acceleration, velocity and displacement.
+pub(crate) fn choose_any_responses(
+    file: &Path,
+    record: &Record,
+    wanted: &[ChannelSelector],
+) -> Result<Vec<usize>, AnalysisError> {
+    let role = ChannelRole::Response;
+    let none = |wanted: String| {
+        let channels = listed(record, &(0..record.channels.len()).collect::<Vec<_>>());
+        AnalysisError::NoChannel { file: file.to_owned(), role: role.name(), wanted, channels }
+    };
+    if ResponseChoice::of(wanted) == ResponseChoice::All || wanted.is_empty() {
+        let fits = |at: &usize| role.fits(record.channels[*at].quantity);
+        let places: Vec<usize> = (0..record.channels.len()).filter(fits).collect();
+        return if places.is_empty() { Err(none(String::new())) } else { Ok(places) };
+    }
+    let mut places: Vec<usize> = Vec::with_capacity(wanted.len());
+    for selector in wanted {
+        let fitting = selector.fitting(record);
+        // A quantity may select several.
+        if fitting.is_empty() {
+            return Err(none(selector.to_string()));
+        }
+        if let Some(place) = fitting.iter().find(|place| places.contains(place)) {
+            let channel = record.channels[*place].name.clone();
+            return Err(AnalysisError::ChannelTwice { file: file.to_owned(), channel });
+        }
+        places.extend(fitting);
+    }
+    Ok(places)
 }
 
 /// Index of the only channel that fits a role.

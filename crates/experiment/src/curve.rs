@@ -1,6 +1,6 @@
 //! Curves of some hits, to be drawn.
 
-use asperity_signal::{Frf, FrfForm, HitRecord};
+use asperity_signal::{Frf, FrfForm, HitRecord, decay_length};
 
 /// Decimated curves of one hit.
 #[derive(Debug, Clone, PartialEq)]
@@ -11,7 +11,8 @@ pub struct HitCurve {
     pub force_peak_n: f64,
     /// Time from the trigger \[s\] and force \[N\] during the pulse.
     pub force: (Vec<f64>, Vec<f64>),
-    /// Time from the trigger \[s\] and response \[m, m/s or m/s^2\]: the extremes of each interval.
+    /// Time from the trigger \[s\] and response \[m, m/s or m/s^2\] until it has decayed: the extremes
+    /// of each interval.
     pub response: (Vec<f64>, Vec<f64>),
     /// Frequency \[Hz\] and magnitude of the receptance \[m/N\], without zero frequency.
     pub receptance: (Vec<f64>, Vec<f64>),
@@ -31,6 +32,8 @@ const MAX_CURVES: usize = 48;
 const POINTS: usize = 2400;
 /// Time drawn before and after the trigger \[s\].
 const PULSE_S: (f64, f64) = (2e-3, 6e-3);
+/// Time of the response drawn after the trigger over that before it.
+const BEFORE: usize = 20;
 /// Most points of a drawn receptance.
 const LINES: usize = 4000;
 
@@ -59,12 +62,17 @@ impl HitCurve {
         let first = hit.trigger.saturating_sub((PULSE_S.0 * rate).ceil() as usize);
         let last = (hit.trigger + (PULSE_S.1 * rate).ceil() as usize).min(hit.force.len());
         let response = hit.responses.first().map_or(&[][..], |samples| samples);
+        let start = hit.trigger.min(response.len());
+        let length = decay_length(&response[start..]);
+        let before = start - start.min(length / BEFORE);
+        let response = &response[before..start + length];
         let part = response.len().div_ceil(POINTS / 2).max(1);
         let mut drawn = (Vec::new(), Vec::new());
         for (number, samples) in response.chunks(part).enumerate() {
             let least = samples.iter().copied().fold(f64::INFINITY, f64::min);
             let most = samples.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-            drawn.0.extend([time(number * part), time(number * part + samples.len() / 2)]);
+            let first = before + number * part;
+            drawn.0.extend([time(first), time(first + samples.len() / 2)]);
             drawn.1.extend([least, most]);
         }
         Self {

@@ -9,14 +9,15 @@ use crate::options::AnalysisOptions;
 use crate::stream::{SampleBlock, SampleStream};
 use crate::trigger::{ForceEnvelope, TriggerSettings};
 
-/// Calls `take` with every hit of some files, cut as [`analyse`](crate::analyse) cuts them.
+/// Calls `take` with every hit of some files, cut as [`analyse`](crate::analyse) cuts them, and the
+/// quantities of its responses.
 ///
 /// # Errors
 /// As [`analyse`](crate::analyse), except that a test without a good hit is accepted.
 pub fn for_each_hit(
     files: &[PathBuf],
     options: &AnalysisOptions,
-    take: &mut dyn FnMut(HitRecord, ResponseKind),
+    take: &mut dyn FnMut(HitRecord, &[ResponseKind]),
 ) -> Result<(), AnalysisError> {
     options.check()?;
     let mut stream = SampleStream::new(options);
@@ -26,24 +27,38 @@ pub fn for_each_hit(
     for file in files {
         stream.read(file, &mut |block, signals| {
             for hit in cutter.push(&block)? {
-                take(hit.samples, signals.response);
+                take(hit.samples, &signals.responses);
             }
             Ok(())
         })?;
-        if let Some(hit) = cutter.end_file() {
-            take(hit.samples, signals.response);
+        if let (Some(hit), Some(signals)) = (cutter.end_file(), &stream.signals) {
+            take(hit.samples, &signals.responses);
         }
     }
     Ok(())
 }
 
 /// Hit with its place in the file.
+#[derive(Clone)]
 pub(crate) struct CutHit {
     /// Record in the file, from 1.
     pub(crate) record: usize,
     /// Time of the first sample of the record \[s\].
     pub(crate) record_start_s: f64,
     pub(crate) samples: HitRecord,
+}
+
+impl CutHit {
+    /// The hit with each of its responses alone.
+    pub(crate) fn of_each_response(mut self) -> Vec<Self> {
+        let responses = std::mem::take(&mut self.samples.responses);
+        let of = |response| {
+            let mut one = self.clone();
+            one.samples.responses = vec![response];
+            one
+        };
+        responses.into_iter().map(of).collect()
+    }
 }
 
 /// Cuts hits out of the blocks of one file after the other.
@@ -82,11 +97,14 @@ impl HitCutter {
             self.record += 1;
             self.record_start_s = block.start_s;
         }
-        let mut finder = match self.finder.take() {
-            Some(finder) => finder,
-            None => HitFinder::new(1, self.sample_rate_hz, self.trigger_level_n, &self.options)?,
+        let mut finder = if let Some(finder) = self.finder.take() {
+            finder
+        } else {
+            let (rate, level) = (self.sample_rate_hz, self.trigger_level_n);
+            HitFinder::new(block.responses.len(), rate, level, &self.options)?
         };
-        let found = finder.push(&block.force, &[&block.response])?;
+        let responses: Vec<&[f64]> = block.responses.iter().map(Vec::as_slice).collect();
+        let found = finder.push(&block.force, &responses)?;
         self.finder = Some(finder);
         hits.extend(found.into_iter().map(|samples| self.placed(samples)));
         Ok(hits)

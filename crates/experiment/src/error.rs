@@ -85,6 +85,14 @@ pub enum AnalysisError {
         /// Channels that fit.
         channels: String,
     },
+    /// Channel that is selected twice.
+    #[error("{}: channel `{channel}` is selected twice", file.display())]
+    ChannelTwice {
+        /// File.
+        file: PathBuf,
+        /// Channel.
+        channel: String,
+    },
     /// Selected channel without a known unit.
     #[error("{}: channel `{channel}` has {}; a known unit is required", file.display(), unit(text))]
     Unit {
@@ -111,6 +119,25 @@ pub enum AnalysisError {
         found: ChannelQuantity,
         /// Accepted quantities.
         expected: &'static str,
+    },
+    /// Folder or pattern without measurement files.
+    #[error("{}: no measurement file there", path.display())]
+    NoFiles {
+        /// Folder or pattern.
+        path: PathBuf,
+    },
+    /// More functions of hits than are kept in memory.
+    #[error(
+        "the functions of {hits} hits of {lines} lines exceed the limit of {limit} values; analyse \
+         fewer hits, or shorter ones"
+    )]
+    TooManyFunctions {
+        /// Hits so far.
+        hits: usize,
+        /// Lines of a function.
+        lines: usize,
+        /// Most values.
+        limit: usize,
     },
     /// Record that is not sampled evenly in time, or whose channels differ.
     #[error("{}, record {record}: {problem}", file.display())]
@@ -144,6 +171,23 @@ pub enum AnalysisError {
         largest_n: f64,
         /// Robust standard deviation of the force \[N\].
         noise_n: f64,
+    },
+    /// Records without a free decay.
+    #[error(
+        "no free decay found in {records} {}: the largest level of a cycle is {above_noise:.1} times \
+         the quiet level, and falls by {fall:.1} after it; a decay rises above 4 and falls by 3{}",
+        if *records == 1 { "record" } else { "records" },
+        left_out.iter().flat_map(|sentence| ["; ", sentence.as_str()]).collect::<String>()
+    )]
+    NoDecay {
+        /// Number of records.
+        records: usize,
+        /// Largest level of a cycle over the quiet level.
+        above_noise: f64,
+        /// Largest level over the smallest after it.
+        fall: f64,
+        /// Responses that cannot be analysed, in words.
+        left_out: Vec<String>,
     },
     /// Fewer hits above the noise than requested.
     #[error("{requested} hits requested; only {found} are above the noise of {noise_n} N")]
@@ -180,6 +224,7 @@ impl AnalysisError {
         !matches!(
             self,
             Self::NoHit { .. }
+                | Self::NoDecay { .. }
                 | Self::FewerHits { .. }
                 | Self::NoGoodHit { .. }
                 | Self::Signal(_)

@@ -3,7 +3,8 @@
 //!
 //! Of each hit, with response spectrum `X(f)` (as a displacement) and force spectrum `F(f)`, the
 //! receptance is `H(f) = X(f) / F(f)`. Its largest peak in the band of the fundamental is
-//! `A1 = |H(f1)|`, its largest peak in 1.5 to 2.3 of `f1` is `A2 = |H(f2)|`, and the harmonic ratio
+//! `A1 = |H(f1)|`, its largest peak in 1.8 to 2.2 of `f1` is `A2 = |H(f2)|` if the hits show that it
+//! is the second harmonic and no other mode, and the harmonic ratio
 //! `A2/A1` is a ratio of receptances. The spectra of good hits are averaged (H1, H2 or Hv), and the
 //! decay of each hit gives its backbone: frequency and damping over amplitude.
 //!
@@ -43,21 +44,32 @@
 //! write(&file, &[record], Format::UniversalBinary, &WriteOptions::default())?;
 //!
 //! let analysis = analyse(&[file], &AnalysisOptions::default())?;
-//! let fundamental = analysis.report.hits[0].fundamental.unwrap();
+//! let response = &analysis.responses[0];
+//! let fundamental = response.report.hits[0].fundamental.unwrap();
 //! assert!((fundamental.frequency_hz - 100.0).abs() < 0.5);
-//! assert!(analysis.hits_csv().starts_with("file,index,record,time_s,force_peak_n"));
+//! assert!(response.hits_csv().starts_with("file,index,record,time_s,force_peak_n"));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
 //! | module | holds |
 //! |---|---|
 //! | `options`, `channel` | [`AnalysisOptions`] and their text forms, selection of the channels |
+//! | `rig` | [`RigSettings`]: a file in place of options |
 //! | `stream` | files as blocks of force and response in SI |
 //! | `trigger`, `cutting` | trigger level and hit length; blocks to hits |
-//! | `analyse`, `hit_analysis`, `average` | [`analyse`]: the two passes, single hits, their average |
+//! | `analyse`, `hit_analysis` | [`analyse`]: the two passes, hits for every response |
+//! | `response_analysis`, `average` | hits of one response and their average |
+//! | `modes` | modes of the band over hits and responses |
+//! | `force_level` | hits grouped by force |
+//! | `second_peak` | second harmonic or another mode |
 //! | `analysis`, `report`, `curve` | [`Analysis`], `analysis.json`, CSV, curves to draw |
+//! | `decay` | [`analyse_decays`]: free decays without a force |
+//! | `frf_record` | functions of hits and average as a record |
 //! | `convert` | [`convert`] from one format to another |
+//! | `inspection` | [`inspect`]: content of a file before any analysis |
+//! | `input_files` | folders and patterns to files |
 //! | `input_size` | largest inputs |
+//! | `watched_folder`, `next_level` | complete files of a folder; the force of the next hit |
 
 mod analyse;
 mod analysis;
@@ -66,29 +78,55 @@ mod channel;
 mod convert;
 mod curve;
 mod cutting;
+mod decay;
 mod error;
+mod force_level;
+mod frf_record;
 mod hit_analysis;
+mod input_files;
 mod input_size;
+mod inspection;
+mod modes;
+mod next_level;
 mod options;
 mod report;
+mod response_analysis;
+mod rig;
+mod second_peak;
 mod stream;
 mod trigger;
+mod watched_folder;
 
 pub use analyse::{analyse, analyse_with_progress};
-pub use analysis::{Analysis, HitBackbone};
+pub use analysis::{Analysis, HitBackbone, ResponseAnalysis};
 pub use average::AveragedFrf;
 pub use channel::ChannelSelector;
 pub use convert::{Conversion, ConvertOptions, convert};
 pub use curve::HitCurve;
 pub use cutting::for_each_hit;
+pub use decay::{
+    DECAY_SCHEMA, DecayAnalysis, DecayCurve, DecayCurveReport, DecayHarmonicReport, DecayLevel,
+    DecayOptions, DecayOutline, DecayReport, DecaySettings, MeasuredDecay, analyse_decays,
+    analyse_decays_with_progress,
+};
 pub use error::AnalysisError;
+pub use force_level::ForceLevel;
+pub use frf_record::HitFrf;
+pub use input_files::input_files;
 pub use input_size::{MAX_ANALYSED_BYTES, MAX_CONVERTED_BYTES};
+pub use inspection::{Choice, INSPECTION_SCHEMA, InspectedChannel, Inspection, inspect};
+pub use modes::{Mode, ModeAtResponse};
+pub use next_level::{LevelCoverage, NextLevel};
 pub use options::{
-    AnalysisOptions, ChannelSensor, FrequencyBand, HitCount, TimeConstant, WindowOptions,
-    parse_estimator, parse_frf_form,
+    AnalysisOptions, ChannelSensor, FrequencyBand, HitCount, ResponseChoice, TimeConstant,
+    WindowOptions, parse_estimator, parse_frf_form,
 };
 pub use report::{
     ANALYSIS_SCHEMA, AnalysedFile, AnalysisProvenance, AnalysisReport, AnalysisSettings,
     AverageFundamental, AverageReport, HitFundamental, HitReport, HitSecondHarmonic, HitStatistics,
+    RigFile,
 };
+pub use rig::{RigChannel, RigEstimator, RigFault, RigSampleAxis, RigSchemaId, RigSettings};
+pub use second_peak::{HitSecondPeak, SecondPeakReport};
 pub use stream::UsedChannel;
+pub use watched_folder::{CompleteFile, WatchedFolder};

@@ -7,18 +7,21 @@ use asperity_signal::{FrfEstimator, FrfForm, HvScaling};
 
 use crate::channel::ChannelSelector;
 use crate::error::AnalysisError;
+use crate::report::RigFile;
 
 /// Options of an analysis of measured hits.
 #[derive(Debug, Clone)]
 pub struct AnalysisOptions {
+    /// File of the rig's settings that these options come from, for the provenance.
+    pub rig: Option<RigFile>,
     /// Properties that the files do not give: sample rate, names, units.
     pub reading: ReadOptions,
-    /// Sensors of channels that are in volts.
+    /// Sensors of channels that are in volts; of several for a channel the first counts.
     pub sensitivities: Vec<ChannelSensor>,
     /// Channel of the force; `None` for the only one.
     pub force: Option<ChannelSelector>,
-    /// Channel of the response; `None` for the only acceleration, velocity or displacement.
-    pub response: Option<ChannelSelector>,
+    /// Channels of the responses.
+    pub responses: ResponseChoice,
     /// True where the force is negative while the hammer pushes.
     pub flip_force: bool,
     /// Number of hits.
@@ -42,15 +45,18 @@ pub struct AnalysisOptions {
     pub band_hz: Option<FrequencyBand>,
     /// True where double hits, overloads and dropouts are averaged too.
     pub keep_all: bool,
+    /// True where the function of each hit is kept for [`Analysis::frf_record`](crate::Analysis).
+    pub keep_frfs: bool,
 }
 
 impl Default for AnalysisOptions {
     fn default() -> Self {
         Self {
+            rig: None,
             reading: ReadOptions { block: 1 << 16, ..ReadOptions::default() },
             sensitivities: Vec::new(),
             force: None,
-            response: None,
+            responses: ResponseChoice::Only,
             flip_force: false,
             hits: HitCount::Auto,
             trigger_level_n: None,
@@ -59,9 +65,10 @@ impl Default for AnalysisOptions {
             hold_off_s: 0.2,
             estimator: FrfEstimator::H1,
             form: FrfForm::Receptance,
-            windows: WindowOptions::default(),
+            windows: WindowOptions::automatic(),
             band_hz: None,
             keep_all: false,
+            keep_frfs: false,
         }
     }
 }
@@ -87,6 +94,29 @@ impl AnalysisOptions {
             return Err(invalid("hold_off_s", &found, "a time longer than pre_trigger_s"));
         }
         Ok(())
+    }
+}
+
+/// Choice of the responses.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum ResponseChoice {
+    /// The only acceleration, velocity or displacement.
+    Only,
+    /// All accelerations, velocities and displacements.
+    All,
+    /// These channels, each once. The first sets the band of the fundamental, where none is given.
+    Channels(Vec<ChannelSelector>),
+}
+
+impl ResponseChoice {
+    /// The choice of some texts: none for the only response, `all`, or a channel each.
+    pub fn of(channels: &[ChannelSelector]) -> Self {
+        let is_all = |channel: &ChannelSelector| *channel == "all".into();
+        match channels {
+            [] => Self::Only,
+            [one] if is_all(one) => Self::All,
+            _ => Self::Channels(channels.to_vec()),
+        }
     }
 }
 
@@ -166,6 +196,16 @@ pub struct WindowOptions {
     pub force: bool,
     /// Exponential window on both signals.
     pub exponential: Option<TimeConstant>,
+    /// True where both signals are set to zero where they are noise: the force outside the samples
+    /// above its noise, the response after its decay.
+    pub until_noise: bool,
+}
+
+impl WindowOptions {
+    /// Signals that end in noise, and no other window.
+    pub fn automatic() -> Self {
+        Self { until_noise: true, ..Self::default() }
+    }
 }
 
 /// Time constant of an exponential window.
@@ -180,12 +220,15 @@ pub enum TimeConstant {
 impl FromStr for WindowOptions {
     type Err = AnalysisError;
 
-    /// Reads `none`, `force`, `exponential`, `exponential:TAU`, `force+exponential`.
+    /// Reads `auto`, `none`, `force`, `exponential`, `exponential:TAU`, `force+exponential`.
     fn from_str(text: &str) -> Result<Self, Self::Err> {
-        let accepted = "none, force, exponential[:TAU] with TAU in seconds, or force+exponential";
+        let accepted =
+            "auto, none, force, exponential[:TAU] with TAU in seconds, or force+exponential";
         let error = || invalid("the window", text, accepted);
-        if text == "none" {
-            return Ok(Self::default());
+        match text {
+            "auto" => return Ok(Self::automatic()),
+            "none" => return Ok(Self::default()),
+            _ => {}
         }
         let mut choice = Self::default();
         for part in text.split('+') {

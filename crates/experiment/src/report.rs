@@ -3,6 +3,9 @@
 use asperity_signal::{AnalysedHit, HitChannel, HitFeatures, QualityIssue};
 use serde::Serialize;
 
+use crate::force_level::ForceLevel;
+use crate::modes::Mode;
+use crate::second_peak::{HitSecondPeak, SecondPeakReport, name as name_of_origin};
 use crate::stream::UsedChannel;
 
 /// Identifier of the format of `analysis.json`.
@@ -23,6 +26,17 @@ pub struct AnalysisReport {
     pub hits: Vec<HitReport>,
     /// Average of the good hits.
     pub average: AverageReport,
+    /// Good hits grouped by force, from the smallest on.
+    pub levels: Vec<ForceLevel>,
+    /// Peaks near twice the fundamental: harmonic or mode; `None` without any.
+    pub second_peak: Option<SecondPeakReport>,
+    /// Results over all hits, in words.
+    pub conclusions: Vec<String>,
+    /// Modes in the band over all responses, in the report of the first.
+    pub modes: Vec<Mode>,
+    /// Names of the other responses, in the report of the first.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub other_responses: Vec<String>,
     /// Assumptions and omissions.
     pub notices: Vec<String>,
     /// Version and files.
@@ -30,6 +44,7 @@ pub struct AnalysisReport {
 }
 
 /// Settings of an analysis.
+#[allow(clippy::struct_excessive_bools, reason = "each is a key of the file format")]
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct AnalysisSettings {
     /// Trigger level \[N\].
@@ -55,6 +70,8 @@ pub struct AnalysisSettings {
     pub frf_form: &'static str,
     /// True with a force window.
     pub force_window: bool,
+    /// True where force and response end in noise.
+    pub until_noise: bool,
     /// Time constant of the exponential window \[s\]; `None` without one.
     pub exponential_window_s: Option<f64>,
     /// Band of the fundamental \[Hz\]; `None` without a resonance.
@@ -67,7 +84,7 @@ pub struct AnalysisSettings {
 
 /// Results of one hit.
 #[allow(clippy::struct_excessive_bools, reason = "each is a key of the file format")]
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct HitReport {
     /// File.
     pub file: String,
@@ -98,13 +115,24 @@ pub struct HitReport {
     pub issues: Vec<String>,
     /// Fundamental; `None` without a peak, or for an excluded hit.
     pub fundamental: Option<HitFundamental>,
-    /// Second harmonic; `None` without a peak.
+    /// Time after the trigger at which the response is noise and the features end \[s\]; `None`
+    /// where they are of the whole hit.
+    pub response_end_s: Option<f64>,
+    /// Peak in 1.8 to 2.2 of f1 that is well above the noise.
+    pub second_peak: Option<HitSecondPeak>,
+    /// Second harmonic: the second peak, where the test decided that it is the harmonic.
     pub second_harmonic: Option<HitSecondHarmonic>,
     /// Harmonic ratio A2/A1, a ratio of receptances.
     pub harmonic_ratio: Option<f64>,
     /// Standard deviation of the ratio due to noise.
     pub harmonic_ratio_uncertainty: Option<f64>,
+    /// Time from the first impact to the last of a force that rings \[s\].
+    #[serde(skip)]
+    pub(crate) ring_s: Option<f64>,
 }
+
+/// Most further impacts of a hammer that bounces; more are ringing.
+const MOST_BOUNCES: usize = 3;
 
 /// Fundamental of a hit, corrected for an exponential window.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -123,6 +151,21 @@ pub struct HitFundamental {
     pub frequency_uncertainty_hz: Option<f64>,
     /// Standard deviation of the receptance due to noise \[m/N\].
     pub magnitude_uncertainty: Option<f64>,
+    /// Standard deviation of the half-power damping ratio due to noise.
+    pub damping_ratio_uncertainty: Option<f64>,
+    /// Standard deviation of the damping ratio of the circle fit due to noise.
+    pub damping_ratio_circle_uncertainty: Option<f64>,
+    /// Standard deviation of the damping ratio of the decrement due to noise.
+    pub damping_ratio_decrement_uncertainty: Option<f64>,
+    /// Undamped natural frequency of the circle fit \[Hz\].
+    pub natural_frequency_hz: Option<f64>,
+    /// Standard deviation of the natural frequency due to noise \[Hz\].
+    pub natural_frequency_uncertainty_hz: Option<f64>,
+    /// Modal constant of the circle fit, real and imaginary \[1/kg\]; for a real mode its reciprocal
+    /// is the modal mass.
+    pub modal_constant_per_kg: Option<[f64; 2]>,
+    /// Standard deviation of its magnitude due to noise \[1/kg\].
+    pub modal_constant_uncertainty_per_kg: Option<f64>,
 }
 
 /// Second harmonic of a hit, not corrected for an exponential window.
@@ -170,7 +213,7 @@ pub struct AverageFundamental {
 }
 
 /// Statistics of a quantity over the hits.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct HitStatistics {
     /// Number of hits with the quantity.
     pub hits: usize,
@@ -189,8 +232,20 @@ pub struct HitStatistics {
 pub struct AnalysisProvenance {
     /// Version of asperity.
     pub version: &'static str,
+    /// Settings of the rig that were read; `None` without a file of them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rig: Option<RigFile>,
     /// Files, in their order.
     pub files: Vec<AnalysedFile>,
+}
+
+/// File of a rig's settings.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct RigFile {
+    /// Name, as given.
+    pub file: String,
+    /// SHA-256 of the file.
+    pub sha256: String,
 }
 
 /// Analysed file.
@@ -219,7 +274,24 @@ impl HitReport {
     ) -> Self {
         let any = |fits: fn(&QualityIssue) -> bool| hit.issues.iter().any(fits);
         let features = hit.features.as_ref();
-        let second = features.and_then(|found| found.harmonics.second);
+        let is_noise = features.is_some_and(|found| {
+            found.mode.frequency_hz.is_some() && found.fundamental_uncertainty.is_none()
+        });
+        let doubtful = is_noise.then(|| "the peak at f1 may be noise".to_owned());
+        let impacts = || {
+            hit.issues.iter().filter_map(|issue| match issue {
+                QualityIssue::DoubleHit(double) => Some(double),
+                _ => None,
+            })
+        };
+        let last = impacts().map(|double| double.second_s - double.first_s).reduce(f64::max);
+        let ring_s = last.filter(|_| impacts().count() > MOST_BOUNCES);
+        let rings = ring_s.map(|ring| {
+            let further = impacts().count();
+            format!("the force rings for {ring:.3} s after the first impact ({further} peaks)")
+        });
+        let is_told =
+            |issue: &&QualityIssue| rings.is_none() || !matches!(issue, QualityIssue::DoubleHit(_));
         Self {
             file,
             index: 0,
@@ -237,21 +309,61 @@ impl HitReport {
                 matches!(issue, QualityIssue::Dropout { .. } | QualityIssue::NotFinite { .. })
             }),
             averaged: hit.is_averaged(),
-            issues: hit.issues.iter().map(describe).collect(),
+            issues: rings
+                .iter()
+                .cloned()
+                .chain(hit.issues.iter().filter(is_told).map(describe))
+                .chain(doubtful)
+                .collect(),
+            ring_s,
             fundamental: features.and_then(HitFundamental::of),
-            second_harmonic: second.map(|peak| HitSecondHarmonic {
+            response_end_s: hit
+                .response_window
+                .map(|window| window.end_s + window.taper_s - hit.trigger as f64 / rate),
+            second_peak: features.and_then(HitSecondPeak::of),
+            second_harmonic: None,
+            harmonic_ratio: None,
+            harmonic_ratio_uncertainty: None,
+        }
+    }
+
+    /// Takes the second peak as the second harmonic.
+    pub(crate) fn accept_harmonic(&mut self) {
+        if let Some(peak) = &self.second_peak {
+            self.second_harmonic = Some(HitSecondHarmonic {
                 frequency_hz: peak.frequency_hz,
                 magnitude: peak.magnitude,
-            }),
-            harmonic_ratio: features.and_then(|found| found.harmonics.ratio()),
-            harmonic_ratio_uncertainty: features.and_then(|found| found.ratio_uncertainty),
+            });
+            self.harmonic_ratio = Some(peak.ratio);
+            self.harmonic_ratio_uncertainty = peak.ratio_uncertainty;
         }
+    }
+}
+
+impl HitSecondPeak {
+    fn of(found: &HitFeatures) -> Option<Self> {
+        let peak = found.harmonics.second?;
+        let (sigma, test) = (found.second_uncertainty, found.harmonic_test);
+        Some(Self {
+            frequency_hz: peak.frequency_hz,
+            magnitude: peak.magnitude,
+            ratio: found.harmonics.ratio()?,
+            frequency_uncertainty_hz: sigma.map(|sigma| sigma.frequency_hz),
+            magnitude_uncertainty: sigma.map(|sigma| sigma.magnitude),
+            ratio_uncertainty: found.ratio_uncertainty,
+            phase_drift_rad: test.map(|test| test.phase_drift),
+            amplitude_exponent: test.map(|test| test.exponent),
+            decay_cycles: test.map(|test| test.cycles),
+            decay_origin: test.and_then(|test| test.origin()).map(name_of_origin),
+        })
     }
 }
 
 impl HitFundamental {
     fn of(found: &HitFeatures) -> Option<Self> {
         let sigma = found.fundamental_uncertainty;
+        // A peak that may be noise has no standard deviations.
+        let mode = sigma.map(|_| found.mode_uncertainty).unwrap_or_default();
         Some(Self {
             frequency_hz: found.mode.frequency_hz?,
             magnitude: found.mode.magnitude?,
@@ -259,7 +371,14 @@ impl HitFundamental {
             damping_ratio_circle: found.mode.damping.circle,
             damping_ratio_decrement: found.mode.damping.decrement,
             frequency_uncertainty_hz: sigma.map(|sigma| sigma.frequency_hz),
-            magnitude_uncertainty: sigma.map(|sigma| sigma.magnitude),
+            magnitude_uncertainty: mode.magnitude,
+            damping_ratio_uncertainty: mode.half_power,
+            damping_ratio_circle_uncertainty: mode.circle,
+            damping_ratio_decrement_uncertainty: mode.decrement,
+            natural_frequency_hz: found.mode.natural_hz,
+            natural_frequency_uncertainty_hz: mode.natural_hz,
+            modal_constant_per_kg: found.mode.modal_constant.map(|value| [value.re, value.im]),
+            modal_constant_uncertainty_per_kg: mode.modal_constant,
         })
     }
 }

@@ -3,13 +3,15 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use asperity_measure::{Channel, ChannelQuantity, MeasureError, Reader, Record, Samples, open};
+use asperity_measure::{
+    Channel, ChannelQuantity, DegreeOfFreedom, MeasureError, Reader, Record, Samples, open,
+};
 use asperity_signal::ResponseKind;
 use serde::Serialize;
 
-use crate::channel::{ChannelRole, choose};
+use crate::channel::{ChannelRole, choose, choose_responses};
 use crate::error::AnalysisError;
-use crate::options::AnalysisOptions;
+use crate::options::{AnalysisOptions, ChannelSensor};
 use crate::report::AnalysedFile;
 
 /// Consecutive samples of a record.
@@ -20,15 +22,16 @@ pub(crate) struct SampleBlock {
     pub(crate) start_s: f64,
     /// Force \[N\].
     pub(crate) force: Vec<f64>,
-    /// Response \[m, m/s or m/s^2\].
-    pub(crate) response: Vec<f64>,
+    /// Responses \[m, m/s or m/s^2\].
+    pub(crate) responses: Vec<Vec<f64>>,
 }
 
 /// Properties of the signals that all files share.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub(crate) struct SignalParameters {
     pub(crate) sample_rate_hz: f64,
-    pub(crate) response: ResponseKind,
+    /// Quantity of each response.
+    pub(crate) responses: Vec<ResponseKind>,
 }
 
 /// Analysed channel.
@@ -44,6 +47,9 @@ pub struct UsedChannel {
     pub unit: String,
     /// Unit of the analysis.
     pub si_unit: &'static str,
+    /// Node and direction, where the file tells them.
+    #[serde(skip)]
+    pub(crate) node: Option<DegreeOfFreedom>,
 }
 
 /// Reader of files, one after the other.
@@ -66,7 +72,7 @@ impl<'a> SampleStream<'a> {
     pub(crate) fn read(
         &mut self,
         file: &Path,
-        take: &mut dyn FnMut(SampleBlock, SignalParameters) -> Result<(), AnalysisError>,
+        take: &mut dyn FnMut(SampleBlock, &SignalParameters) -> Result<(), AnalysisError>,
     ) -> Result<AnalysedFile, AnalysisError> {
         let mut reader =
             open(file, &self.options.reading).map_err(|error| measure_error(error, file))?;
@@ -91,7 +97,7 @@ impl<'a> SampleStream<'a> {
             if in_time {
                 let (block, signals) = self.block(file, read.records, record)?;
                 read.samples += block.force.len() as u64;
-                take(block, signals)?;
+                take(block, &signals)?;
             }
         }
         self.note(file, &reader, other_records);
@@ -108,14 +114,14 @@ impl<'a> SampleStream<'a> {
         number: usize,
         mut record: Record,
     ) -> Result<(SampleBlock, SignalParameters), AnalysisError> {
-        self.calibrate(file, &mut record)?;
+        calibrate(&self.options.sensitivities, file, &mut record)?;
         let force_at = choose(file, &record, ChannelRole::Force, self.options.force.as_ref())?;
-        let response_at =
-            choose(file, &record, ChannelRole::Response, self.options.response.as_ref())?;
+        let responses_at = choose_responses(file, &record, &self.options.responses)?;
         if self.channels.is_empty() {
-            let used = [(ChannelRole::Force, force_at), (ChannelRole::Response, response_at)];
-            self.channels =
-                used.map(|(role, place)| UsedChannel::of(role, &record.channels[place])).to_vec();
+            let used = |role, place: usize| UsedChannel::of(role, &record.channels[place]);
+            self.channels.push(used(ChannelRole::Force, force_at));
+            let responses = responses_at.iter().map(|at| used(ChannelRole::Response, *at));
+            self.channels.extend(responses);
         }
         let problem =
             |problem| AnalysisError::Record { file: file.to_owned(), record: number, problem };
@@ -134,38 +140,28 @@ impl<'a> SampleStream<'a> {
             Ok((samples, rate, start, quantity))
         };
         let (mut force, rate, start_s, _) = take(force_at)?;
-        let (response, response_rate, response_start_s, quantity) = take(response_at)?;
-        let apart = (start_s - response_start_s).abs() > 0.5 / rate;
-        if rate != response_rate || apart || force.len() != response.len() {
-            return Err(problem("force and response are not sampled together"));
+        let (mut responses, mut kinds) = (Vec::new(), Vec::new());
+        for place in responses_at {
+            let (response, response_rate, response_start_s, quantity) = take(place)?;
+            let apart = (start_s - response_start_s).abs() > 0.5 / rate;
+            if rate != response_rate || apart || force.len() != response.len() {
+                return Err(problem("force and response are not sampled together"));
+            }
+            responses.push(response);
+            kinds.push(match quantity {
+                ChannelQuantity::Displacement => ResponseKind::Displacement,
+                ChannelQuantity::Velocity => ResponseKind::Velocity,
+                _ => ResponseKind::Acceleration,
+            });
         }
         if self.options.flip_force {
             for x in &mut force {
                 *x = -*x;
             }
         }
-        let response_kind = match quantity {
-            ChannelQuantity::Displacement => ResponseKind::Displacement,
-            ChannelQuantity::Velocity => ResponseKind::Velocity,
-            _ => ResponseKind::Acceleration,
-        };
-        let signals = SignalParameters { sample_rate_hz: rate, response: response_kind };
-        let expected = *self.signals.get_or_insert(signals);
-        expected.check(file, signals)?;
-        Ok((SampleBlock { begins_record, start_s, force, response }, signals))
-    }
-
-    fn calibrate(&self, file: &Path, record: &mut Record) -> Result<(), AnalysisError> {
-        for sensor in &self.options.sensitivities {
-            for place in sensor.channel.fitting(record) {
-                let channel = &mut record.channels[place];
-                if channel.unit.known().is_none() {
-                    return Err(AnalysisError::unit(file, channel));
-                }
-                channel.calibrate(&sensor.sensitivity)?;
-            }
-        }
-        Ok(())
+        let signals = SignalParameters { sample_rate_hz: rate, responses: kinds };
+        self.signals.get_or_insert_with(|| signals.clone()).check(file, &signals)?;
+        Ok((SampleBlock { begins_record, start_s, force, responses }, signals))
     }
 
     fn note(&mut self, file: &Path, reader: &Reader<'_>, other_records: usize) {
@@ -183,7 +179,7 @@ impl<'a> SampleStream<'a> {
 
 impl SignalParameters {
     /// Checks that a file agrees with those before.
-    fn check(self, file: &Path, found: Self) -> Result<(), AnalysisError> {
+    fn check(&self, file: &Path, found: &Self) -> Result<(), AnalysisError> {
         let differs = |quantity, found: String, expected: String| {
             Err(AnalysisError::Differs { file: PathBuf::from(file), quantity, found, expected })
         };
@@ -192,10 +188,15 @@ impl SignalParameters {
             let [found, expected] = [found, self].map(|one| format!("{} Hz", one.sample_rate_hz));
             return differs("the sample rate is", found, expected);
         }
-        if found.response != self.response {
-            let [found, expected] = [found, self].map(|one| {
-                let article = if one.response == ResponseKind::Acceleration { "an" } else { "a" };
-                format!("{article} {}", one.response.name())
+        if found.responses.len() != self.responses.len() {
+            let [found, expected] = [found, self].map(|one| one.responses.len().to_string());
+            return differs("the number of responses is", found, expected);
+        }
+        let mut pairs = found.responses.iter().zip(&self.responses);
+        if let Some((found, expected)) = pairs.find(|(found, expected)| found != expected) {
+            let [found, expected] = [found, expected].map(|kind| {
+                let article = if *kind == ResponseKind::Acceleration { "an" } else { "a" };
+                format!("{article} {}", kind.name())
             });
             return differs("the response is", found, expected);
         }
@@ -211,11 +212,35 @@ impl UsedChannel {
             quantity: channel.quantity.to_string(),
             unit: channel.unit.text().to_owned(),
             si_unit: channel.quantity.si_symbol(),
+            node: channel.origin.response.clone(),
         }
     }
 }
 
-fn is_in_time(record: &Record) -> bool {
+/// Converts the channels in volts whose sensors are given, each by the first that fits it.
+pub(crate) fn calibrate(
+    sensors: &[ChannelSensor],
+    file: &Path,
+    record: &mut Record,
+) -> Result<(), AnalysisError> {
+    let mut converted = Vec::new();
+    for sensor in sensors {
+        for place in sensor.channel.fitting(record) {
+            if converted.contains(&place) {
+                continue;
+            }
+            converted.push(place);
+            let channel = &mut record.channels[place];
+            if channel.unit.known().is_none() {
+                return Err(AnalysisError::unit(file, channel));
+            }
+            channel.calibrate(&sensor.sensitivity)?;
+        }
+    }
+    Ok(())
+}
+
+pub(crate) fn is_in_time(record: &Record) -> bool {
     let first = record.channels.first();
     first.is_some_and(|channel| channel.abscissa.quantity() == ChannelQuantity::Time)
 }

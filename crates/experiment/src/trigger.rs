@@ -88,7 +88,7 @@ impl ForceEnvelope {
             })?);
             progress(number + 1);
         }
-        let found = envelope.zip(stream.signals).ok_or(AnalysisError::NoFile)?;
+        let found = envelope.zip(stream.signals.clone()).ok_or(AnalysisError::NoFile)?;
         Ok((found.0, found.1, read))
     }
 

@@ -5,7 +5,10 @@
 use std::f64::consts::{PI, TAU};
 use std::path::PathBuf;
 
-use asperity_experiment::{Analysis, AnalysisError, AnalysisOptions, FrequencyBand, analyse};
+use asperity_experiment::{
+    Analysis, AnalysisError, AnalysisOptions, FrequencyBand, ResponseAnalysis, ResponseChoice,
+    analyse,
+};
 use asperity_measure::{
     Abscissa, Channel, ChannelQuantity, ChannelUnit, Format, Origin, ReadOptions, Record, Samples,
     WriteOptions, write,
@@ -52,7 +55,13 @@ fn store(folder: &TempDir, name: &str, force: &[f64], response: &[f64]) -> PathB
     path
 }
 
-fn analysed(path: &PathBuf, block: usize) -> Analysis {
+/// The only response of an analysis.
+fn only(analysis: Analysis) -> ResponseAnalysis {
+    let [only] = <[ResponseAnalysis; 1]>::try_from(analysis.responses).unwrap();
+    only
+}
+
+fn analysed(path: &PathBuf, block: usize) -> ResponseAnalysis {
     let reading = ReadOptions { block, ..ReadOptions::default() };
     let options = AnalysisOptions {
         reading,
@@ -62,7 +71,7 @@ fn analysed(path: &PathBuf, block: usize) -> Analysis {
         pre_trigger_s: 0.01,
         ..AnalysisOptions::default()
     };
-    analyse(std::slice::from_ref(path), &options).unwrap()
+    only(analyse(std::slice::from_ref(path), &options).unwrap())
 }
 
 /// Verified against [`hammer_test`] on the whole record: each hit has the same numbers to the last
@@ -112,7 +121,7 @@ fn trigger_level_and_hit_length_are_found() {
     let (force, response) = hit_mode(6);
     let path = store(&folder, "a.uff", &force, &response);
     let options = AnalysisOptions { band_hz: Some(BAND), ..AnalysisOptions::default() };
-    let found = analyse(&[path.clone(), path], &options).unwrap();
+    let found = only(analyse(&[path.clone(), path], &options).unwrap());
     assert_eq!(found.report.hits.len(), 12);
     assert!((found.report.settings.hit_length_s - 0.5).abs() < 2e-3);
     assert!(found.report.settings.trigger_level_n < 5.0);
@@ -169,4 +178,123 @@ fn an_overload_is_excluded() {
     let error = analyse(&[path], &AnalysisOptions::default()).unwrap_err();
     assert!(matches!(error, AnalysisError::NoGoodHit { hits: 3, .. }), "{error}");
     assert!(!error.is_wrong_request());
+}
+
+/// Three modes of a free structure at three places: natural frequency \[Hz\], damping ratio, and the
+/// modal constants \[1/kg\].
+const MODES: [(f64, f64, [f64; 3]); 3] = [
+    (300.0, 0.010, [1.2, -0.8, 0.3]),
+    (520.0, 0.006, [0.5, 1.0, -0.9]),
+    (760.0, 0.008, [-0.7, 0.4, 1.1]),
+];
+
+/// Accelerations of the structure at the three places under half-sine pulses of 0.4 ms, exactly
+/// integrated between the samples of a force that is linear between them; three hits.
+fn hit_structure() -> (Vec<f64>, [Vec<f64>; 3]) {
+    let count = (3.0 * 0.9 * RATE) as usize;
+    let force_at = |n: usize| {
+        let t = n as f64 / RATE;
+        let since = t % 0.9 - 0.02;
+        let peak = 8.0 + 4.0 * (t / 0.9).floor();
+        if (0.0..1e-3).contains(&since) { peak * (PI * since / 1e-3).sin() } else { 0.0 }
+    };
+    let force: Vec<f64> = (0..count).map(force_at).collect();
+    let mut responses = [vec![0.0; count], vec![0.0; count], vec![0.0; count]];
+    for (f0, zeta, constants) in MODES {
+        let omega = TAU * f0;
+        let steps = 64;
+        let dt = 1.0 / RATE / f64::from(steps);
+        let (mut u, mut v) = (0.0, 0.0);
+        for n in 0..count {
+            let a = force[n] - 2.0 * zeta * omega * v - omega * omega * u;
+            for (response, constant) in responses.iter_mut().zip(constants) {
+                response[n] += constant * a;
+            }
+            let next = force.get(n + 1).copied().unwrap_or(0.0);
+            for k in 0..steps {
+                // Velocity Verlet with implicit damping: second order at a 64th of the sample.
+                let f = force[n] + (next - force[n]) * (f64::from(k) + 0.5) / f64::from(steps);
+                let middle = u + 0.5 * dt * v;
+                let d = zeta * omega * dt;
+                v = (v * (1.0 - d) + dt * (f - omega * omega * middle)) / (1.0 + d);
+                u = middle + 0.5 * dt * v;
+            }
+        }
+    }
+    (force, responses)
+}
+
+/// Against the exact modal parameters: three responses in one file, in the order asked for; one that is
+/// dead is left out in words.
+#[test]
+fn the_modal_table_of_several_responses_is_exact() {
+    let folder = tempfile::tempdir().unwrap();
+    let (force, responses) = hit_structure();
+    let channel = |name: &str, unit: &str, samples: &[f64]| Channel {
+        name: name.to_owned(),
+        quantity: ChannelQuantity::Unknown,
+        unit: ChannelUnit::of_text(unit),
+        abscissa: Abscissa::even_time(0.0, RATE),
+        samples: Samples::Real(samples.to_vec()),
+        origin: Origin::default(),
+    };
+    let dead = vec![0.0; force.len()];
+    let channels = vec![
+        channel("force", "N", &force),
+        channel("a", "m/s^2", &responses[0]),
+        channel("b", "g", &responses[1].iter().map(|a| a / 9.80665).collect::<Vec<_>>()),
+        channel("dead", "m/s^2", &dead),
+        channel("c", "m/s^2", &responses[2]),
+    ];
+    let path = folder.path().join("three.uff");
+    let record = Record { channels, ..Record::default() };
+    write(&path, &[record], Format::UniversalBinary, &WriteOptions::default()).unwrap();
+
+    let options = |responses| AnalysisOptions {
+        responses,
+        band_hz: Some(FrequencyBand { low_hz: 200.0, high_hz: 900.0 }),
+        keep_frfs: true,
+        ..AnalysisOptions::default()
+    };
+    let ambiguous = analyse(std::slice::from_ref(&path), &options(ResponseChoice::Only));
+    assert!(matches!(ambiguous, Err(AnalysisError::Ambiguous { .. })));
+    let twice = options(ResponseChoice::of(&["a".into(), "#2".into()]));
+    let twice = analyse(std::slice::from_ref(&path), &twice).unwrap_err();
+    assert!(matches!(twice, AnalysisError::ChannelTwice { .. }), "{twice}");
+
+    let all = options(ResponseChoice::of(&["all".into()]));
+    let found = analyse(std::slice::from_ref(&path), &all).unwrap();
+    let names: Vec<&str> = found.responses.iter().map(ResponseAnalysis::name).collect();
+    assert_eq!(names, ["a", "b", "c"]);
+    let notices = &found.responses[0].report.notices;
+    assert!(notices.iter().any(|notice| notice.contains("dead is left out")), "{notices:?}");
+    assert_eq!(found.responses[0].report.other_responses, ["b", "c"]);
+    assert_eq!(found.modes.len(), 3);
+    for (mode, (f0, zeta, constants)) in found.modes.iter().zip(MODES) {
+        assert!((mode.natural_frequency_hz / f0 - 1.0).abs() < 2e-5, "{mode:?}");
+        assert!((mode.damping_ratio / zeta - 1.0).abs() < 1e-2, "{mode:?}");
+        assert_eq!(mode.responses.len(), 3);
+        for (at, constant) in mode.responses.iter().zip(constants) {
+            let [re, im] = at.modal_constant_per_kg;
+            // Neighbouring modes, which a circle takes as constant, vary over it.
+            assert!((re / constant - 1.0).abs() < 3e-2, "{constant} {at:?}");
+            assert!((im / constant).abs() < 5e-2, "{constant} {at:?}");
+            assert_eq!(at.hits, 3);
+        }
+    }
+    assert_eq!(found.modes_csv().lines().count(), 10);
+    // An average and three hits each.
+    assert_eq!(found.frf_record(false).channels.len(), 12);
+    let nodes: Vec<i64> = found.frf_record(false).channels[4..9]
+        .iter()
+        .map(|one| one.origin.response.as_ref().unwrap().node)
+        .collect();
+    assert_eq!(nodes, [2, 2, 2, 2, 3]);
+
+    // Each response alone has the same results.
+    let only_c = options(ResponseChoice::of(&["c".into()]));
+    let alone = only(analyse(&[path], &only_c).unwrap());
+    assert_eq!(alone.report.hits, found.responses[2].report.hits);
+    // At zero frequency the receptance of an acceleration is not a number.
+    assert!(alone.average.frf.values[1..] == found.responses[2].average.frf.values[1..]);
 }

@@ -50,10 +50,16 @@ pub enum FigureError {
         /// The reader's message.
         reason: String,
     },
-    /// A picture could not be encoded as PNG.
+    /// A picture or page could not be encoded.
     #[error("the picture cannot be encoded: {reason}")]
     Encoding {
         /// The encoder's message.
         reason: String,
+    },
+    /// An SVG text holds something that is not written to PDF.
+    #[error("{what} cannot be written to PDF")]
+    NotInPdf {
+        /// The parts.
+        what: &'static str,
     },
 }

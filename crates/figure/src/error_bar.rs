@@ -17,24 +17,11 @@ pub(crate) fn parts(
     frame: &Frame,
 ) -> Vec<Vec<Point>> {
     let mut parts = Vec::new();
-    for [low, high] in series.error_ends() {
-        // A lower end that a logarithmic axis cannot show lies beyond the frame.
-        let place = |at: (f64, f64), (left, bottom): (f64, f64)| {
-            let beyond = |scale: &AxisScale, value: f64, side: f64| {
-                if scale.log && value <= 0.0 { side } else { scale.datum(value) }
-            };
-            (beyond(x, at.0, left), beyond(y, at.1, bottom))
-        };
-        let (start, end) =
-            (place(low, (frame.left, frame.bottom)), (x.datum(high.0), y.datum(high.1)));
-        let finite = [start.0, start.1, end.0, end.1].iter().all(|value| value.is_finite());
-        if !finite || start == end {
-            continue;
-        }
+    for [start, end] in segments(series, x, y, frame) {
         if let Some((a, b)) = frame.clip(start, end) {
             parts.push(vec![a, b]);
         }
-        let vertical = low.0.to_bits() == high.0.to_bits();
+        let vertical = start.0.to_bits() == end.0.to_bits();
         for tip in [start, end] {
             let cap = if vertical { (CAP, 0.0) } else { (0.0, CAP) };
             let sides = ((tip.0 - cap.0, tip.1 - cap.1), (tip.0 + cap.0, tip.1 + cap.1));
@@ -46,4 +33,26 @@ pub(crate) fn parts(
         }
     }
     parts
+}
+
+/// Both ends of the bars of a series, in the frame or beyond.
+pub(crate) fn segments(
+    series: &Series,
+    x: &AxisScale,
+    y: &AxisScale,
+    frame: &Frame,
+) -> Vec<[Point; 2]> {
+    // A lower end that a logarithmic axis cannot show lies beyond the frame.
+    let beyond = |scale: &AxisScale, value: f64, side: f64| {
+        if scale.log && value <= 0.0 { side } else { scale.datum(value) }
+    };
+    let ends = series.error_ends().map(|[low, high]| {
+        let start = (beyond(x, low.0, frame.left), beyond(y, low.1, frame.bottom));
+        [start, (x.datum(high.0), y.datum(high.1))]
+    });
+    ends.filter(|[start, end]| {
+        let finite = [start.0, start.1, end.0, end.1].iter().all(|value| value.is_finite());
+        finite && start != end
+    })
+    .collect()
 }

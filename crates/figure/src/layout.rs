@@ -3,9 +3,10 @@
 use crate::{
     Align, Color, Figure, FigureError, Legend, Marker, Panel,
     frame::Frame,
+    interactive,
     legend::LegendBlock,
     markup::PX_PER_MM,
-    note,
+    note, pdf,
     plot::{Plot, TICK_GAP},
     raster,
     ruler::Ruler,
@@ -25,19 +26,28 @@ const ASPECT: (f64, f64, f64) = (0.74, 46.0, 68.0);
 impl Figure {
     /// The figure as SVG text. A panel that [`Figure::check`] refuses shows the error in red.
     pub fn to_svg(&self) -> String {
+        self.drawn(Canvas::default()).0
+    }
+
+    /// The figure as SVG text whose moving parts are grouped, and its points as JSON.
+    pub(crate) fn to_interactive(&self) -> (String, String) {
+        self.drawn(Canvas::grouped())
+    }
+
+    fn drawn(&self, mut canvas: Canvas) -> (String, String) {
+        let interactive = canvas.is_grouped();
         let page = PageLayout::new(self);
         // A legend without a free place goes above its frame, which moves the frames: once.
         let first = page.plots(self, &vec![0.0; self.panels.len()]);
-        let above: Vec<Option<LegendBlock<'_>>> = first.iter().map(legend_above).collect();
+        let above: Vec<Option<LegendBlock<'_>>> =
+            first.iter().map(|(_, plot)| legend_above(plot)).collect();
         let height = |block: &LegendBlock<'_>| block.height() + 5.0;
         let heads: Vec<f64> =
             above.iter().map(|block| block.as_ref().map_or(0.0, height)).collect();
-        let mut canvas = Canvas::default();
-        for (index, plot) in page.plots(self, &heads).iter().enumerate() {
-            if plot.panel.blank {
-                continue;
-            }
-            draw_panel(&mut canvas, plot);
+        let plots = page.plots(self, &heads);
+        let drawn = plots.iter().enumerate().filter(|(_, (_, plot))| !plot.panel.blank);
+        for (number, (index, (start, plot))) in drawn.enumerate() {
+            draw_panel(&mut canvas, plot, number);
             if let Some(block) = &above[index] {
                 block.draw(&mut canvas, &block.above(&plot.frame));
             } else if let Some(block) = LegendBlock::new(plot.panel) {
@@ -47,9 +57,14 @@ impl Figure {
                     block.draw(&mut canvas, &place);
                 }
             }
-            page.head(&mut canvas, self, index, plot, heads[index]);
+            page.head(&mut canvas, self, index, (*start, plot), heads[index]);
         }
-        canvas.finish(page.width, page.height(), &self.title)
+        let data = if interactive {
+            interactive::data(self, plots.iter().map(|(_, plot)| plot))
+        } else {
+            String::new()
+        };
+        (canvas.finish(page.width, page.height(), &self.title), data)
     }
 
     /// The figure as a PNG, rasterised with the bundled font.
@@ -59,6 +74,15 @@ impl Figure {
     pub fn to_png(&self, pixels_per_mm: f64) -> Result<Vec<u8>, FigureError> {
         self.check()?;
         raster::svg_to_png(&self.to_svg(), pixels_per_mm)
+    }
+
+    /// The figure as a PDF page of its size, with text as text in the bundled font.
+    ///
+    /// # Errors
+    /// Those of [`Figure::check`] and of [`svg_to_pdf`](crate::svg_to_pdf).
+    pub fn to_pdf(&self) -> Result<Vec<u8>, FigureError> {
+        self.check()?;
+        pdf::svg_to_pdf(&self.to_svg())
     }
 }
 
@@ -70,9 +94,11 @@ fn legend_above<'a>(plot: &Plot<'a>) -> Option<LegendBlock<'a>> {
 }
 
 /// Draws all of a panel but legend and head.
-fn draw_panel(canvas: &mut Canvas, plot: &Plot<'_>) {
-    plot.draw(canvas);
+fn draw_panel(canvas: &mut Canvas, plot: &Plot<'_>, number: usize) {
+    plot.draw(canvas, number);
+    canvas.open(number);
     note::draw(canvas, plot);
+    canvas.close();
     if let Some(bar) = &plot.panel.color_bar {
         bar.draw(canvas, &plot.frame);
     }
@@ -83,13 +109,13 @@ fn draw_panel(canvas: &mut Canvas, plot: &Plot<'_>) {
     }
 }
 
-/// Cells of equal size.
+/// Rows of equal height; frames of equal size.
 #[derive(Debug, Clone)]
 struct PageLayout {
     width: f64,
     columns: usize,
     rows: usize,
-    cell: (f64, f64),
+    row_height: f64,
     tagged: bool,
 }
 
@@ -105,30 +131,37 @@ impl PageLayout {
             _ => (aspect * across / PX_PER_MM).clamp(least, most),
         };
         let tagged = figure.tags && figure.panels.len() > 1;
-        Self { width, columns, rows, cell: (across, down * PX_PER_MM), tagged }
+        Self { width, columns, rows, row_height: down * PX_PER_MM, tagged }
     }
 
     fn height(&self) -> f64 {
-        self.cell.1 * self.rows as f64 + GAP.1 * (self.rows - 1) as f64
+        self.row_height * self.rows as f64 + GAP.1 * (self.rows - 1) as f64
     }
 
-    /// Lays all panels out; `heads` is the room each needs above its frame for a legend.
-    fn plots<'a>(&self, figure: &'a Figure, heads: &[f64]) -> Vec<Plot<'a>> {
+    /// Width of every frame, beside the room at the left and right of each column.
+    fn frame_width(&self, sides: &[(f64, f64)]) -> f64 {
+        let taken: f64 = sides.iter().map(|(left, right)| left + right).sum();
+        let gaps = GAP.0 * (self.columns - 1) as f64;
+        ((self.width - gaps - taken) / self.columns as f64).max(20.0)
+    }
+
+    /// Lays all panels out, each with the left end of its column; `heads` is the room each needs above
+    /// its frame for a legend.
+    fn plots<'a>(&self, figure: &'a Figure, heads: &[f64]) -> Vec<(f64, Plot<'a>)> {
         let panels = &figure.panels;
         let bottom = TICK_GAP + LABEL_FONT + 4.0 + TITLE_FONT + RIM;
         let column = |index: usize| index % self.columns;
         let row = |index: usize| index / self.columns;
-        let mut tops = vec![0.0_f64; self.rows];
-        for (index, panel) in panels.iter().enumerate() {
+        let mut head = 0.0_f64;
+        for (panel, legend) in panels.iter().zip(heads) {
             let titled = if panel.title.is_empty() { 0.0 } else { HEAD };
             let tagged = if self.tagged { HEAD } else { 0.0 };
-            let top = (titled + heads[index]).max(tagged).max(RIM + 0.4 * LABEL_FONT);
-            tops[row(index)] = tops[row(index)].max(top);
+            head = head.max((titled + legend).max(tagged).max(RIM + 0.4 * LABEL_FONT));
         }
         let spans: Vec<(f64, f64)> = (0..panels.len())
             .map(|index| {
-                let above = row(index) as f64 * (self.cell.1 + GAP.1);
-                (above + tops[row(index)], above + self.cell.1 - bottom)
+                let above = row(index) as f64 * (self.row_height + GAP.1);
+                (above + head, above + self.row_height - bottom)
             })
             .collect();
 
@@ -143,26 +176,36 @@ impl PageLayout {
             *right = right.max(bar).max(RIM);
         }
         // The last label of a horizontal axis may stick out of its frame.
+        let width = self.frame_width(&sides);
+        let mut out = vec![0.0_f64; self.columns];
         for (index, panel) in panels.iter().enumerate() {
-            let (left, right) = sides[column(index)];
-            let ruler = horizontal(panel, 0.0, (self.cell.0 - left - right).max(20.0));
-            let end = self.cell.0 - left;
+            let room = width + sides[column(index)].1;
             let half = |label: &str| 0.5 * text::width(label, LABEL_FONT);
-            let out = ruler.major.iter().map(|(x, label)| x + half(label) + 1.0 - end);
-            sides[column(index)].1 += out.fold(0.0, f64::max);
+            let ruler = horizontal(panel, 0.0, width);
+            let beyond = ruler.major.iter().map(|(x, label)| x + half(label) + 1.0 - room);
+            out[column(index)] = beyond.fold(out[column(index)], f64::max);
+        }
+        for (side, out) in sides.iter_mut().zip(out) {
+            side.1 += out;
+        }
+        let width = self.frame_width(&sides);
+        let mut lefts = Vec::with_capacity(self.columns);
+        let mut start = 0.0;
+        for (left, right) in &sides {
+            lefts.push(start + left);
+            start += left + width + right + GAP.0;
         }
         panels
             .iter()
             .zip(verticals)
             .enumerate()
             .map(|(index, (panel, y))| {
-                let cell = column(index) as f64 * (self.cell.0 + GAP.0);
-                let (left, right) = sides[column(index)];
-                let (left, right) = (cell + left, cell + self.cell.0 - right);
-                let right = right.max(left + 20.0);
+                let left = lefts[column(index)];
+                let right = left + width;
                 let (top, bottom) = (spans[index].0, spans[index].1.max(spans[index].0 + 10.0));
                 let frame = Frame { left, top, right, bottom };
-                Plot { panel, frame, x: horizontal(panel, left, right), y }
+                let start = left - sides[column(index)].0;
+                (start, Plot { panel, frame, x: horizontal(panel, left, right), y })
             })
             .collect()
     }
@@ -173,15 +216,14 @@ impl PageLayout {
         canvas: &mut Canvas,
         figure: &Figure,
         index: usize,
-        plot: &Plot<'_>,
+        (start, plot): (f64, &Plot<'_>),
         legend: f64,
     ) {
         let panel = &figure.panels[index];
         if self.tagged {
-            let left = (index % self.columns) as f64 * (self.cell.0 + GAP.0);
             let style = TextStyle::new(TITLE_FONT, Align::Left).bold();
             let before = figure.panels[..index].iter().filter(|panel| !panel.blank);
-            canvas.text(left + 1.0, plot.frame.top - 5.0, &tag(before.count()), style);
+            canvas.text(start + 1.0, plot.frame.top - 5.0, &tag(before.count()), style);
         }
         let middle = 0.5 * (plot.frame.left + plot.frame.right);
         let style = TextStyle::new(TITLE_FONT, Align::Center);

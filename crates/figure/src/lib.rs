@@ -1,4 +1,4 @@
-//! Tables to SVG, PNG and HTML.
+//! Tables to SVG, PDF, PNG and HTML.
 //!
 //! A [`Figure`] draws columns of numbers on [`Panel`]s with labelled [`Axis`] pairs; a [`Drawing`]
 //! is a free sketch in millimetres; a [`Report`](report::Report) gathers figures and tables into one
@@ -31,7 +31,9 @@
 //! | `line`, `mark`, `error_bar`, `plot`, `note`, `legend`, `color_bar` | parts of a panel |
 //! | `layout` | frames of all panels in rows and columns; [`Figure::to_svg`] |
 //! | `drawing`, `symbol` | sketches: springs, dampers, hatching, arrows |
-//! | `markup`, `svg`, `text`, `raster` | SVG text, glyph widths, PNG |
+//! | `markup`, `svg`, `text` | SVG text, glyph widths |
+//! | `raster`, `pdf`, `pdf_font` | SVG text to PNG and PDF |
+//! | `interactive` | points of a figure for zoom and values on a page |
 //! | [`report`] with `html`, `embed`, `markdown` | pages |
 
 mod axis;
@@ -42,6 +44,7 @@ mod error;
 mod error_bar;
 mod figure;
 mod frame;
+mod interactive;
 mod layout;
 mod legend;
 mod line;
@@ -49,6 +52,8 @@ mod mark;
 mod markup;
 mod note;
 mod panel;
+mod pdf;
+mod pdf_font;
 mod plot;
 mod raster;
 pub mod report;
@@ -69,5 +74,6 @@ pub use drawing::{Align, Drawing, Stroke};
 pub use error::FigureError;
 pub use figure::Figure;
 pub use panel::{Anchor, Legend, Panel};
+pub use pdf::svg_to_pdf;
 pub use raster::svg_to_png;
 pub use series::{Dash, Marker, Series};

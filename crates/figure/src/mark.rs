@@ -13,18 +13,25 @@ use std::fmt::Write as _;
 pub(crate) fn draw(canvas: &mut Canvas, points: &[Point], series: &Series, color: Color) {
     let radius = 0.5 * series.marker_size * PX_PER_PT;
     let data: String = points.iter().map(|&point| symbol(series.marker, point, radius)).collect();
+    canvas.path(&data, &style(series, color));
+}
+
+/// Path data and attributes of the symbol of a series at the origin.
+pub(crate) fn at_origin(series: &Series, color: Color) -> (String, String) {
+    let radius = 0.5 * series.marker_size * PX_PER_PT;
+    (symbol(series.marker, (0.0, 0.0), radius), style(series, color))
+}
+
+fn style(series: &Series, color: Color) -> String {
     let fill = match series.marker {
         Marker::Cross | Marker::Plus => "none".to_owned(),
         _ if series.filled => color.to_string(),
         _ => Color::WHITE.to_string(),
     };
     let width = number((series.width * PX_PER_PT).min(1.1));
-    canvas.path(
-        &data,
-        &format!(
-            r#"fill="{fill}" stroke="{color}" stroke-width="{width}" stroke-linejoin="round" stroke-linecap="round""#
-        ),
-    );
+    format!(
+        r#"fill="{fill}" stroke="{color}" stroke-width="{width}" stroke-linejoin="round" stroke-linecap="round""#
+    )
 }
 
 /// Path data of a symbol about the area of a circle of radius `r`.

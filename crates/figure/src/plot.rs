@@ -37,7 +37,7 @@ pub(crate) struct Plot<'a> {
 
 impl Plot<'_> {
     /// The points of a series on the page.
-    fn points(&self, series: &Series) -> Vec<Point> {
+    pub(crate) fn points(&self, series: &Series) -> Vec<Point> {
         let place = |(&x, &y)| (self.x.scale.datum(x), self.y.scale.datum(y));
         series.x.iter().zip(&series.y).map(place).collect()
     }
@@ -69,8 +69,20 @@ impl Plot<'_> {
         error_bar::parts(series, &self.x.scale, &self.y.scale, &self.frame)
     }
 
-    /// The polygons of a band.
+    /// Both ends of the error bars of a series, in the frame or beyond.
+    pub(crate) fn error_segments(&self, series: &Series) -> Vec<[Point; 2]> {
+        error_bar::segments(series, &self.x.scale, &self.y.scale, &self.frame)
+    }
+
+    /// The polygons of a band that lie in the frame.
     fn areas(&self, series: &Series) -> Vec<Vec<Point>> {
+        let areas = self.bands(series);
+        let cut = areas.iter().map(|outline| trace::polygon(outline, &self.frame));
+        cut.filter(|polygon| polygon.len() > 2).collect()
+    }
+
+    /// The outlines of a band.
+    pub(crate) fn bands(&self, series: &Series) -> Vec<Vec<Point>> {
         let rows = series.x.iter().zip(series.y.iter().zip(&series.lower));
         let both: Vec<(Point, Point)> = rows
             .map(|(&x, (&upper, &lower))| {
@@ -86,11 +98,10 @@ impl Plot<'_> {
             .map(|run| {
                 let (upper, mut lower): (Vec<Point>, Vec<Point>) = run.iter().copied().unzip();
                 lower.reverse();
-                let mut outline = trace::decimated(&upper);
-                outline.extend(trace::decimated(&lower));
-                trace::polygon(&outline, &self.frame)
+                let mut outline = trace::decimated(&upper, trace::COLUMN);
+                outline.extend(trace::decimated(&lower, trace::COLUMN));
+                outline
             })
-            .filter(|polygon| polygon.len() > 2)
             .collect()
     }
 
@@ -112,8 +123,9 @@ impl Plot<'_> {
         obstacles
     }
 
-    /// Draws frame, axes, curves and markers.
-    pub(crate) fn draw(&self, canvas: &mut Canvas) {
+    /// Draws frame, axes, curves and markers of panel `number`.
+    pub(crate) fn draw(&self, canvas: &mut Canvas, number: usize) {
+        canvas.open(number);
         self.shades(canvas);
         for (index, series) in self.panel.series.iter().enumerate() {
             let fill = self.panel.series_color(index).lighten(BAND_LIGHTNESS);
@@ -126,6 +138,9 @@ impl Plot<'_> {
             }
         }
         self.axes(canvas);
+        canvas.close();
+        self.titles(canvas);
+        canvas.open(number);
         for (index, series) in self.panel.series.iter().enumerate() {
             let color = self.panel.series_color(index);
             stroke(canvas, &self.errors(series), color, Dash::Solid, series.width.min(ERROR_LINE));
@@ -134,6 +149,7 @@ impl Plot<'_> {
         for (index, series) in self.panel.series.iter().enumerate() {
             mark::draw(canvas, &self.markers(series), series, self.panel.series_color(index));
         }
+        canvas.close();
     }
 
     fn shades(&self, canvas: &mut Canvas) {
@@ -151,7 +167,7 @@ impl Plot<'_> {
         }
     }
 
-    /// Frame, marks on all four sides, labels and titles.
+    /// Frame, marks on all four sides and labels.
     fn axes(&self, canvas: &mut Canvas) {
         let Frame { left, top, right, bottom } = self.frame;
         let across = |x: f64, length: f64| {
@@ -177,6 +193,11 @@ impl Plot<'_> {
         for (y, label) in &self.y.major {
             canvas.text(left - TICK_GAP, y + 0.5 * text::CAP_HEIGHT * LABEL_FONT, label, style);
         }
+    }
+
+    /// Titles of both axes.
+    fn titles(&self, canvas: &mut Canvas) {
+        let Frame { left, top, right, bottom } = self.frame;
         let style = TextStyle::new(TITLE_FONT, Align::Center);
         let below = bottom + TICK_GAP + LABEL_FONT + 4.0 + text::CAP_HEIGHT * TITLE_FONT;
         canvas.text(0.5 * (left + right), below, &self.x.title, style);

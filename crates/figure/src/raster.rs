@@ -1,8 +1,7 @@
 //! SVG to PNG with the bundled fonts alone.
 
-use crate::{FigureError, markup::PX_PER_MM, text};
-use resvg::{tiny_skia, usvg};
-use std::sync::Arc;
+use crate::{FigureError, markup::PX_PER_MM, svg};
+use resvg::tiny_skia;
 
 /// Pixels beyond which a picture is refused.
 const MOST_PIXELS: f64 = 4e8;
@@ -22,21 +21,7 @@ const MOST_PIXELS: f64 = 4e8;
 /// # Errors
 /// [`FigureError::InvalidSvg`], [`FigureError::PictureSize`] or [`FigureError::Encoding`].
 pub fn svg_to_png(svg: &str, pixels_per_mm: f64) -> Result<Vec<u8>, FigureError> {
-    let mut fonts = usvg::fontdb::Database::new();
-    for data in [text::REGULAR, text::BOLD, text::MATH] {
-        fonts.load_font_data(data.to_vec());
-    }
-    fonts.set_sans_serif_family(text::FAMILY);
-    fonts.set_serif_family(text::FAMILY);
-    fonts.set_monospace_family(text::FAMILY);
-    let options = usvg::Options {
-        font_family: text::FAMILY.to_owned(),
-        fontdb: Arc::new(fonts),
-        ..usvg::Options::default()
-    };
-    let tree = usvg::Tree::from_str(svg, &options)
-        .map_err(|error| FigureError::InvalidSvg { reason: error.to_string() })?;
-
+    let tree = svg::parse(svg)?;
     let scale = pixels_per_mm / PX_PER_MM;
     let width = (f64::from(tree.size().width()) * scale).round();
     let height = (f64::from(tree.size().height()) * scale).round();

@@ -91,7 +91,7 @@ enum ReportBlock {
     Section { title: String },
     Subsection { title: String },
     Paragraph { text: String },
-    Figure { id: String, caption: String, svg: String },
+    Figure { id: String, caption: String, svg: String, data: String },
     Table { headers: Vec<String>, rows: Vec<Vec<TableCell>> },
     KeyValues { pairs: Vec<(String, String)> },
 }
@@ -165,7 +165,24 @@ impl Report {
         caption: impl Into<String>,
         svg: impl Into<String>,
     ) -> Self {
-        self.with(ReportBlock::Figure { id: id.into(), caption: caption.into(), svg: svg.into() })
+        let (id, caption, svg) = (id.into(), caption.into(), svg.into());
+        self.with(ReportBlock::Figure { id, caption, svg, data: String::new() })
+    }
+
+    /// Adds a figure whose panels the HTML page zooms and reads out.
+    ///
+    /// Dragging zooms, with the shift key it moves; a double click shows the whole again; the values
+    /// of the nearest point are shown at the pointer. Panels with the same horizontal axis are zoomed
+    /// together along it. Without scripts, and in print, the figure is as in [`Report::figure`].
+    #[must_use]
+    pub fn interactive_figure(
+        self,
+        id: impl Into<String>,
+        caption: impl Into<String>,
+        figure: &crate::Figure,
+    ) -> Self {
+        let (svg, data) = figure.to_interactive();
+        self.with(ReportBlock::Figure { id: id.into(), caption: caption.into(), svg, data })
     }
 
     /// Adds a table; short rows are filled with empty cells, long ones are cut.

@@ -1,11 +1,13 @@
-//! SVG text of shapes in CSS pixels.
+//! SVG text of shapes in CSS pixels, written and read.
 
 use crate::{
-    Align, Color,
+    Align, Color, FigureError,
     markup::{PX_PER_MM, escape, number},
     text,
 };
+use resvg::usvg;
 use std::fmt::Write as _;
+use std::sync::Arc;
 
 /// Size, weight, alignment and colour of a text.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -50,9 +52,34 @@ impl TextStyle {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct Canvas {
     body: String,
+    /// True where the parts that a zoom replaces are grouped.
+    grouped: bool,
 }
 
 impl Canvas {
+    /// A document in which the parts of a panel that a zoom replaces are grouped.
+    pub(crate) fn grouped() -> Self {
+        Self { grouped: true, ..Self::default() }
+    }
+
+    pub(crate) fn is_grouped(&self) -> bool {
+        self.grouped
+    }
+
+    /// Opens a group of panel `number`, in a document with groups.
+    pub(crate) fn open(&mut self, number: usize) {
+        if self.grouped {
+            self.element(format_args!(r#"<g data-panel="{number}">"#));
+        }
+    }
+
+    /// Closes the group opened last.
+    pub(crate) fn close(&mut self) {
+        if self.grouped {
+            self.element(format_args!("</g>"));
+        }
+    }
+
     /// Adds one element; writing to a `String` cannot fail.
     fn element(&mut self, arguments: std::fmt::Arguments<'_>) {
         let _ = self.body.write_fmt(arguments);
@@ -128,4 +155,23 @@ impl Canvas {
             self.body
         )
     }
+}
+
+/// Reads an SVG text. Fonts other than the bundled ones are ignored, so that the shapes are the same
+/// on every machine.
+pub(crate) fn parse(svg: &str) -> Result<usvg::Tree, FigureError> {
+    let mut fonts = usvg::fontdb::Database::new();
+    for data in text::FONTS {
+        fonts.load_font_data(data.to_vec());
+    }
+    fonts.set_sans_serif_family(text::FAMILY);
+    fonts.set_serif_family(text::FAMILY);
+    fonts.set_monospace_family(text::FAMILY);
+    let options = usvg::Options {
+        font_family: text::FAMILY.to_owned(),
+        fontdb: Arc::new(fonts),
+        ..usvg::Options::default()
+    };
+    usvg::Tree::from_str(svg, &options)
+        .map_err(|error| FigureError::InvalidSvg { reason: error.to_string() })
 }

@@ -15,6 +15,9 @@ pub(crate) const MATH_FAMILY: &str = "Noto Sans Math";
 /// Noto Sans Math, subset (see `assets/LICENSE-fonts.txt`).
 pub(crate) const MATH: &[u8] = include_bytes!("../assets/NotoSansMath-Regular.ttf");
 
+/// All bundled fonts.
+pub(crate) const FONTS: [&[u8]; 3] = [REGULAR, BOLD, MATH];
+
 /// Font size of tick labels, notes and legends, 7 pt.
 pub(crate) const LABEL_FONT: f64 = 7.0 * PX_PER_PT;
 /// Font size of titles and tags, 8 pt.

@@ -17,10 +17,14 @@ const SLACK: f64 = 1e-9;
 /// Marks beyond which an axis is left without them.
 const MOST: f64 = 500.0;
 
+/// Target beyond which two marks are not sought.
+const MOST_FOR_TWO: usize = 10;
+
 /// Multiples of a power of ten that have short marks.
 const MULTIPLES: [f64; 8] = [2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0];
 
-/// Multiples of 1, 2 or 5 times a power of ten, at most about `target` of them labelled.
+/// Multiples of 1, 2 or 5 times a power of ten, at most about `target` of them labelled, and at least
+/// two.
 pub(crate) fn linear(low: f64, high: f64, target: usize) -> Ticks {
     let span = high - low;
     if !(span > 0.0 && span.is_finite()) {
@@ -57,6 +61,9 @@ pub(crate) fn linear(low: f64, high: f64, target: usize) -> Ticks {
         (0..count).map(tick).collect()
     };
     let major = multiples(1.0);
+    if major.len() < 2 && target < MOST_FOR_TWO {
+        return linear(low, high, 2 * target.max(1));
+    }
     let near = |a: f64, b: f64| (a - b).abs() < 1e-6 * span / target.max(1) as f64;
     let minor =
         multiples(f64::from(parts)).into_iter().filter(|&m| !major.iter().any(|&t| near(m, t)));
@@ -115,6 +122,7 @@ mod tests {
         assert_eq!(linear(-3.7, 12.2, 4).major, [0.0, 5.0, 10.0]);
         assert_eq!(linear(0.0, 5e9, 5).major, [0.0, 1e9, 2e9, 3e9, 4e9, 5e9]);
         assert_eq!(linear(0.0, 0.03, 3).major, [0.0, 0.01, 0.02, 0.03]);
+        assert_eq!(linear(-950.0, 990.0, 2).major, [-500.0, 0.0, 500.0]);
     }
 
     #[test]

@@ -7,7 +7,7 @@ use crate::{
 
 /// Columns within which a curve is replaced by its first, lowest, highest and last point: half a
 /// CSS pixel, 0.13 mm on paper.
-const COLUMN: f64 = 0.5;
+pub(crate) const COLUMN: f64 = 0.5;
 
 /// The runs of consecutive finite points.
 pub(crate) fn finite_runs(points: &[Point]) -> Vec<Vec<Point>> {
@@ -22,7 +22,7 @@ pub(crate) fn finite_runs(points: &[Point]) -> Vec<Vec<Point>> {
 pub(crate) fn visible(points: &[Point], frame: &Frame) -> Vec<Vec<Point>> {
     let mut parts: Vec<Vec<Point>> = Vec::new();
     for run in finite_runs(points) {
-        let run = decimated(&run);
+        let run = decimated(&run, COLUMN);
         if let [only] = run[..] {
             if frame.holds(only) {
                 parts.push(vec![only]);
@@ -46,9 +46,9 @@ pub(crate) fn visible(points: &[Point], frame: &Frame) -> Vec<Vec<Point>> {
 }
 
 /// Consecutive points of one column replaced by the first, the lowest, the highest and the last, in
-/// their order: the same pixels are covered.
-pub(crate) fn decimated(points: &[Point]) -> Vec<Point> {
-    let column = |point: &Point| (point.0 / COLUMN).floor();
+/// their order: with columns of [`COLUMN`] the same pixels are covered.
+pub(crate) fn decimated(points: &[Point], width: f64) -> Vec<Point> {
+    let column = |point: &Point| (point.0 / width).floor();
     let mut kept = Vec::new();
     for group in points.chunk_by(|a, b| column(a) == column(b)) {
         if group.len() <= 4 {
@@ -149,7 +149,7 @@ mod tests {
         let noise = |i: u32| f64::from(i.wrapping_mul(2_654_435_761) >> 8) / f64::from(1_u32 << 24);
         let points: Vec<Point> =
             (0..24_000).map(|i| (f64::from(i) * 300.0 / 24_000.0, 50.0 * noise(i))).collect();
-        let kept = decimated(&points);
+        let kept = decimated(&points, COLUMN);
         assert!(kept.len() <= 4 * 600, "{}", kept.len());
         assert_eq!((kept.first(), kept.last()), (points.first(), points.last()));
         for column in 0..600 {

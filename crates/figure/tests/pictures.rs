@@ -1,7 +1,8 @@
 //! Figures as a reader gets them: sizes, determinism, refusals, what is on the page.
 
 use asperity_figure::{
-    Axis, Color, Drawing, Figure, FigureError, Legend, Marker, Panel, Series, Stroke, svg_to_png,
+    Axis, Color, ColorBar, Drawing, Figure, FigureError, Legend, Marker, Panel, Series, Stroke,
+    svg_to_png,
 };
 
 fn axes() -> Panel {
@@ -212,4 +213,36 @@ fn hostile_sizes_do_not_panic() {
     drawing.hatch((0.0, 0.0), (f64::INFINITY, 1.0), 0.0, Stroke::THIN);
     drawing.polyline(&[(f64::NAN, 0.0)], Stroke::BLACK);
     assert!(drawing.to_png(2.0).is_ok());
+}
+
+#[test]
+fn frames_of_a_figure_are_equal_whatever_their_labels() {
+    let wide =
+        || Panel::new(Axis::linear("x", ""), Axis::linear("Long labels", "").range(0.0, 1e-3));
+    let narrow = || Panel::new(Axis::linear("x", ""), Axis::linear("y", "").range(0.0, 9.0));
+    let line = |name: &str| Series::line(name, [0.0, 1.0], [0.0, 5e-4]);
+    let bar = ColorBar::continuous("Force", "N", 0.0, 1.0);
+    let svg = Figure::new("F")
+        .columns(2)
+        .panel(narrow().series(line("a")).color_bar(bar))
+        .panel(wide().series(line("b")))
+        .panel(narrow().series(line("named")).legend(Legend::Above))
+        .panel(wide().series(line("d")).title("Titled"))
+        .to_svg();
+    // Frames are the rectangles without fill that are larger than a colour bar.
+    let attribute = |line: &str, name: &str| -> f64 {
+        let rest = line.split_once(&format!(" {name}=\"")).unwrap().1;
+        rest.split_once('"').unwrap().0.parse().unwrap()
+    };
+    let frames: Vec<(f64, f64)> = svg
+        .lines()
+        .filter(|line| line.starts_with("<rect x=") && line.contains("fill=\"none\""))
+        .map(|line| (attribute(line, "width"), attribute(line, "height")))
+        .filter(|frame| frame.0 > 40.0)
+        .collect();
+    assert_eq!(frames.len(), 4);
+    for frame in &frames {
+        let near = |a: f64, b: f64| (a - b).abs() < 0.02;
+        assert!(near(frame.0, frames[0].0) && near(frame.1, frames[0].1), "{frames:?}");
+    }
 }

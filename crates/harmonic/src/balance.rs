@@ -1,8 +1,9 @@
 //! The equations of harmonic balance and their derivatives.
 
+use asperity_structure::PreloadedContact;
 use num_complex::Complex64;
 
-use crate::fourier::{Fourier, amplitude_of};
+use crate::fourier::{Fourier, amplitude_of, rate_of};
 use crate::{Compliance, ContactSystem, MeanBalance, Receptance};
 
 /// Frequency, anti-damping and force of a periodic motion.
@@ -16,6 +17,9 @@ pub(crate) struct Conditions {
     pub(crate) force: f64,
 }
 
+/// Loss factor of the springs that stand for the contacts in the compliance.
+const SPRING_LOSS: f64 = 0.5;
+
 /// An interface whose law gave no finite force at a closure increment [m].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Overflow {
@@ -25,14 +29,18 @@ pub(crate) struct Overflow {
 
 /// Residual of harmonic balance over the closures' series, interface after interface.
 ///
-/// For harmonic k >= 1, with the compliance at k w,
+/// For harmonic k >= 1, with the compliance at k w of the structure on springs `K_0`,
 ///
 /// ```text
-/// R_k = X_k + G_k P_k - g_k F_k,    F_1 = F, other F_k = 0,
+/// R_k = X_k + G_k (P_k - K_0 X_k) - g_k F_k,    F_1 = F, other F_k = 0,
 /// ```
 ///
 /// and for the means the structure's [`MeanBalance`], its rows scaled to closures. P is the series
-/// of the contact forces at the samples of a period (alternating frequency-time).
+/// of the contact forces at the samples of a period (alternating frequency-time), those of damped
+/// contacts from closures and their rates. The compliance of
+/// the structure without springs gives the same equations, but that of a light body at high
+/// frequency is many times the result: rounding would leave `eps K_0 / (m w^2)` of it. The springs
+/// have the contacts' stiffness at rest and a loss factor, so that nothing resonates on them.
 #[derive(Debug, Clone)]
 pub(crate) struct Balance<'a> {
     system: &'a ContactSystem,
@@ -44,8 +52,69 @@ pub(crate) struct Balance<'a> {
     force_samples: Vec<f64>,
     tangent_samples: Vec<f64>,
     tangent_series: Vec<f64>,
+    springs: Vec<Complex64>,
+    /// `P_0`, then `P_k - K_0 X_k`, of each interface.
     forces: Vec<f64>,
+    /// Derivatives of the forces with respect to the closures.
     products: Vec<f64>,
+    /// Of a system with damped contacts.
+    damped: Option<DampedForces>,
+}
+
+/// Damped contact forces at the samples of a period, and their dependence on the frequency.
+#[derive(Debug, Clone)]
+struct DampedForces {
+    rate_series: Vec<f64>,
+    rates: Vec<f64>,
+    dampers: Vec<f64>,
+    damper_series: Vec<f64>,
+    product: Vec<f64>,
+    /// Derivatives of `P_k` with respect to the angular frequency, of each interface.
+    d_frequency: Vec<f64>,
+}
+
+impl DampedForces {
+    fn new(fourier: &Fourier, interfaces: usize) -> Self {
+        let (terms, samples) = (fourier.terms(), fourier.samples());
+        Self {
+            rate_series: vec![0.0; terms],
+            rates: vec![0.0; samples],
+            dampers: vec![0.0; samples],
+            damper_series: vec![0.0; 2 * terms - 1],
+            product: vec![0.0; terms * terms],
+            d_frequency: vec![0.0; terms * interfaces],
+        }
+    }
+
+    /// Samples the rates of a closure's series at the angular frequency `w` \[rad/s\].
+    fn sample_rates(&mut self, fourier: &Fourier, series: &[f64], w: f64) {
+        rate_of(series, w, &mut self.rate_series);
+        fourier.synthesise(&self.rate_series, &mut self.rates);
+    }
+
+    /// Adds the dampers' part of the derivative of interface `i`'s force with respect to its closure
+    /// to `product`, and finds that with respect to the frequency; false if one is not finite.
+    fn differentiate(&mut self, fourier: &Fourier, i: usize, w: f64, product: &mut [f64]) -> bool {
+        let terms = fourier.terms();
+        fourier.analyse(&self.dampers, &mut self.damper_series);
+        if !self.damper_series.iter().all(|value| value.is_finite()) {
+            return false;
+        }
+        fourier.product(&self.damper_series, &mut self.product);
+        for (row, damped) in product.chunks_exact_mut(terms).zip(self.product.chunks_exact(terms)) {
+            for k in 1..=fourier.harmonics() {
+                let turning = k as f64 * w;
+                row[2 * k - 1] -= turning * damped[2 * k];
+                row[2 * k] += turning * damped[2 * k - 1];
+            }
+        }
+        // The forces grow by c x' / w per frequency.
+        for (rate, damper) in self.rates.iter_mut().zip(&self.dampers) {
+            *rate *= damper / w;
+        }
+        fourier.analyse(&self.rates, &mut self.d_frequency[i * terms..(i + 1) * terms]);
+        true
+    }
 }
 
 impl<'a> Balance<'a> {
@@ -72,8 +141,10 @@ impl<'a> Balance<'a> {
             force_samples: vec![0.0; samples * n],
             tangent_samples: vec![0.0; samples * n],
             tangent_series: vec![0.0; 2 * terms - 1],
+            springs: springs(system, SPRING_LOSS),
             forces: vec![0.0; terms * n],
             products: vec![0.0; terms * terms * n],
+            damped: system.is_damped().then(|| DampedForces::new(&fourier, n)),
             fourier,
         }
     }
@@ -96,7 +167,8 @@ impl<'a> Balance<'a> {
         let found = (at.angular_frequency, at.anti_damping);
         if self.at != found {
             for (k, compliance) in (1..).map(f64::from).zip(&mut self.compliances) {
-                self.system.linear().compliance(k * found.0, found.1, compliance);
+                let linear = self.system.linear();
+                linear.compliance_on_springs(k * found.0, found.1, &self.springs, compliance);
             }
             self.at = found;
         }
@@ -108,7 +180,14 @@ impl<'a> Balance<'a> {
             let force_samples = &mut self.force_samples[range.clone()];
             let tangents = &mut self.tangent_samples[range];
             self.fourier.synthesise(series, closures);
-            self.system.forces(i, closures, force_samples, tangents);
+            if let Some(damped) = &mut self.damped {
+                damped.sample_rates(&self.fourier, series, found.0);
+                let DampedForces { rates, dampers, .. } = damped;
+                let found = (&mut *force_samples, &mut *tangents, &mut dampers[..]);
+                self.system.damped_forces(i, (closures, rates), found);
+            } else {
+                self.system.forces(i, closures, force_samples, tangents);
+            }
             let force = &mut self.forces[i * terms..(i + 1) * terms];
             self.fourier.analyse(force_samples, force);
             self.fourier.analyse(tangents, &mut self.tangent_series);
@@ -122,6 +201,22 @@ impl<'a> Balance<'a> {
             let square = terms * terms;
             let product = &mut self.products[i * square..(i + 1) * square];
             self.fourier.product(&self.tangent_series, product);
+            if let Some(damped) = &mut self.damped
+                && !damped.differentiate(&self.fourier, i, found.0, product)
+            {
+                return Err(Overflow { interface: i, closure: f64::NAN });
+            }
+            // The springs are part of the structure.
+            let Complex64 { re: elastic, im: loss } = self.springs[i];
+            for k in 1..=self.fourier.harmonics() {
+                let (cos, sin) = (2 * k - 1, 2 * k);
+                force[cos] -= elastic * series[cos] + loss * series[sin];
+                force[sin] -= elastic * series[sin] - loss * series[cos];
+                product[cos * terms + cos] -= elastic;
+                product[cos * terms + sin] -= loss;
+                product[sin * terms + cos] += loss;
+                product[sin * terms + sin] -= elastic;
+            }
         }
         Ok(())
     }
@@ -200,6 +295,23 @@ impl<'a> Balance<'a> {
     /// Derivative of the residual with respect to the angular frequency of the fundamental.
     pub(crate) fn d_residual_d_frequency(&self, at: &Conditions, out: &mut [f64]) {
         self.d_residual_d_condition(at, out, |k| k as f64, |receptance| receptance.d_frequency);
+        let Some(damped) = &self.damped else { return };
+        let (n, terms) = (self.system.contacts().len(), self.fourier.terms());
+        for (i, out) in out.chunks_exact_mut(terms).enumerate() {
+            let means = damped.d_frequency.iter().step_by(terms);
+            out[0] +=
+                self.mean.force[i * n..][..n].iter().zip(means).map(|(b, p)| b * p).sum::<f64>();
+            for k in 1..=self.fourier.harmonics() {
+                let compliance = &self.compliances[k - 1];
+                let of = |j: usize| {
+                    compliance.contact(i, j).value
+                        * amplitude_of(&damped.d_frequency[j * terms..], k)
+                };
+                let r: Complex64 = (0..n).map(of).sum();
+                out[2 * k - 1] += r.re;
+                out[2 * k] -= r.im;
+            }
+        }
     }
 
     /// Derivative of the residual with respect to the anti-damping rate.
@@ -281,8 +393,15 @@ impl<'a> Balance<'a> {
     /// Derivatives of the fundamental output with respect to angular frequency, anti-damping rate and
     /// force.
     pub(crate) fn d_output_d_conditions(&self, at: &Conditions) -> [Complex64; 3] {
+        let terms = self.fourier.terms();
+        let damped = self.damped.as_ref().map_or(Complex64::ZERO, |damped| {
+            let of = |(j, series): (usize, &[f64])| {
+                self.compliances[0].drive(j).value * amplitude_of(series, 1)
+            };
+            damped.d_frequency.chunks_exact(terms).enumerate().map(of).sum()
+        });
         [
-            self.output_of(1, at.force, |receptance| receptance.d_frequency),
+            self.output_of(1, at.force, |receptance| receptance.d_frequency) - damped,
             self.output_of(1, at.force, |receptance| receptance.d_anti_damping),
             self.compliances[0].direct.value,
         ]
@@ -304,11 +423,6 @@ impl<'a> Balance<'a> {
         sum.norm() / (at.angular_frequency * amplitude * amplitude)
     }
 
-    /// Tangents `S K` [N/m] of one interface at the samples.
-    pub(crate) fn tangents(&self, interface: usize) -> &[f64] {
-        self.samples_of(&self.tangent_samples, interface)
-    }
-
     /// Closure increments [m] of one interface at the samples.
     pub(crate) fn closures(&self, interface: usize) -> &[f64] {
         self.samples_of(&self.closure_samples, interface)
@@ -320,18 +434,21 @@ impl<'a> Balance<'a> {
     }
 
     /// Largest harmonic of the closures that was left out, H < k <= 2 H, over the largest kept:
-    /// `G_k P_k` with the forces of the motion last evaluated.
+    /// `G_k P_k` with the forces of the motion last evaluated, on springs without loss.
     pub(crate) fn truncation(&self, x: &[f64]) -> f64 {
         let (n, terms) = (self.system.contacts().len(), self.fourier.terms());
         let largest = x.iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
         let mut compliance = Compliance::zero(n);
+        let springs = springs(self.system, 0.0);
         let mut series = vec![0.0; n * (2 * terms - 1)];
         for (i, series) in series.chunks_exact_mut(2 * terms - 1).enumerate() {
             self.fourier.analyse(self.samples_of(&self.force_samples, i), series);
         }
         let mut omitted = 0.0_f64;
         for k in self.fourier.harmonics() + 1..=2 * self.fourier.harmonics() {
-            self.system.linear().compliance(k as f64 * self.at.0, self.at.1, &mut compliance);
+            let w = k as f64 * self.at.0;
+            let linear = self.system.linear();
+            linear.compliance_on_springs(w, self.at.1, &springs, &mut compliance);
             for i in 0..n {
                 let closure: Complex64 = (0..n)
                     .map(|j| {
@@ -343,5 +460,196 @@ impl<'a> Balance<'a> {
             }
         }
         if largest > 0.0 { omitted / largest } else { 0.0 }
+    }
+}
+
+/// The contacts' stiffnesses at rest \[N/m\], with a loss factor.
+fn springs(system: &ContactSystem, loss: f64) -> Vec<Complex64> {
+    let spring = |contact: &PreloadedContact| contact.spring() * Complex64::new(1.0, loss);
+    system.contacts().iter().map(spring).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use asperity_law::{ContactDamping, Power};
+    use asperity_mesh::{Body, Interface, Stack, Support};
+    use asperity_structure::{Damping, PreloadedStructure};
+
+    use super::*;
+    use crate::LawEvaluation;
+    use crate::factorization::Factorization;
+    use crate::linear_response::LinearSolver;
+
+    const CONDITIONS: Conditions =
+        Conditions { angular_frequency: 4819.2, anti_damping: 0.0, force: 0.55279 };
+
+    /// The paper's rig with a sample of another density [kg/m3] and a guide of another modulus [Pa].
+    fn rig(density: f64, modulus: f64) -> ContactSystem {
+        let law = Arc::new(Power::new(1.81e10, 0.35, 0.0).unwrap());
+        let guide = Body::with_mass("guide", 0.229, 1.61, modulus, 2710.0).unwrap();
+        let sample = Body::new("sample", 0.015, 1.15e-4, 71e9, density).unwrap();
+        let contact = |name| Interface::new(name, 1.15e-4, law.clone()).unwrap();
+        let contacts = vec![contact("upper"), contact("lower")];
+        let stack = Stack::new(vec![guide, sample], contacts, Support::Rigid, 9.81).unwrap();
+        let structure = PreloadedStructure::new(stack, Damping::Rate(416.0)).unwrap();
+        ContactSystem::of_structure(&structure, LawEvaluation::Exact).unwrap()
+    }
+
+    /// The least residual over the motion that Newton's method reaches from the linear response.
+    fn floor(system: &ContactSystem) -> f64 {
+        let mut balance = Balance::new(system, 7, 128);
+        let (n, terms) = (balance.unknowns(), balance.fourier().terms());
+        let linear = LinearSolver::new(system).at(CONDITIONS.angular_frequency).unwrap();
+        let mut x = vec![0.0; n];
+        for (x, linear) in x.chunks_exact_mut(terms).zip(linear.closures.chunks_exact(3)) {
+            for (to, value) in x.iter_mut().zip(linear) {
+                *to = CONDITIONS.force * value;
+            }
+        }
+        let (mut matrix, mut residual) = (Factorization::new(n), vec![0.0; n]);
+        let largest = |all: &[f64]| all.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+        let mut least = f64::INFINITY;
+        for _ in 0..12 {
+            balance.evaluate(&x, &CONDITIONS).unwrap();
+            balance.residual(&x, &CONDITIONS, &mut residual);
+            least = least.min(largest(&residual) / largest(&x));
+            balance.d_residual_d_closures(n, matrix.matrix());
+            assert!(matrix.factorize());
+            matrix.solve(&mut residual);
+            x.iter_mut().zip(&residual).for_each(|(x, r)| *x -= r);
+        }
+        least
+    }
+
+    /// However light the sample and however stiff the guide.
+    #[test]
+    fn the_residual_falls_to_rounding() {
+        for (density, modulus) in
+            [(2710.0, 71e9), (1.0, 71e9), (1e-3, 71e9), (1e-6, 71e9), (2710.0, 1e30), (1e-3, 1e20)]
+        {
+            let least = floor(&rig(density, modulus));
+            assert!(least < 4e-15, "{density} kg/m3, {modulus} Pa: {least:.1e}");
+        }
+    }
+
+    /// Derivatives of residual and output with damped contacts against central differences: a
+    /// contact that holds, one that carries nothing for a part of the period, one without damping.
+    #[test]
+    fn derivatives_with_damped_contacts_match_differences() {
+        let bar = |length, mass| Body::with_mass("bar", length, mass, 71e9, 2710.0).unwrap();
+        let dampings = [
+            Some(ContactDamping::kelvin_voigt(4e-6).unwrap()),
+            Some(ContactDamping::power(6e8, 1e5, 1.3).unwrap()),
+            None,
+        ];
+        let contacts = dampings.map(|damping| {
+            let law = Arc::new(Power::new(1.81e10, 0.35, 0.0).unwrap());
+            let contact = Interface::new("contact", 1.15e-4, law).unwrap();
+            damping.map_or(contact.clone(), |damping| contact.with_damping(damping))
+        });
+        let bodies = vec![bar(0.2, 1.6), bar(0.06, 0.3), bar(0.1, 0.5)];
+        let stack = Stack::new(bodies, contacts.to_vec(), Support::Rigid, 9.81).unwrap();
+        let structure = PreloadedStructure::new(stack, Damping::Rate(300.0)).unwrap();
+        let system = ContactSystem::of_structure(&structure, LawEvaluation::Exact).unwrap();
+        let mut balance = Balance::new(&system, 3, 48);
+        let (n, terms) = (balance.unknowns(), balance.fourier().terms());
+        let x: Vec<f64> = (0..n)
+            .map(|at| {
+                let (i, k) = (at / terms, at % terms);
+                let contact = &system.contacts()[i];
+                let size = 0.35 * contact.pressure() / contact.stiffness();
+                size * (1.0 + at as f64).sin() / (1.0 + k as f64)
+            })
+            .collect();
+        let at = |w: f64| Conditions { angular_frequency: w, anti_damping: 20.0, force: 3.0 };
+        let w = 5200.0;
+        let mut found = |x: &[f64], w: f64| {
+            let mut residual = vec![0.0; n];
+            balance.evaluate(x, &at(w)).unwrap();
+            balance.residual(x, &at(w), &mut residual);
+            (residual, balance.output(1, &at(w)))
+        };
+        let slopes = |up: (Vec<f64>, Complex64), down: (Vec<f64>, Complex64), size: f64| {
+            let pairs = up.0.iter().zip(&down.0);
+            let rows: Vec<f64> = pairs.map(|(a, b)| (a - b) / (2.0 * size)).collect();
+            (rows, (up.1 - down.1) / (2.0 * size))
+        };
+        let size = 1e-5 * x.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+        let columns: Vec<_> = (0..n)
+            .map(|column| {
+                let moved = |sign: f64| {
+                    let mut x = x.clone();
+                    x[column] += sign * size;
+                    x
+                };
+                slopes(found(&moved(1.0), w), found(&moved(-1.0), w), size)
+            })
+            .collect();
+        let by_frequency = slopes(found(&x, w + 0.05), found(&x, w - 0.05), 0.05);
+        found(&x, w);
+        let carries_nothing = balance.samples_of(&balance.force_samples, 1).iter();
+        let least = -system.contacts()[1].area() * system.contacts()[1].pressure();
+        assert!(carries_nothing.filter(|force| **force == least).count() > 2);
+        let (mut matrix, mut slope) = (vec![0.0; n * n], vec![0.0; n]);
+        balance.d_residual_d_closures(n, &mut matrix);
+        balance.d_residual_d_frequency(&at(w), &mut slope);
+        let largest = |all: &[f64]| all.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+        let (mut real, mut imaginary) = (vec![0.0; n], vec![0.0; n]);
+        balance.d_output_d_closures(&mut real, &mut imaginary);
+        let outputs = largest(&real).max(largest(&imaginary));
+        for (column, (rows, output)) in columns.iter().enumerate() {
+            for (row, expected) in rows.iter().enumerate() {
+                let off = (matrix[row * n + column] - expected).abs();
+                assert!(off < 1e-5 * largest(rows), "{row} {column}: {off}");
+            }
+            let own = Complex64::new(real[column], imaginary[column]);
+            assert!((own - output).norm() < 1e-5 * outputs, "{own} {output}");
+        }
+        for (own, expected) in slope.iter().zip(&by_frequency.0) {
+            assert!((own - expected).abs() < 1e-5 * largest(&by_frequency.0), "{own} {expected}");
+        }
+        let [own, ..] = balance.d_output_d_conditions(&at(w));
+        assert!((own / by_frequency.1 - 1.0).norm() < 1e-5, "{own} {}", by_frequency.1);
+    }
+
+    /// The closed form on springs against the receptances of free bars, derivatives included.
+    #[test]
+    fn bars_on_springs_are_free_bars_with_springs() {
+        let law = || Arc::new(Power::new(1.81e10, 0.35, 0.0).unwrap());
+        let bar = |length, mass| Body::with_mass("bar", length, mass, 71e9, 2710.0).unwrap();
+        let disc = Support::SpringMass { stiffness: 3e8, mass: 0.7, damping_ratio: 0.02 };
+        for (support, rate) in [(Support::Rigid, 0.0), (Support::Rigid, 900.0), (disc, 300.0)] {
+            let contact = |name| Interface::new(name, 1.15e-4, law()).unwrap();
+            let bodies = vec![bar(0.2, 1.6), bar(0.06, 0.3), bar(0.1, 0.5)];
+            let contacts = vec![contact("a"), contact("b"), contact("c")];
+            let stack = Stack::new(bodies, contacts, support, 9.81).unwrap();
+            let structure = PreloadedStructure::new(stack, Damping::Rate(rate)).unwrap();
+            let system = ContactSystem::of_structure(&structure, LawEvaluation::Exact).unwrap();
+            let springs = [0.9e8, 1.1e8, 0.7e8].map(|k| Complex64::new(k, 2e7));
+            for w in [300.0, 6e3, 4.1e4, 2.3e5] {
+                let (mut closed, mut free) = (Compliance::zero(3), Compliance::zero(3));
+                system.linear().compliance_on_springs(w, 30.0, &springs, &mut closed);
+                system.linear().compliance(w, 30.0, &mut free);
+                free.add_springs(&springs);
+                let near = |a: &Receptance, b: &Receptance| {
+                    let off = |a: Complex64, b: Complex64| (a - b).norm() / b.norm();
+                    let all = [
+                        off(a.value, b.value),
+                        off(a.d_frequency, b.d_frequency),
+                        off(a.d_anti_damping, b.d_anti_damping),
+                    ];
+                    assert!(all.iter().all(|off| *off < 1e-9), "{w}: {all:?}");
+                };
+                near(&closed.direct, &free.direct);
+                for i in 0..3 {
+                    near(closed.drive(i), free.drive(i));
+                    for j in 0..3 {
+                        near(closed.contact(i, j), free.contact(i, j));
+                    }
+                }
+            }
+        }
     }
 }

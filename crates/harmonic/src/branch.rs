@@ -93,6 +93,13 @@ impl Branch {
         all.max_by(|a, b| a.amplitude(1).total_cmp(&b.amplitude(1)))
     }
 
+    /// The highest response if it is a peak located inside a branch that covers its range; else a
+    /// part not computed may be higher.
+    pub fn peak(&self) -> Option<&PeriodicResponse> {
+        let highest = self.highest().filter(|_| self.is_complete())?;
+        self.of_kind(SpecialPointKind::Peak).find(|peak| peak.amplitude(1) >= highest.amplitude(1))
+    }
+
     /// Special points of one kind.
     pub fn of_kind(&self, kind: SpecialPointKind) -> impl Iterator<Item = &PeriodicResponse> {
         let found = self.special.iter().filter(move |special| special.kind == kind);

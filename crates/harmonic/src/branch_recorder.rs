@@ -8,23 +8,40 @@ use crate::floquet::FloquetSolver;
 use crate::{Branch, ContactSystem, PeriodicResponse, SpecialPoint, SpecialPointKind, Termination};
 
 /// A branch under construction.
-pub(crate) struct BranchRecorder {
-    floquet: Option<FloquetSolver>,
+///
+/// Stability is analysed when the branch has ended: branches that too few harmonics describe are
+/// abandoned before.
+pub(crate) struct BranchRecorder<'a> {
+    floquet: Option<FloquetSolver<'a>>,
     pub(crate) branch: Branch,
     /// Slope of the amplitude along the branch at the last point.
     slope: f64,
+    /// Points with the lengths of the steps from them, for the location of bifurcations.
+    steps: Vec<(CurvePoint, f64)>,
+    /// Distance of each special point from the point before it.
+    distances: Vec<f64>,
 }
 
-impl BranchRecorder {
-    pub(crate) fn new(floquet: Option<FloquetSolver>, harmonics: usize, samples: usize) -> Self {
+type Arc<'a> = ArcLength<ContinuationProblem<'a>>;
+
+impl<'a> BranchRecorder<'a> {
+    pub(crate) fn new(
+        floquet: Option<FloquetSolver<'a>>,
+        harmonics: usize,
+        samples: usize,
+    ) -> Self {
         let termination = Termination::NotConverged;
         let branch =
             Branch { points: Vec::new(), special: Vec::new(), termination, harmonics, samples };
-        Self { floquet, branch, slope: 0.0 }
+        Self { floquet, branch, slope: 0.0, steps: Vec::new(), distances: Vec::new() }
     }
 
-    pub(crate) fn ended(mut self, termination: Termination) -> Branch {
+    /// The branch with its stability.
+    pub(crate) fn ended(mut self, arc: &mut Arc<'_>, termination: Termination) -> Branch {
         self.branch.termination = termination;
+        if let Some(mut floquet) = self.floquet.take() {
+            self.analyse(arc, &mut floquet);
+        }
         self.branch
     }
 
@@ -39,41 +56,29 @@ impl BranchRecorder {
     }
 
     /// The response at a point, which the curve evaluated last.
-    fn response(
-        &mut self,
-        curve: &ContinuationProblem<'_>,
-        point: &CurvePoint,
-    ) -> PeriodicResponse {
+    fn response(curve: &ContinuationProblem<'_>, point: &CurvePoint) -> PeriodicResponse {
         let at = curve.conditions(&point.unknowns);
-        let balance = curve.balance();
-        let mut response = PeriodicResponse::of(balance, curve.closures(), &at, point.iterations);
-        if let Some(floquet) = &mut self.floquet {
-            response.multipliers =
-                floquet.multipliers(balance, curve.closures(), at.angular_frequency);
-        }
-        response
+        PeriodicResponse::of(curve.balance(), curve.closures(), &at, point.iterations)
     }
 
-    pub(crate) fn record(
-        &mut self,
-        arc: &mut ArcLength<ContinuationProblem<'_>>,
-        point: &CurvePoint,
-    ) {
+    pub(crate) fn record(&mut self, arc: &mut Arc<'_>, point: &CurvePoint) {
         self.slope = arc.curve.amplitude_slope(&point.unknowns, &point.tangent);
-        let response = self.response(&arc.curve, point);
-        self.branch.points.push(response);
+        self.branch.points.push(Self::response(&arc.curve, point));
     }
 
     /// Records the next point and the special points on the step to it.
     pub(crate) fn step(
         &mut self,
-        arc: &mut ArcLength<ContinuationProblem<'_>>,
+        arc: &mut Arc<'_>,
         from: &CurvePoint,
         next: &CurvePoint,
         step: f64,
     ) {
         let before = self.slope;
         self.record(arc, next);
+        if self.floquet.is_some() {
+            self.steps.push((from.clone(), step));
+        }
         let last = from.unknowns.len() - 1;
         let turns = (from.tangent[last], next.tangent[last]);
         let mut found = Vec::new();
@@ -97,30 +102,64 @@ impl BranchRecorder {
         {
             found.push((SpecialPointKind::BranchPoint, crossing));
         }
-        let folded = found.iter().any(|(kind, _)| *kind == SpecialPointKind::Fold);
-        found.extend(self.bifurcation(arc, from, step, folded));
         let after = self.branch.points.len() - 2;
         found.sort_by(|a, b| along(from, &a.1).total_cmp(&along(from, &b.1)));
         for (kind, point) in found {
-            // The curve is evaluated there again for the observables.
-            if arc.ahead(&point, 0.0).is_ok() {
-                let response = self.response(&arc.curve, &point);
-                self.branch.special.push(SpecialPoint { kind, after, response });
-            }
+            self.add_special(arc, kind, after, from, &point);
         }
     }
 
-    /// The period doubling or Neimark-Sacker bifurcation between the last two points, if there is
-    /// one. A multiplier that passes +1 belongs to a fold or a branch point, which the continuation
+    fn add_special(
+        &mut self,
+        arc: &mut Arc<'_>,
+        kind: SpecialPointKind,
+        after: usize,
+        from: &CurvePoint,
+        point: &CurvePoint,
+    ) {
+        // The curve is evaluated there again for the observables.
+        if arc.ahead(point, 0.0).is_ok() {
+            let response = Self::response(&arc.curve, point);
+            self.distances.push(along(from, point));
+            self.branch.special.push(SpecialPoint { kind, after, response });
+        }
+    }
+
+    /// Adds multipliers to all points, and the bifurcations that they show.
+    fn analyse(&mut self, arc: &mut Arc<'_>, floquet: &mut FloquetSolver<'_>) {
+        for point in &mut self.branch.points {
+            point.multipliers = floquet.multipliers(&point.closures, point.angular_frequency);
+        }
+        for (after, (from, step)) in std::mem::take(&mut self.steps).into_iter().enumerate() {
+            if let Some((kind, point)) = self.bifurcation(arc, floquet, (after, &from, step)) {
+                self.add_special(arc, kind, after, &from, &point);
+            }
+        }
+        for special in &mut self.branch.special {
+            let at = &mut special.response;
+            at.multipliers = floquet.multipliers(&at.closures, at.angular_frequency);
+        }
+        let mut special: Vec<_> =
+            std::mem::take(&mut self.branch.special).into_iter().zip(&self.distances).collect();
+        special.sort_by(|(a, x), (b, y)| a.after.cmp(&b.after).then(x.total_cmp(y)));
+        self.branch.special = special.into_iter().map(|(special, _)| special).collect();
+    }
+
+    /// The period doubling or Neimark-Sacker bifurcation on the step that follows a point, if there
+    /// is one. A multiplier that passes +1 belongs to a fold or a branch point, which the continuation
     /// locates more exactly than a structure in few modes can.
     fn bifurcation(
-        &mut self,
-        arc: &mut ArcLength<ContinuationProblem<'_>>,
-        from: &CurvePoint,
-        step: f64,
-        folded: bool,
+        &self,
+        arc: &mut Arc<'_>,
+        floquet: &mut FloquetSolver<'_>,
+        (number, from, step): (usize, &CurvePoint, f64),
     ) -> Option<(SpecialPointKind, CurvePoint)> {
-        let [.., before, after] = &self.branch.points[..] else { return None };
+        let (before, after) =
+            (self.branch.points.get(number)?, self.branch.points.get(number + 1)?);
+        let is_fold = |special: &SpecialPoint| {
+            special.after == number && special.kind == SpecialPointKind::Fold
+        };
+        let folded = self.branch.special.iter().any(is_fold);
         let counts = (before.unstable_multipliers()?, after.unstable_multipliers()?);
         if counts.0 == counts.1 || (folded && counts.0.abs_diff(counts.1) == 1) {
             return None;
@@ -134,12 +173,11 @@ impl BranchRecorder {
         if passing.im == 0.0 && passing.re > 0.0 {
             return None;
         }
-        let floquet = self.floquet.as_mut()?;
         let mut crossing = Complex64::new(0.0, 0.0);
         let point = arc
             .locate(from, step, ends, |curve, at| {
                 let frequency = curve.conditions(&at.unknowns).angular_frequency;
-                let multipliers = floquet.multipliers(curve.balance(), curve.closures(), frequency);
+                let multipliers = floquet.multipliers(curve.closures(), frequency);
                 crossing = multipliers
                     .as_ref()
                     .map_or(Complex64::new(f64::NAN, f64::NAN), |found| found[index]);
@@ -160,7 +198,7 @@ impl BranchRecorder {
     /// Solves at the end of the range, from the last step that crosses it.
     pub(crate) fn finish(
         mut self,
-        arc: &mut ArcLength<ContinuationProblem<'_>>,
+        arc: &mut Arc<'_>,
         from: &CurvePoint,
         next: &CurvePoint,
         end: f64,
@@ -176,9 +214,9 @@ impl BranchRecorder {
         match arc.solve_at(&guess, sense) {
             Ok(end_point) => {
                 self.step(arc, from, &end_point, along(from, &end_point));
-                self.ended(Termination::Reached)
+                self.ended(arc, Termination::Reached)
             }
-            Err(_) => self.ended(Termination::NotConverged),
+            Err(_) => self.ended(arc, Termination::NotConverged),
         }
     }
 }

@@ -2,6 +2,8 @@
 
 use num_complex::Complex64;
 
+use crate::complex_elimination::eliminate;
+
 /// A receptance \[m/N\] and its derivatives.
 ///
 /// Time goes as `exp(i w t)`, so that a damped structure lags: imaginary parts of direct
@@ -77,6 +79,77 @@ impl Compliance {
     /// Mutable access to [`drive`](Self::drive).
     pub fn drive_mut(&mut self, interface: usize) -> &mut Receptance {
         &mut self.drive[interface]
+    }
+
+    /// Puts springs of these complex stiffnesses K \[N/m\] into the contacts: with the compliance G of the
+    /// free structure, `A = (1 + G K)^-1` and `c = A g`,
+    ///
+    /// ```text
+    /// contact: A G,    drive: c,    direct: r - g^T K c.
+    /// ```
+    ///
+    /// Exact but for rounding, which is that of G over the result: a free body much lighter than
+    /// `K / w^2` needs a closed form.
+    pub fn add_springs(&mut self, springs: &[Complex64]) {
+        let n = self.interfaces;
+        let width = 3 * n + 1;
+        // Columns: 1 + G K, then G, g and the unit matrix.
+        let mut rows = vec![Complex64::ZERO; n * width];
+        for i in 0..n {
+            for j in 0..n {
+                let g = self.contact(i, j).value;
+                rows[i * width + j] = g * springs[j];
+                rows[i * width + n + j] = g;
+            }
+            rows[i * width + i] += 1.0;
+            rows[i * width + 2 * n] = self.drive(i).value;
+            rows[i * width + 2 * n + 1 + i] = Complex64::ONE;
+        }
+        eliminate(&mut rows, n, width);
+        let solved = |row: usize, column: usize| rows[row * width + column];
+        // Forces of the springs per drive force, K c.
+        let forces: Vec<Complex64> = (0..n).map(|i| solved(i, 2 * n) * springs[i]).collect();
+        let mut found = Self::zero(n);
+        let slopes: [fn(&Receptance) -> Complex64; 2] = [|r| r.d_frequency, |r| r.d_anti_damping];
+        let sum = |terms: &dyn Fn(usize) -> Complex64| (0..n).map(terms).sum::<Complex64>();
+        for i in 0..n {
+            // (A G)' = A G' A^T and (A g)' = A (g' - G' K c).
+            let derivatives = slopes.map(|of| {
+                let drive =
+                    |m: usize| of(self.drive(m)) - sum(&|l| of(self.contact(m, l)) * forces[l]);
+                let along = |j: usize| {
+                    let inner =
+                        |m: usize| sum(&|l| of(self.contact(m, l)) * solved(j, 2 * n + 1 + l));
+                    sum(&|m| solved(i, 2 * n + 1 + m) * inner(m))
+                };
+                let drive = sum(&|m| solved(i, 2 * n + 1 + m) * drive(m));
+                (drive, (0..n).map(along).collect::<Vec<_>>())
+            });
+            let [frequency, damping] = derivatives;
+            for j in 0..n {
+                *found.contact_mut(i, j) = Receptance {
+                    value: solved(i, n + j),
+                    d_frequency: frequency.1[j],
+                    d_anti_damping: damping.1[j],
+                };
+            }
+            *found.drive_mut(i) = Receptance {
+                value: solved(i, 2 * n),
+                d_frequency: frequency.0,
+                d_anti_damping: damping.0,
+            };
+        }
+        let direct = |of: fn(&Receptance) -> Complex64| {
+            let twice = sum(&|i| of(self.drive(i)) * forces[i]);
+            let inner = |i: usize| sum(&|j| of(self.contact(i, j)) * forces[j]);
+            of(&self.direct) - twice * 2.0 + sum(&|i| forces[i] * inner(i))
+        };
+        found.direct = Receptance {
+            value: self.direct.value - sum(&|i| self.drive(i).value * forces[i]),
+            d_frequency: direct(slopes[0]),
+            d_anti_damping: direct(slopes[1]),
+        };
+        *self = found;
     }
 
     /// Sets every receptance to zero.

@@ -105,6 +105,43 @@ impl ContactSystem {
         &self.contacts
     }
 
+    /// True if a contact is damped.
+    pub(crate) fn is_damped(&self) -> bool {
+        self.contacts.iter().any(|contact| contact.damping().is_some())
+    }
+
+    /// The [`forces`](Self::forces) of a contact with its damping at closure increments that grow at
+    /// `rates` \[m/s\]: tractions times area, not below loss of contact where the law separates, and
+    /// their derivatives with respect to closures \[N/m\] and `rates`, `dampers` \[N s/m\].
+    pub(crate) fn damped_forces(
+        &self,
+        interface: usize,
+        (closures, rates): (&[f64], &[f64]),
+        (forces, tangents, dampers): (&mut [f64], &mut [f64], &mut [f64]),
+    ) {
+        self.forces(interface, closures, forces, tangents);
+        let contact = &self.contacts[interface];
+        let Some(damping) = contact.damping() else { return dampers.fill(0.0) };
+        let (area, at_rest) = (contact.area(), contact.pressure());
+        let separates = contact.law().domain().separates();
+        let samples = forces.iter_mut().zip(tangents).zip(dampers).zip(rates);
+        for (((force, tangent), damper), rate) in samples {
+            let (pressure, stiffness) = (at_rest + *force / area, *tangent / area);
+            let coefficient = damping.coefficient(pressure, stiffness);
+            let traction = *force + area * coefficient * rate;
+            if separates && traction < -area * at_rest {
+                (*force, *tangent, *damper) = (-area * at_rest, 0.0, 0.0);
+                continue;
+            }
+            let slope = contact.law().stiffness_slope(pressure);
+            let change = stiffness * damping.coefficient_slope(pressure, stiffness, slope) * rate;
+            *force = traction;
+            *damper = area * coefficient;
+            // Infinite next to a loss of contact with a vertical tangent.
+            *tangent += if change.is_finite() { area * change } else { 0.0 };
+        }
+    }
+
     /// Force increments `S (p - p0)` \[N\] and tangents `S K` \[N/m\] of one contact at closure
     /// increments from rest \[m\]; all three slices have one length.
     pub(crate) fn forces(

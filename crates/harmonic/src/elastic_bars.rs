@@ -4,6 +4,7 @@ use asperity_mesh::{Body, ComponentModes, ModeCount, Support};
 use asperity_structure::{PreloadedStructure, StructureError};
 use num_complex::Complex64;
 
+use crate::bars_on_springs;
 use crate::{Compliance, HarmonicError, LinearSystem, MeanBalance, Receptance};
 
 /// Exact at every frequency; contacts are not included.
@@ -39,6 +40,17 @@ impl LinearSystem for PreloadedStructure {
             }
         }
         into.contact_mut(last, last).add(&support(self.stack().support(), w, anti_damping), 1.0);
+    }
+
+    fn compliance_on_springs(
+        &self,
+        w: f64,
+        anti_damping: f64,
+        springs: &[Complex64],
+        into: &mut Compliance,
+    ) {
+        let at = (w, self.damping_rate(), anti_damping);
+        bars_on_springs::write(self.stack(), at, springs, into);
     }
 
     fn mean_balance(&self) -> MeanBalance {

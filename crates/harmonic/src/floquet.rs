@@ -9,22 +9,32 @@
 //! with the contact tangents `K_c = diag(S dp/dd)` along the motion and the residual flexibility R
 //! in series with them. The state after one period is the monodromy matrix times the state before;
 //! its eigenvalues are the multipliers, as many as there are states. The motion is stable if all lie
-//! within the unit circle.
+//! within the unit circle. Damped contacts, of traction `t(x, x')`, have the tangents `S dt/dx`, and
+//! add `Phi^T C(t) Phi q'` with the dampers `C_c = diag(S dt/dx')`; both are zero where the faces
+//! carry nothing.
 //!
 //! | module | holds |
 //! |---|---|
-//! | `runge_kutta` | the monodromy matrix by integration in time |
 //! | `variational_equation` | the linear equation above |
+//! | `period` | the contacts' tangents over a period |
+//! | `splitting` | the monodromy matrix by exact rotations and kicks, for modes of one damping rate |
+//! | `runge_kutta` | the same by the classical method, for the others |
 
+mod period;
 mod runge_kutta;
+mod splitting;
+#[cfg(test)]
+mod tests;
 mod variational_equation;
 
+use asperity_structure::PreloadedContact;
 use faer::Mat;
 use num_complex::Complex64;
 
-use crate::balance::Balance;
 use crate::{ContactSystem, HarmonicError};
+use period::Period;
 use runge_kutta::RungeKutta;
+use splitting::Splitting;
 use variational_equation::VariationalEquation;
 
 /// Settings of the stability analysis.
@@ -59,29 +69,73 @@ impl Floquet {
 
 /// Computes multipliers; keeps its memory from point to point.
 #[derive(Debug)]
-pub(crate) struct FloquetSolver {
+pub(crate) struct FloquetSolver<'a> {
+    system: &'a ContactSystem,
     variation: VariationalEquation,
-    integration: RungeKutta,
+    integration: Integration,
+    period: Period,
+    steps: usize,
 }
 
-impl FloquetSolver {
-    pub(crate) fn new(system: &ContactSystem, floquet: Floquet) -> Result<Self, HarmonicError> {
+#[derive(Debug, Clone)]
+enum Integration {
+    Splitting(Splitting),
+    RungeKutta(RungeKutta),
+}
+
+impl Integration {
+    fn steps(&self, fastest: f64, w: f64, lost: bool) -> Option<usize> {
+        match self {
+            Self::Splitting(_) => Splitting::steps(fastest, w, lost),
+            Self::RungeKutta(_) => RungeKutta::steps(fastest, w, lost),
+        }
+    }
+}
+
+impl<'a> FloquetSolver<'a> {
+    pub(crate) fn new(system: &'a ContactSystem, floquet: Floquet) -> Result<Self, HarmonicError> {
+        let springs: Vec<f64> = system.contacts().iter().map(PreloadedContact::spring).collect();
         let modes = system.linear().lowest_modes(floquet.modes)?;
-        let variation = VariationalEquation::new(&modes, system.linear().mass_damping());
-        Ok(Self { variation, integration: RungeKutta::default() })
+        let mut variation =
+            VariationalEquation::new(&modes, system.linear().mass_damping(), &springs);
+        // Dampers of the contacts couple the rates of the modes.
+        let undamped = !system.is_damped();
+        let splitting = undamped.then(|| Splitting::new(&mut variation, &springs)).flatten();
+        let (integration, places) = splitting.map_or_else(
+            || (Integration::RungeKutta(RungeKutta::default()), &runge_kutta::PLACES[..]),
+            |splitting| (Integration::Splitting(splitting), &splitting::PLACES),
+        );
+        let period = Period::new(places);
+        Ok(Self { system, variation, integration, period, steps: 1 })
     }
 
-    /// The multipliers of the motion that the balance evaluated last, largest first; NaN if they
-    /// cannot be computed, and none where a mode is too fast to be integrated over a period.
+    /// The multipliers of the motion with these closures' series, largest first; NaN if they cannot
+    /// be computed, and none where a mode is too fast to be integrated over a period.
     pub(crate) fn multipliers(
         &mut self,
-        balance: &Balance<'_>,
         closures: &[f64],
         angular_frequency: f64,
     ) -> Option<Vec<Complex64>> {
-        let variation = &mut self.variation;
-        let monodromy =
-            self.integration.monodromy(variation, balance, closures, angular_frequency)?;
+        // The steps of the motion before resolve most motions; they are counted again for this one.
+        self.period.sample(self.system, closures, angular_frequency, self.steps);
+        let fastest = self.variation.highest_frequency(self.period.stiffest());
+        let damped = self.variation.highest_damping(self.period.strongest_damper());
+        let fastest = if self.system.is_damped() { fastest.max(damped) } else { fastest };
+        let lost = self.period.contact_lost();
+        let steps = self.integration.steps(fastest, angular_frequency, lost)?;
+        if steps != self.steps {
+            self.period.sample(self.system, closures, angular_frequency, steps);
+            self.steps = steps;
+        }
+        self.period.condense(&mut self.variation);
+        let monodromy = match &mut self.integration {
+            Integration::Splitting(splitting) => {
+                splitting.monodromy(&self.period, angular_frequency)
+            }
+            Integration::RungeKutta(method) => {
+                method.monodromy(&self.variation, &self.period, angular_frequency)
+            }
+        };
         let mut multipliers = eigenvalues(&monodromy);
         multipliers.sort_by(|a, b| b.norm().total_cmp(&a.norm()));
         Some(multipliers)

@@ -19,20 +19,29 @@ pub(crate) struct Fourier {
 
 impl Fourier {
     pub(crate) fn new(harmonics: usize, samples: usize) -> Self {
-        Self::up_to(2 * harmonics, harmonics, samples)
-    }
-
-    /// Tables for [`synthesise`](Self::synthesise) alone.
-    pub(crate) fn to_samples(harmonics: usize, samples: usize) -> Self {
-        Self::up_to(harmonics, harmonics, samples)
-    }
-
-    fn up_to(highest: usize, harmonics: usize, samples: usize) -> Self {
         let mut rows = vec![1.0; samples];
-        for k in 1..=highest {
+        for k in 1..=2 * harmonics {
             let angle = |n: usize| TAU * ((k * n) % samples) as f64 / samples as f64;
             rows.extend((0..samples).map(|n| angle(n).cos()));
             rows.extend((0..samples).map(|n| angle(n).sin()));
+        }
+        Self { harmonics, samples, rows }
+    }
+
+    /// Tables for [`synthesise`](Self::synthesise) alone, at `shares` of each of equal steps of the
+    /// period, step after step.
+    pub(crate) fn at_places(harmonics: usize, steps: usize, shares: &[f64]) -> Self {
+        let turn = |part: f64| Complex64::from_polar(1.0, TAU * part / steps as f64);
+        let starts: Vec<Complex64> = (0..steps).map(|step| turn(step as f64)).collect();
+        let samples = steps * shares.len();
+        let mut rows = vec![1.0; samples];
+        for k in 1..=harmonics {
+            let inside: Vec<Complex64> =
+                shares.iter().map(|share| turn(k as f64 * share)).collect();
+            let at = |step: usize| starts[(k * step) % steps];
+            let places = || (0..steps).flat_map(|n| inside.iter().map(move |turn| at(n) * turn));
+            rows.extend(places().map(|place| place.re));
+            rows.extend(places().map(|place| place.im));
         }
         Self { harmonics, samples, rows }
     }
@@ -117,6 +126,15 @@ impl Fourier {
 /// Complex amplitude of harmonic k >= 1 of a series: `a - i b` for `a cos + b sin`.
 pub(crate) fn amplitude_of(series: &[f64], k: usize) -> Complex64 {
     Complex64::new(series[2 * k - 1], -series[2 * k])
+}
+
+/// Series of the rate of change of `series` at the angular frequency `w` \[rad/s\].
+pub(crate) fn rate_of(series: &[f64], w: f64, rate: &mut [f64]) {
+    rate[0] = 0.0;
+    let pairs = series[1..].chunks_exact(2).zip(rate[1..].chunks_exact_mut(2));
+    for (k, (pair, rate)) in (1..).map(f64::from).zip(pairs) {
+        (rate[0], rate[1]) = (k * w * pair[1], -k * w * pair[0]);
+    }
 }
 
 /// Value of a series at the angle `th`, and its first two derivatives.

@@ -3,12 +3,12 @@
 //!
 //! A structure vibrates about its rest under weight, driven by `F cos(w t)` at one point. Between
 //! its contact faces it is linear and enters by its compliance there alone; the unknowns are the
-//! closure increments at the interfaces, as truncated Fourier series. With the compliance G at
-//! each harmonic, g that of the driving point, and the series P of the contact force increments
-//! `S (p - p0)`, harmonic balance is
+//! closure increments at the interfaces, as truncated Fourier series. With springs `K_0` of the
+//! contacts' stiffness at rest in its contacts, the compliance G at each harmonic, g that of the
+//! driving point, and the series P of the contact force increments `S (p - p0)`, harmonic balance is
 //!
 //! ```text
-//! X_k + G(k w) P_k = g(k w) F_k,  k = 1..H,        P_0 = 0,
+//! X_k + G(k w) (P_k - K_0 X_k) = g(k w) F_k,  k = 1..H,        P_0 = 0,
 //! ```
 //!
 //! the last equation because a chain of bodies is statically determinate: the mean pressures are
@@ -23,14 +23,15 @@
 //! | module | holds |
 //! |---|---|
 //! | `linear_system`, `compliance` | the linear structure: [`LinearSystem`], [`Compliance`], [`MeanBalance`] |
-//! | `rigid_mass`, `elastic_bars`, `component_modes` | linear systems: a rigid mass, bars in closed form, component modes |
+//! | `rigid_mass`, `elastic_bars`, `bars_on_springs`, `component_modes` | linear systems: a rigid mass, bars in closed form, component modes |
 //! | `contact_system` | a linear structure with its contacts |
 //! | `fourier`, `balance` | series and samples; the equations with their derivatives |
 //! | `linear_response` | the response of the linearised structure |
 //! | `continuation`, `continuation_problem` | the parameter varied; the equations in scaled unknowns |
-//! | `factorization`, `arc_length` | elimination; predictor, corrector, step control, location of special points |
+//! | `factorization`, `complex_elimination`, `arc_length` | elimination; predictor, corrector, step control, location of special points |
 //! | `floquet` | stability: Floquet multipliers by integration in time |
 //! | `settings`, `trace`, `branch_recorder` | settings; a branch from start to end; its points |
+//! | `stepped_sine` | responses at given frequencies and forces, and their derivatives |
 //! | `periodic_response`, `branch` | results |
 //!
 //! # Conventions
@@ -68,8 +69,10 @@
 
 mod arc_length;
 mod balance;
+mod bars_on_springs;
 mod branch;
 mod branch_recorder;
+mod complex_elimination;
 mod compliance;
 mod component_modes;
 mod contact_system;
@@ -85,6 +88,7 @@ mod linear_system;
 mod periodic_response;
 mod rigid_mass;
 mod settings;
+mod stepped_sine;
 mod trace;
 
 pub use branch::{Branch, SpecialPoint, SpecialPointKind, Termination};
@@ -98,4 +102,5 @@ pub use linear_system::LinearSystem;
 pub use periodic_response::{PeriodicResponse, PressureRange};
 pub use rigid_mass::RigidMass;
 pub use settings::{FourierResolution, HarmonicSettings, StepControl};
+pub use stepped_sine::{Drive, SineResponse, SineVariation, SteppedSine};
 pub use trace::trace;

@@ -3,6 +3,7 @@
 use std::fmt::Debug;
 
 use asperity_mesh::ComponentModes;
+use num_complex::Complex64;
 
 use crate::{Compliance, HarmonicError, MeanBalance};
 
@@ -19,6 +20,19 @@ pub trait LinearSystem: Debug + Send + Sync {
     /// Writes the compliance at a positive `angular_frequency` \[rad/s\] and an anti-damping rate
     /// \[1/s\].
     fn compliance(&self, angular_frequency: f64, anti_damping: f64, into: &mut Compliance);
+
+    /// Writes the compliance with springs of these complex stiffnesses \[N/m\] in the contacts,
+    /// by [`Compliance::add_springs`] unless a system has a form that rounding affects less.
+    fn compliance_on_springs(
+        &self,
+        angular_frequency: f64,
+        anti_damping: f64,
+        springs: &[Complex64],
+        into: &mut Compliance,
+    ) {
+        self.compliance(angular_frequency, anti_damping, into);
+        into.add_springs(springs);
+    }
 
     /// The balance of means.
     fn mean_balance(&self) -> MeanBalance;

@@ -107,13 +107,13 @@ fn follow(
             return Ok(recorder.branch);
         }
         if recorder.branch.points.len() >= settings.steps.points {
-            return Ok(recorder.ended(Termination::PointLimit));
+            return Ok(recorder.ended(&mut arc, Termination::PointLimit));
         }
         let (next, step) = match arc.advance(&point) {
             Ok(advanced) => advanced,
             Err(failure) => {
                 let end = BranchRecorder::termination(system, failure);
-                return Ok(recorder.ended(end));
+                return Ok(recorder.ended(&mut arc, end));
             }
         };
         let parameter = next.unknowns[next.unknowns.len() - 1];
@@ -121,7 +121,7 @@ fn follow(
             return Ok(recorder.finish(&mut arc, &point, &next, end));
         }
         if sense * (parameter - start) < 0.0 {
-            return Ok(recorder.ended(Termination::Returned));
+            return Ok(recorder.ended(&mut arc, Termination::Returned));
         }
         recorder.step(&mut arc, &point, &next, step);
         point = next;

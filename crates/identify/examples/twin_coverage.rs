@@ -1,7 +1,7 @@
 //! Coverage of the bands of an identification, by repeated simulated measurements.
 //!
 //! `cargo run --release -p asperity-identify --example twin_coverage -- write FILE` writes the problem of
-//! `fixtures/problems/twin.json`, and `... -- REPETITIONS [HITS]`
+//! `fixtures/problems/twin.json`, and `... -- REPETITIONS [HITS [FIRST]]`
 //! simulates hits of the paper's rig by finite differences, 9 to 32 N, gives them the noise (40 dB)
 //! and the gain errors (5 %) of sensors, identifies the law with the modal engine, and counts.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "its problems are valid")]
@@ -31,6 +31,7 @@ fn main() {
     let mut words = arguments.iter().map(|word| word.parse::<usize>().unwrap());
     let repetitions = words.next().unwrap_or(10);
     let count = words.next().unwrap_or(24);
+    let first = words.next().unwrap_or(0);
     let peaks: Vec<f64> =
         (0..count).map(|i| 9.0 + 23.0 * i as f64 / (count - 1).max(1) as f64).collect();
     let truth = Truth::new(SCENARIO, &peaks, &[("/output_rate_hz", "50000")]);
@@ -52,6 +53,9 @@ fn main() {
             response_gain: (0.05 * noise.normal()).exp(),
             seed: 1000 + repetition as u64,
         };
+        if repetition < first {
+            continue;
+        }
         let problem = truth.problem(&truth.measured(&sensors), &unknowns, &more);
         let started = Instant::now();
         let found = identify(&problem).unwrap();
@@ -84,7 +88,7 @@ fn main() {
             diagnostics.rounds,
             started.elapsed().as_secs_f64(),
         );
-        if repetition == 0 {
+        if repetition == first {
             for sentence in found.conclusions() {
                 println!("      {sentence}");
             }
@@ -93,10 +97,12 @@ fn main() {
             }
         }
     }
+    assert!(!worst.is_empty(), "FIRST must be less than REPETITIONS");
     worst.sort_by(f64::total_cmp);
     println!(
-        "K(p) inside its 95 % band at {:.1} % of {asked} informed pressures in {repetitions} repetitions; largest error, median {:.2} %, worst {:.2} %",
+        "K(p) inside its 95 % band at {:.1} % of {asked} informed pressures in {} repetitions; largest error, median {:.2} %, worst {:.2} %",
         100.0 * f64::from(inside) / f64::from(asked.max(1)),
+        worst.len(),
         100.0 * worst[worst.len() / 2],
         100.0 * worst[worst.len() - 1],
     );

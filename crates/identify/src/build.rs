@@ -1,5 +1,7 @@
 //! Forward models of a problem, of the laws compared with its own, and of planned hits.
 
+use std::sync::Arc;
+
 use asperity_dynamics::Batch;
 use serde_json::{Value, json};
 
@@ -125,9 +127,11 @@ impl IdentificationProblem {
             quantities: Vec::new(),
             observations: Vec::new(),
             stiffness: Vec::new(),
+            sweeps: Vec::new(),
             columns: SummaryColumns::new(&interfaces),
             batch: Batch::default(),
             extractor: ObservableExtractor::default(),
+            work: Arc::clone(&self.work),
             parameters,
         };
         let built = BuiltModel { forward, about: Vec::new(), notices: Vec::new() };
@@ -137,7 +141,7 @@ impl IdentificationProblem {
             loader.load(index, data)?;
         }
         let mut built = loader.built;
-        built.forward.hold_at_start();
+        built.forward.hold_first();
         Ok(built)
     }
 }

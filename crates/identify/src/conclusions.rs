@@ -5,7 +5,8 @@ use serde::Serialize;
 
 use crate::build::CONSTANT;
 use crate::identification::Identification;
-use crate::law_band::LawBand;
+use crate::law_band::{LawBand, StiffnessOrigin};
+use crate::starts::{about_starts, starts_at_best};
 use asperity_scenario::four_digits;
 
 /// Evidence for a stiffness that depends on pressure.
@@ -58,17 +59,31 @@ impl Identification {
         }
     }
 
+    /// Number of starts of the fit that reached its lowest cost: their deviance is at most one above.
+    pub fn starts_at_best(&self) -> usize {
+        starts_at_best(&self.fit)
+    }
+
     /// The conclusions in sentences, the most important first.
     pub fn conclusions(&self) -> Vec<String> {
-        let mut words = vec![self.about_dependence()];
+        let mut words = Vec::new();
+        if self.stopped {
+            words.push(
+                "Incomplete: stopped before the comparison with other laws had ended, which is missing."
+                    .to_owned(),
+            );
+        } else {
+            words.push(self.about_dependence());
+        }
         words.extend(self.about_law());
         words.extend(self.about_comparison());
         words.push(self.about_fit());
+        words.push(about_starts(&self.fit));
         words.extend(self.about_parameters());
         if !self.has_converged() {
             let found = &self.posterior.diagnostics;
             let lost: Vec<&str> =
-                found.truncated.iter().map(|parameter| self.names[*parameter].as_str()).collect();
+                found.truncated.iter().map(|parameter| self.labels[*parameter].as_str()).collect();
             let lost = match lost.join(", ") {
                 none if none.is_empty() => none,
                 lost => format!(
@@ -101,11 +116,36 @@ impl Identification {
         }
     }
 
-    fn about_law(&self) -> Option<String> {
-        if self.pressure_dependence() == PressureDependence::NotAsked {
-            return None;
+    fn about_law(&self) -> Vec<String> {
+        if !self.stopped && self.pressure_dependence() == PressureDependence::NotAsked {
+            return Vec::new();
         }
-        Some(match self.law.informed_range() {
+        let mut words = vec![self.about_informed()];
+        let ranges = |origin: StiffnessOrigin| {
+            let words = |range: [f64; 2]| match range.map(|p| four_digits(1e-6 * p)) {
+                [low, high] if low == high => format!("at {low} MPa"),
+                [low, high] => format!("from {low} to {high} MPa"),
+            };
+            self.law.ranges(origin).into_iter().map(words).collect::<Vec<_>>().join(" and ")
+        };
+        let name = &self.law.name;
+        let given = ranges(StiffnessOrigin::Given);
+        if !given.is_empty() {
+            words.push(format!(
+                "Law \"{name}\" is the scenario's {given}: no parameter acts on it there, so that its band has no width, and it was not measured."
+            ));
+        }
+        let open = ranges(StiffnessOrigin::Open);
+        if !open.is_empty() {
+            words.push(format!(
+                "The data leave law \"{name}\" open {open}: its band there is that of bounds, priors and the form of the law."
+            ));
+        }
+        words
+    }
+
+    fn about_informed(&self) -> String {
+        match self.law.informed_range() {
             None => format!(
                 "The data inform the stiffness of law \"{}\" at no pressure.",
                 self.law.name
@@ -123,7 +163,7 @@ impl Identification {
                     100.0 * widest,
                 )
             }
-        })
+        }
     }
 
     fn about_comparison(&self) -> Vec<String> {
@@ -182,6 +222,12 @@ impl Identification {
         format!("{base}: the residuals exceed the standard deviations{scaled}.{missing}")
     }
 
+    /// The name of a parameter in words.
+    fn label<'a>(&'a self, name: &'a str) -> &'a str {
+        let place = self.names.iter().position(|known| known == name);
+        place.map_or(name, |place| self.labels[place].as_str())
+    }
+
     fn about_parameters(&self) -> Vec<String> {
         let mut words = Vec::new();
         for undetermined in &self.identifiability.undetermined {
@@ -189,7 +235,7 @@ impl Identification {
                 .weights
                 .iter()
                 .filter(|(_, weight)| weight.abs() > LEAST_WEIGHT)
-                .map(|(name, weight)| format!("{weight:+.2} {name}"))
+                .map(|(name, weight)| format!("{weight:+.2} ({})", self.label(name)))
                 .collect();
             words.push(format!(
                 "The data do not determine {} (each over its range): {:.0} % of the prior standard deviation remains.",
@@ -200,7 +246,7 @@ impl Identification {
         for profile in &self.profiles {
             for (end, side) in profile.ends.iter().zip(["lower", "upper"]) {
                 if *end != ProfileEnd::Crossed {
-                    let name = &self.names[profile.parameter];
+                    let name = &self.labels[profile.parameter];
                     words.push(format!(
                         "The data give no {side} limit of {name}: {}.",
                         end_words(*end)

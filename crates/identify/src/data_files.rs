@@ -1,13 +1,10 @@
-//! Data files: analyses, receptances, backbones.
+//! Data files: receptances, backbones, and the reading of all.
 
-use std::collections::BTreeMap;
 use std::path::Path;
 
 use asperity_signal::Complex64;
-use serde_json::Value;
 
 use crate::error::IdentificationError;
-use crate::problem::{HitSpec, Measured, Uncertain};
 use asperity_scenario::read_text;
 
 /// Largest size of a data file, in bytes.
@@ -26,74 +23,13 @@ pub(super) struct ReceptanceLine {
     pub(super) deviation: f64,
 }
 
-fn read(path: &Path) -> Result<String, IdentificationError> {
+pub(super) fn read(path: &Path) -> Result<String, IdentificationError> {
     read_text(path, MAX_BYTES)
         .map_err(|source| IdentificationError::Input { path: path.to_owned(), source })
 }
 
-fn problem(path: &Path, problem: String, expected: &'static str) -> IdentificationError {
+pub(super) fn problem(path: &Path, problem: String, expected: &'static str) -> IdentificationError {
     IdentificationError::File { path: path.to_owned(), problem, expected }
-}
-
-/// The averaged hits of an `analysis.json` with their available features, and the number of the
-/// other hits.
-pub(super) fn analysed_hits(
-    path: &Path,
-    features: &[String],
-) -> Result<(Vec<HitSpec>, usize), IdentificationError> {
-    const EXPECTED: &str = "the analysis.json that asperity analyse writes";
-    let text = read(path)?;
-    let analysis: Value = serde_json::from_str(&text)
-        .map_err(|error| problem(path, format!("line {}: {error}", error.line()), EXPECTED))?;
-    if analysis.get("schema").and_then(Value::as_str) != Some("asperity/analysis/1") {
-        let found = "\"schema\" is not \"asperity/analysis/1\"".to_owned();
-        return Err(problem(path, found, EXPECTED));
-    }
-    let hits = analysis.get("hits").and_then(Value::as_array).map_or(&[][..], Vec::as_slice);
-    let mut found = Vec::with_capacity(hits.len());
-    let good = |hit: &&Value| hit.get("averaged").and_then(Value::as_bool) == Some(true);
-    for hit in hits.iter().filter(good) {
-        let number = |pointer: &str| hit.pointer(pointer).and_then(Value::as_f64);
-        let Some(peak) = number("/force_peak_n") else { continue };
-        let mut measured = BTreeMap::new();
-        for feature in features {
-            let (value, deviation) = match feature.as_str() {
-                "fundamental.frequency_hz" => {
-                    ("/fundamental/frequency_hz", Some("/fundamental/frequency_uncertainty_hz"))
-                }
-                "fundamental.receptance_m_per_n" => {
-                    ("/fundamental/magnitude", Some("/fundamental/magnitude_uncertainty"))
-                }
-                "fundamental.damping_ratio" => ("/fundamental/damping_ratio", None),
-                "second_harmonic.frequency_hz" => ("/second_harmonic/frequency_hz", None),
-                "second_harmonic.receptance_m_per_n" => ("/second_harmonic/magnitude", None),
-                "harmonic_ratio" => ("/harmonic_ratio", Some("/harmonic_ratio_uncertainty")),
-                _ => {
-                    let text = format!("an analysis has no feature {feature}");
-                    return Err(problem(
-                        path,
-                        text,
-                        "features of the fundamental and the harmonic",
-                    ));
-                }
-            };
-            let Some(value) = number(value) else { continue };
-            let with =
-                |standard_deviation| Measured::Uncertain(Uncertain { value, standard_deviation });
-            let deviation = deviation.and_then(number).filter(|deviation| *deviation > 0.0);
-            measured.insert(feature.clone(), deviation.map_or(Measured::Alone(value), with));
-        }
-        found.push(HitSpec {
-            force_peak_n: Some(peak),
-            set: crate::problem::Changes::new(),
-            features: measured,
-        });
-    }
-    let left_out = hits.len() - found.len();
-    if found.is_empty() {
-        return Err(problem(path, "the file has no averaged hit".to_owned(), EXPECTED));
-    }
-    Ok((found, left_out))
 }
 
 /// The lines of an `frf.csv` in a band, at most `most` of them, evenly spaced.
@@ -126,13 +62,17 @@ pub(super) fn frf(
     Ok(inside.into_iter().step_by(every).collect())
 }
 
-/// Amplitudes \[m\] and frequencies \[Hz\] of hit `index` of a `backbone.csv`.
+/// Amplitudes \[m\], frequencies \[Hz\] and, where asked for, damping ratios of hit `index` of a
+/// `backbone.csv`.
 pub(super) fn backbone(
     path: &Path,
     index: Option<usize>,
-) -> Result<Vec<(f64, f64)>, IdentificationError> {
-    const EXPECTED: &str = "the columns index, amplitude_m and frequency_hz of one hit or more";
-    let columns = [&["index"][..], &["amplitude_m"], &["frequency_hz"]];
+    with_damping: bool,
+) -> Result<Vec<[f64; 3]>, IdentificationError> {
+    const EXPECTED: &str =
+        "the columns index, amplitude_m, frequency_hz and, for damping, damping_ratio";
+    let third = if with_damping { "damping_ratio" } else { "frequency_hz" };
+    let columns = [&["index"][..], &["amplitude_m"], &["frequency_hz"], &[third]];
     let rows = columns_of(path, &columns, EXPECTED)?;
     let wanted = match (index, rows.first()) {
         (Some(index), _) => index as f64,
@@ -142,12 +82,16 @@ pub(super) fn backbone(
             return Err(problem(path, text, "\"index\", the number of one of them"));
         }
     };
-    let points: Vec<(f64, f64)> = rows
+    let points: Vec<[f64; 3]> = rows
         .iter()
         .filter(|row| row[0] == wanted && row.iter().all(|x| !x.is_nan()))
         .step_by(EVERY)
-        .map(|row| (row[1], row[2]))
+        .map(|row| [row[1], row[2], row[3]])
         .collect();
+    if points.is_empty() && rows.iter().any(|row| row[0] == wanted) {
+        let text = format!("amplitude_m is empty for hit {wanted}");
+        return Err(problem(path, text, "amplitudes in m, of a channel whose unit is known"));
+    }
     if points.is_empty() {
         return Err(problem(
             path,
@@ -160,7 +104,7 @@ pub(super) fn backbone(
 
 /// Numbers of some columns of a CSV, each under one of several names; NaN where a field is empty,
 /// and in all columns but the first of rows that a column `valid` marks with 0.
-fn columns_of<const N: usize>(
+pub(super) fn columns_of<const N: usize>(
     path: &Path,
     names: &[&[&str]; N],
     expected: &'static str,

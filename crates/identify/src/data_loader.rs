@@ -7,13 +7,15 @@ use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
+use crate::analysed_hits::{AnalysedHits, analysed_hits};
 use crate::data_files;
 use crate::error::IdentificationError;
 use crate::observed_quantity::ObservedQuantity;
 use crate::problem::{DataSpec, SpreadSpec};
 use crate::records;
 use crate::scenario_model::ScenarioModel;
-use asperity_scenario::{InvalidDocument, validate_json};
+use crate::stepped_sine::read_table;
+use asperity_scenario::{InvalidDocument, four_digits, validate_json};
 
 /// A forward model with the labels of its observations.
 #[derive(Debug)]
@@ -69,13 +71,25 @@ impl Loader<'_> {
                 }
                 Ok(())
             }
-            DataSpec::Analysis { file, set, features, floor, .. } => {
+            DataSpec::Analysis { file, set, features, repeatability, floor, .. } => {
                 self.check_floor(&place, floor)?;
                 for feature in features {
                     self.column(&place, feature)?;
                 }
                 let path = self.folder.join(file);
-                let (hits, left_out) = data_files::analysed_hits(&path, features)?;
+                let AnalysedHits { hits, left_out, scatter } =
+                    analysed_hits(&path, features, *repeatability)?;
+                if !scatter.is_empty() {
+                    let part = |(feature, relative): (&String, &f64)| {
+                        format!("{} % of {feature}", four_digits(100.0 * relative))
+                    };
+                    let parts: Vec<String> = scatter.iter().map(part).collect();
+                    self.built.notices.push(format!(
+                        "{}: repeated hits scatter by {}; standard deviations are at least that",
+                        path.display(),
+                        parts.join(", ")
+                    ));
+                }
                 if left_out > 0 {
                     self.built.notices.push(format!(
                         "{}: {left_out} hits that were not averaged left out",
@@ -94,20 +108,11 @@ impl Loader<'_> {
                 let simulated = self.add_hit(&place, &name, &[&hit.set], hit.force_peak_n)?;
                 self.receptance(&place, &name, simulated, &lines, |_| *spread)
             }
-            DataSpec::Backbone { file, index, hit, spread, .. } => {
+            DataSpec::Backbone { file, index, hit, spread, damping_spread, .. } => {
                 let path = self.folder.join(file);
-                let points = data_files::backbone(&path, *index)?;
+                let points = data_files::backbone(&path, *index, damping_spread.is_some())?;
                 let simulated = self.add_hit(&place, &name, &[&hit.set], hit.force_peak_n)?;
-                self.built.forward.hits[simulated].backbone = true;
-                let block = self.next_block();
-                for (amplitude, frequency) in points {
-                    let quantity = ObservedQuantity::Backbone { hit: simulated, amplitude };
-                    let about =
-                        ObservationLabel::new(&name, "backbone.frequency_hz", Some(amplitude));
-                    let deviation = spread.of(frequency);
-                    self.push(&place, block, quantity, about, (frequency, deviation))?;
-                }
-                Ok(())
+                self.backbone(&place, &name, simulated, &points, (*spread, *damping_spread))
             }
             DataSpec::Records { files, force, response, set, band_hz, spread, .. } => {
                 check_band(&place, *band_hz)?;
@@ -121,6 +126,17 @@ impl Loader<'_> {
                     })?;
                 }
                 Ok(())
+            }
+            DataSpec::SteppedSine { file, set, spread, phase_spread_rad, harmonics, .. } => {
+                let rows = read_table(&self.folder.join(file))?;
+                self.stepped_sine(
+                    &place,
+                    &name,
+                    set,
+                    &rows,
+                    (*spread, *phase_spread_rad),
+                    *harmonics,
+                )
             }
             DataSpec::Stiffness { law, points, spread } => {
                 self.stiffness(&place, &name, law, points, *spread)
@@ -147,6 +163,7 @@ pub(super) fn name_of(index: usize, data: &DataSpec) -> String {
         DataSpec::Frf { name, .. } => (name.as_ref(), "frf"),
         DataSpec::Backbone { name, .. } => (name.as_ref(), "backbone"),
         DataSpec::Records { name, .. } => (name.as_ref(), "records"),
+        DataSpec::SteppedSine { name, .. } => (name.as_ref(), "stepped_sine"),
         DataSpec::Stiffness { .. } => (None, "stiffness"),
         DataSpec::Ratio { .. } => (None, "ratio"),
     };

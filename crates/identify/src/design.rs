@@ -60,8 +60,17 @@ pub(super) struct DesignModel {
 }
 
 impl DesignModel {
+    /// The model of the hits of the problem's design, if it has one.
+    pub(super) fn asked(
+        problem: &IdentificationProblem,
+        forward: &ScenarioModel,
+    ) -> Result<Option<Self>, IdentificationError> {
+        let asked = problem.spec.design.as_ref();
+        asked.map(|asked| Self::new(problem, forward, asked)).transpose()
+    }
+
     /// The model of the hits of a design, with the features of the measured hits.
-    pub(super) fn new(
+    fn new(
         problem: &IdentificationProblem,
         forward: &ScenarioModel,
         asked: &DesignSpec,
@@ -98,13 +107,14 @@ impl DesignModel {
 
     /// Ranks the hits by the information about the law at the best fit.
     pub(super) fn rank(
-        &self,
+        &mut self,
         law: &LawBand,
         best: &[f64],
         covariance: &Covariance,
         noise_factor: f64,
     ) -> Result<DesignRanking, IdentificationError> {
-        let Self { forward, kinds, relative, hits } = self;
+        self.forward.hold(&self.forward.controlled(best)?);
+        let Self { forward, kinds, relative, hits } = &*self;
         let derivatives = forward.derivatives(best)?;
         let pairs = forward.parameters().iter().zip(best);
         let slopes: Vec<f64> =

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use asperity_inference::InferenceError;
 use thiserror::Error;
 
+use crate::incomplete::IncompleteIdentification;
 use asperity_experiment::AnalysisError;
 use asperity_scenario::{DocumentError, InputError, InvalidDocument, SetError};
 use asperity_study::error::StudyError;
@@ -153,6 +154,12 @@ pub enum IdentificationError {
         /// The cause.
         source: SetError,
     },
+    /// A request to stop before the posterior was finished.
+    #[error("stopped in the {}", .0.stage.name())]
+    Stopped(Box<IncompleteIdentification>),
+    /// A request to stop before the first fit.
+    #[error("stopped before the law could be run")]
+    StoppedAtOnce,
     /// The scenario cannot be run.
     #[error(transparent)]
     Study(#[from] StudyError),
@@ -164,6 +171,11 @@ pub enum IdentificationError {
 impl IdentificationError {
     /// True for errors of the request; false for a scenario that cannot be run at any start.
     pub fn is_wrong_request(&self) -> bool {
-        !matches!(self, Self::Inference(InferenceError::NoPredictions { .. }))
+        !matches!(
+            self,
+            Self::Inference(InferenceError::NoPredictions { .. })
+                | Self::Stopped(_)
+                | Self::StoppedAtOnce
+        )
     }
 }

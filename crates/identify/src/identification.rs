@@ -1,12 +1,13 @@
 //! The identification: fit, uncertainty, law with its band, comparison, design.
 
+use std::sync::Arc;
 use std::time::Instant;
 
 use asperity_inference::{
     ComparisonOptions, Covariance, Fit, FitOptions, FitSolution, ForwardModel, GoodnessOfFit,
-    Identifiability, Linearisation, Loss, ModelComparison, NoiseScale, Observation, Posterior,
-    PosteriorOptions, Profile, ProfileOptions, ProgressCallback, ScaledNoise,
-    compare_with_progress, fit_with_progress,
+    Identifiability, InferenceError, Linearisation, Loss, ModelComparison, NoiseScale, Observation,
+    Posterior, PosteriorOptions, Profile, ProfileOptions, ProgressCallback, ScaledNoise,
+    compare_fits, fit_with_progress, refit_with_progress,
 };
 
 use crate::data_loader::{BuiltModel, ObservationLabel};
@@ -14,9 +15,11 @@ use crate::design::{DesignModel, DesignRanking};
 use crate::error::IdentificationError;
 use crate::hit_numerics::HitNumerics;
 use crate::identification_problem::IdentificationProblem;
-use crate::law_band::{LawBand, check_pressures};
+use crate::incomplete::IncompleteIdentification;
+use crate::law_band::{LawBand, StiffnessEstimate, check_pressures};
 use crate::problem::{CandidateSpec, LossSpec, NoiseSpec};
 use crate::scenario_model::ScenarioModel;
+use crate::work::{WorkStage, expected_evaluations};
 use asperity_scenario::Laws;
 use asperity_study::provenance::InputFile;
 
@@ -38,6 +41,10 @@ const COMPARED_STARTS: usize = 2;
 pub struct Identification {
     /// Names of the parameters.
     pub names: Vec<String>,
+    /// Their names in words: a step of a monotone law by the stiffnesses that it relates.
+    pub labels: Vec<String>,
+    /// Stiffnesses at the pressures of the monotone laws among the parameters.
+    pub stiffnesses: Vec<StiffnessEstimate>,
     /// The best fit.
     pub fit: FitSolution,
     /// Predictions there, with exact derivatives.
@@ -75,6 +82,10 @@ pub struct Identification {
     pub level: f64,
     /// Wall-clock time \[s\].
     pub wall_s: f64,
+    /// True if it was stopped in the comparison with other laws, which is then missing.
+    pub stopped: bool,
+    /// True for the parameters that are steps or stiffnesses of a monotone law.
+    pub(super) in_steps: Vec<bool>,
     pub(super) about: Vec<ObservationLabel>,
     pub(super) observations: Vec<Observation>,
 }
@@ -116,16 +127,12 @@ pub fn identify_with_progress(
     // Errors of the request come before any computation.
     check_pressures(problem)?;
     let candidates = candidates(problem)?;
-    let planned = spec.design.as_ref().map(|asked| DesignModel::new(problem, &forward, asked));
-    let planned = planned.transpose()?;
+    let planned = DesignModel::asked(problem, &forward)?;
 
-    let options = fit_options(problem, spec.starts);
-    let mut given = fit_with_progress(&forward, &options, progress)?.into_solution();
-    // Step and modes are those that the start needs; the best fit may need finer ones.
-    if forward.hold(&forward.controlled(&given.point)?) {
-        given = fit_with_progress(&forward, &options, progress)?.into_solution();
-    }
-    let given = Fit::resumed(&forward, given, progress)?;
+    let work = Arc::clone(&problem.work);
+    let unfinished = Unfinished::begin(problem, &forward, &law_name, started);
+    let own = own_fit(problem, &mut forward, &unfinished, progress)?;
+    let given = Fit::resumed(&forward, own.clone(), progress)?;
     let goodness = given.goodness();
     let factor = match spec.noise {
         NoiseSpec::Given => 1.0,
@@ -133,26 +140,66 @@ pub fn identify_with_progress(
     };
     // All results below are those of the model with scaled standard deviations.
     let model = ScaledNoise::new(&forward, factor);
-    let best = if factor > 1.0 { fit_with_progress(&model, &options, progress)? } else { given };
+    let best = if factor > 1.0 { refit_with_progress(&model, &own, progress) } else { Ok(given) };
+    if best.is_err() && work.is_stopped() {
+        let laws = forward.laws(&own.point)?;
+        return Err(unfinished.stopped(WorkStage::Fit, own, None, Vec::new(), laws));
+    }
+    let best = best?;
     let hits = HitNumerics::of(&forward, &forward.controlled(&best.point)?);
     notices.extend(HitNumerics::notices(&hits));
+    work.begin(WorkStage::Profiles);
     let linearisation = best.linearise()?;
     let covariance = linearisation.covariance(NoiseScale::Given)?;
+    let laws = forward.laws(&best.point)?;
     let all: Vec<usize> = (0..best.point.len()).collect();
     let options = ProfileOptions { level: spec.level, ..ProfileOptions::default() };
     let profiles = best.profile(&covariance, &all, &options)?;
+    if work.is_stopped() {
+        let fit = best.into_solution();
+        return Err(unfinished.stopped(
+            WorkStage::Profiles,
+            fit,
+            Some(covariance),
+            Vec::new(),
+            laws,
+        ));
+    }
+    work.begin(WorkStage::Posterior);
     let options =
         PosteriorOptions { draws: spec.draws, seed: spec.seed, ..PosteriorOptions::default() };
-    let posterior = best.posterior(&covariance, &profiles, &options)?;
+    let posterior = best.posterior(&covariance, &profiles, &options);
+    if work.is_stopped() {
+        let fit = best.into_solution();
+        return Err(unfinished.stopped(
+            WorkStage::Posterior,
+            fit,
+            Some(covariance),
+            profiles,
+            laws,
+        ));
+    }
+    let posterior = posterior?;
     let law = LawBand::new(problem, &forward, &law_name, &best.point, &posterior)?;
+    let stiffnesses = StiffnessEstimate::all(problem, &forward, &best.point, &posterior)?;
 
+    work.begin(WorkStage::Comparison);
+    let compared = compare_laws(problem, (&forward, own), &law, candidates, progress);
+    // A request to stop leaves out the comparison and the design.
     let (comparison, comparison_noise_factor) =
-        compare_laws(problem, &forward, &law, candidates, progress)?;
+        if work.is_stopped() { (None, 1.0) } else { compared? };
+    let planned = planned.filter(|_| !work.is_stopped());
     let design =
-        planned.map(|hits| hits.rank(&law, &best.point, &covariance, factor)).transpose()?;
+        planned.map(|mut hits| hits.rank(&law, &best.point, &covariance, factor)).transpose()?;
     Ok(Identification {
-        names: forward.parameters().iter().map(|parameter| parameter.name().to_owned()).collect(),
-        laws: forward.laws(&best.point)?,
+        names: unfinished.names,
+        labels: unfinished.labels,
+        stopped: work.is_stopped(),
+        in_steps: (0..forward.parameters().len())
+            .map(|parameter| forward.parameters.is_of_monotone_law(parameter))
+            .collect(),
+        stiffnesses,
+        laws,
         observations: model.observations().to_vec(),
         identifiability: linearisation.identifiability()?,
         fit: best.into_solution(),
@@ -173,6 +220,86 @@ pub fn identify_with_progress(
         wall_s: started.elapsed().as_secs_f64(),
         about,
     })
+}
+
+/// The part of an incomplete identification that is known from the beginning.
+struct Unfinished {
+    names: Vec<String>,
+    labels: Vec<String>,
+    law: String,
+    started: Instant,
+}
+
+impl Unfinished {
+    /// Begins the work of a problem.
+    fn begin(
+        problem: &IdentificationProblem,
+        forward: &ScenarioModel,
+        law: &str,
+        started: Instant,
+    ) -> Self {
+        let spec = &problem.spec;
+        let (parameters, compared) = (forward.parameters(), spec.compare.len() + 1);
+        let expected = expected_evaluations(parameters.len(), spec.starts, spec.draws, compared);
+        problem.work.plan(expected);
+        Self {
+            names: parameters.iter().map(|parameter| parameter.name().to_owned()).collect(),
+            labels: forward.parameters.labels(&forward.scenario),
+            law: law.to_owned(),
+            started,
+        }
+    }
+
+    fn stopped(
+        &self,
+        stage: WorkStage,
+        fit: FitSolution,
+        covariance: Option<Covariance>,
+        profiles: Vec<Profile>,
+        laws: Laws,
+    ) -> IdentificationError {
+        IdentificationError::Stopped(Box::new(IncompleteIdentification {
+            stage,
+            names: self.names.clone(),
+            labels: self.labels.clone(),
+            fit,
+            covariance,
+            profiles,
+            laws,
+            law: self.law.clone(),
+            wall_s: self.started.elapsed().as_secs_f64(),
+        }))
+    }
+}
+
+/// The fit with the standard deviations as given, at the step and the modes that it needs.
+fn own_fit(
+    problem: &IdentificationProblem,
+    forward: &mut ScenarioModel,
+    unfinished: &Unfinished,
+    progress: &ProgressCallback<'_>,
+) -> Result<FitSolution, IdentificationError> {
+    let work = &problem.work;
+    let options = fit_options(problem, problem.spec.starts);
+    let mut given = match fit_with_progress(forward, &options, progress) {
+        Err(InferenceError::NoPredictions { .. }) if work.is_stopped() => {
+            return Err(IdentificationError::StoppedAtOnce);
+        }
+        found => found?.into_solution(),
+    };
+    // The best fit may need finer steps and more modes than those of the search.
+    if !work.is_stopped() && forward.hold(&forward.controlled(&given.point)?) {
+        let before = given.clone();
+        given = match refit_with_progress(forward, &given, progress) {
+            Err(InferenceError::NoPredictions { .. }) if work.is_stopped() => before,
+            found => found?.into_solution(),
+        };
+    }
+    if work.is_stopped() {
+        let laws = forward.laws(&given.point)?;
+        return Err(unfinished.stopped(WorkStage::Fit, given, None, Vec::new(), laws));
+    }
+    Ok(given)
 }
 
 fn fit_options(problem: &IdentificationProblem, starts: usize) -> FitOptions {
@@ -207,14 +334,14 @@ fn candidates(
 /// multiplied by the root of the reduced chi-square of the best one.
 fn compare_laws(
     problem: &IdentificationProblem,
-    forward: &ScenarioModel,
+    (forward, own_fit): (&ScenarioModel, FitSolution),
     law: &LawBand,
     candidates: Vec<(String, BuiltModel)>,
     progress: &ProgressCallback<'_>,
 ) -> Result<(Option<ModelComparison>, f64), IdentificationError> {
     let of_law =
         (0..forward.parameters().len()).any(|parameter| forward.parameters.is_of_law(parameter));
-    let mut built = Vec::new();
+    let mut built: Vec<(String, BuiltModel)> = Vec::new();
     if of_law {
         let constant = IdentificationProblem::constant(&law.name, law.stiffness_at_rest);
         built.push((constant.name.clone(), problem.candidate(&constant)?));
@@ -224,20 +351,34 @@ fn compare_laws(
         return Ok((None, 1.0));
     }
     let own = format!("the problem's law \"{}\"", law.name);
+    let options = ComparisonOptions {
+        fit: fit_options(problem, COMPARED_STARTS),
+        folds: MAX_FOLDS,
+        seed: problem.spec.seed,
+    };
+    // The fits with the standard deviations as given.
+    let mut given = vec![own_fit];
+    for (_, candidate) in &mut built {
+        let found = fit_candidate(&mut candidate.forward, (forward, &given[0]), &options, progress);
+        given.push(found?);
+    }
+    let models: Vec<(&str, &ScenarioModel)> = std::iter::once((own.as_str(), forward))
+        .chain(built.iter().map(|(name, built)| (name.as_str(), &built.forward)))
+        .collect();
     let mut factor = 1.0;
     loop {
-        let scaled: Vec<(&str, ScaledNoise<'_>)> = std::iter::once((own.as_str(), forward))
-            .chain(built.iter().map(|(name, built)| (name.as_str(), &built.forward)))
-            .map(|(name, model)| (name, ScaledNoise::new(model, factor)))
-            .collect();
-        let models: Vec<(&str, &dyn ForwardModel)> =
-            scaled.iter().map(|(name, model)| (*name, model as &dyn ForwardModel)).collect();
-        let options = ComparisonOptions {
-            fit: fit_options(problem, COMPARED_STARTS),
-            folds: MAX_FOLDS,
-            seed: problem.spec.seed,
-        };
-        let comparison = compare_with_progress(&models, &options, progress)?;
+        let scaled: Vec<ScaledNoise<'_>> =
+            models.iter().map(|(_, model)| ScaledNoise::new(*model, factor)).collect();
+        let fits = models.iter().zip(&scaled).zip(&given).map(|(((name, _), model), given)| {
+            let found = if factor > 1.0 {
+                refit_with_progress(model, given, progress)
+            } else {
+                Fit::resumed(model, given.clone(), progress)
+            };
+            Ok((*name, found?))
+        });
+        let fits = fits.collect::<Result<Vec<_>, IdentificationError>>()?;
+        let comparison = compare_fits(fits, &options, progress)?;
         let goodness = comparison.candidates[comparison.best].goodness;
         let reduced = goodness.chi_square / goodness.degrees_of_freedom.max(1) as f64;
         if factor > 1.0 || reduced <= MAX_REDUCED {
@@ -246,6 +387,38 @@ fn compare_laws(
         factor = reduced.sqrt();
     }
 }
+
+/// The fit of a compared law, with step and modes of the problem's own; with those that its best fit
+/// needs where that is near the data.
+fn fit_candidate(
+    model: &mut ScenarioModel,
+    (own, own_fit): (&ScenarioModel, &FitSolution),
+    options: &ComparisonOptions,
+    progress: &ProgressCallback<'_>,
+) -> Result<FitSolution, IdentificationError> {
+    model.hold_as(own);
+    let found = match fit_with_progress(model, &options.fit, progress) {
+        Ok(found) => found.into_solution(),
+        // Steps that are too long for the start.
+        Err(InferenceError::NoPredictions { .. }) => {
+            model.hold(&model.controlled(&model.start())?);
+            fit_with_progress(model, &options.fit, progress)?.into_solution()
+        }
+        Err(error) => return Err(error.into()),
+    };
+    if found.chi_square > FAR * own_fit.chi_square.max(found.residuals.len() as f64) {
+        return Ok(found);
+    }
+    Ok(if model.hold(&model.controlled(&found.point)?) {
+        refit_with_progress(model, &found, progress)?.into_solution()
+    } else {
+        found
+    })
+}
+
+/// Chi-square of a compared law, over that of the problem's own or the number of observations, from
+/// which on errors of the steps do not matter.
+const FAR: f64 = 100.0;
 
 /// Reduced chi-square of the best law above which the standard deviations are scaled.
 const MAX_REDUCED: f64 = 2.0;

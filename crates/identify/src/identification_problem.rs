@@ -1,12 +1,14 @@
 //! The identification problem with its scenario.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use serde_json::{Value, json};
 
 use crate::data_loader::folder_of;
 use crate::error::IdentificationError;
 use crate::problem::{DataSpec, ProblemSpec, ScenarioRef, problem_schema};
+use crate::work::Work;
 use asperity_scenario::{Document, validate_json};
 use asperity_study::provenance::InputFile;
 
@@ -25,6 +27,7 @@ pub struct IdentificationProblem {
     pub(super) scenario_sha256: String,
     /// Notices on replaced settings.
     pub(super) notices: Vec<String>,
+    pub(super) work: Arc<Work>,
 }
 
 impl IdentificationProblem {
@@ -34,6 +37,11 @@ impl IdentificationProblem {
     /// [`IdentificationError`] for a file that cannot be read, a problem or scenario that is not valid.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, IdentificationError> {
         Self::of(Document::read(path)?)
+    }
+
+    /// The progress of an identification of this problem (and its clones), and the way to stop it.
+    pub fn work(&self) -> &Arc<Work> {
+        &self.work
     }
 
     /// The files that the problem and its scenario name, with their SHA-256.
@@ -87,6 +95,7 @@ impl IdentificationProblem {
             notices.push(format!("the scenario's method is {other}; identification runs modal"));
             scenario["method"] = json!("modal");
         }
-        Ok(Self { document, spec, scenario, scenario_path, scenario_sha256, notices })
+        let work = Arc::default();
+        Ok(Self { document, spec, scenario, scenario_path, scenario_sha256, notices, work })
     }
 }

@@ -1,14 +1,18 @@
-//! The law with its credible band, and the pressures at which the data inform it.
+//! The law with its credible band, and the origin of its stiffness at each pressure.
 //!
 //! The stiffness at a pressure is *informed* by the data if a run reaches that pressure and the
-//! posterior standard deviation of ln K is at most [`INFORMED_SHARE`] of the prior one.
+//! posterior standard deviation of ln K is at most [`INFORMED_SHARE`] of the prior one. It is *given*
+//! if no parameter acts on it: the band then has no width, and nothing was measured. See
+//! [`StiffnessOrigin`].
 
 use asperity_inference::{ForwardModel, Parameter, Posterior, normal_quantile};
+use serde::Serialize;
 
 use crate::error::IdentificationError;
 use crate::identification_problem::IdentificationProblem;
 use crate::observed_quantity::ObservedQuantity;
 use crate::scenario_model::ScenarioModel;
+use crate::stepped_sine::SimulatedSweep;
 use asperity_study::error::StudyError;
 
 /// Pressures at which a law is drawn.
@@ -20,8 +24,60 @@ const PRIOR_DRAWS: usize = 400;
 /// Posterior over prior standard deviation of ln K up to which the data inform a stiffness.
 pub const INFORMED_SHARE: f64 = 1.0 / 3.0;
 
-/// Prior standard deviation of ln K up to which a stiffness counts as known.
-const KNOWN: f64 = 1e-9;
+/// Prior standard deviation of ln K up to which a stiffness counts as given.
+const GIVEN: f64 = 1e-9;
+
+/// The origin of a stiffness.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum StiffnessOrigin {
+    /// The data: the pressure is reached, and at most a third of the uncertainty is left.
+    Data,
+    /// The form of the law as the scenario gives it: no parameter acts on the stiffness.
+    Given,
+    /// The parameters, which the data leave open there: bounds, priors, and the form of the law
+    /// between the pressures that the data inform.
+    Open,
+}
+
+impl StiffnessOrigin {
+    /// Its name in tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Data => "data",
+            Self::Given => "given",
+            Self::Open => "open",
+        }
+    }
+
+    fn of(pressure: f64, reached: [f64; 2], before: f64, remaining: f64) -> Self {
+        let inside = (reached[0]..=reached[1]).contains(&pressure);
+        if before <= GIVEN {
+            Self::Given
+        } else if inside && remaining <= INFORMED_SHARE {
+            Self::Data
+        } else {
+            Self::Open
+        }
+    }
+}
+
+/// The stiffness of a law at one of the pressures that its parameters are about.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct StiffnessEstimate {
+    /// Name of the law.
+    pub law: String,
+    /// Pressure \[Pa\].
+    pub pressure_pa: f64,
+    /// Stiffness at the best fit \[Pa/m\].
+    pub stiffness_pa_per_m: f64,
+    /// Interval of the posterior, with equal tails \[Pa/m\].
+    pub interval_pa_per_m: [f64; 2],
+    /// Posterior over prior standard deviation of ln K.
+    pub remaining: f64,
+    /// The origin.
+    pub origin: StiffnessOrigin,
+}
 
 /// A contact law as identified.
 #[derive(Debug, Clone, PartialEq)]
@@ -40,8 +96,9 @@ pub struct LawBand {
     pub upper: Vec<f64>,
     /// Posterior over prior standard deviation of ln K.
     pub remaining: Vec<f64>,
-    /// True where the data inform the stiffness: the pressure is reached, and `remaining` is at most
-    /// [`INFORMED_SHARE`] or the stiffness is known.
+    /// The origin of the stiffness.
+    pub origin: Vec<StiffnessOrigin>,
+    /// True where the origin is the data.
     pub informed: Vec<bool>,
     /// Lowest and highest pressure \[Pa\] of the runs at the best fit and of measured stiffnesses.
     pub reached: [f64; 2],
@@ -59,15 +116,94 @@ impl LawBand {
         best: &[f64],
         posterior: &Posterior,
     ) -> Result<Self, IdentificationError> {
-        let (reached, at_rest) = reached(forward, name, best)?;
+        let Reached { range: reached, at_rest } = Reached::of(forward, name, best)?;
         let range = problem.spec.pressures_pa.unwrap_or([0.0, 1.25 * reached[1]]);
         // Denser at low pressure, where laws differ most.
         let pressure: Vec<f64> = (0..PRESSURES)
             .map(|i| i as f64 / (PRESSURES - 1) as f64)
             .map(|part| range[0] + (range[1] - range[0]) * part * part)
             .collect();
+        let Evaluated { quantiles: [lower, median, upper], remaining, origin } =
+            Evaluated::new(problem, forward, name, &pressure, reached, posterior);
+        let informed = origin.iter().map(|&origin| origin == StiffnessOrigin::Data).collect();
+        Ok(Self {
+            stiffness: forward.curve(name, &pressure, best)?,
+            stiffness_at_rest: forward.curve(name, &[at_rest], best)?[0],
+            name: name.to_owned(),
+            pressure,
+            median,
+            lower,
+            upper,
+            remaining,
+            origin,
+            informed,
+            reached,
+            at_rest,
+        })
+    }
+
+    /// The lowest and highest pressure that the data inform \[Pa\].
+    pub fn informed_range(&self) -> Option<[f64; 2]> {
+        let ranges = self.ranges(StiffnessOrigin::Data);
+        Some([ranges.first()?[0], ranges.last()?[1]])
+    }
+
+    /// The ranges of pressure \[Pa\] with stiffnesses of an origin.
+    pub fn ranges(&self, origin: StiffnessOrigin) -> Vec<[f64; 2]> {
+        let pairs: Vec<(f64, StiffnessOrigin)> =
+            self.pressure.iter().copied().zip(self.origin.iter().copied()).collect();
+        let runs = pairs.chunk_by(|a, b| a.1 == b.1).filter(|run| run[0].1 == origin);
+        runs.map(|run| [run[0].0, run[run.len() - 1].0]).collect()
+    }
+}
+
+impl StiffnessEstimate {
+    /// The stiffnesses at the pressures of every monotone law among the parameters.
+    pub(super) fn all(
+        problem: &IdentificationProblem,
+        forward: &ScenarioModel,
+        best: &[f64],
+        posterior: &Posterior,
+    ) -> Result<Vec<Self>, IdentificationError> {
+        let mut all = Vec::new();
+        for (law, pressures) in forward.parameters.monotone_pressures(&forward.scenario) {
+            let reached = Reached::of(forward, &law, best)?.range;
+            let stiffness = forward.curve(&law, &pressures, best)?;
+            let found = Evaluated::new(problem, forward, &law, &pressures, reached, posterior);
+            let [lower, _, upper] = &found.quantiles;
+            all.extend((0..pressures.len()).map(|i| Self {
+                law: law.clone(),
+                pressure_pa: pressures[i],
+                stiffness_pa_per_m: stiffness[i],
+                interval_pa_per_m: [lower[i], upper[i]],
+                remaining: found.remaining[i],
+                origin: found.origin[i],
+            }));
+        }
+        Ok(all)
+    }
+}
+
+/// Quantiles of the stiffness of a law at some pressures, and their origin.
+struct Evaluated {
+    /// Lower end of the interval, median, upper end.
+    quantiles: [Vec<f64>; 3],
+    remaining: Vec<f64>,
+    origin: Vec<StiffnessOrigin>,
+}
+
+impl Evaluated {
+    fn new(
+        problem: &IdentificationProblem,
+        forward: &ScenarioModel,
+        law: &str,
+        pressures: &[f64],
+        reached: [f64; 2],
+        posterior: &Posterior,
+    ) -> Self {
+        let count = pressures.len();
         let curve = |point: &[f64]| {
-            forward.curve(name, &pressure, point).unwrap_or_else(|_| vec![f64::NAN; PRESSURES])
+            forward.curve(law, pressures, point).unwrap_or_else(|_| vec![f64::NAN; count])
         };
         let tail = 0.5 * (1.0 - problem.spec.level);
         let band = posterior.band(&curve, &[tail, 0.5, 1.0 - tail]);
@@ -79,34 +215,13 @@ impl LawBand {
         let equal = vec![1.0 / PRIOR_DRAWS as f64; PRIOR_DRAWS];
         let before = deviations(&logarithms(&before), &equal);
         let remaining: Vec<f64> =
-            after.iter().zip(&before).map(|(a, b)| if *b <= KNOWN { 0.0 } else { a / b }).collect();
-        let inside = |p: &f64| (reached[0]..=reached[1]).contains(p);
-        let informed = pressure
-            .iter()
-            .zip(remaining.iter().zip(&before))
-            .map(|(p, (&left, &before))| inside(p) && (left <= INFORMED_SHARE || before <= KNOWN))
-            .collect();
-        let [lower, median, upper]: [Vec<f64>; 3] = band.quantiles.try_into().unwrap_or_default();
-        Ok(Self {
-            stiffness: forward.curve(name, &pressure, best)?,
-            stiffness_at_rest: forward.curve(name, &[at_rest], best)?[0],
-            name: name.to_owned(),
-            pressure,
-            median,
-            lower,
-            upper,
-            remaining,
-            informed,
-            reached,
-            at_rest,
-        })
-    }
-
-    /// The lowest and highest pressure that the data inform \[Pa\].
-    pub fn informed_range(&self) -> Option<[f64; 2]> {
-        let mut known = self.pressure.iter().zip(&self.informed).filter(|(_, informed)| **informed);
-        let first = *known.next()?.0;
-        Some([first, known.next_back().map_or(first, |(last, _)| *last)])
+            after.iter().zip(&before).map(|(a, b)| if *b <= GIVEN { 0.0 } else { a / b }).collect();
+        let places = pressures.iter().zip(before.iter().zip(&remaining));
+        let origin = places.map(|(&pressure, (&before, &remaining))| {
+            StiffnessOrigin::of(pressure, reached, before, remaining)
+        });
+        let origin = origin.collect();
+        Self { quantiles: band.quantiles.try_into().unwrap_or_default(), remaining, origin }
     }
 }
 
@@ -126,43 +241,60 @@ pub(super) fn check_pressures(problem: &IdentificationProblem) -> Result<(), Ide
 }
 
 /// The range of pressures of runs at the interfaces of a law and of measured stiffnesses, and the
-/// static pressure.
-fn reached(
-    forward: &ScenarioModel,
-    law: &str,
-    point: &[f64],
-) -> Result<([f64; 2], f64), StudyError> {
-    let outcomes = forward.outcomes(&[point.to_vec()]).remove(0)?;
-    let (mut low, mut high) = (f64::INFINITY, 0.0_f64);
-    let mut at_rest = None;
-    let rigs = forward.prepare(point)?;
-    for (hit, outcome) in forward.hits.iter().zip(&outcomes.hits) {
-        let rig = &rigs[hit.rig].case;
-        for (i, interface) in rig.assembly.structure.contacts().iter().enumerate() {
-            let used = forward.scenario.pointer(&format!("/interfaces/{i}/law"));
-            if used.and_then(serde_json::Value::as_str) != Some(law) {
-                continue;
+/// static pressure \[Pa\].
+struct Reached {
+    range: [f64; 2],
+    at_rest: f64,
+}
+
+impl Reached {
+    fn of(forward: &ScenarioModel, law: &str, point: &[f64]) -> Result<Self, StudyError> {
+        let outcomes = forward.outcomes(&[point.to_vec()]).remove(0)?;
+        let (mut low, mut high) = (f64::INFINITY, 0.0_f64);
+        let mut at_rest = None;
+        let rigs = forward.prepare(point)?;
+        for (hit, outcome) in forward.hits.iter().zip(&outcomes.hits) {
+            let rig = &rigs[hit.rig].case;
+            for (i, interface) in rig.assembly.structure.contacts().iter().enumerate() {
+                let used = forward.scenario.pointer(&format!("/interfaces/{i}/law"));
+                if used.and_then(serde_json::Value::as_str) != Some(law) {
+                    continue;
+                }
+                let number = |key: &str| {
+                    let column =
+                        forward.columns.find(&format!("interfaces.{}.{key}", interface.name()));
+                    column.map_or(f64::NAN, |column| outcome.columns[column])
+                };
+                low = low.min(number("pressure_min_pa"));
+                high = high.max(number("pressure_max_pa"));
+                at_rest.get_or_insert(rig.at_rest.interfaces[i].pressure_pa);
             }
-            let number = |key: &str| {
-                let column =
-                    forward.columns.find(&format!("interfaces.{}.{key}", interface.name()));
-                column.map_or(f64::NAN, |column| outcome.columns[column])
-            };
-            low = low.min(number("pressure_min_pa"));
-            high = high.max(number("pressure_max_pa"));
-            at_rest.get_or_insert(rig.at_rest.interfaces[i].pressure_pa);
         }
-    }
-    for quantity in &forward.quantities {
-        if let ObservedQuantity::Stiffness { place } = quantity
-            && forward.stiffness[*place].0 == law
-        {
-            low = low.min(forward.stiffness[*place].1);
-            high = high.max(forward.stiffness[*place].1);
+        for sweep in &forward.sweeps {
+            let gains = sweep.sensors.gains(point);
+            let responses = sweep.responses(&rigs, gains)?;
+            let found = SimulatedSweep::pressures(&rigs[sweep.rig], &responses);
+            for (i, [lowest, highest]) in found.into_iter().enumerate() {
+                let used = forward.scenario.pointer(&format!("/interfaces/{i}/law"));
+                if used.and_then(serde_json::Value::as_str) == Some(law) {
+                    low = low.min(lowest);
+                    high = high.max(highest);
+                    let at_rest_here = rigs[sweep.rig].case.at_rest.interfaces[i].pressure_pa;
+                    at_rest.get_or_insert(at_rest_here);
+                }
+            }
         }
+        for quantity in &forward.quantities {
+            if let ObservedQuantity::Stiffness { place } = quantity
+                && forward.stiffness[*place].0 == law
+            {
+                low = low.min(forward.stiffness[*place].1);
+                high = high.max(forward.stiffness[*place].1);
+            }
+        }
+        let at_rest = at_rest.unwrap_or(0.5 * (low.min(high) + high));
+        Ok(Self { range: [low.min(high), high], at_rest })
     }
-    let at_rest = at_rest.unwrap_or(0.5 * (low.min(high) + high));
-    Ok(([low.min(high), high], at_rest))
 }
 
 /// Draws from the prior: normal where there is one, else uniform between the bounds, by a

@@ -15,11 +15,14 @@
 //! |---|---|
 //! | [`problem`], `identification_problem` | the problem file; the problem with its scenario |
 //! | `problem_parameters`, `monotone` | parameters as numbers of a scenario, gains and steps of a law |
-//! | `data_loader`, `data_files`, `records` | data to simulated hits and observations |
+//! | `data_loader`, `analysed_hits`, `data_files`, `records` | data to simulated hits and observations |
+//! | `stepped_sine` | steady responses to a shaker, measured and simulated |
 //! | `hit`, `observed_quantity`, `scenario_model` | the forward model and its exact derivatives |
 //! | `build` | the models of the problem, of compared laws, and of planned hits |
 //! | `identification`, `hit_numerics` | fit, uncertainty, comparison; estimated errors of the simulated hits |
 //! | `law_band`, `design` | the law with its credible band; ranking of further hits |
+//! | `starts` | agreement of the starts of the fit |
+//! | `work`, `incomplete` | progress of the whole, requests to stop, the result until then |
 //! | `conclusions`, `report` | conclusions in sentences; JSON and tables |
 //!
 //! # Example
@@ -34,6 +37,7 @@
 //! # Ok::<(), IdentificationError>(())
 //! ```
 
+mod analysed_hits;
 mod build;
 mod conclusions;
 mod data_files;
@@ -44,6 +48,7 @@ mod hit;
 mod hit_numerics;
 mod identification;
 mod identification_problem;
+mod incomplete;
 mod law_band;
 mod monotone;
 mod observed_quantity;
@@ -52,8 +57,11 @@ mod problem_parameters;
 mod records;
 mod report;
 mod scenario_model;
+mod starts;
+mod stepped_sine;
 #[cfg(test)]
 mod tests;
+mod work;
 
 pub use conclusions::PressureDependence;
 pub use design::{CandidateHit, DesignRanking};
@@ -61,7 +69,10 @@ pub use error::IdentificationError;
 pub use hit_numerics::HitNumerics;
 pub use identification::{Identification, identify, identify_with_progress};
 pub use identification_problem::IdentificationProblem;
-pub use law_band::{INFORMED_SHARE, LawBand};
+pub use incomplete::IncompleteIdentification;
+pub use law_band::{INFORMED_SHARE, LawBand, StiffnessEstimate, StiffnessOrigin};
 pub use report::{Estimate, IDENTIFICATION_SCHEMA, PredictedObservation};
+pub use starts::StartAgreement;
+pub use work::{Work, WorkProgress, WorkStage};
 
 pub use asperity_inference as inference;

@@ -13,7 +13,7 @@
 //! where `s_min` keeps the last secant at a third of the power law's slope at least, so that the
 //! cubic there is monotone (Fritsch and Carlson). Any steps between 0 and 1 make a law.
 
-use asperity_scenario::JsonPointer;
+use asperity_scenario::{JsonPointer, four_digits};
 use serde_json::Value;
 
 /// The stiffnesses of a law, to be identified.
@@ -91,6 +91,29 @@ impl MonotoneLaw {
             *item.get_mut(1)? = value.into();
         }
         Some(())
+    }
+
+    /// The pressures of the stiffnesses \[Pa\].
+    pub(super) fn pressures(&self, scenario: &Value) -> Vec<f64> {
+        self.values(scenario).unwrap_or_default().iter().map(|pair| pair[0]).collect()
+    }
+
+    /// The parameters in words: `1 - K(0 MPa)/K(0.025 MPa) of "law"`.
+    pub(super) fn step_labels(&self, pressures: &[f64]) -> Vec<String> {
+        let name = &self.name;
+        let at = |pressure: &f64| format!("K({} MPa)", four_digits(1e-6 * pressure));
+        let mut labels: Vec<String> = pressures
+            .windows(2)
+            .map(|pair| format!("1 - {}/{} of \"{name}\"", at(&pair[0]), at(&pair[1])))
+            .collect();
+        if self.below_power {
+            let last = pressures.last().map(at).unwrap_or_default();
+            labels.push(format!("1 - {last}/K of the power law at the transition of \"{name}\""));
+        } else {
+            let first = pressures.first().map(at).unwrap_or_default();
+            labels.insert(0, format!("{first} of \"{name}\""));
+        }
+        labels
     }
 
     fn values(&self, scenario: &Value) -> Option<Vec<[f64; 2]>> {

@@ -1,5 +1,7 @@
 //! Predicted quantities from the results of simulated hits.
 
+use std::f64::consts::TAU;
+
 use asperity_signal::{BackboneOptions, BackbonePoint, BandPass, Complex64, backbone};
 
 use crate::problem_parameters::Gains;
@@ -32,11 +34,30 @@ pub(super) enum ObservedQuantity {
         part: ComplexPart,
     },
     /// Frequency of the backbone \[Hz\] at a measured amplitude \[m\].
-    Backbone {
+    BackboneFrequency {
         /// The hit.
         hit: usize,
         /// The amplitude, as measured.
         amplitude: f64,
+    },
+    /// Damping ratio of the backbone at a measured amplitude \[m\].
+    BackboneDamping {
+        /// The hit.
+        hit: usize,
+        /// The amplitude, as measured.
+        amplitude: f64,
+    },
+    /// Amplitude \[m\] of a steady response to a shaker.
+    SteadyAmplitude {
+        /// The response, by its index among all.
+        response: usize,
+    },
+    /// Phase \[rad\] of a steady response to a shaker.
+    SteadyPhase {
+        /// The response.
+        response: usize,
+        /// The measured phase: the turn nearest to it counts.
+        near: f64,
     },
     /// Stiffness of a law \[Pa/m\], by its index among those requested.
     Stiffness {
@@ -70,6 +91,8 @@ pub(super) struct PointOutcomes {
     pub(super) hits: Vec<HitOutcome>,
     /// Requested stiffnesses \[Pa/m\].
     pub(super) stiffness: Vec<f64>,
+    /// Steady responses to a shaker as the sensors show them \[m\].
+    pub(super) steady: Vec<Option<Complex64>>,
 }
 
 /// Names of the summary's numbers, and those that are receptances, which the gains scale.
@@ -117,8 +140,14 @@ impl ObservedQuantity {
                 let value = *outcomes.hits[hit].receptance.get(place)?;
                 Some(part.of(value) * receptance_gain(gains[hit]))
             }
-            Self::Backbone { hit, amplitude } => {
-                frequency_at(&outcomes.hits[hit].backbone, amplitude / gains[hit].response)
+            Self::BackboneFrequency { hit, amplitude }
+            | Self::BackboneDamping { hit, amplitude } => {
+                self.at(&outcomes.hits[hit].backbone, amplitude / gains[hit].response)
+            }
+            Self::SteadyAmplitude { response } => Some((*outcomes.steady.get(response)?)?.norm()),
+            Self::SteadyPhase { response, near } => {
+                let phase = (*outcomes.steady.get(response)?)?.arg();
+                Some(phase - TAU * ((phase - near) / TAU).round())
             }
             Self::Stiffness { place } => outcomes.stiffness.get(place).copied(),
         }
@@ -144,16 +173,46 @@ impl ObservedQuantity {
                     self.value(outcomes, gains, columns)? * (part(above)? - part(below)?);
                 (!derivative.is_nan()).then_some(derivative)
             }
-            Self::Backbone { hit, amplitude } => {
+            Self::BackboneFrequency { hit, amplitude }
+            | Self::BackboneDamping { hit, amplitude } => {
                 let (step, curves) = backbones;
                 let [beyond, before] = curves.get(hit)?;
-                let at = |curve| frequency_at(curve, amplitude / gains[hit].response);
+                let at = |curve| self.at(curve, amplitude / gains[hit].response);
                 Some((at(beyond)? - at(before)?) / (2.0 * step))
+            }
+            Self::SteadyAmplitude { response } => {
+                let [u, du] = steady(outcomes, derivatives, response)?;
+                Some((u.conj() * du).re / u.norm())
+            }
+            Self::SteadyPhase { response, .. } => {
+                let [u, du] = steady(outcomes, derivatives, response)?;
+                Some((du / u).im)
             }
             // All others are linear in the results.
             _ => self.value(derivatives, gains, columns),
         }
     }
+}
+
+impl ObservedQuantity {
+    /// Frequency or damping ratio of a backbone at an amplitude \[m\].
+    fn at(&self, points: &[BackbonePoint], amplitude: f64) -> Option<f64> {
+        match self {
+            Self::BackboneDamping { .. } => {
+                value_at(points, amplitude, |point| point.damping_ratio)
+            }
+            _ => value_at(points, amplitude, |point| point.frequency_hz),
+        }
+    }
+}
+
+/// A steady response and its derivative.
+fn steady(
+    outcomes: &PointOutcomes,
+    derivatives: &PointOutcomes,
+    response: usize,
+) -> Option<[Complex64; 2]> {
+    Some([(*outcomes.steady.get(response)?)?, (*derivatives.steady.get(response)?)?])
 }
 
 impl ComplexPart {
@@ -183,9 +242,13 @@ pub(super) fn backbone_of(decay: &[f64], rate: f64, fundamental: f64) -> Vec<Bac
 /// Ratio of amplitudes over which a backbone is extrapolated at its ends.
 const BEYOND: f64 = 1.5;
 
-/// Frequency \[Hz\] of a backbone at an amplitude \[m\], linear in its logarithm and extrapolated by at most
+/// A value of a backbone at an amplitude \[m\], linear in its logarithm and extrapolated by at most
 /// [`BEYOND`]; `None` further out.
-fn frequency_at(points: &[BackbonePoint], amplitude: f64) -> Option<f64> {
+fn value_at(
+    points: &[BackbonePoint],
+    amplitude: f64,
+    value: fn(&BackbonePoint) -> f64,
+) -> Option<f64> {
     let falls = |pair: &&[BackbonePoint]| pair[0].amplitude > pair[1].amplitude;
     let mut pairs = points.windows(2).filter(falls);
     let first = pairs.clone().next()?;
@@ -199,5 +262,5 @@ fn frequency_at(points: &[BackbonePoint], amplitude: f64) -> Option<f64> {
     };
     let [a, b] = [&pair[0], &pair[1]];
     let share = (amplitude / a.amplitude).ln() / (b.amplitude / a.amplitude).ln();
-    Some(a.frequency_hz + share * (b.frequency_hz - a.frequency_hz))
+    Some(value(a) + share * (value(b) - value(a)))
 }

@@ -97,6 +97,7 @@ impl ProblemParameters {
                         let start = start.clamp(steps[0], steps[1]);
                         let name = format!("{name}: step {place}");
                         Parameter::new(name, start, *steps, ParameterScale::Linear, None)
+                            .map(|parameter| parameter.with_length(STEP_LENGTH))
                     };
                     self.list.push(parameter?);
                 }
@@ -153,11 +154,37 @@ impl ProblemParameters {
         Sensors { force: of(ChannelSpec::Force), response: of(ChannelSpec::Response) }
     }
 
+    /// The names of the parameters in words: a step of a monotone law by the stiffnesses that it
+    /// relates, all others by their names.
+    pub(super) fn labels(&self, scenario: &Value) -> Vec<String> {
+        let mut labels: Vec<String> =
+            self.list.iter().map(|parameter| parameter.name().to_owned()).collect();
+        for (first, law) in &self.laws {
+            let pressures = law.pressures(scenario);
+            for (label, words) in labels[*first..].iter_mut().zip(law.step_labels(&pressures)) {
+                *label = words;
+            }
+        }
+        labels
+    }
+
+    /// Names of the monotone laws among the parameters, with the pressures of their stiffnesses \[Pa\].
+    pub(super) fn monotone_pressures(&self, scenario: &Value) -> Vec<(String, Vec<f64>)> {
+        let of = |(_, law): &(usize, MonotoneLaw)| (law.name.clone(), law.pressures(scenario));
+        self.laws.iter().map(of).collect()
+    }
+
+    /// True if the parameter is a step or a stiffness of a monotone law.
+    pub(super) fn is_of_monotone_law(&self, parameter: usize) -> bool {
+        let mut laws = self.laws.iter();
+        laws.any(|(first, law)| (*first..first + law.count).contains(&parameter))
+    }
+
     /// True if the parameter is a number of a contact law.
     pub(super) fn is_of_law(&self, parameter: usize) -> bool {
         let mut scalars = self.scalars.iter();
         scalars.any(|(place, number)| *place == parameter && number.is_of_law())
-            || self.laws.iter().any(|(first, law)| (*first..first + law.count).contains(&parameter))
+            || self.is_of_monotone_law(parameter)
     }
 
     /// Pointers to the written numbers.
@@ -166,6 +193,9 @@ impl ProblemParameters {
         scalars.chain(self.laws.iter().map(|(_, law)| law.pairs.as_str()))
     }
 }
+
+/// Change of a step of a monotone law over which predictions change.
+const STEP_LENGTH: f64 = 0.25;
 
 /// Ratio of the bounds of the softest stiffness of a table to its start.
 const BASE_RANGE: f64 = 1e3;

@@ -10,7 +10,7 @@ use asperity_signal::{
 
 use crate::data_files::ReceptanceLine;
 use crate::error::IdentificationError;
-use asperity_experiment::{AnalysisOptions, ChannelSelector, for_each_hit};
+use asperity_experiment::{AnalysisOptions, ChannelSelector, ResponseChoice, for_each_hit};
 
 /// Largest number of lines of a receptance.
 const MAX_LINES: f64 = 60.0;
@@ -41,11 +41,14 @@ pub(super) fn hits(
 ) -> Result<Vec<RecordedHit>, IdentificationError> {
     let options = AnalysisOptions {
         force: force.map(ChannelSelector::from),
-        response: response.map(ChannelSelector::from),
+        responses: ResponseChoice::of(response.map(ChannelSelector::from).as_slice()),
         ..AnalysisOptions::default()
     };
     let mut found = Vec::new();
-    for_each_hit(files, &options, &mut |hit, route| found.extend(recorded(hit, route, band)))?;
+    for_each_hit(files, &options, &mut |hit, kinds| {
+        let first = kinds.first();
+        found.extend(first.and_then(|kind| recorded(hit, *kind, band)));
+    })?;
     if found.is_empty() {
         return Err(IdentificationError::File {
             path: files.first().cloned().unwrap_or_default(),

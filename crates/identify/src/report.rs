@@ -7,6 +7,8 @@ use serde_json::{Map, Value, json};
 use crate::error::IdentificationError;
 use crate::identification::Identification;
 use crate::identification_problem::IdentificationProblem;
+use crate::law_band::StiffnessOrigin;
+use crate::starts::{StartAgreement, starts_at_best};
 use asperity_table::{CsvWriter, columns_to_csv};
 
 /// Identifier of the format.
@@ -17,6 +19,11 @@ pub const IDENTIFICATION_SCHEMA: &str = "asperity/identification/1";
 pub struct Estimate {
     /// Its name.
     pub name: String,
+    /// Its name in words: a step of a monotone law by the stiffnesses that it relates.
+    pub label: String,
+    /// True for a step or stiffness of a monotone law, which
+    /// [`Identification::stiffnesses`] gives in Pa/m.
+    pub in_steps: bool,
     /// Best fit.
     pub value: f64,
     /// Standard deviation near the optimum.
@@ -47,6 +54,8 @@ impl Identification {
         };
         let one = |(parameter, name): (usize, &String)| Estimate {
             name: name.clone(),
+            label: self.labels[parameter].clone(),
+            in_steps: self.in_steps[parameter],
             value: self.fit.point[parameter],
             standard_deviation: deviations[parameter],
             profile_interval: [end(parameter, 0), end(parameter, 1)],
@@ -72,15 +81,19 @@ impl Identification {
         json!({
             "schema": IDENTIFICATION_SCHEMA,
             "title": problem.spec.title,
+            "complete": !self.stopped,
             "pressure_dependence": self.pressure_dependence(),
             "explains_data": self.explains(),
             "converged": self.has_converged(),
             "words": self.conclusions(),
             "level": self.level,
             "estimates": self.estimates(),
+            "stiffnesses": self.stiffnesses,
             "law": {
                 "name": self.law.name,
                 "informed_pa": self.law.informed_range(),
+                "given_pa": self.law.ranges(StiffnessOrigin::Given),
+                "open_pa": self.law.ranges(StiffnessOrigin::Open),
                 "reached_pa": self.law.reached,
                 "static_pressure_pa": self.law.at_rest,
             },
@@ -92,6 +105,8 @@ impl Identification {
                 "missing": self.fit.missing.len(),
                 "ending": termination_text(self.fit.termination),
                 "iterations": self.fit.iterations,
+                "starts_at_best": starts_at_best(&self.fit),
+                "start_agreement": StartAgreement::of(&self.fit),
                 "starts": self.fit.starts.iter().map(|start| json!({
                     "cost": Some(start.cost).filter(|cost| cost.is_finite()),
                     "ending": termination_text(start.termination),
@@ -202,17 +217,30 @@ impl Identification {
 
     /// `law.csv`: stiffness over pressure with its band.
     pub fn law_csv(&self) -> String {
-        let informed: Vec<f64> =
-            self.law.informed.iter().map(|informed| f64::from(u8::from(*informed))).collect();
-        columns_to_csv([
-            ("pressure_pa", &self.law.pressure),
-            ("stiffness_pa_per_m", &self.law.stiffness),
-            ("median_pa_per_m", &self.law.median),
-            ("lower_pa_per_m", &self.law.lower),
-            ("upper_pa_per_m", &self.law.upper),
-            ("remaining", &self.law.remaining),
-            ("informed", &informed),
-        ])
+        let law = &self.law;
+        let mut csv = CsvWriter::with_header([
+            "pressure_pa",
+            "stiffness_pa_per_m",
+            "median_pa_per_m",
+            "lower_pa_per_m",
+            "upper_pa_per_m",
+            "remaining",
+            "informed",
+            "origin",
+        ]);
+        for i in 0..law.pressure.len() {
+            let numbers = [
+                law.pressure[i],
+                law.stiffness[i],
+                law.median[i],
+                law.lower[i],
+                law.upper[i],
+                law.remaining[i],
+                f64::from(u8::from(law.informed[i])),
+            ];
+            csv.numbers(numbers.map(Some)).text(law.origin[i].name()).end_row();
+        }
+        csv.into_string()
     }
 
     /// `data.csv`: observations with their predictions.

@@ -9,14 +9,17 @@ use asperity_dynamics::{Batch, HitResponse, HitSimulation};
 use asperity_inference::{
     Derivatives, ForwardModel, Observation, Parameter, PredictionError, Predictions,
 };
+use asperity_signal::Complex64;
 use rayon::prelude::*;
 use serde_json::Value;
 
-use crate::hit::{HitResolution, PreparedRig, SimulatedHit};
+use crate::hit::{HitForce, HitResolution, PreparedRig, SimulatedHit};
 use crate::observed_quantity::{
     HitOutcome, ObservedQuantity, PointOutcomes, SummaryColumns, backbone_of,
 };
 use crate::problem_parameters::{Gains, ProblemParameters};
+use crate::stepped_sine::SimulatedSweep;
+use crate::work::Work;
 use asperity_scenario::{LawRef, Laws};
 use asperity_study::assemble::build_law;
 use asperity_study::error::StudyError;
@@ -36,11 +39,15 @@ pub(super) struct ScenarioModel {
     pub(super) hits: Vec<SimulatedHit>,
     pub(super) quantities: Vec<ObservedQuantity>,
     pub(super) observations: Vec<Observation>,
+    /// Sweeps of steady responses, whose rows are counted on from one to the next.
+    pub(super) sweeps: Vec<SimulatedSweep>,
     /// Laws and pressures \[Pa\] of requested stiffnesses.
     pub(super) stiffness: Vec<(String, f64)>,
     pub(super) columns: SummaryColumns,
     pub(super) batch: Batch,
     pub(super) extractor: ObservableExtractor,
+    /// Progress, and requests to stop: no point is evaluated after one.
+    pub(super) work: Arc<Work>,
 }
 
 impl ForwardModel for ScenarioModel {
@@ -66,15 +73,26 @@ impl ForwardModel for ScenarioModel {
         points
             .par_chunks(points_per_batch.max(1))
             .flat_map_iter(|points| {
+                if self.work.is_stopped() {
+                    return points.iter().map(|_| Err(stopped())).collect::<Vec<_>>();
+                }
                 let outcomes = self.outcomes(points);
+                self.work.add(points.len());
                 points.iter().zip(outcomes).map(predict).collect::<Vec<_>>()
             })
             .collect()
     }
 
     fn differentiate(&self, point: &[f64]) -> Option<Result<Derivatives, PredictionError>> {
+        if self.work.is_stopped() {
+            return Some(Err(stopped()));
+        }
         Some(self.derivatives(point).map_err(prediction_error))
     }
+}
+
+fn stopped() -> PredictionError {
+    PredictionError { reason: "stopped".to_owned() }
 }
 
 #[allow(clippy::needless_pass_by_value, reason = "the shape that map_err takes")]
@@ -96,12 +114,29 @@ impl ScenarioModel {
 
     /// Number of points whose hits fill a batch best.
     fn points_per_batch(&self) -> usize {
-        let (room, hits) = (self.batch.room(), self.hits.len().max(1));
-        let waste = |points: &usize| {
-            let simulations = points * hits;
-            simulations.div_ceil(room) * room * 1000 / simulations + points
+        // Hits of one step and as many modes are integrated together.
+        let mut groups: Vec<(&HitResolution, usize)> = Vec::new();
+        let mut others = 0;
+        for hit in &self.hits {
+            let Some(own) = &hit.resolution else {
+                others += 1;
+                continue;
+            };
+            match groups.iter_mut().find(|(known, _)| *known == own) {
+                Some((_, count)) => *count += 1,
+                None => groups.push((own, 1)),
+            }
+        }
+        let room = self.batch.room();
+        let cost = |points: usize| {
+            let blocks = |count: usize| ((points * count).div_ceil(room) * room) as f64;
+            let own = groups.iter().map(|(held, count)| {
+                blocks(*count) * held.counts.iter().sum::<usize>() as f64 / held.step
+            });
+            let shortest = groups.iter().map(|(held, _)| 1.0 / held.step).fold(1.0, f64::max);
+            (own.sum::<f64>() + blocks(others) * shortest) / points as f64
         };
-        (1..=MAX_POINTS).min_by_key(waste).unwrap_or(1)
+        (1..=MAX_POINTS).min_by(|&a, &b| cost(a).total_cmp(&cost(b))).unwrap_or(1)
     }
 
     /// Results of every hit at some `points`, in one batch.
@@ -127,9 +162,26 @@ impl ScenarioModel {
             for ((record, simulation), hit) in own.into_iter().zip(&simulations).zip(&self.hits) {
                 hits.push(self.outcome(&rigs[hit.rig], hit, simulation, &record?)?);
             }
-            Ok(PointOutcomes { hits, stiffness: self.stiffnesses(point)? })
+            let steady = self.steady(&rigs, point)?;
+            Ok(PointOutcomes { hits, stiffness: self.stiffnesses(point)?, steady })
         };
         points.iter().zip(prepared).map(finish).collect()
+    }
+
+    /// The steady responses at `point` as the sensors show them \[m\].
+    fn steady(
+        &self,
+        rigs: &[PreparedRig],
+        point: &[f64],
+    ) -> Result<Vec<Option<Complex64>>, StudyError> {
+        let mut all = Vec::new();
+        for sweep in &self.sweeps {
+            let gains = sweep.sensors.gains(point);
+            for response in sweep.responses(rigs, gains)? {
+                all.push(response.map(|response| gains.response * response.displacement));
+            }
+        }
+        Ok(all)
     }
 
     /// The rigs at `point`, and the hits on them as simulations.
@@ -149,14 +201,18 @@ impl ScenarioModel {
         &self,
         point: &[f64],
     ) -> Result<Vec<Result<Controlled, StudyError>>, StudyError> {
+        Ok(ErrorControl::new(self.batch).run(&self.requests(point)?))
+    }
+
+    /// The hits at `point` as requests of an accuracy.
+    fn requests(&self, point: &[f64]) -> Result<Vec<Request>, StudyError> {
         let rigs = self.prepare(point)?;
         let request = |hit: &SimulatedHit| -> Result<Request, StudyError> {
             let rig = &rigs[hit.rig];
             let excitation = hit.excitation(rig, hit.sensors.gains(point), &self.folder)?;
             Ok(Request { prepared: Arc::clone(&rig.case), excitation, duration: hit.duration })
         };
-        let requests: Vec<Request> = self.hits.iter().map(request).collect::<Result<_, _>>()?;
-        Ok(ErrorControl::new(self.batch).run(&requests))
+        self.hits.iter().map(request).collect()
     }
 
     /// Holds step and modes of every hit: those that `controlled` hits have. One that cannot be
@@ -175,14 +231,67 @@ impl ScenarioModel {
                 hit.resolution = Some(asked);
             }
         }
+        self.share_levels_of_records();
         finer
     }
 
-    /// Holds step and modes that the hits need at the start of the parameters.
-    pub(super) fn hold_at_start(&mut self) {
-        let start: Vec<f64> = self.parameters.list.iter().map(Parameter::start).collect();
-        if let Ok(controlled) = self.controlled(&start) {
-            self.hold(&controlled);
+    /// Gives recorded hits of one rig and duration common steps and modes, none coarser: a step of its
+    /// own for each record would need tables of its own, and an integration of its own.
+    fn share_levels_of_records(&mut self) {
+        let is_recorded = |hit: &SimulatedHit| matches!(hit.drive, HitForce::Record { .. });
+        let key = |hit: &SimulatedHit, step: f64| {
+            // The power of two below.
+            (hit.rig, hit.duration.map(f64::to_bits), step.log2().floor() as i64)
+        };
+        let mut shared: Vec<(SharedLevel, Vec<usize>)> = Vec::new();
+        for hit in self.hits.iter().filter(|hit| is_recorded(hit)) {
+            let Some(own) = &hit.resolution else { continue };
+            let of = key(hit, own.step);
+            match shared.iter_mut().find(|(known, _)| *known == of) {
+                None => shared.push((of, own.counts.clone())),
+                Some((_, most)) => {
+                    for (most, count) in most.iter_mut().zip(&own.counts) {
+                        *most = (*most).max(*count);
+                    }
+                }
+            }
+        }
+        for hit in self.hits.iter_mut().filter(|hit| is_recorded(hit)) {
+            let Some(step) = hit.resolution.as_ref().map(|own| own.step) else { continue };
+            let of = key(hit, step);
+            if let Some((_, counts)) = shared.iter().find(|(known, _)| *known == of) {
+                let step = (of.2 as f64).exp2();
+                hit.resolution = Some(HitResolution { step, counts: counts.clone() });
+            }
+        }
+    }
+
+    /// The start of the parameters.
+    pub(super) fn start(&self) -> Vec<f64> {
+        self.parameters.list.iter().map(Parameter::start).collect()
+    }
+
+    /// Holds the first step and modes of a refinement, at the start of the parameters: those of a
+    /// search whose end is refined. A law far from the data may need much finer ones in vain.
+    pub(super) fn hold_first(&mut self) {
+        let Ok(requests) = self.requests(&self.start()) else { return };
+        for (hit, request) in self.hits.iter_mut().zip(&requests) {
+            if let Ok((HitSimulation { step: Some(step), .. }, counts)) =
+                ErrorControl::first_level(request)
+            {
+                hit.resolution = Some(HitResolution { step, counts });
+            }
+        }
+        self.share_levels_of_records();
+    }
+
+    /// Holds step and modes of the hits of another model of the same data.
+    pub(super) fn hold_as(&mut self, other: &Self) {
+        if self.hits.len() != other.hits.len() {
+            return;
+        }
+        for (hit, other) in self.hits.iter_mut().zip(&other.hits) {
+            hit.resolution.clone_from(&other.resolution);
         }
     }
 
@@ -241,11 +350,14 @@ impl ScenarioModel {
     }
 }
 
+/// Rig, bits of the duration, and binary exponent of the step of recorded hits.
+type SharedLevel = (usize, Option<u64>, i64);
+
 /// The rigs at a point, and the hits on them.
 type Ready = (Vec<PreparedRig>, Vec<HitSimulation>);
 
 /// Most points of one batch.
-const MAX_POINTS: usize = 6;
+const MAX_POINTS: usize = 16;
 
 /// Least pressure \[Pa\] that laws which never separate are built for.
 const LEAST_PRESSURE: f64 = 1.0;

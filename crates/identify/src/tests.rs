@@ -2,11 +2,15 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use asperity_dynamics::{STENCIL, central_difference};
-use asperity_inference::ForwardModel;
+use std::sync::Arc;
+
+use asperity_inference::{ForwardModel, Stage};
 use serde_json::{Value, json};
 
-use super::IdentificationProblem;
 use super::scenario_model::ScenarioModel;
+use super::{
+    IdentificationError, IdentificationProblem, WorkStage, identify, identify_with_progress,
+};
 use asperity_scenario::Document;
 
 /// The paper's rig, with steps that are quick and few samples.
@@ -140,6 +144,8 @@ fn step_and_modes_are_held_until_a_point_needs_finer_ones() {
     let steps = |model: &ScenarioModel| -> Vec<f64> {
         model.hits.iter().map(|hit| hit.resolution.as_ref().unwrap().step).collect()
     };
+    // The first steps are those of a search.
+    model.hold(&at(&model, &start));
     assert!(!model.hold(&at(&model, &start)));
     let before = steps(&model);
     let stiff = [400.0 * start[0]];
@@ -164,8 +170,8 @@ const FRF: &str = "frequency_hz,real,imag,magnitude,phase_rad,coherence,valid
 ";
 
 /// The same for receptances and backbones, whose files give the abscissas only: receptances to 1e-6 of the
-/// largest part, frequencies along a decay to 1e-5 of a hundredth of the value over the parameter's,
-/// since they are differenced once more.
+/// largest part, frequencies along a decay to 1e-5 of a hundredth of the value over the parameter's and
+/// damping ratios to 1e-5 of the value, since they are differenced once more.
 #[test]
 fn derivatives_of_receptances_and_backbones_are_those_of_the_predictions() {
     let folder = tempfile::tempdir().unwrap();
@@ -175,12 +181,14 @@ fn derivatives_of_receptances_and_backbones_are_those_of_the_predictions() {
         path
     };
     let frf = file("frf.csv", FRF);
-    let backbone = file("backbone.csv", "index,amplitude_m,frequency_hz\n1,3e-11,875\n");
+    let backbone =
+        file("backbone.csv", "index,amplitude_m,frequency_hz,damping_ratio\n1,3e-11,875,0.03\n");
     let hit = json!({"force_peak_n": 15});
     let data = json!([
         {"kind": "frf", "file": frf, "hit": hit, "band_hz": [700, 1700],
          "spread": {"relative": 0.01}},
-        {"kind": "backbone", "file": backbone, "hit": hit, "spread": {"relative": 1e-4}},
+        {"kind": "backbone", "file": backbone, "hit": hit, "spread": {"relative": 1e-4},
+         "damping_spread": {"relative": 0.01}},
     ]);
     let model = problem(&parameters(), &data).model();
     // The gain of the half preload has no data here.
@@ -199,7 +207,9 @@ fn derivatives_of_receptances_and_backbones_are_those_of_the_predictions() {
             let (scale, tolerance) = if i < 6 {
                 (largest / start[j], 1e-6)
             } else {
-                (1e-2 * exact.values[i].unwrap() / start[j], 1e-5)
+                // The damping ratio hardly depends on the stiffness, the frequency on nothing else.
+                let part = if observation.label.contains("damping") { 1.0 } else { 1e-2 };
+                (part * exact.values[i].unwrap() / start[j], 1e-5)
             };
             let off = (found - expected).abs() / expected.abs().max(scale);
             assert!(off < tolerance, "{} {}", parameter.name(), observation.label);
@@ -372,4 +382,47 @@ fn a_problem_without_data_or_with_unknown_keys_is_an_error() {
         let refused = IdentificationProblem::of(document).map(|_| ()).unwrap_err().to_string();
         assert!(refused.contains(expected), "{expected} is not in: {refused}");
     }
+}
+
+/// A request to stop leaves what is finished.
+#[test]
+fn a_stopped_identification_keeps_what_is_finished() {
+    let parameters = json!([
+        {"kind": "scalar", "pointer": "/laws/modified/coefficient", "bounds": [1e10, 4e10]},
+        {"kind": "scalar", "pointer": "/damping/ratio", "bounds": [0.01, 0.1]},
+    ]);
+    let of = || problem(&parameters, &data());
+    let at_once = of();
+    at_once.work().stop();
+    assert!(matches!(identify(&at_once), Err(IdentificationError::StoppedAtOnce)));
+    let stopped_in = |stage: Stage| {
+        let problem = of();
+        let work = Arc::clone(problem.work());
+        let found = identify_with_progress(&problem, &|progress| {
+            if progress.stage == stage {
+                work.stop();
+            }
+        });
+        (problem, found)
+    };
+    for (stage, expected) in
+        [(Stage::Profile, WorkStage::Profiles), (Stage::Draws, WorkStage::Posterior)]
+    {
+        let (problem, found) = stopped_in(stage);
+        let Err(IdentificationError::Stopped(found)) = found else { panic!("{stage:?}") };
+        assert_eq!(found.stage, expected);
+        assert_eq!(found.profiles.is_empty(), expected == WorkStage::Profiles);
+        let report = found.report(&problem);
+        assert_eq!(report["complete"], false);
+        assert!(report["estimates"][0]["standard_deviation"].as_f64().unwrap() > 0.0);
+        assert!(found.conclusions()[0].starts_with("Incomplete"));
+        let scenario = found.scenario_json(&problem).unwrap();
+        let coefficient = scenario.pointer("/laws/modified/coefficient").unwrap();
+        assert_eq!(coefficient.as_f64().unwrap(), found.fit.point[0]);
+    }
+    let (problem, found) = stopped_in(Stage::Comparison);
+    let found = found.unwrap();
+    assert!(found.stopped && found.comparison.is_none());
+    assert_eq!(found.report(&problem)["complete"], false);
+    assert!(found.conclusions()[0].starts_with("Incomplete"));
 }

@@ -3,13 +3,14 @@
 use std::collections::BTreeMap;
 
 use crate::error::{InferenceError, check_range, check_size};
-use crate::fit::{Fit, FitSolution, fit_from, fit_with_progress};
+use crate::fit::{Fit, FitSolution, fit_with_progress};
 use crate::fit_options::FitOptions;
 use crate::fit_problem::FitProblem;
 use crate::goodness::GoodnessOfFit;
-use crate::model::{ForwardModel, ObservationSubset};
+use crate::model::ForwardModel;
 use crate::progress::{NO_PROGRESS, ProgressCallback, Stage, report};
 use crate::random::{generator, shuffle};
+use crate::search::{Search, run_all};
 
 /// Number of standard errors of the difference by which the cross-validation score of a rejected
 /// candidate is worse.
@@ -172,16 +173,34 @@ pub fn compare_with_progress<'m>(
     options: &ComparisonOptions,
     progress: &'m ProgressCallback<'m>,
 ) -> Result<ModelComparison, InferenceError> {
+    let fits = candidates
+        .iter()
+        .map(|&(name, model)| Ok((name, fit_with_progress(model, &options.fit, progress)?)))
+        .collect::<Result<Vec<_>, InferenceError>>()?;
+    compare_fits(fits, options, progress)
+}
+
+/// As [`compare_with_progress`], with the fits of the candidates; the options of the fits are their
+/// own.
+///
+/// # Errors
+///
+/// Those of [`compare`].
+pub fn compare_fits(
+    candidates: Vec<(&str, Fit<'_>)>,
+    options: &ComparisonOptions,
+    progress: &ProgressCallback<'_>,
+) -> Result<ModelComparison, InferenceError> {
     let Some((_, first)) = candidates.first() else {
         return Err(InferenceError::Size { quantity: "candidates", found: 0, expected: 1 });
     };
     let folds = options.folds as f64;
     check_range("the number of folds", folds, 2.0..=f64::INFINITY, "at least 2")?;
-    let expected = first.observations().len();
-    let mut outcomes = Vec::with_capacity(candidates.len());
-    for (done, &(name, model)) in candidates.iter().enumerate() {
-        check_size("observations of a candidate", model.observations().len(), expected)?;
-        let found = fit_with_progress(model, &options.fit, progress)?;
+    let expected = first.predictions.len();
+    let count = candidates.len();
+    let mut outcomes = Vec::with_capacity(count);
+    for (done, (name, found)) in candidates.into_iter().enumerate() {
+        check_size("observations of a candidate", found.predictions.len(), expected)?;
         let (k, n) = (found.point.len() as f64, expected as f64);
         let room = n - k - 1.0;
         let correction = if room > 0.0 { 2.0 * k * (k + 1.0) / room } else { f64::INFINITY };
@@ -190,60 +209,53 @@ pub fn compare_with_progress<'m>(
             goodness: found.goodness(),
             aicc: 2.0 * found.cost + 2.0 * k + correction,
             bic: 2.0 * found.cost + k * n.ln(),
-            cross_validation: cross_validate(model, &found, options)?,
+            cross_validation: cross_validate(&found, options),
             fit: found.into_solution(),
             score_difference: None,
             difference_error: None,
             assessment: ModelAssessment::Undecided,
         });
-        report(progress, Stage::Comparison, done + 1, candidates.len());
+        report(progress, Stage::Comparison, done + 1, count);
     }
     let best = assess(&mut outcomes);
     Ok(ModelComparison { candidates: outcomes, best })
 }
 
-fn cross_validate(
-    model: &dyn ForwardModel,
-    full: &Fit<'_>,
-    options: &ComparisonOptions,
-) -> Result<Option<CrossValidation>, InferenceError> {
+fn cross_validate(full: &Fit<'_>, options: &ComparisonOptions) -> Option<CrossValidation> {
+    let whole = &full.problem;
     let mut fold_of: BTreeMap<usize, usize> =
-        model.observations().iter().map(|observation| (observation.block, 0)).collect();
+        whole.observations.iter().map(|observation| (observation.block, 0)).collect();
     let folds = options.folds.min(fold_of.len());
     if folds < 2 {
-        return Ok(None);
+        return None;
     }
     let mut order: Vec<usize> = (0..fold_of.len()).collect();
     shuffle(&mut order, &mut generator(options.seed, 0xf01d));
     fold_of.values_mut().zip(&order).for_each(|(fold, place)| *fold = place % folds);
     let mut scores: BTreeMap<usize, f64> = fold_of.keys().map(|&block| (block, 0.0)).collect();
+    // All folds advance together, from the fit to all.
+    let known = full.known();
+    let mut problems = Vec::with_capacity(folds);
     for fold in 0..folds {
-        let others =
-            ObservationSubset::new(model, |observation| fold_of[&observation.block] != fold);
-        let problem = match FitProblem::new(&others, options.fit.loss, options.fit.missing_residual)
-        {
-            // Too few are left to determine the parameters.
-            Err(InferenceError::TooFew { .. }) => return Ok(None),
-            problem => problem?,
-        };
-        let start = problem.to_working(&full.point);
-        let Ok(found) = fit_from(problem, &[start], &options.fit, NO_PROGRESS) else {
-            return Ok(None);
-        };
-        let left_out =
-            ObservationSubset::new(model, |observation| fold_of[&observation.block] == fold);
-        let Some(Ok(predictions)) =
-            left_out.predict(std::slice::from_ref(&found.point)).into_iter().next()
-        else {
-            return Ok(None);
-        };
-        for (observation, prediction) in left_out.observations().iter().zip(predictions) {
-            let deviation = observation.standard_deviation;
-            let answered = prediction.filter(|value| value.is_finite());
-            let residual = answered
-                .map_or(options.fit.missing_residual, |p| (p - observation.value) / deviation);
-            let density = -0.5 * options.fit.loss.value(residual)
-                - deviation.ln()
+        let counted = whole.observations.iter().map(|one| fold_of[&one.block] != fold).collect();
+        // Too few may be left to determine the parameters.
+        problems.push(whole.with_counted(counted)?);
+    }
+    let problems: Vec<&FitProblem<'_>> = problems.iter().collect();
+    let search = |problem: &&FitProblem<'_>| Search::at(problem, &full.options, known.clone());
+    let mut searches: Vec<Search> = problems.iter().map(search).collect();
+    run_all(&problems, &mut searches, &full.options, Stage::Fit, NO_PROGRESS);
+    for (fold, search) in searches.iter().enumerate() {
+        if !search.cost.is_finite() {
+            return None;
+        }
+        for (i, observation) in whole.observations.iter().enumerate() {
+            if fold_of[&observation.block] != fold {
+                continue;
+            }
+            let residual = whole.residual(i, search.predictions[i]);
+            let density = -0.5 * full.options.loss.value(residual)
+                - observation.standard_deviation.ln()
                 - 0.5 * std::f64::consts::TAU.ln();
             if let Some(score) = scores.get_mut(&observation.block) {
                 *score += density;
@@ -251,7 +263,7 @@ fn cross_validate(
         }
     }
     let blocks: Vec<f64> = scores.into_values().collect();
-    Ok(Some(CrossValidation { score: blocks.iter().sum(), blocks, folds }))
+    Some(CrossValidation { score: blocks.iter().sum(), blocks, folds })
 }
 
 /// Assesses every candidate; returns the index of the best.

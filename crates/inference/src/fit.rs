@@ -3,14 +3,14 @@
 use std::fmt;
 use std::ops::Deref;
 
-use crate::error::InferenceError;
+use crate::error::{InferenceError, check_size};
 use crate::fit_options::FitOptions;
 use crate::fit_problem::FitProblem;
 use crate::model::{ForwardModel, Predictions};
 use crate::parameter::Parameter;
 use crate::progress::{NO_PROGRESS, ProgressCallback, Stage};
 use crate::random::latin_hypercube;
-use crate::search::{FitTermination, Search, run};
+use crate::search::{FitTermination, Known, Search, run};
 
 /// The search from one start.
 #[derive(Debug, Clone, PartialEq)]
@@ -23,6 +23,9 @@ pub struct StartOutcome {
     pub cost: f64,
     /// The reason for its end.
     pub termination: FitTermination,
+    /// Index of its minimum in [`FitSolution::distinct_optima`]; `None` for a search that has not
+    /// converged.
+    pub optimum: Option<usize>,
 }
 
 /// A minimum that one or more starts found.
@@ -73,6 +76,9 @@ pub struct FitSolution {
     pub distinct_optima: Vec<Optimum>,
     /// The options of the fit; later computations use its loss and steps.
     pub options: FitOptions,
+    /// Derivatives of the predictions with respect to the working coordinates, as the search had
+    /// them last.
+    slopes: Vec<Vec<f64>>,
 }
 
 /// A fit: the [`FitSolution`] (to which it dereferences) with the model it belongs to.
@@ -111,6 +117,12 @@ impl<'m> Fit<'m> {
     /// The solution without the model.
     pub fn into_solution(self) -> FitSolution {
         self.solution
+    }
+
+    /// The optimum, for searches near it.
+    pub(crate) fn known(&self) -> Known {
+        let (predictions, slopes) = (self.predictions.clone(), self.slopes.clone());
+        Known { x: self.optimum(), predictions, slopes }
     }
 
     /// Working coordinates of the optimum.
@@ -186,28 +198,73 @@ pub fn fit_with_progress<'m>(
     options.check()?;
     let problem = FitProblem::new(model, options.loss, options.missing_residual)?;
     let starts = starts(&problem, options);
-    fit_from(problem, &starts, options, progress)
+    let free = vec![false; problem.parameters.len()];
+    let searches = starts.iter().map(|x| Search::new(x.clone(), free.clone())).collect();
+    let starts = starts.iter().map(|x| problem.values_at(x)).enumerate().collect();
+    from_searches(problem, searches, starts, options, progress)
 }
 
-/// Fits from given starts (working coordinates).
-pub(crate) fn fit_from<'m>(
+/// Fits a changed model, of the same parameters and as many observations, from the ends of an
+/// earlier fit. Starts that had ended in one minimum are continued as one.
+///
+/// # Errors
+///
+/// Those of [`fit`], and [`InferenceError::Size`] for another number of parameters or observations.
+pub fn refit_with_progress<'m>(
+    model: &'m dyn ForwardModel,
+    before: &FitSolution,
+    progress: &'m ProgressCallback<'m>,
+) -> Result<Fit<'m>, InferenceError> {
+    let options = before.options;
+    let problem = FitProblem::new(model, options.loss, options.missing_residual)?;
+    let (parameters, count) = (problem.parameters.len(), problem.observations.len());
+    check_size("parameters of the earlier fit", before.point.len(), parameters)?;
+    check_size("observations of the earlier fit", before.predictions.len(), count)?;
+    let free = vec![false; parameters];
+    let best = Known {
+        x: problem.to_working(&before.point),
+        predictions: before.predictions.clone(),
+        slopes: before.slopes.clone(),
+    };
+    let mut searches: Vec<Search> = Vec::new();
+    for optimum in &before.distinct_optima {
+        let x = problem.to_working(&optimum.point);
+        searches.push(if x == best.x {
+            Search::near(x, free.clone(), best.clone()).until_confirmed()
+        } else {
+            Search::new(x, free.clone())
+        });
+    }
+    let mut starts = Vec::with_capacity(before.starts.len());
+    for outcome in &before.starts {
+        let search = outcome.optimum.unwrap_or_else(|| {
+            let place = if outcome.cost.is_finite() { &outcome.end } else { &outcome.start };
+            searches.push(Search::new(problem.to_working(place), free.clone()));
+            searches.len() - 1
+        });
+        starts.push((search, outcome.start.clone()));
+    }
+    from_searches(problem, searches, starts, &options, progress)
+}
+
+/// Runs the searches; `starts` are the index of the search of each start, and its values.
+fn from_searches<'m>(
     problem: FitProblem<'m>,
-    starts: &[Vec<f64>],
+    mut searches: Vec<Search>,
+    starts: Vec<(usize, Vec<f64>)>,
     options: &FitOptions,
     progress: &'m ProgressCallback<'m>,
 ) -> Result<Fit<'m>, InferenceError> {
-    let free = vec![false; problem.parameters.len()];
-    let mut searches: Vec<Search> =
-        starts.iter().map(|x| Search::new(x.clone(), free.clone())).collect();
     run(&problem, &mut searches, options, Stage::Fit, progress);
 
-    let outcome = |(start, search): (&Vec<f64>, &Search)| StartOutcome {
-        start: problem.values_at(start),
-        end: problem.values_at(&search.x),
-        cost: search.cost,
-        termination: search.termination.unwrap_or(FitTermination::IterationLimit),
+    let outcome = |(search, start): (usize, Vec<f64>)| StartOutcome {
+        start,
+        end: problem.values_at(&searches[search].x),
+        cost: searches[search].cost,
+        termination: searches[search].termination.unwrap_or(FitTermination::IterationLimit),
+        optimum: None,
     };
-    let outcomes: Vec<StartOutcome> = starts.iter().zip(&searches).map(outcome).collect();
+    let mut outcomes: Vec<StartOutcome> = starts.into_iter().map(outcome).collect();
     let best =
         searches.iter().filter(|s| s.cost.is_finite()).min_by(|a, b| a.cost.total_cmp(&b.cost));
     let Some(best) = best else {
@@ -235,9 +292,10 @@ pub(crate) fn fit_from<'m>(
         evaluations: searches.iter().map(|search| search.evaluations).sum(),
         converged: termination.converged(),
         termination,
-        distinct_optima: distinct(&problem, &outcomes),
+        distinct_optima: distinct(&problem, &mut outcomes),
         starts: outcomes,
         options: *options,
+        slopes: best.known().slopes,
     };
     Ok(Fit { problem, progress, solution })
 }
@@ -267,13 +325,14 @@ fn starts(problem: &FitProblem<'_>, options: &FitOptions) -> Vec<Vec<f64>> {
     starts
 }
 
-fn distinct(problem: &FitProblem<'_>, outcomes: &[StartOutcome]) -> Vec<Optimum> {
-    let mut ends: Vec<&StartOutcome> =
-        outcomes.iter().filter(|o| o.termination.converged()).collect();
+/// The different minima; each converged outcome gets the index of its own.
+fn distinct(problem: &FitProblem<'_>, outcomes: &mut [StartOutcome]) -> Vec<Optimum> {
+    let mut ends: Vec<&mut StartOutcome> =
+        outcomes.iter_mut().filter(|o| o.termination.converged()).collect();
     ends.sort_by(|a, b| a.cost.total_cmp(&b.cost));
     let mut optima: Vec<Optimum> = Vec::new();
     for end in ends {
-        let same = |optimum: &&mut Optimum| {
+        let same = |optimum: &Optimum| {
             let near = |j: usize| {
                 let to = |value| problem.parameters[j].to_working(value);
                 let range = problem.upper[j] - problem.lower[j];
@@ -281,10 +340,13 @@ fn distinct(problem: &FitProblem<'_>, outcomes: &[StartOutcome]) -> Vec<Optimum>
             };
             (end.cost - optimum.cost) <= 0.01 + 1e-3 * optimum.cost && (0..end.end.len()).all(near)
         };
-        match optima.iter_mut().find(same) {
-            Some(optimum) => optimum.starts += 1,
-            None => optima.push(Optimum { point: end.end.clone(), cost: end.cost, starts: 1 }),
+        let known = optima.iter().position(same);
+        if known.is_none() {
+            optima.push(Optimum { point: end.end.clone(), cost: end.cost, starts: 0 });
         }
+        let index = known.unwrap_or(optima.len() - 1);
+        optima[index].starts += 1;
+        end.optimum = Some(index);
     }
     optima
 }

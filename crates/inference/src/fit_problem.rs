@@ -22,6 +22,8 @@ pub(crate) struct FitProblem<'a> {
     pub(crate) missing_residual: f64,
     /// Factor of the observations' variances; the priors' are not scaled.
     pub(crate) noise_variance: f64,
+    /// True for the observations that count; empty if all do.
+    counted: Vec<bool>,
     /// Bounds in working coordinates.
     pub(crate) lower: Vec<f64>,
     pub(crate) upper: Vec<f64>,
@@ -62,9 +64,23 @@ impl<'a> FitProblem<'a> {
             loss,
             missing_residual,
             noise_variance,
+            counted: Vec::new(),
             lower,
             upper,
         })
+    }
+
+    /// The problem with the observations that `counted` marks alone; `None` if they are too few for
+    /// the parameters.
+    pub(crate) fn with_counted(&self, counted: Vec<bool>) -> Option<Self> {
+        let count = counted.iter().filter(|&&counts| counts).count();
+        let enough = count > 0 && count + self.priors() >= self.parameters.len();
+        enough.then(|| Self { counted, ..self.clone() })
+    }
+
+    /// True if an observation counts.
+    pub(crate) fn counts(&self, observation: usize) -> bool {
+        self.counted.get(observation).copied().unwrap_or(true)
     }
 
     /// The problem with the observations' variances multiplied by the square of `factor`.
@@ -123,13 +139,29 @@ impl<'a> FitProblem<'a> {
         points.iter().map(result).collect()
     }
 
-    /// Standardised residuals.
+    /// The predictions that the model gives with its derivatives at working coordinates.
+    pub(crate) fn values_with_derivatives(&self, x: &[f64]) -> Result<Predictions, String> {
+        match self.model.differentiate(&self.values_at(x)) {
+            Some(Ok(derivatives)) => Ok(derivatives.values),
+            Some(Err(error)) => Err(error.reason),
+            None => Err("it has no derivatives there".to_owned()),
+        }
+    }
+
+    /// Standardised residuals; zero for observations that do not count.
     pub(crate) fn residuals(&self, predictions: &[Option<f64>]) -> Vec<f64> {
-        let residual = |(observation, prediction): (&Observation, &Option<f64>)| match prediction {
-            Some(value) => (value - observation.value) / observation.standard_deviation,
-            None => self.missing_residual,
+        let residual = |(i, prediction): (usize, &Option<f64>)| {
+            if self.counts(i) { self.residual(i, *prediction) } else { 0.0 }
         };
-        self.observations.iter().zip(predictions).map(residual).collect()
+        predictions.iter().take(self.observations.len()).enumerate().map(residual).collect()
+    }
+
+    /// The standardised residual of observation `i`.
+    pub(crate) fn residual(&self, i: usize, prediction: Option<f64>) -> f64 {
+        let observation = &self.observations[i];
+        prediction.map_or(self.missing_residual, |value| {
+            (value - observation.value) / observation.standard_deviation
+        })
     }
 
     /// Half the sum of the losses over the noise variance.

@@ -75,14 +75,16 @@ mod surrogate;
 
 pub use comparison::{
     ComparedModel, ComparisonOptions, CrossValidation, GOOD_P_VALUE, MISFIT_P_VALUE,
-    ModelAssessment, ModelComparison, REJECTION_AICC, REJECTION_ERRORS, compare,
+    ModelAssessment, ModelComparison, REJECTION_AICC, REJECTION_ERRORS, compare, compare_fits,
     compare_with_progress,
 };
 pub use convergence::{effective_sample_size, r_hat};
 pub use covariance::{Covariance, NoiseScale};
 pub use design::{DesignCandidate, ExpectedInformation, design_sequence, expected_information};
 pub use error::InferenceError;
-pub use fit::{Fit, FitSolution, Optimum, StartOutcome, fit, fit_with_progress};
+pub use fit::{
+    Fit, FitSolution, Optimum, StartOutcome, fit, fit_with_progress, refit_with_progress,
+};
 pub use fit_options::FitOptions;
 pub use goodness::GoodnessOfFit;
 pub use identifiability::{Identifiability, UNDETERMINED_SHARE, Undetermined};

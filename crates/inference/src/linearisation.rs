@@ -1,5 +1,7 @@
 //! The linearised model at the optimum.
 
+use rayon::prelude::*;
+
 use crate::error::InferenceError;
 use crate::fit::Fit;
 use crate::fit_problem::FitProblem;
@@ -36,7 +38,8 @@ pub struct Linearisation {
 
 impl Fit<'_> {
     /// Linearises the model at the optimum: with its own derivatives if it has them, else with
-    /// fourth-order differences of the fit's relative step. If both exist they are compared.
+    /// fourth-order differences of the fit's relative step. The model's own are compared with
+    /// second-order differences of the values that they come with.
     ///
     /// # Errors
     ///
@@ -47,19 +50,32 @@ impl Fit<'_> {
         let parameters = optimum.len();
         let free = vec![false; parameters];
         let stencil =
-            Stencil::new(problem, &optimum, &free, self.options.difference_step, Order::Fourth);
-        let answers = problem.predict(&stencil.points);
-        let mut differences = stencil.derivatives(&self.predictions, &answers, parameters);
-        for (row, observation) in differences.iter_mut().zip(problem.observations) {
-            for entry in row {
-                *entry /= observation.standard_deviation;
-            }
-        }
-        let own = own_derivatives(problem, self);
-        let derivative_difference =
-            own.as_ref().map(|own| largest_difference(problem, own, &differences));
-        let exact = own.is_some();
-        let jacobian = own.unwrap_or(differences);
+            |order| Stencil::new(problem, &optimum, &free, self.options.difference_step, order);
+        let standardised =
+            |stencil: &Stencil, base: &Predictions, answers: &[Result<Predictions, String>]| {
+                let mut differences = stencil.derivatives(base, answers, parameters);
+                for (row, observation) in differences.iter_mut().zip(problem.observations) {
+                    for entry in row {
+                        *entry /= observation.standard_deviation;
+                    }
+                }
+                differences
+            };
+        let (jacobian, derivative_difference) =
+            if let Some((values, own)) = own_derivatives(problem, self) {
+                // The values that come with derivatives are free of what these leave out, for example
+                // the error of a table.
+                let stencil = stencil(Order::Second);
+                let value = |x: &Vec<f64>| problem.values_with_derivatives(x);
+                let answers: Vec<_> = stencil.points.par_iter().map(value).collect();
+                let differences = standardised(&stencil, &values, &answers);
+                let off = largest_difference(problem, &own, &differences);
+                (own, Some(off))
+            } else {
+                let stencil = stencil(Order::Fourth);
+                let answers = problem.predict(&stencil.points);
+                (standardised(&stencil, &self.predictions, &answers), None)
+            };
         if jacobian.iter().flatten().any(|entry| !entry.is_finite()) {
             return Err(InferenceError::Singular("Jacobian"));
         }
@@ -67,7 +83,7 @@ impl Fit<'_> {
             point: self.point.clone(),
             predictions: self.predictions.clone(),
             jacobian,
-            exact,
+            exact: derivative_difference.is_some(),
             derivative_difference,
             parameters: problem.parameters.to_vec(),
             optimum,
@@ -85,15 +101,19 @@ impl Linearisation {
     }
 }
 
-/// The model's own standardised derivatives in working coordinates, if they are complete.
-fn own_derivatives(problem: &FitProblem<'_>, fit: &Fit<'_>) -> Option<Vec<Vec<f64>>> {
+/// The predictions that the model gives with its own derivatives, and these, standardised and in
+/// working coordinates, if they are complete.
+fn own_derivatives(
+    problem: &FitProblem<'_>,
+    fit: &Fit<'_>,
+) -> Option<(Predictions, Vec<Vec<f64>>)> {
     let parameters = problem.parameters;
     let derivatives = problem.model().differentiate(&fit.point)?.ok()?;
     if derivatives.jacobian.len() != problem.observations.len() {
         return None;
     }
     let rows = derivatives.jacobian.iter().zip(problem.observations).zip(&fit.predictions);
-    rows.map(|((row, observation), prediction)| {
+    let rows = rows.map(|((row, observation), prediction)| {
         if prediction.is_none() {
             return Some(vec![0.0; parameters.len()]);
         }
@@ -105,8 +125,9 @@ fn own_derivatives(problem: &FitProblem<'_>, fit: &Fit<'_>) -> Option<Vec<Vec<f6
             entry.map(|d| d * slope / observation.standard_deviation).filter(|d| d.is_finite())
         };
         row.iter().enumerate().map(entry).collect()
-    })
-    .collect()
+    });
+    let rows = rows.collect::<Option<_>>()?;
+    Some((derivatives.values, rows))
 }
 
 fn largest_difference(problem: &FitProblem<'_>, own: &[Vec<f64>], differences: &[Vec<f64>]) -> f64 {

@@ -29,6 +29,7 @@ pub struct Parameter {
     upper: f64,
     scale: ParameterScale,
     prior: Option<Prior>,
+    length: Option<f64>,
 }
 
 impl Parameter {
@@ -71,7 +72,7 @@ impl Parameter {
                 return Err(InferenceError::Prior { name, quantity, value, expected });
             }
         }
-        Ok(Self { name, start, lower, upper, scale, prior })
+        Ok(Self { name, start, lower, upper, scale, prior, length: None })
     }
 
     /// A parameter on a linear scale, without a prior.
@@ -98,6 +99,13 @@ impl Parameter {
         bounds: [f64; 2],
     ) -> Result<Self, InferenceError> {
         Self::new(name, start, bounds, ParameterScale::Logarithmic, None)
+    }
+
+    /// The parameter with a length of change of its working coordinate, for the steps of difference
+    /// derivatives; for values near zero whose predictions do not scale with them.
+    #[must_use]
+    pub fn with_length(self, length: f64) -> Self {
+        Self { length: (length > 0.0 && length.is_finite()).then_some(length), ..self }
     }
 
     /// The name.
@@ -163,14 +171,15 @@ impl Parameter {
     }
 
     /// A scale of the working coordinate over which predictions change: the least of
-    /// a quarter of the range, the prior's standard deviation, and one (logarithmic) or
-    /// `|x|` plus a thousandth of the range (linear).
+    /// a quarter of the range, the prior's standard deviation, and the given length, or else one
+    /// (logarithmic) or `|x|` plus a thousandth of the range (linear).
     pub(crate) fn length(&self, coordinate: f64) -> f64 {
         let [lower, upper] = self.working_bounds();
         let natural = match self.scale {
             ParameterScale::Linear => coordinate.abs() + 1e-3 * (upper - lower),
             ParameterScale::Logarithmic => 1.0,
         };
+        let natural = self.length.unwrap_or(natural);
         let spread = self.prior.map_or(f64::INFINITY, |prior| prior.standard_deviation);
         natural.min(spread).min(0.25 * (upper - lower))
     }

@@ -29,6 +29,12 @@ const RANGE_LIMIT: f64 = 0.9 * RANGE;
 const MAX_AT_RANGE_LIMIT: f64 = 0.001;
 /// Factor of the range of that surface.
 const WIDENING: f64 = 1.5;
+/// Of how many draws one is evaluated first.
+const PART: usize = 5;
+/// Least draws of which a part is evaluated first.
+const LEAST_PARTED: usize = 250;
+/// Effective share of those draws, over the target, below which a surface is replaced at once.
+const POOR: f64 = 0.5;
 /// Share of a profile's interval that draws may leave out.
 const MAX_LEFT_OUT: f64 = 0.25;
 
@@ -199,23 +205,34 @@ fn by_surrogate(
             &layout(whitening.centre.len(), options, round),
         );
         report(progress, Stage::Sampling, round, options.max_rounds);
-        let z = spread(&chains, options.draws);
-        let x: Vec<Vec<f64>> = z.iter().map(|z| whitening.to_working(z)).collect();
-        let answers = problem.predict(&x);
-        evaluations += x.len();
+        let log_ratio = |answer: &Result<Predictions, String>, x: &[f64], z: &[f64]| match answer {
+            Ok(predictions) => {
+                -problem.cost(&problem.residuals(predictions), x)
+                    - surface_density(problem, &surface, z)
+            }
+            Err(_) => f64::NEG_INFINITY,
+        };
+        // A part of the draws shows a poor surface, which a better one replaces.
+        let whole = round == options.max_rounds || options.draws < LEAST_PARTED;
+        let parts =
+            if whole { vec![options.draws] } else { vec![options.draws / PART, options.draws] };
+        let (mut z, mut x): (Vec<Vec<f64>>, Vec<Vec<f64>>) = (Vec::new(), Vec::new());
+        let (mut answers, mut weights) = (Vec::new(), Vec::new());
+        for part in parts {
+            let more = spread(&chains, options.draws, z.len(), part);
+            let points: Vec<Vec<f64>> = more.iter().map(|z| whitening.to_working(z)).collect();
+            answers.extend(problem.predict(&points));
+            evaluations += points.len();
+            z.extend(more);
+            x.extend(points);
+            let places = answers.iter().zip(x.iter().zip(&z));
+            let ratios: Vec<f64> = places.map(|(answer, (x, z))| log_ratio(answer, x, z)).collect();
+            weights = normalised(&ratios);
+            if effective_draws(&weights) < POOR * options.target_share * z.len() as f64 {
+                break;
+            }
+        }
         report(progress, Stage::Draws, round, options.max_rounds);
-        let ratios: Vec<f64> = answers
-            .iter()
-            .zip(x.iter().zip(&z))
-            .map(|(answer, (x, z))| match answer {
-                Ok(predictions) => {
-                    -problem.cost(&problem.residuals(predictions), x)
-                        - surface_density(problem, &surface, z)
-                }
-                Err(_) => f64::NEG_INFINITY,
-            })
-            .collect();
-        let weights = normalised(&ratios);
         let crowd = z.iter().filter(|z| z.iter().any(|z| z.abs() > RANGE_LIMIT)).count();
         let at_range_limit = crowd as f64 / z.len() as f64;
         let effective = effective_draws(&weights);
@@ -313,12 +330,15 @@ fn keep_near(training: &mut Training, whitening: &Whitening) {
     training.predictions.retain(|_| flags.next().is_some_and(|&keep| keep));
 }
 
-/// States evenly spread over steps, from one walker after the other.
-fn spread(chains: &Chains, draws: usize) -> Vec<Vec<f64>> {
+/// Of `draws` states evenly spread over steps, from one walker after the other, those from `first` to
+/// `end` in an order that spreads every beginning over all steps.
+fn spread(chains: &Chains, draws: usize, first: usize, end: usize) -> Vec<Vec<f64>> {
     let walkers = chains.walkers.len();
     let steps = chains.walkers.first().map_or(0, Vec::len);
     let count = draws.min(walkers * steps);
-    (0..count).map(|k| chains.walkers[k % walkers][k * steps / count].clone()).collect()
+    let order = (0..PART).flat_map(|offset| (offset..count).step_by(PART));
+    let state = |k: usize| chains.walkers[k % walkers][k * steps / count].clone();
+    order.skip(first).take(end.saturating_sub(first)).map(state).collect()
 }
 
 fn chain_diagnostics(chains: &Chains, dimensions: usize) -> PosteriorDiagnostics {
@@ -386,8 +406,10 @@ fn exactly(
     let layout = layout(whitening.centre.len(), options, 0);
     let chains = sample_chains(&density, &layout);
     report(progress, Stage::Sampling, 1, 1);
-    let x: Vec<Vec<f64>> =
-        spread(&chains, options.draws).iter().map(|z| whitening.to_working(z)).collect();
+    let x: Vec<Vec<f64>> = spread(&chains, options.draws, 0, options.draws)
+        .iter()
+        .map(|z| whitening.to_working(z))
+        .collect();
     let answers = problem.predict(&x);
     let usable = answers.iter().filter(|answer| answer.is_ok()).count();
     if usable == 0 {

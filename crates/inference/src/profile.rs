@@ -3,13 +3,17 @@
 use crate::covariance::Covariance;
 use crate::error::{InferenceError, check_level, check_size};
 use crate::fit::Fit;
+use crate::fit_options::FitOptions;
 use crate::fit_problem::FitProblem;
 use crate::progress::Stage;
 use crate::random::normal_half_width;
-use crate::search::{Search, run};
+use crate::search::{Known, Search, run};
 
 /// Relative tolerance of the root of the deviance.
 const ROOT_TOLERANCE: f64 = 2e-3;
+
+/// Tolerance of the cost of a constrained minimum, over the deviance sought.
+const COST_TOLERANCE: f64 = 1e-4;
 
 /// Options of profiles.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -67,8 +71,8 @@ pub struct Profile {
 struct ProfileSide {
     parameter: usize,
     direction: f64,
-    /// Distance from the optimum, root of the deviance, working coordinates; the optimum first.
-    found: Vec<(f64, f64, Vec<f64>)>,
+    /// Distance from the optimum, root of the deviance, constrained minimum; the optimum first.
+    found: Vec<(f64, f64, Known)>,
     next: f64,
     end: Option<ProfileEnd>,
     /// End of the interval, as a distance from the optimum.
@@ -121,13 +125,16 @@ impl Fit<'_> {
         let target = normal_half_width(options.level);
         let optimum = self.optimum();
         let base = problem.cost(&self.residuals, &optimum);
+        let accuracy = COST_TOLERANCE * target * target / (base + target * target);
+        let fit_options =
+            FitOptions { tolerance: self.options.tolerance.max(accuracy), ..self.options };
         let room = |side: &ProfileSide| bound_distance(&problem, &optimum, side);
         let mut sides: Vec<ProfileSide> = parameters
             .iter()
             .flat_map(|&parameter| [-1.0, 1.0].map(|direction| (parameter, direction)))
             .map(|(parameter, direction)| {
                 let next = 0.5 * target * covariance.standard_deviations[parameter];
-                let found = vec![(0.0, 0.0, optimum.clone())];
+                let found = vec![(0.0, 0.0, self.known())];
                 ProfileSide { parameter, direction, found, next, end: None, width: 0.0 }
             })
             .collect();
@@ -147,13 +154,14 @@ impl Fit<'_> {
                 let side = &sides[k];
                 let mut held = vec![false; optimum.len()];
                 held[side.parameter] = true;
-                Search::new(side.start(&problem, &optimum), held)
+                let (x, nearest) = side.start(&problem, &optimum);
+                Search::near(x, held, nearest)
             };
             let mut searches: Vec<Search> = open.iter().map(search).collect();
-            run(&problem, &mut searches, &self.options, Stage::Profile, self.progress);
+            run(&problem, &mut searches, &fit_options, Stage::Profile, self.progress);
             for (&k, search) in open.iter().zip(searches) {
                 let limit = room(&sides[k]);
-                sides[k].take(search, base, target, limit);
+                sides[k].take(&search, base, target, limit);
             }
         }
         let finish = |pair: &[ProfileSide]| gather(&problem, pair);
@@ -168,29 +176,30 @@ fn bound_distance(problem: &FitProblem<'_>, optimum: &[f64], side: &ProfileSide)
 }
 
 impl ProfileSide {
-    /// Start of the others: on the line through the nearest two points.
-    fn start(&self, problem: &FitProblem<'_>, optimum: &[f64]) -> Vec<f64> {
-        let mut near: Vec<&(f64, f64, Vec<f64>)> = self.found.iter().collect();
+    /// Start of the others, on the line through the nearest two points, and the nearest point.
+    fn start(&self, problem: &FitProblem<'_>, optimum: &[f64]) -> (Vec<f64>, Known) {
+        let mut near: Vec<&(f64, f64, Known)> = self.found.iter().collect();
         near.sort_by(|a, b| (a.0 - self.next).abs().total_cmp(&(b.0 - self.next).abs()));
-        let mut x = near[0].2.clone();
+        let nearest = &near[0].2;
+        let mut x = nearest.x.clone();
         if let Some(other) = near.get(1) {
             let along = (self.next - near[0].0) / (other.0 - near[0].0);
-            x.iter_mut().zip(&other.2).for_each(|(x, other)| *x += along * (other - *x));
+            x.iter_mut().zip(&other.2.x).for_each(|(x, other)| *x += along * (other - *x));
         }
         x[self.parameter] = optimum[self.parameter] + self.direction * self.next;
         problem.clamp(&mut x);
-        x
+        (x, nearest.clone())
     }
 
     /// Adds a constrained minimum and sets the next distance.
-    fn take(&mut self, search: Search, base: f64, target: f64, limit: f64) {
+    fn take(&mut self, search: &Search, base: f64, target: f64, limit: f64) {
         let distance = self.next;
         if !search.cost.is_finite() {
             self.end = Some(ProfileEnd::NoPrediction);
             return;
         }
         let root = (2.0 * (search.cost - base)).max(0.0).sqrt();
-        self.found.push((distance, root, search.x));
+        self.found.push((distance, root, search.known()));
         self.found.sort_by(|a, b| a.0.total_cmp(&b.0));
         self.width = self.width.max(distance);
         if (root - target).abs() <= ROOT_TOLERANCE * target {
@@ -223,9 +232,9 @@ impl ProfileSide {
 }
 
 fn gather(problem: &FitProblem<'_>, pair: &[ProfileSide]) -> Profile {
-    let (parameter, optimum) = (pair[0].parameter, &pair[0].found[0].2);
-    let point = |(_, root, x): &(f64, f64, Vec<f64>)| {
-        let point = problem.values_at(x);
+    let (parameter, optimum) = (pair[0].parameter, &pair[0].found[0].2.x);
+    let point = |(_, root, end): &(f64, f64, Known)| {
+        let point = problem.values_at(&end.x);
         ProfilePoint { value: point[parameter], deviance: root * root, point }
     };
     let mut points: Vec<ProfilePoint> = pair[0].found.iter().rev().map(point).collect();

@@ -4,6 +4,7 @@ mod step;
 
 use crate::fit_options::FitOptions;
 use crate::fit_problem::FitProblem;
+use crate::linear_algebra::dot;
 use crate::model::Predictions;
 use crate::progress::{Progress, ProgressCallback, Stage};
 use crate::stencil::{Order, Stencil};
@@ -38,6 +39,24 @@ const LEAST_RATIO: f64 = 1e-4;
 /// Damping beyond which a step is below rounding.
 const MAX_DAMPING: f64 = 1e20;
 
+/// Least ratio of actual to expected reduction after which updated derivatives are used further.
+const UPDATED_RATIO: f64 = 0.25;
+/// Most updates before the derivatives are computed again.
+const MOST_UPDATES: usize = 12;
+/// Shortest step that updates the derivatives, over that of difference derivatives: differences
+/// along shorter ones are of the order of the errors of the predictions.
+const LEAST_UPDATE: f64 = 0.5;
+
+/// The predictions and their derivatives with respect to the working coordinates at a point.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Known {
+    /// Working coordinates.
+    pub(crate) x: Vec<f64>,
+    pub(crate) predictions: Predictions,
+    /// A row per observation.
+    pub(crate) slopes: Vec<Vec<f64>>,
+}
+
 /// The points whose predictions a search needs next.
 enum Request {
     Start,
@@ -47,14 +66,27 @@ enum Request {
 
 /// Levenberg-Marquardt within bounds from one start.
 ///
-/// Damping follows Nielsen's rule, scaled by the largest column norms so far (as in MINPACK).
-/// Sources: J. J. Moré, Lecture Notes in Mathematics 630 (1978); H. B. Nielsen, IMM-REP-1999-05.
+/// Damping follows Nielsen's rule, scaled by the largest column norms so far (as in MINPACK). After
+/// a step that reduced the cost as expected, the derivatives are those before it with Broyden's
+/// update; after any other they are computed again, and before the end of a search from a start
+/// too. A search from a known point nearby also ends on updated derivatives.
+/// Sources: J. J. Moré, Lecture Notes in Mathematics 630 (1978); H. B. Nielsen, IMM-REP-1999-05;
+/// C. G. Broyden, Math. Comp. 19, 577 (1965).
 pub(crate) struct Search {
     pub(crate) x: Vec<f64>,
     held: Vec<bool>,
     pub(crate) predictions: Predictions,
     pub(crate) residuals: Vec<f64>,
     pub(crate) cost: f64,
+    /// Derivatives of the predictions with respect to the working coordinates; empty before the
+    /// first.
+    slopes: Vec<Vec<f64>>,
+    /// Updates of the derivatives since they were computed.
+    updates: usize,
+    /// True if the search may end on updated derivatives.
+    near: bool,
+    /// The point nearby that the derivatives are those of, before the predictions at the start.
+    known: Option<Known>,
     linear: Option<LinearisedCost>,
     scaling: Vec<f64>,
     damping: f64,
@@ -76,6 +108,10 @@ impl Search {
             predictions: Vec::new(),
             residuals: Vec::new(),
             cost: f64::INFINITY,
+            slopes: Vec::new(),
+            updates: 0,
+            near: false,
+            known: None,
             linear: None,
             scaling,
             damping: 1e-3,
@@ -86,6 +122,33 @@ impl Search {
             termination: None,
             error: None,
         }
+    }
+
+    /// A search from working coordinates `x` near a known point.
+    pub(crate) fn near(x: Vec<f64>, held: Vec<bool>, known: Known) -> Self {
+        Self { near: true, known: Some(known), ..Self::new(x, held) }
+    }
+
+    /// A search from a known point of another problem of the same model.
+    pub(crate) fn at(problem: &FitProblem<'_>, options: &FitOptions, known: Known) -> Self {
+        let Known { x, predictions, slopes } = known;
+        let residuals = problem.residuals(&predictions);
+        let mut search =
+            Self { near: true, slopes, updates: 1, ..Self::new(x.clone(), vec![false; x.len()]) };
+        search.move_to(problem, options, (x, predictions, residuals), true);
+        search
+    }
+
+    /// The search, which computes the derivatives again before its end.
+    pub(crate) fn until_confirmed(self) -> Self {
+        Self { near: false, ..self }
+    }
+
+    /// The end of the search, for searches near it.
+    pub(crate) fn known(&self) -> Known {
+        let (x, predictions, slopes) =
+            (self.x.clone(), self.predictions.clone(), self.slopes.clone());
+        Known { x, predictions, slopes }
     }
 
     /// The points that the search needs next; none after its end.
@@ -111,7 +174,13 @@ impl Search {
             Request::Start => match answers.into_iter().next() {
                 Some(Ok(predictions)) => {
                     let (x, residuals) = (self.x.clone(), problem.residuals(&predictions));
-                    self.move_to(problem, options, x, predictions, residuals);
+                    let known = self.known.take();
+                    let usable = known.as_ref().is_some_and(|known| !known.slopes.is_empty());
+                    if let Some(Known { x: before, predictions: old, slopes }) = known {
+                        self.slopes = slopes;
+                        self.update(problem, options, (&before, &old), (&x, &predictions));
+                    }
+                    self.move_to(problem, options, (x, predictions, residuals), usable);
                 }
                 Some(Err(reason)) => {
                     self.error = Some(reason);
@@ -120,8 +189,16 @@ impl Search {
                 None => self.termination = Some(FitTermination::NoPrediction),
             },
             Request::Derivatives(stencil) => {
-                let rows = stencil.derivatives(&self.predictions, &answers, self.x.len());
-                self.linearise(problem, options, &rows);
+                let computed = stencil.derivatives(&self.predictions, &answers, self.x.len());
+                let before = std::mem::replace(&mut self.slopes, computed);
+                // Those with respect to held parameters are not computed again.
+                for (row, before) in self.slopes.iter_mut().zip(&before) {
+                    for j in (0..row.len()).filter(|&j| self.held[j]) {
+                        row[j] = before[j];
+                    }
+                }
+                self.updates = 0;
+                self.linearise(problem, options);
             }
             Request::Trial { x, step, expected } => {
                 let answer = answers.into_iter().next().and_then(Result::ok);
@@ -130,14 +207,13 @@ impl Search {
         }
     }
 
-    /// Moves to a point and requests its derivatives.
+    /// Moves to a point; requests its derivatives unless the updated ones are `usable` there.
     fn move_to(
         &mut self,
         problem: &FitProblem<'_>,
         options: &FitOptions,
-        x: Vec<f64>,
-        predictions: Predictions,
-        residuals: Vec<f64>,
+        (x, predictions, residuals): (Vec<f64>, Predictions, Vec<f64>),
+        usable: bool,
     ) {
         self.cost = problem.cost(&residuals, &x);
         (self.x, self.predictions, self.residuals) = (x, predictions, residuals);
@@ -145,14 +221,66 @@ impl Search {
             self.termination = Some(FitTermination::SmallStep);
             return;
         }
+        if usable {
+            self.linearise(problem, options);
+        } else {
+            self.request_derivatives(problem, options);
+        }
+    }
+
+    fn request_derivatives(&mut self, problem: &FitProblem<'_>, options: &FitOptions) {
         let (step, order) = (options.difference_step, Order::Second);
         self.request =
             Request::Derivatives(Stencil::new(problem, &self.x, &self.held, step, order));
     }
 
-    fn linearise(&mut self, problem: &FitProblem<'_>, options: &FitOptions, rows: &[Vec<f64>]) {
+    /// Ends the search, unless it must first compute the derivatives again.
+    fn end(&mut self, problem: &FitProblem<'_>, options: &FitOptions, termination: FitTermination) {
+        let good_enough = self.near && termination != FitTermination::NoReduction;
+        if self.updates == 0 || good_enough {
+            self.termination = Some(termination);
+        } else {
+            self.request_derivatives(problem, options);
+        }
+    }
+
+    /// Broyden's update of the derivatives from the predictions at two points, in coordinates scaled
+    /// as those of the damping; none for a step too short to measure them.
+    fn update(
+        &mut self,
+        problem: &FitProblem<'_>,
+        options: &FitOptions,
+        (before, old): (&[f64], &Predictions),
+        (after, new): (&[f64], &Predictions),
+    ) {
+        let parameters = problem.parameters;
+        self.updates += 1;
+        let step: Vec<f64> =
+            after.iter().zip(before).map(|(after, before)| after - before).collect();
+        let lengths: Vec<f64> =
+            parameters.iter().zip(before).map(|(parameter, &x)| parameter.length(x)).collect();
+        let longest =
+            step.iter().zip(&lengths).map(|(s, length)| (s / length).abs()).fold(0.0, f64::max);
+        if longest < LEAST_UPDATE * options.difference_step {
+            return;
+        }
+        let along: Vec<f64> = if self.scaling.iter().all(|&d| d > 0.0) {
+            step.iter().zip(&self.scaling).map(|(s, d)| s * d * d).collect()
+        } else {
+            step.iter().zip(&lengths).map(|(s, length)| s / (length * length)).collect()
+        };
+        let size = dot(&along, &step);
+        for ((row, old), new) in self.slopes.iter_mut().zip(old).zip(new) {
+            if let (Some(old), Some(new)) = (old, new) {
+                let factor = (new - old - dot(row, &step)) / size;
+                row.iter_mut().zip(&along).for_each(|(slope, along)| *slope += factor * along);
+            }
+        }
+    }
+
+    fn linearise(&mut self, problem: &FitProblem<'_>, options: &FitOptions) {
         let parameters = self.x.len();
-        let linear = weighted(problem, &self.x, &self.residuals, rows, &self.held);
+        let linear = weighted(problem, &self.x, &self.residuals, &self.slopes, &self.held);
         let norms = linear.column_norms(parameters);
         for (j, norm) in norms.iter().enumerate() {
             let least = 1e-6 / problem.parameters[j].length(self.x[j]);
@@ -166,7 +294,7 @@ impl Search {
             .fold(0.0, f64::max);
         self.linear = Some(linear);
         if steepest <= options.tolerance || size <= 1e-14 {
-            self.termination = Some(FitTermination::SmallGradient);
+            self.end(problem, options, FitTermination::SmallGradient);
         } else {
             self.propose(problem, options);
         }
@@ -199,7 +327,7 @@ impl Search {
                 let mut x: Vec<f64> = self.x.iter().zip(&step).map(|(x, step)| x + step).collect();
                 problem.clamp(&mut x);
                 if x == self.x {
-                    self.termination = Some(FitTermination::SmallStep);
+                    self.end(problem, options, FitTermination::SmallStep);
                     return;
                 }
                 if expected > 0.0 {
@@ -210,7 +338,7 @@ impl Search {
             self.damping *= self.growth;
             self.growth *= 2.0;
         }
-        self.termination = Some(FitTermination::NoReduction);
+        self.end(problem, options, FitTermination::NoReduction);
     }
 
     /// Accepts or rejects a trial step.
@@ -238,17 +366,33 @@ impl Search {
                 self.damping *= (1.0 - (2.0 * ratio - 1.0).powi(3)).clamp(0.1, 2.0);
                 self.damping = self.damping.max(1e-15);
                 self.growth = 2.0;
-                let before = self.cost;
-                self.move_to(problem, options, x, predictions, residuals);
-                if little && fall <= options.tolerance * before {
-                    self.termination = Some(FitTermination::SmallReduction);
+                let ending = if little && fall <= options.tolerance * self.cost {
+                    Some(FitTermination::SmallReduction)
                 } else if short {
-                    self.termination = Some(FitTermination::SmallStep);
+                    Some(FitTermination::SmallStep)
+                } else {
+                    None
+                };
+                if let Some(termination) = ending
+                    && (self.updates == 0 || self.near)
+                {
+                    self.cost = problem.cost(&residuals, &x);
+                    (self.x, self.predictions, self.residuals) = (x, predictions, residuals);
+                    self.termination = Some(termination);
+                    return;
                 }
+                let usable =
+                    ending.is_none() && ratio >= UPDATED_RATIO && self.updates < MOST_UPDATES;
+                if usable {
+                    let (before, old) = (self.x.clone(), self.predictions.clone());
+                    self.update(problem, options, (&before, &old), (&x, &predictions));
+                }
+                self.move_to(problem, options, (x, predictions, residuals), usable);
             }
             // No reduction where hardly any was expected: rounding.
-            _ if little => self.termination = Some(FitTermination::SmallReduction),
-            _ if short => self.termination = Some(FitTermination::SmallStep),
+            _ if little => self.end(problem, options, FitTermination::SmallReduction),
+            _ if short => self.end(problem, options, FitTermination::SmallStep),
+            _ if self.updates > 0 => self.request_derivatives(problem, options),
             _ => {
                 self.damping *= self.growth;
                 self.growth *= 2.0;
@@ -268,7 +412,11 @@ fn weighted(
     held: &[bool],
 ) -> LinearisedCost {
     let mut linear = LinearisedCost { jacobian: Vec::new(), residuals: Vec::new() };
-    for ((row, &residual), observation) in rows.iter().zip(residuals).zip(problem.observations) {
+    let observations = problem.observations.iter().enumerate();
+    for ((row, &residual), (i, observation)) in rows.iter().zip(residuals).zip(observations) {
+        if !problem.counts(i) {
+            continue;
+        }
         let root = (problem.loss.weight(residual) / problem.noise_variance).sqrt();
         let scale = root / observation.standard_deviation;
         linear.jacobian.push(row.iter().map(|entry| entry * scale).collect());
@@ -291,6 +439,19 @@ pub(crate) fn run(
     stage: Stage,
     progress: &ProgressCallback<'_>,
 ) {
+    let problems: Vec<&FitProblem<'_>> = searches.iter().map(|_| problem).collect();
+    run_all(&problems, searches, options, stage, progress);
+}
+
+/// As [`run`], with a problem for each search; all problems are of one model.
+pub(crate) fn run_all(
+    problems: &[&FitProblem<'_>],
+    searches: &mut [Search],
+    options: &FitOptions,
+    stage: Stage,
+    progress: &ProgressCallback<'_>,
+) {
+    let Some(problem) = problems.first() else { return };
     loop {
         let requested: Vec<Vec<Vec<f64>>> = searches.iter().map(Search::requested).collect();
         let points: Vec<Vec<f64>> = requested.iter().flatten().cloned().collect();
@@ -298,7 +459,7 @@ pub(crate) fn run(
             return;
         }
         let mut answers = problem.predict(&points).into_iter();
-        for (search, requested) in searches.iter_mut().zip(&requested) {
+        for ((search, requested), problem) in searches.iter_mut().zip(&requested).zip(problems) {
             if !requested.is_empty() {
                 search.receive(problem, options, answers.by_ref().take(requested.len()).collect());
             }

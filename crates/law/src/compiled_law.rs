@@ -130,7 +130,8 @@ impl CompiledLaw {
         pressure_top: f64,
         tolerance: f64,
     ) -> Result<Self, LawError> {
-        Self::build(law, (pressure_state, pressure_top), tolerance, CellLayout::Divided)
+        let range = (pressure_state, pressure_top);
+        Self::build(law, range, tolerance, (CellLayout::Divided, FIRST_CELLS))
     }
 
     /// Tabulates like [`new`](Self::new), but with cells of one width, for kernels that look up many
@@ -145,14 +146,28 @@ impl CompiledLaw {
         pressure_top: f64,
         tolerance: f64,
     ) -> Result<Self, LawError> {
-        Self::build(law, (pressure_state, pressure_top), tolerance, CellLayout::Uniform)
+        Self::uniform_of(law, (pressure_state, pressure_top), tolerance, FIRST_CELLS)
+    }
+
+    /// [`uniform`](Self::uniform) between two pressures \[Pa\] with at least so many cells, for tables of
+    /// other functions of the closure on the same cells.
+    ///
+    /// # Errors
+    /// Those of [`new`](Self::new).
+    pub fn uniform_of(
+        law: &dyn ContactLaw,
+        pressures: (f64, f64),
+        tolerance: f64,
+        least_cells: usize,
+    ) -> Result<Self, LawError> {
+        Self::build(law, pressures, tolerance, (CellLayout::Uniform, least_cells.max(FIRST_CELLS)))
     }
 
     fn build(
         law: &dyn ContactLaw,
         (pressure_state, pressure_top): (f64, f64),
         tolerance: f64,
-        layout: CellLayout,
+        (layout, first_cells): (CellLayout, usize),
     ) -> Result<Self, LawError> {
         finite(LawQuantity::PressureState, pressure_state)?;
         above(LawQuantity::PressureTop, pressure_top, pressure_state)?;
@@ -161,7 +176,7 @@ impl CompiledLaw {
         let limit = tolerance * scale;
         let range = TableRange::of(law, pressure_state, pressure_top, layout)?;
 
-        let mut wanted = FIRST_CELLS;
+        let mut wanted = first_cells;
         let mut best = (0, f64::INFINITY);
         while let Some(grid) = range.grid(wanted.min(LAST_CELLS)) {
             let table = Self::on_grid(law, pressure_state, &range, &grid);

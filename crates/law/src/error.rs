@@ -22,6 +22,26 @@ pub enum LawQuantity {
     TransitionSlope,
     /// Closure over which the pressure of the exponential law grows by a factor e \[m\].
     Length,
+    /// Summits per area \[1/m2\].
+    SummitDensity,
+    /// Radius of summits \[m\].
+    SummitRadius,
+    /// Root mean square of heights \[m\].
+    HeightRms,
+    /// Contact modulus E* \[Pa\].
+    ContactModulus,
+    /// Hurst exponent of a self-affine surface \[-\].
+    HurstExponent,
+    /// Smallest wavevector of a rough surface \[1/m\].
+    RollOff,
+    /// Largest wavevector of a rough surface \[1/m\].
+    CutOff,
+    /// Gradient of a rough surface \[-\].
+    Slope,
+    /// Gap at the reference pressure \[m\].
+    ReferenceGap,
+    /// Closure of a table of pressures \[m\].
+    Closure,
     /// Closure at which the hyperbolic law becomes rigid \[m\].
     ClosureLimit,
     /// Number of points of a table, of knots, or of data for a fit.
@@ -36,6 +56,16 @@ pub enum LawQuantity {
     Tolerance,
     /// Cells of a tabulated law.
     Cells,
+    /// Retardation time of a damped contact \[s\].
+    RetardationTime,
+    /// Loss ratio of a damped contact \[-\].
+    LossRatio,
+    /// Frequency at which a loss ratio is given \[Hz\].
+    Frequency,
+    /// Damping coefficient of a contact \[Pa s/m\].
+    DampingCoefficient,
+    /// Rows of a pressure-overclosure table.
+    Rows,
 }
 
 impl fmt::Display for LawQuantity {
@@ -49,6 +79,16 @@ impl fmt::Display for LawQuantity {
             Self::TransitionPressure => "transition pressure [Pa]",
             Self::TransitionSlope => "stiffness slope at the transition [1/m]",
             Self::Length => "length [m]",
+            Self::SummitDensity => "summit density [1/m2]",
+            Self::SummitRadius => "summit radius [m]",
+            Self::HeightRms => "rms height [m]",
+            Self::ContactModulus => "contact modulus [Pa]",
+            Self::HurstExponent => "Hurst exponent",
+            Self::RollOff => "roll-off wavevector [1/m]",
+            Self::CutOff => "cut-off wavevector [1/m]",
+            Self::Slope => "gradient of the surface",
+            Self::ReferenceGap => "gap at the reference pressure [m]",
+            Self::Closure => "closure [m]",
             Self::ClosureLimit => "closure limit [m]",
             Self::Points => "number of points",
             Self::PressureSpread => "spread of the log pressures",
@@ -56,6 +96,11 @@ impl fmt::Display for LawQuantity {
             Self::PressureTop => "top pressure [Pa]",
             Self::Tolerance => "tolerance",
             Self::Cells => "number of cells",
+            Self::RetardationTime => "retardation time [s]",
+            Self::LossRatio => "loss ratio",
+            Self::Frequency => "frequency [Hz]",
+            Self::DampingCoefficient => "damping coefficient [Pa s/m]",
+            Self::Rows => "number of rows",
         })
     }
 }
@@ -150,6 +195,15 @@ pub(crate) fn at_least(quantity: LawQuantity, value: f64, limit: f64) -> Result<
         Ok(value)
     } else {
         Err(LawError::Below { quantity, value, limit })
+    }
+}
+
+/// `value` if it is finite and at most `limit`.
+pub(crate) fn at_most(quantity: LawQuantity, value: f64, limit: f64) -> Result<f64, LawError> {
+    if finite(quantity, value)? <= limit {
+        Ok(value)
+    } else {
+        Err(LawError::Above { quantity, value, limit })
     }
 }
 

@@ -18,11 +18,15 @@
 //! | [`ModifiedPower`] | C p^m, softened at low pressure | at zero closure | m > 1 |
 //! | [`Exponential`] | p / u0 | never | no |
 //! | [`Hyperbolic`] | K0 (1 + p / (K0 dm))^2 | at zero closure | yes |
+//! | [`GreenwoodWilliamson`] | Hertzian summits of random heights | never | no |
+//! | [`Persson`] | p / g(p) of a self-affine surface | never | yes |
 //! | [`Tabulated`] | through measured points | at zero closure | no |
 //! | [`InSeries`] | 1 / (1/K + 1/`K_layer`) | as its law | no |
 //!
-//! [`CompiledLaw`] tabulates a law about a state for time stepping, and [`fit_power`] fits a power
-//! law to data. [`quadrature`] holds the integrals that the trait's defaults use.
+//! [`CompiledLaw`] tabulates a law about a state for time stepping, [`fit_power`] fits a power
+//! law to data, and [`stiffness_from_gaps`] derives points of a [`Tabulated`] law from pressures
+//! against gaps. [`ContactDamping`] adds viscous traction to a law. [`OverclosureTable`] is a law as straight segments for finite-element codes.
+//! [`quadrature`] holds the integrals that the trait's defaults use.
 //!
 //! # Conventions
 //! SI units in plain `f64`. Pressure is positive in compression, closure when the faces approach.
@@ -45,14 +49,19 @@
 
 mod compiled_law;
 mod constant;
+mod contact_damping;
 mod contact_law;
 mod domain;
 mod error;
 mod exponential;
+mod gap_table;
+mod greenwood_williamson;
 mod hyperbolic;
 mod in_series;
 mod modified_power;
+mod overclosure;
 mod pchip;
+mod persson;
 mod power;
 mod power_fit;
 mod spliced;
@@ -60,13 +69,18 @@ mod tabulated;
 
 pub use compiled_law::{CellScale, CompiledLaw, CubicCell};
 pub use constant::Constant;
+pub use contact_damping::ContactDamping;
 pub use contact_law::{ContactLaw, Pressure, quadrature};
 pub use domain::Domain;
 pub use error::{LawError, LawQuantity};
 pub use exponential::Exponential;
+pub use gap_table::stiffness_from_gaps;
+pub use greenwood_williamson::GreenwoodWilliamson;
 pub use hyperbolic::Hyperbolic;
 pub use in_series::InSeries;
 pub use modified_power::ModifiedPower;
+pub use overclosure::{BeyondTable, OverclosureRow, OverclosureTable, TableAccuracy};
+pub use persson::Persson;
 pub use power::Power;
 pub use power_fit::{PowerFit, PowerFitErrors, fit_power};
 pub use tabulated::Tabulated;

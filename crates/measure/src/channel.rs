@@ -178,6 +178,29 @@ pub struct Origin {
     pub response: Option<DegreeOfFreedom>,
     /// Degree of freedom of the excitation.
     pub reference: Option<DegreeOfFreedom>,
+    /// Units of the response and of the excitation, for a frequency response function.
+    pub frf: Option<FrfUnits>,
+}
+
+/// Units of a frequency response function: response over excitation.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FrfUnits {
+    /// Unit of the response.
+    pub response: Unit,
+    /// Unit of the excitation.
+    pub excitation: Unit,
+}
+
+impl FrfUnits {
+    /// SI units of two quantities; `None` for one without a unit.
+    pub fn si(response: ChannelQuantity, excitation: ChannelQuantity) -> Option<Self> {
+        Some(Self { response: Unit::si(response)?, excitation: Unit::si(excitation)? })
+    }
+
+    /// Text of the quotient, such as `m/s^2/N`.
+    pub fn text(&self) -> String {
+        format!("{}/{}", self.response.symbol(), self.excitation.symbol())
+    }
 }
 
 /// A node and a direction.

@@ -26,7 +26,7 @@
 //! | `wav` | RIFF WAVE |
 //! | `hdf5` | HDF5 and MATLAB 7.3, with the feature `hdf5` |
 //! | `tdms` | TDMS of LabVIEW, read by `asperity-tdms` |
-//! | `write` | writing of complete files |
+//! | `write`, `whole_file` | writing of complete files |
 //!
 //! The crate contains no mechanics and no signal processing.
 //!
@@ -69,9 +69,10 @@ mod text;
 mod uff;
 mod unit;
 mod wav;
+mod whole_file;
 mod write;
 
-pub use channel::{Abscissa, Channel, ChannelUnit, DegreeOfFreedom, Origin, Samples};
+pub use channel::{Abscissa, Channel, ChannelUnit, DegreeOfFreedom, FrfUnits, Origin, Samples};
 pub use error::{FilePosition, MeasureError};
 pub use format::Format;
 pub use notice::Notice;
@@ -83,4 +84,5 @@ pub use record::{Measurement, Record};
 pub use sensitivity::SensorSensitivity;
 pub use source::ByteStream;
 pub use unit::{STANDARD_GRAVITY, Unit};
+pub use whole_file::write_whole;
 pub use write::write;

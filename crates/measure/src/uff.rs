@@ -120,6 +120,7 @@ impl<'a> Universal<'a> {
                 date: header.date.clone(),
                 response: header.response.clone(),
                 reference: header.reference.clone(),
+                frf: header.frf_units(),
             },
         })
     }

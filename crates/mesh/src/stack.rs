@@ -2,17 +2,18 @@
 
 use std::sync::Arc;
 
-use asperity_law::ContactLaw;
+use asperity_law::{ContactDamping, ContactLaw};
 
 use crate::Body;
 use crate::error::{MeshError, not_negative, positive};
 
-/// A rough contact: name, nominal area, and the law of its pressure.
+/// A rough contact: name, nominal area, the law of its pressure, and its damping, if it has any.
 #[derive(Debug, Clone)]
 pub struct Interface {
     name: String,
     area: f64,
     law: Arc<dyn ContactLaw>,
+    damping: Option<ContactDamping>,
 }
 
 impl Interface {
@@ -21,7 +22,14 @@ impl Interface {
     /// # Errors
     /// [`MeshError::NotPositive`] for an area that is not positive and finite.
     pub fn new(name: &str, area: f64, law: Arc<dyn ContactLaw>) -> Result<Self, MeshError> {
-        Ok(Self { name: name.to_owned(), area: positive(name, "area [m2]", area)?, law })
+        let area = positive(name, "area [m2]", area)?;
+        Ok(Self { name: name.to_owned(), area, law, damping: None })
+    }
+
+    /// The interface with viscous `damping`.
+    #[must_use]
+    pub fn with_damping(self, damping: ContactDamping) -> Self {
+        Self { damping: Some(damping), ..self }
     }
 
     /// Name, for messages and outputs.
@@ -37,6 +45,11 @@ impl Interface {
     /// The contact law.
     pub fn law(&self) -> &Arc<dyn ContactLaw> {
         &self.law
+    }
+
+    /// The viscous damping, if there is any.
+    pub fn damping(&self) -> Option<ContactDamping> {
+        self.damping
     }
 }
 

@@ -62,6 +62,41 @@ pub enum LawSpec {
         #[schemars(extend("exclusiveMinimum" = 0.0))]
         closure_limit_m: f64,
     },
+    /// Hertzian contact of spherical summits whose heights are normally distributed (Greenwood and
+    /// Williamson), which never separates.
+    GreenwoodWilliamson {
+        /// Number of summits per area in 1/m2.
+        #[schemars(extend("exclusiveMinimum" = 0.0))]
+        summit_density_per_m2: f64,
+        /// Radius of the summits in m.
+        #[schemars(extend("exclusiveMinimum" = 0.0))]
+        summit_radius_m: f64,
+        /// Standard deviation of the heights of the summits in m.
+        #[schemars(extend("exclusiveMinimum" = 0.0))]
+        summit_height_rms_m: f64,
+        /// Contact modulus E* in Pa, `1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2`.
+        #[schemars(extend("exclusiveMinimum" = 0.0))]
+        contact_modulus_pa: f64,
+    },
+    /// Elastic contact of a self-affine surface (Persson), K(p) = p / u0 at low pressures, which never
+    /// separates.
+    Persson {
+        /// Root mean square height in m.
+        #[schemars(extend("exclusiveMinimum" = 0.0))]
+        height_rms_m: f64,
+        /// Hurst exponent, above 0 and at most 1.
+        #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 1.0))]
+        hurst_exponent: f64,
+        /// Smallest wavevector of the roughness in rad/m.
+        #[schemars(extend("exclusiveMinimum" = 0.0))]
+        roll_off_per_m: f64,
+        /// Largest wavevector of the roughness in rad/m, above the smallest.
+        #[schemars(extend("exclusiveMinimum" = 0.0))]
+        cut_off_per_m: f64,
+        /// Contact modulus E* in Pa, `1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2`.
+        #[schemars(extend("exclusiveMinimum" = 0.0))]
+        contact_modulus_pa: f64,
+    },
     /// Smooth monotone curve through measured points, constant outside them.
     Table {
         /// Pairs [pressure in Pa, stiffness in Pa/m], pressures increasing.

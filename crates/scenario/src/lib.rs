@@ -35,13 +35,14 @@
 //!
 //! | step | items |
 //! |---|---|
-//! | data | [`Scenario`], [`BodySpec`], [`InterfaceSpec`], [`LawSpec`], [`SupportSpec`], [`DampingSpec`], [`ExcitationSpec`], [`MethodSpec`] |
+//! | data | [`Scenario`], [`BodySpec`], [`InterfaceSpec`], [`LawSpec`], [`SupportSpec`], [`DampingSpec`], [`ContactDampingSpec`], [`ExcitationSpec`], [`MethodSpec`] |
 //! | text | [`Document`], [`JsonPointer`], [`set_value`], [`open_input`], [`SyntaxError`] |
 //! | checks | [`scenario_schema`], [`check_schema`], [`validate`], [`validate_json`] |
 //! | faults | [`InvalidDocument`], [`Diagnostic`], [`Fault`] |
 //! | measured force | [`ForceSamples`] |
 
 mod body;
+mod contact_damping;
 mod damping;
 mod diagnostic;
 mod document;
@@ -62,6 +63,7 @@ mod validate;
 mod wording;
 
 pub use body::{BodySpec, SectionSpec};
+pub use contact_damping::ContactDampingSpec;
 pub use damping::{DampingAmount, DampingSpec};
 pub use diagnostic::{Diagnostic, InvalidDocument, MAX_FAULTS};
 pub use document::{Document, DocumentError, MAX_DOCUMENT_BYTES};

@@ -13,6 +13,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use crate::body::BodySpec;
+use crate::contact_damping::ContactDampingSpec;
 use crate::damping::DampingSpec;
 use crate::excitation::ExcitationSpec;
 use crate::law::{LawRef, Laws};
@@ -82,6 +83,9 @@ pub struct InterfaceSpec {
     pub area_m2: f64,
     /// Contact law: a name from "laws", or a law written in place.
     pub law: LawRef,
+    /// Viscous damping of the contact; none when left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub damping: Option<ContactDampingSpec>,
 }
 
 /// Support below the lowest interface.

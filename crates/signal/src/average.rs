@@ -206,6 +206,20 @@ impl FrfAverage {
         all.step_by(OVERSAMPLING).map(|((f, x), c)| (*f, *x, *c))
     }
 
+    /// Sums over the hits at the lines within limits (Hz): frequency in hertz, `|F|^2` in N^2 s^2,
+    /// `|X|^2` and `conj(F) X` in the unit of the response.
+    pub fn sums_within(
+        &self,
+        (low_hz, high_hz): (f64, f64),
+    ) -> impl Iterator<Item = (f64, f64, f64, Complex64)> {
+        let step = self.sample_rate_hz / self.length as f64;
+        let at = move |(k, (force, response, cross)): (usize, (f64, f64, Complex64))| {
+            (k as f64 * step, force, response, cross)
+        };
+        let inside = move |line: &(f64, f64, f64, Complex64)| (low_hz..=high_hz).contains(&line.0);
+        self.lines().enumerate().map(at).filter(inside)
+    }
+
     /// Auto spectrum of the force `Gff`, in N^2 s / Hz or N^2 / Hz.
     ///
     /// # Errors

@@ -3,6 +3,7 @@
 mod circle;
 mod comparison;
 
+pub(crate) use circle::CircleSensitivity;
 pub use circle::{CircleFit, circle_fit, circle_fit_of};
 pub use comparison::DampingComparison;
 

@@ -67,6 +67,16 @@ pub fn logarithmic_decrement(
     sample_rate_hz: f64,
     frequency_hz: f64,
 ) -> Option<LogarithmicDecrement> {
+    decrement_of(samples, sample_rate_hz, frequency_hz).map(|(found, _)| found)
+}
+
+/// [`logarithmic_decrement`] and its extrema: their times in seconds, and the derivatives of the
+/// damping ratio with respect to their values.
+pub(crate) fn decrement_of(
+    samples: &[f64],
+    sample_rate_hz: f64,
+    frequency_hz: f64,
+) -> Option<(LogarithmicDecrement, Vec<(f64, f64)>)> {
     let per_cycle = sample_rate_hz / frequency_hz;
     let valid = per_cycle.is_finite() && per_cycle >= 8.0 && frequency_hz > 0.0;
     if !valid || samples.iter().any(|sample| !sample.is_finite()) {
@@ -81,13 +91,27 @@ pub fn logarithmic_decrement(
     let decrement = -2.0 * slope;
     let times: Vec<f64> = extrema[..=heights.len()].iter().map(|e| e.time).collect();
     let (half_cycle, _) = fitted_line(&times);
-    Some(LogarithmicDecrement {
-        ratio: decrement / (4.0 * PI * PI + decrement * decrement).sqrt(),
+    let square = 4.0 * PI * PI + decrement * decrement;
+    // The slope of a line is the sum of (k - c) y_k over that of (k - c)^2.
+    let count = heights.len() as f64;
+    let squares = count * (count * count - 1.0) / 12.0;
+    let factor = -2.0 * 4.0 * PI * PI / (square * square.sqrt() * squares);
+    let mut derivatives: Vec<(f64, f64)> =
+        times.iter().map(|time| (time / sample_rate_hz, 0.0)).collect();
+    for k in 0..heights.len() {
+        let weight = factor * (k as f64 - 0.5 * (count - 1.0));
+        let change = weight / (extrema[k].value - extrema[k + 1].value);
+        derivatives[k].1 += change;
+        derivatives[k + 1].1 -= change;
+    }
+    let found = LogarithmicDecrement {
+        ratio: decrement / square.sqrt(),
         decrement,
         frequency_hz: 0.5 * sample_rate_hz / half_cycle,
         cycles: 0.5 * (heights.len() - 1) as f64,
         scatter,
-    })
+    };
+    Some((found, derivatives))
 }
 
 /// A refined maximum or minimum; the time counts samples.

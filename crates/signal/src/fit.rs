@@ -28,41 +28,66 @@ pub(crate) fn fitted_line(values: &[f64]) -> (f64, f64) {
     (slope, (sum / count).sqrt())
 }
 
-/// Linear least squares in three parameters by modified Gram-Schmidt; `None` if degenerate.
+/// Linear least squares in three parameters; `None` if degenerate.
 pub(crate) fn least_squares(
     observations: impl Iterator<Item = ([f64; 3], f64)>,
 ) -> Option<[f64; 3]> {
-    let (mut columns, mut right): ([Vec<f64>; 3], Vec<f64>) = Default::default();
-    for (coefficients, value) in observations {
-        for (column, x) in columns.iter_mut().zip(coefficients) {
-            column.push(x);
-        }
-        right.push(value);
-    }
-    let mut upper = [[0.0; 3]; 3];
-    let mut projected = [0.0; 3];
-    for j in 0..3 {
-        let before = dot(&columns[j], &columns[j]);
-        for i in 0..j {
-            let basis = columns[i].clone();
-            upper[i][j] = dot(&basis, &columns[j]);
-            columns[j].iter_mut().zip(&basis).for_each(|(x, q)| *x -= upper[i][j] * q);
-        }
-        let square = dot(&columns[j], &columns[j]);
-        // The column depends linearly on those before it, within rounding.
-        if square.is_nan() || square <= 1e-24 * before {
-            return None;
-        }
-        upper[j][j] = square.sqrt();
-        columns[j].iter_mut().for_each(|x| *x /= upper[j][j]);
-        projected[j] = dot(&columns[j], &right);
-        let basis = &columns[j];
-        right.iter_mut().zip(basis).for_each(|(x, q)| *x -= projected[j] * q);
-    }
-    let mut parameters = [0.0; 3];
-    for j in (0..3).rev() {
-        let known: f64 = (j + 1..3).map(|k| upper[j][k] * parameters[k]).sum();
-        parameters[j] = (projected[j] - known) / upper[j][j];
-    }
+    let (rows, right): (Vec<[f64; 3]>, Vec<f64>) = observations.unzip();
+    let parameters = OrthogonalColumns::of(&rows)?.solve(right);
     parameters.iter().all(|x| x.is_finite()).then_some(parameters)
+}
+
+/// Derivatives of the three parameters of [`least_squares`] with respect to each right side.
+pub(crate) fn pseudo_inverse(rows: &[[f64; 3]]) -> Option<Vec<[f64; 3]>> {
+    let factors = OrthogonalColumns::of(rows)?;
+    let column = |row| factors.back_substituted([0, 1, 2].map(|j: usize| factors.columns[j][row]));
+    Some((0..rows.len()).map(column).collect())
+}
+
+/// Orthonormal columns and the upper triangle, by modified Gram-Schmidt.
+struct OrthogonalColumns {
+    columns: [Vec<f64>; 3],
+    upper: [[f64; 3]; 3],
+}
+
+impl OrthogonalColumns {
+    fn of(rows: &[[f64; 3]]) -> Option<Self> {
+        let mut columns: [Vec<f64>; 3] =
+            std::array::from_fn(|j| rows.iter().map(|row| row[j]).collect());
+        let mut upper = [[0.0; 3]; 3];
+        for j in 0..3 {
+            let before = dot(&columns[j], &columns[j]);
+            for i in 0..j {
+                let basis = columns[i].clone();
+                upper[i][j] = dot(&basis, &columns[j]);
+                columns[j].iter_mut().zip(&basis).for_each(|(x, q)| *x -= upper[i][j] * q);
+            }
+            let square = dot(&columns[j], &columns[j]);
+            // The column depends linearly on those before it, within rounding.
+            if square.is_nan() || square <= 1e-24 * before {
+                return None;
+            }
+            upper[j][j] = square.sqrt();
+            columns[j].iter_mut().for_each(|x| *x /= upper[j][j]);
+        }
+        Some(Self { columns, upper })
+    }
+
+    fn solve(&self, mut right: Vec<f64>) -> [f64; 3] {
+        let mut projected = [0.0; 3];
+        for (basis, projected) in self.columns.iter().zip(&mut projected) {
+            *projected = dot(basis, &right);
+            right.iter_mut().zip(basis).for_each(|(x, q)| *x -= *projected * q);
+        }
+        self.back_substituted(projected)
+    }
+
+    fn back_substituted(&self, projected: [f64; 3]) -> [f64; 3] {
+        let mut parameters = [0.0; 3];
+        for j in (0..3).rev() {
+            let known: f64 = (j + 1..3).map(|k| self.upper[j][k] * parameters[k]).sum();
+            parameters[j] = (projected[j] - known) / self.upper[j][j];
+        }
+        parameters
+    }
 }

@@ -1,10 +1,17 @@
 //! Analysis of a hammer test, from records to features and average.
 
+mod band_modes;
 mod features;
+mod harmonic_origin;
+mod mode_uncertainty;
 
+pub use band_modes::BandMode;
 pub use features::{FundamentalSearch, HitFeatures, ModeFeatures};
+pub use harmonic_origin::{HarmonicTest, PeakOrigin};
+pub use mode_uncertainty::ModeUncertainty;
 
 use crate::average::FrfAverage;
+use crate::dominant::dominant_frequency;
 use crate::error::{Result, check_positive};
 use crate::form::ResponseKind;
 use crate::frf::Frf;
@@ -13,7 +20,8 @@ use crate::hit::{
     HitLength, HitOptions, HitRecord, Offset, Pulse, QualityIssue, QualityOptions, Trigger,
     find_hits, issues_with_force,
 };
-use crate::window::{ExponentialWindow, ForceWindow};
+use crate::uncertainty::NoiseDensity;
+use crate::window::{ExponentialWindow, ForceWindow, ResponseWindow};
 
 /// Windows of the signals of a hit.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -22,6 +30,10 @@ pub struct HitWindows {
     pub force_s: Option<(f64, f64)>,
     /// Exponential window of force and response, with the value one at the trigger.
     pub exponential: Option<ExponentialWindow>,
+    /// Sets both signals to zero where they are noise: the force outside the samples above its
+    /// noise ([`ForceWindow::above`]), the response after its decay
+    /// ([`ResponseWindow::until_noise`]). Signals without noise are not changed.
+    pub until_noise: bool,
 }
 
 /// Options of [`hammer_test`].
@@ -89,6 +101,8 @@ pub struct AnalysedHit {
     pub force_offset: Option<Offset>,
     /// The force pulse, without offset and before any window.
     pub pulse: Option<Pulse>,
+    /// Window of the response with [`HitWindows::until_noise`], if it ends in noise.
+    pub response_window: Option<ResponseWindow>,
     /// Frequency response function of the hit, if it was averaged.
     pub frf: Option<Frf>,
     /// Harmonics, damping and backbone, if it was averaged.
@@ -207,6 +221,7 @@ pub fn analyse_hit(
         issues,
         force_offset,
         pulse,
+        response_window: None,
         frf: None,
         features: None,
     };
@@ -216,20 +231,81 @@ pub fn analyse_hit(
     if !options.keep_all && found.issues.iter().any(QualityIssue::is_disqualifying) {
         return found;
     }
+    let resonance_hz = resonance(&hit, options);
+    let mut noise = resonance_hz.map_or_else(NoiseDensity::default, |frequency| {
+        features::noise_density(&hit.force, &measured, rate, frequency, options)
+    });
+    apply_windows(&mut hit, &pulse, &mut noise, options);
+    let Ok(unwindowed) = hit.response(0, options.response_kind) else {
+        return found;
+    };
+    found.response_window = noise.windows.response;
+    if found.response_window.is_some() {
+        // What remains at the end is noise.
+        found.issues.retain(|issue| !matches!(issue, QualityIssue::NotDecayed { .. }));
+    }
+    let response = noise.windows.response.map(|window| unwindowed.with_response_window(&window));
+    let response = response.unwrap_or_else(|| unwindowed.clone());
+    // Fails for a hit longer than the average only, which then has no transform.
+    found.frf = average.push(response.force(), response.samples()).ok();
+    let response = response.interpolated();
+    let responses = (&response, &unwindowed);
+    found.features = features::of_hit(responses, &measured, &pulse, noise, options);
+    found
+}
+
+/// Frequency (Hz) of the resonance about which the noise of a hit is measured.
+fn resonance(hit: &HitRecord, options: &HammerOptions) -> Option<f64> {
+    let raw = hit.response(0, options.response_kind).ok()?;
+    let threshold = options.harmonics.force_threshold;
+    let (band, form) = match options.fundamental {
+        FundamentalSearch::Frequency(frequency) => {
+            let (low, high) = options.harmonics.fundamental_window;
+            // The form in which white noise of the response is white.
+            ((low * frequency, high * frequency), options.response_kind.form())
+        }
+        FundamentalSearch::Band(band, form) => (band, form),
+    };
+    dominant_frequency(&raw, band, form, threshold)
+}
+
+/// Least force above its noise, in standard deviations, over which a force window extends.
+const ABOVE_NOISE: f64 = 6.0;
+/// Margin and taper of that window \[s\].
+const FORCE_MARGIN_S: (f64, f64) = (0.2e-3, 0.5e-3);
+
+/// Applies the windows to a hit, but for that of the response, and enters them in the noise.
+fn apply_windows(
+    hit: &mut HitRecord,
+    pulse: &Pulse,
+    noise: &mut NoiseDensity,
+    options: &HammerOptions,
+) {
+    let (rate, windows) = (hit.sample_rate_hz, &mut noise.windows);
     if let Some((margin, taper)) = options.windows.force_s {
-        ForceWindow::around(&pulse, margin, taper).apply(&mut hit.force, rate, None);
+        windows.force = Some(ForceWindow::around(pulse, margin, taper));
+    } else if options.windows.until_noise {
+        // Noise of the whole band, which may be more than that about the resonance.
+        let wide = Offset::at_rest(&hit.force).map_or(0.0, |offset| offset.deviation);
+        let level = ABOVE_NOISE * (0.5 * noise.force * rate).sqrt().max(wide);
+        let (margin, taper) = FORCE_MARGIN_S;
+        windows.force = ForceWindow::above(&hit.force, rate, level, margin, taper);
+    }
+    if let Some(window) = windows.force {
+        window.apply(&mut hit.force, rate, None);
+    }
+    if let (Some(window), Some(response)) = (windows.response, hit.responses.first_mut()) {
+        let quiet = ((window.end_s * rate) as usize).min(response.len() - 1);
+        let rest = &response[quiet..];
+        let offset = rest.iter().sum::<f64>() / rest.len() as f64;
+        for x in response.iter_mut() {
+            *x -= offset;
+        }
     }
     if let Some(window) = options.windows.exponential {
         let windowed = std::iter::once(&mut hit.force).chain(&mut hit.responses);
         windowed.for_each(|samples| window.apply(samples, rate, hit.trigger));
+        windows.exponential_rate = window.rate();
+        windows.exponential_origin_s = hit.trigger as f64 / rate;
     }
-    let Ok(response) = hit.response(0, options.response_kind) else {
-        return found;
-    };
-    // Fails for a hit longer than the average only, which then has no transform.
-    found.frf = average.push(response.force(), response.samples()).ok();
-    let response = response.interpolated();
-    found.features =
-        features::of_hit(&response, &measured, hit.trigger, &pulse, force_offset.as_ref(), options);
-    found
 }

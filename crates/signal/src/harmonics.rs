@@ -140,6 +140,32 @@ pub(crate) fn harmonics_of(
     found
 }
 
+/// The second harmonic of a fundamental of a known frequency (Hz), as in [`find_harmonics`].
+pub(crate) fn second_harmonic(
+    response: &impl HitSpectra,
+    fundamental_hz: f64,
+    options: &HarmonicOptions,
+) -> Option<Peak> {
+    let (low, high) = options.second_window;
+    let window = (low * fundamental_hz, high * fundamental_hz);
+    // The strength of the force is compared with its largest from the fundamental on.
+    let search = HarmonicSearch::new(response, (fundamental_hz.min(window.0), window.1), options);
+    search.largest(window, 1.0 / fundamental_hz, &mut Vec::new())
+}
+
+/// All admissible peaks in a band (Hz), in the order of frequency, as [`find_harmonics`] admits them.
+pub(crate) fn peaks_within(
+    response: &impl HitSpectra,
+    band: (f64, f64),
+    options: &HarmonicOptions,
+) -> Vec<Peak> {
+    let search = HarmonicSearch::new(response, band, options);
+    let maxima = search.grid.maxima(band);
+    let peak =
+        |index| search.peak(index, band, 1.0 / search.grid.frequency(index), &mut Vec::new());
+    maxima.into_iter().filter_map(peak).collect()
+}
+
 /// The search in the receptance on a grid over both windows.
 struct HarmonicSearch<'a, R> {
     response: &'a R,

@@ -22,13 +22,17 @@
 //! | detect hits in a record or a stream | [`find_hits`], [`HitFinder`] |
 //! | check their quality | [`quality_issues`], [`QualityIssue`] |
 //! | force pulse and sensor offset | [`Pulse`], [`Offset`] |
-//! | windows and their correction | [`ForceWindow`], [`ExponentialWindow`] |
+//! | windows and their correction | [`ForceWindow`], [`ResponseWindow`], [`ExponentialWindow`] |
 //! | fundamental and second harmonic | [`dominant_frequency`], [`find_harmonics`] |
+//! | harmonic or mode near twice the fundamental | [`HarmonicTest`] |
 //! | derivatives of a peak | [`PeakSensitivity`] |
-//! | uncertainty from noise | [`peak_uncertainty`], [`white_density`], [`band_density`] |
+//! | uncertainty from noise | [`peak_uncertainty`], [`ModeUncertainty`], [`quiet_density`] |
 //! | damping by three methods | [`half_power`], [`circle_fit`], [`logarithmic_decrement`] |
+//! | length of a decay in its record | [`decay_length`] |
 //! | averages: H1, H2, Hv, coherence | [`FrfAverage`], [`FrfEstimator`] |
 //! | frequency and damping against amplitude | [`backbone`], [`BandPass`] |
+//!
+//! [`FreeDecay`] analyses decays without a measured force, which [`find_decays`] finds.
 //!
 //! A peak is a true local maximum of `|H|`, refined on the transform itself. A search without a
 //! peak returns `None`, never a limit of its window; frequencies at which the force is too weak are
@@ -63,12 +67,14 @@
 mod average;
 mod bessel;
 mod damping;
+mod decay_length;
 mod decimation;
 mod decrement;
 mod dominant;
 mod error;
 mod fit;
 mod form;
+mod free_decay;
 mod frf;
 mod hammer;
 mod harmonics;
@@ -95,15 +101,20 @@ pub use damping::{
     CircleFit, DampingComparison, HalfPower, circle_fit, circle_fit_of, half_power,
     half_power_crossings, half_power_of,
 };
+pub use decay_length::decay_length;
 pub use decimation::DecimationFilter;
 pub use decrement::{LogarithmicDecrement, logarithmic_decrement};
 pub use dominant::dominant_frequency;
 pub use error::SignalError;
 pub use form::{FrfForm, ResponseKind};
+pub use free_decay::{
+    Beating, DecayEnd, DecayHarmonic, DecayOrigin, DecayPoint, DecayResonance, FoundDecay,
+    FreeDecay, FreeDecayOptions, find_decays, level_range,
+};
 pub use frf::{ForceMask, Frf};
 pub use hammer::{
-    AnalysedHit, FundamentalSearch, HammerOptions, HammerTest, HitFeatures, HitWindows,
-    ModeFeatures, analyse_hit, hammer_test,
+    AnalysedHit, BandMode, FundamentalSearch, HammerOptions, HammerTest, HarmonicTest, HitFeatures,
+    HitWindows, ModeFeatures, ModeUncertainty, PeakOrigin, analyse_hit, hammer_test,
 };
 pub use harmonics::{HarmonicOptions, Harmonics, find_harmonics};
 pub use hit::{
@@ -111,16 +122,19 @@ pub use hit::{
     Pulse, QualityIssue, QualityOptions, Trigger, TriggerLevel, double_hits, find_hits,
     quality_issues,
 };
-pub use noise::{RobustLevel, band_density, robust_level, white_density};
+pub use noise::{RobustLevel, band_density, quiet_density, robust_level, white_density};
 pub use num_complex::Complex64;
 pub use peak::Peak;
 pub use peak_sensitivity::{PeakDerivative, PeakSensitivity};
 pub use response::FrequencyResponse;
 pub use ring_down::{
-    Backbone, BackboneOptions, BackbonePoint, BandPass, analytic_signal, backbone,
+    Backbone, BackboneOptions, BackbonePoint, BackboneUncertainty, BandPass, analytic_signal,
+    backbone,
 };
 pub use shared_force::{SharedForce, SharedForceFeatures};
 pub use spectrum::{Spectrum, fast_length};
 pub use transform::{transform_at, transform_pair_at};
-pub use uncertainty::{NoiseDensity, PeakUncertainty, peak_uncertainty, ratio_uncertainty};
-pub use window::{ExponentialWindow, ForceWindow};
+pub use uncertainty::{
+    NoiseDensity, NoiseWindows, PeakUncertainty, peak_uncertainty, ratio_uncertainty,
+};
+pub use window::{ExponentialWindow, ForceWindow, ResponseWindow};

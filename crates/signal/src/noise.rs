@@ -98,6 +98,62 @@ pub fn band_density(
     Ok(median_of(&mut power).map(|median| median * scale))
 }
 
+/// Lines beyond this multiple of the median are left out of the mean.
+const OUTLYING: f64 = 3.0;
+/// Fewest lines of a density in a band.
+const FEWEST_LINES: usize = 16;
+
+/// One-sided spectral density of the noise in a band, from samples that are quiet but for a few
+/// resonances.
+///
+/// ```text
+/// S = 16 mean |Y(f)|^2 / (3 T c),    low <= f <= high
+/// ```
+///
+/// with `Y` the transform of the samples, of duration `T`, under a Hann window. Lines above three
+/// times the median are left out: a resonance that has not decayed is a few lines. For normal
+/// noise the mean of the others is `c = 0.703` of that of all. With fewer
+/// than 16 lines in the band the variance counts ([`white_density`]). `None` for samples that are not
+/// finite, and fewer than 4.
+///
+/// ```
+/// use asperity_signal::quiet_density;
+///
+/// // Too few lines in the band for a mean.
+/// let alternating: Vec<f64> = (0..16).map(|n| f64::from(n % 2)).collect();
+/// let density = quiet_density(&alternating, 100.0, (10.0, 20.0)).ok_or("sixteen samples")?;
+/// assert!((density - 2.0 * 16.0 / 15.0 * 0.25 / 100.0).abs() < 1e-15);
+/// # Ok::<(), &str>(())
+/// ```
+pub fn quiet_density(
+    quiet: &[f64],
+    sample_rate_hz: f64,
+    (low_hz, high_hz): (f64, f64),
+) -> Option<f64> {
+    let white = white_density(quiet, sample_rate_hz)?;
+    let count = quiet.len() as f64;
+    let mean = quiet.iter().sum::<f64>() / count;
+    let hann = |n: usize| 0.5 - 0.5 * (std::f64::consts::TAU * n as f64 / count).cos();
+    let windowed: Vec<f64> = quiet.iter().enumerate().map(|(n, x)| hann(n) * (x - mean)).collect();
+    let spectrum = Spectrum::new(&windowed, sample_rate_hz, 1).ok()?;
+    let inside = |index: &usize| (low_hz..=high_hz).contains(&spectrum.frequency(*index));
+    let mut power: Vec<f64> = (0..spectrum.values().len())
+        .filter(inside)
+        .map(|index| spectrum.values()[index].norm_sqr())
+        .collect();
+    if power.len() < FEWEST_LINES {
+        return Some(white);
+    }
+    // The transform is padded, its lines closer than 1 / T; the mean is the same.
+    let limit = OUTLYING * median_of(&mut power)?;
+    let kept = power.iter().filter(|power| **power <= limit);
+    let mean = kept.clone().sum::<f64>() / kept.count() as f64;
+    // Mean of exponentially distributed values below `limit`, over that of all.
+    let end = OUTLYING * std::f64::consts::LN_2;
+    let part = 1.0 - end * (-end).exp() / (1.0 - (-end).exp());
+    Some(mean * 16.0 * sample_rate_hz / (3.0 * count * part))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -8,6 +8,7 @@ use crate::interpolation::Interpolation;
 use crate::spectra::{BandSpectra, HitSpectra, HitTransforms, Ripple, SignalTransform};
 use crate::spectrum::{PADDING_LIMIT, Spectrum, fast_length};
 use crate::transform::FourierKernel;
+use crate::window::ResponseWindow;
 use num_complex::Complex64;
 use std::borrow::Cow;
 use std::ops::Range;
@@ -138,6 +139,24 @@ impl FrequencyResponse {
         Self { interpolations: Some(interpolations), ..self }
     }
 
+    /// The response under a window, without interpolated transforms, and without the samples after the
+    /// window, which are zero, and after the force.
+    pub(crate) fn with_response_window(&self, window: &ResponseWindow) -> Self {
+        let rate = self.sample_rate_hz;
+        let end = ((window.end_s + window.taper_s) * rate).ceil() as usize + 1;
+        let end = end.max(self.contact.end).min(self.samples.len());
+        let mut samples = self.samples[..end].to_vec();
+        window.apply(&mut samples, rate);
+        Self {
+            force: self.force[..end].to_vec(),
+            samples,
+            kind: self.kind,
+            sample_rate_hz: rate,
+            contact: self.contact.clone(),
+            interpolations: None,
+        }
+    }
+
     /// Receptance \[m/N\] on the grid of a zero-padded FFT, from zero frequency to half the sample
     /// rate.
     ///
@@ -211,6 +230,12 @@ impl FrequencyResponse {
     /// Quantity of the response samples.
     pub fn kind(&self) -> ResponseKind {
         self.kind
+    }
+
+    /// Time of no phase in [`FrequencyResponse::transforms_at`], after the first sample.
+    pub(crate) fn time_origin_s(&self) -> f64 {
+        let middle = if self.interpolations.is_some() { self.samples.len() / 2 } else { 0 };
+        middle as f64 / self.sample_rate_hz
     }
 
     /// Transforms and their derivatives at a frequency (Hz), up to a common phase.

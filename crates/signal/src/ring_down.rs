@@ -2,14 +2,16 @@
 
 mod analytic;
 mod band_pass;
+mod line_noise;
 mod local;
 
 pub use analytic::analytic_signal;
 pub use band_pass::BandPass;
+pub use line_noise::BackboneUncertainty;
+pub(crate) use local::{LocalFit, Polar};
 
 use crate::error::{Result, SignalError, check_positive, check_rate, check_samples};
 use crate::sums::largest_magnitude;
-use local::Polar;
 use num_complex::Complex64;
 
 /// Options of [`backbone`].
@@ -136,6 +138,25 @@ pub fn backbone(decay: &[f64], sample_rate_hz: f64, options: &BackboneOptions) -
     backbone_and_signal(decay, sample_rate_hz, options).map(|(found, _)| found)
 }
 
+/// Samples on either side of the middle of a line.
+pub(crate) fn half_line(sample_rate_hz: f64, options: &BackboneOptions) -> usize {
+    (0.5 * options.cycles * sample_rate_hz / options.band.centre_hz()).ceil().max(2.0) as usize
+}
+
+impl BackbonePoint {
+    /// The point of a line through a filtered decay.
+    pub(crate) fn of_line(line: &LocalFit, time_s: f64, band: &BandPass) -> Self {
+        let omega = std::f64::consts::TAU * line.frequency_hz;
+        Self {
+            time_s,
+            amplitude: line.amplitude / band.gain(line.frequency_hz),
+            frequency_hz: line.frequency_hz,
+            decay_rate: line.decay_rate,
+            damping_ratio: line.decay_rate / line.decay_rate.hypot(omega),
+        }
+    }
+}
+
 /// [`backbone`] and its analytic signal.
 pub(crate) fn backbone_and_signal(
     decay: &[f64],
@@ -150,7 +171,7 @@ pub(crate) fn backbone_and_signal(
     let polar = Polar::of(&signal);
 
     let centre_hz = band.centre_hz();
-    let half = (0.5 * options.cycles * sample_rate_hz / centre_hz).ceil().max(2.0) as usize;
+    let half = half_line(sample_rate_hz, options);
     let noise = (2.0 * options.noise_density * band.noise_width_hz()).sqrt();
     let floor = (options.noise_factor * noise).max(ROUNDING * largest_magnitude(decay));
     let mut found = Backbone {
@@ -183,14 +204,8 @@ pub(crate) fn backbone_and_signal(
         } else if amplitude < floor {
             found.masked_noise += 1;
         } else {
-            let omega = std::f64::consts::TAU * line.frequency_hz;
-            found.points.push(BackbonePoint {
-                time_s: middle as f64 / sample_rate_hz,
-                amplitude,
-                frequency_hz: line.frequency_hz,
-                decay_rate: line.decay_rate,
-                damping_ratio: line.decay_rate / line.decay_rate.hypot(omega),
-            });
+            let time_s = middle as f64 / sample_rate_hz;
+            found.points.push(BackbonePoint::of_line(&line, time_s, &band));
         }
     }
     Ok((found, signal))

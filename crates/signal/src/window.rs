@@ -1,5 +1,10 @@
 //! Windows for transients and their effect on a frequency response function.
 
+mod response_window;
+
+pub(crate) use response_window::DecayEnvelope;
+pub use response_window::ResponseWindow;
+
 use crate::error::{Result, check_positive};
 use crate::form::ResponseKind;
 use crate::hit::{Offset, Pulse};
@@ -38,6 +43,21 @@ impl ForceWindow {
     pub fn around(pulse: &Pulse, margin_s: f64, taper_s: f64) -> Self {
         let (first, last) = pulse.base_s;
         Self { begin_s: first - margin_s, end_s: last + margin_s, taper_s }
+    }
+
+    /// The window from the first to the last sample above a level (in newtons), with a margin on
+    /// either side and a taper, in seconds; `None` if no sample is.
+    pub fn above(
+        force: &[f64],
+        sample_rate_hz: f64,
+        level_n: f64,
+        margin_s: f64,
+        taper_s: f64,
+    ) -> Option<Self> {
+        let is_above = |x: &f64| x.abs() > level_n;
+        let first = force.iter().position(is_above)? as f64 / sample_rate_hz;
+        let last = force.iter().rposition(is_above)? as f64 / sample_rate_hz;
+        Some(Self { begin_s: first - margin_s, end_s: last + margin_s, taper_s })
     }
 
     /// Value of the window at a time after the first sample (seconds), 0 to 1.
@@ -151,6 +171,14 @@ impl ExponentialWindow {
         let sigma = ratio * omega - self.rate();
         let damped_square = omega * omega * (1.0 - ratio * ratio);
         sigma / (damped_square + sigma * sigma).sqrt()
+    }
+
+    /// The undamped natural frequency (Hz) without the window, `w^2 = w_d^2 + sigma^2`.
+    ///
+    /// Arguments as for [`ExponentialWindow::corrected_damping`]. Exact for a viscous mode.
+    pub fn corrected_natural_frequency(&self, natural_hz: f64, ratio: f64) -> f64 {
+        let sigma = ratio * natural_hz - self.rate() / TAU;
+        (natural_hz * natural_hz * (1.0 - ratio * ratio) + sigma * sigma).sqrt()
     }
 
     /// The frequency (Hz) of a single mode's receptance peak without the window.

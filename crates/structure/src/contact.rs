@@ -2,11 +2,12 @@
 
 use std::sync::Arc;
 
-use asperity_law::ContactLaw;
+use asperity_law::{ContactDamping, ContactLaw};
 
 use crate::StructureError;
 
-/// A contact in static equilibrium: area, law, static pressure, and what the law gives there.
+/// A contact in static equilibrium: area, law, damping, static pressure, and what the law gives
+/// there.
 ///
 /// At the static pressure `p0` the stiffness per area is `K(p0)` (Eq. 6) and the closure
 /// `d0 = d(p0)`, counted from the law's reference pressure.
@@ -32,6 +33,7 @@ pub struct PreloadedContact {
     pressure: f64,
     stiffness: f64,
     closure: f64,
+    damping: Option<ContactDamping>,
 }
 
 impl PreloadedContact {
@@ -61,7 +63,14 @@ impl PreloadedContact {
             let interface = name.to_owned();
             return Err(StructureError::NoEquilibrium { interface, pressure_pa: pressure });
         }
-        Ok(Self { name: name.to_owned(), area, law, pressure, stiffness, closure })
+        let name = name.to_owned();
+        Ok(Self { name, area, law, pressure, stiffness, closure, damping: None })
+    }
+
+    /// The contact with viscous `damping`, or with none.
+    #[must_use]
+    pub fn with_damping(self, damping: Option<ContactDamping>) -> Self {
+        Self { damping, ..self }
     }
 
     /// Name, for messages and outputs.
@@ -102,6 +111,18 @@ impl PreloadedContact {
     /// Stiffness of the contact as a linear spring, `K(p0) S` \[N/m\].
     pub fn spring(&self) -> f64 {
         self.stiffness * self.area
+    }
+
+    /// The viscous damping, if there is any.
+    pub fn damping(&self) -> Option<ContactDamping> {
+        self.damping
+    }
+
+    /// Coefficient of the contact as a linear damper at rest, `c(p0) S` \[N s/m\].
+    pub fn damper(&self) -> f64 {
+        let coefficient =
+            |damping: ContactDamping| damping.coefficient(self.pressure, self.stiffness);
+        self.area * self.damping.map_or(0.0, coefficient)
     }
 }
 

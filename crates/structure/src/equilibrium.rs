@@ -24,7 +24,8 @@ pub(crate) fn contacts(stack: &Stack) -> Result<Vec<PreloadedContact>, Structure
     interfaces
         .map(|(interface, pressure)| {
             let law = Arc::clone(interface.law());
-            PreloadedContact::new(interface.name(), interface.area(), law, pressure)
+            let contact = PreloadedContact::new(interface.name(), interface.area(), law, pressure);
+            Ok(contact?.with_damping(interface.damping()))
         })
         .collect()
 }

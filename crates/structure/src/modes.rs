@@ -13,8 +13,10 @@ use crate::{PreloadedContact, StructureError};
 pub struct LinearisedMode {
     /// Natural frequency \[Hz\].
     pub frequency_hz: f64,
-    /// Damping ratio under mass-proportional damping and the support's damper,
-    /// `phi^T C phi / (2 w phi^T M phi)`.
+    /// Damping ratio under mass-proportional damping, the contacts' dampers `c(p0) S` and that of
+    /// the support, `phi^T C phi / (2 w phi^T M phi)`. Kelvin-Voigt contacts add `beta w / 2` times
+    /// their share of the strain energy. Of first order in the damping: damping that couples the
+    /// modes changes their ratios by its square.
     pub damping_ratio: f64,
     /// Displacement of the upper and lower face of each body, the largest of
     /// all faces and the support being 1.
@@ -150,7 +152,13 @@ impl<'a> Chain<'a> {
             Support::Rigid => (0.0, 0.0),
             Support::SpringMass { mass, .. } => (shape[2 * bodies.len()], mass),
         };
-        let viscous = rate * body_mass + self.stack.support().damping() * support * support;
+        let dampers = self.contacts.iter().enumerate().map(|(i, contact)| {
+            let below = shape.get(2 * i + 2).copied().unwrap_or(0.0);
+            contact.damper() * (shape[2 * i + 1] - below).powi(2)
+        });
+        let viscous = rate * body_mass
+            + self.stack.support().damping() * support * support
+            + dampers.sum::<f64>();
         let total_mass = body_mass + support_mass * support * support;
         let (frequency_hz, damping_ratio) = (w / TAU, viscous / (2.0 * w * total_mass));
         if !(damping_ratio.is_finite() && shape.iter().all(|value| value.is_finite())) {

@@ -7,16 +7,19 @@ use asperity_dynamics::{
     ContactForm, Excitation, FiniteDifference, ForceRecord, Integrator, Modal, Sampling,
 };
 use asperity_law::{
-    Constant, ContactLaw, Exponential, Hyperbolic, InSeries, ModifiedPower, Power, Tabulated,
+    Constant, ContactDamping, ContactLaw, Exponential, GreenwoodWilliamson, Hyperbolic, InSeries,
+    ModifiedPower, Persson, Power, Tabulated,
 };
 use asperity_mesh::{Body, Interface, Stack, Support};
 use asperity_structure::{Damping, PreloadedStructure, StructureError};
 
 use crate::accuracy::DEFAULT_ACCURACY;
 use crate::error::{BuildLawError, StudyError};
+use crate::laws::law_name;
 use asperity_scenario::{
-    BodySpec, ContactScheme, DampingAmount, DampingSpec, ExcitationSpec, ForceSamples, LawRef,
-    LawSpec, Laws, MAX_SERIES_DEPTH, MethodSpec, ModalSpec, Scenario, SectionSpec, SupportSpec,
+    BodySpec, ContactDampingSpec, ContactScheme, DampingAmount, DampingSpec, ExcitationSpec,
+    ForceSamples, LawRef, LawSpec, Laws, MAX_SERIES_DEPTH, MethodSpec, ModalSpec, Scenario,
+    SectionSpec, SupportSpec,
 };
 
 /// A scenario turned into the objects that compute.
@@ -88,7 +91,11 @@ fn stack(scenario: &Scenario) -> Result<Stack, StudyError> {
             StudyError::Law { law, interface, pressure_pa: pressure, source }
         })?;
         let interface = Interface::new(&spec.name, spec.area_m2, law);
-        interfaces.push(interface.map_err(StructureError::from)?);
+        let interface = interface.map_err(StructureError::from)?;
+        interfaces.push(match spec.damping {
+            None => interface,
+            Some(damping) => interface.with_damping(contact_damping(&spec.name, damping)?),
+        });
     }
     let support = match scenario.support {
         SupportSpec::Rigid => Support::Rigid,
@@ -100,12 +107,19 @@ fn stack(scenario: &Scenario) -> Result<Stack, StudyError> {
     Ok(stack.map_err(StructureError::from)?)
 }
 
-/// The name of a law in messages.
-fn law_name(reference: &LawRef) -> &str {
-    match reference {
-        LawRef::Named(name) => name,
-        LawRef::InPlace(_) => "in place",
-    }
+/// The damping of the interface `name`.
+fn contact_damping(name: &str, spec: ContactDampingSpec) -> Result<ContactDamping, StudyError> {
+    let damping = match spec {
+        ContactDampingSpec::KelvinVoigt { time_s } => ContactDamping::kelvin_voigt(time_s),
+        ContactDampingSpec::LossRatio { ratio, frequency_hz } => {
+            ContactDamping::loss_ratio(ratio, frequency_hz)
+        }
+        ContactDampingSpec::Power { coefficient_pa_s_per_m, reference_pa, exponent } => {
+            ContactDamping::power(coefficient_pa_s_per_m, reference_pa, exponent)
+        }
+    };
+    let interface = name.to_owned();
+    damping.map_err(|source| StudyError::ContactDamping { interface, source })
 }
 
 /// The body that `spec` describes.
@@ -161,6 +175,31 @@ pub fn build_law(
         LawSpec::Hyperbolic { stiffness_pa_per_m, closure_limit_m } => {
             Arc::new(Hyperbolic::new(*stiffness_pa_per_m, *closure_limit_m)?)
         }
+        LawSpec::GreenwoodWilliamson {
+            summit_density_per_m2,
+            summit_radius_m,
+            summit_height_rms_m,
+            contact_modulus_pa,
+        } => Arc::new(GreenwoodWilliamson::new(
+            *summit_density_per_m2,
+            *summit_radius_m,
+            *summit_height_rms_m,
+            *contact_modulus_pa,
+            static_pressure,
+        )?),
+        LawSpec::Persson {
+            height_rms_m,
+            hurst_exponent,
+            roll_off_per_m,
+            cut_off_per_m,
+            contact_modulus_pa,
+        } => Arc::new(Persson::new(
+            *height_rms_m,
+            *hurst_exponent,
+            [*roll_off_per_m, *cut_off_per_m],
+            *contact_modulus_pa,
+            static_pressure,
+        )?),
         LawSpec::Table { points } => {
             let points: Vec<_> = points.iter().map(|&[p, k]| (p, k)).collect();
             Arc::new(Tabulated::new(&points)?)

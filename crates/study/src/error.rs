@@ -10,6 +10,7 @@ use asperity_signal::SignalError;
 use asperity_structure::StructureError;
 use thiserror::Error;
 
+use crate::gap_table::GapTableError;
 use asperity_scenario::{DocumentError, InputError, SamplesError};
 
 /// An error of a study of a valid scenario, or of writing its results.
@@ -47,6 +48,14 @@ pub enum StudyError {
         /// The fault.
         source: BuildLawError,
     },
+    /// The damping of an interface is out of range.
+    #[error("damping of interface \"{interface}\": {source}")]
+    ContactDamping {
+        /// The interface.
+        interface: String,
+        /// The fault.
+        source: LawError,
+    },
     /// A file that the result depends on cannot be read.
     #[error("{}: {source}", path.display())]
     Input {
@@ -69,6 +78,9 @@ pub enum StudyError {
     /// A table of pressures and stiffnesses to fit cannot be read.
     #[error(transparent)]
     FitTable(#[from] FitTableError),
+    /// A table of gaps and pressures is not a law.
+    #[error(transparent)]
+    GapTable(#[from] GapTableError),
     /// The output folder cannot take the results.
     #[error(transparent)]
     Output(#[from] OutputError),
@@ -84,6 +96,46 @@ pub enum StudyError {
     /// A scenario cannot be read again for a run of a sweep.
     #[error(transparent)]
     Document(#[from] DocumentError),
+}
+
+impl StudyError {
+    /// True if the scenario or the request is to be changed; false if the computation failed.
+    pub fn is_wrong_request(&self) -> bool {
+        match self {
+            Self::Samples { .. }
+            | Self::Input { .. }
+            | Self::FitTable(_)
+            | Self::GapTable(_)
+            | Self::Document(_)
+            | Self::Set(_)
+            | Self::Scenario { .. }
+            | Self::OtherColumns
+            | Self::ContactDamping { .. }
+            | Self::Law { .. } => true,
+            Self::Output(error) => !matches!(error, OutputError::Io { .. }),
+            Self::Structure(error) | Self::Dynamics(DynamicsError::Structure(error)) => {
+                is_wrong_structure(error)
+            }
+            Self::Dynamics(error) => matches!(
+                error,
+                DynamicsError::Setting { .. }
+                    | DynamicsError::TooLarge { .. }
+                    | DynamicsError::Mesh(_)
+                    | DynamicsError::ForceRecord { .. }
+            ),
+            Self::Harmonic(error) => !matches!(
+                error,
+                HarmonicError::NoStart { .. }
+                    | HarmonicError::NoLinearResponse { .. }
+                    | HarmonicError::BeyondLaw { .. }
+            ),
+            Self::Signal(_) | Self::NotResolved { .. } => false,
+        }
+    }
+}
+
+fn is_wrong_structure(error: &StructureError) -> bool {
+    matches!(error, StructureError::Setting { .. } | StructureError::Mesh(_))
 }
 
 /// A law that cannot be built.

@@ -141,6 +141,16 @@ impl ErrorControl {
         outcomes.into_iter().map(|outcome| outcome.unwrap_or_else(lost)).collect()
     }
 
+    /// The hit of a request with the first step that a refinement begins with, and the modes of each
+    /// body.
+    ///
+    /// # Errors
+    /// [`StudyError`] when the hit cannot be set up.
+    pub fn first_level(request: &Request) -> Result<(HitSimulation, Vec<usize>), StudyError> {
+        let task = Task::new(request)?;
+        Ok((task.hit_at(task.level)?, task.counts_at(task.level)))
+    }
+
     /// The pilot of each task, if it has one that it can follow.
     fn pilots(&self, tasks: &[Task<'_>]) -> Vec<Option<Arc<(Level, Observables)>>> {
         let wanted: Vec<Option<Request>> = tasks.iter().map(|task| task.request.pilot()).collect();

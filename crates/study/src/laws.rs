@@ -56,9 +56,7 @@ pub struct LawTable {
 /// ```
 pub fn tabulate(scenario: &Scenario) -> Result<Vec<LawTable>, StudyError> {
     let _stage = tracing::info_span!("tabulate").entered();
-    let bodies = scenario.bodies.iter().map(body).collect::<Result<Vec<Body>, _>>()?;
-    let areas = scenario.interfaces.iter().map(|interface| interface.area_m2);
-    let at_rest = asperity_mesh::static_pressures(&bodies, areas, scenario.gravity_m_per_s2);
+    let at_rest = static_pressures(scenario)?;
     let mut tables = Vec::with_capacity(scenario.laws.len());
     for (name, spec) in scenario.laws.iter() {
         let used = scenario
@@ -71,10 +69,31 @@ pub fn tabulate(scenario: &Scenario) -> Result<Vec<LawTable>, StudyError> {
             let interface = used.map(|at| scenario.interfaces[at].name.clone());
             StudyError::Law { law: name.to_owned(), interface, pressure_pa, source }
         })?;
-        let top = USUAL_TOP.max(2.0 * pressure_pa).max(highest_point(spec, &scenario.laws));
+        let top = usual_top(Some(spec), &scenario.laws, pressure_pa);
         tables.push(table(name, &law, top));
     }
     Ok(tables)
+}
+
+/// Pressure \[Pa\] at each interface under the weight of the bodies above.
+pub(crate) fn static_pressures(scenario: &Scenario) -> Result<Vec<f64>, StudyError> {
+    let bodies = scenario.bodies.iter().map(body).collect::<Result<Vec<Body>, _>>()?;
+    let areas = scenario.interfaces.iter().map(|interface| interface.area_m2);
+    Ok(asperity_mesh::static_pressures(&bodies, areas, scenario.gravity_m_per_s2))
+}
+
+/// Name of a law in messages and tables.
+pub(crate) fn law_name(reference: &LawRef) -> &str {
+    match reference {
+        LawRef::Named(name) => name,
+        LawRef::InPlace(_) => "in place",
+    }
+}
+
+/// Highest pressure \[Pa\] of the table of a law.
+pub(crate) fn usual_top(spec: Option<&LawSpec>, laws: &Laws, at_rest: f64) -> f64 {
+    let highest = spec.map_or(0.0, |spec| highest_point(spec, laws));
+    USUAL_TOP.max(2.0 * at_rest).max(highest)
 }
 
 fn highest_point(spec: &LawSpec, laws: &Laws) -> f64 {

@@ -14,16 +14,18 @@
 //!
 //! | step | modules |
 //! |---|---|
-//! | prepare | [`assemble`], [`static_state`], [`prepared_scenario`], [`parameter`] |
+//! | prepare | [`gap_table`], [`assemble`], [`static_state`], [`prepared_scenario`], [`parameter`] |
 //! | compute | [`run`], [`mod@sweep`], [`mod@steady`], [`sensitivity`], [`laws`], [`accuracy`], [`error_control`] |
 //! | observe | [`quantity`], [`observables`], [`observable_extractor`], [`warning`] |
-//! | write | [`summary`], [`provenance`], [`record`], [`output`], [`error`] |
+//! | write | [`contact_deck`], [`summary`], [`provenance`], [`record`], [`output`], [`error`] |
 
 pub mod accuracy;
 pub mod assemble;
+pub mod contact_deck;
 pub mod error;
 pub mod error_control;
 mod finite_differences;
+pub mod gap_table;
 pub mod laws;
 pub mod observable_extractor;
 pub mod observables;

@@ -66,6 +66,9 @@ quantities! {
     EnergyInput: "energy.input_j", "J", "Work of the force", false;
     /// Viscous loss.
     EnergyDissipated: "energy.dissipated_j", "J", "Viscous loss", false;
+    /// The part of it in the contacts.
+    EnergyContactDissipated:
+        "energy.contact_dissipated_j", "J", "Viscous loss of contacts", false;
     /// Energy stored at the end, counted from rest.
     EnergyStored: "energy.stored_j", "J", "Stored energy", false;
     /// Loss of the contact scheme itself.

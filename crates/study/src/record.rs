@@ -11,6 +11,11 @@ use crate::laws::LawTable;
 
 /// `history.csv`: a row per output sample.
 pub fn history_csv(history: &History, interfaces: &[&str]) -> String {
+    columns_to_csv(history_columns(history, interfaces))
+}
+
+/// Columns of `history.csv`, with their names.
+pub fn history_columns<'a>(history: &'a History, interfaces: &[&str]) -> Vec<(String, &'a [f64])> {
     let mut columns: Vec<(String, &[f64])> = vec![
         ("time_s".to_owned(), &history.time),
         ("force_n".to_owned(), &history.force),
@@ -22,20 +27,23 @@ pub fn history_csv(history: &History, interfaces: &[&str]) -> String {
         columns.push((format!("{name}:closure_m"), &columns_of.closure));
         columns.push((format!("{name}:stiffness_pa_per_m"), &columns_of.stiffness));
     }
-    columns_to_csv(columns)
+    columns
 }
 
 /// `frf.csv`: a row per frequency.
 pub fn frf_csv(frf: &Frf) -> String {
-    let real: Vec<f64> = frf.values.iter().map(|value| value.re).collect();
-    let imag: Vec<f64> = frf.values.iter().map(|value| value.im).collect();
-    columns_to_csv([
-        ("frequency_hz", &frf.frequency_hz),
-        ("real_m_per_n", &real),
-        ("imag_m_per_n", &imag),
-        ("magnitude_m_per_n", &frf.magnitude()),
-        ("phase_rad", &frf.phase()),
-    ])
+    columns_to_csv(frf_columns(frf))
+}
+
+/// Columns of `frf.csv`, with their names.
+pub fn frf_columns(frf: &Frf) -> [(&'static str, Vec<f64>); 5] {
+    [
+        ("frequency_hz", frf.frequency_hz.clone()),
+        ("real_m_per_n", frf.values.iter().map(|value| value.re).collect()),
+        ("imag_m_per_n", frf.values.iter().map(|value| value.im).collect()),
+        ("magnitude_m_per_n", frf.magnitude()),
+        ("phase_rad", frf.phase()),
+    ]
 }
 
 /// `law-<name>.csv`: a row per pressure.

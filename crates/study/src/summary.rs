@@ -92,6 +92,8 @@ pub struct EnergySummary {
     pub input_j: f64,
     /// Viscous loss \[J\].
     pub dissipated_j: f64,
+    /// The part of it in the contacts \[J\].
+    pub contact_dissipated_j: f64,
     /// Stored at the end, counted from rest \[J\].
     pub stored_j: f64,
     /// Loss of the contact scheme itself \[J\].
@@ -162,6 +164,7 @@ impl Summary {
             energy: EnergySummary {
                 input_j: number(Quantity::EnergyInput, None),
                 dissipated_j: number(Quantity::EnergyDissipated, None),
+                contact_dissipated_j: number(Quantity::EnergyContactDissipated, None),
                 stored_j: number(Quantity::EnergyStored, None),
                 numerical_loss_j: number(Quantity::EnergyNumericalLoss, None),
                 residual_relative: number(Quantity::EnergyResidual, None),

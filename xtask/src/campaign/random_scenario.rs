@@ -133,7 +133,12 @@ fn stack(draw: &mut Draw, seed: u64, number: u64) -> Scenario {
         } else {
             LawRef::InPlace(Box::new(law))
         };
-        interfaces.push(InterfaceSpec { name: format!("contact {at}"), area_m2, law });
+        interfaces.push(InterfaceSpec {
+            name: format!("contact {at}"),
+            area_m2,
+            law,
+            damping: None,
+        });
     }
     let support = if draw.chance(0.5) {
         SupportSpec::Rigid

@@ -3,7 +3,7 @@
 use std::slice;
 
 use anyhow::{Context, Result, ensure};
-use asperity_experiment::{AnalysisOptions, FrequencyBand, HitCount, analyse};
+use asperity_experiment::{AnalysisOptions, FrequencyBand, HitCount, ResponseChoice, analyse};
 use asperity_figure::{Axis, Legend, Marker, Series};
 use asperity_measure::{Format, WriteOptions, write};
 use asperity_study::record::measurement_record;
@@ -74,15 +74,17 @@ fn both_paths(case: &Case, run: &Run) -> Result<(Observed, Observed)> {
     let record = measurement_record(&run.transient.history, rate, None);
     write(&file, slice::from_ref(&record), Format::UniversalBinary, &WriteOptions::default())?;
     let options = AnalysisOptions {
-        response: Some("acceleration".into()),
+        responses: ResponseChoice::of(&["acceleration".into()]),
         hits: HitCount::Strongest(1),
         band_hz: Some(FrequencyBand { low_hz: 0.4 * natural, high_hz: 1.4 * natural }),
         ..AnalysisOptions::default()
     };
     let analysis = analyse(&[file], &options)?;
-    let hit = analysis.report.hits.first().context("no hit was found in the file")?;
+    let response = analysis.responses.first().context("no response in the file")?;
+    let hit = response.report.hits.first().context("no hit was found in the file")?;
     let first = hit.fundamental.context("the file's hit has no fundamental")?;
-    let ratio = hit.harmonic_ratio.context("the file's hit has no second harmonic")?;
+    let second = hit.second_peak.as_ref().context("the file's hit has no second peak")?;
+    let ratio = second.ratio;
     Ok((direct, [first.frequency_hz, first.magnitude, ratio]))
 }
 

@@ -11,14 +11,48 @@ use asperity_measure::{Format, ReadOptions, SampleAxis};
 use asperity_signal::{FrfEstimator, FrfForm};
 use clap::{Args as Group, ValueEnum};
 
+use super::figures::{FigureOptions, MagnitudeAxis};
+
 /// Files to analyse, and the options of the analysis.
-#[allow(clippy::struct_excessive_bools, reason = "each is a switch of the command line")]
 #[derive(Debug, Group)]
 pub(crate) struct Analyse {
-    /// The files, one test in this order.
+    /// The files, one test in this order; folders and patterns such as 'hits/*.npy' too.
     #[arg(value_name = "FILE", required = true)]
     pub(crate) files: Vec<PathBuf>,
 
+    #[command(flatten)]
+    pub(crate) analysis: AnalysisArguments,
+}
+
+/// A folder to watch, and the options of the analysis of its files.
+#[derive(Debug, Group)]
+pub(crate) struct Watch {
+    /// The folder to which the files of a test are added.
+    #[arg(value_name = "FOLDER")]
+    pub(crate) folder: PathBuf,
+
+    /// Force levels in N to be hit three times each, such as 5,10,20,40. Default: repeat each level,
+    /// then fill gaps.
+    #[arg(long, value_name = "N,...", value_delimiter = ',')]
+    pub(crate) levels: Vec<f64>,
+
+    /// Problem of `asperity identify` with a `design`: after each file it is identified in the
+    /// background, and its best next hit is said.
+    #[arg(long, value_name = "PROBLEM")]
+    pub(crate) problem: Option<PathBuf>,
+
+    /// End when all files of the folder are judged.
+    #[arg(long)]
+    pub(crate) once: bool,
+
+    #[command(flatten)]
+    pub(crate) analysis: AnalysisArguments,
+}
+
+/// Options of an analysis.
+#[allow(clippy::struct_excessive_bools, reason = "each is a switch of the command line")]
+#[derive(Debug, Group)]
+pub(crate) struct AnalysisArguments {
     #[command(flatten)]
     pub(crate) source: SourceOptions,
 
@@ -30,9 +64,13 @@ pub(crate) struct Analyse {
     #[arg(long, value_name = "CHANNEL")]
     pub(crate) force: Option<ChannelSelector>,
 
-    /// Channel of the response. Default: the only acceleration, velocity or displacement.
-    #[arg(long, value_name = "CHANNEL")]
-    pub(crate) response: Option<ChannelSelector>,
+    /// Channel of a response, repeatable, or all. Default: the only acceleration, velocity or
+    /// displacement.
+    ///
+    /// With several, files of the first have their usual names, those of the others end in their
+    /// channel's, such as hits_acc2.csv.
+    #[arg(long, value_name = "CHANNEL|all")]
+    pub(crate) response: Vec<ChannelSelector>,
 
     /// The force is negative when the hammer pushes.
     #[arg(long)]
@@ -43,30 +81,41 @@ pub(crate) struct Analyse {
     pub(crate) hits: HitCount,
 
     /// Trigger level: the force at which a hit begins, in N. Default: between noise and hits.
-    #[arg(long = "level", visible_alias = "trigger-level", value_name = "NEWTONS")]
+    #[arg(
+        long = "level",
+        visible_alias = "trigger-level",
+        value_name = "NEWTONS",
+        allow_negative_numbers = true
+    )]
     pub(crate) trigger_level: Option<f64>,
 
     /// Longest hit, in s. Default: the median time from hit to hit.
-    #[arg(long = "length", visible_alias = "hit-length", value_name = "SECONDS")]
+    #[arg(
+        long = "length",
+        visible_alias = "hit-length",
+        value_name = "SECONDS",
+        allow_negative_numbers = true
+    )]
     pub(crate) hit_length: Option<f64>,
 
-    /// Time kept before the trigger, in s.
-    #[arg(long, value_name = "SECONDS", default_value_t = 5e-3)]
-    pub(crate) pre_trigger: f64,
+    /// Time kept before the trigger, in s. Default: 0.005.
+    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true)]
+    pub(crate) pre_trigger: Option<f64>,
 
-    /// Time after a trigger in which a second impact makes a double hit, in s.
-    #[arg(long, value_name = "SECONDS", default_value_t = 0.2)]
-    pub(crate) hold_off: f64,
+    /// Time after a trigger in which a second impact makes a double hit, in s. Default: 0.2.
+    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true)]
+    pub(crate) hold_off: Option<f64>,
 
-    /// FRF estimator: h1, h2 or hv.
-    #[arg(long, default_value = "h1", value_parser = parse_estimator)]
-    pub(crate) estimator: FrfEstimator,
+    /// FRF estimator: h1, h2 or hv. Default: h1.
+    #[arg(long, value_parser = parse_estimator)]
+    pub(crate) estimator: Option<FrfEstimator>,
 
-    /// Window: none, force, exponential or force+exponential, the latter two also with :TAU in s.
+    /// Window: auto, none, force, exponential or force+exponential, the latter two also with :TAU in s.
     ///
-    /// The damping added by the exponential window is removed from the features of each hit.
-    #[arg(long, default_value = "none")]
-    pub(crate) window: WindowOptions,
+    /// auto, the default, sets force and response to zero where they are noise. The damping added by
+    /// the exponential window is removed from the features of each hit.
+    #[arg(long)]
+    pub(crate) window: Option<WindowOptions>,
 
     /// Frequency band of the fundamental, in Hz. Default: about the strongest resonance of the first
     /// hit.
@@ -77,11 +126,16 @@ pub(crate) struct Analyse {
     #[arg(long, default_value = "receptance", value_parser = parse_frf_form)]
     pub(crate) form: FrfForm,
 
+    /// Also write the FRFs of the hits and their average, in the form of --form, as frfs.uff (58b or
+    /// 58), frfs.npz, or frfs.csv with real and imaginary parts.
+    #[arg(long, value_name = "FORMAT")]
+    pub(crate) frfs: Option<RecordFormat>,
+
     /// Also average double hits, overloads and dropouts.
     #[arg(long)]
     pub(crate) keep_all: bool,
 
-    /// Folder for the results. Default: out/ and the name of the first file.
+    /// Folder for the results. Default: out/ and the name of the first file or folder.
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
 
@@ -91,6 +145,49 @@ pub(crate) struct Analyse {
     pub(crate) overwrite: bool,
 
     /// Print the analysis as JSON on standard output, and nothing else there.
+    #[arg(long)]
+    pub(crate) json: bool,
+
+    #[command(flatten)]
+    pub(crate) figures: FigureOptions,
+
+    /// Axis of the magnitudes in the figure of the FRFs: linear, log or db.
+    #[arg(long, value_name = "AXIS", default_value = "log", hide_possible_values = true)]
+    pub(crate) magnitude: MagnitudeAxis,
+}
+
+/// Files to describe.
+#[derive(Debug, Group)]
+pub(crate) struct Inspect {
+    /// The files; folders and patterns such as 'hits/*.npy' too.
+    #[arg(value_name = "FILE", required = true)]
+    pub(crate) files: Vec<PathBuf>,
+
+    #[command(flatten)]
+    pub(crate) source: SourceOptions,
+
+    /// Sensor of a channel in volts, as for `analyse`.
+    #[arg(long, value_name = "CHANNEL=SENSITIVITY")]
+    pub(crate) sensitivity: Vec<ChannelSensor>,
+
+    /// Channel of the force, as for `analyse`.
+    #[arg(long, value_name = "CHANNEL")]
+    pub(crate) force: Option<ChannelSelector>,
+
+    /// Channel of a response, repeatable, or all, as for `analyse`.
+    #[arg(long, value_name = "CHANNEL|all")]
+    pub(crate) response: Vec<ChannelSelector>,
+
+    /// Also write the settings of a rig, as found in the first file, to complete and to give to
+    /// --rig.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) write_rig: Option<PathBuf>,
+
+    /// Replace that file if it exists.
+    #[arg(long)]
+    pub(crate) overwrite: bool,
+
+    /// Print the description as JSON: one object, or an array for several files.
     #[arg(long)]
     pub(crate) json: bool,
 }
@@ -124,6 +221,11 @@ pub(crate) struct Conversion {
 /// Names, units and sample rate of files that lack them.
 #[derive(Debug, Group)]
 pub(crate) struct SourceOptions {
+    /// Settings of the rig, a JSON file; `asperity schema --rig` prints what it may hold. Options of
+    /// the command line win over it.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) rig: Option<PathBuf>,
+
     /// Names of the channels in their order, such as force,acc; an empty one keeps the file's.
     #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
     names: Vec<String>,
@@ -133,7 +235,7 @@ pub(crate) struct SourceOptions {
     units: Vec<String>,
 
     /// Samples per second, for a file without a time axis.
-    #[arg(long, value_name = "HZ")]
+    #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
     rate: Option<f64>,
 
     /// Axis of an array along which the samples run. Default: the longer one.
@@ -166,14 +268,18 @@ pub(crate) enum RecordFormat {
 impl SourceOptions {
     /// `options` of a reader with these names, units and rate.
     pub(crate) fn read_options(&self, options: &ReadOptions) -> ReadOptions {
+        let axis = self.sample_axis.map(|axis| match axis {
+            ArrayAxis::First => SampleAxis::First,
+            ArrayAxis::Last => SampleAxis::Last,
+        });
+        let or = |given: &[String], known: &[String]| {
+            if given.is_empty() { known.to_vec() } else { given.to_vec() }
+        };
         ReadOptions {
-            sample_rate_hz: self.rate,
-            sample_axis: self.sample_axis.map(|axis| match axis {
-                ArrayAxis::First => SampleAxis::First,
-                ArrayAxis::Last => SampleAxis::Last,
-            }),
-            names: self.names.clone(),
-            units: self.units.clone(),
+            sample_rate_hz: self.rate.or(options.sample_rate_hz),
+            sample_axis: axis.or(options.sample_axis),
+            names: or(&self.names, &options.names),
+            units: or(&self.units, &options.units),
             ..options.clone()
         }
     }
@@ -186,6 +292,20 @@ impl RecordFormat {
             Self::UffAscii => Format::UniversalText,
             Self::Csv => Format::Text,
             Self::Npz => Format::Npz,
+        }
+    }
+
+    /// True for a format without complex samples.
+    pub(crate) fn is_text(self) -> bool {
+        self == Self::Csv
+    }
+
+    /// Name of a file with frequency response functions.
+    pub(crate) fn frf_file_name(self) -> &'static str {
+        match self {
+            Self::Uff | Self::UffAscii => "frfs.uff",
+            Self::Csv => "frfs.csv",
+            Self::Npz => "frfs.npz",
         }
     }
 

@@ -1,72 +1,191 @@
 //! `asperity analyse`.
 
 use std::fmt::Write as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use asperity_experiment::{AnalysisOptions, AnalysisReport, HitReport, analyse_with_progress};
+use asperity_experiment::{
+    Analysis, AnalysisError, AnalysisOptions, AnalysisReport, ForceLevel, HitReport, HitStatistics,
+    Mode, ResponseAnalysis, ResponseChoice, analyse_with_progress, input_files,
+};
+use asperity_measure::WriteOptions;
+use asperity_study::output::file_name::distinct_file_names;
 use serde_json::json;
 
-use super::ResultFolder;
-use crate::args::analyse::Analyse;
+use super::{ResultFolder, pretty};
+use crate::args::analyse::{Analyse, AnalysisArguments};
 use crate::failure::Failure;
+use crate::file_kind::check_measurements;
 use crate::plot;
+use crate::rig;
 
 /// Most hits in the printed table.
 const MOST_SHOWN: usize = 30;
 
 /// Analyses the files of one test; writes tables and figures.
 pub(crate) fn run(asked: &Analyse, quiet: bool) -> Result<(), Failure> {
-    let first = asked.files.first().map_or("analysis".as_ref(), PathBuf::as_path);
-    let out = asked.out.as_deref();
-    let folder = ResultFolder::claim_at("analyse", first, out, asked.overwrite)?;
-    let bar = crate::progress::bar(2 * asked.files.len() as u64, "reading", quiet);
-    let analysis = analyse_with_progress(&asked.files, &options(asked), &|passes| {
+    let Analyse { files, analysis: asked } = asked;
+    let files = input_files(files)?;
+    files.iter().try_for_each(|file| check_measurements(file))?;
+    let first = files.first().map_or("analysis".as_ref(), PathBuf::as_path);
+    let folder = claim(first, asked, asked.overwrite)?;
+    let bar = crate::progress::bar(2 * files.len() as u64, "reading", quiet);
+    let analysis = analyse_with_progress(&files, &options(asked)?, &|passes| {
         bar.set_position(passes as u64);
     });
     bar.finish_and_clear();
     let analysis = analysis?;
-
-    folder.write("hits.csv", analysis.hits_csv())?;
-    folder.write("frf.csv", analysis.frf_csv())?;
-    folder.write("backbone.csv", analysis.backbone_csv())?;
-    for (name, figure) in plot::figures(&analysis) {
-        folder.draw(name, &figure)?;
-    }
-    let folder = folder.finish("analysis.json", &json!(analysis.report), asked.json)?;
-    if !asked.json && !quiet {
-        crate::progress::show_notices(analysis.report.notices.iter().map(|notice| {
+    let folder = write(folder, &analysis, asked, asked.json)?;
+    if let (Some(first), false) = (analysis.responses.first(), asked.json || quiet) {
+        crate::progress::show_notices(first.report.notices.iter().map(|notice| {
             let notice = notice.replace("`band_hz`", "--band LO:HI");
             notice.replace("`flip_force`", "--flip-force")
         }));
-        answer!("{}", in_words(&analysis.report));
+        answer!("{}", in_words(&analysis));
         answer_line!("written to {}", folder.display());
     }
     Ok(())
 }
 
-fn options(asked: &Analyse) -> AnalysisOptions {
-    let default = AnalysisOptions::default();
-    AnalysisOptions {
-        reading: asked.source.read_options(&default.reading),
-        sensitivities: asked.sensitivity.clone(),
-        force: asked.force.clone(),
-        response: asked.response.clone(),
-        flip_force: asked.flip_force,
-        hits: asked.hits,
-        trigger_level_n: asked.trigger_level,
-        hit_length_s: asked.hit_length,
-        pre_trigger_s: asked.pre_trigger,
-        hold_off_s: asked.hold_off,
-        estimator: asked.estimator,
-        form: asked.form,
-        windows: asked.window,
-        band_hz: asked.band,
-        keep_all: asked.keep_all,
+/// The folder for the results of some input.
+pub(super) fn claim(
+    input: &Path,
+    asked: &AnalysisArguments,
+    overwrite: bool,
+) -> Result<ResultFolder, Failure> {
+    let formats = &asked.figures.figures;
+    ResultFolder::claim_at("analyse", input, asked.out.as_deref(), overwrite, formats)
+}
+
+/// Writes tables, figures and pages, and puts them in place; prints the report if `print`.
+pub(super) fn write(
+    folder: ResultFolder,
+    analysis: &Analysis,
+    asked: &AnalysisArguments,
+    print: bool,
+) -> Result<PathBuf, Failure> {
+    let names = suffixes(analysis);
+    for (response, suffix) in analysis.responses.iter().zip(&names) {
+        folder.write(&format!("hits{suffix}.csv"), response.hits_csv())?;
+        folder.write(&format!("frf{suffix}.csv"), response.frf_csv())?;
+        folder.write(&format!("backbone{suffix}.csv"), response.backbone_csv())?;
     }
+    folder.write("modes.csv", analysis.modes_csv())?;
+    if let Some(format) = asked.frfs {
+        let options = WriteOptions { title: "asperity analyse".to_owned(), ..Default::default() };
+        let place = folder.unfinished(format.frf_file_name())?;
+        let record = analysis.frf_record(format.is_text());
+        asperity_measure::write(&place, &[record], format.format(), &options)
+            .map_err(AnalysisError::from)?;
+    }
+    for (number, (response, suffix)) in analysis.responses.iter().zip(&names).enumerate() {
+        let mut figures = plot::figures(response, asked.magnitude);
+        if number == 0 {
+            let all = plot::responses(analysis, asked.magnitude);
+            figures.extend(all.map(|figure| ("responses", figure)));
+        }
+        for (name, figure) in &figures {
+            folder.draw(&format!("{name}{suffix}"), figure)?;
+        }
+        folder.write(&format!("report{suffix}.html"), plot::analysis_report(response, &figures))?;
+        if number > 0 {
+            folder.write(&format!("analysis{suffix}.json"), pretty(&json!(response.report)))?;
+        }
+    }
+    let report = analysis.responses.first().map(|first| json!(first.report)).unwrap_or_default();
+    folder.finish("analysis.json", &report, print)
+}
+
+/// Endings of the names of each response's files: none for the first, then those of the channels.
+fn suffixes(analysis: &Analysis) -> Vec<String> {
+    let names = distinct_file_names(analysis.responses.iter().map(ResponseAnalysis::name));
+    let ending = |(number, name)| if number == 0 { String::new() } else { format!("_{name}") };
+    names.into_iter().enumerate().map(ending).collect()
+}
+
+/// The options of the rig, with those of the command line over them.
+pub(super) fn options(asked: &AnalysisArguments) -> Result<AnalysisOptions, Failure> {
+    let rig = rig::options_of(&asked.source)?;
+    // The first sensor of a channel counts.
+    let sensitivities = asked.sensitivity.iter().chain(&rig.sensitivities).cloned().collect();
+    Ok(AnalysisOptions {
+        sensitivities,
+        force: asked.force.clone().or(rig.force),
+        responses: match asked.response.as_slice() {
+            [] => rig.responses,
+            given => ResponseChoice::of(given),
+        },
+        flip_force: asked.flip_force || rig.flip_force,
+        hits: asked.hits,
+        trigger_level_n: asked.trigger_level.or(rig.trigger_level_n),
+        hit_length_s: asked.hit_length.or(rig.hit_length_s),
+        pre_trigger_s: asked.pre_trigger.unwrap_or(rig.pre_trigger_s),
+        hold_off_s: asked.hold_off.unwrap_or(rig.hold_off_s),
+        estimator: asked.estimator.unwrap_or(rig.estimator),
+        form: asked.form,
+        windows: asked.window.unwrap_or(rig.windows),
+        band_hz: asked.band.or(rig.band_hz),
+        keep_all: asked.keep_all || rig.keep_all,
+        keep_frfs: asked.frfs.is_some(),
+        ..rig
+    })
 }
 
 /// The analysis as text.
-fn in_words(report: &AnalysisReport) -> String {
+fn in_words(analysis: &Analysis) -> String {
+    let [first, others @ ..] = analysis.responses.as_slice() else { return String::new() };
+    let mut text = response_in_words(&first.report);
+    for other in others {
+        let _ = writeln!(text, "\n{}:", other.name());
+        text.push_str(&average(&other.report));
+        for sentence in &other.report.conclusions {
+            let _ = writeln!(text, "{sentence}");
+        }
+    }
+    if analysis.modes.len() > 1 || !others.is_empty() {
+        text.push_str(&modes(&analysis.modes));
+    }
+    text
+}
+
+/// The modal table.
+fn modes(modes: &[Mode]) -> String {
+    if modes.is_empty() {
+        return "\nno mode in the band is in half of the hits\n".to_owned();
+    }
+    let mut text = String::from(
+        "\n mode  response            f0 Hz       +-   damping %       +-   constant 1/kg  phase deg\n",
+    );
+    let number = |value: Option<f64>, width: usize, digits: usize| {
+        let shown = value.map_or("-".to_owned(), |value| format!("{value:.digits$}"));
+        format!("{shown:>width$}")
+    };
+    let deviation = |value: Option<f64>| {
+        let shown = value.map_or("-".to_owned(), |value| format!("{value:.1e}"));
+        format!("{shown:>8}")
+    };
+    for mode in modes {
+        for (place, at) in mode.responses.iter().enumerate() {
+            let first = if place == 0 { mode.number.to_string() } else { String::new() };
+            let [re, im] = at.modal_constant_per_kg;
+            let percent = |value: Option<f64>| value.map(|value| 100.0 * value);
+            let _ = writeln!(
+                text,
+                "{first:>5}  {:<14} {} {} {} {} {:>15.4e} {:>10.1}",
+                at.response,
+                number(Some(at.natural_frequency_hz), 10, 3),
+                deviation(at.natural_frequency_uncertainty_hz),
+                number(Some(100.0 * at.damping_ratio), 11, 4),
+                deviation(percent(at.damping_ratio_uncertainty)),
+                re.hypot(im),
+                at.phase_deg,
+            );
+        }
+    }
+    text
+}
+
+/// The table of the hits, the average, and the force levels.
+fn response_in_words(report: &AnalysisReport) -> String {
     let mut text = String::from(
         "                                                       damping %\n \
           hit  force N  impulse Ns  width ms     f1 Hz    A1 m/N  half power  decrement   A2/A1\n",
@@ -78,8 +197,19 @@ fn in_words(report: &AnalysisReport) -> String {
         // Writing to a string cannot fail.
         let _ = writeln!(text, "... and {} more in hits.csv", report.hits.len() - MOST_SHOWN);
     }
+    text.push_str(&average(report));
+    text.push_str(&levels(&report.levels));
+    for sentence in &report.conclusions {
+        let _ = writeln!(text, "{sentence}");
+    }
+    text
+}
+
+/// The average in a line.
+fn average(report: &AnalysisReport) -> String {
     let (average, all, estimator) =
         (&report.average, report.hits.len(), &report.settings.estimator);
+    let mut text = String::new();
     let _ = write!(text, "average of {} of {all} hits ({estimator})", average.hits);
     if let Some(first) = average.fundamental {
         let _ = write!(text, ": {:.2} Hz, {:.4e} m/N", first.frequency_hz, first.magnitude);
@@ -89,6 +219,44 @@ fn in_words(report: &AnalysisReport) -> String {
         if let Some(coherence) = first.coherence {
             let _ = write!(text, ", coherence {coherence:.5}");
         }
+    }
+    text.push('\n');
+    text
+}
+
+/// The table of the force levels; empty for one.
+fn levels(levels: &[ForceLevel]) -> String {
+    if levels.len() < 2 {
+        return String::new();
+    }
+    let mut text = String::from(
+        "\n   force N  hits        f1 Hz   scatter    A1 m/N  scatter %  damping %     A2/A1  coherence\n",
+    );
+    for level in levels {
+        let of = |statistics: Option<HitStatistics>, factor: f64, width: usize, digits: usize| {
+            let shown = statistics.map(|one| format!("{:.digits$}", factor * one.mean));
+            format!("{:>width$}", shown.unwrap_or_else(|| "-".to_owned()))
+        };
+        let scatter = |statistics: Option<HitStatistics>| statistics?.standard_deviation;
+        let number = |value: Option<f64>, width: usize, digits: usize| {
+            let shown = value.map_or("-".to_owned(), |value| format!("{value:.digits$}"));
+            format!("{shown:>width$}")
+        };
+        let height = level.magnitude.map_or("-".to_owned(), |one| format!("{:.3e}", one.mean));
+        let relative =
+            level.magnitude.and_then(|one| Some(100.0 * one.standard_deviation? / one.mean));
+        let _ = writeln!(
+            text,
+            "{:>10.2} {:>5} {} {} {height:>9} {} {} {} {}",
+            level.force_peak_n.mean,
+            level.hits.len(),
+            of(level.frequency_hz, 1.0, 12, 2),
+            number(scatter(level.frequency_hz), 9, 3),
+            number(relative, 10, 2),
+            of(level.damping_ratio, 100.0, 10, 3),
+            of(level.harmonic_ratio, 1.0, 9, 4),
+            number(level.coherence, 10, 5),
+        );
     }
     text.push('\n');
     text

@@ -6,12 +6,18 @@ use serde_json::json;
 
 use crate::args::analyse::{Conversion, RecordFormat};
 use crate::failure::Failure;
+use crate::file_kind::check_measurements;
+use crate::rig;
 
 /// Converts one file to another.
 pub(crate) fn run(asked: &Conversion, quiet: bool) -> Result<(), Failure> {
     let Conversion { input, output, source, to, si, overwrite, json } = asked;
+    check_measurements(input)?;
     let options = ConvertOptions {
-        reading: source.read_options(&ReadOptions::default()),
+        reading: ReadOptions {
+            block: ReadOptions::default().block,
+            ..rig::options_of(source)?.reading
+        },
         format: to.map(RecordFormat::format),
         in_si: *si,
         replace: *overwrite,

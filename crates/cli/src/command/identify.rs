@@ -1,18 +1,22 @@
 //! `asperity identify`.
 
+use std::io::{IsTerminal, stderr};
 use std::path::Path;
-use std::sync::{Mutex, PoisonError};
+use std::sync::Arc;
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::time::{Duration, Instant};
 
-use asperity_identify::inference::Progress;
 use asperity_identify::{
-    Identification, IdentificationError, IdentificationProblem, identify_with_progress,
+    Identification, IdentificationError, IdentificationProblem, IncompleteIdentification,
+    StiffnessOrigin, Work, WorkProgress, identify,
 };
-use indicatif::ProgressBar;
+use asperity_scenario::four_digits;
 use tracing::info_span;
 
 use super::ResultFolder;
 use crate::args::Output;
 use crate::failure::Failure;
+use crate::file_kind::FileKind;
 use crate::plot;
 
 /// Identifies the parameters of a problem; writes laws, tables, figures and the report.
@@ -22,28 +26,21 @@ pub(crate) fn run(
     threads: Option<usize>,
     quiet: bool,
 ) -> Result<(), Failure> {
-    let problem = info_span!("read").in_scope(|| IdentificationProblem::read(path))?;
+    let problem = info_span!("read").in_scope(|| {
+        let document = super::read_document(path, FileKind::Problem)?;
+        Ok::<_, Failure>(IdentificationProblem::of(document)?)
+    })?;
     let folder = ResultFolder::claim("identify", path, output)?;
-    let bar: Mutex<Option<(&str, ProgressBar)>> = Mutex::new(None);
-    let show = |step: Progress| {
-        let stage = step.stage.name();
-        let mut bar = bar.lock().unwrap_or_else(PoisonError::into_inner);
-        if bar.as_ref().is_none_or(|(name, _)| *name != stage) {
-            if let Some((_, old)) = bar.take() {
-                old.finish_and_clear();
-            }
-            *bar = Some((stage, crate::progress::bar(step.of as u64, stage, quiet)));
+    // The first ends the identification with what is finished.
+    super::stop_on_signals(&problem.work().stop_flag());
+    let found =
+        while_watched(problem.work(), quiet, || super::on_threads(threads, || identify(&problem)))?;
+    let found = match found {
+        Err(IdentificationError::Stopped(found)) => {
+            return write_incomplete(&problem, &found, folder, output, quiet);
         }
-        if let Some((_, bar)) = bar.as_ref() {
-            bar.set_length(step.of as u64);
-            bar.set_position(step.done as u64);
-        }
+        found => found?,
     };
-    let found = super::on_threads(threads, || identify_with_progress(&problem, &show));
-    if let Some((_, bar)) = bar.lock().unwrap_or_else(PoisonError::into_inner).take() {
-        bar.finish_and_clear();
-    }
-    let found = found??;
 
     if let Some(law) = found.law_json() {
         folder.write("law.json", super::pretty(&law))?;
@@ -54,7 +51,7 @@ pub(crate) fn run(
     folder.write("posterior.csv", found.posterior_csv())?;
     let figures = plot::identification(&found);
     for (name, figure) in &figures {
-        folder.draw(&format!("{name}.svg"), figure)?;
+        folder.draw(name, figure)?;
     }
     folder.write("report.html", plot::identification_report(&problem, &found, &figures))?;
     let folder = folder.finish("identification.json", &found.report(&problem), output.json)?;
@@ -62,7 +59,80 @@ pub(crate) fn run(
         print_estimates(&found)?;
         answer_line!("written to {}", folder.display());
     }
-    Ok(())
+    if found.stopped { Err(Failure::Stopped(folder)) } else { Ok(()) }
+}
+
+/// Carries out `task` while its progress is shown: on a terminal in a bar, else in a line a minute.
+fn while_watched<T>(work: &Arc<Work>, quiet: bool, task: impl FnOnce() -> T) -> T {
+    let (done, ended) = channel::<()>();
+    let watched = Arc::clone(work);
+    let watcher = std::thread::spawn(move || {
+        let bar = crate::progress::whole_bar(PARTS, quiet);
+        let lines = !quiet && !stderr().is_terminal();
+        let mut shown = Instant::now();
+        let mut stopping = false;
+        while ended.recv_timeout(LOOK) == Err(RecvTimeoutError::Timeout) {
+            if watched.is_stopped() && !stopping {
+                stopping = true;
+                crate::progress::show_line(
+                    "stopping; what is finished is written (Ctrl-C again ends at once)",
+                );
+            }
+            let Some(progress) = watched.progress() else { continue };
+            bar.set_position((progress.share * PARTS as f64) as u64);
+            bar.set_message(words(&progress));
+            if lines && shown.elapsed() >= MINUTE {
+                shown = Instant::now();
+                let percent = 100.0 * progress.share;
+                crate::progress::show_line(&format!("{percent:.0} %, {}", words(&progress)));
+            }
+        }
+        bar.finish_and_clear();
+    });
+    let result = task();
+    drop(done);
+    // A watcher that failed shows nothing more.
+    let _ = watcher.join();
+    result
+}
+
+/// Parts of the bar, the time between two looks at the progress, and that between two lines.
+const PARTS: u64 = 1000;
+const LOOK: Duration = Duration::from_millis(200);
+const MINUTE: Duration = Duration::from_secs(60);
+
+fn words(progress: &WorkProgress) -> String {
+    let stage = progress.stage.name();
+    match progress.left.map(|left| left.as_secs()) {
+        None => format!("{stage}, time left unknown"),
+        Some(seconds) if seconds < 90 => format!("{stage}, about {seconds} s left of the whole"),
+        Some(seconds) => format!("{stage}, about {} min left of the whole", (seconds + 30) / 60),
+    }
+}
+
+/// Writes the document, the law and the scenario of an identification that was stopped.
+fn write_incomplete(
+    problem: &IdentificationProblem,
+    found: &IncompleteIdentification,
+    folder: ResultFolder,
+    output: &Output,
+    quiet: bool,
+) -> Result<(), Failure> {
+    if let Some(law) = found.law_json() {
+        folder.write("law.json", super::pretty(&law))?;
+    }
+    folder.write("scenario.json", super::pretty(&found.scenario_json(problem)?))?;
+    let folder = folder.finish("identification.json", &found.report(problem), output.json)?;
+    if !output.json && !quiet {
+        for sentence in found.conclusions() {
+            answer_line!("{sentence}");
+        }
+        for (label, value) in found.labels.iter().zip(&found.fit.point) {
+            answer_line!("{label:<36} {value:>12.5e}");
+        }
+        answer_line!("written to {}", folder.display());
+    }
+    Err(Failure::Stopped(folder))
 }
 
 /// Prints the answer in words, and a line for each parameter.
@@ -71,7 +141,20 @@ fn print_estimates(found: &Identification) -> Result<(), Failure> {
         answer_line!("{sentence}");
     }
     let percent = 100.0 * found.level;
-    for estimate in found.estimates() {
+    for one in &found.stiffnesses {
+        let name = format!("K({} MPa) of {}", four_digits(1e-6 * one.pressure_pa), one.law);
+        let [low, high] = one.interval_pa_per_m;
+        let origin = match one.origin {
+            StiffnessOrigin::Data => "",
+            StiffnessOrigin::Given => ", given",
+            StiffnessOrigin::Open => ", left open by the data",
+        };
+        let value = one.stiffness_pa_per_m;
+        answer_line!(
+            "{name:<36} {value:>12.3e}   {percent:.0} %: {low:.3e} to {high:.3e} Pa/m{origin}"
+        );
+    }
+    for estimate in found.estimates().into_iter().filter(|estimate| !estimate.in_steps) {
         let [low, high] = estimate.posterior_interval;
         let (name, value) = (estimate.name, estimate.value);
         answer_line!("{name:<36} {value:>12.5e}   {percent:.0} %: {low:.5e} to {high:.5e}");

@@ -2,22 +2,42 @@
 
 use std::path::Path;
 
+use asperity_law::{BeyondTable, OverclosureTable};
+use asperity_scenario::Scenario;
+use asperity_study::contact_deck::{ContactTable, DeckFormat, DeckUnits, contact_tables, deck};
+use asperity_study::error::StudyError;
+use asperity_study::gap_table::{ImportedLaw, import_gaps};
 use asperity_study::laws::{fit, tabulate};
 use asperity_study::output::file_name::distinct_file_names;
 use asperity_study::provenance::{InputFile, Provenance};
 use asperity_study::record::law_csv;
-use serde_json::json;
+use serde_json::{Value, json};
 
 use super::ResultFolder;
+use crate::args::law::DeckExport;
 use crate::args::{Input, Output};
 use crate::failure::Failure;
 use crate::plot;
 
-/// Tabulates and draws every law, and fits one to `table` if given.
-pub(crate) fn run(input: &Input, output: &Output, table: Option<&Path>) -> Result<(), Failure> {
+/// Rows of a table of a contact, unless the user asks for others.
+const ROWS: usize = 200;
+
+/// Tabulates and draws every law, exports the contacts if asked to, and fits a law to `table` if given.
+pub(crate) fn run(
+    input: &Input,
+    output: &Output,
+    export: &DeckExport,
+    table: Option<&Path>,
+    gaps: Option<&Path>,
+) -> Result<(), Failure> {
     let document = super::read(input)?;
-    let scenario = super::checked(&document)?;
-    let fitted = table.map(fit).transpose().map_err(asperity_study::error::StudyError::from)?;
+    let mut scenario = super::checked(&document)?;
+    let imported = gaps.map(import_gaps).transpose().map_err(StudyError::from)?;
+    if let (Some(path), Some(law)) = (gaps, &imported) {
+        add_law(&mut scenario, path, law);
+    }
+    let exported = Export::new(&scenario, export)?;
+    let fitted = table.map(fit).transpose().map_err(StudyError::from)?;
     let tables = tabulate(&scenario)?;
     let folder = ResultFolder::claim("law", document.path(), output)?;
     let file_names = distinct_file_names(tables.iter().map(|law| law.name.as_str()));
@@ -25,7 +45,14 @@ pub(crate) fn run(input: &Input, output: &Output, table: Option<&Path>) -> Resul
         folder.write(&format!("law-{name}.csv"), law_csv(law))?;
     }
     if !tables.is_empty() {
-        folder.draw("law.svg", &plot::laws(&tables))?;
+        folder.draw("law", &plot::laws(&tables))?;
+    }
+    if let Some(law) = &imported {
+        folder.write("imported-law.json", super::pretty(&json!(law.spec)))?;
+    }
+    if let Some(export) = &exported {
+        let text = deck(scenario.title.as_deref(), &export.tables, export.format, export.units);
+        folder.write(&export.file, text)?;
     }
     let fit_json = fitted.as_ref().map(|fit| {
         json!({
@@ -38,13 +65,22 @@ pub(crate) fn run(input: &Input, output: &Output, table: Option<&Path>) -> Resul
     });
     let names: Vec<&str> = tables.iter().map(|law| law.name.as_str()).collect();
     let mut provenance = Provenance::of_scenario(&document, &scenario)?;
-    if let Some(table) = table {
+    for table in table.into_iter().chain(gaps) {
         provenance.files.push(InputFile::read(Path::new(""), table)?);
     }
     let answer = json!({
         "schema": "asperity/law/1",
         "laws": names,
         "fit": fit_json,
+        "imported": imported.as_ref().map(|law| json!({
+            "file": "imported-law.json",
+            "rows": law.rows,
+            "open_rows": law.open_rows,
+            "pressure_min_pa": law.pressure_range.0,
+            "pressure_max_pa": law.pressure_range.1,
+            "closure_error": law.closure_error,
+        })),
+        "export": exported.as_ref().map(Export::json),
         "provenance": provenance,
     });
     let folder = folder.finish("law.json", &answer, output.json)?;
@@ -60,6 +96,126 @@ pub(crate) fn run(input: &Input, output: &Output, table: Option<&Path>) -> Resul
             answer_line!("standard errors: ln C {c:.3}, m {m:.3}");
         }
     }
+    if let Some(law) = &imported {
+        let (low, high) = law.pressure_range;
+        answer_line!(
+            "imported-law.json: a table law of {} points, {low:.4e} to {high:.4e} Pa",
+            law.rows - law.open_rows
+        );
+        answer_line!("  closures of the table within {:.1e} of the whole", law.closure_error);
+    }
+    if let Some(export) = &exported {
+        export.answer()?;
+    }
     answer_line!("{} laws tabulated in {}", tables.len(), folder.display());
     Ok(())
+}
+
+/// Adds an imported law, named for its file.
+fn add_law(scenario: &mut Scenario, path: &Path, law: &ImportedLaw) {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let mut name = stem.clone();
+    for number in 2.. {
+        if scenario.laws.get(&name).is_none() {
+            break;
+        }
+        name = format!("{stem}-{number}");
+    }
+    scenario.laws.insert(name, law.spec.clone());
+}
+
+/// The tables of the contacts for a finite-element code.
+struct Export {
+    format: DeckFormat,
+    units: DeckUnits,
+    file: String,
+    tables: Vec<ContactTable>,
+}
+
+impl Export {
+    /// The tables that the options ask for; `None` without a format.
+    fn new(scenario: &Scenario, asked: &DeckExport) -> Result<Option<Self>, Failure> {
+        let (Some(format), Some(units)) = (asked.export, asked.deck_units) else {
+            return Ok(None);
+        };
+        let (format, name) = format.format();
+        let rows = asked.rows.unwrap_or(ROWS);
+        let accepted = OverclosureTable::MIN_ROWS..=format.max_rows();
+        if !accepted.contains(&rows) {
+            return Err(Failure::Rows { rows, code: format.name(), accepted });
+        }
+        let tables = contact_tables(scenario, rows, asked.top_pressure)?;
+        let file = format!("contacts-{name}.inp");
+        Ok(Some(Self { format, units: units.into(), file, tables }))
+    }
+
+    fn json(&self) -> Value {
+        let tables = self.tables.iter().map(|contact| {
+            let rows = contact.table.rows();
+            let accuracy = &contact.accuracy;
+            json!({
+                "interface": contact.interface,
+                "law": contact.law,
+                "surface_interaction": contact.surface_interaction,
+                "rows": rows.len(),
+                "pressure_max_pa": rows.last().map(|row| row.pressure),
+                "overclosure_max_m": rows.last().map(|row| row.overclosure),
+                "closure_at_zero_overclosure_m": contact.table.first_closure(),
+                "static_pressure_pa": contact.at_rest.map(|rest| rest.0),
+                "static_stiffness_pa_per_m": contact.at_rest.map(|rest| rest.1),
+                "accurate_from_pa": accuracy.pressure_min,
+                "tangent_error": accuracy.tangent_error,
+                "tangent_error_at_pa": accuracy.tangent_error_pressure,
+                "overclosure_error": accuracy.closure_error,
+            })
+        });
+        json!({
+            "format": self.format.name(),
+            "units": self.units.name(),
+            "file": self.file,
+            "beyond_last_row": self.beyond(),
+            "contacts": tables.collect::<Vec<_>>(),
+        })
+    }
+
+    fn beyond(&self) -> &'static str {
+        match self.format.beyond() {
+            BeyondTable::SlopeHeld => "last slope continues",
+            _ => "last pressure is held",
+        }
+    }
+
+    fn answer(&self) -> Result<(), Failure> {
+        answer_line!(
+            "{}: tables in {}; beyond the last row the {}",
+            self.file,
+            self.units.name(),
+            self.beyond()
+        );
+        for contact in &self.tables {
+            let rows = contact.table.rows();
+            let accuracy = &contact.accuracy;
+            let top = rows.last().map_or(0.0, |row| row.pressure);
+            answer_line!(
+                "{}: {} rows, 0 to {:.4} MPa",
+                contact.surface_interaction,
+                rows.len(),
+                1e-6 * top
+            );
+            if let Some((pressure, stiffness)) = contact.at_rest {
+                answer_line!("  exact at rest: {:.4} MPa, {stiffness:.4e} Pa/m", 1e-6 * pressure);
+            }
+            answer_line!(
+                "  above {:.4} MPa: tangent error up to {:.2} % (at {:.4} MPa), overclosure error {:.1e}",
+                1e-6 * accuracy.pressure_min,
+                100.0 * accuracy.tangent_error,
+                1e-6 * accuracy.tangent_error_pressure,
+                accuracy.closure_error
+            );
+            if contact.carries_tension {
+                answer_line!("  the law carries tension, the table does not");
+            }
+        }
+        Ok(())
+    }
 }

@@ -25,7 +25,7 @@ pub(crate) fn run(input: &Input, output: &Output, count: usize) -> Result<(), Fa
 
     let (places, shapes) = shapes(&assembly, &found);
     folder.write("modes.csv", modes_csv(&places, &found, &shapes))?;
-    folder.draw("modes.svg", &plot::modes(&places, &found, &shapes))?;
+    folder.draw("modes", &plot::modes(&places, &found, &shapes))?;
     let provenance = Provenance::of_scenario(&document, &scenario)?;
     let answer = json!({
         "schema": "asperity/modes/1",

@@ -13,6 +13,7 @@ use serde_json::json;
 
 use super::ResultFolder;
 use crate::args::analyse::RecordFormat;
+use crate::args::figures::MagnitudeAxis;
 use crate::args::{Input, Output};
 use crate::failure::Failure;
 use crate::plot;
@@ -22,6 +23,7 @@ pub(crate) fn run(
     input: &Input,
     output: &Output,
     record: Option<RecordFormat>,
+    magnitude: MagnitudeAxis,
     quiet: bool,
 ) -> Result<(), Failure> {
     let document = super::read(input)?;
@@ -42,10 +44,10 @@ pub(crate) fn run(
     let names: Vec<&str> = scenario.interfaces.iter().map(|face| face.name.as_str()).collect();
     let history = &run.transient.history;
     folder.write("history.csv", history_csv(history, &names))?;
-    folder.draw("history.svg", &plot::history(history, &names))?;
+    folder.draw("history", &plot::history(history, &names))?;
     if let Some(frf) = receptance(&run)? {
         folder.write("frf.csv", frf_csv(&frf))?;
-        folder.draw("frf.svg", &plot::frf(&frf, &run.summary))?;
+        folder.draw("frf", &plot::frf(&frf, &run.summary, magnitude))?;
     }
     if let Some(format) = record {
         let rate = run.assembly.sampling.rate();

@@ -5,14 +5,14 @@ use asperity_study::assemble::Assembly;
 use asperity_study::provenance::Provenance;
 use asperity_study::static_state::StaticSummary;
 use asperity_study::steady::{
-    Steady, SteadyRequest, SteadySummary, backbone_csv, steady_csv, steady_with_progress,
+    LevelSummary, SteadyRequest, SteadySummary, backbone_csv, steady_csv, steady_with_progress,
 };
 use serde_json::json;
 
 use super::ResultFolder;
 use crate::args::{Input, Output, SteadyRange};
 use crate::failure::Failure;
-use crate::plot;
+use crate::{plot, steady_words};
 
 /// Follows branches of steady responses; writes table, figure and summary.
 pub(crate) fn run(
@@ -46,15 +46,17 @@ pub(crate) fn run(
     if let Some(backbones) = &found.backbones {
         folder.write("backbone.csv", backbone_csv(backbones))?;
     }
-    if let Some(figure) = plot::steady(&found) {
-        folder.draw("steady.svg", &figure)?;
+    let figure = plot::steady(&found);
+    if let Some(figure) = &figure {
+        folder.draw("steady", figure)?;
     }
     let at_rest = StaticSummary::of(&assembly);
     let provenance = Provenance::of_scenario(&document, &scenario)?;
     let summary = SteadySummary::new(scenario.title, at_rest, &found, provenance);
+    folder.write("report.html", plot::steady_report(&summary, figure.as_ref()))?;
     let folder = folder.finish("summary.json", &json!(summary), output.json)?;
     if !output.json && !quiet {
-        print_peaks(&found)?;
+        print_branches(&summary)?;
         answer_line!("written to {}", folder.display());
     }
     let failed: Vec<_> = found
@@ -73,21 +75,23 @@ pub(crate) fn run(
     }
 }
 
-/// Prints a line for the peak of each force amplitude.
-fn print_peaks(found: &Steady) -> Result<(), Failure> {
-    for level in &found.levels {
-        let Some(peak) = level.outcome.as_ref().ok().and_then(|branch| branch.highest()) else {
-            continue;
-        };
-        let (hz, a1, ratio) = (peak.frequency_hz(), peak.amplitude(1), peak.harmonic_ratio());
-        let force_n = level.force_n;
-        answer!("{force_n:>10} N   peak {hz:.3} Hz   A1 {a1:.5e} m   A2/A1 {ratio:.5}");
-        if let Some(check) = level.check {
-            let unsettled = if check.settled { "" } else { ", which has not settled" };
-            let difference = check.relative_difference;
-            answer!("   differs from time integration{unsettled} by {difference:.1e}");
+/// Prints the peak of each force amplitude, or the reason why there is none, and the special points.
+fn print_branches(summary: &SteadySummary) -> Result<(), Failure> {
+    for level in &summary.levels {
+        let LevelSummary::Solved(branch) = level else { continue };
+        answer_line!("{:>10} N   {}", branch.force_n, steady_words::peak(branch));
+        if let Some(advice) = steady_words::advice(branch) {
+            answer_line!("{:14} {advice}", "");
         }
-        answer_line!("{}", if peak.contact_lost() { "   contact lost" } else { "" });
+        answer_line!("{:14} {}", "", steady_words::remarks(branch).join("; "));
+        if let Some(check) = branch.verify {
+            let unsettled = if check.settled { "" } else { ", which has not settled" };
+            let (hz, difference) = (check.frequency_hz, check.relative_difference);
+            answer_line!(
+                "{:14} at {hz:.3} Hz differs from time integration{unsettled} by {difference:.1e}",
+                ""
+            );
+        }
     }
     Ok(())
 }

@@ -36,7 +36,7 @@ pub(crate) fn run(
 
     folder.write("sweep.csv", results.csv())?;
     if let Some(figure) = plot::sweep(&results) {
-        folder.draw("sweep.svg", &figure)?;
+        folder.draw("sweep", &figure)?;
     }
     let failed = results.failed().count();
     let report = json!({

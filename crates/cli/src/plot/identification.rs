@@ -30,6 +30,7 @@ pub(crate) fn identification(found: &Identification) -> Vec<(&'static str, Figur
         ("features", predictions::features(&rows)),
         ("receptance", predictions::receptance(&rows)),
         ("backbone", predictions::backbone(&rows)),
+        ("steady", predictions::steady(&rows)),
         ("residuals", predictions::residuals(&rows)),
         ("profiles", uncertainty::profiles(found)),
         ("pairs", uncertainty::pairs(found)),

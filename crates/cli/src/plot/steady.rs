@@ -1,8 +1,12 @@
 //! Steady responses over frequency: stable parts solid, unstable dashed.
 
-use asperity_figure::{Axis, Color, Dash, Figure, Legend, Panel, Series};
-use asperity_harmonic::{Branch, PeriodicResponse};
+mod report;
+
+use asperity_figure::{Axis, Color, Dash, Figure, Legend, Marker, Panel, Series};
+use asperity_harmonic::{Branch, PeriodicResponse, SpecialPointKind};
 use asperity_study::steady::Steady;
+
+pub(crate) use report::steady_report;
 
 use super::figure;
 
@@ -11,8 +15,8 @@ const MOST_NAMED: usize = 8;
 
 type Observable = fn(&PeriodicResponse) -> f64;
 
-/// Amplitude with backbones, harmonic ratio, and lowest pressure over frequency; none without a
-/// branch.
+/// Amplitude with backbones, harmonic ratio, and lowest pressure over one range of frequencies, with
+/// the special points of each branch; none without a branch.
 pub(crate) fn steady(found: &Steady) -> Option<Figure> {
     let branches: Vec<(f64, &Branch)> = found
         .levels
@@ -22,23 +26,32 @@ pub(crate) fn steady(found: &Steady) -> Option<Figure> {
     if branches.is_empty() {
         return None;
     }
+    let backbones: Vec<(&str, &Branch, Dash)> = found
+        .backbones
+        .iter()
+        .flat_map(|found| {
+            [
+                ("phase resonance", &found.phase_resonance, Dash::DashDot),
+                ("damped mode", &found.mode, Dash::Dotted),
+            ]
+        })
+        .filter_map(|(name, outcome, dash)| Some((name, outcome.as_ref().ok()?, dash)))
+        .collect();
+    let drawn = branches.iter().map(|(_, branch)| *branch);
+    let drawn = drawn.chain(backbones.iter().map(|(_, branch, _)| *branch));
+    let (low, high) = drawn
+        .flat_map(|branch| &branch.points)
+        .map(PeriodicResponse::frequency_hz)
+        .fold((f64::INFINITY, 0.0_f64), |(low, high), hz| (low.min(hz), high.max(hz)));
     let panel = |axis: Axis, observable: Observable| {
-        all(Panel::new(Axis::linear("Frequency", "Hz"), axis), &branches, observable)
+        let frequency = Axis::linear("Frequency", "Hz").range(low, high);
+        all(Panel::new(frequency, axis), &branches, observable)
     };
     let amplitude = Axis::linear("Amplitude A_{1}", "µm").scale(1e6);
     let mut amplitude = panel(amplitude, |point| point.amplitude(1));
-    if let Some(backbones) = &found.backbones {
-        let lines = [
-            ("phase resonance", &backbones.phase_resonance, Dash::DashDot),
-            ("damped mode", &backbones.mode, Dash::Dotted),
-        ];
-        for (name, outcome, dash) in lines {
-            if let Ok(branch) = outcome {
-                let (x, y) = columns(&branch.points, |point| point.amplitude(1));
-                let line = Series::line(name, x, y).color(Color::BLACK);
-                amplitude = amplitude.series(line.dash(dash));
-            }
-        }
+    for (name, branch, dash) in backbones {
+        let (x, y) = columns(&branch.points, |point| point.amplitude(1));
+        amplitude = amplitude.series(Series::line(name, x, y).color(Color::BLACK).dash(dash));
     }
     let ratio = panel(Axis::linear("Ratio A_{2}/A_{1}", ""), PeriodicResponse::harmonic_ratio);
     let pressure = panel(Axis::linear("Lowest pressure", "MPa").scale(1e-6), |point| {
@@ -59,7 +72,68 @@ fn all(mut panel: Panel, branches: &[(f64, &Branch)], observable: Observable) ->
                 panel.series(Series::line(std::mem::take(&mut name), x, y).color(color).dash(dash));
         }
     }
+    for mark in MARKS {
+        let at: Vec<&PeriodicResponse> =
+            branches.iter().flat_map(|(_, branch)| (mark.places)(branch)).collect();
+        let (x, y) = at.iter().map(|point| (point.frequency_hz(), observable(point))).unzip();
+        let (x, y): (Vec<f64>, Vec<f64>) = (x, y);
+        if !x.is_empty() {
+            let series = Series::points(mark.name, x, y).color(Color::BLACK).marker(mark.marker);
+            panel = panel.series(series.filled(mark.filled).marker_size(4.5));
+        }
+    }
     panel
+}
+
+/// A symbol for points of a branch.
+struct Mark {
+    name: &'static str,
+    marker: Marker,
+    filled: bool,
+    places: fn(&Branch) -> Vec<&PeriodicResponse>,
+}
+
+const MARKS: [Mark; 6] = [
+    Mark {
+        name: "fold",
+        marker: Marker::Circle,
+        filled: false,
+        places: |branch| branch.of_kind(SpecialPointKind::Fold).collect(),
+    },
+    Mark {
+        name: "period doubling",
+        marker: Marker::Square,
+        filled: false,
+        places: |branch| branch.of_kind(SpecialPointKind::PeriodDoubling).collect(),
+    },
+    Mark {
+        name: "Neimark-Sacker",
+        marker: Marker::Diamond,
+        filled: false,
+        places: |branch| branch.of_kind(SpecialPointKind::NeimarkSacker).collect(),
+    },
+    Mark {
+        name: "branch point",
+        marker: Marker::Triangle,
+        filled: false,
+        places: |branch| branch.of_kind(SpecialPointKind::BranchPoint).collect(),
+    },
+    Mark { name: "contact lost", marker: Marker::Cross, filled: false, places: changes_of_contact },
+    Mark {
+        name: "end of the branch",
+        marker: Marker::Square,
+        filled: true,
+        places: |branch| {
+            branch.points.last().filter(|_| !branch.is_complete()).into_iter().collect()
+        },
+    },
+];
+
+/// The first and the last point of each part of a branch on which contact is lost.
+fn changes_of_contact(branch: &Branch) -> Vec<&PeriodicResponse> {
+    let pairs = branch.points.windows(2);
+    let changes = pairs.filter(|pair| pair[0].contact_lost() != pair[1].contact_lost());
+    changes.map(|pair| if pair[0].contact_lost() { &pair[0] } else { &pair[1] }).collect()
 }
 
 /// Consecutive points of equal stability; each part ends with the first point of the next, so that

@@ -2,8 +2,13 @@
 
 mod choices;
 mod exact;
+mod frfs;
 mod hammer;
+mod inspect;
+mod responses;
+mod rig;
 mod routes;
+mod second_peak;
 mod simulated;
 
 use std::f64::consts::{PI, TAU};
@@ -48,7 +53,9 @@ fn the_files_columns_and_names_of_the_contract() {
         "frf.csv",
         "frf.svg",
         "hits.csv",
+        "modes.csv",
         "records.svg",
+        "report.html",
     ];
     assert_eq!(files(&out), expected);
     let written = std::fs::read_to_string(out.join("analysis.json")).unwrap();

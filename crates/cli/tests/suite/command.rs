@@ -67,6 +67,7 @@ fn json_prints_the_summary_of_the_contract_and_nothing_else() {
         "/interfaces/1/contact_lost_s",
         "/energy/input_j",
         "/energy/dissipated_j",
+        "/energy/contact_dissipated_j",
         "/energy/residual_relative",
         "/numerics/method",
         "/numerics/step_s",
@@ -323,7 +324,8 @@ fn steady_writes_the_files_and_columns_of_the_contract() {
     let output = asperity(folder.path(), &arguments);
     assert!(output.status.success(), "{}", text(&output.stderr));
     let out = folder.path().join("here");
-    assert_eq!(files(&out), ["backbone.csv", "steady.csv", "steady.svg", "summary.json"]);
+    let expected = ["backbone.csv", "report.html", "steady.csv", "steady.svg", "summary.json"];
+    assert_eq!(files(&out), expected);
     let columns = header(&out.join("steady.csv"));
     assert!(columns.starts_with("branch,point,force_n,frequency_hz,amplitude_1_m,amplitude_2_m,"));
     assert!(columns.ends_with(

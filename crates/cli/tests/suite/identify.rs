@@ -58,7 +58,7 @@ fn identified(problem: &Value, pictures: &[&str]) -> Value {
         let word = word.as_str().unwrap().replace('"', "&quot;").replace('\'', "&#39;");
         assert!(page.contains(&word), "{word}");
     }
-    for fetched in ["<link", "<script", "src=\"http", "url(http"] {
+    for fetched in ["<link", "<script src", "src=\"http", "url(http", "fetch(", "import("] {
         assert!(!page.contains(fetched), "{fetched}");
     }
     let hash = found["provenance"]["problem_sha256"].as_str().unwrap();

@@ -5,10 +5,18 @@
 mod analyse;
 mod bounds;
 mod command;
+mod contact_export;
+mod decay;
 mod diagnostics;
+mod gap_import;
+mod help;
 mod identify;
+mod pages;
 mod result_folders;
+mod rough_surfaces;
+mod steady;
 mod streams;
+mod watch;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

@@ -8,13 +8,14 @@ use pulp::Simd;
 
 use super::ContactForm;
 use super::bar::fused;
+use super::damped_contact::DampedContact;
 use crate::contact_energy::excess;
 use crate::{ContactExtremes, DynamicsError};
 
 /// Largest error of a tabulated pressure, as a share of the static pressure. A
 /// thousandth of the discretisation error at 1 mm cells; ten times finer tables
 /// cost more to build than a short run takes.
-const TABLE_TOLERANCE: f64 = 1e-6;
+pub(super) const TABLE_TOLERANCE: f64 = 1e-6;
 
 /// One interface during a run: its law, its closures, and its extremes.
 ///
@@ -30,7 +31,8 @@ const TABLE_TOLERANCE: f64 = 1e-6;
 /// known. That is the pressure of the law in series with an elastic layer of
 /// stiffness `1 / b'` at the total closure `c`: a function of one number, which
 /// is tabulated once, with an error estimate, instead of iterated every step.
-/// Beyond the table, and to build it, the exact law is solved by safeguarded Newton.
+/// Beyond the table, and to build it, the exact law is solved by safeguarded Newton. A damped
+/// contact has a traction beyond the pressure, and an equation of its own ([`DampedContact`]).
 pub(super) struct ContactStep<'a> {
     contact: &'a PreloadedContact,
     area: f64,
@@ -57,17 +59,23 @@ pub(super) struct ContactStep<'a> {
     open_steps: usize,
     /// Sum of the stiffness over the steps \[Pa/m\].
     stiffness_sum: f64,
-    /// `sum q (d+ - d-) / 2`, the work done on the contact per area \[J/m2\].
+    /// `sum q (d+ - d-) / 2`, the work done on the contact per area \[J/m2\], viscous loss apart.
     work: f64,
+    damped: Option<DampedContact<'a>>,
+    /// Traction increment beyond the pressure increment in the latest solve \[Pa\].
+    viscous: f64,
+    /// Viscous loss per area \[J/m2\].
+    loss: f64,
 }
 
 impl<'a> ContactStep<'a> {
     /// `compliance` \[m/N\] is the sum of both faces' displacement per force and
-    /// step; `scale` \[Pa\] the pressure change to expect.
+    /// `step` \[s\]; `scale` \[Pa\] the pressure change to expect.
     pub(super) fn new(
         contact: &'a PreloadedContact,
         form: ContactForm,
         compliance: f64,
+        step: f64,
         scale: f64,
     ) -> Result<Self, DynamicsError> {
         let centred = form == ContactForm::Centred;
@@ -87,7 +95,11 @@ impl<'a> ContactStep<'a> {
             Err(LawError::Unresolved { .. }) => None,
             Err(error) => return Err(named(error)),
         };
+        let damped = DampedContact::new(contact, (b, weight_new), step, open_below, table_top)?;
         Ok(Self {
+            damped,
+            viscous: 0.0,
+            loss: 0.0,
             contact,
             area: contact.area(),
             centred,
@@ -110,11 +122,14 @@ impl<'a> ContactStep<'a> {
         })
     }
 
-    /// The pressure increment `q` \[Pa\] of a step that would bring the closure increment
-    /// to `unloaded` \[m\] without it.
+    /// The traction increment \[Pa\] of a step that would bring the closure increment to
+    /// `unloaded` \[m\] without it: the pressure increment `q`, but for damped contacts.
     #[inline(always)]
     pub(super) fn solve<S: Simd>(&mut self, unloaded: f64) -> f64 {
         let argument = fused::<S>(self.weight_new, unloaded, self.weight_old * self.closure_before);
+        if self.damped.is_some() {
+            return self.solve_damped(argument);
+        }
         let outside = if self.cell.contains(argument) { None } else { self.change_cell(argument) };
         let increment = outside.unwrap_or_else(|| self.cell.get(argument, fused::<S>));
         self.increment_before = self.increment;
@@ -122,10 +137,21 @@ impl<'a> ContactStep<'a> {
         increment
     }
 
+    #[inline(never)]
+    fn solve_damped(&mut self, argument: f64) -> f64 {
+        let Some(damped) = &mut self.damped else { return f64::NAN };
+        let found = damped.solve(argument, self.closure, self.closure_before);
+        self.increment_before = self.increment;
+        self.increment = found.pressure;
+        self.viscous = found.traction - found.pressure;
+        found.traction
+    }
+
     /// Records the closure increment \[m\] that the step ends with.
     #[inline(always)]
     pub(super) fn advance(&mut self, reached: f64) {
         self.work += 0.5 * self.increment * (reached - self.closure_before);
+        self.loss += 0.5 * self.viscous * (reached - self.closure_before);
         self.closure_before = self.closure;
         self.closure = reached;
         if self.increment < self.lowest {
@@ -206,6 +232,11 @@ impl<'a> ContactStep<'a> {
         let excess = |increment: f64| excess(self.contact, increment);
         let stored = 0.5 * (excess(self.closure) + excess(self.closure_before));
         (self.area * stored, self.area * self.work)
+    }
+
+    /// Viscous loss of the contact so far \[J\].
+    pub(super) fn loss(&self) -> f64 {
+        self.area * self.loss
     }
 
     pub(super) fn name(&self) -> &str {

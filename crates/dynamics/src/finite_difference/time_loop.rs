@@ -121,7 +121,7 @@ impl<'a, 'r, S: Simd> State<'a, 'r, S> {
             .map(|(contact, (above, below))| {
                 let scale = run.excitation.peak() / contact.area();
                 let compliance = above.compliance + below;
-                ContactStep::new(contact, run.form, compliance, scale)
+                ContactStep::new(contact, run.form, compliance, run.step, scale)
             })
             .collect::<Result<_, _>>()?;
         Ok(Self { bars, contacts, support, rate, step: run.step, steps: 0 })
@@ -214,15 +214,17 @@ impl<'a, 'r, S: Simd> State<'a, 'r, S> {
             kinetic += bar_kinetic;
             elastic += bar_elastic;
         }
-        let (mut contact, mut work) = (0.0, 0.0);
+        let (mut contact, mut work, mut contact_dissipated) = (0.0, 0.0, 0.0);
         for step in &self.contacts {
             let (stored, done) = step.energy();
             contact += stored;
             work += done;
+            contact_dissipated += step.loss();
         }
         EnergyLedger {
             input: ledger.input,
-            dissipated: ledger.dissipated + self.support.loss,
+            dissipated: ledger.dissipated + self.support.loss + contact_dissipated,
+            contact_dissipated,
             kinetic,
             elastic,
             contact,

@@ -7,6 +7,7 @@ use asperity_law::{CompiledLaw, LawError};
 use asperity_mesh::ComponentModes;
 use asperity_structure::{PreloadedContact, PreloadedStructure};
 
+use super::damped_table::{DampedTable, stiffness_in_step};
 use super::drive::DriveForce;
 use super::step_model::{InterpolationChoice, StepModel};
 use crate::DynamicsError;
@@ -14,6 +15,9 @@ use crate::DynamicsError;
 /// Largest error of a tabulated pressure, as a share of the static pressure: a hundredth of
 /// the error of the step at its default length.
 const TABLE_TOLERANCE: f64 = 1e-5;
+
+/// Fewest cells of the table of a damped contact: its coefficient may bend where the law is straight.
+const DAMPED_CELLS: usize = 1024;
 
 /// Factors on that error, tried in turn for laws that stiffen without bound.
 const TOLERANCES: [f64; 3] = [1.0, 10.0, 100.0];
@@ -44,6 +48,8 @@ pub(super) struct TabulatedModel {
     pub(super) tables: Vec<Arc<CompiledLaw>>,
     /// Newton correction at each interface, in cells, below which the law is replaced by its tangent.
     pub(super) tolerances: Vec<f64>,
+    /// Of every contact if one is damped, else none.
+    pub(super) damped: Vec<DampedTable>,
 }
 
 impl ModalModel {
@@ -71,6 +77,11 @@ impl ModalModel {
     /// The contacts, in the order of the structure's.
     pub fn contacts(&self) -> &[PreloadedContact] {
         self.structure.contacts()
+    }
+
+    /// True if a contact is damped.
+    pub(super) fn is_damped(&self) -> bool {
+        self.contacts().iter().any(|contact| contact.damping().is_some())
     }
 
     /// The structure between the contacts.
@@ -108,7 +119,10 @@ impl ModalModel {
         let areas: Vec<f64> = self.contacts().iter().map(PreloadedContact::area).collect();
         let named = self.contacts().iter().zip(&tops);
         let stiffest: Vec<f64> = named
-            .map(|(contact, &top)| contact.law().stiffness(top).max(contact.stiffness()))
+            .map(|(contact, &top)| {
+                let at = |pressure: f64| stiffness_in_step(contact, pressure, step);
+                at(top).max(at(contact.pressure()))
+            })
             .collect();
         let step_model = StepModel::new(
             self.structure(),
@@ -119,7 +133,13 @@ impl ModalModel {
             interpolation,
         );
         let tolerances = tables.iter().map(|table| tolerance(table)).collect();
-        let prepared = Arc::new(TabulatedModel { step_model, tables, tolerances });
+        let pairs = self.contacts().iter().zip(&tables);
+        let damped = if self.is_damped() {
+            pairs.map(|(contact, table)| DampedTable::new(contact, table, step)).collect()
+        } else {
+            Vec::new()
+        };
+        let prepared = Arc::new(TabulatedModel { step_model, tables, tolerances, damped });
         if cache.len() >= MOST_TABULATED {
             cache.clear();
         }
@@ -154,8 +174,10 @@ fn top(contact: &PreloadedContact, exponent: i32) -> f64 {
 
 /// The table of a contact's law up to `top` \[Pa\]; coarser than usual for a law that is too steep.
 fn compile(contact: &PreloadedContact, top: f64) -> Result<CompiledLaw, DynamicsError> {
+    let least_cells = if contact.damping().is_some() { DAMPED_CELLS } else { 0 };
     let compile = |times| {
-        CompiledLaw::uniform(contact.law(), contact.pressure(), top, times * TABLE_TOLERANCE)
+        let (pressures, tolerance) = ((contact.pressure(), top), times * TABLE_TOLERANCE);
+        CompiledLaw::uniform_of(contact.law(), pressures, tolerance, least_cells)
     };
     let mut table = compile(TOLERANCES[0]);
     for times in &TOLERANCES[1..] {

@@ -75,8 +75,8 @@ impl<'a> DenseOutput<'a> {
         self.places.len() - 1
     }
 
-    fn pressure(&self, i: usize, step: Option<usize>) -> f64 {
-        let column = &self.outcome.pressure[i];
+    fn traction(&self, i: usize, step: Option<usize>) -> f64 {
+        let column = &self.outcome.traction[i];
         step.and_then(|step| column.get(step.min(column.len() - 1))).copied().unwrap_or(0.0)
     }
 
@@ -86,7 +86,7 @@ impl<'a> DenseOutput<'a> {
         let forces: [f64; NODES] = std::array::from_fn(|age| {
             let end = (n + 1).checked_sub(age);
             let each = mode.force.iter().enumerate();
-            -each.map(|(i, force)| force * self.pressure(i, end)).sum::<f64>()
+            -each.map(|(i, force)| force * self.traction(i, end)).sum::<f64>()
         });
         let drive = &self.hit.drive;
         let of = |interpolation: &[f64]| {
@@ -152,21 +152,24 @@ impl<'a> DenseOutput<'a> {
         displacement += model.residual.direct * excitation.force(time);
         acceleration += model.residual.direct * bend(&|shift| excitation.force(time + shift));
         for (i, output) in model.output_pressure.iter().enumerate() {
-            displacement -= output * self.pressure_increment(i, step, s);
+            displacement -= output * self.traction_increment(i, step, s);
             let at = |shift: f64| match shift {
-                shift if shift > 0.0 => self.pressure(i, Some(step + 1)),
-                shift if shift < 0.0 => self.pressure(i, step.checked_sub(1)),
-                _ => self.pressure(i, Some(step)),
+                shift if shift > 0.0 => self.traction(i, Some(step + 1)),
+                shift if shift < 0.0 => self.traction(i, step.checked_sub(1)),
+                _ => self.traction(i, Some(step)),
             };
             acceleration -= output * bend(&at);
         }
         (displacement, acceleration)
     }
 
-    /// Pressure increment at interface `i` at part `s` of `step`.
-    fn pressure_increment(&self, i: usize, step: usize, s: f64) -> f64 {
+    /// Traction increment at interface `i` at part `s` of `step`.
+    fn traction_increment(&self, i: usize, step: usize, s: f64) -> f64 {
+        if self.hit.model.contacts()[i].damping().is_some() {
+            return cubic(&self.outcome.traction[i], step, s);
+        }
         if s <= ON_STEP {
-            return self.pressure(i, Some(step));
+            return self.traction(i, Some(step));
         }
         let state = self.hit.model.contacts()[i].pressure();
         self.hit.model.contacts()[i].law().pressure_increment(state, self.closure(i, step, s)).value
@@ -174,17 +177,7 @@ impl<'a> DenseOutput<'a> {
 
     /// Closure increment, by the cubic through four steps.
     fn closure(&self, i: usize, step: usize, s: f64) -> f64 {
-        let column = &self.outcome.closure[i];
-        let at = |shift: isize| {
-            let place = step.checked_add_signed(shift);
-            place.map_or(0.0, |place| column[place.min(column.len() - 1)])
-        };
-        if s <= ON_STEP {
-            return at(0);
-        }
-        let (a, b, c, d) = (at(-1), at(0), at(1), at(2));
-        let (p, q, r) = (s + 1.0, s - 1.0, s - 2.0);
-        -a * s * q * r / 6.0 + b * p * q * r / 2.0 - c * p * s * r / 2.0 + d * p * s * q / 6.0
+        cubic(&self.outcome.closure[i], step, s)
     }
 
     /// Pressure \[Pa\], closure \[m\] and stiffness \[Pa/m\] of interface `i` at `time` \[s\].
@@ -199,4 +192,18 @@ impl<'a> DenseOutput<'a> {
         let pressure = contact.law().pressure_increment(contact.pressure(), increment);
         (contact.pressure() + pressure.value, closure, pressure.tangent)
     }
+}
+
+/// The cubic through four steps of `column` about part `s` of `step`.
+fn cubic(column: &[f64], step: usize, s: f64) -> f64 {
+    let at = |shift: isize| {
+        let place = step.checked_add_signed(shift);
+        place.map_or(0.0, |place| column[place.min(column.len() - 1)])
+    };
+    if s <= ON_STEP {
+        return at(0);
+    }
+    let (a, b, c, d) = (at(-1), at(0), at(1), at(2));
+    let (p, q, r) = (s + 1.0, s - 1.0, s - 2.0);
+    -a * s * q * r / 6.0 + b * p * q * r / 2.0 - c * p * s * r / 2.0 + d * p * s * q / 6.0
 }

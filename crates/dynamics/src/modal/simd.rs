@@ -16,4 +16,4 @@ mod contact_fallback;
 pub(super) mod decimation;
 pub(super) mod integrate;
 mod kernel;
-mod table_lookup;
+pub(super) mod table_lookup;

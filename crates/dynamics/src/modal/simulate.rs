@@ -273,7 +273,12 @@ impl Attempt {
         let key = |attempt: &Self| {
             let model = &attempt.lane.tabulated.step_model;
             let size = (attempt.lane.steps, model.modes.len(), attempt.lane.model.contacts().len());
-            (size, attempt.decimation.factor, attempt.decimation.taps.len())
+            (
+                size,
+                attempt.lane.model.is_damped(),
+                attempt.decimation.factor,
+                attempt.decimation.taps.len(),
+            )
         };
         // Lanes share one filter, which must be that of each.
         let taps = || {
@@ -358,7 +363,7 @@ fn not_finite(lane: &PreparedHit, outcome: &Outcome) -> Option<usize> {
     let contacts = contact_extremes(lane, outcome);
     let extremes = |one: &ContactExtremes| [one.pressure_min, one.pressure_max];
     let bad = contacts.iter().position(|one| !extremes(one).iter().all(|p| p.is_finite()));
-    let samples = outcome.displacement.iter().chain(outcome.pressure.iter().flatten());
+    let samples = outcome.displacement.iter().chain(outcome.traction.iter().flatten());
     let all = samples.copied().all(f64::is_finite);
     bad.or((!all).then_some(0))
 }

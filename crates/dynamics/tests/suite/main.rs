@@ -5,6 +5,8 @@
 mod support;
 
 mod both_engines;
+mod contact_damping;
+mod damped_engines;
 mod damping;
 mod energy;
 mod excitations;

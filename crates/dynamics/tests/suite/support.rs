@@ -12,7 +12,8 @@ use std::sync::Arc;
 
 use asperity_dynamics::{Excitation, Integrator, Sampling, Transient};
 use asperity_law::{
-    Constant, ContactLaw, Exponential, Hyperbolic, InSeries, ModifiedPower, Power, Tabulated,
+    Constant, ContactDamping, ContactLaw, Exponential, Hyperbolic, InSeries, ModifiedPower, Power,
+    Tabulated,
 };
 use asperity_mesh::{Body, Interface, Stack, Support};
 use asperity_structure::{Damping, PreloadedStructure};
@@ -81,6 +82,13 @@ pub fn rig_on(law: &Law, support: Support) -> Stack {
         9.81,
     )
     .unwrap()
+}
+
+/// The stack with this damping at all of its contacts.
+pub fn damped(stack: &Stack, damping: ContactDamping) -> Stack {
+    let interfaces = stack.interfaces().iter().map(|one| one.clone().with_damping(damping));
+    let bodies = stack.bodies().to_vec();
+    Stack::new(bodies, interfaces.collect(), *stack.support(), stack.gravity()).unwrap()
 }
 
 /// The pulse that stands in for the paper's unpublished one.

@@ -9,6 +9,9 @@ use crate::{
 use std::collections::HashSet;
 
 const STYLE: &str = include_str!("style.css");
+const SCRIPT: &str = include_str!("interactive.js");
+const HINT: &str = "Figures: drag to zoom, double-click for the whole, shift and drag to move; values \
+                    are shown at the pointer.";
 /// Size of a figure on the screen over its size on paper.
 const ZOOM: f64 = 1.4;
 
@@ -20,17 +23,22 @@ pub(super) fn render(report: &Report) -> String {
     let navigation = if page.contents.is_empty() {
         String::new()
     } else {
-        let contents = page.contents;
+        let contents = &page.contents;
         format!("<nav aria-label=\"Contents\"><h2>Contents</h2>\n<ol>\n{contents}</ol></nav>\n")
     };
     let (title, heading) = (escape(&report.title), element("h1", &report.title));
     let (fonts, summary) = (fonts(), summary(report));
+    let (hint, script) = if page.interactive {
+        (format!("<p class=\"hint\">{HINT}</p>\n"), format!("<script>\n{SCRIPT}</script>\n"))
+    } else {
+        (String::new(), String::new())
+    };
     format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
          <title>{title}</title>\n<style>\n{fonts}{STYLE}</style>\n</head>\n<body>\n\
-         <header>\n{heading}{intro}{summary}</header>\n{navigation}\
-         <main>\n{main}</main>\n</body>\n</html>\n"
+         <header>\n{heading}{intro}{summary}{hint}</header>\n{navigation}\
+         <main>\n{main}</main>\n{script}</body>\n</html>\n"
     )
 }
 
@@ -40,6 +48,7 @@ struct HtmlPage {
     anchors: Anchors,
     contents: String,
     figures: usize,
+    interactive: bool,
 }
 
 impl HtmlPage {
@@ -53,7 +62,7 @@ impl HtmlPage {
             }
             ReportBlock::Subsection { title } => element("h3", title),
             ReportBlock::Paragraph { text } => element("p", text),
-            ReportBlock::Figure { id, caption, svg } => self.figure(id, caption, svg),
+            ReportBlock::Figure { id, caption, svg, data } => self.figure(id, caption, svg, data),
             ReportBlock::Table { headers, rows } => table(headers, rows),
             ReportBlock::KeyValues { pairs } => {
                 let pair =
@@ -63,7 +72,7 @@ impl HtmlPage {
         }
     }
 
-    fn figure(&mut self, id: &str, caption: &str, svg: &str) -> String {
+    fn figure(&mut self, id: &str, caption: &str, svg: &str, data: &str) -> String {
         self.figures += 1;
         let (anchor, count) = (self.anchors.unique(id), self.figures);
         let width = paper_width(svg).map_or_else(String::new, |width| {
@@ -71,8 +80,14 @@ impl HtmlPage {
             format!(" style=\"--screen:{screen}mm;--paper:{paper}mm\"")
         });
         let (svg, caption) = (inline(svg, &anchor), rich(caption));
+        let data = if data.is_empty() {
+            String::new()
+        } else {
+            self.interactive = true;
+            format!("<script type=\"application/json\" class=\"panels\">{data}</script>\n")
+        };
         format!(
-            "<figure id=\"{anchor}\">\n<div class=\"picture\"{width}>{svg}</div>\n\
+            "<figure id=\"{anchor}\">\n<div class=\"picture\"{width}>{svg}</div>\n{data}\
              <figcaption><b>Figure {count}.</b> {caption}</figcaption>\n</figure>\n"
         )
     }

@@ -2,9 +2,8 @@
 
 use faer::Mat;
 
+use super::period::{Period, rounded};
 use super::variational_equation::VariationalEquation;
-use crate::balance::Balance;
-use crate::fourier::Fourier;
 
 /// Radians of the fastest mode per step. The method's own damping of that mode is below 1e-3 over
 /// a period, and falls with the sixth power of the frequency.
@@ -20,37 +19,49 @@ const MOST_RADIANS_PER_STEP: f64 = 2.0;
 /// and the order falls to about 1.5.
 const STEPS_WITH_LOSS: usize = 1024;
 
-/// The classical method of fourth order, `q'' = -h q' - (W^2 + Phi^T K(t) Phi) q`, for all
+/// The classical method of fourth order, `q'' = -(h + Phi^T C(t) Phi) q' - (W^2 + Phi^T K(t) Phi) q`, for all
 /// initial states at once: rows of displacements, then of velocities over w, a column per state.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct RungeKutta {
-    fourier: Option<Fourier>,
-    /// `(1 + K_c R)^-1 K_c` at twice as many places as steps.
-    stiffness: Vec<f64>,
     closures: Vec<f64>,
+    rates: Vec<f64>,
     forces: Vec<f64>,
 }
 
 /// Share of a step at which each stage is evaluated, and its half steps.
 const STAGES: [(f64, usize); 4] = [(0.0, 0), (0.5, 1), (0.5, 1), (1.0, 2)];
 
+/// Share of a step at which the stiffness is sampled.
+pub(super) const PLACES: [f64; 2] = [0.0, 0.5];
+
 /// Weight of each stage in sixths.
 const WEIGHTS: [f64; 4] = [1.0, 2.0, 2.0, 1.0];
 
 impl RungeKutta {
-    /// The monodromy matrix; none where a mode is too fast for the most steps.
+    /// Steps of a period with the angular frequency `w` whose stiffest contacts bring the fastest mode
+    /// to `fastest` \[rad/s\]; none where it is too fast for the most steps.
+    pub(super) fn steps(fastest: f64, w: f64, lost: bool) -> Option<usize> {
+        let wanted = std::f64::consts::TAU * fastest / (w * RADIANS_PER_STEP);
+        let most = MOST_RADIANS_PER_STEP * STEPS.1 as f64;
+        if wanted.is_nan() || wanted * RADIANS_PER_STEP > most {
+            return None;
+        }
+        let fewest = if lost { STEPS_WITH_LOSS } else { STEPS.0 };
+        Some(rounded(wanted).clamp(fewest, STEPS.1))
+    }
+
+    /// The monodromy matrix over a period sampled at [`PLACES`].
     pub(super) fn monodromy(
         &mut self,
-        variation: &mut VariationalEquation,
-        balance: &Balance<'_>,
-        closures: &[f64],
+        variation: &VariationalEquation,
+        period: &Period,
         angular_frequency: f64,
-    ) -> Option<Mat<f64>> {
-        let steps = steps(variation, balance, angular_frequency)?;
-        self.sample(variation, balance, closures, steps);
+    ) -> Mat<f64> {
+        let steps = period.steps();
         let (size, square) = (2 * variation.modes.len(), variation.interfaces().pow(2));
         self.closures.resize(variation.interfaces() * size, 0.0);
         self.forces.resize(variation.interfaces() * size, 0.0);
+        self.rates.resize(variation.interfaces() * size, 0.0);
         let step = std::f64::consts::TAU / (angular_frequency * steps as f64);
         let mut states = vec![0.0; size * size];
         for i in 0..size {
@@ -68,28 +79,28 @@ impl RungeKutta {
                     trial.copy_from_slice(&states);
                 }
                 let place = (2 * number + half_steps) % (2 * steps);
-                let k = place * square..(place + 1) * square;
-                self.slopes(variation, angular_frequency, k, &trial, &mut slopes);
+                let k = &period.stiffness()[place * square..(place + 1) * square];
+                let c = period.damping().get(place * square..(place + 1) * square);
+                self.slopes(variation, angular_frequency, (k, c), &trial, &mut slopes);
                 for (s, k) in sum.iter_mut().zip(&slopes) {
                     *s += weight / 6.0 * step * k;
                 }
             }
             states.copy_from_slice(&sum);
         }
-        Some(Mat::from_fn(size, size, |row, column| states[row * size + column]))
+        Mat::from_fn(size, size, |row, column| states[row * size + column])
     }
 
-    /// Time derivatives of all states, with the stiffness stored at `place`.
+    /// Time derivatives of all states under the stiffness `k` and the damping `c`.
     fn slopes(
         &mut self,
         variation: &VariationalEquation,
         scale: f64,
-        place: std::ops::Range<usize>,
+        (k, c): (&[f64], Option<&[f64]>),
         states: &[f64],
         slopes: &mut [f64],
     ) {
         let (modes, size) = (variation.modes.len(), 2 * variation.modes.len());
-        let k = &self.stiffness[place];
         let n = self.closures.len() / size;
         let (q, v) = states.split_at(modes * size);
         let (q_slopes, v_slopes) = slopes.split_at_mut(modes * size);
@@ -105,6 +116,19 @@ impl RungeKutta {
                 add(force, k / scale, closure);
             }
         }
+        if let Some(c) = c {
+            self.rates.fill(0.0);
+            for (v, mode) in v.chunks_exact(size).zip(&variation.modes) {
+                for (rate, phi) in self.rates.chunks_exact_mut(size).zip(&mode.closure) {
+                    add(rate, *phi, v);
+                }
+            }
+            for (force, c) in self.forces.chunks_exact_mut(size).zip(c.chunks_exact(n)) {
+                for (rate, c) in self.rates.chunks_exact(size).zip(c) {
+                    add(force, *c, rate);
+                }
+            }
+        }
         let slopes = q_slopes.chunks_exact_mut(size).zip(v_slopes.chunks_exact_mut(size));
         for (j, ((q_slope, v_slope), mode)) in slopes.zip(&variation.modes).enumerate() {
             let (q, v) = (&q[j * size..][..size], &v[j * size..][..size]);
@@ -118,50 +142,6 @@ impl RungeKutta {
             }
         }
     }
-
-    /// The stiffness at every half step.
-    fn sample(
-        &mut self,
-        variation: &mut VariationalEquation,
-        balance: &Balance<'_>,
-        closures: &[f64],
-        steps: usize,
-    ) {
-        let (harmonics, places) = (balance.fourier().harmonics(), 2 * steps);
-        let kept = self.fourier.take();
-        let kept = kept.filter(|kept| kept.harmonics() == harmonics && kept.samples() == places);
-        let fourier = kept.unwrap_or_else(|| Fourier::to_samples(harmonics, places));
-        let n = variation.interfaces();
-        let terms = fourier.terms();
-        let (mut samples, mut forces) = (vec![0.0; places], vec![0.0; places]);
-        let mut tangents = vec![0.0; n * places];
-        for i in 0..n {
-            fourier.synthesise(&closures[i * terms..(i + 1) * terms], &mut samples);
-            let tangents = &mut tangents[i * places..(i + 1) * places];
-            balance.system().forces(i, &samples, &mut forces, tangents);
-        }
-        self.stiffness.resize(n * n * places, 0.0);
-        for (place, k) in self.stiffness.chunks_exact_mut(n * n).enumerate() {
-            variation.stiffness(|i| tangents[i * places + place], k);
-        }
-        self.fourier = Some(fourier);
-    }
-}
-
-fn steps(variation: &VariationalEquation, balance: &Balance<'_>, w: f64) -> Option<usize> {
-    let stiffest = (0..variation.interfaces())
-        .flat_map(|i| balance.tangents(i))
-        .fold(0.0_f64, |largest, &k| largest.max(k));
-    let lost = (0..variation.interfaces()).any(|i| balance.tangents(i).contains(&0.0));
-    let fewest = if lost { STEPS_WITH_LOSS } else { STEPS.0 };
-    let wanted =
-        std::f64::consts::TAU * variation.highest_frequency(stiffest) / (w * RADIANS_PER_STEP);
-    if wanted * RADIANS_PER_STEP > MOST_RADIANS_PER_STEP * STEPS.1 as f64 || wanted.is_nan() {
-        return None;
-    }
-    // Steps in eighths of a power of two, so that the tables serve many points of a branch.
-    let grain = ((wanted / 8.0) as usize).next_power_of_two().clamp(1, STEPS.1 / 8);
-    Some((wanted as usize).next_multiple_of(grain).clamp(fewest, STEPS.1))
 }
 
 fn add(to: &mut [f64], factor: f64, what: &[f64]) {

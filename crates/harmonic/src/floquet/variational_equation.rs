@@ -2,10 +2,11 @@
 
 use asperity_mesh::{ComponentModes, NormalMode, ResidualFlexibility};
 
+/// Frequency of an elastic mode, over the fastest motion on the contacts, beyond which it is static.
+const STATIC: f64 = 1e3;
+
 /// Modes with contact tangents that vary over the period.
 ///
-/// The state is `(q, q' / s)` with a rate s of the order of the highest frequency, so that both
-/// halves are of one size.
 #[derive(Debug, Clone)]
 pub(super) struct VariationalEquation {
     /// The modes, each with its total damping rate.
@@ -15,15 +16,23 @@ pub(super) struct VariationalEquation {
 }
 
 impl VariationalEquation {
-    /// The equation of `modes` under the mass-proportional damping `rate` \[1/s\].
-    pub(super) fn new(modes: &ComponentModes, rate: f64) -> Self {
+    /// The equation of `modes` under the mass-proportional damping `rate` \[1/s\], for contacts whose
+    /// stiffness is of the order of `springs` \[N/m\]. Elastic modes far above all others are static.
+    pub(super) fn new(modes: &ComponentModes, rate: f64, springs: &[f64]) -> Self {
         let (n, residual) = (modes.interfaces(), modes.residual().clone());
-        let mut modes = modes.modes().to_vec();
-        for mode in &mut modes {
-            mode.damping_rate = mode.total_damping(rate);
-            mode.mass_damped = false;
+        let mut found = Self { modes: Vec::new(), residual, matrix: vec![0.0; 2 * n * n] };
+        let stiffest = springs.iter().copied().fold(0.0, f64::max);
+        let on_contacts = |mode: &NormalMode| stiffest * square_of(&mode.closure);
+        let fastest = modes.modes().iter().map(on_contacts).fold(0.0, f64::max).sqrt();
+        for mode in modes.modes() {
+            if mode.angular_frequency > STATIC * fastest {
+                found.residual.add(mode);
+            } else {
+                let damping_rate = mode.total_damping(rate);
+                found.modes.push(NormalMode { damping_rate, mass_damped: false, ..mode.clone() });
+            }
         }
-        Self { modes, residual, matrix: vec![0.0; 2 * n * n] }
+        found
     }
 
     pub(super) fn interfaces(&self) -> usize {
@@ -34,10 +43,40 @@ impl VariationalEquation {
     /// `stiffness` [N/m].
     pub(super) fn highest_frequency(&self, stiffness: f64) -> f64 {
         let square = |mode: &NormalMode| {
-            let shape: f64 = mode.closure.iter().map(|phi| phi * phi).sum();
-            mode.angular_frequency.powi(2) + stiffness * shape
+            mode.angular_frequency.powi(2) + stiffness * square_of(&mode.closure)
         };
         self.modes.iter().map(square).fold(0.0, f64::max).sqrt()
+    }
+
+    /// An upper estimate of the highest damping rate [1/s] with contact dampers up to `damper` [N s/m].
+    pub(super) fn highest_damping(&self, damper: f64) -> f64 {
+        let rate = |mode: &NormalMode| mode.damping_rate + damper * square_of(&mode.closure);
+        self.modes.iter().map(rate).fold(0.0, f64::max)
+    }
+
+    /// Writes `A^T C_c A` for the contact dampers `C_c` \[N s/m\], by rows: A is the share of the
+    /// contacts in the closures, `(1 + R K_c)^-1 = 1 - R K` with the `stiffness` K of
+    /// [`stiffness`](Self::stiffness). Of first order in the damping times the residual flexibility.
+    pub(super) fn damping(
+        &self,
+        dampers: impl Fn(usize) -> f64,
+        stiffness: &[f64],
+        out: &mut [f64],
+    ) {
+        let (n, flexibility) = (self.interfaces(), &self.residual.closure);
+        let share = |i: usize, j: usize| {
+            let lost: f64 = (0..n).map(|l| flexibility[i][l] * stiffness[l * n + j]).sum();
+            if i == j { 1.0 - lost } else { -lost }
+        };
+        out.fill(0.0);
+        for l in 0..n {
+            let damper = dampers(l);
+            for i in 0..n {
+                for j in 0..n {
+                    out[i * n + j] += share(l, i) * damper * share(l, j);
+                }
+            }
+        }
     }
 
     /// Writes `(1 + K_c R)^-1 K_c` for the tangents `K_c` \[N/m\] of the contacts, by rows.
@@ -49,6 +88,16 @@ impl VariationalEquation {
         if n == 1 {
             let k = tangents(0);
             out[0] = k / (1.0 + k * self.residual.closure[0][0]);
+            return;
+        }
+        if n == 2 {
+            // The inverse of a matrix of two rows, times K_c.
+            let ([k0, k1], r) = ([tangents(0), tangents(1)], &self.residual.closure);
+            let (a, b) = (1.0 + k0 * r[0][0], k0 * r[0][1]);
+            let (c, d) = (k1 * r[1][0], 1.0 + k1 * r[1][1]);
+            let inverse = 1.0 / (a * d - b * c);
+            let cross = -b * k1 * inverse;
+            out.copy_from_slice(&[d * k0 * inverse, cross, -c * k0 * inverse, a * k1 * inverse]);
             return;
         }
         let width = 2 * n;
@@ -77,4 +126,8 @@ impl VariationalEquation {
             out[i * n..(i + 1) * n].copy_from_slice(&self.matrix[i * width + n..(i + 1) * width]);
         }
     }
+}
+
+fn square_of(shape: &[f64]) -> f64 {
+    shape.iter().map(|phi| phi * phi).sum()
 }

@@ -3,6 +3,7 @@
 
 mod backbones;
 mod bifurcations;
+mod damped_contacts;
 mod errors;
 mod integration;
 mod koopman_hill;
@@ -13,3 +14,4 @@ mod rig;
 mod rigs;
 mod spectral;
 mod stability;
+mod stepped;

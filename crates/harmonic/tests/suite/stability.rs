@@ -49,13 +49,12 @@ fn a_linear_rig_has_the_multipliers_of_its_modes() {
     let system = ContactSystem::of_structure(&structure, LawEvaluation::Exact).unwrap();
     let continuation = Continuation::Frequency { force: 1.0, from: 900.0, to: 901.0 };
     let found = with_stability(&system, continuation, 8);
-    // Runge-Kutta damps the fastest mode by up to 1e-3; Hill's matrix does not.
-    for (multipliers, bound) in both(&system, &found.points[0], 8).into_iter().zip([1e-9, 1e-3]) {
+    for multipliers in both(&system, &found.points[0], 8) {
         assert_eq!(multipliers.len(), 16);
         let period = 1.0 / 900.0;
         for multiplier in &multipliers {
             let ratio = multiplier.norm() / (-0.5 * rate * period).exp();
-            assert!((ratio - 1.0).abs() < bound, "{ratio}");
+            assert!((ratio - 1.0).abs() < 1e-9, "{ratio}");
         }
         let damped = ((TAU * natural).powi(2) - 0.25 * rate * rate).sqrt();
         let expected = Complex64::from_polar((-0.5 * rate * period).exp(), damped * period);
@@ -99,8 +98,8 @@ fn the_single_mass_has_the_multipliers_of_its_own_motion() {
     }
 }
 
-/// On the full rig both methods agree: the slow pair closely, the fast modes of the light sample
-/// to what a step of 0.2 rad allows.
+/// On the full rig both methods agree: the slow pair closely, the fast modes that the contacts
+/// couple to what kicks 0.4 rad apart allow.
 #[test]
 fn both_methods_agree_on_the_rig() {
     let stack = rig(&power(), Support::Rigid);
@@ -113,8 +112,10 @@ fn both_methods_agree_on_the_rig() {
         .iter()
         .map(|m| time.iter().map(|other| (m - other).norm()).fold(f64::INFINITY, f64::min))
         .collect();
-    assert!(off.iter().all(|off| *off < 2e-2), "{off:?}");
-    assert_eq!(off.iter().filter(|off| **off < 1e-6).count(), 2, "{off:?}");
+    assert!(off.iter().all(|off| *off < 1e-2), "{off:?}");
+    // The slow pair, and all but the sample's own motion.
+    assert_eq!(off.iter().filter(|off| **off < 1e-7).count(), 2, "{off:?}");
+    assert_eq!(off.iter().filter(|off| **off < 1e-4).count(), 6, "{off:?}");
     // Liouville's product: ten states, damped at one rate.
     let product: Complex64 = hill.iter().product();
     let exact = (-5.0 * 416.0 / 930.0_f64).exp();

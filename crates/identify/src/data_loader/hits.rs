@@ -63,6 +63,15 @@ impl Loader<'_> {
         })
     }
 
+    /// Index of the rig of steady responses, whose force is not the scenario's.
+    pub(super) fn steady_rig(
+        &mut self,
+        place: &str,
+        set: &Changes,
+    ) -> Result<usize, IdentificationError> {
+        Ok(self.rig(place, &[set])?.0)
+    }
+
     /// Index of the rig with the changes in `sets`, and those of them inside the excitation.
     fn rig(
         &mut self,

@@ -9,6 +9,8 @@ use crate::data_files::ReceptanceLine;
 use crate::error::IdentificationError;
 use crate::observed_quantity::{ComplexPart, ObservedQuantity};
 use crate::problem::{Changes, HitSpec, SpreadSpec};
+use crate::stepped_sine::{SimulatedSweep, SteppedRow};
+use asperity_harmonic::Drive;
 use asperity_scenario::four_digits;
 use asperity_study::quantity::Quantity;
 
@@ -72,6 +74,31 @@ impl Loader<'_> {
         Ok(())
     }
 
+    /// Adds frequency and, with its spread, damping at the points of a backbone: amplitude \[m\],
+    /// frequency \[Hz\], damping ratio.
+    pub(super) fn backbone(
+        &mut self,
+        place: &str,
+        data: &str,
+        hit: usize,
+        points: &[[f64; 3]],
+        (spread, damping_spread): (SpreadSpec, Option<SpreadSpec>),
+    ) -> Result<(), IdentificationError> {
+        self.built.forward.hits[hit].backbone = true;
+        let block = self.next_block();
+        for &[amplitude, frequency, damping] in points {
+            let quantity = ObservedQuantity::BackboneFrequency { hit, amplitude };
+            let about = ObservationLabel::new(data, "backbone.frequency_hz", Some(amplitude));
+            self.push(place, block, quantity, about, (frequency, spread.of(frequency)))?;
+            if let Some(spread) = damping_spread {
+                let quantity = ObservedQuantity::BackboneDamping { hit, amplitude };
+                let about = ObservationLabel::new(data, "backbone.damping_ratio", Some(amplitude));
+                self.push(place, block, quantity, about, (damping, spread.of(damping)))?;
+            }
+        }
+        Ok(())
+    }
+
     /// Adds the receptance at some lines.
     pub(super) fn receptance(
         &mut self,
@@ -94,6 +121,49 @@ impl Loader<'_> {
                 let about = ObservationLabel::new(data, feature, Some(line.frequency_hz));
                 let deviation = spread(line.deviation).of(largest);
                 self.push(place, block, quantity, about, (part.of(line.value), deviation))?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Adds amplitudes and phases of steady responses; each level is a block.
+    pub(super) fn stepped_sine(
+        &mut self,
+        place: &str,
+        data: &str,
+        set: &Changes,
+        rows: &[SteppedRow],
+        (spread, phase_spread): (SpreadSpec, Option<f64>),
+        harmonics: usize,
+    ) -> Result<(), IdentificationError> {
+        let rig = self.steady_rig(place, set)?;
+        let sensors = self.built.forward.parameters.sensors(data);
+        let mut first = self.built.forward.sweeps.iter().map(|sweep| sweep.drives.len()).sum();
+        for level in rows.chunk_by(|a, b| a.level == b.level) {
+            let block = self.next_block();
+            let drive =
+                |row: &SteppedRow| Drive { frequency_hz: row.frequency_hz, force: row.force_n };
+            self.built.forward.sweeps.push(SimulatedSweep {
+                rig,
+                sensors: sensors.clone(),
+                drives: level.iter().map(drive).collect(),
+                harmonics,
+            });
+            let of_force = format!("{} N", four_digits(level[0].force_n));
+            for row in level {
+                let response = first;
+                first += 1;
+                let quantity = ObservedQuantity::SteadyAmplitude { response };
+                let feature = format!("steady amplitude_m at {of_force}");
+                let about = ObservationLabel::new(data, feature, Some(row.frequency_hz));
+                let deviation = spread.of(row.amplitude_m);
+                self.push(place, block, quantity, about, (row.amplitude_m, deviation))?;
+                if let (Some(deviation), Some(near)) = (phase_spread, row.phase_rad) {
+                    let quantity = ObservedQuantity::SteadyPhase { response, near };
+                    let feature = format!("steady phase_rad at {of_force}");
+                    let about = ObservationLabel::new(data, feature, Some(row.frequency_hz));
+                    self.push(place, block, quantity, about, (near, deviation))?;
+                }
             }
         }
         Ok(())

@@ -40,6 +40,10 @@ pub enum DataSpec {
         #[serde(default = "default_features")]
         #[schemars(length(min = 1))]
         features: Vec<String>,
+        /// Raise standard deviations to the scatter of repeated hits, where the analysis has
+        /// levels of them.
+        #[serde(default = "default_true")]
+        repeatability: bool,
         /// Least standard deviation of each feature, added in squares.
         #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
         floor: BTreeMap<String, SpreadSpec>,
@@ -65,20 +69,25 @@ pub enum DataSpec {
         #[schemars(range(min = 1, max = 10_000))]
         points: usize,
     },
-    /// Frequency over amplitude along the decay of one hit, from a `backbone.csv`.
+    /// Frequency, and damping if asked for, over amplitude along the decay of one hit, from the
+    /// `backbone.csv` of `asperity analyse` or `asperity decay`.
     Backbone {
         /// A name.
         name: Option<String>,
         /// The file, relative to the folder of the problem.
         #[schemars(length(min = 1))]
         file: String,
-        /// Number of the hit in the file; the only one when left out.
+        /// Number of the hit or curve in the file; the only one when left out.
         index: Option<usize>,
-        /// The hit.
+        /// The hit. Where its force was not measured, any that reaches the amplitudes: the relation
+        /// is that of the free decay.
         #[serde(default)]
         hit: HitConditionsSpec,
         /// Standard deviation of the frequency, of its value and absolute in Hz.
         spread: SpreadSpec,
+        /// Standard deviation of the damping ratio, of its value and absolute. Damping is not used
+        /// when left out.
+        damping_spread: Option<SpreadSpec>,
     },
     /// Records of hits: the measured force drives the model, and the
     /// receptances are compared in a band.
@@ -101,6 +110,30 @@ pub enum DataSpec {
         /// the record: of the largest magnitude in the band, and absolute in m/N.
         #[serde(default)]
         spread: SpreadSpec,
+    },
+    /// Steady responses to a shaker at stepped frequencies: amplitude and phase at the top, from a
+    /// table in the order of the measurement.
+    SteppedSine {
+        /// A name.
+        name: Option<String>,
+        /// The file, relative to the folder of the problem: a CSV with the columns `frequency_hz`,
+        /// `force_n` (force amplitude), `amplitude_m` or `amplitude_m_per_s2` (of displacement or
+        /// acceleration) and optionally `phase_rad` or `phase_deg` (of the same to the force) and
+        /// `level`.
+        #[schemars(length(min = 1))]
+        file: String,
+        /// Changes of the scenario for these responses.
+        #[serde(default, skip_serializing_if = "Changes::is_empty")]
+        set: Changes,
+        /// Standard deviation of an amplitude: of its value, and absolute in m of displacement.
+        spread: SpreadSpec,
+        /// Standard deviation of a phase in rad. Phases are not used when left out.
+        #[schemars(extend("exclusiveMinimum" = 0.0))]
+        phase_spread_rad: Option<f64>,
+        /// Number of harmonics of the periodic responses.
+        #[serde(default = "default_harmonics")]
+        #[schemars(range(min = 1, max = 100))]
+        harmonics: usize,
     },
     /// Points of the law itself, from a quasi-static test.
     Stiffness {
@@ -132,9 +165,10 @@ impl DataSpec {
     /// Files that the data are read from, relative to the folder of the problem.
     pub fn files(&self) -> &[String] {
         match self {
-            Self::Analysis { file, .. } | Self::Frf { file, .. } | Self::Backbone { file, .. } => {
-                std::slice::from_ref(file)
-            }
+            Self::Analysis { file, .. }
+            | Self::Frf { file, .. }
+            | Self::Backbone { file, .. }
+            | Self::SteppedSine { file, .. } => std::slice::from_ref(file),
             Self::Records { files, .. } => files,
             Self::Hits { .. } | Self::Stiffness { .. } | Self::Ratio { .. } => &[],
         }
@@ -223,6 +257,14 @@ fn default_features() -> Vec<String> {
     ["fundamental.frequency_hz", "fundamental.receptance_m_per_n", "harmonic_ratio"]
         .map(str::to_owned)
         .to_vec()
+}
+
+fn default_true() -> bool {
+    true
+}
+
+fn default_harmonics() -> usize {
+    12
 }
 
 fn default_points() -> usize {

@@ -18,6 +18,7 @@ use rayon::prelude::*;
 use super::ScenarioModel;
 use crate::hit::{PreparedRig, SimulatedHit};
 use crate::observed_quantity::{HitOutcome, ObservedQuantity, PointOutcomes, backbone_of};
+use crate::stepped_sine::SweepStencil;
 use asperity_study::error::StudyError;
 use asperity_study::observables::free_from;
 use asperity_study::quantity::Observable;
@@ -54,16 +55,21 @@ impl ScenarioModel {
             .par_iter()
             .map(|hit| self.differentiated(hit, point, &base, &neighbours))
             .collect::<Result<Vec<_>, _>>()?;
+        let (steady, steady_derivatives) = self.steady_derivatives(point, &base, &neighbours)?;
         let outcomes = PointOutcomes {
             hits: hit_derivatives.iter().map(|hit| hit.outcome.clone()).collect(),
             stiffness: self.stiffnesses(point)?,
+            steady,
         };
         let gains = self.gains(point);
         let value = |quantity: &ObservedQuantity| quantity.value(&outcomes, &gains, &self.columns);
         let values: Vec<Option<f64>> = self.quantities.iter().map(value).collect();
         let mut columns = Vec::with_capacity(point.len());
         for (parameter, around) in neighbours.iter().enumerate() {
-            let derivatives = self.parameter_derivatives(parameter, around, &hit_derivatives)?;
+            let derivatives = PointOutcomes {
+                steady: steady_derivatives[parameter].clone(),
+                ..self.parameter_derivatives(parameter, around, &hit_derivatives)?
+            };
             let backbones: Vec<_> =
                 hit_derivatives.iter().map(|hit| hit.backbones[parameter].clone()).collect();
             let sensors = around.points.each_ref().map(|point| self.gains(point));
@@ -226,6 +232,34 @@ impl ScenarioModel {
         Ok(PointOutcomes {
             hits: hit_derivatives.iter().map(|hit| hit.derivatives[parameter].clone()).collect(),
             stiffness: stiffness.collect(),
+            steady: Vec::new(),
         })
+    }
+
+    /// The steady responses, and their derivatives with respect to each parameter.
+    #[allow(clippy::type_complexity, reason = "responses, and a list of them for each parameter")]
+    fn steady_derivatives(
+        &self,
+        point: &[f64],
+        base: &[PreparedRig],
+        neighbours: &[StencilRigs],
+    ) -> Result<(Vec<Option<Complex64>>, Vec<Vec<Option<Complex64>>>), StudyError> {
+        let (mut values, mut derivatives) = (Vec::new(), vec![Vec::new(); neighbours.len()]);
+        for sweep in &self.sweeps {
+            let stencils: Vec<SweepStencil<'_>> = neighbours
+                .iter()
+                .map(|around| SweepStencil {
+                    rigs: around.rigs.each_ref().map(Vec::as_slice),
+                    gains: around.points.each_ref().map(|point| sweep.sensors.gains(point)),
+                    step: around.step,
+                })
+                .collect();
+            let (own, moved) = sweep.differentiated(base, sweep.sensors.gains(point), &stencils)?;
+            values.extend(own);
+            for (all, moved) in derivatives.iter_mut().zip(moved) {
+                all.extend(moved);
+            }
+        }
+        Ok((values, derivatives))
     }
 }

@@ -9,7 +9,7 @@ use super::ContactLaw;
 use crate::domain::no_less;
 
 /// Points and weights of the 10-point Gauss-Legendre rule on (0, 1).
-const GAUSS: [(f64, f64); 10] = [
+pub(crate) const GAUSS: [(f64, f64); 10] = [
     (0.013_046_735_741_414_14, 0.033_335_672_154_344_07),
     (0.067_468_316_655_507_75, 0.074_725_674_575_290_3),
     (0.160_295_215_850_487_8, 0.109_543_181_257_991_02),

@@ -63,3 +63,27 @@ proptest! {
         conform(&InSeries::new(once, layers[1]).unwrap(), &p)?;
     }
 }
+
+// Every stiffness of these is an integral: fewer cases.
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, cases: 24, ..ProptestConfig::default() })]
+
+    #[test]
+    fn greenwood_williamson(law in families::greenwood_williamson(), p in families::pressures()) {
+        conform(&law, &p)?;
+    }
+
+    #[test]
+    fn persson(law in families::persson(), p in families::pressures()) {
+        conform(&law, &p)?;
+    }
+
+    #[test]
+    fn rough_surfaces_in_series(
+        inner in families::rough_surface(),
+        layer in families::log_uniform(1e8, 1e17),
+        p in families::pressures(),
+    ) {
+        conform(&InSeries::new(inner, layer).unwrap(), &p)?;
+    }
+}

@@ -4,5 +4,8 @@
 
 mod compiled;
 mod conformance;
+mod gap_table;
 mod invalid;
+mod overclosure;
 mod reference;
+mod rough_surfaces;

@@ -7,7 +7,7 @@ use crate::WriteOptions;
 use crate::error::WriteFault;
 use crate::record::joined_len;
 use crate::uff::fields::text;
-use crate::uff::header::SPECIFIC_TYPES;
+use crate::uff::header::{FRF, SPECIFIC_TYPES};
 use crate::{
     Abscissa, Channel, ChannelQuantity, ChannelUnit, DegreeOfFreedom, Format, Record, Samples,
 };
@@ -80,6 +80,7 @@ fn header(
         return refuse("its unit is longer than 20 characters, or not printable");
     }
     let kind = match channel.abscissa.quantity() {
+        ChannelQuantity::Frequency if channel.origin.frf.is_some() => (FRF, 18, "Frequency", "Hz"),
         ChannelQuantity::Time => (1, 17, "Time", "s"),
         ChannelQuantity::Frequency => (12, 18, "Frequency", "Hz"),
         _ => (0, 0, "NONE", "NONE"),
@@ -135,9 +136,16 @@ fn header(
     };
     // A quantity without unit would get the SI unit of dataset 164.
     let quantity = channel.unit.known().map_or(ChannelQuantity::Unknown, |unit| unit.quantity());
-    let (code, label) = specific_type(quantity);
-    axis(code, label, unit)?;
-    axis(0, "NONE", "NONE")?;
+    if let Some(units) = channel.origin.frf {
+        for unit in [units.response, units.excitation] {
+            let (code, label) = specific_type(unit.quantity());
+            axis(code, label, unit.symbol())?;
+        }
+    } else {
+        let (code, label) = specific_type(quantity);
+        axis(code, label, unit)?;
+        axis(0, "NONE", "NONE")?;
+    }
     axis(0, "NONE", "NONE")?;
     Ok(())
 }

@@ -75,6 +75,7 @@ impl<'a> Checker<'a, '_> {
                 self.curve(&points, "the pressure of the points", 0);
                 self.pressures_and_stiffnesses(&points);
             }
+            Some("persson") => self.wavevectors(law),
             Some("in_series") => {
                 if let Some(inner) = law.get("law") {
                     self.reference(&inner);
@@ -92,6 +93,21 @@ impl<'a> Checker<'a, '_> {
         {
             let value = coefficient * 1e6_f64.powf(exponent);
             self.finite_positive(law, value, "the stiffness C p^m at 1e6 Pa");
+        }
+    }
+
+    /// Checks that the wavevectors of a rough surface have a range.
+    fn wavevectors(&mut self, law: &Node<'a>) {
+        let (Some(previous), Some(value)) =
+            (law.number("roll_off_per_m"), law.number("cut_off_per_m"))
+        else {
+            return;
+        };
+        if value <= previous {
+            let quantity = "the wavevector, from roll-off to cut-off,";
+            let fault = Fault::NotIncreasing { quantity, previous, value };
+            let accepted = "a cut_off_per_m greater than roll_off_per_m";
+            self.found.push(Diagnostic::new(&law.at.child("cut_off_per_m"), fault, accepted));
         }
     }
 

@@ -31,11 +31,13 @@ pub(crate) struct NoiseCase {
     force_window: bool,
     /// Value of an exponential window at the end of the record.
     exponential: Option<f64>,
+    /// Windows that end where the signals are noise.
+    until_noise: bool,
     samples: usize,
 }
 
 /// The columns of the table.
-pub(crate) const CASES: [NoiseCase; 7] = [
+pub(crate) const CASES: [NoiseCase; 8] = [
     NoiseCase::new("no noise", 0.0, 0.0),
     NoiseCase::new("response 0.1 %", 0.0, 1e-3),
     NoiseCase::new("response 1 %", 0.0, 1e-2),
@@ -50,6 +52,7 @@ pub(crate) const CASES: [NoiseCase; 7] = [
         samples: SHORT,
         ..NoiseCase::new("the same, record cut short", 0.0, 1e-3)
     },
+    NoiseCase { until_noise: true, ..NoiseCase::new("both 1 %, windows until noise", 1e-2, 1e-2) },
 ];
 
 impl NoiseCase {
@@ -60,6 +63,7 @@ impl NoiseCase {
             response_noise,
             force_window: false,
             exponential: None,
+            until_noise: false,
             samples: WHOLE,
         }
     }
@@ -126,7 +130,7 @@ fn statistic(estimates: &[f64], stated: &[(f64, f64)]) -> Statistic {
     Statistic {
         bias: mean - 1.0,
         spread,
-        over_stated: (stated.len() > 1).then(|| their_spread / stated_square.sqrt()),
+        over_stated: (stated.len() > 9).then(|| their_spread / stated_square.sqrt()),
         stated: stated.len(),
         found: estimates.len(),
     }
@@ -150,7 +154,7 @@ fn read(features: &HitFeatures) -> [Reading; 9] {
     // First-order deviations are stated where the first order holds.
     let a = features.fundamental_uncertainty.filter(PeakUncertainty::is_first_order);
     let b = features.second_uncertainty.filter(PeakUncertainty::is_first_order);
-    let damping = features.mode.damping;
+    let (damping, sigma) = (features.mode.damping, features.mode_uncertainty);
     let backbone = features.backbone.as_ref().and_then(|backbone| {
         // The points down to a tenth of the first, of equal weight.
         let floor = 0.1 * backbone.points.first()?.amplitude;
@@ -173,9 +177,9 @@ fn read(features: &HitFeatures) -> [Reading; 9] {
         (second.map(|peak| peak.frequency_hz), frequency(second, b)),
         (second.map(|peak| peak.magnitude), height(second, b)),
         (ratio, ratio.zip(of_ratio)),
-        (damping.half_power, None),
-        (damping.circle, None),
-        (damping.decrement, None),
+        (damping.half_power, damping.half_power.zip(sigma.half_power)),
+        (damping.circle, damping.circle.zip(sigma.circle)),
+        (damping.decrement, damping.decrement.zip(sigma.decrement)),
         (backbone, None),
     ]
 }
@@ -253,6 +257,7 @@ fn options(case: &NoiseCase, samples: usize) -> HammerOptions {
     let windows = HitWindows {
         force_s: case.force_window.then_some((0.3e-3, 0.3e-3)),
         exponential: case.exponential.and_then(falling),
+        until_noise: case.until_noise,
     };
     let reference = FundamentalSearch::Frequency(MODES[0].0);
     // The last tenth of a whole record is noise; a short one has not decayed there.

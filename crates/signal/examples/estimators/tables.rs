@@ -20,15 +20,15 @@ pub(crate) fn tables() -> String {
         line(&mut text, name, &columns.map(|column| cell(&column[row])));
     }
     text.push('\n');
-    header(&mut text, "spread over what was stated", &names[1..7]);
-    for (row, name) in ROWS.iter().enumerate().take(5) {
+    header(&mut text, "spread over what was stated", &names[1..]);
+    for (row, name) in ROWS.iter().enumerate().take(8) {
         let over = |column: &[Statistic; 9]| {
             let Some(over) = column[row].over_stated else {
                 return "not stated".to_owned();
             };
             format!("{over:.2}{}", part(column[row].stated))
         };
-        let cells: Vec<String> = columns[1..7].iter().map(over).collect();
+        let cells: Vec<String> = columns[1..].iter().map(over).collect();
         line(&mut text, name, &cells);
     }
     text.push('\n');

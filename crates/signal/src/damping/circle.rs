@@ -1,11 +1,12 @@
 //! Circle fit of a mobility.
 
 use super::{HalfPower, half_power_crossings};
-use crate::fit::least_squares;
+use crate::fit::{least_squares, pseudo_inverse};
 use crate::form::FrfForm;
 use crate::frf::convert;
 use crate::peak::Peak;
 use crate::response::FrequencyResponse;
+use crate::uncertainty::LogReceptanceTerms;
 use num_complex::Complex64;
 use std::f64::consts::{PI, TAU};
 
@@ -78,12 +79,72 @@ pub fn circle_fit(response: &FrequencyResponse, peak: &Peak) -> Option<CircleFit
 
 /// [`circle_fit`] between known crossings.
 pub(super) fn circle_within(response: &FrequencyResponse, width: &HalfPower) -> Option<CircleFit> {
+    let (frequencies, values) = mobility_within(response, width);
+    circle_fit_of(&frequencies, &values)
+}
+
+/// Frequencies between the crossings and the mobility there.
+fn mobility_within(response: &FrequencyResponse, width: &HalfPower) -> (Vec<f64>, Vec<Complex64>) {
     let step = (width.upper_hz - width.lower_hz) / (POINTS - 1) as f64;
     let frequencies: Vec<f64> = (0..POINTS).map(|k| width.lower_hz + k as f64 * step).collect();
     let mobility =
         |f: &f64| convert(response.receptance_at(*f), *f, FrfForm::Receptance, FrfForm::Mobility);
-    let values: Vec<Complex64> = frequencies.iter().map(mobility).collect();
-    circle_fit_of(&frequencies, &values)
+    let values = frequencies.iter().map(mobility).collect();
+    (frequencies, values)
+}
+
+/// Changes of a circle fit due to those of the receptance.
+pub(crate) struct CircleSensitivity {
+    /// Of the logarithm of the natural frequency.
+    pub(crate) natural: LogReceptanceTerms,
+    /// Of the logarithm of the damping ratio.
+    pub(crate) ratio: LogReceptanceTerms,
+    /// Of the logarithm of the magnitude of the modal constant.
+    pub(crate) modal_constant: LogReceptanceTerms,
+}
+
+impl CircleSensitivity {
+    /// The sensitivity of [`circle_fit`] for points near their circle.
+    ///
+    /// A point moved by `dz` changes the centre and the radius through its radial part
+    /// (least squares on the distances), and its angle through the tangential part of `dz` less the
+    /// motion of the centre, over its distance; the angles change frequency and damping by their
+    /// own least squares.
+    pub(crate) fn of(
+        response: &FrequencyResponse,
+        width: &HalfPower,
+        fit: &CircleFit,
+    ) -> Option<Self> {
+        let (frequencies, values) = mobility_within(response, width);
+        let spokes: Vec<Complex64> = values.iter().map(|y| y - fit.centre).collect();
+        let radial: Vec<Complex64> = spokes.iter().map(|spoke| spoke / spoke.norm()).collect();
+        let rows: Vec<[f64; 3]> = radial.iter().map(|u| [u.re, u.im, 1.0]).collect();
+        let centre = pseudo_inverse(&rows)?;
+        let angles = AngleFit { natural_hz: fit.natural_hz, ratio: fit.ratio, turn: 0.0 };
+        let rows: Vec<[f64; 3]> =
+            frequencies.iter().map(|f| angles.observation(*f, 0.0).0).collect();
+        let angular = pseudo_inverse(&rows)?;
+        // Clockwise angles: -i u is the direction in which they grow.
+        let growth: Vec<Complex64> = (radial.iter().zip(&spokes))
+            .map(|(u, spoke)| u * Complex64::new(0.0, -1.0) / spoke.norm())
+            .collect();
+        let terms = |gradient: &dyn Fn(usize) -> Complex64| {
+            let term = |k: usize| (frequencies[k], gradient(k).conj() * values[k]);
+            LogReceptanceTerms { terms: (0..values.len()).map(term).collect() }
+        };
+        let of_angles = |parameter: usize| {
+            let with_centre: Complex64 =
+                growth.iter().zip(&angular).map(|(growth, row)| growth * row[parameter]).sum();
+            terms(&|k| {
+                let along = centre[k][0] * with_centre.re + centre[k][1] * with_centre.im;
+                growth[k] * angular[k][parameter] - radial[k] * along
+            })
+        };
+        let (natural, ratio) = (of_angles(1), of_angles(2));
+        let ln_radius = terms(&|k| radial[k] * (centre[k][2] / fit.radius));
+        let modal_constant = ln_radius.plus(&natural).plus(&ratio);
+        Some(Self { natural, ratio, modal_constant })
+    }
 }
 
 /// Circle fit of any mobility in a band about one resonance.

@@ -1,6 +1,6 @@
 //! Damping of one mode by three methods.
 
-use super::circle::circle_within;
+use super::circle::{CircleFit, circle_within};
 use super::half_power_crossings;
 use crate::decrement::logarithmic_decrement;
 use crate::peak::Peak;
@@ -27,15 +27,25 @@ impl DampingComparison {
     /// - `decay`: without force and without other modes (see
     ///   [`BandPass`](crate::BandPass)), at the sample rate of the response.
     pub fn of(response: &FrequencyResponse, peak: &Peak, decay: &[f64]) -> Self {
+        Self::and_circle(response, peak, decay).0
+    }
+
+    /// [`DampingComparison::of`] and the circle fit.
+    pub(crate) fn and_circle(
+        response: &FrequencyResponse,
+        peak: &Peak,
+        decay: &[f64],
+    ) -> (Self, Option<CircleFit>) {
         let rate = response.sample_rate_hz();
         let decrement = logarithmic_decrement(decay, rate, peak.frequency_hz);
         let width = half_power_crossings(response, peak);
         let circle = width.and_then(|width| circle_within(response, &width));
-        Self {
+        let found = Self {
             half_power: width.map(|width| width.ratio()),
             circle: circle.map(|circle| circle.ratio),
             decrement: decrement.map(|decrement| decrement.ratio),
-        }
+        };
+        (found, circle)
     }
 
     /// The ratios that were found, in the order of the fields.

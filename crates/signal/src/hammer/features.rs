@@ -1,17 +1,26 @@
 //! Features of one hit.
 
 use super::HammerOptions;
+use super::band_modes::{self, BandMode};
+use super::harmonic_origin::HarmonicTest;
+use super::mode_uncertainty::ModeUncertainty;
 use crate::damping::DampingComparison;
 use crate::dominant::dominant_frequency;
 use crate::form::FrfForm;
-use crate::harmonics::{Harmonics, find_harmonics};
-use crate::hit::{Offset, Pulse};
-use crate::noise::{band_density, white_density};
+use crate::harmonics::{Harmonics, find_harmonics, second_harmonic};
+use crate::hit::Pulse;
+use crate::noise::{band_density, quiet_density, white_density};
 use crate::peak::Peak;
 use crate::response::FrequencyResponse;
 use crate::ring_down::{Backbone, BackboneOptions, BandPass, backbone_and_signal};
-use crate::uncertainty::{NoiseDensity, PeakUncertainty, peak_uncertainty, ratio_uncertainty};
-use crate::window::ExponentialWindow;
+use crate::uncertainty::{
+    NoiseDensity, NoiseWindows, PeakUncertainty, peak_uncertainty, ratio_uncertainty,
+};
+use crate::window::{DecayEnvelope, ExponentialWindow, ResponseWindow};
+use num_complex::Complex64;
+
+/// Least height of a second harmonic above the minima beside it, in standard deviations of the noise.
+const PROMINENCE: f64 = 8.0;
 
 /// Reference of the search for the fundamental.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -28,34 +37,40 @@ pub enum FundamentalSearch {
 pub struct HitFeatures {
     /// Reference frequency of the windows of the search, in hertz.
     pub reference_hz: f64,
-    /// Fundamental and second harmonic, not corrected for the windows.
+    /// Fundamental and second harmonic, not corrected for the windows; no second harmonic unless it
+    /// is eight standard deviations of the noise above the minima beside it.
     pub harmonics: Harmonics,
     /// Noise before any window, the source of the uncertainties.
     pub noise: NoiseDensity,
-    /// Uncertainty of the fundamental of the windowed signals; the correction for an
-    /// exponential window adds the error of the damping ratio.
+    /// Uncertainty of the fundamental of the windowed signals; `None` for a peak that may be noise.
     pub fundamental_uncertainty: Option<PeakUncertainty>,
     /// Uncertainty of the second harmonic.
     pub second_uncertainty: Option<PeakUncertainty>,
+    /// Behaviour of the second harmonic in the decay; `None` without one, and where it is noise.
+    pub harmonic_test: Option<HarmonicTest>,
     /// Standard deviation of the ratio of receptances `A2/A1`.
     pub ratio_uncertainty: Option<f64>,
     /// The mode of the fundamental, corrected for the exponential window; empty without a
     /// fundamental.
     pub mode: ModeFeatures,
+    /// Standard deviations of the mode.
+    pub mode_uncertainty: ModeUncertainty,
+    /// Modes in the band of the search, the fundamental among them; none without a
+    /// [band](FundamentalSearch::Band).
+    pub modes: Vec<BandMode>,
     /// Backbone from the decay of the response without window.
     pub backbone: Option<Backbone>,
 }
 
 /// The features of a hit; `None` without a reference frequency.
 ///
-/// `response` is windowed and interpolated, `measured` is neither; an exponential
-/// window has the value one at sample `trigger`.
+/// `response` is windowed and interpolated; `unwindowed` lacks the window of the response, and
+/// `measured` is its samples as they were.
 pub(super) fn of_hit(
-    response: &FrequencyResponse,
+    (response, unwindowed): (&FrequencyResponse, &FrequencyResponse),
     measured: &[f64],
-    trigger: usize,
     pulse: &Pulse,
-    force_offset: Option<&Offset>,
+    noise: NoiseDensity,
     options: &HammerOptions,
 ) -> Option<HitFeatures> {
     let threshold = options.harmonics.force_threshold;
@@ -63,14 +78,30 @@ pub(super) fn of_hit(
         FundamentalSearch::Frequency(frequency) => frequency,
         FundamentalSearch::Band(band, form) => dominant_frequency(response, band, form, threshold)?,
     };
-    let harmonics = find_harmonics(response, reference_hz, &options.harmonics);
-    let noise = noise(response, measured, force_offset, options);
-    let in_windowed = options.windows.exponential.map_or(noise, |window| {
-        windowed(noise, window, trigger as f64 / response.sample_rate_hz())
-    });
-    let uncertainty = |peak| peak_uncertainty(response, peak, in_windowed);
-    let first = harmonics.fundamental.as_ref().and_then(uncertainty);
-    let second = harmonics.second.as_ref().and_then(uncertainty);
+    let mut harmonics = find_harmonics(response, reference_hz, &options.harmonics);
+    let fundamental = harmonics.fundamental;
+    let first = fundamental.and_then(|peak| reliable(response, &peak, noise));
+    let mut second = None;
+    if let Some(fundamental) = fundamental
+        && options.windows.until_noise
+        && options.windows.exponential.is_none()
+    {
+        harmonics.second = None;
+        // A harmonic decays faster than its fundamental, and is noise earlier.
+        let (shorter, noise) = until_harmonic_is_noise(unwindowed, fundamental.frequency_hz, noise);
+        let response = shorter.as_ref().unwrap_or(response);
+        let peak = second_harmonic(response, fundamental.frequency_hz, &options.harmonics);
+        if let Some(peak) = peak
+            && let Some(sigma) = reliable(response, &peak, noise)
+        {
+            (harmonics.second, second) = (Some(peak), Some(sigma));
+        }
+    } else {
+        second = harmonics.second.and_then(|peak| reliable(response, &peak, noise));
+        if second.is_none() {
+            harmonics.second = None;
+        }
+    }
     let ratio = harmonics.ratio().zip(first.zip(second));
     let mut found = HitFeatures {
         reference_hz,
@@ -78,7 +109,10 @@ pub(super) fn of_hit(
         fundamental_uncertainty: first,
         second_uncertainty: second,
         ratio_uncertainty: ratio.map(|(ratio, (a, b))| ratio_uncertainty(ratio, &a, &b)),
+        harmonic_test: None,
         mode: ModeFeatures::default(),
+        mode_uncertainty: ModeUncertainty::default(),
+        modes: Vec::new(),
         backbone: None,
         harmonics,
     };
@@ -88,10 +122,16 @@ pub(super) fn of_hit(
     let rate = response.sample_rate_hz();
     let begin = ((pulse.base_s.1 * rate).ceil() as usize).min(measured.len());
     let free = &measured[begin..];
+    if found.harmonics.second.is_some() {
+        found.harmonic_test = HarmonicTest::of(free, rate, peak.frequency_hz, noise.response);
+    }
     let band = BandPass::around(peak.frequency_hz, options.band_part).ok();
+    let remaining = white_density(&measured[measured.len() - measured.len() / 10..], rate);
+    let remaining = remaining.filter(|_| options.noise_band_hz.is_none()).unwrap_or(0.0);
     let settings = band.map(|band| BackboneOptions {
         cycles: options.cycles,
-        noise_density: noise.response,
+        // Other modes that still ring at the end count as noise.
+        noise_density: noise.response.max(remaining),
         ..BackboneOptions::new(band)
     });
     let filtered = settings.and_then(|settings| backbone_and_signal(free, rate, &settings).ok());
@@ -104,7 +144,17 @@ pub(super) fn of_hit(
     });
     found.backbone = filtered.map(|(backbone, _)| backbone);
     let decay = decay.unwrap_or_default();
-    found.mode = ModeFeatures::of(response, &peak, &decay, options.windows.exponential);
+    let window = options.windows.exponential;
+    found.mode = ModeFeatures::of(response, &peak, &decay, window);
+    found.mode_uncertainty = ModeUncertainty::of(response, &peak, &noise, window);
+    if let Some(band) = band {
+        let (frequency, density) = (peak.frequency_hz, noise.response);
+        found.mode_uncertainty =
+            found.mode_uncertainty.with_decrement(&decay, rate, frequency, density, &band);
+    }
+    let fundamental = BandMode { peak, features: found.mode, uncertainty: found.mode_uncertainty };
+    let responses = (response, unwindowed);
+    found.modes = band_modes::modes_of(responses, measured, &noise, &fundamental, options);
     Some(found)
 }
 
@@ -118,6 +168,10 @@ pub struct ModeFeatures {
     pub magnitude: Option<f64>,
     /// Damping ratios.
     pub damping: DampingComparison,
+    /// Undamped natural frequency of the circle fit, in hertz.
+    pub natural_hz: Option<f64>,
+    /// Modal constant of the circle fit, in 1/kg, which a window does not change.
+    pub modal_constant: Option<Complex64>,
 }
 
 impl ModeFeatures {
@@ -129,10 +183,18 @@ impl ModeFeatures {
         decay: &[f64],
         window: Option<ExponentialWindow>,
     ) -> Self {
-        let mut damping = DampingComparison::of(response, peak, decay);
+        let (mut damping, circle) = DampingComparison::and_circle(response, peak, decay);
         let (frequency, magnitude) = (peak.frequency_hz, peak.magnitude);
+        let natural_hz = circle.map(|circle| circle.natural_hz);
+        let modal_constant = circle.map(|circle| circle.modal_constant);
         let Some(window) = window else {
-            return Self { frequency_hz: Some(frequency), magnitude: Some(magnitude), damping };
+            return Self {
+                frequency_hz: Some(frequency),
+                magnitude: Some(magnitude),
+                damping,
+                natural_hz,
+                modal_constant,
+            };
         };
         let ratio = damping.circle.or(damping.half_power);
         let corrected = |ratio: f64| window.corrected_damping(frequency, ratio);
@@ -142,33 +204,88 @@ impl ModeFeatures {
             frequency_hz: ratio.map(|r| window.corrected_peak_frequency(frequency, r, frequency)),
             magnitude: ratio.map(|r| window.corrected_peak(frequency, r, magnitude)),
             damping,
+            natural_hz: circle.map(|c| window.corrected_natural_frequency(c.natural_hz, c.ratio)),
+            modal_constant,
         }
     }
 }
 
-/// Densities of the noise before any window.
-fn noise(
+/// Uncertainty of a peak that is well above the noise; `None` for one that may be noise.
+fn reliable(
     response: &FrequencyResponse,
-    measured: &[f64],
-    force_offset: Option<&Offset>,
-    options: &HammerOptions,
-) -> NoiseDensity {
-    let rate = response.sample_rate_hz();
-    let tail = || white_density(&measured[measured.len() - measured.len() / 10..], rate);
-    let found = match options.noise_band_hz {
-        Some(band) => band_density(measured, rate, band).ok().flatten(),
-        None => tail(),
-    };
-    let force = force_offset.map_or(0.0, |offset| 2.0 * offset.deviation.powi(2) / rate);
-    NoiseDensity { force, response: found.unwrap_or(0.0), window_rate: 0.0 }
+    peak: &Peak,
+    noise: NoiseDensity,
+) -> Option<PeakUncertainty> {
+    let is_above_noise =
+        |sigma: &PeakUncertainty| sigma.is_first_order() && is_prominent(peak, sigma);
+    peak_uncertainty(response, peak, noise).filter(is_above_noise)
 }
 
-/// Densities at the first sample of windowed signals; the window has the value one at `trigger_s`.
-fn windowed(noise: NoiseDensity, window: ExponentialWindow, trigger_s: f64) -> NoiseDensity {
-    let grown = (2.0 * window.rate() * trigger_s).exp();
-    NoiseDensity {
-        force: noise.force * grown,
-        response: noise.response * grown,
-        window_rate: window.rate(),
+/// True for a peak that is well above the minima beside it.
+pub(super) fn is_prominent(peak: &Peak, sigma: &PeakUncertainty) -> bool {
+    peak.prominence > PROMINENCE * sigma.relative
+}
+
+/// A hit whose response ends where the second harmonic is noise, and the noise with that window;
+/// no hit where the harmonic has no such end.
+fn until_harmonic_is_noise(
+    unwindowed: &FrequencyResponse,
+    fundamental_hz: f64,
+    noise: NoiseDensity,
+) -> (Option<FrequencyResponse>, NoiseDensity) {
+    let rate = unwindowed.sample_rate_hz();
+    // After the fundamental's decay there is no harmonic.
+    let end = noise.windows.response.map_or(f64::INFINITY, |window| window.end_s * rate);
+    let samples = &unwindowed.samples()[..unwindowed.samples().len().min(end as usize)];
+    let window = ResponseWindow::until_noise(samples, rate, 2.0 * fundamental_hz, noise.response);
+    let Some(window) = window else {
+        return (None, noise);
+    };
+    let windows = NoiseWindows { response: Some(window), ..noise.windows };
+    let response = unwindowed.with_response_window(&window).interpolated();
+    (Some(response), NoiseDensity { windows, ..noise })
+}
+
+/// Band of the noise, over the fundamental.
+const NOISE_BAND: (f64, f64) = (0.5, 2.5);
+
+/// Parts of a hit that are quiet: of the force, which rests after the pulse at its beginning, and of
+/// the response at first.
+const QUIET_FORCE: f64 = 0.25;
+const QUIET_RESPONSE: f64 = 0.75;
+
+/// Densities of the noise of force and response about a resonance (Hz), and the end of the response's
+/// decay with [`HitWindows::until_noise`](super::HitWindows).
+pub(super) fn noise_density(
+    force: &[f64],
+    response: &[f64],
+    rate: f64,
+    resonance_hz: f64,
+    options: &HammerOptions,
+) -> NoiseDensity {
+    let band = (NOISE_BAND.0 * resonance_hz, NOISE_BAND.1 * resonance_hz);
+    let from = |samples: &[f64], begin: f64| {
+        let quiet = &samples[((begin * samples.len() as f64) as usize).min(samples.len())..];
+        quiet_density(quiet, rate, band).unwrap_or(0.0)
+    };
+    let mut found = NoiseDensity {
+        force: from(force, QUIET_FORCE),
+        response: from(response, QUIET_RESPONSE),
+        windows: NoiseWindows::default(),
+    };
+    if let Some(band) = options.noise_band_hz {
+        found.response = band_density(response, rate, band).ok().flatten().unwrap_or(0.0);
     }
+    let envelope = DecayEnvelope::of(response, rate, resonance_hz);
+    let window = |density| envelope.as_ref()?.until_noise(response, density);
+    let decayed = window(found.response);
+    if let (Some(decayed), None) = (decayed, options.noise_band_hz) {
+        // All of the response after the decay is noise.
+        let begin = (decayed.end_s + decayed.taper_s) * rate / response.len() as f64;
+        found.response = from(response, begin.min(QUIET_RESPONSE));
+    }
+    if options.windows.until_noise {
+        found.windows.response = window(found.response);
+    }
+    found
 }

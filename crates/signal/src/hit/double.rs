@@ -19,7 +19,7 @@ pub struct DoubleHit {
 
 /// Depth of a minimum over the threshold, at least.
 const DEPTH: f64 = 0.5;
-/// Depth of a minimum over the robust deviation of the noise, at least.
+/// Depth of a minimum and height of a maximum over the robust deviation of the noise, at least.
 const NOISE_FACTOR: f64 = 6.0;
 
 /// Further force maxima of a hit.
@@ -31,7 +31,7 @@ const NOISE_FACTOR: f64 = 6.0;
 /// h = max(fraction / 2 * largest, 6 s)
 /// ```
 ///
-/// with `s` the robust deviation of the force. The first maximum of at least
+/// with `s` the robust deviation of the force. Every maximum is at least `6 s` high. The first maximum of at least
 /// `fraction` of the largest is the first hit; each later one of at least
 /// `fraction` of the first, and above the undershoot before it, is a further hit.
 /// A shoulder has no minimum before it and is none; the ringing of a sensor overshoots
@@ -64,7 +64,8 @@ pub fn double_hits(force: &[f64], sample_rate_hz: f64, fraction: f64) -> Vec<Dou
     let mut found = Vec::new();
     for maximum in &maxima[begin + 1..] {
         valley = valley.min(maximum.valley);
-        if maximum.top >= fraction * first.top && maximum.top > -maximum.valley {
+        let is_high = maximum.top >= (fraction * first.top).max(NOISE_FACTOR * noise);
+        if is_high && maximum.top > -maximum.valley {
             found.push(DoubleHit {
                 first_s: time(first.index),
                 second_s: time(maximum.index),

@@ -118,11 +118,15 @@ pub(super) fn not_finite(samples: &[f64]) -> Vec<SampleRun> {
 /// Smallest magnitude of an active response over its largest value.
 const ACTIVE: f64 = 0.02;
 
-/// Runs of at least `fewest` equal samples while a response is active.
+/// Runs of at least `fewest` equal samples while a response is active, or a response that is constant
+/// throughout.
 ///
-/// Runs at the largest and smallest value are overloads, not dropouts.
+/// Other runs at the largest and smallest value are overloads, not dropouts.
 pub(super) fn response_dropouts(samples: &[f64], fewest: usize) -> Vec<SampleRun> {
     let (least, most) = extremes(samples);
+    if least == most && samples.len() >= fewest.max(2) {
+        return vec![SampleRun { first: 0, samples: samples.len(), value: most }];
+    }
     let largest = most.max(-least).max(0.0);
     let active = |x: &f64| x.abs() > ACTIVE * largest;
     let Some((begin, end)) = samples.iter().position(active).zip(samples.iter().rposition(active))

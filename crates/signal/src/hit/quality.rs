@@ -128,8 +128,8 @@ impl Default for QualityOptions {
 ///   steeper than two converter steps, and samples at or beyond a full scale.
 /// - Clipped responses: five and more separate times at exactly the largest or the smallest value.
 /// - Dropouts: [`QualityOptions::constant_samples`] equal samples in a response
-///   above 2 % of its largest value before and after; three in a force that is
-///   above a quarter of its largest value before and after.
+///   above 2 % of its largest value before and after, or a response that is constant throughout;
+///   three in a force that is above a quarter of its largest value before and after.
 ///
 /// ```
 /// use asperity_signal::{HitRecord, QualityIssue, QualityOptions, quality_issues};

@@ -5,20 +5,20 @@ use std::f64::consts::{PI, TAU};
 use std::ops::RangeInclusive;
 
 /// Logarithm of the envelope and phase of an analytic signal, computed once for overlapping windows.
-pub(super) struct Polar {
+pub(crate) struct Polar {
     /// Logarithm of the magnitude, and angle.
     values: Vec<(f64, f64)>,
 }
 
 /// Amplitude, frequency and decay rate at the middle of a window.
-pub(super) struct LocalFit {
-    pub(super) amplitude: f64,
-    pub(super) frequency_hz: f64,
-    pub(super) decay_rate: f64,
+pub(crate) struct LocalFit {
+    pub(crate) amplitude: f64,
+    pub(crate) frequency_hz: f64,
+    pub(crate) decay_rate: f64,
 }
 
 impl Polar {
-    pub(super) fn of(signal: &[Complex64]) -> Self {
+    pub(crate) fn of(signal: &[Complex64]) -> Self {
         Self { values: signal.iter().map(|value| (value.norm().ln(), value.arg())).collect() }
     }
 
@@ -26,7 +26,7 @@ impl Polar {
     ///
     /// The phase is taken relative to a carrier, which makes it slow and easy to unwrap; the slopes
     /// over a symmetric window do not depend on curvature.
-    pub(super) fn line(
+    pub(crate) fn line(
         &self,
         window: RangeInclusive<usize>,
         rate: f64,

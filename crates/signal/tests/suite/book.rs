@@ -15,7 +15,10 @@ fn the_table_of_bias_and_spread_is_that_of_the_book() {
     let rows = |text: &str| -> Vec<String> {
         text.lines().filter(|line| line.starts_with('|')).map(str::to_owned).collect()
     };
-    let (printed, written) = (rows(&tables()), rows(&page));
+    // The tables of the example `calibration` follow a bold heading each.
+    let own: Vec<&str> =
+        page.split("\n\n").filter(|part| !part.starts_with("| quantity")).collect();
+    let (printed, written) = (rows(&tables()), rows(&own.join("\n\n")));
     assert_eq!(printed.len(), written.len(), "rows of tables");
     for (printed, written) in printed.iter().zip(&written) {
         let agree = printed.split(' ').count() == written.split(' ').count()

@@ -6,9 +6,13 @@
 mod averages;
 mod backbones;
 mod book;
+mod calibration;
+#[allow(dead_code, reason = "bias and range are for the printed table only")]
+mod calibration_cases;
 mod circles;
 mod damping;
 mod forms;
+mod free_decays;
 mod hammer;
 mod harmonics;
 mod hits;

@@ -159,7 +159,7 @@ proptest! {
         }
         let found = find_harmonics(&hit, expected * rate, &HarmonicOptions::default());
         if let Some(peak) = found.fundamental {
-            let noise = NoiseDensity { force: density, response: density, window_rate: 0.0 };
+            let noise = NoiseDensity { force: density, response: density, ..NoiseDensity::default() };
             if let Some(sigma) = peak_uncertainty(&hit, &peak, noise) {
                 prop_assert!(sigma.frequency_hz >= 0.0 && sigma.relative >= 0.0);
             }

@@ -24,7 +24,7 @@ fn scatter_over_stated(force_noise: f64, response_noise: f64) -> [f64; 5] {
     let densities = NoiseDensity {
         force: density(force_noise),
         response: density(response_noise),
-        window_rate: 0.0,
+        ..NoiseDensity::default()
     };
     let mut noise = Noise::new(2024);
     let runs = 200;

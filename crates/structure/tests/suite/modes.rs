@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
-use asperity_law::Constant;
+use asperity_law::{Constant, ContactDamping};
 use asperity_mesh::{Body, Grid, Interface, Stack, Support};
 use asperity_structure::{Damping, LinearisedMode, PreloadedContact, PreloadedStructure};
 use faer::{Mat, Side};
@@ -318,4 +318,55 @@ fn a_damping_ratio_is_that_of_the_lowest_mode() {
         let expected = rate / (4.0 * PI * mode.frequency_hz);
         assert!((mode.damping_ratio / expected - 1.0).abs() < 1e-12);
     }
+}
+
+/// A Kelvin-Voigt contact adds `beta w / 2` times its share of the strain energy, which is the
+/// relative change of the squared frequency over that of its stiffness.
+#[test]
+fn a_damped_contact_adds_its_share_of_the_strain_energy() {
+    let beta = 3e-6;
+    let laws = |change: f64| [change, 1.0].map(|f| Constant::new(8.5e11 * f).unwrap());
+    let stack = |change: f64, damping: Option<ContactDamping>| {
+        let plain = rig_on(&constant(), DISC);
+        let contacts = plain.interfaces().iter().zip(laws(change)).enumerate();
+        let contacts = contacts.map(|(i, (one, law))| {
+            let contact = Interface::new(one.name(), one.area(), Arc::new(law)).unwrap();
+            if i == 0 {
+                damping.map_or(contact.clone(), |d| contact.with_damping(d))
+            } else {
+                contact
+            }
+        });
+        Stack::new(plain.bodies().to_vec(), contacts.collect(), DISC, 9.81).unwrap()
+    };
+    let bare = modes_of(&stack(1.0, None), 100.0, 3);
+    let [soft, stiff] = [-1e-4, 1e-4].map(|e| modes_of(&stack(1.0 + e, None), 0.0, 3));
+    for damping in [
+        ContactDamping::kelvin_voigt(beta).unwrap(),
+        ContactDamping::loss_ratio(TAU * 500.0 * beta, 500.0).unwrap(),
+        ContactDamping::power(beta * 8.5e11, 1e5, 0.0).unwrap(),
+    ] {
+        let found = modes_of(&stack(1.0, Some(damping)), 100.0, 3);
+        for number in 0..3 {
+            let (low, high) = (soft[number].frequency_hz, stiff[number].frequency_hz);
+            // d ln(w^2) / d ln K.
+            let share = (high / low).ln() / 1e-4;
+            let added = found[number].damping_ratio - bare[number].damping_ratio;
+            let expected = 0.5 * beta * TAU * found[number].frequency_hz * share;
+            assert!((added / expected - 1.0).abs() < 1e-6, "{number}: {added} {expected}");
+        }
+    }
+}
+
+/// All strain energy of a rigid mass is in its contact: `zeta = beta w / 2`.
+#[test]
+fn a_rigid_mass_on_a_damped_contact_has_its_damping_ratio() {
+    let block = Body::new("block", 1e-4, 1e-2, 1e13, 1e6).unwrap();
+    let contact = Interface::new("contact", 1e-4, constant()).unwrap();
+    let contact = contact.with_damping(ContactDamping::kelvin_voigt(7e-6).unwrap());
+    let stack = Stack::new(vec![block], vec![contact], Support::Rigid, 9.81).unwrap();
+    let mode = &modes_of(&stack, 0.0, 1)[0];
+    let expected = 0.5 * 7e-6 * TAU * mode.frequency_hz;
+    // The block takes some k L / (E A) = 9e-8 of the energy.
+    assert!((mode.damping_ratio / expected - 1.0).abs() < 1e-6, "{mode:?}");
 }

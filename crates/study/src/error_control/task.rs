@@ -118,7 +118,7 @@ impl<'a> Task<'a> {
     }
 
     /// Modes of each body at a level: the rigid one always, of the elastic ones 0, 1, 3, 7, ...
-    fn counts_at(&self, level: Level) -> Vec<usize> {
+    pub(super) fn counts_at(&self, level: Level) -> Vec<usize> {
         let factor = f64::from(level.modes).exp2();
         let modes = |&count: &usize| ((count as f64 * factor) as usize).clamp(1, MOST_MODES);
         self.counts.iter().map(modes).collect()

@@ -6,7 +6,7 @@ use asperity_dynamics::{
     DynamicsError, HitSimulation, ModalModel, ParameterVariation, RELATIVE_STEP, STENCIL,
 };
 use asperity_scenario::Document;
-use asperity_structure::{Damping, PreloadedContact, PreloadedStructure};
+use asperity_structure::{Damping, PreloadedContact, PreloadedStructure, StructureError};
 
 use super::SensitivityError;
 use crate::parameter::ScenarioParameter;
@@ -72,7 +72,8 @@ impl Varied {
 pub fn with_laws_of(base: &ModalModel, rig: &ModalModel) -> Result<ModalModel, DynamicsError> {
     let contacts = rig.contacts().iter().zip(base.contacts()).map(|(contact, base)| {
         let law = Arc::clone(base.law());
-        PreloadedContact::new(contact.name(), contact.area(), law, contact.pressure())
+        let shared = PreloadedContact::new(contact.name(), contact.area(), law, contact.pressure());
+        Ok::<_, StructureError>(shared?.with_damping(contact.damping()))
     });
     let contacts = contacts.collect::<Result<_, _>>()?;
     let damping = Damping::Rate(rig.preloaded().damping_rate());

@@ -59,10 +59,18 @@ impl SettledAmplitude {
     }
 }
 
-/// Periods until a transient of free bodies at `frequency` \[Hz\] has fallen to a millionth, 20 to
+/// Periods until a transient of free bodies, on damped contacts that of the lowest mode, at `frequency` \[Hz\] has fallen to a millionth, 20 to
 /// 8000.
 pub fn first_periods(assembly: &Assembly, frequency: f64) -> f64 {
-    let decay = 0.5 * assembly.structure.damping_rate() / frequency;
+    let structure = &assembly.structure;
+    let mut rate = 0.5 * structure.damping_rate();
+    if structure.contacts().iter().any(|contact| contact.damping().is_some())
+        && let Ok(modes) = structure.modes(1)
+    {
+        let slowest = modes.iter().map(|mode| TAU * mode.frequency_hz * mode.damping_ratio);
+        rate = slowest.fold(rate, f64::max);
+    }
+    let decay = rate / frequency;
     (-REMAINS.ln() / decay).clamp(FEWEST_PERIODS, MOST_PERIODS).ceil()
 }
 

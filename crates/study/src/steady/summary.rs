@@ -1,6 +1,6 @@
 //! `summary.json` of steady responses, under the names of the contract.
 
-use asperity_harmonic::{Branch, HarmonicError, PeriodicResponse, SpecialPointKind, Termination};
+use asperity_harmonic::{Branch, HarmonicError, PeriodicResponse, Termination};
 use serde::Serialize;
 
 use super::{Backbones, Steady, SteadyLevel, TimeCheck};
@@ -57,7 +57,7 @@ pub struct BranchSummary {
     pub peak_amplitude_1_m: Option<f64>,
     /// Ratio of the second harmonic to the fundamental there.
     pub harmonic_ratio: Option<f64>,
-    /// True for a peak within the frequencies, false for one at their end.
+    /// True if that is a peak inside a branch that covers the whole range.
     pub peak_is_inside: bool,
     /// Number of points.
     pub points: usize,
@@ -67,8 +67,14 @@ pub struct BranchSummary {
     pub truncation: f64,
     /// Termination of the branch.
     pub end: TerminationSummary,
+    /// Frequency of the last response \[Hz\].
+    pub end_frequency_hz: Option<f64>,
     /// True if contact is lost in a response.
     pub contact_lost: bool,
+    /// Frequency of the first response along the branch that loses contact \[Hz\].
+    pub contact_lost_from_hz: Option<f64>,
+    /// Number of unstable points; none if stability was not computed for all.
+    pub unstable_points: Option<usize>,
     /// The bifurcations, along the branch.
     pub bifurcations: Vec<BifurcationSummary>,
     /// A response by time integration, if requested.
@@ -181,12 +187,23 @@ impl LevelSummary {
             peak_frequency_hz: peak.map(PeriodicResponse::frequency_hz),
             peak_amplitude_1_m: peak.map(|peak| peak.amplitude(1)),
             harmonic_ratio: peak.map(PeriodicResponse::harmonic_ratio),
-            peak_is_inside: branch.of_kind(SpecialPointKind::Peak).next().is_some(),
+            peak_is_inside: branch.peak().is_some(),
             points: branch.points.len(),
             harmonics: branch.harmonics,
             truncation: branch.truncation(),
             end: TerminationSummary::of(&branch.termination),
+            end_frequency_hz: branch.points.last().map(PeriodicResponse::frequency_hz),
             contact_lost: branch.points.iter().any(PeriodicResponse::contact_lost),
+            contact_lost_from_hz: branch
+                .points
+                .iter()
+                .find(|point| point.contact_lost())
+                .map(PeriodicResponse::frequency_hz),
+            unstable_points: branch
+                .points
+                .iter()
+                .map(|point| point.stable().map(|stable| usize::from(!stable)))
+                .sum(),
             bifurcations: bifurcations
                 .map(|special| BifurcationSummary {
                     kind: special.kind.name(),

@@ -5,11 +5,15 @@ use asperity_table::CsvWriter;
 
 use super::{Backbones, Steady};
 
-/// `steady.csv`: a row per point of every branch, in the order of the request.
+/// A harmonic is a column if it exceeds this share of the fundamental at some point.
+const MATTERS: f64 = 1e-4;
+
+/// `steady.csv`: a row per point of every branch, in the order of the request, with harmonics up to the
+/// highest that matters.
 pub fn steady_csv(steady: &Steady, interfaces: &[&str]) -> String {
     let branches: Vec<&Branch> =
         steady.levels.iter().filter_map(|level| level.outcome.as_ref().ok()).collect();
-    let harmonics = branches.iter().map(|branch| branch.harmonics).max().unwrap_or(1);
+    let harmonics = harmonics_that_matter(&branches);
     let mut names: Vec<String> =
         ["branch", "point", "force_n", "frequency_hz"].map(str::to_owned).into();
     names.extend((1..=harmonics).map(|k| format!("amplitude_{k}_m")));
@@ -35,6 +39,15 @@ pub fn steady_csv(steady: &Steady, interfaces: &[&str]) -> String {
         }
     }
     csv.into_string()
+}
+
+/// The highest harmonic that matters at any point; two at least, as far as they were computed.
+fn harmonics_that_matter(branches: &[&Branch]) -> usize {
+    let computed = branches.iter().map(|branch| branch.harmonics).max().unwrap_or(1);
+    let points = || branches.iter().flat_map(|branch| &branch.points);
+    let matters =
+        |k: usize| points().any(|point| point.amplitude(k) > MATTERS * point.amplitude(1));
+    (1..=computed).rev().find(|&k| matters(k)).unwrap_or(1).max(computed.min(2))
 }
 
 fn truth(value: bool) -> &'static str {

@@ -1,7 +1,7 @@
 //! Stiffness over pressure with its band, and the uncertainty left.
 
 use asperity_figure::{Axis, Color, Figure, Legend, Marker, Panel, Series};
-use asperity_identify::{INFORMED_SHARE, Identification};
+use asperity_identify::{INFORMED_SHARE, Identification, LawBand, StiffnessOrigin};
 
 use super::observations::{ObservationKind, ObservationRow, column};
 
@@ -28,9 +28,17 @@ pub(super) fn law(found: &Identification, rows: &[ObservationRow<'_>]) -> Figure
     let stiffness = Axis::log("Contact stiffness", "Pa/m").range(low, high);
     let band = Series::band(band, &law.pressure, &law.lower, &law.upper);
     let best = Series::line("best fit", &law.pressure, &law.stiffness).width(1.2);
+    let given: Vec<f64> = law
+        .stiffness
+        .iter()
+        .zip(&law.origin)
+        .map(|(k, origin)| if *origin == StiffnessOrigin::Given { *k } else { f64::NAN })
+        .collect();
+    let given = Series::line("given, not measured", &law.pressure, given).width(2.4);
     let mut shown = Panel::new(pressure(), stiffness)
         .series_if_visible(band.color(Color::BLUE))
-        .series_if_visible(best.color(Color::BLUE));
+        .series_if_visible(best.color(Color::BLUE))
+        .series_if_visible(given.color(Color::GREY));
     if !points.is_empty() {
         let errors = column(&points, |row| 2.0 * row.standard_deviation);
         let series = Series::points(
@@ -42,7 +50,7 @@ pub(super) fn law(found: &Identification, rows: &[ObservationRow<'_>]) -> Figure
     }
     // At the side there is no room for a name.
     let lowest = if law.reached[0] > LEAST_PLACE * top { "lowest" } else { "" };
-    shown = shaded(shown, law.informed_range())
+    shown = shaded(shown, law)
         .vertical(law.reached[0], lowest)
         .vertical(law.reached[1], "highest")
         .vertical(law.at_rest, "at rest");
@@ -53,7 +61,7 @@ pub(super) fn law(found: &Identification, rows: &[ObservationRow<'_>]) -> Figure
     let left = Panel::new(pressure(), left)
         .legend(Legend::None)
         .series_if_visible(Series::line("", &law.pressure, &law.remaining).color(Color::BLUE));
-    let left = shaded(left, law.informed_range())
+    let left = shaded(left, law)
         .vertical(law.reached[0], "")
         .vertical(law.reached[1], "")
         .vertical(law.at_rest, "")
@@ -62,12 +70,14 @@ pub(super) fn law(found: &Identification, rows: &[ObservationRow<'_>]) -> Figure
     figure.panel(shown).panel(left).columns(1).width_mm(130.0).row_height_mm(66.0)
 }
 
-/// The panel with pressures without information shaded.
-fn shaded(panel: Panel, informed: Option<[f64; 2]>) -> Panel {
-    match informed {
-        Some([low, high]) => panel.shade(f64::NEG_INFINITY, low).shade(high, f64::INFINITY),
-        None => panel.shade(f64::NEG_INFINITY, f64::INFINITY),
+/// The panel with all pressures shaded but those that the data inform.
+fn shaded(mut panel: Panel, law: &LawBand) -> Panel {
+    let mut from = f64::NEG_INFINITY;
+    for [low, high] in law.ranges(StiffnessOrigin::Data) {
+        panel = panel.shade(from, low);
+        from = high;
     }
+    panel.shade(from, f64::INFINITY)
 }
 
 /// Range of stiffness \[Pa/m\] drawn: best fit, points, and the band up to [`MOST_FACTOR`].

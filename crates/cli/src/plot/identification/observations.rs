@@ -10,8 +10,10 @@ pub(super) enum ObservationKind {
     Hit,
     /// A part of a receptance \[m/N\], over frequency \[Hz\].
     Receptance,
-    /// The frequency \[Hz\] along a decay, over amplitude \[m\].
+    /// The frequency \[Hz\] or damping ratio along a decay, over amplitude \[m\].
     Backbone,
+    /// Amplitude \[m\] or phase \[rad\] of a steady response, over frequency \[Hz\].
+    Steady,
     /// The stiffness \[Pa/m\] of a law, over pressure \[Pa\].
     Stiffness,
 }
@@ -60,6 +62,8 @@ fn kind(feature: &str) -> ObservationKind {
         ObservationKind::Stiffness
     } else if feature.starts_with("receptance, ") {
         ObservationKind::Receptance
+    } else if feature.starts_with("steady ") {
+        ObservationKind::Steady
     } else if feature.starts_with("backbone.") {
         ObservationKind::Backbone
     } else {
@@ -112,8 +116,17 @@ pub(super) fn feature_name(feature: &str) -> (String, &'static str) {
     if feature.starts_with("stiffness of ") {
         return (capital(feature), "Pa/m");
     }
+    if let Some(level) = feature.strip_prefix("steady amplitude_m at ") {
+        return (format!("Amplitude at {level}"), "m");
+    }
+    if let Some(level) = feature.strip_prefix("steady phase_rad at ") {
+        return (format!("Phase at {level}"), "rad");
+    }
     if feature == "backbone.frequency_hz" {
         return ("Frequency".to_owned(), "Hz");
+    }
+    if feature == "backbone.damping_ratio" {
+        return ("Damping ratio".to_owned(), "");
     }
     match Quantity::of_name(feature) {
         Some((quantity, None)) => (quantity.label().to_owned(), quantity.unit()),

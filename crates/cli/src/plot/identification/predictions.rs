@@ -60,12 +60,25 @@ pub(super) fn receptance(rows: &[ObservationRow<'_>]) -> Option<Figure> {
     figure("Receptance", panels.collect())
 }
 
-/// Frequency over amplitude along decays.
+/// Amplitude and phase of steady responses over frequency, a panel for each level.
+pub(super) fn steady(rows: &[ObservationRow<'_>]) -> Option<Figure> {
+    let lines = rows.iter().filter(|row| row.kind == ObservationKind::Steady);
+    let features = groups(lines, |row| row.feature).into_iter().take(MOST_PANELS).enumerate();
+    let panels = features.map(|(index, (feature, of))| {
+        let (label, unit) = feature_name(feature);
+        panel([Axis::linear("Frequency", "Hz"), axis(label, unit)], &of, index == 0, false)
+    });
+    figure("Steady responses", panels.collect())
+}
+
+/// Frequency and damping over amplitude along decays.
 pub(super) fn backbone(rows: &[ObservationRow<'_>]) -> Option<Figure> {
     let points = rows.iter().filter(|row| row.kind == ObservationKind::Backbone && row.at > 0.0);
-    let panels = groups(points, |row| row.data).into_iter().take(MOST_PANELS).enumerate();
-    let panels = panels.map(|(index, (data, of))| {
-        let axes = [Axis::log("Amplitude", "m"), Axis::linear("Frequency", "Hz")];
+    let parts = groups(points, |row| (row.data, row.feature));
+    let panels = parts.into_iter().take(MOST_PANELS).enumerate();
+    let panels = panels.map(|(index, ((data, feature), of))| {
+        let (label, unit) = feature_name(feature);
+        let axes = [Axis::log("Amplitude", "m"), axis(label, unit)];
         panel(axes, &of, index == 0, false).title(fitted(data, 44))
     });
     figure("Backbone", panels.collect())
@@ -75,6 +88,7 @@ pub(super) fn backbone(rows: &[ObservationRow<'_>]) -> Option<Figure> {
 fn axis(label: String, unit: &'static str) -> Axis {
     match unit {
         "m/N" => Axis::linear(label, "nm/N").scale(1e9),
+        "m" => Axis::linear(label, "nm").scale(1e9),
         "Pa" => Axis::linear(label, "MPa").scale(1e-6),
         _ => Axis::linear(label, unit),
     }

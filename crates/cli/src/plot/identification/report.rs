@@ -2,7 +2,9 @@
 
 use asperity_figure::Figure;
 use asperity_figure::report::{ClaimOutcome, Report, TableCell, four_digits};
-use asperity_identify::{CandidateHit, Identification, IdentificationProblem};
+use asperity_identify::{
+    CandidateHit, Identification, IdentificationProblem, StartAgreement, StiffnessOrigin,
+};
 use asperity_inference::ModelAssessment;
 use serde_json::Value;
 
@@ -30,7 +32,7 @@ pub(crate) fn identification_report(
     report = estimates(report, found);
     for (section, names) in [
         ("Contact law", &["law"][..]),
-        ("Data and predictions", &["features", "receptance", "backbone", "residuals"]),
+        ("Data and predictions", &["features", "receptance", "backbone", "steady", "residuals"]),
         ("Uncertainty", &["profiles", "pairs"]),
     ] {
         report = draw(report, found, figures, Some(section), names);
@@ -68,7 +70,7 @@ fn draw(
         report = report.section(section);
     }
     for (name, figure) in drawn {
-        report = report.figure(*name, caption(name, found), figure.to_svg());
+        report = report.interactive_figure(*name, caption(name, found), figure);
     }
     report
 }
@@ -81,8 +83,8 @@ fn caption(name: &str, found: &Identification) -> String {
             "(a) Contact stiffness of law \u{201c}{}\u{201d} over pressure: best fit and {percent} \
              band. (b) Uncertainty of ln K left, over that before the data. Shaded \
              pressures are not informed by the data: they were not reached, or more than a third of \
-             the uncertainty is left. Where (b) has no line, no parameter acts on \
-             the law. Dashed verticals: lowest and highest pressure reached, and the pressure at rest.",
+             the uncertainty is left, or the law is given there (grey): no parameter acts on it, and (b) \
+             has no line. Dashed verticals: lowest and highest pressure reached, and the pressure at rest.",
             found.law.name
         ),
         "features" => format!(
@@ -95,8 +97,12 @@ fn caption(name: &str, found: &Identification) -> String {
              side; lines: best fit with its {percent} band."
         ),
         "backbone" => format!(
-            "Frequency along the decay. Marks: measured, with two standard deviations to either \
+            "Frequency, and damping where it is used, along the decay. Marks: measured, with two standard deviations to either \
              side; lines: best fit with its {percent} band."
+        ),
+        "steady" => format!(
+            "Steady responses to a shaker over frequency, by level of force. Marks: measured, with two \
+             standard deviations to either side; lines: best fit with its {percent} band."
         ),
         "residuals" => "Residuals, predicted less measured, in standard deviations as given, with lines at ±2. Last panel: \
              in their order against a normal distribution; on the dashed line they are as large as \
@@ -147,9 +153,29 @@ fn estimates(report: Report, found: &Identification) -> Report {
         let end = |end: Option<f64>| end.map_or("open".to_owned(), four_digits);
         format!("{} to {}", end(ends[0]), end(ends[1])).into()
     };
+    let stiffnesses = found.stiffnesses.iter().map(|one| {
+        let origin = match one.origin {
+            StiffnessOrigin::Data => "data",
+            StiffnessOrigin::Given => "given",
+            StiffnessOrigin::Open => "left open by the data",
+        };
+        vec![
+            TableCell::from(one.law.as_str()),
+            TableCell::from(1e-6 * one.pressure_pa),
+            TableCell::from(one.stiffness_pa_per_m),
+            interval(one.interval_pa_per_m.map(Some)),
+            origin.into(),
+        ]
+    });
+    let report = if found.stiffnesses.is_empty() {
+        report
+    } else {
+        let headers = ["Law", "Pressure (MPa)", "Stiffness (Pa/m)", "Posterior", "From"];
+        report.table(headers, stiffnesses)
+    };
     let rows = found.estimates().into_iter().map(|estimate| {
         vec![
-            TableCell::from(estimate.name),
+            TableCell::from(estimate.label),
             TableCell::from(estimate.value),
             TableCell::from(estimate.standard_deviation),
             interval(estimate.profile_interval),
@@ -293,6 +319,15 @@ fn diagnostics(report: Report, found: &Identification) -> Report {
                 fit.evaluations
             ),
             Some(fit.converged),
+        ),
+        row(
+            "Starts at the lowest cost",
+            format!("{} of {}", found.starts_at_best(), starts.len()),
+            match StartAgreement::of(fit) {
+                StartAgreement::All => Some(true),
+                StartAgreement::NotTested => None,
+                _ => Some(false),
+            },
         ),
         row("Derivatives", derivatives, None),
         row("Condition of the scaled Jacobian", four_digits(found.identifiability.condition), None),

@@ -23,7 +23,15 @@ pub(crate) type Signals = [Vec<f64>; 4];
 /// `g = 2 exp(p t) / q^3 - (t^2 / q + 2 t / q^2 + 2 / q^3) exp(-2 t / rise)`; the displacement is
 /// `Im g / (m w_d)`, and `g' = p g + F`.
 pub(crate) fn blows(damping: f64, peaks: &[f64]) -> Signals {
-    let omega = TAU * NATURAL_HZ;
+    mode_under_blows((NATURAL_HZ, damping, 1.0 / MASS), peaks)
+}
+
+/// [`blows`] on a mode of this frequency \[Hz\], damping ratio and modal constant \[1/kg\].
+pub(crate) fn mode_under_blows(
+    (natural_hz, damping, constant): (f64, f64, f64),
+    peaks: &[f64],
+) -> Signals {
+    let omega = TAU * natural_hz;
     let damped = omega * (1.0 - damping * damping).sqrt();
     let pole = Complex64::new(-damping * omega, damped);
     let fall = 2.0 / RISE_S;
@@ -42,7 +50,7 @@ pub(crate) fn blows(damping: f64, peaks: &[f64]) -> Signals {
             // The force in g' is real, and no part of the velocity.
             let acceleration = pole * (pole * g + force);
             for (signal, motion) in signals[1..].iter_mut().zip([g, pole * g, acceleration]) {
-                signal[n] += motion.im / (MASS * damped);
+                signal[n] += motion.im * constant / damped;
             }
         }
     }

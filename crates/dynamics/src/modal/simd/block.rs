@@ -9,7 +9,7 @@ use pulp::Simd;
 use super::table_lookup::TableRow;
 use crate::modal::assembly::PreparedHit;
 use crate::modal::oscillator::NODES;
-pub(super) use coefficient::{Coefficient, Each, Same};
+pub(super) use coefficient::{Coefficient, Damped, Each, Same};
 pub(super) use pair::{Numbers, Pair};
 
 /// Steps between two checks of the lanes.
@@ -80,6 +80,29 @@ pub(super) struct Contact<V, C, const N: usize> {
     pub(super) driving_point: C,
 }
 
+/// The viscous traction of one interface.
+#[derive(Clone, Copy)]
+#[repr(C, align(64))]
+pub(super) struct Damper<V, C> {
+    /// Viscous impulse at the steps before, newest first \[Pa s\].
+    pub(super) impulse: [V; PAST],
+    /// Share of these in the rate at the end of the next step \[Pa\].
+    pub(super) history: V,
+    /// Viscous traction at the end of the last step \[Pa\], and its change in it.
+    pub(super) traction: V,
+    pub(super) traction_increment: V,
+    /// Increment of the closure in the last step, in cells.
+    pub(super) closure_increment: V,
+    /// Loss \[Pa cells\].
+    pub(super) loss: V,
+    /// Weights of the impulses in the rate \[1/s\], that of the next step first.
+    pub(super) rate: [C; PAST + 1],
+    /// Traction increment of faces that carry nothing \[Pa\]; -inf where they carry tension.
+    pub(super) least: C,
+    /// Number of rows from one of Q to that of R.
+    pub(super) rows: C,
+}
+
 /// Pressures, or closures, of all interfaces.
 pub(super) type Contacts<S, const N: usize> = [Numbers<S>; N];
 
@@ -90,6 +113,8 @@ pub(super) type Matrix<S, const N: usize> = [[Numbers<S>; N]; N];
 pub(super) struct Block<'a, S: Simd, C, const N: usize> {
     pub(super) modes: Vec<Mode<Numbers<S>, C, N>>,
     pub(super) contacts: [Contact<Numbers<S>, C, N>; N],
+    /// One for each of the N interfaces if some are damped, else none.
+    pub(super) dampers: Vec<Damper<Numbers<S>, C>>,
     /// Number of interfaces; the rest of the N are unused.
     pub(super) coupled: usize,
     /// The tables of all lanes, one behind the other.
@@ -114,7 +139,7 @@ pub(super) struct Block<'a, S: Simd, C, const N: usize> {
 #[derive(Clone, Copy)]
 #[repr(C, align(64))]
 pub(super) struct Step<V, const N: usize> {
-    /// Pressure increments since rest \[Pa\].
+    /// Pressure increments since rest, of damped contacts traction increments \[Pa\].
     pub(super) pressure: [V; N],
     /// Closure increments since rest, in cells.
     pub(super) closure: [V; N],
@@ -123,7 +148,7 @@ pub(super) struct Step<V, const N: usize> {
 }
 
 /// Earlier steps from which the next closure is extrapolated.
-pub(super) const PAST: usize = 4;
+pub(in crate::modal) const PAST: usize = 4;
 
 /// The drive force in one step: its mean, rise and end \[N\].
 #[derive(Clone, Copy)]

@@ -32,6 +32,11 @@ impl<S: TableLookup, C: Coefficient<S>, const N: usize> Block<'_, S, C, N> {
                 continue;
             }
             let contacts: [Curve<'_, N>; N] = std::array::from_fn(|i| Curve {
+                history: match self.dampers.get(i) {
+                    Some(damper) => lane_of::<S>(&damper.history, lane),
+                    None => 0.0,
+                },
+                least: self.dampers.get(i).map_or(f64::NEG_INFINITY, |damper| of(damper.least)),
                 table: self
                     .rows
                     .get((of(self.contacts[i].whole) - WHOLE) as usize..)
@@ -57,6 +62,9 @@ struct Curve<'a, const N: usize> {
     rest: f64,
     last: f64,
     coupling: [f64; N],
+    /// Added to the table, and the least sum, of a damped contact.
+    history: f64,
+    least: f64,
 }
 
 impl<const N: usize> Curve<'_, N> {
@@ -66,7 +74,7 @@ impl<const N: usize> Curve<'_, N> {
         let cell = (place as usize).min(self.table.len().saturating_sub(1));
         let t = closure - (cell as f64 - self.rest);
         let [c0, c1, c2, c3] = self.table.get(cell).copied().unwrap_or_default();
-        c0 + t * (c1 + t * (c2 + t * c3))
+        (c0 + t * (c1 + t * (c2 + t * c3)) + self.history).max(self.least)
     }
 
     /// The closure at which `y + b p(y) = target`, by halving a bracket.
@@ -109,8 +117,15 @@ mod tests {
     fn the_equations_are_met_where_newton_would_circle() {
         // Open below cell 1, then stiff, then soft: a kink that sends Newton back and forth.
         let table = [[-1.0, 0.0, 0.0, 0.0], [-1.0, 50.0, 0.0, 0.0], [49.0, 0.1, 0.0, 0.0]];
-        let curve =
-            |coupling| Curve { table: &table, first: -1.0, rest: 1.0, last: 1.999, coupling };
+        let curve = |coupling| Curve {
+            table: &table,
+            first: -1.0,
+            rest: 1.0,
+            last: 1.999,
+            coupling,
+            history: 0.0,
+            least: f64::NEG_INFINITY,
+        };
         let contacts = [curve([0.9, -0.8]), curve([-0.8, 0.9])];
         for target in [[3.0, -5.0], [0.0, 0.0], [-1.0, -1.0], [10.0, -30.0], [1.0, 1.0]] {
             let (y, p) = gauss_seidel(&contacts, &target);

@@ -8,7 +8,7 @@ use pulp::NullaryFnOnce;
 
 use run::Run;
 
-use super::block::{CHUNK, Coefficient, Each, Same};
+use super::block::{CHUNK, Coefficient, Damped, Each, Same};
 use super::contact_extremes::LaneExtremes;
 use super::decimation::Decimation;
 use super::table_lookup::TableLookup;
@@ -44,8 +44,9 @@ pub(in crate::modal) struct Outcome {
     pub(in crate::modal) end: RunEnd,
     /// Output displacement: decimated samples, or steps 0 to the last \[m\].
     pub(in crate::modal) displacement: Vec<f64>,
-    /// Pressure increment \[Pa\] and closure increment \[m\] at steps 0 to the last, per interface.
-    pub(in crate::modal) pressure: Vec<Vec<f64>>,
+    /// Traction increment \[Pa\], the pressure increment without damping, and closure increment \[m\]
+    /// at steps 0 to the last, per interface.
+    pub(in crate::modal) traction: Vec<Vec<f64>>,
     pub(in crate::modal) closure: Vec<Vec<f64>>,
     pub(in crate::modal) contacts: Vec<ContactOutcome>,
     /// Work of the drive and viscous loss \[J\].
@@ -60,9 +61,11 @@ pub(in crate::modal) struct ContactOutcome {
     pub(in crate::modal) extremes: LaneExtremes,
     /// Mean stiffness over the steps \[Pa/m\].
     pub(in crate::modal) stiffness: f64,
-    /// Increments of pressure \[Pa\] and closure \[m\] at the end.
-    pub(in crate::modal) pressure: f64,
+    /// Increments of traction \[Pa\] and closure \[m\] at the end.
+    pub(in crate::modal) traction: f64,
     pub(in crate::modal) closure: f64,
+    /// Viscous loss per area \[J/m2\].
+    pub(in crate::modal) loss: f64,
 }
 
 /// Hits integrated side by side: all of as many steps, modes and interfaces.
@@ -112,7 +115,17 @@ impl BlockRun<'_> {
     fn on<S: TableLookup>(self, simd: S) -> Vec<Outcome> {
         let Some((first, others)) = self.lanes.split_first() else { return Vec::new() };
         let same = others.iter().all(|lane| Arc::ptr_eq(&lane.tabulated, &first.tabulated));
-        match (first.model.contacts().len(), same) {
+        let contacts = first.model.contacts().len();
+        // Hits with and without damping are not integrated together.
+        if !first.tabulated.damped.is_empty() {
+            return match contacts {
+                0 => Vec::new(),
+                1 => self.with::<S, Damped<S::f64s>, 1>(simd),
+                2 => self.with::<S, Damped<S::f64s>, 2>(simd),
+                _ => self.with::<S, Damped<S::f64s>, MOST_INTERFACES>(simd),
+            };
+        }
+        match (contacts, same) {
             (0, _) => Vec::new(),
             (1, true) => self.with::<S, Same, 1>(simd),
             (1, false) => self.with::<S, Each<S::f64s>, 1>(simd),

@@ -16,6 +16,7 @@
 
 mod contact_solve;
 mod linear_solve;
+mod viscous;
 
 use super::block::{Block, Coefficient, Drive, Numbers, PAST, Pair, Step};
 use super::table_lookup::TableLookup;

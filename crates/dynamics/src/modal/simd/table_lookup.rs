@@ -7,7 +7,7 @@
 use pulp::Simd;
 
 /// Coefficients of a cubic, lowest order first.
-pub(super) type TableRow = [f64; 4];
+pub(in crate::modal) type TableRow = [f64; 4];
 
 /// Row of a lane whose place is not a number: on these machines the maximum and the minimum
 /// of such a place are not numbers either.

@@ -3,7 +3,8 @@
 use std::sync::Arc;
 
 use asperity_law::{
-    Constant, ContactLaw, Exponential, Hyperbolic, ModifiedPower, Power, Tabulated,
+    Constant, ContactLaw, Exponential, GreenwoodWilliamson, Hyperbolic, ModifiedPower, Persson,
+    Power, Tabulated,
 };
 use proptest::prelude::*;
 
@@ -68,6 +69,28 @@ pub(crate) fn hyperbolic() -> impl Strategy<Value = Hyperbolic> {
         .prop_map(|(k, d)| Hyperbolic::new(k, d).unwrap())
 }
 
+/// Pressure scales of 2e4 Pa to 3e11 Pa, with gaps from 9 to -1000 standard deviations.
+pub(crate) fn greenwood_williamson() -> impl Strategy<Value = GreenwoodWilliamson> {
+    let shape = (log_uniform(1e8, 1e12), log_uniform(1e-6, 1e-3), log_uniform(1e-8, 1e-5));
+    (shape, log_uniform(1e9, 1e12), log_uniform(1e2, 1e7)).prop_map(
+        |((density, radius, height), modulus, p)| {
+            GreenwoodWilliamson::new(density, radius, height, modulus, p).unwrap()
+        },
+    )
+}
+
+/// Rough enough that no pressure is 20 times that of full contact.
+pub(crate) fn persson() -> impl Strategy<Value = Persson> {
+    let shape =
+        (log_uniform(0.05, 1.0), log_uniform(1e3, 1e6), 0.3..1.0_f64, log_uniform(3.0, 1e4));
+    (shape, log_uniform(2e11, 1e12), log_uniform(1e2, 1e7)).prop_map(
+        |((steepness, roll_off, hurst, range), modulus, p)| {
+            let wavevectors = [roll_off, roll_off * range];
+            Persson::new(steepness / roll_off, hurst, wavevectors, modulus, p).unwrap()
+        },
+    )
+}
+
 /// Two to seven points, from zero pressure or not, whose stiffnesses rise and fall.
 pub(crate) fn table() -> impl Strategy<Value = Tabulated> {
     let step = (log_uniform(1.2, 30.0), log_uniform(0.1, 10.0));
@@ -102,6 +125,13 @@ pub(crate) fn modified_power() -> impl Strategy<Value = ModifiedPower> {
             ModifiedPower::new(c, m, transition, &knots).unwrap()
         },
     )
+}
+
+pub(crate) fn rough_surface() -> impl Strategy<Value = AnyLaw> {
+    fn erase(law: impl ContactLaw + 'static) -> AnyLaw {
+        Arc::new(law)
+    }
+    prop_oneof![greenwood_williamson().prop_map(erase), persson().prop_map(erase)]
 }
 
 pub(crate) fn any() -> impl Strategy<Value = AnyLaw> {

@@ -2,11 +2,13 @@
 
 use std::sync::Arc;
 
-use asperity_law::CompiledLaw;
 use pulp::Simd;
 
-use super::{Block, Coefficient, Contact, Drive, Mode, Pair, WHOLE, numbers, set_lane};
+use super::{
+    Block, Coefficient, Contact, Damper, Drive, Mode, Numbers, PAST, Pair, WHOLE, numbers, set_lane,
+};
 use crate::modal::assembly::PreparedHit;
+use crate::modal::damped_table::RATE;
 use crate::modal::oscillator::ForceInterpolation;
 use crate::modal::oscillator::NODES;
 use crate::modal::simd::table_lookup::TableRow;
@@ -16,18 +18,22 @@ use crate::modal::step_model::ModeStep;
 /// interface by interface.
 fn lay_out(lanes: &[&PreparedHit], interfaces: usize) -> (Vec<TableRow>, Vec<Vec<usize>>) {
     let mut rows: Vec<TableRow> = vec![[0.0; 4]];
-    let mut laid: Vec<(*const CompiledLaw, usize)> = Vec::new();
+    let mut laid: Vec<(*const TableRow, usize)> = Vec::new();
     let starts = (0..interfaces).map(|i| {
         let of = |lane: &&PreparedHit| {
-            let table = &lane.tabulated.tables[i];
-            let table = Arc::as_ptr(table);
+            let tabulated = &lane.tabulated;
+            let cells = match tabulated.damped.get(i) {
+                Some(damped) => damped.rows(),
+                None => tabulated.tables[i].cells(),
+            };
+            let table = cells.as_ptr();
             if let Some((_, start)) = laid.iter().find(|(other, _)| *other == table) {
                 return *start;
             }
             // Even, so that halves round to the same row of the table wherever it is laid out.
             rows.resize(rows.len().next_multiple_of(2), [0.0; 4]);
             let start = rows.len();
-            rows.extend_from_slice(lane.tabulated.tables[i].cells());
+            rows.extend_from_slice(cells);
             laid.push((table, start));
             start
         };
@@ -35,6 +41,38 @@ fn lay_out(lanes: &[&PreparedHit], interfaces: usize) -> (Vec<TableRow>, Vec<Vec
     });
     let starts = starts.collect();
     (rows, starts)
+}
+
+/// Newton correction, in cells, below which a damped contact is replaced by its tangent: its traction
+/// has a kink where it would pull, which a longer correction may pass.
+const DAMPED_TOLERANCE: f64 = 0.02;
+
+/// The damper of interface `i` of each lane, at rest; of none beyond the last interface.
+fn damper<S: Simd, C: Coefficient<S>>(
+    simd: S,
+    lanes: &[&PreparedHit],
+    i: usize,
+) -> Damper<Numbers<S>, C> {
+    let zero = Pair(simd).splat(0.0);
+    let all = |of: &dyn Fn(&PreparedHit) -> f64| {
+        let lane = |lane: usize| lanes.get(lane).filter(|hit| i < hit.tabulated.tables.len());
+        C::new(simd, &|at| lane(at).map_or(0.0, |hit| of(hit)))
+    };
+    Damper {
+        impulse: [zero; PAST],
+        history: zero,
+        traction: zero,
+        traction_increment: zero,
+        closure_increment: zero,
+        loss: zero,
+        rate: RATE.map(|weight| all(&|hit| weight / hit.tabulated.step_model.step)),
+        least: all(&|hit| {
+            let contact = &hit.model.contacts()[i];
+            let separates = contact.law().domain().separates();
+            if separates { -contact.pressure() } else { f64::NEG_INFINITY }
+        }),
+        rows: all(&|hit| hit.tabulated.tables[i].cells().len() as f64),
+    }
 }
 
 impl<'a, S: Simd, C: Coefficient<S>, const N: usize> Block<'a, S, C, N> {
@@ -112,7 +150,10 @@ impl<'a, S: Simd, C: Coefficient<S>, const N: usize> Block<'a, S, C, N> {
                     let rest = lanes.get(lane).and_then(rest).unwrap_or(0.0);
                     WHOLE + start(lane).unwrap_or(0) as f64 + rest
                 }),
-                tolerance: at(i, &|lane| lane.tabulated.tolerances[i]),
+                tolerance: at(i, &|lane| {
+                    let tolerance = lane.tabulated.tolerances[i];
+                    if C::DAMPED { tolerance.min(DAMPED_TOLERANCE) } else { tolerance }
+                }),
                 drive: at(i, &|lane| lane.tabulated.step_model.residual.drive[i] * cells(lane, i)),
                 driving_point: at(i, &|lane| {
                     // By reciprocity the closure per drive force is also this.
@@ -121,6 +162,7 @@ impl<'a, S: Simd, C: Coefficient<S>, const N: usize> Block<'a, S, C, N> {
             }
         };
         Self {
+            dampers: (0..if C::DAMPED { N } else { 0 }).map(|i| damper(simd, lanes, i)).collect(),
             modes: (0..count).map(mode).collect(),
             contacts: std::array::from_fn(contact),
             coupled: interfaces,

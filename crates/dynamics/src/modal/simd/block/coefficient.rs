@@ -10,6 +10,9 @@ use super::{lane_of, numbers};
 /// In the usual sweep many forces act on one structure: then all lanes share every constant, and a
 /// number in memory, a whole vector of it in a register, is all there is to load.
 pub(in crate::modal) trait Coefficient<S: Simd>: Copy {
+    /// True if the block has damped contacts: the kernel of others does without them.
+    const DAMPED: bool = false;
+
     /// The constant that `of` gives lane by lane; a shared one is that of the first lane.
     fn new(simd: S, of: &dyn Fn(usize) -> f64) -> Self;
 
@@ -25,6 +28,28 @@ pub(in crate::modal) struct Same(f64);
 /// Its own in each lane.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::modal) struct Each<V>([V; 2]);
+
+/// Its own in each lane of a block with damped contacts.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::modal) struct Damped<V>(Each<V>);
+
+impl<S: Simd> Coefficient<S> for Damped<S::f64s> {
+    const DAMPED: bool = true;
+
+    #[inline(always)]
+    fn new(simd: S, of: &dyn Fn(usize) -> f64) -> Self {
+        Self(Each::new(simd, of))
+    }
+
+    #[inline(always)]
+    fn all(self, simd: S) -> Numbers<S> {
+        self.0.all(simd)
+    }
+
+    fn lane(&self, lane: usize) -> f64 {
+        Coefficient::<S>::lane(&self.0, lane)
+    }
+}
 
 impl<S: Simd> Coefficient<S> for Same {
     #[inline(always)]

@@ -175,7 +175,12 @@ impl<'a, S: TableLookup, C: Coefficient<S>, const N: usize> Run<'a, S, C, N> {
                 ContactOutcome {
                     extremes: self.extremes.extremes(i, lane).scaled(1.0 / per_metre),
                     stiffness: of(&contact.stiffness) * per_metre / self.steps as f64,
-                    pressure: of(&newest.pressure[i]),
+                    traction: of(&newest.pressure[i]),
+                    loss: self.block.dampers.get(i).map_or(0.0, |damper| {
+                        // Summing by parts leaves the last term at the end.
+                        let last = of(&damper.traction_increment) * of(&damper.closure_increment);
+                        (of(&damper.loss) - last / 12.0) / per_metre
+                    }),
                     closure: of(&newest.closure[i]) / per_metre,
                 }
             });
@@ -193,7 +198,7 @@ impl<'a, S: TableLookup, C: Coefficient<S>, const N: usize> Run<'a, S, C, N> {
                     Some(samples) => std::mem::take(samples),
                     None => columns.displacement,
                 },
-                pressure: columns.pressure,
+                traction: columns.pressure,
                 closure: columns.closure,
                 contacts,
                 work: of(&self.block.work),

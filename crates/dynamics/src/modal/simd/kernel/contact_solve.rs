@@ -40,6 +40,9 @@ impl<S: TableLookup, C: Coefficient<S>, const N: usize> Block<'_, S, C, N> {
             let inner = pair.less_mul(six, x1, pair.sub(pair.splat(0.0), x3));
             closure[i] = pair.mul_add(four, pair.add(x0, x2), inner);
         }
+        if C::DAMPED {
+            self.predict_traction(simd);
+        }
         let law = self.linearise(simd, &closure);
         let mut pressure = law.pressure;
         let correction = self.correction(simd, &law);
@@ -51,6 +54,9 @@ impl<S: TableLookup, C: Coefficient<S>, const N: usize> Block<'_, S, C, N> {
         let open = self.unsolved(simd, &correction);
         if pair.any(open) {
             self.refine(simd, open, &mut closure, &mut pressure, &mut tangent);
+        }
+        if C::DAMPED {
+            self.correct_traction(simd, &past[PAST - 1].closure, &closure, &pressure, &mut tangent);
         }
         for i in 0..interfaces {
             self.contacts[i].stiffness = pair.add(self.contacts[i].stiffness, tangent[i]);
@@ -154,18 +160,38 @@ impl<S: TableLookup, C: Coefficient<S>, const N: usize> Block<'_, S, C, N> {
         Linearised { pressure, tangent, shortfall, factors }
     }
 
-    /// Pressure increment \[Pa\] at a closure, in cells from rest, and its tangent per cell.
+    /// Pressure increment \[Pa\] at a closure, in cells from rest, and its tangent per cell; of a
+    /// damped contact those of the traction.
     #[inline(always)]
     fn law(&self, simd: S, i: usize, closure: Numbers<S>) -> (Numbers<S>, Numbers<S>) {
+        let found = self.table(simd, i, closure, None);
+        if C::DAMPED { self.traction(simd, i, found) } else { found }
+    }
+
+    /// Value at a closure, in cells from rest, and tangent per cell, by the table of contact `i`, or
+    /// by one so many `rows` behind it.
+    #[inline(always)]
+    pub(super) fn table(
+        &self,
+        simd: S,
+        i: usize,
+        closure: Numbers<S>,
+        rows: Option<Numbers<S>>,
+    ) -> (Numbers<S>, Numbers<S>) {
         let contact = &self.contacts[i];
         let pair = Pair(simd);
+        let (mut whole, mut whole_at_rest) =
+            (contact.whole.all(simd), contact.whole_at_rest.all(simd));
+        if let Some(rows) = rows {
+            (whole, whole_at_rest) = (pair.add(whole, rows), pair.add(whole_at_rest, rows));
+        }
         // In this order: a closure that is not a number becomes the first.
         let closure = pair.max(closure, contact.first.all(simd));
         let closure = pair.min(closure, contact.last.all(simd));
         let place = pair.add(closure, contact.rest.all(simd));
-        let marked = pair.add(pair.sub(place, pair.splat(HALF)), contact.whole.all(simd));
+        let marked = pair.add(pair.sub(place, pair.splat(HALF)), whole);
         // From the closure, not the place: next to rest all of its digits count.
-        let t = pair.sub(closure, pair.sub(marked, contact.whole_at_rest.all(simd)));
+        let t = pair.sub(closure, pair.sub(marked, whole_at_rest));
         let ([a0, a1, a2, a3], [b0, b1, b2, b3]) =
             (simd.lookup(&self.rows, marked[0]), simd.lookup(&self.rows, marked[1]));
         let [c0, c1, c2, c3] = [[a0, b0], [a1, b1], [a2, b2], [a3, b3]];

@@ -1,0 +1,98 @@
+//! Answers of `steady`: peaks, ends of branches, special points, columns.
+
+use std::path::Path;
+
+use serde_json::Value;
+
+use crate::{asperity, fixture, text};
+
+fn rig() -> String {
+    fixture("scenarios/nouira2020-modified.json").display().to_string()
+}
+
+/// Standard output of a successful run on the rig into `out`.
+fn answer(folder: &Path, options: &[&str]) -> String {
+    let rig = rig();
+    let arguments = [&["steady", &rig, "--out", "out", "--overwrite"], options].concat();
+    let output = asperity(folder, &arguments);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    text(&output.stdout)
+}
+
+fn summary(folder: &Path) -> Value {
+    let written = std::fs::read_to_string(folder.join("out/summary.json")).unwrap();
+    serde_json::from_str(&written).unwrap()
+}
+
+/// A branch that ends before its peak has none: the answer gives the place, the reason and a request
+/// that may help, and the figure marks the end.
+#[test]
+fn a_branch_that_does_not_complete_has_no_peak() {
+    let folder = tempfile::tempdir().unwrap();
+    let range = ["--amplitude", "20", "--from", "1100", "--to", "700", "--harmonics", "20"];
+    let printed = answer(folder.path(), &range);
+    let level = &summary(folder.path())["levels"][0];
+    assert_eq!(level["end"], "not_converged", "{level}");
+    assert_eq!(level["peak_is_inside"], false);
+    let hz = format!("{:.3} Hz", level["end_frequency_hz"].as_f64().unwrap());
+    for part in ["no peak", &hz, "does not converge", "try fewer harmonics", "contact lost from"] {
+        assert!(printed.contains(part), "{part}: {printed}");
+    }
+    let figure = std::fs::read_to_string(folder.path().join("out/steady.svg")).unwrap();
+    for mark in ["end of the branch", "contact lost"] {
+        assert!(figure.contains(mark), "{mark}");
+    }
+}
+
+/// A branch highest at its end has no peak in the range.
+#[test]
+fn the_end_of_the_range_is_no_peak() {
+    let folder = tempfile::tempdir().unwrap();
+    let range = ["--amplitude", "0.2", "--from", "1100", "--to", "950", "--harmonics", "5"];
+    let printed = answer(folder.path(), &range);
+    assert!(printed.contains("no peak in the range; largest at its end   950.000 Hz"), "{printed}");
+    assert!(printed.contains("try a wider range"), "{printed}");
+    assert_eq!(summary(folder.path())["levels"][0]["peak_is_inside"], false);
+}
+
+/// Folds and the unstable part between them are printed, written and drawn.
+#[test]
+fn folds_and_stability_are_printed_and_drawn() {
+    let folder = tempfile::tempdir().unwrap();
+    let range = ["--amplitude", "1", "--from", "1000", "--to", "700", "--harmonics", "12"];
+    let printed = answer(folder.path(), &range);
+    let level = summary(folder.path())["levels"][0].clone();
+    let found = level["bifurcations"].as_array().unwrap();
+    assert!(found.len() == 2 && found.iter().all(|one| one["kind"] == "fold"), "{level}");
+    let places = found.iter().map(|one| format!("{:.3}", one["frequency_hz"].as_f64().unwrap()));
+    let places = places.collect::<Vec<_>>().join(", ");
+    assert!(printed.contains(&format!("folds at {places} Hz")), "{printed}");
+    let unstable = level["unstable_points"].as_u64().unwrap();
+    assert!(unstable > 0 && printed.contains(&format!("unstable at {unstable} of")), "{printed}");
+    assert!(printed.contains("   peak ") && !printed.contains("no peak"), "{printed}");
+    let figure = std::fs::read_to_string(folder.path().join("out/steady.svg")).unwrap();
+    assert!(figure.contains(">fold<") && !figure.contains("end of the branch"));
+}
+
+/// Harmonics below 1e-4 of the fundamental everywhere are no columns, however many were computed.
+#[test]
+fn harmonics_that_do_not_matter_are_not_columns() {
+    let folder = tempfile::tempdir().unwrap();
+    let range = ["--from", "1000", "--to", "800", "--harmonics", "20", "--quiet"];
+    for (amplitude, few, many) in [("0.02", 2, 3), ("0.5", 4, 10)] {
+        answer(folder.path(), &[&["--amplitude", amplitude], &range[..]].concat());
+        let table = std::fs::read_to_string(folder.path().join("out/steady.csv")).unwrap();
+        let mut lines = table.lines();
+        let header: Vec<&str> = lines.next().unwrap().split(',').collect();
+        let places: Vec<usize> =
+            (0..header.len()).filter(|&i| header[i].starts_with("amplitude_")).collect();
+        assert!((few..=many).contains(&places.len()), "{amplitude} N: {header:?}");
+        let largest = lines
+            .map(|row| {
+                let cell = |i: usize| row.split(',').nth(i).unwrap().parse::<f64>().unwrap();
+                cell(places[places.len() - 1]) / cell(places[0])
+            })
+            .fold(0.0, f64::max);
+        assert!(largest > 1e-4 || places.len() == 2, "{amplitude} N: {largest:.1e}");
+    }
+}

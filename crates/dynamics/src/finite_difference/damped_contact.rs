@@ -1,0 +1,117 @@
+//! The implicit contact step with viscous damping.
+
+use asperity_law::{CompiledLaw, ContactDamping, ContactLaw, InSeries, LawError, Pressure};
+use asperity_structure::PreloadedContact;
+
+use super::contact::TABLE_TOLERANCE;
+use crate::DynamicsError;
+
+/// Newton corrections before the law is solved in series with a layer, in a bracket.
+const NEWTON: usize = 24;
+
+/// Correction, over the closures of a step, that counts as none.
+const CONVERGED: f64 = 1e-13;
+
+/// The traction of one damped interface.
+///
+/// With `x` the closure that the law holds at, `d-` the previous-but-one closure and `d` the newest,
+/// the traction over the static pressure is
+///
+/// ```text
+/// t = q(x) + c(p(d)) (d+ - d-) / (2 dt),    d+ - d- = (x - d-) / w,
+/// ```
+///
+/// w being the weight of the new closure d+ in x, and not below `-p0` where the law separates. The
+/// coefficient is known before the step, so that `x + b t = y` remains one increasing equation; and
+/// the work of `t - q` on the closure, `c (d+ - d-)^2 / (4 dt)` per area and step, is never negative,
+/// whatever the step and the law. The difference is centred: second order.
+pub(super) struct DampedContact<'a> {
+    contact: &'a PreloadedContact,
+    damping: ContactDamping,
+    /// Closure lost per pressure, in x \[m/Pa\].
+    compliance: f64,
+    /// `1 / (2 w dt)` \[1/s\].
+    rate: f64,
+    /// Traction increment at which faces carry nothing \[Pa\]; -inf where they carry tension.
+    open_below: f64,
+    /// None for a law that no table resolves: it is evaluated exactly.
+    table: Option<CompiledLaw>,
+    /// x of the step before \[m\].
+    argument: f64,
+}
+
+/// Increments of pressure and traction in a step \[Pa\].
+#[derive(Debug, Clone, Copy)]
+pub(super) struct DampedStep {
+    pub(super) pressure: f64,
+    pub(super) traction: f64,
+}
+
+impl<'a> DampedContact<'a> {
+    /// The damped step of `contact`, none without damping; `compliance` \[m/Pa\] in the argument of
+    /// the law, which holds the new closure with `weight`; the table reaches `top` \[Pa\].
+    pub(super) fn new(
+        contact: &'a PreloadedContact,
+        (compliance, weight): (f64, f64),
+        step: f64,
+        open_below: f64,
+        top: f64,
+    ) -> Result<Option<Self>, DynamicsError> {
+        let Some(damping) = contact.damping() else { return Ok(None) };
+        let table = match CompiledLaw::new(contact.law(), contact.pressure(), top, TABLE_TOLERANCE)
+        {
+            Ok(table) => Some(table),
+            Err(LawError::Unresolved { .. }) => None,
+            Err(source) => {
+                return Err(DynamicsError::Law { interface: contact.name().to_owned(), source });
+            }
+        };
+        let rate = 0.5 / (weight * step);
+        let argument = 0.0;
+        Ok(Some(Self { contact, damping, compliance, rate, open_below, table, argument }))
+    }
+
+    /// The step whose law would hold at `unloaded` \[m\] without a change of traction, from the newest
+    /// closure `closure` and the one before, `before` \[m\].
+    pub(super) fn solve(&mut self, unloaded: f64, closure: f64, before: f64) -> DampedStep {
+        let newest = self.law(closure);
+        let pressure = self.contact.pressure() + newest.value;
+        let factor = self.rate * self.damping.coefficient(pressure, newest.tangent);
+        let share = 1.0 / (1.0 + self.compliance * factor);
+        let target = share * (unloaded + self.compliance * factor * before);
+        let x = self.root(share * self.compliance, target);
+        let (mut x, mut at) = (x, self.law(x).value);
+        let mut traction = at + factor * (x - before);
+        if traction < self.open_below {
+            traction = self.open_below;
+            x = unloaded - self.compliance * traction;
+            at = self.law(x).value;
+        }
+        self.argument = x;
+        DampedStep { pressure: at, traction }
+    }
+
+    /// Pressure increment and tangent at a closure increment from rest.
+    fn law(&self, closure: f64) -> Pressure {
+        let tabulated = self.table.as_ref().map(|table| table.get_with_tangent(closure));
+        match tabulated {
+            Some((value, tangent)) if !value.is_nan() => Pressure { value, tangent },
+            _ => self.contact.law().pressure_increment(self.contact.pressure(), closure),
+        }
+    }
+
+    /// The closure increment x at which `x + b q(x) = target`.
+    fn root(&self, b: f64, target: f64) -> f64 {
+        let mut x = self.argument;
+        for _ in 0..NEWTON {
+            let at = self.law(x);
+            let correction = (target - x - b * at.value) / (1.0 + b * at.tangent);
+            x += correction;
+            if correction.abs() <= CONVERGED * (x.abs() + target.abs()) {
+                return x;
+            }
+        }
+        let Ok(series) = InSeries::new(self.contact.law(), 1.0 / b) else { return f64::NAN };
+        target - b * series.pressure_increment(self.contact.pressure(), target).value
+    }
+}

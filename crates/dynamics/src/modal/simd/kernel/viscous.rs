@@ -1,0 +1,77 @@
+//! The viscous traction of damped contacts.
+//!
+//! ```text
+//! t = max(-p0, Q(x) + history),    Q = q + a_0 R / h,    history = sum of a_k R_before_k / h
+//! ```
+//!
+//! The loss of a step, `integral of (t - q) dx`, is the mean of `t - q` times the increment of x, plus
+//! a sixth of its increment times the change of the increment of x: of fourth order, summed by
+//! parts.
+
+use crate::modal::simd::block::{Block, Coefficient, Contacts, Numbers, PAST, Pair};
+use crate::modal::simd::table_lookup::TableLookup;
+
+impl<S: TableLookup, C: Coefficient<S>, const N: usize> Block<'_, S, C, N> {
+    /// The share of earlier steps in the tractions at the end of the next.
+    #[inline(always)]
+    pub(super) fn predict_traction(&mut self, simd: S) {
+        let pair = Pair(simd);
+        for damper in &mut self.dampers {
+            let mut history = pair.splat(0.0);
+            for k in 0..PAST {
+                history = pair.mul_add(damper.rate[k + 1].all(simd), damper.impulse[k], history);
+            }
+            damper.history = history;
+        }
+    }
+
+    /// Traction increment \[Pa\] and tangent per cell from Q and its tangent.
+    #[inline(always)]
+    pub(super) fn traction(
+        &self,
+        simd: S,
+        i: usize,
+        (value, tangent): (Numbers<S>, Numbers<S>),
+    ) -> (Numbers<S>, Numbers<S>) {
+        let (pair, damper) = (Pair(simd), &self.dampers[i]);
+        let (traction, least) = (pair.add(value, damper.history), damper.least.all(simd));
+        let pressed = pair.less(least, traction);
+        (pair.max(traction, least), pair.select(pressed, tangent, pair.splat(0.0)))
+    }
+
+    /// Completes the step with the tractions found at `closure`: impulses, losses, and the law's own
+    /// tangents in place of those of the traction.
+    #[inline(always)]
+    pub(super) fn correct_traction(
+        &mut self,
+        simd: S,
+        before: &Contacts<S, N>,
+        closure: &Contacts<S, N>,
+        traction: &Contacts<S, N>,
+        tangent: &mut Contacts<S, N>,
+    ) {
+        let pair = Pair(simd);
+        for i in 0..self.interfaces() {
+            let (value, slope) = self.table(simd, i, closure[i], None);
+            let rows = self.dampers[i].rows.all(simd);
+            let (impulse, coefficient) = self.table(simd, i, closure[i], Some(rows));
+            let damper = &mut self.dampers[i];
+            let rate = damper.rate[0].all(simd);
+            let pressure = pair.less_mul(rate, impulse, value);
+            tangent[i] = pair.less_mul(rate, coefficient, slope);
+            let viscous = pair.sub(traction[i], pressure);
+            let increment = pair.sub(closure[i], before[i]);
+            let change = pair.sub(increment, damper.closure_increment);
+            let viscous_increment = pair.sub(viscous, damper.traction);
+            let mean = pair.mul(pair.splat(0.5), pair.add(viscous, damper.traction));
+            let sixth = pair.mul(pair.splat(1.0 / 6.0), viscous_increment);
+            let loss = pair.mul_add(sixth, change, damper.loss);
+            damper.loss = pair.mul_add(mean, increment, loss);
+            damper.traction = viscous;
+            damper.traction_increment = viscous_increment;
+            damper.closure_increment = increment;
+            damper.impulse.copy_within(..PAST - 1, 1);
+            damper.impulse[0] = impulse;
+        }
+    }
+}

@@ -1,0 +1,259 @@
+//! Modes of the band over all hits and responses: the modal table.
+
+use asperity_signal::{BandMode, Complex64, HitFeatures};
+use serde::Serialize;
+
+use crate::report::AnalysisReport;
+
+/// Part of the averaged hits of a response in which a mode must be found.
+const MAJORITY: f64 = 0.5;
+
+/// A mode of the structure in the band.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Mode {
+    /// Number by frequency, from 1.
+    #[serde(rename = "mode")]
+    pub number: usize,
+    /// Undamped natural frequency over all responses \[Hz\].
+    pub natural_frequency_hz: f64,
+    /// Its standard deviation \[Hz\]; `None` without noise for a single hit.
+    pub natural_frequency_uncertainty_hz: Option<f64>,
+    /// Damping ratio over all responses.
+    pub damping_ratio: f64,
+    /// Its standard deviation.
+    pub damping_ratio_uncertainty: Option<f64>,
+    /// Responses in which the mode was found.
+    pub responses: Vec<ModeAtResponse>,
+}
+
+/// A mode at one response, by circle fits to the mobility of each hit.
+///
+/// ```text
+/// H(w) = A / (w0^2 - w^2 + 2 i zeta w0 w) + rest
+/// ```
+///
+/// with the modal constant `A`; the residue at the pole is `A / (2 i w0 sqrt(1 - zeta^2))`. Values are
+/// means over the hits, weighted by their variances due to noise. Standard deviations are those of
+/// the weighted mean, times the root of the reduced chi-square where the hits scatter more than
+/// their noise, as with forces that change the mode.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ModeAtResponse {
+    /// Channel.
+    pub response: String,
+    /// Hits in which the mode was found.
+    pub hits: usize,
+    /// Mean frequency of the largest receptance \[Hz\].
+    pub peak_frequency_hz: f64,
+    /// Undamped natural frequency \[Hz\].
+    pub natural_frequency_hz: f64,
+    /// Its standard deviation \[Hz\].
+    pub natural_frequency_uncertainty_hz: Option<f64>,
+    /// Damping ratio.
+    pub damping_ratio: f64,
+    /// Its standard deviation.
+    pub damping_ratio_uncertainty: Option<f64>,
+    /// Modal constant, real and imaginary \[1/kg\].
+    pub modal_constant_per_kg: [f64; 2],
+    /// Standard deviation of its magnitude \[1/kg\].
+    pub modal_constant_uncertainty_per_kg: Option<f64>,
+    /// Phase of the modal constant \[degree\]; 0 or 180 for a real mode.
+    pub phase_deg: f64,
+}
+
+/// Modes of one response in one hit.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct HitModes(Vec<BandMode>);
+
+impl HitModes {
+    pub(crate) fn of(features: Option<&HitFeatures>) -> Self {
+        Self(features.map(|features| features.modes.clone()).unwrap_or_default())
+    }
+}
+
+/// Modes of one response in all hits.
+pub(crate) struct ResponseModes {
+    name: String,
+    /// Averaged hits.
+    averaged: usize,
+    hits: Vec<HitModes>,
+}
+
+impl ResponseModes {
+    /// The modes of a response, without the peaks that are second harmonics.
+    pub(crate) fn new(name: String, mut hits: Vec<HitModes>, report: &AnalysisReport) -> Self {
+        for (modes, hit) in hits.iter_mut().zip(&report.hits) {
+            if let Some(harmonic) = &hit.second_harmonic {
+                let is_harmonic = |mode: &BandMode| {
+                    (mode.peak.frequency_hz / harmonic.frequency_hz - 1.0).abs() < SAME
+                };
+                modes.0.retain(|mode| !is_harmonic(mode));
+            }
+        }
+        Self { name, averaged: report.average.hits, hits }
+    }
+}
+
+/// Relative difference of the frequencies of one peak under two windows.
+const SAME: f64 = 5e-3;
+
+/// A mode of one hit at one response, with the number of both.
+struct Found<'a> {
+    response: usize,
+    hit: usize,
+    mode: &'a BandMode,
+}
+
+impl Found<'_> {
+    fn natural_hz(&self) -> f64 {
+        self.mode.features.natural_hz.unwrap_or(self.mode.peak.frequency_hz)
+    }
+
+    /// Half of the half-power width \[Hz\].
+    fn half_width(&self) -> f64 {
+        self.mode.features.damping.circle.unwrap_or(0.0) * self.natural_hz()
+    }
+}
+
+impl Mode {
+    /// Groups the modes of all hits and responses by frequency.
+    ///
+    /// Sorted by frequency, two neighbours belong to one mode if they are closer than half of the
+    /// wider of their half-power widths. A mode must be in half of the hits of a response.
+    pub(crate) fn of(responses: &[ResponseModes]) -> Vec<Self> {
+        let mut all: Vec<Found<'_>> = Vec::new();
+        for (response, modes) in responses.iter().enumerate() {
+            for (hit, modes) in modes.hits.iter().enumerate() {
+                all.extend(modes.0.iter().map(|mode| Found { response, hit, mode }));
+            }
+        }
+        all.sort_by(|a, b| a.natural_hz().total_cmp(&b.natural_hz()));
+        let same = |a: &Found<'_>, b: &Found<'_>| {
+            let is_one_hit = (a.response, a.hit) == (b.response, b.hit);
+            !is_one_hit && b.natural_hz() - a.natural_hz() <= a.half_width().max(b.half_width())
+        };
+        let groups = all.chunk_by(same);
+        let mut modes: Vec<Self> =
+            groups.filter_map(|group| Self::of_group(group, responses)).collect();
+        for (number, mode) in modes.iter_mut().enumerate() {
+            mode.number = number + 1;
+        }
+        modes
+    }
+
+    fn of_group(group: &[Found<'_>], responses: &[ResponseModes]) -> Option<Self> {
+        let at = |response: usize| {
+            let of: Vec<&BandMode> =
+                group.iter().filter(|one| one.response == response).map(|one| one.mode).collect();
+            let ResponseModes { name, averaged, .. } = &responses[response];
+            let is_common = !of.is_empty() && of.len() as f64 >= MAJORITY * *averaged as f64;
+            is_common.then(|| ModeAtResponse::of(name, &of)).flatten()
+        };
+        let responses: Vec<ModeAtResponse> = (0..responses.len()).filter_map(at).collect();
+        let frequencies = responses
+            .iter()
+            .map(|at| (at.natural_frequency_hz, at.natural_frequency_uncertainty_hz));
+        let ratios = responses.iter().map(|at| (at.damping_ratio, at.damping_ratio_uncertainty));
+        let (frequency, ratio) = (WeightedMean::of(frequencies)?, WeightedMean::of(ratios)?);
+        Some(Self {
+            number: 0,
+            natural_frequency_hz: frequency.value,
+            natural_frequency_uncertainty_hz: frequency.deviation,
+            damping_ratio: ratio.value,
+            damping_ratio_uncertainty: ratio.deviation,
+            responses,
+        })
+    }
+}
+
+impl ModeAtResponse {
+    fn of(name: &str, hits: &[&BandMode]) -> Option<Self> {
+        let frequency = WeightedMean::of(
+            hits.iter()
+                .filter_map(|hit| Some((hit.features.natural_hz?, hit.uncertainty.natural_hz))),
+        )?;
+        let ratio = WeightedMean::of(
+            hits.iter()
+                .filter_map(|hit| Some((hit.features.damping.circle?, hit.uncertainty.circle))),
+        )?;
+        let constants = || {
+            hits.iter().filter_map(|hit| {
+                Some((hit.features.modal_constant?, hit.uncertainty.modal_constant))
+            })
+        };
+        let part = |part: fn(Complex64) -> f64| {
+            WeightedMean::of(constants().map(|(value, deviation)| (part(value), deviation)))
+        };
+        let constant = Complex64::new(part(|value| value.re)?.value, part(|value| value.im)?.value);
+        let size = part(Complex64::norm)?;
+        let peaks: f64 = hits.iter().map(|hit| hit.peak.frequency_hz).sum();
+        Some(Self {
+            response: name.to_owned(),
+            hits: hits.len(),
+            peak_frequency_hz: peaks / hits.len() as f64,
+            natural_frequency_hz: frequency.value,
+            natural_frequency_uncertainty_hz: frequency.deviation,
+            damping_ratio: ratio.value,
+            damping_ratio_uncertainty: ratio.deviation,
+            modal_constant_per_kg: [constant.re, constant.im],
+            modal_constant_uncertainty_per_kg: size.deviation,
+            phase_deg: constant.arg().to_degrees(),
+        })
+    }
+}
+
+/// Mean of values with standard deviations.
+struct WeightedMean {
+    value: f64,
+    deviation: Option<f64>,
+}
+
+impl WeightedMean {
+    /// Weighted by the reciprocal variances, where all are known and positive; else the plain mean
+    /// with the scatter. `None` without a value.
+    fn of(values: impl Iterator<Item = (f64, Option<f64>)>) -> Option<Self> {
+        let values: Vec<(f64, Option<f64>)> = values.collect();
+        let weight = |(_, deviation): &(f64, Option<f64>)| {
+            deviation.map(|deviation| deviation.powi(-2)).filter(|w| w.is_finite())
+        };
+        let known: Option<Vec<f64>> = values.iter().map(weight).collect();
+        let weights = known.clone().unwrap_or_else(|| vec![1.0; values.len()]);
+        let total: f64 = weights.iter().sum();
+        if values.is_empty() || total <= 0.0 {
+            return None;
+        }
+        let sum: f64 = values.iter().zip(&weights).map(|((value, _), weight)| value * weight).sum();
+        let value = sum / total;
+        let squares = values.iter().zip(&weights).map(|((x, _), w)| w * (x - value).powi(2));
+        let spread = squares.sum::<f64>() / (values.len() as f64 - 1.0);
+        let deviation = match (known.is_some(), values.len()) {
+            (true, 1) => Some((1.0 / total).sqrt()),
+            (true, _) => Some((spread.max(1.0) / total).sqrt()),
+            (false, 1) => None,
+            (false, _) => Some((spread / total).sqrt()),
+        };
+        Some(Self { value, deviation })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Against closed forms: equal weights, one deviation, scatter above the noise, and no noise.
+    #[test]
+    fn means_are_weighted_by_variances() {
+        let mean =
+            |values: &[(f64, Option<f64>)]| WeightedMean::of(values.iter().copied()).unwrap();
+        let close = |a: f64, b: f64| assert!((a - b).abs() < 1e-12, "{a} {b}");
+        let two = mean(&[(1.0, Some(0.5)), (2.0, Some(1.0))]);
+        close(two.value, (1.0 / 0.25 + 2.0) / (1.0 / 0.25 + 1.0));
+        close(two.deviation.unwrap(), (1.0_f64 / 5.0).sqrt());
+        let scattered = mean(&[(1.0, Some(0.1)), (2.0, Some(0.1)), (3.0, Some(0.1))]);
+        close(scattered.deviation.unwrap(), (1.0_f64 / 3.0).sqrt());
+        let plain = mean(&[(1.0, None), (2.0, Some(0.1)), (3.0, None)]);
+        close(plain.deviation.unwrap(), (1.0_f64 / 3.0).sqrt());
+        assert!(mean(&[(1.0, None)]).deviation.is_none());
+        assert!(mean(&[(1.0, Some(0.0))]).deviation.is_none());
+        assert!(WeightedMean::of(std::iter::empty()).is_none());
+    }
+}

@@ -1,0 +1,183 @@
+//! Receptances of a stack of bars whose contacts are springs.
+
+use asperity_mesh::{Body, Stack, Support};
+use num_complex::Complex64;
+
+use crate::complex_elimination::eliminate;
+use crate::{Compliance, Receptance};
+
+/// Writes the receptances of `stack` at the angular frequency `w` \[rad/s\], its bodies under the
+/// damping rate `rate` \[1/s\] less the `anti_damping`, with `springs` \[N/m\] at its contacts.
+///
+/// The coordinates of a bar are the mean y and half the difference z of its end displacements. In
+/// them its dynamic stiffness is diagonal,
+///
+/// ```text
+/// -2 E A kappa tan(th / 2) for y,    2 E A kappa cot(th / 2) for z,
+/// ```
+///
+/// with `kappa = sqrt(w^2 - i w h) / c` and `th = kappa L`, so that neither the inertia of a light
+/// or stiff bar nor its flexibility is a small difference of large numbers. With the closures
+/// `E^T u` the springs add `E K_0 E^T`; the sum S is solved for unit forces at the contacts and the
+/// driving point. Derivatives follow from `(S^-1)' = -S^-1 S' S^-1`, S' being diagonal.
+pub(crate) fn write(
+    stack: &Stack,
+    (w, rate, anti_damping): (f64, f64, f64),
+    springs: &[Complex64],
+    into: &mut Compliance,
+) {
+    let bodies = stack.bodies();
+    let n = bodies.len();
+    let mut diagonal = Vec::with_capacity(2 * n + 1);
+    for body in bodies {
+        diagonal.extend(bar(body, w, rate - anti_damping));
+    }
+    if let Support::SpringMass { stiffness, mass, .. } = *stack.support() {
+        let viscous = stack.support().damping() - anti_damping * mass;
+        diagonal.push(Diagonal {
+            value: Complex64::new(stiffness - w * w * mass, w * viscous),
+            d_frequency: Complex64::new(-2.0 * w * mass, viscous),
+            d_anti_damping: Complex64::new(0.0, -w * mass),
+        });
+    }
+    let size = diagonal.len();
+    let zero = Complex64::ZERO;
+    // Rows of S, then a unit force at each contact and one at the top.
+    let width = size + n + 1;
+    let mut rows = vec![zero; size * width];
+    for (row, entry) in diagonal.iter().enumerate() {
+        rows[row * width + row] = entry.value;
+    }
+    for (i, spring) in springs.iter().enumerate() {
+        // Lower end y - z of a bar less upper end y + z of the next, or the support.
+        let all = [(2 * i, 1.0), (2 * i + 1, -1.0), (2 * i + 2, -1.0), (2 * i + 3, -1.0)];
+        let shape = &all[..(size - 2 * i).min(4)];
+        for (row, a) in shape {
+            for (column, b) in shape {
+                rows[row * width + column] += spring * (a * b);
+            }
+            rows[row * width + size + i] = (*a).into();
+        }
+    }
+    for row in 0..2 {
+        rows[row * width + size + n] = Complex64::ONE;
+    }
+    // Coordinates scaled to diagonal entries of about one: pivots do not depend on a stiff support.
+    let mut scale = Vec::with_capacity(size);
+    for (row, entry) in diagonal.iter().enumerate() {
+        let of = |i: usize| springs.get(i).map_or(0.0, |spring| spring.norm());
+        let contacts = of(row / 2) + (row / 2).checked_sub(1).map_or(0.0, of);
+        scale.push((entry.value.norm() + contacts).sqrt().recip());
+    }
+    for (row, factor) in rows.chunks_exact_mut(width).zip(&scale) {
+        for (x, other) in row.iter_mut().zip(&scale) {
+            *x *= factor * other;
+        }
+        for x in &mut row[size..] {
+            *x *= factor;
+        }
+    }
+    eliminate(&mut rows, size, width);
+    let solution = |row: usize, column: usize| rows[row * width + size + column] * scale[row];
+    let receptance = |a: usize, b: usize| {
+        let mut found = Receptance::default();
+        for (row, entry) in diagonal.iter().enumerate() {
+            let product = solution(row, a) * solution(row, b);
+            found.d_frequency -= product * entry.d_frequency;
+            found.d_anti_damping -= product * entry.d_anti_damping;
+        }
+        let at = |i: usize| solution(i, b);
+        found.value = if a == n {
+            at(0) + at(1)
+        } else {
+            let below = if 2 * a + 2 < size { at(2 * a + 2) } else { zero };
+            let below = if 2 * a + 3 < size { below + at(2 * a + 3) } else { below };
+            at(2 * a) - at(2 * a + 1) - below
+        };
+        found
+    };
+    for i in 0..n {
+        for j in 0..n {
+            *into.contact_mut(i, j) = receptance(i, j);
+        }
+        *into.drive_mut(i) = receptance(i, n);
+    }
+    into.direct = receptance(n, n);
+}
+
+/// An entry of the dynamic stiffness with its derivatives.
+#[derive(Debug, Clone, Copy)]
+struct Diagonal {
+    value: Complex64,
+    d_frequency: Complex64,
+    d_anti_damping: Complex64,
+}
+
+/// The entries of a bar under the damping rate h, for the mean of its ends and half their difference.
+fn bar(body: &Body, w: f64, h: f64) -> [Diagonal; 2] {
+    let s = Complex64::new(w * w, -w * h);
+    let kappa = s.sqrt() / body.wave_speed();
+    let half = 0.5 * body.length();
+    let tan = tangent(kappa * half);
+    let rigidity = 2.0 * body.axial_rigidity();
+    // d tan(kappa L / 2) / d kappa.
+    let slope = half * (Complex64::ONE + tan * tan);
+    let mean = (-rigidity * kappa * tan, -rigidity * (tan + kappa * slope));
+    let difference =
+        (rigidity * kappa / tan, rigidity * (Complex64::ONE - kappa * slope / tan) / tan);
+    let by_square = kappa / (2.0 * s);
+    [mean, difference].map(|(value, d_kappa)| Diagonal {
+        value,
+        d_frequency: d_kappa * by_square * Complex64::new(2.0 * w, -h),
+        d_anti_damping: d_kappa * by_square * Complex64::new(0.0, w),
+    })
+}
+
+/// `tan(x)`, without overflow for the strongly damped, whose imaginary part is negative, and
+/// without cancellation for small x.
+fn tangent(x: Complex64) -> Complex64 {
+    let i = Complex64::new(0.0, 1.0);
+    if x.norm() < 0.5 {
+        x.sin() / x.cos()
+    } else {
+        let turn = (-2.0 * i * x).exp();
+        -i * (Complex64::ONE - turn) / (Complex64::ONE + turn)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use asperity_law::Constant;
+    use asperity_mesh::Interface;
+
+    use super::*;
+
+    /// A support as stiff as numbers go is a rigid one.
+    #[test]
+    fn a_very_stiff_support_is_rigid() {
+        let found = |support: Support| {
+            let guide = Body::with_mass("guide", 0.229, 1.61, 71e9, 2710.0).unwrap();
+            let sample = Body::new("sample", 0.015, 1.15e-4, 71e9, 2710.0).unwrap();
+            let law = Arc::new(Constant::new(8.5e11).unwrap());
+            let contact = |name| Interface::new(name, 1.15e-4, law.clone()).unwrap();
+            let contacts = vec![contact("upper"), contact("lower")];
+            let stack = Stack::new(vec![guide, sample], contacts, support, 9.81).unwrap();
+            let mut compliance = Compliance::zero(2);
+            write(&stack, (5e3, 400.0, 0.0), &[Complex64::new(9e7, 4e7); 2], &mut compliance);
+            compliance
+        };
+        let rigid = found(Support::Rigid);
+        for stiffness in [1e100, 1e160, 1e200, 1e300] {
+            let compliant =
+                found(Support::SpringMass { stiffness, mass: 2.0, damping_ratio: 0.02 });
+            for (i, j) in [(0, 0), (0, 1), (1, 1)] {
+                let (a, b) = (compliant.contact(i, j), rigid.contact(i, j));
+                assert!((a.value / b.value - 1.0).norm() < 1e-13, "{stiffness}: {a:?} {b:?}");
+                assert!((a.d_frequency / b.d_frequency - 1.0).norm() < 1e-12, "{stiffness}");
+            }
+            assert!((compliant.direct.value / rigid.direct.value - 1.0).norm() < 1e-13);
+        }
+    }
+}

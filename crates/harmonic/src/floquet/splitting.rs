@@ -1,0 +1,277 @@
+//! The monodromy matrix by exact rotations and kicks.
+
+use faer::{Mat, Side};
+
+use super::period::Period;
+use super::variational_equation::VariationalEquation;
+
+/// Radians of the fastest mode per kick. Multipliers of large motions are then off by 1e-5, rarely
+/// 1e-4; beyond about 0.8 the kicks may resonate with the modes.
+const RADIANS_PER_KICK: f64 = 0.4;
+
+/// Steps per period, at least and at most.
+const STEPS: (usize, usize) = (96, 1 << 12);
+
+/// Steps at least where contact is lost: the stiffness leaves zero with a vertical tangent there,
+/// and the order falls to about 1.5.
+const STEPS_WITH_LOSS: usize = 352;
+
+/// Rotations and kicks of a step, `B A B A .. B`, symmetric; the last kick is the first of the
+/// next step.
+///
+/// Source: S. Blanes, P. C. Moan, J. Comput. Appl. Math. 2002, 142, 313,
+/// doi 10.1016/S0377-0427(01)00492-7: fourth order, six stages, for `q'' = f(q, t)`.
+const KICKS: [f64; STAGES] = {
+    let [b1, b2, b3] = [0.082_984_406_417_405_2, 0.396_309_801_498_368, -0.039_056_304_922_348_6];
+    [b1, b2, b3, 1.0 - 2.0 * (b1 + b2 + b3), b3, b2]
+};
+const ROTATIONS: [f64; STAGES] = {
+    let [a1, a2] = [0.245_298_957_184_271, 0.604_872_665_711_08];
+    [a1, a2, 0.5 - a1 - a2, 0.5 - a1 - a2, a2, a1]
+};
+const STAGES: usize = 6;
+
+/// Share of a step at which each kick acts.
+pub(super) const PLACES: [f64; STAGES] = {
+    let mut places = [0.0; STAGES];
+    let mut stage = 1;
+    while stage < STAGES {
+        places[stage] = places[stage - 1] + ROTATIONS[stage - 1];
+        stage += 1;
+    }
+    places
+};
+
+/// States advanced together: columns of the monodromy matrix.
+const LANES: usize = 4;
+type Lanes = [f64; LANES];
+
+/// Splitting of `q'' + h q' + (w^2 + Phi^T dK(t) Phi) q = 0` in the modes of the linearised
+/// structure, `dK` being the change of the contacts' stiffness from that at rest.
+///
+/// Each damped mode rotates exactly; the change of stiffness acts in kicks of the velocities. The
+/// determinant of the matrix is exact, `exp(-h T)` to the power of the number of modes, as kicks
+/// keep volumes. All modes need one damping rate h, else the rotations are coupled.
+#[derive(Debug, Clone)]
+pub(super) struct Splitting {
+    damping_rate: f64,
+    /// Squares of the linearised frequencies [rad^2/s^2].
+    squares: Vec<f64>,
+    /// Velocities are divided by these rates [rad/s].
+    scales: Vec<f64>,
+    /// Closures of the modes, mode by mode.
+    shapes: Vec<f64>,
+    /// Stiffness at rest, residual flexibility in series, by rows.
+    at_rest: Vec<f64>,
+    rotations: Vec<[f64; 4]>,
+    kicks: Vec<f64>,
+    changes: Vec<f64>,
+}
+
+impl Splitting {
+    /// The splitting of a variational equation about contacts of the stiffness `springs` \[N/m\];
+    /// none where modes are damped at different rates.
+    pub(super) fn new(variation: &mut VariationalEquation, springs: &[f64]) -> Option<Self> {
+        let first = variation.modes.first()?.damping_rate;
+        let unequal = |rate: f64| (rate - first).abs() > 1e-12 * first;
+        if variation.modes.iter().any(|mode| unequal(mode.damping_rate)) {
+            return None;
+        }
+        let (n, count) = (springs.len(), variation.modes.len());
+        let mut at_rest = vec![0.0; n * n];
+        variation.stiffness(|i| springs[i], &mut at_rest);
+        let modes = &variation.modes;
+        let coupling = |a: usize, b: usize| -> f64 {
+            let pair = |i: usize, j: usize| modes[a].closure[i] * modes[b].closure[j];
+            (0..n * n).map(|place| at_rest[place] * pair(place / n, place % n)).sum()
+        };
+        let matrix = Mat::from_fn(count, count, |a, b| {
+            let own = if a == b { modes[a].angular_frequency.powi(2) } else { 0.0 };
+            own + 0.5 * (coupling(a, b) + coupling(b, a))
+        });
+        let found = matrix.self_adjoint_eigen(Side::Lower).ok()?;
+        let (vectors, values) = (found.U(), found.S().column_vector());
+        let squares: Vec<f64> = (0..count).map(|r| values[r].max(0.0)).collect();
+        let largest = squares.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+        let scales = squares.iter().map(|square| square.max(1e-12 * largest).sqrt()).collect();
+        let shape = |r: usize, i: usize| -> f64 {
+            (0..count).map(|mode| vectors[(mode, r)] * modes[mode].closure[i]).sum()
+        };
+        let shapes = (0..count * n).map(|place| shape(place / n, place % n)).collect();
+        Some(Self {
+            damping_rate: first,
+            squares,
+            scales,
+            shapes,
+            at_rest,
+            rotations: Vec::new(),
+            kicks: Vec::new(),
+            changes: Vec::new(),
+        })
+    }
+
+    /// Steps of a period with the angular frequency `w` whose stiffest contacts bring the fastest mode
+    /// to `fastest` \[rad/s\]; none where that takes too many.
+    pub(super) fn steps(fastest: f64, w: f64, lost: bool) -> Option<usize> {
+        let wanted = std::f64::consts::TAU * fastest / (w * RADIANS_PER_KICK * STAGES as f64);
+        if wanted.is_nan() || wanted > STEPS.1 as f64 {
+            return None;
+        }
+        let fewest = if lost { STEPS_WITH_LOSS } else { STEPS.0 };
+        Some(super::period::rounded(wanted).clamp(fewest, STEPS.1))
+    }
+
+    /// The monodromy matrix over a period sampled at the kicks.
+    pub(super) fn monodromy(&mut self, period: &Period, w: f64) -> Mat<f64> {
+        let (count, n, steps) = (self.squares.len(), period.interfaces(), period.steps());
+        let step = std::f64::consts::TAU / (w * steps as f64);
+        self.prepare(period, step);
+        let size = 2 * count;
+        let mut matrix = Mat::zeros(size, size);
+        let (mut q, mut v) = (vec![[0.0; LANES]; count], vec![[0.0; LANES]; count]);
+        let mut closures = vec![[0.0; LANES]; n];
+        for block in (0..size).step_by(LANES) {
+            q.fill([0.0; LANES]);
+            v.fill([0.0; LANES]);
+            for (lane, column) in (block..size.min(block + LANES)).enumerate() {
+                let start = if column < count { &mut q[column] } else { &mut v[column - count] };
+                start[lane] = 1.0;
+            }
+            self.kick(0, KICKS[0], &q, &mut v, &mut closures);
+            for place in 1..=steps * STAGES {
+                let stage = place % STAGES;
+                let before = (place - 1) % STAGES;
+                self.rotate(before, &mut q, &mut v);
+                let weight = match stage {
+                    0 if place == steps * STAGES => KICKS[0],
+                    0 => 2.0 * KICKS[0],
+                    _ => KICKS[stage],
+                };
+                self.kick(place % (steps * STAGES), weight, &q, &mut v, &mut closures);
+            }
+            for (lane, column) in (block..size.min(block + LANES)).enumerate() {
+                for row in 0..count {
+                    matrix[(row, column)] = q[row][lane];
+                    matrix[(count + row, column)] = v[row][lane];
+                }
+            }
+        }
+        matrix
+    }
+
+    /// The rotations of each stage of a step, the factors of the kicks, and the changes of stiffness.
+    fn prepare(&mut self, period: &Period, step: f64) {
+        self.rotations.clear();
+        for share in ROTATIONS {
+            for (square, scale) in self.squares.iter().zip(&self.scales) {
+                self.rotations.push(rotation(*square, *scale, self.damping_rate, share * step));
+            }
+        }
+        let n = period.interfaces();
+        self.kicks.clear();
+        for (shape, scale) in self.shapes.chunks_exact(n).zip(&self.scales) {
+            self.kicks.extend(shape.iter().map(|phi| phi * step / scale));
+        }
+        self.changes.clear();
+        for stiffness in period.stiffness().chunks_exact(n * n) {
+            self.changes.extend(stiffness.iter().zip(&self.at_rest).map(|(k, rest)| k - rest));
+        }
+    }
+
+    #[inline]
+    fn rotate(&self, stage: usize, q: &mut [Lanes], v: &mut [Lanes]) {
+        let count = q.len();
+        let rotations = &self.rotations[stage * count..][..count];
+        for ((q, v), [a, b, c, d]) in q.iter_mut().zip(v).zip(rotations) {
+            for lane in 0..LANES {
+                let (x, y) = (q[lane], v[lane]);
+                q[lane] = a * x + b * y;
+                v[lane] = c * x + d * y;
+            }
+        }
+    }
+
+    /// `v -= weight Phi^T dK Phi q`, scaled, with the change of stiffness at `place`.
+    #[inline]
+    fn kick(
+        &self,
+        place: usize,
+        weight: f64,
+        q: &[Lanes],
+        v: &mut [Lanes],
+        closures: &mut [Lanes],
+    ) {
+        let n = closures.len();
+        let changes = &self.changes[place * n * n..][..n * n];
+        if let ([change], [_]) = (changes, &*closures) {
+            let mut closure = [0.0; LANES];
+            for (q, phi) in q.iter().zip(&self.shapes) {
+                add(&mut closure, *phi, q);
+            }
+            for (v, phi) in v.iter_mut().zip(&self.kicks) {
+                add(v, -weight * change * phi, &closure);
+            }
+        } else if let ([c00, c01, c10, c11], [_, _]) = (changes, &*closures) {
+            let (mut first, mut second) = ([0.0; LANES], [0.0; LANES]);
+            for (q, phi) in q.iter().zip(self.shapes.as_chunks::<2>().0) {
+                add(&mut first, phi[0], q);
+                add(&mut second, phi[1], q);
+            }
+            let mut forces = [[0.0; LANES]; 2];
+            for lane in 0..LANES {
+                forces[0][lane] = weight * (c00 * first[lane] + c01 * second[lane]);
+                forces[1][lane] = weight * (c10 * first[lane] + c11 * second[lane]);
+            }
+            for (v, phi) in v.iter_mut().zip(self.kicks.as_chunks::<2>().0) {
+                for lane in 0..LANES {
+                    v[lane] -= phi[0] * forces[0][lane] + phi[1] * forces[1][lane];
+                }
+            }
+        } else {
+            closures.fill([0.0; LANES]);
+            for (q, shape) in q.iter().zip(self.shapes.chunks_exact(n)) {
+                for (closure, phi) in closures.iter_mut().zip(shape) {
+                    add(closure, *phi, q);
+                }
+            }
+            for (i, row) in changes.chunks_exact(n).enumerate() {
+                let mut force = [0.0; LANES];
+                for (closure, change) in closures.iter().zip(row) {
+                    add(&mut force, weight * change, closure);
+                }
+                for (v, shape) in v.iter_mut().zip(self.kicks.chunks_exact(n)) {
+                    add(v, -shape[i], &force);
+                }
+            }
+        }
+    }
+}
+
+#[inline]
+fn add(to: &mut Lanes, factor: f64, what: &Lanes) {
+    for (t, w) in to.iter_mut().zip(what) {
+        *t += factor * w;
+    }
+}
+
+/// The state `(q, q' / scale)` a time `dt` later under `q'' + h q' + square q = 0`, by rows.
+fn rotation(square: f64, scale: f64, h: f64, dt: f64) -> [f64; 4] {
+    let half = 0.5 * h;
+    let difference = square - half * half;
+    let rate = difference.abs().sqrt();
+    // cos(r t) and sin(r t) / r, or their continuation where the mode is overdamped.
+    let (cos, sin) = if rate == 0.0 {
+        (1.0, dt)
+    } else if difference > 0.0 {
+        ((rate * dt).cos(), (rate * dt).sin() / rate)
+    } else {
+        ((rate * dt).cosh(), (rate * dt).sinh() / rate)
+    };
+    let decay = (-half * dt).exp();
+    [
+        decay * (cos + half * sin),
+        decay * sin * scale,
+        -decay * square * sin / scale,
+        decay * (cos - half * sin),
+    ]
+}

@@ -1,0 +1,157 @@
+//! Both integrations against each other and against exact results, on random motions.
+
+use std::sync::Arc;
+
+use asperity_law::Power;
+use asperity_mesh::{Body, Interface, Stack, Support};
+use asperity_structure::{Damping, PreloadedContact, PreloadedStructure};
+use faer::Mat;
+use num_complex::Complex64;
+
+use super::eigenvalues;
+use super::period::Period;
+use super::runge_kutta::{PLACES, RungeKutta};
+use super::splitting::{self, Splitting};
+use super::variational_equation::VariationalEquation;
+use crate::{ContactSystem, LawEvaluation};
+
+/// A structure of one to three bodies with a motion of three harmonics.
+struct Case {
+    system: ContactSystem,
+    variation: VariationalEquation,
+    springs: Vec<f64>,
+    closures: Vec<f64>,
+    rate: f64,
+    w: f64,
+}
+
+/// Numbers in [0, 1) from a linear congruence.
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> f64 {
+        self.0 =
+            self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
+    }
+    fn between(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.next()
+    }
+}
+
+impl Case {
+    fn random(seed: u64, elastic_modes: usize) -> Self {
+        let mut random = Random(seed);
+        let (area, count) = (1.15e-4, 1 + (seed % 3) as usize);
+        let law = Arc::new(Power::new(random.between(1e10, 3e10), 0.35, 0.0).unwrap());
+        let mut bodies = Vec::new();
+        for _ in 0..count {
+            let (length, mass) = (random.between(0.05, 0.25), random.between(0.1, 2.0));
+            bodies.push(Body::with_mass("bar", length, mass, 71e9, 2710.0).unwrap());
+        }
+        let contact = |_: &Body| Interface::new("contact", area, law.clone()).unwrap();
+        let contacts = bodies.iter().map(contact).collect();
+        let stack = Stack::new(bodies, contacts, Support::Rigid, 9.81).unwrap();
+        let rate = random.between(0.0, 800.0);
+        let structure = PreloadedStructure::new(stack, Damping::Rate(rate)).unwrap();
+        let system = ContactSystem::of_structure(&structure, LawEvaluation::Exact).unwrap();
+        let springs: Vec<f64> = system.contacts().iter().map(PreloadedContact::spring).collect();
+        let modes = system.linear().lowest_modes(count + elastic_modes).unwrap();
+        let variation = VariationalEquation::new(&modes, rate, &springs);
+        let mut closures = Vec::new();
+        for contact in system.contacts() {
+            // Contacts stay closed: the amplitudes add up to less than the closure at rest, p0 / K
+            // at least.
+            let most = contact.pressure() / contact.stiffness();
+            closures.push(random.between(0.0, 0.1) * most);
+            for k in 1..=3 {
+                let size = 0.3 * most / f64::from(k * k);
+                closures.extend([random.between(-size, size), random.between(-size, size)]);
+            }
+        }
+        let w = random.between(0.4, 1.6) * structure.natural_frequency().unwrap();
+        Self { system, variation, springs, closures, rate, w: w * std::f64::consts::TAU }
+    }
+
+    fn splitting(&mut self, steps: usize) -> Mat<f64> {
+        let mut splitting = Splitting::new(&mut self.variation, &self.springs).unwrap();
+        let mut period = Period::new(&splitting::PLACES);
+        period.sample(&self.system, &self.closures, self.w, steps);
+        assert!(!period.contact_lost());
+        period.condense(&mut self.variation);
+        splitting.monodromy(&period, self.w)
+    }
+
+    fn runge_kutta(&mut self, steps: usize) -> Mat<f64> {
+        let mut period = Period::new(&PLACES);
+        period.sample(&self.system, &self.closures, self.w, steps);
+        period.condense(&mut self.variation);
+        RungeKutta::default().monodromy(&self.variation, &period, self.w)
+    }
+
+    /// Steps that the splitting takes.
+    fn steps(&mut self) -> usize {
+        let mut period = Period::new(&PLACES);
+        period.sample(&self.system, &self.closures, self.w, 64);
+        let fastest = self.variation.highest_frequency(period.stiffest());
+        Splitting::steps(fastest, self.w, false).unwrap()
+    }
+}
+
+/// Largest distance of a multiplier from the nearest of the others.
+fn distance(multipliers: &[Complex64], others: &[Complex64]) -> f64 {
+    let nearest =
+        |x: &Complex64| others.iter().map(|y| (x - y).norm()).fold(f64::INFINITY, f64::min);
+    multipliers.iter().map(nearest).fold(0.0, f64::max)
+}
+
+/// The error of the matrix falls with the fourth power of the step, in as many modes as bodies: with
+/// faster ones it is at rounding before.
+#[test]
+fn splitting_is_of_fourth_order() {
+    for seed in 0..12 {
+        let mut case = Case::random(seed, 0);
+        let fastest = case.variation.highest_frequency(case.springs.iter().sum());
+        let steps = (6.0 * fastest / case.w).ceil().max(12.0) as usize;
+        let fine = case.splitting(64 * steps);
+        let mut error = |factor: usize| (case.splitting(factor * steps) - &fine).norm_l2();
+        let slope = (error(4) / error(8)).log2();
+        assert!((3.7..4.3).contains(&slope), "seed {seed}: {slope}");
+    }
+}
+
+/// Multipliers at the steps chosen, and at twice as many, against the classical method at steps of
+/// 0.01 rad of the fastest mode.
+#[test]
+fn splitting_agrees_with_fine_steps_of_runge_kutta() {
+    for seed in 0..12 {
+        let mut case = Case::random(seed, 2);
+        let steps = case.steps();
+        let classical = eigenvalues(&case.runge_kutta(240 * steps));
+        let [off, finer] = [1, 2]
+            .map(|factor| distance(&eigenvalues(&case.splitting(factor * steps)), &classical));
+        assert!(off < 1e-4 && finer < 1e-6, "seed {seed}: {off:.1e}, {finer:.1e}");
+    }
+}
+
+/// Liouville: the determinant is exp(-integral of the trace), for any number of steps.
+#[test]
+fn volumes_shrink_by_the_damping() {
+    for seed in 0..20 {
+        let mut case = Case::random(seed, 2);
+        let modes = case.variation.modes.len() as f64;
+        let exact = (-modes * case.rate * std::f64::consts::TAU / case.w).exp();
+        for steps in [case.steps(), 3] {
+            let ratio = case.splitting(steps).determinant() / exact;
+            assert!((ratio - 1.0).abs() < 1e-10, "seed {seed}, {steps} steps: {ratio}");
+        }
+    }
+}
+
+/// A support with its own damper has modes of two rates: no splitting.
+#[test]
+fn unequal_damping_is_left_to_runge_kutta() {
+    let mut case = Case::random(1, 2);
+    case.variation.modes[0].damping_rate *= 1.1;
+    assert!(Splitting::new(&mut case.variation, &case.springs).is_none());
+}

@@ -1,0 +1,164 @@
+//! The work of an identification under way: its progress, and requests to stop.
+
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+/// The parts of an identification, in their order.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum WorkStage {
+    /// Fit of the problem's law.
+    Fit,
+    /// Profiles of the parameters.
+    Profiles,
+    /// Draws from the posterior.
+    Posterior,
+    /// Comparison with other laws, and the design.
+    Comparison,
+}
+
+const STAGES: usize = 4;
+
+impl WorkStage {
+    /// Name for display.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Fit => "fit",
+            Self::Profiles => "profiles",
+            Self::Posterior => "posterior",
+            Self::Comparison => "comparison",
+        }
+    }
+}
+
+/// The progress of the whole.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WorkProgress {
+    /// The part under way.
+    pub stage: WorkStage,
+    /// Share of the whole that is done, estimated from the evaluations of the model.
+    pub share: f64,
+    /// Estimated time left; `None` before the first evaluations.
+    pub left: Option<Duration>,
+}
+
+/// The work of an identification, shared with whoever watches or stops it.
+#[derive(Debug, Default)]
+pub struct Work {
+    stopped: Arc<AtomicBool>,
+    /// Points evaluated in the part under way.
+    points: AtomicUsize,
+    state: Mutex<State>,
+}
+
+#[derive(Debug, Default)]
+struct State {
+    started: Option<Instant>,
+    stage: usize,
+    /// Evaluations that each part is expected to need, or has needed.
+    expected: [f64; STAGES],
+}
+
+impl Work {
+    /// Asks the identification to end soon, with what is finished.
+    pub fn stop(&self) {
+        self.stopped.store(true, Ordering::Relaxed);
+    }
+
+    /// The flag of a request to stop, for handlers of signals.
+    pub fn stop_flag(&self) -> Arc<AtomicBool> {
+        Arc::clone(&self.stopped)
+    }
+
+    /// True after a request to stop.
+    pub fn is_stopped(&self) -> bool {
+        self.stopped.load(Ordering::Relaxed)
+    }
+
+    /// The progress; `None` before the beginning.
+    pub fn progress(&self) -> Option<WorkProgress> {
+        let state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        let elapsed = state.started?.elapsed().as_secs_f64();
+        let here = self.points.load(Ordering::Relaxed) as f64;
+        let done = state.expected[..state.stage].iter().sum::<f64>() + here;
+        let rest: f64 = state.expected[state.stage + 1..].iter().sum();
+        // A part that needs more than was expected is taken to be nearly finished.
+        let own = state.expected[state.stage].max(1.05 * here);
+        let whole = done - here + own + rest;
+        let share = if whole > 0.0 { done / whole } else { 0.0 };
+        let left = (done > 0.0).then(|| Duration::from_secs_f64(elapsed * (whole - done) / done));
+        let stages =
+            [WorkStage::Fit, WorkStage::Profiles, WorkStage::Posterior, WorkStage::Comparison];
+        Some(WorkProgress { stage: stages[state.stage], share, left })
+    }
+
+    /// Begins, with the evaluations that each part is expected to need.
+    pub(crate) fn plan(&self, expected: [f64; STAGES]) {
+        self.points.store(0, Ordering::Relaxed);
+        *self.state.lock().unwrap_or_else(PoisonError::into_inner) =
+            State { started: Some(Instant::now()), stage: 0, expected };
+    }
+
+    /// Begins a part; the one before has needed what it has.
+    pub(crate) fn begin(&self, stage: WorkStage) {
+        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        let here = self.points.swap(0, Ordering::Relaxed) as f64;
+        let before = state.stage;
+        state.expected[before] = here;
+        state.stage = stage as usize;
+    }
+
+    /// Counts evaluated points.
+    pub(crate) fn add(&self, points: usize) {
+        self.points.fetch_add(points, Ordering::Relaxed);
+    }
+}
+
+/// Evaluations that each part of an identification is expected to need: those of typical problems.
+pub(crate) fn expected_evaluations(
+    parameters: usize,
+    starts: usize,
+    draws: usize,
+    compared: usize,
+) -> [f64; STAGES] {
+    let stencil = (2 * parameters + 1) as f64;
+    let fit = 12.0 * stencil;
+    let cubic = ((parameters + 1) * (parameters + 2) * (parameters + 3)) as f64 / 6.0;
+    [
+        fit * (starts + 1) as f64,
+        70.0 * parameters as f64,
+        1.7 * (5.0 * cubic + draws as f64),
+        compared as f64 * (1.5 * fit + 40.0),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shares_grow_to_one_over_the_parts() {
+        let work = Work::default();
+        assert!(work.progress().is_none());
+        work.plan([100.0, 100.0, 200.0, 0.0]);
+        assert_eq!(work.progress().unwrap().left, None);
+        work.add(50);
+        let half = work.progress().unwrap();
+        assert_eq!((half.stage, half.share), (WorkStage::Fit, 0.125));
+        assert!(half.left.is_some());
+        // More than expected.
+        work.add(350);
+        let more = work.progress().unwrap().share;
+        assert!(more > 0.5 && more < 0.6, "{more}");
+        work.begin(WorkStage::Profiles);
+        work.begin(WorkStage::Posterior);
+        assert_eq!(work.progress().unwrap().share, 400.0 / 600.0);
+        work.add(200);
+        work.begin(WorkStage::Comparison);
+        assert_eq!(work.progress().unwrap().share, 1.0);
+        assert!(!work.is_stopped());
+        work.stop();
+        assert!(work.is_stopped());
+    }
+}

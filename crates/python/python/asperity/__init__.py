@@ -1,0 +1,25 @@
+"""Dynamics of structures with rough contact interfaces.
+
+Scenarios are files, JSON texts or dicts; results are dicts and NumPy arrays under the names of
+the files that the command ``asperity`` writes, equal to the last bit. All numbers are in SI units,
+stated at the end of each name.
+
+>>> import asperity
+>>> run = asperity.simulate("rig.json")                  # doctest: +SKIP
+>>> run.summary["fundamental"]["frequency_hz"]           # doctest: +SKIP
+>>> run.history["time_s"], run.history["displacement_m"] # doctest: +SKIP
+"""
+
+from ._asperity import ComputationError, Scenario, ScenarioError, __version__
+from ._simulate import Simulation, simulate
+from ._table import Table
+
+__all__ = [
+    "ComputationError",
+    "Scenario",
+    "ScenarioError",
+    "Simulation",
+    "Table",
+    "__version__",
+    "simulate",
+]

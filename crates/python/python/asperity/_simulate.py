@@ -1,0 +1,63 @@
+"""One transient run."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+from . import _asperity
+from ._table import Table
+
+ScenarioLike = _asperity.Scenario | str | os.PathLike[str] | dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Simulation:
+    """Response of a scenario to its force.
+
+    Attributes
+    ----------
+    summary : dict
+        Observables, as in ``summary.json``.
+    history : Table
+        Time history, as in ``history.csv``: ``time_s``, ``force_n``, ``displacement_m``,
+        ``acceleration_m_per_s2``, and for each interface ``NAME:pressure_pa``, ``NAME:closure_m``
+        and ``NAME:stiffness_pa_per_m``.
+    frf : Table or None
+        Receptance of the top, as in ``frf.csv``: ``frequency_hz``, ``real_m_per_n``,
+        ``imag_m_per_n``, ``magnitude_m_per_n``, ``phase_rad``; None without a force.
+    """
+
+    summary: dict[str, Any] = field(repr=False)
+    history: Table
+    frf: Table | None
+
+
+def simulate(
+    scenario: ScenarioLike, *, progress: Callable[[float], object] | None = None
+) -> Simulation:
+    """Simulate the response to the force of a scenario.
+
+    Other Python threads run meanwhile, and Ctrl-C stops the call.
+
+    Parameters
+    ----------
+    scenario : Scenario, str, os.PathLike or dict
+        Anything that `Scenario` accepts.
+    progress : callable, optional
+        Called with the fraction done, 0 to 1, some times a second. An exception that it raises
+        stops the computation and is passed on.
+
+    Raises
+    ------
+    ScenarioError
+        If the scenario is not valid.
+    ValueError
+        If the structure cannot be built, or a setting is out of range.
+    ComputationError
+        If the integration fails.
+    """
+    summary, history, frf = _asperity.simulate(scenario, progress)
+    return Simulation(summary, Table(history), None if frf is None else Table(frf))

@@ -1,0 +1,90 @@
+//! Long computations on a thread of their own, while the calling thread waits for signals.
+
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::mpsc::{self, RecvTimeoutError};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
+
+use pyo3::exceptions::PyRuntimeError;
+use pyo3::prelude::*;
+
+/// Longest time until a signal is noticed, and shortest between two calls of a progress function.
+const TICK: Duration = Duration::from_millis(50);
+
+/// Fraction done of a computation, and the request to stop it.
+#[derive(Debug, Default)]
+pub(crate) struct Progress {
+    /// Bits of the fraction.
+    fraction: AtomicU64,
+    stopped: AtomicBool,
+}
+
+/// Payload that unwinds the threads of a stopped computation.
+struct Stopped;
+
+impl Progress {
+    /// Reports the fraction done; ends the computation here if it is to stop.
+    pub(crate) fn report(&self, fraction: f64) {
+        self.fraction.store(fraction.to_bits(), Ordering::Relaxed);
+        if self.stopped.load(Ordering::Relaxed) {
+            // Does not call the panic hook.
+            resume_unwind(Box::new(Stopped));
+        }
+    }
+
+    fn fraction(&self) -> f64 {
+        f64::from_bits(self.fraction.load(Ordering::Relaxed))
+    }
+}
+
+/// Carries out `work` without the interpreter's lock.
+///
+/// The calling thread calls `listener`, if there is one, with the fraction done, and checks signals.
+/// After Ctrl-C or an exception of the listener it returns at once; the work ends at its next report
+/// of progress, and its result is dropped.
+///
+/// # Errors
+/// The exception of the listener or of a signal handler.
+pub(crate) fn run<T: Send + 'static>(
+    py: Python<'_>,
+    listener: Option<&Bound<'_, PyAny>>,
+    work: impl FnOnce(&Progress) -> T + Send + 'static,
+) -> PyResult<T> {
+    let progress = Arc::new(Progress::default());
+    let (sender, receiver) = mpsc::sync_channel(1);
+    // Only this thread receives; the lock makes the borrow fit to leave the interpreter with.
+    let receiver = Mutex::new(receiver);
+    let reported = Arc::clone(&progress);
+    let thread = std::thread::Builder::new().name("asperity".to_owned()).spawn(move || {
+        let outcome = catch_unwind(AssertUnwindSafe(|| work(&reported)));
+        // Nobody receives the outcome of a stopped computation.
+        let _ = sender.send(outcome);
+    });
+    thread.map_err(|error| PyRuntimeError::new_err(format!("cannot start a thread: {error}")))?;
+    let mut told = 0.0;
+    loop {
+        let received = py
+            .detach(|| receiver.lock().unwrap_or_else(PoisonError::into_inner).recv_timeout(TICK));
+        let fraction = progress.fraction();
+        if let Some(listener) = listener
+            && fraction != told
+            && let Err(error) = listener.call1((fraction,))
+        {
+            progress.stopped.store(true, Ordering::Relaxed);
+            return Err(error);
+        }
+        told = fraction;
+        match received {
+            Ok(Ok(result)) => return Ok(result),
+            // A defect of the program, shown as pyo3 shows panics.
+            Ok(Err(payload)) => resume_unwind(payload),
+            Err(RecvTimeoutError::Timeout) => py.check_signals().inspect_err(|_| {
+                progress.stopped.store(true, Ordering::Relaxed);
+            })?,
+            Err(RecvTimeoutError::Disconnected) => {
+                return Err(PyRuntimeError::new_err("the computation ended without a result"));
+            }
+        }
+    }
+}

@@ -1,0 +1,125 @@
+//! Errors as Python exceptions.
+
+use std::path::Path;
+
+use asperity_scenario::{Diagnostic, DocumentError, InputError, InvalidDocument, SetError};
+use asperity_study::error::StudyError;
+use pyo3::create_exception;
+use pyo3::exceptions::{
+    PyException, PyFileNotFoundError, PyIsADirectoryError, PyOSError, PyPermissionError,
+    PyValueError,
+};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+create_exception!(
+    asperity,
+    ScenarioError,
+    PyValueError,
+    "Fault of a scenario or another document.\n\n\
+     `faults` has a dict for each fault, in the order of the text: `pointer` (JSON Pointer to the\n\
+     value), `message`, `accepted` (the accepted values, in words) and `suggestion` (JSON text of\n\
+     a value that may have been meant, or None). `pointer` and `accepted` are those of the first."
+);
+create_exception!(
+    asperity,
+    ComputationError,
+    PyException,
+    "Failure of a computation whose input is valid, such as a step that does not converge."
+);
+
+/// One fault of a document.
+struct DocumentFault {
+    pointer: String,
+    message: String,
+    accepted: Option<String>,
+    suggestion: Option<String>,
+}
+
+impl From<&Diagnostic> for DocumentFault {
+    fn from(diagnostic: &Diagnostic) -> Self {
+        Self {
+            pointer: diagnostic.pointer.clone(),
+            message: diagnostic.fault.to_string(),
+            accepted: Some(diagnostic.accepted.clone()),
+            suggestion: diagnostic.suggestion.clone(),
+        }
+    }
+}
+
+/// ScenarioError with its attributes.
+fn scenario_error(py: Python<'_>, message: String, faults: &[DocumentFault]) -> PyErr {
+    let error = ScenarioError::new_err(message);
+    let attributes = || -> PyResult<()> {
+        let value = error.value(py);
+        let mut dicts = Vec::with_capacity(faults.len());
+        for fault in faults {
+            let dict = PyDict::new(py);
+            dict.set_item("pointer", &fault.pointer)?;
+            dict.set_item("message", &fault.message)?;
+            dict.set_item("accepted", &fault.accepted)?;
+            dict.set_item("suggestion", &fault.suggestion)?;
+            dicts.push(dict);
+        }
+        let first = faults.first();
+        value.setattr("pointer", first.map_or("", |fault| &fault.pointer))?;
+        value.setattr("accepted", first.and_then(|fault| fault.accepted.as_deref()))?;
+        value.setattr("faults", dicts)
+    };
+    match attributes() {
+        Ok(()) => error,
+        Err(other) => other,
+    }
+}
+
+/// All faults of a document.
+pub(crate) fn of_invalid(py: Python<'_>, invalid: &InvalidDocument) -> PyErr {
+    let faults: Vec<DocumentFault> = invalid.diagnostics.iter().map(Into::into).collect();
+    scenario_error(py, invalid.to_string(), &faults)
+}
+
+/// Error of a text that is not a document, or of its file.
+pub(crate) fn of_document(py: Python<'_>, error: &DocumentError) -> PyErr {
+    if let DocumentError::Input { path, source } = error {
+        return of_input(path, *source);
+    }
+    let message = error.to_string();
+    let (pointer, accepted, suggestion) = (String::new(), None, None);
+    let fault = DocumentFault { pointer, message: message.clone(), accepted, suggestion };
+    scenario_error(py, message, &[fault])
+}
+
+/// Error of a value that cannot be set.
+pub(crate) fn of_set(py: Python<'_>, pointer: &str, error: &SetError) -> PyErr {
+    let (accepted, suggestion) = match error {
+        SetError::Missing { accepted, suggestion, .. } => {
+            (Some(accepted.join(", ")), suggestion.clone())
+        }
+        _ => (None, None),
+    };
+    let message = error.to_string();
+    let pointer = pointer.to_owned();
+    let fault = DocumentFault { pointer, message: message.clone(), accepted, suggestion };
+    scenario_error(py, message, &[fault])
+}
+
+/// Error of a file that cannot be opened.
+fn of_input(path: &Path, error: InputError) -> PyErr {
+    let message = format!("{}: {error}", path.display());
+    match error {
+        InputError::NotFound => PyFileNotFoundError::new_err(message),
+        InputError::Directory => PyIsADirectoryError::new_err(message),
+        InputError::NotPermitted => PyPermissionError::new_err(message),
+        _ => PyOSError::new_err(message),
+    }
+}
+
+/// Error of a study: ValueError for a wrong request, else `ComputationError`.
+pub(crate) fn of_study(py: Python<'_>, error: &StudyError) -> PyErr {
+    match error {
+        StudyError::Document(source) => of_document(py, source),
+        StudyError::Input { path, source } => of_input(path, *source),
+        _ if error.is_wrong_request() => PyValueError::new_err(error.to_string()),
+        _ => ComputationError::new_err(error.to_string()),
+    }
+}
