@@ -92,7 +92,13 @@ fn the_modal_engine_identifies_the_law_of_a_finite_difference_run() {
         assert!(informed > 40, "{informed}");
         assert!(10 * inside >= 9 * informed, "{inside} of {informed}");
         assert!(worst < 0.02, "{worst}");
-        assert!(found.explains() && found.has_converged());
+        assert!(
+            found.explains() && found.has_converged(),
+            "{:?} {} {:?}",
+            found.goodness,
+            found.fit.converged,
+            found.posterior.diagnostics
+        );
         assert_eq!(found.hits.len(), PEAKS.len());
         assert!(
             found.hits.iter().all(|hit| hit.estimated_error.unwrap() < 1e-2),

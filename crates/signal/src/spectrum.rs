@@ -2,15 +2,43 @@
 
 use crate::error::{Result, SignalError, check_rate, check_samples};
 use num_complex::Complex64;
-use realfft::RealFftPlanner;
+use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 use std::cell::RefCell;
+use std::collections::HashMap;
+use std::sync::Arc;
 
 /// Largest zero padding; use [`transform_at`](crate::transform_at) for denser grids.
 pub(crate) const PADDING_LIMIT: usize = 1024;
 
+/// Plans of either direction kept by a thread.
+const MOST_PLANS: usize = 64;
+
+/// Plans of the lengths that a thread has transformed: a sweep transforms thousands of records of one
+/// length.
+///
+/// Each is of a planner of its own. One planner for all would build a plan on parts of earlier
+/// ones, and the last bits of a transform would depend on what the thread had transformed before.
+#[derive(Default)]
+struct Plans {
+    forward: HashMap<usize, Arc<dyn RealToComplex<f64>>>,
+    inverse: HashMap<usize, Arc<dyn ComplexToReal<f64>>>,
+}
+
 thread_local! {
-    /// Plans are reused: a sweep transforms thousands of records of one length.
-    static PLANNER: RefCell<RealFftPlanner<f64>> = RefCell::new(RealFftPlanner::new());
+    static PLANS: RefCell<Plans> = RefCell::new(Plans::default());
+}
+
+/// The plan of a length among `plans`, made where there is none.
+fn plan_of<P: ?Sized>(
+    plans: &mut HashMap<usize, Arc<P>>,
+    length: usize,
+    make: impl FnOnce(&mut RealFftPlanner<f64>) -> Arc<P>,
+) -> Arc<P> {
+    if plans.len() >= MOST_PLANS && !plans.contains_key(&length) {
+        plans.clear();
+    }
+    let plan = plans.entry(length).or_insert_with(|| make(&mut RealFftPlanner::new()));
+    Arc::clone(plan)
 }
 
 /// One-sided Fourier transform of a real signal by the rectangle rule.
@@ -99,7 +127,10 @@ impl Spectrum {
 
 /// `sum_n x_n exp(-i 2 pi k n / M)` of an even number M of samples, for k from 0 to M/2.
 pub(crate) fn forward_transform(mut samples: Vec<f64>) -> Vec<Complex64> {
-    let plan = PLANNER.with_borrow_mut(|planner| planner.plan_fft_forward(samples.len()));
+    let length = samples.len();
+    let plan = PLANS.with_borrow_mut(|plans| {
+        plan_of(&mut plans.forward, length, |planner| planner.plan_fft_forward(length))
+    });
     let mut values = plan.make_output_vec();
     // Cannot fail, since the plan made the buffer; NaN otherwise.
     if plan.process(&mut samples, &mut values).is_err() {
@@ -113,7 +144,9 @@ pub(crate) fn inverse_transform(mut values: Vec<Complex64>, length: usize) -> Ve
     for real in [0, length / 2] {
         values[real].im = 0.0;
     }
-    let plan = PLANNER.with_borrow_mut(|planner| planner.plan_fft_inverse(length));
+    let plan = PLANS.with_borrow_mut(|plans| {
+        plan_of(&mut plans.inverse, length, |planner| planner.plan_fft_inverse(length))
+    });
     let mut samples = plan.make_output_vec();
     // Cannot fail, since the plan fits the buffers; NaN otherwise.
     if plan.process(&mut values, &mut samples).is_err() {
@@ -144,6 +177,30 @@ pub fn fast_length(minimum: usize) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// On new threads, after transforms of shorter lengths and without: the same bits.
+    #[test]
+    fn transforms_do_not_depend_on_earlier_ones() {
+        let lengths: [usize; 13] =
+            [96, 288, 320, 720, 864, 1152, 1500, 1920, 2304, 2400, 3840, 5760, 8640];
+        let transforms = |earlier: Vec<usize>, length: usize| {
+            let transform = move || {
+                let samples = |n: usize| -> Vec<f64> { (0..n).map(|i| (i as f64).sin()).collect() };
+                for other in earlier {
+                    inverse_transform(forward_transform(samples(other)), other);
+                }
+                let values = forward_transform(samples(length));
+                (inverse_transform(values.clone(), length), values)
+            };
+            std::thread::spawn(transform).join().unwrap()
+        };
+        for length in lengths {
+            let divisors = (2..length).filter(|n| length.is_multiple_of(*n) && n % 2 == 0);
+            let (alone, after) =
+                (transforms(Vec::new(), length), transforms(divisors.collect(), length));
+            assert_eq!(alone, after, "{length}");
+        }
+    }
 
     /// Verified against exhaustive factorisation.
     #[test]
