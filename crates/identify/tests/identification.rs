@@ -78,8 +78,9 @@ fn the_modal_engine_identifies_the_law_of_a_finite_difference_run() {
     let twin = Truth::new(SCENARIO, &PEAKS, &QUICK);
     for (seed, force_gain, response_gain) in [(1, 1.05, 0.97), (2, 0.96, 1.04)] {
         let sensors = Sensors { signal_to_noise_db: 40.0, force_gain, response_gain, seed };
+        // Of 100 draws none may happen to lie in the flat tail of a profile, which counts as truncated.
         let more = json!({
-            "draws": 100,
+            "draws": 400,
             "starts": 1,
             "pressures_pa": [0.02e6, 0.2e6],
             "compare": [power_law()],
