@@ -28,7 +28,7 @@ use crate::error::{LawError, LawQuantity, above, at_least, finite};
 ///
 /// let damping = ContactDamping::kelvin_voigt(4e-6)?;
 /// assert_eq!(damping.coefficient(1.4e5, 1e12), 4e6);
-/// assert_eq!(damping.coefficient(0.0, 1e12), 0.0); // contact lost
+/// assert_eq!(damping.coefficient(0.0, 0.0), 0.0); // contact lost
 /// # Ok::<(), asperity_law::LawError>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]

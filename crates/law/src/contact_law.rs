@@ -1,6 +1,6 @@
 //! The trait of contact laws, and the macro by which one law forwards to another.
 
-mod inverse;
+pub(crate) mod inverse;
 pub mod quadrature;
 
 use std::fmt::Debug;
@@ -143,6 +143,9 @@ pub trait ContactLaw: Debug + Send + Sync {
     /// closure at the reference pressure (negative below it). Its derivative is the pressure.
     fn energy(&self, closure: f64) -> f64 {
         let domain = self.domain();
+        if closure.is_nan() {
+            return closure;
+        }
         if domain.is_open(closure) {
             return 0.0;
         }

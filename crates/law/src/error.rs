@@ -66,6 +66,14 @@ pub enum LawQuantity {
     DampingCoefficient,
     /// Rows of a pressure-overclosure table.
     Rows,
+    /// Contacts in series.
+    SeriesContacts,
+    /// Compliance of the layers of a series \[m/Pa\].
+    Compliance,
+    /// Ratio of a contact's pressure increment to that of its series \[-\].
+    PressureRatio,
+    /// Pressure of a contact where that of its series is zero \[Pa\].
+    PressureOffset,
 }
 
 impl fmt::Display for LawQuantity {
@@ -101,6 +109,10 @@ impl fmt::Display for LawQuantity {
             Self::Frequency => "frequency [Hz]",
             Self::DampingCoefficient => "damping coefficient [Pa s/m]",
             Self::Rows => "number of rows",
+            Self::SeriesContacts => "number of contacts in series",
+            Self::Compliance => "compliance [m/Pa]",
+            Self::PressureRatio => "pressure ratio",
+            Self::PressureOffset => "pressure offset [Pa]",
         })
     }
 }

@@ -22,6 +22,7 @@
 //! | [`Persson`] | p / g(p) of a self-affine surface | never | yes |
 //! | [`Tabulated`] | through measured points | at zero closure | no |
 //! | [`InSeries`] | 1 / (1/K + 1/`K_layer`) | as its law | no |
+//! | [`LawsInSeries`] | 1 / (sum of 1/K at each law's own pressure + c) | where the first law loses it | if all laws are and c = 0 |
 //!
 //! [`CompiledLaw`] tabulates a law about a state for time stepping, [`fit_power`] fits a power
 //! law to data, and [`stiffness_from_gaps`] derives points of a [`Tabulated`] law from pressures
@@ -58,6 +59,7 @@ mod gap_table;
 mod greenwood_williamson;
 mod hyperbolic;
 mod in_series;
+mod laws_in_series;
 mod modified_power;
 mod overclosure;
 mod pchip;
@@ -78,6 +80,7 @@ pub use gap_table::stiffness_from_gaps;
 pub use greenwood_williamson::GreenwoodWilliamson;
 pub use hyperbolic::Hyperbolic;
 pub use in_series::InSeries;
+pub use laws_in_series::{LawsInSeries, SeriesContact};
 pub use modified_power::ModifiedPower;
 pub use overclosure::{BeyondTable, OverclosureRow, OverclosureTable, TableAccuracy};
 pub use persson::Persson;

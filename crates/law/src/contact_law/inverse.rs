@@ -13,8 +13,20 @@ const STALLED: f64 = 1e-13;
 /// Longest step in the logarithm of pressure while the root is not yet bracketed.
 const STRIDE: f64 = 40.0;
 
+/// Closure \[m\] from one pressure \[Pa\] to another.
+type ClosureBetween<'a> = dyn Fn(f64, f64) -> f64 + 'a;
+
 /// Pressure \[Pa\] at `closure` \[m\]: the default of [`ContactLaw::pressure`].
 pub(crate) fn pressure<L: ContactLaw + ?Sized>(law: &L, closure: f64) -> Pressure {
+    pressure_by(law, closure, &|from, to| quadrature::closure_between(law, from, to))
+}
+
+/// The same for a law with its own closure `between` two pressures.
+pub(crate) fn pressure_by<L: ContactLaw + ?Sized>(
+    law: &L,
+    closure: f64,
+    between: &ClosureBetween<'_>,
+) -> Pressure {
     let domain = law.domain();
     if closure.is_nan() {
         return Pressure { value: f64::NAN, tangent: f64::NAN };
@@ -28,7 +40,7 @@ pub(crate) fn pressure<L: ContactLaw + ?Sized>(law: &L, closure: f64) -> Pressur
     let p = if domain.closure_lost == Some(closure) {
         0.0
     } else {
-        solve(law, law.reference_pressure(), closure)
+        solve(law, between, law.reference_pressure(), closure)
     };
     Pressure { value: p, tangent: law.stiffness(p) }
 }
@@ -42,6 +54,17 @@ pub(crate) fn pressure_increment<L: ContactLaw + ?Sized>(
     from: f64,
     closure_increment: f64,
 ) -> Pressure {
+    let between = |from: f64, to: f64| quadrature::closure_between(law, from, to);
+    pressure_increment_by(law, from, closure_increment, &between)
+}
+
+/// The same for a law with its own closure `between` two pressures.
+pub(crate) fn pressure_increment_by<L: ContactLaw + ?Sized>(
+    law: &L,
+    from: f64,
+    closure_increment: f64,
+    between: &ClosureBetween<'_>,
+) -> Pressure {
     if let Some(lost) = law.domain().closure_lost {
         // The closure at loss of contact, unless the difference would cancel.
         let stated = lost - law.closure(from);
@@ -51,7 +74,7 @@ pub(crate) fn pressure_increment<L: ContactLaw + ?Sized>(
             return Pressure::lost_from(from);
         }
     }
-    let reached = solve(law, from, closure_increment);
+    let reached = solve(law, between, from, closure_increment);
     if reached == f64::INFINITY {
         return Pressure::RIGID;
     }
@@ -86,20 +109,30 @@ pub(crate) fn refine_increment<L: ContactLaw + ?Sized>(
 }
 
 /// Pressure at which the closure from pressure `origin` is `target`.
-fn solve<L: ContactLaw + ?Sized>(law: &L, origin: f64, target: f64) -> f64 {
+fn solve<L: ContactLaw + ?Sized>(
+    law: &L,
+    between: &ClosureBetween<'_>,
+    origin: f64,
+    target: f64,
+) -> f64 {
     if law.domain().is_bilateral() {
-        bilateral(law, origin, target)
+        bilateral(law, between, origin, target)
     } else {
-        unilateral(law, origin, target)
+        unilateral(law, between, origin, target)
     }
 }
 
 /// The root in the pressure itself.
-fn bilateral<L: ContactLaw + ?Sized>(law: &L, origin: f64, target: f64) -> f64 {
+fn bilateral<L: ContactLaw + ?Sized>(
+    law: &L,
+    between: &ClosureBetween<'_>,
+    origin: f64,
+    target: f64,
+) -> f64 {
     let mut bracket = Bracket::OPEN;
     let mut p = origin;
     for _ in 0..ITERATIONS {
-        let residual = target - quadrature::closure_between(law, origin, p);
+        let residual = target - between(origin, p);
         let newton = residual * law.stiffness(p);
         if newton.is_nan() {
             return f64::NAN;
@@ -116,7 +149,12 @@ fn bilateral<L: ContactLaw + ?Sized>(law: &L, origin: f64, target: f64) -> f64 {
 /// The root in the logarithm of the pressure; for closures from first contact in that of the
 /// closure too, which makes a power law's equation linear. Zero or +inf where no pressure reaches
 /// the target.
-fn unilateral<L: ContactLaw + ?Sized>(law: &L, origin: f64, target: f64) -> f64 {
+fn unilateral<L: ContactLaw + ?Sized>(
+    law: &L,
+    between: &ClosureBetween<'_>,
+    origin: f64,
+    target: f64,
+) -> f64 {
     let from_contact = origin == 0.0;
     let mut bracket = Bracket::OPEN;
     let mut t = if from_contact { 0.0 } else { origin.ln() };
@@ -125,7 +163,7 @@ fn unilateral<L: ContactLaw + ?Sized>(law: &L, origin: f64, target: f64) -> f64 
         if p == 0.0 || p == f64::INFINITY {
             return p;
         }
-        let found = quadrature::closure_between(law, origin, p);
+        let found = between(origin, p);
         if found == target {
             return p;
         }

@@ -8,7 +8,7 @@ mod suite;
 
 use std::sync::Arc;
 
-use asperity_law::{ContactLaw, InSeries};
+use asperity_law::{ContactLaw, InSeries, LawsInSeries, SeriesContact};
 use proptest::prelude::*;
 
 use suite::conform;
@@ -61,6 +61,24 @@ proptest! {
     ) {
         let once: Arc<dyn ContactLaw> = Arc::new(InSeries::new(inner, layers[0]).unwrap());
         conform(&InSeries::new(once, layers[1]).unwrap(), &p)?;
+    }
+
+    #[test]
+    fn laws_in_series(
+        laws in [families::any(), families::any()],
+        ratio in families::log_uniform(0.1, 10.0),
+        weight in prop_oneof![Just(0.0), families::log_uniform(1.0, 1e6)],
+        compliance in prop_oneof![Just(0.0), families::log_uniform(1e-17, 1e-8)],
+        p in families::pressures(),
+    ) {
+        let [upper, lower] = laws;
+        let carries_tension = |law: &families::AnyLaw| law.domain().is_bilateral();
+        // The pressure of the series is that of the contact lost first.
+        let lost_first = carries_tension(&lower) || !carries_tension(&upper);
+        let (first, second) = if lost_first { (upper, lower) } else { (lower, upper) };
+        let second = SeriesContact { law: second, pressure_ratio: ratio, pressure_offset: weight };
+        let contacts = vec![SeriesContact::new(first), second];
+        conform(&LawsInSeries::new(contacts, compliance).unwrap(), &p)?;
     }
 }
 

@@ -6,6 +6,7 @@ mod compiled;
 mod conformance;
 mod gap_table;
 mod invalid;
+mod laws_in_series;
 mod overclosure;
 mod reference;
 mod rough_surfaces;
