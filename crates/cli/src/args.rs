@@ -8,7 +8,8 @@ pub(crate) mod law;
 
 use std::path::PathBuf;
 
-use clap::{ArgAction, Args as Group, Parser, Subcommand};
+use asperity_study::steady::BodyModel;
+use clap::{ArgAction, Args as Group, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
 
 use analyse::{Analyse, Conversion, Inspect, RecordFormat, Watch};
@@ -251,12 +252,39 @@ pub(crate) struct SteadyRange {
     #[arg(long)]
     pub(crate) backbone: bool,
 
+    /// Light bodies between contacts: elastic, or condensed into one contact in series.
+    ///
+    /// A body is light if its frequency on its contacts is at least ten times the highest of the range.
+    #[arg(long, value_name = "MODEL", value_enum, default_value_t = Bodies::Auto)]
+    pub(crate) bodies: Bodies,
+
     /// Also integrate one response of each branch in time, and report the difference.
     ///
     /// The response is the peak; if another response has its frequency, the highest response that is
     /// the only one at its frequency.
     #[arg(long)]
     pub(crate) verify: bool,
+}
+
+/// Treatment of light bodies between contacts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Bodies {
+    /// Elastic; condensed where contact is lost on a branch.
+    Auto,
+    /// Elastic, with their inertia.
+    Elastic,
+    /// Condensed.
+    Condensed,
+}
+
+impl From<Bodies> for BodyModel {
+    fn from(bodies: Bodies) -> Self {
+        match bodies {
+            Bodies::Auto => Self::Auto,
+            Bodies::Elastic => Self::Elastic,
+            Bodies::Condensed => Self::Condensed,
+        }
+    }
 }
 
 /// The scenario and its changes.

@@ -1,6 +1,8 @@
 //! A branch of steady responses in words: its peak, its special points, and the reason for an end.
 
-use asperity_study::steady::{BranchSummary, TerminationSummary};
+use asperity_study::steady::{
+    BranchSummary, CondensationReason, SteadyMotion, TerminationSummary, TimeCheck,
+};
 
 /// Bifurcations of one kind that are listed one by one; of more, the range is given.
 const MOST_LISTED: usize = 4;
@@ -56,12 +58,45 @@ pub(crate) fn advice(branch: &BranchSummary) -> Option<&'static str> {
             "try to start on the other side of the resonance (--from, --to)"
         }
         TerminationSummary::BeyondLaw { .. } => "try a lower force (--amplitude)",
-        _ if branch.contact_lost => {
-            "try fewer harmonics (--harmonics 7): with contact lost, high ones excite light bodies \
+        _ if branch.contact_lost && branch.condensed_bodies.is_empty() => {
+            "try condensed bodies (--bodies condensed) or fewer harmonics (--harmonics 7): with contact lost, high ones excite light bodies \
              between open contacts; or a lower force (--amplitude)"
         }
         _ => "try another number of harmonics (--harmonics), or the range from its other end",
     })
+}
+
+/// The bodies without inertia and the reason, if there are any.
+fn condensed(branch: &BranchSummary) -> Option<String> {
+    let reason = branch.condensed_because?;
+    let bodies = branch.condensed_bodies.iter();
+    let bodies: Vec<String> =
+        bodies.map(|body| format!("{} ({:.4e} Hz)", body.name, body.frequency_hz)).collect();
+    let reason = match reason {
+        CondensationReason::ContactLost { from_hz } => {
+            format!(", as contact is lost from {from_hz:.3} Hz on with it")
+        }
+        _ => String::new(),
+    };
+    Some(format!("inertia left out: {}{reason}", bodies.join(", ")))
+}
+
+/// The comparison with time integration.
+pub(crate) fn check(check: &TimeCheck) -> String {
+    let (hz, difference) = (check.frequency_hz, check.relative_difference);
+    let scatter = check.scatter;
+    match check.motion {
+        SteadyMotion::Periodic => {
+            format!("at {hz:.3} Hz differs from time integration by {difference:.1e}")
+        }
+        SteadyMotion::NonPeriodic => format!(
+            "at {hz:.3} Hz time integration gives a motion that is not periodic: its fundamental \
+             scatters by {scatter:.1e} from period to period; the mean differs by {difference:.1e}"
+        ),
+        _ => format!(
+            "at {hz:.3} Hz differs from time integration, which has not settled, by {difference:.1e}"
+        ),
+    }
 }
 
 /// Loss of contact, instability and bifurcations, a remark each.
@@ -70,6 +105,7 @@ pub(crate) fn remarks(branch: &BranchSummary) -> Vec<String> {
     if let Some(hz) = branch.contact_lost_from_hz {
         remarks.push(format!("contact lost from {hz:.3} Hz on"));
     }
+    remarks.extend(condensed(branch));
     match branch.unstable_points {
         Some(0) => remarks.push("stable".to_owned()),
         Some(count) => remarks.push(format!("unstable at {count} of {} points", branch.points)),

@@ -67,6 +67,8 @@ pub enum Termination {
     },
     /// At the largest number of points.
     PointLimit,
+    /// At the first response that loses contact, as asked for.
+    ContactLost,
 }
 
 /// Periodic responses in the order of the branch.

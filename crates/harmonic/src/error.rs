@@ -70,6 +70,14 @@ pub enum HarmonicError {
         /// Number of them that the contacts hold.
         held: usize,
     },
+    /// A body has inertia that cannot be left out.
+    #[error(
+        "body {body}, counted from the top from zero, cannot be condensed; accepted: bodies between two contacts of equal damping proportional to the stiffness, or of none"
+    )]
+    NotCondensable {
+        /// Place of the body, from the top.
+        body: usize,
+    },
     /// The linearised structure has no response at the start of the branch.
     #[error(
         "the linearised structure has no finite response at {frequency_hz} Hz; start at another frequency"

@@ -25,6 +25,7 @@
 //! | `linear_system`, `compliance` | the linear structure: [`LinearSystem`], [`Compliance`], [`MeanBalance`] |
 //! | `rigid_mass`, `elastic_bars`, `bars_on_springs`, `component_modes` | linear systems: a rigid mass, bars in closed form, component modes |
 //! | `contact_system` | a linear structure with its contacts |
+//! | `condensed_stack` | a stack without the inertia of light bodies between contacts |
 //! | `fourier`, `balance` | series and samples; the equations with their derivatives |
 //! | `linear_response` | the response of the linearised structure |
 //! | `continuation`, `continuation_problem` | the parameter varied; the equations in scaled unknowns |
@@ -75,6 +76,7 @@ mod branch_recorder;
 mod complex_elimination;
 mod compliance;
 mod component_modes;
+mod condensed_stack;
 mod contact_system;
 mod continuation;
 mod continuation_problem;
@@ -93,6 +95,7 @@ mod trace;
 
 pub use branch::{Branch, SpecialPoint, SpecialPointKind, Termination};
 pub use compliance::{Compliance, MeanBalance, Receptance};
+pub use condensed_stack::CondensedStack;
 pub use contact_system::{ContactSystem, LawEvaluation};
 pub use continuation::Continuation;
 pub use error::HarmonicError;

@@ -96,6 +96,8 @@ pub struct HarmonicSettings {
     pub steps: StepControl,
     /// Stability analysis at every point of a driven branch, if any. Modes of free motion have none.
     pub stability: Option<Floquet>,
+    /// Ends the branch at its first response that loses contact, without stability.
+    pub until_contact_lost: bool,
 }
 
 impl HarmonicSettings {

@@ -9,7 +9,7 @@ use crate::continuation_problem::ContinuationProblem;
 use crate::floquet::FloquetSolver;
 use crate::{
     Branch, ContactSystem, Continuation, FourierResolution, HarmonicError, HarmonicSettings,
-    Termination,
+    PeriodicResponse, Termination,
 };
 
 /// Share of a force at which the search for a first response starts when Newton's method does not
@@ -106,6 +106,11 @@ fn follow(
         if limit.is_some_and(|limit| recorder.branch.truncation() > limit) {
             return Ok(recorder.branch);
         }
+        let last = recorder.branch.points.last();
+        if settings.until_contact_lost && last.is_some_and(PeriodicResponse::contact_lost) {
+            let branch = recorder.branch;
+            return Ok(Branch { termination: Termination::ContactLost, ..branch });
+        }
         if recorder.branch.points.len() >= settings.steps.points {
             return Ok(recorder.ended(&mut arc, Termination::PointLimit));
         }
@@ -147,7 +152,7 @@ fn first(
         let rising = Continuation::Force { frequency: from, from: LOW_FORCE * force, to: force };
         let fourier = arc.curve.balance().fourier();
         let resolution = (fourier.harmonics(), fourier.samples());
-        let quiet = HarmonicSettings { stability: None, ..*settings };
+        let quiet = HarmonicSettings { stability: None, until_contact_lost: false, ..*settings };
         let branch = follow(system, rising, &quiet, resolution, None).ok();
         if let Some(branch) = &branch
             && let (Termination::Reached, Some(last)) = (&branch.termination, branch.points.last())

@@ -79,6 +79,11 @@ impl ContactDamping {
         }))
     }
 
+    /// True if the coefficient is the stiffness times a time: Kelvin-Voigt damping.
+    pub fn is_proportional_to_stiffness(&self) -> bool {
+        matches!(self.0, Kind::KelvinVoigt { .. })
+    }
+
     /// The coefficient c \[Pa s/m\] at a `pressure` \[Pa\] where the law has this `stiffness`
     /// \[Pa/m\]; zero where there is no stiffness, and for a power of a pressure that is not
     /// positive.

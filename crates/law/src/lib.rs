@@ -22,7 +22,7 @@
 //! | [`Persson`] | p / g(p) of a self-affine surface | never | yes |
 //! | [`Tabulated`] | through measured points | at zero closure | no |
 //! | [`InSeries`] | 1 / (1/K + 1/`K_layer`) | as its law | no |
-//! | [`LawsInSeries`] | 1 / (sum of 1/K at each law's own pressure + c) | where the first law loses it | if all laws are and c = 0 |
+//! | [`LawsInSeries`] | 1 / (sum of 1/K at each law's own pressure + c) | as the law lost first | if all laws are and c = 0 |
 //!
 //! [`CompiledLaw`] tabulates a law about a state for time stepping, [`fit_power`] fits a power
 //! law to data, and [`stiffness_from_gaps`] derives points of a [`Tabulated`] law from pressures

@@ -36,6 +36,16 @@ pub enum StudyError {
     /// A steady response cannot be computed.
     #[error(transparent)]
     Harmonic(#[from] HarmonicError),
+    /// No body can be condensed in steady responses.
+    #[error(
+        "no body can be condensed; accepted: bodies between two contacts of equal damping proportional to the stiffness, or of none, whose frequency on them is at least {least_hz:.1} Hz, ten times the highest of the range; found: {found}"
+    )]
+    NothingToCondense {
+        /// The bodies between contacts with their frequencies, in words.
+        found: String,
+        /// Least frequency of a body that can be condensed \[Hz\].
+        least_hz: f64,
+    },
     /// A contact law cannot be built for the pressure it has to carry.
     #[error("law \"{law}\"{} (pressure {pressure_pa} Pa): {source}", at(interface.as_deref()))]
     Law {
@@ -110,6 +120,7 @@ impl StudyError {
             | Self::Set(_)
             | Self::Scenario { .. }
             | Self::OtherColumns
+            | Self::NothingToCondense { .. }
             | Self::ContactDamping { .. }
             | Self::Law { .. } => true,
             Self::Output(error) => !matches!(error, OutputError::Io { .. }),

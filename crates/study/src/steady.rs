@@ -1,15 +1,17 @@
 //! Steady responses to a shaker: one branch per force amplitude, and the backbones.
 
+mod bodies;
 mod check;
 mod settled;
 mod summary;
 mod table;
 
+use std::sync::Arc;
 use std::time::Instant;
 
 use asperity_harmonic::{
     Branch, ContactSystem, Continuation, Floquet, FourierResolution, HarmonicError,
-    HarmonicSettings, LawEvaluation, StepControl, trace,
+    HarmonicSettings, LawEvaluation, PeriodicResponse, PressureRange, StepControl,
 };
 use asperity_structure::PreloadedContact;
 use rayon::prelude::*;
@@ -19,8 +21,10 @@ use crate::error::StudyError;
 use crate::static_state::StaticSummary;
 use crate::warning::Warning;
 
+use bodies::BodyChoice;
+pub use bodies::{BodyModel, Condensation, CondensationReason, CondensedBody, LightBodies};
 pub use check::TimeCheck;
-pub use settled::{SettledAmplitude, first_periods};
+pub use settled::{SettledAmplitude, SteadyMotion, first_periods};
 pub use summary::{
     BackboneSummary, BackbonesSummary, BifurcationSummary, BranchSummary, LevelSummary,
     STEADY_SCHEMA, SteadySummary, TerminationSummary,
@@ -62,6 +66,8 @@ pub struct SteadyRequest {
     pub backbone: bool,
     /// Adds a response of each branch by time integration.
     pub verify: bool,
+    /// Light bodies between contacts.
+    pub bodies: BodyModel,
 }
 
 /// The responses at one force amplitude.
@@ -71,12 +77,25 @@ pub struct SteadyLevel {
     pub force_n: f64,
     /// The branch, or the error.
     pub outcome: Result<Branch, HarmonicError>,
+    /// The reason for which the branch is one with its light bodies condensed, if it is: its contacts
+    /// are then those of the condensed stack.
+    pub condensed: Option<Condensation>,
     /// A response by time integration, if requested.
     pub check: Option<TimeCheck>,
     /// Warnings about the responses.
     pub warnings: Vec<Warning>,
     /// Time of the computation \[s\].
     pub wall_s: f64,
+}
+
+impl SteadyLevel {
+    /// Extremes of the pressure at each interface of the scenario over a response of the branch.
+    pub fn pressures(&self, response: &PeriodicResponse) -> Vec<PressureRange> {
+        match &self.condensed {
+            Some(condensed) => condensed.light.pressures(response),
+            None => response.pressures.clone(),
+        }
+    }
 }
 
 /// The backbones.
@@ -111,7 +130,7 @@ pub struct Steady {
 /// ```
 /// # use asperity_scenario::Document;
 /// # use asperity_study::assemble::Assembly;
-/// # use asperity_study::steady::{SteadyRequest, steady};
+/// # use asperity_study::steady::{BodyModel, SteadyRequest, steady};
 /// let document = Document::read("examples/block.json")?;
 /// let assembly = Assembly::new(&document.scenario()?, document.folder())?;
 /// let request = SteadyRequest {
@@ -121,6 +140,7 @@ pub struct Steady {
 ///     harmonics: Some(5),
 ///     backbone: false,
 ///     verify: false,
+///     bodies: BodyModel::Auto,
 /// };
 /// let found = steady(&assembly, &request)?;
 /// let peak = found.levels[0].outcome.as_ref().unwrap().highest().unwrap();
@@ -144,13 +164,17 @@ pub fn steady_with_progress(
     let _stage = tracing::info_span!("continue branches").entered();
     check_range(request)?;
     check_work(assembly.structure.contacts().len(), request)?;
-    let system = ContactSystem::of_structure(&assembly.structure, LawEvaluation::default())?;
+    let evaluation = LawEvaluation::default();
+    let system = ContactSystem::of_structure(&assembly.structure, evaluation)?;
+    let highest = request.from_hz.max(request.to_hz);
+    let light = LightBodies::of(assembly, highest, request.bodies, evaluation)?.map(Arc::new);
+    let choice = BodyChoice { elastic: &system, light: light.as_ref(), model: request.bodies };
     let settings = settings(request);
     let levels = request
         .amplitudes
         .par_iter()
         .map(|&force_n| {
-            let level = level(assembly, &system, request, &settings, force_n);
+            let level = level(assembly, &choice, request, &settings, force_n);
             progress();
             level
         })
@@ -160,7 +184,7 @@ pub fn steady_with_progress(
             tracing::warn!(force_n = level.force_n, "{warning}");
         }
     }
-    let backbones = request.backbone.then(|| backbones(assembly, &system, request, &settings));
+    let backbones = request.backbone.then(|| backbones(assembly, &choice, request, &settings));
     Ok(Steady { levels, backbones, wall_s: started.elapsed().as_secs_f64() })
 }
 
@@ -220,34 +244,37 @@ fn settings(request: &SteadyRequest) -> HarmonicSettings {
         None => FourierResolution::Automatic { tolerance: TOLERANCE, most: MOST_HARMONICS },
     };
     let steps = StepControl { points: MOST_POINTS, ..StepControl::default() };
-    HarmonicSettings { resolution, steps, stability: Some(Floquet::default()) }
+    let stability = Some(Floquet::default());
+    HarmonicSettings { resolution, steps, stability, until_contact_lost: false }
 }
 
 fn level(
     assembly: &Assembly,
-    system: &ContactSystem,
+    choice: &BodyChoice<'_>,
     request: &SteadyRequest,
     settings: &HarmonicSettings,
     force_n: f64,
 ) -> Result<SteadyLevel, StudyError> {
     let started = Instant::now();
     let path = Continuation::Frequency { force: force_n, from: request.from_hz, to: request.to_hz };
-    let outcome = trace(system, &path, settings);
+    let (outcome, condensed) = choice.trace(&path, settings);
     let wall_s = started.elapsed().as_secs_f64();
     let check = match outcome.as_ref().ok().and_then(TimeCheck::place) {
         Some(peak) if request.verify => Some(TimeCheck::of(assembly, peak)?),
         _ => None,
     };
-    let contacts = assembly.structure.contacts();
-    let warnings =
-        outcome.as_ref().map_or_else(|_| Vec::new(), |branch| warnings(branch, contacts));
-    Ok(SteadyLevel { force_n, outcome, check, warnings, wall_s })
+    let mut level =
+        SteadyLevel { force_n, outcome, condensed, check, warnings: Vec::new(), wall_s };
+    level.warnings = warnings(&level, assembly.structure.contacts());
+    Ok(level)
 }
 
 /// Warnings about the contacts whose pressures leave the measured range on a branch.
-fn warnings(branch: &Branch, contacts: &[PreloadedContact]) -> Vec<Warning> {
+fn warnings(level: &SteadyLevel, contacts: &[PreloadedContact]) -> Vec<Warning> {
+    let points = level.outcome.as_ref().map_or(&[][..], |branch| &branch.points);
+    let all: Vec<Vec<PressureRange>> = points.iter().map(|point| level.pressures(point)).collect();
     let outside = |(i, contact): (usize, &PreloadedContact)| {
-        let ranges = || branch.points.iter().filter_map(|point| point.pressures.get(i));
+        let ranges = || all.iter().filter_map(|ranges| ranges.get(i));
         let lowest = ranges().map(|range| range.lowest).fold(f64::INFINITY, f64::min);
         let highest = ranges().map(|range| range.highest).fold(f64::NEG_INFINITY, f64::max);
         Warning::outside_measured_range(contact, lowest, highest)
@@ -258,7 +285,7 @@ fn warnings(branch: &Branch, contacts: &[PreloadedContact]) -> Vec<Warning> {
 /// Phase resonance up to the largest force, and the damped mode up to the amplitude reached there.
 fn backbones(
     assembly: &Assembly,
-    system: &ContactSystem,
+    choice: &BodyChoice<'_>,
     request: &SteadyRequest,
     settings: &HarmonicSettings,
 ) -> Backbones {
@@ -267,12 +294,12 @@ fn backbones(
     let largest = request.amplitudes.iter().copied().fold(0.0, f64::max);
     let settings = HarmonicSettings { stability: None, ..*settings };
     let path = Continuation::PhaseResonance { near, from: LOWEST_FORCE * largest, to: largest };
-    let phase_resonance = trace(system, &path, &settings);
+    let (phase_resonance, _) = choice.trace(&path, &settings);
     let mode = match &phase_resonance {
         Ok(branch) => match (branch.points.first(), branch.points.last()) {
             (Some(first), Some(last)) => {
                 let (from, to) = (first.amplitude(1), last.amplitude(1));
-                trace(system, &Continuation::Mode { near, from, to }, &settings)
+                choice.trace(&Continuation::Mode { near, from, to }, &settings).0
             }
             _ => Err(HarmonicError::NoLinearResponse { frequency_hz: near }),
         },

@@ -19,7 +19,7 @@ use asperity_scenario::{Document, Scenario};
 use asperity_structure::PreloadedStructure;
 use asperity_study::assemble::Assembly;
 use asperity_study::steady::{
-    SettledAmplitude, Steady, SteadyRequest, TimeCheck, first_periods, steady,
+    BodyModel, SettledAmplitude, Steady, SteadyRequest, TimeCheck, first_periods, steady,
 };
 use serde::Serialize;
 
@@ -124,6 +124,7 @@ fn request(natural: f64, force: f64, verify: bool) -> SteadyRequest {
         harmonics: None,
         backbone: false,
         verify,
+        bodies: BodyModel::Auto,
     }
 }
 
@@ -181,8 +182,9 @@ fn large_force(assembly: &Assembly, natural: f64, force: f64) -> SteadyJudgement
     let Some(check) = check else {
         return by_modes(assembly, branch, force, &state);
     };
-    let TimeCheck { frequency_hz, amplitude_1_m, integrated_1_m, relative_difference, settled } =
-        check;
+    let TimeCheck {
+        frequency_hz, amplitude_1_m, integrated_1_m, relative_difference, settled, ..
+    } = check;
     let remark = format!("at {frequency_hz:.3} Hz {amplitude_1_m:.4e} m; {state}");
     if !settled {
         return without(Class::NamedUndecided, format!("{remark}; integration has not settled"));
@@ -243,5 +245,5 @@ fn modal_amplitude(assembly: &Assembly, amplitude: f64, frequency: f64) -> Optio
     let (step, modes_per_body) = (Some(default.step / 4.0), Some(20));
     let method = Modal { step, modes_per_body, ..Modal::default() }.into();
     let found = SettledAmplitude::of(assembly, &method, amplitude, frequency).ok()?;
-    found.settled.then_some(found.amplitude_1_m)
+    found.is_settled().then_some(found.amplitude_1_m)
 }

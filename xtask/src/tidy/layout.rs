@@ -19,10 +19,10 @@ const SHORT: [(&str, &str); 11] = [
     ("crates/cli/src/command/schema.rs", "one command a file"),
     ("crates/cli/src/plot/structure.rs", "one figure a file"),
     ("crates/dynamics/src/finite_difference/ledger.rs", "energy of the grid"),
-    ("crates/dynamics/src/modal/energy.rs", "the energy balance of one hit"),
     ("crates/law/src/domain.rs", "used by all laws"),
     ("crates/python/src/columns.rs", "used by all results"),
     ("crates/python/src/json.rs", "used by all documents"),
+    ("crates/scenario/src/contact_damping.rs", "a public type of its own"),
     ("crates/structure/src/damping.rs", "a public type of its own"),
 ];
 

@@ -32,6 +32,7 @@ pub(crate) fn run(
         harmonics: range.harmonics,
         backbone: range.backbone,
         verify: range.verify,
+        bodies: range.bodies.into(),
     };
     let folder = ResultFolder::claim("steady", document.path(), output)?;
     let bar = crate::progress::bar(request.amplitudes.len() as u64, "amplitudes", quiet);
@@ -85,12 +86,7 @@ fn print_branches(summary: &SteadySummary) -> Result<(), Failure> {
         }
         answer_line!("{:14} {}", "", steady_words::remarks(branch).join("; "));
         if let Some(check) = branch.verify {
-            let unsettled = if check.settled { "" } else { ", which has not settled" };
-            let (hz, difference) = (check.frequency_hz, check.relative_difference);
-            answer_line!(
-                "{:14} at {hz:.3} Hz differs from time integration{unsettled} by {difference:.1e}",
-                ""
-            );
+            answer_line!("{:14} {}", "", steady_words::check(&check));
         }
     }
     Ok(())

@@ -30,18 +30,72 @@ fn summary(folder: &Path) -> Value {
 fn a_branch_that_does_not_complete_has_no_peak() {
     let folder = tempfile::tempdir().unwrap();
     let range = ["--amplitude", "20", "--from", "1100", "--to", "700", "--harmonics", "20"];
-    let printed = answer(folder.path(), &range);
+    let printed = answer(folder.path(), &[&range[..], &["--bodies", "elastic"]].concat());
     let level = &summary(folder.path())["levels"][0];
     assert_eq!(level["end"], "not_converged", "{level}");
     assert_eq!(level["peak_is_inside"], false);
     let hz = format!("{:.3} Hz", level["end_frequency_hz"].as_f64().unwrap());
-    for part in ["no peak", &hz, "does not converge", "try fewer harmonics", "contact lost from"] {
+    for part in [
+        "no peak",
+        &hz,
+        "does not converge",
+        "try condensed bodies",
+        "fewer harmonics",
+        "contact lost from",
+    ] {
         assert!(printed.contains(part), "{part}: {printed}");
     }
     let figure = std::fs::read_to_string(folder.path().join("out/steady.svg")).unwrap();
     for mark in ["end of the branch", "contact lost"] {
         assert!(figure.contains(mark), "{mark}");
     }
+}
+
+/// A sample condensed where contact is lost is named with the reason; pressures
+/// are those of both contacts.
+#[test]
+fn condensed_bodies_are_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let law = ["--set", "/interfaces/0/law=pl", "--set", "/interfaces/1/law=pl"];
+    let range = ["--amplitude", "2", "--from", "1054", "--to", "700"];
+    let printed = answer(folder.path(), &[&law[..], &range[..]].concat());
+    let level = &summary(folder.path())["levels"][0];
+    assert_eq!(level["end"], "reached", "{level}");
+    assert_eq!(level["condensed_bodies"][0]["name"], "sample");
+    let because = &level["condensed_because"];
+    assert_eq!(because["kind"], "contact_lost");
+    let hz =
+        format!("contact is lost from {:.3} Hz on with it", because["from_hz"].as_f64().unwrap());
+    for part in ["   peak ", "inertia left out: sample (", &hz] {
+        assert!(printed.contains(part), "{part}: {printed}");
+    }
+    let table = std::fs::read_to_string(folder.path().join("out/steady.csv")).unwrap();
+    let mut lines = table.lines();
+    let header: Vec<&str> = lines.next().unwrap().split(',').collect();
+    let row: Vec<&str> = lines.next().unwrap().split(',').collect();
+    let cell = |name: &str| {
+        row[header.iter().position(|one| *one == name).unwrap()].parse::<f64>().unwrap()
+    };
+    let sample = 2710.0 * 0.015 * 9.81;
+    let apart = cell("sample-disc:pressure_min_pa") - cell("guide-sample:pressure_min_pa");
+    assert!((apart - sample).abs() < 1e-3, "{apart}");
+    let output = asperity(
+        folder.path(),
+        &[
+            "steady",
+            &rig(),
+            "--bodies",
+            "condensed",
+            "--amplitude",
+            "1",
+            "--from",
+            "9",
+            "--to",
+            "5e3",
+        ],
+    );
+    assert_eq!(output.status.code(), Some(2));
+    assert!(text(&output.stderr).contains("no body can be condensed"));
 }
 
 /// A branch highest at its end has no peak in the range.

@@ -3,6 +3,7 @@
 
 mod backbones;
 mod bifurcations;
+mod condensed;
 mod damped_contacts;
 mod errors;
 mod integration;

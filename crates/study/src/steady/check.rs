@@ -4,7 +4,7 @@ use asperity_dynamics::{DynamicsError, FiniteDifference, Integrator};
 use asperity_harmonic::{Branch, PeriodicResponse, SpecialPointKind};
 use serde::Serialize;
 
-use super::settled::SettledAmplitude;
+use super::settled::{SettledAmplitude, SteadyMotion};
 use crate::assemble::Assembly;
 
 /// Relative distance in frequency of a checked response from a fold: next to one transients
@@ -22,12 +22,17 @@ pub struct TimeCheck {
     pub frequency_hz: f64,
     /// Amplitude of the fundamental of the top, of the branch \[m\].
     pub amplitude_1_m: f64,
-    /// The same by time integration, extrapolated from two steps to zero \[m\].
+    /// The same by time integration \[m\]: extrapolated from two steps to zero where the motion is
+    /// periodic, else the mean over many periods at the shorter step.
     pub integrated_1_m: f64,
     /// Difference over the integrated amplitude.
     pub relative_difference: f64,
-    /// False if the integrated amplitude still changed at the end: the difference shows nothing then.
+    /// True if the integrated motion is periodic; the difference of one that still changes shows nothing.
     pub settled: bool,
+    /// The integrated motion.
+    pub motion: SteadyMotion,
+    /// Largest relative distance of the fundamental of a period from the mean over many.
+    pub scatter: f64,
 }
 
 impl TimeCheck {
@@ -80,14 +85,21 @@ impl TimeCheck {
             fine = settled(FiniteDifference { cell: finer, ..method })?;
         }
         let amplitude_1_m = response.amplitude(1);
+        let all = [coarse.motion, fine.motion];
+        let of = |motion| all.contains(&motion).then_some(motion);
+        let unsettled = of(SteadyMotion::NonPeriodic).or(of(SteadyMotion::NotSettled));
+        let motion = unsettled.unwrap_or(SteadyMotion::Periodic);
         let change = (fine.amplitude_1_m - coarse.amplitude_1_m) / (coarse.step_s - fine.step_s);
-        let integrated_1_m = fine.amplitude_1_m + change * fine.step_s;
+        let correction = if unsettled.is_none() { change * fine.step_s } else { 0.0 };
+        let integrated_1_m = fine.amplitude_1_m + correction;
         Ok(Self {
             frequency_hz: response.frequency_hz(),
             amplitude_1_m,
             integrated_1_m,
             relative_difference: (amplitude_1_m / integrated_1_m - 1.0).abs(),
-            settled: coarse.settled && fine.settled,
+            settled: unsettled.is_none(),
+            motion,
+            scatter: coarse.scatter.max(fine.scatter),
         })
     }
 }

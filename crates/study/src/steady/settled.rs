@@ -3,6 +3,8 @@
 use std::f64::consts::TAU;
 
 use asperity_dynamics::{DynamicsError, Excitation, Integrator, Sampling};
+use num_complex::Complex64;
+use serde::Serialize;
 
 use crate::assemble::Assembly;
 
@@ -16,23 +18,49 @@ const REMAINS: f64 = 1e-6;
 const FEWEST_PERIODS: f64 = 20.0;
 const MOST_PERIODS: f64 = 8000.0;
 
-/// Relative change of the fundamental over the last quarter of the time up to which it has settled.
+/// Scatter of the fundamental over the last quarter of the time up to which it has settled.
 const SETTLED: f64 = 1e-4;
+
+/// Times that twice as long a run does not halve the scatter until the motion counts as not periodic.
+const STALLED: usize = 2;
+
+/// Motion of the top under a harmonic force, by the fundamentals of successive periods.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+#[non_exhaustive]
+pub enum SteadyMotion {
+    /// The fundamental no longer changes from period to period.
+    Periodic,
+    /// It still changes at the end, less and less.
+    NotSettled,
+    /// It scatters, no less after four times as long: the steady motion has not the period of the force.
+    NonPeriodic,
+}
 
 /// The fundamental of the top, integrated from rest under a harmonic force until it has settled.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SettledAmplitude {
-    /// Amplitude in the last period \[m\].
+    /// Amplitude in the last period, or of the mean fundamental over the last quarter of the time where
+    /// the periods differ \[m\].
     pub amplitude_1_m: f64,
     /// Step \[s\].
     pub step_s: f64,
-    /// False if it still changed after 8000 periods.
-    pub settled: bool,
+    /// The motion: settled if it is periodic.
+    pub motion: SteadyMotion,
+    /// Largest relative distance of the fundamental of a period from the mean over the last quarter of
+    /// the time.
+    pub scatter: f64,
 }
 
 impl SettledAmplitude {
+    /// True if the motion is periodic.
+    pub fn is_settled(&self) -> bool {
+        self.motion == SteadyMotion::Periodic
+    }
+
     /// Integrates under a force of `amplitude` \[N\] at `frequency` \[Hz\] by `method`: first as long as
-    /// the bodies' damping takes, then twice as long again while the fundamental changes.
+    /// the bodies' damping takes, then twice as long again while the fundamental changes, up to 8000
+    /// periods or until it turns out not to settle.
     ///
     /// # Errors
     /// [`DynamicsError`] of the integration.
@@ -43,16 +71,26 @@ impl SettledAmplitude {
         frequency: f64,
     ) -> Result<Self, DynamicsError> {
         let mut periods = first_periods(assembly, frequency);
+        let (mut before, mut stalled) = (f64::INFINITY, 0);
         let shaker = Excitation::Harmonic { amplitude, frequency };
         loop {
             let sampling = Sampling::new(periods / frequency, SAMPLES as f64 * frequency)?;
             let done = method.integrate(&assembly.structure, &shaker, &sampling)?;
-            let displacement = &done.history.displacement;
-            let before = displacement.len() - displacement.len() / 4;
-            let [earlier, last] = [&displacement[..before], &displacement[..]].map(fundamental);
-            let settled = (last - earlier).abs() <= SETTLED * last;
-            if settled || periods >= MOST_PERIODS {
-                return Ok(Self { amplitude_1_m: last, step_s: done.step, settled });
+            let found = Fundamentals::of(&done.history.displacement);
+            stalled = if found.scatter > 0.5 * before { stalled + 1 } else { 0 };
+            before = found.scatter;
+            let motion = if found.scatter <= SETTLED {
+                SteadyMotion::Periodic
+            } else if stalled >= STALLED {
+                SteadyMotion::NonPeriodic
+            } else {
+                SteadyMotion::NotSettled
+            };
+            if motion != SteadyMotion::NotSettled || periods >= MOST_PERIODS {
+                let periodic = motion == SteadyMotion::Periodic;
+                let amplitude_1_m = if periodic { found.last } else { found.mean };
+                let (step_s, scatter) = (done.step, found.scatter);
+                return Ok(Self { amplitude_1_m, step_s, motion, scatter });
             }
             periods = (2.0 * periods).min(MOST_PERIODS);
         }
@@ -74,11 +112,32 @@ pub fn first_periods(assembly: &Assembly, frequency: f64) -> f64 {
     (-REMAINS.ln() / decay).clamp(FEWEST_PERIODS, MOST_PERIODS).ceil()
 }
 
-/// Amplitude of the fundamental in the last period of some samples.
-fn fundamental(samples: &[f64]) -> f64 {
-    let last = &samples[samples.len().saturating_sub(SAMPLES)..];
-    let angle = |n: usize| TAU * n as f64 / SAMPLES as f64;
-    let cos: f64 = last.iter().enumerate().map(|(n, u)| u * angle(n).cos()).sum();
-    let sin: f64 = last.iter().enumerate().map(|(n, u)| u * angle(n).sin()).sum();
-    2.0 / SAMPLES as f64 * cos.hypot(sin)
+/// Fundamentals of the periods in the last quarter of some samples.
+struct Fundamentals {
+    /// Amplitude in the last period.
+    last: f64,
+    /// Amplitude of the mean.
+    mean: f64,
+    /// Largest relative distance from the mean.
+    scatter: f64,
+}
+
+impl Fundamentals {
+    fn of(samples: &[f64]) -> Self {
+        let periods = (samples.len() / SAMPLES / 4).max(1);
+        let all: Vec<Complex64> =
+            samples.rchunks_exact(SAMPLES).take(periods).map(fundamental).collect();
+        let mean = all.iter().sum::<Complex64>() / all.len() as f64;
+        let off = |one: &Complex64| (one - mean).norm() / mean.norm();
+        let scatter = all.iter().map(off).fold(0.0, f64::max);
+        let last = all.first().map_or(f64::NAN, |last| last.norm());
+        Self { last, mean: mean.norm(), scatter }
+    }
+}
+
+/// Complex amplitude of the fundamental in the samples of a period.
+fn fundamental(period: &[f64]) -> Complex64 {
+    let turn = |n: usize| Complex64::from_polar(1.0, -TAU * n as f64 / SAMPLES as f64);
+    let sum: Complex64 = period.iter().enumerate().map(|(n, u)| turn(n) * u).sum();
+    sum * (2.0 / SAMPLES as f64)
 }

@@ -3,7 +3,7 @@
 use asperity_harmonic::{Branch, HarmonicError, PeriodicResponse, Termination};
 use serde::Serialize;
 
-use super::{Backbones, Steady, SteadyLevel, TimeCheck};
+use super::{Backbones, CondensationReason, CondensedBody, Steady, SteadyLevel, TimeCheck};
 use crate::provenance::Provenance;
 use crate::static_state::StaticSummary;
 use crate::warning::Warning;
@@ -73,6 +73,10 @@ pub struct BranchSummary {
     pub contact_lost: bool,
     /// Frequency of the first response along the branch that loses contact \[Hz\].
     pub contact_lost_from_hz: Option<f64>,
+    /// The bodies without inertia on the branch.
+    pub condensed_bodies: Vec<CondensedBody>,
+    /// The reason why they are condensed, if there are any.
+    pub condensed_because: Option<CondensationReason>,
     /// Number of unstable points; none if stability was not computed for all.
     pub unstable_points: Option<usize>,
     /// The bifurcations, along the branch.
@@ -98,6 +102,8 @@ pub enum TerminationSummary {
     NotConverged,
     /// The largest number of points is reached.
     PointLimit,
+    /// Contact is lost, where the branch was to end.
+    ContactLost,
     /// A closure is beyond the domain of a law.
     BeyondLaw {
         /// Name of the interface.
@@ -199,6 +205,11 @@ impl LevelSummary {
                 .iter()
                 .find(|point| point.contact_lost())
                 .map(PeriodicResponse::frequency_hz),
+            condensed_bodies: level
+                .condensed
+                .as_ref()
+                .map_or_else(Vec::new, |condensed| condensed.light.bodies().to_vec()),
+            condensed_because: level.condensed.as_ref().map(|condensed| condensed.reason),
             unstable_points: branch
                 .points
                 .iter()
@@ -239,6 +250,7 @@ impl TerminationSummary {
             Termination::Returned => Self::Returned,
             Termination::NotConverged => Self::NotConverged,
             Termination::PointLimit => Self::PointLimit,
+            Termination::ContactLost => Self::ContactLost,
             Termination::BeyondLaw { interface, closure } => {
                 Self::BeyondLaw { interface: interface.clone(), closure_m: *closure }
             }

@@ -32,7 +32,7 @@ pub fn steady_csv(steady: &Steady, interfaces: &[&str]) -> String {
                 (1..=harmonics).map(|k| (k <= point.harmonics()).then(|| point.amplitude(k))),
             );
             csv.number(point.phase());
-            for range in &point.pressures {
+            for range in level.pressures(point) {
                 csv.numbers([range.lowest, range.highest]);
             }
             csv.text(point.stable().map_or("", truth)).text(truth(point.contact_lost())).end_row();

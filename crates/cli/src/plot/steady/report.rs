@@ -1,7 +1,7 @@
 //! `report.html` of steady responses: peaks, figure, bifurcations, backbones, provenance.
 
 use asperity_figure::Figure;
-use asperity_figure::report::{Report, TableCell, four_digits};
+use asperity_figure::report::{Report, TableCell};
 use asperity_study::steady::{
     BackboneSummary, BranchSummary, LevelSummary, SteadySummary, TerminationSummary,
 };
@@ -76,8 +76,7 @@ fn peaks(page: Report, summary: &SteadySummary) -> Report {
             remarks.extend(steady_words::advice(branch).map(str::to_owned));
             remarks.extend(steady_words::remarks(branch));
             if let Some(check) = &branch.verify {
-                let difference = four_digits(check.relative_difference);
-                remarks.push(format!("differs from time integration by {difference}"));
+                remarks.push(steady_words::check(check));
             }
             vec![
                 TableCell::from(branch.force_n),

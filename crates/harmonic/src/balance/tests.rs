@@ -1,0 +1,183 @@
+//! Residual and derivatives of the balance.
+
+use std::sync::Arc;
+
+use asperity_law::{ContactDamping, Power};
+use asperity_mesh::{Body, Interface, Stack, Support};
+use asperity_structure::{Damping, PreloadedStructure};
+
+use super::*;
+use crate::LawEvaluation;
+use crate::factorization::Factorization;
+use crate::linear_response::LinearSolver;
+
+const CONDITIONS: Conditions =
+    Conditions { angular_frequency: 4819.2, anti_damping: 0.0, force: 0.55279 };
+
+/// The paper's rig with a sample of another density [kg/m3] and a guide of another modulus [Pa].
+fn rig(density: f64, modulus: f64) -> ContactSystem {
+    let law = Arc::new(Power::new(1.81e10, 0.35, 0.0).unwrap());
+    let guide = Body::with_mass("guide", 0.229, 1.61, modulus, 2710.0).unwrap();
+    let sample = Body::new("sample", 0.015, 1.15e-4, 71e9, density).unwrap();
+    let contact = |name| Interface::new(name, 1.15e-4, law.clone()).unwrap();
+    let contacts = vec![contact("upper"), contact("lower")];
+    let stack = Stack::new(vec![guide, sample], contacts, Support::Rigid, 9.81).unwrap();
+    let structure = PreloadedStructure::new(stack, Damping::Rate(416.0)).unwrap();
+    ContactSystem::of_structure(&structure, LawEvaluation::Exact).unwrap()
+}
+
+/// The least residual over the motion that Newton's method reaches from the linear response.
+fn floor(system: &ContactSystem) -> f64 {
+    let mut balance = Balance::new(system, 7, 128);
+    let (n, terms) = (balance.unknowns(), balance.fourier().terms());
+    let linear = LinearSolver::new(system).at(CONDITIONS.angular_frequency).unwrap();
+    let mut x = vec![0.0; n];
+    for (x, linear) in x.chunks_exact_mut(terms).zip(linear.closures.chunks_exact(3)) {
+        for (to, value) in x.iter_mut().zip(linear) {
+            *to = CONDITIONS.force * value;
+        }
+    }
+    let (mut matrix, mut residual) = (Factorization::new(n), vec![0.0; n]);
+    let largest = |all: &[f64]| all.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+    let mut least = f64::INFINITY;
+    for _ in 0..12 {
+        balance.evaluate(&x, &CONDITIONS).unwrap();
+        balance.residual(&x, &CONDITIONS, &mut residual);
+        least = least.min(largest(&residual) / largest(&x));
+        balance.d_residual_d_closures(n, matrix.matrix());
+        assert!(matrix.factorize());
+        matrix.solve(&mut residual);
+        x.iter_mut().zip(&residual).for_each(|(x, r)| *x -= r);
+    }
+    least
+}
+
+/// However light the sample and however stiff the guide.
+#[test]
+fn the_residual_falls_to_rounding() {
+    for (density, modulus) in
+        [(2710.0, 71e9), (1.0, 71e9), (1e-3, 71e9), (1e-6, 71e9), (2710.0, 1e30), (1e-3, 1e20)]
+    {
+        let least = floor(&rig(density, modulus));
+        assert!(least < 4e-15, "{density} kg/m3, {modulus} Pa: {least:.1e}");
+    }
+}
+
+/// Derivatives of residual and output with damped contacts against central differences: a
+/// contact that holds, one that carries nothing for a part of the period, one without damping.
+#[test]
+fn derivatives_with_damped_contacts_match_differences() {
+    let bar = |length, mass| Body::with_mass("bar", length, mass, 71e9, 2710.0).unwrap();
+    let dampings = [
+        Some(ContactDamping::kelvin_voigt(4e-6).unwrap()),
+        Some(ContactDamping::power(6e8, 1e5, 1.3).unwrap()),
+        None,
+    ];
+    let contacts = dampings.map(|damping| {
+        let law = Arc::new(Power::new(1.81e10, 0.35, 0.0).unwrap());
+        let contact = Interface::new("contact", 1.15e-4, law).unwrap();
+        damping.map_or(contact.clone(), |damping| contact.with_damping(damping))
+    });
+    let bodies = vec![bar(0.2, 1.6), bar(0.06, 0.3), bar(0.1, 0.5)];
+    let stack = Stack::new(bodies, contacts.to_vec(), Support::Rigid, 9.81).unwrap();
+    let structure = PreloadedStructure::new(stack, Damping::Rate(300.0)).unwrap();
+    let system = ContactSystem::of_structure(&structure, LawEvaluation::Exact).unwrap();
+    let mut balance = Balance::new(&system, 3, 48);
+    let (n, terms) = (balance.unknowns(), balance.fourier().terms());
+    let x: Vec<f64> = (0..n)
+        .map(|at| {
+            let (i, k) = (at / terms, at % terms);
+            let contact = &system.contacts()[i];
+            let size = 0.35 * contact.pressure() / contact.stiffness();
+            size * (1.0 + at as f64).sin() / (1.0 + k as f64)
+        })
+        .collect();
+    let at = |w: f64| Conditions { angular_frequency: w, anti_damping: 20.0, force: 3.0 };
+    let w = 5200.0;
+    let mut found = |x: &[f64], w: f64| {
+        let mut residual = vec![0.0; n];
+        balance.evaluate(x, &at(w)).unwrap();
+        balance.residual(x, &at(w), &mut residual);
+        (residual, balance.output(1, &at(w)))
+    };
+    let slopes = |up: (Vec<f64>, Complex64), down: (Vec<f64>, Complex64), size: f64| {
+        let pairs = up.0.iter().zip(&down.0);
+        let rows: Vec<f64> = pairs.map(|(a, b)| (a - b) / (2.0 * size)).collect();
+        (rows, (up.1 - down.1) / (2.0 * size))
+    };
+    let size = 1e-5 * x.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+    let columns: Vec<_> = (0..n)
+        .map(|column| {
+            let moved = |sign: f64| {
+                let mut x = x.clone();
+                x[column] += sign * size;
+                x
+            };
+            slopes(found(&moved(1.0), w), found(&moved(-1.0), w), size)
+        })
+        .collect();
+    let by_frequency = slopes(found(&x, w + 0.05), found(&x, w - 0.05), 0.05);
+    found(&x, w);
+    let carries_nothing = balance.samples_of(&balance.force_samples, 1).iter();
+    let least = -system.contacts()[1].area() * system.contacts()[1].pressure();
+    assert!(carries_nothing.filter(|force| **force == least).count() > 2);
+    let (mut matrix, mut slope) = (vec![0.0; n * n], vec![0.0; n]);
+    balance.d_residual_d_closures(n, &mut matrix);
+    balance.d_residual_d_frequency(&at(w), &mut slope);
+    let largest = |all: &[f64]| all.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+    let (mut real, mut imaginary) = (vec![0.0; n], vec![0.0; n]);
+    balance.d_output_d_closures(&mut real, &mut imaginary);
+    let outputs = largest(&real).max(largest(&imaginary));
+    for (column, (rows, output)) in columns.iter().enumerate() {
+        for (row, expected) in rows.iter().enumerate() {
+            let off = (matrix[row * n + column] - expected).abs();
+            assert!(off < 1e-5 * largest(rows), "{row} {column}: {off}");
+        }
+        let own = Complex64::new(real[column], imaginary[column]);
+        assert!((own - output).norm() < 1e-5 * outputs, "{own} {output}");
+    }
+    for (own, expected) in slope.iter().zip(&by_frequency.0) {
+        assert!((own - expected).abs() < 1e-5 * largest(&by_frequency.0), "{own} {expected}");
+    }
+    let [own, ..] = balance.d_output_d_conditions(&at(w));
+    assert!((own / by_frequency.1 - 1.0).norm() < 1e-5, "{own} {}", by_frequency.1);
+}
+
+/// The closed form on springs against the receptances of free bars, derivatives included.
+#[test]
+fn bars_on_springs_are_free_bars_with_springs() {
+    let law = || Arc::new(Power::new(1.81e10, 0.35, 0.0).unwrap());
+    let bar = |length, mass| Body::with_mass("bar", length, mass, 71e9, 2710.0).unwrap();
+    let disc = Support::SpringMass { stiffness: 3e8, mass: 0.7, damping_ratio: 0.02 };
+    for (support, rate) in [(Support::Rigid, 0.0), (Support::Rigid, 900.0), (disc, 300.0)] {
+        let contact = |name| Interface::new(name, 1.15e-4, law()).unwrap();
+        let bodies = vec![bar(0.2, 1.6), bar(0.06, 0.3), bar(0.1, 0.5)];
+        let contacts = vec![contact("a"), contact("b"), contact("c")];
+        let stack = Stack::new(bodies, contacts, support, 9.81).unwrap();
+        let structure = PreloadedStructure::new(stack, Damping::Rate(rate)).unwrap();
+        let system = ContactSystem::of_structure(&structure, LawEvaluation::Exact).unwrap();
+        let springs = [0.9e8, 1.1e8, 0.7e8].map(|k| Complex64::new(k, 2e7));
+        for w in [300.0, 6e3, 4.1e4, 2.3e5] {
+            let (mut closed, mut free) = (Compliance::zero(3), Compliance::zero(3));
+            system.linear().compliance_on_springs(w, 30.0, &springs, &mut closed);
+            system.linear().compliance(w, 30.0, &mut free);
+            free.add_springs(&springs);
+            let near = |a: &Receptance, b: &Receptance| {
+                let off = |a: Complex64, b: Complex64| (a - b).norm() / b.norm();
+                let all = [
+                    off(a.value, b.value),
+                    off(a.d_frequency, b.d_frequency),
+                    off(a.d_anti_damping, b.d_anti_damping),
+                ];
+                assert!(all.iter().all(|off| *off < 1e-9), "{w}: {all:?}");
+            };
+            near(&closed.direct, &free.direct);
+            for i in 0..3 {
+                near(closed.drive(i), free.drive(i));
+                for j in 0..3 {
+                    near(closed.contact(i, j), free.contact(i, j));
+                }
+            }
+        }
+    }
+}

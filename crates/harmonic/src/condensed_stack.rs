@@ -1,0 +1,205 @@
+//! Stacks whose light bodies are condensed into series laws of their contacts.
+
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+use asperity_law::{LawsInSeries, SeriesContact};
+use asperity_mesh::{Interface, Stack};
+use asperity_structure::{Damping, PreloadedContact, PreloadedStructure};
+
+use crate::{ContactSystem, HarmonicError, LawEvaluation, PeriodicResponse, PressureRange};
+
+/// Offsets of pressure below this part of the pressure are rounding.
+const ROUNDING: f64 = 1e-12;
+
+/// A stack without the inertia of some bodies between contacts.
+///
+/// A light body between two contacts has modes on them far above the band of interest. When a contact
+/// is lost these modes are excited: the motion is no longer periodic, and a branch of harmonic
+/// balance folds without end. Without inertia such bodies and their contacts are one contact that
+/// carries one force, with the law in series
+///
+/// ```text
+/// d(p) = sum_i d_i(p_i) + p sum L / E,    p_i = p S / S_i + weights between / S_i,
+/// ```
+///
+/// with the pressure p and the area S of the contact that is lost first. Natural frequencies then
+/// change by about half the squared ratio of the frequency to that of the bodies,
+/// [`body_frequency`](Self::body_frequency): 3e-4 on the paper's rig.
+///
+/// ```
+/// use std::sync::Arc;
+///
+/// use asperity_harmonic::{CondensedStack, LawEvaluation};
+/// use asperity_law::Power;
+/// use asperity_mesh::{Body, Interface, Stack, Support};
+/// use asperity_structure::{Damping, PreloadedStructure};
+///
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let law = Arc::new(Power::new(1.81e10, 0.35, 0.0)?);
+/// let guide = Body::with_mass("guide", 0.229, 1.61, 71e9, 2710.0)?;
+/// let sample = Body::new("sample", 0.015, 1.15e-4, 71e9, 2710.0)?;
+/// let contact = |name| Interface::new(name, 1.15e-4, law.clone());
+/// let contacts = vec![contact("guide-sample")?, contact("sample-disc")?];
+/// let stack = Stack::new(vec![guide, sample], contacts, Support::Rigid, 9.81)?;
+/// let structure = PreloadedStructure::new(stack, Damping::Ratio(0.035))?;
+///
+/// assert_eq!(CondensedStack::candidates(&structure), [1]);
+/// assert!(CondensedStack::body_frequency(&structure, 1) > 30e3);
+/// let condensed = CondensedStack::new(&structure, &[1], LawEvaluation::default())?;
+/// assert_eq!(condensed.system().contacts().len(), 1);
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Debug, Clone)]
+pub struct CondensedStack {
+    system: ContactSystem,
+    bodies: Vec<usize>,
+    /// The interfaces of the stack, from the top down.
+    interfaces: Vec<CondensedInterface>,
+}
+
+/// An interface of the stack as a part of a contact of the condensed one.
+#[derive(Debug, Clone)]
+struct CondensedInterface {
+    /// The contact of the condensed stack.
+    contact: usize,
+    /// The pressure of the interface from that of the contact.
+    series: SeriesContact,
+}
+
+impl CondensedStack {
+    /// The bodies that can be condensed, by their places: those between two contacts of equal damping
+    /// proportional to the stiffness, or of none. The top body is driven, and keeps its inertia.
+    pub fn candidates(structure: &PreloadedStructure) -> Vec<usize> {
+        let contacts = structure.contacts();
+        let alike = |body: &usize| {
+            let [above, below] = [&contacts[body - 1], &contacts[*body]];
+            above.damping() == below.damping()
+                && above.damping().is_none_or(|damping| damping.is_proportional_to_stiffness())
+        };
+        (1..contacts.len()).filter(alike).collect()
+    }
+
+    /// Frequency \[Hz\] of a rigid body on its contacts at rest, `sqrt((k_above + k_below) / m)`, the
+    /// other bodies at rest; NaN for a body that does not exist or is the top one.
+    pub fn body_frequency(structure: &PreloadedStructure, body: usize) -> f64 {
+        let contacts = structure.contacts();
+        let (Some(above), Some(below), Some(own)) = (
+            body.checked_sub(1).and_then(|above| contacts.get(above)),
+            contacts.get(body),
+            structure.stack().bodies().get(body),
+        ) else {
+            return f64::NAN;
+        };
+        ((above.spring() + below.spring()) / own.mass()).sqrt() / TAU
+    }
+
+    /// The stack of `structure` with these `bodies` condensed, by their places from the top.
+    ///
+    /// # Errors
+    /// [`HarmonicError::NotCondensable`] for a body that is not among the
+    /// [`candidates`](Self::candidates); those of [`ContactSystem::new`].
+    pub fn new(
+        structure: &PreloadedStructure,
+        bodies: &[usize],
+        evaluation: LawEvaluation,
+    ) -> Result<Self, HarmonicError> {
+        let candidates = Self::candidates(structure);
+        if let Some(&body) = bodies.iter().find(|body| !candidates.contains(body)) {
+            return Err(HarmonicError::NotCondensable { body });
+        }
+        let stack = structure.stack();
+        let (mut kept, mut contacts, mut interfaces) = (Vec::new(), Vec::new(), Vec::new());
+        let mut first = 0;
+        for (last, _) in stack.bodies().iter().enumerate() {
+            if bodies.contains(&(last + 1)) {
+                continue;
+            }
+            kept.push(stack.bodies()[first].clone());
+            let own = condense(structure, first, last)?;
+            let number = contacts.len();
+            contacts.push(own.contact);
+            let parts = own.parts.into_iter();
+            interfaces.extend(parts.map(|series| CondensedInterface { contact: number, series }));
+            first = last + 1;
+        }
+        let joints = contacts.iter().map(|contact| {
+            Interface::new(contact.name(), contact.area(), Arc::clone(contact.law()))
+        });
+        let joints = joints.collect::<Result<Vec<_>, _>>().map_err(mesh)?;
+        // The bodies as a linear system: the contacts keep the weights of all.
+        let support = *stack.support();
+        let stack = Stack::new(kept, joints, support, stack.gravity()).map_err(mesh)?;
+        let linear = PreloadedStructure::new(stack, Damping::Rate(structure.damping_rate()))?;
+        let system = ContactSystem::new(Arc::new(linear), contacts, evaluation)?;
+        Ok(Self { system, bodies: bodies.to_vec(), interfaces })
+    }
+
+    /// The condensed system: its contacts are fewer than those of the stack.
+    pub fn system(&self) -> &ContactSystem {
+        &self.system
+    }
+
+    /// The bodies condensed, by their places from the top.
+    pub fn bodies(&self) -> &[usize] {
+        &self.bodies
+    }
+
+    /// Extremes of the pressure at each interface of the stack over a response of the condensed system.
+    pub fn pressures(&self, response: &PeriodicResponse) -> Vec<PressureRange> {
+        let range = |interface: &CondensedInterface| {
+            let whole = response.pressures[interface.contact];
+            let [lowest, highest] =
+                [whole.lowest, whole.highest].map(|p| interface.series.pressure(p));
+            let separates = interface.series.law.domain().separates();
+            PressureRange { lowest, highest, contact_lost: separates && lowest <= 0.0 }
+        };
+        self.interfaces.iter().map(range).collect()
+    }
+}
+
+/// A contact that stands for some, with the pressure of each.
+struct Condensed {
+    contact: PreloadedContact,
+    parts: Vec<SeriesContact>,
+}
+
+/// Interfaces `first` to `last` as one contact, the bodies between them condensed.
+fn condense(
+    structure: &PreloadedStructure,
+    first: usize,
+    last: usize,
+) -> Result<Condensed, HarmonicError> {
+    let own = &structure.contacts()[first..=last];
+    let part = |contact: &PreloadedContact| SeriesContact::new(Arc::clone(contact.law()));
+    if let [contact] = own {
+        return Ok(Condensed { contact: contact.clone(), parts: vec![part(contact)] });
+    }
+    // The pressure of the series is that of the contact lost first, the uppermost without tension.
+    let lost_first = own.iter().find(|contact| !contact.law().domain().is_bilateral());
+    let reference = lost_first.unwrap_or(&own[0]);
+    let parts: Vec<SeriesContact> = own
+        .iter()
+        .map(|contact| {
+            let pressure_ratio = reference.area() / contact.area();
+            let offset = contact.pressure() - pressure_ratio * reference.pressure();
+            let rounding = offset.abs() <= ROUNDING * contact.pressure();
+            let pressure_offset = if rounding { 0.0 } else { offset };
+            SeriesContact { pressure_ratio, pressure_offset, ..part(contact) }
+        })
+        .collect();
+    let bodies = &structure.stack().bodies()[first + 1..=last];
+    let flexibility: f64 = bodies.iter().map(|body| body.length() / body.axial_rigidity()).sum();
+    let names: Vec<&str> = own.iter().map(PreloadedContact::name).collect();
+    let name = names.join(" + ");
+    let named = |source| HarmonicError::Law { interface: name.clone(), source };
+    let law = LawsInSeries::new(parts.clone(), reference.area() * flexibility).map_err(named)?;
+    let contact =
+        PreloadedContact::new(&name, reference.area(), Arc::new(law), reference.pressure())?;
+    Ok(Condensed { contact: contact.with_damping(reference.damping()), parts })
+}
+
+fn mesh(error: asperity_mesh::MeshError) -> HarmonicError {
+    HarmonicError::Structure(error.into())
+}
