@@ -100,6 +100,12 @@ pub enum DynamicsError {
         /// Name of the interface.
         interface: String,
     },
+    /// Derivatives are not computed with friction.
+    #[error("there is friction at \"{element}\"; derivatives need a structure without friction")]
+    Friction {
+        /// Name of the contact or of the guided body.
+        element: String,
+    },
     /// A contact law cannot be prepared for the integration.
     #[error("interface \"{interface}\": {source}")]
     Law {

@@ -20,6 +20,7 @@
 //! | `lanes` | storage aligned to cache lines |
 //! | `contact` | the implicit contact step |
 //! | `damped_contact` | the same with viscous damping |
+//! | `guide` | friction of a body in its guide |
 //! | `support` | the step of a spring-mass support |
 //! | `ledger` | the energy balance of the discrete motion |
 //! | `time_loop` | the loop over time |
@@ -31,6 +32,7 @@
 mod bar;
 mod contact;
 mod damped_contact;
+mod guide;
 mod lanes;
 mod ledger;
 mod support;

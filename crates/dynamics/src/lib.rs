@@ -49,6 +49,7 @@ pub mod difference;
 pub mod error;
 pub mod excitation;
 pub mod finite_difference;
+mod friction_force;
 pub mod instruction_set;
 pub mod integrator;
 pub mod modal;

@@ -19,6 +19,7 @@
 //! | `assembly` | a structure in modes, tabulated and stepped once for many hits |
 //! | `damped_table` | the law of a damped contact in one step, as tables |
 //! | `oscillator` | the exact step of one mode under a polynomial force |
+//! | `friction_rows` | friction elements as rows of a step |
 //! | `step_model` | all numbers of a step that do not depend on the drive |
 //! | `drive` | the drive force, step by step |
 //! | `simulation` | one hit and its response |
@@ -41,6 +42,7 @@ mod dense_output;
 mod drive;
 mod energy;
 mod fast_modes;
+mod friction_rows;
 mod increasing_root;
 mod oscillator;
 mod sensitivity;

@@ -160,13 +160,15 @@ pub struct ContactExtremes {
 pub struct EnergyLedger {
     /// Work of the exciting force \[J\].
     pub input: f64,
-    /// Viscous loss in bodies, support and contacts \[J\].
+    /// Loss in bodies, support, contacts and friction elements \[J\].
     pub dissipated: f64,
-    /// The part of it in the contacts \[J\].
+    /// The viscous part of it in the contacts \[J\].
     pub contact_dissipated: f64,
+    /// The part of it by friction \[J\].
+    pub friction_dissipated: f64,
     /// Kinetic energy at the end \[J\].
     pub kinetic: f64,
-    /// Elastic energy of bodies and support at the end \[J\].
+    /// Elastic energy of bodies, support and friction elements at the end \[J\].
     pub elastic: f64,
     /// Excess energy of the contacts at the end \[J\].
     pub contact: f64,

@@ -92,6 +92,9 @@ impl ContactSystem {
     where
         PreloadedStructure<M>: LinearSystem + 'static,
     {
+        if let Some(element) = structure.friction() {
+            return Err(HarmonicError::Friction { element: element.to_owned() });
+        }
         Self::new(Arc::new(structure.clone()), structure.contacts().to_vec(), evaluation)
     }
 

@@ -49,6 +49,14 @@ pub enum HarmonicError {
         /// Stiffness found there \[Pa/m\].
         stiffness_pa_per_m: f64,
     },
+    /// Periodic responses are not computed with friction.
+    #[error(
+        "there is friction at \"{element}\"; steady responses are those of structures without friction (time integration with a harmonic force takes it)"
+    )]
+    Friction {
+        /// Name of the contact or of the guided body.
+        element: String,
+    },
     /// A law cannot be tabulated.
     #[error("interface \"{interface}\": {source}")]
     Law {

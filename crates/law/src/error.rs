@@ -64,6 +64,12 @@ pub enum LawQuantity {
     Frequency,
     /// Damping coefficient of a contact \[Pa s/m\].
     DampingCoefficient,
+    /// Stiffness of a stuck friction element \[N/m\].
+    SpringStiffness,
+    /// Slip force of a friction element \[N\].
+    SlipForce,
+    /// Coefficient of friction \[-\].
+    FrictionCoefficient,
     /// Rows of a pressure-overclosure table.
     Rows,
     /// Contacts in series.
@@ -108,6 +114,9 @@ impl fmt::Display for LawQuantity {
             Self::LossRatio => "loss ratio",
             Self::Frequency => "frequency [Hz]",
             Self::DampingCoefficient => "damping coefficient [Pa s/m]",
+            Self::SpringStiffness => "stiffness [N/m]",
+            Self::SlipForce => "slip force [N]",
+            Self::FrictionCoefficient => "coefficient of friction",
             Self::Rows => "number of rows",
             Self::SeriesContacts => "number of contacts in series",
             Self::Compliance => "compliance [m/Pa]",

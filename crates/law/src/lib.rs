@@ -26,7 +26,9 @@
 //!
 //! [`CompiledLaw`] tabulates a law about a state for time stepping, [`fit_power`] fits a power
 //! law to data, and [`stiffness_from_gaps`] derives points of a [`Tabulated`] law from pressures
-//! against gaps. [`ContactDamping`] adds viscous traction to a law. [`OverclosureTable`] is a law as straight segments for finite-element codes.
+//! against gaps. [`ContactDamping`] adds viscous traction to a law, and [`Friction`]
+//! is a Jenkins element beside it. [`OverclosureTable`] is a law as straight segments for
+//! finite-element codes.
 //! [`quadrature`] holds the integrals that the trait's defaults use.
 //!
 //! # Conventions
@@ -55,6 +57,7 @@ mod contact_law;
 mod domain;
 mod error;
 mod exponential;
+mod friction;
 mod gap_table;
 mod greenwood_williamson;
 mod hyperbolic;
@@ -76,6 +79,7 @@ pub use contact_law::{ContactLaw, Pressure, quadrature};
 pub use domain::Domain;
 pub use error::{LawError, LawQuantity};
 pub use exponential::Exponential;
+pub use friction::Friction;
 pub use gap_table::stiffness_from_gaps;
 pub use greenwood_williamson::GreenwoodWilliamson;
 pub use hyperbolic::Hyperbolic;

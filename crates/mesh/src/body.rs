@@ -1,5 +1,7 @@
 //! Elastic bars.
 
+use asperity_law::Friction;
+
 use crate::error::{MeshError, positive};
 
 /// An elastic bar in longitudinal motion: length, section, modulus, density.
@@ -23,6 +25,7 @@ pub struct Body {
     section: f64,
     youngs_modulus: f64,
     density: f64,
+    friction: Option<Friction>,
 }
 
 impl Body {
@@ -44,6 +47,7 @@ impl Body {
             section: positive(name, "section [m2]", section)?,
             youngs_modulus: positive(name, "Young's modulus [Pa]", youngs_modulus)?,
             density: positive(name, "density [kg/m3]", density)?,
+            friction: None,
         };
         positive(name, "mass [kg]", body.mass())?;
         positive(name, "wave speed over length [1/s]", body.wave_speed() / length)?;
@@ -66,6 +70,20 @@ impl Body {
         positive(name, "mass [kg]", mass)?;
         positive(name, "density [kg/m3]", density)?;
         Self::new(name, length, mass / (density * length), youngs_modulus, density)
+    }
+
+    /// The bar with friction in a guide that does not move.
+    ///
+    /// The element lies across the mean displacement of the bar, and its force is spread evenly over
+    /// the length. A coefficient is one of the force of the contact below the bar.
+    #[must_use]
+    pub fn with_friction(self, friction: Friction) -> Self {
+        Self { friction: Some(friction), ..self }
+    }
+
+    /// The friction element between the bar and its guide, if there is any.
+    pub fn friction(&self) -> Option<Friction> {
+        self.friction
     }
 
     /// Name, for messages and outputs.

@@ -19,6 +19,9 @@ pub struct NormalMode {
     pub output: f64,
     /// Shape of each contact pair's closure, upper face less lower face \[kg^-1/2\].
     pub closure: Vec<f64>,
+    /// Shape of the displacement in each guide with friction \[kg^-1/2\]. Modes left out are taken
+    /// not to move there.
+    pub guide: Vec<f64>,
 }
 
 impl NormalMode {
@@ -32,7 +35,8 @@ impl NormalMode {
     /// the driving point, which is also the output, and `closure` at the contact pairs \[kg^-1/2\].
     pub fn elastic(angular_frequency: f64, drive: f64, closure: Vec<f64>) -> Self {
         let (mass_damped, damping_rate) = (true, 0.0);
-        Self { angular_frequency, mass_damped, damping_rate, drive, output: drive, closure }
+        let guide = Vec::new();
+        Self { angular_frequency, mass_damped, damping_rate, drive, output: drive, closure, guide }
     }
 
     /// Damping rate of the mode \[1/s\] under the mass-proportional damping `mass_damping` \[1/s\].
@@ -125,6 +129,7 @@ impl ComponentModes {
     ///
     /// # Errors
     /// [`MeshError::ModalSize`] when a row has not one entry per interface;
+    /// [`MeshError::GuideCount`] when modes have differently many guides;
     /// [`MeshError::Negative`] for a frequency or rate that is negative or not finite.
     pub fn new(modes: Vec<NormalMode>, residual: ResidualFlexibility) -> Result<Self, MeshError> {
         let interfaces = residual.closure.len();
@@ -134,6 +139,10 @@ impl ComponentModes {
             if found != interfaces {
                 return Err(MeshError::ModalSize { found, interfaces });
             }
+        }
+        let guides = modes.first().map_or(0, |mode| mode.guide.len());
+        if let Some(mode) = modes.iter().find(|mode| mode.guide.len() != guides) {
+            return Err(MeshError::GuideCount { found: mode.guide.len(), guides });
         }
         for mode in &modes {
             not_negative("mode", "angular frequency [rad/s]", mode.angular_frequency)?;
@@ -145,7 +154,8 @@ impl ComponentModes {
     /// The free-free modes of every bar of `stack` in closed form, and its support.
     ///
     /// `w_n = n pi c / L`; at the upper face the shape is `sqrt(2 / m)`, at the lower
-    /// `(-1)^n sqrt(2 / m)`, and `sqrt(1 / m)` for n = 0. The flexibility of all elastic modes is
+    /// `(-1)^n sqrt(2 / m)`, and `sqrt(1 / m)` for n = 0. Each body with friction has a guide, from the
+    /// top down, whose displacement is the mean of the bar's: that of its rigid mode. The flexibility of all elastic modes is
     /// `L / (3 E A)` at a face and `-L / (6 E A)` across.
     ///
     /// # Errors
@@ -162,6 +172,8 @@ impl ComponentModes {
         let interfaces = stack.interfaces().len();
         let mut modes = Vec::new();
         let mut residual = ResidualFlexibility::zero(interfaces);
+        let guided: Vec<usize> =
+            (0..stack.bodies().len()).filter(|&i| stack.bodies()[i].friction().is_some()).collect();
         for (i, body) in stack.bodies().iter().enumerate() {
             let count = counts.get(i).copied().unwrap_or(0);
             let kept = checked_count(body, count)?;
@@ -182,7 +194,10 @@ impl ComponentModes {
                     closure[i - 1] = -shape;
                 }
                 let at_top = if i == 0 { shape } else { 0.0 };
-                modes.push(NormalMode::elastic(w, at_top, closure));
+                // The mean displacement of an elastic mode of a free bar is zero.
+                let mean = |&body: &usize| if body == i && n == 0 { shape } else { 0.0 };
+                let guide = guided.iter().map(mean).collect();
+                modes.push(NormalMode { guide, ..NormalMode::elastic(w, at_top, closure) });
             }
             residual.closure[i][i] += same;
             if i == 0 {
@@ -204,6 +219,7 @@ impl ComponentModes {
                 drive: 0.0,
                 output: 0.0,
                 closure,
+                guide: vec![0.0; guided.len()],
             });
         }
         Self::new(modes, residual)
@@ -217,6 +233,11 @@ impl ComponentModes {
     /// The flexibility of the modes left out.
     pub fn residual(&self) -> &ResidualFlexibility {
         &self.residual
+    }
+
+    /// Number of guides with friction.
+    pub fn guides(&self) -> usize {
+        self.modes.first().map_or(0, |mode| mode.guide.len())
     }
 
     /// Number of interfaces.

@@ -75,6 +75,14 @@ pub enum MeshError {
         /// Number of interfaces.
         interfaces: usize,
     },
+    /// The modes of a structure have differently many guides.
+    #[error("a mode with {found} guides, where the first has {guides}")]
+    GuideCount {
+        /// Guides found.
+        found: usize,
+        /// Guides of the first mode.
+        guides: usize,
+    },
     /// A mass or stiffness matrix is not usable.
     #[error("the {matrix} matrix is {problem}")]
     Matrix {

@@ -2,18 +2,20 @@
 
 use std::sync::Arc;
 
-use asperity_law::{ContactDamping, ContactLaw};
+use asperity_law::{ContactDamping, ContactLaw, Friction};
 
 use crate::Body;
 use crate::error::{MeshError, not_negative, positive};
 
-/// A rough contact: name, nominal area, the law of its pressure, and its damping, if it has any.
+/// A rough contact: name, nominal area, the law of its pressure, and damping and friction, if it has
+/// any.
 #[derive(Debug, Clone)]
 pub struct Interface {
     name: String,
     area: f64,
     law: Arc<dyn ContactLaw>,
     damping: Option<ContactDamping>,
+    friction: Option<Friction>,
 }
 
 impl Interface {
@@ -23,13 +25,20 @@ impl Interface {
     /// [`MeshError::NotPositive`] for an area that is not positive and finite.
     pub fn new(name: &str, area: f64, law: Arc<dyn ContactLaw>) -> Result<Self, MeshError> {
         let area = positive(name, "area [m2]", area)?;
-        Ok(Self { name: name.to_owned(), area, law, damping: None })
+        Ok(Self { name: name.to_owned(), area, law, damping: None, friction: None })
     }
 
     /// The interface with viscous `damping`.
     #[must_use]
     pub fn with_damping(self, damping: ContactDamping) -> Self {
         Self { damping: Some(damping), ..self }
+    }
+
+    /// The interface with a friction element across its closure; a coefficient is one of its own
+    /// contact force.
+    #[must_use]
+    pub fn with_friction(self, friction: Friction) -> Self {
+        Self { friction: Some(friction), ..self }
     }
 
     /// Name, for messages and outputs.
@@ -50,6 +59,11 @@ impl Interface {
     /// The viscous damping, if there is any.
     pub fn damping(&self) -> Option<ContactDamping> {
         self.damping
+    }
+
+    /// The friction element, if there is any.
+    pub fn friction(&self) -> Option<Friction> {
+        self.friction
     }
 }
 

@@ -3,6 +3,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::friction::FrictionSpec;
+
 /// Elastic body of the stack: a uniform bar moving along its axis.
 ///
 /// In JSON the section is given by exactly one of `area_m2` and `mass_kg`.
@@ -16,6 +18,7 @@ use serde::{Deserialize, Serialize};
 ///     section: SectionSpec::AreaM2(1e-4),
 ///     youngs_modulus_pa: 71e9,
 ///     density_kg_per_m3: 2700.0,
+///     friction: None,
 /// };
 /// assert_eq!(serde_json::to_value(&bar)?["area_m2"], 1e-4);
 /// # Ok::<(), serde_json::Error>(())
@@ -33,6 +36,8 @@ pub struct BodySpec {
     pub youngs_modulus_pa: f64,
     /// Density in kg/m³.
     pub density_kg_per_m3: f64,
+    /// Friction between the body and a guide that does not move; none when left out.
+    pub friction: Option<FrictionSpec>,
 }
 
 /// Cross-section of a body, by its area or by the mass of the body.
@@ -73,6 +78,10 @@ struct BodyKeys {
     /// Density in kg/m³.
     #[schemars(extend("exclusiveMinimum" = 0.0))]
     density_kg_per_m3: f64,
+    /// Friction between the body and a guide that does not move, against the mean displacement of the
+    /// body and spread evenly over its length; none when left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    friction: Option<FrictionSpec>,
 }
 
 impl TryFrom<BodyKeys> for BodySpec {
@@ -90,6 +99,7 @@ impl TryFrom<BodyKeys> for BodySpec {
             section,
             youngs_modulus_pa: keys.youngs_modulus_pa,
             density_kg_per_m3: keys.density_kg_per_m3,
+            friction: keys.friction,
         })
     }
 }
@@ -107,6 +117,7 @@ impl From<BodySpec> for BodyKeys {
             mass_kg,
             youngs_modulus_pa: body.youngs_modulus_pa,
             density_kg_per_m3: body.density_kg_per_m3,
+            friction: body.friction,
         }
     }
 }

@@ -16,6 +16,7 @@ use crate::body::BodySpec;
 use crate::contact_damping::ContactDampingSpec;
 use crate::damping::DampingSpec;
 use crate::excitation::ExcitationSpec;
+use crate::friction::FrictionSpec;
 use crate::law::{LawRef, Laws};
 use crate::method::{MethodKeys, MethodSpec, deserialize_method};
 
@@ -86,6 +87,9 @@ pub struct InterfaceSpec {
     /// Viscous damping of the contact; none when left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub damping: Option<ContactDampingSpec>,
+    /// Friction across the closure; none when left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub friction: Option<FrictionSpec>,
 }
 
 /// Support below the lowest interface.

@@ -2,12 +2,12 @@
 
 use std::sync::Arc;
 
-use asperity_law::{ContactDamping, ContactLaw};
+use asperity_law::{ContactDamping, ContactLaw, Friction};
 
 use crate::StructureError;
 
-/// A contact in static equilibrium: area, law, damping, static pressure, and what the law gives
-/// there.
+/// A contact in static equilibrium: area, law, damping, friction, static pressure, and what the law
+/// gives there.
 ///
 /// At the static pressure `p0` the stiffness per area is `K(p0)` (Eq. 6) and the closure
 /// `d0 = d(p0)`, counted from the law's reference pressure.
@@ -34,6 +34,7 @@ pub struct PreloadedContact {
     stiffness: f64,
     closure: f64,
     damping: Option<ContactDamping>,
+    friction: Option<Friction>,
 }
 
 impl PreloadedContact {
@@ -64,13 +65,20 @@ impl PreloadedContact {
             return Err(StructureError::NoEquilibrium { interface, pressure_pa: pressure });
         }
         let name = name.to_owned();
-        Ok(Self { name, area, law, pressure, stiffness, closure, damping: None })
+        let (damping, friction) = (None, None);
+        Ok(Self { name, area, law, pressure, stiffness, closure, damping, friction })
     }
 
     /// The contact with viscous `damping`, or with none.
     #[must_use]
     pub fn with_damping(self, damping: Option<ContactDamping>) -> Self {
         Self { damping, ..self }
+    }
+
+    /// The contact with a `friction` element across its closure, or with none.
+    #[must_use]
+    pub fn with_friction(self, friction: Option<Friction>) -> Self {
+        Self { friction, ..self }
     }
 
     /// Name, for messages and outputs.
@@ -116,6 +124,11 @@ impl PreloadedContact {
     /// The viscous damping, if there is any.
     pub fn damping(&self) -> Option<ContactDamping> {
         self.damping
+    }
+
+    /// The friction element across the closure, if there is any. At rest it carries nothing.
+    pub fn friction(&self) -> Option<Friction> {
+        self.friction
     }
 
     /// Coefficient of the contact as a linear damper at rest, `c(p0) S` \[N s/m\].

@@ -25,7 +25,7 @@ pub(crate) fn contacts(stack: &Stack) -> Result<Vec<PreloadedContact>, Structure
         .map(|(interface, pressure)| {
             let law = Arc::clone(interface.law());
             let contact = PreloadedContact::new(interface.name(), interface.area(), law, pressure);
-            Ok(contact?.with_damping(interface.damping()))
+            Ok(contact?.with_damping(interface.damping()).with_friction(interface.friction()))
         })
         .collect()
 }

@@ -44,6 +44,24 @@ pub enum StructureError {
         /// Contacts given.
         contacts: usize,
     },
+    /// A structure has not a guide for each of those in its modes.
+    #[error("the component modes have {expected} guides; {given} were given")]
+    GuideCount {
+        /// Guides of the component modes.
+        expected: usize,
+        /// Guides given.
+        given: usize,
+    },
+    /// A coefficient of friction is one of a contact that the structure does not have.
+    #[error("guide \"{guide}\" names contact {contact}, counted from zero, of {contacts}")]
+    GuideContact {
+        /// Name of the guide.
+        guide: String,
+        /// The contact.
+        contact: usize,
+        /// Number of contacts.
+        contacts: usize,
+    },
     /// The shape of a mode is beyond the precision of numbers: a body resonates next to contacts that
     /// hardly hold it.
     #[error(

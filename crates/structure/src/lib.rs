@@ -18,6 +18,7 @@
 //! | [`contact`] | one contact at rest |
 //! | [`equilibrium`] | nonlinear static equilibrium of a stack under weight |
 //! | [`damping`] | mass-proportional viscosity from a damping ratio |
+//! | [`guide`] | a guide with friction |
 //! | [`modes`] | linearised natural frequencies and shapes, exact for elastic bars |
 //! | [`error`] | errors |
 
@@ -25,6 +26,7 @@ pub mod contact;
 pub mod damping;
 pub mod equilibrium;
 pub mod error;
+pub mod guide;
 pub mod modes;
 pub mod preloaded;
 
@@ -32,5 +34,6 @@ pub use contact::PreloadedContact;
 pub use damping::Damping;
 pub use equilibrium::StaticDisplacement;
 pub use error::StructureError;
+pub use guide::Guide;
 pub use modes::LinearisedMode;
 pub use preloaded::PreloadedStructure;

@@ -2,20 +2,24 @@
 
 use std::f64::consts::TAU;
 
-use asperity_mesh::{ComponentModes, ModeCount, Stack};
+use asperity_mesh::{Body, ComponentModes, ModeCount, Stack};
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 
 use crate::contact::check_springs;
 use crate::equilibrium::{self, StaticDisplacement};
 use crate::modes::Chain;
-use crate::{Damping, LinearisedMode, PreloadedContact, StructureError};
+use crate::{Damping, Guide, LinearisedMode, PreloadedContact, StructureError};
 
 /// Most work of a computation of modes, their number times the cube of the number of faces: some
 /// minutes.
 const MOST_MODE_WORK: f64 = 1e11;
 
-/// A structure in static equilibrium: mesh, contacts at rest, and mass-proportional damping.
+/// A structure in static equilibrium: mesh, contacts at rest, guides with friction, and
+/// mass-proportional damping.
+///
+/// Friction carries nothing at rest. Linearised modes and natural frequencies are those without it:
+/// of elements that slip all the time.
 ///
 /// The mesh is a [`Stack`] of bars, or the [`ComponentModes`] of any structure. The first is
 /// [reduced](PreloadedStructure::reduced) to the second where a solver works with modes.
@@ -43,6 +47,7 @@ const MOST_MODE_WORK: f64 = 1e11;
 pub struct PreloadedStructure<M = Stack> {
     mesh: M,
     contacts: Vec<PreloadedContact>,
+    guides: Vec<Guide>,
     damping_rate: f64,
     natural: Option<f64>,
 }
@@ -51,6 +56,18 @@ impl<M> PreloadedStructure<M> {
     /// The contacts at rest, in the order of the mesh: from the top down for a stack.
     pub fn contacts(&self) -> &[PreloadedContact] {
         &self.contacts
+    }
+
+    /// The guides with friction, in the order of the mesh: from the top down for a stack.
+    pub fn guides(&self) -> &[Guide] {
+        &self.guides
+    }
+
+    /// Name of the first friction element, across a closure or in a guide, if there is one.
+    pub fn friction(&self) -> Option<&str> {
+        let mut contacts = self.contacts.iter().filter(|contact| contact.friction().is_some());
+        let guide = self.guides.first().map(Guide::name);
+        contacts.next().map(PreloadedContact::name).or(guide)
     }
 
     /// Mass-proportional damping h of the bodies \[1/s\].
@@ -67,12 +84,13 @@ impl<M> PreloadedStructure<M> {
     fn with(
         mesh: M,
         contacts: Vec<PreloadedContact>,
+        guides: Vec<Guide>,
         damping: Damping,
         natural: Result<f64, StructureError>,
     ) -> Result<Self, StructureError> {
         let lowest = natural.as_ref().ok().copied();
         let damping_rate = damping.rate(natural)?;
-        Ok(Self { mesh, contacts, damping_rate, natural: lowest })
+        Ok(Self { mesh, contacts, guides, damping_rate, natural: lowest })
     }
 }
 
@@ -87,7 +105,8 @@ impl PreloadedStructure {
     pub fn new(stack: Stack, damping: Damping) -> Result<Self, StructureError> {
         let contacts = equilibrium::contacts(&stack)?;
         let natural = Chain::new(&stack, &contacts).and_then(|chain| Ok(chain.frequency(1)? / TAU));
-        Self::with(stack, contacts, damping, natural)
+        let guides = guides_of(&stack);
+        Self::with(stack, contacts, guides, damping, natural)
     }
 
     /// The bodies, interfaces and support.
@@ -149,7 +168,8 @@ impl PreloadedStructure {
         modes: ComponentModes,
     ) -> Result<PreloadedStructure<ComponentModes>, StructureError> {
         let damping = Damping::Rate(self.damping_rate);
-        PreloadedStructure::of_components(modes, self.contacts.clone(), damping)
+        let structure = PreloadedStructure::of_components(modes, self.contacts.clone(), damping)?;
+        structure.with_guides(self.guides.clone())
     }
 }
 
@@ -171,13 +191,38 @@ impl PreloadedStructure<ComponentModes> {
             return Err(StructureError::ContactCount { pairs, contacts: given });
         }
         let natural = lowest_frequency(&modes, &contacts);
-        Self::with(modes, contacts, damping, natural)
+        Self::with(modes, contacts, Vec::new(), damping, natural)
+    }
+
+    /// The structure with a guide for each of those in its modes.
+    ///
+    /// # Errors
+    /// [`StructureError::GuideCount`] unless there are as many, [`StructureError::GuideContact`] for
+    /// a guide under a contact that is none of the structure's.
+    pub fn with_guides(self, guides: Vec<Guide>) -> Result<Self, StructureError> {
+        let (expected, given) = (self.mesh.guides(), guides.len());
+        if given != expected {
+            return Err(StructureError::GuideCount { expected, given });
+        }
+        let contacts = self.contacts.len();
+        if let Some(guide) = guides.iter().find(|guide| guide.contact() >= contacts) {
+            let (guide, contact) = (guide.name().to_owned(), guide.contact());
+            return Err(StructureError::GuideContact { guide, contact, contacts });
+        }
+        Ok(Self { guides, ..self })
     }
 
     /// The modes and their residual flexibility.
     pub fn component_modes(&self) -> &ComponentModes {
         &self.mesh
     }
+}
+
+/// The guides of a stack: a coefficient of friction is one of the contact below the body.
+fn guides_of(stack: &Stack) -> Vec<Guide> {
+    let bodies = stack.bodies().iter().enumerate();
+    let guide = |(i, body): (usize, &Body)| Some(Guide::new(body.name(), body.friction()?, i));
+    bodies.filter_map(guide).collect()
 }
 
 /// The lowest frequency \[Hz\] of `w^2 + G^T (1/k + R)^-1 G`, contacts being springs k.

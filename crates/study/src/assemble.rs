@@ -7,8 +7,8 @@ use asperity_dynamics::{
     ContactForm, Excitation, FiniteDifference, ForceRecord, Integrator, Modal, Sampling,
 };
 use asperity_law::{
-    Constant, ContactDamping, ContactLaw, Exponential, GreenwoodWilliamson, Hyperbolic, InSeries,
-    ModifiedPower, Persson, Power, Tabulated,
+    Constant, ContactDamping, ContactLaw, Exponential, Friction, GreenwoodWilliamson, Hyperbolic,
+    InSeries, ModifiedPower, Persson, Power, Tabulated,
 };
 use asperity_mesh::{Body, Interface, Stack, Support};
 use asperity_structure::{Damping, PreloadedStructure, StructureError};
@@ -18,8 +18,8 @@ use crate::error::{BuildLawError, StudyError};
 use crate::laws::law_name;
 use asperity_scenario::{
     BodySpec, ContactDampingSpec, ContactScheme, DampingAmount, DampingSpec, ExcitationSpec,
-    ForceSamples, LawRef, LawSpec, Laws, MAX_SERIES_DEPTH, MethodSpec, ModalSpec, Scenario,
-    SectionSpec, SupportSpec,
+    ForceSamples, FrictionSpec, LawRef, LawSpec, Laws, MAX_SERIES_DEPTH, MethodSpec, ModalSpec,
+    Scenario, SectionSpec, SlipSpec, SupportSpec,
 };
 
 /// A scenario turned into the objects that compute.
@@ -92,9 +92,13 @@ fn stack(scenario: &Scenario) -> Result<Stack, StudyError> {
         })?;
         let interface = Interface::new(&spec.name, spec.area_m2, law);
         let interface = interface.map_err(StructureError::from)?;
-        interfaces.push(match spec.damping {
+        let interface = match spec.damping {
             None => interface,
             Some(damping) => interface.with_damping(contact_damping(&spec.name, damping)?),
+        };
+        interfaces.push(match spec.friction {
+            None => interface,
+            Some(one) => interface.with_friction(friction(&spec.name, one)?),
         });
     }
     let support = match scenario.support {
@@ -122,10 +126,21 @@ fn contact_damping(name: &str, spec: ContactDampingSpec) -> Result<ContactDampin
     damping.map_err(|source| StudyError::ContactDamping { interface, source })
 }
 
+/// The friction element of the contact or body `name`.
+fn friction(name: &str, spec: FrictionSpec) -> Result<Friction, StudyError> {
+    let stiffness = spec.stiffness_n_per_m;
+    let friction = match spec.slip {
+        SlipSpec::ForceN(force) => Friction::slip_force(stiffness, force),
+        SlipSpec::Coefficient(coefficient) => Friction::coefficient(stiffness, coefficient),
+    };
+    let element = name.to_owned();
+    friction.map_err(|source| StudyError::Friction { element, source })
+}
+
 /// The body that `spec` describes.
 ///
 /// # Errors
-/// [`StudyError::Structure`] for values out of range.
+/// [`StudyError::Structure`] and [`StudyError::Friction`] for values out of range.
 pub fn body(spec: &BodySpec) -> Result<Body, StudyError> {
     let BodySpec { name, length_m, youngs_modulus_pa, density_kg_per_m3, .. } = spec;
     let body = match spec.section {
@@ -136,7 +151,11 @@ pub fn body(spec: &BodySpec) -> Result<Body, StudyError> {
             Body::with_mass(name, *length_m, mass, *youngs_modulus_pa, *density_kg_per_m3)
         }
     };
-    Ok(body.map_err(StructureError::from)?)
+    let body = body.map_err(StructureError::from)?;
+    Ok(match spec.friction {
+        None => body,
+        Some(one) => body.with_friction(friction(name, one)?),
+    })
 }
 
 /// Builds the law that `reference` names among `laws`. A law that never

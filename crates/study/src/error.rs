@@ -66,6 +66,14 @@ pub enum StudyError {
         /// The fault.
         source: LawError,
     },
+    /// The friction of an interface or a body is out of range.
+    #[error("friction of \"{element}\": {source}")]
+    Friction {
+        /// The interface or the body.
+        element: String,
+        /// The fault.
+        source: LawError,
+    },
     /// A file that the result depends on cannot be read.
     #[error("{}: {source}", path.display())]
     Input {
@@ -122,6 +130,7 @@ impl StudyError {
             | Self::OtherColumns
             | Self::NothingToCondense { .. }
             | Self::ContactDamping { .. }
+            | Self::Friction { .. }
             | Self::Law { .. } => true,
             Self::Output(error) => !matches!(error, OutputError::Io { .. }),
             Self::Structure(error) | Self::Dynamics(DynamicsError::Structure(error)) => {

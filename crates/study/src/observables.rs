@@ -250,6 +250,7 @@ impl ResponseView<'_> {
             Quantity::EnergyInput => Some(self.energy?.input),
             Quantity::EnergyDissipated => Some(self.energy?.dissipated),
             Quantity::EnergyContactDissipated => Some(self.energy?.contact_dissipated),
+            Quantity::EnergyFrictionDissipated => Some(self.energy?.friction_dissipated),
             Quantity::EnergyStored => Some(self.energy?.stored()),
             Quantity::EnergyNumericalLoss => Some(self.energy?.numerical_loss),
             Quantity::EnergyResidual => Some(self.energy?.residual_relative()),

@@ -64,11 +64,14 @@ quantities! {
     ContactLost: "interfaces.*.contact_lost_s", "s", "Time without contact", false;
     /// Work of the exciting force.
     EnergyInput: "energy.input_j", "J", "Work of the force", false;
-    /// Viscous loss.
-    EnergyDissipated: "energy.dissipated_j", "J", "Viscous loss", false;
-    /// The part of it in the contacts.
+    /// Loss.
+    EnergyDissipated: "energy.dissipated_j", "J", "Loss", false;
+    /// The viscous part of it in the contacts.
     EnergyContactDissipated:
         "energy.contact_dissipated_j", "J", "Viscous loss of contacts", false;
+    /// The part of it by friction.
+    EnergyFrictionDissipated:
+        "energy.friction_dissipated_j", "J", "Loss by friction", false;
     /// Energy stored at the end, counted from rest.
     EnergyStored: "energy.stored_j", "J", "Stored energy", false;
     /// Loss of the contact scheme itself.

@@ -90,10 +90,12 @@ pub struct InterfaceSummary {
 pub struct EnergySummary {
     /// Work of the force \[J\].
     pub input_j: f64,
-    /// Viscous loss \[J\].
+    /// Loss \[J\].
     pub dissipated_j: f64,
-    /// The part of it in the contacts \[J\].
+    /// The viscous part of it in the contacts \[J\].
     pub contact_dissipated_j: f64,
+    /// The part of it by friction \[J\].
+    pub friction_dissipated_j: f64,
     /// Stored at the end, counted from rest \[J\].
     pub stored_j: f64,
     /// Loss of the contact scheme itself \[J\].
@@ -165,6 +167,7 @@ impl Summary {
                 input_j: number(Quantity::EnergyInput, None),
                 dissipated_j: number(Quantity::EnergyDissipated, None),
                 contact_dissipated_j: number(Quantity::EnergyContactDissipated, None),
+                friction_dissipated_j: number(Quantity::EnergyFrictionDissipated, None),
                 stored_j: number(Quantity::EnergyStored, None),
                 numerical_loss_j: number(Quantity::EnergyNumericalLoss, None),
                 residual_relative: number(Quantity::EnergyResidual, None),

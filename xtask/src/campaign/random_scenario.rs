@@ -138,6 +138,7 @@ fn stack(draw: &mut Draw, seed: u64, number: u64) -> Scenario {
             area_m2,
             law,
             damping: None,
+            friction: None,
         });
     }
     let support = if draw.chance(0.5) {
@@ -181,7 +182,14 @@ fn body(draw: &mut Draw, at: usize) -> BodySpec {
     } else {
         SectionSpec::MassKg(rounded(density_kg_per_m3 * area * length_m))
     };
-    BodySpec { name: format!("body {at}"), length_m, section, youngs_modulus_pa, density_kg_per_m3 }
+    BodySpec {
+        name: format!("body {at}"),
+        length_m,
+        section,
+        youngs_modulus_pa,
+        density_kg_per_m3,
+        friction: None,
+    }
 }
 
 fn area(body: &BodySpec) -> f64 {

@@ -68,6 +68,7 @@ fn json_prints_the_summary_of_the_contract_and_nothing_else() {
         "/energy/input_j",
         "/energy/dissipated_j",
         "/energy/contact_dissipated_j",
+        "/energy/friction_dissipated_j",
         "/energy/residual_relative",
         "/numerics/method",
         "/numerics/step_s",

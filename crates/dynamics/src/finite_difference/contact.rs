@@ -10,6 +10,7 @@ use super::ContactForm;
 use super::bar::fused;
 use super::damped_contact::DampedContact;
 use crate::contact_energy::excess;
+use crate::friction_force::FrictionForce;
 use crate::{ContactExtremes, DynamicsError};
 
 /// Largest error of a tabulated pressure, as a share of the static pressure. A
@@ -40,6 +41,8 @@ pub(super) struct ContactStep<'a> {
     /// Weights of the new and the previous-but-one closure in the argument of the law.
     weight_new: f64,
     weight_old: f64,
+    /// Decrease of that argument per traction \[m/Pa\].
+    argument_compliance: f64,
     /// Pressure increment at which contact is lost \[Pa\]; -inf for a law that never separates.
     open_below: f64,
     series: InSeries<Arc<dyn ContactLaw>>,
@@ -66,6 +69,7 @@ pub(super) struct ContactStep<'a> {
     viscous: f64,
     /// Viscous loss per area \[J/m2\].
     loss: f64,
+    friction: Option<FrictionForce>,
 }
 
 impl<'a> ContactStep<'a> {
@@ -100,11 +104,13 @@ impl<'a> ContactStep<'a> {
             damped,
             viscous: 0.0,
             loss: 0.0,
+            friction: contact.friction().map(FrictionForce::new),
             contact,
             area: contact.area(),
             centred,
             weight_new,
             weight_old,
+            argument_compliance: b,
             open_below,
             series,
             table,
@@ -123,25 +129,70 @@ impl<'a> ContactStep<'a> {
     }
 
     /// The traction increment \[Pa\] of a step that would bring the closure increment to
-    /// `unloaded` \[m\] without it: the pressure increment `q`, but for damped contacts.
+    /// `unloaded` \[m\] without it: the pressure increment `q`, but for damping and friction.
     #[inline(always)]
     pub(super) fn solve<S: Simd>(&mut self, unloaded: f64) -> f64 {
         let argument = fused::<S>(self.weight_new, unloaded, self.weight_old * self.closure_before);
+        let before = self.increment;
+        let traction = match self.friction {
+            None => self.normal_traction::<S>(argument),
+            Some(friction) => self.solve_with_friction::<S>(friction, argument),
+        };
+        self.increment_before = before;
+        traction
+    }
+
+    /// The traction increment \[Pa\] without friction, where the law would hold at `argument` \[m\]
+    /// without it.
+    #[inline(always)]
+    fn normal_traction<S: Simd>(&mut self, argument: f64) -> f64 {
         if self.damped.is_some() {
             return self.solve_damped(argument);
         }
         let outside = if self.cell.contains(argument) { None } else { self.change_cell(argument) };
         let increment = outside.unwrap_or_else(|| self.cell.get(argument, fused::<S>));
-        self.increment_before = self.increment;
         self.increment = increment;
         increment
+    }
+
+    /// The traction increment \[Pa\] with friction across the closure x that the law holds at.
+    ///
+    /// With `t(y)` the traction of the contact alone, `y` being the closure without it, and the force f
+    /// of the element, `x = y - b t(y)` with `y = c - b f / S`: x falls with f, so that the element
+    /// slips forwards if it would at its slip force, backwards likewise, and is stuck else, at the one
+    /// force between.
+    #[inline(never)]
+    fn solve_with_friction<S: Simd>(&mut self, friction: FrictionForce, argument: f64) -> f64 {
+        let limit = friction.limit(self.area * self.normal());
+        let b = self.argument_compliance;
+        let mut at = |force: f64| {
+            let unloaded = argument - b * force / self.area;
+            let traction = self.normal_traction::<S>(unloaded);
+            let closure = unloaded - b * traction;
+            (closure, traction, friction.at(closure, limit) - force)
+        };
+        let mut force = limit;
+        let (mut closure, mut traction, excess) = at(force);
+        if excess < 0.0 {
+            force = -limit;
+            let backwards = at(force);
+            (closure, traction, _) = backwards;
+            if backwards.2 > 0.0 {
+                force =
+                    decreasing_root(|force| at(force).2, [(-limit, backwards.2), (limit, excess)]);
+                (closure, traction, _) = at(force);
+            }
+        }
+        if let Some(friction) = &mut self.friction {
+            friction.advance(closure, force);
+        }
+        traction + force / self.area
     }
 
     #[inline(never)]
     fn solve_damped(&mut self, argument: f64) -> f64 {
         let Some(damped) = &mut self.damped else { return f64::NAN };
         let found = damped.solve(argument, self.closure, self.closure_before);
-        self.increment_before = self.increment;
         self.increment = found.pressure;
         self.viscous = found.traction - found.pressure;
         found.traction
@@ -152,6 +203,9 @@ impl<'a> ContactStep<'a> {
     pub(super) fn advance(&mut self, reached: f64) {
         self.work += 0.5 * self.increment * (reached - self.closure_before);
         self.loss += 0.5 * self.viscous * (reached - self.closure_before);
+        if let Some(friction) = &mut self.friction {
+            friction.count(0.5 * (reached - self.closure_before));
+        }
         self.closure_before = self.closure;
         self.closure = reached;
         if self.increment < self.lowest {
@@ -234,6 +288,16 @@ impl<'a> ContactStep<'a> {
         (self.area * stored, self.area * self.work)
     }
 
+    /// Traction without friction in the latest solve \[Pa\].
+    pub(super) fn normal(&self) -> f64 {
+        self.contact.pressure() + self.increment + self.viscous
+    }
+
+    /// Energy of the friction element, and its loss so far \[J\].
+    pub(super) fn friction_energy(&self) -> (f64, f64) {
+        self.friction.map_or((0.0, 0.0), |friction| friction.energy())
+    }
+
     /// Viscous loss of the contact so far \[J\].
     pub(super) fn loss(&self) -> f64 {
         self.area * self.loss
@@ -242,4 +306,42 @@ impl<'a> ContactStep<'a> {
     pub(super) fn name(&self) -> &str {
         self.contact.name()
     }
+}
+
+/// Most steps of the search for a root, and its width over the first that ends it.
+const ROOT_STEPS: usize = 100;
+const ROOT_WIDTH: f64 = 1e-14;
+
+/// The root of a decreasing function between two places with values of either sign, by false
+/// position with halved weights.
+fn decreasing_root(mut of: impl FnMut(f64) -> f64, ends: [(f64, f64); 2]) -> f64 {
+    let [(mut low, mut above), (mut high, mut below)] = ends;
+    let width = ROOT_WIDTH * (high - low);
+    let mut place = low;
+    // Side of the last place: of an end kept twice the weight is halved.
+    let mut last = 0;
+    for _ in 0..ROOT_STEPS {
+        place = (low * below - high * above) / (below - above);
+        let value = of(place);
+        if value == 0.0 || high - low <= width {
+            break;
+        }
+        if value > 0.0 {
+            (low, above) = (place, value);
+            if last > 0 {
+                below *= 0.5;
+            }
+            last = 1;
+        } else {
+            (high, below) = (place, value);
+            if last < 0 {
+                above *= 0.5;
+            }
+            last = -1;
+        }
+        if value.abs() <= width {
+            break;
+        }
+    }
+    place
 }

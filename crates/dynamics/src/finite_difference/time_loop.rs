@@ -7,6 +7,7 @@ use pulp::{Simd, WithSimd};
 use super::ContactForm;
 use super::bar::{Bar, BarStorage, fused};
 use super::contact::ContactStep;
+use super::guide::GuideStep;
 use super::ledger::Ledger;
 use super::support::SupportStep;
 use crate::{DynamicsError, EnergyLedger, Excitation, History, Transient};
@@ -96,6 +97,11 @@ struct State<'a, 'r, S: Simd> {
     bars: Vec<Bar<'r, S>>,
     contacts: Vec<ContactStep<'a>>,
     support: SupportStep,
+    guides: Vec<GuideStep>,
+    /// What friction in guides adds to the closure that each contact would reach \[m\], and the
+    /// traction found there \[Pa\]; kept with guides only.
+    shifts: Vec<f64>,
+    tractions: Vec<f64>,
     rate: f64,
     step: f64,
     steps: usize,
@@ -124,7 +130,16 @@ impl<'a, 'r, S: Simd> State<'a, 'r, S> {
                 ContactStep::new(contact, run.form, compliance, run.step, scale)
             })
             .collect::<Result<_, _>>()?;
-        Ok(Self { bars, contacts, support, rate, step: run.step, steps: 0 })
+        let bodies = run.structure.stack().bodies().iter().enumerate();
+        let guided = bodies.filter(|(_, body)| body.friction().is_some()).map(|(i, _)| i);
+        let guides = run.structure.guides().iter().zip(guided);
+        let guides = guides
+            .map(|(guide, i)| GuideStep::new(guide, i, &run.grid.bars()[i], run.step, rate))
+            .collect::<Result<_, _>>()?;
+        let none = vec![0.0; run.structure.contacts().len()];
+        let (shifts, tractions) = (none.clone(), none);
+        let step = run.step;
+        Ok(Self { bars, contacts, support, guides, shifts, tractions, rate, step, steps: 0 })
     }
 
     /// One step under `force` \[N\] on the top; adds the force's work \[J\] to `input`.
@@ -140,6 +155,10 @@ impl<'a, 'r, S: Simd> State<'a, 'r, S> {
 
     #[inline(always)]
     fn step_from<const PARITY: usize>(&mut self, simd: S, force: f64, input: &mut f64) -> Top {
+        let guided = !self.guides.is_empty();
+        if guided {
+            self.begin_guides();
+        }
         let (now, before) = self.bars[0].top();
         let lowest = self.bars.len() - 1;
         let (unloaded, mut bottom) = self.bars[0].unloaded_ends::<PARITY>();
@@ -154,11 +173,17 @@ impl<'a, 'r, S: Simd> State<'a, 'r, S> {
                 (top, bottom, below.compliance)
             };
             let bar = &mut self.bars[i];
-            let increment = contact.solve::<S>(bottom - face_below);
+            let shift = if guided { self.shifts[i] } else { 0.0 };
+            let unloaded = bottom - face_below;
+            let increment = contact.solve::<S>(if guided { unloaded + shift } else { unloaded });
+            if guided {
+                self.tractions[i] = increment;
+            }
             let area = contact.area();
             let reached_above = fused::<S>(-increment, area * bar.compliance, bottom);
             let reached_below = fused::<S>(increment, area * compliance_below, face_below);
-            contact.advance(reached_above - reached_below);
+            let reached = reached_above - reached_below;
+            contact.advance(if guided { reached + shift } else { reached });
             bar.advance_ends(top, reached_above);
             (top, bottom) = (reached_below, bottom_below);
         }
@@ -168,8 +193,44 @@ impl<'a, 'r, S: Simd> State<'a, 'r, S> {
         for bar in &mut self.bars {
             bar.sweep::<PARITY>(simd);
         }
-        *input += 0.5 * force * (after - before);
-        Top { before, now, after }
+        let mut reached = Top { before, now, after };
+        if guided {
+            self.complete_guides(force, &mut reached);
+        }
+        *input += 0.5 * force * (reached.after - reached.before);
+        reached
+    }
+
+    /// Takes up the friction in the guides.
+    #[inline(never)]
+    fn begin_guides(&mut self) {
+        self.shifts.fill(0.0);
+        for guide in &mut self.guides {
+            let contact = &self.contacts[guide.contact];
+            guide.begin(contact.area() * contact.normal());
+            let [next, ..] = guide.shift();
+            self.shifts[guide.body] += next;
+            if let Some(above) = guide.body.checked_sub(1) {
+                self.shifts[above] -= next;
+            }
+        }
+    }
+
+    /// Moves the guided bodies on under `force` \[N\] on the top and the tractions found, and adds
+    /// what friction causes to the displacement of the top.
+    #[inline(never)]
+    fn complete_guides(&mut self, force: f64, top: &mut Top) {
+        let pushed = |i: usize| self.contacts[i].area() * self.tractions[i];
+        for guide in &mut self.guides {
+            let above = guide.body.checked_sub(1).map_or(force, pushed);
+            guide.advance(above - pushed(guide.body));
+            if guide.body == 0 {
+                let [after, now, before] = guide.shift();
+                top.after += after;
+                top.now += now;
+                top.before += before;
+            }
+        }
     }
 
     /// Viscous power of the bodies \[W\] half a step before the newest state.
@@ -180,6 +241,9 @@ impl<'a, 'r, S: Simd> State<'a, 'r, S> {
         let mut twice_kinetic_energy = 0.0;
         for bar in &self.bars {
             twice_kinetic_energy += bar.twice_kinetic_energy(simd, self.step);
+        }
+        for guide in &self.guides {
+            twice_kinetic_energy += 2.0 * guide.kinetic(self.step);
         }
         self.rate * twice_kinetic_energy
     }
@@ -214,6 +278,16 @@ impl<'a, 'r, S: Simd> State<'a, 'r, S> {
             kinetic += bar_kinetic;
             elastic += bar_elastic;
         }
+        let mut friction = (0.0, 0.0);
+        let mut count = |(stored, lost): (f64, f64)| {
+            friction = (friction.0 + stored, friction.1 + lost);
+        };
+        for guide in &self.guides {
+            kinetic += guide.kinetic(self.step);
+            count(guide.energy());
+        }
+        self.contacts.iter().for_each(|step| count(step.friction_energy()));
+        let (friction_stored, friction_dissipated) = friction;
         let (mut contact, mut work, mut contact_dissipated) = (0.0, 0.0, 0.0);
         for step in &self.contacts {
             let (stored, done) = step.energy();
@@ -223,10 +297,14 @@ impl<'a, 'r, S: Simd> State<'a, 'r, S> {
         }
         EnergyLedger {
             input: ledger.input,
-            dissipated: ledger.dissipated + self.support.loss + contact_dissipated,
+            dissipated: ledger.dissipated
+                + self.support.loss
+                + contact_dissipated
+                + friction_dissipated,
             contact_dissipated,
+            friction_dissipated,
             kinetic,
-            elastic,
+            elastic: elastic + friction_stored,
             contact,
             numerical_loss: if form == ContactForm::NewLevel { work - contact } else { 0.0 },
         }

@@ -3,12 +3,14 @@
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use asperity_law::{CompiledLaw, LawError};
+use asperity_law::{CompiledLaw, Friction, LawError};
 use asperity_mesh::ComponentModes;
-use asperity_structure::{PreloadedContact, PreloadedStructure};
+use asperity_structure::{Guide, PreloadedContact, PreloadedStructure};
 
 use super::damped_table::{DampedTable, stiffness_in_step};
 use super::drive::DriveForce;
+use super::friction_rows::with_guides_as_pairs;
+use super::simd::table_lookup::TableRow;
 use super::step_model::{InterpolationChoice, StepModel};
 use crate::DynamicsError;
 
@@ -35,6 +37,8 @@ const MOST_TABULATED: usize = 64;
 #[derive(Debug)]
 pub struct ModalModel {
     structure: PreloadedStructure<ComponentModes>,
+    /// The modes with a contact pair more for each guide, after the contacts: the rows of a step.
+    rows: ComponentModes,
     prepared: Mutex<Prepared>,
 }
 
@@ -46,10 +50,32 @@ type Prepared = HashMap<(u64, Vec<i32>, InterpolationChoice), Arc<TabulatedModel
 pub(super) struct TabulatedModel {
     pub(super) step_model: StepModel,
     pub(super) tables: Vec<Arc<CompiledLaw>>,
-    /// Newton correction at each interface, in cells, below which the law is replaced by its tangent.
+    /// Newton correction at each row, in cells, below which the law is replaced by its tangent.
     pub(super) tolerances: Vec<f64>,
-    /// Of every contact if one is damped, else none.
+    /// Of every contact if one is damped or there is friction, else none.
     pub(super) damped: Vec<DampedTable>,
+}
+
+/// Table of a guide, where there is no pressure, and its cells per metre.
+const NO_PRESSURE: [TableRow; 1] = [[0.0; 4]];
+const GUIDE_CELLS_PER_METRE: f64 = 1e9;
+
+impl TabulatedModel {
+    /// Cells of the law of row `i`, a contact or a guide.
+    pub(super) fn cells(&self, i: usize) -> &[TableRow] {
+        self.tables.get(i).map_or(&NO_PRESSURE, |table| table.cells())
+    }
+
+    /// Cells per closure of row `i` \[1/m\].
+    pub(super) fn cells_per_metre(&self, i: usize) -> f64 {
+        let scale = |table: &Arc<CompiledLaw>| table.scales()[1].cells_per_metre;
+        self.tables.get(i).map_or(GUIDE_CELLS_PER_METRE, scale)
+    }
+
+    /// The cell of row `i` that begins at rest.
+    pub(super) fn cell_at_rest(&self, i: usize) -> f64 {
+        self.tables.get(i).map_or(0.0, |table| table.scales()[1].offset)
+    }
 }
 
 impl ModalModel {
@@ -58,15 +84,16 @@ impl ModalModel {
     /// # Errors
     /// [`DynamicsError::Setting`] for more than 16 contacts.
     pub fn new(structure: PreloadedStructure<ComponentModes>) -> Result<Self, DynamicsError> {
-        let count = structure.contacts().len();
+        let rows = with_guides_as_pairs(structure.component_modes());
+        let count = structure.contacts().len() + structure.guides().len();
         if count > MOST_INTERFACES {
             return Err(DynamicsError::Setting {
-                quantity: "number of contacts of a modal structure",
+                quantity: "number of contacts and guides of a modal structure",
                 value: count as f64,
                 accepted: "1 to 16 (finite differences take more)",
             });
         }
-        Ok(Self { structure, prepared: Mutex::default() })
+        Ok(Self { structure, rows, prepared: Mutex::default() })
     }
 
     /// The structure with its contacts and damping.
@@ -79,14 +106,50 @@ impl ModalModel {
         self.structure.contacts()
     }
 
-    /// True if a contact is damped.
-    pub(super) fn is_damped(&self) -> bool {
-        self.contacts().iter().any(|contact| contact.damping().is_some())
+    /// True if a contact is damped, or there is friction.
+    pub(super) fn is_dissipative(&self) -> bool {
+        let damped = self.contacts().iter().any(|contact| contact.damping().is_some());
+        damped || self.structure.friction().is_some()
+    }
+
+    /// Number of rows: of contacts, and behind them of guides.
+    pub(super) fn rows(&self) -> usize {
+        self.rows.interfaces()
+    }
+
+    /// Area of row `i` \[m2\]; 1 for a guide, whose pressure is a force.
+    pub(super) fn area(&self, i: usize) -> f64 {
+        self.contacts().get(i).map_or(1.0, PreloadedContact::area)
+    }
+
+    /// The friction element of row `i`, and the contact that its coefficient is of.
+    pub(super) fn friction(&self, i: usize) -> Option<(Friction, usize)> {
+        if let Some(contact) = self.contacts().get(i) {
+            return contact.friction().map(|friction| (friction, i));
+        }
+        let guide = |guide: &Guide| (guide.friction(), guide.contact());
+        self.structure.guides().get(i - self.contacts().len()).map(guide)
     }
 
     /// The structure between the contacts.
     pub fn structure(&self) -> &ComponentModes {
         self.structure.component_modes()
+    }
+
+    /// Newton correction of row `i`, in cells, below which its law is replaced by its tangent.
+    ///
+    /// One that passes a kink of the friction there leaves an error of k times the correction; it may
+    /// be as large as that of the table of the contact that gives the scale.
+    fn tolerance(&self, i: usize, tables: &[Arc<CompiledLaw>]) -> f64 {
+        let own = tables.get(i).map(|table| tolerance(table));
+        let Some((friction, contact)) = self.friction(i) else { return own.unwrap_or(1.0) };
+        let contact = &self.contacts()[contact];
+        let carried = contact.area() * contact.pressure();
+        let scale = if carried > 0.0 { carried } else { friction.limit(0.0) };
+        let cells =
+            tables.get(i).map_or(GUIDE_CELLS_PER_METRE, |table| table.scales()[1].cells_per_metre);
+        let kink = TABLE_TOLERANCE * scale / friction.stiffness() * cells;
+        own.map_or(kink, |own| own.min(kink))
     }
 
     /// The model for steps of `step` \[s\], with the table of each contact up to `2^exponent` \[Pa\]
@@ -116,25 +179,29 @@ impl ModalModel {
             });
             tops.push(top(contact, exponent));
         }
-        let areas: Vec<f64> = self.contacts().iter().map(PreloadedContact::area).collect();
+        let areas: Vec<f64> = (0..self.rows()).map(|i| self.area(i)).collect();
         let named = self.contacts().iter().zip(&tops);
-        let stiffest: Vec<f64> = named
+        let mut stiffest: Vec<f64> = named
             .map(|(contact, &top)| {
                 let at = |pressure: f64| stiffness_in_step(contact, pressure, step);
                 at(top).max(at(contact.pressure()))
             })
             .collect();
+        stiffest.resize(areas.len(), 0.0);
+        for (i, stiffness) in stiffest.iter_mut().enumerate() {
+            *stiffness += self.friction(i).map_or(0.0, |(one, _)| one.stiffness() / areas[i]);
+        }
         let step_model = StepModel::new(
-            self.structure(),
+            &self.rows,
             &areas,
             &stiffest,
             self.structure.damping_rate(),
             step,
             interpolation,
         );
-        let tolerances = tables.iter().map(|table| tolerance(table)).collect();
+        let tolerances = (0..self.rows()).map(|i| self.tolerance(i, &tables)).collect();
         let pairs = self.contacts().iter().zip(&tables);
-        let damped = if self.is_damped() {
+        let damped = if self.is_dissipative() {
             pairs.map(|(contact, table)| DampedTable::new(contact, table, step)).collect()
         } else {
             Vec::new()
@@ -202,9 +269,10 @@ pub(super) struct PreparedHit {
 }
 
 impl PreparedHit {
-    /// Closure increment \[m\] at and below which contact `i` is lost; -inf if it never separates.
+    /// Closure increment \[m\] at and below which contact `i` is lost; -inf if it never separates, and
+    /// for a guide.
     pub(super) fn open_below(&self, i: usize) -> f64 {
-        let contact = &self.model.contacts()[i];
+        let Some(contact) = self.model.contacts().get(i) else { return f64::NEG_INFINITY };
         if !contact.law().domain().separates() {
             return f64::NEG_INFINITY;
         }

@@ -8,6 +8,7 @@ use super::assembly::PreparedHit;
 use super::oscillator::{NODES, Propagator};
 use super::simd::integrate::Outcome;
 use crate::{Excitation, History, Sampling};
+use asperity_structure::PreloadedContact;
 
 /// Parts of a step closer than this to one of its ends are that end.
 const ON_STEP: f64 = 1e-9;
@@ -163,16 +164,20 @@ impl<'a> DenseOutput<'a> {
         (displacement, acceleration)
     }
 
-    /// Traction increment at interface `i` at part `s` of `step`.
+    /// Traction increment at row `i` at part `s` of `step`.
     fn traction_increment(&self, i: usize, step: usize, s: f64) -> f64 {
-        if self.hit.model.contacts()[i].damping().is_some() {
-            return cubic(&self.outcome.traction[i], step, s);
-        }
         if s <= ON_STEP {
             return self.traction(i, Some(step));
         }
-        let state = self.hit.model.contacts()[i].pressure();
-        self.hit.model.contacts()[i].law().pressure_increment(state, self.closure(i, step, s)).value
+        let contact = self.hit.model.contacts().get(i);
+        let elastic = |contact: &&PreloadedContact| {
+            contact.damping().is_none() && contact.friction().is_none()
+        };
+        let Some(contact) = contact.filter(elastic) else {
+            return cubic(&self.outcome.traction[i], step, s);
+        };
+        let closure = self.closure(i, step, s);
+        contact.law().pressure_increment(contact.pressure(), closure).value
     }
 
     /// Closure increment, by the cubic through four steps.

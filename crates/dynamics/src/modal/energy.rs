@@ -24,17 +24,21 @@ pub(super) fn ledger(hit: &PreparedHit, outcome: &Outcome) -> EnergyLedger {
     let contacts = hit.model.contacts();
     let residual = &model.residual;
     let drive = hit.amplitude * hit.drive.end.get(hit.steps - 1).copied().unwrap_or(0.0);
-    let force = |i: usize| contacts[i].area() * outcome.contacts[i].traction;
+    let force = |i: usize| hit.model.area(i) * outcome.row_tractions[i];
     ledger.elastic += 0.5 * residual.driving_point * drive * drive;
     for (i, contact) in contacts.iter().enumerate() {
         let increment = outcome.contacts[i].closure;
         ledger.contact_dissipated += contact.area() * outcome.contacts[i].loss;
         ledger.contact += contact.area() * excess(contact, increment);
+    }
+    for i in 0..hit.model.rows() {
         ledger.elastic -= residual.drive[i] * drive * force(i);
-        for j in 0..contacts.len() {
+        for j in 0..hit.model.rows() {
             ledger.elastic += 0.5 * force(i) * residual.closure[i][j] * force(j);
         }
     }
-    ledger.dissipated += ledger.contact_dissipated;
+    ledger.elastic += outcome.friction_stored;
+    ledger.friction_dissipated = outcome.friction_loss;
+    ledger.dissipated += ledger.contact_dissipated + ledger.friction_dissipated;
     ledger
 }

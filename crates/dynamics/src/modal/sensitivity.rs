@@ -133,7 +133,7 @@ impl Batch {
     ///
     /// # Errors
     /// As [`Modal::integrate`](super::Modal::integrate) for the hit itself;
-    /// [`DynamicsError::ContactDamping`] for a damped contact;
+    /// [`DynamicsError::ContactDamping`] for a damped contact, [`DynamicsError::Friction`] for friction;
     /// [`DynamicsError::Variation`] when a varied hit has not as many modes and interfaces, when
     /// its step is not positive and finite, or when the static pressure varies at an interface
     /// without stiffness at rest.
@@ -145,6 +145,9 @@ impl Batch {
         let mut damped = hit.model.contacts().iter().filter(|contact| contact.damping().is_some());
         if let Some(damped) = damped.next() {
             return Err(DynamicsError::ContactDamping { interface: damped.name().to_owned() });
+        }
+        if let Some(name) = hit.model.preloaded().friction() {
+            return Err(DynamicsError::Friction { element: name.to_owned() });
         }
         let (prepared, outcome) = self.whole(hit)?;
         let parameters = variations

@@ -272,10 +272,10 @@ impl Attempt {
     fn batch_order(&self, other: &Self) -> Ordering {
         let key = |attempt: &Self| {
             let model = &attempt.lane.tabulated.step_model;
-            let size = (attempt.lane.steps, model.modes.len(), attempt.lane.model.contacts().len());
+            let size = (attempt.lane.steps, model.modes.len(), attempt.lane.model.rows());
             (
                 size,
-                attempt.lane.model.is_damped(),
+                attempt.lane.model.is_dissipative(),
                 attempt.decimation.factor,
                 attempt.decimation.taps.len(),
             )

@@ -10,6 +10,7 @@ mod damped_engines;
 mod damping;
 mod energy;
 mod excitations;
+mod friction;
 mod instruction_sets;
 mod interface_waves;
 mod invalid_settings;

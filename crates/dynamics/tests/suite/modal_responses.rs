@@ -104,6 +104,7 @@ impl Lumped {
             drive: a,
             output: a * part(0),
             closure: vec![a, 0.0],
+            guide: Vec::new(),
         };
         let hung = NormalMode {
             angular_frequency: (self.spring / self.masses[1]).sqrt(),
@@ -112,6 +113,7 @@ impl Lumped {
             drive: 0.0,
             output: b * part(1),
             closure: vec![-b, b],
+            guide: Vec::new(),
         };
         let residual = ResidualFlexibility {
             closure: vec![vec![0.0; 2]; 2],

@@ -4,6 +4,7 @@
 
 mod compiled;
 mod conformance;
+mod friction;
 mod gap_table;
 mod invalid;
 mod laws_in_series;

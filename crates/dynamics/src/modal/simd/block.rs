@@ -3,14 +3,16 @@
 mod build;
 mod coefficient;
 mod pair;
+mod work;
 
 use pulp::Simd;
 
 use super::table_lookup::TableRow;
 use crate::modal::assembly::PreparedHit;
 use crate::modal::oscillator::NODES;
-pub(super) use coefficient::{Coefficient, Damped, Each, Same};
+pub(super) use coefficient::{Coefficient, Dissipative, Each, Same};
 pub(super) use pair::{Numbers, Pair};
+pub(super) use work::{Work, total_work};
 
 /// Steps between two checks of the lanes.
 pub(in crate::modal) const CHUNK: usize = 32;
@@ -50,7 +52,7 @@ pub(super) struct Mode<V, C, const N: usize> {
 /// one, which is then in the low bits.
 pub(super) const WHOLE: f64 = 6_755_399_441_055_744.0;
 
-/// One interface; closures are in cells of the lane's table.
+/// One row: an interface, or a guide with friction; closures are in cells of the lane's table.
 #[derive(Clone, Copy)]
 #[repr(C, align(64))]
 pub(super) struct Contact<V, C, const N: usize> {
@@ -88,19 +90,36 @@ pub(super) struct Damper<V, C> {
     pub(super) impulse: [V; PAST],
     /// Share of these in the rate at the end of the next step \[Pa\].
     pub(super) history: V,
-    /// Viscous traction at the end of the last step \[Pa\], and its change in it.
-    pub(super) traction: V,
-    pub(super) traction_increment: V,
-    /// Increment of the closure in the last step, in cells.
-    pub(super) closure_increment: V,
-    /// Loss \[Pa cells\].
-    pub(super) loss: V,
+    /// Work of the viscous traction: the loss.
+    pub(super) work: Work<V>,
     /// Weights of the impulses in the rate \[1/s\], that of the next step first.
     pub(super) rate: [C; PAST + 1],
     /// Traction increment of faces that carry nothing \[Pa\]; -inf where they carry tension.
     pub(super) least: C,
     /// Number of rows from one of Q to that of R.
     pub(super) rows: C,
+}
+
+/// The friction element of one row: a traction `max(-limit, min(limit, stuck + stiffness y))` at the
+/// closure y, in cells.
+#[derive(Clone, Copy)]
+#[repr(C, align(64))]
+pub(super) struct Slider<V, C, const N: usize> {
+    /// Traction of the stuck element at no closure \[Pa\].
+    pub(super) stuck: V,
+    /// Slip force over the area in the next step \[Pa\].
+    pub(super) limit: V,
+    /// Traction of the contact without friction at the last three steps, newest first \[Pa\].
+    pub(super) normal: [V; 3],
+    pub(super) work: Work<V>,
+    /// Stiffness \[Pa\] per cell; zero without friction.
+    pub(super) stiffness: C,
+    /// Slip force of its own over the area \[Pa\].
+    pub(super) slip: C,
+    /// Share of the pressure of each contact in the limit.
+    pub(super) share: [C; N],
+    /// Static pressure of the contact \[Pa\].
+    pub(super) rest: C,
 }
 
 /// Pressures, or closures, of all interfaces.
@@ -113,9 +132,11 @@ pub(super) type Matrix<S, const N: usize> = [[Numbers<S>; N]; N];
 pub(super) struct Block<'a, S: Simd, C, const N: usize> {
     pub(super) modes: Vec<Mode<Numbers<S>, C, N>>,
     pub(super) contacts: [Contact<Numbers<S>, C, N>; N],
-    /// One for each of the N interfaces if some are damped, else none.
+    /// One for each of the N rows if a contact is damped or there is friction, else none.
     pub(super) dampers: Vec<Damper<Numbers<S>, C>>,
-    /// Number of interfaces; the rest of the N are unused.
+    /// One for each of the N rows if there is friction, else none.
+    pub(super) sliders: Vec<Slider<Numbers<S>, C, N>>,
+    /// Number of rows, contacts and guides; the rest of the N are unused.
     pub(super) coupled: usize,
     /// The tables of all lanes, one behind the other.
     pub(super) rows: Vec<TableRow>,

@@ -54,7 +54,7 @@ impl<S: Simd> BlockExtremes<S> {
             let mut check_above = Pair(simd).splat(f64::INFINITY);
             for (lane, hit) in block.lanes.iter().enumerate() {
                 if let Some(hit) = hit {
-                    let per_metre = hit.tabulated.tables[i].scales()[1].cells_per_metre;
+                    let per_metre = hit.tabulated.cells_per_metre(i);
                     set_lane::<S>(&mut open_below, lane, hit.open_below(i) * per_metre);
                     set_lane::<S>(&mut check_below, lane, 0.0);
                     set_lane::<S>(&mut check_above, lane, 0.0);

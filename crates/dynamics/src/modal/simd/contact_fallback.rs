@@ -36,6 +36,10 @@ impl<S: TableLookup, C: Coefficient<S>, const N: usize> Block<'_, S, C, N> {
                     Some(damper) => lane_of::<S>(&damper.history, lane),
                     None => 0.0,
                 },
+                friction: self.sliders.get(i).map_or([0.0; 3], |slider| {
+                    let now = |numbers| lane_of::<S>(numbers, lane);
+                    [now(&slider.stuck), of(slider.stiffness), now(&slider.limit)]
+                }),
                 least: self.dampers.get(i).map_or(f64::NEG_INFINITY, |damper| of(damper.least)),
                 table: self
                     .rows
@@ -65,16 +69,20 @@ struct Curve<'a, const N: usize> {
     /// Added to the table, and the least sum, of a damped contact.
     history: f64,
     least: f64,
+    /// Traction of the stuck friction element at no closure, its stiffness and its limit.
+    friction: [f64; 3],
 }
 
 impl<const N: usize> Curve<'_, N> {
-    fn pressure(&self, closure: f64) -> f64 {
-        let closure = closure.max(self.first).min(self.last);
+    fn pressure(&self, unbounded: f64) -> f64 {
+        let closure = unbounded.max(self.first).min(self.last);
         let place = closure + self.rest;
         let cell = (place as usize).min(self.table.len().saturating_sub(1));
         let t = closure - (cell as f64 - self.rest);
         let [c0, c1, c2, c3] = self.table.get(cell).copied().unwrap_or_default();
-        (c0 + t * (c1 + t * (c2 + t * c3)) + self.history).max(self.least)
+        let normal = (c0 + t * (c1 + t * (c2 + t * c3)) + self.history).max(self.least);
+        let [stuck, stiffness, limit] = self.friction;
+        normal + (stuck + stiffness * unbounded).min(limit).max(-limit)
     }
 
     /// The closure at which `y + b p(y) = target`, by halving a bracket.
@@ -125,6 +133,7 @@ mod tests {
             coupling,
             history: 0.0,
             least: f64::NEG_INFINITY,
+            friction: [0.0; 3],
         };
         let contacts = [curve([0.9, -0.8]), curve([-0.8, 0.9])];
         for target in [[3.0, -5.0], [0.0, 0.0], [-1.0, -1.0], [10.0, -30.0], [1.0, 1.0]] {

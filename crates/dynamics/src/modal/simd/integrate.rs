@@ -8,7 +8,7 @@ use pulp::NullaryFnOnce;
 
 use run::Run;
 
-use super::block::{CHUNK, Coefficient, Damped, Each, Same};
+use super::block::{CHUNK, Coefficient, Dissipative, Each, Same};
 use super::contact_extremes::LaneExtremes;
 use super::decimation::Decimation;
 use super::table_lookup::TableLookup;
@@ -44,11 +44,16 @@ pub(in crate::modal) struct Outcome {
     pub(in crate::modal) end: RunEnd,
     /// Output displacement: decimated samples, or steps 0 to the last \[m\].
     pub(in crate::modal) displacement: Vec<f64>,
-    /// Traction increment \[Pa\], the pressure increment without damping, and closure increment \[m\]
-    /// at steps 0 to the last, per interface.
+    /// Traction increment \[Pa\], the pressure increment without damping and friction, and closure
+    /// increment \[m\] at steps 0 to the last, per row: contacts, then guides.
     pub(in crate::modal) traction: Vec<Vec<f64>>,
     pub(in crate::modal) closure: Vec<Vec<f64>>,
     pub(in crate::modal) contacts: Vec<ContactOutcome>,
+    /// Traction increments at the end of all rows, those of guides last \[Pa\].
+    pub(in crate::modal) row_tractions: Vec<f64>,
+    /// Energy of the friction elements at the end, and their loss \[J\].
+    pub(in crate::modal) friction_stored: f64,
+    pub(in crate::modal) friction_loss: f64,
     /// Work of the drive and viscous loss \[J\].
     pub(in crate::modal) work: f64,
     pub(in crate::modal) loss: f64,
@@ -61,8 +66,7 @@ pub(in crate::modal) struct ContactOutcome {
     pub(in crate::modal) extremes: LaneExtremes,
     /// Mean stiffness over the steps \[Pa/m\].
     pub(in crate::modal) stiffness: f64,
-    /// Increments of traction \[Pa\] and closure \[m\] at the end.
-    pub(in crate::modal) traction: f64,
+    /// Increment of the closure at the end \[m\].
     pub(in crate::modal) closure: f64,
     /// Viscous loss per area \[J/m2\].
     pub(in crate::modal) loss: f64,
@@ -115,17 +119,17 @@ impl BlockRun<'_> {
     fn on<S: TableLookup>(self, simd: S) -> Vec<Outcome> {
         let Some((first, others)) = self.lanes.split_first() else { return Vec::new() };
         let same = others.iter().all(|lane| Arc::ptr_eq(&lane.tabulated, &first.tabulated));
-        let contacts = first.model.contacts().len();
-        // Hits with and without damping are not integrated together.
-        if !first.tabulated.damped.is_empty() {
-            return match contacts {
+        let rows = first.model.rows();
+        // Hits with and without damping or friction are not integrated together.
+        if first.model.is_dissipative() {
+            return match rows {
                 0 => Vec::new(),
-                1 => self.with::<S, Damped<S::f64s>, 1>(simd),
-                2 => self.with::<S, Damped<S::f64s>, 2>(simd),
-                _ => self.with::<S, Damped<S::f64s>, MOST_INTERFACES>(simd),
+                1 => self.with::<S, Dissipative<S::f64s>, 1>(simd),
+                2 => self.with::<S, Dissipative<S::f64s>, 2>(simd),
+                _ => self.with::<S, Dissipative<S::f64s>, MOST_INTERFACES>(simd),
             };
         }
-        match (contacts, same) {
+        match (rows, same) {
             (0, _) => Vec::new(),
             (1, true) => self.with::<S, Same, 1>(simd),
             (1, false) => self.with::<S, Each<S::f64s>, 1>(simd),

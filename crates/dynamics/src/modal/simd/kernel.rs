@@ -15,6 +15,7 @@
 )]
 
 mod contact_solve;
+mod friction;
 mod linear_solve;
 mod viscous;
 

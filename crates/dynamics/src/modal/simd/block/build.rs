@@ -2,10 +2,13 @@
 
 use std::sync::Arc;
 
+use asperity_law::Friction;
+use asperity_structure::PreloadedContact;
 use pulp::Simd;
 
 use super::{
-    Block, Coefficient, Contact, Damper, Drive, Mode, Numbers, PAST, Pair, WHOLE, numbers, set_lane,
+    Block, Coefficient, Contact, Damper, Drive, Mode, Numbers, PAST, Pair, Slider, WHOLE, Work,
+    numbers, set_lane,
 };
 use crate::modal::assembly::PreparedHit;
 use crate::modal::damped_table::RATE;
@@ -24,7 +27,7 @@ fn lay_out(lanes: &[&PreparedHit], interfaces: usize) -> (Vec<TableRow>, Vec<Vec
             let tabulated = &lane.tabulated;
             let cells = match tabulated.damped.get(i) {
                 Some(damped) => damped.rows(),
-                None => tabulated.tables[i].cells(),
+                None => tabulated.cells(i),
             };
             let table = cells.as_ptr();
             if let Some((_, start)) = laid.iter().find(|(other, _)| *other == table) {
@@ -54,24 +57,56 @@ fn damper<S: Simd, C: Coefficient<S>>(
     i: usize,
 ) -> Damper<Numbers<S>, C> {
     let zero = Pair(simd).splat(0.0);
-    let all = |of: &dyn Fn(&PreparedHit) -> f64| {
-        let lane = |lane: usize| lanes.get(lane).filter(|hit| i < hit.tabulated.tables.len());
-        C::new(simd, &|at| lane(at).map_or(0.0, |hit| of(hit)))
-    };
+    let lane = |lane: usize| lanes.get(lane).filter(|hit| i < hit.tabulated.tables.len());
+    let all =
+        |of: &dyn Fn(&PreparedHit) -> f64| C::new(simd, &|at| lane(at).map_or(0.0, |hit| of(hit)));
     Damper {
         impulse: [zero; PAST],
         history: zero,
-        traction: zero,
-        traction_increment: zero,
-        closure_increment: zero,
-        loss: zero,
+        work: Work::none(zero),
         rate: RATE.map(|weight| all(&|hit| weight / hit.tabulated.step_model.step)),
-        least: all(&|hit| {
-            let contact = &hit.model.contacts()[i];
-            let separates = contact.law().domain().separates();
-            if separates { -contact.pressure() } else { f64::NEG_INFINITY }
+        least: C::new(simd, &|at| {
+            let contact = lane(at).and_then(|hit| hit.model.contacts().get(i));
+            let separates = contact.filter(|contact| contact.law().domain().separates());
+            separates.map_or(f64::NEG_INFINITY, |contact| -contact.pressure())
         }),
         rows: all(&|hit| hit.tabulated.tables[i].cells().len() as f64),
+    }
+}
+
+/// The friction element of row `i` of each lane, at rest; one without force where there is none.
+fn slider<S: Simd, C: Coefficient<S>, const N: usize>(
+    simd: S,
+    lanes: &[&PreparedHit],
+    i: usize,
+) -> Slider<Numbers<S>, C, N> {
+    let zero = Pair(simd).splat(0.0);
+    let element = |lane: usize| lanes.get(lane).and_then(|hit| Some((hit, hit.model.friction(i)?)));
+    let all = |of: &dyn Fn(&PreparedHit, Friction) -> f64| {
+        let found = |lane: usize| element(lane).map_or(0.0, |(hit, (one, _))| of(hit, one));
+        C::new(simd, &found)
+    };
+    Slider {
+        stuck: zero,
+        limit: zero,
+        normal: [zero; 3],
+        work: Work::none(zero),
+        stiffness: all(&|hit, friction| {
+            friction.stiffness() / (hit.model.area(i) * hit.tabulated.cells_per_metre(i))
+        }),
+        slip: all(&|hit, friction| friction.limit(0.0) / hit.model.area(i)),
+        share: std::array::from_fn(|j| {
+            C::new(simd, &|lane| match element(lane) {
+                Some((hit, (friction, contact))) if contact == j => {
+                    friction.share_of_contact() * hit.model.area(j) / hit.model.area(i)
+                }
+                _ => 0.0,
+            })
+        }),
+        rest: C::new(simd, &|lane| {
+            let contact = lanes.get(lane).and_then(|hit| hit.model.contacts().get(i));
+            contact.map_or(0.0, PreloadedContact::pressure)
+        }),
     }
 }
 
@@ -80,7 +115,8 @@ impl<'a, S: Simd, C: Coefficient<S>, const N: usize> Block<'a, S, C, N> {
     /// interfaces.
     pub(in crate::modal) fn new(simd: S, lanes: &[&'a PreparedHit]) -> Self {
         let count = lanes.first().map_or(0, |lane| lane.tabulated.step_model.modes.len());
-        let interfaces = lanes.first().map_or(0, |lane| lane.tabulated.tables.len());
+        let interfaces = lanes.first().map_or(0, |lane| lane.model.rows());
+        let has_friction = lanes.iter().any(|hit| hit.model.preloaded().friction().is_some());
         let (rows, starts) = lay_out(lanes, interfaces);
         let zero = Pair(simd).splat(0.0);
         let all = |of: &dyn Fn(&'a PreparedHit) -> f64| {
@@ -89,8 +125,7 @@ impl<'a, S: Simd, C: Coefficient<S>, const N: usize> Block<'a, S, C, N> {
         let at = |i: usize, of: &dyn Fn(&'a PreparedHit) -> f64| {
             if i < interfaces { all(of) } else { C::new(simd, &|_| 0.0) }
         };
-        let cells =
-            |lane: &PreparedHit, i: usize| lane.tabulated.tables[i].scales()[1].cells_per_metre;
+        let cells = |lane: &PreparedHit, i: usize| lane.tabulated.cells_per_metre(i);
         let step = |m: usize, of: &dyn Fn(&ModeStep) -> f64| {
             all(&|lane| of(&lane.tabulated.step_model.modes[m]))
         };
@@ -135,34 +170,36 @@ impl<'a, S: Simd, C: Coefficient<S>, const N: usize> Block<'a, S, C, N> {
                     if j < interfaces { at(i, &entry) } else { C::new(simd, &|_| 0.0) }
                 }),
                 output: at(i, &|lane| lane.tabulated.step_model.output_pressure[i]),
-                rest: at(i, &|lane| lane.tabulated.tables[i].scales()[1].offset),
-                first: at(i, &|lane| -lane.tabulated.tables[i].scales()[1].offset),
+                rest: at(i, &|lane| lane.tabulated.cell_at_rest(i)),
+                first: at(i, &|lane| -lane.tabulated.cell_at_rest(i)),
                 // The last place within the last cell.
                 last: at(i, &|lane| {
-                    let table = &lane.tabulated.tables[i];
-                    table.cells().len() as f64 - 1e-6 - table.scales()[1].offset
+                    let cells = lane.tabulated.cells(i).len() as f64;
+                    cells - 1e-6 - lane.tabulated.cell_at_rest(i)
                 }),
                 whole: C::new(simd, &|lane| WHOLE + start(lane).unwrap_or(0) as f64),
                 whole_at_rest: C::new(simd, &|lane| {
-                    let rest = |hit: &&PreparedHit| {
-                        hit.tabulated.tables.get(i).map(|table| table.scales()[1].offset)
-                    };
-                    let rest = lanes.get(lane).and_then(rest).unwrap_or(0.0);
+                    let rest = lanes.get(lane).map_or(0.0, |hit| hit.tabulated.cell_at_rest(i));
                     WHOLE + start(lane).unwrap_or(0) as f64 + rest
                 }),
                 tolerance: at(i, &|lane| {
                     let tolerance = lane.tabulated.tolerances[i];
-                    if C::DAMPED { tolerance.min(DAMPED_TOLERANCE) } else { tolerance }
+                    if C::DISSIPATIVE { tolerance.min(DAMPED_TOLERANCE) } else { tolerance }
                 }),
                 drive: at(i, &|lane| lane.tabulated.step_model.residual.drive[i] * cells(lane, i)),
                 driving_point: at(i, &|lane| {
                     // By reciprocity the closure per drive force is also this.
-                    lane.tabulated.step_model.residual.drive[i] * lane.model.contacts()[i].area()
+                    lane.tabulated.step_model.residual.drive[i] * lane.model.area(i)
                 }),
             }
         };
         Self {
-            dampers: (0..if C::DAMPED { N } else { 0 }).map(|i| damper(simd, lanes, i)).collect(),
+            dampers: (0..if C::DISSIPATIVE { N } else { 0 })
+                .map(|i| damper(simd, lanes, i))
+                .collect(),
+            sliders: (0..if has_friction { N } else { 0 })
+                .map(|i| slider(simd, lanes, i))
+                .collect(),
             modes: (0..count).map(mode).collect(),
             contacts: std::array::from_fn(contact),
             coupled: interfaces,

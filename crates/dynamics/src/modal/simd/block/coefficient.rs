@@ -10,8 +10,8 @@ use super::{lane_of, numbers};
 /// In the usual sweep many forces act on one structure: then all lanes share every constant, and a
 /// number in memory, a whole vector of it in a register, is all there is to load.
 pub(in crate::modal) trait Coefficient<S: Simd>: Copy {
-    /// True if the block has damped contacts: the kernel of others does without them.
-    const DAMPED: bool = false;
+    /// True if the block has damped contacts or friction: the kernel of others does without them.
+    const DISSIPATIVE: bool = false;
 
     /// The constant that `of` gives lane by lane; a shared one is that of the first lane.
     fn new(simd: S, of: &dyn Fn(usize) -> f64) -> Self;
@@ -29,12 +29,12 @@ pub(in crate::modal) struct Same(f64);
 #[derive(Debug, Clone, Copy)]
 pub(in crate::modal) struct Each<V>([V; 2]);
 
-/// Its own in each lane of a block with damped contacts.
+/// Its own in each lane of a block with damped contacts or friction.
 #[derive(Debug, Clone, Copy)]
-pub(in crate::modal) struct Damped<V>(Each<V>);
+pub(in crate::modal) struct Dissipative<V>(Each<V>);
 
-impl<S: Simd> Coefficient<S> for Damped<S::f64s> {
-    const DAMPED: bool = true;
+impl<S: Simd> Coefficient<S> for Dissipative<S::f64s> {
+    const DISSIPATIVE: bool = true;
 
     #[inline(always)]
     fn new(simd: S, of: &dyn Fn(usize) -> f64) -> Self {

@@ -50,10 +50,15 @@ impl<S: Simd> Pair<S> {
         [self.0.splat_f64s(number); 2]
     }
 
+    #[inline(always)]
+    pub(in crate::modal) fn abs(self, a: Numbers<S>) -> Numbers<S> {
+        [self.0.abs_f64s(a[0]), self.0.abs_f64s(a[1])]
+    }
+
     /// Mask of `|a| > limit`.
     #[inline(always)]
     pub(in crate::modal) fn exceeds(self, a: Numbers<S>, limit: Numbers<S>) -> [S::m64s; 2] {
-        self.less(limit, [self.0.abs_f64s(a[0]), self.0.abs_f64s(a[1])])
+        self.less(limit, self.abs(a))
     }
 
     #[inline(always)]

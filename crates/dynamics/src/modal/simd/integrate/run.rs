@@ -5,7 +5,7 @@ use pulp::Simd;
 use super::{ContactOutcome, LAST_STATES, Outcome, Recording, RunEnd};
 use crate::modal::assembly::PreparedHit;
 use crate::modal::simd::block::{
-    Block, CHUNK, Coefficient, Drive, Numbers, PAST, Pair, Step, lane_of,
+    Block, CHUNK, Coefficient, Drive, Numbers, PAST, Pair, Step, lane_of, total_work,
 };
 use crate::modal::simd::contact_extremes::BlockExtremes;
 use crate::modal::simd::decimation::DecimationState;
@@ -55,7 +55,7 @@ impl<'a, S: TableLookup, C: Coefficient<S>, const N: usize> Run<'a, S, C, N> {
                     column
                 };
                 let columns = |lane: &&PreparedHit| {
-                    let each = || lane.model.contacts().iter().map(|_| column()).collect();
+                    let each = || (0..lane.model.rows()).map(|_| column()).collect();
                     RecordedSteps { displacement: column(), pressure: each(), closure: each() }
                 };
                 recorded = lanes.iter().map(columns).collect();
@@ -175,25 +175,38 @@ impl<'a, S: TableLookup, C: Coefficient<S>, const N: usize> Run<'a, S, C, N> {
                 ContactOutcome {
                     extremes: self.extremes.extremes(i, lane).scaled(1.0 / per_metre),
                     stiffness: of(&contact.stiffness) * per_metre / self.steps as f64,
-                    traction: of(&newest.pressure[i]),
-                    loss: self.block.dampers.get(i).map_or(0.0, |damper| {
-                        // Summing by parts leaves the last term at the end.
-                        let last = of(&damper.traction_increment) * of(&damper.closure_increment);
-                        (of(&damper.loss) - last / 12.0) / per_metre
-                    }),
+                    loss: self
+                        .block
+                        .dampers
+                        .get(i)
+                        .map_or(0.0, |damper| total_work::<S>(&damper.work, lane) / per_metre),
                     closure: of(&newest.closure[i]) / per_metre,
                 }
             });
             let contacts = contacts.collect();
             let mut columns = recorded.get_mut(lane).map(std::mem::take).unwrap_or_default();
-            for (column, table) in columns.closure.iter_mut().zip(&hit.tabulated.tables) {
-                let per_metre = table.scales()[1].cells_per_metre;
+            for (i, column) in columns.closure.iter_mut().enumerate() {
+                let per_metre = hit.tabulated.cells_per_metre(i);
                 for cells in column {
                     *cells /= per_metre;
                 }
             }
+            let rows = 0..hit.model.rows();
+            let (mut friction_stored, mut friction_loss) = (0.0, 0.0);
+            for (i, slider) in rows.clone().zip(&self.block.sliders) {
+                let Some((friction, _)) = hit.model.friction(i) else { continue };
+                let force = hit.model.area(i) * of(&slider.work.traction);
+                let stored = 0.5 * force * force / friction.stiffness();
+                let per_metre = hit.tabulated.cells_per_metre(i);
+                let work = hit.model.area(i) * total_work::<S>(&slider.work, lane) / per_metre;
+                friction_stored += stored;
+                friction_loss += work - stored;
+            }
             Some(Outcome {
                 end,
+                row_tractions: rows.map(|i| of(&newest.pressure[i])).collect(),
+                friction_stored,
+                friction_loss,
                 displacement: match decimated.get_mut(lane) {
                     Some(samples) => std::mem::take(samples),
                     None => columns.displacement,

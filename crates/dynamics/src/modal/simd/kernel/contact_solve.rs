@@ -40,8 +40,9 @@ impl<S: TableLookup, C: Coefficient<S>, const N: usize> Block<'_, S, C, N> {
             let inner = pair.less_mul(six, x1, pair.sub(pair.splat(0.0), x3));
             closure[i] = pair.mul_add(four, pair.add(x0, x2), inner);
         }
-        if C::DAMPED {
+        if C::DISSIPATIVE {
             self.predict_traction(simd);
+            self.predict_limits(simd);
         }
         let law = self.linearise(simd, &closure);
         let mut pressure = law.pressure;
@@ -55,8 +56,11 @@ impl<S: TableLookup, C: Coefficient<S>, const N: usize> Block<'_, S, C, N> {
         if pair.any(open) {
             self.refine(simd, open, &mut closure, &mut pressure, &mut tangent);
         }
-        if C::DAMPED {
-            self.correct_traction(simd, &past[PAST - 1].closure, &closure, &pressure, &mut tangent);
+        if C::DISSIPATIVE {
+            let before = &past[PAST - 1].closure;
+            let mut normal = pressure;
+            self.correct_friction(simd, before, &closure, &mut normal);
+            self.correct_traction(simd, before, &closure, &normal, &mut tangent);
         }
         for i in 0..interfaces {
             self.contacts[i].stiffness = pair.add(self.contacts[i].stiffness, tangent[i]);
@@ -161,11 +165,15 @@ impl<S: TableLookup, C: Coefficient<S>, const N: usize> Block<'_, S, C, N> {
     }
 
     /// Pressure increment \[Pa\] at a closure, in cells from rest, and its tangent per cell; of a
-    /// damped contact those of the traction.
+    /// damped contact or one with friction those of the traction.
     #[inline(always)]
     fn law(&self, simd: S, i: usize, closure: Numbers<S>) -> (Numbers<S>, Numbers<S>) {
         let found = self.table(simd, i, closure, None);
-        if C::DAMPED { self.traction(simd, i, found) } else { found }
+        if C::DISSIPATIVE {
+            self.with_friction(simd, i, closure, self.traction(simd, i, found))
+        } else {
+            found
+        }
     }
 
     /// Value at a closure, in cells from rest, and tangent per cell, by the table of contact `i`, or

@@ -4,9 +4,7 @@
 //! t = max(-p0, Q(x) + history),    Q = q + a_0 R / h,    history = sum of a_k R_before_k / h
 //! ```
 //!
-//! The loss of a step, `integral of (t - q) dx`, is the mean of `t - q` times the increment of x, plus
-//! a sixth of its increment times the change of the increment of x: of fourth order, summed by
-//! parts.
+//! The loss is the work of `t - q`.
 
 use crate::modal::simd::block::{Block, Coefficient, Contacts, Numbers, PAST, Pair};
 use crate::modal::simd::table_lookup::TableLookup;
@@ -39,7 +37,7 @@ impl<S: TableLookup, C: Coefficient<S>, const N: usize> Block<'_, S, C, N> {
         (pair.max(traction, least), pair.select(pressed, tangent, pair.splat(0.0)))
     }
 
-    /// Completes the step with the tractions found at `closure`: impulses, losses, and the law's own
+    /// Completes the step with the tractions found at `closure`, friction apart: impulses, losses, and the law's own
     /// tangents in place of those of the traction.
     #[inline(always)]
     pub(super) fn correct_traction(
@@ -60,16 +58,7 @@ impl<S: TableLookup, C: Coefficient<S>, const N: usize> Block<'_, S, C, N> {
             let pressure = pair.less_mul(rate, impulse, value);
             tangent[i] = pair.less_mul(rate, coefficient, slope);
             let viscous = pair.sub(traction[i], pressure);
-            let increment = pair.sub(closure[i], before[i]);
-            let change = pair.sub(increment, damper.closure_increment);
-            let viscous_increment = pair.sub(viscous, damper.traction);
-            let mean = pair.mul(pair.splat(0.5), pair.add(viscous, damper.traction));
-            let sixth = pair.mul(pair.splat(1.0 / 6.0), viscous_increment);
-            let loss = pair.mul_add(sixth, change, damper.loss);
-            damper.loss = pair.mul_add(mean, increment, loss);
-            damper.traction = viscous;
-            damper.traction_increment = viscous_increment;
-            damper.closure_increment = increment;
+            pair.add_work(&mut damper.work, viscous, pair.sub(closure[i], before[i]));
             damper.impulse.copy_within(..PAST - 1, 1);
             damper.impulse[0] = impulse;
         }

@@ -1,0 +1,54 @@
+//! The work of a traction on a closure.
+
+use pulp::Simd;
+
+use super::{Numbers, Pair, lane_of};
+
+/// The work of a traction along a closure known at steps, `integral of t dx`: the mean of both ends
+/// times the increment of x, plus a sixth of the increment of t times the change of the increment of
+/// x. Summed by parts, that is of fourth order.
+#[derive(Clone, Copy)]
+#[repr(C, align(64))]
+pub(in crate::modal) struct Work<V> {
+    /// At the end of the last step \[Pa\].
+    pub(in crate::modal) traction: V,
+    traction_increment: V,
+    closure_increment: V,
+    /// \[Pa cells\]
+    sum: V,
+}
+
+impl<V: Copy> Work<V> {
+    /// No work, from rest; `zero` in every lane.
+    pub(in crate::modal) fn none(zero: V) -> Self {
+        Self { traction: zero, traction_increment: zero, closure_increment: zero, sum: zero }
+    }
+}
+
+impl<S: Simd> Pair<S> {
+    /// Adds a step that ends with `traction` \[Pa\] after an `increment` of the closure, in cells.
+    #[inline(always)]
+    pub(in crate::modal) fn add_work(
+        self,
+        work: &mut Work<Numbers<S>>,
+        traction: Numbers<S>,
+        increment: Numbers<S>,
+    ) {
+        let change = self.sub(increment, work.closure_increment);
+        let traction_increment = self.sub(traction, work.traction);
+        let mean = self.mul(self.splat(0.5), self.add(traction, work.traction));
+        let sixth = self.mul(self.splat(1.0 / 6.0), traction_increment);
+        let sum = self.mul_add(sixth, change, work.sum);
+        work.sum = self.mul_add(mean, increment, sum);
+        work.traction = traction;
+        work.traction_increment = traction_increment;
+        work.closure_increment = increment;
+    }
+}
+
+/// The whole work in a lane \[Pa cells\].
+pub(in crate::modal) fn total_work<S: Simd>(work: &Work<Numbers<S>>, lane: usize) -> f64 {
+    let of = |numbers: &Numbers<S>| lane_of::<S>(numbers, lane);
+    // Summing by parts leaves the last term at the end.
+    of(&work.sum) - of(&work.traction_increment) * of(&work.closure_increment) / 12.0
+}
