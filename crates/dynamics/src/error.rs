@@ -1,7 +1,7 @@
 //! Errors of the time integrators.
 
 use asperity_law::LawError;
-use asperity_mesh::MeshError;
+use asperity_mesh::{MeshError, Stack};
 use asperity_structure::StructureError;
 
 use crate::InstructionSet;
@@ -106,6 +106,14 @@ pub enum DynamicsError {
         /// Name of the contact or of the guided body.
         element: String,
     },
+    /// A body has a loss factor, which is defined for harmonic vibration only.
+    #[error(
+        "body \"{body}\" has a loss factor, which only steady responses and linearised modes have; accepted in time: mass-proportional or Rayleigh damping"
+    )]
+    LossFactor {
+        /// Name of the body.
+        body: String,
+    },
     /// A contact law cannot be prepared for the integration.
     #[error("interface \"{interface}\": {source}")]
     Law {
@@ -129,6 +137,15 @@ pub(crate) fn balanced(
         return Ok(());
     }
     Err(DynamicsError::Coarse { residual, step_s, limit: REFUSED_RESIDUAL, smaller })
+}
+
+/// Refuses a stack with a body that has a loss factor.
+pub(crate) fn check_bodies(stack: &Stack) -> Result<(), DynamicsError> {
+    let mut bodies = stack.bodies().iter();
+    match bodies.find(|body| body.damping().retardation_time().is_none()) {
+        Some(body) => Err(DynamicsError::LossFactor { body: body.name().to_owned() }),
+        None => Ok(()),
+    }
 }
 
 /// `value` if it is positive and finite.

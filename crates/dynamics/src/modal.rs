@@ -58,6 +58,7 @@ use std::sync::Arc;
 use asperity_mesh::ModeCount;
 use asperity_structure::PreloadedStructure;
 
+use crate::error::check_bodies;
 use crate::{DynamicsError, Excitation, InstructionSet, Sampling, Transient};
 
 pub use assembly::ModalModel;
@@ -136,7 +137,8 @@ impl Modal {
     /// ```
     ///
     /// # Errors
-    /// [`DynamicsError::Structure`] for a count of modes out of range, [`DynamicsError::Setting`]
+    /// [`DynamicsError::Structure`] for a count of modes out of range,
+    /// [`DynamicsError::LossFactor`] for a body with a loss factor, [`DynamicsError::Setting`]
     /// for a step or excitation out of range, more than 16 interfaces, or an instruction set
     /// that the machine lacks, [`DynamicsError::Law`] when a law cannot be tabulated,
     /// [`DynamicsError::Unstable`] when the numbers overflow or pressures leave every table,
@@ -162,6 +164,7 @@ impl Modal {
         sampling: &Sampling,
     ) -> Result<HitSimulation, DynamicsError> {
         excitation.check()?;
+        check_bodies(structure.stack())?;
         let modes = self.mode_count(structure.natural_frequency(), excitation);
         let rig = Arc::new(ModalModel::new(structure.reduced(modes)?)?);
         let duration = sampling.samples() as f64 * sampling.interval();

@@ -16,7 +16,8 @@ use crate::{Compliance, Receptance};
 /// -2 E A kappa tan(th / 2) for y,    2 E A kappa cot(th / 2) for z,
 /// ```
 ///
-/// with `kappa = sqrt(w^2 - i w h) / c` and `th = kappa L`, so that neither the inertia of a light
+/// with `kappa = sqrt(w^2 - i w h) / c` and `th = kappa L`, E and c being complex with internal damping,
+/// so that neither the inertia of a light
 /// or stiff bar nor its flexibility is a small difference of large numbers. With the closures
 /// `E^T u` the springs add `E K_0 E^T`; the sum S is solved for unit forces at the contacts and the
 /// driving point. Derivatives follow from `(S^-1)' = -S^-1 S' S^-1`, S' being diagonal.
@@ -114,23 +115,35 @@ struct Diagonal {
 }
 
 /// The entries of a bar under the damping rate h, for the mean of its ends and half their difference.
+///
+/// Internal damping has the modulus `E m`, `m = 1 + i loss(w)`, and `kappa = sqrt(s / m) / c`.
 fn bar(body: &Body, w: f64, h: f64) -> [Diagonal; 2] {
     let s = Complex64::new(w * w, -w * h);
-    let kappa = s.sqrt() / body.wave_speed();
+    let (m, m_slope) = complex_modulus(body, w);
+    let kappa = (s / m).sqrt() / body.wave_speed();
     let half = 0.5 * body.length();
     let tan = tangent(kappa * half);
-    let rigidity = 2.0 * body.axial_rigidity();
+    let rigidity = m * (2.0 * body.axial_rigidity());
     // d tan(kappa L / 2) / d kappa.
     let slope = half * (Complex64::ONE + tan * tan);
     let mean = (-rigidity * kappa * tan, -rigidity * (tan + kappa * slope));
     let difference =
         (rigidity * kappa / tan, rigidity * (Complex64::ONE - kappa * slope / tan) / tan);
-    let by_square = kappa / (2.0 * s);
+    // d kappa = kappa / 2 (ds / s - dm / m); the rigidity grows by dm / m too.
+    let (by_square, by_modulus) = (kappa / (2.0 * s), m_slope / m);
     [mean, difference].map(|(value, d_kappa)| Diagonal {
         value,
-        d_frequency: d_kappa * by_square * Complex64::new(2.0 * w, -h),
+        d_frequency: d_kappa * by_square * Complex64::new(2.0 * w, -h)
+            + by_modulus * (value - 0.5 * kappa * d_kappa),
         d_anti_damping: d_kappa * by_square * Complex64::new(0.0, w),
     })
+}
+
+/// The modulus of a bar over E at the angular frequency `w` \[rad/s\], `1 + i loss(w)`, and its
+/// derivative \[s\].
+pub(crate) fn complex_modulus(body: &Body, w: f64) -> (Complex64, Complex64) {
+    let damping = body.damping();
+    (Complex64::new(1.0, damping.loss(w)), Complex64::new(0.0, damping.loss_slope()))
 }
 
 /// `tan(x)`, without overflow for the strongly damped, whose imaginary part is negative, and

@@ -63,12 +63,14 @@ impl LinearSystem for PreloadedStructure<ComponentModes> {
         }
         into.direct = constant(residual.driving_point);
         for mode in self.component_modes().modes() {
-            let rate = mode.total_damping(self.damping_rate()) - anti_damping;
-            let value = Complex64::new(mode.angular_frequency.powi(2) - w * w, w * rate).inv();
+            let mass = if mode.massless { 0.0 } else { 1.0 };
+            let rate = mode.total_damping(self.damping_rate()) - mass * anti_damping;
+            let square = mode.angular_frequency.powi(2);
+            let value = Complex64::new(square - mass * w * w, w * rate).inv();
             let modal = Receptance {
                 value,
-                d_frequency: -value * value * Complex64::new(-2.0 * w, rate),
-                d_anti_damping: value * value * Complex64::new(0.0, w),
+                d_frequency: -value * value * Complex64::new(-2.0 * mass * w, rate),
+                d_anti_damping: value * value * Complex64::new(0.0, mass * w),
             };
             for row in 0..n {
                 for column in 0..n {

@@ -4,7 +4,7 @@ use asperity_mesh::{Body, ComponentModes, ModeCount, Support};
 use asperity_structure::{PreloadedStructure, StructureError};
 use num_complex::Complex64;
 
-use crate::bars_on_springs;
+use crate::bars_on_springs::{self, complex_modulus};
 use crate::{Compliance, HarmonicError, LinearSystem, MeanBalance, Receptance};
 
 /// Exact at every frequency; contacts are not included.
@@ -16,7 +16,8 @@ use crate::{Compliance, HarmonicError, LinearSystem, MeanBalance, Receptance};
 /// direct = -cot(th) / (E A kappa),    cross = -1 / (E A kappa sin(th)),
 /// ```
 ///
-/// which turn into the rigid body's `-1 / (m s)` at low frequency. Interface i lies between the
+/// with `kappa = sqrt(s / m) / c` and the rigidity `E A m` under internal damping, `m = 1 + i b w` or
+/// `1 + i eta`. They turn into the rigid body's `-1 / (m s)` at low frequency. Interface i lies between the
 /// lower end of bar i and the upper end of bar i + 1 or the support, so the compliance is
 /// tridiagonal. A spring-mass support has `1 / (k - w^2 m + i w c)`, its damper being its own.
 impl LinearSystem for PreloadedStructure {
@@ -87,7 +88,8 @@ fn support(support: &Support, w: f64, anti_damping: f64) -> Receptance {
 /// Direct and cross end receptances of a free bar under the damping rate h.
 fn free_bar(body: &Body, w: f64, rate: f64) -> (Receptance, Receptance) {
     let s = Complex64::new(w * w, -w * rate);
-    let kappa = s.sqrt() / body.wave_speed();
+    let (modulus, modulus_slope) = complex_modulus(body, w);
+    let kappa = (s / modulus).sqrt() / body.wave_speed();
     let th = kappa * body.length();
     // exp(-i th) shrinks where damping makes th complex, so nothing overflows. With
     // `wave = 1 - exp(-2 i th)`: cot = i (2 - wave) / wave, 1 / sin = 2 i exp(-i th) / wave.
@@ -96,7 +98,7 @@ fn free_bar(body: &Body, w: f64, rate: f64) -> (Receptance, Receptance) {
     let i = Complex64::new(0.0, 1.0);
     let cot = i * (Complex64::new(2.0, 0.0) - wave) / wave;
     let cosec = 2.0 * i * turn / wave;
-    let flexibility = (kappa * body.axial_rigidity()).inv();
+    let flexibility = (kappa * modulus * body.axial_rigidity()).inv();
     let length = Complex64::new(body.length(), 0.0);
     let (direct, cross) = (-cot * flexibility, -cosec * flexibility);
     // By kappa: -(cot)' / (E A kappa) = L / sin^2, and the like; each also falls as 1 / kappa.
@@ -104,9 +106,10 @@ fn free_bar(body: &Body, w: f64, rate: f64) -> (Receptance, Receptance) {
     let cross_slope = flexibility * length * cosec * cot - cross / kappa;
     let by_square = kappa / (2.0 * s);
     let (d_frequency, d_anti_damping) = (Complex64::new(2.0 * w, -rate), Complex64::new(0.0, w));
-    let receptance = |value, slope: Complex64| Receptance {
+    let by_modulus = modulus_slope / modulus;
+    let receptance = |value: Complex64, slope: Complex64| Receptance {
         value,
-        d_frequency: slope * by_square * d_frequency,
+        d_frequency: slope * by_square * d_frequency - by_modulus * (value + 0.5 * kappa * slope),
         d_anti_damping: slope * by_square * d_anti_damping,
     };
     (receptance(direct, direct_slope), receptance(cross, cross_slope))

@@ -11,7 +11,8 @@
 //! its eigenvalues are the multipliers, as many as there are states. The motion is stable if all lie
 //! within the unit circle. Damped contacts, of traction `t(x, x')`, have the tangents `S dt/dx`, and
 //! add `Phi^T C(t) Phi q'` with the dampers `C_c = diag(S dt/dx')`; both are zero where the faces
-//! carry nothing.
+//! carry nothing. Bodies with internal damping add `K D K`, D being the retardation of the flexibility
+//! R.
 //!
 //! | module | holds |
 //! |---|---|
@@ -98,8 +99,8 @@ impl<'a> FloquetSolver<'a> {
         let modes = system.linear().lowest_modes(floquet.modes)?;
         let mut variation =
             VariationalEquation::new(&modes, system.linear().mass_damping(), &springs);
-        // Dampers of the contacts couple the rates of the modes.
-        let undamped = !system.is_damped();
+        // Dampers of the contacts, and of static modes, couple the rates of the others.
+        let undamped = !system.is_damped() && !variation.is_retarded();
         let splitting = undamped.then(|| Splitting::new(&mut variation, &springs)).flatten();
         let (integration, places) = splitting.map_or_else(
             || (Integration::RungeKutta(RungeKutta::default()), &runge_kutta::PLACES[..]),
@@ -119,8 +120,10 @@ impl<'a> FloquetSolver<'a> {
         // The steps of the motion before resolve most motions; they are counted again for this one.
         self.period.sample(self.system, closures, angular_frequency, self.steps);
         let fastest = self.variation.highest_frequency(self.period.stiffest());
-        let damped = self.variation.highest_damping(self.period.strongest_damper());
-        let fastest = if self.system.is_damped() { fastest.max(damped) } else { fastest };
+        let damper = self.period.strongest_damper();
+        let damped = self.variation.highest_damping(damper, self.period.stiffest());
+        let coupled = self.system.is_damped() || self.variation.is_retarded();
+        let fastest = if coupled { fastest.max(damped) } else { fastest };
         let lost = self.period.contact_lost();
         let steps = self.integration.steps(fastest, angular_frequency, lost)?;
         if steps != self.steps {

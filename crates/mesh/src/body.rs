@@ -2,9 +2,10 @@
 
 use asperity_law::Friction;
 
+use crate::BodyDamping;
 use crate::error::{MeshError, positive};
 
-/// An elastic bar in longitudinal motion: length, section, modulus, density.
+/// An elastic bar in longitudinal motion: length, section, modulus, density, internal damping.
 ///
 /// The paper's Table 2 gives a mass that differs from density times section times length (see the
 /// decision record on the equivalent model): a bar built [`with_mass`](Body::with_mass) has the
@@ -26,6 +27,7 @@ pub struct Body {
     youngs_modulus: f64,
     density: f64,
     friction: Option<Friction>,
+    damping: BodyDamping,
 }
 
 impl Body {
@@ -48,6 +50,7 @@ impl Body {
             youngs_modulus: positive(name, "Young's modulus [Pa]", youngs_modulus)?,
             density: positive(name, "density [kg/m3]", density)?,
             friction: None,
+            damping: BodyDamping::NONE,
         };
         positive(name, "mass [kg]", body.mass())?;
         positive(name, "wave speed over length [1/s]", body.wave_speed() / length)?;
@@ -84,6 +87,17 @@ impl Body {
     /// The friction element between the bar and its guide, if there is any.
     pub fn friction(&self) -> Option<Friction> {
         self.friction
+    }
+
+    /// The same bar with this internal damping.
+    #[must_use]
+    pub fn with_damping(self, damping: BodyDamping) -> Self {
+        Self { damping, ..self }
+    }
+
+    /// Internal damping.
+    pub fn damping(&self) -> BodyDamping {
+        self.damping
     }
 
     /// Name, for messages and outputs.

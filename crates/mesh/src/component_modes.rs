@@ -13,6 +13,9 @@ pub struct NormalMode {
     pub mass_damped: bool,
     /// Damping rate of its own \[1/s\], beyond mass-proportional damping.
     pub damping_rate: f64,
+    /// True if its inertia is neglected, `c q' + w^2 q = force`: the damped flexibility of modes left
+    /// out.
+    pub massless: bool,
     /// Shape at the driving point \[kg^-1/2\].
     pub drive: f64,
     /// Shape at the output \[kg^-1/2\].
@@ -34,9 +37,16 @@ impl NormalMode {
     /// A mode of `angular_frequency` \[rad/s\] under mass-proportional damping, of shape `drive` at
     /// the driving point, which is also the output, and `closure` at the contact pairs \[kg^-1/2\].
     pub fn elastic(angular_frequency: f64, drive: f64, closure: Vec<f64>) -> Self {
-        let (mass_damped, damping_rate) = (true, 0.0);
-        let guide = Vec::new();
-        Self { angular_frequency, mass_damped, damping_rate, drive, output: drive, closure, guide }
+        Self {
+            angular_frequency,
+            mass_damped: true,
+            damping_rate: 0.0,
+            massless: false,
+            drive,
+            output: drive,
+            closure,
+            guide: Vec::new(),
+        }
     }
 
     /// Damping rate of the mode \[1/s\] under the mass-proportional damping `mass_damping` \[1/s\].
@@ -106,7 +116,8 @@ impl ResidualFlexibility {
 /// output    = sum_n o_n q_n + r_o f - sum_j s_j F_j
 /// ```
 ///
-/// with the residual flexibilities `R`, `r`, `s` of all modes left out. The modes come from bars in
+/// with the residual flexibilities `R`, `r`, `s` of all modes left out; a massless mode lacks the term
+/// `q_n''`. The modes come from bars in
 /// closed form, from [matrices](ComponentModes::from_matrices), or from elsewhere.
 ///
 /// ```
@@ -158,6 +169,11 @@ impl ComponentModes {
     /// top down, whose displacement is the mean of the bar's: that of its rigid mode. The flexibility of all elastic modes is
     /// `L / (3 E A)` at a face and `-L / (6 E A)` across.
     ///
+    /// With the retardation time b of a body its modes have the damping rate `b w_n^2` of their own, and
+    /// the flexibility left out is that of two massless modes, one symmetric and one antisymmetric, of
+    /// the same retardation time. A loss factor is replaced by viscous damping of the same ratio at
+    /// each mode, `eta w_n`; its flexibility left out has no loss.
+    ///
     /// # Errors
     /// [`MeshError::ModeCount`] when `modes` asks for none or too many.
     pub fn of_stack(stack: &Stack, modes: ModeCount) -> Result<Self, MeshError> {
@@ -197,7 +213,34 @@ impl ComponentModes {
                 // The mean displacement of an elastic mode of a free bar is zero.
                 let mean = |&body: &usize| if body == i && n == 0 { shape } else { 0.0 };
                 let guide = guided.iter().map(mean).collect();
-                modes.push(NormalMode { guide, ..NormalMode::elastic(w, at_top, closure) });
+                let mode = NormalMode::elastic(w, at_top, closure);
+                let damping_rate = w * body.damping().loss(w);
+                modes.push(NormalMode { guide, damping_rate, ..mode });
+            }
+            let time = body.damping().retardation_time().unwrap_or(0.0);
+            if time > 0.0 {
+                // Both ends move alike in even modes and against each other in odd ones.
+                for (flexibility, sign) in
+                    [(0.5 * (same + across), 1.0), (0.5 * (same - across), -1.0)]
+                {
+                    let w = kept as f64 * first;
+                    let shape = w * flexibility.max(0.0).sqrt();
+                    let mut closure = vec![0.0; interfaces];
+                    closure[i] = sign * shape;
+                    if i > 0 {
+                        closure[i - 1] = -shape;
+                    }
+                    let mode = NormalMode::elastic(w, if i == 0 { shape } else { 0.0 }, closure);
+                    let damping_rate = time * w * w;
+                    modes.push(NormalMode {
+                        guide: vec![0.0; guided.len()],
+                        damping_rate,
+                        massless: true,
+                        mass_damped: false,
+                        ..mode
+                    });
+                }
+                continue;
             }
             residual.closure[i][i] += same;
             if i == 0 {
@@ -216,6 +259,7 @@ impl ComponentModes {
                 angular_frequency: (stiffness / mass).sqrt(),
                 mass_damped: false,
                 damping_rate: stack.support().damping() / mass,
+                massless: false,
                 drive: 0.0,
                 output: 0.0,
                 closure,

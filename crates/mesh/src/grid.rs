@@ -17,6 +17,7 @@ pub struct BarGrid {
     cell_mass: f64,
     cell_stiffness: f64,
     wave_speed: f64,
+    retardation_time: f64,
 }
 
 impl BarGrid {
@@ -31,6 +32,7 @@ impl BarGrid {
             cell_mass: body.density() * body.section() * cell_length,
             cell_stiffness: body.axial_rigidity() / cell_length,
             wave_speed: body.wave_speed(),
+            retardation_time: body.damping().retardation_time().unwrap_or(0.0),
         }
     }
 
@@ -64,9 +66,25 @@ impl BarGrid {
         self.cell_stiffness
     }
 
-    /// Longest stable step of this grid, `dx / c` \[s\] (Eq. 3).
-    pub fn critical_step(&self) -> f64 {
+    /// Time in which a wave crosses a cell, `dx / c` \[s\].
+    pub fn crossing_time(&self) -> f64 {
         self.cell_length / self.wave_speed
+    }
+
+    /// Retardation time b of the body's Kelvin-Voigt damping \[s\].
+    pub fn retardation_time(&self) -> f64 {
+        self.retardation_time
+    }
+
+    /// Longest stable step of this grid \[s\]: `dx / c` without internal damping (Eq. 3), with it the
+    /// root of `dt^2 + 2 b dt = (dx / c)^2`.
+    ///
+    /// The highest frequency of the grid is `w = 2 c / dx`. With the one-sided difference of the
+    /// velocity its motion has `z^2 - (2 - w^2 dt^2 - b w^2 dt) z + 1 - b w^2 dt = 0`, which reaches
+    /// `z = -1` there.
+    pub fn critical_step(&self) -> f64 {
+        let (crossing, b) = (self.crossing_time(), self.retardation_time);
+        crossing * (crossing / (b + b.hypot(crossing)))
     }
 }
 
@@ -129,7 +147,7 @@ impl Grid {
     }
 
     /// Longest step at which the explicit scheme is stable \[s\]: the smallest
-    /// `dx / c` of the bodies (Eq. 3), and `2 / w` of a spring-mass support.
+    /// [critical step](BarGrid::critical_step) of the bodies, and `2 / w` of a spring-mass support.
     pub fn critical_step(&self) -> f64 {
         self.critical_step
     }
@@ -193,6 +211,26 @@ mod tests {
         let support = Support::SpringMass { stiffness: 1e12, mass: 1e-3, damping_ratio: 0.0 };
         let grid = Grid::new(&stack(support), 1e-3).unwrap();
         assert!((grid.critical_step() - 2.0 * (1e-15_f64).sqrt()).abs() < 1e-20);
+    }
+
+    /// The highest motion of the grid, of frequency 2 c / dx, neither grows below the critical step nor
+    /// decays above it.
+    #[test]
+    fn internal_damping_shortens_the_critical_step() {
+        for b in [1e-9, 1e-7, 1e-6, 1e-4] {
+            let damping = crate::BodyDamping::kelvin_voigt(b).unwrap();
+            let stack = stack(Support::Rigid).with_body_damping(damping);
+            let bar = Grid::new(&stack, 1e-3).unwrap().bars()[0].clone();
+            let largest = |step: f64| {
+                let stretch = 4.0 * (step / bar.crossing_time()).powi(2);
+                let (p, q) = (2.0 - stretch * (1.0 + b / step), 1.0 - stretch * b / step);
+                let root = p * p - 4.0 * q;
+                if root < 0.0 { q.sqrt() } else { 0.5 * (p.abs() + root.sqrt()) }
+            };
+            let critical = bar.critical_step();
+            assert!(critical < bar.crossing_time());
+            assert!(largest(0.999 * critical) < 1.0 && largest(1.001 * critical) > 1.0, "{b}");
+        }
     }
 
     #[test]

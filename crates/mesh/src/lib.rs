@@ -8,6 +8,7 @@
 //! rho A (u'' + h u' - g) = d/dx (E A du/dx)
 //! ```
 //!
+//! with E the operator `E (1 + b d/dt)` where it has [`BodyDamping`],
 //! and each interface carries a pressure that depends on its closure by an
 //! `asperity_law::ContactLaw`. Solvers use a stack on a [`Grid`], or the [`ComponentModes`] of any
 //! structure: of bars in closed form, of mass and stiffness matrices, or given as numbers.
@@ -15,6 +16,7 @@
 //! | module | holds |
 //! |---|---|
 //! | [`body`] | one elastic bar: mass, wave speed, impedance |
+//! | [`body_damping`] | internal damping of a body: Kelvin-Voigt, loss factor |
 //! | [`stack`] | the chain of bodies and interfaces, and the weight on each contact |
 //! | [`grid`] | the finite-difference grid with half-cell ends, and its stability limit |
 //! | [`component_modes`] | free-interface modes with residual flexibility |
@@ -46,6 +48,7 @@
 
 pub mod bar_stiffness;
 pub mod body;
+pub mod body_damping;
 pub mod component_modes;
 pub mod error;
 pub mod grid;
@@ -55,6 +58,7 @@ pub mod stack;
 
 pub use bar_stiffness::BarStiffness;
 pub use body::Body;
+pub use body_damping::BodyDamping;
 pub use component_modes::{ComponentModes, NormalMode, ResidualFlexibility};
 pub use error::MeshError;
 pub use grid::{BarGrid, Grid};

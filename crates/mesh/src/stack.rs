@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use asperity_law::{ContactDamping, ContactLaw, Friction};
 
-use crate::Body;
 use crate::error::{MeshError, not_negative, positive};
+use crate::{Body, BodyDamping};
 
 /// A rough contact: name, nominal area, the law of its pressure, and damping and friction, if it has
 /// any.
@@ -130,6 +130,13 @@ pub struct Stack {
 }
 
 impl Stack {
+    /// The same stack with this internal damping of every body.
+    #[must_use]
+    pub fn with_body_damping(self, damping: BodyDamping) -> Self {
+        let bodies = self.bodies.into_iter().map(|body| body.with_damping(damping)).collect();
+        Self { bodies, ..self }
+    }
+
     /// A stack under `gravity` \[m/s2\], bodies and interfaces from the top down.
     ///
     /// # Errors

@@ -1,16 +1,21 @@
-//! Viscous damping of the bodies.
+//! Damping of the bodies.
+
+use std::f64::consts::TAU;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Viscous damping of the bodies.
-///
-/// In JSON the amount is given by exactly one of `ratio` and `rate_per_s`.
+/// Damping of the bodies.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(try_from = "DampingKeys", into = "DampingKeys")]
 pub enum DampingSpec {
     /// Force `h rho A u'` per length on every body: h times its momentum per length.
     MassProportional(DampingAmount),
+    /// Rayleigh damping, `C = a M + b K` of every body.
+    Rayleigh(RayleighSpec),
+    /// Modulus `E (1 + i eta)` of every body in harmonic vibration, with the loss factor eta; steady
+    /// responses and linearised modes only.
+    LossFactor(f64),
 }
 
 /// Amount of mass-proportional damping.
@@ -22,7 +27,59 @@ pub enum DampingAmount {
     RatePerS(f64),
 }
 
-/// Viscous damping of the bodies.
+/// Coefficients of Rayleigh damping.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum RayleighSpec {
+    /// The coefficients themselves.
+    Coefficients {
+        /// Mass-proportional damping rate a in 1/s.
+        rate_per_s: f64,
+        /// Stiffness-proportional retardation time b in s.
+        time_s: f64,
+    },
+    /// The damping ratios of free modes of the bodies at two frequencies.
+    Ratios([RatioAtFrequency; 2]),
+}
+
+/// A damping ratio at a frequency.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RatioAtFrequency {
+    /// Frequency in Hz.
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    pub frequency_hz: f64,
+    /// Damping ratio there.
+    #[schemars(range(min = 0.0))]
+    pub ratio: f64,
+}
+
+impl RayleighSpec {
+    /// The coefficients a \[1/s\] and b \[s\] of `zeta = a / (2 w) + b w / 2`: with the ratios given,
+    ///
+    /// ```text
+    /// b = 2 (zeta2 w2 - zeta1 w1) / (w2^2 - w1^2),    a = 2 w1 w2 (zeta1 w2 - zeta2 w1) / (w2^2 - w1^2).
+    /// ```
+    ///
+    /// Not finite for two equal frequencies.
+    pub fn coefficients(&self) -> (f64, f64) {
+        match *self {
+            Self::Coefficients { rate_per_s, time_s } => (rate_per_s, time_s),
+            Self::Ratios([first, second]) => {
+                let [w1, w2] = [first, second].map(|at| TAU * at.frequency_hz);
+                let scale = 2.0 / ((w2 - w1) * (w2 + w1));
+                // Ratios of purely mass- or stiffness-proportional damping have an exact zero.
+                let difference = |a: f64, b: f64| {
+                    if (a - b).abs() <= 1e-12 * (a + b) { 0.0 } else { a - b }
+                };
+                let mass = difference(first.ratio * w2, second.ratio * w1) * w1 * w2;
+                let stiffness = difference(second.ratio * w2, first.ratio * w1);
+                (scale * mass, scale * stiffness)
+            }
+        }
+    }
+}
+
+/// Damping of the bodies.
 #[derive(Clone, Copy, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
 #[schemars(rename = "DampingSpec")]
@@ -41,28 +98,73 @@ enum DampingKeys {
         #[schemars(range(min = 0.0))]
         rate_per_s: Option<f64>,
     },
+    /// Rayleigh damping of every body, C = a M + b K, with exactly one of `time_s` and ratios: a free
+    /// mode has the damping ratio a / (2 w) + b w / 2. Contacts have their own damping.
+    #[schemars(extend("oneOf" = [{"required": ["time_s"]}, {"required": ["ratios"]}]))]
+    Rayleigh {
+        /// Mass-proportional damping rate a in 1/s, beside `time_s`; 0 when left out.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(range(min = 0.0))]
+        rate_per_s: Option<f64>,
+        /// Stiffness-proportional retardation time b in s; give this or ratios.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(range(min = 0.0))]
+        time_s: Option<f64>,
+        /// Damping ratios at two frequencies; give this or `time_s`.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        ratios: Option<[RatioAtFrequency; 2]>,
+    },
+    /// Hysteretic damping of every body, of steady responses and linearised modes only.
+    LossFactor {
+        /// Loss factor eta: a free mode has the damping ratio eta / 2.
+        #[schemars(range(min = 0.0))]
+        loss_factor: f64,
+    },
 }
 
 impl TryFrom<DampingKeys> for DampingSpec {
     type Error = &'static str;
 
     fn try_from(keys: DampingKeys) -> Result<Self, Self::Error> {
-        let DampingKeys::MassProportional { ratio, rate_per_s } = keys;
-        match (ratio, rate_per_s) {
-            (Some(xi), None) => Ok(Self::MassProportional(DampingAmount::Ratio(xi))),
-            (None, Some(h)) => Ok(Self::MassProportional(DampingAmount::RatePerS(h))),
-            _ => Err("mass_proportional damping needs exactly one of ratio and rate_per_s"),
+        match keys {
+            DampingKeys::MassProportional { ratio, rate_per_s } => match (ratio, rate_per_s) {
+                (Some(xi), None) => Ok(Self::MassProportional(DampingAmount::Ratio(xi))),
+                (None, Some(h)) => Ok(Self::MassProportional(DampingAmount::RatePerS(h))),
+                _ => Err("mass_proportional damping needs exactly one of ratio and rate_per_s"),
+            },
+            DampingKeys::Rayleigh { rate_per_s, time_s, ratios } => {
+                match (rate_per_s, time_s, ratios) {
+                    (rate, Some(time_s), None) => Ok(Self::Rayleigh(RayleighSpec::Coefficients {
+                        rate_per_s: rate.unwrap_or(0.0),
+                        time_s,
+                    })),
+                    (None, None, Some(ratios)) => Ok(Self::Rayleigh(RayleighSpec::Ratios(ratios))),
+                    _ => {
+                        Err("rayleigh damping needs time_s, with or without rate_per_s, or ratios")
+                    }
+                }
+            }
+            DampingKeys::LossFactor { loss_factor } => Ok(Self::LossFactor(loss_factor)),
         }
     }
 }
 
 impl From<DampingSpec> for DampingKeys {
     fn from(damping: DampingSpec) -> Self {
-        let DampingSpec::MassProportional(amount) = damping;
-        let (ratio, rate_per_s) = match amount {
-            DampingAmount::Ratio(xi) => (Some(xi), None),
-            DampingAmount::RatePerS(h) => (None, Some(h)),
-        };
-        Self::MassProportional { ratio, rate_per_s }
+        match damping {
+            DampingSpec::MassProportional(DampingAmount::Ratio(xi)) => {
+                Self::MassProportional { ratio: Some(xi), rate_per_s: None }
+            }
+            DampingSpec::MassProportional(DampingAmount::RatePerS(h)) => {
+                Self::MassProportional { ratio: None, rate_per_s: Some(h) }
+            }
+            DampingSpec::Rayleigh(RayleighSpec::Coefficients { rate_per_s, time_s }) => {
+                Self::Rayleigh { rate_per_s: Some(rate_per_s), time_s: Some(time_s), ratios: None }
+            }
+            DampingSpec::Rayleigh(RayleighSpec::Ratios(ratios)) => {
+                Self::Rayleigh { rate_per_s: None, time_s: None, ratios: Some(ratios) }
+            }
+            DampingSpec::LossFactor(loss_factor) => Self::LossFactor { loss_factor },
+        }
     }
 }

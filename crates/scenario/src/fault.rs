@@ -121,6 +121,14 @@ pub enum Fault {
         /// Stiffness `C p^m` at the transition in Pa/m.
         transition_stiffness_pa_per_m: f64,
     },
+    /// Damping ratios that no damping of their kind has.
+    #[error("the ratios would need {quantity} = {}", four_digits(*value))]
+    NegativeDamping {
+        /// Coefficient that would be negative or infinite.
+        quantity: &'static str,
+        /// Its value.
+        value: f64,
+    },
     /// Quantity derived from the scenario that is zero or exceeds the range of numbers.
     #[error("{quantity} evaluates to {}", number(*value))]
     Degenerate {

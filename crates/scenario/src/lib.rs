@@ -35,7 +35,7 @@
 //!
 //! | step | items |
 //! |---|---|
-//! | data | [`Scenario`], [`BodySpec`], [`InterfaceSpec`], [`LawSpec`], [`SupportSpec`], [`DampingSpec`], [`ContactDampingSpec`], [`ExcitationSpec`], [`MethodSpec`] |
+//! | data | [`Scenario`], [`BodySpec`], [`InterfaceSpec`], [`LawSpec`], [`SupportSpec`], [`DampingSpec`], [`RayleighSpec`], [`ContactDampingSpec`], [`ExcitationSpec`], [`MethodSpec`] |
 //! | text | [`Document`], [`JsonPointer`], [`set_value`], [`open_input`], [`SyntaxError`] |
 //! | checks | [`scenario_schema`], [`check_schema`], [`validate`], [`validate_json`] |
 //! | faults | [`InvalidDocument`], [`Diagnostic`], [`Fault`] |
@@ -65,7 +65,7 @@ mod wording;
 
 pub use body::{BodySpec, SectionSpec};
 pub use contact_damping::ContactDampingSpec;
-pub use damping::{DampingAmount, DampingSpec};
+pub use damping::{DampingAmount, DampingSpec, RatioAtFrequency, RayleighSpec};
 pub use diagnostic::{Diagnostic, InvalidDocument, MAX_FAULTS};
 pub use document::{Document, DocumentError, MAX_DOCUMENT_BYTES};
 pub use excitation::ExcitationSpec;

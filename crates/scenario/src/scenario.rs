@@ -54,7 +54,7 @@ pub struct Scenario {
     /// Contact laws by name, to be shared by interfaces.
     #[serde(default, skip_serializing_if = "Laws::is_empty")]
     pub laws: Laws,
-    /// Viscous damping of the bodies.
+    /// Damping of the bodies.
     pub damping: DampingSpec,
     /// Force on the top of the stack.
     #[serde(default)]

@@ -3,6 +3,7 @@
 //! They are checked on the JSON value. Values that the schema rejects are skipped, so one pass
 //! reports the faults of both.
 
+mod damping;
 mod extent;
 mod laws;
 mod names;
@@ -60,6 +61,7 @@ pub(crate) fn check(scenario: &Value, folder: &Path) -> Vec<Diagnostic> {
     interface_count(&root, &mut found);
     names::check(&root, &mut found);
     laws::check(&root, &mut found);
+    damping::check(&root, &mut found);
     extent::check(&root, &mut found);
     samples(&root, folder, &mut found);
     found

@@ -13,10 +13,11 @@ use crate::{PreloadedContact, StructureError};
 pub struct LinearisedMode {
     /// Natural frequency \[Hz\].
     pub frequency_hz: f64,
-    /// Damping ratio under mass-proportional damping, the contacts' dampers `c(p0) S` and that of
-    /// the support, `phi^T C phi / (2 w phi^T M phi)`. Kelvin-Voigt contacts add `beta w / 2` times
-    /// their share of the strain energy. Of first order in the damping: damping that couples the
-    /// modes changes their ratios by its square.
+    /// Damping ratio under mass-proportional damping, the internal damping of bodies, the contacts'
+    /// dampers `c(p0) S` and that of the support, `phi^T C phi / (2 w phi^T M phi)`. Kelvin-Voigt
+    /// contacts and bodies add `beta w / 2` times their share of the strain energy, bodies with a loss
+    /// factor `eta / 2` times it. Of first order in the damping: damping that couples the modes
+    /// changes their ratios by its square.
     pub damping_ratio: f64,
     /// Displacement of the upper and lower face of each body, the largest of
     /// all faces and the support being 1.
@@ -156,7 +157,13 @@ impl<'a> Chain<'a> {
             let below = shape.get(2 * i + 2).copied().unwrap_or(0.0);
             contact.damper() * (shape[2 * i + 1] - below).powi(2)
         });
+        let internal: f64 = bodies
+            .iter()
+            .zip(&faces)
+            .map(|(body, &ends)| body.damping().loss(w) / w * strain_stiffness(body, w, ends))
+            .sum();
         let viscous = rate * body_mass
+            + internal
             + self.stack.support().damping() * support * support
             + dampers.sum::<f64>();
         let total_mass = body_mass + support_mass * support * support;
@@ -180,4 +187,22 @@ fn modal_mass(body: &Body, w: f64, (a, b): (f64, f64)) -> f64 {
     let own = 0.5 - (2.0 * th).sin() / (4.0 * th);
     let mixed = sin / th - th.cos();
     body.mass() * ((a * a + b * b) * own + a * b * mixed) / (sin * sin)
+}
+
+/// `integral of E A u'^2 dx` over a bar that vibrates at `w` with the end displacements `(a, b)`, in
+/// closed form: the sum of those of the motion symmetric about its middle and of the antisymmetric
+/// one, neither of which cancels.
+fn strain_stiffness(body: &Body, w: f64, (a, b): (f64, f64)) -> f64 {
+    let th = w * body.length() / body.wave_speed();
+    // 1 - sin(th) / th.
+    let flat = if th < 1e-2 {
+        th * th / 6.0 * (1.0 - th * th / 20.0 * (1.0 - th * th / 42.0))
+    } else {
+        1.0 - th.sin() / th
+    };
+    let (sin, cos) = (0.5 * th).sin_cos();
+    let (mean, half) = (0.5 * (a + b), 0.5 * (b - a));
+    let symmetric = flat * (mean * th / cos).powi(2);
+    let antisymmetric = (2.0 - flat) * (half * th / sin).powi(2);
+    0.5 * body.axial_rigidity() / body.length() * (symmetric + antisymmetric)
 }

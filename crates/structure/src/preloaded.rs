@@ -16,7 +16,7 @@ use crate::{Damping, Guide, LinearisedMode, PreloadedContact, StructureError};
 const MOST_MODE_WORK: f64 = 1e11;
 
 /// A structure in static equilibrium: mesh, contacts at rest, guides with friction, and
-/// mass-proportional damping.
+/// mass-proportional damping beside the internal damping of its bodies.
 ///
 /// Friction carries nothing at rest. Linearised modes and natural frequencies are those without it:
 /// of elements that slip all the time.
@@ -231,7 +231,11 @@ fn lowest_frequency(
     contacts: &[PreloadedContact],
 ) -> Result<f64, StructureError> {
     check_springs(contacts)?;
-    let (residual, modes) = (modes.residual(), modes.modes());
+    let mut residual = modes.residual().clone();
+    let (massless, modes): (Vec<_>, Vec<_>) = modes.modes().iter().partition(|mode| mode.massless);
+    for mode in massless {
+        residual.add(mode);
+    }
     let n = contacts.len();
     let flexibility = Mat::from_fn(n, n, |i, j| {
         residual.closure[i][j] + if i == j { 1.0 / contacts[i].spring() } else { 0.0 }

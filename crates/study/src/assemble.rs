@@ -10,7 +10,7 @@ use asperity_law::{
     Constant, ContactDamping, ContactLaw, Exponential, Friction, GreenwoodWilliamson, Hyperbolic,
     InSeries, ModifiedPower, Persson, Power, Tabulated,
 };
-use asperity_mesh::{Body, Interface, Stack, Support};
+use asperity_mesh::{Body, BodyDamping, Interface, Stack, Support};
 use asperity_structure::{Damping, PreloadedStructure, StructureError};
 
 use crate::accuracy::DEFAULT_ACCURACY;
@@ -43,13 +43,10 @@ impl Assembly {
     /// # Errors
     /// [`StudyError`] when a part cannot be built or there is no static equilibrium.
     pub fn new(scenario: &Scenario, folder: &Path) -> Result<Self, StudyError> {
-        let DampingSpec::MassProportional(amount) = scenario.damping;
-        let damping = match amount {
-            DampingAmount::Ratio(ratio) => Damping::Ratio(ratio),
-            DampingAmount::RatePerS(rate) => Damping::Rate(rate),
-        };
+        let (damping, internal) = body_damping(scenario.damping)?;
+        let stack = stack(scenario)?.with_body_damping(internal);
         Ok(Self {
-            structure: PreloadedStructure::new(stack(scenario)?, damping)?,
+            structure: PreloadedStructure::new(stack, damping)?,
             excitation: excitation(&scenario.excitation, folder)?,
             sampling: Sampling::new(scenario.duration_s, scenario.output_rate_hz)?,
             method: integrator(scenario.method),
@@ -109,6 +106,24 @@ fn stack(scenario: &Scenario) -> Result<Stack, StudyError> {
     };
     let stack = Stack::new(bodies, interfaces, support, scenario.gravity_m_per_s2);
     Ok(stack.map_err(StructureError::from)?)
+}
+
+/// The mass-proportional and the internal damping of the bodies.
+fn body_damping(spec: DampingSpec) -> Result<(Damping, BodyDamping), StudyError> {
+    let (mass, internal) = match spec {
+        DampingSpec::MassProportional(DampingAmount::Ratio(ratio)) => {
+            (Damping::Ratio(ratio), Ok(BodyDamping::NONE))
+        }
+        DampingSpec::MassProportional(DampingAmount::RatePerS(rate)) => {
+            (Damping::Rate(rate), Ok(BodyDamping::NONE))
+        }
+        DampingSpec::Rayleigh(rayleigh) => {
+            let (rate, time) = rayleigh.coefficients();
+            (Damping::Rate(rate), BodyDamping::kelvin_voigt(time))
+        }
+        DampingSpec::LossFactor(factor) => (Damping::Rate(0.0), BodyDamping::loss_factor(factor)),
+    };
+    Ok((mass, internal.map_err(StructureError::from)?))
 }
 
 /// The damping of the interface `name`.

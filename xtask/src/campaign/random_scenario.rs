@@ -72,14 +72,14 @@ fn attempt_one(draw: &mut Draw, seed: u64, number: u64) -> Option<RandomScenario
     let mut scenario = stack(draw, seed, number);
     // The structure at rest gives the time scale; no samples file is read for it.
     let natural = Assembly::new(&scenario, Path::new("")).ok()?.structure.natural_frequency()?;
-    let ratio = match scenario.damping {
-        DampingSpec::MassProportional(DampingAmount::Ratio(ratio)) => ratio,
-        DampingSpec::MassProportional(DampingAmount::RatePerS(_)) => {
-            let ratio = draw.log_uniform(1e-3, 0.1);
-            let rate = rounded(2.0 * ratio * std::f64::consts::TAU * natural);
-            scenario.damping = DampingSpec::MassProportional(DampingAmount::RatePerS(rate));
-            ratio
-        }
+    let ratio = if let DampingSpec::MassProportional(DampingAmount::Ratio(ratio)) = scenario.damping
+    {
+        ratio
+    } else {
+        let ratio = draw.log_uniform(1e-3, 0.1);
+        let rate = rounded(2.0 * ratio * std::f64::consts::TAU * natural);
+        scenario.damping = DampingSpec::MassProportional(DampingAmount::RatePerS(rate));
+        ratio
     };
     let period = 1.0 / natural;
     let (excitation, samples, pulse) = excitation(draw, &scenario, period, seed, number);

@@ -90,7 +90,7 @@ impl WithSimd for Plain<'_> {
 
 impl Bar {
     fn new(grid: &BarGrid, step: f64, rate: f64) -> Self {
-        let (a1, a2) = ((step / grid.critical_step()).powi(2), rate * step);
+        let (a1, a2) = ((step / grid.crossing_time()).powi(2), rate * step);
         let swept = (grid.nodes() - 2).next_multiple_of(GROUP);
         let states = [(); 2].map(|()| vec![0.0; swept + 3 * LINE]);
         let start = |state: &Vec<f64>| state.as_ptr().align_offset(LINE * size_of::<f64>());

@@ -6,7 +6,8 @@
 //! the first and last vector need a lane rotation. A sweep costs two loads, one
 //! store, an addition and three multiply-adds per vector; no load is unaligned.
 //! The grid makes the node count a multiple of every `W`, so the first node is
-//! the first lane of the first vector and the last the last of the last.
+//! the first lane of the first vector and the last the last of the last. Internal damping costs two
+//! loads and two operations more.
 //!
 //! The two states of the leapfrog lie in two buffers. Step number `m` reads
 //! buffer `m % 2` and overwrites the other; the parity is a constant of the
@@ -41,6 +42,8 @@ pub(super) struct Bar<'r, S: Simd> {
     own: f64,
     neighbour: f64,
     past: f64,
+    /// Coefficient of the neighbours' past: that of the internal damping, zero without it.
+    viscous: f64,
     /// Share of each node in the kinetic energy: 1 inside, 1/2 at the ends.
     share: &'r [S::f64s],
     top: End<S>,
@@ -49,6 +52,7 @@ pub(super) struct Bar<'r, S: Simd> {
     pub(super) compliance: f64,
     cell_mass: f64,
     cell_stiffness: f64,
+    retardation_time: f64,
     nodes: usize,
 }
 
@@ -88,20 +92,24 @@ impl<'r, S: Simd> Bar<'r, S> {
             let at_end = node == 0 || node == nodes - 1;
             storage.share.numbers_mut()[slot_of(node)] = if at_end { 0.5 } else { 1.0 };
         }
-        let a1 = (step / grid.critical_step()).powi(2);
+        let a1 = (step / grid.crossing_time()).powi(2);
         let a2 = rate * step;
+        // a1 (b / dt) times the second differences of w - w- belongs to Eq. (4) with E (1 + b d/dt).
+        let viscous = a1 * grid.retardation_time() / (step * (1.0 + a2));
         Self {
             even: storage.even.vectors_mut::<S>(),
             odd: storage.odd.vectors_mut::<S>(),
-            own: (2.0 * (1.0 - a1) + a2) / (1.0 + a2),
-            neighbour: a1 / (1.0 + a2),
-            past: -1.0 / (1.0 + a2),
+            own: (2.0 * (1.0 - a1) + a2) / (1.0 + a2) - 2.0 * viscous,
+            neighbour: a1 / (1.0 + a2) + viscous,
+            past: -1.0 / (1.0 + a2) + 2.0 * viscous,
+            viscous,
             share: storage.share.vectors_mut::<S>(),
             top: end(0, 1),
             bottom: end(lanes - 1, nodes - 2),
             compliance: step * step / (grid.end_mass() * (1.0 + a2)),
             cell_mass: grid.cell_mass(),
             cell_stiffness: grid.cell_stiffness(),
+            retardation_time: grid.retardation_time(),
             nodes,
         }
     }
@@ -110,9 +118,14 @@ impl<'r, S: Simd> Bar<'r, S> {
     /// step that reads buffer `PARITY`, without forces on them.
     #[inline(always)]
     pub(super) fn unloaded_ends<const PARITY: usize>(&self) -> (f64, f64) {
-        let now = numbers::<S>(if PARITY == 0 { self.even } else { self.odd });
+        let (now, past): (&[_], &[_]) =
+            if PARITY == 0 { (self.even, self.odd) } else { (self.odd, self.even) };
+        let (now, past) = (numbers::<S>(now), numbers::<S>(past));
         let of = |end: &End<S>| {
-            let inner = 2.0 * self.neighbour * now[end.inner];
+            let mut inner = 2.0 * self.neighbour * now[end.inner];
+            if self.viscous > 0.0 {
+                inner -= 2.0 * self.viscous * past[end.inner];
+            }
             // The newest end is known last, so it enters last.
             fused::<S>(self.own, end.now, fused::<S>(self.past, end.before, inner))
         };
@@ -131,6 +144,15 @@ impl<'r, S: Simd> Bar<'r, S> {
     /// from buffer `PARITY` into the other.
     #[inline(always)]
     pub(super) fn sweep<const PARITY: usize>(&mut self, simd: S) {
+        if self.viscous > 0.0 {
+            self.sweep_viscous::<PARITY>(simd);
+        } else {
+            self.sweep_elastic::<PARITY>(simd);
+        }
+    }
+
+    #[inline(always)]
+    fn sweep_elastic<const PARITY: usize>(&mut self, simd: S) {
         let (top, bottom) = (self.top.now, self.bottom.now);
         let (now, next) =
             if PARITY == 0 { (&*self.even, &mut *self.odd) } else { (&*self.odd, &mut *self.even) };
@@ -172,6 +194,75 @@ impl<'r, S: Simd> Bar<'r, S> {
             }
             *next_last = put(&self.bottom, bottom, update(left, middle, below, *next_last));
         }
+    }
+
+    /// The sweep with internal damping, which the past of the neighbours enters too.
+    #[inline(always)]
+    fn sweep_viscous<const PARITY: usize>(&mut self, simd: S) {
+        let (top, bottom) = (self.top.now, self.bottom.now);
+        let (now, next) =
+            if PARITY == 0 { (&*self.even, &mut *self.odd) } else { (&*self.odd, &mut *self.even) };
+        let count = now.len();
+        let (Some(&first), Some(&last)) = (now.first(), now.last()) else { return };
+        let (past_first, past_last) = (next[0], next[count - 1]);
+        // Mirror images stand in for the neighbours beyond the ends, in the past too.
+        let image = |end: &End<S>, state: &[S::f64s], wrapped| {
+            let mirrored = numbers::<S>(state)[end.inner];
+            simd.select_f64s(end.lane, simd.splat_f64s(mirrored), wrapped)
+        };
+        let above = image(&self.top, now, simd.rotate_right_f64s(last, 1));
+        let below = image(&self.bottom, now, simd.rotate_left_f64s(first, 1));
+        let past_above = image(&self.top, next, simd.rotate_right_f64s(past_last, 1));
+        let past_below = image(&self.bottom, next, simd.rotate_left_f64s(past_first, 1));
+        let own = simd.splat_f64s(self.own);
+        let neighbour = simd.splat_f64s(self.neighbour);
+        let past = simd.splat_f64s(self.past);
+        let viscous = simd.splat_f64s(-self.viscous);
+        let put = |end: &End<S>, reached, vector| {
+            simd.select_f64s(end.lane, simd.splat_f64s(reached), vector)
+        };
+        let (mut left, mut past_left) = (above, past_above);
+        for i in 0..count {
+            let (middle, old) = (now[i], next[i]);
+            let inside = i + 1 < count;
+            let right = if inside { now[i + 1] } else { below };
+            let past_right = if inside { next[i + 1] } else { past_below };
+            let inertia = simd.mul_add_e_f64s(own, middle, simd.mul_f64s(past, old));
+            let spring = simd.mul_add_e_f64s(neighbour, simd.add_f64s(left, right), inertia);
+            let pasts = simd.add_f64s(past_left, past_right);
+            let mut new = simd.mul_add_e_f64s(viscous, pasts, spring);
+            if i == 0 {
+                new = put(&self.top, top, new);
+            }
+            if !inside {
+                new = put(&self.bottom, bottom, new);
+            }
+            next[i] = new;
+            (left, past_left) = (middle, old);
+        }
+    }
+
+    /// Power that the internal damping dissipates \[W\] half a step before the newest state, for
+    /// `step` \[s\]: the retardation time times the stretching rates squared times the cells'
+    /// stiffness.
+    #[inline(always)]
+    pub(super) fn internal_loss(&self, step: f64) -> f64 {
+        if self.retardation_time == 0.0 {
+            return 0.0;
+        }
+        let (even, odd) = (numbers::<S>(self.even), numbers::<S>(self.odd));
+        let vectors = self.even.len();
+        let travel = |node: usize| {
+            let slot = (node % vectors) * S::F64_LANES + node / vectors;
+            even[slot] - odd[slot]
+        };
+        let (mut sum, mut before) = (0.0, travel(0));
+        for node in 1..self.nodes {
+            let here = travel(node);
+            sum += (here - before) * (here - before);
+            before = here;
+        }
+        self.retardation_time * self.cell_stiffness * sum / (step * step)
     }
 
     /// Newest displacement of the top end, and the one before \[m\].

@@ -238,14 +238,15 @@ impl<'a, 'r, S: Simd> State<'a, 'r, S> {
     fn viscous_power(&self, simd: S) -> f64 {
         // A loop, not an iterator's sum: its closure would be compiled on its own,
         // for the machine's plainest instructions, and each vector operation be a call.
-        let mut twice_kinetic_energy = 0.0;
+        let (mut twice_kinetic_energy, mut internal) = (0.0, 0.0);
         for bar in &self.bars {
             twice_kinetic_energy += bar.twice_kinetic_energy(simd, self.step);
+            internal += bar.internal_loss(self.step);
         }
         for guide in &self.guides {
             twice_kinetic_energy += 2.0 * guide.kinetic(self.step);
         }
-        self.rate * twice_kinetic_energy
+        self.rate * twice_kinetic_energy + internal
     }
 
     /// Counts the state one step before the newest for `steps` in the averages, and keeps it in

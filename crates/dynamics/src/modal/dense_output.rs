@@ -44,6 +44,8 @@ struct DenseOutput<'a> {
     outcome: &'a Outcome,
     /// Displacement and velocity of every mode at step `at`.
     states: Vec<[f64; 2]>,
+    /// Displacements of every mode at the step before.
+    before: Vec<f64>,
     at: usize,
     /// Propagators of every mode to places within a step, the whole step first.
     places: Vec<(f64, Vec<Propagator>)>,
@@ -54,8 +56,10 @@ struct DenseOutput<'a> {
 impl<'a> DenseOutput<'a> {
     fn new(hit: &'a PreparedHit, outcome: &'a Outcome) -> Self {
         let states = vec![[0.0; 2]; hit.tabulated.step_model.modes.len()];
+        let before = vec![0.0; states.len()];
         let open_below = (0..hit.model.contacts().len()).map(|i| hit.open_below(i)).collect();
-        let mut motion = Self { hit, outcome, states, at: 0, places: Vec::new(), open_below };
+        let mut motion =
+            Self { hit, outcome, states, before, at: 0, places: Vec::new(), open_below };
         motion.place(1.0);
         motion
     }
@@ -132,6 +136,7 @@ impl<'a> DenseOutput<'a> {
     fn output(&mut self, time: f64, excitation: &Excitation) -> (f64, f64) {
         let (step, s) = self.locate(time);
         while self.at < step {
+            self.before = self.states.iter().map(|[q, _]| *q).collect();
             self.states = (0..self.states.len()).map(|m| self.state(m, 0)).collect();
             self.at += 1;
         }
@@ -140,6 +145,13 @@ impl<'a> DenseOutput<'a> {
         let (mut displacement, mut acceleration) = (0.0, 0.0);
         for (m, mode) in model.modes.iter().enumerate() {
             let [q, v] = place.map_or(self.states[m], |place| self.state(m, place));
+            if mode.dynamics.massless {
+                let [next, now] = [self.state(m, 0)[0], self.states[m][0]];
+                let bend = (next - 2.0 * now + self.before[m]) / (model.step * model.step);
+                displacement += mode.output * q;
+                acceleration += mode.output * bend;
+                continue;
+            }
             let coefficients = self.force(m, self.at);
             let force = coefficients.iter().rev().fold(0.0, |sum, f| sum * s + f);
             let dynamics = &mode.dynamics;

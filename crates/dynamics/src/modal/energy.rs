@@ -18,7 +18,9 @@ pub(super) fn ledger(hit: &PreparedHit, outcome: &Outcome) -> EnergyLedger {
         let velocity = moved / (12.0 * model.step);
         // Summing the loss by parts leaves this at the end.
         ledger.dissipated -= mode.dynamics.rate / (12.0 * model.step) * (q0 - q1).powi(2);
-        ledger.kinetic += 0.5 * velocity * velocity;
+        if !mode.dynamics.massless {
+            ledger.kinetic += 0.5 * velocity * velocity;
+        }
         ledger.elastic += 0.5 * (mode.dynamics.angular_frequency * q0).powi(2);
     }
     let contacts = hit.model.contacts();

@@ -13,6 +13,8 @@
 
 use std::f64::consts::TAU;
 
+use asperity_mesh::NormalMode;
+
 use super::simulation::{HitResponse, HitSimulation};
 use super::step_model::FAST;
 use crate::{ContactExtremes, Excitation};
@@ -27,7 +29,8 @@ impl HitSimulation {
     /// The estimate is one from above: it adds up modes and forces whatever their signs.
     pub fn error_of_fast_modes(&self, step: f64, response: &HitResponse) -> f64 {
         let modes = self.model.structure().modes();
-        let fast = || modes.iter().filter(|mode| mode.angular_frequency * step > FAST);
+        let shown = |mode: &&NormalMode| mode.massless || mode.angular_frequency * step <= FAST;
+        let fast = || modes.iter().filter(|mode| !shown(mode));
         let Some(slowest) = fast().map(|mode| mode.angular_frequency).reduce(f64::min) else {
             return 0.0;
         };

@@ -16,6 +16,9 @@
 //! ```
 //!
 //! two states and no loss of digits for rigid motions, whose `k` is exactly zero.
+//!
+//! The damped flexibility of modes left out has no inertia, `c q' + w^2 q = F(t)`. Its response to a
+//! unit impulse is `G(t) = exp(-w^2 t / c) / c`, and the recurrence has `e = R_k = 0`.
 
 use std::sync::LazyLock;
 
@@ -31,6 +34,9 @@ pub(super) enum ForceInterpolation {
     /// The quartic through both ends and the three ends before: fifth order. An oscillation of up
     /// to one radian a step, its contact stiffness included, is damped by it, not excited.
     Quartic,
+    /// The line through both ends, for motions without inertia: second order, and stable for any
+    /// contact stiffness, because a new force moves them only its own way.
+    Linear,
 }
 
 impl ForceInterpolation {
@@ -41,6 +47,12 @@ impl ForceInterpolation {
             Self::Average => {
                 let mut weights = [[0.0; NODES]; NODES];
                 weights[0] = [0.5, 0.5, 0.0, 0.0, 0.0];
+                weights
+            }
+            Self::Linear => {
+                let mut weights = [[0.0; NODES]; NODES];
+                weights[0] = [0.0, 1.0, 0.0, 0.0, 0.0];
+                weights[1] = [1.0, -1.0, 0.0, 0.0, 0.0];
                 weights
             }
             Self::Quartic => [
@@ -55,13 +67,15 @@ impl ForceInterpolation {
     }
 }
 
-/// An oscillator by its two numbers.
+/// An oscillator by its two numbers, with or without its mass of one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Dynamics {
     /// Angular frequency w \[rad/s\].
     pub(super) angular_frequency: f64,
     /// Damping rate c \[1/s\].
     pub(super) rate: f64,
+    /// True for `c q' + w^2 q = F`.
+    pub(super) massless: bool,
 }
 
 /// The two-state recurrence of one oscillator for one step length.
@@ -90,7 +104,15 @@ pub(super) struct Propagator {
 
 impl Dynamics {
     fn impulse(self, t: f64) -> f64 {
+        if self.massless {
+            return (-self.relaxation() * t).exp() / self.rate;
+        }
         (-0.5 * self.rate * t).exp() * t * sine_ratio(self.z(t))
+    }
+
+    /// Rate `w^2 / c` \[1/s\] at which a massless motion decays.
+    fn relaxation(self) -> f64 {
+        self.angular_frequency * (self.angular_frequency / self.rate)
     }
 
     fn impulse_rate(self, t: f64) -> f64 {
@@ -106,7 +128,8 @@ impl Dynamics {
     /// `h integral of kernel(s) s^k ds` over the step, k from 0.
     fn moments(self, h: f64, kernel: impl Fn(f64) -> f64) -> [f64; NODES] {
         // Sixteen points integrate to round-off over an argument of six and more.
-        let extent = (self.angular_frequency + self.rate) * h;
+        let extent =
+            if self.massless { self.relaxation() } else { self.angular_frequency + self.rate } * h;
         let panels = (extent / 6.0).ceil().clamp(1.0, 1e4) as usize;
         let width = 1.0 / panels as f64;
         let mut sums = [0.0; NODES];
@@ -124,9 +147,13 @@ impl Dynamics {
     }
 
     pub(super) fn recurrence(self, h: f64, interpolation: ForceInterpolation) -> Recurrence {
-        let Self { angular_frequency: w, rate: c } = self;
+        let Self { angular_frequency: w, rate: c, massless } = self;
         let now = self.moments(h, |s| self.impulse(h * (1.0 - s)));
-        let before = self.moments(h, |s| (-c * h * (1.0 - s)).exp() * self.impulse(h * s));
+        let before = if massless {
+            [0.0; NODES]
+        } else {
+            self.moments(h, |s| (-c * h * (1.0 - s)).exp() * self.impulse(h * s))
+        };
         let weights = interpolation.weights();
         let mut contact = [0.0; NODES + 1];
         for (k, row) in weights.iter().enumerate() {
@@ -134,6 +161,16 @@ impl Dynamics {
                 contact[end] += now[k] * weight;
                 contact[end + 1] += before[k] * weight;
             }
+        }
+        // The drive is its mean plus its rise times (s - 1/2).
+        let drive = [now[0], now[1] - 0.5 * now[0], before[0], before[1] - 0.5 * before[0]];
+        if massless {
+            return Recurrence {
+                decay: 0.0,
+                spring: -(-self.relaxation() * h).exp_m1(),
+                contact,
+                drive,
+            };
         }
         // 1 + e - trace(A), written so that a rigid motion has exactly zero.
         let (z, y) = (self.z(h), 0.25 * (c * h).powi(2));
@@ -143,13 +180,21 @@ impl Dynamics {
             decay: (-c * h).exp(),
             spring: root * ((w * h).powi(2) * half + y * (rigid - half)),
             contact,
-            // The drive is its mean plus its rise times (s - 1/2).
-            drive: [now[0], now[1] - 0.5 * now[0], before[0], before[1] - 0.5 * before[0]],
+            drive,
         }
     }
 
+    /// Displacement and velocity after the time `t`; of a massless motion the velocity stays zero.
     pub(super) fn propagator(self, t: f64) -> Propagator {
         let w = self.angular_frequency;
+        if self.massless {
+            let displaced = self.moments(t, |s| self.impulse(t * (1.0 - s)));
+            return Propagator {
+                displacement: [(-self.relaxation() * t).exp(), 0.0],
+                velocity: [0.0; 2],
+                moments: displaced.map(|moment| [moment, 0.0]),
+            };
+        }
         let (g, g_rate) = (self.impulse(t), self.impulse_rate(t));
         let displaced = self.moments(t, |s| self.impulse(t * (1.0 - s)));
         let moved = self.moments(t, |s| self.impulse_rate(t * (1.0 - s)));
@@ -208,7 +253,7 @@ mod tests {
     fn the_recurrence_is_the_propagator_without_velocity() {
         let h = 2e-5;
         for (angular_frequency, rate) in CASES {
-            let oscillator = Dynamics { angular_frequency, rate };
+            let oscillator = Dynamics { angular_frequency, rate, massless: false };
             let whole = oscillator.propagator(h);
             for interpolation in [ForceInterpolation::Average, ForceInterpolation::Quartic] {
                 let recurrence = oscillator.recurrence(h, interpolation);
@@ -247,7 +292,7 @@ mod tests {
     #[test]
     fn limits_have_their_closed_forms() {
         let h = 1e-5;
-        let free = Dynamics { angular_frequency: 0.0, rate: 0.0 };
+        let free = Dynamics { angular_frequency: 0.0, rate: 0.0, massless: false };
         let recurrence = free.recurrence(h, ForceInterpolation::Average);
         assert_eq!((recurrence.decay, recurrence.spring), (1.0, 0.0));
         assert!((recurrence.contact.iter().sum::<f64>() / (h * h) - 1.0).abs() < 1e-14);
@@ -257,7 +302,7 @@ mod tests {
         );
 
         let (w, c, t) = (7e4, 352.0, 1.3e-4);
-        let propagator = Dynamics { angular_frequency: w, rate: c }.propagator(t);
+        let propagator = Dynamics { angular_frequency: w, rate: c, massless: false }.propagator(t);
         let damped = (w * w - 0.25 * c * c).sqrt();
         let decay = (-0.5 * c * t).exp();
         let expected = decay * ((damped * t).cos() + 0.5 * c / damped * (damped * t).sin());
@@ -265,5 +310,37 @@ mod tests {
         // A constant force moves it towards F / w^2.
         let still = (1.0 - expected) / (w * w);
         assert!((propagator.moments[0][0] / still - 1.0).abs() < 1e-11);
+    }
+
+    /// Without inertia: a force that grows in proportion to time is followed at the lag `c / w^2`, and
+    /// a fast relaxation is the flexibility itself.
+    #[test]
+    fn a_massless_motion_relaxes_in_closed_form() {
+        let h = 5e-6;
+        for time in [1e-4, 3e-6, 1e-7, 1e-9_f64] {
+            let w = 1e6_f64;
+            let motion = Dynamics { angular_frequency: w, rate: time * w * w, massless: true };
+            let step = motion.recurrence(h, ForceInterpolation::Linear);
+            let (mut q, mut n) = (0.0, 0);
+            for _ in 0..40 {
+                let forces = [f64::from(n + 1) * h, f64::from(n) * h];
+                q += step.contact[0] * forces[0] + step.contact[1] * forces[1] - step.spring * q;
+                n += 1;
+            }
+            let t = f64::from(n) * h;
+            let expected = (t - time * (1.0 - (-t / time).exp())) / (w * w);
+            // Rounding of the place within the step, over the time of relaxation.
+            let rounding = 2e-15 * (50.0 + h / time);
+            assert!(
+                (q * w * w / t - expected * w * w / t).abs() < rounding,
+                "{time}: {q} {expected}"
+            );
+            assert_eq!((step.decay, step.contact[2]), (0.0, 0.0));
+            // The drive, a mean and a rise, is the same line.
+            let driven = step.drive[0] * 0.5 * h + step.drive[1] * h;
+            assert!((driven / (step.contact[0] * h) - 1.0).abs() < 1e-12);
+            let whole = motion.propagator(h);
+            assert!((whole.displacement[0] - (-h / time).exp()).abs() < 1e-15);
+        }
     }
 }

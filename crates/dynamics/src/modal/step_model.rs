@@ -14,6 +14,10 @@ const DAMPED: f64 = 1.44;
 /// show such an oscillation, and under a force that is frozen within the step it can even grow.
 pub(super) const FAST: f64 = 2.0;
 
+/// Time by which the damping of a mode without inertia lags behind its force, over the step, below
+/// which it has no lag.
+const LAG: f64 = 1e-3;
+
 /// Choice of the interpolation of the contact force for each mode.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub(super) enum InterpolationChoice {
@@ -25,14 +29,15 @@ pub(super) enum InterpolationChoice {
 }
 
 impl InterpolationChoice {
-    /// The interpolation of the contact force for each mode at `step` \[s\]; none for a mode that
-    /// counts as flexibility.
+    /// The interpolation of the contact force for each mode at `step` \[s\], under the
+    /// mass-proportional damping `rate` \[1/s\]: none for a mode that counts as flexibility, linear for
+    /// one that counts as flexibility with damping.
     fn of(
         self,
         modes: &[NormalMode],
         areas: &[f64],
         stiffness: &[f64],
-        step: f64,
+        (rate, step): (f64, f64),
     ) -> Vec<Option<ForceInterpolation>> {
         let mut interpolations = vec![ForceInterpolation::Average; modes.len()];
         if self == Self::HighestOrder {
@@ -40,8 +45,15 @@ impl InterpolationChoice {
                 interpolations[k] = ForceInterpolation::Quartic;
             }
         }
-        let kept = modes.iter().map(|mode| mode.angular_frequency * step <= FAST);
-        kept.zip(interpolations).map(|(kept, one)| kept.then_some(one)).collect()
+        let of = |(mode, interpolation): (&NormalMode, ForceInterpolation)| {
+            let w = mode.angular_frequency;
+            if !mode.massless && w * step <= FAST {
+                return Some(interpolation);
+            }
+            let lag = mode.total_damping(rate) / (w * w);
+            (lag > LAG * step).then_some(ForceInterpolation::Linear)
+        };
+        modes.iter().zip(interpolations).map(of).collect()
     }
 }
 
@@ -63,7 +75,8 @@ pub(super) struct ModeStep {
 #[derive(Debug, Clone)]
 pub(super) struct StepModel {
     pub(super) step: f64,
-    /// Interpolation of the contact force on every mode of the structure; none for those left out.
+    /// Interpolation of the contact force on every mode of the structure, linear for those without
+    /// inertia; none for those left out.
     pub(super) interpolations: Vec<Option<ForceInterpolation>>,
     pub(super) modes: Vec<ModeStep>,
     /// Closure lost at once at interface i per pressure increment at j \[m/Pa\].
@@ -85,7 +98,7 @@ impl StepModel {
         step: f64,
         choice: InterpolationChoice,
     ) -> Self {
-        let interpolations = choice.of(structure.modes(), areas, stiffness, step);
+        let interpolations = choice.of(structure.modes(), areas, stiffness, (rate, step));
         Self::with_interpolations(structure, areas, rate, step, interpolations)
     }
 
@@ -113,6 +126,7 @@ impl StepModel {
             let dynamics = Dynamics {
                 angular_frequency: mode.angular_frequency,
                 rate: mode.total_damping(rate),
+                massless: interpolation == ForceInterpolation::Linear,
             };
             let force = times_areas(&mode.closure);
             let recurrence = dynamics.recurrence(step, interpolation);
@@ -149,7 +163,7 @@ fn slow_modes(modes: &[NormalMode], areas: &[f64], stiffness: &[f64], step: f64)
     };
     let squared = |mode: &NormalMode| (mode.angular_frequency * step).powi(2);
     let alone = |mode: &NormalMode| squared(mode) + spring(mode, mode);
-    let mut order: Vec<usize> = (0..modes.len()).collect();
+    let mut order: Vec<usize> = (0..modes.len()).filter(|&k| !modes[k].massless).collect();
     order.sort_by(|&a, &b| alone(&modes[a]).total_cmp(&alone(&modes[b])));
     // Those with the quartic so far, and their sums.
     let mut quartic: Vec<(usize, f64)> = Vec::new();

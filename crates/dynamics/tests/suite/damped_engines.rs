@@ -13,20 +13,20 @@ use asperity_mesh::{Body, Interface, ModeCount, Stack, Support};
 use asperity_structure::{Damping, PreloadedStructure};
 
 /// Numbers between 0 and 1 from a seed.
-struct Draw(u64);
+pub(crate) struct Draw(pub(crate) u64);
 
 impl Draw {
-    fn number(&mut self) -> f64 {
+    pub(crate) fn number(&mut self) -> f64 {
         self.0 =
             self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (self.0 >> 11) as f64 / (1_u64 << 53) as f64
     }
 
-    fn between(&mut self, low: f64, high: f64) -> f64 {
+    pub(crate) fn between(&mut self, low: f64, high: f64) -> f64 {
         low * (high / low).powf(self.number())
     }
 
-    fn of<T: Clone>(&mut self, all: &[T]) -> T {
+    pub(crate) fn of<T: Clone>(&mut self, all: &[T]) -> T {
         all[(self.number() * all.len() as f64) as usize].clone()
     }
 }
@@ -86,7 +86,7 @@ impl Case {
 }
 
 /// Differences of displacement and of pressures over their largest changes.
-fn off(found: &Transient, expected: &Transient) -> f64 {
+pub(crate) fn off(found: &Transient, expected: &Transient) -> f64 {
     let changes = |column: &[f64]| column.iter().map(|x| x - column[0]).collect::<Vec<_>>();
     let pairs = found.history.interfaces.iter().zip(&expected.history.interfaces);
     let pressures = pairs.map(|(a, b)| difference(&changes(&a.pressure), &changes(&b.pressure)));

@@ -8,7 +8,7 @@ use asperity_structure::{Damping, PreloadedStructure};
 
 /// Damping ratio from the logarithms of successive maxima after `from` [s], each
 /// refined by a parabola through three samples; and the number of maxima used.
-fn ratio_of_decay(displacement: &[f64], interval: f64, from: f64) -> (f64, usize) {
+pub(crate) fn ratio_of_decay(displacement: &[f64], interval: f64, from: f64) -> (f64, usize) {
     let start = (from / interval) as usize;
     let mut number = Vec::new();
     let mut height = Vec::new();

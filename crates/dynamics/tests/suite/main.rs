@@ -4,6 +4,7 @@
 
 mod support;
 
+mod body_damping;
 mod both_engines;
 mod contact_damping;
 mod damped_engines;

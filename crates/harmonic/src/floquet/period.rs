@@ -18,7 +18,8 @@ pub(super) struct Period {
     /// Closures' rates and the dampers of a system with damped contacts.
     rates: Vec<f64>,
     dampers: Vec<f64>,
-    /// `A^T C_c A` with `A = (1 + R K_c)^-1` by rows, place after place; empty without damping.
+    /// `A^T C_c A + K D K` with `A = (1 + R K_c)^-1` by rows, place after place; empty without damped
+    /// contacts and damped static modes.
     damping: Vec<f64>,
     /// `(1 + K_c R)^-1 K_c` by rows, place after place.
     stiffness: Vec<f64>,
@@ -114,13 +115,14 @@ impl Period {
         for (place, out) in self.stiffness.chunks_exact_mut(n * n).enumerate() {
             variation.stiffness(|i| self.tangents[i * count + place], out);
         }
-        if self.dampers.is_empty() {
+        if self.dampers.is_empty() && !variation.is_retarded() {
             return;
         }
         self.damping.resize(count * n * n, 0.0);
         let places = self.stiffness.chunks_exact(n * n).zip(self.damping.chunks_exact_mut(n * n));
         for (place, (stiffness, out)) in places.enumerate() {
-            variation.damping(|i| self.dampers[i * count + place], stiffness, out);
+            let damper = |i: usize| self.dampers.get(i * count + place).copied().unwrap_or(0.0);
+            variation.damping(damper, stiffness, out);
         }
     }
 }

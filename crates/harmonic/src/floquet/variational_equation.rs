@@ -6,33 +6,57 @@ use asperity_mesh::{ComponentModes, NormalMode, ResidualFlexibility};
 const STATIC: f64 = 1e3;
 
 /// Modes with contact tangents that vary over the period.
-///
 #[derive(Debug, Clone)]
 pub(super) struct VariationalEquation {
     /// The modes, each with its total damping rate.
     pub(super) modes: Vec<NormalMode>,
     residual: ResidualFlexibility,
+    /// Closures per rate of the contact forces, `sum c g g^T / w^4` of the damped modes that are static
+    /// \[m s/N\], by rows; empty without them.
+    retardation: Vec<f64>,
     matrix: Vec<f64>,
 }
 
 impl VariationalEquation {
     /// The equation of `modes` under the mass-proportional damping `rate` \[1/s\], for contacts whose
-    /// stiffness is of the order of `springs` \[N/m\]. Elastic modes far above all others are static.
+    /// stiffness is of the order of `springs` \[N/m\]. Elastic modes far above all others are static, and
+    /// so are overdamped ones above all motions on the contacts; their damping remains.
     pub(super) fn new(modes: &ComponentModes, rate: f64, springs: &[f64]) -> Self {
         let (n, residual) = (modes.interfaces(), modes.residual().clone());
-        let mut found = Self { modes: Vec::new(), residual, matrix: vec![0.0; 2 * n * n] };
+        let (retardation, matrix) = (Vec::new(), vec![0.0; 2 * n * n]);
+        let mut found = Self { modes: Vec::new(), residual, retardation, matrix };
         let stiffest = springs.iter().copied().fold(0.0, f64::max);
         let on_contacts = |mode: &NormalMode| stiffest * square_of(&mode.closure);
         let fastest = modes.modes().iter().map(on_contacts).fold(0.0, f64::max).sqrt();
         for mode in modes.modes() {
-            if mode.angular_frequency > STATIC * fastest {
+            let w = mode.angular_frequency;
+            let overdamped = w > fastest && mode.damping_rate > 2.0 * w;
+            if mode.massless || overdamped || w > STATIC * fastest {
                 found.residual.add(mode);
+                found.add_retardation(mode);
             } else {
                 let damping_rate = mode.total_damping(rate);
                 found.modes.push(NormalMode { damping_rate, mass_damped: false, ..mode.clone() });
             }
         }
         found
+    }
+
+    fn add_retardation(&mut self, mode: &NormalMode) {
+        if mode.damping_rate == 0.0 {
+            return;
+        }
+        let n = self.interfaces();
+        self.retardation.resize(n * n, 0.0);
+        let lag = mode.damping_rate * mode.angular_frequency.powi(-4);
+        for (place, entry) in self.retardation.iter_mut().enumerate() {
+            *entry += lag * mode.closure[place / n] * mode.closure[place % n];
+        }
+    }
+
+    /// True if static modes are damped: they add damping to all others.
+    pub(super) fn is_retarded(&self) -> bool {
+        !self.retardation.is_empty()
     }
 
     pub(super) fn interfaces(&self) -> usize {
@@ -48,15 +72,24 @@ impl VariationalEquation {
         self.modes.iter().map(square).fold(0.0, f64::max).sqrt()
     }
 
-    /// An upper estimate of the highest damping rate [1/s] with contact dampers up to `damper` [N s/m].
-    pub(super) fn highest_damping(&self, damper: f64) -> f64 {
+    /// An upper estimate of the highest damping rate [1/s] with contact dampers up to `damper` [N s/m]
+    /// and stiffnesses up to `stiffness` [N/m].
+    pub(super) fn highest_damping(&self, damper: f64, stiffness: f64) -> f64 {
+        let n = self.interfaces();
+        let retarded = |(i, entry): (usize, &f64)| {
+            let flexibility = self.residual.closure[i][i];
+            entry * (stiffness / (1.0 + stiffness * flexibility)).powi(2)
+        };
+        let damper =
+            damper + self.retardation.iter().step_by(n + 1).enumerate().map(retarded).sum::<f64>();
         let rate = |mode: &NormalMode| mode.damping_rate + damper * square_of(&mode.closure);
         self.modes.iter().map(rate).fold(0.0, f64::max)
     }
 
-    /// Writes `A^T C_c A` for the contact dampers `C_c` \[N s/m\], by rows: A is the share of the
+    /// Writes `A^T C_c A + K D K` for the contact dampers `C_c` \[N s/m\], by rows: A is the share of the
     /// contacts in the closures, `(1 + R K_c)^-1 = 1 - R K` with the `stiffness` K of
-    /// [`stiffness`](Self::stiffness). Of first order in the damping times the residual flexibility.
+    /// [`stiffness`](Self::stiffness), D the retardation of the static modes. Of first order in the
+    /// damping times the residual flexibility.
     pub(super) fn damping(
         &self,
         dampers: impl Fn(usize) -> f64,
@@ -74,6 +107,14 @@ impl VariationalEquation {
             for i in 0..n {
                 for j in 0..n {
                     out[i * n + j] += share(l, i) * damper * share(l, j);
+                }
+            }
+        }
+        for (place, retardation) in self.retardation.iter().enumerate() {
+            let (l, m) = (place / n, place % n);
+            for i in 0..n {
+                for j in 0..n {
+                    out[i * n + j] += stiffness[l * n + i] * retardation * stiffness[m * n + j];
                 }
             }
         }

@@ -3,6 +3,7 @@
 
 mod backbones;
 mod bifurcations;
+mod body_damping;
 mod condensed;
 mod damped_contacts;
 mod errors;

@@ -7,8 +7,8 @@ use std::sync::LazyLock;
 
 use asperity_scenario::{
     ContactScheme, DampingAmount, DampingSpec, Document, DocumentError, ExcitationSpec,
-    FiniteDifferenceSpec, ForceSamples, LawRef, LawSpec, MethodSpec, ModalSpec, Scenario,
-    SectionSpec, SupportSpec, SyntaxFault, check_schema, scenario_schema, validate,
+    FiniteDifferenceSpec, ForceSamples, LawRef, LawSpec, MethodSpec, ModalSpec, RayleighSpec,
+    Scenario, SectionSpec, SupportSpec, SyntaxFault, check_schema, scenario_schema, validate,
 };
 use proptest::prelude::*;
 use serde_json::{Value, json};
@@ -345,5 +345,70 @@ proptest! {
             }
             Err(other) => prop_assert!(false, "{}\n{}", other, mutated),
         }
+    }
+}
+
+/// Rayleigh damping as coefficients and as two ratios, which its coefficients have; and a loss factor.
+#[test]
+fn body_damping_is_read_and_written_in_every_form() {
+    let read = |damping: &str| {
+        let mut document = rig();
+        document.set("/damping", damping).unwrap();
+        let scenario = document.scenario();
+        if let Ok(scenario) = &scenario {
+            let written = serde_json::to_value(scenario).unwrap();
+            assert_eq!(serde_json::from_value::<Scenario>(written).unwrap(), *scenario);
+        }
+        scenario.map(|scenario| scenario.damping)
+    };
+    let coefficients = |rate_per_s, time_s| {
+        DampingSpec::Rayleigh(RayleighSpec::Coefficients { rate_per_s, time_s })
+    };
+    let found = read(r#"{"kind": "rayleigh", "rate_per_s": 20, "time_s": 2e-6}"#).unwrap();
+    assert_eq!(found, coefficients(20.0, 2e-6));
+    let found = read(r#"{"kind": "rayleigh", "time_s": 2e-6}"#).unwrap();
+    assert_eq!(found, coefficients(0.0, 2e-6));
+    let found = read(r#"{"kind": "loss_factor", "loss_factor": 0.02}"#).unwrap();
+    assert_eq!(found, DampingSpec::LossFactor(0.02));
+    for [[f1, zeta1], [f2, zeta2]] in [
+        [[800.0, 0.02], [11_000.0, 0.03]],
+        [[11_000.0, 0.03], [800.0, 0.02]],
+        [[800.0, 0.02], [1600.0, 0.01]],
+        [[700.0, 0.007], [2100.0, 0.021]],
+    ] {
+        let text = format!(
+            r#"{{"kind": "rayleigh", "ratios": [{{"frequency_hz": {f1}, "ratio": {zeta1}}}, {{"frequency_hz": {f2}, "ratio": {zeta2}}}]}}"#
+        );
+        let DampingSpec::Rayleigh(rayleigh) = read(&text).unwrap() else { panic!("{text}") };
+        let (a, b) = rayleigh.coefficients();
+        assert!(a >= 0.0 && b >= 0.0);
+        for (f, zeta) in [(f1, zeta1), (f2, zeta2)] {
+            let w = std::f64::consts::TAU * f;
+            assert!((0.5 * a / w + 0.5 * b * w - zeta).abs() < 1e-12 * zeta, "{text}");
+        }
+    }
+    let place = |damping: &str| match read(damping) {
+        Err(invalid) => format!("{invalid}"),
+        Ok(found) => panic!("{found:?}"),
+    };
+    let refused = place(
+        r#"{"kind": "rayleigh", "ratios": [{"frequency_hz": 800, "ratio": 0.02}, {"frequency_hz": 1600, "ratio": 0.005}]}"#,
+    );
+    assert!(refused.contains("/damping/ratios") && refused.contains("time_s = -"), "{refused}");
+    let refused = place(
+        r#"{"kind": "rayleigh", "ratios": [{"frequency_hz": 800, "ratio": 0.02}, {"frequency_hz": 800, "ratio": 0.02}]}"#,
+    );
+    assert!(refused.contains("/damping/ratios"), "{refused}");
+    let refused = place(
+        r#"{"kind": "rayleigh", "rate_per_s": 2, "ratios": [{"frequency_hz": 800, "ratio": 0.02}, {"frequency_hz": 1600, "ratio": 0.02}]}"#,
+    );
+    assert!(refused.contains("/damping/rate_per_s"), "{refused}");
+    for bad in [
+        r#"{"kind": "rayleigh"}"#,
+        r#"{"kind": "rayleigh", "rate_per_s": 2}"#,
+        r#"{"kind": "rayleigh", "time_s": -1e-6}"#,
+        r#"{"kind": "loss_factor"}"#,
+    ] {
+        assert!(place(bad).contains("/damping"), "{bad}");
     }
 }

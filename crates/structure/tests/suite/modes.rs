@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
 use asperity_law::{Constant, ContactDamping};
-use asperity_mesh::{Body, Grid, Interface, Stack, Support};
+use asperity_mesh::{Body, BodyDamping, Grid, Interface, Stack, Support};
 use asperity_structure::{Damping, LinearisedMode, PreloadedContact, PreloadedStructure};
 use faer::{Mat, Side};
 
@@ -369,4 +369,56 @@ fn a_rigid_mass_on_a_damped_contact_has_its_damping_ratio() {
     let expected = 0.5 * 7e-6 * TAU * mode.frequency_hz;
     // The block takes some k L / (E A) = 9e-8 of the energy.
     assert!((mode.damping_ratio / expected - 1.0).abs() < 1e-6, "{mode:?}");
+}
+
+/// Rayleigh damping `C = a M + b K` of the whole: mass-proportional, bodies and contacts with one
+/// retardation time. Every mode has `zeta = a / (2 w) + b w / 2`, stacks of any bodies.
+#[test]
+fn rayleigh_damping_of_bodies_and_contacts_has_its_closed_form() {
+    let (a, b) = (200.0, 2e-6);
+    let damping = ContactDamping::kelvin_voigt(b).unwrap();
+    let bodies = BodyDamping::kelvin_voigt(b).unwrap();
+    for stack in [rig(&modified()), rig(&power()), three_bodies(Support::Rigid)] {
+        let contacts = stack.interfaces().iter().map(|one| one.clone().with_damping(damping));
+        let gravity = 9.81;
+        let damped =
+            Stack::new(stack.bodies().to_vec(), contacts.collect(), Support::Rigid, gravity);
+        let damped = damped.unwrap().with_body_damping(bodies);
+        for mode in modes_of(&damped, a, 12) {
+            let w = TAU * mode.frequency_hz;
+            let expected = 0.5 * a / w + 0.5 * b * w;
+            assert!((mode.damping_ratio / expected - 1.0).abs() < 1e-9, "{mode:?} {expected}");
+        }
+    }
+}
+
+/// A body with a loss factor adds `eta / 2` times its share of the strain energy, one with a
+/// retardation time `b w / 2` times it; the share is the relative change of the squared frequency
+/// over that of its modulus at constant density.
+#[test]
+fn a_damped_body_adds_its_share_of_the_strain_energy() {
+    let stack = |factor: f64, damping: BodyDamping| {
+        let plain = rig_on(&constant(), DISC);
+        let [guide, sample] = plain.bodies() else { panic!("two bodies") };
+        let (length, section) = (sample.length(), sample.section());
+        let (modulus, density) = (sample.youngs_modulus() * factor, sample.density());
+        let sample = Body::new("sample", length, section, modulus, density).unwrap();
+        let bodies = vec![guide.clone(), sample.with_damping(damping)];
+        Stack::new(bodies, plain.interfaces().to_vec(), DISC, 9.81).unwrap()
+    };
+    let bare = modes_of(&stack(1.0, BodyDamping::NONE), 100.0, 6);
+    let [soft, stiff] = [-1e-4, 1e-4].map(|e| modes_of(&stack(1.0 + e, BodyDamping::NONE), 0.0, 6));
+    let (b, eta) = (1e-6, 0.02);
+    let viscous = modes_of(&stack(1.0, BodyDamping::kelvin_voigt(b).unwrap()), 100.0, 6);
+    let hysteretic = modes_of(&stack(1.0, BodyDamping::loss_factor(eta).unwrap()), 100.0, 6);
+    for number in 0..6 {
+        let share = (stiff[number].frequency_hz / soft[number].frequency_hz).ln() / 1e-4;
+        let w = TAU * bare[number].frequency_hz;
+        for (found, loss) in [(&viscous, b * w), (&hysteretic, eta)] {
+            let added = found[number].damping_ratio - bare[number].damping_ratio;
+            let expected = 0.5 * loss * share;
+            let scale = 0.5 * loss;
+            assert!((added - expected).abs() < 1e-7 * scale, "{number}: {added} {expected}");
+        }
+    }
 }
