@@ -94,12 +94,6 @@ pub enum DynamicsError {
     /// The structure has no rest, damping or modes.
     #[error(transparent)]
     Structure(#[from] StructureError),
-    /// Derivatives are not computed with contact damping.
-    #[error("interface \"{interface}\" is damped; derivatives need contacts without damping")]
-    ContactDamping {
-        /// Name of the interface.
-        interface: String,
-    },
     /// Derivatives are not computed with friction.
     #[error("there is friction at \"{element}\"; derivatives need a structure without friction")]
     Friction {

@@ -3,8 +3,8 @@
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-use asperity_law::{LawsInSeries, SeriesContact};
-use asperity_mesh::{Interface, Stack};
+use asperity_law::{ContactDamping, LawsInSeries, SeriesContact};
+use asperity_mesh::{BodyDamping, Interface, Stack};
 use asperity_structure::{Damping, PreloadedContact, PreloadedStructure};
 
 use crate::{ContactSystem, HarmonicError, LawEvaluation, PeriodicResponse, PressureRange};
@@ -70,12 +70,17 @@ struct CondensedInterface {
 
 impl CondensedStack {
     /// The bodies that can be condensed, by their places: those between two contacts of equal damping
-    /// proportional to the stiffness, or of none. The top body is driven, and keeps its inertia.
+    /// proportional to the stiffness, or of none. The top body is driven, and keeps its inertia. Internal
+    /// damping of the body must be that of its contacts.
     pub fn candidates(structure: &PreloadedStructure) -> Vec<usize> {
         let contacts = structure.contacts();
         let alike = |body: &usize| {
             let [above, below] = [&contacts[body - 1], &contacts[*body]];
-            above.damping() == below.damping()
+            let own = structure.stack().bodies()[*body].damping();
+            let of_contacts = |time| ContactDamping::kelvin_voigt(time).ok() == above.damping();
+            let elastic = own == BodyDamping::NONE;
+            (elastic || own.retardation_time().is_some_and(of_contacts))
+                && above.damping() == below.damping()
                 && above.damping().is_none_or(|damping| damping.is_proportional_to_stiffness())
         };
         (1..contacts.len()).filter(alike).collect()

@@ -34,7 +34,9 @@ impl IdentificationProblem {
         apply(&mut scenario, &candidate.set, &format!("candidate \"{}\"", candidate.name))?;
         let changed = |pointer: &str| candidate.set.keys().any(|set| is_within(pointer, set));
         let stays = |parameter: &&ParameterSpec| match parameter {
-            ParameterSpec::Scalar { pointer, .. } => !changed(pointer),
+            ParameterSpec::Scalar { pointer, also, .. } => {
+                !changed(pointer) && !also.iter().any(|other| changed(other))
+            }
             ParameterSpec::MonotoneLaw { law, .. } => {
                 !changed(&JsonPointer::root().child("laws").child(law).to_string())
             }
@@ -79,6 +81,7 @@ impl IdentificationProblem {
             set: [(pointer.clone(), spec)].into_iter().collect(),
             unknowns: vec![ParameterSpec::Scalar {
                 pointer: format!("{pointer}/stiffness_pa_per_m"),
+                also: Vec::new(),
                 name: Some("constant stiffness [Pa/m]".to_owned()),
                 bounds: [stiffness / CONSTANT_RANGE, stiffness * CONSTANT_RANGE],
                 start: None,

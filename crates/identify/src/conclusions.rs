@@ -177,11 +177,11 @@ impl Identification {
             .map(|candidate| match candidate.assessment {
                 ModelAssessment::Best => match next.map(|next| (next, next.aicc - candidate.aicc)) {
                     Some((next, difference)) if difference >= 0.0 => format!(
-                        "Of the compared laws, {best} has the lowest AICc, {difference:.1} below that of {}.",
+                        "Of those compared, {best} has the lowest AICc, {difference:.1} below that of {}.",
                         next.name
                     ),
                     _ => format!(
-                        "Of the laws whose cross-validation score is within one standard error of the highest, {best} has the lowest AICc."
+                        "Of those whose cross-validation score is within one standard error of the highest, {best} has the lowest AICc."
                     ),
                 },
                 ModelAssessment::Rejected { standard_errors, aicc_difference } => format!(

@@ -350,7 +350,11 @@ fn compare_laws(
     if built.is_empty() {
         return Ok((None, 1.0));
     }
-    let own = format!("the problem's law \"{}\"", law.name);
+    let own = if of_law {
+        format!("the problem's law \"{}\"", law.name)
+    } else {
+        "the problem's scenario".to_owned()
+    };
     let options = ComparisonOptions {
         fit: fit_options(problem, COMPARED_STARTS),
         folds: MAX_FOLDS,

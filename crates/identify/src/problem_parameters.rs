@@ -70,9 +70,13 @@ impl ProblemParameters {
 
     fn add(&mut self, spec: &ParameterSpec, scenario: &Value) -> Result<(), IdentificationError> {
         match spec {
-            ParameterSpec::Scalar { pointer, name, bounds, start, scale, prior } => {
+            ParameterSpec::Scalar { pointer, also, name, bounds, start, scale, prior } => {
                 let number = ScenarioParameter::of_scenario(scenario, pointer)?;
                 let value = number.value;
+                for other in also {
+                    let number = ScenarioParameter::of_scenario(scenario, other)?;
+                    self.scalars.push((self.list.len(), number));
+                }
                 let scale = scale.map_or_else(|| usual_scale(*bounds), ParameterScale::from);
                 let name = name.clone().unwrap_or_else(|| pointer.clone());
                 let prior = prior.map(|prior| prior_of(&name, prior, scale)).transpose()?;

@@ -2,6 +2,8 @@
 
 use std::f64::consts::TAU;
 
+use crate::ContactLaw;
+use crate::contact_law::quadrature::adaptive;
 use crate::error::{LawError, LawQuantity, above, at_least, finite};
 
 /// Viscous damping of a contact: a traction beyond the pressure `p` of its law,
@@ -99,6 +101,32 @@ impl ContactDamping {
         }
     }
 
+    /// The viscous impulse `integral of c dd` \[Pa s\] as the pressure on `law` goes `from` one value to
+    /// another \[Pa\], `integral of c / K dp`: beta times the change of pressure under Kelvin-Voigt
+    /// damping. Powers have no damping below zero pressure.
+    ///
+    /// The integral is over the fourth root of the pressure, by adaptive Gauss-Legendre quadrature to
+    /// rounding.
+    pub fn impulse(&self, law: &dyn ContactLaw, from: f64, to: f64) -> f64 {
+        let Kind::Power { .. } = self.0 else {
+            return self.coefficient(0.0, to - from);
+        };
+        let (from, to) = (from.max(0.0), to.max(0.0));
+        let scale = from.max(to);
+        if from == to {
+            return 0.0;
+        }
+        let [start, end] = [from, to].map(|pressure| (pressure / scale).sqrt().sqrt());
+        let integrand = |root: f64| {
+            let cube = root * root * root;
+            let pressure = scale * cube * root;
+            let stiffness = law.stiffness(pressure);
+            let coefficient = self.coefficient(pressure, stiffness);
+            if coefficient > 0.0 { 4.0 * scale * cube * coefficient / stiffness } else { 0.0 }
+        };
+        adaptive(&integrand, start, end - start)
+    }
+
     /// Derivative dc/dp \[s/m\] of the coefficient, where the law has this `stiffness` \[Pa/m\] and
     /// `slope` dK/dp \[1/m\].
     pub fn coefficient_slope(&self, pressure: f64, stiffness: f64, slope: f64) -> f64 {
@@ -109,5 +137,38 @@ impl ContactDamping {
                 if coefficient > 0.0 { exponent * coefficient / pressure } else { 0.0 }
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{ContactLaw, Power};
+
+    /// `c0 (p^(n - m + 1) - p0^(n - m + 1)) / (C p_ref^n (n - m + 1))` on a power law, and beta times
+    /// the change of pressure on any.
+    #[test]
+    fn the_viscous_impulse_has_its_closed_form() {
+        let (c, m, reference, from) = (1.81e10, 0.35, 1.2e5_f64, 1.4e5_f64);
+        let law = Power::new(c, m, 0.0).unwrap();
+        for n in [0.0, 0.5, 1.5] {
+            let damping = ContactDamping::power(4e6, reference, n).unwrap();
+            for to in [1e3_f64, 0.9e5, 1.4e5, 1.5e5, 1.1e6] {
+                let power = n - m + 1.0;
+                let scale = 4e6 / (c * reference.powf(n) * power);
+                let exact = scale * (to.powf(power) - from.powf(power));
+                let found = damping.impulse(&law, from, to);
+                let bound = 1e-12 * scale * from.max(to).powf(power);
+                assert!((found - exact).abs() < bound, "{n} {to}: {found} {exact}");
+            }
+        }
+        let beta = ContactDamping::kelvin_voigt(3e-6).unwrap();
+        assert_eq!(beta.impulse(&law, 1e5, 3e5), 3e-6 * 2e5);
+        // The derivative is c / K.
+        let damping = ContactDamping::power(4e6, reference, 1.5).unwrap();
+        let slope =
+            (damping.impulse(&law, from, 1.001e6) - damping.impulse(&law, from, 0.999e6)) / 2e3;
+        let exact = damping.coefficient(1e6, law.stiffness(1e6)) / law.stiffness(1e6);
+        assert!((slope / exact - 1.0).abs() < 1e-6);
     }
 }

@@ -215,7 +215,7 @@ impl ComponentModes {
                 let guide = guided.iter().map(mean).collect();
                 let mode = NormalMode::elastic(w, at_top, closure);
                 let damping_rate = w * body.damping().loss(w);
-                modes.push(NormalMode { guide, damping_rate, ..mode });
+                modes.push(NormalMode { damping_rate, guide, ..mode });
             }
             let time = body.damping().retardation_time().unwrap_or(0.0);
             if time > 0.0 {
@@ -233,10 +233,10 @@ impl ComponentModes {
                     let mode = NormalMode::elastic(w, if i == 0 { shape } else { 0.0 }, closure);
                     let damping_rate = time * w * w;
                     modes.push(NormalMode {
-                        guide: vec![0.0; guided.len()],
+                        mass_damped: false,
                         damping_rate,
                         massless: true,
-                        mass_damped: false,
+                        guide: vec![0.0; guided.len()],
                         ..mode
                     });
                 }

@@ -13,7 +13,9 @@
 //! (I + B K) y' = y*' - B' p - B p_theta,    p' = K y' + p_theta,
 //! ```
 //!
-//! with K the tangents and `p_theta` the derivative of the laws at fixed closure. The steps are
+//! with K the tangents and `p_theta` the derivative of the laws at fixed closure. Of damped contacts
+//! the tractions take the place of the pressures, their impulses at earlier steps being carried along
+//! too. The steps are
 //! taken once more for it, one hit and in scalars, with the exact laws and their equations
 //! solved to rounding, so that no table and no unfinished correction is differentiated.
 //!
@@ -40,7 +42,7 @@ use super::step_model::StepModel;
 use super::{Batch, HitSimulation};
 use crate::DynamicsError;
 use asperity_structure::PreloadedContact;
-use contact_equations::Contacts;
+use contact_equations::{Contacts, RateHistory};
 use extreme::Extreme;
 use law_derivative::LawDerivative;
 use motion::Motion;
@@ -133,7 +135,7 @@ impl Batch {
     ///
     /// # Errors
     /// As [`Modal::integrate`](super::Modal::integrate) for the hit itself;
-    /// [`DynamicsError::ContactDamping`] for a damped contact, [`DynamicsError::Friction`] for friction;
+    /// [`DynamicsError::Friction`] for friction;
     /// [`DynamicsError::Variation`] when a varied hit has not as many modes and interfaces, when
     /// its step is not positive and finite, or when the static pressure varies at an interface
     /// without stiffness at rest.
@@ -142,10 +144,6 @@ impl Batch {
         hit: &HitSimulation,
         variations: &[ParameterVariation],
     ) -> Result<Sensitivity, DynamicsError> {
-        let mut damped = hit.model.contacts().iter().filter(|contact| contact.damping().is_some());
-        if let Some(damped) = damped.next() {
-            return Err(DynamicsError::ContactDamping { interface: damped.name().to_owned() });
-        }
         if let Some(name) = hit.model.preloaded().friction() {
             return Err(DynamicsError::Friction { element: name.to_owned() });
         }
@@ -179,6 +177,9 @@ struct ParameterDerivative {
     motion: Motion,
     closure: Vec<f64>,
     pressure: Vec<f64>,
+    traction: Vec<f64>,
+    /// Of the viscous impulses at earlier steps.
+    past: Vec<RateHistory>,
     /// Of the stiffness at the newest step.
     stiffness: Vec<f64>,
     history: StepHistory,
@@ -245,6 +246,8 @@ impl ParameterDerivative {
             motion: Motion::at_rest(derivatives.modes.len()),
             closure: zero(),
             pressure: zero(),
+            traction: zero(),
+            past: vec![RateHistory::default(); base.len()],
             stiffness: at_rest.collect(),
             derivatives,
             laws,
@@ -280,7 +283,7 @@ fn march(
     let contacts = prepared.model.contacts();
     let share = 1.0 / prepared.steps as f64;
     let mut motion = Motion::at_rest(inputs.modes.len());
-    let mut found = Contacts::at_rest(contacts.len());
+    let mut found = Contacts::at_rest(contacts.len(), prepared.tabulated.step_model.step);
     let mut target = vec![0.0; contacts.len()];
     let mut open = vec![false; contacts.len()];
     let at_rest = contacts.iter().map(|contact| {
@@ -303,7 +306,7 @@ fn march(
             let drives = (&drive, &derivatives.drive(n));
             moved.predict_derivative((inputs, &*derivatives), drives, &motion, closure);
         }
-        let output = motion.correct(inputs, &drive, &found.pressure);
+        let output = motion.correct(inputs, &drive, &found.traction);
         history.displacement.push(output);
         for (i, contact) in contacts.iter().enumerate() {
             open[i] = open_at(contact, found.pressure[i]);
@@ -314,6 +317,7 @@ fn march(
         for parameter in &mut parameters {
             parameter.step(n, (inputs, &motion), &found, &open, share);
         }
+        found.advance();
     }
     let extremes = finish(&mut history, prepared);
     let finished =
@@ -352,15 +356,28 @@ impl ParameterDerivative {
             *answer = law.at(found.pressure[i], found.tangent[i], open[i]);
         }
         let answers = &answers[..count];
+        // Of the tractions, at fixed closure.
+        let mut at_fixed_closure = [0.0; super::assembly::MOST_INTERFACES];
+        for (i, answer) in answers.iter().enumerate() {
+            at_fixed_closure[i] = if !self.laws[i].is_damped() {
+                answer.pressure
+            } else if found.traction_tangent[i] == 0.0 {
+                -self.laws[i].pressure_derivative
+            } else {
+                answer.pressure + found.rate() * answer.impulse + self.past[i].share(found.step)
+            };
+        }
         for i in 0..count {
-            for (j, answer) in answers.iter().enumerate() {
-                self.closure[i] -= self.derivatives.coupling[i][j] * found.pressure[j]
-                    + inputs.coupling[i][j] * answer.pressure;
+            for (j, moved) in at_fixed_closure[..count].iter().enumerate() {
+                self.closure[i] -= self.derivatives.coupling[i][j] * found.traction[j]
+                    + inputs.coupling[i][j] * moved;
             }
         }
         found.factors.solve(&mut self.closure);
         for (i, answer) in answers.iter().enumerate() {
             self.pressure[i] = found.tangent[i] * self.closure[i] + answer.pressure;
+            self.traction[i] = found.traction_tangent[i] * self.closure[i] + at_fixed_closure[i];
+            self.past[i].push(found.coefficient[i] * self.closure[i] + answer.impulse);
             let derivative = self.laws[i].pressure_derivative + self.pressure[i];
             self.history.pressure[i].push(derivative);
             self.history.contacts[i].stiffness_average += share * self.stiffness[i];
@@ -368,9 +385,9 @@ impl ParameterDerivative {
             self.stiffness[i] = if open[i] { 0.0 } else { slope + answer.stiffness };
         }
         let drives = (&inputs.drive(n), &self.derivatives.drive(n));
-        let pressures = (found.pressure.as_slice(), self.pressure.as_slice());
+        let tractions = (found.traction.as_slice(), self.traction.as_slice());
         let output =
-            self.motion.correct_derivative((inputs, &self.derivatives), drives, motion, pressures);
+            self.motion.correct_derivative((inputs, &self.derivatives), drives, motion, tractions);
         self.history.displacement.push(output);
     }
 

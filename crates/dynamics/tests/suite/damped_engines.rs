@@ -5,8 +5,8 @@ use std::sync::Arc;
 use crate::support::{AREA, Law, damped, difference, every_law, pulse, rig, run_at, slope};
 use crate::support::{constant, modified, power, single_body};
 use asperity_dynamics::{
-    Batch, Decimation, DynamicsError, Excitation, FiniteDifference, HitSimulation, Integrator,
-    Modal, ModalModel, Transient,
+    Batch, Decimation, Excitation, FiniteDifference, HitSimulation, Integrator, Modal, ModalModel,
+    Transient,
 };
 use asperity_law::ContactDamping;
 use asperity_mesh::{Body, Interface, ModeCount, Stack, Support};
@@ -192,21 +192,4 @@ fn damped_hits_do_not_depend_on_their_batch() {
         let alone = Batch::default().run(std::slice::from_ref(hit), &filter).remove(0).unwrap();
         assert_eq!(found.unwrap(), alone);
     }
-}
-
-/// Derivatives refuse damped contacts by name.
-#[test]
-fn derivatives_of_damped_hits_are_refused() {
-    let stack = damped(&rig(&power()), ContactDamping::kelvin_voigt(1e-6).unwrap());
-    let structure = PreloadedStructure::new(stack, Damping::Ratio(0.02)).unwrap();
-    let model = ModalModel::new(structure.reduced(ModeCount::PerBody(2)).unwrap()).unwrap();
-    let hit = HitSimulation {
-        model: Arc::new(model),
-        excitation: pulse(9.0),
-        duration: 2e-3,
-        step: None,
-    };
-    let error = Batch::default().sensitivity(&hit, &[]).unwrap_err();
-    let interface = "guide-sample".to_owned();
-    assert_eq!(error, DynamicsError::ContactDamping { interface });
 }

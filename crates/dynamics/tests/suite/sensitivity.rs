@@ -8,8 +8,8 @@ use asperity_dynamics::{
     Batch, Excitation, HitSimulation, ModalModel, ParameterVariation, RELATIVE_STEP, STENCIL,
     Sampling, Sensitivity, StepHistory, central_difference,
 };
-use asperity_law::{ModifiedPower, Power};
-use asperity_mesh::{Body, Interface, Stack, Support};
+use asperity_law::{ContactDamping, ModifiedPower, Power};
+use asperity_mesh::{Body, BodyDamping, Interface, Stack, Support};
 use asperity_structure::{Damping, PreloadedStructure};
 
 const DURATION: f64 = 0.03;
@@ -29,6 +29,11 @@ struct Case {
     area: f64,
     support: f64,
     gravity: f64,
+    /// Of the upper contact, the lower one's coefficient and exponent, and of the bodies; all or none.
+    retardation_time: f64,
+    damping_coefficient: f64,
+    damping_exponent: f64,
+    body_time: f64,
     step: f64,
 }
 
@@ -64,8 +69,34 @@ const CASE: Case = Case {
     area: AREA,
     support: 2e8,
     gravity: 9.81,
+    retardation_time: 0.0,
+    damping_coefficient: 0.0,
+    damping_exponent: 0.0,
+    body_time: 0.0,
     step: 1e-5,
 };
+
+const DAMPED: Case = Case {
+    retardation_time: 4e-6,
+    damping_coefficient: 3e6,
+    damping_exponent: 1.4,
+    body_time: 2e-6,
+    ..CASE
+};
+
+/// The numbers that are varied in a case.
+fn parameters(case: &Case) -> Vec<(&'static str, Place)> {
+    let mut parameters = PARAMETERS.to_vec();
+    if case.body_time > 0.0 {
+        parameters.extend([
+            ("retardation time", (|case| &mut case.retardation_time) as Place),
+            ("damping coefficient", |case| &mut case.damping_coefficient),
+            ("damping exponent", |case| &mut case.damping_exponent),
+            ("body time", |case| &mut case.body_time),
+        ]);
+    }
+    parameters
+}
 
 impl Case {
     fn law(&self) -> Law {
@@ -79,19 +110,35 @@ impl Case {
     }
 
     fn hit(&self, law: &Law) -> HitSimulation {
+        let mut contacts = [
+            Interface::new("guide-sample", self.area, Arc::clone(law)).unwrap(),
+            Interface::new("sample-disc", self.area, Arc::clone(law)).unwrap(),
+        ];
+        if self.body_time > 0.0 {
+            let [time, c, n] =
+                [self.retardation_time, self.damping_coefficient, self.damping_exponent];
+            let dampings = [
+                ContactDamping::kelvin_voigt(time).unwrap(),
+                ContactDamping::power(c, 1.4e5, n).unwrap(),
+            ];
+            let pairs = contacts.into_iter().zip(dampings);
+            contacts = pairs
+                .map(|(contact, damping)| contact.with_damping(damping))
+                .collect::<Vec<_>>()
+                .try_into()
+                .unwrap();
+        }
         let stack = Stack::new(
             vec![
                 Body::with_mass("guide bar", self.length, self.mass, 71e9, 2710.0).unwrap(),
                 Body::new("sample", 0.015, AREA, 71e9, 2710.0).unwrap(),
             ],
-            vec![
-                Interface::new("guide-sample", self.area, Arc::clone(law)).unwrap(),
-                Interface::new("sample-disc", self.area, Arc::clone(law)).unwrap(),
-            ],
+            contacts.to_vec(),
             Support::SpringMass { stiffness: self.support, mass: 3.0, damping_ratio: 0.05 },
             self.gravity,
         )
-        .unwrap();
+        .unwrap()
+        .with_body_damping(BodyDamping::kelvin_voigt(self.body_time).unwrap());
         let structure = PreloadedStructure::new(stack, Damping::Ratio(self.ratio)).unwrap();
         let rig = Arc::new(ModalModel::new(structure.reduced_to(&[2, 1]).unwrap()).unwrap());
         let excitation = Excitation::GammaPulse { peak: self.peak, rise: self.rise };
@@ -105,15 +152,15 @@ impl Case {
 }
 
 fn variations(case: &Case, law: &Law) -> Vec<ParameterVariation> {
-    let vary = |(number, (_, place)): (usize, &(&str, Place))| {
+    let vary = |(number, (_, place)): (usize, (&str, Place))| {
         let step = RELATIVE_STEP * *place(&mut case.clone());
         let hits = STENCIL.map(|at| {
-            let varied = case.varied(*place, at * step);
+            let varied = case.varied(place, at * step);
             varied.hit(&if number < 6 { varied.law() } else { Arc::clone(law) })
         });
         ParameterVariation { hits, step }
     };
-    PARAMETERS.iter().enumerate().map(vary).collect()
+    parameters(case).into_iter().enumerate().map(vary).collect()
 }
 
 /// Every number of a course in columns.
@@ -172,7 +219,7 @@ fn compare(case: &Case, relative: f64, tolerance: f64) {
     let found: Sensitivity =
         Batch::default().sensitivity(&case.hit(&law), &variations(case, &law)).unwrap();
     let mut worst = 0.0_f64;
-    for ((name, place), rates) in PARAMETERS.iter().zip(&found.derivatives) {
+    for ((name, place), rates) in parameters(case).iter().zip(&found.derivatives) {
         if name.starts_with("knot") && !case.modified {
             assert!(columns(rates).iter().flatten().all(|rate| *rate == 0.0));
             continue;
@@ -181,6 +228,7 @@ fn compare(case: &Case, relative: f64, tolerance: f64) {
         let each = off(rates, &whole_hits(case, *place, relative), &found.values, parameter);
         let most =
             each.iter().fold(0.0_f64, |most, x| if x.is_nan() { f64::NAN } else { most.max(*x) });
+        assert!(most < tolerance, "{name}: {most} {each:?}");
         worst = if most.is_nan() { most } else { worst.max(most) };
     }
     assert!(worst < tolerance, "{worst}");
@@ -192,6 +240,13 @@ fn compare(case: &Case, relative: f64, tolerance: f64) {
 fn derivatives_are_those_of_whole_hits() {
     compare(&CASE, 1e-5, 1e-7);
     compare(&Case { modified: false, peak: 9.0, ..CASE }, 1e-5, 1e-7);
+}
+
+/// Damped contacts and bodies: every number of the damping too.
+#[test]
+fn derivatives_of_damped_hits_are_those_of_whole_hits() {
+    compare(&DAMPED, 1e-5, 1e-6);
+    compare(&Case { modified: false, peak: 9.0, ..DAMPED }, 1e-5, 1e-7);
 }
 
 /// Contact lost and found again: the map is smooth only between such steps, so whole hits must be
@@ -210,7 +265,13 @@ fn derivatives_are_those_of_whole_hits_with_loss_of_contact() {
 /// unfinished corrections.
 #[test]
 fn the_response_is_that_of_the_vector_kernel() {
-    let hit = CASE.hit(&CASE.law());
+    for case in [CASE, DAMPED] {
+        the_response_of(&case);
+    }
+}
+
+fn the_response_of(case: &Case) {
+    let hit = case.hit(&case.law());
     let sampling = Sampling::new(DURATION, 1e5).unwrap();
     let fast = Batch::default().transient(&hit, &sampling).unwrap();
     let found = Batch::default().sensitivity(&hit, &[]).unwrap().values;

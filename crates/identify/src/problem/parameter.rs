@@ -12,6 +12,10 @@ pub enum ParameterSpec {
         /// JSON Pointer into the scenario, such as /damping/ratio.
         #[schemars(length(min = 1))]
         pointer: String,
+        /// Pointers to other numbers that have the same value.
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
+        #[schemars(length(max = 100), extend("default" = []))]
+        also: Vec<String>,
         /// Its name in the results; the pointer when left out.
         name: Option<String>,
         /// The least and the greatest value.

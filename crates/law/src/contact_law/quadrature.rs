@@ -181,7 +181,7 @@ pub(crate) fn gauss(f: &impl Fn(f64) -> f64, start: f64, width: f64) -> f64 {
 }
 
 /// Integral of `f` over a signed `width` from `start`, bisecting panels until halves agree.
-fn adaptive(f: &impl Fn(f64) -> f64, start: f64, width: f64) -> f64 {
+pub(crate) fn adaptive(f: &impl Fn(f64) -> f64, start: f64, width: f64) -> f64 {
     let mut stack = vec![(start, width, gauss(f, start, width), 0)];
     let mut total = 0.0;
     let mut spent = 0;

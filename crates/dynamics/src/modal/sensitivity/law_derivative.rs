@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use asperity_law::ContactLaw;
+use asperity_law::{ContactDamping, ContactLaw};
 
 use crate::difference::central_difference;
 use asperity_structure::PreloadedContact;
@@ -23,11 +23,20 @@ pub(super) struct LawDerivative {
     base: Arc<dyn ContactLaw>,
     /// The law at the places of the stencil, if it is varied.
     varied: Option<[Arc<dyn ContactLaw>; 4]>,
+    /// None without damping.
+    damping: Option<VariedDamping>,
     step: f64,
     pressure: f64,
     pub(super) pressure_derivative: f64,
     /// `1 / K(p0)` of the base law \[m/Pa\], if the static pressure is varied.
     yielding: f64,
+}
+
+/// The damping of a contact, and at the places of the stencil with their laws.
+#[derive(Debug)]
+struct VariedDamping {
+    base: ContactDamping,
+    places: [(ContactDamping, Arc<dyn ContactLaw>); 4],
 }
 
 /// Derivatives of one interface in one step.
@@ -37,6 +46,8 @@ pub(super) struct LawDerivatives {
     pub(super) pressure: f64,
     /// Of the stiffness, at fixed pressure.
     pub(super) stiffness: f64,
+    /// Of the viscous impulse since rest, at fixed closure increment.
+    pub(super) impulse: f64,
 }
 
 impl LawDerivative {
@@ -52,9 +63,15 @@ impl LawDerivative {
         let varied = (!same).then(|| places.map(|place| Arc::clone(place.law())));
         let stiffness = base.law().stiffness(base.pressure());
         let yielding = if pressure_derivative == 0.0 { 0.0 } else { 1.0 / stiffness };
+        let damping = base.damping().map(|damping| {
+            let of = |place: &PreloadedContact| place.damping().unwrap_or(damping);
+            let places = places.map(|place| (of(place), Arc::clone(place.law())));
+            VariedDamping { base: damping, places }
+        });
         yielding.is_finite().then(|| Self {
             base: Arc::clone(base.law()),
             varied,
+            damping,
             step,
             pressure: base.pressure(),
             pressure_derivative,
@@ -62,13 +79,20 @@ impl LawDerivative {
         })
     }
 
+    /// True if the contact is damped.
+    pub(super) fn is_damped(&self) -> bool {
+        self.damping.is_some()
+    }
+
     /// The derivatives where `increment` \[Pa\] is the pressure increment, `tangent` \[Pa/m\] its tangent; faces
     /// that are `open` keep a pressure of zero.
     pub(super) fn at(&self, increment: f64, tangent: f64, open: bool) -> LawDerivatives {
-        if open {
-            return LawDerivatives { pressure: -self.pressure_derivative, stiffness: 0.0 };
-        }
         let mut derivatives = LawDerivatives::default();
+        if open {
+            derivatives.pressure = -self.pressure_derivative;
+            derivatives.impulse = self.impulse(increment, tangent, derivatives.pressure);
+            return derivatives;
+        }
         if let Some(laws) = &self.varied {
             let closures =
                 laws.each_ref().map(|law| law.closure_increment(self.pressure, increment));
@@ -78,7 +102,24 @@ impl LawDerivative {
         if self.pressure_derivative != 0.0 {
             derivatives.pressure += self.pressure_derivative * (tangent * self.yielding - 1.0);
         }
+        derivatives.impulse = self.impulse(increment, tangent, derivatives.pressure);
         derivatives
+    }
+
+    /// Derivative of the viscous impulse `integral of c / K dp` from rest at fixed closure, where the
+    /// pressure increment has the derivative `pressure`: that of the integral between fixed pressures,
+    /// and `c / K` times the derivatives of both.
+    fn impulse(&self, increment: f64, tangent: f64, pressure: f64) -> f64 {
+        let Some(VariedDamping { base: damping, places }) = &self.damping else { return 0.0 };
+        let (from, to) = (self.pressure, self.pressure + increment);
+        let impulses = places.each_ref().map(|(damping, law)| damping.impulse(&**law, from, to));
+        let ratio = |pressure: f64, stiffness: f64| {
+            let coefficient = damping.coefficient(pressure, stiffness);
+            if stiffness > 0.0 { coefficient / stiffness } else { 0.0 }
+        };
+        let moved = self.pressure_derivative;
+        central_difference(impulses, self.step) + ratio(to, tangent) * (pressure + moved)
+            - if moved == 0.0 { 0.0 } else { ratio(from, self.base.stiffness(from)) * moved }
     }
 
     /// Derivative of the stiffness at a fixed `pressure` \[Pa\].
