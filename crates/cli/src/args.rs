@@ -8,7 +8,7 @@ pub(crate) mod law;
 
 use std::path::PathBuf;
 
-use asperity_study::steady::BodyModel;
+use asperity_study::steady::{BodyModel, SweepDirection};
 use clap::{ArgAction, Args as Group, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
 
@@ -258,12 +258,44 @@ pub(crate) struct SteadyRange {
     #[arg(long, value_name = "MODEL", value_enum, default_value_t = Bodies::Auto)]
     pub(crate) bodies: Bodies,
 
+    /// Also integrate a stepped sine in time, with rising or falling frequency or both.
+    ///
+    /// One frequency after another without a pause, as on a shaker, so that the motion stays on its
+    /// branch and jumps at folds. All bodies keep their inertia.
+    #[arg(long, value_name = "DIRECTION", value_enum)]
+    pub(crate) sweep: Option<Direction>,
+
+    /// Number of frequencies of the stepped sine, both ends of the range included.
+    #[arg(long, value_name = "N", requires = "sweep", default_value_t = 201)]
+    pub(crate) sweep_points: usize,
+
     /// Also integrate one response of each branch in time, and report the difference.
     ///
     /// The response is the peak; if another response has its frequency, the highest response that is
     /// the only one at its frequency.
     #[arg(long)]
     pub(crate) verify: bool,
+}
+
+/// Directions of a stepped sine.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Direction {
+    /// Rising frequency.
+    Up,
+    /// Falling frequency.
+    Down,
+    /// One after the other.
+    Both,
+}
+
+impl From<Direction> for SweepDirection {
+    fn from(direction: Direction) -> Self {
+        match direction {
+            Direction::Up => Self::Up,
+            Direction::Down => Self::Down,
+            Direction::Both => Self::Both,
+        }
+    }
 }
 
 /// Treatment of light bodies between contacts.

@@ -2,6 +2,7 @@
 
 use asperity_study::steady::{
     BranchSummary, CondensationReason, SteadyMotion, TerminationSummary, TimeCheck,
+    TimeSweepSummary,
 };
 
 /// Bifurcations of one kind that are listed one by one; of more, the range is given.
@@ -97,6 +98,33 @@ pub(crate) fn check(check: &TimeCheck) -> String {
             "at {hz:.3} Hz differs from time integration, which has not settled, by {difference:.1e}"
         ),
     }
+}
+
+/// A stepped sine by time integration.
+pub(crate) fn time_sweep(sweep: &TimeSweepSummary) -> String {
+    let direction = sweep.direction;
+    if let Some(error) = &sweep.error {
+        return format!("stepped sine {direction}: {error}");
+    }
+    let (hz, a1) = (sweep.peak_frequency_hz, sweep.peak_amplitude_1_m);
+    let (hz, a1) = (hz.unwrap_or(f64::NAN), a1.unwrap_or(f64::NAN));
+    let jumps: Vec<String> =
+        sweep.jumps_hz.iter().map(|[a, b]| format!("{a:.3} and {b:.3} Hz")).collect();
+    let jumps = if jumps.is_empty() {
+        "no jump".to_owned()
+    } else {
+        format!("jumps between {}", jumps.join(", "))
+    };
+    let settled = match sweep.unsettled {
+        0 => "settled at every frequency".to_owned(),
+        count => format!(
+            "not settled at {count} of {} frequencies: the fundamental still changes by up to {:.1e}",
+            sweep.frequencies, sweep.largest_change
+        ),
+    };
+    format!(
+        "stepped sine {direction} by time integration: largest {a1:.5e} m at {hz:.3} Hz; {jumps}; {settled}"
+    )
 }
 
 /// Loss of contact, instability and bifurcations, a remark each.

@@ -1,6 +1,7 @@
 //! The force on the top of the stack.
 
 use std::f64::consts::{PI, TAU};
+use std::sync::Arc;
 
 use crate::DynamicsError;
 use crate::error::positive;
@@ -50,6 +51,8 @@ pub enum Excitation {
     },
     /// A measured record, linear between its samples, zero outside.
     Record(ForceRecord),
+    /// A sine of one frequency after another.
+    Frequencies(FrequencySequence),
 }
 
 /// Past this many rise times a gamma pulse is below 1e-19 of its peak, less
@@ -72,6 +75,7 @@ impl Excitation {
             Self::Haversine { peak, duration } => peak * (PI * time / duration).sin().powi(2),
             Self::Harmonic { amplitude, frequency } => amplitude * (TAU * frequency * time).sin(),
             Self::Record(ref record) => record.force(time),
+            Self::Frequencies(ref sequence) => sequence.force(time),
         }
     }
 
@@ -92,7 +96,7 @@ impl Excitation {
             Self::None => 0.0,
             Self::GammaPulse { rise, .. } => GAMMA_PULSE_END * rise,
             Self::HalfSine { duration, .. } | Self::Haversine { duration, .. } => duration,
-            Self::Harmonic { .. } => f64::INFINITY,
+            Self::Harmonic { .. } | Self::Frequencies(_) => f64::INFINITY,
             Self::Record(ref record) => record.time[record.time.len() - 1],
         }
     }
@@ -104,7 +108,8 @@ impl Excitation {
             Self::GammaPulse { peak, .. }
             | Self::HalfSine { peak, .. }
             | Self::Haversine { peak, .. } => peak.abs(),
-            Self::Harmonic { amplitude, .. } => amplitude.abs(),
+            Self::Harmonic { amplitude, .. }
+            | Self::Frequencies(FrequencySequence { amplitude, .. }) => amplitude.abs(),
             Self::Record(ref record) => record.force.iter().fold(0.0, |m, f| f.abs().max(m)),
         }
     }
@@ -118,6 +123,7 @@ impl Excitation {
             Self::HalfSine { duration, .. } | Self::Haversine { duration, .. } => 0.5 * duration,
             Self::Harmonic { frequency, .. } => 1.0 / (TAU * frequency),
             Self::Record(ref record) => record.time_scale(),
+            Self::Frequencies(ref sequence) => 1.0 / (TAU * sequence.highest()),
         }
     }
 
@@ -137,6 +143,10 @@ impl Excitation {
             Self::Harmonic { amplitude, frequency } if amplitude != 0.0 => {
                 (Self::Harmonic { amplitude: 1.0, frequency }, amplitude)
             }
+            Self::Frequencies(ref sequence) if sequence.amplitude != 0.0 => {
+                let unit = FrequencySequence { amplitude: 1.0, ..sequence.clone() };
+                (Self::Frequencies(unit), sequence.amplitude)
+            }
             ref other => (other.clone(), 1.0),
         }
     }
@@ -150,7 +160,8 @@ impl Excitation {
             Self::GammaPulse { peak, .. }
             | Self::HalfSine { peak, .. }
             | Self::Haversine { peak, .. }
-            | Self::Harmonic { amplitude: peak, .. } => *peak *= factor,
+            | Self::Harmonic { amplitude: peak, .. }
+            | Self::Frequencies(FrequencySequence { amplitude: peak, .. }) => *peak *= factor,
             Self::Record(record) => record.force.iter_mut().for_each(|force| *force *= factor),
         }
         scaled
@@ -163,7 +174,7 @@ impl Excitation {
     /// frequency that is not positive and finite.
     pub fn check(&self) -> Result<(), DynamicsError> {
         let (force, scale, quantity) = match *self {
-            Self::None | Self::Record(_) => return Ok(()),
+            Self::None | Self::Record(_) | Self::Frequencies(_) => return Ok(()),
             Self::GammaPulse { peak, rise } => (peak, rise, "rise time [s]"),
             Self::HalfSine { peak, duration } | Self::Haversine { peak, duration } => {
                 (peak, duration, "pulse duration [s]")
@@ -175,6 +186,73 @@ impl Excitation {
             return Err(DynamicsError::Setting { quantity, value: force, accepted: "finite" });
         }
         positive(quantity, scale).map(|_| ())
+    }
+}
+
+/// `F sin(2 pi f t)` with one frequency f after another, each for a number of whole periods, so that
+/// neither force nor phase jumps; the last frequency lasts.
+///
+/// ```
+/// use asperity_dynamics::{Excitation, FrequencySequence};
+///
+/// // Two periods at 100 Hz, then 200 Hz.
+/// let sequence = FrequencySequence::new(3.0, &[(100.0, 2), (200.0, 1)])?;
+/// assert_eq!(sequence.start(1), Some(0.02));
+/// let force = Excitation::Frequencies(sequence);
+/// assert!((force.force(0.0025) - 3.0).abs() < 1e-12);
+/// assert!((force.force(0.02125) - 3.0).abs() < 1e-12);
+/// # Ok::<(), asperity_dynamics::DynamicsError>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct FrequencySequence {
+    amplitude: f64,
+    /// Start \[s\] and frequency \[Hz\] of each part.
+    parts: Arc<[(f64, f64)]>,
+    end: f64,
+}
+
+impl FrequencySequence {
+    /// A force of `amplitude` \[N\] at frequencies \[Hz\] for numbers of periods.
+    ///
+    /// # Errors
+    /// [`DynamicsError::Setting`] for an amplitude that is not finite, no frequency, or one that is not
+    /// positive and finite.
+    pub fn new(amplitude: f64, frequencies: &[(f64, usize)]) -> Result<Self, DynamicsError> {
+        if !amplitude.is_finite() {
+            let (quantity, accepted) = ("force [N]", "finite");
+            return Err(DynamicsError::Setting { quantity, value: amplitude, accepted });
+        }
+        if frequencies.is_empty() {
+            let (quantity, accepted) = ("number of frequencies", "at least 1");
+            return Err(DynamicsError::Setting { quantity, value: 0.0, accepted });
+        }
+        let mut parts = Vec::with_capacity(frequencies.len());
+        let mut end = 0.0;
+        for &(frequency, periods) in frequencies {
+            parts.push((end, positive("frequency [Hz]", frequency)?));
+            end += periods as f64 / frequency;
+        }
+        Ok(Self { amplitude, parts: parts.into(), end })
+    }
+
+    /// Start \[s\] of a frequency by its place; none beyond the last.
+    pub fn start(&self, place: usize) -> Option<f64> {
+        self.parts.get(place).map(|part| part.0)
+    }
+
+    /// End of the periods of the last frequency \[s\].
+    pub fn end(&self) -> f64 {
+        self.end
+    }
+
+    fn highest(&self) -> f64 {
+        self.parts.iter().fold(0.0, |highest, part| part.1.max(highest))
+    }
+
+    fn force(&self, time: f64) -> f64 {
+        let after = self.parts.partition_point(|part| part.0 <= time);
+        let (start, frequency) = self.parts[after.max(1) - 1];
+        self.amplitude * (TAU * frequency * (time - start)).sin()
     }
 }
 
@@ -279,6 +357,30 @@ mod tests {
             assert_eq!(excitation.force(time), force);
         }
         assert_eq!(excitation.peak(), 4.0);
+    }
+
+    /// Whole periods: no jump of the force, and its slope changes with the frequency only.
+    #[test]
+    fn frequencies_follow_without_a_jump() {
+        let parts = [(100.0, 3), (130.0, 5), (170.0, 2)];
+        let force = FrequencySequence::new(-2.0, &parts).unwrap();
+        assert_eq!(force.start(3), None);
+        let sine = Excitation::Frequencies(force.clone());
+        for (place, pair) in parts.windows(2).enumerate() {
+            let at = force.start(place + 1).unwrap();
+            let slope = |sign: f64| sign * sine.force(at + sign * 1e-7) / 1e-7 / (-2.0 * TAU);
+            assert!((slope(-1.0) / pair[0].0 - 1.0).abs() < 1e-6);
+            assert!((slope(1.0) / pair[1].0 - 1.0).abs() < 1e-6);
+        }
+        assert!((force.end() - (0.03 + 5.0 / 130.0 + 2.0 / 170.0)).abs() < 1e-15);
+        let (unit, factor) = sine.unit();
+        assert_eq!((unit.peak(), factor), (1.0, -2.0));
+        assert_eq!(unit.scaled(factor), sine);
+        assert_eq!(sine.time_scale(), 1.0 / (TAU * 170.0));
+        for wrong in [&[][..], &[(0.0, 3)], &[(f64::NAN, 1)]] {
+            assert!(FrequencySequence::new(1.0, wrong).is_err());
+        }
+        assert!(FrequencySequence::new(f64::INFINITY, &parts).is_err());
     }
 
     #[test]

@@ -58,7 +58,7 @@ pub mod transient;
 
 pub use difference::{RELATIVE_STEP, STENCIL, central_difference};
 pub use error::DynamicsError;
-pub use excitation::{Excitation, ForceRecord};
+pub use excitation::{Excitation, ForceRecord, FrequencySequence};
 pub use finite_difference::{ContactForm, FiniteDifference};
 pub use instruction_set::InstructionSet;
 pub use integrator::{Integrator, RunOutline};

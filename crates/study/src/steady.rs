@@ -5,6 +5,7 @@ mod check;
 mod settled;
 mod summary;
 mod table;
+mod time_sweep;
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -27,9 +28,10 @@ pub use check::TimeCheck;
 pub use settled::{SettledAmplitude, SteadyMotion, first_periods};
 pub use summary::{
     BackboneSummary, BackbonesSummary, BifurcationSummary, BranchSummary, LevelSummary,
-    STEADY_SCHEMA, SteadySummary, TerminationSummary,
+    STEADY_SCHEMA, SteadySummary, TerminationSummary, TimeSweepSummary,
 };
-pub use table::{backbone_csv, steady_csv};
+pub use table::{backbone_csv, steady_csv, steady_time_csv};
+pub use time_sweep::{SweepDirection, TimeSweep, TimeSweepPoint, TimeSweepRequest, time_sweeps};
 
 /// Truncation that the automatic choice of harmonics aims at, and most harmonics. More would reach
 /// the modes of light samples, where branches with loss of contact fold without end.
@@ -68,6 +70,8 @@ pub struct SteadyRequest {
     pub verify: bool,
     /// Light bodies between contacts.
     pub bodies: BodyModel,
+    /// Adds a stepped sine by time integration at each force amplitude.
+    pub time_sweep: Option<TimeSweepRequest>,
 }
 
 /// The responses at one force amplitude.
@@ -114,6 +118,8 @@ pub struct Steady {
     pub levels: Vec<SteadyLevel>,
     /// The backbones, if requested.
     pub backbones: Option<Backbones>,
+    /// The stepped sines by time integration, if requested.
+    pub time_sweeps: Vec<TimeSweep>,
     /// Time of the whole computation \[s\].
     pub wall_s: f64,
 }
@@ -141,6 +147,7 @@ pub struct Steady {
 ///     backbone: false,
 ///     verify: false,
 ///     bodies: BodyModel::Auto,
+///     time_sweep: None,
 /// };
 /// let found = steady(&assembly, &request)?;
 /// let peak = found.levels[0].outcome.as_ref().unwrap().highest().unwrap();
@@ -185,7 +192,10 @@ pub fn steady_with_progress(
         }
     }
     let backbones = request.backbone.then(|| backbones(assembly, &choice, request, &settings));
-    Ok(Steady { levels, backbones, wall_s: started.elapsed().as_secs_f64() })
+    let range = (request.from_hz, request.to_hz);
+    let sweeps = |sweep| time_sweeps(assembly, &request.amplitudes, range, sweep);
+    let time_sweeps = request.time_sweep.map(sweeps).transpose()?.unwrap_or_default();
+    Ok(Steady { levels, backbones, time_sweeps, wall_s: started.elapsed().as_secs_f64() })
 }
 
 /// Refuses requests out of range.

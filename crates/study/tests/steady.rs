@@ -2,19 +2,21 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
 
-use asperity_harmonic::SpecialPointKind;
+use asperity_harmonic::{PeriodicResponse, SpecialPointKind};
 use asperity_scenario::Document;
 use asperity_study::assemble::Assembly;
 use asperity_study::error::StudyError;
 use asperity_study::steady::{
-    BodyModel, Condensation, CondensationReason, SteadyMotion, SteadyRequest, steady,
+    BodyModel, Condensation, CondensationReason, SteadyMotion, SteadyRequest, SweepDirection,
+    TimeSweepRequest, steady, time_sweeps,
 };
+
+const RIG: &str =
+    concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/scenarios/nouira2020-modified.json");
 
 /// The paper's rig with the power law on both contacts.
 fn rig() -> Assembly {
-    let path =
-        concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/scenarios/nouira2020-modified.json");
-    let mut document = Document::read(path).unwrap();
+    let mut document = Document::read(RIG).unwrap();
     for interface in 0..2 {
         document.set(&format!("/interfaces/{interface}/law"), "pl").unwrap();
     }
@@ -30,6 +32,7 @@ fn request(force: f64, bodies: BodyModel) -> SteadyRequest {
         backbone: false,
         verify: false,
         bodies,
+        time_sweep: None,
     }
 }
 
@@ -83,4 +86,90 @@ fn requests_are_honoured_or_refused() {
     }
     let elastic = steady(&rig(), &request(0.5, BodyModel::Elastic)).unwrap();
     assert!(elastic.levels[0].condensed.is_none());
+}
+
+/// A stepped sine in both directions at a force with folds and no loss of contact: every settled point is
+/// that of the branch, and each jump lies within a frequency step of its fold.
+#[test]
+fn a_stepped_sine_follows_the_branch_and_jumps_at_its_folds() {
+    let document = Document::read(RIG).unwrap();
+    let assembly = Assembly::new(&document.scenario().unwrap(), document.folder()).unwrap();
+    let range = SteadyRequest { from_hz: 860.0, to_hz: 760.0, ..request(1.0, BodyModel::Elastic) };
+    let found = steady(&assembly, &range).unwrap();
+    let branch = found.levels[0].outcome.as_ref().unwrap();
+    let folds: Vec<f64> =
+        branch.of_kind(SpecialPointKind::Fold).map(PeriodicResponse::frequency_hz).collect();
+    assert_eq!(folds.len(), 2);
+    let request = TimeSweepRequest { direction: SweepDirection::Both, frequencies: 101 };
+    let sweeps = time_sweeps(&assembly, &[1.0], (range.from_hz, range.to_hz), request).unwrap();
+    let spacing = 1.0;
+    // Falling, the motion stays on the upper part down to the lower fold; rising, on the lower part.
+    for (sweep, fold) in sweeps.iter().zip([folds[0].max(folds[1]), folds[0].min(folds[1])]) {
+        let jumps = sweep.jumps();
+        assert_eq!(jumps.len(), 1, "{} {jumps:?} {folds:?}", sweep.direction());
+        let (low, high) = (jumps[0][0].min(jumps[0][1]), jumps[0][0].max(jumps[0][1]));
+        assert!(low <= fold + spacing && high >= fold - spacing, "{low} {high} {fold}");
+        let points = sweep.outcome.as_ref().unwrap();
+        assert!(points.iter().filter(|point| !point.settled).count() <= 2);
+        for point in points.iter().filter(|point| point.settled) {
+            // The nearest crossing of the branch at this frequency.
+            let crossings = branch.points.windows(2).filter_map(|pair| {
+                let [a, b] = [0, 1].map(|n| (pair[n].frequency_hz(), pair[n].amplitude(1)));
+                let share = (point.frequency_hz - a.0) / (b.0 - a.0);
+                (0.0..=1.0).contains(&share).then_some(a.1 + share * (b.1 - a.1))
+            });
+            let off = crossings
+                .map(|amplitude| (point.amplitude_1_m / amplitude - 1.0).abs())
+                .fold(f64::INFINITY, f64::min);
+            // Chords between the points of the branch, and motions settled to 1e-3.
+            let near = (point.frequency_hz - fold).abs() < 2.0 * spacing;
+            assert!(off < 1e-2 || near, "{} Hz: {off:.1e}", point.frequency_hz);
+        }
+    }
+}
+
+/// Stepped sines on random stable branches: two bodies, forces up to half of those that lose contact.
+#[test]
+fn stepped_sines_agree_with_harmonic_balance_on_random_rigs() {
+    let mut state = 1_u64;
+    let mut random = |low: f64, high: f64| {
+        state =
+            state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        low + (high - low) * (state >> 11) as f64 / (1_u64 << 53) as f64
+    };
+    for _ in 0..4 {
+        let mut document = Document::read(RIG).unwrap();
+        for (pointer, value) in [
+            ("/bodies/0/mass_kg", random(0.8, 3.0)),
+            ("/bodies/0/length_m", random(0.1, 0.3)),
+            ("/bodies/1/length_m", random(0.01, 0.05)),
+            ("/damping/ratio", random(0.02, 0.06)),
+            ("/laws/pl/exponent", random(0.3, 0.4)),
+        ] {
+            document.set(pointer, &value.to_string()).unwrap();
+        }
+        for interface in 0..2 {
+            document.set(&format!("/interfaces/{interface}/law"), "pl").unwrap();
+        }
+        let assembly = Assembly::new(&document.scenario().unwrap(), document.folder()).unwrap();
+        let natural = assembly.structure.natural_frequency().unwrap();
+        let weight = assembly.structure.contacts()[0].pressure() * 1.15e-4;
+        let force = random(0.2, 0.5) * 2.0 * assembly.structure.damping_rate() * weight
+            / (2.0 * std::f64::consts::TAU * natural);
+        let (from_hz, to_hz) = (0.85 * natural, 1.05 * natural);
+        let range = SteadyRequest { from_hz, to_hz, ..request(force, BodyModel::Elastic) };
+        let found = steady(&assembly, &range).unwrap();
+        let branch = found.levels[0].outcome.as_ref().unwrap();
+        assert!(branch.is_complete() && branch.of_kind(SpecialPointKind::Fold).count() == 0);
+        let peak = branch.peak().unwrap();
+        let request = TimeSweepRequest { direction: SweepDirection::Up, frequencies: 3 };
+        let around = (peak.frequency_hz() - 5.0, peak.frequency_hz() + 5.0);
+        let sweeps = time_sweeps(&assembly, &[force], around, request).unwrap();
+        let point = sweeps[0].outcome.as_ref().unwrap()[1];
+        let ratio = point.amplitude_1_m / peak.amplitude(1);
+        assert!(point.settled && (ratio - 1.0).abs() < 2e-3, "{ratio} {point:?}");
+        let second = point.amplitude_2_m / peak.amplitude(2);
+        assert!((second - 1.0).abs() < 1e-2, "{second}");
+        assert!((point.phase_1_rad - peak.phase()).abs() < 5e-3, "{point:?} {}", peak.phase());
+    }
 }

@@ -125,6 +125,7 @@ fn request(natural: f64, force: f64, verify: bool) -> SteadyRequest {
         backbone: false,
         verify,
         bodies: BodyModel::Auto,
+        time_sweep: None,
     }
 }
 

@@ -5,7 +5,8 @@ use asperity_study::assemble::Assembly;
 use asperity_study::provenance::Provenance;
 use asperity_study::static_state::StaticSummary;
 use asperity_study::steady::{
-    LevelSummary, SteadyRequest, SteadySummary, backbone_csv, steady_csv, steady_with_progress,
+    LevelSummary, SteadyRequest, SteadySummary, TimeSweepRequest, backbone_csv, steady_csv,
+    steady_time_csv, steady_with_progress,
 };
 use serde_json::json;
 
@@ -33,6 +34,10 @@ pub(crate) fn run(
         backbone: range.backbone,
         verify: range.verify,
         bodies: range.bodies.into(),
+        time_sweep: range.sweep.map(|direction| TimeSweepRequest {
+            direction: direction.into(),
+            frequencies: range.sweep_points,
+        }),
     };
     let folder = ResultFolder::claim("steady", document.path(), output)?;
     let bar = crate::progress::bar(request.amplitudes.len() as u64, "amplitudes", quiet);
@@ -46,6 +51,9 @@ pub(crate) fn run(
     folder.write("steady.csv", steady_csv(&found, &names))?;
     if let Some(backbones) = &found.backbones {
         folder.write("backbone.csv", backbone_csv(backbones))?;
+    }
+    if request.time_sweep.is_some() {
+        folder.write("steady_time.csv", steady_time_csv(&found.time_sweeps))?;
     }
     let figure = plot::steady(&found);
     if let Some(figure) = &figure {
@@ -88,6 +96,9 @@ fn print_branches(summary: &SteadySummary) -> Result<(), Failure> {
         if let Some(check) = branch.verify {
             answer_line!("{:14} {}", "", steady_words::check(&check));
         }
+    }
+    for sweep in &summary.time_sweeps {
+        answer_line!("{:>10} N   {}", sweep.force_n, steady_words::time_sweep(sweep));
     }
     Ok(())
 }

@@ -49,6 +49,17 @@ pub(crate) fn steady(found: &Steady) -> Option<Figure> {
     };
     let amplitude = Axis::linear("Amplitude A_{1}", "µm").scale(1e6);
     let mut amplitude = panel(amplitude, |point| point.amplitude(1));
+    for (name, marker, rising) in SWEEPS {
+        let sweeps = found.time_sweeps.iter().filter(|sweep| sweep.rising == rising);
+        let points =
+            sweeps.flat_map(|sweep| sweep.outcome.as_ref().map_or(&[][..], |points| points));
+        let (x, y): (Vec<f64>, Vec<f64>) =
+            points.map(|point| (point.frequency_hz, point.amplitude_1_m)).unzip();
+        if !x.is_empty() {
+            let series = Series::points(name, x, y).color(Color::BLACK).marker(marker);
+            amplitude = amplitude.series(series.filled(false).marker_size(2.5));
+        }
+    }
     for (name, branch, dash) in backbones {
         let (x, y) = columns(&branch.points, |point| point.amplitude(1));
         amplitude = amplitude.series(Series::line(name, x, y).color(Color::BLACK).dash(dash));
@@ -84,6 +95,12 @@ fn all(mut panel: Panel, branches: &[(f64, &Branch)], observable: Observable) ->
     }
     panel
 }
+
+/// Stepped sines by time integration: name, symbol, and whether the frequency rises.
+const SWEEPS: [(&str, Marker, bool); 2] = [
+    ("time integration, up", Marker::Triangle, true),
+    ("time integration, down", Marker::Circle, false),
+];
 
 /// A symbol for points of a branch.
 struct Mark {

@@ -98,6 +98,34 @@ fn condensed_bodies_are_named() {
     assert!(text(&output.stderr).contains("no body can be condensed"));
 }
 
+/// A stepped sine in time is printed with its jump and written, in both directions.
+#[test]
+fn stepped_sines_in_time_are_printed_and_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let range = ["--amplitude", "1", "--from", "810", "--to", "780", "--harmonics", "8"];
+    let sweep = ["--sweep", "both", "--sweep-points", "13"];
+    let printed = answer(folder.path(), &[&range[..], &sweep].concat());
+    let found = summary(folder.path());
+    let sweeps = found["time_sweeps"].as_array().unwrap();
+    assert_eq!(sweeps.len(), 2);
+    for (sweep, direction) in sweeps.iter().zip(["up", "down"]) {
+        assert_eq!((&sweep["direction"], &sweep["frequencies"]), (&direction.into(), &13.into()));
+        let jump = &sweep["jumps_hz"][0];
+        let [a, b] = [0, 1].map(|end| jump[end].as_f64().unwrap());
+        let words = format!("stepped sine {direction} by time integration");
+        assert!(printed.contains(&words), "{printed}");
+        let words = format!("jumps between {a:.3} and {b:.3} Hz");
+        assert!(printed.contains(&words), "{printed}");
+    }
+    let table = std::fs::read_to_string(folder.path().join("out/steady_time.csv")).unwrap();
+    assert_eq!(table.lines().count(), 27);
+    let figure = std::fs::read_to_string(folder.path().join("out/steady.svg")).unwrap();
+    assert!(figure.contains("time integration, down"));
+    let wrong = ["steady", &rig(), "--sweep", "up", "--sweep-points", "1"];
+    let output = asperity(folder.path(), &[&wrong[..], &range].concat());
+    assert_eq!(output.status.code(), Some(2), "{}", text(&output.stderr));
+}
+
 /// A branch highest at its end has no peak in the range.
 #[test]
 fn the_end_of_the_range_is_no_peak() {

@@ -98,7 +98,7 @@ struct State<'a, 'r, S: Simd> {
     contacts: Vec<ContactStep<'a>>,
     support: SupportStep,
     guides: Vec<GuideStep>,
-    /// What friction in guides adds to the closure that each contact would reach \[m\], and the
+    /// Additions of friction in guides to the closure that each contact would reach \[m\], and the
     /// traction found there \[Pa\]; kept with guides only.
     shifts: Vec<f64>,
     tractions: Vec<f64>,

@@ -256,7 +256,7 @@ fn hits_with_friction_do_not_depend_on_their_neighbours() {
     }
 }
 
-/// What an integrator cannot do with friction is said.
+/// Requests that an integrator cannot fulfil with friction are refused with the reason.
 #[test]
 fn a_stiff_guide_and_derivatives_are_refused_in_words() {
     let stiff = Some(Friction::slip_force(1e16, 0.2).unwrap());

@@ -100,6 +100,12 @@ impl SettledAmplitude {
 /// Periods until a transient of free bodies, on damped contacts that of the lowest mode, at `frequency` \[Hz\] has fallen to a millionth, 20 to
 /// 8000.
 pub fn first_periods(assembly: &Assembly, frequency: f64) -> f64 {
+    periods_to_decay(assembly, frequency, REMAINS).clamp(FEWEST_PERIODS, MOST_PERIODS).ceil()
+}
+
+/// Periods at `frequency` \[Hz\] until such a transient has fallen to `remains`; infinite without
+/// damping.
+pub(super) fn periods_to_decay(assembly: &Assembly, frequency: f64, remains: f64) -> f64 {
     let structure = &assembly.structure;
     let mut rate = 0.5 * structure.damping_rate();
     if structure.contacts().iter().any(|contact| contact.damping().is_some())
@@ -108,8 +114,7 @@ pub fn first_periods(assembly: &Assembly, frequency: f64) -> f64 {
         let slowest = modes.iter().map(|mode| TAU * mode.frequency_hz * mode.damping_ratio);
         rate = slowest.fold(rate, f64::max);
     }
-    let decay = rate / frequency;
-    (-REMAINS.ln() / decay).clamp(FEWEST_PERIODS, MOST_PERIODS).ceil()
+    -remains.ln() * frequency / rate
 }
 
 /// Fundamentals of the periods in the last quarter of some samples.

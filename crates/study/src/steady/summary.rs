@@ -3,7 +3,9 @@
 use asperity_harmonic::{Branch, HarmonicError, PeriodicResponse, Termination};
 use serde::Serialize;
 
-use super::{Backbones, CondensationReason, CondensedBody, Steady, SteadyLevel, TimeCheck};
+use super::{
+    Backbones, CondensationReason, CondensedBody, Steady, SteadyLevel, TimeCheck, TimeSweep,
+};
 use crate::provenance::Provenance;
 use crate::static_state::StaticSummary;
 use crate::warning::Warning;
@@ -25,6 +27,8 @@ pub struct SteadySummary {
     pub levels: Vec<LevelSummary>,
     /// The backbones, if requested.
     pub backbone: Option<BackbonesSummary>,
+    /// The stepped sines by time integration, if requested.
+    pub time_sweeps: Vec<TimeSweepSummary>,
     /// Time of the computation \[s\].
     pub wall_s: f64,
     /// Origin of the numbers.
@@ -173,8 +177,50 @@ impl SteadySummary {
             at_rest,
             levels: steady.levels.iter().map(LevelSummary::of).collect(),
             backbone: steady.backbones.as_ref().map(backbones),
+            time_sweeps: steady.time_sweeps.iter().map(TimeSweepSummary::of).collect(),
             wall_s: steady.wall_s,
             provenance,
+        }
+    }
+}
+
+/// A stepped sine by time integration.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct TimeSweepSummary {
+    /// Force amplitude \[N\].
+    pub force_n: f64,
+    /// `"up"` or `"down"`.
+    pub direction: &'static str,
+    /// Number of frequencies.
+    pub frequencies: usize,
+    /// Frequency of the largest fundamental \[Hz\].
+    pub peak_frequency_hz: Option<f64>,
+    /// Largest fundamental of the top \[m\].
+    pub peak_amplitude_1_m: Option<f64>,
+    /// Number of frequencies at which the motion has not settled.
+    pub unsettled: usize,
+    /// Largest relative change of a fundamental between its last periods and those before.
+    pub largest_change: f64,
+    /// Pairs of neighbouring frequencies between which the fundamental jumps \[Hz\].
+    pub jumps_hz: Vec<[f64; 2]>,
+    /// The error of a sweep that failed.
+    pub error: Option<String>,
+}
+
+impl TimeSweepSummary {
+    fn of(sweep: &TimeSweep) -> Self {
+        let points = sweep.outcome.as_ref().map_or(&[][..], |points| points);
+        let peak = points.iter().max_by(|a, b| a.amplitude_1_m.total_cmp(&b.amplitude_1_m));
+        Self {
+            force_n: sweep.force_n,
+            direction: sweep.direction(),
+            frequencies: points.len(),
+            peak_frequency_hz: peak.map(|peak| peak.frequency_hz),
+            peak_amplitude_1_m: peak.map(|peak| peak.amplitude_1_m),
+            unsettled: points.iter().filter(|point| !point.settled).count(),
+            largest_change: points.iter().fold(0.0, |most, point| point.change.max(most)),
+            jumps_hz: sweep.jumps(),
+            error: sweep.outcome.as_ref().err().map(ToString::to_string),
         }
     }
 }

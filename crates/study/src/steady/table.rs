@@ -3,7 +3,7 @@
 use asperity_harmonic::Branch;
 use asperity_table::CsvWriter;
 
-use super::{Backbones, Steady};
+use super::{Backbones, Steady, TimeSweep};
 
 /// A harmonic is a column if it exceeds this share of the fundamental at some point.
 const MATTERS: f64 = 1e-4;
@@ -52,6 +52,30 @@ fn harmonics_that_matter(branches: &[&Branch]) -> usize {
 
 fn truth(value: bool) -> &'static str {
     if value { "true" } else { "false" }
+}
+
+/// `steady_time.csv`: a row per frequency of every stepped sine by time integration, in its order.
+pub fn steady_time_csv(sweeps: &[TimeSweep]) -> String {
+    let mut csv = CsvWriter::with_header([
+        "force_n",
+        "direction",
+        "frequency_hz",
+        "amplitude_1_m",
+        "amplitude_2_m",
+        "phase_1_rad",
+        "periods",
+        "change",
+        "settled",
+    ]);
+    for sweep in sweeps {
+        for point in sweep.outcome.as_ref().map_or(&[][..], |points| points) {
+            csv.number(sweep.force_n).text(sweep.direction()).number(point.frequency_hz);
+            csv.numbers([point.amplitude_1_m, point.amplitude_2_m, point.phase_1_rad]);
+            csv.numbers([point.periods as f64, point.change]);
+            csv.text(truth(point.settled)).end_row();
+        }
+    }
+    csv.into_string()
 }
 
 /// `backbone.csv`: a row per point of both backbones. Modes have a damping ratio, phase resonances

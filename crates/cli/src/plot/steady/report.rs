@@ -4,6 +4,7 @@ use asperity_figure::Figure;
 use asperity_figure::report::{Report, TableCell};
 use asperity_study::steady::{
     BackboneSummary, BranchSummary, LevelSummary, SteadySummary, TerminationSummary,
+    TimeSweepSummary,
 };
 
 use crate::steady_words;
@@ -32,6 +33,13 @@ pub(crate) fn steady_report(summary: &SteadySummary, figure: Option<&Figure>) ->
         let rows = rows.map(|(name, found)| backbone(name, found));
         let headers = ["Backbone", "Points", "Last f (Hz)", "Last A_{1} (m)", "End"];
         page = page.section("Backbones").table(headers, rows);
+    }
+    if !summary.time_sweeps.is_empty() {
+        let words = |sweep: &TimeSweepSummary| {
+            format!("{} N: {}", sweep.force_n, steady_words::time_sweep(sweep))
+        };
+        let sweeps = summary.time_sweeps.iter().map(words);
+        page = sweeps.fold(page.section("Time integration"), Report::paragraph);
     }
     let warned: Vec<String> = solved(summary)
         .flat_map(|branch| {
