@@ -29,15 +29,15 @@ pub(super) enum InterpolationChoice {
 }
 
 impl InterpolationChoice {
-    /// The interpolation of the contact force for each mode at `step` \[s\], under the
-    /// mass-proportional damping `rate` \[1/s\]: none for a mode that counts as flexibility, linear for
-    /// one that counts as flexibility with damping.
+    /// The interpolation of the contact force for each mode at `step` \[s\]: none for a mode that counts
+    /// as flexibility, linear for one that counts as flexibility with damping of its own. What
+    /// mass-proportional damping takes from so fast a mode is negligible.
     fn of(
         self,
         modes: &[NormalMode],
         areas: &[f64],
         stiffness: &[f64],
-        (rate, step): (f64, f64),
+        step: f64,
     ) -> Vec<Option<ForceInterpolation>> {
         let mut interpolations = vec![ForceInterpolation::Average; modes.len()];
         if self == Self::HighestOrder {
@@ -50,7 +50,7 @@ impl InterpolationChoice {
             if !mode.massless && w * step <= FAST {
                 return Some(interpolation);
             }
-            let lag = mode.total_damping(rate) / (w * w);
+            let lag = mode.damping_rate / (w * w);
             (lag > LAG * step).then_some(ForceInterpolation::Linear)
         };
         modes.iter().zip(interpolations).map(of).collect()
@@ -98,7 +98,7 @@ impl StepModel {
         step: f64,
         choice: InterpolationChoice,
     ) -> Self {
-        let interpolations = choice.of(structure.modes(), areas, stiffness, (rate, step));
+        let interpolations = choice.of(structure.modes(), areas, stiffness, step);
         Self::with_interpolations(structure, areas, rate, step, interpolations)
     }
 
