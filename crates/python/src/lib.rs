@@ -11,12 +11,12 @@
 //!
 //! | module | holds |
 //! |---|---|
-//! | [`scenario`] | the class `Scenario` |
-//! | [`simulate`] | one transient run |
-//! | [`background`] | long calls: without the interpreter's lock, with progress, stopped by Ctrl-C |
-//! | [`columns`] | columns of numbers as NumPy arrays |
-//! | [`json`] | documents between Python and Rust |
-//! | [`exception`] | errors as exceptions |
+//! | `scenario` | the class `Scenario` |
+//! | `simulate` | one transient run |
+//! | `background` | long calls: without the interpreter's lock, with progress, stopped by Ctrl-C |
+//! | `columns` | columns of numbers as NumPy arrays |
+//! | `json` | documents between Python and Rust |
+//! | `exception` | errors as exceptions |
 
 #![allow(clippy::doc_markdown, reason = "the documentation of classes and functions is Python's")]
 
