@@ -23,6 +23,7 @@ mod x_5_compliant_disc;
 mod x_6_readings;
 mod x_7_second_path;
 mod x_8_identified_law;
+mod x_9_dissipation;
 
 use crate::reproduce::PaperFigure;
 
@@ -49,4 +50,5 @@ pub(crate) const FIGURES: &[&PaperFigure] = &[
     &x_6_readings::FIGURE,
     &x_7_second_path::FIGURE,
     &x_8_identified_law::FIGURE,
+    &x_9_dissipation::FIGURE,
 ];
