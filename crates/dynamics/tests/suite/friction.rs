@@ -107,7 +107,6 @@ fn a_mass_on_a_spring_moves_as_by_steps_200_times_shorter() {
             let name = format!("{contact}, in guide: {in_guide}: {errors:?}, order {order}");
             // Kinks within steps: second order.
             assert!(order > 1.4 && errors[2] < 2e-3, "{name}");
-            println!("{name}");
         }
     }
 }
@@ -212,7 +211,6 @@ fn both_integrators_agree_with_friction() {
         let off = difference(&modal.history.displacement, &grid.history.displacement);
         let losses = [modal.energy.friction_dissipated, grid.energy.friction_dissipated];
         let apart = losses[0] / losses[1] - 1.0;
-        println!("{name}: {off:.1e} {losses:?} {:.1e} {:.1e}", residual(&modal), residual(&grid));
         assert!(off < 5e-3, "{name}: {off}");
         assert!(apart.abs() < 1e-2, "{name}: {losses:?}");
         assert!(losses[0] > 0.02 * modal.energy.input, "{name}: {losses:?}");
