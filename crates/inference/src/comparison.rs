@@ -96,7 +96,10 @@ pub struct ComparedModel {
     /// Goodness of that fit.
     pub goodness: GoodnessOfFit,
     /// `2 cost + 2 k + 2 k (k + 1) / (n - k - 1)` for `k` parameters and `n` observations;
-    /// infinite where `n <= k + 1`.
+    /// infinite where `n <= k + 1`. Latents count as many parameters as the data determine of them,
+    /// `sum s^2 / (1 + s^2)` over the singular values `s` of the standardised Jacobian, and their prior
+    /// is no part of the cost (T. Hastie, R. Tibshirani, *Generalized Additive Models*, 1990, section
+    /// 6.8).
     pub aicc: f64,
     /// `2 cost + k ln n`.
     pub bic: f64,
@@ -201,14 +204,15 @@ pub fn compare_fits(
     let mut outcomes = Vec::with_capacity(count);
     for (done, (name, found)) in candidates.into_iter().enumerate() {
         check_size("observations of a candidate", found.predictions.len(), expected)?;
-        let (k, n) = (found.point.len() as f64, expected as f64);
+        let (k, n) = (found.effective_parameters(), expected as f64);
+        let deviance = 2.0 * found.cost - found.latent_prior_chi_square();
         let room = n - k - 1.0;
         let correction = if room > 0.0 { 2.0 * k * (k + 1.0) / room } else { f64::INFINITY };
         outcomes.push(ComparedModel {
             name: name.to_owned(),
             goodness: found.goodness(),
-            aicc: 2.0 * found.cost + 2.0 * k + correction,
-            bic: 2.0 * found.cost + k * n.ln(),
+            aicc: deviance + 2.0 * k + correction,
+            bic: deviance + k * n.ln(),
             cross_validation: cross_validate(&found, options),
             fit: found.into_solution(),
             score_difference: None,

@@ -3,6 +3,8 @@
 use std::fmt;
 use std::ops::Deref;
 
+use faer::Mat;
+
 use crate::error::{InferenceError, check_size};
 use crate::fit_options::FitOptions;
 use crate::fit_problem::FitProblem;
@@ -123,6 +125,30 @@ impl<'m> Fit<'m> {
     pub(crate) fn known(&self) -> Known {
         let (predictions, slopes) = (self.predictions.clone(), self.slopes.clone());
         Known { x: self.optimum(), predictions, slopes }
+    }
+
+    /// Number of parameters, of which latents count as many as the data determine.
+    pub(crate) fn effective_parameters(&self) -> f64 {
+        let parameters = self.problem.parameters;
+        let latents: Vec<usize> =
+            (0..parameters.len()).filter(|&j| parameters[j].is_latent()).collect();
+        let others = (parameters.len() - latents.len()) as f64;
+        if latents.is_empty() || self.slopes.len() != self.problem.observations.len() {
+            return parameters.len() as f64;
+        }
+        let scaled = Mat::from_fn(self.slopes.len(), latents.len(), |i, j| {
+            let root = self.weights[i].sqrt() / self.problem.observations[i].standard_deviation;
+            self.slopes[i][latents[j]] * root
+        });
+        let determined =
+            |values: Vec<f64>| values.iter().map(|s| s * s / (1.0 + s * s)).sum::<f64>();
+        others + scaled.singular_values().map_or(latents.len() as f64, determined)
+    }
+
+    /// The part of the priors' chi-square that is of latents.
+    pub(crate) fn latent_prior_chi_square(&self) -> f64 {
+        let latents = self.problem.parameters.iter().zip(&self.point);
+        latents.filter(|(parameter, _)| parameter.is_latent()).map(|(_, z)| z * z).sum()
     }
 
     /// Working coordinates of the optimum.

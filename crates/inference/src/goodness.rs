@@ -25,6 +25,46 @@ pub struct GoodnessOfFit {
     pub noise_factor: f64,
 }
 
+/// Agreement of a fit with its data in a word, by the p-value of chi-square.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Agreement {
+    /// The p-value is at least [`Agreement::GOOD`], or there are no degrees of freedom.
+    Good,
+    /// It is below that, and at least [`Agreement::DOUBTFUL`]: a larger chi-square has odds of less
+    /// than one in twenty if model and standard deviations are right.
+    Doubtful,
+    /// It is smaller still: the model or the standard deviations are wrong.
+    None,
+}
+
+impl Agreement {
+    /// Least p-value of a good agreement.
+    pub const GOOD: f64 = 0.05;
+    /// Least p-value of a doubtful one.
+    pub const DOUBTFUL: f64 = 1e-3;
+
+    /// The agreement of a p-value.
+    ///
+    /// ```
+    /// use asperity_inference::Agreement;
+    /// assert_eq!(Agreement::of(Some(0.02)), Agreement::Doubtful);
+    /// ```
+    pub fn of(p_value: Option<f64>) -> Self {
+        match p_value {
+            Some(p) if p.is_nan() || p < Self::DOUBTFUL => Self::None,
+            Some(p) if p < Self::GOOD => Self::Doubtful,
+            _ => Self::Good,
+        }
+    }
+}
+
+impl GoodnessOfFit {
+    /// The agreement with the data.
+    pub fn agreement(&self) -> Agreement {
+        Agreement::of(self.p_value)
+    }
+}
+
 impl Fit<'_> {
     /// The goodness of the fit.
     pub fn goodness(&self) -> GoodnessOfFit {

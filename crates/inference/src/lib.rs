@@ -19,6 +19,9 @@
 //! | uncertainty, normal approximation | [`Fit::covariance`], [`Linearisation::covariance`] |
 //! | intervals of a nonlinear model | [`Fit::profile`] |
 //! | posterior distribution | [`Fit::posterior`], on a response surface with exact weights |
+//! | posterior with an unknown function | [`Fit::latent_posterior`], of [latents](Parameter::latent) with a [`LatentPrior`] |
+//! | draws before the measurement | [`prior_draws`] |
+//! | agreement with the data in a word | [`GoodnessOfFit::agreement`] |
 //! | convergence of Markov chains | [`r_hat`], [`effective_sample_size`] |
 //! | comparison of several models | [`compare`] |
 //! | design of the next measurement | [`expected_information`], [`design_sequence`] |
@@ -55,9 +58,13 @@ mod error;
 mod fit;
 mod fit_options;
 mod fit_problem;
+mod gaussian_process;
 mod goodness;
 mod identifiability;
 mod importance;
+mod latent_posterior;
+mod latent_prior;
+mod latent_subspace;
 mod linear_algebra;
 mod linearisation;
 mod loss;
@@ -86,8 +93,12 @@ pub use fit::{
     Fit, FitSolution, Optimum, StartOutcome, fit, fit_with_progress, refit_with_progress,
 };
 pub use fit_options::FitOptions;
-pub use goodness::GoodnessOfFit;
+pub use gaussian_process::matern_three_halves;
+pub use goodness::{Agreement, GoodnessOfFit};
 pub use identifiability::{Identifiability, UNDETERMINED_SHARE, Undetermined};
+pub use latent_posterior::LatentPosterior;
+pub use latent_prior::{LatentPrior, prior_draws};
+pub use latent_subspace::ACTIVE_INFORMATION;
 pub use linearisation::Linearisation;
 pub use loss::Loss;
 pub use model::{

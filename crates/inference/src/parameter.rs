@@ -30,7 +30,11 @@ pub struct Parameter {
     scale: ParameterScale,
     prior: Option<Prior>,
     length: Option<f64>,
+    latent: bool,
 }
+
+/// Bounds of a latent, in standard deviations: the prior has less than 1e-32 outside.
+const LATENT_RANGE: f64 = 12.0;
 
 impl Parameter {
     /// A parameter in `bounds = [lower, upper]` (values, in the parameter's own unit).
@@ -72,7 +76,7 @@ impl Parameter {
                 return Err(InferenceError::Prior { name, quantity, value, expected });
             }
         }
-        Ok(Self { name, start, lower, upper, scale, prior, length: None })
+        Ok(Self { name, start, lower, upper, scale, prior, length: None, latent: false })
     }
 
     /// A parameter on a linear scale, without a prior.
@@ -99,6 +103,27 @@ impl Parameter {
         bounds: [f64; 2],
     ) -> Result<Self, InferenceError> {
         Self::new(name, start, bounds, ParameterScale::Logarithmic, None)
+    }
+
+    /// A coordinate of a function that is unknown as a whole: standard normal before the measurement,
+    /// started at zero, without bounds of its own. A [`LatentPrior`](crate::LatentPrior) replaces the
+    /// standard normal distribution of several latents by a mixture in [`Fit::latent_posterior`](crate::Fit::latent_posterior).
+    pub fn latent(name: impl Into<String>) -> Self {
+        Self {
+            name: name.into(),
+            start: 0.0,
+            lower: -LATENT_RANGE,
+            upper: LATENT_RANGE,
+            scale: ParameterScale::Linear,
+            prior: Some(Prior { mean: 0.0, standard_deviation: 1.0 }),
+            length: Some(1.0),
+            latent: true,
+        }
+    }
+
+    /// True for a [latent](Self::latent).
+    pub fn is_latent(&self) -> bool {
+        self.latent
     }
 
     /// The parameter with a length of change of its working coordinate, for the steps of difference

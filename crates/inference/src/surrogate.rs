@@ -68,6 +68,18 @@ pub(crate) struct Training {
     pub(crate) predictions: Vec<Predictions>,
 }
 
+impl Training {
+    /// Adds the points that have predictions.
+    pub(crate) fn extend(&mut self, points: &[Vec<f64>], answers: &[Result<Predictions, String>]) {
+        for (x, answer) in points.iter().zip(answers) {
+            if let Ok(predictions) = answer {
+                self.points.push(x.clone());
+                self.predictions.push(predictions.clone());
+            }
+        }
+    }
+}
+
 /// Polynomials of degree three (two above ten parameters) in whitened coordinates `z`, with
 /// `x = optimum + L z` and `L L^T` the covariance, one for every observation's standardised
 /// residual.
@@ -208,12 +220,7 @@ pub(crate) fn sample(
     let answers = problem.predict(&points);
     report(progress, Stage::Surrogate, count, count);
     let mut training = Training::default();
-    for (x, answer) in points.into_iter().zip(answers) {
-        if let Ok(predictions) = answer {
-            training.points.push(x);
-            training.predictions.push(predictions);
-        }
-    }
+    training.extend(&points, &answers);
     Ok(training)
 }
 

@@ -11,6 +11,7 @@ mod derivatives;
 mod designs;
 mod gaussian;
 mod invalid;
+mod latents;
 mod minpack;
 mod models;
 mod posteriors;
