@@ -52,6 +52,12 @@
 //! | fit, uncertainty, design | [`inference`] | [`inference::fit()`] |
 //! | contact law of a measured structure | [`identify`] | [`identify`] |
 //!
+//! Many runs of any model:
+//!
+//! | step | module | entry |
+//! |---|---|---|
+//! | distributions, designs | [`design`] | [`design::InputSpace`], [`design::Design`] |
+//!
 //! With files, as the command `asperity` does it:
 //!
 //! | step | module | entry |
@@ -75,6 +81,7 @@ mod stack_builder;
 pub use simulation::{SimulatedHit, Simulation, SimulationError};
 pub use stack_builder::StackBuilder;
 
+pub use asperity_design as design;
 pub use asperity_dynamics as dynamics;
 pub use asperity_experiment as experiment;
 pub use asperity_figure as figure;
