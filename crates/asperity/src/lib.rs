@@ -57,6 +57,7 @@
 //! | step | module | entry |
 //! |---|---|---|
 //! | distributions, designs | [`design`] | [`design::InputSpace`], [`design::Design`] |
+//! | quantiles, exceedance, Sobol indices | [`design`] | [`design::WeightedSample`], [`design::SensitivitySums`] |
 //!
 //! With files, as the command `asperity` does it:
 //!

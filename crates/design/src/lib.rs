@@ -17,6 +17,8 @@
 //! | correlation of inputs | [`Correlation`] |
 //! | from the unit cube to inputs | [`InputSpace`] |
 //! | grid, random, Latin hypercube, scrambled Sobol, Saltelli's design | [`Design`] |
+//! | quantiles, exceedance probabilities | [`WeightedSample`] |
+//! | first-order and total Sobol indices | [`SensitivitySums`] |
 //!
 //! The crate contains no mechanics, reads no files and prints nothing.
 //!
@@ -42,6 +44,7 @@ mod draws;
 mod error;
 mod hash;
 mod input_space;
+mod statistics;
 
 pub use correlation::Correlation;
 pub use design::{Design, MOST_DIMENSIONS, MOST_ROWS, SaltelliBlock};
@@ -49,3 +52,4 @@ pub use distribution::Distribution;
 pub use draws::WeightedDraws;
 pub use error::DesignError;
 pub use input_space::InputSpace;
+pub use statistics::{IntervalEstimate, SensitivitySums, SobolIndices, WeightedSample};

@@ -5,4 +5,6 @@
 mod distributions;
 mod inputs;
 mod invalid;
+mod quantiles;
+mod sensitivity;
 mod sequences;
