@@ -11,6 +11,7 @@ use crate::data_loader::{
 use crate::error::IdentificationError;
 use crate::hit::apply;
 use crate::identification_problem::IdentificationProblem;
+use crate::law_band::Reached;
 use crate::observed_quantity::SummaryColumns;
 use crate::problem::{CandidateSpec, DataSpec, ParameterSpec};
 use crate::problem_parameters::{ProblemParameters, is_within};
@@ -37,7 +38,7 @@ impl IdentificationProblem {
             ParameterSpec::Scalar { pointer, also, .. } => {
                 !changed(pointer) && !also.iter().any(|other| changed(other))
             }
-            ParameterSpec::MonotoneLaw { law, .. } => {
+            ParameterSpec::MonotoneLaw { law, .. } | ParameterSpec::FreeLaw { law, .. } => {
                 !changed(&JsonPointer::root().child("laws").child(law).to_string())
             }
             ParameterSpec::Gain { .. } => true,
@@ -48,9 +49,13 @@ impl IdentificationProblem {
         self.build(&scenario, &parameters, &self.spec.data)
     }
 
-    /// The scenario with the parameters at `point`.
-    pub(super) fn scenario_at(&self, point: &[f64]) -> Result<Value, IdentificationError> {
-        let parameters = ProblemParameters::new(&self.spec.unknowns, &self.scenario)?;
+    /// The scenario with these parameters of the problem at `point`.
+    pub(super) fn scenario_at(
+        &self,
+        unknowns: &[ParameterSpec],
+        point: &[f64],
+    ) -> Result<Value, IdentificationError> {
+        let parameters = ProblemParameters::new(unknowns, &self.scenario)?;
         let mut scenario = self.scenario.clone();
         parameters.write(&mut scenario, point)?;
         Ok(scenario)
@@ -89,6 +94,34 @@ impl IdentificationProblem {
                 prior: None,
             }],
         }
+    }
+
+    /// The problem with the pressures of its free laws, from the runs with the scenario's law.
+    pub(super) fn with_pressures(&self) -> Result<Self, IdentificationError> {
+        let mut known = self.clone();
+        let is_free = |spec: &ParameterSpec| matches!(spec, ParameterSpec::FreeLaw { .. });
+        if !self.spec.unknowns.iter().any(is_free) {
+            return Ok(known);
+        }
+        let others: Vec<ParameterSpec> =
+            self.spec.unknowns.iter().filter(|spec| !is_free(spec)).cloned().collect();
+        let forward = self.build(&self.scenario, &others, &self.spec.data)?.forward;
+        for spec in &mut known.spec.unknowns {
+            let ParameterSpec::FreeLaw { law, pressures_pa, at_pa, .. } = spec else { continue };
+            if pressures_pa.is_some() && at_pa.is_some() {
+                continue;
+            }
+            if self.scenario["laws"].get(&*law).is_none() {
+                return Err(no_law(&self.scenario, law));
+            }
+            let Reached { range: [low, high], at_rest } =
+                Reached::of(&forward, law, &forward.start())?;
+            // Where contact is nearly lost, the data say nothing about the law.
+            let low = low.max(LEAST_SHARE * at_rest);
+            pressures_pa.get_or_insert([low / BEYOND, high * BEYOND]);
+            at_pa.get_or_insert(at_rest);
+        }
+        Ok(known)
     }
 
     /// Checks the names of the data of gains.
@@ -148,6 +181,12 @@ impl IdentificationProblem {
         Ok(built)
     }
 }
+
+/// Factor of the pressures reached, to those of a free law.
+const BEYOND: f64 = 2.0;
+
+/// Least pressure of a free law over the static one, times [`BEYOND`].
+const LEAST_SHARE: f64 = 0.01;
 
 /// Name of the candidate without dependence on pressure.
 pub(super) const CONSTANT: &str = "constant stiffness";

@@ -1,6 +1,6 @@
 //! Conclusions of an identification, in sentences.
 
-use asperity_inference::{ModelAssessment, ProfileEnd};
+use asperity_inference::{Agreement, ModelAssessment, ProfileEnd};
 use serde::Serialize;
 
 use crate::build::CONSTANT;
@@ -23,19 +23,14 @@ pub enum PressureDependence {
     NotAsked,
 }
 
-/// p-value of the residuals below which the data are unexplained.
-const LEAST_PROBABILITY: f64 = 1e-3;
-
 /// Least share of effective draws, and largest R-hat, of a converged posterior.
 const MIN_DRAWS: f64 = 0.2;
 const MOST_R_HAT: f64 = 1.02;
 
 impl Identification {
-    /// True if the law explains the data: the p-value of the residuals is at least 0.001 and no
-    /// prediction is missing.
+    /// True if the law explains the data: their [agreement](Self::agreement) is good.
     pub fn explains(&self) -> bool {
-        let p = self.goodness.p_value;
-        p.is_none_or(|p| p >= LEAST_PROBABILITY) && self.fit.missing.is_empty()
+        self.agreement() == Agreement::Good
     }
 
     /// True if fit and posterior have converged: R-hat of every parameter below 1.02, at least a
@@ -78,6 +73,7 @@ impl Identification {
         words.extend(self.about_law());
         words.extend(self.about_comparison());
         words.push(self.about_fit());
+        words.extend(self.about_checks());
         words.push(about_starts(&self.fit));
         words.extend(self.about_parameters());
         if !self.has_converged() {
@@ -121,6 +117,7 @@ impl Identification {
             return Vec::new();
         }
         let mut words = vec![self.about_informed()];
+        words.push(self.about_form());
         let ranges = |origin: StiffnessOrigin| {
             let words = |range: [f64; 2]| match range.map(|p| four_digits(1e-6 * p)) {
                 [low, high] if low == high => format!("at {low} MPa"),
@@ -164,6 +161,47 @@ impl Identification {
                 )
             }
         }
+    }
+
+    /// What the band assumes of the form.
+    fn about_form(&self) -> String {
+        let name = &self.law.name;
+        let Some(free) = self.free_law.as_ref().filter(|free| free.law == *name) else {
+            return format!(
+                "The band of law \"{name}\" is conditional on the form of the law: it does not contain the error of a form that the true law does not have. A free_law assumes none."
+            );
+        };
+        let finest = free.pressures_pa.iter().zip(&free.resolution_ln_p);
+        let [low, high] = self.law.reached;
+        let finest = finest.filter(|(pressure, _)| (low..=high).contains(*pressure));
+        let finest = finest.min_by(|a, b| a.1.total_cmp(b.1));
+        let resolved = finest.map(|(pressure, width)| {
+            format!(
+                " The resolution is best at {} MPa, where the averaging kernel is as wide as a factor of {:.2} in pressure.",
+                four_digits(1e-6 * pressure),
+                width.exp()
+            )
+        });
+        format!(
+            "The form of law \"{name}\" is free: only smoothness was assumed, with a roughness of {} to {} that the data chose; where the data say nothing, the law tends to that of the scenario.{}",
+            four_digits(free.roughness[0]),
+            four_digits(free.roughness[2]),
+            resolved.unwrap_or_default()
+        )
+    }
+
+    /// Groups of data that disagree, at a probability of one in twenty for all groups together.
+    fn about_checks(&self) -> Vec<String> {
+        let checks = self.checks();
+        let limit = Agreement::GOOD / checks.len().max(1) as f64;
+        let off = checks.iter().filter(|check| check.p_value < limit);
+        let words = off.map(|check| {
+            format!(
+                "The law does not predict the group \"{}\": the posterior predictive p-value of its {} observations is {:.1e}.",
+                check.group, check.observations, check.p_value
+            )
+        });
+        words.collect()
     }
 
     fn about_comparison(&self) -> Vec<String> {
@@ -211,8 +249,14 @@ impl Identification {
             0 => String::new(),
             count => format!(" {count} observations are peaks that the model does not have."),
         };
-        if self.explains() {
-            return format!("{base}: the law explains the data.");
+        match (self.agreement(), self.goodness.p_value) {
+            (Agreement::Good, _) => return format!("{base}: the law explains the data."),
+            (Agreement::Doubtful, Some(p)) => {
+                return format!(
+                    "{base} (p = {p:.2}): it is doubtful that the law explains the data, and that its band holds."
+                );
+            }
+            _ => {}
         }
         let scaled = if self.noise_factor > 1.0 {
             format!("; all uncertainties are multiplied by {:.2}", self.noise_factor)
@@ -231,6 +275,15 @@ impl Identification {
     fn about_parameters(&self) -> Vec<String> {
         let mut words = Vec::new();
         for undetermined in &self.identifiability.undetermined {
+            // The law's band and resolution tell about its latents.
+            let is_latent = |name: &str| {
+                let place = self.names.iter().position(|known| known == name);
+                place.is_some_and(|place| self.latent[place])
+            };
+            let of_latents = undetermined.weights.iter().filter(|(name, _)| is_latent(name));
+            if of_latents.map(|(_, weight)| weight * weight).sum::<f64>() > 0.5 {
+                continue;
+            }
             let parts: Vec<String> = undetermined
                 .weights
                 .iter()

@@ -37,6 +37,14 @@ pub enum IdentificationError {
         "law \"{0}\" has no stiffnesses at knots or points; expected the name of a modified_power or table law in \"laws\""
     )]
     NotMonotone(String),
+    /// A free law that cannot be set up.
+    #[error("free_law \"{law}\": {reason}")]
+    FreeLaw {
+        /// The law.
+        law: String,
+        /// What is wrong and what is accepted.
+        reason: String,
+    },
     /// A law that does not exist.
     #[error("there is no law \"{law}\"; in \"laws\" there are: {known}")]
     NoLaw {

@@ -6,8 +6,8 @@ use std::time::Instant;
 use asperity_inference::{
     ComparisonOptions, Covariance, Fit, FitOptions, FitSolution, ForwardModel, GoodnessOfFit,
     Identifiability, InferenceError, Linearisation, Loss, ModelComparison, NoiseScale, Observation,
-    Posterior, PosteriorOptions, Profile, ProfileOptions, ProgressCallback, ScaledNoise,
-    compare_fits, fit_with_progress, refit_with_progress,
+    Parameter, Posterior, Profile, ProgressCallback, ScaledNoise, compare_fits, fit_with_progress,
+    refit_with_progress,
 };
 
 use crate::data_loader::{BuiltModel, ObservationLabel};
@@ -16,8 +16,10 @@ use crate::error::IdentificationError;
 use crate::hit_numerics::HitNumerics;
 use crate::identification_problem::IdentificationProblem;
 use crate::incomplete::IncompleteIdentification;
+use crate::latent_sampling::{FreeLawFindings, posterior_of, profiles};
 use crate::law_band::{LawBand, StiffnessEstimate, check_pressures};
-use crate::problem::{CandidateSpec, LossSpec, NoiseSpec};
+use crate::observed_quantity::ObservedQuantity;
+use crate::problem::{CandidateSpec, LossSpec, NoiseSpec, ParameterSpec};
 use crate::scenario_model::ScenarioModel;
 use crate::work::{WorkStage, expected_evaluations};
 use asperity_scenario::Laws;
@@ -25,6 +27,9 @@ use asperity_study::provenance::InputFile;
 
 /// Relative reduction of the cost at which a fit has converged.
 const TOLERANCE: f64 = 1e-7;
+
+/// The same of a fit with latents: an error of a thousandth in chi-square is far below its spread.
+const LATENT_TOLERANCE: f64 = 1e-4;
 
 /// Relative step of difference derivatives: large against the tables' errors of 1e-6, with an error
 /// of 1e-4 from the curvature.
@@ -84,6 +89,14 @@ pub struct Identification {
     pub wall_s: f64,
     /// True if it was stopped in the comparison with other laws, which is then missing.
     pub stopped: bool,
+    /// What was found of the law without an assumed form, if the problem has one.
+    pub free_law: Option<FreeLawFindings>,
+    /// True for the latents among the parameters.
+    pub latent: Vec<bool>,
+    /// True for observations of hits, whose abscissa is the peak force.
+    pub(super) of_force: Vec<bool>,
+    /// The parameters of the problem, with the pressures of a free law.
+    pub(super) unknowns: Vec<ParameterSpec>,
     /// True for the parameters that are steps or stiffnesses of a monotone law.
     pub(super) in_steps: Vec<bool>,
     pub(super) about: Vec<ObservationLabel>,
@@ -119,6 +132,7 @@ pub fn identify_with_progress(
     progress: &ProgressCallback<'_>,
 ) -> Result<Identification, IdentificationError> {
     let started = Instant::now();
+    let problem = &problem.with_pressures()?;
     let BuiltModel { mut forward, about, mut notices } = problem.model()?;
     let law_name = problem.law()?;
     let files = problem.input_files()?;
@@ -152,9 +166,7 @@ pub fn identify_with_progress(
     let linearisation = best.linearise()?;
     let covariance = linearisation.covariance(NoiseScale::Given)?;
     let laws = forward.laws(&best.point)?;
-    let all: Vec<usize> = (0..best.point.len()).collect();
-    let options = ProfileOptions { level: spec.level, ..ProfileOptions::default() };
-    let profiles = best.profile(&covariance, &all, &options)?;
+    let profiles = profiles(problem, &forward, &best, &covariance)?;
     if work.is_stopped() {
         let fit = best.into_solution();
         return Err(unfinished.stopped(
@@ -166,9 +178,8 @@ pub fn identify_with_progress(
         ));
     }
     work.begin(WorkStage::Posterior);
-    let options =
-        PosteriorOptions { draws: spec.draws, seed: spec.seed, ..PosteriorOptions::default() };
-    let posterior = best.posterior(&covariance, &profiles, &options);
+    let sampled =
+        posterior_of(problem, &forward, &best, (&linearisation, &covariance, &profiles), factor);
     if work.is_stopped() {
         let fit = best.into_solution();
         return Err(unfinished.stopped(
@@ -179,7 +190,7 @@ pub fn identify_with_progress(
             laws,
         ));
     }
-    let posterior = posterior?;
+    let (posterior, free_law) = sampled?;
     let law = LawBand::new(problem, &forward, &law_name, &best.point, &posterior)?;
     let stiffnesses = StiffnessEstimate::all(problem, &forward, &best.point, &posterior)?;
 
@@ -194,6 +205,10 @@ pub fn identify_with_progress(
     Ok(Identification {
         names: unfinished.names,
         labels: unfinished.labels,
+        free_law,
+        latent: forward.parameters().iter().map(Parameter::is_latent).collect(),
+        unknowns: spec.unknowns.clone(),
+        of_force: of_force(&forward),
         stopped: work.is_stopped(),
         in_steps: (0..forward.parameters().len())
             .map(|parameter| forward.parameters.is_of_monotone_law(parameter))
@@ -220,6 +235,13 @@ pub fn identify_with_progress(
         wall_s: started.elapsed().as_secs_f64(),
         about,
     })
+}
+
+/// True for observations of hits, whose abscissa is the peak force.
+fn of_force(forward: &ScenarioModel) -> Vec<bool> {
+    let is_of_hit =
+        |quantity: &ObservedQuantity| matches!(quantity, ObservedQuantity::Feature { .. });
+    forward.quantities.iter().map(is_of_hit).collect()
 }
 
 /// The part of an incomplete identification that is known from the beginning.
@@ -280,7 +302,11 @@ fn own_fit(
     progress: &ProgressCallback<'_>,
 ) -> Result<FitSolution, IdentificationError> {
     let work = &problem.work;
-    let options = fit_options(problem, problem.spec.starts);
+    // Latents have one start, the scenario's law: their prior has one mode.
+    let free = forward.parameters.free.is_some();
+    let options = fit_options(problem, if free { 1 } else { problem.spec.starts });
+    let options =
+        if free { FitOptions { tolerance: LATENT_TOLERANCE, ..options } } else { options };
     let mut given = match fit_with_progress(forward, &options, progress) {
         Err(InferenceError::NoPredictions { .. }) if work.is_stopped() => {
             return Err(IdentificationError::StoppedAtOnce);

@@ -117,6 +117,6 @@ impl IncompleteIdentification {
         &self,
         problem: &IdentificationProblem,
     ) -> Result<Value, IdentificationError> {
-        problem.scenario_at(&self.fit.point)
+        problem.scenario_at(&problem.with_pressures()?.spec.unknowns, &self.fit.point)
     }
 }

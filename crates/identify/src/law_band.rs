@@ -5,7 +5,7 @@
 //! if no parameter acts on it: the band then has no width, and nothing was measured. See
 //! [`StiffnessOrigin`].
 
-use asperity_inference::{ForwardModel, Parameter, Posterior, normal_quantile};
+use asperity_inference::{ForwardModel, Posterior, prior_draws};
 use serde::Serialize;
 
 use crate::error::IdentificationError;
@@ -94,6 +94,8 @@ pub struct LawBand {
     pub lower: Vec<f64>,
     /// Upper end of the interval \[Pa/m\].
     pub upper: Vec<f64>,
+    /// Lower and upper quartile of the posterior: the band of 50 % \[Pa/m\].
+    pub quartiles: [Vec<f64>; 2],
     /// Posterior over prior standard deviation of ln K.
     pub remaining: Vec<f64>,
     /// The origin of the stiffness.
@@ -123,7 +125,7 @@ impl LawBand {
             .map(|i| i as f64 / (PRESSURES - 1) as f64)
             .map(|part| range[0] + (range[1] - range[0]) * part * part)
             .collect();
-        let Evaluated { quantiles: [lower, median, upper], remaining, origin } =
+        let Evaluated { quantiles: [lower, first, median, third, upper], remaining, origin } =
             Evaluated::new(problem, forward, name, &pressure, reached, posterior);
         let informed = origin.iter().map(|&origin| origin == StiffnessOrigin::Data).collect();
         Ok(Self {
@@ -134,6 +136,7 @@ impl LawBand {
             median,
             lower,
             upper,
+            quartiles: [first, third],
             remaining,
             origin,
             informed,
@@ -170,7 +173,7 @@ impl StiffnessEstimate {
             let reached = Reached::of(forward, &law, best)?.range;
             let stiffness = forward.curve(&law, &pressures, best)?;
             let found = Evaluated::new(problem, forward, &law, &pressures, reached, posterior);
-            let [lower, _, upper] = &found.quantiles;
+            let [lower, _, _, _, upper] = &found.quantiles;
             all.extend((0..pressures.len()).map(|i| Self {
                 law: law.clone(),
                 pressure_pa: pressures[i],
@@ -186,8 +189,8 @@ impl StiffnessEstimate {
 
 /// Quantiles of the stiffness of a law at some pressures, and their origin.
 struct Evaluated {
-    /// Lower end of the interval, median, upper end.
-    quantiles: [Vec<f64>; 3],
+    /// Lower end of the interval, first quartile, median, third quartile, upper end.
+    quantiles: [Vec<f64>; 5],
     remaining: Vec<f64>,
     origin: Vec<StiffnessOrigin>,
 }
@@ -206,12 +209,14 @@ impl Evaluated {
             forward.curve(law, pressures, point).unwrap_or_else(|_| vec![f64::NAN; count])
         };
         let tail = 0.5 * (1.0 - problem.spec.level);
-        let band = posterior.band(&curve, &[tail, 0.5, 1.0 - tail]);
+        let band = posterior.band(&curve, &[tail, 0.25, 0.5, 0.75, 1.0 - tail]);
         let logarithms = |points: &[Vec<f64>]| -> Vec<Vec<f64>> {
             points.iter().map(|point| curve(point).iter().map(|k| k.ln()).collect()).collect()
         };
         let after = deviations(&logarithms(&posterior.draws), &posterior.weights);
-        let before = prior_draws(forward.parameters(), problem.spec.seed);
+        let mixture = forward.parameters.latent_prior().ok().flatten();
+        let before =
+            prior_draws(forward.parameters(), mixture.as_slice(), PRIOR_DRAWS, problem.spec.seed);
         let equal = vec![1.0 / PRIOR_DRAWS as f64; PRIOR_DRAWS];
         let before = deviations(&logarithms(&before), &equal);
         let remaining: Vec<f64> =
@@ -242,13 +247,17 @@ pub(super) fn check_pressures(problem: &IdentificationProblem) -> Result<(), Ide
 
 /// The range of pressures of runs at the interfaces of a law and of measured stiffnesses, and the
 /// static pressure \[Pa\].
-struct Reached {
-    range: [f64; 2],
-    at_rest: f64,
+pub(super) struct Reached {
+    pub(super) range: [f64; 2],
+    pub(super) at_rest: f64,
 }
 
 impl Reached {
-    fn of(forward: &ScenarioModel, law: &str, point: &[f64]) -> Result<Self, StudyError> {
+    pub(super) fn of(
+        forward: &ScenarioModel,
+        law: &str,
+        point: &[f64],
+    ) -> Result<Self, StudyError> {
         let outcomes = forward.outcomes(&[point.to_vec()]).remove(0)?;
         let (mut low, mut high) = (f64::INFINITY, 0.0_f64);
         let mut at_rest = None;
@@ -295,34 +304,6 @@ impl Reached {
         let at_rest = at_rest.unwrap_or(0.5 * (low.min(high) + high));
         Ok(Self { range: [low.min(high), high], at_rest })
     }
-}
-
-/// Draws from the prior: normal where there is one, else uniform between the bounds, by a
-/// low-discrepancy sequence.
-fn prior_draws(parameters: &[Parameter], seed: u64) -> Vec<Vec<f64>> {
-    // The root of x^(d+1) = x + 1 gives a sequence that fills d dimensions evenly (Roberts, 2018).
-    let dimensions = parameters.len() as f64;
-    let mut root = 2.0_f64;
-    for _ in 0..60 {
-        root = (1.0 + root).powf(1.0 / (dimensions + 1.0));
-    }
-    let offset = (seed % 1024) as f64 / 1024.0;
-    (0..PRIOR_DRAWS)
-        .map(|n| {
-            let mut step = 1.0;
-            let value = |parameter: &Parameter| {
-                step /= root;
-                let part = (offset + (n + 1) as f64 * step).fract();
-                let [low, high] = parameter.bounds().map(|value| parameter.to_working(value));
-                let x = match parameter.prior() {
-                    Some(prior) => prior.mean + prior.standard_deviation * normal_quantile(part),
-                    None => low + part * (high - low),
-                };
-                parameter.from_working(x)
-            };
-            parameters.iter().map(value).collect()
-        })
-        .collect()
 }
 
 /// Weighted standard deviation of every column, of the finite entries.

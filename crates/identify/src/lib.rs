@@ -15,12 +15,14 @@
 //! |---|---|
 //! | [`problem`], `identification_problem` | the problem file; the problem with its scenario |
 //! | `problem_parameters`, `monotone` | parameters as numbers of a scenario, gains and steps of a law |
+//! | `free_law`, `latent_sampling` | a law without an assumed form; its posterior, smoothness and resolution |
 //! | `data_loader`, `analysed_hits`, `data_files`, `records` | data to simulated hits and observations |
 //! | `stepped_sine` | steady responses to a shaker, measured and simulated |
 //! | `hit`, `observed_quantity`, `scenario_model` | the forward model and its exact derivatives |
 //! | `build` | the models of the problem, of compared laws, and of planned hits |
 //! | `identification`, `hit_numerics` | fit, uncertainty, comparison; estimated errors of the simulated hits |
 //! | `law_band`, `design` | the law with its credible band; ranking of further hits |
+//! | `checks` | agreement with the data, as a whole and in groups |
 //! | `starts` | agreement of the starts of the fit |
 //! | `work`, `incomplete` | progress of the whole, requests to stop, the result until then |
 //! | `conclusions`, `report` | conclusions in sentences; JSON and tables |
@@ -39,16 +41,19 @@
 
 mod analysed_hits;
 mod build;
+mod checks;
 mod conclusions;
 mod data_files;
 mod data_loader;
 mod design;
 mod error;
+mod free_law;
 mod hit;
 mod hit_numerics;
 mod identification;
 mod identification_problem;
 mod incomplete;
+mod latent_sampling;
 mod law_band;
 mod monotone;
 mod observed_quantity;
@@ -63,6 +68,7 @@ mod stepped_sine;
 mod tests;
 mod work;
 
+pub use checks::PredictiveCheck;
 pub use conclusions::PressureDependence;
 pub use design::{CandidateHit, DesignRanking};
 pub use error::IdentificationError;
@@ -70,6 +76,7 @@ pub use hit_numerics::HitNumerics;
 pub use identification::{Identification, identify, identify_with_progress};
 pub use identification_problem::IdentificationProblem;
 pub use incomplete::IncompleteIdentification;
+pub use latent_sampling::FreeLawFindings;
 pub use law_band::{INFORMED_SHARE, LawBand, StiffnessEstimate, StiffnessOrigin};
 pub use report::{Estimate, IDENTIFICATION_SCHEMA, PredictedObservation};
 pub use starts::StartAgreement;

@@ -15,7 +15,7 @@ use std::sync::LazyLock;
 use asperity_scenario::schema_of;
 
 pub use data::{DataSpec, HitConditionsSpec, HitSpec, Measured, SpreadSpec, Uncertain};
-pub use parameter::{ChannelSpec, ParameterSpec, PriorSpec, ScaleSpec};
+pub use parameter::{ChannelSpec, LogNormalSpec, ParameterSpec, PriorSpec, ScaleSpec};
 
 /// JSON Pointers into the scenario, and the values that are put there.
 pub type Changes = Map<String, Value>;

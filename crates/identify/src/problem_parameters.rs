@@ -1,9 +1,10 @@
 //! Parameters as numbers of a scenario, steps of a law, and gains of sensors.
 
-use asperity_inference::{Parameter, ParameterScale, Prior};
+use asperity_inference::{LatentPrior, Parameter, ParameterScale, Prior};
 use serde_json::Value;
 
 use crate::error::IdentificationError;
+use crate::free_law::FreeLaw;
 use crate::monotone::MonotoneLaw;
 use crate::problem::{ChannelSpec, ParameterSpec, PriorSpec, ScaleSpec};
 use asperity_study::parameter::{ParameterError, ScenarioParameter};
@@ -15,6 +16,8 @@ pub(super) struct ProblemParameters {
     pub(super) list: Vec<Parameter>,
     scalars: Vec<(usize, ScenarioParameter)>,
     laws: Vec<(usize, MonotoneLaw)>,
+    /// The law without an assumed form, and the index of its first latent.
+    pub(super) free: Option<(usize, FreeLaw)>,
     gains: Vec<Gain>,
 }
 
@@ -60,8 +63,13 @@ impl ProblemParameters {
         specs: &[ParameterSpec],
         scenario: &Value,
     ) -> Result<Self, IdentificationError> {
-        let mut found =
-            Self { list: Vec::new(), scalars: Vec::new(), laws: Vec::new(), gains: Vec::new() };
+        let mut found = Self {
+            list: Vec::new(),
+            scalars: Vec::new(),
+            laws: Vec::new(),
+            free: None,
+            gains: Vec::new(),
+        };
         for spec in specs {
             found.add(spec, scenario)?;
         }
@@ -107,6 +115,17 @@ impl ProblemParameters {
                 }
                 self.laws.push((first, law));
             }
+            ParameterSpec::FreeLaw { law, .. } => {
+                if self.free.is_some() {
+                    let reason = "it is the second one; expected at most one free law".to_owned();
+                    return Err(IdentificationError::FreeLaw { law: law.clone(), reason });
+                }
+                if let Some(free) = FreeLaw::new(spec, scenario)? {
+                    let first = self.list.len();
+                    self.list.extend(free.parameters());
+                    self.free = Some((first, free));
+                }
+            }
             ParameterSpec::Gain { channel, name, data, bounds, prior } => {
                 let usual = match channel {
                     ChannelSpec::Force => "force gain",
@@ -143,7 +162,18 @@ impl ProblemParameters {
             law.write(scenario, &point[*first..first + law.count])
                 .ok_or_else(|| IdentificationError::NotMonotone(law.name.clone()))?;
         }
+        if let Some((first, law)) = &self.free {
+            law.write(scenario, &point[*first..first + law.count()]).ok_or_else(|| {
+                let reason = "the scenario has no such law".to_owned();
+                IdentificationError::FreeLaw { law: law.name.clone(), reason }
+            })?;
+        }
         Ok(())
+    }
+
+    /// The prior of the latents of the free law.
+    pub(super) fn latent_prior(&self) -> Result<Option<LatentPrior>, IdentificationError> {
+        self.free.as_ref().map(|(first, law)| law.prior(*first)).transpose()
     }
 
     /// The gains of the sensors of the data of this name.
@@ -169,6 +199,11 @@ impl ProblemParameters {
                 *label = words;
             }
         }
+        if let Some((first, law)) = &self.free {
+            for (label, words) in labels[*first..].iter_mut().zip(law.labels()) {
+                *label = words;
+            }
+        }
         labels
     }
 
@@ -189,12 +224,15 @@ impl ProblemParameters {
         let mut scalars = self.scalars.iter();
         scalars.any(|(place, number)| *place == parameter && number.is_of_law())
             || self.is_of_monotone_law(parameter)
+            || self.list[parameter].is_latent()
     }
 
     /// Pointers to the written numbers.
     pub(super) fn pointers(&self) -> impl Iterator<Item = &str> {
         let scalars = self.scalars.iter().map(|(_, parameter)| parameter.pointer.as_str());
-        scalars.chain(self.laws.iter().map(|(_, law)| law.pairs.as_str()))
+        scalars
+            .chain(self.laws.iter().map(|(_, law)| law.pairs.as_str()))
+            .chain(self.free.iter().map(|(_, law)| law.pointer.as_str()))
     }
 }
 

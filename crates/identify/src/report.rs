@@ -1,6 +1,6 @@
 //! `identification.json`, `law.json` and the tables.
 
-use asperity_inference::{FitTermination, ModelAssessment, ProfileEnd};
+use asperity_inference::{Agreement, FitTermination, ModelAssessment, ProfileEnd};
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
@@ -52,6 +52,7 @@ impl Identification {
             let profile = self.profiles.iter().find(|profile| profile.parameter == parameter)?;
             (profile.ends[side] == ProfileEnd::Crossed).then_some(profile.interval[side])
         };
+        let names = self.names.iter().enumerate().filter(|(parameter, _)| !self.latent[*parameter]);
         let one = |(parameter, name): (usize, &String)| Estimate {
             name: name.clone(),
             label: self.labels[parameter].clone(),
@@ -66,7 +67,7 @@ impl Identification {
             effective_sample_size: found.effective_sample_size[parameter],
             at_bound: self.fit.at_bound[parameter],
         };
-        self.names.iter().enumerate().map(one).collect()
+        names.map(one).collect()
     }
 
     /// `identification.json`.
@@ -84,11 +85,18 @@ impl Identification {
             "complete": !self.stopped,
             "pressure_dependence": self.pressure_dependence(),
             "explains_data": self.explains(),
+            "agreement": match self.agreement() {
+                Agreement::Good => "good",
+                Agreement::Doubtful => "doubtful",
+                Agreement::None => "none",
+            },
+            "checks": self.checks(),
             "converged": self.has_converged(),
             "words": self.conclusions(),
             "level": self.level,
             "estimates": self.estimates(),
             "stiffnesses": self.stiffnesses,
+            "free_law": self.free_law,
             "law": {
                 "name": self.law.name,
                 "informed_pa": self.law.informed_range(),
@@ -212,7 +220,7 @@ impl Identification {
         &self,
         problem: &IdentificationProblem,
     ) -> Result<Value, IdentificationError> {
-        problem.scenario_at(&self.fit.point)
+        problem.scenario_at(&self.unknowns, &self.fit.point)
     }
 
     /// `law.csv`: stiffness over pressure with its band.
@@ -227,8 +235,14 @@ impl Identification {
             "remaining",
             "informed",
             "origin",
+            "lower_50_pa_per_m",
+            "upper_50_pa_per_m",
+            "resolution_ln_p",
         ]);
+        let [first, third] = &law.quartiles;
         for i in 0..law.pressure.len() {
+            let resolution =
+                self.free_law.as_ref().and_then(|free| free.resolution(law.pressure[i]));
             let numbers = [
                 law.pressure[i],
                 law.stiffness[i],
@@ -238,7 +252,8 @@ impl Identification {
                 law.remaining[i],
                 f64::from(u8::from(law.informed[i])),
             ];
-            csv.numbers(numbers.map(Some)).text(law.origin[i].name()).end_row();
+            csv.numbers(numbers.map(Some)).text(law.origin[i].name());
+            csv.numbers([Some(first[i]), Some(third[i]), resolution]).end_row();
         }
         csv.into_string()
     }

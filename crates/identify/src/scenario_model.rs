@@ -84,6 +84,10 @@ impl ForwardModel for ScenarioModel {
     }
 
     fn differentiate(&self, point: &[f64]) -> Option<Result<Derivatives, PredictionError>> {
+        // One run with derivatives costs more than differences with respect to many latents.
+        if self.parameters.free.is_some() {
+            return None;
+        }
         if self.work.is_stopped() {
             return Some(Err(stopped()));
         }
@@ -363,7 +367,7 @@ const MAX_POINTS: usize = 16;
 const LEAST_PRESSURE: f64 = 1.0;
 
 /// Stiffness \[Pa/m\] of a law at a pressure \[Pa\].
-fn stiffness(laws: &Laws, name: &str, pressure: f64) -> Result<f64, StudyError> {
+pub(super) fn stiffness(laws: &Laws, name: &str, pressure: f64) -> Result<f64, StudyError> {
     let reference = LawRef::Named(name.to_owned());
     let law = build_law(&reference, laws, pressure.max(LEAST_PRESSURE)).map_err(|source| {
         StudyError::Law { law: name.to_owned(), interface: None, pressure_pa: pressure, source }

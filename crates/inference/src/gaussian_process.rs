@@ -1,4 +1,7 @@
-//! Covariance of smooth random functions.
+//! Covariance of smooth random functions, and their latents.
+
+use crate::error::InferenceError;
+use crate::linear_algebra::{upper_root, upper_solve, upper_times};
 
 /// Covariance matrix of a Gaussian process of unit variance at some `places`,
 ///
@@ -22,4 +25,51 @@ pub fn matern_three_halves(places: &[f64], length: f64) -> Vec<Vec<f64>> {
         (1.0 + a) * (-a).exp()
     };
     places.iter().map(|x| places.iter().map(|other| entry(x, other)).collect()).collect()
+}
+
+/// Latents `z` of the values `f = U z` of a random function with the covariance `C = U U^T`: standard
+/// normal if `f` has that covariance.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LatentBasis {
+    /// Upper triangular.
+    root: Vec<Vec<f64>>,
+}
+
+impl LatentBasis {
+    /// The latents of a function with this reference covariance.
+    ///
+    /// # Errors
+    ///
+    /// [`InferenceError::Singular`] for a matrix that is not positive definite.
+    pub fn new(covariance: &[Vec<f64>]) -> Result<Self, InferenceError> {
+        let singular = InferenceError::Singular("covariance of the function");
+        Ok(Self { root: upper_root(covariance).ok_or(singular)? })
+    }
+
+    /// The values of the function, as many as latents.
+    pub fn values(&self, latents: &[f64]) -> Vec<f64> {
+        upper_times(&self.root, latents)
+    }
+
+    /// The latents of values of the function.
+    pub fn latents(&self, values: &[f64]) -> Vec<f64> {
+        upper_solve(&self.root, values)
+    }
+
+    /// The covariance `U^-1 C U^-T` of the latents if that of the values is `C`; the identity for the
+    /// reference.
+    ///
+    /// ```
+    /// use asperity_inference::{LatentBasis, matern_three_halves};
+    ///
+    /// let covariance = matern_three_halves(&[0.0, 0.5, 2.0], 1.0);
+    /// let latents = LatentBasis::new(&covariance)?.latent_covariance(&covariance);
+    /// assert!((latents[1][1] - 1.0).abs() < 1e-12 && latents[0][1].abs() < 1e-12);
+    /// # Ok::<(), asperity_inference::InferenceError>(())
+    /// ```
+    pub fn latent_covariance(&self, values: &[Vec<f64>]) -> Vec<Vec<f64>> {
+        let half: Vec<Vec<f64>> = values.iter().map(|row| upper_solve(&self.root, row)).collect();
+        let column = |j: usize| -> Vec<f64> { half.iter().map(|row| row[j]).collect() };
+        (0..half.len()).map(|j| upper_solve(&self.root, &column(j))).collect()
+    }
 }

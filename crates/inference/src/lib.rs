@@ -93,7 +93,7 @@ pub use fit::{
     Fit, FitSolution, Optimum, StartOutcome, fit, fit_with_progress, refit_with_progress,
 };
 pub use fit_options::FitOptions;
-pub use gaussian_process::matern_three_halves;
+pub use gaussian_process::{LatentBasis, matern_three_halves};
 pub use goodness::{Agreement, GoodnessOfFit};
 pub use identifiability::{Identifiability, UNDETERMINED_SHARE, Undetermined};
 pub use latent_posterior::LatentPosterior;
@@ -111,5 +111,5 @@ pub use posterior::{
 };
 pub use profile::{Profile, ProfileEnd, ProfileOptions, ProfilePoint};
 pub use progress::{Progress, ProgressCallback, Stage};
-pub use random::normal_quantile;
+pub use random::{chi_square_tail, normal_quantile};
 pub use search::FitTermination;

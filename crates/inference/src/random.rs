@@ -17,7 +17,12 @@ pub(crate) fn normal_half_width(level: f64) -> f64 {
 
 /// The probability that chi-square with these degrees of freedom exceeds `value`; `None` without
 /// degrees of freedom.
-pub(crate) fn chi_square_tail(value: f64, degrees_of_freedom: usize) -> Option<f64> {
+///
+/// ```
+/// let p = asperity_inference::chi_square_tail(49.5, 31).unwrap_or(f64::NAN);
+/// assert!((p - 0.0188).abs() < 2e-4);
+/// ```
+pub fn chi_square_tail(value: f64, degrees_of_freedom: usize) -> Option<f64> {
     let distribution = ChiSquared::new(degrees_of_freedom as f64).ok()?;
     Some(distribution.sf(value.max(0.0)))
 }

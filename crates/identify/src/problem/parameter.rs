@@ -37,6 +37,39 @@ pub enum ParameterSpec {
         #[serde(default = "default_steps")]
         steps: [f64; 2],
     },
+    /// A law without an assumed form: ln K over ln p at many points, whose
+    /// slope deviates from that of the scenario's law by a smooth random
+    /// function of unknown amplitude and length. The law of the scenario is
+    /// replaced by a table.
+    FreeLaw {
+        /// Name of the law in "laws".
+        law: String,
+        /// Least and greatest pressure of the table in Pa. Half of the least and
+        /// twice the greatest pressure that the data reach with the scenario's
+        /// law when left out.
+        pressures_pa: Option<[f64; 2]>,
+        /// Number of points of the table.
+        #[serde(default = "default_points")]
+        #[schemars(range(min = 10, max = 80))]
+        points: usize,
+        /// Pressure in Pa at which the level of the law is unknown by a number
+        /// of its own; the static one when left out.
+        at_pa: Option<f64>,
+        /// Standard deviation of ln K at that pressure.
+        #[serde(default = "default_law_level")]
+        #[schemars(extend("exclusiveMinimum" = 0.0))]
+        level: f64,
+        /// Standard deviation of the slope d ln K / d ln p.
+        #[serde(default = "default_roughness")]
+        roughness: LogNormalSpec,
+        /// Length in ln p over which the slope changes.
+        #[serde(default = "default_length")]
+        length: LogNormalSpec,
+        /// True if the exponent d ln K / d ln p is between 0 and 1 at all
+        /// pressures; otherwise it is positive.
+        #[serde(default)]
+        exponent_between_0_and_1: bool,
+    },
     /// The gain of a sensor: measured over true value.
     Gain {
         /// The channel.
@@ -51,6 +84,18 @@ pub enum ParameterSpec {
         /// Its prior.
         prior: Option<PriorSpec>,
     },
+}
+
+/// A positive number whose logarithm has a normal distribution.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct LogNormalSpec {
+    /// Its median.
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    pub median: f64,
+    /// Standard deviation of its natural logarithm; zero for a known number.
+    #[schemars(range(min = 0.0, max = 3.0))]
+    pub log_deviation: f64,
 }
 
 /// The scale of a parameter.
@@ -89,6 +134,22 @@ pub enum ChannelSpec {
 
 fn default_steps() -> [f64; 2] {
     [0.001, 0.98]
+}
+
+fn default_points() -> usize {
+    40
+}
+
+fn default_law_level() -> f64 {
+    1.0
+}
+
+fn default_roughness() -> LogNormalSpec {
+    LogNormalSpec { median: 0.5, log_deviation: 0.8 }
+}
+
+fn default_length() -> LogNormalSpec {
+    LogNormalSpec { median: 1.0, log_deviation: 0.5 }
 }
 
 fn default_gains() -> [f64; 2] {

@@ -98,7 +98,11 @@ impl ScenarioModel {
     fn neighbours(&self, parameter: usize, point: &[f64]) -> Result<StencilRigs, StudyError> {
         let [lower, upper] = self.parameters.list[parameter].bounds();
         let value = point[parameter];
-        let scale = if value == 0.0 { upper - lower } else { value.abs() };
+        let scale = match value {
+            _ if self.parameters.list[parameter].is_latent() => 1.0,
+            0.0 => upper - lower,
+            _ => value.abs(),
+        };
         let step = RELATIVE_STEP * scale;
         let points = STENCIL.map(|place| {
             let mut varied = point.to_vec();

@@ -153,7 +153,7 @@ impl Noise {
         Self { state: seed.wrapping_mul(0x9e37_79b9_7f4a_7c15), spare: None }
     }
 
-    fn uniform(&mut self) -> f64 {
+    pub fn uniform(&mut self) -> f64 {
         self.state = self.state.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.state;
         z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);

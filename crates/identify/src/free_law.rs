@@ -1,0 +1,435 @@
+//! A law without an assumed form.
+//!
+//! At the pressures `p[0] < ... < p[n]`, evenly spaced in `ln p`, the law is
+//!
+//! ```text
+//! ln K[i+1] - ln K[i] = s(g[i]) (ln p[i+1] - ln p[i]),    g[i] = g0[i] + r[i],
+//! ln K(p*) = ln K0(p*) + level,
+//! ```
+//!
+//! with the slope `s` as an increasing function of `g`, the scenario's law `K0` and its `g0`, a Gaussian
+//! process `r` in `ln p` (Matérn 3/2) and a normal number `level`. The slope is
+//!
+//! ```text
+//! s(g) = w ln(1 + exp(g / w)),  w = 0.2,      positive, s = g for large slopes, or
+//! s(g) = 1 / (1 + exp(-4 (g - 1/2))),         between 0 and 1, with s' = 1 in the middle,
+//! ```
+//!
+//! so that every law is positive and increasing. Amplitude (roughness) and length of the process have a
+//! distribution over a grid: the prior of the latents is a mixture of normal distributions.
+
+use asperity_inference::{LatentBasis, LatentPrior, Parameter, matern_three_halves};
+use asperity_scenario::{JsonPointer, Laws, four_digits};
+use serde_json::{Value, json};
+
+use crate::error::IdentificationError;
+use crate::problem::{LogNormalSpec, ParameterSpec};
+use crate::scenario_model::stiffness;
+
+/// Width `w` of the transition to a slope of zero.
+const SLOPE_WIDTH: f64 = 0.2;
+
+/// Least and greatest slope (the latter with an exponent between 0 and 1) of the scenario's law about
+/// which others are sought: the centre of the prior is finite.
+const CENTRE: [f64; 2] = [0.01, 0.99];
+
+/// Places of the grid of a logarithm, in standard deviations.
+const GRID: [f64; 7] = [-2.25, -1.5, -0.75, 0.0, 0.75, 1.5, 2.25];
+
+/// Relative variance by which the covariance of neighbouring slopes is positive definite.
+const NUGGET: f64 = 1e-8;
+
+/// A law without an assumed form, in terms of its latents: the level and the slopes.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct FreeLaw {
+    /// Name of the law.
+    pub(super) name: String,
+    /// Pointer to the law.
+    pub(super) pointer: String,
+    /// Pressures of the table \[Pa\].
+    pub(super) pressures: Vec<f64>,
+    /// Index of the pressure of the level.
+    anchor: usize,
+    /// ln K of the scenario's law there.
+    centre: f64,
+    /// `g0` between the pressures.
+    slopes: Vec<f64>,
+    /// Standard deviation of the level.
+    level: f64,
+    basis: LatentBasis,
+    reference: f64,
+    roughness: LogNormalSpec,
+    length: LogNormalSpec,
+    below_one: bool,
+}
+
+/// Amplitude and length of one component of the prior, with its weight.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Smoothness {
+    pub(super) roughness: f64,
+    pub(super) length: f64,
+    weight: f64,
+}
+
+impl FreeLaw {
+    /// The law that a parameter of the problem describes, with its pressures; `None` for another kind.
+    pub(super) fn new(
+        spec: &ParameterSpec,
+        scenario: &Value,
+    ) -> Result<Option<Self>, IdentificationError> {
+        let ParameterSpec::FreeLaw {
+            law,
+            pressures_pa,
+            points,
+            at_pa,
+            level,
+            roughness,
+            length,
+            exponent_between_0_and_1: below_one,
+        } = spec
+        else {
+            return Ok(None);
+        };
+        let refuse = |reason: String| IdentificationError::FreeLaw { law: law.clone(), reason };
+        let Some([low, high]) = *pressures_pa else {
+            return Err(refuse("the pressures are not known; expected pressures_pa".to_owned()));
+        };
+        if !(low > 0.0 && high > 1.5 * low && high.is_finite()) {
+            return Err(refuse(format!(
+                "pressures_pa are {low} and {high} Pa; expected a positive one and one at least 1.5 \
+                 times as large"
+            )));
+        }
+        let step = (high / low).ln() / (points - 1) as f64;
+        let pressures: Vec<f64> = (0..*points).map(|i| low * (step * i as f64).exp()).collect();
+        let laws = scenario.get("laws").cloned().unwrap_or_default();
+        let laws: Laws = serde_json::from_value(laws).map_err(|error| refuse(error.to_string()))?;
+        let logarithms = pressures
+            .iter()
+            .map(|&pressure| Ok(stiffness(&laws, law, pressure)?.ln()))
+            .collect::<Result<Vec<f64>, IdentificationError>>()?;
+        if logarithms.iter().any(|value| !value.is_finite()) {
+            return Err(refuse(
+                "the scenario's law has no positive stiffness at all pressures".to_owned(),
+            ));
+        }
+        let at = at_pa.unwrap_or((low * high).sqrt());
+        let anchor = (((at / low).ln() / step).round().max(0.0) as usize).min(points - 1);
+        let centre = |pair: &[f64]| inverse_slope((pair[1] - pair[0]) / step, *below_one);
+        let reference = matern_three_halves(&places(points - 1, step), length.median);
+        Ok(Some(Self {
+            name: law.clone(),
+            pointer: JsonPointer::root().child("laws").child(law).to_string(),
+            anchor,
+            centre: logarithms[anchor],
+            slopes: logarithms.windows(2).map(centre).collect(),
+            pressures,
+            level: *level,
+            basis: LatentBasis::new(&with_nugget(reference))?,
+            reference: roughness.median,
+            roughness: *roughness,
+            length: *length,
+            below_one: *below_one,
+        }))
+    }
+
+    /// Number of latents.
+    pub(super) fn count(&self) -> usize {
+        self.pressures.len()
+    }
+
+    /// The latents as parameters.
+    pub(super) fn parameters(&self) -> Vec<Parameter> {
+        let name = &self.name;
+        let level = Parameter::latent(format!("{name}: level"));
+        let slopes = (1..self.count()).map(|i| Parameter::latent(format!("{name}: slope {i}")));
+        std::iter::once(level).chain(slopes).collect()
+    }
+
+    /// The latents in words.
+    pub(super) fn labels(&self) -> Vec<String> {
+        let at = four_digits(1e-6 * self.pressures[self.anchor]);
+        let level = format!("ln K({at} MPa) of \"{}\"", self.name);
+        let slope = |i: usize| format!("latent {i} of the slope of \"{}\"", self.name);
+        std::iter::once(level).chain((1..self.count()).map(slope)).collect()
+    }
+
+    /// ln K at the pressures.
+    pub(super) fn log_stiffness(&self, latents: &[f64]) -> Vec<f64> {
+        let deviations = self.basis.values(&latents[1..]);
+        let step = (self.pressures[1] / self.pressures[0]).ln();
+        let rise: Vec<f64> = self
+            .slopes
+            .iter()
+            .zip(deviations)
+            .map(|(centre, r)| step * slope(centre + self.reference * r, self.below_one))
+            .collect();
+        self.summed(self.centre + self.level * latents[0], &rise)
+    }
+
+    /// Derivative of ln K along a change of the latents.
+    pub(super) fn log_stiffness_change(&self, latents: &[f64], change: &[f64]) -> Vec<f64> {
+        let rise: Vec<f64> = self
+            .steepness(latents)
+            .iter()
+            .zip(self.basis.values(&change[1..]))
+            .map(|(steepness, change)| steepness * change)
+            .collect();
+        self.summed(self.level * change[0], &rise)
+    }
+
+    /// The change of the latents that changes ln K, to first order.
+    pub(super) fn latent_change(&self, latents: &[f64], change: &[f64]) -> Vec<f64> {
+        let slopes: Vec<f64> = self
+            .steepness(latents)
+            .iter()
+            .zip(change.windows(2))
+            .map(|(steepness, pair)| (pair[1] - pair[0]) / steepness)
+            .collect();
+        let level = change[self.anchor] / self.level;
+        std::iter::once(level).chain(self.basis.latents(&slopes)).collect()
+    }
+
+    /// Derivatives of the rises of ln K with respect to the values of the process in units of the
+    /// reference.
+    fn steepness(&self, latents: &[f64]) -> Vec<f64> {
+        let step = (self.pressures[1] / self.pressures[0]).ln();
+        let deviations = self.basis.values(&latents[1..]);
+        let places = self.slopes.iter().zip(deviations);
+        places
+            .map(|(centre, r)| {
+                let g = centre + self.reference * r;
+                self.reference * step * slope_derivative(g, self.below_one)
+            })
+            .collect()
+    }
+
+    /// ln K from its value at the anchor and its rises.
+    fn summed(&self, level: f64, rise: &[f64]) -> Vec<f64> {
+        let mut values = vec![level; self.count()];
+        for i in (0..self.anchor).rev() {
+            values[i] = values[i + 1] - rise[i];
+        }
+        for i in self.anchor + 1..values.len() {
+            values[i] = values[i - 1] + rise[i - 1];
+        }
+        values
+    }
+
+    /// Writes the law into a scenario, as a table; `None` without its place.
+    pub(super) fn write(&self, scenario: &mut Value, latents: &[f64]) -> Option<()> {
+        let values = self.log_stiffness(latents);
+        let points: Vec<[f64; 2]> =
+            self.pressures.iter().zip(values).map(|(&p, value)| [p, value.exp()]).collect();
+        *scenario.pointer_mut(&self.pointer)? = json!({"kind": "table", "points": points});
+        Some(())
+    }
+
+    /// The grid of amplitudes and lengths.
+    pub(super) fn grid(&self) -> Vec<Smoothness> {
+        let places = |spec: &LogNormalSpec| -> Vec<(f64, f64)> {
+            if spec.log_deviation == 0.0 {
+                return vec![(spec.median, 1.0)];
+            }
+            let place =
+                |z: &f64| (spec.median * (spec.log_deviation * z).exp(), (-0.5 * z * z).exp());
+            GRID.iter().map(place).collect()
+        };
+        let lengths = places(&self.length);
+        let pairs = places(&self.roughness).into_iter().flat_map(|(roughness, weight)| {
+            let with = move |&(length, other): &(f64, f64)| Smoothness {
+                roughness,
+                length,
+                weight: weight * other,
+            };
+            lengths.iter().map(with).collect::<Vec<_>>()
+        });
+        pairs.collect()
+    }
+
+    /// The prior of the latents, which are parameters from index `first` on.
+    pub(super) fn prior(&self, first: usize) -> Result<LatentPrior, IdentificationError> {
+        let step = (self.pressures[1] / self.pressures[0]).ln();
+        let places = places(self.count() - 1, step);
+        let component = |own: Smoothness| {
+            let slopes = with_nugget(matern_three_halves(&places, own.length));
+            let slopes = self.basis.latent_covariance(&slopes);
+            let scale = (own.roughness / self.reference).powi(2);
+            let entry = |i: usize, j: usize| match (i, j) {
+                (0, 0) => 1.0,
+                (0, _) | (_, 0) => 0.0,
+                _ => 0.5 * scale * (slopes[i - 1][j - 1] + slopes[j - 1][i - 1]),
+            };
+            let row = |i: usize| (0..self.count()).map(|j| entry(i, j)).collect();
+            (own.weight, (0..self.count()).map(row).collect())
+        };
+        let components = self.grid().into_iter().map(component).collect();
+        Ok(LatentPrior::new(first, components)?)
+    }
+}
+
+fn places(count: usize, step: f64) -> Vec<f64> {
+    (0..count).map(|i| step * i as f64).collect()
+}
+
+fn with_nugget(mut covariance: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
+    for (i, row) in covariance.iter_mut().enumerate() {
+        row[i] += NUGGET;
+    }
+    covariance
+}
+
+/// The slope `s(g)`.
+fn slope(g: f64, below_one: bool) -> f64 {
+    if below_one {
+        1.0 / (1.0 + (-4.0 * (g - 0.5)).exp())
+    } else {
+        let scaled = g / SLOPE_WIDTH;
+        SLOPE_WIDTH * (scaled.max(0.0) + (-scaled.abs()).exp().ln_1p())
+    }
+}
+
+/// The derivative `s'(g)`.
+fn slope_derivative(g: f64, below_one: bool) -> f64 {
+    if below_one {
+        let s = slope(g, true);
+        4.0 * s * (1.0 - s)
+    } else {
+        1.0 / (1.0 + (-g / SLOPE_WIDTH).exp())
+    }
+}
+
+/// The `g` of a slope, moved inside the range of centres.
+fn inverse_slope(slope: f64, below_one: bool) -> f64 {
+    let slope = slope.max(CENTRE[0]);
+    if below_one {
+        let slope = slope.min(CENTRE[1]);
+        0.5 + 0.25 * (slope / (1.0 - slope)).ln()
+    } else {
+        let scaled = slope / SLOPE_WIDTH;
+        SLOPE_WIDTH * (scaled + (-(-scaled).exp()).ln_1p())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use asperity_inference::prior_draws;
+    use asperity_law::{ContactLaw, Tabulated};
+
+    use super::*;
+
+    fn free(below_one: bool) -> FreeLaw {
+        let scenario =
+            json!({"laws": {"k": {"kind": "power", "coefficient": 1.8e10, "exponent": 0.4}}});
+        let spec = json!({"kind": "free_law", "law": "k", "pressures_pa": [1e4, 1e6], "at_pa": 1.4e5,
+            "exponent_between_0_and_1": below_one});
+        let spec: ParameterSpec = serde_json::from_value(spec).unwrap();
+        FreeLaw::new(&spec, &scenario).unwrap().unwrap()
+    }
+
+    #[test]
+    fn latents_of_zero_are_the_law_of_the_scenario() {
+        for below_one in [false, true] {
+            let law = free(below_one);
+            let values = law.log_stiffness(&vec![0.0; law.count()]);
+            for (pressure, value) in law.pressures.iter().zip(values) {
+                let expected = (1.8e10 * pressure.powf(0.4)).ln();
+                assert!((value - expected).abs() < 1e-12, "{value} {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn slopes_have_their_inverse_and_their_limits() {
+        for (below_one, slopes) in [(false, [0.02, 0.4, 3.0]), (true, [0.02, 0.4, 0.97])] {
+            for s in slopes {
+                assert!((slope(inverse_slope(s, below_one), below_one) / s - 1.0).abs() < 1e-12);
+            }
+        }
+        assert!((slope(3.0, false) - 3.0).abs() < 1e-6 && slope(-9.0, false) >= 0.0);
+        assert!(slope(9.0, true) <= 1.0);
+    }
+
+    /// The derivative of ln K against differences, and its inverse.
+    #[test]
+    fn changes_of_the_law_are_those_of_its_latents() {
+        for below_one in [false, true] {
+            let law = free(below_one);
+            let at: Vec<f64> = (0..law.count()).map(|i| 0.3 * (1.7 * i as f64).sin()).collect();
+            let change: Vec<f64> = (0..law.count()).map(|i| (0.9 * i as f64).cos()).collect();
+            let step = 1e-5;
+            let moved = |sign: f64| {
+                let pairs = at.iter().zip(&change);
+                let point: Vec<f64> = pairs.map(|(z, dz)| z + sign * step * dz).collect();
+                law.log_stiffness(&point)
+            };
+            let exact = law.log_stiffness_change(&at, &change);
+            let largest = exact.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+            for ((above, below), exact) in moved(1.0).iter().zip(moved(-1.0)).zip(&exact) {
+                assert!(((above - below) / (2.0 * step) - exact).abs() < 1e-6 * largest);
+            }
+            for (back, expected) in law.latent_change(&at, &exact).iter().zip(&change) {
+                assert!((back - expected).abs() < 1e-6, "{back} {expected}");
+            }
+        }
+    }
+
+    /// Every draw of the prior is a positive, increasing law that a table accepts, with the exponent
+    /// below one if that was asked; half of the draws at the anchor are above the scenario's law, and
+    /// the deviation of ln K there has the stated standard deviation.
+    #[test]
+    fn draws_of_the_prior_are_laws_about_the_scenario_s() {
+        for below_one in [false, true] {
+            let law = free(below_one);
+            let prior = law.prior(0).unwrap();
+            let draws = prior_draws(&law.parameters(), std::slice::from_ref(&prior), 400, 1);
+            let mut squares = 0.0;
+            for draw in &draws {
+                let values = law.log_stiffness(draw);
+                let step = (law.pressures[1] / law.pressures[0]).ln();
+                for pair in values.windows(2) {
+                    let exponent = (pair[1] - pair[0]) / step;
+                    assert!(
+                        exponent >= 0.0 && (!below_one || exponent <= 1.0 + 1e-9),
+                        "{exponent}"
+                    );
+                }
+                squares += (values[law.anchor] - law.centre).powi(2) / 400.0;
+                let points: Vec<(f64, f64)> =
+                    law.pressures.iter().zip(&values).map(|(&p, value)| (p, value.exp())).collect();
+                assert!(Tabulated::new(&points).unwrap().stiffness(2e5) > 0.0);
+            }
+            assert!((squares - 1.0).abs() < 0.02, "{squares}");
+        }
+    }
+
+    /// The slope's deviation in the prior: variance and correlation are those of the mixture.
+    #[test]
+    fn slopes_of_the_prior_have_the_covariance_of_the_mixture() {
+        let law = free(false);
+        let prior = law.prior(0).unwrap();
+        let draws = prior_draws(&law.parameters(), std::slice::from_ref(&prior), 20_000, 2);
+        let grid = law.grid();
+        let total: f64 = grid.iter().map(|own| own.weight).sum();
+        let step = (law.pressures[1] / law.pressures[0]).ln();
+        for (i, j) in [(0, 0), (20, 20), (18, 22)] {
+            let distance = 3.0_f64.sqrt() * step * (j as f64 - i as f64).abs();
+            let expected: f64 = grid
+                .iter()
+                .map(|own| {
+                    let a = distance / own.length;
+                    own.weight / total * own.roughness.powi(2) * (1.0 + a) * (-a).exp()
+                })
+                .sum();
+            let moment = |draw: &Vec<f64>| {
+                let r = law.basis.values(&draw[1..]);
+                law.reference.powi(2) * r[i] * r[j]
+            };
+            let products: Vec<f64> = draws.iter().map(moment).collect();
+            let mean = products.iter().sum::<f64>() / products.len() as f64;
+            let spread = products.iter().map(|x| (x - mean).powi(2)).sum::<f64>();
+            let error = spread.sqrt() / products.len() as f64;
+            assert!((mean - expected).abs() < 4.0 * error, "{i} {j}: {mean} {expected} {error}");
+        }
+    }
+}
