@@ -9,6 +9,9 @@ pub(crate) trait Curve {
     /// Number of equations.
     fn size(&self) -> usize;
 
+    /// True if the tangent may turn at a point, as where friction begins to slip.
+    fn has_kinks(&self) -> bool;
+
     /// Size of the unknowns that the residual is compared with.
     fn weight(&self, v: &[f64]) -> f64;
 
@@ -55,6 +58,9 @@ enum Constraint<'p> {
 /// stops it before.
 const CONVERGED: f64 = 1e-13;
 const STALLED: f64 = 1e-8;
+
+/// Step below which a turn of the tangent is that of a kink, for a curve that may have some.
+const KINK: f64 = 1e-4;
 
 /// Newton iterations at most.
 const ITERATIONS: usize = 12;
@@ -141,7 +147,8 @@ impl<C: Curve> ArcLength<C> {
                     let turn = dot(&next.tangent, &from.tangent).clamp(-1.0, 1.0).acos();
                     let off = distance(&next.unknowns, &from.unknowns);
                     // The corrector moves across the tangent, and could reach another branch.
-                    if turn <= 3.0 * self.control.turn && off < 1.5 * step {
+                    let kink = step < KINK && self.curve.has_kinks();
+                    if (turn <= 3.0 * self.control.turn || kink) && off < 1.5 * step {
                         let by_turn = self.control.turn / turn.max(1e-3 * self.control.turn);
                         let by_iterations = WANTED / next.iterations.max(1) as f64;
                         let factor = by_turn.min(by_iterations).clamp(0.5, 2.0);
@@ -279,6 +286,9 @@ mod tests {
     impl Curve for Circle {
         fn size(&self) -> usize {
             1
+        }
+        fn has_kinks(&self) -> bool {
+            false
         }
         fn weight(&self, _: &[f64]) -> f64 {
             1.0

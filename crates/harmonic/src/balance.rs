@@ -1,13 +1,18 @@
 //! The equations of harmonic balance and their derivatives.
 
+mod damped_forces;
+mod friction_loop;
+mod output;
 #[cfg(test)]
 mod tests;
 
 use asperity_structure::PreloadedContact;
 use num_complex::Complex64;
 
-use crate::fourier::{Fourier, amplitude_of, rate_of};
+use crate::fourier::{Fourier, amplitude_of};
 use crate::{Compliance, ContactSystem, MeanBalance, Receptance};
+use damped_forces::DampedForces;
+use friction_loop::{ContactForce, FEWEST_SAMPLES, FrictionLoop};
 
 /// Frequency, anti-damping and force of a periodic motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -62,77 +67,24 @@ pub(crate) struct Balance<'a> {
     products: Vec<f64>,
     /// Of a system with damped contacts.
     damped: Option<DampedForces>,
-}
-
-/// Damped contact forces at the samples of a period, and their dependence on the frequency.
-#[derive(Debug, Clone)]
-struct DampedForces {
-    rate_series: Vec<f64>,
-    rates: Vec<f64>,
-    dampers: Vec<f64>,
-    damper_series: Vec<f64>,
-    product: Vec<f64>,
-    /// Derivatives of `P_k` with respect to the angular frequency, of each interface.
-    d_frequency: Vec<f64>,
-}
-
-impl DampedForces {
-    fn new(fourier: &Fourier, interfaces: usize) -> Self {
-        let (terms, samples) = (fourier.terms(), fourier.samples());
-        Self {
-            rate_series: vec![0.0; terms],
-            rates: vec![0.0; samples],
-            dampers: vec![0.0; samples],
-            damper_series: vec![0.0; 2 * terms - 1],
-            product: vec![0.0; terms * terms],
-            d_frequency: vec![0.0; terms * interfaces],
-        }
-    }
-
-    /// Samples the rates of a closure's series at the angular frequency `w` \[rad/s\].
-    fn sample_rates(&mut self, fourier: &Fourier, series: &[f64], w: f64) {
-        rate_of(series, w, &mut self.rate_series);
-        fourier.synthesise(&self.rate_series, &mut self.rates);
-    }
-
-    /// Adds the dampers' part of the derivative of interface `i`'s force with respect to its closure
-    /// to `product`, and finds that with respect to the frequency; false if one is not finite.
-    fn differentiate(&mut self, fourier: &Fourier, i: usize, w: f64, product: &mut [f64]) -> bool {
-        let terms = fourier.terms();
-        fourier.analyse(&self.dampers, &mut self.damper_series);
-        if !self.damper_series.iter().all(|value| value.is_finite()) {
-            return false;
-        }
-        fourier.product(&self.damper_series, &mut self.product);
-        for (row, damped) in product.chunks_exact_mut(terms).zip(self.product.chunks_exact(terms)) {
-            for k in 1..=fourier.harmonics() {
-                let turning = k as f64 * w;
-                row[2 * k - 1] -= turning * damped[2 * k];
-                row[2 * k] += turning * damped[2 * k - 1];
-            }
-        }
-        // The forces grow by c x' / w per frequency.
-        for (rate, damper) in self.rates.iter_mut().zip(&self.dampers) {
-            *rate *= damper / w;
-        }
-        fourier.analyse(&self.rates, &mut self.d_frequency[i * terms..(i + 1) * terms]);
-        true
-    }
+    /// Of each friction element.
+    loops: Vec<FrictionLoop>,
 }
 
 impl<'a> Balance<'a> {
     pub(crate) fn new(system: &'a ContactSystem, harmonics: usize, samples: usize) -> Self {
-        let n = system.contacts().len();
+        let n = system.pairs();
+        let least = if system.friction().is_some() { FEWEST_SAMPLES } else { 0 };
+        let samples = samples.max(least);
         let fourier = Fourier::new(harmonics, samples);
         let terms = fourier.terms();
         let mut mean = system.linear().mean_balance();
         // A row without closures balances forces: over the contacts' stiffness it is a closure.
+        let stiffest = system.contacts().iter().map(PreloadedContact::spring).fold(0.0, f64::max);
         for row in 0..n {
             let range = row * n..(row + 1) * n;
             if mean.closure[range.clone()].iter().all(|&a| a == 0.0) {
-                for (b, contact) in mean.force[range].iter_mut().zip(system.contacts()) {
-                    *b /= contact.spring();
-                }
+                mean.force[range].iter_mut().for_each(|b| *b /= stiffest);
             }
         }
         Self {
@@ -148,6 +100,12 @@ impl<'a> Balance<'a> {
             forces: vec![0.0; terms * n],
             products: vec![0.0; terms * terms * n],
             damped: system.is_damped().then(|| DampedForces::new(&fourier, n)),
+            loops: system
+                .friction_elements()
+                .map(|(friction, pair, contact)| {
+                    FrictionLoop::new(friction, pair, contact, &fourier)
+                })
+                .collect(),
             fourier,
         }
     }
@@ -209,6 +167,9 @@ impl<'a> Balance<'a> {
             {
                 return Err(Overflow { interface: i, closure: f64::NAN });
             }
+            self.evaluate_friction(x, i, found.0);
+            let force = &mut self.forces[i * terms..(i + 1) * terms];
+            let product = &mut self.products[i * square..(i + 1) * square];
             // The springs are part of the structure.
             let Complex64 { re: elastic, im: loss } = self.springs[i];
             for k in 1..=self.fourier.harmonics() {
@@ -224,9 +185,48 @@ impl<'a> Balance<'a> {
         Ok(())
     }
 
+    /// Adds the friction that contact `i` bounds.
+    fn evaluate_friction(&mut self, x: &[f64], i: usize, w: f64) {
+        let (terms, samples) = (self.fourier.terms(), self.fourier.samples());
+        let of = |pair: usize, length: usize| pair * length..(pair + 1) * length;
+        let contact = &self.system.contacts()[i];
+        let damped = self.damped.as_ref();
+        for friction in self.loops.iter_mut().filter(|friction| friction.contact == i) {
+            let pair = friction.pair;
+            self.fourier.synthesise(&x[of(pair, terms)], &mut friction.closures);
+            let force = ContactForce {
+                at_rest: contact.area() * contact.pressure(),
+                increments: &self.force_samples[of(i, samples)],
+                tangents: &self.tangent_samples[of(i, samples)],
+                damping: damped.map(|damped| (&damped.dampers[..], &damped.rates[..])),
+            };
+            friction.follow(&self.fourier, force, w);
+        }
+        // Only then: a limit is one of the contact's force alone.
+        for friction in self.loops.iter_mut().filter(|friction| friction.contact == i) {
+            let pair = friction.pair;
+            let series = &mut self.forces[of(pair, terms)];
+            let product = &mut self.products[of(pair, terms * terms)];
+            let force_samples = &mut self.force_samples[of(pair, samples)];
+            let mut by_frequency =
+                self.damped.as_mut().map(|damped| &mut damped.d_frequency[of(pair, terms)]);
+            if pair != i {
+                // A guide has no other force.
+                series.fill(0.0);
+                product.fill(0.0);
+                force_samples.fill(0.0);
+                if let Some(slopes) = &mut by_frequency {
+                    slopes.fill(0.0);
+                }
+                self.closure_samples[of(pair, samples)].copy_from_slice(&friction.closures);
+            }
+            friction.add_to(&self.fourier, (series, force_samples), product, by_frequency);
+        }
+    }
+
     /// The residual of the motion last evaluated.
     pub(crate) fn residual(&self, x: &[f64], at: &Conditions, out: &mut [f64]) {
-        let (n, terms) = (self.system.contacts().len(), self.fourier.terms());
+        let (n, terms) = (self.system.pairs(), self.fourier.terms());
         for i in 0..n {
             out[i * terms] = (0..n)
                 .map(|j| {
@@ -253,7 +253,7 @@ impl<'a> Balance<'a> {
     ) -> Complex64 {
         let terms = self.fourier.terms();
         let compliance = &self.compliances[k - 1];
-        let contact: Complex64 = (0..self.system.contacts().len())
+        let contact: Complex64 = (0..self.system.pairs())
             .map(|j| {
                 of(compliance.contact(i, j)) * amplitude_of(&self.forces[j * terms..][..terms], k)
             })
@@ -265,32 +265,57 @@ impl<'a> Balance<'a> {
     /// Writes the derivative of the residual with respect to the closures into the upper left of a
     /// matrix whose rows are `stride` long.
     pub(crate) fn d_residual_d_closures(&self, stride: usize, out: &mut [f64]) {
-        let (n, terms) = (self.system.contacts().len(), self.fourier.terms());
+        let (n, terms) = (self.system.pairs(), self.fourier.terms());
         let square = terms * terms;
         for i in 0..n {
             for j in 0..n {
                 let product = &self.products[j * square..(j + 1) * square];
-                let row = &mut out[i * terms * stride + j * terms..][..terms];
-                let factor = self.mean.force[i * n + j];
-                for (to, p) in row.iter_mut().zip(&product[..terms]) {
-                    *to = factor * p;
+                let start = i * terms * stride + j * terms;
+                self.write_block((i, j), product, &mut out[start..], stride, |to, value| {
+                    *to = value;
+                });
+                out[start] += self.mean.closure[i * n + j];
+                if i == j {
+                    (1..terms).for_each(|term| out[start + term * (stride + 1)] += 1.0);
                 }
-                row[0] += self.mean.closure[i * n + j];
-                for k in 1..=self.fourier.harmonics() {
-                    let g = self.compliances[k - 1].contact(i, j).value;
-                    let (cos, sin) = product[(2 * k - 1) * terms..].split_at(terms);
-                    let start = (i * terms + 2 * k - 1) * stride + j * terms;
-                    let (first, second) = out[start..].split_at_mut(stride);
-                    let targets = first[..terms].iter_mut().zip(&mut second[..terms]);
-                    for ((a, b), (c, s)) in targets.zip(cos.iter().zip(sin)) {
-                        *a = g.re * c + g.im * s;
-                        *b = g.re * s - g.im * c;
-                    }
-                    if i == j {
-                        first[2 * k - 1] += 1.0;
-                        second[2 * k] += 1.0;
-                    }
-                }
+            }
+        }
+        // Friction in a guide, bounded by the force of a contact.
+        for friction in self.loops.iter().filter(|friction| friction.pair != friction.contact) {
+            for i in 0..n {
+                let block = &mut out[i * terms * stride + friction.contact * terms..];
+                let by_contact = &friction.by_contact;
+                self.write_block((i, friction.pair), by_contact, block, stride, |to, value| {
+                    *to += value;
+                });
+            }
+        }
+    }
+
+    /// Puts the rows of pair `i` under the derivatives `product` of the force of pair `j` into the
+    /// leading columns of `out`.
+    #[inline]
+    fn write_block(
+        &self,
+        (i, j): (usize, usize),
+        product: &[f64],
+        out: &mut [f64],
+        stride: usize,
+        put: impl Fn(&mut f64, f64),
+    ) {
+        let terms = self.fourier.terms();
+        let factor = self.mean.force[i * self.system.pairs() + j];
+        for (to, p) in out[..terms].iter_mut().zip(product) {
+            put(to, factor * p);
+        }
+        for k in 1..=self.fourier.harmonics() {
+            let g = self.compliances[k - 1].contact(i, j).value;
+            let (cos, sin) = product[(2 * k - 1) * terms..].split_at(terms);
+            let (first, second) = out[(2 * k - 1) * stride..].split_at_mut(stride);
+            let targets = first[..terms].iter_mut().zip(&mut second[..terms]);
+            for ((a, b), (c, s)) in targets.zip(cos.iter().zip(sin)) {
+                put(a, g.re * c + g.im * s);
+                put(b, g.re * s - g.im * c);
             }
         }
     }
@@ -299,7 +324,7 @@ impl<'a> Balance<'a> {
     pub(crate) fn d_residual_d_frequency(&self, at: &Conditions, out: &mut [f64]) {
         self.d_residual_d_condition(at, out, |k| k as f64, |receptance| receptance.d_frequency);
         let Some(damped) = &self.damped else { return };
-        let (n, terms) = (self.system.contacts().len(), self.fourier.terms());
+        let (n, terms) = (self.system.pairs(), self.fourier.terms());
         for (i, out) in out.chunks_exact_mut(terms).enumerate() {
             let means = damped.d_frequency.iter().step_by(terms);
             out[0] +=
@@ -330,7 +355,7 @@ impl<'a> Balance<'a> {
         of: impl Fn(&Receptance) -> Complex64,
     ) {
         let terms = self.fourier.terms();
-        for i in 0..self.system.contacts().len() {
+        for i in 0..self.system.pairs() {
             out[i * terms] = 0.0;
             for k in 1..=self.fourier.harmonics() {
                 let r = self.linear_part(i, k, at.force, &of) * factor(k);
@@ -345,7 +370,7 @@ impl<'a> Balance<'a> {
         out.fill(0.0);
         let terms = self.fourier.terms();
         if let Some(compliance) = self.compliances.first() {
-            for i in 0..self.system.contacts().len() {
+            for i in 0..self.system.pairs() {
                 let g = compliance.drive(i).value;
                 out[i * terms + 1] = -g.re;
                 out[i * terms + 2] = g.im;
@@ -353,67 +378,10 @@ impl<'a> Balance<'a> {
         }
     }
 
-    /// Complex amplitude of harmonic k >= 1 of the driving point's displacement [m].
-    pub(crate) fn output(&self, k: usize, at: &Conditions) -> Complex64 {
-        self.output_of(k, at.force, |receptance| receptance.value)
-    }
-
-    fn output_of(&self, k: usize, force: f64, of: impl Fn(&Receptance) -> Complex64) -> Complex64 {
-        let terms = self.fourier.terms();
-        let compliance = &self.compliances[k - 1];
-        let contact: Complex64 = (0..self.system.contacts().len())
-            .map(|j| of(compliance.drive(j)) * amplitude_of(&self.forces[j * terms..][..terms], k))
-            .sum();
-        let drive = if k == 1 { force } else { 0.0 };
-        of(&compliance.direct) * drive - contact
-    }
-
-    /// Mean displacement of the driving point from rest [m].
-    pub(crate) fn mean_output(&self, x: &[f64]) -> f64 {
-        let terms = self.fourier.terms();
-        (0..self.system.contacts().len())
-            .map(|j| {
-                self.mean.output_closure[j] * x[j * terms]
-                    + self.mean.output_force[j] * self.forces[j * terms]
-            })
-            .sum()
-    }
-
-    /// Derivatives of the fundamental output with respect to the closures: real and imaginary parts.
-    pub(crate) fn d_output_d_closures(&self, real: &mut [f64], imaginary: &mut [f64]) {
-        let terms = self.fourier.terms();
-        let square = terms * terms;
-        for j in 0..self.system.contacts().len() {
-            let g = self.compliances[0].drive(j).value;
-            let (cos, sin) = self.products[j * square + terms..].split_at(terms);
-            for c in 0..terms {
-                real[j * terms + c] = -(g.re * cos[c] + g.im * sin[c]);
-                imaginary[j * terms + c] = g.re * sin[c] - g.im * cos[c];
-            }
-        }
-    }
-
-    /// Derivatives of the fundamental output with respect to angular frequency, anti-damping rate and
-    /// force.
-    pub(crate) fn d_output_d_conditions(&self, at: &Conditions) -> [Complex64; 3] {
-        let terms = self.fourier.terms();
-        let damped = self.damped.as_ref().map_or(Complex64::ZERO, |damped| {
-            let of = |(j, series): (usize, &[f64])| {
-                self.compliances[0].drive(j).value * amplitude_of(series, 1)
-            };
-            damped.d_frequency.chunks_exact(terms).enumerate().map(of).sum()
-        });
-        [
-            self.output_of(1, at.force, |receptance| receptance.d_frequency) - damped,
-            self.output_of(1, at.force, |receptance| receptance.d_anti_damping),
-            self.compliances[0].direct.value,
-        ]
-    }
-
     /// `|u^T M u| / |U_1|^2` of the fundamental motion [kg]. The derivative of a receptance with
     /// respect to the anti-damping rate is `i w` times that product of the fields of its two forces.
     pub(crate) fn modal_mass(&self, at: &Conditions, amplitude: f64) -> f64 {
-        let (n, terms) = (self.system.contacts().len(), self.fourier.terms());
+        let (n, terms) = (self.system.pairs(), self.fourier.terms());
         let compliance = &self.compliances[0];
         let force = |j: usize| amplitude_of(&self.forces[j * terms..], 1);
         let mut sum = compliance.direct.d_anti_damping * at.force * at.force;
@@ -439,7 +407,7 @@ impl<'a> Balance<'a> {
     /// Largest harmonic of the closures that was left out, H < k <= 2 H, over the largest kept:
     /// `G_k P_k` with the forces of the motion last evaluated, on springs without loss.
     pub(crate) fn truncation(&self, x: &[f64]) -> f64 {
-        let (n, terms) = (self.system.contacts().len(), self.fourier.terms());
+        let (n, terms) = (self.system.pairs(), self.fourier.terms());
         let largest = x.iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
         let mut compliance = Compliance::zero(n);
         let springs = springs(self.system, 0.0);
@@ -466,8 +434,10 @@ impl<'a> Balance<'a> {
     }
 }
 
-/// The contacts' stiffnesses at rest \[N/m\], with a loss factor.
+/// The contacts' stiffnesses at rest \[N/m\], with a loss factor; guides have none.
 fn springs(system: &ContactSystem, loss: f64) -> Vec<Complex64> {
     let spring = |contact: &PreloadedContact| contact.spring() * Complex64::new(1.0, loss);
-    system.contacts().iter().map(spring).collect()
+    let mut all: Vec<Complex64> = system.contacts().iter().map(spring).collect();
+    all.resize(system.pairs(), Complex64::ZERO);
+    all
 }

@@ -21,6 +21,10 @@ use crate::{Compliance, Receptance};
 /// or stiff bar nor its flexibility is a small difference of large numbers. With the closures
 /// `E^T u` the springs add `E K_0 E^T`; the sum S is solved for unit forces at the contacts and the
 /// driving point. Derivatives follow from `(S^-1)' = -S^-1 S' S^-1`, S' being diagonal.
+///
+/// A force F in a guide, spread over the bar by its mass, would move the free bar by `-F / (m s)`. On
+/// its ends it acts on y by `t F`, `t = tan(th / 2) / (th / 2)`, and the mean displacement of the bar
+/// is `t y + (t - 1) F / (m s)`.
 pub(crate) fn write(
     stack: &Stack,
     (w, rate, anti_damping): (f64, f64, f64),
@@ -43,13 +47,18 @@ pub(crate) fn write(
     }
     let size = diagonal.len();
     let zero = Complex64::ZERO;
-    // Rows of S, then a unit force at each contact and one at the top.
-    let width = size + n + 1;
+    let guides: Vec<GuidedBar> = (0..n)
+        .filter(|&i| bodies[i].friction().is_some())
+        .map(|i| GuidedBar::new(&bodies[i], i, w, rate - anti_damping))
+        .collect();
+    // Rows of S, then a unit force at each contact, in each guide, and one at the top.
+    let top = n + guides.len();
+    let width = size + top + 1;
     let mut rows = vec![zero; size * width];
     for (row, entry) in diagonal.iter().enumerate() {
         rows[row * width + row] = entry.value;
     }
-    for (i, spring) in springs.iter().enumerate() {
+    for (i, spring) in springs[..n].iter().enumerate() {
         // Lower end y - z of a bar less upper end y + z of the next, or the support.
         let all = [(2 * i, 1.0), (2 * i + 1, -1.0), (2 * i + 2, -1.0), (2 * i + 3, -1.0)];
         let shape = &all[..(size - 2 * i).min(4)];
@@ -60,13 +69,16 @@ pub(crate) fn write(
             rows[row * width + size + i] = (*a).into();
         }
     }
+    for (column, guide) in (n..).zip(&guides) {
+        rows[guide.coordinate * width + size + column] = guide.share.value;
+    }
     for row in 0..2 {
-        rows[row * width + size + n] = Complex64::ONE;
+        rows[row * width + size + top] = Complex64::ONE;
     }
     // Coordinates scaled to diagonal entries of about one: pivots do not depend on a stiff support.
     let mut scale = Vec::with_capacity(size);
     for (row, entry) in diagonal.iter().enumerate() {
-        let of = |i: usize| springs.get(i).map_or(0.0, |spring| spring.norm());
+        let of = |i: usize| springs[..n].get(i).map_or(0.0, |spring| spring.norm());
         let contacts = of(row / 2) + (row / 2).checked_sub(1).map_or(0.0, of);
         scale.push((entry.value.norm() + contacts).sqrt().recip());
     }
@@ -87,9 +99,23 @@ pub(crate) fn write(
             found.d_frequency -= product * entry.d_frequency;
             found.d_anti_damping -= product * entry.d_anti_damping;
         }
+        for (guide, other) in [(a, b), (b, a)] {
+            let Some(guide) = guide.checked_sub(n).and_then(|guide| guides.get(guide)) else {
+                continue;
+            };
+            let at = solution(guide.coordinate, other);
+            found.d_frequency += guide.share.d_frequency * at;
+            found.d_anti_damping += guide.share.d_anti_damping * at;
+        }
         let at = |i: usize| solution(i, b);
-        found.value = if a == n {
+        found.value = if a == top {
             at(0) + at(1)
+        } else if a >= n {
+            let guide = &guides[a - n];
+            if a == b {
+                found.add(&guide.own, 1.0);
+            }
+            found.value + guide.share.value * at(guide.coordinate)
         } else {
             let below = if 2 * a + 2 < size { at(2 * a + 2) } else { zero };
             let below = if 2 * a + 3 < size { below + at(2 * a + 3) } else { below };
@@ -97,13 +123,58 @@ pub(crate) fn write(
         };
         found
     };
-    for i in 0..n {
-        for j in 0..n {
+    for i in 0..top {
+        for j in 0..top {
             *into.contact_mut(i, j) = receptance(i, j);
         }
-        *into.drive_mut(i) = receptance(i, n);
+        *into.drive_mut(i) = receptance(i, top);
     }
-    into.direct = receptance(n, n);
+    into.direct = receptance(top, top);
+}
+
+/// A bar in a guide with friction.
+struct GuidedBar {
+    /// Coordinate y of the bar.
+    coordinate: usize,
+    /// `tan(th / 2) / (th / 2)`.
+    share: Receptance,
+    /// Mean displacement per force in the guide while y is held, `(t - 1) / (m s)`.
+    own: Receptance,
+}
+
+impl GuidedBar {
+    fn new(body: &Body, place: usize, w: f64, h: f64) -> Self {
+        let s = Complex64::new(w * w, -w * h);
+        let (m, m_slope) = complex_modulus(body, w);
+        let x = (s / m).sqrt() / body.wave_speed() * (0.5 * body.length());
+        let square = x * x;
+        let excess = if x.norm() < 0.1 {
+            // Of tan(x) / x - 1.
+            const SERIES: [f64; 5] =
+                [1.0 / 3.0, 2.0 / 15.0, 17.0 / 315.0, 62.0 / 2835.0, 1382.0 / 155_925.0];
+            square * SERIES.iter().rev().fold(Complex64::ZERO, |sum, factor| sum * square + factor)
+        } else {
+            tangent(x) / x - Complex64::ONE
+        };
+        let share = excess + Complex64::ONE;
+        // x dt/dx = 1 + tan^2 - t, and x^2 is proportional to s / m.
+        let slope = 0.5 * (square * share * share - excess);
+        let (by_square, by_modulus) = (slope / s, -slope * m_slope / m);
+        let own = excess / (body.mass() * s);
+        let own_slope = (slope - excess) / (body.mass() * s * s);
+        let (d_frequency, d_anti_damping) = (Complex64::new(2.0 * w, -h), Complex64::new(0.0, w));
+        let share = Receptance {
+            value: share,
+            d_frequency: by_square * d_frequency + by_modulus,
+            d_anti_damping: by_square * d_anti_damping,
+        };
+        let own = Receptance {
+            value: own,
+            d_frequency: own_slope * d_frequency + by_modulus / (body.mass() * s),
+            d_anti_damping: own_slope * d_anti_damping,
+        };
+        Self { coordinate: 2 * place, share, own }
+    }
 }
 
 /// An entry of the dynamic stiffness with its derivatives.

@@ -29,7 +29,8 @@ impl Receptance {
 
 /// Receptances at all contact faces and the driving point of a structure, at one frequency.
 ///
-/// With contact forces P (pressing, one per interface), the drive F and the closures x,
+/// Guides with friction count as interfaces here, after those of the structure. With contact forces P
+/// (pressing, one per interface), the drive F and the closures x,
 ///
 /// ```text
 /// x = drive F - contact P,    u = direct F - drive^T P,

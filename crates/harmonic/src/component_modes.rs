@@ -1,7 +1,7 @@
 //! A preloaded structure in component modes as a linear system.
 
 use asperity_mesh::{ComponentModes, NormalMode};
-use asperity_structure::PreloadedStructure;
+use asperity_structure::{Guide, PreloadedStructure};
 use faer::Mat;
 use faer::linalg::solvers::{Solve, Svd};
 use num_complex::Complex64;
@@ -11,6 +11,17 @@ use crate::{Compliance, HarmonicError, LinearSystem, MeanBalance, Receptance};
 /// Part of the largest singular value below which a rigid motion is not held by contacts.
 const HELD: f64 = 1e-9;
 
+/// Number of contact pairs and guides.
+fn pairs(modes: &ComponentModes) -> usize {
+    modes.interfaces() + modes.guides()
+}
+
+/// Closure of a mode at a contact pair, or its displacement in a guide.
+fn closure(mode: &NormalMode, pair: usize) -> f64 {
+    let contacts = mode.closure.len();
+    if pair < contacts { mode.closure[pair] } else { mode.guide[pair - contacts] }
+}
+
 fn rigid_modes(modes: &ComponentModes) -> Vec<&NormalMode> {
     modes.modes().iter().filter(|mode| mode.angular_frequency == 0.0).collect()
 }
@@ -18,7 +29,7 @@ fn rigid_modes(modes: &ComponentModes) -> Vec<&NormalMode> {
 /// Closures of the rigid modes, a column each.
 fn rigid_closures(modes: &ComponentModes) -> Mat<f64> {
     let rigid = rigid_modes(modes);
-    Mat::from_fn(modes.interfaces(), rigid.len(), |i, r| rigid[r].closure[i])
+    Mat::from_fn(pairs(modes), rigid.len(), |i, r| closure(rigid[r], i))
 }
 
 /// Number of independent rigid motions that close some contact.
@@ -28,18 +39,24 @@ fn held(closures: &Mat<f64>) -> usize {
     values.iter().filter(|&&value| value > HELD * largest).count()
 }
 
-/// Static flexibility of the elastic modes and the residual, between interfaces and, in the last
-/// row, at the driving point per contact force.
+/// Static flexibility of the elastic modes and the residual, between pairs and, in the last row, at the
+/// driving point per force of a pair. The residual has no guides.
 fn elastic_flexibility(modes: &ComponentModes) -> Mat<f64> {
-    let n = modes.interfaces();
+    let (n, contacts) = (pairs(modes), modes.interfaces());
     Mat::from_fn(n + 1, n, |row, column| {
-        let shape = |mode: &NormalMode| if row < n { mode.closure[row] } else { mode.drive };
+        let shape = |mode: &NormalMode| if row < n { closure(mode, row) } else { mode.drive };
         let elastic = modes.modes().iter().filter(|mode| mode.angular_frequency > 0.0);
         let kept: f64 = elastic
-            .map(|mode| shape(mode) * mode.closure[column] / mode.angular_frequency.powi(2))
+            .map(|mode| shape(mode) * closure(mode, column) / mode.angular_frequency.powi(2))
             .sum();
         let residual = modes.residual();
-        kept + if row < n { residual.closure[row][column] } else { residual.drive[column] }
+        kept + if column >= contacts {
+            0.0
+        } else if row == n {
+            residual.drive[column]
+        } else {
+            residual.closure.get(row).map_or(0.0, |flexibilities| flexibilities[column])
+        }
     })
 }
 
@@ -50,11 +67,16 @@ impl LinearSystem for PreloadedStructure<ComponentModes> {
         self.component_modes().interfaces()
     }
 
+    fn guides(&self) -> &[Guide] {
+        self.guides()
+    }
+
     fn compliance(&self, w: f64, anti_damping: f64, into: &mut Compliance) {
-        let n = LinearSystem::interfaces(self);
+        let (n, pairs) = (LinearSystem::interfaces(self), pairs(self.component_modes()));
         let residual = self.component_modes().residual();
         let constant =
             |value| Receptance { value: Complex64::new(value, 0.0), ..Receptance::default() };
+        into.clear();
         for row in 0..n {
             for column in 0..n {
                 *into.contact_mut(row, column) = constant(residual.closure[row][column]);
@@ -72,12 +94,12 @@ impl LinearSystem for PreloadedStructure<ComponentModes> {
                 d_frequency: -value * value * Complex64::new(-2.0 * mass * w, rate),
                 d_anti_damping: value * value * Complex64::new(0.0, mass * w),
             };
-            for row in 0..n {
-                for column in 0..n {
-                    let factor = mode.closure[row] * mode.closure[column];
+            for row in 0..pairs {
+                for column in 0..pairs {
+                    let factor = closure(mode, row) * closure(mode, column);
                     into.contact_mut(row, column).add(&modal, factor);
                 }
-                into.drive_mut(row).add(&modal, mode.closure[row] * mode.drive);
+                into.drive_mut(row).add(&modal, closure(mode, row) * mode.drive);
             }
             into.direct.add(&modal, mode.drive * mode.drive);
         }
@@ -87,7 +109,7 @@ impl LinearSystem for PreloadedStructure<ComponentModes> {
     /// elastic, `N^T (X0 + G P0) = 0` with N orthogonal to the rigid closures.
     fn mean_balance(&self) -> MeanBalance {
         let modes = self.component_modes();
-        let n = modes.interfaces();
+        let n = pairs(modes);
         let rigid = rigid_modes(modes);
         let elastic = elastic_flexibility(modes);
         let mut balance = MeanBalance {

@@ -70,8 +70,8 @@ struct CondensedInterface {
 
 impl CondensedStack {
     /// The bodies that can be condensed, by their places: those between two contacts of equal damping
-    /// proportional to the stiffness, or of none. The top body is driven, and keeps its inertia. Internal
-    /// damping of the body must be that of its contacts.
+    /// proportional to the stiffness, or of none, and without friction at either or in a guide. The top
+    /// body is driven, and keeps its inertia. Internal damping of the body must be that of its contacts.
     pub fn candidates(structure: &PreloadedStructure) -> Vec<usize> {
         let contacts = structure.contacts();
         let alike = |body: &usize| {
@@ -79,7 +79,16 @@ impl CondensedStack {
             let own = structure.stack().bodies()[*body].damping();
             let of_contacts = |time| ContactDamping::kelvin_voigt(time).ok() == above.damping();
             let elastic = own == BodyDamping::NONE;
-            (elastic || own.retardation_time().is_some_and(of_contacts))
+            let rubs = [above, below].iter().any(|contact| contact.friction().is_some())
+                || structure.stack().bodies()[*body].friction().is_some();
+            // The slip force of a body above is a share of the force of its contact, which carries
+            // tension first.
+            let bounds = structure.guides().iter().any(|guide| {
+                guide.contact() + 1 == *body && guide.friction().share_of_contact() > 0.0
+            }) && above.law().domain().is_bilateral();
+            !rubs
+                && !bounds
+                && (elastic || own.retardation_time().is_some_and(of_contacts))
                 && above.damping() == below.damping()
                 && above.damping().is_none_or(|damping| damping.is_proportional_to_stiffness())
         };

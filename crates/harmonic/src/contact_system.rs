@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use asperity_law::CompiledLaw;
-use asperity_structure::{PreloadedContact, PreloadedStructure};
+use asperity_law::{CompiledLaw, Friction};
+use asperity_structure::{Guide, PreloadedContact, PreloadedStructure};
 
 use crate::{HarmonicError, LinearSystem};
 
@@ -92,9 +92,6 @@ impl ContactSystem {
     where
         PreloadedStructure<M>: LinearSystem + 'static,
     {
-        if let Some(element) = structure.friction() {
-            return Err(HarmonicError::Friction { element: element.to_owned() });
-        }
         Self::new(Arc::new(structure.clone()), structure.contacts().to_vec(), evaluation)
     }
 
@@ -106,6 +103,29 @@ impl ContactSystem {
     /// The contacts at rest.
     pub fn contacts(&self) -> &[PreloadedContact] {
         &self.contacts
+    }
+
+    /// Number of pairs: the contacts, and after them the guides of the linear structure.
+    pub(crate) fn pairs(&self) -> usize {
+        self.contacts.len() + self.linear.guides().len()
+    }
+
+    /// The friction elements, each with the pair whose closure it follows and the contact whose force
+    /// bounds it.
+    pub(crate) fn friction_elements(&self) -> impl Iterator<Item = (Friction, usize, usize)> {
+        let own = |(i, contact): (usize, &PreloadedContact)| Some((contact.friction()?, i, i));
+        let count = self.contacts.len();
+        let guided =
+            move |(i, guide): (usize, &Guide)| (guide.friction(), count + i, guide.contact());
+        let guides = self.linear.guides().iter().enumerate().map(guided);
+        self.contacts.iter().enumerate().filter_map(own).chain(guides)
+    }
+
+    /// Name of the first friction element, if there is one.
+    pub fn friction(&self) -> Option<&str> {
+        let mut contacts = self.contacts.iter().filter(|contact| contact.friction().is_some());
+        let guide = self.linear.guides().first().map(Guide::name);
+        contacts.next().map(PreloadedContact::name).or(guide)
     }
 
     /// True if a contact is damped.

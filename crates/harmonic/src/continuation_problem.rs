@@ -123,18 +123,18 @@ impl<'a> ContinuationProblem<'a> {
 
     /// Unknowns from a motion: closures' series [m] of any number of harmonics, and conditions.
     pub(crate) fn unknowns(&self, closures: &[f64], at: &Conditions, value: f64) -> Vec<f64> {
-        let contacts = self.balance.system().contacts().len();
+        let pairs = self.balance.system().pairs();
         let terms = self.balance.fourier().terms();
-        let given = closures.len() / contacts;
+        let given = closures.len() / pairs;
         let parameter = self.parameter(value);
         let (reference, _) = self.reference(parameter);
         let mut v = vec![0.0; self.size() + 1];
-        for i in 0..contacts {
+        for i in 0..pairs {
             for c in 0..given.min(terms) {
                 v[i * terms + c] = closures[i * given + c] / reference;
             }
         }
-        let n = contacts * terms;
+        let n = pairs * terms;
         match self.continuation {
             Continuation::PhaseResonance { .. } => v[n] = at.angular_frequency / self.frequency,
             Continuation::Mode { .. } => {
@@ -227,6 +227,10 @@ impl Curve for ContinuationProblem<'_> {
             Continuation::Mode { .. } => 2,
         };
         self.balance.unknowns() + more
+    }
+
+    fn has_kinks(&self) -> bool {
+        self.balance.system().friction().is_some()
     }
 
     fn weight(&self, v: &[f64]) -> f64 {

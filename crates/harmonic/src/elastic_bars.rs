@@ -1,7 +1,7 @@
 //! A preloaded stack of elastic bars as a linear system, in closed form.
 
-use asperity_mesh::{Body, ComponentModes, ModeCount, Support};
-use asperity_structure::{PreloadedStructure, StructureError};
+use asperity_mesh::{Body, ComponentModes, ModeCount, Stack, Support};
+use asperity_structure::{Guide, PreloadedStructure, StructureError};
 use num_complex::Complex64;
 
 use crate::bars_on_springs::{self, complex_modulus};
@@ -19,10 +19,15 @@ use crate::{Compliance, HarmonicError, LinearSystem, MeanBalance, Receptance};
 /// with `kappa = sqrt(s / m) / c` and the rigidity `E A m` under internal damping, `m = 1 + i b w` or
 /// `1 + i eta`. They turn into the rigid body's `-1 / (m s)` at low frequency. Interface i lies between the
 /// lower end of bar i and the upper end of bar i + 1 or the support, so the compliance is
-/// tridiagonal. A spring-mass support has `1 / (k - w^2 m + i w c)`, its damper being its own.
+/// tridiagonal. Friction in a guide is spread over the bar by its mass, and moves it as a whole: its
+/// receptances with the mean displacement and with the ends are `-1 / (m s)`. A spring-mass support has `1 / (k - w^2 m + i w c)`, its damper being its own.
 impl LinearSystem for PreloadedStructure {
     fn interfaces(&self) -> usize {
         self.contacts().len()
+    }
+
+    fn guides(&self) -> &[Guide] {
+        self.guides()
     }
 
     fn compliance(&self, w: f64, anti_damping: f64, into: &mut Compliance) {
@@ -41,6 +46,19 @@ impl LinearSystem for PreloadedStructure {
             }
         }
         into.contact_mut(last, last).add(&support(self.stack().support(), w, anti_damping), 1.0);
+        for (pair, i) in (last + 1..).zip(guided(self.stack())) {
+            let body = &self.stack().bodies()[i];
+            let whole = rigid_bar(body, w, self.damping_rate() - anti_damping);
+            into.contact_mut(pair, pair).add(&whole, 1.0);
+            let ends = if i == 0 { vec![(0, 1.0)] } else { vec![(i - 1, -1.0), (i, 1.0)] };
+            for (end, sign) in ends {
+                into.contact_mut(end, pair).add(&whole, sign);
+                into.contact_mut(pair, end).add(&whole, sign);
+            }
+            if i == 0 {
+                *into.drive_mut(pair) = whole;
+            }
+        }
     }
 
     fn compliance_on_springs(
@@ -54,9 +72,51 @@ impl LinearSystem for PreloadedStructure {
         bars_on_springs::write(self.stack(), at, springs, into);
     }
 
+    /// Without guides the contacts carry the mean forces of rest, and so does the support. The mean
+    /// force in a guide takes from the contacts below; the mean displacement of its bar is that of the
+    /// closures below, and of the bars and the support under their mean forces.
     fn mean_balance(&self) -> MeanBalance {
-        // A support's spring carries the same mean force as at rest.
-        MeanBalance::determinate(self.contacts().len())
+        let (contacts, bodies) = (self.contacts().len(), self.stack().bodies());
+        let guided: Vec<usize> = guided(self.stack()).collect();
+        let n = contacts + guided.len();
+        let mut balance = MeanBalance::determinate(n);
+        balance.output_closure[contacts..].fill(0.0);
+        let guide_of =
+            |body: usize| guided.iter().position(|&own| own == body).map(|guide| contacts + guide);
+        // Shortening of a bar per force, by pair: half of it about the middle of its length.
+        let shortening = |body: usize| {
+            let flexibility = bodies[body].length() / bodies[body].axial_rigidity();
+            let above = body.checked_sub(1).map(|above| (above, flexibility));
+            above.into_iter().chain(guide_of(body).map(|guide| (guide, -0.5 * flexibility)))
+        };
+        let support = match *self.stack().support() {
+            Support::Rigid => 0.0,
+            Support::SpringMass { stiffness, .. } => stiffness.recip(),
+        };
+        for (pair, &body) in (contacts..).zip(&guided) {
+            let row = pair * n;
+            for below in body..contacts {
+                balance.force[below * n + pair] = 1.0;
+                balance.closure[row + below] = -1.0;
+            }
+            balance.closure[row + pair] = 1.0;
+            let flexibility = bodies[body].length() / bodies[body].axial_rigidity();
+            balance.force[row + pair] = flexibility / 3.0;
+            if let Some(above) = body.checked_sub(1) {
+                balance.force[row + above] -= 0.5 * flexibility;
+            }
+            for (force, shortened) in (body + 1..contacts).flat_map(shortening) {
+                balance.force[row + force] -= shortened;
+            }
+            balance.force[row + contacts - 1] -= support;
+        }
+        if !guided.is_empty() {
+            for (force, shortened) in (0..contacts).flat_map(shortening) {
+                balance.output_force[force] += shortened;
+            }
+            balance.output_force[contacts - 1] += support;
+        }
+        balance
     }
 
     fn lowest_modes(&self, count: usize) -> Result<ComponentModes, HarmonicError> {
@@ -66,6 +126,23 @@ impl LinearSystem for PreloadedStructure {
 
     fn mass_damping(&self) -> f64 {
         self.damping_rate()
+    }
+}
+
+/// The bodies in guides with friction, by their places.
+fn guided(stack: &Stack) -> impl Iterator<Item = usize> {
+    let bodies = stack.bodies().iter().enumerate();
+    bodies.filter(|(_, body)| body.friction().is_some()).map(|(i, _)| i)
+}
+
+/// Displacement of a bar as a whole per force, `-1 / (m s)`, under the damping rate h.
+fn rigid_bar(body: &Body, w: f64, rate: f64) -> Receptance {
+    let value = (-body.mass() * Complex64::new(w * w, -w * rate)).inv();
+    let by_square = value * value * body.mass();
+    Receptance {
+        value,
+        d_frequency: by_square * Complex64::new(2.0 * w, -rate),
+        d_anti_damping: by_square * Complex64::new(0.0, w),
     }
 }
 

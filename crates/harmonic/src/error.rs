@@ -49,9 +49,9 @@ pub enum HarmonicError {
         /// Stiffness found there \[Pa/m\].
         stiffness_pa_per_m: f64,
     },
-    /// Periodic responses are not computed with friction.
+    /// Stability is not computed with friction.
     #[error(
-        "there is friction at \"{element}\"; steady responses are those of structures without friction (time integration with a harmonic force takes it)"
+        "there is friction at \"{element}\"; the stability of periodic responses is computed without friction only (trace the branch without it, or integrate in time)"
     )]
     Friction {
         /// Name of the contact or of the guided body.

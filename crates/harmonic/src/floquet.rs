@@ -95,6 +95,9 @@ impl Integration {
 
 impl<'a> FloquetSolver<'a> {
     pub(crate) fn new(system: &'a ContactSystem, floquet: Floquet) -> Result<Self, HarmonicError> {
+        if let Some(element) = system.friction() {
+            return Err(HarmonicError::Friction { element: element.to_owned() });
+        }
         let springs: Vec<f64> = system.contacts().iter().map(PreloadedContact::spring).collect();
         let modes = system.linear().lowest_modes(floquet.modes)?;
         let mut variation =

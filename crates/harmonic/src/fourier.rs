@@ -59,8 +59,19 @@ impl Fourier {
         2 * self.harmonics + 1
     }
 
-    fn row(&self, row: usize) -> &[f64] {
+    /// Term `row` of a series, 1, cos th, sin th, ..., at the samples.
+    pub(crate) fn row(&self, row: usize) -> &[f64] {
         &self.rows[row * self.samples..(row + 1) * self.samples]
+    }
+
+    /// Rate of change of term `row` at a sample, at the angular frequency `w` \[rad/s\] \[1/s\].
+    pub(crate) fn rate(&self, row: usize, sample: usize, w: f64) -> f64 {
+        let turning = row.div_ceil(2) as f64 * w;
+        match row {
+            0 => 0.0,
+            cos if cos % 2 == 1 => -turning * self.row(cos + 1)[sample],
+            sin => turning * self.row(sin - 1)[sample],
+        }
     }
 
     /// The samples of a series.
@@ -118,6 +129,19 @@ impl Fourier {
                 matrix[at(sk, cj)] = cs;
                 matrix[at(sj, ck)] = sc;
                 matrix[at(ck, sj)] = sc;
+            }
+        }
+    }
+
+    /// Adds the derivative of a series with respect to that of x to `matrix`, from its derivative
+    /// `product` with respect to the series of the rate of x at the angular frequency `w` \[rad/s\].
+    pub(crate) fn add_rates(&self, product: &[f64], w: f64, matrix: &mut [f64]) {
+        let terms = self.terms();
+        for (row, damped) in matrix.chunks_exact_mut(terms).zip(product.chunks_exact(terms)) {
+            for k in 1..=self.harmonics {
+                let turning = k as f64 * w;
+                row[2 * k - 1] -= turning * damped[2 * k];
+                row[2 * k] += turning * damped[2 * k - 1];
             }
         }
     }

@@ -3,6 +3,7 @@
 use std::fmt::Debug;
 
 use asperity_mesh::ComponentModes;
+use asperity_structure::Guide;
 use num_complex::Complex64;
 
 use crate::{Compliance, HarmonicError, MeanBalance};
@@ -17,11 +18,17 @@ pub trait LinearSystem: Debug + Send + Sync {
     /// Number of interfaces.
     fn interfaces(&self) -> usize;
 
+    /// The guides with friction, none by default. In compliances and balances of means they are pairs
+    /// after the interfaces: the closure is the displacement in the guide, and the force holds it back.
+    fn guides(&self) -> &[Guide] {
+        &[]
+    }
+
     /// Writes the compliance at a positive `angular_frequency` \[rad/s\] and an anti-damping rate
     /// \[1/s\].
     fn compliance(&self, angular_frequency: f64, anti_damping: f64, into: &mut Compliance);
 
-    /// Writes the compliance with springs of these complex stiffnesses \[N/m\] in the contacts,
+    /// Writes the compliance with springs of these complex stiffnesses \[N/m\] in the pairs, none in guides,
     /// by [`Compliance::add_springs`] unless a system has a form that rounding affects less.
     fn compliance_on_springs(
         &self,

@@ -16,6 +16,7 @@ use asperity_harmonic::{
 };
 use asperity_structure::PreloadedContact;
 use rayon::prelude::*;
+use serde::Serialize;
 
 use crate::assemble::Assembly;
 use crate::error::StudyError;
@@ -86,10 +87,23 @@ pub struct SteadyLevel {
     pub condensed: Option<Condensation>,
     /// A response by time integration, if requested.
     pub check: Option<TimeCheck>,
+    /// The reason for which stability is not known at every point, if it is not.
+    pub stability_unknown: Option<StabilityUnknown>,
     /// Warnings about the responses.
     pub warnings: Vec<Warning>,
     /// Time of the computation \[s\].
     pub wall_s: f64,
+}
+
+/// Reason for which stability was not computed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+#[non_exhaustive]
+pub enum StabilityUnknown {
+    /// There is friction.
+    Friction,
+    /// A mode is too fast to be integrated over a period.
+    FastMode,
 }
 
 impl SteadyLevel {
@@ -176,7 +190,7 @@ pub fn steady_with_progress(
     let highest = request.from_hz.max(request.to_hz);
     let light = LightBodies::of(assembly, highest, request.bodies, evaluation)?.map(Arc::new);
     let choice = BodyChoice { elastic: &system, light: light.as_ref(), model: request.bodies };
-    let settings = settings(request);
+    let settings = settings(request, system.friction().is_some());
     let levels = request
         .amplitudes
         .par_iter()
@@ -245,7 +259,8 @@ fn check_work(interfaces: usize, request: &SteadyRequest) -> Result<(), Harmonic
     }
 }
 
-fn settings(request: &SteadyRequest) -> HarmonicSettings {
+/// Stability is not computed with friction.
+fn settings(request: &SteadyRequest, friction: bool) -> HarmonicSettings {
     let resolution = match request.harmonics {
         Some(harmonics) => FourierResolution::Fixed {
             harmonics,
@@ -254,7 +269,7 @@ fn settings(request: &SteadyRequest) -> HarmonicSettings {
         None => FourierResolution::Automatic { tolerance: TOLERANCE, most: MOST_HARMONICS },
     };
     let steps = StepControl { points: MOST_POINTS, ..StepControl::default() };
-    let stability = Some(Floquet::default());
+    let stability = (!friction).then(Floquet::default);
     HarmonicSettings { resolution, steps, stability, until_contact_lost: false }
 }
 
@@ -273,8 +288,22 @@ fn level(
         Some(peak) if request.verify => Some(TimeCheck::of(assembly, peak)?),
         _ => None,
     };
-    let mut level =
-        SteadyLevel { force_n, outcome, condensed, check, warnings: Vec::new(), wall_s };
+    let points = outcome.as_ref().map_or(&[][..], |branch| &branch.points);
+    let unknown = points.iter().any(|point| point.stable().is_none());
+    let reason = if settings.stability.is_none() {
+        StabilityUnknown::Friction
+    } else {
+        StabilityUnknown::FastMode
+    };
+    let mut level = SteadyLevel {
+        force_n,
+        outcome,
+        condensed,
+        check,
+        stability_unknown: unknown.then_some(reason),
+        warnings: Vec::new(),
+        wall_s,
+    };
     level.warnings = warnings(&level, assembly.structure.contacts());
     Ok(level)
 }

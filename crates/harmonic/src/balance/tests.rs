@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use asperity_law::{ContactDamping, Power};
+use asperity_law::{ContactDamping, Friction, Power};
 use asperity_mesh::{Body, Interface, Stack, Support};
 use asperity_structure::{Damping, PreloadedStructure};
 
@@ -63,35 +63,34 @@ fn the_residual_falls_to_rounding() {
     }
 }
 
-/// Derivatives of residual and output with damped contacts against central differences: a
-/// contact that holds, one that carries nothing for a part of the period, one without damping.
-#[test]
-fn derivatives_with_damped_contacts_match_differences() {
-    let bar = |length, mass| Body::with_mass("bar", length, mass, 71e9, 2710.0).unwrap();
-    let dampings = [
-        Some(ContactDamping::kelvin_voigt(4e-6).unwrap()),
-        Some(ContactDamping::power(6e8, 1e5, 1.3).unwrap()),
-        None,
-    ];
-    let contacts = dampings.map(|damping| {
-        let law = Arc::new(Power::new(1.81e10, 0.35, 0.0).unwrap());
-        let contact = Interface::new("contact", 1.15e-4, law).unwrap();
-        damping.map_or(contact.clone(), |damping| contact.with_damping(damping))
-    });
-    let bodies = vec![bar(0.2, 1.6), bar(0.06, 0.3), bar(0.1, 0.5)];
-    let stack = Stack::new(bodies, contacts.to_vec(), Support::Rigid, 9.81).unwrap();
+fn bar(length: f64, mass: f64) -> Body {
+    Body::with_mass("bar", length, mass, 71e9, 2710.0).unwrap()
+}
+
+fn contact() -> Interface {
+    Interface::new("contact", 1.15e-4, Arc::new(Power::new(1.81e10, 0.35, 0.0).unwrap())).unwrap()
+}
+
+fn system(bodies: Vec<Body>, contacts: Vec<Interface>) -> ContactSystem {
+    let stack = Stack::new(bodies, contacts, Support::Rigid, 9.81).unwrap();
     let structure = PreloadedStructure::new(stack, Damping::Rate(300.0)).unwrap();
-    let system = ContactSystem::of_structure(&structure, LawEvaluation::Exact).unwrap();
-    let mut balance = Balance::new(&system, 3, 48);
-    let (n, terms) = (balance.unknowns(), balance.fourier().terms());
-    let x: Vec<f64> = (0..n)
-        .map(|at| {
-            let (i, k) = (at / terms, at % terms);
-            let contact = &system.contacts()[i];
-            let size = 0.35 * contact.pressure() / contact.stiffness();
-            size * (1.0 + at as f64).sin() / (1.0 + k as f64)
-        })
-        .collect();
+    ContactSystem::of_structure(&structure, LawEvaluation::Exact).unwrap()
+}
+
+/// Closures of up to 0.35 of those at which the contacts would carry nothing.
+fn motion(system: &ContactSystem, terms: usize) -> Vec<f64> {
+    let of = |at: usize| {
+        let (i, k) = (at / terms, at % terms);
+        let contact = system.contacts().get(i).unwrap_or(&system.contacts()[0]);
+        let size = 0.35 * contact.pressure() / contact.stiffness();
+        size * (1.0 + at as f64).sin() / (1.0 + k as f64)
+    };
+    (0..system.pairs() * terms).map(of).collect()
+}
+
+/// Derivatives of residual and output at a motion against central differences.
+fn assert_derivatives(balance: &mut Balance<'_>, x: &[f64]) {
+    let n = balance.unknowns();
     let at = |w: f64| Conditions { angular_frequency: w, anti_damping: 20.0, force: 3.0 };
     let w = 5200.0;
     let mut found = |x: &[f64], w: f64| {
@@ -109,18 +108,15 @@ fn derivatives_with_damped_contacts_match_differences() {
     let columns: Vec<_> = (0..n)
         .map(|column| {
             let moved = |sign: f64| {
-                let mut x = x.clone();
+                let mut x = x.to_vec();
                 x[column] += sign * size;
                 x
             };
             slopes(found(&moved(1.0), w), found(&moved(-1.0), w), size)
         })
         .collect();
-    let by_frequency = slopes(found(&x, w + 0.05), found(&x, w - 0.05), 0.05);
-    found(&x, w);
-    let carries_nothing = balance.samples_of(&balance.force_samples, 1).iter();
-    let least = -system.contacts()[1].area() * system.contacts()[1].pressure();
-    assert!(carries_nothing.filter(|force| **force == least).count() > 2);
+    let by_frequency = slopes(found(x, w + 0.05), found(x, w - 0.05), 0.05);
+    found(x, w);
     let (mut matrix, mut slope) = (vec![0.0; n * n], vec![0.0; n]);
     balance.d_residual_d_closures(n, &mut matrix);
     balance.d_residual_d_frequency(&at(w), &mut slope);
@@ -143,22 +139,70 @@ fn derivatives_with_damped_contacts_match_differences() {
     assert!((own / by_frequency.1 - 1.0).norm() < 1e-5, "{own} {}", by_frequency.1);
 }
 
-/// The closed form on springs against the receptances of free bars, derivatives included.
+/// With damped contacts: one that holds, one that carries nothing for a part of the period, one
+/// without damping.
+#[test]
+fn derivatives_with_damped_contacts_match_differences() {
+    let kelvin_voigt = ContactDamping::kelvin_voigt(4e-6).unwrap();
+    let power = ContactDamping::power(6e8, 1e5, 1.3).unwrap();
+    let contacts =
+        vec![contact().with_damping(kelvin_voigt), contact().with_damping(power), contact()];
+    let system = system(vec![bar(0.2, 1.6), bar(0.06, 0.3), bar(0.1, 0.5)], contacts);
+    let mut balance = Balance::new(&system, 3, 48);
+    let x = motion(&system, balance.fourier().terms());
+    assert_derivatives(&mut balance, &x);
+    let carries_nothing = balance.samples_of(&balance.force_samples, 1).iter();
+    let least = -system.contacts()[1].area() * system.contacts()[1].pressure();
+    assert!(carries_nothing.filter(|force| **force == least).count() > 2);
+}
+
+/// With friction: in a guide under the force of a damped contact, in one with a force of its own, across
+/// a contact that is lost for a part of the period. Each slips for a part of it.
+#[test]
+fn derivatives_with_friction_match_differences() {
+    let coefficient = Friction::coefficient(3e8, 0.3).unwrap();
+    let fixed = Friction::slip_force(2e8, 3.0).unwrap();
+    let kelvin_voigt = ContactDamping::kelvin_voigt(4e-6).unwrap();
+    let contacts = vec![
+        contact().with_damping(kelvin_voigt),
+        contact(),
+        contact().with_friction(Friction::coefficient(4e8, 0.3).unwrap()),
+    ];
+    let bodies = vec![
+        bar(0.2, 1.6).with_friction(coefficient),
+        bar(0.06, 0.3),
+        bar(0.1, 0.5).with_friction(fixed),
+    ];
+    let system = system(bodies, contacts);
+    let mut balance = Balance::new(&system, 3, 48);
+    assert_eq!(balance.unknowns(), 5 * 7);
+    let mut x: Vec<f64> = motion(&system, 7).iter().map(|x| -1.5 * x).collect();
+    x[2 * 7..3 * 7].iter_mut().for_each(|x| *x *= 2.2);
+    assert_derivatives(&mut balance, &x);
+    for (i, friction) in balance.loops.iter().enumerate() {
+        let (slipping, stuck) = friction.stages();
+        assert!(slipping > 20 && stuck > 20, "{i}: {slipping} {stuck}");
+    }
+    let least = -system.contacts()[2].area() * system.contacts()[2].pressure();
+    let lost = balance.samples_of(&balance.force_samples, 2).iter();
+    assert!(lost.filter(|force| **force == least).count() > 2);
+}
+
+/// The closed form on springs against the receptances of free bars, guides and derivatives included.
 #[test]
 fn bars_on_springs_are_free_bars_with_springs() {
-    let law = || Arc::new(Power::new(1.81e10, 0.35, 0.0).unwrap());
-    let bar = |length, mass| Body::with_mass("bar", length, mass, 71e9, 2710.0).unwrap();
+    let rubbing =
+        |length, mass| bar(length, mass).with_friction(Friction::slip_force(1e7, 1.0).unwrap());
     let disc = Support::SpringMass { stiffness: 3e8, mass: 0.7, damping_ratio: 0.02 };
     for (support, rate) in [(Support::Rigid, 0.0), (Support::Rigid, 900.0), (disc, 300.0)] {
-        let contact = |name| Interface::new(name, 1.15e-4, law()).unwrap();
-        let bodies = vec![bar(0.2, 1.6), bar(0.06, 0.3), bar(0.1, 0.5)];
-        let contacts = vec![contact("a"), contact("b"), contact("c")];
-        let stack = Stack::new(bodies, contacts, support, 9.81).unwrap();
+        let bodies = vec![rubbing(0.2, 1.6), bar(0.06, 0.3), rubbing(0.1, 0.5)];
+        let stack = Stack::new(bodies, vec![contact(); 3], support, 9.81).unwrap();
         let structure = PreloadedStructure::new(stack, Damping::Rate(rate)).unwrap();
         let system = ContactSystem::of_structure(&structure, LawEvaluation::Exact).unwrap();
-        let springs = [0.9e8, 1.1e8, 0.7e8].map(|k| Complex64::new(k, 2e7));
+        let mut springs = [0.9e8, 1.1e8, 0.7e8].map(|k| Complex64::new(k, 2e7)).to_vec();
+        springs.resize(5, Complex64::ZERO);
         for w in [300.0, 6e3, 4.1e4, 2.3e5] {
-            let (mut closed, mut free) = (Compliance::zero(3), Compliance::zero(3));
+            let (mut closed, mut free) = (Compliance::zero(5), Compliance::zero(5));
             system.linear().compliance_on_springs(w, 30.0, &springs, &mut closed);
             system.linear().compliance(w, 30.0, &mut free);
             free.add_springs(&springs);
@@ -172,9 +216,9 @@ fn bars_on_springs_are_free_bars_with_springs() {
                 assert!(all.iter().all(|off| *off < 1e-9), "{w}: {all:?}");
             };
             near(&closed.direct, &free.direct);
-            for i in 0..3 {
+            for i in 0..5 {
                 near(closed.drive(i), free.drive(i));
-                for j in 0..3 {
+                for j in 0..5 {
                     near(closed.contact(i, j), free.contact(i, j));
                 }
             }

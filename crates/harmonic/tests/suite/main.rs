@@ -7,6 +7,7 @@ mod body_damping;
 mod condensed;
 mod damped_contacts;
 mod errors;
+mod friction;
 mod integration;
 mod koopman_hill;
 mod linear;

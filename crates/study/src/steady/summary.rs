@@ -4,7 +4,8 @@ use asperity_harmonic::{Branch, HarmonicError, PeriodicResponse, Termination};
 use serde::Serialize;
 
 use super::{
-    Backbones, CondensationReason, CondensedBody, Steady, SteadyLevel, TimeCheck, TimeSweep,
+    Backbones, CondensationReason, CondensedBody, StabilityUnknown, Steady, SteadyLevel, TimeCheck,
+    TimeSweep,
 };
 use crate::provenance::Provenance;
 use crate::static_state::StaticSummary;
@@ -83,6 +84,8 @@ pub struct BranchSummary {
     pub condensed_because: Option<CondensationReason>,
     /// Number of unstable points; none if stability was not computed for all.
     pub unstable_points: Option<usize>,
+    /// The reason for which it was not, if it was not.
+    pub stability_unknown: Option<StabilityUnknown>,
     /// The bifurcations, along the branch.
     pub bifurcations: Vec<BifurcationSummary>,
     /// A response by time integration, if requested.
@@ -261,6 +264,7 @@ impl LevelSummary {
                 .iter()
                 .map(|point| point.stable().map(|stable| usize::from(!stable)))
                 .sum(),
+            stability_unknown: level.stability_unknown,
             bifurcations: bifurcations
                 .map(|special| BifurcationSummary {
                     kind: special.kind.name(),
