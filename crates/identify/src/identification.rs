@@ -4,10 +4,9 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use asperity_inference::{
-    ComparisonOptions, Covariance, Fit, FitOptions, FitSolution, ForwardModel, GoodnessOfFit,
-    Identifiability, InferenceError, Linearisation, Loss, ModelComparison, NoiseScale, Observation,
-    Parameter, Posterior, Profile, ProgressCallback, ScaledNoise, compare_fits, fit_with_progress,
-    refit_with_progress,
+    Covariance, Fit, FitOptions, FitSolution, ForwardModel, GoodnessOfFit, Identifiability,
+    InferenceError, Linearisation, Loss, ModelComparison, NoiseScale, Observation, Parameter,
+    Posterior, Profile, ProgressCallback, ScaledNoise, fit_with_progress, refit_with_progress,
 };
 
 use crate::data_loader::{BuiltModel, ObservationLabel};
@@ -17,9 +16,10 @@ use crate::hit_numerics::HitNumerics;
 use crate::identification_problem::IdentificationProblem;
 use crate::incomplete::IncompleteIdentification;
 use crate::latent_sampling::{FreeLawFindings, posterior_of, profiles};
-use crate::law_band::{LawBand, StiffnessEstimate, check_pressures};
+use crate::law_band::{ComparedForm, LawBand, StiffnessEstimate, check_pressures};
+use crate::law_comparison::{Compared, candidates, compare_laws};
 use crate::observed_quantity::ObservedQuantity;
-use crate::problem::{CandidateSpec, LossSpec, NoiseSpec, ParameterSpec};
+use crate::problem::{LossSpec, NoiseSpec, ParameterSpec};
 use crate::scenario_model::ScenarioModel;
 use crate::work::{WorkStage, expected_evaluations};
 use asperity_scenario::Laws;
@@ -34,12 +34,6 @@ const LATENT_TOLERANCE: f64 = 1e-4;
 /// Relative step of difference derivatives: large against the tables' errors of 1e-6, with an error
 /// of 1e-4 from the curvature.
 const DIFFERENCE: f64 = 1e-2;
-
-/// Largest number of folds of the cross-validation.
-const MAX_FOLDS: usize = 6;
-
-/// Starts of the fits of compared laws.
-const COMPARED_STARTS: usize = 2;
 
 /// A finished identification.
 #[derive(Debug)]
@@ -71,6 +65,8 @@ pub struct Identification {
     /// Comparison with other laws; the problem's own is the first, a constant stiffness the
     /// second.
     pub comparison: Option<ModelComparison>,
+    /// The compared laws of the problem at their best fits; without the constant stiffness.
+    pub forms: Vec<ComparedForm>,
     /// Factor of the standard deviations in the comparison.
     pub comparison_noise_factor: f64,
     /// Ranking of further hits.
@@ -197,8 +193,8 @@ pub fn identify_with_progress(
     work.begin(WorkStage::Comparison);
     let compared = compare_laws(problem, (&forward, own), &law, candidates, progress);
     // A request to stop leaves out the comparison and the design.
-    let (comparison, comparison_noise_factor) =
-        if work.is_stopped() { (None, 1.0) } else { compared? };
+    let Compared { comparison, noise_factor: comparison_noise_factor, forms } =
+        if work.is_stopped() { Compared::default() } else { compared? };
     let planned = planned.filter(|_| !work.is_stopped());
     let design =
         planned.map(|mut hits| hits.rank(&law, &best.point, &covariance, factor)).transpose()?;
@@ -226,6 +222,7 @@ pub fn identify_with_progress(
         posterior,
         law,
         comparison,
+        forms,
         comparison_noise_factor,
         design,
         hits,
@@ -328,7 +325,7 @@ fn own_fit(
     Ok(given)
 }
 
-fn fit_options(problem: &IdentificationProblem, starts: usize) -> FitOptions {
+pub(super) fn fit_options(problem: &IdentificationProblem, starts: usize) -> FitOptions {
     let loss = match problem.spec.loss {
         LossSpec::Squared => Loss::Squared,
         LossSpec::Huber { threshold } => Loss::Huber { threshold },
@@ -344,111 +341,3 @@ fn fit_options(problem: &IdentificationProblem, starts: usize) -> FitOptions {
         ..FitOptions::default()
     }
 }
-
-/// The laws that the problem compares with its own, by their names.
-fn candidates(
-    problem: &IdentificationProblem,
-) -> Result<Vec<(String, BuiltModel)>, IdentificationError> {
-    let candidates = problem.spec.compare.iter();
-    let build =
-        |candidate: &CandidateSpec| Ok((candidate.name.clone(), problem.candidate(candidate)?));
-    candidates.map(build).collect()
-}
-
-/// Comparison of the problem's law with a constant stiffness and the candidates; without parameters
-/// of a law, with the candidates alone. Where no law explains the data, all standard deviations are
-/// multiplied by the root of the reduced chi-square of the best one.
-fn compare_laws(
-    problem: &IdentificationProblem,
-    (forward, own_fit): (&ScenarioModel, FitSolution),
-    law: &LawBand,
-    candidates: Vec<(String, BuiltModel)>,
-    progress: &ProgressCallback<'_>,
-) -> Result<(Option<ModelComparison>, f64), IdentificationError> {
-    let of_law =
-        (0..forward.parameters().len()).any(|parameter| forward.parameters.is_of_law(parameter));
-    let mut built: Vec<(String, BuiltModel)> = Vec::new();
-    if of_law {
-        let constant = IdentificationProblem::constant(&law.name, law.stiffness_at_rest);
-        built.push((constant.name.clone(), problem.candidate(&constant)?));
-    }
-    built.extend(candidates);
-    if built.is_empty() {
-        return Ok((None, 1.0));
-    }
-    let own = if of_law {
-        format!("the problem's law \"{}\"", law.name)
-    } else {
-        "the problem's scenario".to_owned()
-    };
-    let options = ComparisonOptions {
-        fit: fit_options(problem, COMPARED_STARTS),
-        folds: MAX_FOLDS,
-        seed: problem.spec.seed,
-    };
-    // The fits with the standard deviations as given.
-    let mut given = vec![own_fit];
-    for (_, candidate) in &mut built {
-        let found = fit_candidate(&mut candidate.forward, (forward, &given[0]), &options, progress);
-        given.push(found?);
-    }
-    let models: Vec<(&str, &ScenarioModel)> = std::iter::once((own.as_str(), forward))
-        .chain(built.iter().map(|(name, built)| (name.as_str(), &built.forward)))
-        .collect();
-    let mut factor = 1.0;
-    loop {
-        let scaled: Vec<ScaledNoise<'_>> =
-            models.iter().map(|(_, model)| ScaledNoise::new(*model, factor)).collect();
-        let fits = models.iter().zip(&scaled).zip(&given).map(|(((name, _), model), given)| {
-            let found = if factor > 1.0 {
-                refit_with_progress(model, given, progress)
-            } else {
-                Fit::resumed(model, given.clone(), progress)
-            };
-            Ok((*name, found?))
-        });
-        let fits = fits.collect::<Result<Vec<_>, IdentificationError>>()?;
-        let comparison = compare_fits(fits, &options, progress)?;
-        let goodness = comparison.candidates[comparison.best].goodness;
-        let reduced = goodness.chi_square / goodness.degrees_of_freedom.max(1) as f64;
-        if factor > 1.0 || reduced <= MAX_REDUCED {
-            return Ok((Some(comparison), factor));
-        }
-        factor = reduced.sqrt();
-    }
-}
-
-/// The fit of a compared law, with step and modes of the problem's own; with those that its best fit
-/// needs where that is near the data.
-fn fit_candidate(
-    model: &mut ScenarioModel,
-    (own, own_fit): (&ScenarioModel, &FitSolution),
-    options: &ComparisonOptions,
-    progress: &ProgressCallback<'_>,
-) -> Result<FitSolution, IdentificationError> {
-    model.hold_as(own);
-    let found = match fit_with_progress(model, &options.fit, progress) {
-        Ok(found) => found.into_solution(),
-        // Steps that are too long for the start.
-        Err(InferenceError::NoPredictions { .. }) => {
-            model.hold(&model.controlled(&model.start())?);
-            fit_with_progress(model, &options.fit, progress)?.into_solution()
-        }
-        Err(error) => return Err(error.into()),
-    };
-    if found.chi_square > FAR * own_fit.chi_square.max(found.residuals.len() as f64) {
-        return Ok(found);
-    }
-    Ok(if model.hold(&model.controlled(&found.point)?) {
-        refit_with_progress(model, &found, progress)?.into_solution()
-    } else {
-        found
-    })
-}
-
-/// Chi-square of a compared law, over that of the problem's own or the number of observations, from
-/// which on errors of the steps do not matter.
-const FAR: f64 = 100.0;
-
-/// Reduced chi-square of the best law above which the standard deviations are scaled.
-const MAX_REDUCED: f64 = 2.0;

@@ -21,6 +21,9 @@ const PRESSURES: usize = 81;
 /// Draws from the prior.
 const PRIOR_DRAWS: usize = 400;
 
+/// Draws of the law that are kept for figures.
+const DRAWS: usize = 12;
+
 /// Posterior over prior standard deviation of ln K up to which the data inform a stiffness.
 pub const INFORMED_SHARE: f64 = 1.0 / 3.0;
 
@@ -79,6 +82,15 @@ pub struct StiffnessEstimate {
     pub origin: StiffnessOrigin,
 }
 
+/// The best fit of a compared law of fixed form, at the pressures of the [`LawBand`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct ComparedForm {
+    /// Its name in the comparison.
+    pub name: String,
+    /// Stiffness \[Pa/m\]; NaN where the form has none.
+    pub stiffness: Vec<f64>,
+}
+
 /// A contact law as identified.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LawBand {
@@ -96,6 +108,8 @@ pub struct LawBand {
     pub upper: Vec<f64>,
     /// Lower and upper quartile of the posterior: the band of 50 % \[Pa/m\].
     pub quartiles: [Vec<f64>; 2],
+    /// Some draws from the posterior, by their weights \[Pa/m\].
+    pub draws: Vec<Vec<f64>>,
     /// Posterior over prior standard deviation of ln K.
     pub remaining: Vec<f64>,
     /// The origin of the stiffness.
@@ -127,6 +141,10 @@ impl LawBand {
             .collect();
         let Evaluated { quantiles: [lower, first, median, third, upper], remaining, origin } =
             Evaluated::new(problem, forward, name, &pressure, reached, posterior);
+        let draws = equal_draws(posterior, DRAWS)
+            .into_iter()
+            .map(|draw| forward.curve(name, &pressure, &posterior.draws[draw]))
+            .collect::<Result<_, _>>()?;
         let informed = origin.iter().map(|&origin| origin == StiffnessOrigin::Data).collect();
         Ok(Self {
             stiffness: forward.curve(name, &pressure, best)?,
@@ -137,6 +155,7 @@ impl LawBand {
             lower,
             upper,
             quartiles: [first, third],
+            draws,
             remaining,
             origin,
             informed,
@@ -304,6 +323,20 @@ impl Reached {
         let at_rest = at_rest.unwrap_or(0.5 * (low.min(high) + high));
         Ok(Self { range: [low.min(high), high], at_rest })
     }
+}
+
+/// Indices of `count` draws that represent the posterior with equal weights: those at evenly spaced
+/// places of the cumulative weight.
+fn equal_draws(posterior: &Posterior, count: usize) -> Vec<usize> {
+    let mut found = Vec::with_capacity(count);
+    let mut below = 0.0;
+    for (draw, weight) in posterior.weights.iter().enumerate() {
+        below += weight;
+        while found.len() < count && below * count as f64 > found.len() as f64 + 0.5 {
+            found.push(draw);
+        }
+    }
+    found
 }
 
 /// Weighted standard deviation of every column, of the finite entries.

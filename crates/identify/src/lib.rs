@@ -21,7 +21,7 @@
 //! | `hit`, `observed_quantity`, `scenario_model` | the forward model and its exact derivatives |
 //! | `build` | the models of the problem, of compared laws, and of planned hits |
 //! | `identification`, `hit_numerics` | fit, uncertainty, comparison; estimated errors of the simulated hits |
-//! | `law_band`, `design` | the law with its credible band; ranking of further hits |
+//! | `law_band`, `law_comparison`, `design` | the law with its credible band; other laws; ranking of further hits |
 //! | `checks` | agreement with the data, as a whole and in groups |
 //! | `starts` | agreement of the starts of the fit |
 //! | `work`, `incomplete` | progress of the whole, requests to stop, the result until then |
@@ -55,6 +55,7 @@ mod identification_problem;
 mod incomplete;
 mod latent_sampling;
 mod law_band;
+mod law_comparison;
 mod monotone;
 mod observed_quantity;
 pub mod problem;
@@ -77,7 +78,7 @@ pub use identification::{Identification, identify, identify_with_progress};
 pub use identification_problem::IdentificationProblem;
 pub use incomplete::IncompleteIdentification;
 pub use latent_sampling::FreeLawFindings;
-pub use law_band::{INFORMED_SHARE, LawBand, StiffnessEstimate, StiffnessOrigin};
+pub use law_band::{ComparedForm, INFORMED_SHARE, LawBand, StiffnessEstimate, StiffnessOrigin};
 pub use report::{Estimate, IDENTIFICATION_SCHEMA, PredictedObservation};
 pub use starts::StartAgreement;
 pub use work::{Work, WorkProgress, WorkStage};

@@ -1,6 +1,6 @@
 //! Stiffness over pressure with its band, and the uncertainty left.
 
-use asperity_figure::{Axis, Color, Figure, Legend, Marker, Panel, Series};
+use asperity_figure::{Axis, Color, Dash, Figure, Legend, Marker, Panel, Series};
 use asperity_identify::{INFORMED_SHARE, Identification, LawBand, StiffnessOrigin};
 
 use super::observations::{ObservationKind, ObservationRow, column};
@@ -10,6 +10,9 @@ const MOST_FACTOR: f64 = 6.0;
 
 /// Part of the largest pressure below which the lowest pressure has no name in the figure.
 const LEAST_PLACE: f64 = 0.01;
+
+/// Colours of compared laws of fixed form.
+const FORMS: [Color; 4] = [Color::RED, Color::GREEN, Color::ORANGE, Color::PURPLE];
 
 /// The law of an identification.
 pub(super) fn law(found: &Identification, rows: &[ObservationRow<'_>]) -> Figure {
@@ -35,8 +38,21 @@ pub(super) fn law(found: &Identification, rows: &[ObservationRow<'_>]) -> Figure
         .map(|(k, origin)| if *origin == StiffnessOrigin::Given { *k } else { f64::NAN })
         .collect();
     let given = Series::line("given, not measured", &law.pressure, given).width(2.4);
+    let [first, third] = &law.quartiles;
+    let half = Series::band("50 % band", &law.pressure, first, third);
     let mut shown = Panel::new(pressure(), stiffness)
         .series_if_visible(band.color(Color::BLUE))
+        .series_if_visible(half.color(Color::BLUE));
+    for (place, draw) in law.draws.iter().enumerate() {
+        let name = if place == 0 { "draws" } else { "" };
+        let draw = Series::line(name, &law.pressure, draw).width(0.4);
+        shown = shown.series_if_visible(draw.color(Color::GREY));
+    }
+    for (form, color) in found.forms.iter().zip(FORMS) {
+        let line = Series::line(&form.name, &law.pressure, &form.stiffness).width(0.9);
+        shown = shown.series_if_visible(line.color(color).dash(Dash::Dashed));
+    }
+    shown = shown
         .series_if_visible(best.color(Color::BLUE))
         .series_if_visible(given.color(Color::GREY));
     if !points.is_empty() {
@@ -66,8 +82,21 @@ pub(super) fn law(found: &Identification, rows: &[ObservationRow<'_>]) -> Figure
         .vertical(law.reached[1], "")
         .vertical(law.at_rest, "")
         .horizontal(INFORMED_SHARE, "1/3");
+    let resolution = found.free_law.as_ref().map(|free| {
+        let width = |&pressure: &f64| free.resolution(pressure).unwrap_or(f64::NAN);
+        let widths: Vec<f64> = law.pressure.iter().map(width).collect();
+        let spread = Axis::log("Width of the averaging kernel in ln p", "").range(0.03, 10.0);
+        let panel = Panel::new(pressure(), spread).legend(Legend::None);
+        let line = Series::line("", &law.pressure, widths).color(Color::BLUE);
+        shaded(panel.series_if_visible(line), law).vertical(law.at_rest, "")
+    });
     let figure = Figure::new(format!("Contact law \"{}\"", law.name));
-    figure.panel(shown).panel(left).columns(1).width_mm(130.0).row_height_mm(66.0)
+    let figure = figure.panel(shown).panel(left);
+    let figure = match resolution {
+        Some(panel) => figure.panel(panel),
+        None => figure,
+    };
+    figure.columns(1).width_mm(130.0).row_height_mm(66.0)
 }
 
 /// The panel with all pressures shaded but those that the data inform.
