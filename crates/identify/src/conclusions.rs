@@ -177,7 +177,7 @@ impl Identification {
         let finest = finest.min_by(|a, b| a.1.total_cmp(b.1));
         let resolved = finest.map(|(pressure, width)| {
             format!(
-                " The resolution is best at {} MPa, where the averaging kernel is as wide as a factor of {:.2} in pressure.",
+                " The resolution is best at {} MPa, where the averaging kernel is as wide as a factor of {:.2} in pressure; for a law with a shoulder or a bump narrower than that, the band is too narrow.",
                 four_digits(1e-6 * pressure),
                 width.exp()
             )
