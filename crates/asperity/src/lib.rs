@@ -65,6 +65,7 @@
 //! |---|---|---|
 //! | scenario files | [`scenario`] | [`scenario::Document`] |
 //! | simulation, sweeps, steady responses | [`study`] | [`study::simulate`], [`study::sweep()`], [`study::steady()`] |
+//! | studies of any size | [`ensemble`] | [`ensemble::StudyPlan`], [`ensemble::run()`] |
 //! | CSV | [`table`] | [`table::Table`] |
 //! | TDMS files, without units | [`tdms`] | [`tdms::TdmsFile`] |
 //! | figures | [`figure`] | [`figure::Figure`] |
@@ -84,6 +85,7 @@ pub use stack_builder::StackBuilder;
 
 pub use asperity_design as design;
 pub use asperity_dynamics as dynamics;
+pub use asperity_ensemble as ensemble;
 pub use asperity_experiment as experiment;
 pub use asperity_figure as figure;
 pub use asperity_harmonic as harmonic;

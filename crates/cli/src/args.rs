@@ -5,6 +5,7 @@ pub(crate) mod analyse;
 pub(crate) mod decay;
 pub(crate) mod figures;
 pub(crate) mod law;
+pub(crate) mod study;
 
 use std::path::PathBuf;
 
@@ -16,6 +17,7 @@ use analyse::{Analyse, Conversion, Inspect, RecordFormat, Watch};
 use decay::Decay;
 use figures::{FigureOptions, MagnitudeAxis};
 use law::DeckExport;
+use study::Study;
 
 use crate::progress::LogFormat;
 
@@ -96,6 +98,12 @@ pub(crate) enum Command {
         #[arg(long, value_name = "N")]
         threads: Option<usize>,
     },
+    /// Run a study file: a scenario over a design of its inputs, of any size.
+    ///
+    /// Writes study.csv, a row per run, with study.json. Runs are computed in chunks that are on disk
+    /// whole or not at all; --resume continues after any interruption, with the same bytes. The design
+    /// is a grid, random, a Latin hypercube, a Sobol sequence or Saltelli's.
+    Study(Study),
     /// Follow the steady responses to a shaker on the top by harmonic balance: a branch over
     /// frequency for each force amplitude, with its folds and unstable parts.
     ///
@@ -161,6 +169,9 @@ pub(crate) enum Command {
         /// Print that of the settings of a rig instead, which `analyse`, `inspect` and `convert` read.
         #[arg(long, conflicts_with = "identify")]
         rig: bool,
+        /// Print that of a study file instead.
+        #[arg(long, conflicts_with_all = ["identify", "rig"])]
+        study: bool,
     },
     /// Identify the contact law, or any numbers of a scenario, from measured responses, with their
     /// uncertainty.

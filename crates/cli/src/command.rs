@@ -13,6 +13,7 @@ pub(crate) mod modes;
 pub(crate) mod schema;
 pub(crate) mod simulate;
 pub(crate) mod steady;
+pub(crate) mod study;
 pub(crate) mod sweep;
 pub(crate) mod watch;
 

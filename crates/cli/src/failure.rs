@@ -4,6 +4,7 @@ use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
+use asperity_ensemble::EnsembleError;
 use asperity_experiment::AnalysisError;
 use asperity_figure::FigureError;
 use asperity_identify::IdentificationError;
@@ -59,6 +60,15 @@ pub(crate) enum Failure {
     Problem(Box<IdentificationError>),
     #[error("the manual pages cannot be written to {}: {source}", folder.display())]
     Pages { folder: PathBuf, source: std::io::Error },
+    #[error(transparent)]
+    Ensemble(Box<EnsembleError>),
+    #[error("--shard {argument}: accepted: K/N, e.g. 3/8")]
+    ShardForm { argument: String },
+    #[error(
+        "stopped after a whole chunk; `asperity study {} --out {}{shard} --resume` goes on",
+        file.display(), folder.display()
+    )]
+    StoppedStudy { file: PathBuf, folder: PathBuf, shard: String },
     #[error("stopped; {} holds what was finished", .0.display())]
     Stopped(PathBuf),
     #[error("the answer cannot be written to standard output: {0}")]
@@ -68,6 +78,12 @@ pub(crate) enum Failure {
 impl From<OutputError> for Failure {
     fn from(error: OutputError) -> Self {
         Self::Study(error.into())
+    }
+}
+
+impl From<EnsembleError> for Failure {
+    fn from(error: EnsembleError) -> Self {
+        Self::Ensemble(Box::new(error))
     }
 }
 
@@ -81,13 +97,14 @@ impl Failure {
     /// 2 for a wrong request, 1 for a run that failed.
     pub(crate) fn exit_code(&self) -> ExitCode {
         let request_is_wrong = match self {
-            Self::Stopped(_) => return ExitCode::from(INTERRUPTED),
+            Self::Stopped(_) | Self::StoppedStudy { .. } => return ExitCode::from(INTERRUPTED),
             Self::Problem(error) if matches!(**error, IdentificationError::StoppedAtOnce) => {
                 return ExitCode::from(INTERRUPTED);
             }
             Self::Study(error) => error.is_wrong_request(),
             Self::Parts { .. } | Self::Figure(_) | Self::Pages { .. } | Self::Answer(_) => false,
             Self::Analysis(error) => error.is_wrong_request(),
+            Self::Ensemble(error) => error.is_wrong_request(),
             Self::Problem(error) => error.is_wrong_request(),
             _ => true,
         };
@@ -139,6 +156,17 @@ impl Failure {
                 Some("choose another folder with --out".into())
             }
             Self::Analysis(error) => analysis_hint(error),
+            Self::Ensemble(error) => match **error {
+                EnsembleError::Begun { .. } => {
+                    Some("go on with --resume, or choose another folder with --out".into())
+                }
+                EnsembleError::Foreign { .. } => Some("choose another folder with --out".into()),
+                EnsembleError::Missing { .. } => Some(
+                    "`asperity study` with --resume, or with the shards that failed, computes them"
+                        .into(),
+                ),
+                _ => None,
+            },
             Self::WrongKind { path, found, .. } => {
                 found.command(path).map(|command| format!("`{command}` reads it"))
             }

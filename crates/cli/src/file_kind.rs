@@ -14,6 +14,8 @@ use crate::failure::Failure;
 pub(crate) enum FileKind {
     Scenario,
     Problem,
+    /// A study file.
+    Study,
     /// Settings of a rig.
     Rig,
     /// Measured samples.
@@ -23,10 +25,11 @@ pub(crate) enum FileKind {
 }
 
 /// Schemas of the JSON files that the commands write.
-const RESULTS: [(&str, &str); 9] = [
+const RESULTS: [(&str, &str); 10] = [
     ("asperity/summary/", "a summary of `asperity simulate`"),
     ("asperity/steady/", "a result of `asperity steady`"),
     ("asperity/sweep/", "a result of `asperity sweep`"),
+    ("asperity/study-run/", "a result of `asperity study`"),
     ("asperity/law/", "a result of `asperity law`"),
     ("asperity/modes/", "a result of `asperity modes`"),
     ("asperity/analysis/", "a result of `asperity analyse`"),
@@ -41,6 +44,7 @@ impl FileKind {
         match self {
             Self::Scenario => "a scenario",
             Self::Problem => "a problem of `asperity identify`",
+            Self::Study => "a study file",
             Self::Rig => "settings of a rig",
             Self::Measurements => "measurements",
             Self::Result(name) => name,
@@ -52,6 +56,7 @@ impl FileKind {
         let command = match self {
             Self::Scenario => "simulate",
             Self::Problem => "identify",
+            Self::Study => "study",
             Self::Measurements => "analyse",
             Self::Rig => return Some(format!("asperity analyse --rig {}", path.display())),
             Self::Result(_) => return None,
@@ -66,6 +71,8 @@ impl FileKind {
             Some(Self::Scenario)
         } else if schema.starts_with("asperity/identify/") {
             Some(Self::Problem)
+        } else if schema.starts_with("asperity/study/") {
+            Some(Self::Study)
         } else if schema.starts_with("asperity/rig/") {
             Some(Self::Rig)
         } else {

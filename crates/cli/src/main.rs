@@ -81,7 +81,8 @@ fn run(args: &Args) -> Result<(), Failure> {
         }
         Command::Modes { input, output, count } => command::modes::run(input, output, *count),
         Command::Check { input, json } => command::check::run(input, *json),
-        Command::Schema { identify, rig } => command::schema::run(*identify, *rig),
+        Command::Schema { identify, rig, study } => command::schema::run(*identify, *rig, *study),
+        Command::Study(asked) => command::study::run(asked, args.quiet),
         Command::Identify { problem, output, threads } => {
             command::identify::run(problem, output, *threads, args.quiet)
         }

@@ -15,7 +15,7 @@
 //! | step | modules |
 //! |---|---|
 //! | prepare | [`gap_table`], [`assemble`], [`static_state`], [`prepared_scenario`], [`parameter`] |
-//! | compute | [`run`], [`mod@sweep`], [`mod@steady`], [`sensitivity`], [`laws`], [`accuracy`], [`error_control`] |
+//! | compute | [`run`], [`mod@sweep`], [`row_simulator`], [`mod@steady`], [`sensitivity`], [`laws`], [`accuracy`], [`error_control`] |
 //! | observe | [`quantity`], [`observables`], [`observable_extractor`], [`warning`] |
 //! | write | [`contact_deck`], [`summary`], [`provenance`], [`record`], [`output`], [`error`] |
 
@@ -35,6 +35,7 @@ pub mod prepared_scenario;
 pub mod provenance;
 pub mod quantity;
 pub mod record;
+pub mod row_simulator;
 pub mod run;
 pub mod sensitivity;
 pub mod static_state;

@@ -16,6 +16,7 @@ mod result_folders;
 mod rough_surfaces;
 mod steady;
 mod streams;
+mod study;
 mod watch;
 
 use std::path::{Path, PathBuf};

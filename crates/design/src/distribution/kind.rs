@@ -19,8 +19,10 @@ impl Kind {
     pub(super) fn quantile(&self, p: f64) -> f64 {
         let p = p.clamp(0.0, 1.0);
         match self {
-            // The two products meet both ends exactly.
-            Self::Uniform { lower, upper } => lower * (1.0 - p) + upper * p,
+            Self::Uniform { lower, upper } => {
+                // Rounding must not pass the upper end, nor miss it.
+                if p < 1.0 { (lower + (upper - lower) * p).min(*upper) } else { *upper }
+            }
             Self::LogUniform { lower, upper } => {
                 // From the nearer end, so that both are met exactly.
                 let range = upper.ln() - lower.ln();

@@ -1,0 +1,69 @@
+//! Options of `asperity study`.
+#![allow(clippy::doc_markdown, reason = "these comments are help texts, shown without markup")]
+
+use std::path::PathBuf;
+
+use clap::{Args as Group, Subcommand};
+
+/// Run a study: a scenario over a design of its inputs, in chunks that are continued after any
+/// interruption.
+#[derive(Debug, Group)]
+#[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
+pub(crate) struct Study {
+    #[command(subcommand)]
+    pub(crate) part: Option<StudyPart>,
+
+    /// Study file (JSON); `asperity schema --study` prints what it may hold.
+    #[arg(value_name = "STUDY.json", required = true)]
+    pub(crate) file: Option<PathBuf>,
+
+    /// Folder for the results, which is that of one study. Default: out/ and the name of the file.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+
+    /// Continue the study that the folder holds.
+    #[arg(long)]
+    pub(crate) resume: bool,
+
+    /// Compute part K of N of the chunks only; all parts share the folder. `asperity study merge` joins
+    /// them.
+    #[arg(long, value_name = "K/N")]
+    pub(crate) shard: Option<String>,
+
+    /// Number of threads. Default: all cores.
+    #[arg(long, value_name = "N")]
+    pub(crate) threads: Option<usize>,
+}
+
+/// Parts of a study over many machines.
+#[derive(Debug, Subcommand)]
+pub(crate) enum StudyPart {
+    /// Join the chunks of all shards to study.csv, after a check that none is missing, damaged or
+    /// foreign.
+    Merge {
+        /// Folder of the study.
+        #[arg(value_name = "DIR")]
+        folder: PathBuf,
+    },
+    /// Print a job script for Slurm: an array with a task for each shard. The last task to finish its
+    /// shard joins them.
+    Slurm {
+        /// Study file (JSON).
+        #[arg(value_name = "STUDY.json")]
+        file: PathBuf,
+        /// Number of shards.
+        #[arg(long, value_name = "N")]
+        shards: u64,
+        /// Folder for the results, on a file system that all machines share. Default: out/ and the name
+        /// of the file.
+        #[arg(long, value_name = "DIR")]
+        out: Option<PathBuf>,
+        /// Cores of each task.
+        #[arg(long, value_name = "N", default_value_t = 4,
+              value_parser = clap::value_parser!(u32).range(1..=1024))]
+        cores: u32,
+        /// Longest time of a task, as Slurm takes it.
+        #[arg(long, value_name = "TIME", default_value = "04:00:00")]
+        time: String,
+    },
+}

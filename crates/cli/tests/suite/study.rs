@@ -1,0 +1,146 @@
+//! `asperity study`: the same bytes after kills, Ctrl-C, and in shards.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::Duration;
+
+use asperity_scenario::Document;
+use serde_json::{Value, json};
+
+use crate::{asperity, files, fixture, text};
+
+/// Kills of one study.
+const KILLS: u64 = 5;
+
+/// A folder with a study of quick hits, each of whose chunks takes some milliseconds.
+fn folder() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let rig = Document::read(fixture("scenarios/nouira2020-constant.json")).unwrap();
+    let mut scenario = rig.value().clone();
+    scenario["duration_s"] = json!(0.01);
+    let study = json!({
+        "schema": "asperity/study/1",
+        "scenario": scenario,
+        "inputs": [
+            {"pointer": "/excitation/peak_n", "name": "force",
+             "distribution": {"kind": "log_uniform", "lower": 0.5, "upper": 3}}
+        ],
+        "design": {"kind": "sobol", "rows": 128, "seed": 5},
+        "chunk_rows": 8
+    });
+    fs::write(folder.path().join("rig.json"), study.to_string()).unwrap();
+    folder
+}
+
+fn command(folder: &Path, arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_asperity"));
+    command.args(arguments).current_dir(folder).stdout(Stdio::null()).stderr(Stdio::piped());
+    command
+}
+
+fn table(folder: &Path, arguments: &[&str]) -> String {
+    let output = asperity(folder, arguments);
+    assert!(output.status.success(), "{arguments:?}: {}", text(&output.stderr));
+    fs::read_to_string(folder.join(arguments[3]).join("study.csv")).unwrap()
+}
+
+#[test]
+fn kills_at_any_moment_do_not_change_a_byte() {
+    let folder = folder();
+    let folder = folder.path();
+    let whole = table(folder, &["study", "rig.json", "--out", "whole", "--threads", "2"]);
+    assert_eq!(whole.lines().count(), 129);
+    assert!(whole.starts_with("force,static.natural_frequency_hz,"));
+    assert_eq!(files(&folder.join("whole")), ["study.csv", "study.json"]);
+    for kill in 0..KILLS {
+        let again = ["study", "rig.json", "--out", "killed", "--resume", "--quiet"];
+        let mut child = command(folder, &again).spawn().unwrap();
+        // Moments from the start of the program to some chunks later.
+        std::thread::sleep(Duration::from_millis(7 + (kill * 37) % 101));
+        child.kill().unwrap();
+        child.wait().unwrap();
+    }
+    let resumed =
+        table(folder, &["study", "rig.json", "--out", "killed", "--resume", "--threads=1"]);
+    assert_eq!(resumed, whole);
+    assert_eq!(files(&folder.join("killed")), ["study.csv", "study.json"]);
+}
+
+#[test]
+#[cfg(unix)]
+fn an_interrupt_ends_after_a_chunk_and_says_how_to_go_on() {
+    let folder = folder();
+    let folder = folder.path();
+    let child =
+        command(folder, &["study", "rig.json", "--out", "o", "--threads", "1"]).spawn().unwrap();
+    let chunks = folder.join("o/chunks");
+    while files(&chunks).is_empty() {
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    let id = rustix::process::Pid::from_child(&child);
+    rustix::process::kill_process(id, rustix::process::Signal::INT).unwrap();
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(130), "{}", text(&output.stderr));
+    let words = "`asperity study rig.json --out o --resume` goes on";
+    assert!(text(&output.stderr).contains(words), "{}", text(&output.stderr));
+    assert!(!folder.join("o/study.csv").exists());
+    let refused = asperity(folder, &["study", "rig.json", "--out", "o"]);
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(text(&refused.stderr).contains("go on with --resume"), "{}", text(&refused.stderr));
+}
+
+#[test]
+fn shards_are_joined_to_the_bytes_of_one_run() {
+    let folder = folder();
+    let folder = folder.path();
+    let whole = table(folder, &["study", "rig.json", "--out", "whole"]);
+    for shard in ["2/3", "3/3"] {
+        let output = asperity(folder, &["study", "rig.json", "--out", "s", "--shard", shard]);
+        assert!(output.status.success(), "{}", text(&output.stderr));
+    }
+    let missing = asperity(folder, &["study", "merge", "s"]);
+    assert_eq!(missing.status.code(), Some(1));
+    let words = "lacks 6 of 16 chunks, the first is number 0";
+    assert!(text(&missing.stderr).contains(words), "{}", text(&missing.stderr));
+    asperity(folder, &["study", "rig.json", "--out", "s", "--shard", "1/3"]);
+    assert!(asperity(folder, &["study", "merge", "s"]).status.success());
+    assert_eq!(fs::read_to_string(folder.join("s/study.csv")).unwrap(), whole);
+    let wrong = asperity(folder, &["study", "rig.json", "--out", "s", "--shard", "4/3"]);
+    assert_eq!(wrong.status.code(), Some(2));
+}
+
+#[test]
+fn a_study_and_a_sweep_of_the_same_values_have_the_same_numbers() {
+    let folder = folder();
+    let folder = folder.path();
+    let mut study: Value =
+        serde_json::from_str(&fs::read_to_string(folder.join("rig.json")).unwrap()).unwrap();
+    let scenario = study["scenario"].take();
+    fs::write(folder.join("scenario.json"), scenario.to_string()).unwrap();
+    study["scenario"] = json!("scenario.json");
+    study["inputs"][0] = json!({"pointer": "/excitation/peak_n",
+        "distribution": {"kind": "choice", "values": [2, 9.5, 20]}});
+    study["design"] = json!({"kind": "grid", "levels": [3]});
+    fs::write(folder.join("grid.json"), study.to_string()).unwrap();
+    let found = table(folder, &["study", "grid.json", "--out", "grid"]);
+    let sweep =
+        ["sweep", "scenario.json", "--vary", "/excitation/peak_n=2,9.5,20", "--out", "sweep"];
+    assert!(asperity(folder, &sweep).status.success());
+    assert_eq!(found, fs::read_to_string(folder.join("sweep/sweep.csv")).unwrap());
+}
+
+#[test]
+#[cfg(unix)]
+fn the_job_script_is_a_script_of_the_shell() {
+    let folder = folder();
+    let folder = folder.path();
+    let output =
+        asperity(folder, &["study", "slurm", "rig.json", "--shards", "8", "--out", "it's"]);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    fs::write(folder.join("job.sh"), &output.stdout).unwrap();
+    let checked = Command::new("bash").arg("-n").arg("job.sh").current_dir(folder).status();
+    assert!(checked.unwrap().success());
+    assert!(text(&output.stdout).contains("#SBATCH --array=1-8\n"));
+    assert!(text(&output.stdout).contains(r"--out 'it'\''s' --shard"));
+}

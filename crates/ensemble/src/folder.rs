@@ -1,0 +1,342 @@
+//! The folder of a study: a manifest, and chunks of the results that are whole or absent.
+//!
+//! ```text
+//! out/rig/study.json            manifest: what the results follow from, rows and chunks
+//! out/rig/chunks/00000012.csv   rows of chunk 12, after a line that names study and chunk
+//! out/rig/study.csv             all rows, once all chunks are there
+//! ```
+//!
+//! Each file is written under another name, brought to the disk, and renamed. The bytes of a chunk
+//! follow from its number, so that two runs which write the same chunk do no harm: no lock is needed,
+//! on no file system.
+
+use std::collections::hash_map::RandomState;
+use std::ffi::OsStr;
+use std::fs::{self, File};
+use std::hash::{BuildHasher, Hasher};
+use std::io::{self, BufRead, BufReader, BufWriter, Read, Write};
+use std::path::{Path, PathBuf};
+
+use serde_json::{Value, json};
+
+use crate::error::EnsembleError;
+
+/// Schema of the manifest.
+const SCHEMA: &str = "asperity/study-run/1";
+
+/// Names in the folder.
+const MANIFEST: &str = "study.json";
+const CHUNKS: &str = "chunks";
+pub(crate) const TABLE: &str = "study.csv";
+
+/// First words of a chunk.
+const CHUNK_MARK: &str = "# asperity study chunk";
+
+/// The folder of one study.
+#[derive(Debug, Clone)]
+pub struct StudyFolder {
+    path: PathBuf,
+    manifest: Value,
+}
+
+impl StudyFolder {
+    /// Begins or continues the study of `identity` in `folder`.
+    ///
+    /// # Errors
+    /// [`EnsembleError::Foreign`] for a folder with other files or another study,
+    /// [`EnsembleError::Begun`] for one that holds chunks unless `resume` is set, and
+    /// [`EnsembleError::Io`].
+    pub(crate) fn claim(
+        folder: &Path,
+        identity: &Value,
+        [rows, chunk_rows]: [u64; 2],
+        columns: &[String],
+        resume: bool,
+    ) -> Result<Self, EnsembleError> {
+        let manifest = json!({
+            "schema": SCHEMA,
+            "identity": identity,
+            "rows": rows,
+            "chunk_rows": chunk_rows,
+            "columns": columns,
+        });
+        let new = Self { path: folder.to_owned(), manifest };
+        if let Some(found) = Self::read(folder)? {
+            new.check_same(&found)?;
+            let chunks = new.chunks();
+            let done = if new.is_complete() { chunks } else { new.chunk_numbers()?.len() as u64 };
+            if !resume && done > 0 {
+                return Err(EnsembleError::Begun { folder: new.path, done, chunks });
+            }
+        } else {
+            fs::create_dir_all(folder).map_err(new.fail(""))?;
+            let mut entries = fs::read_dir(folder).map_err(new.fail(""))?;
+            if let Some(entry) = entries.find(|entry| !entry.as_ref().is_ok_and(is_ours)) {
+                let name = entry.map_err(new.fail(""))?.file_name();
+                let found = format!("`{}`, which is no part of a study", name.to_string_lossy());
+                return Err(EnsembleError::Foreign { folder: new.path, found });
+            }
+            write_whole(&new.path.join(MANIFEST), |file| writeln!(file, "{:#}", new.manifest))
+                .map_err(new.fail(MANIFEST))?;
+            // Another shard may have begun at the same time.
+            new.check_same(&Self::open(folder)?)?;
+        }
+        fs::create_dir_all(new.path.join(CHUNKS)).map_err(new.fail(CHUNKS))?;
+        Ok(new)
+    }
+
+    /// The study in `folder`.
+    ///
+    /// # Errors
+    /// [`EnsembleError::Foreign`] for a folder without a study, [`EnsembleError::Io`].
+    pub fn open(folder: &Path) -> Result<Self, EnsembleError> {
+        Self::read(folder)?.ok_or_else(|| EnsembleError::Foreign {
+            folder: folder.to_owned(),
+            found: "no study".into(),
+        })
+    }
+
+    fn read(folder: &Path) -> Result<Option<Self>, EnsembleError> {
+        let path = folder.join(MANIFEST);
+        let text = match fs::read_to_string(&path) {
+            Ok(text) => text,
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
+            Err(source) => return Err(EnsembleError::Io { path, source }),
+        };
+        let manifest: Value = serde_json::from_str(&text).unwrap_or_default();
+        if manifest["schema"] != SCHEMA {
+            let found = format!("a file {MANIFEST} of another kind");
+            return Err(EnsembleError::Foreign { folder: folder.to_owned(), found });
+        }
+        Ok(Some(Self { path: folder.to_owned(), manifest }))
+    }
+
+    /// Names the first part in which another study differs.
+    fn check_same(&self, found: &Self) -> Result<(), EnsembleError> {
+        let parts = [
+            ("/identity/version", "the results of another version of asperity"),
+            ("/identity/results", "results of another version of asperity"),
+            ("/identity/scenario_sha256", "the study of another scenario, or of a changed one"),
+            ("/identity/study_sha256", "the study of other inputs, or of another design"),
+            ("/identity/draws_sha256", "a study with other draws"),
+            ("", "another study"),
+        ];
+        let differs = |(pointer, _): &&(&str, &str)| {
+            self.manifest.pointer(pointer) != found.manifest.pointer(pointer)
+        };
+        match parts.iter().find(differs) {
+            None => Ok(()),
+            Some((_, words)) => Err(EnsembleError::Foreign {
+                folder: self.path.clone(),
+                found: (*words).to_owned(),
+            }),
+        }
+    }
+
+    /// The folder's path.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Number of rows of the study.
+    pub fn rows(&self) -> u64 {
+        self.manifest["rows"].as_u64().unwrap_or_default()
+    }
+
+    /// Number of chunks of the study.
+    pub fn chunks(&self) -> u64 {
+        self.rows().div_ceil(self.chunk_rows())
+    }
+
+    fn chunk_rows(&self) -> u64 {
+        self.manifest["chunk_rows"].as_u64().unwrap_or(1).max(1)
+    }
+
+    /// Rows of a chunk.
+    pub(crate) fn rows_of(&self, chunk: u64) -> std::ops::Range<u64> {
+        chunk * self.chunk_rows()..((chunk + 1) * self.chunk_rows()).min(self.rows())
+    }
+
+    /// True if the chunk is on disk, or the table of all chunks.
+    pub(crate) fn has(&self, chunk: u64) -> bool {
+        self.chunk_path(chunk).exists()
+    }
+
+    /// True if the table of all chunks is on disk.
+    pub fn is_complete(&self) -> bool {
+        self.path.join(TABLE).exists()
+    }
+
+    fn chunk_path(&self, chunk: u64) -> PathBuf {
+        self.path.join(CHUNKS).join(format!("{chunk:08}.csv"))
+    }
+
+    fn mark(&self, chunk: u64) -> String {
+        let of = |key: &str| self.manifest["identity"][key].as_str().unwrap_or_default();
+        let (scenario, study) = (of("scenario_sha256"), of("study_sha256"));
+        format!("{CHUNK_MARK} {chunk} scenario {scenario} study {study}")
+    }
+
+    /// Writes a chunk whole.
+    pub(crate) fn write_chunk(&self, chunk: u64, rows: &str) -> Result<(), EnsembleError> {
+        let path = self.chunk_path(chunk);
+        write_whole(&path, |file| {
+            writeln!(file, "{}", self.mark(chunk))?;
+            file.write_all(rows.as_bytes())
+        })
+        .map_err(|source| EnsembleError::Io { path, source })
+    }
+
+    /// Numbers of the chunks on disk.
+    fn chunk_numbers(&self) -> Result<Vec<u64>, EnsembleError> {
+        let folder = self.path.join(CHUNKS);
+        let entries = match fs::read_dir(&folder) {
+            Ok(entries) => entries,
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
+            Err(source) => return Err(EnsembleError::Io { path: folder, source }),
+        };
+        let mut numbers = Vec::new();
+        for entry in entries {
+            let entry =
+                entry.map_err(|source| EnsembleError::Io { path: folder.clone(), source })?;
+            let name = entry.file_name();
+            if is_temporary(&name) {
+                continue;
+            }
+            let number = name.to_str().and_then(|name| name.strip_suffix(".csv")?.parse().ok());
+            match number {
+                Some(number)
+                    if number < self.chunks() && self.chunk_path(number) == entry.path() =>
+                {
+                    numbers.push(number);
+                }
+                _ => {
+                    let fault = "is no chunk of this study".to_owned();
+                    return Err(EnsembleError::Chunk { file: entry.path(), fault });
+                }
+            }
+        }
+        numbers.sort_unstable();
+        Ok(numbers)
+    }
+
+    /// Joins all chunks to one table, and removes them.
+    ///
+    /// Each chunk is checked: it must name this study and its number, and have its number of rows.
+    ///
+    /// # Errors
+    /// [`EnsembleError::Missing`] for chunks that are not there, [`EnsembleError::Chunk`] for one that
+    /// is damaged or of another study, [`EnsembleError::Io`].
+    pub fn merge(&self) -> Result<PathBuf, EnsembleError> {
+        let table = self.path.join(TABLE);
+        if !self.is_complete() {
+            let present = self.chunk_numbers()?;
+            let missing = self.chunks() - present.len() as u64;
+            if missing > 0 {
+                let first = (0..).zip(&present).find(|(at, number)| at != *number);
+                let first = first.map_or(present.len() as u64, |(at, _)| at);
+                let (folder, chunks) = (self.path.clone(), self.chunks());
+                return Err(EnsembleError::Missing { folder, missing, chunks, first });
+            }
+            for chunk in 0..self.chunks() {
+                self.check_chunk(chunk)?;
+            }
+            write_whole(&table, |file| {
+                let mut header = asperity_table::CsvWriter::default();
+                for column in self.manifest["columns"].as_array().into_iter().flatten() {
+                    header.text(column.as_str().unwrap_or_default());
+                }
+                header.end_row();
+                file.write_all(header.into_string().as_bytes())?;
+                for chunk in 0..self.chunks() {
+                    let mut reader = BufReader::new(File::open(self.chunk_path(chunk))?);
+                    reader.read_line(&mut String::new())?;
+                    io::copy(&mut reader, file)?;
+                }
+                Ok(())
+            })
+            .map_err(self.fail(TABLE))?;
+        }
+        // Killed runs may have left these beside the table.
+        for entry in fs::read_dir(&self.path).map_err(self.fail(""))?.flatten() {
+            if is_temporary(&entry.file_name()) {
+                let _ = fs::remove_file(entry.path());
+            }
+        }
+        match fs::remove_dir_all(self.path.join(CHUNKS)) {
+            Err(error) if error.kind() != io::ErrorKind::NotFound => Err(self.fail(CHUNKS)(error)),
+            _ => Ok(table),
+        }
+    }
+
+    fn check_chunk(&self, chunk: u64) -> Result<(), EnsembleError> {
+        let file = self.chunk_path(chunk);
+        let fault = |fault: &str| {
+            Err(EnsembleError::Chunk { file: self.chunk_path(chunk), fault: fault.to_owned() })
+        };
+        let opened =
+            File::open(&file).map_err(|source| EnsembleError::Io { path: file, source })?;
+        let mut reader = BufReader::new(opened);
+        let mut mark = String::new();
+        if reader.by_ref().take(1 << 12).read_line(&mut mark).is_err()
+            || mark.trim_end() != self.mark(chunk)
+        {
+            return fault("is a chunk of another study, or of another place in it");
+        }
+        let columns = self.manifest["columns"].as_array().map_or(0, Vec::len);
+        let mut rows = csv::ReaderBuilder::new().has_headers(false).from_reader(reader);
+        let mut count = 0;
+        let mut record = csv::ByteRecord::new();
+        loop {
+            match rows.read_byte_record(&mut record) {
+                Ok(true) if record.len() == columns => count += 1,
+                Ok(false) => break,
+                Ok(true) | Err(_) => return fault("is damaged: a row has other columns"),
+            }
+        }
+        let expected = self.rows_of(chunk);
+        if count != expected.end - expected.start {
+            return fault("is damaged: it has another number of rows");
+        }
+        Ok(())
+    }
+
+    fn fail(&self, name: &str) -> impl FnOnce(io::Error) -> EnsembleError + use<> {
+        let path = self.path.join(name);
+        |source| EnsembleError::Io { path, source }
+    }
+}
+
+/// True for what a killed run, or a shard that begins at the same time, may have left.
+fn is_ours(entry: &fs::DirEntry) -> bool {
+    let name = entry.file_name();
+    is_temporary(&name) || name == MANIFEST || name == CHUNKS
+}
+
+fn is_temporary(name: &OsStr) -> bool {
+    name.to_str().is_some_and(|name| name.starts_with(".new-"))
+}
+
+/// Writes a file under another name, brings it to the disk and renames it: it is whole or absent.
+fn write_whole(
+    path: &Path,
+    write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
+) -> io::Result<()> {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let folder = path.parent().unwrap_or(Path::new("."));
+    // Shards on several machines must not meet in one name.
+    let random = RandomState::new().build_hasher().finish();
+    let temporary = folder.join(format!(".new-{random:016x}-{name}"));
+    let written = (|| {
+        let mut file = BufWriter::new(File::create(&temporary)?);
+        write(&mut file)?;
+        file.into_inner().map_err(io::IntoInnerError::into_error)?.sync_all()?;
+        fs::rename(&temporary, path)?;
+        // The name itself; a folder cannot be opened everywhere.
+        if cfg!(unix) { File::open(folder)?.sync_all() } else { Ok(()) }
+    })();
+    if written.is_err() {
+        let _ = fs::remove_file(&temporary);
+    }
+    written
+}

@@ -1,0 +1,316 @@
+//! From a study file to the inputs of each run.
+
+use std::path::Path;
+
+use asperity_design::{Correlation, Design, DesignError, Distribution, InputSpace};
+use asperity_scenario::{Document, validate_json};
+use asperity_study::row_simulator::{Places, RowSimulator};
+use asperity_study::sweep::{Variation, input_files};
+use serde_json::{Value, json};
+
+use crate::draws::read_draws;
+use crate::error::EnsembleError;
+use crate::spec::{
+    CorrelationKind, DistributionSpec, InputSpec, StudiedScenario, StudyDesign, StudySpec,
+    study_schema,
+};
+
+/// Version of the numbers that a study writes: it changes when the same study file gives other bytes.
+const RESULTS_VERSION: u32 = 1;
+
+/// A study file that has been checked, with its scenario.
+///
+/// ```
+/// # use asperity_scenario::Document;
+/// use asperity_ensemble::StudyPlan;
+///
+/// let text = r#"{
+///   "schema": "asperity/study/1",
+///   "scenario": "block.json",
+///   "inputs": [{"pointer": "/excitation/peak_n",
+///               "distribution": {"kind": "uniform", "lower": 2, "upper": 14}}],
+///   "design": {"kind": "sobol", "rows": 8}
+/// }"#;
+/// let plan = StudyPlan::of(Document::parse(text, "../study/examples/study.json")?)?;
+/// assert_eq!((plan.rows(), plan.names().len()), (8, 1));
+/// assert!((2.0..14.0).contains(&plan.values(3)[0].as_f64().unwrap()));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct StudyPlan {
+    document: Document,
+    spec: StudySpec,
+    scenario: Document,
+    names: Vec<String>,
+    places: Vec<Places>,
+    inputs: InputSpace,
+    /// Values of the options of each input that is a choice.
+    options: Vec<Option<Vec<Value>>>,
+    design: Design,
+    draws_sha256: Option<String>,
+}
+
+impl StudyPlan {
+    /// Reads the study at `path`.
+    ///
+    /// # Errors
+    /// Those of [`of`](Self::of), and [`EnsembleError::Document`] for a file that cannot be read.
+    pub fn read(path: impl AsRef<Path>) -> Result<Self, EnsembleError> {
+        Self::of(Document::read(path)?)
+    }
+
+    /// The study of a document.
+    ///
+    /// # Errors
+    /// [`EnsembleError`] for a study or a scenario with faults, a file of draws that cannot be used, a
+    /// pointer that is given twice or does not exist, and more rows or inputs than a design takes.
+    pub fn of(document: Document) -> Result<Self, EnsembleError> {
+        let spec: StudySpec = document.checked(study_schema(), Vec::new())?;
+        let scenario = scenario_of(&document, &spec.scenario)?;
+        let mut places: Vec<Places> = spec
+            .inputs
+            .iter()
+            .map(|one| std::iter::once(&one.pointer).chain(&one.also).cloned().collect())
+            .collect();
+        let mut names: Vec<String> = spec
+            .inputs
+            .iter()
+            .map(|one| one.name.as_ref().unwrap_or(&one.pointer).clone())
+            .collect();
+        let mut draws = None;
+        let mut draws_sha256 = None;
+        if let Some(asked) = &spec.draws {
+            let (found, sha256) = read_draws(document.folder(), asked)?;
+            draws = Some(found);
+            draws_sha256 = Some(sha256);
+            for pointer in asked.columns.keys() {
+                places.push(vec![pointer.clone()]);
+                names.push(pointer.clone());
+            }
+        }
+        check_places(&scenario, &places, &names)?;
+        let mut distributions = Vec::new();
+        let mut options: Vec<Option<Vec<Value>>> = Vec::new();
+        for (number, input) in spec.inputs.iter().enumerate() {
+            distributions.push(distribution(input).map_err(|source| EnsembleError::Design {
+                place: format!("/inputs/{number}/distribution"),
+                source,
+            })?);
+            options.push(match &input.distribution {
+                DistributionSpec::Choice { values, .. } => Some(values.clone()),
+                _ => None,
+            });
+        }
+        let at = |place: &str| {
+            let place = place.to_owned();
+            |source| EnsembleError::Design { place, source }
+        };
+        let correlation = match &spec.correlation {
+            None => None,
+            Some(given) => Some(
+                match given.kind {
+                    CorrelationKind::Rank => Correlation::of_ranks(&given.matrix),
+                    CorrelationKind::NormalScores => Correlation::of_scores(&given.matrix),
+                }
+                .map_err(at("/correlation/matrix"))?,
+            ),
+        };
+        let inputs = InputSpace::new(distributions, correlation, draws).map_err(at("/inputs"))?;
+        let design = design(&spec.design, inputs.dimensions())?;
+        if matches!(spec.design, StudyDesign::Saltelli { .. }) && inputs.is_correlated() {
+            return Err(EnsembleError::Part {
+                place: "/design".into(),
+                fault:
+                    "Sobol indices are defined for independent inputs; accepted: another design, \
+                        or no correlation"
+                        .into(),
+            });
+        }
+        Ok(Self { document, spec, scenario, names, places, inputs, options, design, draws_sha256 })
+    }
+
+    /// The study file's document.
+    pub fn document(&self) -> &Document {
+        &self.document
+    }
+
+    /// The study file's content.
+    pub fn spec(&self) -> &StudySpec {
+        &self.spec
+    }
+
+    /// The scenario's document.
+    pub fn scenario(&self) -> &Document {
+        &self.scenario
+    }
+
+    /// Number of runs.
+    pub fn rows(&self) -> u64 {
+        self.design.rows()
+    }
+
+    /// Names of the inputs.
+    pub fn names(&self) -> &[String] {
+        &self.names
+    }
+
+    /// The inputs of run number `row`, from 0.
+    pub fn values(&self, row: u64) -> Vec<Value> {
+        let values = self.inputs.values(&self.design.point(row));
+        let options = self.options.iter().map(Option::as_ref).chain(std::iter::repeat(None));
+        let value = |(value, options): (f64, Option<&Vec<Value>>)| match options {
+            Some(options) => options[(value as usize).min(options.len() - 1)].clone(),
+            None => json!(value),
+        };
+        values.into_iter().zip(options).map(value).collect()
+    }
+
+    /// The simulator of the scenario.
+    ///
+    /// # Errors
+    /// [`EnsembleError::Study`] when the scenario cannot be set up.
+    pub fn simulator(&self) -> Result<RowSimulator, EnsembleError> {
+        Ok(RowSimulator::new(self.scenario.clone(), self.places.clone())?)
+    }
+
+    /// What the bytes of the results follow from: hashes of the scenario, the study file and the files
+    /// they name, and the version of asperity.
+    ///
+    /// # Errors
+    /// [`EnsembleError::Study`] for a file that cannot be read.
+    pub fn identity(&self) -> Result<Value, EnsembleError> {
+        let mut study = self.document.value().clone();
+        if let Some(study) = study.as_object_mut() {
+            for free in ["title", "scenario"] {
+                study.shift_remove(free);
+            }
+        }
+        let study = Document::parse(&study.to_string(), self.document.path())?;
+        Ok(json!({
+            "version": env!("CARGO_PKG_VERSION"),
+            "results": RESULTS_VERSION,
+            "scenario_sha256": self.scenario.sha256(),
+            "study_sha256": study.sha256(),
+            "draws_sha256": self.draws_sha256,
+            "files": input_files(&self.scenario, &self.choices())?,
+        }))
+    }
+
+    /// Inputs that are choices, which may select files.
+    fn choices(&self) -> Vec<Variation> {
+        let choices = self.options.iter().zip(&self.places).filter_map(|(options, places)| {
+            let values: Vec<String> = options.as_ref()?.iter().map(Value::to_string).collect();
+            Some(
+                places
+                    .iter()
+                    .map(move |place| Variation { pointer: place.clone(), values: values.clone() }),
+            )
+        });
+        choices.flatten().collect()
+    }
+}
+
+fn scenario_of(document: &Document, given: &StudiedScenario) -> Result<Document, EnsembleError> {
+    match given {
+        StudiedScenario::File(file) => {
+            let scenario = Document::read(document.folder().join(file))?;
+            scenario.scenario()?;
+            Ok(scenario)
+        }
+        StudiedScenario::InPlace(scenario) => {
+            let value = Value::Object(scenario.clone());
+            let mut found = validate_json(&value, document.folder());
+            if found.is_empty() {
+                return Ok(Document::parse(&value.to_string(), document.path())?);
+            }
+            for diagnostic in &mut found {
+                diagnostic.pointer = format!("/scenario{}", diagnostic.pointer);
+            }
+            Err(document.with_spans(found).into())
+        }
+    }
+}
+
+/// Checks that pointers lead to values of the scenario, and that none is given twice.
+fn check_places(
+    scenario: &Document,
+    places: &[Places],
+    names: &[String],
+) -> Result<(), EnsembleError> {
+    let all: Vec<&String> = places.iter().flatten().collect();
+    for (number, place) in all.iter().enumerate() {
+        let fault =
+            |fault: &str| EnsembleError::Part { place: (*place).clone(), fault: fault.to_owned() };
+        if all[..number].iter().any(|other| inside(place, other) || inside(other, place)) {
+            return Err(fault("two inputs set this value; accepted: each value once"));
+        }
+        if scenario.value().pointer(place).is_none() {
+            return Err(fault(
+                "the scenario has no such value; accepted: JSON Pointers to values that it states",
+            ));
+        }
+    }
+    for (number, name) in names.iter().enumerate() {
+        if names[..number].contains(name) {
+            let fault = "two inputs have this name; accepted: names that differ".to_owned();
+            return Err(EnsembleError::Part { place: name.clone(), fault });
+        }
+    }
+    Ok(())
+}
+
+/// True if `place` is `other` or a part of it.
+fn inside(place: &str, other: &str) -> bool {
+    place.strip_prefix(other).is_some_and(|rest| rest.is_empty() || rest.starts_with('/'))
+}
+
+fn distribution(input: &InputSpec) -> Result<Distribution, DesignError> {
+    match &input.distribution {
+        DistributionSpec::Uniform { lower, upper } => Distribution::uniform(*lower, *upper),
+        DistributionSpec::LogUniform { lower, upper } => Distribution::log_uniform(*lower, *upper),
+        DistributionSpec::Normal { mean, standard_deviation } => {
+            Distribution::normal(*mean, *standard_deviation)
+        }
+        DistributionSpec::Lognormal { median, log_standard_deviation } => {
+            Distribution::lognormal(*median, *log_standard_deviation)
+        }
+        DistributionSpec::Triangular { lower, mode, upper } => {
+            Distribution::triangular(*lower, *mode, *upper)
+        }
+        DistributionSpec::Choice { values, weights: None } => {
+            Distribution::choice(&vec![1.0; values.len()])
+        }
+        DistributionSpec::Choice { values, weights: Some(weights) } => {
+            if values.len() != weights.len() {
+                return Err(DesignError::Count {
+                    quantity: "the number of weights",
+                    value: weights.len() as u64,
+                    least: values.len() as u64,
+                    most: values.len() as u64,
+                });
+            }
+            Distribution::choice(weights)
+        }
+    }
+}
+
+fn design(spec: &StudyDesign, dimensions: usize) -> Result<Design, EnsembleError> {
+    let made = match spec {
+        StudyDesign::Grid { levels } if levels.len() != dimensions => {
+            return Err(EnsembleError::Part {
+                place: "/design/levels".into(),
+                fault: format!("{} numbers; expected {dimensions}, one an input", levels.len()),
+            });
+        }
+        StudyDesign::Grid { levels } => Design::grid(levels.clone()),
+        StudyDesign::Random { rows, seed } => Design::random(dimensions, *rows, *seed),
+        StudyDesign::LatinHypercube { rows, seed } => {
+            Design::latin_hypercube(dimensions, *rows, *seed)
+        }
+        StudyDesign::Sobol { rows, seed } => Design::sobol(dimensions, *rows, *seed),
+        StudyDesign::Saltelli { base_rows, seed } => {
+            Design::saltelli(dimensions, *base_rows, *seed)
+        }
+    };
+    made.map_err(|source| EnsembleError::Design { place: "/design".into(), source })
+}

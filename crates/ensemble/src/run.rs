@@ -1,0 +1,174 @@
+//! Runs a study chunk by chunk.
+
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use asperity_study::error::StudyError;
+use asperity_study::observables::Observables;
+use asperity_study::row_simulator::RowSimulator;
+use asperity_study::warning::Warning;
+use asperity_table::CsvWriter;
+use serde_json::Value;
+
+use crate::error::EnsembleError;
+use crate::folder::StudyFolder;
+use crate::plan::StudyPlan;
+
+/// Most shards of a study.
+pub const MOST_SHARDS: u64 = 100_000;
+
+/// Results of one run: its numbers and the kinds of its warnings, or the reason of its failure.
+pub type RowResult = Result<(Vec<f64>, Vec<&'static str>), String>;
+
+/// A model with named outputs, which is run for rows of inputs.
+///
+/// The result of a row must depend on its inputs alone.
+pub trait RowModel {
+    /// Names of the outputs.
+    fn columns(&self) -> &[String];
+
+    /// Results of some rows, in their order.
+    fn run(&self, rows: &[Vec<Value>]) -> Vec<RowResult>;
+}
+
+impl RowModel for RowSimulator {
+    fn columns(&self) -> &[String] {
+        Self::columns(self)
+    }
+
+    fn run(&self, rows: &[Vec<Value>]) -> Vec<RowResult> {
+        let found = Self::run(self, rows).into_iter();
+        let result = |one: Result<Observables, StudyError>| {
+            let observables = one.map_err(|error| error.to_string())?;
+            let mut kinds: Vec<&'static str> =
+                observables.warnings.iter().map(Warning::kind).collect();
+            kinds.dedup();
+            Ok((observables.values.into_vec(), kinds))
+        };
+        found.map(result).collect()
+    }
+}
+
+/// Part of a study that one machine computes: the chunks `k` with `k mod count = number - 1`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Shard {
+    number: u64,
+    count: u64,
+}
+
+impl Shard {
+    /// The whole study.
+    pub const WHOLE: Self = Self { number: 1, count: 1 };
+
+    /// Shard `number`, from 1, of `count`.
+    ///
+    /// # Errors
+    /// [`EnsembleError::Shard`] unless `1 <= number <= count <= MOST_SHARDS`.
+    pub fn new(number: u64, count: u64) -> Result<Self, EnsembleError> {
+        if (1..=count).contains(&number) && count <= MOST_SHARDS {
+            return Ok(Self { number, count });
+        }
+        Err(EnsembleError::Shard { number, count, most: MOST_SHARDS })
+    }
+
+    fn holds(self, chunk: u64) -> bool {
+        chunk % self.count == self.number - 1
+    }
+}
+
+/// Settings of a run.
+#[derive(Debug, Clone, Copy)]
+pub struct RunOptions<'a> {
+    /// The folder of the results.
+    pub folder: &'a Path,
+    /// True if a study that has begun is continued.
+    pub resume: bool,
+    /// The chunks to compute.
+    pub shard: Shard,
+}
+
+/// Outcome of a run.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum StudyOutcome {
+    /// All chunks are joined in this table.
+    Complete(PathBuf),
+    /// The chunks of the shard are on disk; those of others are not joined yet.
+    ShardDone,
+    /// The run was stopped after a whole chunk.
+    Stopped,
+}
+
+/// Runs the plan with `model`, chunk by chunk; the whole study is joined at the end.
+///
+/// Memory does not grow with the number of rows. The bytes of the results do not depend on the number
+/// of threads, on interruptions, or on shards. Between chunks `progress` receives the numbers of
+/// finished and of all rows of the shard, and the run ends if `stop` is set.
+///
+/// # Errors
+/// [`EnsembleError`] for a folder of another study, a study that has begun unless it is continued, and
+/// files that cannot be written.
+pub fn run(
+    plan: &StudyPlan,
+    model: &dyn RowModel,
+    options: &RunOptions<'_>,
+    stop: &AtomicBool,
+    progress: &dyn Fn(u64, u64),
+) -> Result<StudyOutcome, EnsembleError> {
+    let columns: Vec<String> = plan
+        .names()
+        .iter()
+        .chain(model.columns())
+        .cloned()
+        .chain(["error", "warnings"].map(str::to_owned))
+        .collect();
+    let sizes = [plan.rows(), plan.spec().chunk_rows];
+    // Shards begin one study together.
+    let resume = options.resume || options.shard != Shard::WHOLE;
+    let folder = StudyFolder::claim(options.folder, &plan.identity()?, sizes, &columns, resume)?;
+    if folder.is_complete() {
+        return Ok(StudyOutcome::Complete(folder.merge()?));
+    }
+    let own = || (0..folder.chunks()).filter(|&chunk| options.shard.holds(chunk));
+    let length = |chunk: u64| {
+        let rows = folder.rows_of(chunk);
+        rows.end - rows.start
+    };
+    let all: u64 = own().map(length).sum();
+    let mut done = 0;
+    for chunk in own() {
+        if !folder.has(chunk) {
+            if stop.load(Ordering::Relaxed) {
+                return Ok(StudyOutcome::Stopped);
+            }
+            let rows: Vec<Vec<Value>> = folder.rows_of(chunk).map(|row| plan.values(row)).collect();
+            let text = text_of(&rows, model.run(&rows), model.columns().len());
+            folder.write_chunk(chunk, &text)?;
+        }
+        done += length(chunk);
+        progress(done, all);
+    }
+    if options.shard == Shard::WHOLE {
+        return Ok(StudyOutcome::Complete(folder.merge()?));
+    }
+    Ok(StudyOutcome::ShardDone)
+}
+
+/// Rows as CSV, as `sweep` writes them.
+fn text_of(rows: &[Vec<Value>], results: Vec<RowResult>, columns: usize) -> String {
+    let mut csv = CsvWriter::default();
+    for (values, result) in rows.iter().zip(results) {
+        for value in values {
+            match value {
+                Value::Number(number) => csv.number(number.as_f64()),
+                Value::String(text) => csv.text(text),
+                other => csv.text(&other.to_string()),
+            };
+        }
+        match result {
+            Ok((numbers, kinds)) => csv.numbers(numbers).text("").text(&kinds.join(" ")),
+            Err(reason) => csv.numbers((0..columns).map(|_| None)).text(&reason).text(""),
+        };
+        csv.end_row();
+    }
+    csv.into_string()
+}

@@ -1,0 +1,174 @@
+//! Runs of one scenario for rows of given values, such as those of a design.
+
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use asperity_dynamics::Batch;
+use asperity_scenario::{Document, Scenario, set_value, validate_json};
+use rayon::prelude::*;
+use serde_json::Value;
+
+use crate::assemble::excitation;
+use crate::error::StudyError;
+use crate::error_control::{ErrorControl, Request};
+use crate::finite_differences::integrate;
+use crate::observables::Observables;
+use crate::prepared_scenario::PreparedScenario;
+
+/// Hits of one task over the lanes of a batch.
+const HITS_A_LANE: usize = 4;
+
+/// Prepared scenarios of one call that are kept for other rows.
+const MOST_PREPARED: usize = 64;
+
+/// One input of a row: the places of the scenario that take its value.
+pub type Places = Vec<String>;
+
+/// Runs one scenario with rows of values, each checked as a whole.
+///
+/// A row's result depends on its own values alone, not on other rows, threads, or vector lanes.
+///
+/// ```
+/// # use asperity_scenario::Document;
+/// use asperity_study::row_simulator::RowSimulator;
+/// use serde_json::json;
+///
+/// let document = Document::read("examples/block.json")?;
+/// let places = vec![vec!["/excitation/peak_n".to_owned()]];
+/// let simulator = RowSimulator::new(document, places)?;
+/// let column = simulator.columns().iter().position(|name| name == "fundamental.frequency_hz");
+/// let found = simulator.run(&[vec![json!(2.0)], vec![json!(14.0)], vec![json!(-1.0)]]);
+/// let f1 = |row: usize| found[row].as_ref().map(|one| one.values[column.unwrap()]);
+/// assert!(f1(1)? < f1(0)?, "the contact softens with the force");
+/// assert!(f1(2).is_err(), "a negative force is an error of its row");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug)]
+pub struct RowSimulator {
+    document: Document,
+    places: Vec<Places>,
+    /// Marks inputs that change the force alone.
+    force_only: Vec<bool>,
+    names: Arc<[String]>,
+    batch: Batch,
+}
+
+/// Prepared scenarios by the values that change more than the force.
+type Prepared = Mutex<HashMap<String, Arc<PreparedScenario>>>;
+
+/// A row that has been set up.
+enum Started {
+    Hit(Request),
+    Done(Observables),
+}
+
+impl RowSimulator {
+    /// A simulator of the valid scenario of `document`; the numbers of a row go to `places`, in their
+    /// order.
+    ///
+    /// # Errors
+    /// [`StudyError`] when the scenario itself cannot be set up.
+    pub fn new(document: Document, places: Vec<Places>) -> Result<Self, StudyError> {
+        let fault = |text: String| StudyError::Scenario(text);
+        let scenario = document.scenario().map_err(|error| fault(error.to_string()))?;
+        let names = Arc::clone(&PreparedScenario::new(&scenario, document.folder())?.names);
+        let of_force = |place: &String| place == "/excitation" || place.starts_with("/excitation/");
+        let force_only = places.iter().map(|all| all.iter().all(of_force)).collect();
+        Ok(Self { document, places, force_only, names, batch: Batch::default() })
+    }
+
+    /// Names of the observables, as
+    /// [`observable_names`](crate::quantity::observable_names) orders them.
+    pub fn columns(&self) -> &[String] {
+        &self.names
+    }
+
+    /// Observables of each row, or its error.
+    pub fn run(&self, rows: &[Vec<Value>]) -> Vec<Result<Observables, StudyError>> {
+        let prepared = Prepared::default();
+        let control = ErrorControl::new(self.batch);
+        let size = self.batch.room() * HITS_A_LANE;
+        rows.par_chunks(size.max(1))
+            .flat_map_iter(|rows| self.run_task(&control, &prepared, rows))
+            .collect()
+    }
+
+    fn run_task(
+        &self,
+        control: &ErrorControl,
+        prepared: &Prepared,
+        rows: &[Vec<Value>],
+    ) -> Vec<Result<Observables, StudyError>> {
+        let started: Vec<Result<Started, StudyError>> =
+            rows.iter().map(|row| self.start(prepared, row)).collect();
+        let mut places = Vec::new();
+        let mut requests = Vec::new();
+        let mut outcomes: Vec<Option<Result<Observables, StudyError>>> = Vec::new();
+        for (place, one) in started.into_iter().enumerate() {
+            outcomes.push(match one {
+                Ok(Started::Hit(request)) => {
+                    places.push(place);
+                    requests.push(request);
+                    None
+                }
+                Ok(Started::Done(found)) => Some(Ok(found)),
+                Err(error) => Some(Err(error)),
+            });
+        }
+        for (place, outcome) in places.into_iter().zip(control.run(&requests)) {
+            outcomes[place] = Some(outcome.map(|done| done.observables));
+        }
+        outcomes.into_iter().flatten().collect()
+    }
+
+    fn start(&self, prepared: &Prepared, row: &[Value]) -> Result<Started, StudyError> {
+        let mut value = self.document.value().clone();
+        let mut structure = String::new();
+        for ((places, number), force_only) in self.places.iter().zip(row).zip(&self.force_only) {
+            let text = number.to_string();
+            for place in places {
+                set_value(&mut value, place, &text)?;
+            }
+            if !force_only {
+                structure.push_str(&text);
+                structure.push('\n');
+            }
+        }
+        let faults = validate_json(&value, self.document.folder());
+        if !faults.is_empty() {
+            let words: Vec<String> = faults.iter().map(ToString::to_string).collect();
+            return Err(StudyError::Scenario(words.join("; ")));
+        }
+        let scenario: Scenario = serde_json::from_value(value)
+            .map_err(|error| StudyError::Scenario(error.to_string()))?;
+        let prepared = self.prepared(prepared, structure, &scenario)?;
+        if prepared.names != self.names {
+            return Err(StudyError::OtherColumns);
+        }
+        if prepared.modal().is_some() {
+            let excitation = excitation(&scenario.excitation, self.document.folder())?;
+            return Ok(Started::Hit(Request { prepared, excitation, duration: None }));
+        }
+        let assembly = crate::assemble::Assembly::new(&scenario, self.document.folder())?;
+        let (_, found) = integrate(&assembly, &prepared.at_rest, &|_| ())?;
+        Ok(Started::Done(found))
+    }
+
+    fn prepared(
+        &self,
+        prepared: &Prepared,
+        structure: String,
+        scenario: &Scenario,
+    ) -> Result<Arc<PreparedScenario>, StudyError> {
+        let lock = || prepared.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(known) = lock().get(&structure) {
+            return Ok(Arc::clone(known));
+        }
+        let new = Arc::new(PreparedScenario::new(scenario, self.document.folder())?);
+        let mut all = lock();
+        if all.len() >= MOST_PREPARED {
+            all.clear();
+        }
+        Ok(Arc::clone(all.entry(structure).or_insert(new)))
+    }
+}
