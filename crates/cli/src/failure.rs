@@ -62,6 +62,8 @@ pub(crate) enum Failure {
     Pages { folder: PathBuf, source: std::io::Error },
     #[error(transparent)]
     Ensemble(Box<EnsembleError>),
+    #[error("--exceed {argument}: accepted: NAME=VALUE, e.g. harmonic_ratio=0.1")]
+    ExceedForm { argument: String },
     #[error("--shard {argument}: accepted: K/N, e.g. 3/8")]
     ShardForm { argument: String },
     #[error(

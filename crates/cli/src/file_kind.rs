@@ -25,11 +25,12 @@ pub(crate) enum FileKind {
 }
 
 /// Schemas of the JSON files that the commands write.
-const RESULTS: [(&str, &str); 10] = [
+const RESULTS: [(&str, &str); 11] = [
     ("asperity/summary/", "a summary of `asperity simulate`"),
     ("asperity/steady/", "a result of `asperity steady`"),
     ("asperity/sweep/", "a result of `asperity sweep`"),
     ("asperity/study-run/", "a result of `asperity study`"),
+    ("asperity/study-answers/", "answers of `asperity study`"),
     ("asperity/law/", "a result of `asperity law`"),
     ("asperity/modes/", "a result of `asperity modes`"),
     ("asperity/analysis/", "a result of `asperity analyse`"),

@@ -20,6 +20,7 @@ use std::path::{Path, PathBuf};
 use serde_json::{Value, json};
 
 use crate::error::EnsembleError;
+use crate::plan::StudyPlan;
 
 /// Schema of the manifest.
 const SCHEMA: &str = "asperity/study-run/1";
@@ -155,6 +156,34 @@ impl StudyFolder {
     /// Rows of a chunk.
     pub(crate) fn rows_of(&self, chunk: u64) -> std::ops::Range<u64> {
         chunk * self.chunk_rows()..((chunk + 1) * self.chunk_rows()).min(self.rows())
+    }
+
+    /// Checks that the folder holds the study of a plan.
+    ///
+    /// # Errors
+    /// [`EnsembleError::Foreign`] if it is another one.
+    pub(crate) fn check_plan(&self, plan: &StudyPlan) -> Result<(), EnsembleError> {
+        let mut manifest = self.manifest.clone();
+        manifest["identity"] = plan.identity()?;
+        Self { path: self.path.clone(), manifest }.check_same(self)
+    }
+
+    /// The table of all chunks.
+    ///
+    /// # Errors
+    /// [`EnsembleError::Missing`] before they are joined.
+    pub(crate) fn table(&self) -> Result<PathBuf, EnsembleError> {
+        if self.is_complete() { Ok(self.path.join(TABLE)) } else { self.merge() }
+    }
+
+    /// Writes another file of the study whole.
+    ///
+    /// # Errors
+    /// [`EnsembleError::Io`].
+    pub fn write(&self, name: &str, text: &str) -> Result<PathBuf, EnsembleError> {
+        let path = self.path.join(name);
+        write_whole(&path, |file| file.write_all(text.as_bytes())).map_err(self.fail(name))?;
+        Ok(path)
     }
 
     /// True if the chunk is on disk, or the table of all chunks.

@@ -19,8 +19,10 @@
 //! | `draws` | draws of several inputs with weights, from a file |
 //! | `folder` | [`StudyFolder`]: manifest, chunks, the joined table |
 //! | `run` | [`run()`] over chunks and shards, for any [`RowModel`] |
+//! | `answers` | [`answers()`]: quantiles, exceedance probabilities, Sobol indices of a finished study |
 //! | `slurm` | [`slurm_script`]: a job array with one task a shard |
 
+mod answers;
 mod draws;
 mod error;
 mod folder;
@@ -29,6 +31,7 @@ mod run;
 mod slurm;
 pub mod spec;
 
+pub use answers::{AnswerOptions, ObservableAnswers, StudyAnswers, answers};
 pub use error::EnsembleError;
 pub use folder::StudyFolder;
 pub use plan::StudyPlan;

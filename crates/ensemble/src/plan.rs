@@ -149,6 +149,21 @@ impl StudyPlan {
         self.design.rows()
     }
 
+    /// Number of coordinates of the design: one for each input with a distribution, and one for all
+    /// inputs that are drawn together.
+    pub fn dimensions(&self) -> usize {
+        self.design.dimensions()
+    }
+
+    /// Names of the coordinates of the design.
+    pub fn coordinates(&self) -> Vec<String> {
+        let mut names = self.names[..self.spec.inputs.len()].to_vec();
+        if self.spec.draws.is_some() {
+            names.push("draws".into());
+        }
+        names
+    }
+
     /// Names of the inputs.
     pub fn names(&self) -> &[String] {
         &self.names

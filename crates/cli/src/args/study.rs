@@ -45,6 +45,25 @@ pub(crate) enum StudyPart {
         #[arg(value_name = "DIR")]
         folder: PathBuf,
     },
+    /// Summarise a finished study: quantiles with intervals, exceedance probabilities, and for
+    /// Saltelli's design Sobol indices. Writes answers.json.
+    Answers {
+        /// Study file (JSON).
+        #[arg(value_name = "STUDY.json")]
+        file: PathBuf,
+        /// Folder of the study. Default: out/ and the name of the file.
+        #[arg(long, value_name = "DIR")]
+        out: Option<PathBuf>,
+        /// Also give the probability that an observable, by its column, exceeds a value; repeatable.
+        #[arg(long, value_name = "NAME=VALUE")]
+        exceed: Vec<String>,
+        /// Confidence level of the intervals.
+        #[arg(long, value_name = "P", default_value_t = 0.95)]
+        level: f64,
+        /// Print the answers as JSON on standard output, and nothing else there.
+        #[arg(long)]
+        json: bool,
+    },
     /// Print a job script for Slurm: an array with a task for each shard. The last task to finish its
     /// shard joins them.
     Slurm {

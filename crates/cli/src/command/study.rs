@@ -6,8 +6,10 @@ use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use asperity_ensemble::{
-    EnsembleError, RunOptions, Shard, StudyFolder, StudyOutcome, StudyPlan, slurm_script,
+    AnswerOptions, EnsembleError, RunOptions, Shard, StudyAnswers, StudyFolder, StudyOutcome,
+    StudyPlan, answers, slurm_script,
 };
+use asperity_scenario::four_digits;
 use asperity_study::output::file_name::file_name;
 use tracing::info_span;
 
@@ -22,6 +24,23 @@ pub(crate) fn run(asked: &Study, quiet: bool) -> Result<(), Failure> {
             let table = StudyFolder::open(folder)?.merge()?;
             if !quiet {
                 answer_line!("joined in {}", table.display());
+            }
+            Ok(())
+        }
+        (Some(StudyPart::Answers { file, out, exceed, level, json }), _) => {
+            let plan = read(file)?;
+            let thresholds =
+                exceed.iter().map(|text| read_threshold(text)).collect::<Result<_, _>>()?;
+            let options = AnswerOptions { level: *level, thresholds, ..AnswerOptions::default() };
+            let folder = StudyFolder::open(&folder_of(file, out.as_deref()))?;
+            let found = answers(&plan, &folder, &options)?;
+            let text = super::pretty(&found.to_json(&plan.coordinates()));
+            let path = folder.write("answers.json", &text)?;
+            if *json {
+                answer!("{text}");
+            } else if !quiet {
+                print_answers(&found, &plan.coordinates())?;
+                answer_line!("written to {}", path.display());
             }
             Ok(())
         }
@@ -100,5 +119,45 @@ fn read_shard(text: &str) -> Result<Shard, Failure> {
     match numbers {
         Some((Ok(number), Ok(count))) => Ok(Shard::new(number, count)?),
         _ => Err(Failure::ShardForm { argument: text.to_owned() }),
+    }
+}
+
+/// Prints failures, quantiles, exceedance probabilities and Sobol indices.
+fn print_answers(found: &StudyAnswers, inputs: &[String]) -> Result<(), Failure> {
+    answer_line!("{} runs, {} failed", found.runs, found.failed);
+    for (reason, count) in &found.reasons {
+        answer_line!("  {count}: {reason}");
+    }
+    for one in &found.observables {
+        let Some(mean) = one.mean else { continue };
+        let quantiles =
+            one.quantiles.iter().map(|(p, found)| format!("{p}: {}", four_digits(found.value)));
+        let (mean, quantiles) = (four_digits(mean), quantiles.collect::<Vec<_>>().join(", "));
+        answer_line!("{}: mean {mean}; quantiles {quantiles}", one.name);
+        for (threshold, chance) in &one.exceedances {
+            let interval = format!("{:.4} to {:.4}", chance.low, chance.high);
+            answer_line!("  above {threshold}: probability {:.4} ({interval})", chance.value);
+        }
+        let Some(indices) = &one.indices else { continue };
+        for ((first, total), input) in indices.first.iter().zip(&indices.total).zip(inputs) {
+            answer_line!(
+                "  {input}: first {:.3} ({:.3} to {:.3}), total {:.3} ({:.3} to {:.3})",
+                first.value,
+                first.low,
+                first.high,
+                total.value,
+                total.low,
+                total.high
+            );
+        }
+    }
+    Ok(())
+}
+
+fn read_threshold(text: &str) -> Result<(String, f64), Failure> {
+    let pair = text.split_once('=').and_then(|(name, value)| Some((name, value.parse().ok()?)));
+    match pair {
+        Some((name, value)) => Ok((name.to_owned(), value)),
+        None => Err(Failure::ExceedForm { argument: text.to_owned() }),
     }
 }

@@ -144,3 +144,28 @@ fn the_job_script_is_a_script_of_the_shell() {
     assert!(text(&output.stdout).contains("#SBATCH --array=1-8\n"));
     assert!(text(&output.stdout).contains(r"--out 'it'\''s' --shard"));
 }
+
+#[test]
+fn answers_give_quantiles_exceedances_and_indices() {
+    let folder = folder();
+    let folder = folder.path();
+    let mut study: Value =
+        serde_json::from_str(&fs::read_to_string(folder.join("rig.json")).unwrap()).unwrap();
+    study["design"] = json!({"kind": "saltelli", "base_rows": 16});
+    fs::write(folder.join("s.json"), study.to_string()).unwrap();
+    let ask = ["study", "answers", "s.json", "--json", "--exceed", "energy.input_j=0"];
+    assert_eq!(asperity(folder, &ask).status.code(), Some(2), "no study yet");
+    assert!(asperity(folder, &["study", "s.json"]).status.success());
+    let found = crate::answer(folder, &ask);
+    assert_eq!((&found["runs"], &found["failed"]), (&json!(48), &json!(0)));
+    let observables = found["observables"].as_array().unwrap();
+    let of = |name: &str| observables.iter().find(|one| one["name"] == name).unwrap();
+    assert_eq!(of("energy.input_j")["exceedances"][0]["value"], 1.0);
+    // The force decides its own work alone, and nothing at rest.
+    let work = &of("energy.input_j")["sobol_indices"]["inputs"][0];
+    assert!((work["total"].as_f64().unwrap() - 1.0).abs() < 0.3, "{work}");
+    assert!(of("static.natural_frequency_hz")["sobol_indices"].is_null());
+    assert!(files(&folder.join("out/s")).contains(&"answers.json".to_owned()));
+    let wrong = asperity(folder, &["study", "answers", "s.json", "--exceed", "f1=2"]);
+    assert!(text(&wrong.stderr).contains("accepted: static.natural_frequency_hz"));
+}

@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "studies of tests are valid")]
 
+mod answers;
 mod plans;
 mod runs;
 mod support;
