@@ -188,7 +188,7 @@ impl StudyPlan {
         Ok(RowSimulator::new(self.scenario.clone(), self.places.clone())?)
     }
 
-    /// What the bytes of the results follow from: hashes of the scenario, the study file and the files
+    /// The identity of the study, from which the bytes of its results follow: hashes of the scenario, the study file and the files
     /// they name, and the version of asperity.
     ///
     /// # Errors

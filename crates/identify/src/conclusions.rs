@@ -163,7 +163,7 @@ impl Identification {
         }
     }
 
-    /// What the band assumes of the form.
+    /// The assumption of the band about the form.
     fn about_form(&self) -> String {
         let name = &self.law.name;
         let Some(free) = self.free_law.as_ref().filter(|free| free.law == *name) else {

@@ -42,7 +42,7 @@ pub enum IdentificationError {
     FreeLaw {
         /// The law.
         law: String,
-        /// What is wrong and what is accepted.
+        /// The fault, and what is accepted.
         reason: String,
     },
     /// A law that does not exist.

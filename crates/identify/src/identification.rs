@@ -85,7 +85,7 @@ pub struct Identification {
     pub wall_s: f64,
     /// True if it was stopped in the comparison with other laws, which is then missing.
     pub stopped: bool,
-    /// What was found of the law without an assumed form, if the problem has one.
+    /// The findings about the law without an assumed form, if the problem has one.
     pub free_law: Option<FreeLawFindings>,
     /// True for the latents among the parameters.
     pub latent: Vec<bool>,

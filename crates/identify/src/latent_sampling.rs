@@ -14,7 +14,7 @@ use crate::scenario_model::ScenarioModel;
 /// Dropped and kept steps of every walker of a posterior with latents.
 const STEPS: [usize; 2] = [500, 1500];
 
-/// What was found of a law without an assumed form, beside its band.
+/// Findings about a law without an assumed form, beside its band.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FreeLawFindings {
     /// Its name.

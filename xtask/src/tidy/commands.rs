@@ -82,7 +82,7 @@ mod tests {
     use super::*;
 
     const HELP: &str = "The command\n\nUsage: asperity <COMMAND>\n\nCommands:\n  \
-        simulate  One transient run,\n            wrapped\n  sweep     Many\n  help      Print\n\n\
+        simulate  One transient run,\n            wrapped\n  sweep     Many\n  study     Any\n  help      Print\n\n\
         Options:\n  -h, --help  Print help\n";
 
     fn asperity() -> Program {
@@ -92,6 +92,10 @@ mod tests {
                     "Options:\n      --set <POINTER=VALUE>  x\n  -v, --verbose...\n"
                 }
                 ["help", "sweep"] => "Options:\n      --vary <X>  like --set\n",
+                ["help", "study"] => {
+                    "Commands:\n  slurm  A script\n  help   Print\n\nOptions:\n      --resume  x\n"
+                }
+                ["help", "study", "slurm"] => "Options:\n      --shards <N>  x\n",
                 _ => HELP,
             }
             .to_owned())
@@ -107,6 +111,7 @@ mod tests {
     #[test]
     fn what_exists_passes() {
         let text = "`asperity simulate`, `asperity`, `asperity-law`, `--vary`, `asperity COMMAND`\n\
+            `asperity study slurm a.json --shards 8`, `asperity study a.json --resume`, `--shards`\n\
             ```console\n$ asperity simulate a.json \\\n    --set /x=1 --verbose | less --no-init\n\
             asperity --nonsense is output\n$ asperity --version\n```\n\
             ```json\nasperity lost\n```\n\
@@ -126,5 +131,10 @@ mod tests {
         let text = "```sh\nasperity simulate a.json \\\n  --vary=/x=1\n```";
         assert_eq!(found(text), ["`asperity simulate` has no --vary"]);
         assert_eq!(found("Use `--sett`."), ["no command has --sett"]);
+        assert_eq!(found("`asperity study a --shards 8`"), ["`asperity study` has no --shards"]);
+        assert_eq!(
+            found("`asperity study slurm a --resume`"),
+            ["`asperity study slurm` has no --resume"]
+        );
     }
 }

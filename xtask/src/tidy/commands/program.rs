@@ -16,7 +16,7 @@ const EVERYWHERE: [&str; 2] = ["--help", "--version"];
 #[derive(Debug, Clone)]
 pub(crate) struct Program {
     name: String,
-    /// Options by subcommand.
+    /// Options by subcommand; that of a subcommand follows its name after a space.
     commands: BTreeMap<String, BTreeSet<String>>,
 }
 
@@ -51,22 +51,14 @@ impl Program {
     /// The program that prints such help when called with `help` and with
     /// `help` and a subcommand.
     pub(crate) fn of_help(name: &str, help: impl Fn(&[&str]) -> Result<String>) -> Result<Self> {
-        let overview = help(&["help"])?;
         let mut commands = BTreeMap::new();
-        let listed = overview.lines().skip_while(|line| *line != "Commands:").skip(1);
-        for line in listed.take_while(|line| !line.is_empty()) {
-            // Names stand two spaces in; further lines of a description stand further in.
-            let command = line.strip_prefix("  ").filter(|rest| !rest.starts_with(' '));
-            let Some(command) = command.and_then(|rest| rest.split_whitespace().next()) else {
-                continue;
-            };
-            let text = help(&["help", command])?;
-            let declared = text.lines().map(str::trim_start).filter(|line| line.starts_with('-'));
-            let options = declared
-                .filter_map(|line| line.split_whitespace().take(2).find_map(option))
-                .map(str::to_owned)
-                .collect();
-            commands.insert(command.to_owned(), options);
+        for command in subcommands(&help(&["help"])?) {
+            let text = help(&["help", &command])?;
+            for nested in subcommands(&text) {
+                let text = help(&["help", &command, &nested])?;
+                commands.insert(format!("{command} {nested}"), options(&text));
+            }
+            commands.insert(command, options(&text));
         }
         Ok(Self { name: name.to_owned(), commands })
     }
@@ -122,7 +114,10 @@ impl Program {
         if placeholder || *first == "help" || EVERYWHERE.contains(first) {
             return None;
         }
-        let Some(known) = self.commands.get(*first) else {
+        let nested = rest.first().map(|second| format!("{first} {second}"));
+        let nested = nested.filter(|nested| self.commands.contains_key(nested));
+        let first = nested.unwrap_or_else(|| (*first).to_owned());
+        let Some(known) = self.commands.get(&first) else {
             return Some(format!("there is no `{name} {first}`"));
         };
         let options = rest.iter().take_while(|word| **word != "--").filter_map(|word| option(word));
@@ -130,4 +125,24 @@ impl Program {
             options.into_iter().find(|word| !known.contains(*word) && !EVERYWHERE.contains(word));
         unknown.map(|word| format!("`{name} {first}` has no {word}"))
     }
+}
+
+/// The subcommands that a help lists.
+fn subcommands(help: &str) -> Vec<String> {
+    let listed = help.lines().skip_while(|line| *line != "Commands:").skip(1);
+    // Names stand two spaces in; further lines of a description stand further in.
+    let names = listed
+        .take_while(|line| !line.is_empty())
+        .filter_map(|line| line.strip_prefix("  ").filter(|rest| !rest.starts_with(' ')))
+        .filter_map(|rest| rest.split_whitespace().next());
+    names.filter(|name| *name != "help").map(str::to_owned).collect()
+}
+
+/// The options that a help declares.
+fn options(help: &str) -> BTreeSet<String> {
+    let declared = help.lines().map(str::trim_start).filter(|line| line.starts_with('-'));
+    declared
+        .filter_map(|line| line.split_whitespace().take(2).find_map(option))
+        .map(str::to_owned)
+        .collect()
 }
