@@ -67,7 +67,7 @@ pub(crate) enum Failure {
     #[error("--shard {argument}: accepted: K/N, e.g. 3/8")]
     ShardForm { argument: String },
     #[error(
-        "stopped after a whole chunk; `asperity study {} --out {}{shard} --resume` goes on",
+        "stopped; the chunks that were complete are kept, and `asperity study {} --out {}{shard} --resume` goes on",
         file.display(), folder.display()
     )]
     StoppedStudy { file: PathBuf, folder: PathBuf, shard: String },

@@ -27,8 +27,8 @@ pub trait RowModel {
     /// Names of the outputs.
     fn columns(&self) -> &[String];
 
-    /// Results of some rows, in their order.
-    fn run(&self, rows: &[Vec<Value>]) -> Vec<RowResult>;
+    /// Results of some rows, in their order; none if `stop` is set meanwhile.
+    fn run(&self, rows: &[Vec<Value>], stop: &AtomicBool) -> Option<Vec<RowResult>>;
 }
 
 impl RowModel for RowSimulator {
@@ -36,8 +36,8 @@ impl RowModel for RowSimulator {
         Self::columns(self)
     }
 
-    fn run(&self, rows: &[Vec<Value>]) -> Vec<RowResult> {
-        let found = Self::run(self, rows).into_iter();
+    fn run(&self, rows: &[Vec<Value>], stop: &AtomicBool) -> Option<Vec<RowResult>> {
+        let found = self.run_unless(rows, stop)?.into_iter();
         let result = |one: Result<Observables, StudyError>| {
             let observables = one.map_err(|error| error.to_string())?;
             let mut kinds: Vec<&'static str> =
@@ -45,7 +45,7 @@ impl RowModel for RowSimulator {
             kinds.dedup();
             Ok((observables.values.into_vec(), kinds))
         };
-        found.map(result).collect()
+        Some(found.map(result).collect())
     }
 }
 
@@ -94,7 +94,7 @@ pub enum StudyOutcome {
     Complete(PathBuf),
     /// The chunks of the shard are on disk; those of others are not joined yet.
     ShardDone,
-    /// The run was stopped after a whole chunk.
+    /// The run was stopped; the chunks that were complete are on disk.
     Stopped,
 }
 
@@ -102,7 +102,7 @@ pub enum StudyOutcome {
 ///
 /// Memory does not grow with the number of rows. The bytes of the results do not depend on the number
 /// of threads, on interruptions, or on shards. Between chunks `progress` receives the numbers of
-/// finished and of all rows of the shard, and the run ends if `stop` is set.
+/// finished and of all rows of the shard. If `stop` is set the run ends, without the chunk that was begun.
 ///
 /// # Errors
 /// [`EnsembleError`] for a folder of another study, a study that has begun unless it is continued, and
@@ -141,7 +141,10 @@ pub fn run(
                 return Ok(StudyOutcome::Stopped);
             }
             let rows: Vec<Vec<Value>> = folder.rows_of(chunk).map(|row| plan.values(row)).collect();
-            let text = text_of(&rows, model.run(&rows), model.columns().len());
+            let Some(results) = model.run(&rows, stop) else {
+                return Ok(StudyOutcome::Stopped);
+            };
+            let text = text_of(&rows, results, model.columns().len());
             folder.write_chunk(chunk, &text)?;
         }
         done += length(chunk);

@@ -1,6 +1,7 @@
 //! Runs of one scenario for rows of given values, such as those of a design.
 
 use std::collections::HashMap;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use asperity_dynamics::Batch;
@@ -18,7 +19,7 @@ use crate::prepared_scenario::PreparedScenario;
 /// Hits of one task over the lanes of a batch.
 const HITS_A_LANE: usize = 4;
 
-/// Prepared scenarios of one call that are kept for other rows.
+/// Prepared scenarios that are kept for other rows.
 const MOST_PREPARED: usize = 64;
 
 /// One input of a row: the places of the scenario that take its value.
@@ -51,6 +52,7 @@ pub struct RowSimulator {
     force_only: Vec<bool>,
     names: Arc<[String]>,
     batch: Batch,
+    prepared: Prepared,
 }
 
 /// Prepared scenarios by the values that change more than the force.
@@ -74,7 +76,14 @@ impl RowSimulator {
         let names = Arc::clone(&PreparedScenario::new(&scenario, document.folder())?.names);
         let of_force = |place: &String| place == "/excitation" || place.starts_with("/excitation/");
         let force_only = places.iter().map(|all| all.iter().all(of_force)).collect();
-        Ok(Self { document, places, force_only, names, batch: Batch::default() })
+        Ok(Self {
+            document,
+            places,
+            force_only,
+            names,
+            batch: Batch::default(),
+            prepared: Prepared::default(),
+        })
     }
 
     /// Names of the observables, as
@@ -85,22 +94,30 @@ impl RowSimulator {
 
     /// Observables of each row, or its error.
     pub fn run(&self, rows: &[Vec<Value>]) -> Vec<Result<Observables, StudyError>> {
-        let prepared = Prepared::default();
+        self.run_unless(rows, &AtomicBool::new(false)).unwrap_or_default()
+    }
+
+    /// As [`run`](Self::run), none if `stop` is set before all rows are begun: some tens of runs on each
+    /// thread later.
+    pub fn run_unless(
+        &self,
+        rows: &[Vec<Value>],
+        stop: &AtomicBool,
+    ) -> Option<Vec<Result<Observables, StudyError>>> {
         let control = ErrorControl::new(self.batch);
         let size = self.batch.room() * HITS_A_LANE;
-        rows.par_chunks(size.max(1))
-            .flat_map_iter(|rows| self.run_task(&control, &prepared, rows))
-            .collect()
+        let task = |rows| (!stop.load(Ordering::Relaxed)).then(|| self.run_task(&control, rows));
+        let found: Option<Vec<Vec<_>>> = rows.par_chunks(size.max(1)).map(task).collect();
+        Some(found?.into_iter().flatten().collect())
     }
 
     fn run_task(
         &self,
         control: &ErrorControl,
-        prepared: &Prepared,
         rows: &[Vec<Value>],
     ) -> Vec<Result<Observables, StudyError>> {
         let started: Vec<Result<Started, StudyError>> =
-            rows.iter().map(|row| self.start(prepared, row)).collect();
+            rows.iter().map(|row| self.start(row)).collect();
         let mut places = Vec::new();
         let mut requests = Vec::new();
         let mut outcomes: Vec<Option<Result<Observables, StudyError>>> = Vec::new();
@@ -121,7 +138,7 @@ impl RowSimulator {
         outcomes.into_iter().flatten().collect()
     }
 
-    fn start(&self, prepared: &Prepared, row: &[Value]) -> Result<Started, StudyError> {
+    fn start(&self, row: &[Value]) -> Result<Started, StudyError> {
         let mut value = self.document.value().clone();
         let mut structure = String::new();
         for ((places, number), force_only) in self.places.iter().zip(row).zip(&self.force_only) {
@@ -141,7 +158,7 @@ impl RowSimulator {
         }
         let scenario: Scenario = serde_json::from_value(value)
             .map_err(|error| StudyError::Scenario(error.to_string()))?;
-        let prepared = self.prepared(prepared, structure, &scenario)?;
+        let prepared = self.prepared(structure, &scenario)?;
         if prepared.names != self.names {
             return Err(StudyError::OtherColumns);
         }
@@ -156,11 +173,10 @@ impl RowSimulator {
 
     fn prepared(
         &self,
-        prepared: &Prepared,
         structure: String,
         scenario: &Scenario,
     ) -> Result<Arc<PreparedScenario>, StudyError> {
-        let lock = || prepared.lock().unwrap_or_else(PoisonError::into_inner);
+        let lock = || self.prepared.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(known) = lock().get(&structure) {
             return Ok(Arc::clone(known));
         }

@@ -21,7 +21,7 @@ impl RowModel for Ishigami {
         &self.columns
     }
 
-    fn run(&self, rows: &[Vec<Value>]) -> Vec<RowResult> {
+    fn run(&self, rows: &[Vec<Value>], _stop: &AtomicBool) -> Option<Vec<RowResult>> {
         let result = |row: &Vec<Value>| {
             let x: Vec<f64> = row.iter().map(|value| value.as_f64().unwrap()).collect();
             if x[2] > self.fails_above {
@@ -30,7 +30,7 @@ impl RowModel for Ishigami {
             let y = x[0].sin() + 7.0 * x[1].sin().powi(2) + 0.1 * x[2].powi(4) * x[0].sin();
             Ok((vec![y, 1.0], Vec::new()))
         };
-        rows.iter().map(result).collect()
+        Some(rows.iter().map(result).collect())
     }
 }
 

@@ -30,9 +30,10 @@ fn chunks_and_interruptions_do_not_change_a_byte() {
     let whole = table(&of_size(1000));
     assert_eq!(table(&of_size(64)), whole);
     let plan = of_size(64);
-    for stop_after in [1, 64, 65, 500, 900] {
+    let stops = [1, 64, 65, 500, 900];
+    for (stop_after, drops) in stops.into_iter().flat_map(|rows| [(rows, false), (rows, true)]) {
         let folder = tempfile::tempdir().unwrap();
-        let model = Square::new(stop_after);
+        let model = Square { drops, ..Square::new(stop_after) };
         let first = run(&plan, &model, &options(folder.path()), &model.stop, &|_, _| ()).unwrap();
         assert_eq!(first, StudyOutcome::Stopped);
         assert!(!folder.path().join("study.csv").exists());

@@ -39,6 +39,8 @@ pub(crate) struct Square {
     pub(crate) rows: AtomicU64,
     pub(crate) stop: AtomicBool,
     pub(crate) stop_after: u64,
+    /// Drops the chunk in which it sets the flag.
+    pub(crate) drops: bool,
 }
 
 impl Square {
@@ -48,6 +50,7 @@ impl Square {
             rows: AtomicU64::new(0),
             stop: AtomicBool::new(false),
             stop_after,
+            drops: false,
         }
     }
 }
@@ -57,11 +60,15 @@ impl RowModel for Square {
         &self.columns
     }
 
-    fn run(&self, rows: &[Vec<Value>]) -> Vec<RowResult> {
+    fn run(&self, rows: &[Vec<Value>], _stop: &AtomicBool) -> Option<Vec<RowResult>> {
         let count = rows.len() as u64;
-        if self.rows.fetch_add(count, Ordering::Relaxed) + count >= self.stop_after {
+        if self.rows.load(Ordering::Relaxed) + count >= self.stop_after {
             self.stop.store(true, Ordering::Relaxed);
+            if self.drops {
+                return None;
+            }
         }
+        self.rows.fetch_add(count, Ordering::Relaxed);
         let result = |row: &Vec<Value>| {
             let x = row[0].as_f64().unwrap();
             match x {
@@ -70,7 +77,7 @@ impl RowModel for Square {
                 x => Ok((vec![x * x], Vec::new())),
             }
         };
-        rows.iter().map(result).collect()
+        Some(rows.iter().map(result).collect())
     }
 }
 
