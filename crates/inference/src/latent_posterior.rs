@@ -1,8 +1,5 @@
 //! The posterior of a model with latents.
 
-use faer::Mat;
-use faer::linalg::solvers::Solve;
-
 use crate::error::{InferenceError, check_positive, check_size};
 use crate::fit::Fit;
 use crate::fit_problem::FitProblem;
@@ -180,17 +177,17 @@ impl LinearModel {
 
     /// `S J^T C^-1 J` with the covariance `C` of the residuals.
     fn resolution(&self, latents: &[Vec<f64>]) -> Result<Vec<Vec<f64>>, InferenceError> {
-        let covariance = self.covariance(latents);
-        let (rows, count) = (covariance.len(), latents.len());
-        let jacobian = Mat::from_fn(rows, count, |i, j| self.of_latents[i][j]);
-        let matrix = Mat::from_fn(rows, rows, |i, j| covariance[i][j]);
-        let solved = matrix
-            .llt(faer::Side::Lower)
-            .map_err(|_| InferenceError::Singular("covariance of the residuals"))?
-            .solve(&jacobian);
-        let prior = Mat::from_fn(count, count, |i, j| latents[i][j]);
-        let found = prior * jacobian.transpose() * solved;
-        Ok((0..count).map(|i| (0..count).map(|j| found[(i, j)]).collect()).collect())
+        let root = upper_root(&self.covariance(latents))
+            .ok_or(InferenceError::Singular("covariance of the residuals"))?;
+        let column = |j: usize| self.of_latents.iter().map(|row| row[j]).collect::<Vec<f64>>();
+        let white: Vec<Vec<f64>> =
+            (0..latents.len()).map(|j| upper_solve(&root, &column(j))).collect();
+        let precision =
+            |i: usize| white.iter().map(|own| dot(&white[i], own)).collect::<Vec<f64>>();
+        let precision: Vec<Vec<f64>> = (0..latents.len()).map(precision).collect();
+        // The precision is symmetric.
+        let row = |prior: &Vec<f64>| precision.iter().map(|own| dot(prior, own)).collect();
+        Ok(latents.iter().map(row).collect())
     }
 }
 

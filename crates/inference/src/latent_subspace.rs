@@ -4,7 +4,7 @@ use faer::Mat;
 
 use crate::error::InferenceError;
 use crate::latent_prior::LatentPrior;
-use crate::linear_algebra::{dot, upper_root, upper_solve, upper_times};
+use crate::linear_algebra::{dot, right_singular_vectors, upper_root, upper_solve, upper_times};
 use crate::model::{ForwardModel, Observation, PredictionError, Predictions};
 use crate::parameter::Parameter;
 use crate::random::{generator, normal, uniform};
@@ -62,12 +62,9 @@ impl LatentSubspace {
         let scaled = Mat::from_fn(rows.len().max(count), count, |i, j| {
             rows.get(i).map_or(0.0, |row| column(row, j))
         });
-        let decomposition =
-            scaled.thin_svd().map_err(|_| InferenceError::Singular("Jacobian of the latents"))?;
-        let (values, vectors) = (decomposition.S().column_vector(), decomposition.V());
-        let information: Vec<f64> = (0..count).map(|k| values[k] * values[k]).collect();
-        let rotation: Vec<Vec<f64>> =
-            (0..count).map(|k| (0..count).map(|j| vectors[(j, k)]).collect()).collect();
+        let (values, rotation) = right_singular_vectors(&scaled)
+            .ok_or(InferenceError::Singular("Jacobian of the latents"))?;
+        let information: Vec<f64> = values.iter().map(|value| value * value).collect();
         let active = information.iter().filter(|&&value| value > ACTIVE_INFORMATION).count();
         let components =
             prior.covariances().iter().zip(prior.weights()).map(|(own, weight)| {

@@ -1,6 +1,9 @@
 //! Normal matrices and their triangular roots.
 
-use faer::Mat;
+use faer::diag::Diag;
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::svd::{ComputeSvdVectors, svd, svd_scratch};
+use faer::{Mat, Par, Spec};
 
 use crate::error::InferenceError;
 
@@ -88,4 +91,18 @@ pub(crate) fn correlation(matrix: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let entry = |i: usize, j: usize| matrix[i][j] / (matrix[i][i] * matrix[j][j]).sqrt();
     let size = matrix.len();
     (0..size).map(|i| (0..size).map(|j| entry(i, j)).collect()).collect()
+}
+/// Singular values of a matrix with at least as many rows as columns, largest first, and the right
+/// singular vectors; none if it has none. One thread: the last bits do not depend on the number of others.
+pub(crate) fn right_singular_vectors(matrix: &Mat<f64>) -> Option<(Vec<f64>, Vec<Vec<f64>>)> {
+    let (rows, count) = matrix.shape();
+    let (mut values, mut vectors) = (Diag::zeros(count), Mat::zeros(count, count));
+    let (left, right) = (ComputeSvdVectors::No, ComputeSvdVectors::Full);
+    let scratch = svd_scratch::<f64>(rows, count, left, right, Par::Seq, Spec::default());
+    let mut memory = MemBuffer::new(scratch);
+    let stack = MemStack::new(&mut memory);
+    let (into, right) = (values.as_mut(), Some(vectors.as_mut()));
+    svd(matrix.as_ref(), into, None, right, Par::Seq, stack, Spec::default()).ok()?;
+    let vector = |k: usize| (0..count).map(|j| vectors[(j, k)]).collect();
+    Some((values.column_vector().iter().copied().collect(), (0..count).map(vector).collect()))
 }
