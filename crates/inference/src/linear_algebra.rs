@@ -2,6 +2,10 @@
 
 use faer::diag::Diag;
 use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::qr::no_pivoting::factor::{
+    qr_in_place, qr_in_place_scratch, recommended_block_size,
+};
+use faer::linalg::qr::no_pivoting::solve::{solve_lstsq_in_place, solve_lstsq_in_place_scratch};
 use faer::linalg::svd::{ComputeSvdVectors, svd, svd_scratch};
 use faer::{Mat, Par, Spec};
 
@@ -27,14 +31,13 @@ pub(crate) fn inverse_normal(
         return Err(singular());
     }
     let equilibrated = Mat::from_fn(rows.len(), columns, |i, j| rows[i][j] / norms[j]);
-    let decomposition = equilibrated.qr();
-    let upper = decomposition.thin_R();
+    let decomposition = Decomposition::new(&equilibrated);
     // R is solved for the unit vectors by substitution: R^-1 is upper triangular too.
     let mut root = vec![vec![0.0; columns]; columns];
     for (i, k) in (0..columns).flat_map(|k| (0..=k).rev().map(move |i| (i, k))) {
         let unit = if i == k { 1.0 } else { 0.0 };
-        let known: f64 = (i + 1..=k).map(|j| upper[(i, j)] * root[j][k]).sum();
-        root[i][k] = (unit - known) / upper[(i, i)];
+        let known: f64 = (i + 1..=k).map(|j| decomposition.upper(i, j) * root[j][k]).sum();
+        root[i][k] = (unit - known) / decomposition.upper(i, i);
     }
     for (row, norm) in root.iter_mut().zip(&norms) {
         for entry in row {
@@ -92,6 +95,54 @@ pub(crate) fn correlation(matrix: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let size = matrix.len();
     (0..size).map(|i| (0..size).map(|j| entry(i, j)).collect()).collect()
 }
+/// A QR decomposition of a matrix with at least as many rows as columns, by one thread: the last bits do
+/// not depend on the number of others.
+pub(crate) struct Decomposition {
+    /// Householder vectors below the diagonal, R above.
+    factors: Mat<f64>,
+    coefficients: Mat<f64>,
+}
+
+impl Decomposition {
+    pub(crate) fn new(matrix: &Mat<f64>) -> Self {
+        let (rows, columns) = matrix.shape();
+        let size = rows.min(columns);
+        let block = recommended_block_size::<f64>(rows, columns);
+        let (mut factors, mut coefficients) = (matrix.clone(), Mat::zeros(block, size));
+        let scratch = qr_in_place_scratch::<f64>(rows, columns, block, Par::Seq, Spec::default());
+        qr_in_place(
+            factors.as_mut(),
+            coefficients.as_mut(),
+            Par::Seq,
+            MemStack::new(&mut MemBuffer::new(scratch)),
+            Spec::default(),
+        );
+        Self { factors, coefficients }
+    }
+
+    /// An entry of R, on the diagonal or above.
+    pub(crate) fn upper(&self, row: usize, column: usize) -> f64 {
+        self.factors[(row, column)]
+    }
+
+    /// The least-squares solution of `A x = values`, in the leading entries.
+    pub(crate) fn solve(&self, values: &[f64]) -> Mat<f64> {
+        let mut right = Mat::from_fn(values.len(), 1, |i, _| values[i]);
+        let (rows, columns) = self.factors.shape();
+        let block = self.coefficients.nrows();
+        let scratch = solve_lstsq_in_place_scratch::<f64>(rows, columns, block, 1, Par::Seq);
+        solve_lstsq_in_place(
+            self.factors.as_ref(),
+            self.coefficients.as_ref(),
+            self.factors.get(..columns, ..),
+            right.as_mut(),
+            Par::Seq,
+            MemStack::new(&mut MemBuffer::new(scratch)),
+        );
+        right
+    }
+}
+
 /// Singular values of a matrix with at least as many rows as columns, largest first, and the right
 /// singular vectors; none if it has none. One thread: the last bits do not depend on the number of others.
 pub(crate) fn right_singular_vectors(matrix: &Mat<f64>) -> Option<(Vec<f64>, Vec<Vec<f64>>)> {

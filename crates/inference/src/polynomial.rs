@@ -1,8 +1,8 @@
 //! Polynomials of several variables and their least-squares fit.
 
 use faer::Mat;
-use faer::linalg::solvers::SolveLstsqCore;
-use faer::{Conj, linalg::solvers::Qr};
+
+use crate::linear_algebra::Decomposition;
 
 /// All monomials up to a total degree, each an earlier one times a variable.
 #[derive(Debug, Clone, PartialEq)]
@@ -53,15 +53,23 @@ pub(crate) struct Fitted {
 /// A design matrix with its decomposition, for many right-hand sides.
 pub(crate) struct LeastSquares {
     rows: Mat<f64>,
-    decomposition: Qr<f64>,
+    decomposition: Decomposition,
     leverages: Vec<f64>,
 }
 
 impl LeastSquares {
     pub(crate) fn new(rows: Mat<f64>) -> Self {
-        let decomposition = rows.qr();
-        let basis = decomposition.compute_thin_Q();
-        let leverage = |i: usize| (0..basis.ncols()).map(|k| basis[(i, k)] * basis[(i, k)]).sum();
+        let decomposition = Decomposition::new(&rows);
+        // Of a row a of the matrix: |y|^2 with R^T y = a.
+        let leverage = |i: usize| {
+            let mut y: Vec<f64> = Vec::with_capacity(rows.ncols());
+            for k in 0..rows.ncols() {
+                let known: f64 =
+                    y.iter().enumerate().map(|(j, y)| decomposition.upper(j, k) * y).sum();
+                y.push((rows[(i, k)] - known) / decomposition.upper(k, k));
+            }
+            y.iter().map(|y| y * y).sum()
+        };
         let leverages = (0..rows.nrows()).map(leverage).collect();
         Self { rows, decomposition, leverages }
     }
@@ -70,8 +78,7 @@ impl LeastSquares {
     ///
     /// The leave-one-out error of a point is its residual over one minus its leverage.
     pub(crate) fn fit(&self, values: &[f64]) -> Option<Fitted> {
-        let mut right = Mat::from_fn(values.len(), 1, |i, _| values[i]);
-        self.decomposition.solve_lstsq_in_place_with_conj(Conj::No, right.as_mut());
+        let right = self.decomposition.solve(values);
         let count = self.rows.ncols();
         let coefficients: Vec<f64> = (0..count).map(|k| right[(k, 0)]).collect();
         let square = |i: usize| {
