@@ -38,10 +38,11 @@ pub type Places = Vec<String>;
 /// let places = vec![vec!["/excitation/peak_n".to_owned()]];
 /// let simulator = RowSimulator::new(document, places)?;
 /// let column = simulator.columns().iter().position(|name| name == "fundamental.frequency_hz");
-/// let found = simulator.run(&[vec![json!(2.0)], vec![json!(14.0)], vec![json!(-1.0)]]);
-/// let f1 = |row: usize| found[row].as_ref().map(|one| one.values[column.unwrap()]);
-/// assert!(f1(1)? < f1(0)?, "the contact softens with the force");
-/// assert!(f1(2).is_err(), "a negative force is an error of its row");
+/// let found = simulator.run(&[vec![json!(2.0)], vec![json!(14.0)], vec![json!("loud")]]);
+/// let [f1_at_2, f1_at_14] =
+///     [0, 1].map(|row| found[row].as_ref().unwrap().values[column.unwrap()]);
+/// assert!(f1_at_14 < f1_at_2, "the contact softens with the force");
+/// assert!(found[2].is_err(), "a force without a number is an error of its row");
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug)]
