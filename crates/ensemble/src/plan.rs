@@ -188,8 +188,8 @@ impl StudyPlan {
         Ok(RowSimulator::new(self.scenario.clone(), self.places.clone())?)
     }
 
-    /// The identity of the study, from which the bytes of its results follow: hashes of the scenario, the study file and the files
-    /// they name, and the version of asperity.
+    /// The identity of the study, from which the bytes of its results follow: hashes of the scenario,
+    /// the study file and the files they name, and the version of asperity.
     ///
     /// # Errors
     /// [`EnsembleError::Study`] for a file that cannot be read.

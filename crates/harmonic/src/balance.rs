@@ -193,14 +193,17 @@ impl<'a> Balance<'a> {
         let damped = self.damped.as_ref();
         for friction in self.loops.iter_mut().filter(|friction| friction.contact == i) {
             let pair = friction.pair;
-            self.fourier.synthesise(&x[of(pair, terms)], &mut friction.closures);
+            let closures = &mut self.closure_samples[of(pair, samples)];
+            if pair != i {
+                self.fourier.synthesise(&x[of(pair, terms)], closures);
+            }
             let force = ContactForce {
                 at_rest: contact.area() * contact.pressure(),
                 increments: &self.force_samples[of(i, samples)],
                 tangents: &self.tangent_samples[of(i, samples)],
                 damping: damped.map(|damped| (&damped.dampers[..], &damped.rates[..])),
             };
-            friction.follow(&self.fourier, force, w);
+            friction.follow(&self.fourier, closures, force, w);
         }
         // Only then: a limit is one of the contact's force alone.
         for friction in self.loops.iter_mut().filter(|friction| friction.contact == i) {
@@ -218,7 +221,6 @@ impl<'a> Balance<'a> {
                 if let Some(slopes) = &mut by_frequency {
                     slopes.fill(0.0);
                 }
-                self.closure_samples[of(pair, samples)].copy_from_slice(&friction.closures);
             }
             friction.add_to(&self.fourier, (series, force_samples), product, by_frequency);
         }

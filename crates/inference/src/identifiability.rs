@@ -3,6 +3,7 @@
 use faer::Mat;
 
 use crate::error::InferenceError;
+use crate::linear_algebra::right_singular_vectors;
 use crate::linearisation::Linearisation;
 use crate::parameter::Parameter;
 
@@ -52,16 +53,13 @@ impl Linearisation {
         let scaled = Mat::from_fn(rows.len().max(parameters.len()), parameters.len(), |i, j| {
             rows.get(i).map_or(0.0, |row| row[j] * before[j])
         });
-        let singular = |_| InferenceError::Singular("Jacobian");
-        let decomposition = scaled.thin_svd().map_err(singular)?;
-        let (values, vectors) = (decomposition.S().column_vector(), decomposition.V());
+        let (singular_values, vectors) =
+            right_singular_vectors(&scaled).ok_or(InferenceError::Singular("Jacobian"))?;
         let count = parameters.len();
-        let singular_values: Vec<f64> = (0..count).map(|k| values[k]).collect();
         let direction = |k: usize| -> Vec<f64> {
-            let largest =
-                (0..count).map(|j| vectors[(j, k)]).max_by(|a, b| a.abs().total_cmp(&b.abs()));
-            let sign = largest.unwrap_or(1.0).signum();
-            (0..count).map(|j| sign * vectors[(j, k)]).collect()
+            let largest = vectors[k].iter().max_by(|a, b| a.abs().total_cmp(&b.abs()));
+            let sign = largest.map_or(1.0, |entry| entry.signum());
+            vectors[k].iter().map(|entry| sign * entry).collect()
         };
         let undetermined = (0..count).rev().filter_map(|k| {
             let remaining = 1.0 / singular_values[k].hypot(1.0);

@@ -25,8 +25,6 @@ pub(super) struct FrictionLoop {
     pub(super) pair: usize,
     /// Contact whose force bounds it.
     pub(super) contact: usize,
-    /// Closures of the pair at the samples \[m\].
-    pub(super) closures: Vec<f64>,
     /// Forces at the samples \[N\].
     forces: Vec<f64>,
     /// Derivatives of the series of the force with respect to those of the pair's closure and of the
@@ -71,7 +69,6 @@ impl FrictionLoop {
             friction,
             pair,
             contact,
-            closures: vec![0.0; samples],
             forces: vec![0.0; samples],
             by_pair: vec![0.0; terms * terms],
             by_contact: vec![0.0; terms * terms],
@@ -85,8 +82,15 @@ impl FrictionLoop {
         }
     }
 
-    /// Follows the element along its closures over a period of angular frequency `w` \[rad/s\].
-    pub(super) fn follow(&mut self, fourier: &Fourier, contact: ContactForce<'_>, w: f64) {
+    /// Follows the element along its pair's `closures` \[m\] over a period of angular frequency `w`
+    /// \[rad/s\].
+    pub(super) fn follow(
+        &mut self,
+        fourier: &Fourier,
+        closures: &[f64],
+        contact: ContactForce<'_>,
+        w: f64,
+    ) {
         for all in [&mut self.by_pair, &mut self.by_contact, &mut self.by_frequency] {
             all.fill(0.0);
         }
@@ -97,9 +101,9 @@ impl FrictionLoop {
             for n in 0..fourier.samples() {
                 let carried = contact.at_rest + contact.increments[n];
                 let limit = self.friction.limit(carried);
-                let stuck = force + stiffness * (self.closures[n] - before);
-                force = self.friction.force(force, self.closures[n] - before, limit);
-                before = self.closures[n];
+                let stuck = force + stiffness * (closures[n] - before);
+                force = self.friction.force(force, closures[n] - before, limit);
+                before = closures[n];
                 let slips = stuck.abs() > limit;
                 if slips {
                     if recorded {
