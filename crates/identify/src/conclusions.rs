@@ -132,6 +132,12 @@ impl Identification {
                 "Law \"{name}\" is the scenario's {given}: no parameter acts on it there, so that its band has no width, and it was not measured."
             ));
         }
+        let smoothness = ranges(StiffnessOrigin::Smoothness);
+        if !smoothness.is_empty() {
+            words.push(format!(
+                "The stiffness of law \"{name}\" {smoothness} follows from the data at other pressures by the smoothness of the law: the averaging kernel is wider than a decade of pressure there."
+            ));
+        }
         let open = ranges(StiffnessOrigin::Open);
         if !open.is_empty() {
             words.push(format!(
@@ -177,7 +183,7 @@ impl Identification {
         let finest = finest.min_by(|a, b| a.1.total_cmp(b.1));
         let resolved = finest.map(|(pressure, width)| {
             format!(
-                " The resolution is best at {} MPa, where the averaging kernel is as wide as a factor of {:.2} in pressure; for a law with a shoulder or a bump narrower than that, the band is too narrow.",
+                " The resolution is best at {} MPa, where the averaging kernel is as wide as a factor of {:.2} in pressure; a shoulder or a bump narrower than that is not seen.",
                 four_digits(1e-6 * pressure),
                 width.exp()
             )

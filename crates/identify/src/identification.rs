@@ -187,7 +187,8 @@ pub fn identify_with_progress(
         ));
     }
     let (posterior, free_law) = sampled?;
-    let law = LawBand::new(problem, &forward, &law_name, &best.point, &posterior)?;
+    let law =
+        LawBand::new(problem, &forward, &law_name, &best.point, (&posterior, free_law.as_ref()))?;
     let stiffnesses = StiffnessEstimate::all(problem, &forward, &best.point, &posterior)?;
 
     work.begin(WorkStage::Comparison);

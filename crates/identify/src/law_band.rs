@@ -1,15 +1,17 @@
 //! The law with its credible band, and the origin of its stiffness at each pressure.
 //!
-//! The stiffness at a pressure is *informed* by the data if a run reaches that pressure and the
-//! posterior standard deviation of ln K is at most [`INFORMED_SHARE`] of the prior one. It is *given*
-//! if no parameter acts on it: the band then has no width, and nothing was measured. See
-//! [`StiffnessOrigin`].
+//! The stiffness at a pressure is *informed* by the data if a run reaches that pressure, the
+//! posterior standard deviation of ln K is at most [`INFORMED_SHARE`] of the prior one, and, of a law
+//! of free form, the averaging kernel is at most [`RESOLVED`] wide: a wider one averages, or
+//! extrapolates by smoothness. It is *given* if no parameter acts on it: the band then has no width,
+//! and nothing was measured. See [`StiffnessOrigin`].
 
 use asperity_inference::{ForwardModel, Posterior, prior_draws};
 use serde::Serialize;
 
 use crate::error::IdentificationError;
 use crate::identification_problem::IdentificationProblem;
+use crate::latent_sampling::FreeLawFindings;
 use crate::observed_quantity::ObservedQuantity;
 use crate::scenario_model::ScenarioModel;
 use crate::stepped_sine::SimulatedSweep;
@@ -27,6 +29,10 @@ const DRAWS: usize = 12;
 /// Posterior over prior standard deviation of ln K up to which the data inform a stiffness.
 pub const INFORMED_SHARE: f64 = 1.0 / 3.0;
 
+/// Width of the averaging kernel in ln p up to which the data resolve a stiffness: a decade of
+/// pressure.
+pub const RESOLVED: f64 = std::f64::consts::LN_10;
+
 /// Prior standard deviation of ln K up to which a stiffness counts as given.
 const GIVEN: f64 = 1e-9;
 
@@ -34,8 +40,12 @@ const GIVEN: f64 = 1e-9;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum StiffnessOrigin {
-    /// The data: the pressure is reached, and at most a third of the uncertainty is left.
+    /// The data: the pressure is reached, at most a third of the uncertainty is left, and the
+    /// averaging kernel of a free law is at most a decade of pressure wide.
     Data,
+    /// The data at other pressures, by the smoothness of a free law: at most a third of the
+    /// uncertainty is left, but the averaging kernel is wider.
+    Smoothness,
     /// The form of the law as the scenario gives it: no parameter acts on the stiffness.
     Given,
     /// The parameters, which the data leave open there: bounds, priors, and the form of the law
@@ -48,19 +58,23 @@ impl StiffnessOrigin {
     pub fn name(self) -> &'static str {
         match self {
             Self::Data => "data",
+            Self::Smoothness => "smoothness",
             Self::Given => "given",
             Self::Open => "open",
         }
     }
 
-    fn of(pressure: f64, reached: [f64; 2], before: f64, remaining: f64) -> Self {
-        let inside = (reached[0]..=reached[1]).contains(&pressure);
+    /// The origin at a pressure that runs reach or not, with the prior deviation of ln K and the share
+    /// of it that is left; `resolution` is the width of the averaging kernel of a free law.
+    fn of(is_reached: bool, before: f64, remaining: f64, resolution: Option<f64>) -> Self {
         if before <= GIVEN {
             Self::Given
-        } else if inside && remaining <= INFORMED_SHARE {
+        } else if !(is_reached && remaining <= INFORMED_SHARE) {
+            Self::Open
+        } else if resolution.is_none_or(|width| width <= RESOLVED) {
             Self::Data
         } else {
-            Self::Open
+            Self::Smoothness
         }
     }
 }
@@ -130,7 +144,7 @@ impl LawBand {
         forward: &ScenarioModel,
         name: &str,
         best: &[f64],
-        posterior: &Posterior,
+        (posterior, free): (&Posterior, Option<&FreeLawFindings>),
     ) -> Result<Self, IdentificationError> {
         let Reached { range: reached, at_rest } = Reached::of(forward, name, best)?;
         let range = problem.spec.pressures_pa.unwrap_or([0.0, 1.25 * reached[1]]);
@@ -139,8 +153,9 @@ impl LawBand {
             .map(|i| i as f64 / (PRESSURES - 1) as f64)
             .map(|part| range[0] + (range[1] - range[0]) * part * part)
             .collect();
-        let Evaluated { quantiles: [lower, first, median, third, upper], remaining, origin } =
-            Evaluated::new(problem, forward, name, &pressure, reached, posterior);
+        let found = Evaluated::new(problem, forward, name, &pressure, posterior);
+        let origin = found.origins(&pressure, reached, free.filter(|free| free.law == name));
+        let Evaluated { quantiles: [lower, first, median, third, upper], remaining, .. } = found;
         let draws = equal_draws(posterior, DRAWS)
             .into_iter()
             .map(|draw| forward.curve(name, &pressure, &posterior.draws[draw]))
@@ -191,7 +206,8 @@ impl StiffnessEstimate {
         for (law, pressures) in forward.parameters.monotone_pressures(&forward.scenario) {
             let reached = Reached::of(forward, &law, best)?.range;
             let stiffness = forward.curve(&law, &pressures, best)?;
-            let found = Evaluated::new(problem, forward, &law, &pressures, reached, posterior);
+            let found = Evaluated::new(problem, forward, &law, &pressures, posterior);
+            let origin = found.origins(&pressures, reached, None);
             let [lower, _, _, _, upper] = &found.quantiles;
             all.extend((0..pressures.len()).map(|i| Self {
                 law: law.clone(),
@@ -199,19 +215,21 @@ impl StiffnessEstimate {
                 stiffness_pa_per_m: stiffness[i],
                 interval_pa_per_m: [lower[i], upper[i]],
                 remaining: found.remaining[i],
-                origin: found.origin[i],
+                origin: origin[i],
             }));
         }
         Ok(all)
     }
 }
 
-/// Quantiles of the stiffness of a law at some pressures, and their origin.
+/// Quantiles of the stiffness of a law at some pressures, and its uncertainty.
 struct Evaluated {
     /// Lower end of the interval, first quartile, median, third quartile, upper end.
     quantiles: [Vec<f64>; 5],
+    /// Standard deviation of ln K before the measurement.
+    before: Vec<f64>,
+    /// Posterior over prior standard deviation of ln K.
     remaining: Vec<f64>,
-    origin: Vec<StiffnessOrigin>,
 }
 
 impl Evaluated {
@@ -220,7 +238,6 @@ impl Evaluated {
         forward: &ScenarioModel,
         law: &str,
         pressures: &[f64],
-        reached: [f64; 2],
         posterior: &Posterior,
     ) -> Self {
         let count = pressures.len();
@@ -240,12 +257,23 @@ impl Evaluated {
         let before = deviations(&logarithms(&before), &equal);
         let remaining: Vec<f64> =
             after.iter().zip(&before).map(|(a, b)| if *b <= GIVEN { 0.0 } else { a / b }).collect();
-        let places = pressures.iter().zip(before.iter().zip(&remaining));
-        let origin = places.map(|(&pressure, (&before, &remaining))| {
-            StiffnessOrigin::of(pressure, reached, before, remaining)
-        });
-        let origin = origin.collect();
-        Self { quantiles: band.quantiles.try_into().unwrap_or_default(), remaining, origin }
+        Self { quantiles: band.quantiles.try_into().unwrap_or_default(), before, remaining }
+    }
+
+    /// The origin of the stiffness at the pressures, of which runs reach a range.
+    fn origins(
+        &self,
+        pressures: &[f64],
+        reached: [f64; 2],
+        free: Option<&FreeLawFindings>,
+    ) -> Vec<StiffnessOrigin> {
+        let origin = |(i, pressure): (usize, &f64)| {
+            let is_reached = (reached[0]..=reached[1]).contains(pressure);
+            // Outside the table of a free law nothing is resolved.
+            let width = free.map(|free| free.resolution(*pressure).unwrap_or(f64::INFINITY));
+            StiffnessOrigin::of(is_reached, self.before[i], self.remaining[i], width)
+        };
+        pressures.iter().enumerate().map(origin).collect()
     }
 }
 

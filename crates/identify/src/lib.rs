@@ -78,7 +78,9 @@ pub use identification::{Identification, identify, identify_with_progress};
 pub use identification_problem::IdentificationProblem;
 pub use incomplete::IncompleteIdentification;
 pub use latent_sampling::FreeLawFindings;
-pub use law_band::{ComparedForm, INFORMED_SHARE, LawBand, StiffnessEstimate, StiffnessOrigin};
+pub use law_band::{
+    ComparedForm, INFORMED_SHARE, LawBand, RESOLVED, StiffnessEstimate, StiffnessOrigin,
+};
 pub use report::{Estimate, IDENTIFICATION_SCHEMA, PredictedObservation};
 pub use starts::StartAgreement;
 pub use work::{Work, WorkProgress, WorkStage};

@@ -101,6 +101,7 @@ impl Identification {
                 "name": self.law.name,
                 "informed_pa": self.law.informed_range(),
                 "given_pa": self.law.ranges(StiffnessOrigin::Given),
+                "smoothness_pa": self.law.ranges(StiffnessOrigin::Smoothness),
                 "open_pa": self.law.ranges(StiffnessOrigin::Open),
                 "reached_pa": self.law.reached,
                 "static_pressure_pa": self.law.at_rest,

@@ -7,7 +7,9 @@ mod laws;
 #[path = "support/twin.rs"]
 mod twin;
 
-use asperity_identify::{Identification, IdentificationError, PressureDependence, identify};
+use asperity_identify::{
+    Identification, IdentificationError, PressureDependence, RESOLVED, StiffnessOrigin, identify,
+};
 use asperity_inference::Agreement;
 use asperity_law::{ContactLaw, Tabulated};
 use asperity_scenario::Document;
@@ -50,33 +52,56 @@ fn identified(law: &Value, seed: u64, points: usize, peaks: &[f64]) -> Identific
     identify(&twin.problem(&twin.measured(&sensors), &unknowns(points), &more)).unwrap()
 }
 
-/// A true law with a kink, which is neither the scenario's nor of the prior's kind. Of correct bands of
-/// 95 % about one in ten has fewer than 85 % of its pressures inside; this seed has more. The example
+/// True laws that are neither the scenario's nor of the prior's kind. Bands of 95 % hold at all eight
+/// pressures with a probability of 66 %, at fewer than five with one of 0.04 %; bands of half the
+/// width, which hold 67 % of the time, at fewer than five with one of 20 %. The example
 /// `free_law_coverage` counts many.
 #[test]
-fn the_band_of_a_free_law_holds_for_a_law_of_another_family() {
-    let (family, seed) = ("kink", 3);
-    let points = laws::law(family, &mut Noise::new(seed));
-    let truth = Tabulated::new(&points).unwrap();
-    let found = identified(&laws::written(&points), seed, 30, &PEAKS);
+fn the_bands_of_free_laws_hold_for_laws_of_other_families() {
+    let mut inside = Vec::new();
+    for (family, seed) in [("shoulder", 11), ("bump", 12), ("exponential", 13), ("kink", 3)] {
+        let points = laws::law(family, &mut Noise::new(seed));
+        let truth = Tabulated::new(&points).unwrap();
+        let found = identified(&laws::written(&points), seed, 30, &PEAKS);
+        let band = &found.law;
+        for asked in [0.1e6, 0.2e6] {
+            let i = band.pressure.partition_point(|&pressure| pressure < asked);
+            assert_ne!(band.origin[i], StiffnessOrigin::Open, "{family} at {asked} Pa");
+            let exact = truth.stiffness(band.pressure[i]);
+            inside.push((family, asked, (band.lower[i]..=band.upper[i]).contains(&exact)));
+        }
+        if family == "kink" {
+            check_findings(&found);
+        }
+    }
+    assert!(inside.iter().filter(|one| one.2).count() >= 5, "{inside:?}");
+}
+
+/// Diagnostics, words and files of a free law that explains the data.
+fn check_findings(found: &Identification) {
     let band = &found.law;
     let informed: Vec<usize> = (0..band.pressure.len()).filter(|&i| band.informed[i]).collect();
-    let inside = informed
-        .iter()
-        .filter(|&&i| (band.lower[i]..=band.upper[i]).contains(&truth.stiffness(band.pressure[i])));
-    let inside = inside.count();
-    assert!(informed.len() > 40, "{family}: {}", informed.len());
-    assert!(20 * inside >= 17 * informed.len(), "{family}: {inside} of {}", informed.len());
+    assert!(informed.len() > 25, "{}", informed.len());
     let diagnostics = &found.posterior.diagnostics;
-    assert!(found.has_converged(), "{family}: {diagnostics:?}");
-    assert_eq!(found.agreement(), Agreement::Good, "{family}: {:?}", found.goodness);
-    assert_eq!(found.pressure_dependence(), PressureDependence::Shown, "{family}");
+    assert!(found.has_converged(), "{diagnostics:?}");
+    assert_eq!(found.agreement(), Agreement::Good, "{:?}", found.goodness);
+    assert_eq!(found.pressure_dependence(), PressureDependence::Shown);
     // The quartiles are inside the band; the resolution is best near the static pressure.
     for &i in &informed {
         let [first, third] = band.quartiles.each_ref().map(|quartile| quartile[i]);
         assert!(band.lower[i] <= first && first <= third && third <= band.upper[i]);
     }
+    // Beside the informed pressures smoothness alone narrows the law.
     let free = found.free_law.as_ref().unwrap();
+    for (&pressure, &origin) in band.pressure.iter().zip(&band.origin) {
+        let width = free.resolution(pressure).unwrap_or(f64::INFINITY);
+        match origin {
+            StiffnessOrigin::Data => assert!(width <= RESOLVED, "{pressure}: {width}"),
+            StiffnessOrigin::Smoothness => assert!(width > RESOLVED, "{pressure}: {width}"),
+            StiffnessOrigin::Given | StiffnessOrigin::Open => {}
+        }
+    }
+    assert!(!band.ranges(StiffnessOrigin::Smoothness).is_empty());
     let at = |pressure: f64| free.resolution(pressure).unwrap();
     assert!(at(band.at_rest) < 0.5 * at(free.pressures_pa[1]), "{:?}", free.resolution_ln_p);
     // No parameter is reported for each latent; law.json is a table that a scenario accepts.

@@ -146,6 +146,7 @@ fn print_estimates(found: &Identification) -> Result<(), Failure> {
         let [low, high] = one.interval_pa_per_m;
         let origin = match one.origin {
             StiffnessOrigin::Data => "",
+            StiffnessOrigin::Smoothness => ", by smoothness",
             StiffnessOrigin::Given => ", given",
             StiffnessOrigin::Open => ", left open by the data",
         };

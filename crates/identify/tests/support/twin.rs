@@ -70,6 +70,7 @@ impl Truth {
             FundamentalSearch::Frequency(850.0),
         );
         options.windows.force_s = Some((2e-3, 1e-3));
+        options.windows.until_noise = true;
         let one = |(_, force, response): &(f64, Vec<f64>, Vec<f64>)| {
             let mut shown = |signal: &[f64], gain: f64| -> Vec<f64> {
                 let power = signal.iter().map(|x| x * x).sum::<f64>() / signal.len() as f64;

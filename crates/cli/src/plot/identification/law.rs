@@ -1,7 +1,7 @@
 //! Stiffness over pressure with its band, and the uncertainty left.
 
 use asperity_figure::{Axis, Color, Dash, Figure, Legend, Marker, Panel, Series};
-use asperity_identify::{INFORMED_SHARE, Identification, LawBand, StiffnessOrigin};
+use asperity_identify::{INFORMED_SHARE, Identification, LawBand, RESOLVED, StiffnessOrigin};
 
 use super::observations::{ObservationKind, ObservationRow, column};
 
@@ -87,6 +87,7 @@ pub(super) fn law(found: &Identification, rows: &[ObservationRow<'_>]) -> Figure
         let widths: Vec<f64> = law.pressure.iter().map(width).collect();
         let spread = Axis::log("Width of the averaging kernel in ln p", "").range(0.03, 10.0);
         let panel = Panel::new(pressure(), spread).legend(Legend::None);
+        let panel = panel.horizontal(RESOLVED, "a decade");
         let line = Series::line("", &law.pressure, widths).color(Color::BLUE);
         shaded(panel.series_if_visible(line), law).vertical(law.at_rest, "")
     });

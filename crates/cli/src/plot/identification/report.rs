@@ -156,6 +156,7 @@ fn estimates(report: Report, found: &Identification) -> Report {
     let stiffnesses = found.stiffnesses.iter().map(|one| {
         let origin = match one.origin {
             StiffnessOrigin::Data => "data",
+            StiffnessOrigin::Smoothness => "smoothness",
             StiffnessOrigin::Given => "given",
             StiffnessOrigin::Open => "left open by the data",
         };
