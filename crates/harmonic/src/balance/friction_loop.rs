@@ -98,12 +98,12 @@ impl FrictionLoop {
         let (stiffness, share) = (self.friction.stiffness(), self.friction.share_of_contact());
         let (mut force, mut before, mut slip) = (0.0, 0.0, None);
         for recorded in [false, true] {
-            for n in 0..fourier.samples() {
+            for (n, &closure) in closures.iter().enumerate() {
                 let carried = contact.at_rest + contact.increments[n];
                 let limit = self.friction.limit(carried);
-                let stuck = force + stiffness * (closures[n] - before);
-                force = self.friction.force(force, closures[n] - before, limit);
-                before = closures[n];
+                let stuck = force + stiffness * (closure - before);
+                force = self.friction.force(force, closure - before, limit);
+                before = closure;
                 let slips = stuck.abs() > limit;
                 if slips {
                     if recorded {
