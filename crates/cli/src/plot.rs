@@ -13,7 +13,7 @@ use asperity_figure::{Figure, Panel};
 
 pub(crate) use analysis::{analysis_report, figures, responses};
 pub(crate) use decay::{decay_figures, decay_report};
-pub(crate) use identification::{identification, identification_report};
+pub(crate) use identification::{identification, identification_report, measurement};
 pub(crate) use response::{frf, history};
 pub(crate) use steady::{steady, steady_report};
 pub(crate) use structure::{laws, modes};

@@ -1,4 +1,4 @@
-//! Ranking of further hits by the information expected from them.
+//! Ranking of further measurements by the information expected from them.
 
 use std::collections::BTreeMap;
 
@@ -23,44 +23,64 @@ const SEQUENCE: usize = 3;
 /// Step of the law's derivatives in the parameters' working coordinates.
 const STEP: f64 = 1e-4;
 
-/// A possible hit.
+/// A possible measurement.
 #[derive(Debug, Clone, PartialEq)]
-pub struct CandidateHit {
-    /// Peak force \[N\].
-    pub force_peak_n: f64,
-    /// Changes of the rig.
-    pub set: Changes,
-    /// Mean standard deviation of ln K over the reached pressures after the hit, over that before.
+pub struct CandidateMeasurement {
+    /// Its kind.
+    pub kind: MeasurementKind,
+    /// Mean standard deviation of ln K over the pressures of the design after the measurement, over
+    /// that before.
     pub remaining: f64,
     /// Information about all parameters, in nats.
     pub information: f64,
 }
 
-/// Possible hits with the information expected from them, and a sequence of the best.
+/// The kind of a possible measurement.
+#[derive(Debug, Clone, PartialEq)]
+pub enum MeasurementKind {
+    /// Hits.
+    Hits {
+        /// Peak force \[N\].
+        force_peak_n: f64,
+        /// Changes of the rig.
+        set: Changes,
+    },
+    /// A quasi-static stiffness of the law.
+    Stiffness {
+        /// Pressure \[Pa\].
+        pressure_pa: f64,
+    },
+}
+
+/// Possible measurements with the information expected from them, and a sequence of the best.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DesignRanking {
     /// Number of hits of each kind.
     pub hits: usize,
+    /// Lowest and highest pressure \[Pa\] between which ln K is to be narrowed.
+    pub pressures_pa: [f64; 2],
     /// Every kind, measured alone.
-    pub candidates: Vec<CandidateHit>,
+    pub candidates: Vec<CandidateMeasurement>,
     /// The kinds of a greedy sequence: each is the best after those before it.
-    pub sequence: Vec<CandidateHit>,
+    pub sequence: Vec<CandidateMeasurement>,
 }
 
-/// The forward model of possible hits.
+/// The forward model of possible hits, and possible stiffnesses.
 #[derive(Debug)]
 pub(super) struct DesignModel {
     forward: ScenarioModel,
-    /// Force and changes of the rig of every hit.
-    kinds: Vec<(f64, Changes)>,
-    /// Median relative standard deviation of every feature of the measured hits, in the order of the
-    /// observations of a hit.
+    kinds: Vec<MeasurementKind>,
+    /// Relative standard deviation of every feature, in the order of the observations of a hit.
     relative: Vec<f64>,
+    /// The same of a quasi-static stiffness.
+    of_stiffness: f64,
     hits: usize,
+    /// Pressures between which ln K is to be narrowed, if not those that are reached.
+    pressures: Option<[f64; 2]>,
 }
 
 impl DesignModel {
-    /// The model of the hits of the problem's design, if it has one.
+    /// The model of the measurements of the problem's design, if it has one.
     pub(super) fn asked(
         problem: &IdentificationProblem,
         forward: &ScenarioModel,
@@ -69,22 +89,25 @@ impl DesignModel {
         asked.map(|asked| Self::new(problem, forward, asked)).transpose()
     }
 
-    /// The model of the hits of a design, with the features of the measured hits.
     fn new(
         problem: &IdentificationProblem,
         forward: &ScenarioModel,
         asked: &DesignSpec,
     ) -> Result<Self, IdentificationError> {
-        let features = features(forward, problem)?;
+        check(asked)?;
+        let features = match &asked.features {
+            none if none.is_empty() => measured_features(forward, problem)?,
+            given => given.clone(),
+        };
         let none = vec![Changes::new()];
         let sets = if asked.set.is_empty() { &none } else { &asked.set };
         let mut kinds = Vec::new();
         let mut data = Vec::new();
         for set in sets {
-            for &force in &asked.force_peak_n {
+            for &force_peak_n in &asked.force_peak_n {
                 let one = Measured::Uncertain(Uncertain { value: 1.0, standard_deviation: 1.0 });
                 let hit = HitSpec {
-                    force_peak_n: Some(force),
+                    force_peak_n: Some(force_peak_n),
                     set: Changes::new(),
                     features: features.keys().map(|feature| (feature.clone(), one)).collect(),
                 };
@@ -94,18 +117,25 @@ impl DesignModel {
                     floor: BTreeMap::new(),
                     hits: vec![hit],
                 });
-                kinds.push((force, set.clone()));
+                kinds.push(MeasurementKind::Hits { force_peak_n, set: set.clone() });
             }
         }
+        let stiffness = asked.stiffness.as_ref();
+        let pressures = stiffness.map_or(&[][..], |stiffness| &stiffness.pressures_pa);
+        kinds.extend(
+            pressures.iter().map(|&pressure_pa| MeasurementKind::Stiffness { pressure_pa }),
+        );
         Ok(Self {
             forward: problem.planned(&data)?,
             kinds,
             relative: features.into_values().collect(),
+            of_stiffness: stiffness.map_or(f64::NAN, |stiffness| stiffness.relative),
             hits: asked.hits,
+            pressures: asked.pressures_pa,
         })
     }
 
-    /// Ranks the hits by the information about the law at the best fit.
+    /// Ranks the measurements by the information about the law at the best fit.
     pub(super) fn rank(
         &mut self,
         law: &LawBand,
@@ -114,55 +144,121 @@ impl DesignModel {
         noise_factor: f64,
     ) -> Result<DesignRanking, IdentificationError> {
         self.forward.hold(&self.forward.controlled(best)?);
-        let Self { forward, kinds, relative, hits } = &*self;
-        let derivatives = forward.derivatives(best)?;
-        let pairs = forward.parameters().iter().zip(best);
-        let slopes: Vec<f64> =
-            pairs.map(|(parameter, &value)| parameter.d_value_d_working(value)).collect();
-        let shrink = (*hits as f64).sqrt() / noise_factor;
-        // The rows of each kind follow one another, one per feature.
-        let rows = derivatives.jacobian.chunks(relative.len());
-        let values = derivatives.values.chunks(relative.len());
-        let candidates: Vec<DesignCandidate> = kinds
-            .iter()
-            .zip(rows.zip(values))
-            .map(|((force, _), (rows, values))| {
-                let mut candidate = DesignCandidate {
-                    name: format!("{force} N"),
-                    jacobian: Vec::new(),
-                    standard_deviations: Vec::new(),
-                };
-                for ((row, value), relative) in rows.iter().zip(values).zip(relative) {
-                    let entries: Option<Vec<f64>> = row.iter().copied().collect();
-                    // A missing peak gives no information.
-                    if let (Some(value), Some(entries)) = (value, entries) {
-                        let working =
-                            entries.iter().zip(&slopes).map(|(entry, slope)| entry * slope);
-                        candidate.jacobian.push(working.collect());
-                        candidate.standard_deviations.push(relative * value.abs() / shrink);
-                    }
-                }
-                candidate
-            })
+        let forward = &self.forward;
+        let mut candidates = self.hit_candidates(best, noise_factor)?;
+        for kind in &self.kinds {
+            if let MeasurementKind::Stiffness { pressure_pa } = kind {
+                let gradient = log_stiffness_gradients(forward, &law.name, &[*pressure_pa], best)?;
+                // At an infinite ln K a measurement has no meaning.
+                let usable = gradient.iter().flatten().all(|entry| entry.is_finite());
+                let rows = usize::from(usable);
+                candidates.push(DesignCandidate {
+                    name: format!("{pressure_pa} Pa"),
+                    jacobian: gradient.into_iter().take(rows).collect(),
+                    standard_deviations: vec![self.of_stiffness; rows],
+                });
+            }
+        }
+        let pressures_pa = self.pressures.unwrap_or(law.reached);
+        let [low, high] = pressures_pa;
+        let pressures: Vec<f64> = (0..TARGETS)
+            .map(|i| low + (high - low) * (i as f64 / (TARGETS - 1) as f64).powi(2))
             .collect();
-        let targets = targets(forward, law, best)?;
-        let named = |expected: &ExpectedInformation| {
-            let (force_peak_n, set) = kinds[expected.candidate].clone();
-            let (remaining, information) = (expected.target_ratio, expected.information);
-            CandidateHit { force_peak_n, set, remaining, information }
+        let mut targets = log_stiffness_gradients(forward, &law.name, &pressures, best)?;
+        // ln K is infinite where the stiffness is zero.
+        targets.retain(|gradient| gradient.iter().all(|entry| entry.is_finite()));
+        let named = |expected: &ExpectedInformation| CandidateMeasurement {
+            kind: self.kinds[expected.candidate].clone(),
+            remaining: expected.target_ratio,
+            information: expected.information,
         };
         let alone = expected_information(&covariance.matrix, &candidates, &targets)?;
         let sequence = design_sequence(&covariance.matrix, &candidates, &targets, SEQUENCE)?;
         Ok(DesignRanking {
-            hits: *hits,
+            hits: self.hits,
+            pressures_pa,
             candidates: alone.iter().map(named).collect(),
             sequence: sequence.iter().map(named).collect(),
         })
     }
+
+    /// The hits, by their exact derivatives.
+    fn hit_candidates(
+        &self,
+        best: &[f64],
+        noise_factor: f64,
+    ) -> Result<Vec<DesignCandidate>, IdentificationError> {
+        let derivatives = self.forward.derivatives(best)?;
+        let pairs = self.forward.parameters().iter().zip(best);
+        let slopes: Vec<f64> =
+            pairs.map(|(parameter, &value)| parameter.d_value_d_working(value)).collect();
+        let shrink = (self.hits as f64).sqrt() / noise_factor;
+        let forces = self.kinds.iter().filter_map(|kind| match kind {
+            MeasurementKind::Hits { force_peak_n, .. } => Some(force_peak_n),
+            MeasurementKind::Stiffness { .. } => None,
+        });
+        // The rows of each kind follow one another, one per feature.
+        let rows = derivatives.jacobian.chunks(self.relative.len());
+        let values = derivatives.values.chunks(self.relative.len());
+        let mut candidates = Vec::new();
+        for (force, (rows, values)) in forces.zip(rows.zip(values)) {
+            let mut candidate = DesignCandidate {
+                name: format!("{force} N"),
+                jacobian: Vec::new(),
+                standard_deviations: Vec::new(),
+            };
+            for ((row, value), relative) in rows.iter().zip(values).zip(&self.relative) {
+                let entries: Option<Vec<f64>> = row.iter().copied().collect();
+                // A missing peak gives no information.
+                if let (Some(value), Some(entries)) = (value, entries) {
+                    let working = entries.iter().zip(&slopes).map(|(entry, slope)| entry * slope);
+                    candidate.jacobian.push(working.collect());
+                    candidate.standard_deviations.push(relative * value.abs() / shrink);
+                }
+            }
+            candidates.push(candidate);
+        }
+        Ok(candidates)
+    }
+}
+
+/// Checks the numbers of a design.
+fn check(asked: &DesignSpec) -> Result<(), IdentificationError> {
+    let refuse = |place: &str, quantity, value, expected| {
+        Err(IdentificationError::Value { place: place.to_owned(), quantity, value, expected })
+    };
+    for (feature, &value) in &asked.features {
+        if !(value > 0.0 && value.is_finite()) {
+            let place = format!("/design/features/{feature}");
+            return refuse(&place, "relative standard deviation", value, "a positive number");
+        }
+    }
+    if let Some(stiffness) = &asked.stiffness {
+        let relative = stiffness.relative;
+        if !(relative > 0.0 && relative.is_finite()) {
+            let quantity = "relative standard deviation";
+            return refuse("/design/stiffness/relative", quantity, relative, "a positive number");
+        }
+        for &pressure in &stiffness.pressures_pa {
+            if !(pressure > 0.0 && pressure.is_finite()) {
+                let place = "/design/stiffness/pressures_pa";
+                return refuse(place, "pressure [Pa]", pressure, "a positive number");
+            }
+        }
+    }
+    match asked.pressures_pa {
+        Some([low, high]) if !(low >= 0.0 && high > low && high.is_finite()) => refuse(
+            "/design/pressures_pa",
+            "pressure [Pa]",
+            if low >= 0.0 { high } else { low },
+            "two pressures, the lower first and not negative",
+        ),
+        _ => Ok(()),
+    }
 }
 
 /// Features of the measured hits, and their median relative standard deviation.
-fn features(
+fn measured_features(
     forward: &ScenarioModel,
     problem: &IdentificationProblem,
 ) -> Result<BTreeMap<String, f64>, IdentificationError> {
@@ -185,17 +281,14 @@ fn features(
     Ok(all.into_iter().map(|(feature, list)| (feature, median(list))).collect())
 }
 
-/// Gradients of ln K over the reached pressures, with respect to the working coordinates.
-fn targets(
+/// Gradients of ln K of a law at some pressures, with respect to the working coordinates.
+fn log_stiffness_gradients(
     forward: &ScenarioModel,
-    law: &LawBand,
+    law: &str,
+    pressures: &[f64],
     best: &[f64],
 ) -> Result<Vec<Vec<f64>>, IdentificationError> {
-    let [low, high] = law.reached;
-    let pressures: Vec<f64> = (0..TARGETS)
-        .map(|i| low + (high - low) * (i as f64 / (TARGETS - 1) as f64).powi(2))
-        .collect();
-    let mut gradients = vec![Vec::new(); TARGETS];
+    let mut gradients = vec![Vec::new(); pressures.len()];
     for (j, parameter) in forward.parameters().iter().enumerate() {
         let at = |place: f64| {
             let mut point = best.to_vec();
@@ -204,14 +297,12 @@ fn targets(
                 ParameterScale::Linear => x + place,
                 ParameterScale::Logarithmic => (x + place).exp(),
             };
-            forward.curve(&law.name, &pressures, &point)
+            forward.curve(law, pressures, &point)
         };
         let (above, below) = (at(STEP)?, at(-STEP)?);
         for ((gradient, above), below) in gradients.iter_mut().zip(above).zip(below) {
             gradient.push((above / below).ln() / (2.0 * STEP));
         }
     }
-    // ln K is infinite where the stiffness is zero.
-    gradients.retain(|gradient| gradient.iter().all(|entry| entry.is_finite()));
     Ok(gradients)
 }

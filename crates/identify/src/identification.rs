@@ -187,8 +187,8 @@ pub fn identify_with_progress(
         ));
     }
     let (posterior, free_law) = sampled?;
-    let law =
-        LawBand::new(problem, &forward, &law_name, &best.point, (&posterior, free_law.as_ref()))?;
+    let sampled = (&posterior, free_law.as_ref());
+    let law = LawBand::new(problem, &forward, &law_name, &best.point, sampled)?;
     let stiffnesses = StiffnessEstimate::all(problem, &forward, &best.point, &posterior)?;
 
     work.begin(WorkStage::Comparison);
@@ -197,8 +197,8 @@ pub fn identify_with_progress(
     let Compared { comparison, noise_factor: comparison_noise_factor, forms } =
         if work.is_stopped() { Compared::default() } else { compared? };
     let planned = planned.filter(|_| !work.is_stopped());
-    let design =
-        planned.map(|mut hits| hits.rank(&law, &best.point, &covariance, factor)).transpose()?;
+    let rank = |mut plan: DesignModel| plan.rank(&law, &best.point, &covariance, factor);
+    let design = planned.map(rank).transpose()?;
     Ok(Identification {
         names: unfinished.names,
         labels: unfinished.labels,

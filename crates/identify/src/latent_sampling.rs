@@ -31,21 +31,23 @@ pub struct FreeLawFindings {
     pub informed_combinations: usize,
     /// Precision of the data along each combination over that of the prior, largest first.
     pub information: Vec<f64>,
-    /// Spread in ln p of the averaging kernel at every pressure,
+    /// Width in ln p of the averaging kernel at every pressure: the linearised estimate of ln K at
+    /// `x = ln p` is the integral of the kernel `a` times the true ln K (G. Backus, F. Gilbert, Phil.
+    /// Trans. R. Soc. A 266, 123, 1970), and half of the integral of |a| is within a quarter of the
+    /// width of x,
     ///
     /// ```text
-    /// 12 integral of (x - x')^2 a(x')^2 dx' / (integral of a)^2,    x = ln p,
+    /// integral of |a| over |x' - x| < width / 4  =  half of that over all x',
     /// ```
     ///
-    /// the width of a kernel that is constant about x and zero elsewhere: the linearised estimate of
-    /// ln K at a pressure is the integral of the kernel `a` times the true ln K. At least the distance
-    /// of the pressures of the table; large where the data resolve nothing. Source: G. Backus, F.
-    /// Gilbert, Phil. Trans. R. Soc. A 266, 123 (1970).
+    /// so that a kernel which is constant about x and zero elsewhere has its own width. At least the
+    /// distance of the pressures of the table; up to four times the range of the table where the
+    /// estimate is made of what the data tell of other pressures.
     pub resolution_ln_p: Vec<f64>,
 }
 
 impl FreeLawFindings {
-    /// Spread of the averaging kernel at a pressure \[Pa\], in ln p; `None` outside the
+    /// Width of the averaging kernel at a pressure \[Pa\], in ln p; `None` outside the
     /// pressures of the table.
     pub fn resolution(&self, pressure: f64) -> Option<f64> {
         let next = self.pressures_pa.partition_point(|&known| known < pressure);
@@ -127,7 +129,30 @@ fn quantile(mut pairs: Vec<(f64, f64)>, probability: f64) -> f64 {
     pairs.last().map_or(f64::NAN, |pair| pair.0)
 }
 
-/// Spread of the averaging kernel at every pressure of a law.
+/// Four times the distance from place `at` of a kernel within which half of its sum lies, every entry
+/// being spread evenly over its cell; at least 1. The entries are not negative.
+fn kernel_width(kernel: &[f64], at: usize) -> f64 {
+    let entry = |place: Option<usize>| place.and_then(|place| kernel.get(place)).unwrap_or(&0.0);
+    let half = 0.5 * kernel.iter().sum::<f64>();
+    let mut inside = 0.0;
+    for distance in 0..kernel.len() {
+        let (from, ring) = match distance {
+            0 => (0.0, 0.5),
+            _ => (distance as f64 - 0.5, 1.0),
+        };
+        let both = match distance {
+            0 => kernel[at],
+            _ => entry(at.checked_sub(distance)) + entry(at.checked_add(distance)),
+        };
+        if inside + both >= half {
+            return (4.0 * (from + ring * (half - inside) / both)).max(1.0);
+        }
+        inside += both;
+    }
+    4.0 * kernel.len() as f64
+}
+
+/// Width of the averaging kernel at every pressure of a law.
 fn resolution(law: &FreeLaw, latents: &[f64], found: &LatentPosterior) -> Vec<f64> {
     let count = law.count();
     let step = (law.pressures[1] / law.pressures[0]).ln();
@@ -145,14 +170,30 @@ fn resolution(law: &FreeLaw, latents: &[f64], found: &LatentPosterior) -> Vec<f6
             law.log_stiffness_change(latents, &estimate)
         })
         .collect();
-    let width = |j: usize| {
-        let (mut sum, mut second) = (0.0, 0.0);
-        for (i, column) in columns.iter().enumerate() {
-            let distance = step * (i as f64 - j as f64);
-            sum += column[j];
-            second += (distance * column[j]).powi(2);
-        }
-        (12.0 * second / step / (sum * sum)).max(step)
+    let of = |j: usize| {
+        let kernel: Vec<f64> = columns.iter().map(|column| column[j].abs()).collect();
+        step * kernel_width(&kernel, j)
     };
-    (0..count).map(width).collect()
+    (0..count).map(of).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::kernel_width;
+
+    #[test]
+    fn an_even_kernel_has_its_own_width() {
+        for cells in [1_usize, 5, 9] {
+            let at = 20;
+            let inside = |i: usize| i.abs_diff(at) <= cells / 2;
+            let kernel: Vec<f64> = (0..41).map(|i| f64::from(u8::from(inside(i)))).collect();
+            let width = kernel_width(&kernel, at);
+            assert!((width - cells as f64).abs() < 1e-12, "{width} {cells}");
+        }
+        // All of the kernel is at one place ten cells away.
+        let mut kernel = vec![0.0; 41];
+        kernel[30] = 2.0;
+        assert!((kernel_width(&kernel, 20) - 40.0).abs() < 1e-12);
+        assert!((kernel_width(&kernel, 30) - 1.0).abs() < 1e-12);
+    }
 }

@@ -9,7 +9,7 @@
 //! ```
 //!
 //! whose statistics are those of `asperity_inference`: best fit, covariance, profiles, posterior,
-//! comparison with other laws, design of further hits. The derivatives of the predictions are exact.
+//! comparison with other laws, design of further measurements. The derivatives of the predictions are exact.
 //!
 //! | module | content |
 //! |---|---|
@@ -21,7 +21,7 @@
 //! | `hit`, `observed_quantity`, `scenario_model` | the forward model and its exact derivatives |
 //! | `build` | the models of the problem, of compared laws, and of planned hits |
 //! | `identification`, `hit_numerics` | fit, uncertainty, comparison; estimated errors of the simulated hits |
-//! | `law_band`, `law_comparison`, `design` | the law with its credible band; other laws; ranking of further hits |
+//! | `law_band`, `law_comparison`, `design` | the law with its credible band; other laws; ranking of further measurements |
 //! | `checks` | agreement with the data, as a whole and in groups |
 //! | `starts` | agreement of the starts of the fit |
 //! | `work`, `incomplete` | progress of the whole, requests to stop, the result until then |
@@ -71,7 +71,7 @@ mod work;
 
 pub use checks::PredictiveCheck;
 pub use conclusions::PressureDependence;
-pub use design::{CandidateHit, DesignRanking};
+pub use design::{CandidateMeasurement, DesignRanking, MeasurementKind};
 pub use error::IdentificationError;
 pub use hit_numerics::HitNumerics;
 pub use identification::{Identification, identify, identify_with_progress};

@@ -7,10 +7,12 @@
 mod data;
 mod parameter;
 
+use std::collections::BTreeMap;
+use std::sync::LazyLock;
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
-use std::sync::LazyLock;
 
 use asperity_scenario::schema_of;
 
@@ -131,7 +133,7 @@ pub struct CandidateSpec {
     pub unknowns: Vec<ParameterSpec>,
 }
 
-/// Possible further hits, to be ranked by the information expected.
+/// Possible further hits and quasi-static stiffnesses, to be ranked by the information expected.
 #[derive(Debug, Clone, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DesignSpec {
@@ -146,6 +148,27 @@ pub struct DesignSpec {
     #[serde(default = "default_repeats")]
     #[schemars(range(min = 1, max = 1_000_000))]
     pub hits: usize,
+    /// Features of the hits with their standard deviations over their values; those of
+    /// the data when left out.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub features: BTreeMap<String, f64>,
+    /// Quasi-static stiffnesses of the law.
+    pub stiffness: Option<DesignStiffness>,
+    /// Lowest and highest pressure in Pa between which ln K is to be narrowed; those
+    /// that the runs reach when left out.
+    pub pressures_pa: Option<[f64; 2]>,
+}
+
+/// Possible quasi-static stiffnesses.
+#[derive(Debug, Clone, PartialEq, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct DesignStiffness {
+    /// Pressures in Pa, each a measurement of its own.
+    #[schemars(length(min = 1, max = 1000))]
+    pub pressures_pa: Vec<f64>,
+    /// Standard deviation over the value.
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    pub relative: f64,
 }
 
 /// The version of the problem format.

@@ -4,6 +4,7 @@ use asperity_inference::{Agreement, FitTermination, ModelAssessment, ProfileEnd}
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
+use crate::design::{CandidateMeasurement, MeasurementKind};
 use crate::error::IdentificationError;
 use crate::identification::Identification;
 use crate::identification_problem::IdentificationProblem;
@@ -190,19 +191,25 @@ impl Identification {
 
     fn designed(&self) -> Value {
         let Some(design) = &self.design else { return Value::Null };
-        let list = |hits: &[crate::design::CandidateHit]| {
-            let one = |hit: &crate::design::CandidateHit| {
-                json!({
-                    "force_peak_n": hit.force_peak_n,
-                    "set": hit.set,
-                    "remaining": hit.remaining,
-                    "information_nats": hit.information,
-                })
+        let list = |all: &[CandidateMeasurement]| {
+            let one = |one: &CandidateMeasurement| {
+                let mut shown = match &one.kind {
+                    MeasurementKind::Hits { force_peak_n, set } => {
+                        json!({"force_peak_n": force_peak_n, "set": set})
+                    }
+                    MeasurementKind::Stiffness { pressure_pa } => {
+                        json!({"stiffness_at_pa": pressure_pa})
+                    }
+                };
+                shown["remaining"] = json!(one.remaining);
+                shown["information_nats"] = json!(one.information);
+                shown
             };
-            hits.iter().map(one).collect::<Vec<_>>()
+            all.iter().map(one).collect::<Vec<_>>()
         };
         json!({
             "hits": design.hits,
+            "pressures_pa": design.pressures_pa,
             "candidates": list(&design.candidates),
             "sequence": list(&design.sequence),
         })

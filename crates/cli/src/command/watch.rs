@@ -18,6 +18,7 @@ use super::{analyse as analysis, stop_on_signals};
 use crate::args::analyse::Watch;
 use crate::failure::Failure;
 use crate::file_kind::FileKind;
+use crate::plot::measurement;
 
 /// Time between two looks at the folder.
 const LOOK: Duration = Duration::from_millis(200);
@@ -284,14 +285,14 @@ fn plan(problem: &IdentificationProblem) -> String {
     };
     let Some(design) = found.design else { return "the problem has no design".to_owned() };
     let Some(best) = design.sequence.first() else {
-        return "no hit of the design can be simulated".to_owned();
+        return "no measurement of the design can be simulated".to_owned();
     };
     let then: Vec<String> =
-        design.sequence.iter().skip(1).map(|hit| format!("{} N", hit.force_peak_n)).collect();
+        design.sequence.iter().skip(1).map(|one| measurement(&one.kind)).collect();
     let then = if then.is_empty() { String::new() } else { format!(", then {}", then.join(", ")) };
     format!(
-        "by the identification, next: {} N, which leaves {:.0} % of the uncertainty of the law{then}",
-        best.force_peak_n,
+        "by the identification, next: {}, which leaves {:.0} % of the uncertainty of the law{then}",
+        measurement(&best.kind),
         100.0 * best.remaining
     )
 }

@@ -20,6 +20,7 @@ mod uncertainty;
 use asperity_figure::Figure;
 use asperity_identify::Identification;
 
+pub(crate) use design::measurement;
 pub(crate) use report::identification_report;
 
 /// The figures with their names; those without anything to draw are left out.

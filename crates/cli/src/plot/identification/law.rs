@@ -85,7 +85,7 @@ pub(super) fn law(found: &Identification, rows: &[ObservationRow<'_>]) -> Figure
     let resolution = found.free_law.as_ref().map(|free| {
         let width = |&pressure: &f64| free.resolution(pressure).unwrap_or(f64::NAN);
         let widths: Vec<f64> = law.pressure.iter().map(width).collect();
-        let spread = Axis::log("Width of the averaging kernel in ln p", "").range(0.03, 10.0);
+        let spread = Axis::log("Width of the averaging kernel in ln p", "").range(0.03, 20.0);
         let panel = Panel::new(pressure(), spread).legend(Legend::None);
         let panel = panel.horizontal(RESOLVED, "a decade");
         let line = Series::line("", &law.pressure, widths).color(Color::BLUE);

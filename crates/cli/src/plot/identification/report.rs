@@ -3,12 +3,12 @@
 use asperity_figure::Figure;
 use asperity_figure::report::{ClaimOutcome, Report, TableCell, four_digits};
 use asperity_identify::{
-    CandidateHit, Identification, IdentificationProblem, StartAgreement, StiffnessOrigin,
+    CandidateMeasurement, Identification, IdentificationProblem, StartAgreement, StiffnessOrigin,
 };
 use asperity_inference::ModelAssessment;
 use serde_json::Value;
 
-use super::design::changes;
+use super::design::measurement;
 use super::percent;
 use super::uncertainty::MOST_PARAMETERS;
 
@@ -135,9 +135,9 @@ fn caption(name: &str, found: &Identification) -> String {
         "design" => {
             let hits = found.design.as_ref().map_or(0, |design| design.hits);
             format!(
-                "Effect of {hits} more hits of each kind. (a) Standard deviation of ln K left, \
-                 over that now, averaged over the pressures reached: lower is better. (b) Information \
-                 about all parameters."
+                "Effect of {hits} more hits of each kind, and of a quasi-static stiffness. Left: \
+                 standard deviation of ln K left, over that now, averaged over the pressures of the \
+                 design: lower is better. Right: information about all parameters."
             )
         }
         _ => String::new(),
@@ -254,23 +254,22 @@ fn comparison(mut report: Report, found: &Identification) -> Report {
 /// The proposed sequence, and each candidate hit alone.
 fn design(report: Report, found: &Identification) -> Report {
     let Some(design) = &found.design else { return report };
-    let row = |hit: &CandidateHit| {
+    let row = |one: &CandidateMeasurement| {
         vec![
-            TableCell::from(hit.force_peak_n),
-            changes(&hit.set).into(),
-            TableCell::Number(percent_of(hit.remaining)),
-            TableCell::from(hit.information),
+            measurement(&one.kind).into(),
+            TableCell::Number(percent_of(one.remaining)),
+            TableCell::from(one.information),
         ]
     };
-    let numbered = design.sequence.iter().enumerate().map(|(index, hit)| {
+    let numbered = design.sequence.iter().enumerate().map(|(index, one)| {
         let mut cells = vec![TableCell::Number((index + 1).to_string())];
-        cells.extend(row(hit));
+        cells.extend(row(one));
         cells
     });
-    let headers = ["Peak force (N)", "Rig", "Uncertainty of ln K left", "Information (nat)"];
+    let headers = ["Measurement", "Uncertainty of ln K left", "Information (nat)"];
     report
         .subsection("Proposed sequence")
-        .paragraph(format!("Each is {} hits, measured after those above; its uncertainty left is relative to what those leave.", design.hits))
+        .paragraph(format!("Each is {} hits or one stiffness, measured after those above; its uncertainty left is relative to what those leave.", design.hits))
         .table(std::iter::once("").chain(headers), numbered)
         .subsection("Each alone")
         .table(headers, design.candidates.iter().map(row))
