@@ -15,6 +15,8 @@ mod fig_11_amplitude;
 mod fig_12_ratio;
 mod levels;
 mod style;
+mod x_10_sensitivity;
+mod x_11_prediction_bands;
 mod x_1_linear_floor;
 mod x_2_pulse_shape;
 mod x_3_convergence;
@@ -51,4 +53,6 @@ pub(crate) const FIGURES: &[&PaperFigure] = &[
     &x_7_second_path::FIGURE,
     &x_8_identified_law::FIGURE,
     &x_9_dissipation::FIGURE,
+    &x_10_sensitivity::FIGURE,
+    &x_11_prediction_bands::FIGURE,
 ];

@@ -2,7 +2,7 @@
 
 use anyhow::{Result, bail, ensure};
 use asperity_figure::{Axis, Color, Dash, Legend, Marker, Panel, Series};
-use asperity_identify::{Identification, IdentificationProblem, PredictedObservation, identify};
+use asperity_identify::{Identification, PredictedObservation};
 use asperity_law::ContactLaw;
 use asperity_scenario::{Document, ExcitationSpec, LawSpec, Laws, Scenario};
 use asperity_table::Table;
@@ -57,11 +57,8 @@ const QUANTITIES: [(&str, Observable); 2] =
     [("frequency_hz", FREQUENCY), ("pressure_min_pa", PRESSURE_MIN)];
 
 fn compute(rig: &Rig) -> Result<Computed> {
-    let fixtures = crate::workspace_root().join("fixtures");
-    let problem = IdentificationProblem::read(fixtures.join("paper/identify.json"))?;
-    let found = identify(&problem)?;
-    ensure!(found.has_converged() && found.explains(), "{}", found.conclusions().join(" "));
-    let stored = Document::read(fixtures.join("scenarios/nouira2020-identified.json"))?;
+    let found = rig.identified()?;
+    let stored = Rig::identified_scenario()?;
     is_stored(&found, &stored)?;
 
     let reconstruction = rig.struck(Law::Modified, 32.0)?;
@@ -91,7 +88,7 @@ fn struck(stored: &Document, peak: f64) -> Result<Case> {
 }
 
 /// Knots of the modified law, its coefficient, exponent and transition.
-fn modified(laws: &Laws) -> Result<(&[[f64; 2]], [f64; 3])> {
+pub(super) fn modified(laws: &Laws) -> Result<(&[[f64; 2]], [f64; 3])> {
     let Some(LawSpec::ModifiedPower { coefficient, exponent, transition_pa, knots }) =
         laws.get("modified")
     else {
@@ -169,17 +166,17 @@ fn knot_columns(columns: &mut Columns, found: &Identification, before: &Laws) ->
 
 /// Stiffness from which the steps of a modified law lead down, in Pa/m; see the explanation of
 /// identification.
-struct Top(f64);
+pub(super) struct Top(f64);
 
 impl Top {
-    fn new(knots: &[[f64; 2]], [coefficient, exponent, transition]: [f64; 3]) -> Self {
+    pub(super) fn new(knots: &[[f64; 2]], [coefficient, exponent, transition]: [f64; 3]) -> Self {
         let last = knots.last().map_or(0.0, |knot| knot[0]);
         let least = exponent * (1.0 - last / transition) / 3.0;
         Self(coefficient * transition.powf(exponent) * (1.0 - least))
     }
 
     /// Stiffnesses of the knots from the steps.
-    fn stiffnesses(&self, steps: &[f64]) -> Vec<f64> {
+    pub(super) fn stiffnesses(&self, steps: &[f64]) -> Vec<f64> {
         let mut level = self.0;
         let mut values = vec![0.0; steps.len()];
         for (value, step) in values.iter_mut().zip(steps).rev() {

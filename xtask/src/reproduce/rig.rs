@@ -7,6 +7,7 @@ use std::sync::{Arc, Mutex, MutexGuard};
 
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use asperity_dynamics::Integrator;
+use asperity_identify::{Identification, IdentificationProblem, identify};
 use asperity_law::ContactLaw;
 use asperity_mesh::Grid;
 use asperity_scenario::{Document, LawRef, LawSpec, Scenario};
@@ -111,6 +112,7 @@ pub(crate) struct Rig {
     base: Document,
     quick: bool,
     summaries: Mutex<HashMap<String, Arc<Summary>>>,
+    identified: Mutex<Option<Arc<Identification>>>,
     bar: ProgressBar,
 }
 
@@ -120,7 +122,32 @@ impl Rig {
     pub(crate) fn load(scenarios: &Path, quick: bool, bar: ProgressBar) -> Result<Self> {
         let path = scenarios.join("nouira2020-modified.json");
         let base = Document::read(&path).context("reading the paper's rig")?;
-        Ok(Self { base, quick, summaries: Mutex::default(), bar })
+        let (summaries, identified) = (Mutex::default(), Mutex::default());
+        Ok(Self { base, quick, summaries, identified, bar })
+    }
+
+    /// True for a first look, with a coarse grid and small designs.
+    pub(crate) fn is_quick(&self) -> bool {
+        self.quick
+    }
+
+    /// The law and the pulse identified from the numbers that the text states, found once.
+    pub(crate) fn identified(&self) -> Result<Arc<Identification>> {
+        let mut kept = self.identified.lock().map_err(|_| anyhow!("an identification panicked"))?;
+        if let Some(known) = kept.as_ref() {
+            return Ok(Arc::clone(known));
+        }
+        let fixtures = crate::workspace_root().join("fixtures");
+        let problem = IdentificationProblem::read(fixtures.join("paper/identify.json"))?;
+        let found = identify(&problem)?;
+        ensure!(found.has_converged() && found.explains(), "{}", found.conclusions().join(" "));
+        Ok(Arc::clone(kept.insert(Arc::new(found))))
+    }
+
+    /// The stored scenario of that law and pulse.
+    pub(crate) fn identified_scenario() -> Result<Document> {
+        let place = "fixtures/scenarios/nouira2020-identified.json";
+        Ok(Document::read(crate::workspace_root().join(place))?)
     }
 
     /// SHA-256 of the rig's scenario.
