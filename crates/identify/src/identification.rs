@@ -164,27 +164,15 @@ pub fn identify_with_progress(
     let laws = forward.laws(&best.point)?;
     let profiles = profiles(problem, &forward, &best, &covariance)?;
     if work.is_stopped() {
-        let fit = best.into_solution();
-        return Err(unfinished.stopped(
-            WorkStage::Profiles,
-            fit,
-            Some(covariance),
-            Vec::new(),
-            laws,
-        ));
+        let (fit, covariance) = (best.into_solution(), Some(covariance));
+        return Err(unfinished.stopped(WorkStage::Profiles, fit, covariance, Vec::new(), laws));
     }
     work.begin(WorkStage::Posterior);
     let sampled =
         posterior_of(problem, &forward, &best, (&linearisation, &covariance, &profiles), factor);
     if work.is_stopped() {
-        let fit = best.into_solution();
-        return Err(unfinished.stopped(
-            WorkStage::Posterior,
-            fit,
-            Some(covariance),
-            profiles,
-            laws,
-        ));
+        let (fit, covariance) = (best.into_solution(), Some(covariance));
+        return Err(unfinished.stopped(WorkStage::Posterior, fit, covariance, profiles, laws));
     }
     let (posterior, free_law) = sampled?;
     let sampled = (&posterior, free_law.as_ref());
