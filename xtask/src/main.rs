@@ -9,12 +9,14 @@
 //! | `cargo xtask bench` | `bench` | speed of the kernels and of a sweep, as one table |
 //! | `cargo xtask campaign` | `campaign` | random scenarios through both engines, differences judged |
 //! | `cargo xtask fuzz` | `fuzz` | every fuzz target for a time |
+//! | `cargo xtask cluster` | `cluster` | a study on a real Slurm on this machine, one shard killed |
 //! | `cargo xtask reproduce` | `reproduce` | every figure of the paper, every claim checked |
 #![allow(clippy::print_stdout, clippy::print_stderr, reason = "tasks report to a terminal")]
 
 mod bench;
 mod campaign;
 mod ci;
+mod cluster;
 mod figures;
 mod fuzz;
 mod package;
@@ -55,6 +57,9 @@ enum Task {
     Campaign(campaign::Arguments),
     /// Run the fuzz targets one after the other.
     Fuzz(fuzz::Arguments),
+    /// Run a study on a real Slurm of two nodes on this machine, with one shard killed; needs Slurm and
+    /// munge.
+    Cluster,
     /// Recompute every figure of the paper and check every claim.
     Reproduce(reproduce::Arguments),
 }
@@ -75,6 +80,7 @@ fn main() -> ExitCode {
         Task::Bench => bench::run(),
         Task::Campaign(arguments) => campaign::run(&arguments),
         Task::Fuzz(arguments) => fuzz::run(&arguments),
+        Task::Cluster => cluster::run(),
         Task::Reproduce(arguments) => reproduce::run(&arguments),
     };
     match passed {

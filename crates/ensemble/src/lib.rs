@@ -20,7 +20,7 @@
 //! | `folder` | [`StudyFolder`]: manifest, chunks, the joined table |
 //! | `run` | [`run()`] over chunks and shards, for any [`RowModel`] |
 //! | `answers` | [`answers()`]: quantiles, exceedance probabilities, Sobol indices of a finished study |
-//! | `slurm` | [`slurm_script`]: a job array with one task a shard |
+//! | `slurm` | [`slurm_script`]: a job array with one task a shard, and the job that joins them |
 
 mod answers;
 mod draws;
@@ -36,5 +36,5 @@ pub use error::EnsembleError;
 pub use folder::StudyFolder;
 pub use plan::StudyPlan;
 pub use run::{MOST_SHARDS, RowModel, RowResult, RunOptions, Shard, StudyOutcome, run};
-pub use slurm::slurm_script;
+pub use slurm::{SlurmJob, slurm_script};
 pub use spec::study_schema;

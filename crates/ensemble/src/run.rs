@@ -76,6 +76,23 @@ impl Shard {
     }
 }
 
+impl StudyFolder {
+    /// Numbers of the shards, of `count`, that have a chunk missing.
+    ///
+    /// # Errors
+    /// [`EnsembleError::Shard`] for no shard or more than [`MOST_SHARDS`].
+    pub fn unfinished_shards(&self, count: u64) -> Result<Vec<u64>, EnsembleError> {
+        Shard::new(1, count)?;
+        let mut found = vec![false; count as usize];
+        if !self.is_complete() {
+            for chunk in (0..self.chunks()).filter(|&chunk| !self.has(chunk)) {
+                found[(chunk % count) as usize] = true;
+            }
+        }
+        Ok((1..).zip(found).filter_map(|(number, missing)| missing.then_some(number)).collect())
+    }
+}
+
 /// Settings of a run.
 #[derive(Debug, Clone, Copy)]
 pub struct RunOptions<'a> {

@@ -4,49 +4,95 @@ use std::path::Path;
 
 use crate::error::EnsembleError;
 
-/// Script of a job array with one task a shard. Each task that has finished its shard tries to join
-/// all: the last one succeeds, and a task that is requeued or sent again goes on where it was.
+/// Shards, resources and retries of a study on Slurm.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct SlurmJob {
+    /// Number of shards, each a task of the job array.
+    pub shards: u64,
+    /// Cores of a task.
+    pub cores: u32,
+    /// Memory of a task as Slurm takes it, such as 4G.
+    pub memory: String,
+    /// Longest time of a task as Slurm takes it, such as 04:00:00.
+    pub time: String,
+    /// Number of times that shards which are not finished are sent again.
+    pub retries: u32,
+}
+
+/// A script that sends the study in `file` to Slurm and calls itself there.
+///
+/// It sends a job array with a task for each shard, and a job that waits for the end of all tasks,
+/// whatever it is, and joins the shards. Where some are not finished it sends those again, and
+/// another job to join them, up to [`SlurmJob::retries`] times. Chunks on disk are kept.
 ///
 /// # Errors
-/// [`EnsembleError::Part`] for names that are not text or hold line breaks.
+/// [`EnsembleError::Part`] for names that are not text or hold line breaks, and for a time or a memory
+/// that Slurm does not take.
 ///
 /// ```
-/// let script = asperity_ensemble::slurm_script(
-///     "rig study.json".as_ref(), "out/rig".as_ref(), 8, 4, "01:00:00",
-/// )?;
-/// assert!(script.contains("#SBATCH --array=1-8\n"));
-/// assert!(script.contains("asperity study 'rig study.json' --out 'out/rig'"));
+/// use asperity_ensemble::{SlurmJob, slurm_script};
+///
+/// let (memory, time) = ("4G".into(), "01:00:00".into());
+/// let job = SlurmJob { shards: 8, cores: 4, memory, time, retries: 3 };
+/// let script = slurm_script("rig study.json".as_ref(), "out/rig".as_ref(), &job)?;
+/// assert!(script.contains("file='rig study.json'\nfolder='out/rig'\nshards=8\n"));
 /// # Ok::<(), asperity_ensemble::EnsembleError>(())
 /// ```
-pub fn slurm_script(
-    file: &Path,
-    folder: &Path,
-    shards: u64,
-    cores: u32,
-    time: &str,
-) -> Result<String, EnsembleError> {
-    let time_is_plain =
-        !time.is_empty() && time.chars().all(|c| c.is_ascii_digit() || ":-".contains(c));
-    if !time_is_plain {
+pub fn slurm_script(file: &Path, folder: &Path, job: &SlurmJob) -> Result<String, EnsembleError> {
+    let SlurmJob { shards, cores, memory, time, retries } = job;
+    if time.is_empty() || !time.chars().all(|c| c.is_ascii_digit() || ":-".contains(c)) {
         let fault = format!("`{time}` is not a time; accepted: minutes, HH:MM:SS or D-HH:MM:SS");
         return Err(EnsembleError::Part { place: "time".into(), fault });
     }
+    let number = memory.strip_suffix(['K', 'M', 'G', 'T']).unwrap_or(memory);
+    if number.is_empty() || !number.chars().all(|c| c.is_ascii_digit()) {
+        let fault =
+            format!("`{memory}` is no memory; accepted: megabytes, or a number and K, M, G or T");
+        return Err(EnsembleError::Part { place: "memory".into(), fault });
+    }
     let (file, folder) = (quoted(file)?, quoted(folder)?);
     Ok(format!(
-        "#!/bin/bash\n\
-         # Send with: sbatch SCRIPT, from the folder that these names start from.\n\
-         # Shards that failed are sent again with: sbatch --array=K,... SCRIPT\n\
-         #SBATCH --job-name=asperity-study\n\
-         #SBATCH --array=1-{shards}\n\
-         #SBATCH --cpus-per-task={cores}\n\
-         #SBATCH --time={time}\n\
-         #SBATCH --requeue\n\
-         #SBATCH --output=asperity-study-%A-%a.log\n\
-         set -eu\n\
-         asperity study {file} --out {folder} --shard \"$SLURM_ARRAY_TASK_ID/{shards}\" \
-         --threads \"$SLURM_CPUS_PER_TASK\"\n\
-         # Fails until every shard is there, which is no fault of this one.\n\
-         asperity study merge {folder} || true\n"
+        r#"#!/bin/bash
+# Sends a study to Slurm: bash SCRIPT, from the folder that these names start from.
+#SBATCH --job-name=asperity-study
+#SBATCH --requeue
+set -eu
+file={file}
+folder={folder}
+shards={shards}
+retries={retries}
+
+# Sends the shards of a list, and a job that joins all of them at their end.
+send() {{
+    array=$(sbatch --parsable --array="$1" --cpus-per-task={cores} --mem={memory} --time={time} \
+        --output=asperity-study-%A-%a.log "$0" shard)
+    array=${{array%%;*}}
+    merge=$(sbatch --parsable --dependency="afterany:$array" --cpus-per-task=1 --mem={memory} \
+        --time={time} --output=asperity-study-%j-merge.log "$0" merge "$2")
+    echo "shards $1: job $array; then job ${{merge%%;*}} joins them"
+}}
+
+case "${{1:-send}}" in
+send)
+    send "1-$shards" 0
+    ;;
+shard)
+    exec asperity study "$file" --out "$folder" --shard "$SLURM_ARRAY_TASK_ID/$shards" \
+        --threads "$SLURM_CPUS_PER_TASK"
+    ;;
+merge)
+    left=$(asperity study unfinished "$folder" --shards "$shards") || left="1-$shards"
+    if [ -z "$left" ]; then
+        exec asperity study merge "$folder"
+    fi
+    if [ "$2" -ge "$retries" ]; then
+        echo "shards $left are not finished after $2 retries; their logs say why" >&2
+        exit 1
+    fi
+    send "$left" "$(($2 + 1))"
+    ;;
+esac
+"#
     ))
 }
 

@@ -166,7 +166,7 @@ fn band(
     Ok(ends)
 }
 
-/// What the text states of the experiment.
+/// Numbers of the experiment that the text states.
 fn stated(computed_amplitude: f64) -> [Stated; 3] {
     let at_32 = OFFSET.map(|share| share * COMPUTED_FREQUENCY);
     let (low, high) =

@@ -64,8 +64,18 @@ pub(crate) enum StudyPart {
         #[arg(long)]
         json: bool,
     },
-    /// Print a job script for Slurm: an array with a task for each shard. The last task to finish its
-    /// shard joins them.
+    /// Print the shards that have chunks missing, such as 3,7-9, as arrays of jobs take them; nothing if
+    /// all are there.
+    Unfinished {
+        /// Folder of the study.
+        #[arg(value_name = "DIR")]
+        folder: PathBuf,
+        /// Number of shards.
+        #[arg(long, value_name = "N")]
+        shards: u64,
+    },
+    /// Print a script that sends the study to Slurm: an array with a task for each shard, and a job that
+    /// joins them and sends those again that are not finished.
     Slurm {
         /// Study file (JSON).
         #[arg(value_name = "STUDY.json")]
@@ -81,8 +91,15 @@ pub(crate) enum StudyPart {
         #[arg(long, value_name = "N", default_value_t = 4,
               value_parser = clap::value_parser!(u32).range(1..=1024))]
         cores: u32,
+        /// Memory of each task, as Slurm takes it.
+        #[arg(long, value_name = "SIZE", default_value = "4G")]
+        memory: String,
         /// Longest time of a task, as Slurm takes it.
         #[arg(long, value_name = "TIME", default_value = "04:00:00")]
         time: String,
+        /// Number of times that shards which are not finished are sent again.
+        #[arg(long, value_name = "N", default_value_t = 3,
+              value_parser = clap::value_parser!(u32).range(0..=1000))]
+        retries: u32,
     },
 }

@@ -6,8 +6,8 @@ use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use asperity_ensemble::{
-    AnswerOptions, EnsembleError, RunOptions, Shard, StudyAnswers, StudyFolder, StudyOutcome,
-    StudyPlan, answers, slurm_script,
+    AnswerOptions, EnsembleError, RunOptions, Shard, SlurmJob, StudyAnswers, StudyFolder,
+    StudyOutcome, StudyPlan, answers, slurm_script,
 };
 use asperity_scenario::four_digits;
 use asperity_study::output::file_name::file_name;
@@ -44,11 +44,20 @@ pub(crate) fn run(asked: &Study, quiet: bool) -> Result<(), Failure> {
             }
             Ok(())
         }
-        (Some(StudyPart::Slurm { file, shards, out, cores, time }), _) => {
+        (Some(StudyPart::Unfinished { folder, shards }), _) => {
+            let left = StudyFolder::open(folder)?.unfinished_shards(*shards)?;
+            if !left.is_empty() {
+                answer_line!("{}", ranges(&left));
+            }
+            Ok(())
+        }
+        (Some(StudyPart::Slurm { file, shards, out, cores, memory, time, retries }), _) => {
             read(file)?;
             Shard::new(1, *shards)?;
             let out = folder_of(file, out.as_deref());
-            answer!("{}", slurm_script(file, &out, *shards, *cores, time)?);
+            let (memory, time) = (memory.clone(), time.clone());
+            let job = SlurmJob { shards: *shards, cores: *cores, memory, time, retries: *retries };
+            answer!("{}", slurm_script(file, &out, &job)?);
             Ok(())
         }
         (None, Some(file)) => run_study(file, asked, quiet),
@@ -112,6 +121,15 @@ fn read(file: &Path) -> Result<StudyPlan, Failure> {
 fn folder_of(file: &Path, out: Option<&Path>) -> PathBuf {
     let stem = file.file_stem().unwrap_or(file.as_os_str()).to_string_lossy();
     out.map_or_else(|| PathBuf::from("out").join(file_name(&stem)), Path::to_owned)
+}
+
+/// Ascending numbers as a list of ranges, such as 3,7-9.
+fn ranges(numbers: &[u64]) -> String {
+    let range = |run: &[u64]| match run {
+        [first, .., last] => format!("{first}-{last}"),
+        _ => run.iter().map(u64::to_string).collect(),
+    };
+    numbers.chunk_by(|a, b| a + 1 == *b).map(range).collect::<Vec<_>>().join(",")
 }
 
 fn read_shard(text: &str) -> Result<Shard, Failure> {

@@ -103,7 +103,17 @@ fn shards_are_joined_to_the_bytes_of_one_run() {
     assert_eq!(missing.status.code(), Some(1));
     let words = "lacks 6 of 16 chunks, the first is number 0";
     assert!(text(&missing.stderr).contains(words), "{}", text(&missing.stderr));
+    let unfinished = |count: &str| {
+        let output = asperity(folder, &["study", "unfinished", "s", "--shards", count]);
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        text(&output.stdout).trim_end().to_owned()
+    };
+    // Chunks 0, 3, 6, 9, 12 and 15 are missing.
+    assert_eq!(unfinished("3"), "1");
+    assert_eq!(unfinished("9"), "1,4,7");
+    assert_eq!(unfinished("4"), "1-4");
     asperity(folder, &["study", "rig.json", "--out", "s", "--shard", "1/3"]);
+    assert_eq!(unfinished("3"), "");
     assert!(asperity(folder, &["study", "merge", "s"]).status.success());
     assert_eq!(fs::read_to_string(folder.join("s/study.csv")).unwrap(), whole);
     let wrong = asperity(folder, &["study", "rig.json", "--out", "s", "--shard", "4/3"]);
@@ -141,8 +151,86 @@ fn the_job_script_is_a_script_of_the_shell() {
     fs::write(folder.join("job.sh"), &output.stdout).unwrap();
     let checked = Command::new("bash").arg("-n").arg("job.sh").current_dir(folder).status();
     assert!(checked.unwrap().success());
-    assert!(text(&output.stdout).contains("#SBATCH --array=1-8\n"));
-    assert!(text(&output.stdout).contains(r"--out 'it'\''s' --shard"));
+    let script = text(&output.stdout);
+    assert!(
+        script.contains("file='rig.json'\nfolder='it'\\''s'\nshards=8\nretries=3\n"),
+        "{script}"
+    );
+    assert!(script.contains("--cpus-per-task=4 --mem=4G --time=04:00:00"), "{script}");
+    for wrong in [["--time", "soon"], ["--memory", "much"]] {
+        let ask = [&["study", "slurm", "rig.json", "--shards", "8"][..], &wrong[..]].concat();
+        assert_eq!(asperity(folder, &ask).status.code(), Some(2), "{wrong:?}");
+    }
+}
+
+/// A stand-in for sbatch runs a task at once: a shard fails twice, is sent again alone, and all are
+/// joined; without retries left the script fails and names the shard.
+#[test]
+#[cfg(unix)]
+fn the_job_script_sends_failed_shards_again() {
+    use std::os::unix::fs::PermissionsExt;
+
+    let folder = folder();
+    let folder = folder.path();
+    let whole = table(folder, &["study", "rig.json", "--out", "whole"]);
+    let bin = folder.join("bin");
+    fs::create_dir(&bin).unwrap();
+    let store = |name: &str, lines: &str| {
+        let path = bin.join(name);
+        fs::write(&path, format!("#!/bin/bash\n{lines}")).unwrap();
+        fs::set_permissions(path, fs::Permissions::from_mode(0o755)).unwrap();
+    };
+    store(
+        "sbatch",
+        r#"echo "$*" >> sent
+array=
+while [ "${1#-}" != "$1" ]; do
+    case "$1" in --array=*) array=${1#--array=} ;; esac
+    shift
+done
+export SLURM_CPUS_PER_TASK=1
+for part in ${array//,/ }; do
+    for number in $(seq "${part%-*}" "${part#*-}"); do
+        SLURM_ARRAY_TASK_ID=$number bash "$@" >&2 || true
+    done
+done
+if [ -z "$array" ]; then bash "$@" >&2 || echo "merge failed" >&2; fi
+echo "$(grep -c "" sent);here"
+"#,
+    );
+    let program = env!("CARGO_BIN_EXE_asperity");
+    store(
+        "asperity",
+        &format!(
+            r#"if [ "${{5:-}} ${{6:-}}" = "--shard 2/3" ] && [ "$(grep -c "" sent)" -le "$FAILS" ]; then exit 9; fi
+exec '{program}' "$@"
+"#
+        ),
+    );
+    let path = format!("{}:{}", bin.display(), std::env::var("PATH").unwrap());
+    for (out, fails, retries) in [("some", "3", "2"), ("many", "99", "1")] {
+        let shards = ["--shards", "3", "--retries", retries, "--out", out];
+        let ask = [&["study", "slurm", "rig.json"][..], &shards[..]].concat();
+        fs::write(folder.join("job.sh"), asperity(folder, &ask).stdout).unwrap();
+        let _ = fs::remove_file(folder.join("sent"));
+        let mut job = Command::new("bash");
+        job.arg("job.sh").current_dir(folder).env("PATH", &path).env("FAILS", fails);
+        let output = job.output().unwrap();
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        let sent = fs::read_to_string(folder.join("sent")).unwrap();
+        let arrays: Vec<&str> =
+            sent.split_whitespace().filter_map(|word| word.strip_prefix("--array=")).collect();
+        assert_eq!(arrays[..2], ["1-3", "2"], "{sent}");
+        assert!(sent.contains("--dependency=afterany:1 "), "{sent}");
+        let table = fs::read_to_string(folder.join(out).join("study.csv"));
+        if retries == "2" {
+            assert_eq!((arrays.len(), table.unwrap()), (3, whole.clone()), "{sent}");
+        } else {
+            assert!(table.is_err());
+            let words = "shards 2 are not finished after 1 retries";
+            assert!(text(&output.stderr).contains(words), "{}", text(&output.stderr));
+        }
+    }
 }
 
 #[test]
