@@ -63,7 +63,9 @@ fn a_manual_page_describes_every_command_with_its_options() {
         expected.push(name);
     }
     // Parts of commands have pages of their own.
-    expected.extend(["answers", "merge", "slurm"].map(|part| format!("asperity-study-{part}.1")));
+    expected.extend(
+        ["answers", "merge", "slurm", "unfinished"].map(|part| format!("asperity-study-{part}.1")),
+    );
     expected.sort();
     assert_eq!(files(&pages), expected);
 }
