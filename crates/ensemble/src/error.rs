@@ -34,6 +34,14 @@ pub enum EnsembleError {
         /// The fault, and what is accepted.
         fault: String,
     },
+    /// A table of rows that cannot be used.
+    #[error("{} {fault}", path.display())]
+    Table {
+        /// The file.
+        path: PathBuf,
+        /// The fault, and what is accepted.
+        fault: String,
+    },
     /// The scenario cannot be set up, or a file it names cannot be read.
     #[error(transparent)]
     Study(#[from] StudyError),

@@ -4,23 +4,28 @@
 //! out/rig/study.json            manifest: what the results follow from, rows and chunks
 //! out/rig/chunks/00000012.csv   rows of chunk 12, after a line that names study and chunk
 //! out/rig/study.csv             all rows, once all chunks are there
+//! out/rig/study.parquet         the same rows
 //! ```
 //!
 //! Each file is written under another name, brought to the disk, and renamed. The bytes of a chunk
 //! follow from its number, so that two runs which write the same chunk do no harm: no lock is needed,
 //! on no file system.
 
-use std::collections::hash_map::RandomState;
-use std::ffi::OsStr;
+mod parquet_table;
+mod whole_file;
+
 use std::fs::{self, File};
-use std::hash::{BuildHasher, Hasher};
-use std::io::{self, BufRead, BufReader, BufWriter, Read, Write};
+use std::io::{self, BufRead, BufReader, Read, Write};
 use std::path::{Path, PathBuf};
 
+use asperity_table::CsvWriter;
 use serde_json::{Value, json};
 
 use crate::error::EnsembleError;
 use crate::plan::StudyPlan;
+use parquet_table::ParquetTable;
+pub(crate) use parquet_table::Role;
+use whole_file::{is_temporary, write_whole};
 
 /// Schema of the manifest.
 const SCHEMA: &str = "asperity/study-run/1";
@@ -28,7 +33,8 @@ const SCHEMA: &str = "asperity/study-run/1";
 /// Names in the folder.
 const MANIFEST: &str = "study.json";
 const CHUNKS: &str = "chunks";
-pub(crate) const TABLE: &str = "study.csv";
+const TABLE: &str = "study.csv";
+const PARQUET: &str = "study.parquet";
 
 /// First words of a chunk.
 const CHUNK_MARK: &str = "# asperity study chunk";
@@ -51,15 +57,16 @@ impl StudyFolder {
         folder: &Path,
         identity: &Value,
         [rows, chunk_rows]: [u64; 2],
-        columns: &[String],
+        columns: &[(String, Role)],
         resume: bool,
     ) -> Result<Self, EnsembleError> {
+        let describe = |(name, role): &(String, Role)| json!({ "name": name, "role": role.key() });
         let manifest = json!({
             "schema": SCHEMA,
             "identity": identity,
             "rows": rows,
             "chunk_rows": chunk_rows,
-            "columns": columns,
+            "columns": columns.iter().map(describe).collect::<Vec<_>>(),
         });
         let new = Self { path: folder.to_owned(), manifest };
         if let Some(found) = Self::read(folder)? {
@@ -120,6 +127,7 @@ impl StudyFolder {
             ("/identity/scenario_sha256", "the study of another scenario, or of a changed one"),
             ("/identity/study_sha256", "the study of other inputs, or of another design"),
             ("/identity/draws_sha256", "a study with other draws"),
+            ("/identity/table_sha256", "a study with another table of rows"),
             ("", "another study"),
         ];
         let differs = |(pointer, _): &&(&str, &str)| {
@@ -156,6 +164,16 @@ impl StudyFolder {
     /// Rows of a chunk.
     pub(crate) fn rows_of(&self, chunk: u64) -> std::ops::Range<u64> {
         chunk * self.chunk_rows()..((chunk + 1) * self.chunk_rows()).min(self.rows())
+    }
+
+    /// Names of the columns with their parts in the study.
+    fn columns(&self) -> Vec<(String, Role)> {
+        let column = |one: &Value| {
+            let name = one["name"].as_str()?.to_owned();
+            let role = Role::ALL.into_iter().find(|role| one["role"] == role.key())?;
+            Some((name, role))
+        };
+        self.manifest["columns"].as_array().into_iter().flatten().filter_map(column).collect()
     }
 
     /// Checks that the folder holds the study of a plan.
@@ -249,7 +267,7 @@ impl StudyFolder {
         Ok(numbers)
     }
 
-    /// Joins all chunks to one table, and removes them.
+    /// Joins all chunks to one table, as CSV and as Parquet, and removes them.
     ///
     /// Each chunk is checked: it must name this study and its number, and have its number of rows.
     ///
@@ -267,15 +285,11 @@ impl StudyFolder {
                 let (folder, chunks) = (self.path.clone(), self.chunks());
                 return Err(EnsembleError::Missing { folder, missing, chunks, first });
             }
-            for chunk in 0..self.chunks() {
-                self.check_chunk(chunk)?;
-            }
+            let columns = self.columns();
+            // The study is complete once there is CSV, so that Parquet comes first.
+            self.write_parquet(&columns)?;
             write_whole(&table, |file| {
-                let mut header = asperity_table::CsvWriter::default();
-                for column in self.manifest["columns"].as_array().into_iter().flatten() {
-                    header.text(column.as_str().unwrap_or_default());
-                }
-                header.end_row();
+                let header = CsvWriter::with_header(columns.iter().map(|(name, _)| name));
                 file.write_all(header.into_string().as_bytes())?;
                 for chunk in 0..self.chunks() {
                     let mut reader = BufReader::new(File::open(self.chunk_path(chunk))?);
@@ -298,7 +312,32 @@ impl StudyFolder {
         }
     }
 
-    fn check_chunk(&self, chunk: u64) -> Result<(), EnsembleError> {
+    /// Writes the table as Parquet, and checks each chunk meanwhile.
+    fn write_parquet(&self, columns: &[(String, Role)]) -> Result<(), EnsembleError> {
+        let mut fault = None;
+        let written = write_whole(&self.path.join(PARQUET), |file| {
+            let mut table = ParquetTable::new(file, columns, &self.manifest["identity"])?;
+            for chunk in 0..self.chunks() {
+                if let Err(error) = self.read_chunk(chunk, columns.len(), &mut table) {
+                    fault = Some(error);
+                    return Err(io::ErrorKind::InvalidData.into());
+                }
+            }
+            table.finish()
+        });
+        match fault {
+            Some(fault) => Err(fault),
+            None => written.map_err(self.fail(PARQUET)),
+        }
+    }
+
+    /// Adds the rows of a chunk to a table.
+    fn read_chunk(
+        &self,
+        chunk: u64,
+        columns: usize,
+        table: &mut ParquetTable<impl Write + Send>,
+    ) -> Result<(), EnsembleError> {
         let file = self.chunk_path(chunk);
         let fault = |fault: &str| {
             Err(EnsembleError::Chunk { file: self.chunk_path(chunk), fault: fault.to_owned() })
@@ -312,15 +351,20 @@ impl StudyFolder {
         {
             return fault("is a chunk of another study, or of another place in it");
         }
-        let columns = self.manifest["columns"].as_array().map_or(0, Vec::len);
         let mut rows = csv::ReaderBuilder::new().has_headers(false).from_reader(reader);
         let mut count = 0;
-        let mut record = csv::ByteRecord::new();
+        let mut record = csv::StringRecord::new();
         loop {
-            match rows.read_byte_record(&mut record) {
+            match rows.read_record(&mut record) {
                 Ok(true) if record.len() == columns => count += 1,
                 Ok(false) => break,
                 Ok(true) | Err(_) => return fault("is damaged: a row has other columns"),
+            }
+            match table.push(&record) {
+                Err(error) if error.kind() == io::ErrorKind::InvalidData => {
+                    return fault("is damaged: a text stands for a number");
+                }
+                written => written.map_err(self.fail(PARQUET))?,
             }
         }
         let expected = self.rows_of(chunk);
@@ -340,32 +384,4 @@ impl StudyFolder {
 fn is_ours(entry: &fs::DirEntry) -> bool {
     let name = entry.file_name();
     is_temporary(&name) || name == MANIFEST || name == CHUNKS
-}
-
-fn is_temporary(name: &OsStr) -> bool {
-    name.to_str().is_some_and(|name| name.starts_with(".new-"))
-}
-
-/// Writes a file under another name, brings it to the disk and renames it: it is whole or absent.
-fn write_whole(
-    path: &Path,
-    write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
-) -> io::Result<()> {
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
-    let folder = path.parent().unwrap_or(Path::new("."));
-    // Shards on several machines must not meet in one name.
-    let random = RandomState::new().build_hasher().finish();
-    let temporary = folder.join(format!(".new-{random:016x}-{name}"));
-    let written = (|| {
-        let mut file = BufWriter::new(File::create(&temporary)?);
-        write(&mut file)?;
-        file.into_inner().map_err(io::IntoInnerError::into_error)?.sync_all()?;
-        fs::rename(&temporary, path)?;
-        // The name itself; a folder cannot be opened everywhere.
-        if cfg!(unix) { File::open(folder)?.sync_all() } else { Ok(()) }
-    })();
-    if written.is_err() {
-        let _ = fs::remove_file(&temporary);
-    }
-    written
 }

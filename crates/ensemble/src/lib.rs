@@ -15,15 +15,13 @@
 //! | module | holds |
 //! |---|---|
 //! | [`spec`] | the study file and its schema |
-//! | `plan` | [`StudyPlan`]: the inputs of each run |
-//! | `draws` | draws of several inputs with weights, from a file |
-//! | `folder` | [`StudyFolder`]: manifest, chunks, the joined table |
+//! | `plan` | [`StudyPlan`]: the inputs of each run, by a design, draws of a file, or rows of a table |
+//! | `folder` | [`StudyFolder`]: manifest, chunks, the joined table as CSV and Parquet |
 //! | `run` | [`run()`] over chunks and shards, for any [`RowModel`] |
 //! | `answers` | [`answers()`]: quantiles, exceedance probabilities, Sobol indices of a finished study |
 //! | `slurm` | [`slurm_script`]: a job array with one task a shard, and the job that joins them |
 
 mod answers;
-mod draws;
 mod error;
 mod folder;
 mod plan;

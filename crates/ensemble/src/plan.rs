@@ -1,19 +1,21 @@
 //! From a study file to the inputs of each run.
 
+mod draws;
+mod inputs;
+mod table;
+
+use std::ops::Range;
 use std::path::Path;
 
-use asperity_design::{Correlation, Design, DesignError, Distribution, InputSpace};
 use asperity_scenario::{Document, validate_json};
 use asperity_study::row_simulator::{Places, RowSimulator};
 use asperity_study::sweep::{Variation, input_files};
 use serde_json::{Value, json};
 
-use crate::draws::read_draws;
 use crate::error::EnsembleError;
-use crate::spec::{
-    CorrelationKind, DistributionSpec, InputSpec, StudiedScenario, StudyDesign, StudySpec,
-    study_schema,
-};
+use crate::spec::{StudiedScenario, StudySpec, study_schema};
+use draws::read_draws;
+use inputs::{InputRows, options};
 
 /// Version of the numbers that a study writes: it changes when the same study file gives other bytes.
 const RESULTS_VERSION: u32 = 1;
@@ -33,7 +35,7 @@ const RESULTS_VERSION: u32 = 1;
 /// }"#;
 /// let plan = StudyPlan::of(Document::parse(text, "../study/examples/study.json")?)?;
 /// assert_eq!((plan.rows(), plan.names().len()), (8, 1));
-/// assert!((2.0..14.0).contains(&plan.values(3)[0].as_f64().unwrap()));
+/// assert!((2.0..14.0).contains(&plan.values(3..4)?[0][0].as_f64().unwrap()));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone)]
@@ -43,10 +45,7 @@ pub struct StudyPlan {
     scenario: Document,
     names: Vec<String>,
     places: Vec<Places>,
-    inputs: InputSpace,
-    /// Values of the options of each input that is a choice.
-    options: Vec<Option<Vec<Value>>>,
-    design: Design,
+    rows: InputRows,
     draws_sha256: Option<String>,
 }
 
@@ -62,7 +61,7 @@ impl StudyPlan {
     /// The study of a document.
     ///
     /// # Errors
-    /// [`EnsembleError`] for a study or a scenario with faults, a file of draws that cannot be used, a
+    /// [`EnsembleError`] for a study or a scenario with faults, a file of draws or rows that cannot be used, a
     /// pointer that is given twice or does not exist, and more rows or inputs than a design takes.
     pub fn of(document: Document) -> Result<Self, EnsembleError> {
         let spec: StudySpec = document.checked(study_schema(), Vec::new())?;
@@ -89,44 +88,8 @@ impl StudyPlan {
             }
         }
         check_places(&scenario, &places, &names)?;
-        let mut distributions = Vec::new();
-        let mut options: Vec<Option<Vec<Value>>> = Vec::new();
-        for (number, input) in spec.inputs.iter().enumerate() {
-            distributions.push(distribution(input).map_err(|source| EnsembleError::Design {
-                place: format!("/inputs/{number}/distribution"),
-                source,
-            })?);
-            options.push(match &input.distribution {
-                DistributionSpec::Choice { values, .. } => Some(values.clone()),
-                _ => None,
-            });
-        }
-        let at = |place: &str| {
-            let place = place.to_owned();
-            |source| EnsembleError::Design { place, source }
-        };
-        let correlation = match &spec.correlation {
-            None => None,
-            Some(given) => Some(
-                match given.kind {
-                    CorrelationKind::Rank => Correlation::of_ranks(&given.matrix),
-                    CorrelationKind::NormalScores => Correlation::of_scores(&given.matrix),
-                }
-                .map_err(at("/correlation/matrix"))?,
-            ),
-        };
-        let inputs = InputSpace::new(distributions, correlation, draws).map_err(at("/inputs"))?;
-        let design = design(&spec.design, inputs.dimensions())?;
-        if matches!(spec.design, StudyDesign::Saltelli { .. }) && inputs.is_correlated() {
-            return Err(EnsembleError::Part {
-                place: "/design".into(),
-                fault:
-                    "Sobol indices are defined for independent inputs; accepted: another design, \
-                        or no correlation"
-                        .into(),
-            });
-        }
-        Ok(Self { document, spec, scenario, names, places, inputs, options, design, draws_sha256 })
+        let rows = InputRows::new(document.folder(), &spec, draws)?;
+        Ok(Self { document, spec, scenario, names, places, rows, draws_sha256 })
     }
 
     /// The study file's document.
@@ -146,13 +109,13 @@ impl StudyPlan {
 
     /// Number of runs.
     pub fn rows(&self) -> u64 {
-        self.design.rows()
+        self.rows.count()
     }
 
-    /// Number of coordinates of the design: one for each input with a distribution, and one for all
-    /// inputs that are drawn together.
+    /// Number of coordinates of the design: one for each input with a distribution or a column of a
+    /// table, and one for all inputs that are drawn together.
     pub fn dimensions(&self) -> usize {
-        self.design.dimensions()
+        self.spec.inputs.len() + usize::from(self.spec.draws.is_some())
     }
 
     /// Names of the coordinates of the design.
@@ -169,15 +132,22 @@ impl StudyPlan {
         &self.names
     }
 
-    /// The inputs of run number `row`, from 0.
-    pub fn values(&self, row: u64) -> Vec<Value> {
-        let values = self.inputs.values(&self.design.point(row));
-        let options = self.options.iter().map(Option::as_ref).chain(std::iter::repeat(None));
-        let value = |(value, options): (f64, Option<&Vec<Value>>)| match options {
-            Some(options) => options[(value as usize).min(options.len() - 1)].clone(),
-            None => json!(value),
-        };
-        values.into_iter().zip(options).map(value).collect()
+    /// Marks inputs that are texts, or any other values than numbers.
+    pub(crate) fn texts(&self) -> Vec<bool> {
+        let is_text =
+            |input| options(input).is_some_and(|options| !options.iter().all(Value::is_number));
+        let mut texts: Vec<bool> = self.spec.inputs.iter().map(is_text).collect();
+        texts.resize(self.names.len(), false);
+        texts
+    }
+
+    /// The inputs of the runs with these numbers, from 0.
+    ///
+    /// # Errors
+    /// [`EnsembleError::Table`] for a table that has changed meanwhile, [`EnsembleError::Io`] for one
+    /// that cannot be read; none for other designs.
+    pub fn values(&self, rows: Range<u64>) -> Result<Vec<Vec<Value>>, EnsembleError> {
+        self.rows.values(rows)
     }
 
     /// The simulator of the scenario.
@@ -207,14 +177,15 @@ impl StudyPlan {
             "scenario_sha256": self.scenario.sha256(),
             "study_sha256": study.sha256(),
             "draws_sha256": self.draws_sha256,
+            "table_sha256": self.rows.sha256(),
             "files": input_files(&self.scenario, &self.choices())?,
         }))
     }
 
     /// Inputs that are choices, which may select files.
     fn choices(&self) -> Vec<Variation> {
-        let choices = self.options.iter().zip(&self.places).filter_map(|(options, places)| {
-            let values: Vec<String> = options.as_ref()?.iter().map(Value::to_string).collect();
+        let choices = self.spec.inputs.iter().zip(&self.places).filter_map(|(input, places)| {
+            let values: Vec<String> = options(input)?.iter().map(Value::to_string).collect();
             Some(
                 places
                     .iter()
@@ -277,55 +248,4 @@ fn check_places(
 /// True if `place` is `other` or a part of it.
 fn inside(place: &str, other: &str) -> bool {
     place.strip_prefix(other).is_some_and(|rest| rest.is_empty() || rest.starts_with('/'))
-}
-
-fn distribution(input: &InputSpec) -> Result<Distribution, DesignError> {
-    match &input.distribution {
-        DistributionSpec::Uniform { lower, upper } => Distribution::uniform(*lower, *upper),
-        DistributionSpec::LogUniform { lower, upper } => Distribution::log_uniform(*lower, *upper),
-        DistributionSpec::Normal { mean, standard_deviation } => {
-            Distribution::normal(*mean, *standard_deviation)
-        }
-        DistributionSpec::Lognormal { median, log_standard_deviation } => {
-            Distribution::lognormal(*median, *log_standard_deviation)
-        }
-        DistributionSpec::Triangular { lower, mode, upper } => {
-            Distribution::triangular(*lower, *mode, *upper)
-        }
-        DistributionSpec::Choice { values, weights: None } => {
-            Distribution::choice(&vec![1.0; values.len()])
-        }
-        DistributionSpec::Choice { values, weights: Some(weights) } => {
-            if values.len() != weights.len() {
-                return Err(DesignError::Count {
-                    quantity: "the number of weights",
-                    value: weights.len() as u64,
-                    least: values.len() as u64,
-                    most: values.len() as u64,
-                });
-            }
-            Distribution::choice(weights)
-        }
-    }
-}
-
-fn design(spec: &StudyDesign, dimensions: usize) -> Result<Design, EnsembleError> {
-    let made = match spec {
-        StudyDesign::Grid { levels } if levels.len() != dimensions => {
-            return Err(EnsembleError::Part {
-                place: "/design/levels".into(),
-                fault: format!("{} numbers; expected {dimensions}, one an input", levels.len()),
-            });
-        }
-        StudyDesign::Grid { levels } => Design::grid(levels.clone()),
-        StudyDesign::Random { rows, seed } => Design::random(dimensions, *rows, *seed),
-        StudyDesign::LatinHypercube { rows, seed } => {
-            Design::latin_hypercube(dimensions, *rows, *seed)
-        }
-        StudyDesign::Sobol { rows, seed } => Design::sobol(dimensions, *rows, *seed),
-        StudyDesign::Saltelli { base_rows, seed } => {
-            Design::saltelli(dimensions, *base_rows, *seed)
-        }
-    };
-    made.map_err(|source| EnsembleError::Design { place: "/design".into(), source })
 }

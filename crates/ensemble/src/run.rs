@@ -11,7 +11,7 @@ use asperity_table::CsvWriter;
 use serde_json::Value;
 
 use crate::error::EnsembleError;
-use crate::folder::StudyFolder;
+use crate::folder::{Role, StudyFolder};
 use crate::plan::StudyPlan;
 
 /// Most shards of a study.
@@ -131,13 +131,7 @@ pub fn run(
     stop: &AtomicBool,
     progress: &dyn Fn(u64, u64),
 ) -> Result<StudyOutcome, EnsembleError> {
-    let columns: Vec<String> = plan
-        .names()
-        .iter()
-        .chain(model.columns())
-        .cloned()
-        .chain(["error", "warnings"].map(str::to_owned))
-        .collect();
+    let columns = columns(plan, model);
     let sizes = [plan.rows(), plan.spec().chunk_rows];
     // Shards begin one study together.
     let resume = options.resume || options.shard != Shard::WHOLE;
@@ -157,7 +151,7 @@ pub fn run(
             if stop.load(Ordering::Relaxed) {
                 return Ok(StudyOutcome::Stopped);
             }
-            let rows: Vec<Vec<Value>> = folder.rows_of(chunk).map(|row| plan.values(row)).collect();
+            let rows = plan.values(folder.rows_of(chunk))?;
             let Some(results) = model.run(&rows, stop) else {
                 return Ok(StudyOutcome::Stopped);
             };
@@ -171,6 +165,18 @@ pub fn run(
         return Ok(StudyOutcome::Complete(folder.merge()?));
     }
     Ok(StudyOutcome::ShardDone)
+}
+
+/// Columns of the results with their parts in the study.
+fn columns(plan: &StudyPlan, model: &dyn RowModel) -> Vec<(String, Role)> {
+    let input = |(name, is_text): (&String, bool)| {
+        (name.clone(), if is_text { Role::TextInput } else { Role::Input })
+    };
+    let mut columns: Vec<_> = plan.names().iter().zip(plan.texts()).map(input).collect();
+    columns.extend(model.columns().iter().map(|name| (name.clone(), Role::Observable)));
+    columns.push(("error".to_owned(), Role::Error));
+    columns.push(("warnings".to_owned(), Role::Warnings));
+    columns
 }
 
 /// Rows as CSV, as `sweep` writes them.

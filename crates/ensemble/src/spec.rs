@@ -19,7 +19,7 @@ pub struct StudySpec {
     pub title: Option<String>,
     /// The scenario: a file relative to the folder of the study, or a scenario in place.
     pub scenario: StudiedScenario,
-    /// The inputs with distributions of their own.
+    /// The inputs, each with a distribution or a column of a table.
     #[serde(default)]
     #[schemars(length(max = 100), extend("default" = []))]
     pub inputs: Vec<InputSpec>,
@@ -58,8 +58,8 @@ pub struct InputSpec {
     pub also: Vec<String>,
     /// Its name in the results; the pointer when left out.
     pub name: Option<String>,
-    /// The distribution of its values.
-    pub distribution: DistributionSpec,
+    /// The distribution of its values; of a table only a choice, for a column of texts.
+    pub distribution: Option<DistributionSpec>,
 }
 
 /// A distribution.
@@ -201,6 +201,15 @@ pub enum StudyDesign {
         /// Seed of all random numbers.
         #[serde(default = "default_seed")]
         seed: u64,
+    },
+    /// Rows from a CSV or Parquet file with a column for each input, by its name or its pointer.
+    Table {
+        /// The file, relative to the folder of the study.
+        #[schemars(length(min = 1))]
+        file: String,
+        /// The number of rows that it must have; any when left out.
+        #[schemars(range(min = 1))]
+        rows: Option<u64>,
     },
 }
 

@@ -52,7 +52,7 @@ fn kills_at_any_moment_do_not_change_a_byte() {
     let whole = table(folder, &["study", "rig.json", "--out", "whole", "--threads", "2"]);
     assert_eq!(whole.lines().count(), 129);
     assert!(whole.starts_with("force,static.natural_frequency_hz,"));
-    assert_eq!(files(&folder.join("whole")), ["study.csv", "study.json"]);
+    assert_eq!(files(&folder.join("whole")), ["study.csv", "study.json", "study.parquet"]);
     for kill in 0..KILLS {
         let again = ["study", "rig.json", "--out", "killed", "--resume", "--quiet"];
         let mut child = command(folder, &again).spawn().unwrap();
@@ -64,7 +64,7 @@ fn kills_at_any_moment_do_not_change_a_byte() {
     let resumed =
         table(folder, &["study", "rig.json", "--out", "killed", "--resume", "--threads=1"]);
     assert_eq!(resumed, whole);
-    assert_eq!(files(&folder.join("killed")), ["study.csv", "study.json"]);
+    assert_eq!(files(&folder.join("killed")), ["study.csv", "study.json", "study.parquet"]);
 }
 
 #[test]

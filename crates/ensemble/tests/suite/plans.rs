@@ -23,7 +23,7 @@ fn inputs_follow_their_distributions() {
     let plan = plan(&study(&json!({"kind": "grid", "levels": [3, 4]}), 5)).unwrap();
     assert_eq!(plan.rows(), 12);
     assert_eq!(plan.names(), ["/excitation/peak_n", "case"]);
-    let rows: Vec<Vec<Value>> = (0..12).map(|row| plan.values(row)).collect();
+    let rows = plan.values(0..12).unwrap();
     assert_eq!(rows[0], [json!(4.0), json!("a, b")]);
     assert_eq!(rows[3], [json!(4.0), json!("=c")]);
     assert_eq!(rows[11], [json!(12.0), json!("=c")]);
@@ -49,7 +49,7 @@ fn posterior_draws_keep_their_dependence_and_weights() {
         asperity_ensemble::StudyPlan::of(Document::parse(&text.to_string(), path).unwrap())
     };
     let plan = of(&text).unwrap();
-    let rows: Vec<Vec<Value>> = (0..64).map(|row| plan.values(row)).collect();
+    let rows = plan.values(0..64).unwrap();
     assert_eq!(rows.iter().filter(|row| **row == [json!(3.0), json!(7.0)]).count(), 16);
     assert_eq!(rows.iter().filter(|row| **row == [json!(5.0), json!(9.0)]).count(), 48);
     let mut other = text.clone();
