@@ -17,6 +17,7 @@ mod levels;
 mod style;
 mod x_10_sensitivity;
 mod x_11_prediction_bands;
+mod x_12_free_law;
 mod x_1_linear_floor;
 mod x_2_pulse_shape;
 mod x_3_convergence;
@@ -55,4 +56,5 @@ pub(crate) const FIGURES: &[&PaperFigure] = &[
     &x_9_dissipation::FIGURE,
     &x_10_sensitivity::FIGURE,
     &x_11_prediction_bands::FIGURE,
+    &x_12_free_law::FIGURE,
 ];

@@ -188,12 +188,26 @@ impl Identification {
                 width.exp()
             )
         });
+        let few = if self.lacks_second_harmonics() {
+            " Fewer than half of the hits have a second harmonic: frequency and receptance over \
+             force alone hardly separate the slope of the law from its curvature, and the band \
+             may be too narrow."
+        } else {
+            ""
+        };
         format!(
-            "The form of law \"{name}\" is free: only smoothness was assumed, with a roughness of {} to {} that the data chose; where the data say nothing, the law tends to that of the scenario.{}",
+            "The form of law \"{name}\" is free: only smoothness was assumed, with a roughness of {} to {} that the data chose; where the data say nothing, the law tends to that of the scenario.{}{few}",
             four_digits(free.roughness[0]),
             four_digits(free.roughness[2]),
             resolved.unwrap_or_default()
         )
+    }
+
+    /// True if hits have a fundamental, and fewer than half as many a second harmonic.
+    fn lacks_second_harmonics(&self) -> bool {
+        let count = |name: &str| self.about.iter().filter(|label| label.feature == name).count();
+        let hits = count("fundamental.frequency_hz");
+        hits > 0 && 2 * count("harmonic_ratio") < hits
     }
 
     /// Groups of data that disagree, at a probability of one in twenty for all groups together.

@@ -114,6 +114,9 @@ fn check_findings(found: &Identification) {
     document.scenario().unwrap();
     let words = found.conclusions().join(" ");
     assert!(words.contains("The form of law \"modified\" is free"), "{words}");
+    let ratios = found.observations().filter(|one| one.feature == "harmonic_ratio").count();
+    let lacks = words.contains("Fewer than half of the hits have a second harmonic");
+    assert_eq!(lacks, 2 * ratios < PEAKS.len(), "{ratios}: {words}");
     assert!(found.checks().iter().all(|check| check.p_value > 1e-3), "{:?}", found.checks());
 }
 

@@ -8,7 +8,6 @@ use asperity_figure::{Axis, Color, Legend, Marker, Panel, Series};
 use asperity_scenario::Document;
 use asperity_study::quantity::Quantity;
 use asperity_table::Table;
-use serde_json::Value;
 
 use super::style;
 use crate::reproduce::rig::{Law, Rig};
@@ -98,7 +97,7 @@ fn compute(rig: &Rig) -> Result<Computed> {
     let StudyDesign::Saltelli { seed, .. } = plan.spec().design else {
         bail!("Sobol indices need Saltelli's design");
     };
-    let rows: Vec<Vec<Value>> = (0..plan.rows()).map(|row| plan.values(row)).collect();
+    let rows = plan.values(0..plan.rows())?;
     let runs = plan.simulator()?.run(&rows).into_iter().collect::<Result<Vec<_>, _>>()?;
 
     let mut columns = Columns::default();
@@ -127,7 +126,7 @@ fn compute(rig: &Rig) -> Result<Computed> {
 /// Ends of the even distribution of each input.
 fn ranges(plan: &StudyPlan) -> Result<Vec<[f64; 2]>> {
     let ends = |input: &asperity_ensemble::spec::InputSpec| match input.distribution {
-        DistributionSpec::Uniform { lower, upper } => Ok([lower, upper]),
+        Some(DistributionSpec::Uniform { lower, upper }) => Ok([lower, upper]),
         _ => bail!("the caption states even distributions; {} has another", input.pointer),
     };
     plan.spec().inputs.iter().map(ends).collect()

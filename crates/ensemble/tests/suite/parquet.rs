@@ -6,6 +6,7 @@ use std::process::Command;
 use std::sync::atomic::AtomicBool;
 
 use asperity_ensemble::{RowModel, RowResult, run};
+use parquet::file::metadata::{ColumnChunkMetaData, RowGroupMetaData};
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::record::{Field, Row};
 use serde_json::{Value, json};
@@ -75,7 +76,7 @@ impl RowModel for Wide {
     fn run(&self, rows: &[Vec<Value>], _stop: &AtomicBool) -> Option<Vec<RowResult>> {
         let result = |row: &Vec<Value>| {
             let x = row[0].as_f64().unwrap();
-            Ok(((0..self.0.len()).map(|power| x.powi(power as i32)).collect(), Vec::new()))
+            Ok(((0_i32..).take(self.0.len()).map(|power| x.powi(power)).collect(), Vec::new()))
         };
         Some(rows.iter().map(result).collect())
     }
@@ -97,12 +98,13 @@ fn bytes_do_not_depend_on_chunks_and_row_groups_are_bounded() {
         let path = folder.path().join("study.parquet");
         let reader = SerializedFileReader::new(File::open(&path).unwrap()).unwrap();
         let sizes: Vec<i64> =
-            reader.metadata().row_groups().iter().map(|group| group.num_rows()).collect();
+            reader.metadata().row_groups().iter().map(RowGroupMetaData::num_rows).collect();
         assert_eq!(sizes, [123_361, 26_639], "2^22 numbers of 34 columns");
         let text = reader.metadata().file_metadata().key_value_metadata().unwrap()[1].value.clone();
         let columns: Value = serde_json::from_str(&text.unwrap()).unwrap();
         assert_eq!(columns[3]["unit"], "Hz");
-        let end = reader.metadata().row_group(1).columns().iter().map(|c| c.byte_range());
+        let end =
+            reader.metadata().row_group(1).columns().iter().map(ColumnChunkMetaData::byte_range);
         let end = end.map(|(start, length)| start + length).max().unwrap();
         bytes.push(fs::read(&path).unwrap()[..end as usize].to_vec());
     }

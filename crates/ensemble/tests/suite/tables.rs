@@ -1,6 +1,7 @@
 //! Designs whose rows come from a file: the same results as a design that gives them, and what is
 //! refused in which words.
 
+use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
 use std::sync::Arc;
@@ -52,7 +53,7 @@ fn rows(count: usize) -> Vec<(f64, &'static str)> {
 fn csv(rows: &[(f64, &str)]) -> String {
     let mut text = "id,case,/excitation/peak_n\n".to_owned();
     for (row, (force, case)) in rows.iter().enumerate() {
-        text.push_str(&format!("\"run\n{row}\",\"{case}\",{force}\n"));
+        writeln!(text, "\"run\n{row}\",\"{case}\",{force}").unwrap();
     }
     text
 }
@@ -76,7 +77,7 @@ fn parquet(path: &Path, rows: &[(f64, &str)]) {
         let mut into = writer.next_row_group().unwrap();
         let forces: Vec<f64> = group.iter().map(|row| row.0).collect();
         let cases: Vec<ByteArray> = group.iter().map(|row| row.1.into()).collect();
-        let ids: Vec<i64> = (0..group.len() as i64).collect();
+        let ids: Vec<i64> = (0..).take(group.len()).collect();
         let mut column = into.next_column().unwrap().unwrap();
         let levels = vec![1; group.len()];
         column.typed::<DoubleType>().write_batch(&forces, Some(&levels), None).unwrap();
