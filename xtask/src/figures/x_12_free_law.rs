@@ -35,7 +35,7 @@ const CAPTION: [[f64; 4]; 3] =
 /// Largest distance of these numbers from those computed, as for figure x8.
 const CAPTION_TOLERANCE: [f64; 3] = [1.5e-3, 8e-3, 8e-3];
 
-/// What one more measurement leaves, as the caption states it.
+/// Standard deviations that further measurements leave, as the caption states them.
 const LEFT: [(Measurement, f64); 3] = [
     (Measurement { force: 32.0, mass: MASS, pressure: f64::NAN }, 0.99),
     (Measurement { force: 20.0, mass: 0.4, pressure: f64::NAN }, 0.53),

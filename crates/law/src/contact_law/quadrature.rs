@@ -3,7 +3,8 @@
 //! Panels are linear in pressure where the range is short compared with the pressure, else
 //! logarithmic. Next to zero pressure K may vanish like p^m: the part of the integral below the
 //! panels then follows from the local exponent `m = p K'/K`, and panels are added downwards until
-//! the sum no longer changes. The functions serve implementations of new laws.
+//! the sum no longer changes, over fourteen decades at least: a soft layer that is closed at a few Pa
+//! has no part in the exponent far above. The functions serve implementations of new laws.
 
 use super::ContactLaw;
 use crate::domain::no_less;
@@ -34,6 +35,9 @@ const BUDGET: usize = 4096;
 
 /// Ratio of the end pressures of a logarithmic panel.
 const RATIO: f64 = 16.0;
+
+/// Logarithmic panels above zero pressure at least, where the integral is finite.
+const PANELS: usize = 12;
 
 /// Closure increment \[m\] from pressure `from` to pressure `to` \[Pa\] by quadrature of `1/K`.
 ///
@@ -160,14 +164,16 @@ fn from_zero<L: ContactLaw + ?Sized>(law: &L, weight: Weight, b: f64) -> f64 {
     let mut top = b;
     let mut sum = 0.0;
     let mut estimate = rest(b);
+    let mut panels = 0;
     while top > f64::MIN_POSITIVE * RATIO {
         let bottom = top / RATIO;
         sum += logarithmic(law, weight, bottom, top);
         top = bottom;
+        panels += 1;
         let next = sum + rest(bottom);
         let settled = (next - estimate).abs() <= 2.0 * f64::EPSILON * next;
         estimate = next;
-        if settled && estimate.is_finite() {
+        if settled && estimate.is_finite() && panels >= PANELS {
             break;
         }
     }

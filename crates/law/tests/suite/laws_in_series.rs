@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use asperity_law::quadrature::closure_between;
 use asperity_law::{
     Constant, ContactLaw, Exponential, Hyperbolic, InSeries, LawError, LawQuantity, LawsInSeries,
     Power, Pressure, SeriesContact, Tabulated,
@@ -44,6 +45,22 @@ fn a_constant_stiffness_is_a_layer() {
                 close("tangent", a.tangent, b.tangent, 1e-11);
             }
         }
+    }
+}
+
+/// A soft layer that is closed at a few Pa: nothing of it shows in the law at 1e8 Pa, where the
+/// quadrature of the default starts.
+#[test]
+fn the_default_closure_finds_a_soft_layer_far_below() {
+    let soft = Hyperbolic::new(1e8, 4.6e-8).unwrap();
+    let stiff = Constant::new(1e6).unwrap();
+    for p in [1e6, 8.6e8] {
+        let pair: Vec<Arc<dyn ContactLaw>> = vec![Arc::new(soft), Arc::new(stiff)];
+        let pair =
+            LawsInSeries::new(pair.into_iter().map(SeriesContact::new).collect(), 0.0).unwrap();
+        let exact = soft.closure(p) + stiff.closure(p);
+        close("closed form", pair.closure(p), exact, 1e-15);
+        close("quadrature", closure_between(&pair, 0.0, p), exact, 1e-13);
     }
 }
 
