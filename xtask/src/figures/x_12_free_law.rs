@@ -171,14 +171,14 @@ fn draw(table: &Table) -> Result<String> {
     let axis = || style::pressure_axis().range(0.0, 0.22);
     let law = Panel::new(axis(), Axis::log("Stiffness", "Pa/m").range(3e10, 2e12))
         .series(band("95 %", "95", Color::GREEN)?)
-        .series(band("50 %", "50", Color::GREEN.mix(Color::BLACK, 0.8))?)
+        .series(band("50 %", "50", Color::GREEN.mix(Color::BLACK, 0.4))?)
         .series(Series::line("best fit", pressure, stiffness("fit")?).color(Color::GREEN))
         .series(knots("with four knots", "lower")?)
         .series(knots("", "upper")?)
         .series(points.errors(errors).color(Color::RED).marker(Marker::Square).marker_size(4.0))
         .legend(Legend::Auto);
     let widths = table.column("kernel_width_ln_p:fit")?;
-    let width = Axis::log("Width of the averaging kernel in ln p", "").range(0.1, 20.0);
+    let width = Axis::log("Kernel width in ln p", "").range(0.1, 20.0);
     let resolution = Panel::new(axis(), width)
         .series(Series::line("", pressure, widths).color(Color::GREEN))
         .horizontal(RESOLVED, "a decade")
@@ -198,7 +198,7 @@ fn draw(table: &Table) -> Result<String> {
     let rows = (0..at.len()).filter(|&row| at[row].is_finite());
     let (x, y): (Vec<f64>, Vec<f64>) = rows.map(|row| (at[row], remaining[row])).unzip();
     let of_static = Axis::linear("Pressure of a quasi-static stiffness", "MPa").scale(1e-6);
-    let of_static = Panel::new(of_static.low(0.0), left())
+    let of_static = Panel::new(of_static.range(0.0, 0.15), left())
         .series(Series::line_points("", x, y).color(Color::RED).marker(Marker::Square))
         .legend(Legend::None);
     let figure = style::figure("The law without a form", [law, resolution, hits, of_static]);
