@@ -4,6 +4,7 @@ mod draws;
 mod inputs;
 mod table;
 
+use std::borrow::Cow;
 use std::ops::Range;
 use std::path::Path;
 
@@ -14,7 +15,7 @@ use serde_json::{Value, json};
 
 use crate::error::EnsembleError;
 use crate::spec::{StudiedScenario, StudySpec, study_schema};
-use draws::read_draws;
+use draws::Draws;
 use inputs::{InputRows, options};
 
 /// Version of the numbers that a study writes: it changes when the same study file gives other bytes.
@@ -46,7 +47,7 @@ pub struct StudyPlan {
     names: Vec<String>,
     places: Vec<Places>,
     rows: InputRows,
-    draws_sha256: Option<String>,
+    draws: Option<Draws>,
 }
 
 impl StudyPlan {
@@ -76,20 +77,16 @@ impl StudyPlan {
             .iter()
             .map(|one| one.name.as_ref().unwrap_or(&one.pointer).clone())
             .collect();
-        let mut draws = None;
-        let mut draws_sha256 = None;
-        if let Some(asked) = &spec.draws {
-            let (found, sha256) = read_draws(document.folder(), asked)?;
-            draws = Some(found);
-            draws_sha256 = Some(sha256);
-            for pointer in asked.columns.keys() {
-                places.push(vec![pointer.clone()]);
-                names.push(pointer.clone());
-            }
+        let draws =
+            spec.draws.as_ref().map(|asked| Draws::read(document.folder(), asked)).transpose()?;
+        if let Some(draws) = &draws {
+            places.extend(draws.pointers.iter().map(|pointer| vec![pointer.clone()]));
+            names.extend_from_slice(&draws.names);
         }
         check_places(&scenario, &places, &names)?;
-        let rows = InputRows::new(document.folder(), &spec, draws)?;
-        Ok(Self { document, spec, scenario, names, places, rows, draws_sha256 })
+        let numbers = draws.as_ref().map(|draws| draws.numbers.clone());
+        let rows = InputRows::new(document.folder(), &spec, numbers)?;
+        Ok(Self { document, spec, scenario, names, places, rows, draws })
     }
 
     /// The study file's document.
@@ -141,7 +138,8 @@ impl StudyPlan {
         texts
     }
 
-    /// The inputs of the runs with these numbers, from 0.
+    /// The inputs of the runs with these numbers, from 0. Of a draw that changes the scenario this is its
+    /// number, from 1.
     ///
     /// # Errors
     /// [`EnsembleError::Table`] for a table that has changed meanwhile, [`EnsembleError::Io`] for one
@@ -150,7 +148,16 @@ impl StudyPlan {
         self.rows.values(rows)
     }
 
-    /// The simulator of the scenario.
+    /// What a model is run with for these inputs: a draw by its changes of the scenario, all others as
+    /// they are.
+    pub fn model_rows<'a>(&self, rows: &'a [Vec<Value>]) -> Cow<'a, [Vec<Value>]> {
+        match self.draws.as_ref().and_then(|draws| draws.changes.as_ref()) {
+            Some(changes) => rows.iter().map(|row| Draws::expand(changes, row)).collect(),
+            None => rows.into(),
+        }
+    }
+
+    /// The simulator of the scenario, for [`model_rows`](Self::model_rows).
     ///
     /// # Errors
     /// [`EnsembleError::Study`] when the scenario cannot be set up.
@@ -176,7 +183,7 @@ impl StudyPlan {
             "results": RESULTS_VERSION,
             "scenario_sha256": self.scenario.sha256(),
             "study_sha256": study.sha256(),
-            "draws_sha256": self.draws_sha256,
+            "draws_sha256": self.draws.as_ref().map(|draws| &draws.sha256),
             "table_sha256": self.rows.sha256(),
             "files": input_files(&self.scenario, &self.choices())?,
         }))

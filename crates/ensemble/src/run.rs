@@ -152,7 +152,7 @@ pub fn run(
                 return Ok(StudyOutcome::Stopped);
             }
             let rows = plan.values(folder.rows_of(chunk))?;
-            let Some(results) = model.run(&rows, stop) else {
+            let Some(results) = model.run(&plan.model_rows(&rows), stop) else {
                 return Ok(StudyOutcome::Stopped);
             };
             let text = text_of(&rows, results, model.columns().len());

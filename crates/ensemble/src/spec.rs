@@ -142,16 +142,17 @@ pub enum CorrelationKind {
     NormalScores,
 }
 
-/// Draws of several inputs with weights, from a CSV file.
+/// Draws of several inputs with weights, from a file.
 #[derive(Debug, Clone, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DrawsSpec {
-    /// The file, relative to the folder of the study, such as posterior.csv of an identification.
+    /// The file, relative to the folder of the study: draws.json of an identification, whose
+    /// draws change the scenario, or a CSV file such as its posterior.csv.
     pub file: String,
-    /// JSON Pointers into the scenario, each with the name of its column.
+    /// For a CSV file, JSON Pointers into the scenario, each with the name of its column.
     #[schemars(length(min = 1, max = 100))]
-    pub columns: Map<String, Value>,
-    /// Column of the weights; equal weights when there is no such column.
+    pub columns: Option<Map<String, Value>>,
+    /// For a CSV file, the column of the weights; equal weights when there is no such column.
     #[serde(default = "default_weight")]
     pub weight: String,
 }

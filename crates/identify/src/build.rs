@@ -61,6 +61,20 @@ impl IdentificationProblem {
         Ok(scenario)
     }
 
+    /// Pointers to the values of the scenario that these parameters change, and those values at each
+    /// of `points`.
+    pub(super) fn changes_at(
+        &self,
+        unknowns: &[ParameterSpec],
+        points: &[Vec<f64>],
+    ) -> Result<(Vec<String>, Vec<Vec<Value>>), IdentificationError> {
+        let parameters = ProblemParameters::new(unknowns, &self.scenario)?;
+        let mut scenario = self.scenario.clone();
+        let changes = points.iter().map(|point| parameters.written(&mut scenario, point));
+        let changes = changes.collect::<Result<_, _>>()?;
+        Ok((parameters.pointers().map(str::to_owned).collect(), changes))
+    }
+
     /// The model of other data with the same parameters, without the gains of named data.
     pub(super) fn planned(&self, data: &[DataSpec]) -> Result<ScenarioModel, IdentificationError> {
         Ok(self.build(&self.scenario, &self.spec.unknowns, data)?.forward)

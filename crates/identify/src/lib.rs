@@ -81,7 +81,7 @@ pub use latent_sampling::FreeLawFindings;
 pub use law_band::{
     ComparedForm, INFORMED_SHARE, LawBand, RESOLVED, StiffnessEstimate, StiffnessOrigin,
 };
-pub use report::{Estimate, IDENTIFICATION_SCHEMA, PredictedObservation};
+pub use report::{DRAWS_SCHEMA, Estimate, IDENTIFICATION_SCHEMA, PredictedObservation};
 pub use starts::StartAgreement;
 pub use work::{Work, WorkProgress, WorkStage};
 

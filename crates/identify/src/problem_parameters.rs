@@ -171,6 +171,20 @@ impl ProblemParameters {
         Ok(())
     }
 
+    /// The values that [`write`](Self::write) puts into a scenario, in the order of
+    /// [`pointers`](Self::pointers).
+    ///
+    /// # Errors
+    /// Those of [`write`](Self::write).
+    pub(super) fn written(
+        &self,
+        scenario: &mut Value,
+        point: &[f64],
+    ) -> Result<Vec<Value>, IdentificationError> {
+        self.write(scenario, point)?;
+        Ok(self.pointers().filter_map(|pointer| scenario.pointer(pointer).cloned()).collect())
+    }
+
     /// The prior of the latents of the free law.
     pub(super) fn latent_prior(&self) -> Result<Option<LatentPrior>, IdentificationError> {
         self.free.as_ref().map(|(first, law)| law.prior(*first)).transpose()

@@ -15,6 +15,9 @@ use asperity_table::{CsvWriter, columns_to_csv};
 /// Identifier of the format.
 pub const IDENTIFICATION_SCHEMA: &str = "asperity/identification/1";
 
+/// Identifier of the format of `draws.json`.
+pub const DRAWS_SCHEMA: &str = "asperity/draws/1";
+
 /// The estimate of a parameter.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Estimate {
@@ -229,6 +232,24 @@ impl Identification {
         problem: &IdentificationProblem,
     ) -> Result<Value, IdentificationError> {
         problem.scenario_at(&self.unknowns, &self.fit.point)
+    }
+
+    /// `draws.json`: the draws of the posterior as changes of the scenario, for predictions by
+    /// `asperity study`. Gains are no part of a scenario.
+    ///
+    /// # Errors
+    /// [`IdentificationError`] as for the problem itself.
+    pub fn draws_json(
+        &self,
+        problem: &IdentificationProblem,
+    ) -> Result<Value, IdentificationError> {
+        let (pointers, draws) = problem.changes_at(&self.unknowns, &self.posterior.draws)?;
+        Ok(json!({
+            "schema": DRAWS_SCHEMA,
+            "pointers": pointers,
+            "weights": self.posterior.weights,
+            "draws": draws,
+        }))
     }
 
     /// `law.csv`: stiffness over pressure with its band.

@@ -49,6 +49,7 @@ pub(crate) fn run(
     folder.write("law.csv", found.law_csv())?;
     folder.write("data.csv", found.data_csv())?;
     folder.write("posterior.csv", found.posterior_csv())?;
+    folder.write("draws.json", found.draws_json(&problem)?.to_string())?;
     let figures = plot::identification(&found);
     for (name, figure) in &figures {
         folder.draw(name, figure)?;

@@ -35,7 +35,7 @@ fn identified(problem: &Value, pictures: &[&str]) -> Value {
     let out = folder.path().join("found");
     let mut expected: Vec<String> = pictures.iter().map(|name| format!("{name}.svg")).collect();
     expected.extend(
-        ["data.csv", "identification.json", "law.csv", "law.json", "posterior.csv"]
+        ["data.csv", "draws.json", "identification.json", "law.csv", "law.json", "posterior.csv"]
             .map(str::to_owned),
     );
     expected.extend(["report.html", "scenario.json"].map(str::to_owned));
@@ -61,10 +61,33 @@ fn identified(problem: &Value, pictures: &[&str]) -> Value {
     for fetched in ["<link", "<script src", "src=\"http", "url(http", "fetch(", "import("] {
         assert!(!page.contains(fetched), "{fetched}");
     }
+    predicts(&out);
     let hash = found["provenance"]["problem_sha256"].as_str().unwrap();
     assert_eq!(hash.len(), 64);
     assert!(page.contains(hash));
     found
+}
+
+/// A study runs the identified scenario with draws of the posterior.
+fn predicts(found: &Path) {
+    let study = json!({
+        "schema": "asperity/study/1", "scenario": "scenario.json",
+        "draws": {"file": "draws.json"}, "design": {"kind": "sobol", "rows": 4},
+    });
+    std::fs::write(found.join("study.json"), study.to_string()).unwrap();
+    let output = crate::asperity(found, &["study", "study.json", "--out", "predicted"]);
+    assert!(output.status.success(), "{}", crate::text(&output.stderr));
+    let table = std::fs::read_to_string(found.join("predicted/study.csv")).unwrap();
+    let mut rows = table.lines().map(|line| line.split(',').collect::<Vec<_>>());
+    let header = rows.next().unwrap();
+    let place = |name: &str| header.iter().position(|column| *column == name).unwrap();
+    let (draw, frequency) = (place("draw"), place("fundamental.frequency_hz"));
+    let rows: Vec<_> = rows.collect();
+    assert_eq!(rows.len(), 4);
+    for row in rows {
+        assert!(row[draw].parse::<f64>().unwrap() >= 1.0, "{row:?}");
+        assert!(row[frequency].parse::<f64>().unwrap() > 100.0, "{row:?}");
+    }
 }
 
 fn estimate(found: &Value, name: &str) -> f64 {

@@ -2,6 +2,7 @@
 
 use asperity_ensemble::EnsembleError;
 use asperity_scenario::Document;
+use asperity_study::row_simulator::RowSimulator;
 use serde_json::{Value, json};
 
 use crate::support::{plan, study};
@@ -62,6 +63,81 @@ fn posterior_draws_keep_their_dependence_and_weights() {
     other["draws"]["columns"]["/title"] = json!("other");
     let fault = of(&other).unwrap_err().to_string();
     assert_eq!(fault, "/draws: `x` in row 1 is not a number");
+}
+
+/// Draws that change the scenario, as `draws.json` of an identification: each run has the numbers of a
+/// run of the changed scenario.
+#[test]
+fn draws_of_laws_change_the_scenario() {
+    let folder = tempfile::tempdir().unwrap();
+    let scenario: Value =
+        serde_json::from_slice(&std::fs::read("../study/examples/block.json").unwrap()).unwrap();
+    std::fs::write(folder.path().join("block.json"), scenario.to_string()).unwrap();
+    let name = scenario["laws"].as_object().unwrap().keys().next().unwrap();
+    let law = format!("/laws/{name}");
+    let table = |factor: f64| {
+        let point = |p: f64| json!([p, factor * 1e10 * p.sqrt()]);
+        let points = [1e3, 1e4, 1e5, 1e6].map(point);
+        json!({"kind": "table", "points": points})
+    };
+    let draws = json!({"schema": "asperity/draws/1", "pointers": [&law, "/damping/ratio"],
+        "weights": [1.0, 3.0], "draws": [[table(1.0), 0.02], [table(1.2), 0.03]]});
+    let write = |draws: &Value| {
+        std::fs::write(folder.path().join("draws.json"), draws.to_string()).unwrap();
+    };
+    let text = json!({
+        "schema": "asperity/study/1", "scenario": "block.json",
+        "inputs": [{"pointer": "/excitation/peak_n",
+                    "distribution": {"kind": "uniform", "lower": 2, "upper": 14}}],
+        "draws": {"file": "draws.json"},
+        "design": {"kind": "sobol", "rows": 8}
+    });
+    let of = |text: &Value| {
+        let path = folder.path().join("study.json");
+        asperity_ensemble::StudyPlan::of(Document::parse(&text.to_string(), path).unwrap())
+    };
+    write(&draws);
+    let plan = of(&text).unwrap();
+    assert_eq!(plan.names(), ["/excitation/peak_n", "draw"]);
+    assert_eq!(plan.coordinates(), ["/excitation/peak_n", "draws"]);
+    let rows = plan.values(0..8).unwrap();
+    let simulator = plan.simulator().unwrap();
+    let found = simulator.run(&plan.model_rows(&rows));
+    let mut counts = [0; 2];
+    for (row, found) in rows.iter().zip(found) {
+        let draw = row[1].as_f64().unwrap() as usize - 1;
+        counts[draw] += 1;
+        let mut changed = scenario.clone();
+        changed["excitation"]["peak_n"] = row[0].clone();
+        changed["laws"][name] = draws["draws"][draw][0].clone();
+        changed["damping"]["ratio"] = draws["draws"][draw][1].clone();
+        let document = Document::parse(&changed.to_string(), "block.json").unwrap();
+        let alone = RowSimulator::new(document, Vec::new()).unwrap();
+        let bits = |values: &[f64]| values.iter().map(|value| value.to_bits()).collect::<Vec<_>>();
+        let expected = alone.run(&[Vec::new()]).remove(0).unwrap();
+        assert_eq!(bits(&found.unwrap().values), bits(&expected.values));
+    }
+    assert_eq!(counts, [2, 6]);
+
+    let mut other = text.clone();
+    other["draws"]["columns"] = json!({"/title": "title"});
+    let fault = of(&other).unwrap_err().to_string();
+    assert!(fault.contains("`columns` beside a JSON file"), "{fault}");
+    let mut short = draws.clone();
+    short["draws"][1] = json!([1]);
+    write(&short);
+    let fault = of(&text).unwrap_err().to_string();
+    assert!(fault.contains("draw 2 has 1 values; accepted: 2, one a pointer"), "{fault}");
+    let mut foreign = draws.clone();
+    foreign["schema"] = json!("asperity/draws/9");
+    write(&foreign);
+    let fault = of(&text).unwrap_err().to_string();
+    assert!(fault.contains("accepted: \"asperity/draws/1\""), "{fault}");
+    let mut lost = draws;
+    lost["pointers"][0] = json!("/laws/none");
+    write(&lost);
+    let fault = of(&text).unwrap_err().to_string();
+    assert!(fault.contains("/laws/none: the scenario has no such value"), "{fault}");
 }
 
 #[test]
