@@ -148,7 +148,7 @@ impl StudyPlan {
         self.rows.values(rows)
     }
 
-    /// What a model is run with for these inputs: a draw by its changes of the scenario, all others as
+    /// Values that a model is run with for these inputs: a draw by its changes of the scenario, all others as
     /// they are.
     pub fn model_rows<'a>(&self, rows: &'a [Vec<Value>]) -> Cow<'a, [Vec<Value>]> {
         match self.draws.as_ref().and_then(|draws| draws.changes.as_ref()) {

@@ -8,15 +8,12 @@
 //! ```
 //!
 //! with the slope `s` as an increasing function of `g`, the scenario's law `K0` and its `g0`, a Gaussian
-//! process `r` in `ln p` (Matérn 3/2) and a normal number `level`. The slope is
-//!
-//! ```text
-//! s(g) = w ln(1 + exp(g / w)),  w = 0.2,      positive, s = g for large slopes, or
-//! s(g) = 1 / (1 + exp(-4 (g - 1/2))),         between 0 and 1, with s' = 1 in the middle,
-//! ```
-//!
-//! so that every law is positive and increasing. Amplitude (roughness) and length of the process have a
-//! distribution over a grid: the prior of the latents is a mixture of normal distributions.
+//! process `r` in `ln p` (Matérn 3/2) and a normal number `level`. Every law is positive and increasing;
+//! where it is to be concave, `g` is the exponent of the fall of its secants instead of the slope
+//! (`rises`). Amplitude (roughness) and length of the process have a distribution over a grid: the prior
+//! of the latents is a mixture of normal distributions.
+
+mod rises;
 
 use asperity_inference::{LatentBasis, LatentPrior, Parameter, matern_three_halves};
 use asperity_scenario::{JsonPointer, Laws, four_digits};
@@ -25,13 +22,7 @@ use serde_json::{Value, json};
 use crate::error::IdentificationError;
 use crate::problem::{LogNormalSpec, ParameterSpec};
 use crate::scenario_model::stiffness;
-
-/// Width `w` of the transition to a slope of zero.
-const SLOPE_WIDTH: f64 = 0.2;
-
-/// Least and greatest slope (the latter with an exponent between 0 and 1) of the scenario's law about
-/// which others are sought: the centre of the prior is finite.
-const CENTRE: [f64; 2] = [0.01, 0.99];
+use rises::Rises;
 
 /// Places of the grid of a logarithm, in standard deviations.
 const GRID: [f64; 7] = [-2.25, -1.5, -0.75, 0.0, 0.75, 1.5, 2.25];
@@ -53,14 +44,14 @@ pub(super) struct FreeLaw {
     /// ln K of the scenario's law there.
     centre: f64,
     /// `g0` between the pressures.
-    slopes: Vec<f64>,
+    numbers: Vec<f64>,
+    rises: Rises,
     /// Standard deviation of the level.
     level: f64,
     basis: LatentBasis,
     reference: f64,
     roughness: LogNormalSpec,
     length: LogNormalSpec,
-    below_one: bool,
 }
 
 /// Amplitude and length of one component of the prior, with its weight.
@@ -86,6 +77,7 @@ impl FreeLaw {
             roughness,
             length,
             exponent_between_0_and_1: below_one,
+            concave_above_pa,
         } = spec
         else {
             return Ok(None);
@@ -115,21 +107,33 @@ impl FreeLaw {
         }
         let at = at_pa.unwrap_or((low * high).sqrt());
         let anchor = (((at / low).ln() / step).round().max(0.0) as usize).min(points - 1);
-        let centre = |pair: &[f64]| inverse_slope((pair[1] - pair[0]) / step, *below_one);
+        let first_falling = match *concave_above_pa {
+            // The first secant of all pressures from the given one on cannot fall.
+            Some(from) => pressures.partition_point(|&pressure| pressure < from) + 1,
+            None => points - 1,
+        };
+        if concave_above_pa.is_some() && first_falling >= points - 1 {
+            return Err(refuse(format!(
+                "concave_above_pa leaves fewer than three pressures; expected at most {} Pa",
+                four_digits(pressures[points - 3])
+            )));
+        }
+        let rises = Rises { step, below_one: *below_one, first_falling };
+        let of_scenario: Vec<f64> = logarithms.windows(2).map(|pair| pair[1] - pair[0]).collect();
         let reference = matern_three_halves(&places(points - 1, step), length.median);
         Ok(Some(Self {
             name: law.clone(),
             pointer: JsonPointer::root().child("laws").child(law).to_string(),
             anchor,
             centre: logarithms[anchor],
-            slopes: logarithms.windows(2).map(centre).collect(),
+            numbers: rises.centre(&of_scenario),
+            rises,
             pressures,
             level: *level,
             basis: LatentBasis::new(&with_nugget(reference))?,
             reference: roughness.median,
             roughness: *roughness,
             length: *length,
-            below_one: *below_one,
         }))
     }
 
@@ -154,64 +158,43 @@ impl FreeLaw {
         std::iter::once(level).chain((1..self.count()).map(slope)).collect()
     }
 
+    /// The numbers `g` of the rises.
+    fn numbers(&self, latents: &[f64]) -> Vec<f64> {
+        let deviations = self.basis.values(&latents[1..]);
+        self.numbers.iter().zip(deviations).map(|(centre, r)| centre + self.reference * r).collect()
+    }
+
     /// ln K at the pressures.
     pub(super) fn log_stiffness(&self, latents: &[f64]) -> Vec<f64> {
-        let deviations = self.basis.values(&latents[1..]);
-        let step = (self.pressures[1] / self.pressures[0]).ln();
-        let rise: Vec<f64> = self
-            .slopes
-            .iter()
-            .zip(deviations)
-            .map(|(centre, r)| step * slope(centre + self.reference * r, self.below_one))
-            .collect();
-        self.summed(self.centre + self.level * latents[0], &rise)
+        let rises = self.rises.of(&self.numbers(latents));
+        self.summed(self.centre + self.level * latents[0], &rises)
     }
 
     /// Derivative of ln K along a change of the latents.
     pub(super) fn log_stiffness_change(&self, latents: &[f64], change: &[f64]) -> Vec<f64> {
-        let rise: Vec<f64> = self
-            .steepness(latents)
-            .iter()
-            .zip(self.basis.values(&change[1..]))
-            .map(|(steepness, change)| steepness * change)
-            .collect();
-        self.summed(self.level * change[0], &rise)
+        let moved: Vec<f64> =
+            self.basis.values(&change[1..]).into_iter().map(|r| self.reference * r).collect();
+        let rises = self.rises.change(&self.numbers(latents), &moved);
+        self.summed(self.level * change[0], &rises)
     }
 
     /// The change of the latents that changes ln K, to first order.
     pub(super) fn latent_change(&self, latents: &[f64], change: &[f64]) -> Vec<f64> {
-        let slopes: Vec<f64> = self
-            .steepness(latents)
-            .iter()
-            .zip(change.windows(2))
-            .map(|(steepness, pair)| (pair[1] - pair[0]) / steepness)
-            .collect();
+        let rises: Vec<f64> = change.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        let moved = self.rises.inverse_change(&self.numbers(latents), &rises);
+        let values: Vec<f64> = moved.into_iter().map(|value| value / self.reference).collect();
         let level = change[self.anchor] / self.level;
-        std::iter::once(level).chain(self.basis.latents(&slopes)).collect()
-    }
-
-    /// Derivatives of the rises of ln K with respect to the values of the process in units of the
-    /// reference.
-    fn steepness(&self, latents: &[f64]) -> Vec<f64> {
-        let step = (self.pressures[1] / self.pressures[0]).ln();
-        let deviations = self.basis.values(&latents[1..]);
-        let places = self.slopes.iter().zip(deviations);
-        places
-            .map(|(centre, r)| {
-                let g = centre + self.reference * r;
-                self.reference * step * slope_derivative(g, self.below_one)
-            })
-            .collect()
+        std::iter::once(level).chain(self.basis.latents(&values)).collect()
     }
 
     /// ln K from its value at the anchor and its rises.
-    fn summed(&self, level: f64, rise: &[f64]) -> Vec<f64> {
+    fn summed(&self, level: f64, rises: &[f64]) -> Vec<f64> {
         let mut values = vec![level; self.count()];
         for i in (0..self.anchor).rev() {
-            values[i] = values[i + 1] - rise[i];
+            values[i] = values[i + 1] - rises[i];
         }
         for i in self.anchor + 1..values.len() {
-            values[i] = values[i - 1] + rise[i - 1];
+            values[i] = values[i - 1] + rises[i - 1];
         }
         values
     }
@@ -279,38 +262,6 @@ fn with_nugget(mut covariance: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
     covariance
 }
 
-/// The slope `s(g)`.
-fn slope(g: f64, below_one: bool) -> f64 {
-    if below_one {
-        1.0 / (1.0 + (-4.0 * (g - 0.5)).exp())
-    } else {
-        let scaled = g / SLOPE_WIDTH;
-        SLOPE_WIDTH * (scaled.max(0.0) + (-scaled.abs()).exp().ln_1p())
-    }
-}
-
-/// The derivative `s'(g)`.
-fn slope_derivative(g: f64, below_one: bool) -> f64 {
-    if below_one {
-        let s = slope(g, true);
-        4.0 * s * (1.0 - s)
-    } else {
-        1.0 / (1.0 + (-g / SLOPE_WIDTH).exp())
-    }
-}
-
-/// The `g` of a slope, moved inside the range of centres.
-fn inverse_slope(slope: f64, below_one: bool) -> f64 {
-    let slope = slope.max(CENTRE[0]);
-    if below_one {
-        let slope = slope.min(CENTRE[1]);
-        0.5 + 0.25 * (slope / (1.0 - slope)).ln()
-    } else {
-        let scaled = slope / SLOPE_WIDTH;
-        SLOPE_WIDTH * (scaled + (-(-scaled).exp()).ln_1p())
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use asperity_inference::prior_draws;
@@ -318,19 +269,22 @@ mod tests {
 
     use super::*;
 
-    fn free(below_one: bool) -> FreeLaw {
+    /// Exponents between 0 and 1 or not, a law that is concave from 0.1 MPa on or not.
+    const SHAPES: [(bool, bool); 4] = [(false, false), (true, false), (false, true), (true, true)];
+
+    fn free((below_one, concave): (bool, bool)) -> FreeLaw {
         let scenario =
             json!({"laws": {"k": {"kind": "power", "coefficient": 1.8e10, "exponent": 0.4}}});
         let spec = json!({"kind": "free_law", "law": "k", "pressures_pa": [1e4, 1e6], "at_pa": 1.4e5,
-            "exponent_between_0_and_1": below_one});
+            "exponent_between_0_and_1": below_one, "concave_above_pa": concave.then_some(1e5)});
         let spec: ParameterSpec = serde_json::from_value(spec).unwrap();
         FreeLaw::new(&spec, &scenario).unwrap().unwrap()
     }
 
     #[test]
     fn latents_of_zero_are_the_law_of_the_scenario() {
-        for below_one in [false, true] {
-            let law = free(below_one);
+        for shape in SHAPES {
+            let law = free(shape);
             let values = law.log_stiffness(&vec![0.0; law.count()]);
             for (pressure, value) in law.pressures.iter().zip(values) {
                 let expected = (1.8e10 * pressure.powf(0.4)).ln();
@@ -339,22 +293,11 @@ mod tests {
         }
     }
 
-    #[test]
-    fn slopes_have_their_inverse_and_their_limits() {
-        for (below_one, slopes) in [(false, [0.02, 0.4, 3.0]), (true, [0.02, 0.4, 0.97])] {
-            for s in slopes {
-                assert!((slope(inverse_slope(s, below_one), below_one) / s - 1.0).abs() < 1e-12);
-            }
-        }
-        assert!((slope(3.0, false) - 3.0).abs() < 1e-6 && slope(-9.0, false) >= 0.0);
-        assert!(slope(9.0, true) <= 1.0);
-    }
-
     /// The derivative of ln K against differences, and its inverse.
     #[test]
     fn changes_of_the_law_are_those_of_its_latents() {
-        for below_one in [false, true] {
-            let law = free(below_one);
+        for shape in SHAPES {
+            let law = free(shape);
             let at: Vec<f64> = (0..law.count()).map(|i| 0.3 * (1.7 * i as f64).sin()).collect();
             let change: Vec<f64> = (0..law.count()).map(|i| (0.9 * i as f64).cos()).collect();
             let step = 1e-5;
@@ -379,34 +322,41 @@ mod tests {
     /// the deviation of ln K there has the stated standard deviation.
     #[test]
     fn draws_of_the_prior_are_laws_about_the_scenario_s() {
-        for below_one in [false, true] {
-            let law = free(below_one);
+        for shape in SHAPES {
+            let law = free(shape);
             let prior = law.prior(0).unwrap();
             let draws = prior_draws(&law.parameters(), std::slice::from_ref(&prior), 400, 1);
-            let mut squares = 0.0;
+            let (mut squares, mut convex) = (0.0, 0);
             for draw in &draws {
                 let values = law.log_stiffness(draw);
                 let step = (law.pressures[1] / law.pressures[0]).ln();
                 for pair in values.windows(2) {
                     let exponent = (pair[1] - pair[0]) / step;
-                    assert!(
-                        exponent >= 0.0 && (!below_one || exponent <= 1.0 + 1e-9),
-                        "{exponent}"
-                    );
+                    assert!(exponent >= 0.0 && (!shape.0 || exponent <= 1.0 + 1e-9), "{exponent}");
                 }
+                let secant = |i: usize| {
+                    let [low, high] = [i, i + 1].map(|at| (law.pressures[at], values[at].exp()));
+                    (high.1 - low.1) / (high.0 - low.0)
+                };
+                let concave = (1..law.count() - 1).filter(|&i| law.pressures[i - 1] >= 1e5);
+                // Secants of laws that hardly rise are known to the rounding of the stiffness.
+                let rounding = |i: usize| 1e-12 * values[i].exp() / law.pressures[i];
+                let rises = |&i: &usize| secant(i) > (1.0 + 1e-9) * secant(i - 1) + rounding(i);
+                convex += concave.filter(rises).count();
                 squares += (values[law.anchor] - law.centre).powi(2) / 400.0;
                 let points: Vec<(f64, f64)> =
                     law.pressures.iter().zip(&values).map(|(&p, value)| (p, value.exp())).collect();
                 assert!(Tabulated::new(&points).unwrap().stiffness(2e5) > 0.0);
             }
             assert!((squares - 1.0).abs() < 0.02, "{squares}");
+            assert_eq!(convex == 0, shape.1, "{convex}");
         }
     }
 
     /// The slope's deviation in the prior: variance and correlation are those of the mixture.
     #[test]
     fn slopes_of_the_prior_have_the_covariance_of_the_mixture() {
-        let law = free(false);
+        let law = free((false, false));
         let prior = law.prior(0).unwrap();
         let draws = prior_draws(&law.parameters(), std::slice::from_ref(&prior), 20_000, 2);
         let grid = law.grid();

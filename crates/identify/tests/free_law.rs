@@ -8,10 +8,11 @@ mod laws;
 mod twin;
 
 use asperity_identify::{
-    Identification, IdentificationError, PressureDependence, RESOLVED, StiffnessOrigin, identify,
+    Identification, IdentificationError, LawBand, PressureDependence, RESOLVED, StiffnessOrigin,
+    identify,
 };
 use asperity_inference::Agreement;
-use asperity_law::{ContactLaw, Tabulated};
+use asperity_law::{ContactLaw, Exponential, Tabulated};
 use asperity_scenario::Document;
 use serde_json::{Value, json};
 use twin::{Noise, Sensors, Truth};
@@ -120,6 +121,66 @@ fn check_findings(found: &Identification) {
     assert!(found.checks().iter().all(|check| check.p_value > 1e-3), "{:?}", found.checks());
 }
 
+/// With a slope that does not change over pressure the free law is a power law of unknown coefficient and
+/// exponent: both give the same law with the same band.
+#[test]
+fn the_smoothest_free_law_is_a_power_law() {
+    let power = json!({"kind": "power", "coefficient": 1.5e10, "exponent": 0.37});
+    let written = power.to_string();
+    let changes =
+        [("/output_rate_hz", "50000"), ("/duration_s", "0.06"), ("/laws/modified", &*written)];
+    let twin = Truth::new(SCENARIO, &PEAKS[..4], &changes);
+    let sensors =
+        Sensors { signal_to_noise_db: 40.0, force_gain: 1.0, response_gain: 1.0, seed: 21 };
+    let measured = twin.measured(&sensors);
+    let found = |unknowns: Value| -> Identification {
+        let more = json!({"draws": 2000, "pressures_pa": [0.06e6, 0.2e6], "scenario": scenario()});
+        identify(&twin.problem(&measured, &unknowns, &more)).unwrap()
+    };
+    let known = |median: f64| json!({"median": median, "log_deviation": 0});
+    let free = found(json!([{"kind": "free_law", "law": "modified", "points": 40,
+        "roughness": known(0.2), "length": known(1e4)}]));
+    let fixed = found(json!([
+        {"kind": "scalar", "pointer": "/laws/modified/coefficient", "bounds": [1e8, 1e12]},
+        {"kind": "scalar", "pointer": "/laws/modified/exponent", "bounds": [0.0, 2.0],
+         "prior": {"value": 0.35, "standard_deviation": 0.2}},
+    ]));
+    let [free, fixed] = [&free.law, &fixed.law];
+    for i in 0..free.pressure.len() {
+        let width = |band: &LawBand| (band.upper[i] / band.lower[i]).ln();
+        let ratio = width(free) / width(fixed);
+        assert!((ratio - 1.0).abs() < 0.12, "{} Pa: {ratio}", free.pressure[i]);
+        let shift = (free.median[i] / fixed.median[i]).ln() / width(fixed);
+        assert!(shift.abs() < 0.05, "{} Pa: {shift}", free.pressure[i]);
+    }
+}
+
+/// A law that is concave from a pressure on, by its parameters: its secants fall there, and the band of a
+/// true law that is concave holds.
+#[test]
+fn a_concave_free_law_has_falling_secants() {
+    let truth = Exponential::new(4e-7, 2e4).unwrap();
+    let at = [2e4, 3e4, 5e4, 8e4, 1.2e5, 1.8e5, 2.7e5];
+    let points: Vec<[f64; 2]> = at.iter().map(|&p| [p, truth.stiffness(p)]).collect();
+    let twin = Truth::new(SCENARIO, &[], &[]);
+    let problem = json!({"scenario": scenario(), "pressures_pa": [2e4, 2.7e5], "data": [
+        {"kind": "stiffness", "law": "modified", "points": points, "spread": {"relative": 0.03}}]});
+    let unknowns = json!([{"kind": "free_law", "law": "modified", "pressures_pa": [1.5e4, 3e5],
+        "concave_above_pa": 6e4}]);
+    let found = identify(&twin.problem(&[], &unknowns, &problem)).unwrap();
+    let law = found.law_json().unwrap();
+    let points: Vec<(f64, f64)> = serde_json::from_value(law["points"].clone()).unwrap();
+    let secants = points.windows(2).map(|pair| (pair[1].1 - pair[0].1) / (pair[1].0 - pair[0].0));
+    let from = points.iter().filter(|point| point.0 < 6e4).count();
+    let secants: Vec<f64> = secants.skip(from).collect();
+    assert!(secants.len() > 10 && secants.is_sorted_by(|a, b| a > b), "{secants:?}");
+    let band = &found.law;
+    let inside = (0..band.pressure.len())
+        .filter(|&i| (band.lower[i]..=band.upper[i]).contains(&truth.stiffness(band.pressure[i])));
+    let (inside, all) = (inside.count(), band.pressure.len());
+    assert!(10 * inside >= 9 * all, "{inside} of {all}");
+}
+
 #[test]
 fn a_constant_law_shows_no_dependence_on_pressure() {
     let found = identified(
@@ -156,6 +217,9 @@ fn wrong_free_laws_are_refused_with_a_reason() {
     };
     let narrow = refused(json!([own(json!({"pressures_pa": [1e5, 1.2e5]}))]));
     assert!(narrow.contains("at least 1.5 times as large"), "{narrow}");
+    let convex =
+        refused(json!([own(json!({"pressures_pa": [1e4, 1e6], "concave_above_pa": 9e5}))]));
+    assert!(convex.contains("fewer than three pressures; expected at most 789700 Pa"), "{convex}");
     let second = refused(json!([own(json!({})), own(json!({}))]));
     assert!(second.contains("at most one free law"), "{second}");
     let unknown = refused(json!([own(json!({"law": "none"}))]));

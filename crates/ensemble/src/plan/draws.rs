@@ -36,7 +36,7 @@ pub(super) struct Draws {
     pub(super) names: Vec<String>,
     /// Values of the scenario that a draw sets.
     pub(super) pointers: Vec<String>,
-    /// What each draw sets them to, unless its numbers are the values.
+    /// Values that each draw sets them to, unless its numbers are the values.
     pub(super) changes: Option<Arc<[Vec<Value>]>>,
     /// SHA-256 of the file.
     pub(super) sha256: String,

@@ -69,6 +69,9 @@ pub enum ParameterSpec {
         /// pressures; otherwise it is positive.
         #[serde(default)]
         exponent_between_0_and_1: bool,
+        /// Pressure in Pa from which on the law is concave: K rises ever less
+        /// with pressure. Nowhere when left out.
+        concave_above_pa: Option<f64>,
     },
     /// The gain of a sensor: measured over true value.
     Gain {
