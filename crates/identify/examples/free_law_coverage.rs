@@ -8,6 +8,9 @@
 //!
 //! `... -- width TWINS [HITS]` identifies the paper's modified law from each twin twice, free and with
 //! its own knots, and compares the widths of the bands.
+//!
+//! `... -- residuals TWINS [HITS [FIRST]]` prints the residuals of the features with the true law, damping
+//! and gains: an error that the hits share shows as a mean unlike zero.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "its problems are valid")]
 #![allow(clippy::print_stdout, reason = "an example prints its answer")]
 #![allow(missing_docs, unreachable_pub, reason = "the twin is shared with the tests")]
@@ -27,6 +30,13 @@ use twin::{Noise, Sensors, Truth};
 
 const SCENARIO: &str =
     concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/scenarios/nouira2020-modified.json");
+
+/// The engine of the identification, with frequencies right to 2e-6.
+const METHOD: &str = r#"{"kind": "modal", "step_s": 1e-5}"#;
+
+/// Cells of the simulated hits, with frequencies right to 6e-6: an error that all hits share is not to
+/// be seen beside the mean of their noise, 2.4e-5.
+const CELL: (&str, &str) = ("/method/cell_m", "0.00025");
 
 /// Pressures of bands, by their origin.
 #[derive(Debug, Clone, Copy, Default)]
@@ -94,7 +104,7 @@ fn sensors(number: usize, noise: &mut Noise) -> Sensors {
 /// The rig with a power law, about which a free law is sought.
 fn about_a_power_law() -> Value {
     let mut document = Document::read(SCENARIO).unwrap();
-    document.set("/method", r#"{"kind": "modal", "step_s": 2e-5}"#).unwrap();
+    document.set("/method", METHOD).unwrap();
     document.set("/output_rate_hz", "50000").unwrap();
     let power = r#"{"kind": "power", "coefficient": 1.81e10, "exponent": 0.35}"#;
     document.set("/laws/modified", power).unwrap();
@@ -108,6 +118,8 @@ fn main() {
     };
     if arguments.first().is_some_and(|word| word == "width") {
         widths(number(1, 4), number(2, 12));
+    } else if arguments.first().is_some_and(|word| word == "residuals") {
+        residuals(number(1, 6), number(2, 12), number(3, 0));
     } else {
         coverage(number(0, 6), number(1, 24), number(2, 0));
     }
@@ -125,7 +137,7 @@ fn coverage(twins: usize, hits: usize, first: usize) {
         let truth = Tabulated::new(&points).unwrap();
         let written = laws::written(&points).to_string();
         let sensors = sensors(number, &mut noise);
-        let changes = [("/output_rate_hz", "50000"), ("/laws/modified", written.as_str())];
+        let changes = [("/output_rate_hz", "50000"), ("/laws/modified", written.as_str()), CELL];
         let twin = Truth::new(SCENARIO, &peaks, &changes);
         let problem = twin.problem(&twin.measured(&sensors), &unknowns("free_law"), &more);
         let started = Instant::now();
@@ -173,7 +185,7 @@ fn coverage(twins: usize, hits: usize, first: usize) {
 
 /// Widths of the band of the paper's modified law, free over with its own knots.
 fn widths(twins: usize, hits: usize) {
-    let truth = Truth::new(SCENARIO, &peaks(hits), &[("/output_rate_hz", "50000")]);
+    let truth = Truth::new(SCENARIO, &peaks(hits), &[("/output_rate_hz", "50000"), CELL]);
     let knots = [(0.0, 0.02e12), (0.025e6, 0.12e12), (0.078e6, 0.40e12), (0.14e6, 0.97e12)];
     let exact = ModifiedPower::new(1.81e10, 0.35, 0.2e6, &knots).unwrap();
     let mut noise = Noise::new(7);
@@ -203,4 +215,44 @@ fn widths(twins: usize, hits: usize) {
     }
     all.sort_by(f64::total_cmp);
     println!("median of all {:.2}, largest {:.2}", all[all.len() / 2], all[all.len() - 1]);
+}
+
+/// Residuals of the features with the true law, damping and gains, in their standard deviations.
+fn residuals(twins: usize, hits: usize, first: usize) {
+    println!("feature: mean and spread over the hits, mean relative standard deviation");
+    for number in first..twins {
+        let mut noise = Noise::new(100 + number as u64);
+        let family = laws::FAMILIES[number % laws::FAMILIES.len()];
+        let written = laws::written(&laws::law(family, &mut noise)).to_string();
+        let sensors = sensors(number, &mut noise);
+        let changes = [("/output_rate_hz", "50000"), ("/laws/modified", written.as_str()), CELL];
+        let twin = Truth::new(SCENARIO, &peaks(hits), &changes);
+        let known = |channel: &str, value: f64| {
+            let prior = json!({"value": value, "relative": 1e-7});
+            json!({"kind": "gain", "channel": channel, "prior": prior})
+        };
+        let unknowns =
+            json!([known("force", sensors.force_gain), known("response", sensors.response_gain)]);
+        let mut scenario = Document::parse(&twin.scenario.to_string(), SCENARIO).unwrap();
+        scenario.set("/method", METHOD).unwrap();
+        let more = json!({"pressures_pa": [0.02e6, 0.3e6], "scenario": scenario.value()});
+        let found = identify(&twin.problem(&twin.measured(&sensors), &unknowns, &more)).unwrap();
+        let all: Vec<_> = found.observations().collect();
+        let mut features: Vec<&str> = all.iter().map(|one| one.feature).collect();
+        features.sort_unstable();
+        features.dedup();
+        println!("{number:>3} {family}");
+        for feature in features {
+            let own = || all.iter().filter(|one| one.feature == feature);
+            let count = own().count() as f64;
+            let mean = own().map(|one| one.residual).sum::<f64>() / count;
+            let square = own().map(|one| (one.residual - mean).powi(2)).sum::<f64>();
+            let relative = own().map(|one| one.standard_deviation / one.value).sum::<f64>();
+            println!(
+                "    {feature}: {mean:+.2}, {:.2}, {:.1e}",
+                (square / (count - 1.0)).sqrt(),
+                relative / count
+            );
+        }
+    }
 }

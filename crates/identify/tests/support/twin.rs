@@ -15,7 +15,8 @@ const BEFORE_S: f64 = 5e-3;
 
 /// Responses of a rig without measurement errors.
 pub struct Truth {
-    scenario: Value,
+    /// The scenario with the modal engine.
+    pub scenario: Value,
     rate: f64,
     hits: Vec<(f64, Vec<f64>, Vec<f64>)>,
 }
@@ -34,14 +35,14 @@ pub struct Sensors {
 }
 
 impl Truth {
-    /// Hits on the `scenario` with these peaks \[N\], by finite differences.
+    /// Hits on the `scenario` with these peaks \[N\], by finite differences, after these changes.
     pub fn new(scenario: &str, peaks: &[f64], changes: &[(&str, &str)]) -> Self {
         let mut document = Document::read(scenario).unwrap();
+        let method = r#"{"kind": "finite_difference", "cell_m": 0.001}"#;
+        document.set("/method", method).unwrap();
         for (pointer, value) in changes {
             document.set(pointer, value).unwrap();
         }
-        let method = r#"{"kind": "finite_difference", "cell_m": 0.001}"#;
-        document.set("/method", method).unwrap();
         let hits = peaks.iter().map(|peak| {
             document.set("/excitation/peak_n", &peak.to_string()).unwrap();
             let typed = document.scenario().unwrap();
