@@ -26,17 +26,13 @@ use asperity_identify::{Identification, StiffnessOrigin, identify};
 use asperity_law::{ContactLaw, ModifiedPower, Tabulated};
 use asperity_scenario::Document;
 use serde_json::{Value, json};
-use twin::{Noise, Sensors, Truth};
+use twin::{FINE_CELL, Noise, Sensors, Truth};
 
 const SCENARIO: &str =
     concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/scenarios/nouira2020-modified.json");
 
 /// The engine of the identification, with frequencies right to 2e-6.
 const METHOD: &str = r#"{"kind": "modal", "step_s": 1e-5}"#;
-
-/// Cells of the simulated hits, with frequencies right to 6e-6: an error that all hits share is not to
-/// be seen beside the mean of their noise, 2.4e-5.
-const CELL: (&str, &str) = ("/method/cell_m", "0.00025");
 
 /// Pressures of bands, by their origin.
 #[derive(Debug, Clone, Copy, Default)]
@@ -137,7 +133,8 @@ fn coverage(twins: usize, hits: usize, first: usize) {
         let truth = Tabulated::new(&points).unwrap();
         let written = laws::written(&points).to_string();
         let sensors = sensors(number, &mut noise);
-        let changes = [("/output_rate_hz", "50000"), ("/laws/modified", written.as_str()), CELL];
+        let changes =
+            [("/output_rate_hz", "50000"), ("/laws/modified", written.as_str()), FINE_CELL];
         let twin = Truth::new(SCENARIO, &peaks, &changes);
         let problem = twin.problem(&twin.measured(&sensors), &unknowns("free_law"), &more);
         let started = Instant::now();
@@ -185,7 +182,7 @@ fn coverage(twins: usize, hits: usize, first: usize) {
 
 /// Widths of the band of the paper's modified law, free over with its own knots.
 fn widths(twins: usize, hits: usize) {
-    let truth = Truth::new(SCENARIO, &peaks(hits), &[("/output_rate_hz", "50000"), CELL]);
+    let truth = Truth::new(SCENARIO, &peaks(hits), &[("/output_rate_hz", "50000"), FINE_CELL]);
     let knots = [(0.0, 0.02e12), (0.025e6, 0.12e12), (0.078e6, 0.40e12), (0.14e6, 0.97e12)];
     let exact = ModifiedPower::new(1.81e10, 0.35, 0.2e6, &knots).unwrap();
     let mut noise = Noise::new(7);
@@ -225,7 +222,8 @@ fn residuals(twins: usize, hits: usize, first: usize) {
         let family = laws::FAMILIES[number % laws::FAMILIES.len()];
         let written = laws::written(&laws::law(family, &mut noise)).to_string();
         let sensors = sensors(number, &mut noise);
-        let changes = [("/output_rate_hz", "50000"), ("/laws/modified", written.as_str()), CELL];
+        let changes =
+            [("/output_rate_hz", "50000"), ("/laws/modified", written.as_str()), FINE_CELL];
         let twin = Truth::new(SCENARIO, &peaks(hits), &changes);
         let known = |channel: &str, value: f64| {
             let prior = json!({"value": value, "relative": 1e-7});

@@ -16,7 +16,7 @@ use std::time::Instant;
 use asperity_identify::identify;
 use asperity_law::{ContactLaw, ModifiedPower};
 use serde_json::json;
-use twin::{Noise, Sensors, Truth};
+use twin::{FINE_CELL, Noise, Sensors, Truth};
 
 const SCENARIO: &str =
     concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/scenarios/nouira2020-modified.json");
@@ -34,7 +34,7 @@ fn main() {
     let first = words.next().unwrap_or(0);
     let peaks: Vec<f64> =
         (0..count).map(|i| 9.0 + 23.0 * i as f64 / (count - 1).max(1) as f64).collect();
-    let truth = Truth::new(SCENARIO, &peaks, &[("/output_rate_hz", "50000")]);
+    let truth = Truth::new(SCENARIO, &peaks, &[("/output_rate_hz", "50000"), FINE_CELL]);
     let knots = [(0.0, 0.02e12), (0.025e6, 0.12e12), (0.078e6, 0.40e12), (0.14e6, 0.97e12)];
     let law = ModifiedPower::new(1.81e10, 0.35, 0.2e6, &knots).unwrap();
     let unknowns = json!([
@@ -111,7 +111,7 @@ fn main() {
 /// Twelve hits with sensors 4 % and -3 % off, as a problem to try.
 fn write_problem(file: &str) {
     let peaks: Vec<f64> = (0..12).map(|i| 9.0 + 23.0 * f64::from(i) / 11.0).collect();
-    let truth = Truth::new(SCENARIO, &peaks, &[("/output_rate_hz", "50000")]);
+    let truth = Truth::new(SCENARIO, &peaks, &[("/output_rate_hz", "50000"), FINE_CELL]);
     let sensors =
         Sensors { signal_to_noise_db: 40.0, force_gain: 1.04, response_gain: 0.97, seed: 1 };
     let problem = json!({
