@@ -11,7 +11,7 @@ mod nodes;
 use crate::contact_law::{ContactLaw, Pressure};
 use crate::error::{LawError, LawQuantity, above, finite};
 use grid::{CellLayout, ClosureGrid, TableRange};
-use nodes::{march, nodes};
+use nodes::nodes;
 
 pub use cubic_cell::CubicCell;
 
@@ -373,7 +373,7 @@ impl CompiledLaw {
                 let near = if watched {
                     None
                 } else {
-                    march(law, self.pressure_state + c0, t * width * grid.width)
+                    law.pressure_step(self.pressure_state + c0, t * width * grid.width)
                 };
                 let exact = near.map_or_else(
                     || law.pressure_increment(self.pressure_state, x).value,

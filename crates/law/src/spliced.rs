@@ -5,6 +5,7 @@
 //! halved, once, at construction, until the rule is exact to rounding. The integrals up to every
 //! cell are stored, so that a closure costs one search and one rule.
 
+use crate::contact_law::inverse::step;
 use crate::contact_law::quadrature::gauss;
 use crate::contact_law::{ContactLaw, Pressure, refine_increment};
 use crate::domain::{Domain, no_less};
@@ -296,6 +297,26 @@ impl ContactLaw for Spliced {
         }
         let guess = self.pressure(start + closure_increment).value - from;
         refine_increment(self, from, closure_increment, guess)
+    }
+
+    fn pressure_step(&self, from: f64, closure_increment: f64) -> Option<Pressure> {
+        let across = |increment| self.closure_increment(from, increment);
+        let Some((cell, next)) = self.find(from) else {
+            return step((from, closure_increment), |pressure| self.stiffness(pressure), across);
+        };
+        // Within the cell of `from` nothing is to be searched for.
+        let inside = |pressure: f64| (cell.start..=next.start).contains(&pressure);
+        let stiffness = |pressure| {
+            if inside(pressure) { cell.stiffness(pressure) } else { self.stiffness(pressure) }
+        };
+        let closure = |increment| {
+            if inside(from + increment) {
+                cell.closure_over(from, increment)
+            } else {
+                across(increment)
+            }
+        };
+        step((from, closure_increment), stiffness, closure)
     }
 
     fn energy(&self, closure: f64) -> f64 {

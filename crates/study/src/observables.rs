@@ -75,7 +75,7 @@ impl Observables {
 
     /// Place of an observable among the values.
     pub(crate) fn place(&self, wanted: Observable) -> Option<usize> {
-        Observable::all(self.interfaces).iter().position(|one| *one == wanted)
+        wanted.place(self.interfaces)
     }
 
     /// These observables with the errors of `estimate`, and a warning where they are larger than

@@ -18,7 +18,7 @@ macro_rules! quantities {
             /// All quantities, in the order of the columns of `sweep.csv`.
             pub const ALL: &[Self] = &[$(Self::$name,)*];
 
-            fn definition(self) -> (&'static str, &'static str, &'static str, bool) {
+            const fn definition(self) -> (&'static str, &'static str, &'static str, bool) {
                 match self {
                     $(Self::$name => ($key, $unit, $label, $derivative),)*
                 }
@@ -111,7 +111,11 @@ impl Quantity {
 
     /// True if each interface has one.
     pub fn is_of_interface(self) -> bool {
-        self.key().contains('*')
+        self.column().is_of_interface
+    }
+
+    fn column(self) -> Column {
+        COLUMNS[self as usize]
     }
 
     /// Quantity of the dotted name `name`, and the name of its interface where it has one.
@@ -132,6 +136,62 @@ impl Quantity {
             }
         })
     }
+}
+
+/// Place of the columns of a quantity. Neighbouring quantities of interfaces form a group, whose columns
+/// are those of the first interface, then those of the second.
+#[derive(Debug, Clone, Copy)]
+struct Column {
+    is_of_interface: bool,
+    /// Quantities of the whole structure before it.
+    whole_before: usize,
+    /// Quantities of interfaces before its group.
+    grouped_before: usize,
+    /// Place in its group.
+    place: usize,
+    /// Quantities of its group.
+    group: usize,
+}
+
+/// In the order of [`Quantity::ALL`].
+const COLUMNS: [Column; Quantity::ALL.len()] = columns();
+
+const fn columns() -> [Column; Quantity::ALL.len()] {
+    let whole =
+        Column { is_of_interface: false, whole_before: 0, grouped_before: 0, place: 0, group: 0 };
+    let mut columns = [whole; Quantity::ALL.len()];
+    let (mut whole_before, mut grouped_before, mut i) = (0, 0, 0);
+    while i < columns.len() {
+        let mut group = 0;
+        while i + group < columns.len() && names_interface(Quantity::ALL[i + group].definition().0)
+        {
+            group += 1;
+        }
+        if group == 0 {
+            columns[i] = Column { whole_before, grouped_before, ..whole };
+            whole_before += 1;
+            i += 1;
+        }
+        let mut place = 0;
+        while place < group {
+            columns[i] =
+                Column { is_of_interface: true, whole_before, grouped_before, place, group };
+            (place, i) = (place + 1, i + 1);
+        }
+        grouped_before += group;
+    }
+    columns
+}
+
+const fn names_interface(key: &str) -> bool {
+    let (bytes, mut i) = (key.as_bytes(), 0);
+    while i < bytes.len() {
+        if bytes[i] == b'*' {
+            return true;
+        }
+        i += 1;
+    }
+    false
 }
 
 /// A quantity of the whole structure, or of one of its interfaces.
@@ -160,6 +220,19 @@ impl Observable {
             }
         }
         all
+    }
+
+    /// Place among [`Observable::all`] of a structure of so many `interfaces`.
+    pub(crate) fn place(self, interfaces: usize) -> Option<usize> {
+        let column = self.quantity.column();
+        let group = column.whole_before + column.grouped_before * interfaces;
+        match self.interface {
+            Some(at) if column.is_of_interface && at < interfaces => {
+                Some(group + at * column.group + column.place)
+            }
+            None if !column.is_of_interface => Some(group),
+            _ => None,
+        }
     }
 
     /// Dotted name, with the name of the interface from `interfaces`.
@@ -195,5 +268,21 @@ mod tests {
             assert_eq!(Quantity::of_name(name), Some((observable.quantity, interface)));
         }
         assert_eq!(Quantity::of_name("interfaces.a.pressure"), None);
+    }
+
+    #[test]
+    fn observables_are_in_their_places() {
+        for interfaces in 0..4 {
+            let all = Observable::all(interfaces);
+            for (place, one) in all.iter().enumerate() {
+                assert_eq!(one.place(interfaces), Some(place), "{one:?}");
+            }
+            let quantity = Quantity::PressureMin;
+            assert_eq!(
+                Observable { quantity, interface: Some(interfaces) }.place(interfaces),
+                None
+            );
+            assert_eq!(Observable { quantity, interface: None }.place(interfaces), None);
+        }
     }
 }

@@ -15,6 +15,7 @@ const BEFORE_S: f64 = 5e-3;
 
 /// A change by which simulated frequencies are right to 6e-6 instead of 2e-5: hits share this error, so that
 /// it is not to be seen beside the mean of their noise.
+#[allow(dead_code, reason = "used by the examples")]
 pub const FINE_CELL: (&str, &str) = ("/method/cell_m", "0.00025");
 
 /// Responses of a rig without measurement errors.

@@ -3,9 +3,6 @@
 use super::grid::{ClosureGrid, TableRange};
 use crate::contact_law::{ContactLaw, Pressure};
 
-/// Relative correction of a [`march`] whose square is below rounding.
-const SETTLED: f64 = 1e-7;
-
 /// The increments, with tangents, at `places` in coarse cells above the lowest node, found from
 /// the state outwards, each from its neighbour.
 pub(super) fn nodes(
@@ -22,7 +19,7 @@ pub(super) fn nodes(
             return Pressure { value: 0.0 - state, tangent: law.stiffness(0.0) };
         }
         let near = last.and_then(|last| {
-            let at = march(law, state + last.value, (place - from) * grid.width)?;
+            let at = law.pressure_step(state + last.value, (place - from) * grid.width)?;
             Some(Pressure { value: last.value + at.value, ..at })
         });
         near.unwrap_or_else(|| law.pressure_increment(state, grid.closure(place)))
@@ -41,33 +38,4 @@ pub(super) fn nodes(
         last = Some(nodes[i]);
     }
     nodes
-}
-
-/// The pressure increment \[Pa\] over a closure increment `x` \[m\] of either sign from `pressure`
-/// \[Pa\], with the tangent there: a Runge-Kutta step of `dp/dx = K(p)`, corrected by Newton steps
-/// on the closure, which is far cheaper than inverting a law without a closed inverse. `None` where
-/// pressure or stiffness is not positive, or two corrections do not suffice.
-pub(super) fn march(law: &dyn ContactLaw, pressure: f64, x: f64) -> Option<Pressure> {
-    let k1 = law.stiffness(pressure);
-    let k2 = law.stiffness(pressure + 0.5 * x * k1);
-    let k3 = law.stiffness(pressure + 0.5 * x * k2);
-    let k4 = law.stiffness(pressure + x * k3);
-    let mut increment = x * (k1 + 2.0 * (k2 + k3) + k4) / 6.0;
-    for _ in 0..2 {
-        let reached = pressure + increment;
-        // A step down by more than half of the pressure is too coarse next to zero.
-        if !(pressure > 0.0 && k1 > 0.0 && increment.is_finite() && reached > 0.5 * pressure) {
-            return None;
-        }
-        let off = law.stiffness(reached) * (x - law.closure_increment(pressure, increment));
-        increment += off;
-        // The remaining error is of the order of the square, times the curvature of the law.
-        if off.abs() <= SETTLED * increment.abs() {
-            return Some(Pressure {
-                value: increment,
-                tangent: law.stiffness(pressure + increment),
-            });
-        }
-    }
-    None
 }

@@ -13,6 +13,9 @@ const STALLED: f64 = 1e-13;
 /// Longest step in the logarithm of pressure while the root is not yet bracketed.
 const STRIDE: f64 = 40.0;
 
+/// Relative correction of a [`step`] whose square is below rounding.
+const SETTLED: f64 = 1e-7;
+
 /// Closure \[m\] from one pressure \[Pa\] to another.
 type ClosureBetween<'a> = dyn Fn(f64, f64) -> f64 + 'a;
 
@@ -226,4 +229,32 @@ impl Bracket {
             middle
         }
     }
+}
+
+/// [`ContactLaw::pressure_step`] from a pressure \[Pa\] over a closure increment \[m\], with the stiffness at a
+/// pressure and the closure increment over a pressure increment.
+pub(crate) fn step(
+    (from, over): (f64, f64),
+    stiffness: impl Fn(f64) -> f64,
+    closure: impl Fn(f64) -> f64,
+) -> Option<Pressure> {
+    let k1 = stiffness(from);
+    let k2 = stiffness(from + 0.5 * over * k1);
+    let k3 = stiffness(from + 0.5 * over * k2);
+    let k4 = stiffness(from + over * k3);
+    let mut increment = over * (k1 + 2.0 * (k2 + k3) + k4) / 6.0;
+    for _ in 0..2 {
+        let reached = from + increment;
+        // A step down by more than half of the pressure is too coarse next to zero.
+        if !(from > 0.0 && k1 > 0.0 && increment.is_finite() && reached > 0.5 * from) {
+            return None;
+        }
+        let off = stiffness(reached) * (over - closure(increment));
+        increment += off;
+        // The remaining error is of the order of the square, times the curvature of the law.
+        if off.abs() <= SETTLED * increment.abs() {
+            return Some(Pressure { value: increment, tangent: stiffness(from + increment) });
+        }
+    }
+    None
 }
