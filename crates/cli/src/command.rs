@@ -124,10 +124,7 @@ impl ResultFolder {
             replace_other_document: overwrite || out.is_some(),
             overwrite,
         })?;
-        let mut figures = figures.to_vec();
-        figures.sort_unstable();
-        figures.dedup();
-        Ok(Self(claimed, figures))
+        Ok(Self(claimed, figures.to_vec()))
     }
 
     /// Writes a file.
@@ -145,21 +142,8 @@ impl ResultFolder {
     /// Draws a figure as `stem.svg` and in the other formats asked for. One that cannot be drawn is
     /// left out, with a warning.
     fn draw(&self, stem: &str, figure: &Figure) -> Result<(), Failure> {
-        for format in &self.1 {
-            let name = match format {
-                FigureFormat::Svg => format!("{stem}.svg"),
-                FigureFormat::Pdf => format!("{stem}.pdf"),
-                FigureFormat::Png => format!("{stem}.png"),
-            };
-            let drawn = info_span!("draw", file = name).in_scope(|| match format {
-                FigureFormat::Svg => figure.check().map(|()| figure.to_svg().into_bytes()),
-                FigureFormat::Pdf => figure.to_pdf(),
-                FigureFormat::Png => figure.to_png(PIXELS_PER_MM),
-            });
-            match drawn {
-                Ok(data) => self.write(&name, data)?,
-                Err(error) => tracing::warn!("{name} cannot be drawn: {error}"),
-            }
+        for (name, data) in drawn(stem, figure, &self.1) {
+            self.write(&name, data)?;
         }
         Ok(())
     }
@@ -177,6 +161,32 @@ impl ResultFolder {
         }
         Ok(folder)
     }
+}
+
+/// A figure as `stem.svg` and in the other formats asked for, as files with their names. One that
+/// cannot be drawn is left out, with a warning.
+fn drawn(stem: &str, figure: &Figure, formats: &[FigureFormat]) -> Vec<(String, Vec<u8>)> {
+    let mut formats = formats.to_vec();
+    formats.sort_unstable();
+    formats.dedup();
+    let mut files = Vec::new();
+    for format in formats {
+        let name = match format {
+            FigureFormat::Svg => format!("{stem}.svg"),
+            FigureFormat::Pdf => format!("{stem}.pdf"),
+            FigureFormat::Png => format!("{stem}.png"),
+        };
+        let drawn = info_span!("draw", file = name).in_scope(|| match format {
+            FigureFormat::Svg => figure.check().map(|()| figure.to_svg().into_bytes()),
+            FigureFormat::Pdf => figure.to_pdf(),
+            FigureFormat::Png => figure.to_png(PIXELS_PER_MM),
+        });
+        match drawn {
+            Ok(data) => files.push((name, data)),
+            Err(error) => tracing::warn!("{name} cannot be drawn: {error}"),
+        }
+    }
+    files
 }
 
 /// JSON with indentation and a line break at its end.

@@ -1,6 +1,7 @@
 //! The figures that the subcommands write, from the same numbers as their tables.
 
 mod analysis;
+mod answers;
 mod decay;
 mod identification;
 mod magnitude;
@@ -12,6 +13,7 @@ mod sweep;
 use asperity_figure::{Figure, Panel};
 
 pub(crate) use analysis::{analysis_report, figures, responses};
+pub(crate) use answers::answers;
 pub(crate) use decay::{decay_figures, decay_report};
 pub(crate) use identification::{identification, identification_report, measurement};
 pub(crate) use response::{frf, history};

@@ -17,7 +17,7 @@
 //! | correlation of inputs | [`Correlation`] |
 //! | from the unit cube to inputs | [`InputSpace`] |
 //! | grid, random, Latin hypercube, scrambled Sobol, Saltelli's design | [`Design`] |
-//! | quantiles, exceedance probabilities | [`WeightedSample`] |
+//! | quantiles, exceedance probabilities | [`WeightedSample`]; of columns on the disk [`ColumnSummary`] |
 //! | first-order and total Sobol indices | [`SensitivitySums`] |
 //!
 //! The crate contains no mechanics, reads no files and prints nothing.
@@ -52,4 +52,7 @@ pub use distribution::Distribution;
 pub use draws::WeightedDraws;
 pub use error::DesignError;
 pub use input_space::InputSpace;
-pub use statistics::{IntervalEstimate, SensitivitySums, SobolIndices, WeightedSample};
+pub use statistics::{
+    ColumnSummary, Histogram, IntervalEstimate, SensitivitySums, SobolIndices, SummaryRequest,
+    ValueColumn, WeightedSample,
+};

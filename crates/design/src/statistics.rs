@@ -2,12 +2,20 @@
 //!
 //! | module | holds |
 //! |---|---|
-//! | `sample` | quantiles and exceedance probabilities with intervals |
+//! | `sample` | quantiles and exceedance probabilities of weighted values in memory |
+//! | `column_summary` | the same of a column on the disk, and its histogram, in constant memory |
+//! | `order_statistics` | exact selection in such a column |
+//! | `interval` | confidence intervals of both |
 //! | `sobol_indices` | first-order and total Sobol indices with bootstrap intervals |
 
+mod column_summary;
+mod interval;
+mod order_statistics;
 mod sample;
 mod sobol_indices;
 
+pub use column_summary::{ColumnSummary, Histogram, SummaryRequest};
+pub use order_statistics::ValueColumn;
 pub use sample::WeightedSample;
 pub use sobol_indices::{SensitivitySums, SobolIndices};
 

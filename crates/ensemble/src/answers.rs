@@ -2,18 +2,18 @@
 
 use std::collections::BTreeMap;
 
-use asperity_design::{IntervalEstimate, SensitivitySums, SobolIndices, WeightedSample};
-
+use asperity_design::{
+    ColumnSummary, DesignError, Histogram, IntervalEstimate, SensitivitySums, SobolIndices,
+    SummaryRequest, ValueColumn,
+};
 use asperity_study::quantity::Quantity;
+use asperity_table::CsvWriter;
 use serde_json::{Value, json};
 
 use crate::error::EnsembleError;
-use crate::folder::StudyFolder;
+use crate::folder::{Role, StudyFolder, StudyTable};
 use crate::plan::StudyPlan;
 use crate::spec::StudyDesign;
-
-/// Most numbers of a study that is summarised: 0.8 GB.
-const MOST_NUMBERS: u64 = 100_000_000;
 
 /// Most different reasons of failure that are told apart.
 const MOST_REASONS: usize = 100;
@@ -73,6 +73,17 @@ pub struct ObservableAnswers {
     pub exceedances: Vec<(f64, IntervalEstimate)>,
     /// Sobol indices in the order of the inputs, for Saltelli's design and an observable that varies.
     pub indices: Option<SobolIndices>,
+    /// Histogram between the quantiles at 0.005 and 0.995; none if they are equal.
+    pub histogram: Option<Histogram>,
+    /// Values over the whole range, each with the probability of values at or above it.
+    pub exceedance_curve: Vec<(f64, IntervalEstimate)>,
+}
+
+impl ObservableAnswers {
+    /// Unit; empty for a number without one.
+    pub fn unit(&self) -> &'static str {
+        Quantity::of_name(&self.name).map_or("", |(quantity, _)| quantity.unit())
+    }
 }
 
 impl StudyAnswers {
@@ -102,7 +113,7 @@ impl StudyAnswers {
         let observable = |one: &ObservableAnswers| {
             json!({
                 "name": one.name,
-                "unit": Quantity::of_name(&one.name).map_or("", |(quantity, _)| quantity.unit()),
+                "unit": one.unit(),
                 "runs_without": one.missing,
                 "mean": one.mean,
                 "standard_deviation": one.standard_deviation,
@@ -119,19 +130,53 @@ impl StudyAnswers {
             "observables": self.observables.iter().map(observable).collect::<Vec<_>>(),
         })
     }
+
+    /// The histograms as CSV: name, unit, edges, and number of runs, a row for each bin. The first and
+    /// the last row of an observable are the runs beyond its bins, without the outer edge.
+    pub fn histograms_csv(&self) -> String {
+        let mut csv = CsvWriter::with_header(["name", "unit", "lower", "upper", "runs"]);
+        for one in &self.observables {
+            let Some(histogram) = &one.histogram else { continue };
+            let mut row = |lower: Option<f64>, upper: Option<f64>, runs: u64| {
+                csv.text(&one.name).text(one.unit()).numbers([lower, upper]).number(runs as f64);
+                csv.end_row();
+            };
+            row(None, Some(histogram.low), histogram.below);
+            for (edges, &runs) in histogram.edges().windows(2).zip(&histogram.counts) {
+                row(Some(edges[0]), Some(edges[1]), runs);
+            }
+            row(Some(histogram.high), None, histogram.above);
+        }
+        csv.into_string()
+    }
+
+    /// The exceedance curves as CSV: name, unit, value, probability of values at or above it, and ends
+    /// of its interval.
+    pub fn exceedance_csv(&self) -> String {
+        let header = ["name", "unit", "value", "probability", "low", "high"];
+        let mut csv = CsvWriter::with_header(header);
+        for one in &self.observables {
+            for (value, share) in &one.exceedance_curve {
+                csv.text(&one.name).text(one.unit());
+                csv.numbers([*value, share.value, share.low, share.high]).end_row();
+            }
+        }
+        csv.into_string()
+    }
 }
 
 /// The answers of a study whose table is complete.
 ///
-/// Runs without an observable are left out of its statistics and counted; a base row of Saltelli's
-/// design is left out of Sobol indices as a whole if one of its runs has no value. Quantiles of
-/// Saltelli's design are those of its blocks A and B, whose rows are independent of each other.
+/// The table is read column by column from the disk, in memory that does not grow with the number of
+/// runs. Runs without an observable are left out of its statistics and counted; a base row of
+/// Saltelli's design is left out of Sobol indices as a whole if one of its runs has no value. Quantiles
+/// of Saltelli's design are those of its blocks A and B, whose rows are independent of each other.
 ///
 /// # Errors
 /// [`EnsembleError::Missing`] for a study that is not complete, [`EnsembleError::Part`] for an
-/// observable that it has not and for more than 1e8 numbers, [`EnsembleError::Design`] for
-/// probabilities that are not between 0 and 1, [`EnsembleError::Foreign`] for a folder of another
-/// study, [`EnsembleError::Chunk`] for a damaged table.
+/// observable that it has not, [`EnsembleError::Design`] for probabilities that are not between 0 and
+/// 1, [`EnsembleError::Foreign`] for a folder of another study, [`EnsembleError::Table`] for a damaged
+/// table.
 pub fn answers(
     plan: &StudyPlan,
     folder: &StudyFolder,
@@ -139,91 +184,140 @@ pub fn answers(
 ) -> Result<StudyAnswers, EnsembleError> {
     folder.check_plan(plan)?;
     let table = folder.table()?;
-    let inputs = plan.names().len();
-    let damaged = |fault: String| EnsembleError::Chunk { file: table.clone(), fault };
-    let mut reader = csv::Reader::from_path(&table).map_err(|error| damaged(error.to_string()))?;
-    let header = reader.headers().map_err(|error| damaged(error.to_string()))?.clone();
-    let names: Vec<&str> =
-        header.iter().skip(inputs).take(header.len().saturating_sub(inputs + 2)).collect();
+    let names = folder.observables();
     for (name, _) in &options.thresholds {
-        if !names.contains(&name.as_str()) {
+        if !names.contains(name) {
             let fault = format!("no such observable; accepted: {}", names.join(", "));
             return Err(EnsembleError::Part { place: name.clone(), fault });
         }
     }
-    let numbers = plan.rows().saturating_mul(names.len() as u64);
-    if numbers > MOST_NUMBERS {
-        let fault = format!("{numbers} numbers; at most {MOST_NUMBERS} are summarised");
-        return Err(EnsembleError::Part { place: "study.csv".into(), fault });
+    if table.rows() != plan.rows() {
+        let fault = format!("has {} rows; expected {}", table.rows(), plan.rows());
+        return Err(table.fault(fault));
     }
-    let mut columns: Vec<Vec<f64>> = vec![Vec::new(); names.len()];
     let (mut failed, mut reasons) = (0, BTreeMap::new());
-    for row in reader.records() {
-        let row = row.map_err(|error| damaged(error.to_string()))?;
-        for (column, field) in columns.iter_mut().zip(row.iter().skip(inputs)) {
-            column.push(if field.is_empty() {
-                f64::NAN
-            } else {
-                field.parse().unwrap_or(f64::NAN)
-            });
+    table.texts(table.place(Role::Error.key())?, &mut |reason| {
+        failed += 1;
+        if let Some(count) = reasons.get_mut(reason) {
+            *count += 1;
+        } else if reasons.len() < MOST_REASONS {
+            reasons.insert(reason.to_owned(), 1);
         }
-        let reason = row.get(inputs + names.len()).unwrap_or_default();
-        if !reason.is_empty() {
-            failed += 1;
-            if reasons.len() < MOST_REASONS || reasons.contains_key(reason) {
-                *reasons.entry(reason.to_owned()).or_insert(0) += 1;
-            }
-        }
+    })?;
+    let observables = names.iter().map(|name| of_observable(plan, &table, name, options));
+    let observables = observables.collect::<Result<_, _>>()?;
+    Ok(StudyAnswers { runs: table.rows(), failed, reasons, observables })
+}
+
+/// Numbers of one observable, of the runs that are independent of each other.
+struct ObservableColumn<'a> {
+    table: &'a StudyTable,
+    place: usize,
+    name: &'a str,
+    /// Runs of a base row of Saltelli's design, of which the first two count.
+    block: Option<usize>,
+}
+
+/// An error of a column: of its statistics, or of reading.
+enum ColumnError {
+    Statistics(DesignError),
+    Reading(EnsembleError),
+}
+
+impl From<DesignError> for ColumnError {
+    fn from(error: DesignError) -> Self {
+        Self::Statistics(error)
     }
-    let runs = columns.first().map_or(0, Vec::len) as u64;
-    if runs != plan.rows() {
-        return Err(damaged(format!("has {runs} rows; expected {}", plan.rows())));
+}
+
+impl ValueColumn for ObservableColumn<'_> {
+    type Error = ColumnError;
+
+    fn scan(&self, visit: &mut dyn FnMut(&[f64])) -> Result<(), ColumnError> {
+        let Some(block) = self.block else {
+            return self.table.numbers(self.place, visit).map_err(ColumnError::Reading);
+        };
+        let (mut row, mut kept) = (0, Vec::new());
+        self.table
+            .numbers(self.place, &mut |values| {
+                kept.clear();
+                for value in values {
+                    if row % block < 2 {
+                        kept.push(*value);
+                    }
+                    row += 1;
+                }
+                visit(&kept);
+            })
+            .map_err(ColumnError::Reading)
     }
-    let observables =
-        names.iter().zip(&columns).map(|(name, values)| of_observable(plan, name, values, options));
-    Ok(StudyAnswers { runs, failed, reasons, observables: observables.collect::<Result<_, _>>()? })
 }
 
 fn of_observable(
     plan: &StudyPlan,
+    table: &StudyTable,
     name: &str,
-    values: &[f64],
     options: &AnswerOptions,
 ) -> Result<ObservableAnswers, EnsembleError> {
-    let fail = |source| EnsembleError::Design { place: name.to_owned(), source };
+    let place = table.place(name)?;
+    let design_fault = |source| EnsembleError::Design { place: name.to_owned(), source };
     let block = plan.dimensions() + 2;
     let saltelli = match plan.spec().design {
         StudyDesign::Saltelli { seed, .. } => Some(seed),
         _ => None,
     };
-    let independent = |at: &usize| saltelli.is_none() || at % block < 2;
-    let kept = values.iter().enumerate().filter(|(at, _)| independent(at)).map(|(_, value)| *value);
-    let missing = values.iter().filter(|value| value.is_nan()).count() as u64;
+    let thresholds: Vec<f64> = options
+        .thresholds
+        .iter()
+        .filter_map(|(of, threshold)| (of == name).then_some(*threshold))
+        .collect();
+    let asked = SummaryRequest {
+        level: options.level,
+        probabilities: options.probabilities.clone(),
+        thresholds,
+    };
+    let column = ObservableColumn { table, place, name, block: saltelli.map(|_| block) };
+    let summary = ColumnSummary::of(&column, &asked).map_err(|error| match error {
+        ColumnError::Statistics(source) => {
+            EnsembleError::Design { place: column.name.to_owned(), source }
+        }
+        ColumnError::Reading(error) => error,
+    })?;
     let mut found = ObservableAnswers {
         name: name.to_owned(),
-        missing,
+        missing: 0,
         mean: None,
         standard_deviation: None,
         quantiles: Vec::new(),
         exceedances: Vec::new(),
         indices: None,
+        histogram: None,
+        exceedance_curve: Vec::new(),
     };
-    let Ok(sample) = WeightedSample::of_equal(kept) else { return Ok(found) };
-    found.mean = Some(sample.mean());
-    found.standard_deviation = Some(sample.standard_deviation());
-    for &probability in &options.probabilities {
-        let quantile = sample.quantile(probability, options.level).map_err(fail)?;
-        found.quantiles.push((probability, quantile));
-    }
-    for (_, threshold) in options.thresholds.iter().filter(|(of, _)| of == name) {
-        let exceedance = sample.exceedance(*threshold, options.level).map_err(fail)?;
-        found.exceedances.push((*threshold, exceedance));
-    }
+    table.numbers(place, &mut |values| {
+        found.missing += values.iter().filter(|value| value.is_nan()).count() as u64;
+    })?;
+    let Some(summary) = summary else { return Ok(found) };
+    found.mean = Some(summary.mean);
+    found.standard_deviation = Some(summary.standard_deviation);
+    found.quantiles = asked.probabilities.into_iter().zip(summary.quantiles).collect();
+    found.exceedances = asked.thresholds.into_iter().zip(summary.exceedances).collect();
+    found.histogram = summary.histogram;
+    found.exceedance_curve = summary.exceedance_curve;
     if let Some(seed) = saltelli {
-        let mut sums = SensitivitySums::new(plan.dimensions(), REPLICATES, seed).map_err(fail)?;
-        for (base, values) in (0..).zip(values.chunks_exact(block)) {
-            sums.add(base, values);
-        }
+        let mut sums =
+            SensitivitySums::new(plan.dimensions(), REPLICATES, seed).map_err(design_fault)?;
+        let (mut base, mut row) = (0, Vec::with_capacity(block));
+        table.numbers(place, &mut |values| {
+            for value in values {
+                row.push(*value);
+                if row.len() == block {
+                    sums.add(base, &row);
+                    base += 1;
+                    row.clear();
+                }
+            }
+        })?;
         // An observable that does not vary has no indices.
         found.indices = sums.indices(options.level).ok();
     }

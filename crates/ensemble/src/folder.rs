@@ -11,6 +11,7 @@
 //! follow from its number, so that two runs which write the same chunk do no harm: no lock is needed,
 //! on no file system.
 
+mod parquet_columns;
 mod parquet_table;
 mod whole_file;
 
@@ -23,6 +24,7 @@ use serde_json::{Value, json};
 
 use crate::error::EnsembleError;
 use crate::plan::StudyPlan;
+pub(crate) use parquet_columns::StudyTable;
 use parquet_table::ParquetTable;
 pub(crate) use parquet_table::Role;
 use whole_file::{is_temporary, write_whole};
@@ -186,21 +188,30 @@ impl StudyFolder {
         Self { path: self.path.clone(), manifest }.check_same(self)
     }
 
-    /// The table of all chunks.
+    /// The table of all chunks, which are joined before.
     ///
     /// # Errors
-    /// [`EnsembleError::Missing`] before they are joined.
-    pub(crate) fn table(&self) -> Result<PathBuf, EnsembleError> {
-        if self.is_complete() { Ok(self.path.join(TABLE)) } else { self.merge() }
+    /// [`EnsembleError::Missing`] if not all are there, and those of [`merge`](Self::merge).
+    pub(crate) fn table(&self) -> Result<StudyTable, EnsembleError> {
+        if !self.is_complete() {
+            self.merge()?;
+        }
+        StudyTable::open(self.path.join(PARQUET), &self.manifest["identity"])
+    }
+
+    /// Names of the observables.
+    pub(crate) fn observables(&self) -> Vec<String> {
+        let columns = self.columns().into_iter();
+        columns.filter(|(_, role)| *role == Role::Observable).map(|(name, _)| name).collect()
     }
 
     /// Writes another file of the study whole.
     ///
     /// # Errors
     /// [`EnsembleError::Io`].
-    pub fn write(&self, name: &str, text: &str) -> Result<PathBuf, EnsembleError> {
+    pub fn write(&self, name: &str, contents: impl AsRef<[u8]>) -> Result<PathBuf, EnsembleError> {
         let path = self.path.join(name);
-        write_whole(&path, |file| file.write_all(text.as_bytes())).map_err(self.fail(name))?;
+        write_whole(&path, |file| file.write_all(contents.as_ref())).map_err(self.fail(name))?;
         Ok(path)
     }
 

@@ -5,6 +5,8 @@ use std::path::PathBuf;
 
 use clap::{Args as Group, Subcommand};
 
+use super::figures::FigureOptions;
+
 /// Run a study: a scenario over a design of its inputs, in chunks that are continued after any
 /// interruption.
 #[derive(Debug, Group)]
@@ -46,7 +48,8 @@ pub(crate) enum StudyPart {
         folder: PathBuf,
     },
     /// Summarise a finished study: quantiles with intervals, exceedance probabilities, and for
-    /// Saltelli's design Sobol indices. Writes answers.json.
+    /// Saltelli's design Sobol indices. Writes answers.json, histograms.csv, exceedance.csv, and
+    /// figures of each.
     Answers {
         /// Study file (JSON).
         #[arg(value_name = "STUDY.json")]
@@ -63,6 +66,8 @@ pub(crate) enum StudyPart {
         /// Print the answers as JSON on standard output, and nothing else there.
         #[arg(long)]
         json: bool,
+        #[command(flatten)]
+        figures: FigureOptions,
     },
     /// Print the shards that have chunks missing, such as 3,7-9, as arrays of jobs take them; nothing if
     /// all are there.

@@ -16,6 +16,7 @@ use tracing::info_span;
 use crate::args::study::{Study, StudyPart};
 use crate::failure::Failure;
 use crate::file_kind::FileKind;
+use crate::plot;
 
 /// Runs a study, joins its shards, or prints a job script for them.
 pub(crate) fn run(asked: &Study, quiet: bool) -> Result<(), Failure> {
@@ -27,7 +28,7 @@ pub(crate) fn run(asked: &Study, quiet: bool) -> Result<(), Failure> {
             }
             Ok(())
         }
-        (Some(StudyPart::Answers { file, out, exceed, level, json }), _) => {
+        (Some(StudyPart::Answers { file, out, exceed, level, json, figures }), _) => {
             let plan = read(file)?;
             let thresholds =
                 exceed.iter().map(|text| read_threshold(text)).collect::<Result<_, _>>()?;
@@ -35,12 +36,19 @@ pub(crate) fn run(asked: &Study, quiet: bool) -> Result<(), Failure> {
             let folder = StudyFolder::open(&folder_of(file, out.as_deref()))?;
             let found = answers(&plan, &folder, &options)?;
             let text = super::pretty(&found.to_json(&plan.coordinates()));
-            let path = folder.write("answers.json", &text)?;
+            folder.write("histograms.csv", found.histograms_csv())?;
+            folder.write("exceedance.csv", found.exceedance_csv())?;
+            for (stem, figure) in plot::answers(&found, &plan.coordinates()) {
+                for (name, data) in super::drawn(stem, &figure, &figures.figures) {
+                    folder.write(&name, data)?;
+                }
+            }
+            folder.write("answers.json", &text)?;
             if *json {
                 answer!("{text}");
             } else if !quiet {
                 print_answers(&found, &plan.coordinates())?;
-                answer_line!("written to {}", path.display());
+                answer_line!("written to {}", folder.path().display());
             }
             Ok(())
         }

@@ -48,7 +48,7 @@ pub(super) fn percent(probability: f64) -> String {
 }
 
 /// The text, cut to `most` characters.
-fn fitted(text: &str, most: usize) -> String {
+pub(super) fn fitted(text: &str, most: usize) -> String {
     if text.chars().count() <= most {
         return text.to_owned();
     }
@@ -57,7 +57,7 @@ fn fitted(text: &str, most: usize) -> String {
 }
 
 /// The name of a parameter for an axis: of a JSON Pointer the last key.
-fn short(name: &str, most: usize) -> String {
+pub(super) fn short(name: &str, most: usize) -> String {
     let last = if name.starts_with('/') { name.rsplit('/').next().unwrap_or(name) } else { name };
     fitted(&last.replace("~1", "/").replace("~0", "~"), most)
 }

@@ -253,7 +253,37 @@ fn answers_give_quantiles_exceedances_and_indices() {
     let work = &of("energy.input_j")["sobol_indices"]["inputs"][0];
     assert!((work["total"].as_f64().unwrap() - 1.0).abs() < 0.3, "{work}");
     assert!(of("static.natural_frequency_hz")["sobol_indices"].is_null());
-    assert!(files(&folder.join("out/s")).contains(&"answers.json".to_owned()));
+    let written = files(&folder.join("out/s"));
+    let names = ["answers.json", "distributions.svg", "exceedance.csv", "exceedance.svg"];
+    let more = ["histograms.csv", "sobol-indices.svg", "study.csv", "study.json", "study.parquet"];
+    assert_eq!(written, [&names[..], &more[..]].concat());
+    let read = |name: &str| fs::read_to_string(folder.join("out/s").join(name)).unwrap();
+    for (name, labels) in [
+        ("distributions.svg", ["Share of runs (%)", "Work of the force (", " J)", "guide-sample"]),
+        (
+            "exceedance.svg",
+            ["Probability of exceedance", "Lowest pressure (", " Pa)", "sample-disc"],
+        ),
+        ("sobol-indices.svg", ["Sobol index", "force", "first order", "total"]),
+    ] {
+        let text = read(name);
+        for label in labels {
+            assert!(text.contains(label), "{name} lacks `{label}`");
+        }
+    }
+    let histograms = read("histograms.csv");
+    let runs = histograms.lines().filter(|line| line.starts_with("energy.input_j,J,"));
+    let runs = runs.map(|line| line.rsplit(',').next().unwrap().parse::<f64>().unwrap());
+    // Of 48 runs, those at A and B.
+    assert_eq!((runs.clone().count(), runs.sum::<f64>()), (42, 32.0));
+    let exceedance = read("exceedance.csv");
+    let first = exceedance.lines().find(|line| line.starts_with("energy.input_j,")).unwrap();
+    let fields: Vec<&str> = first.split(',').collect();
+    assert_eq!((fields[1], fields[3], fields[5]), ("J", "1", "1"), "all are above the least");
+    let ask = ["study", "answers", "s.json", "--quiet", "--figures", "png,pdf"];
+    assert!(asperity(folder, &ask).status.success());
+    assert!(fs::read(folder.join("out/s/exceedance.png")).unwrap().starts_with(b"\x89PNG"));
+    assert!(fs::read(folder.join("out/s/sobol-indices.pdf")).unwrap().starts_with(b"%PDF"));
     let wrong = asperity(folder, &["study", "answers", "s.json", "--exceed", "f1=2"]);
     assert!(text(&wrong.stderr).contains("accepted: static.natural_frequency_hz"));
 }

@@ -1,7 +1,7 @@
 //! Quantiles and exceedance probabilities of a weighted sample.
 
-use super::{IntervalEstimate, check_probability};
-use crate::distribution::normal_quantile;
+use super::IntervalEstimate;
+use super::interval::{check_threshold, of_probability, quantile_shares};
 use crate::error::DesignError;
 
 /// Values of one output with their weights, sorted.
@@ -136,12 +136,8 @@ impl WeightedSample {
     /// # Errors
     /// [`DesignError::Value`] for a probability or a level that is not between 0 and 1.
     pub fn quantile(&self, probability: f64, level: f64) -> Result<IntervalEstimate, DesignError> {
-        check_probability("the probability of a quantile", probability)?;
-        check_probability("the level of an interval", level)?;
-        let z = normal_quantile(0.5 + 0.5 * level);
-        let half = z * (probability * (1.0 - probability) / self.effective_size).sqrt();
+        let [below, above] = quantile_shares(probability, level, self.effective_size)?;
         let (first, last) = (self.middles[0], self.middles[self.middles.len() - 1]);
-        let (below, above) = (probability - half, probability + half);
         Ok(IntervalEstimate {
             value: self.at(probability),
             low: if below < first { f64::NEG_INFINITY } else { self.at(below) },
@@ -174,21 +170,10 @@ impl WeightedSample {
     /// [`DesignError::Value`] for a threshold that is not a number, or a level that is not between 0
     /// and 1.
     pub fn exceedance(&self, threshold: f64, level: f64) -> Result<IntervalEstimate, DesignError> {
-        check_probability("the level of an interval", level)?;
-        if threshold.is_nan() {
-            let quantity = "the threshold";
-            return Err(DesignError::Value { quantity, value: threshold, expected: "a number" });
-        }
+        check_threshold(threshold)?;
         let up_to = self.values.partition_point(|&value| value <= threshold);
         let below = if up_to == 0 { 0.0 } else { self.cumulative[up_to - 1] };
         let p = if up_to == self.values.len() { 0.0 } else { 1.0 - below };
-        let n = self.effective_size;
-        let z = normal_quantile(0.5 + 0.5 * level);
-        let scale = 1.0 + z * z / n;
-        let centre = (p + 0.5 * z * z / n) / scale;
-        let half = z / scale * (p * (1.0 - p) / n + 0.25 * z * z / (n * n)).sqrt();
-        // Rounding must not move the interval off an estimate of 0 or 1.
-        let (low, high) = ((centre - half).clamp(0.0, p), (centre + half).clamp(p, 1.0));
-        Ok(IntervalEstimate { value: p, low, high })
+        of_probability(p, level, self.effective_size)
     }
 }

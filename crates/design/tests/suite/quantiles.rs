@@ -1,6 +1,9 @@
 //! Quantiles and exceedance probabilities: definitions, and the coverage of their intervals.
 
-use asperity_design::{Design, Distribution, IntervalEstimate, WeightedSample};
+use asperity_design::{
+    ColumnSummary, Design, DesignError, Distribution, IntervalEstimate, SummaryRequest,
+    ValueColumn, WeightedSample,
+};
 
 /// Share of the intervals over `SAMPLES` independent samples of `n` normal numbers that hold `truth`.
 fn coverage(n: u64, truth: f64, estimate: impl Fn(&WeightedSample) -> IntervalEstimate) -> f64 {
@@ -78,4 +81,77 @@ fn moments_are_those_of_the_values() {
     let sample = WeightedSample::of_equal([2.0, 4.0, 4.0, 4.0, 5.0, 5.0, 7.0, 9.0]).unwrap();
     assert!((sample.mean() - 5.0).abs() < 1e-14);
     assert!((sample.standard_deviation() - (32.0_f64 / 7.0).sqrt()).abs() < 1e-14);
+}
+
+/// Values of a function of their number.
+struct Computed<F>(u64, F);
+
+impl<F: Fn(u64) -> f64> ValueColumn for Computed<F> {
+    type Error = DesignError;
+
+    fn scan(&self, visit: &mut dyn FnMut(&[f64])) -> Result<(), DesignError> {
+        for first in (0..self.0).step_by(1000) {
+            let values: Vec<f64> = (first..self.0.min(first + 1000)).map(&self.1).collect();
+            visit(&values);
+        }
+        Ok(())
+    }
+}
+
+#[test]
+fn a_column_that_is_read_again_and_again_has_the_statistics_of_one_in_memory() {
+    let lognormal = Distribution::lognormal(1e-9, 0.7).unwrap();
+    // More values than are sorted at once.
+    for rows in [1, 2, 1000, 1_500_000] {
+        let design = Design::sobol(1, rows, 5).unwrap();
+        let value = |row: u64| match row % 9 {
+            8 => f64::NAN,
+            7 => 1.25e-9,
+            _ => lognormal.quantile(design.point(row)[0]),
+        };
+        let (probabilities, thresholds) = (vec![1e-5, 0.05, 0.5, 0.8, 0.999], vec![0.0, 1.25e-9]);
+        let asked = SummaryRequest { level: 0.9, probabilities, thresholds };
+        let found = ColumnSummary::of(&Computed(rows, value), &asked).unwrap().unwrap();
+        let held = WeightedSample::of_equal((0..rows).map(value)).unwrap();
+        assert_eq!(found.count, held.count() as u64);
+        assert_eq!(found.left_out, held.left_out() as u64);
+        let close = |a: f64, b: f64| a == b || (a / b - 1.0).abs() < 1e-9;
+        assert!(close(found.mean, held.mean()), "{} {}", found.mean, held.mean());
+        assert!(close(found.standard_deviation, held.standard_deviation()));
+        let same = |a: &IntervalEstimate, b: &IntervalEstimate| {
+            close(a.value, b.value) && close(a.low, b.low) && close(a.high, b.high)
+        };
+        for (&p, one) in asked.probabilities.iter().zip(&found.quantiles) {
+            let expected = held.quantile(p, 0.9).unwrap();
+            assert!(same(one, &expected), "{rows}, {p}: {one:?} for {expected:?}");
+        }
+        for (&threshold, one) in asked.thresholds.iter().zip(&found.exceedances) {
+            let expected = held.exceedance(threshold, 0.9).unwrap();
+            assert!(same(one, &expected), "{rows}, {threshold}: {one:?} for {expected:?}");
+        }
+        if rows == 1 {
+            assert!(found.histogram.is_none() && found.exceedance_curve.is_empty());
+            continue;
+        }
+        let histogram = found.histogram.unwrap();
+        let inside: u64 = histogram.counts.iter().sum();
+        assert_eq!(inside + histogram.below + histogram.above, found.count);
+        let edges = histogram.edges();
+        let (from, to) = (edges[10], edges[30]);
+        let within =
+            held.exceedance(from, 0.9).unwrap().value - held.exceedance(to, 0.9).unwrap().value;
+        let counted: u64 = histogram.counts[10..30].iter().sum();
+        assert!(close(counted as f64, within * found.count as f64), "{counted}, {within}");
+        for (place, share) in found.exceedance_curve.iter().skip(1) {
+            let expected = held.exceedance(*place, 0.9).unwrap();
+            assert!(same(share, &expected), "{rows}, {place}: {share:?} for {expected:?}");
+        }
+    }
+    let none = ColumnSummary::of(
+        &Computed(10, |_| f64::NAN),
+        &SummaryRequest { level: 0.9, probabilities: vec![0.5], thresholds: Vec::new() },
+    );
+    assert_eq!(none, Ok(None));
+    let wrong = SummaryRequest { level: 0.9, probabilities: vec![1.0], thresholds: Vec::new() };
+    assert!(ColumnSummary::of(&Computed(10, |row| row as f64), &wrong).is_err());
 }

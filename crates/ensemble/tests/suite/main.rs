@@ -4,6 +4,7 @@
 #![allow(clippy::print_stderr, reason = "a test without its tool says that it was skipped")]
 
 mod answers;
+mod memory;
 mod parquet;
 mod plans;
 mod runs;

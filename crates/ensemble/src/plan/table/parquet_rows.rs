@@ -2,7 +2,6 @@
 
 use std::fs::File;
 use std::ops::Range;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use parquet::basic::{ConvertedType, LogicalType, Type};
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
@@ -13,6 +12,7 @@ use parquet::schema::types::ColumnDescriptor;
 use serde_json::Value;
 
 use super::TableColumn;
+use crate::parquet_faults::{guarded, words};
 
 /// Rows that are checked at a time.
 const BATCH: u64 = 1 << 14;
@@ -196,16 +196,4 @@ fn typed<T: DataType>(
         return Err((null, "there is no value".into()));
     }
     values.iter().enumerate().map(|(at, one)| value(one).map_err(|fault| (at, fault))).collect()
-}
-
-fn words(error: ParquetError) -> String {
-    match error {
-        ParquetError::NYI(text) => format!("{text}; accepted: Snappy or no compression"),
-        other => format!("cannot be read as Parquet: {other}"),
-    }
-}
-
-/// Panics of the crate `parquet`, which asserts what a damaged file may break, as errors.
-fn guarded<T>(read: impl FnOnce() -> Result<T, String>) -> Result<T, String> {
-    catch_unwind(AssertUnwindSafe(read)).unwrap_or_else(|_| Err("is damaged".into()))
 }
