@@ -11,9 +11,10 @@ use asperity_table::CsvWriter;
 use serde_json::{Value, json};
 
 use crate::error::EnsembleError;
-use crate::folder::{Role, StudyFolder, StudyTable};
+use crate::folder::{Role, StudyFolder};
 use crate::plan::StudyPlan;
 use crate::spec::StudyDesign;
+use crate::study_table::StudyTable;
 
 /// Most different reasons of failure that are told apart.
 const MOST_REASONS: usize = 100;

@@ -11,7 +11,6 @@
 //! follow from its number, so that two runs which write the same chunk do no harm: no lock is needed,
 //! on no file system.
 
-mod parquet_columns;
 mod parquet_table;
 mod whole_file;
 
@@ -24,7 +23,7 @@ use serde_json::{Value, json};
 
 use crate::error::EnsembleError;
 use crate::plan::StudyPlan;
-pub(crate) use parquet_columns::StudyTable;
+use crate::study_table::StudyTable;
 use parquet_table::ParquetTable;
 pub(crate) use parquet_table::Role;
 use whole_file::{is_temporary, write_whole};

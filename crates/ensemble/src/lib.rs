@@ -19,17 +19,17 @@
 //! | `folder` | [`StudyFolder`]: manifest, chunks, the joined table as CSV and Parquet |
 //! | `run` | [`run()`] over chunks and shards, for any [`RowModel`] |
 //! | `answers` | [`answers()`]: quantiles, exceedance probabilities, Sobol indices of a finished study |
-//! | `parquet_faults` | errors of Parquet files in words |
+//! | `study_table` | the joined table, read column by column |
 //! | `slurm` | [`slurm_script`]: a job array with one task a shard, and the job that joins them |
 
 mod answers;
 mod error;
 mod folder;
-mod parquet_faults;
 mod plan;
 mod run;
 mod slurm;
 pub mod spec;
+mod study_table;
 
 pub use answers::{AnswerOptions, ObservableAnswers, StudyAnswers, answers};
 pub use asperity_design::{Histogram, IntervalEstimate};

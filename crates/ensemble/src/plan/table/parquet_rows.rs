@@ -12,7 +12,7 @@ use parquet::schema::types::ColumnDescriptor;
 use serde_json::Value;
 
 use super::TableColumn;
-use crate::parquet_faults::{guarded, words};
+use crate::study_table::{guarded, words};
 
 /// Rows that are checked at a time.
 const BATCH: u64 = 1 << 14;

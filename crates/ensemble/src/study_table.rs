@@ -1,15 +1,16 @@
 //! Columns of the joined table, each read from the disk as often as it is needed.
 
 use std::fs::File;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
 
 use parquet::column::reader::get_typed_column_reader;
 use parquet::data_type::{ByteArrayType, DataType, DoubleType};
+use parquet::errors::ParquetError;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use serde_json::Value;
 
 use crate::error::EnsembleError;
-use crate::parquet_faults::{guarded, words};
 
 /// Values that are read at a time.
 const BATCH: usize = 1 << 14;
@@ -29,7 +30,7 @@ impl StudyTable {
     /// # Errors
     /// [`EnsembleError::Io`], and [`EnsembleError::Table`] for a file that is damaged or of another
     /// study.
-    pub(super) fn open(path: PathBuf, identity: &Value) -> Result<Self, EnsembleError> {
+    pub(crate) fn open(path: PathBuf, identity: &Value) -> Result<Self, EnsembleError> {
         let file =
             File::open(&path).map_err(|source| EnsembleError::Io { path: path.clone(), source })?;
         let table = |fault: String| EnsembleError::Table { path: path.clone(), fault };
@@ -119,4 +120,17 @@ impl StudyTable {
     pub(crate) fn fault(&self, fault: String) -> EnsembleError {
         EnsembleError::Table { path: self.path.clone(), fault }
     }
+}
+
+/// Words for an error of reading.
+pub(crate) fn words(error: ParquetError) -> String {
+    match error {
+        ParquetError::NYI(text) => format!("{text}; accepted: Snappy or no compression"),
+        other => format!("cannot be read as Parquet: {other}"),
+    }
+}
+
+/// Panics of the crate `parquet`, which asserts what a damaged file may break, as errors.
+pub(crate) fn guarded<T>(read: impl FnOnce() -> Result<T, String>) -> Result<T, String> {
+    catch_unwind(AssertUnwindSafe(read)).unwrap_or_else(|_| Err("is damaged".into()))
 }
