@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Stdio};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use asperity_scenario::Document;
 use serde_json::{Value, json};
@@ -65,6 +65,129 @@ fn kills_at_any_moment_do_not_change_a_byte() {
         table(folder, &["study", "rig.json", "--out", "killed", "--resume", "--threads=1"]);
     assert_eq!(resumed, whole);
     assert_eq!(files(&folder.join("killed")), ["study.csv", "study.json", "study.parquet"]);
+}
+
+/// Each of some studies, 3 or as many as `ASPERITY_KILLS` says, is killed once, at moments from its
+/// start to its end, joining included, and goes on with another number of threads.
+#[test]
+fn kills_from_start_to_end_do_not_change_a_byte() {
+    let studies: u32 = std::env::var("ASPERITY_KILLS").unwrap_or_default().parse().unwrap_or(3);
+    let folder = folder();
+    let folder = folder.path();
+    let started = Instant::now();
+    table(folder, &["study", "rig.json", "--out", "whole", "--threads", "1"]);
+    let length = started.elapsed();
+    let bytes = |out: &str| {
+        ["study.csv", "study.parquet"].map(|name| fs::read(folder.join(out).join(name)).unwrap())
+    };
+    let mut interrupted = 0;
+    for number in 0..studies {
+        let out = format!("killed{number}");
+        let begin = ["study", "rig.json", "--out", &out, "--threads", "1", "--quiet"];
+        let mut child = command(folder, &begin).spawn().unwrap();
+        // Evenly over the time of a run, in an order without pattern.
+        std::thread::sleep(length.mul_f64((f64::from(number) * 0.618_033_988_749_895).fract()));
+        child.kill().unwrap();
+        child.wait().unwrap();
+        interrupted += u32::from(!folder.join(&out).join("study.csv").exists());
+        let threads = format!("--threads={}", 2 + number % 3);
+        table(folder, &["study", "rig.json", "--out", &out, "--resume", &threads]);
+        assert!(bytes(&out) == bytes("whole"), "study {number}");
+        let whole = ["study.csv", "study.json", "study.parquet"];
+        assert_eq!(files(&folder.join(&out)), whole);
+    }
+    assert!(interrupted >= studies / 2, "{interrupted} were interrupted");
+    eprintln!("{interrupted} of {studies} studies were interrupted, after up to {length:?}");
+}
+
+/// A limit on the size of files stands for a full disk: the manifest, a chunk, or a table does not fit.
+#[test]
+#[cfg(unix)]
+fn a_full_disk_leaves_nothing_half_written() {
+    let folder = folder();
+    let folder = folder.path();
+    let file = folder.join("rig.json");
+    let mut study: Value = serde_json::from_str(&fs::read_to_string(&file).unwrap()).unwrap();
+    // Chunks larger than the manifest and smaller than the table.
+    study["chunk_rows"] = json!(20);
+    fs::write(file, study.to_string()).unwrap();
+    let whole = table(folder, &["study", "rig.json", "--out", "whole"]);
+    for (kilobytes, file) in [(1, "study.json"), (6, "chunks/"), (13, "study.parquet")] {
+        let out = format!("full{kilobytes}");
+        let program = env!("CARGO_BIN_EXE_asperity");
+        // Without its signal, a write beyond the limit is an error of the operating system.
+        let lines = format!(
+            "trap '' XFSZ; ulimit -f {kilobytes}; exec '{program}' study rig.json --out {out} 2>&1 | cat"
+        );
+        let output = Command::new("bash")
+            .args(["-c", &format!("set -o pipefail; {lines}")])
+            .current_dir(folder)
+            .output()
+            .unwrap();
+        let said = text(&output.stdout);
+        assert_eq!(output.status.code(), Some(1), "{kilobytes} kB: {said}");
+        assert!(said.contains(&format!("{out}/{file}")), "{kilobytes} kB: {said}");
+        assert!(said.contains("File too large"), "{kilobytes} kB: {said}");
+        let all = |place: &Path| -> Vec<String> {
+            let entries = fs::read_dir(place).into_iter().flatten();
+            entries.map(|one| one.unwrap().file_name().to_string_lossy().into_owned()).collect()
+        };
+        let mut found = all(&folder.join(&out));
+        found.extend(all(&folder.join(&out).join("chunks")));
+        assert!(!found.iter().any(|name| name.starts_with('.')), "{kilobytes} kB: {found:?}");
+        assert!(!found.contains(&file.to_owned()) && !found.contains(&"study.csv".to_owned()));
+        let again = ["study", "rig.json", "--out", &out, "--resume", "--threads", "1"];
+        assert_eq!(table(folder, &again), whole, "{kilobytes} kB");
+        assert_eq!(files(&folder.join(&out)), ["study.csv", "study.json", "study.parquet"]);
+    }
+}
+
+/// The page on other tools, whose study file and programs are run as they stand.
+#[test]
+fn programs_of_other_tools_drive_a_study() {
+    let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/src/how-to/other-tools.md");
+    let page = fs::read_to_string(page).unwrap();
+    let blocks = |language: &str| -> Vec<String> {
+        let parts = page.split("\n```").filter_map(|part| part.strip_prefix(language));
+        parts.map(|part| part.trim_start().to_owned()).collect()
+    };
+    let folder = folder();
+    let folder = folder.path();
+    let study: Value =
+        serde_json::from_str(&fs::read_to_string(folder.join("rig.json")).unwrap()).unwrap();
+    fs::write(folder.join("rig.json"), study["scenario"].to_string()).unwrap();
+    fs::write(folder.join("rows.json"), &blocks("json")[0]).unwrap();
+    let python = std::env::var_os("PYTHON").unwrap_or_else(|| "python3".into());
+    let bin = Path::new(env!("CARGO_BIN_EXE_asperity")).parent().unwrap();
+    let path = std::env::var("PATH").unwrap_or_default();
+    let path =
+        std::env::join_paths([bin.to_owned()].into_iter().chain(std::env::split_paths(&path)));
+    for (program, module) in blocks("python").iter().zip(["SALib", "openturns"]) {
+        assert!(program.contains(&format!(" {module}")), "{program}");
+        let has = Command::new(&python).args(["-c", &format!("import {module}, pandas")]).output();
+        if !has.is_ok_and(|output| output.status.success()) {
+            eprintln!("skipped programs_of_other_tools_drive_a_study: Python has no {module}");
+            continue;
+        }
+        let mut run = Command::new(&python);
+        run.args(["-c", program]).current_dir(folder).env("PATH", path.as_ref().unwrap());
+        let output = run.output().unwrap();
+        assert!(output.status.success(), "{module}: {}", text(&output.stderr));
+        let found = text(&output.stdout);
+        let total = |words: &str| -> f64 {
+            let line = found.lines().find(|line| line.starts_with(words));
+            let rest = line.unwrap_or_else(|| panic!("{words}: {found}")).rsplit("index ").next();
+            rest.unwrap().split(' ').next().unwrap().parse().unwrap()
+        };
+        // The mass alone decides the frequency at rest, the force alone its work.
+        for (of, input) in [("static.natural_frequency_hz", "mass"), ("energy.input_j", "force")] {
+            for name in ["mass", "damping", "force"] {
+                let index = total(&format!("{of}, {name}:"));
+                let truth = f64::from(u8::from(name == input));
+                assert!((index - truth).abs() < if name == input { 0.4 } else { 0.01 }, "{found}");
+            }
+        }
+    }
 }
 
 #[test]
