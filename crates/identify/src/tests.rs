@@ -129,6 +129,40 @@ fn derivatives_are_those_of_the_predictions() {
     assert_eq!(compared, start.len() * 21);
 }
 
+/// The same for the latents of free laws, at a law that is not the centre of the prior.
+#[test]
+fn derivatives_of_free_laws_are_those_of_the_predictions() {
+    for own in
+        [json!({}), json!({"exponent_between_0_and_1": true}), json!({"concave_above_pa": 1e5})]
+    {
+        let mut law = json!({"kind": "free_law", "law": "modified", "points": 10, "pressures_pa": [1e4, 1e6]});
+        law.as_object_mut().unwrap().extend(own.as_object().unwrap().clone());
+        let model = problem(&json!([law]), &data()).model().unwrap().forward;
+        let point: Vec<f64> = (0..10_u32).map(|i| 0.5 * f64::from(i).sin()).collect();
+        let exact = model.derivatives(&point).unwrap();
+        let mut compared = 0;
+        for j in 0..point.len() {
+            let step = 3e-5;
+            let four = STENCIL.map(|place| {
+                let mut moved = point.clone();
+                moved[j] += place * step;
+                model.derivatives(&moved).unwrap().values
+            });
+            for (i, value) in exact.values.iter().enumerate() {
+                let Some(value) = value else { continue };
+                let values = four.each_ref().map(|values| values[i].unwrap());
+                let expected = central_difference(values, step);
+                let scale = expected.abs().max(1e-2 * value.abs());
+                let off = (exact.jacobian[i][j].unwrap() - expected).abs() / scale;
+                let label = &model.observations()[i].label;
+                assert!(off < 1e-6, "{own}: {label} over latent {j}: {off}");
+                compared += 1;
+            }
+        }
+        assert_eq!(compared, 10 * 21);
+    }
+}
+
 /// Steps and modes are those that the start needs, until a point needs finer ones; coarser ones are
 /// not taken.
 #[test]

@@ -249,16 +249,20 @@ fn a_structure_without_a_rough_contact_shows_no_law() {
         "draws": 100,
         "starts": 1,
     });
-    let path = folder.path().join("problem.json");
-    let problem =
-        IdentificationProblem::of(Document::parse(&problem.to_string(), path).unwrap()).unwrap();
-    let found = identify(&problem).unwrap();
-    let words = found.conclusions().join("\n");
-    assert!(!matches!(
-        found.pressure_dependence(),
-        PressureDependence::Shown | PressureDependence::NotAsked
-    ));
-    assert!(words.starts_with("The data do not show a contact stiffness that depends on pressure"));
+    let mut free = problem.clone();
+    free["unknowns"] = json!([{"kind": "free_law", "law": "joint", "points": 12}]);
+    for problem in [problem, free] {
+        let path = folder.path().join("problem.json");
+        let document = Document::parse(&problem.to_string(), path).unwrap();
+        let found = identify(&IdentificationProblem::of(document).unwrap()).unwrap();
+        let words = found.conclusions().join("\n");
+        assert!(!matches!(
+            found.pressure_dependence(),
+            PressureDependence::Shown | PressureDependence::NotAsked
+        ));
+        let first = "The data do not show a contact stiffness that depends on pressure";
+        assert!(words.starts_with(first), "{words}");
+    }
 }
 
 /// A stepped sine by integration in time until it has settled, two levels with noise of 1 %: harmonic
