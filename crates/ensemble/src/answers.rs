@@ -6,7 +6,7 @@ use asperity_design::{
     ColumnSummary, DesignError, Histogram, IntervalEstimate, SensitivitySums, SobolIndices,
     SummaryRequest, ValueColumn,
 };
-use asperity_study::quantity::Quantity;
+use asperity_study::quantity::{frf_frequency, unit_of};
 use asperity_table::CsvWriter;
 use serde_json::{Value, json};
 
@@ -53,8 +53,67 @@ pub struct StudyAnswers {
     pub failed: u64,
     /// Reasons of failures with the number of runs of each, of at most 100 reasons.
     pub reasons: BTreeMap<String, u64>,
-    /// Answers of each observable.
+    /// Answers of each observable but the receptances.
     pub observables: Vec<ObservableAnswers>,
+    /// The receptance over frequency, of a study that has asked for it.
+    pub frf: Option<FrfBand>,
+}
+
+/// Bands of the magnitude of the receptance over frequency, each frequency by itself.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct FrfBand {
+    /// Frequencies \[Hz\].
+    pub frequency_hz: Vec<f64>,
+    /// Number of runs with a value at each.
+    pub runs: Vec<u64>,
+    /// Magnitudes \[m/N\] at the probabilities 0.025, 0.25, 0.5, 0.75 and 0.975; NaN without a run.
+    pub quantiles: Vec<[f64; 5]>,
+}
+
+impl FrfBand {
+    /// Probabilities of the quantiles: ends of the bands of 95 % and 50 %, and the median.
+    pub const PROBABILITIES: [f64; 5] = [0.025, 0.25, 0.5, 0.75, 0.975];
+
+    fn add(&mut self, frequency: f64, found: &ObservableAnswers, runs: u64) {
+        self.frequency_hz.push(frequency);
+        self.runs.push(runs - found.missing);
+        let mut quantiles = [f64::NAN; 5];
+        for (quantile, (_, found)) in quantiles.iter_mut().zip(&found.quantiles) {
+            *quantile = found.value;
+        }
+        self.quantiles.push(quantiles);
+    }
+
+    fn to_json(&self) -> Value {
+        json!({
+            "frequency_hz": self.frequency_hz,
+            "runs": self.runs,
+            "probabilities": Self::PROBABILITIES,
+            "receptance_m_per_n": self.quantiles,
+        })
+    }
+
+    /// The bands as CSV, a row for each frequency.
+    pub fn csv(&self) -> String {
+        let mut csv = CsvWriter::with_header([
+            "frequency_hz",
+            "runs",
+            "median_m_per_n",
+            "lower_m_per_n",
+            "upper_m_per_n",
+            "lower_50_m_per_n",
+            "upper_50_m_per_n",
+        ]);
+        for ((&frequency, &runs), quantiles) in
+            self.frequency_hz.iter().zip(&self.runs).zip(&self.quantiles)
+        {
+            let &[low, first, median, third, high] = quantiles;
+            csv.number(frequency).number(runs as f64);
+            let finite = |value: f64| value.is_finite().then_some(value);
+            csv.numbers([median, low, high, first, third].map(finite)).end_row();
+        }
+        csv.into_string()
+    }
 }
 
 /// Answers of one observable, over the runs that have it.
@@ -83,7 +142,7 @@ pub struct ObservableAnswers {
 impl ObservableAnswers {
     /// Unit; empty for a number without one.
     pub fn unit(&self) -> &'static str {
-        Quantity::of_name(&self.name).map_or("", |(quantity, _)| quantity.unit())
+        unit_of(&self.name)
     }
 }
 
@@ -129,6 +188,7 @@ impl StudyAnswers {
             "failed": self.failed,
             "reasons": self.reasons,
             "observables": self.observables.iter().map(observable).collect::<Vec<_>>(),
+            "frf": self.frf.as_ref().map(FrfBand::to_json),
         })
     }
 
@@ -205,9 +265,25 @@ pub fn answers(
             reasons.insert(reason.to_owned(), 1);
         }
     })?;
-    let observables = names.iter().map(|name| of_observable(plan, &table, name, options));
-    let observables = observables.collect::<Result<_, _>>()?;
-    Ok(StudyAnswers { runs: table.rows(), failed, reasons, observables })
+    let of_bands = AnswerOptions {
+        probabilities: FrfBand::PROBABILITIES.into(),
+        thresholds: Vec::new(),
+        ..options.clone()
+    };
+    let (mut observables, mut frf) = (Vec::new(), None);
+    for name in &names {
+        let frequency = frf_frequency(name);
+        if let Some(frequency) = frequency {
+            let found = of_observable(plan, &table, name, &of_bands)?;
+            frf.get_or_insert_with(FrfBand::default).add(frequency, &found, table.rows());
+        }
+        if frequency.is_none() || options.thresholds.iter().any(|(of, _)| of == name) {
+            let indices = sobol_indices(plan, &table, name, options.level)?;
+            observables
+                .push(ObservableAnswers { indices, ..of_observable(plan, &table, name, options)? });
+        }
+    }
+    Ok(StudyAnswers { runs: table.rows(), failed, reasons, observables, frf })
 }
 
 /// Numbers of one observable, of the runs that are independent of each other.
@@ -261,12 +337,6 @@ fn of_observable(
     options: &AnswerOptions,
 ) -> Result<ObservableAnswers, EnsembleError> {
     let place = table.place(name)?;
-    let design_fault = |source| EnsembleError::Design { place: name.to_owned(), source };
-    let block = plan.dimensions() + 2;
-    let saltelli = match plan.spec().design {
-        StudyDesign::Saltelli { seed, .. } => Some(seed),
-        _ => None,
-    };
     let thresholds: Vec<f64> = options
         .thresholds
         .iter()
@@ -277,7 +347,8 @@ fn of_observable(
         probabilities: options.probabilities.clone(),
         thresholds,
     };
-    let column = ObservableColumn { table, place, name, block: saltelli.map(|_| block) };
+    let block = saltelli_seed(plan).map(|_| plan.dimensions() + 2);
+    let column = ObservableColumn { table, place, name, block };
     let summary = ColumnSummary::of(&column, &asked).map_err(|error| match error {
         ColumnError::Statistics(source) => {
             EnsembleError::Design { place: column.name.to_owned(), source }
@@ -305,22 +376,39 @@ fn of_observable(
     found.exceedances = asked.thresholds.into_iter().zip(summary.exceedances).collect();
     found.histogram = summary.histogram;
     found.exceedance_curve = summary.exceedance_curve;
-    if let Some(seed) = saltelli {
-        let mut sums =
-            SensitivitySums::new(plan.dimensions(), REPLICATES, seed).map_err(design_fault)?;
-        let (mut base, mut row) = (0, Vec::with_capacity(block));
-        table.numbers(place, &mut |values| {
-            for value in values {
-                row.push(*value);
-                if row.len() == block {
-                    sums.add(base, &row);
-                    base += 1;
-                    row.clear();
-                }
-            }
-        })?;
-        // An observable that does not vary has no indices.
-        found.indices = sums.indices(options.level).ok();
-    }
     Ok(found)
+}
+
+/// The seed of Saltelli's design; none for another design.
+fn saltelli_seed(plan: &StudyPlan) -> Option<u64> {
+    match plan.spec().design {
+        StudyDesign::Saltelli { seed, .. } => Some(seed),
+        _ => None,
+    }
+}
+
+/// Sobol indices of an observable; none for another design, or an observable that does not vary.
+fn sobol_indices(
+    plan: &StudyPlan,
+    table: &StudyTable,
+    name: &str,
+    level: f64,
+) -> Result<Option<SobolIndices>, EnsembleError> {
+    let Some(seed) = saltelli_seed(plan) else { return Ok(None) };
+    let design_fault = |source| EnsembleError::Design { place: name.to_owned(), source };
+    let mut sums =
+        SensitivitySums::new(plan.dimensions(), REPLICATES, seed).map_err(design_fault)?;
+    let block = plan.dimensions() + 2;
+    let (mut base, mut row) = (0, Vec::with_capacity(block));
+    table.numbers(table.place(name)?, &mut |values| {
+        for value in values {
+            row.push(*value);
+            if row.len() == block {
+                sums.add(base, &row);
+                base += 1;
+                row.clear();
+            }
+        }
+    })?;
+    Ok(sums.indices(level).ok())
 }

@@ -31,7 +31,7 @@ mod slurm;
 pub mod spec;
 mod study_table;
 
-pub use answers::{AnswerOptions, ObservableAnswers, StudyAnswers, answers};
+pub use answers::{AnswerOptions, FrfBand, ObservableAnswers, StudyAnswers, answers};
 pub use asperity_design::{Histogram, IntervalEstimate};
 pub use error::EnsembleError;
 pub use folder::StudyFolder;

@@ -66,6 +66,10 @@ impl StudyPlan {
     /// pointer that is given twice or does not exist, and more rows or inputs than a design takes.
     pub fn of(document: Document) -> Result<Self, EnsembleError> {
         let spec: StudySpec = document.checked(study_schema(), Vec::new())?;
+        if let Some(frf) = spec.frf.filter(|frf| frf.stop_hz <= frf.start_hz) {
+            let fault = format!("is {}; accepted: above start_hz, {}", frf.stop_hz, frf.start_hz);
+            return Err(EnsembleError::Part { place: "/frf/stop_hz".into(), fault });
+        }
         let scenario = scenario_of(&document, &spec.scenario)?;
         let mut places: Vec<Places> = spec
             .inputs
@@ -162,7 +166,11 @@ impl StudyPlan {
     /// # Errors
     /// [`EnsembleError::Study`] when the scenario cannot be set up.
     pub fn simulator(&self) -> Result<RowSimulator, EnsembleError> {
-        Ok(RowSimulator::new(self.scenario.clone(), self.places.clone())?)
+        let simulator = RowSimulator::new(self.scenario.clone(), self.places.clone())?;
+        Ok(match self.spec.frf {
+            Some(frf) => simulator.with_frf(frf.frequencies()),
+            None => simulator,
+        })
     }
 
     /// The identity of the study, from which the bytes of its results follow: hashes of the scenario,

@@ -43,7 +43,9 @@ impl RowModel for RowSimulator {
             let mut kinds: Vec<&'static str> =
                 observables.warnings.iter().map(Warning::kind).collect();
             kinds.dedup();
-            Ok((observables.values.into_vec(), kinds))
+            let mut values = observables.values.into_vec();
+            values.extend(observables.frf);
+            Ok((values, kinds))
         };
         Some(found.map(result).collect())
     }

@@ -27,12 +27,37 @@ pub struct StudySpec {
     pub correlation: Option<CorrelationSpec>,
     /// Inputs that are drawn together, such as from the posterior of an identification.
     pub draws: Option<DrawsSpec>,
+    /// Lines of the receptance that are observed in each run.
+    pub frf: Option<FrfSpec>,
     /// The design.
     pub design: StudyDesign,
     /// Rows of a chunk, the part of the results that is written at once.
     #[serde(default = "default_chunk_rows")]
     #[schemars(range(min = 1, max = 1_000_000))]
     pub chunk_rows: u64,
+}
+
+/// Equally spaced lines of the receptance, both ends included.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct FrfSpec {
+    /// The first frequency \[Hz\].
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    pub start_hz: f64,
+    /// The last frequency \[Hz\], above the first.
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    pub stop_hz: f64,
+    /// Number of lines.
+    #[schemars(range(min = 2, max = 2000))]
+    pub count: usize,
+}
+
+impl FrfSpec {
+    /// The frequencies \[Hz\].
+    pub fn frequencies(&self) -> Vec<f64> {
+        let step = (self.stop_hz - self.start_hz) / (self.count - 1) as f64;
+        (0..self.count).map(|i| self.start_hz + step * i as f64).collect()
+    }
 }
 
 /// A scenario by its file, or in place.

@@ -14,6 +14,7 @@ mod task;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use asperity_dynamics::{Batch, DynamicsError, Excitation, HitResponse, HitSimulation};
+use asperity_signal::Complex64;
 
 use crate::accuracy::ErrorEstimate;
 use crate::error::StudyError;
@@ -59,6 +60,8 @@ pub struct ErrorControl {
     batch: Batch,
     extractor: ObservableExtractor,
     pilots: Mutex<Vec<Pilot>>,
+    /// Frequency up to which records are kept, beyond what the observables need \[Hz\].
+    kept_hz: f64,
 }
 
 /// A hit whose step, modes and errors are those of others.
@@ -101,7 +104,18 @@ impl ErrorControl {
     /// Hits integrated by `batch`.
     pub fn new(batch: Batch) -> Self {
         let (extractor, pilots) = (ObservableExtractor::default(), Mutex::default());
-        Self { batch, extractor, pilots }
+        Self { batch, extractor, pilots, kept_hz: 0.0 }
+    }
+
+    /// The same, whose hits have receptances up to this frequency \[Hz\].
+    #[must_use]
+    pub fn keeping(self, kept_hz: f64) -> Self {
+        Self { kept_hz, ..self }
+    }
+
+    /// The receptance of a hit at `frequencies` \[Hz\] \[m/N\]; none without a force.
+    pub fn receptance(&self, hit: &Controlled, frequencies: &[f64]) -> Option<Vec<Complex64>> {
+        self.extractor.receptance(&hit.hit, &hit.record, frequencies)
     }
 
     /// The outcome of each request, in order; none depends on the others.
@@ -305,7 +319,7 @@ impl ErrorControl {
         let prepared = |index: usize| &tasks[of[index]].request.prepared;
         let decimation = |index: usize, step: f64| {
             let natural = prepared(index).at_rest.natural_frequency_hz;
-            self.extractor.decimation(natural, 0.0, step)
+            self.extractor.decimation(natural, self.kept_hz, step)
         };
         let mut records = self.batch.run(&hits, &decimation).into_iter();
         let mut hits = hits.into_iter().enumerate();

@@ -23,6 +23,9 @@ const FREE: f64 = 1e-3;
 pub struct Observables {
     /// In the order of [`Observable::all`]; NaN for a quantity that the response does not have.
     pub values: Box<[f64]>,
+    /// Magnitudes of the receptance \[m/N\] at the frequencies that were asked for; NaN for a response without
+    /// a force.
+    pub frf: Box<[f64]>,
     /// Warnings about the response.
     pub warnings: Vec<Warning>,
     estimate: Option<Box<ErrorEstimate>>,
@@ -221,7 +224,8 @@ impl ResponseView<'_> {
         let interfaces = self.contacts.len();
         let all = Observable::all(interfaces);
         let values = all.iter().map(|&one| self.value(one).unwrap_or(f64::NAN)).collect();
-        Observables { values, warnings: self.warnings(), estimate: None, interfaces }
+        let (frf, warnings) = (Box::default(), self.warnings());
+        Observables { values, frf, warnings, estimate: None, interfaces }
     }
 
     /// Value of one observable, if the response has it.

@@ -251,6 +251,36 @@ pub fn observable_names(interfaces: &[&str]) -> Vec<String> {
     Observable::all(interfaces.len()).iter().map(|one| one.name(interfaces)).collect()
 }
 
+/// Name of the magnitude of the receptance at a frequency \[Hz\], as a column of a table.
+///
+/// ```
+/// use asperity_study::quantity::{frf_frequency, frf_name, unit_of};
+///
+/// let name = frf_name(812.5);
+/// assert_eq!(name, "frf.812.5_hz.receptance_m_per_n");
+/// assert_eq!((frf_frequency(&name), unit_of(&name)), (Some(812.5), "m/N"));
+/// assert_eq!((frf_frequency("harmonic_ratio"), unit_of("fundamental.frequency_hz")), (None, "Hz"));
+/// ```
+pub fn frf_name(frequency_hz: f64) -> String {
+    format!("{}{frequency_hz}{}", FRF[0], FRF[1])
+}
+
+/// Start and end of the name of a receptance.
+const FRF: [&str; 2] = ["frf.", "_hz.receptance_m_per_n"];
+
+/// The frequency \[Hz\] of a receptance of this name.
+pub fn frf_frequency(name: &str) -> Option<f64> {
+    name.strip_prefix(FRF[0])?.strip_suffix(FRF[1])?.parse().ok()
+}
+
+/// Unit of a column of this name; empty for a number without one.
+pub fn unit_of(name: &str) -> &'static str {
+    if frf_frequency(name).is_some() {
+        return Quantity::FundamentalReceptance.unit();
+    }
+    Quantity::of_name(name).map_or("", |(quantity, _)| quantity.unit())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

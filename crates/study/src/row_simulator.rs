@@ -6,6 +6,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use asperity_dynamics::Batch;
 use asperity_scenario::{Document, Scenario, set_value, validate_json};
+use asperity_signal::{Complex64, transform_at};
 use rayon::prelude::*;
 use serde_json::Value;
 
@@ -15,6 +16,7 @@ use crate::error_control::{ErrorControl, Request};
 use crate::finite_differences::integrate;
 use crate::observables::Observables;
 use crate::prepared_scenario::PreparedScenario;
+use crate::quantity::frf_name;
 
 /// Hits of one task over the lanes of a batch.
 const HITS_A_LANE: usize = 4;
@@ -52,6 +54,9 @@ pub struct RowSimulator {
     /// Marks inputs that change the force alone.
     force_only: Vec<bool>,
     names: Arc<[String]>,
+    columns: Vec<String>,
+    /// Frequencies \[Hz\] at which the receptance is found.
+    frequencies: Vec<f64>,
     batch: Batch,
     prepared: Prepared,
 }
@@ -81,16 +86,27 @@ impl RowSimulator {
             document,
             places,
             force_only,
+            columns: names.to_vec(),
             names,
+            frequencies: Vec::new(),
             batch: Batch::default(),
             prepared: Prepared::default(),
         })
     }
 
+    /// The same, with the magnitude of the receptance at these frequencies \[Hz\] in each row.
+    #[must_use]
+    pub fn with_frf(mut self, frequencies: Vec<f64>) -> Self {
+        self.columns = self.names.to_vec();
+        self.columns.extend(frequencies.iter().map(|&frequency| frf_name(frequency)));
+        self.frequencies = frequencies;
+        self
+    }
+
     /// Names of the observables, as
-    /// [`observable_names`](crate::quantity::observable_names) orders them.
+    /// [`observable_names`](crate::quantity::observable_names) orders them, then those of the receptances.
     pub fn columns(&self) -> &[String] {
-        &self.names
+        &self.columns
     }
 
     /// Observables of each row, or its error.
@@ -105,7 +121,8 @@ impl RowSimulator {
         rows: &[Vec<Value>],
         stop: &AtomicBool,
     ) -> Option<Vec<Result<Observables, StudyError>>> {
-        let control = ErrorControl::new(self.batch);
+        let highest = self.frequencies.iter().copied().fold(0.0, f64::max);
+        let control = ErrorControl::new(self.batch).keeping(highest);
         let size = self.batch.room() * HITS_A_LANE;
         let task = |rows| (!stop.load(Ordering::Relaxed)).then(|| self.run_task(&control, rows));
         let found: Option<Vec<Vec<_>>> = rows.par_chunks(size.max(1)).map(task).collect();
@@ -134,7 +151,11 @@ impl RowSimulator {
             });
         }
         for (place, outcome) in places.into_iter().zip(control.run(&requests)) {
-            outcomes[place] = Some(outcome.map(|done| done.observables));
+            outcomes[place] = Some(outcome.map(|mut done| {
+                done.observables.frf =
+                    self.magnitudes(|| control.receptance(&done, &self.frequencies));
+                done.observables
+            }));
         }
         outcomes.into_iter().flatten().collect()
     }
@@ -168,8 +189,28 @@ impl RowSimulator {
             return Ok(Started::Hit(Request { prepared, excitation, duration: None }));
         }
         let assembly = crate::assemble::Assembly::new(&scenario, self.document.folder())?;
-        let (_, found) = integrate(&assembly, &prepared.at_rest, &|_| ())?;
+        let (transient, mut found) = integrate(&assembly, &prepared.at_rest, &|_| ())?;
+        found.frf = self.magnitudes(|| {
+            let (history, rate) = (&transient.history, assembly.sampling.rate());
+            let receptance = |frequency: &f64| {
+                let [response, force] = [&history.displacement, &history.force]
+                    .map(|samples| transform_at(samples, rate, *frequency));
+                response / force
+            };
+            let known = |frequency: &&f64| **frequency < 0.5 * rate;
+            Some(self.frequencies.iter().take_while(known).map(receptance).collect())
+        });
         Ok(Started::Done(found))
+    }
+
+    /// Magnitudes of a receptance at the frequencies asked for; NaN where it is not known.
+    fn magnitudes(&self, receptance: impl FnOnce() -> Option<Vec<Complex64>>) -> Box<[f64]> {
+        if self.frequencies.is_empty() {
+            return Box::default();
+        }
+        let found = receptance().unwrap_or_default();
+        let known = found.iter().map(|value| value.norm());
+        known.chain(std::iter::repeat(f64::NAN)).take(self.frequencies.len()).collect()
     }
 
     fn prepared(

@@ -48,8 +48,8 @@ pub(crate) enum StudyPart {
         folder: PathBuf,
     },
     /// Summarise a finished study: quantiles with intervals, exceedance probabilities, and for
-    /// Saltelli's design Sobol indices. Writes answers.json, histograms.csv, exceedance.csv, and
-    /// figures of each.
+    /// Saltelli's design Sobol indices. Writes answers.json, histograms.csv, exceedance.csv, frf.csv
+    /// for a study that asks for receptances, and figures of each.
     Answers {
         /// Study file (JSON).
         #[arg(value_name = "STUDY.json")]

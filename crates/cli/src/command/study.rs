@@ -38,6 +38,9 @@ pub(crate) fn run(asked: &Study, quiet: bool) -> Result<(), Failure> {
             let text = super::pretty(&found.to_json(&plan.coordinates()));
             folder.write("histograms.csv", found.histograms_csv())?;
             folder.write("exceedance.csv", found.exceedance_csv())?;
+            if let Some(frf) = &found.frf {
+                folder.write("frf.csv", frf.csv())?;
+            }
             for (stem, figure) in plot::answers(&found, &plan.coordinates()) {
                 for (name, data) in super::drawn(stem, &figure, &figures.figures) {
                     folder.write(&name, data)?;

@@ -1,6 +1,6 @@
 //! Answers of a study: distributions and exceedance curves of its observables, and Sobol indices.
 
-use asperity_ensemble::{ObservableAnswers, StudyAnswers};
+use asperity_ensemble::{FrfBand, ObservableAnswers, StudyAnswers};
 use asperity_figure::{Axis, Color, Figure, Legend, Marker, Panel, Series};
 use asperity_study::quantity::Quantity;
 
@@ -23,6 +23,7 @@ pub(crate) fn answers(found: &StudyAnswers, inputs: &[String]) -> Vec<(&'static 
     };
     let row_mm = 16.0 + 6.0 * inputs.len() as f64;
     let all = [
+        ("frf", figure("Receptance", 1, WIDTH_MM, found.frf.as_ref().map(frf)), 80.0),
         (
             "distributions",
             figure("Distributions of the observables", 3, WIDTH_MM, panels(&distribution)),
@@ -42,6 +43,17 @@ pub(crate) fn answers(found: &StudyAnswers, inputs: &[String]) -> Vec<(&'static 
     let drawn = all.into_iter();
     let sized = |figure: Figure, row: f64| figure.row_height_mm(row).tags(false);
     drawn.filter_map(|(name, figure, row)| Some((name, sized(figure?, row)))).collect()
+}
+
+/// Median of the receptance over frequency, with the bands of 50 % and 95 %.
+fn frf(found: &FrfBand) -> Panel {
+    let column = |at: usize| found.quantiles.iter().map(|all| all[at]).collect::<Vec<f64>>();
+    let x = &found.frequency_hz;
+    let up = Axis::log("Receptance", "m/N");
+    Panel::new(Axis::linear("Frequency", "Hz"), up)
+        .series(Series::band("95 %", x, column(0), column(4)).color(Color::BLUE))
+        .series(Series::band("50 %", x, column(1), column(3)).color(Color::BLUE))
+        .series(Series::line("median", x, column(2)).color(Color::BLUE).width(0.8))
 }
 
 /// Axis of an observable.

@@ -363,6 +363,7 @@ fn answers_give_quantiles_exceedances_and_indices() {
     let mut study: Value =
         serde_json::from_str(&fs::read_to_string(folder.join("rig.json")).unwrap()).unwrap();
     study["design"] = json!({"kind": "saltelli", "base_rows": 16});
+    study["frf"] = json!({"start_hz": 600, "stop_hz": 1000, "count": 21});
     fs::write(folder.join("s.json"), study.to_string()).unwrap();
     let ask = ["study", "answers", "s.json", "--json", "--exceed", "energy.input_j=0"];
     assert_eq!(asperity(folder, &ask).status.code(), Some(2), "no study yet");
@@ -378,8 +379,9 @@ fn answers_give_quantiles_exceedances_and_indices() {
     assert!(of("static.natural_frequency_hz")["sobol_indices"].is_null());
     let written = files(&folder.join("out/s"));
     let names = ["answers.json", "distributions.svg", "exceedance.csv", "exceedance.svg"];
+    let lines = ["frf.csv", "frf.svg"];
     let more = ["histograms.csv", "sobol-indices.svg", "study.csv", "study.json", "study.parquet"];
-    assert_eq!(written, [&names[..], &more[..]].concat());
+    assert_eq!(written, [&names[..], &lines[..], &more[..]].concat());
     let read = |name: &str| fs::read_to_string(folder.join("out/s").join(name)).unwrap();
     for (name, labels) in [
         ("distributions.svg", ["Share of runs (%)", "Work of the force (", " J)", "guide-sample"]),
@@ -387,6 +389,7 @@ fn answers_give_quantiles_exceedances_and_indices() {
             "exceedance.svg",
             ["Probability of exceedance", "Lowest pressure (", " Pa)", "sample-disc"],
         ),
+        ("frf.svg", ["Frequency (Hz)", "Receptance (", "95 %", "median"]),
         ("sobol-indices.svg", ["Sobol index", "force", "first order", "total"]),
     ] {
         let text = read(name);

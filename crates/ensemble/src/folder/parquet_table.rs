@@ -7,7 +7,7 @@
 use std::io::{self, Write};
 use std::sync::Arc;
 
-use asperity_study::quantity::Quantity;
+use asperity_study::quantity::unit_of;
 use asperity_table::unquoted;
 use csv::StringRecord;
 use parquet::basic::{Compression, LogicalType, Repetition, Type as PhysicalType};
@@ -111,7 +111,7 @@ impl<W: Write + Send> ParquetTable<W> {
     /// A table with these columns.
     pub(super) fn new(file: W, columns: &[(String, Role)], identity: &Value) -> io::Result<Self> {
         let describe = |(name, role): &(String, Role)| {
-            let unit = Quantity::of_name(name).map_or("", |(quantity, _)| quantity.unit());
+            let unit = unit_of(name);
             json!({ "name": name, "role": role.key(), "unit": unit })
         };
         let described: Value = columns.iter().map(describe).collect();

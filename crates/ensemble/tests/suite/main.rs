@@ -7,6 +7,7 @@ mod answers;
 mod memory;
 mod parquet;
 mod plans;
+mod receptance;
 mod runs;
 mod support;
 mod tables;
