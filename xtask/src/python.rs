@@ -61,7 +61,8 @@ pub(crate) fn run() -> Result<bool> {
         std::fs::remove_dir_all(&wheels).with_context(|| wheels.display().to_string())?;
     }
     let out = wheels.display().to_string();
-    let build = ["build", "--profile", "dev", "--quiet", "--out", &out];
+    let build =
+        ["build", "--profile", "dev", "--features", "shared-build", "--quiet", "--out", &out];
     if !call(&programs.join("maturin"), &build, &package)? {
         return Ok(false);
     }

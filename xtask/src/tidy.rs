@@ -7,6 +7,7 @@
 //! | `sources` | no skipped tests, no unfinished code |
 //! | `declarations` | unique names of public types, doc comments that start with their subject |
 //! | `manifests` | lints and metadata of every package, a CHANGELOG entry for the version |
+//! | `features` | one build of the workspace serves `cargo xtask` and the Python package too |
 //! | `links` | links resolve, every page is in the book, paths exist |
 //! | `commands` | commands and options named in the documents exist |
 //!
@@ -16,6 +17,7 @@
 mod arrows;
 mod commands;
 mod declarations;
+mod features;
 mod layout;
 mod links;
 mod manifests;
@@ -75,6 +77,7 @@ pub(crate) fn run(tasks: &clap::Command) -> Result<bool> {
     findings.extend(manifests::workspace_lints(&repository));
     findings.extend(manifests::publishable(&repository));
     findings.extend(manifests::changelog(&repository, &version(&metadata)));
+    findings.extend(features::compiled_twice(&features::Compiled::read()?));
     findings.extend(links::broken_links(&repository));
     findings.extend(links::pages_outside_the_book(&repository));
     findings.extend(links::missing_paths(&repository));

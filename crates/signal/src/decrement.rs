@@ -1,6 +1,6 @@
 //! Damping from the logarithmic decrement of a free decay.
 
-use crate::fit::{fitted_line, parabola_vertex};
+use crate::fit::{fitted_line, quartic_vertex};
 use std::f64::consts::PI;
 
 /// The logarithmic decrement of a free decay.
@@ -30,14 +30,15 @@ const FEWEST: usize = 3;
 /// ln |u_k - u_{k+1}| = const - k delta / 2,   zeta = delta / sqrt(4 pi^2 + delta^2)
 /// ```
 ///
-/// with `u_k` the alternating extrema, refined by a parabola through three
+/// with `u_k` the alternating extrema, refined by a quartic through five
 /// samples. Their differences do not contain the offset `c`; the line is fitted by least
 /// squares.
 ///
-/// - `samples`: free decay from the first sample on, any unit.
-/// - `sample_rate_hz`: in hertz. The error of the parabola is third order in the
-///   phase per sample (fourth without damping): at most 1e-4 of the ratio from
-///   50 samples a cycle.
+/// - `samples`: free decay from the first sample on, any unit. The first extremum taken is a
+///   quarter of a cycle later, or more.
+/// - `sample_rate_hz`: in hertz. The error of the quartic is fifth order in the
+///   phase per sample (sixth without damping): at most 1e-4 of the ratio from
+///   8 samples a cycle, 1e-6 from 20.
 /// - `frequency_hz`: of the oscillation, to within a quarter, in hertz. It
 ///   selects the extrema: each is the largest or smallest sample within a quarter of a cycle
 ///   and follows the one before it after 0.3 to 0.7 of a cycle. The first that does not, or a
@@ -67,13 +68,25 @@ pub fn logarithmic_decrement(
     sample_rate_hz: f64,
     frequency_hz: f64,
 ) -> Option<LogarithmicDecrement> {
-    decrement_of(samples, sample_rate_hz, frequency_hz).map(|(found, _)| found)
+    logarithmic_decrement_after(samples, 0.0, sample_rate_hz, frequency_hz)
 }
 
-/// [`logarithmic_decrement`] and its extrema: their times in seconds, and the derivatives of the
+/// [`logarithmic_decrement`] of a decay that is free from `start` on, in samples from the first one:
+/// between two samples where the end of the force is.
+pub fn logarithmic_decrement_after(
+    samples: &[f64],
+    start: f64,
+    sample_rate_hz: f64,
+    frequency_hz: f64,
+) -> Option<LogarithmicDecrement> {
+    decrement_of(samples, start, sample_rate_hz, frequency_hz).map(|(found, _)| found)
+}
+
+/// [`logarithmic_decrement_after`] and its extrema: their times in seconds, and the derivatives of the
 /// damping ratio with respect to their values.
 pub(crate) fn decrement_of(
     samples: &[f64],
+    start: f64,
     sample_rate_hz: f64,
     frequency_hz: f64,
 ) -> Option<(LogarithmicDecrement, Vec<(f64, f64)>)> {
@@ -82,7 +95,7 @@ pub(crate) fn decrement_of(
     if !valid || samples.iter().any(|sample| !sample.is_finite()) {
         return None;
     }
-    let extrema = alternating_extrema(samples, per_cycle);
+    let extrema = alternating_extrema(samples, start, per_cycle);
     let heights = heights(&extrema);
     if heights.len() < FEWEST {
         return None;
@@ -121,14 +134,20 @@ struct Extremum {
     is_maximum: bool,
 }
 
-/// Extrema that follow each other half a cycle apart, from the first sample on.
-fn alternating_extrema(samples: &[f64], per_cycle: f64) -> Vec<Extremum> {
-    let quarter = ((0.25 * per_cycle) as usize).max(1);
+/// Extrema that follow each other half a cycle apart, from a quarter of a cycle after `start` on.
+fn alternating_extrema(samples: &[f64], start: f64, per_cycle: f64) -> Vec<Extremum> {
+    // At least two, with eight samples a cycle.
+    let quarter = (0.25 * per_cycle) as usize;
+    let first = start + 0.25 * per_cycle;
     let mut extrema: Vec<Extremum> = Vec::new();
     for n in quarter..samples.len().saturating_sub(quarter) {
         let Some(extremum) = extremum_at(samples, n, quarter) else {
             continue;
         };
+        // By its time, so that the first one does not depend on the sample rate.
+        if extremum.time < first {
+            continue;
+        }
         if let Some(last) = extrema.last() {
             let spacing = (extremum.time - last.time) / per_cycle;
             let follows = last.is_maximum != extremum.is_maximum && (0.3..0.7).contains(&spacing);
@@ -154,7 +173,7 @@ fn extremum_at(samples: &[f64], n: usize, quarter: usize) -> Option<Extremum> {
     if !samples[n - quarter..=n + quarter].iter().all(inside) {
         return None;
     }
-    let (shift, value) = parabola_vertex([before, here, after])?;
+    let (shift, value) = quartic_vertex([samples[n - 2], before, here, after, samples[n + 2]])?;
     Some(Extremum { time: n as f64 + shift, value, is_maximum })
 }
 

@@ -103,7 +103,7 @@ pub use damping::{
 };
 pub use decay_length::decay_length;
 pub use decimation::DecimationFilter;
-pub use decrement::{LogarithmicDecrement, logarithmic_decrement};
+pub use decrement::{LogarithmicDecrement, logarithmic_decrement, logarithmic_decrement_after};
 pub use dominant::dominant_frequency;
 pub use error::SignalError;
 pub use form::{FrfForm, ResponseKind};

@@ -43,8 +43,8 @@ struct DecimatedForce {
     decimation: Arc<Decimation>,
     samples: Vec<f64>,
     shared: Option<SharedForce>,
-    /// Decimated sample from which on there is no force.
-    free: usize,
+    /// Place in the decimated samples from which on there is no force.
+    free: f64,
 }
 
 impl ObservableExtractor {
@@ -94,7 +94,7 @@ impl ObservableExtractor {
         }
         let mut samples = vec![0.0; record.steps];
         shape.sample_into(0.0, record.step, &mut samples);
-        let last = free_from(&samples, shape.peak()).saturating_sub(1);
+        let free = free_from(&samples, shape.peak());
         let filters = self.filters.lock().unwrap_or_else(PoisonError::into_inner);
         let filter = filters.iter().find(|f| Arc::ptr_eq(&f.decimation, &record.decimation))?;
         let delay = filter.decimator.taps().len() / 2;
@@ -110,7 +110,7 @@ impl ObservableExtractor {
             steps: record.steps,
             decimation: Arc::clone(&record.decimation),
             samples: decimated,
-            free: (last + delay) / filter.decimator.factor() + 1,
+            free: (free + delay) as f64 / filter.decimator.factor() as f64,
         });
         if forces.len() >= MOST_KEPT {
             forces.clear();
@@ -169,7 +169,9 @@ impl ObservableExtractor {
                 Some(features) => features,
                 None => force.analyse_exactly(factor, record, natural)?,
             };
-            peaks = Peaks::new(features, force.decay(record), sample_rate(record));
+            // From the sample before the end of the force on.
+            let decay = record.displacement.get(force.free as usize..).unwrap_or_default();
+            peaks = Peaks::new(features, decay, force.free.fract(), sample_rate(record));
         }
         let interfaces = prepared.assembly.structure.contacts();
         let view = ResponseView {
@@ -193,7 +195,7 @@ fn sample_rate(record: &HitResponse) -> f64 {
 impl DecimatedForce {
     /// The part of a record after the force.
     fn decay<'a>(&self, record: &'a HitResponse) -> &'a [f64] {
-        record.displacement.get(self.free..).unwrap_or_default()
+        record.displacement.get(self.free.ceil() as usize..).unwrap_or_default()
     }
 
     /// The features of a record whose spectrum cannot be interpolated, for a force of this factor.

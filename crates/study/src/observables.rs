@@ -4,7 +4,7 @@
 use asperity_dynamics::{ContactExtremes, ContactMeasures, EnergyLedger, Transient};
 use asperity_signal::{
     FrequencyResponse, HarmonicOptions, SharedForceFeatures, SignalError, find_harmonics,
-    half_power, logarithmic_decrement,
+    half_power, logarithmic_decrement_after,
 };
 use asperity_structure::PreloadedContact;
 
@@ -46,7 +46,7 @@ impl Observables {
         {
             let free = free_from(&history.force, assembly.excitation.peak());
             let decay = history.displacement.get(free..).unwrap_or_default();
-            peaks = Peaks::new(features_of(&response, natural), decay, rate);
+            peaks = Peaks::new(features_of(&response, natural), decay, 0.0, rate);
         }
         let interfaces = assembly.structure.contacts();
         let view = ResponseView {
@@ -149,11 +149,12 @@ pub(crate) struct Peaks {
 }
 
 impl Peaks {
-    /// The peaks of `features`, and the decrement of a free `decay` \[m\] sampled at `rate` \[Hz\].
-    pub(crate) fn new(features: SharedForceFeatures, decay: &[f64], rate: f64) -> Self {
+    /// The peaks of `features`, and the decrement of a `decay` \[m\] that is free from `start` on, in
+    /// samples at `rate` \[Hz\].
+    pub(crate) fn new(features: SharedForceFeatures, decay: &[f64], start: f64, rate: f64) -> Self {
         let fundamental = features.harmonics.fundamental;
         let decrement = fundamental
-            .and_then(|peak| logarithmic_decrement(decay, rate, peak.frequency_hz))
+            .and_then(|peak| logarithmic_decrement_after(decay, start, rate, peak.frequency_hz))
             .map(|decrement| decrement.ratio);
         Self { features, decrement }
     }

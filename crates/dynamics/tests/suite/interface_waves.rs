@@ -13,7 +13,7 @@ use crate::support::receptance::transform;
 use crate::support::{AREA, Law, constant, exponential, modified, power, slope};
 use asperity_dynamics::Excitation;
 use asperity_law::{Constant, ContactLaw, Power};
-use diffsol::{MatrixCommon, NalgebraMat, OdeBuilder, OdeSolverMethod};
+use differential_equations::prelude::{ExplicitRungeKutta, IVP, ODE};
 use faer::c64;
 
 /// Static pressure [Pa].
@@ -100,48 +100,78 @@ fn reflection_and_transmission_follow_the_exact_coefficients() {
     assert!((1.9..2.1).contains(&order), "{errors:?}");
 }
 
-/// Pressure and closure gains at `times` [s] from the interface's own equation,
-/// `d' = (2/Z) (q_in(t) - q(d))`, by the Tsitouras 5(4) method of an independent
-/// library, in the units `1 / alpha` of time and `P0 / K1` of closure.
+/// The interface's own equation, `d' = (2/Z) (q_in(t) - q(d))`, in the units `1 / alpha` of time and
+/// `P0 / K1` of closure.
+struct InterfaceEquation<'a> {
+    law: &'a Law,
+    peak: f64,
+    alpha: f64,
+    unit: f64,
+}
+
+impl<'a> InterfaceEquation<'a> {
+    fn new(law: &'a Law, peak: f64) -> Self {
+        let stiffness = law.stiffness(P0);
+        Self { law, peak, alpha: 2.0 * stiffness / impedance(), unit: P0 / stiffness }
+    }
+
+    /// Pressure increment \[Pa\] at a closure increment in its unit.
+    fn pressure_increment(&self, closure: f64) -> f64 {
+        self.law.pressure_increment(P0, closure * self.unit).value
+    }
+}
+
+impl ODE for InterfaceEquation<'_> {
+    fn diff(&self, time: f64, closure: &f64, rate: &mut f64) {
+        let t = time / self.alpha;
+        let incident = if (0.0..PULSE).contains(&t) {
+            self.peak * (PI * t / PULSE).sin().powi(2)
+        } else {
+            0.0
+        };
+        *rate = (incident - self.pressure_increment(*closure)) / P0;
+    }
+}
+
+/// Pressure and closure increments at `times` [s] from the interface's own equation, by the method
+/// DOP853 of an independent library. Its dense output is of fourth order: steps are short.
 fn interface_equation(law: &Law, peak: f64, times: &[f64]) -> (Vec<f64>, Vec<f64>) {
-    let k1 = law.stiffness(P0);
-    let alpha = 2.0 * k1 / impedance();
-    let unit = P0 / k1;
-    let incident = |t: f64| {
-        if (0.0..PULSE).contains(&t) { peak * (PI * t / PULSE).sin().powi(2) } else { 0.0 }
-    };
-    let gain = |closure: f64| law.pressure_increment(P0, closure).value;
+    let equation = InterfaceEquation::new(law, peak);
     let mut closures = Vec::new();
     // The pulse and what follows it are solved apart: its curvature jumps where it ends.
+    let pulse_ends = times.partition_point(|&t| t < PULSE);
+    let (during, after) = times.split_at(pulse_ends);
     let mut from = (0.0, 0.0);
-    for (until, part) in [
-        (PULSE, times.iter().filter(|t| **t < PULSE).copied().collect::<Vec<_>>()),
-        (f64::INFINITY, times.iter().filter(|t| **t >= PULSE).copied().collect()),
-    ] {
-        let (start, value) = from;
-        let problem = OdeBuilder::<NalgebraMat<f64>>::new()
-            .t0(start)
-            .h0(1e-3)
-            .rtol(1e-10)
-            .atol([1e-12])
-            .rhs(|y: &[f64], _: &[f64], s: f64, rate: &mut [f64]| {
-                rate[0] = (incident(s / alpha) - gain(y[0] * unit)) / P0;
-            })
-            .init(move |_: &[f64], _: f64, y: &mut [f64]| y[0] = value, 1)
-            .build()
+    for (part, until) in [(during, PULSE), (after, times.last().copied().unwrap_or(PULSE))] {
+        let until = until * equation.alpha;
+        let mut ends: Vec<f64> = part.iter().map(|t| t * equation.alpha).collect();
+        ends.push(until);
+        let method = ExplicitRungeKutta::dop853().rtol(1e-10).atol(1e-12).h_max(0.02);
+        let solution = IVP::ode(&equation, from.0, until, from.1)
+            .t_eval(&ends)
+            .method(method.max_steps(1_000_000))
+            .solve()
             .unwrap();
-        let mut ends: Vec<f64> = part.iter().map(|t| t * alpha).collect();
-        if until.is_finite() {
-            ends.push(until * alpha);
-        }
-        let (solution, _) = problem.tsit45().unwrap().solve_dense(&ends).unwrap();
-        let mut solved: Vec<f64> = (0..solution.ncols()).map(|j| solution[(0, j)]).collect();
-        if until.is_finite() {
-            from = (until * alpha, solved.pop().unwrap());
-        }
-        closures.extend(solved.iter().map(|y| y * unit));
+        let solved = &solution.y[..part.len()];
+        from = (until, *solution.y.last().unwrap());
+        closures.extend(solved.iter().map(|y| y * equation.unit));
     }
-    (closures.iter().map(|&closure| gain(closure)).collect(), closures)
+    let pressures = closures.iter().map(|&y| equation.pressure_increment(y / equation.unit));
+    (pressures.collect(), closures)
+}
+
+/// The independent library agrees with exact solution 2.
+#[test]
+fn the_interface_equation_of_a_linear_law_has_its_closed_form() {
+    let law = constant();
+    let peak = 0.5 * P0;
+    let alpha = 2.0 * law.stiffness(P0) / impedance();
+    let times: Vec<f64> = (1..=200).map(|n| f64::from(n) * PULSE / 80.0).collect();
+    let (pressures, _) = interface_equation(&law, peak, &times);
+    for (&t, pressure) in times.iter().zip(pressures) {
+        let exact = transmitted_haversine(alpha, t);
+        assert!((pressure / peak - exact).abs() < 1e-9, "{t}: {pressure} {exact}");
+    }
 }
 
 /// Errors of transmitted pressure and of closure for each grid, and the time

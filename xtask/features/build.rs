@@ -1,0 +1,3 @@
+//! Nothing to build: a build script makes Cargo consider the build dependencies.
+
+fn main() {}
