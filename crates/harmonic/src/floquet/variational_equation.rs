@@ -5,7 +5,8 @@ use asperity_mesh::{ComponentModes, NormalMode, ResidualFlexibility};
 /// Frequency of an elastic mode, over the fastest motion on the contacts, beyond which it is static.
 const STATIC: f64 = 1e3;
 
-/// Modes with contact tangents that vary over the period.
+/// Modes with contact tangents that vary over the period. Displacements in guides with friction are
+/// closures after those of the contacts.
 #[derive(Debug, Clone)]
 pub(super) struct VariationalEquation {
     /// The modes, each with its total damping rate.
@@ -22,21 +23,24 @@ impl VariationalEquation {
     /// stiffness is of the order of `springs` \[N/m\]. Elastic modes far above all others are static, and
     /// so are overdamped ones above all motions on the contacts; their damping remains.
     pub(super) fn new(modes: &ComponentModes, rate: f64, springs: &[f64]) -> Self {
-        let (n, residual) = (modes.interfaces(), modes.residual().clone());
+        let residual = with_guides(modes.residual(), modes.guides());
+        let n = residual.closure.len();
         let (retardation, matrix) = (Vec::new(), vec![0.0; 2 * n * n]);
         let mut found = Self { modes: Vec::new(), residual, retardation, matrix };
         let stiffest = springs.iter().copied().fold(0.0, f64::max);
         let on_contacts = |mode: &NormalMode| stiffest * square_of(&mode.closure);
         let fastest = modes.modes().iter().map(on_contacts).fold(0.0, f64::max).sqrt();
         for mode in modes.modes() {
+            let closure = [&mode.closure[..], &mode.guide].concat();
+            let mode = NormalMode { closure, guide: Vec::new(), ..mode.clone() };
             let w = mode.angular_frequency;
             let overdamped = w > fastest && mode.damping_rate > 2.0 * w;
             if mode.massless || overdamped || w > STATIC * fastest {
-                found.residual.add(mode);
-                found.add_retardation(mode);
+                found.residual.add(&mode);
+                found.add_retardation(&mode);
             } else {
                 let damping_rate = mode.total_damping(rate);
-                found.modes.push(NormalMode { damping_rate, mass_damped: false, ..mode.clone() });
+                found.modes.push(NormalMode { damping_rate, mass_damped: false, ..mode });
             }
         }
         found
@@ -59,8 +63,19 @@ impl VariationalEquation {
         !self.retardation.is_empty()
     }
 
+    /// Number of pairs: interfaces, and after them guides with friction.
     pub(super) fn interfaces(&self) -> usize {
         self.residual.closure.len()
+    }
+
+    /// Closures of pair i per force at pair j, row i, of the modes left out \[m/N\].
+    pub(super) fn flexibility(&self) -> &[Vec<f64>] {
+        &self.residual.closure
+    }
+
+    /// Closures per rate of the forces of static modes \[m s/N\], by rows; empty without damped ones.
+    pub(super) fn retardation(&self) -> &[f64] {
+        &self.retardation
     }
 
     /// An upper estimate of the highest frequency [rad/s] with contact stiffnesses up to
@@ -167,6 +182,16 @@ impl VariationalEquation {
             out[i * n..(i + 1) * n].copy_from_slice(&self.matrix[i * width + n..(i + 1) * width]);
         }
     }
+}
+
+/// The residual flexibility with rows for guides, in which modes left out do not move.
+fn with_guides(residual: &ResidualFlexibility, guides: usize) -> ResidualFlexibility {
+    let n = residual.closure.len() + guides;
+    let mut found = ResidualFlexibility::zero(n);
+    for (row, known) in found.closure.iter_mut().zip(&residual.closure) {
+        row[..known.len()].copy_from_slice(known);
+    }
+    found
 }
 
 fn square_of(shape: &[f64]) -> f64 {

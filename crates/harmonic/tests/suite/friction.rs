@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use asperity_dynamics::{Excitation, FiniteDifference, Modal, Sampling};
 use asperity_harmonic::{
-    ContactSystem, Continuation, Drive, Floquet, FourierResolution, HarmonicError,
-    HarmonicSettings, LawEvaluation, LinearSystem, RigidMass, SteppedSine, trace,
+    ContactSystem, Continuation, Drive, FourierResolution, HarmonicSettings, LawEvaluation,
+    LinearSystem, RigidMass, SteppedSine, trace,
 };
 use asperity_law::{Constant, Friction};
 use asperity_mesh::{
@@ -232,16 +232,4 @@ fn contacts_side_by_side_are_one_contact() {
     assert!(mean.abs() > 0.05 * found[1].displacement.norm(), "{mean}");
     assert!((found[0].closures[0] / mean - 1.0).abs() < 1e-9);
     assert!((found[0].displacement / found[1].displacement - Complex64::ONE).norm() < 1e-9);
-}
-
-/// Stability is not judged with friction, in words.
-#[test]
-fn stability_with_friction_is_refused() {
-    let system = mass_on_spring(Friction::slip_force(1e7, 0.1).unwrap());
-    let stability = Some(Floquet::default());
-    let settings = HarmonicSettings { stability, ..HarmonicSettings::default() };
-    let sweep = Continuation::Frequency { force: 1.0, from: 900.0, to: 1000.0 };
-    let error = trace(&system, &sweep, &settings).unwrap_err();
-    assert_eq!(error, HarmonicError::Friction { element: "contact".to_owned() });
-    assert!(error.to_string().contains("stability"), "{error}");
 }

@@ -8,6 +8,7 @@ mod condensed;
 mod damped_contacts;
 mod errors;
 mod friction;
+mod friction_stability;
 mod integration;
 mod koopman_hill;
 mod linear;
