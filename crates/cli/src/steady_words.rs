@@ -1,8 +1,8 @@
 //! A branch of steady responses in words: its peak, its special points, and the reason for an end.
 
 use asperity_study::steady::{
-    BranchSummary, CondensationReason, SteadyMotion, TerminationSummary,
-    TimeCheck, TimeSweepSummary,
+    BranchSummary, CondensationReason, SteadyMotion, TerminationSummary, TimeCheck,
+    TimeSweepSummary,
 };
 
 /// Bifurcations of one kind that are listed one by one; of more, the range is given.

@@ -95,6 +95,8 @@ impl<'a> FloquetSolver<'a> {
         let modes = system.linear().lowest_modes(floquet.modes)?;
         let mut variation =
             VariationalEquation::new(&modes, system.linear().mass_damping(), &springs);
+        let rate = system.linear().mass_damping();
+        variation.add_dampers(system.linear().damped_modes(), rate, &springs);
         // Dampers of the contacts, and of static modes, couple the rates of the others.
         let friction = system.friction().is_some();
         let plain = !friction && !system.is_damped() && !variation.is_retarded();

@@ -18,8 +18,8 @@ use crate::error::{BuildLawError, StudyError};
 use crate::laws::law_name;
 use asperity_scenario::{
     BodySpec, ContactDampingSpec, ContactScheme, DampingAmount, DampingSpec, ExcitationSpec,
-    ForceSamples, FrictionSpec, LawRef, LawSpec, Laws, MAX_SERIES_DEPTH, MAX_SERIES_LAWS, MethodSpec, ModalSpec,
-    Scenario, SectionSpec, SlipSpec, SupportSpec,
+    ForceSamples, FrictionSpec, LawRef, LawSpec, Laws, MAX_SERIES_DEPTH, MAX_SERIES_LAWS,
+    MethodSpec, ModalDampingSpec, ModalSpec, Scenario, SectionSpec, SlipSpec, SupportSpec,
 };
 
 /// A scenario turned into the objects that compute.
@@ -43,10 +43,15 @@ impl Assembly {
     /// # Errors
     /// [`StudyError`] when a part cannot be built or there is no static equilibrium.
     pub fn new(scenario: &Scenario, folder: &Path) -> Result<Self, StudyError> {
-        let (damping, internal) = body_damping(scenario.damping)?;
+        let (damping, internal) = body_damping(&scenario.damping)?;
         let stack = stack(scenario)?.with_body_damping(internal);
+        let mut structure = PreloadedStructure::new(stack, damping)?;
+        if let DampingSpec::Modal(ModalDampingSpec { ratios, other_ratio }) = &scenario.damping {
+            let other = other_ratio.or_else(|| ratios.last().copied()).unwrap_or_default();
+            structure = structure.with_modal_damping(ratios, other)?;
+        }
         Ok(Self {
-            structure: PreloadedStructure::new(stack, damping)?,
+            structure,
             excitation: excitation(&scenario.excitation, folder)?,
             sampling: Sampling::new(scenario.duration_s, scenario.output_rate_hz)?,
             method: integrator(scenario.method),
@@ -109,19 +114,21 @@ fn stack(scenario: &Scenario) -> Result<Stack, StudyError> {
 }
 
 /// The mass-proportional and the internal damping of the bodies.
-fn body_damping(spec: DampingSpec) -> Result<(Damping, BodyDamping), StudyError> {
-    let (mass, internal) = match spec {
+fn body_damping(spec: &DampingSpec) -> Result<(Damping, BodyDamping), StudyError> {
+    let (mass, internal) = match *spec {
         DampingSpec::MassProportional(DampingAmount::Ratio(ratio)) => {
             (Damping::Ratio(ratio), Ok(BodyDamping::NONE))
         }
         DampingSpec::MassProportional(DampingAmount::RatePerS(rate)) => {
             (Damping::Rate(rate), Ok(BodyDamping::NONE))
         }
-        DampingSpec::Rayleigh(rayleigh) => {
+        DampingSpec::Rayleigh(ref rayleigh) => {
             let (rate, time) = rayleigh.coefficients();
             (Damping::Rate(rate), BodyDamping::kelvin_voigt(time))
         }
         DampingSpec::LossFactor(factor) => (Damping::Rate(0.0), BodyDamping::loss_factor(factor)),
+        // Of linearised modes, once the structure is at rest.
+        DampingSpec::Modal(_) => (Damping::Rate(0.0), Ok(BodyDamping::NONE)),
     };
     Ok((mass, internal.map_err(StructureError::from)?))
 }
@@ -264,14 +271,18 @@ struct Series<'a> {
 }
 
 impl<'a> Series<'a> {
-    fn add(&mut self, spec: &'a LawSpec, laws: &'a Laws, depth: usize) -> Result<(), BuildLawError> {
+    fn add(
+        &mut self,
+        spec: &'a LawSpec,
+        laws: &'a Laws,
+        depth: usize,
+    ) -> Result<(), BuildLawError> {
         if depth == MAX_SERIES_DEPTH {
             return Err(BuildLawError::SeriesTooDeep { most: MAX_SERIES_DEPTH });
         }
         if let LawSpec::InSeries { stiffness_pa_per_m: Some(stiffness), .. } = spec {
-            self.layer = Some(self.layer.map_or(*stiffness, |layer| {
-                1.0 / (1.0 / layer + 1.0 / stiffness)
-            }));
+            self.layer =
+                Some(self.layer.map_or(*stiffness, |layer| 1.0 / (1.0 / layer + 1.0 / stiffness)));
         }
         for inner in spec.inner_laws() {
             match laws.resolve(inner) {

@@ -142,6 +142,8 @@ impl StudyError {
                     | DynamicsError::TooLarge { .. }
                     | DynamicsError::Mesh(_)
                     | DynamicsError::ForceRecord { .. }
+                    | DynamicsError::LossFactor { .. }
+                    | DynamicsError::ModalDamping { .. }
             ),
             Self::Harmonic(error) => !matches!(
                 error,

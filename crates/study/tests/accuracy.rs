@@ -117,3 +117,45 @@ fn rattling_is_named_with_the_time_from_which_rounding_counts() {
     assert!(summary.sensitive && from > 1e-3 && from < 0.12, "{from}");
     assert!(warnings(&run).contains(&"sensitive"));
 }
+
+/// Strong friction across a contact, once 1.7 % off at the default step and modes: the error control
+/// refines both until the steady amplitude is that of finite differences, or says that it did not.
+#[test]
+fn strong_friction_across_a_contact_is_refined() {
+    let with = |method: &str| {
+        let friction = r#"{"stiffness_n_per_m": 5e7, "slip_force_n": 1.0}"#;
+        let interface = format!(
+            r#"[{{"name": "contact", "area_m2": 1.15e-4, "law": "pl", "friction": {friction}}}]"#
+        );
+        let document = rig(&[
+            (
+                "/bodies",
+                r#"[{"name": "guide bar", "length_m": 0.229, "mass_kg": 1.61, "youngs_modulus_pa": 71e9, "density_kg_per_m3": 2710}]"#,
+            ),
+            ("/interfaces", &interface),
+            ("/damping", r#"{"kind": "mass_proportional", "rate_per_s": 200}"#),
+            ("/excitation", r#"{"kind": "harmonic", "amplitude_n": 5, "frequency_hz": 1150}"#),
+            ("/duration_s", "0.1"),
+            ("/method", method),
+        ]);
+        run(&document)
+    };
+    // Half the range of the displacement over the last periods.
+    let amplitude = |run: &Run| {
+        let all = &run.transient.history.displacement;
+        let last = &all[all.len() - all.len() / 20..];
+        let highest = last.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let lowest = last.iter().copied().fold(f64::INFINITY, f64::min);
+        0.5 * (highest - lowest)
+    };
+    let truth = with(r#"{"kind": "finite_difference", "cell_m": 0.0005}"#);
+    let refined = with(r#""modal""#);
+    let accuracy = refined.summary.accuracy.as_ref().unwrap();
+    let off = (amplitude(&refined) / amplitude(&truth) - 1.0).abs();
+    let said = warnings(&refined).contains(&"accuracy_not_reached");
+    assert!(accuracy.reached && off < 2e-3 || said, "{off:.1e}, {accuracy:?}");
+    // What the error control chose is far from the first step.
+    let first = with(r#"{"kind": "modal", "step_s": 1.6e-5}"#);
+    let off = (amplitude(&first) / amplitude(&truth) - 1.0).abs();
+    assert!(!first.summary.accuracy.as_ref().unwrap().reached || off < 2e-3, "{off:.1e}");
+}

@@ -49,7 +49,8 @@ impl FrictionMonodromy {
         let springs = elements.iter().map(|element| element.friction.stiffness());
         let stiffest = self.phases.stiffest() + springs.fold(0.0, f64::max);
         let damped = variation.highest_damping(self.phases.strongest_damper(), stiffest);
-        let coupled = system.is_damped() || variation.is_retarded();
+        let coupled =
+            system.is_damped() || variation.is_retarded() || !variation.dampers.is_empty();
         let fastest = variation.highest_frequency(stiffest).max(if coupled { damped } else { 0.0 });
         let steps = RungeKutta::steps(fastest, w, self.phases.contact_lost())?;
         let sliders = elements.iter().filter(|element| element.slider.is_some()).count();
@@ -206,8 +207,7 @@ impl Part {
             }
             for i in 0..n {
                 for j in 0..n {
-                    let product: f64 =
-                        (0..n).map(|l| tangent[i * n + l] * flexibility[l][j]).sum();
+                    let product: f64 = (0..n).map(|l| tangent[i * n + l] * flexibility[l][j]).sum();
                     factors.matrix()[i * n + j] = product + f64::from(u8::from(i == j));
                 }
             }

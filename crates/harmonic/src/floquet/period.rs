@@ -64,7 +64,8 @@ impl Period {
         let stiffest = self.stiffest();
         let frequency = variation.highest_frequency(stiffest);
         let damped = variation.highest_damping(self.strongest_damper(), stiffest);
-        let coupled = system.is_damped() || variation.is_retarded();
+        let coupled =
+            system.is_damped() || variation.is_retarded() || !variation.dampers.is_empty();
         let fastest = if coupled { frequency.max(damped) } else { frequency };
         let steps = steps(fastest, w, self.contact_lost())?;
         if steps != self.steps {

@@ -185,6 +185,16 @@ impl RungeKutta {
                 add(v_slope, -phi, force);
             }
         }
+        for damper in &variation.dampers {
+            let rate = &mut self.forces[..size];
+            rate.fill(0.0);
+            for (v, share) in v.chunks_exact(size).zip(&damper.shape) {
+                add(rate, *share, v);
+            }
+            for (v_slope, share) in v_slopes.chunks_exact_mut(size).zip(&damper.shape) {
+                add(v_slope, -damper.excess * share, rate);
+            }
+        }
     }
 }
 

@@ -2,10 +2,10 @@
 
 mod passes;
 
-use faer::{Mat, Side};
+use faer::Mat;
 
 use super::period::Period;
-use super::variational_equation::VariationalEquation;
+use super::variational_equation::{LinearisedModes, VariationalEquation};
 use passes::Passes;
 
 /// Radians of the fastest mode per kick. Multipliers of large motions are then off by 1e-5, rarely
@@ -49,11 +49,13 @@ pub(super) const PLACES: [f64; STAGES] = {
 /// structure, `dK` being the change of the contacts' stiffness from that at rest.
 ///
 /// Each damped mode rotates exactly; the change of stiffness acts in kicks of the velocities. The
-/// determinant of the matrix is exact, `exp(-h T)` to the power of the number of modes, as kicks
-/// keep volumes. All modes need one damping rate h, else the rotations are coupled.
+/// determinant of the matrix is exact, `exp(-sum h T)` over the modes, as kicks keep volumes. All
+/// component modes need one damping rate, and linearised ones may have rates h of their own beside it:
+/// else the rotations are coupled.
 #[derive(Debug, Clone)]
 pub(super) struct Splitting {
-    damping_rate: f64,
+    /// Damping rate of each linearised mode [1/s].
+    damping_rates: Vec<f64>,
     /// Squares of the linearised frequencies [rad^2/s^2].
     squares: Vec<f64>,
     /// Velocities are divided by these rates [rad/s].
@@ -81,26 +83,18 @@ impl Splitting {
         let (n, count) = (springs.len(), variation.modes.len());
         let mut at_rest = vec![0.0; n * n];
         variation.stiffness(|i| springs[i], &mut at_rest);
+        let LinearisedModes { squares, shapes: coordinates } = variation.linearised(springs)?;
         let modes = &variation.modes;
-        let coupling = |a: usize, b: usize| -> f64 {
-            let pair = |i: usize, j: usize| modes[a].closure[i] * modes[b].closure[j];
-            (0..n * n).map(|place| at_rest[place] * pair(place / n, place % n)).sum()
-        };
-        let matrix = Mat::from_fn(count, count, |a, b| {
-            let own = if a == b { modes[a].angular_frequency.powi(2) } else { 0.0 };
-            own + 0.5 * (coupling(a, b) + coupling(b, a))
-        });
-        let found = matrix.self_adjoint_eigen(Side::Lower).ok()?;
-        let (vectors, values) = (found.U(), found.S().column_vector());
-        let squares: Vec<f64> = (0..count).map(|r| values[r].max(0.0)).collect();
+        let excess = |r: usize| variation.dampers.get(r).map_or(0.0, |damper| damper.excess);
+        let damping_rates = (0..count).map(|r| first + excess(r)).collect();
         let largest = squares.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
         let scales = squares.iter().map(|square| square.max(1e-12 * largest).sqrt()).collect();
         let shape = |r: usize, i: usize| -> f64 {
-            (0..count).map(|mode| vectors[(mode, r)] * modes[mode].closure[i]).sum()
+            (0..count).map(|mode| coordinates[r][mode] * modes[mode].closure[i]).sum()
         };
         let shapes = (0..count * n).map(|place| shape(place / n, place % n)).collect();
         Some(Self {
-            damping_rate: first,
+            damping_rates,
             squares,
             scales,
             shapes,
@@ -146,8 +140,9 @@ impl Splitting {
     fn prepare(&mut self, period: &Period, step: f64) {
         self.rotations.clear();
         for share in ROTATIONS {
-            for (square, scale) in self.squares.iter().zip(&self.scales) {
-                self.rotations.push(rotation(*square, *scale, self.damping_rate, share * step));
+            let modes = self.squares.iter().zip(&self.scales).zip(&self.damping_rates);
+            for ((square, scale), rate) in modes {
+                self.rotations.push(rotation(*square, *scale, *rate, share * step));
             }
         }
         let kicks = period.steps() * STAGES;

@@ -1,6 +1,8 @@
 //! The linear equation of small disturbances.
 
 use asperity_mesh::{ComponentModes, NormalMode, ResidualFlexibility};
+use asperity_structure::DampedMode;
+use faer::{Mat, Side};
 
 /// Frequency of an elastic mode, over the fastest motion on the contacts, beyond which it is static.
 const STATIC: f64 = 1e3;
@@ -15,7 +17,27 @@ pub(super) struct VariationalEquation {
     /// Closures per rate of the contact forces, `sum c g g^T / w^4` of the damped modes that are static
     /// \[m s/N\], by rows; empty without them.
     retardation: Vec<f64>,
+    /// Linearised modes with a damping of their own, from the lowest on.
+    pub(super) dampers: Vec<ModeDamper>,
     matrix: Vec<f64>,
+}
+
+/// Damping of a linearised mode.
+#[derive(Debug, Clone)]
+pub(super) struct ModeDamper {
+    /// Damping rate beyond that of the others \[1/s\].
+    pub(super) excess: f64,
+    /// Coordinates of the mode in the component modes.
+    pub(super) shape: Vec<f64>,
+}
+
+/// Modes of the structure on springs in its contacts, from the lowest on.
+#[derive(Debug, Clone)]
+pub(super) struct LinearisedModes {
+    /// Squares of the frequencies \[rad^2/s^2\].
+    pub(super) squares: Vec<f64>,
+    /// Coordinates in the component modes, a row each.
+    pub(super) shapes: Vec<Vec<f64>>,
 }
 
 impl VariationalEquation {
@@ -26,7 +48,8 @@ impl VariationalEquation {
         let residual = with_guides(modes.residual(), modes.guides());
         let n = residual.closure.len();
         let (retardation, matrix) = (Vec::new(), vec![0.0; 2 * n * n]);
-        let mut found = Self { modes: Vec::new(), residual, retardation, matrix };
+        let (modes_kept, dampers) = (Vec::new(), Vec::new());
+        let mut found = Self { modes: modes_kept, residual, retardation, dampers, matrix };
         let stiffest = springs.iter().copied().fold(0.0, f64::max);
         let on_contacts = |mode: &NormalMode| stiffest * square_of(&mode.closure);
         let fastest = modes.modes().iter().map(on_contacts).fold(0.0, f64::max).sqrt();
@@ -44,6 +67,42 @@ impl VariationalEquation {
             }
         }
         found
+    }
+
+    /// Adds the damping of linearised modes, under contacts of the stiffness `springs` \[N/m\]; those
+    /// beyond the modes of the equation have none.
+    pub(super) fn add_dampers(&mut self, damped: &[DampedMode], rate: f64, springs: &[f64]) {
+        if damped.is_empty() {
+            return;
+        }
+        let Some(modes) = self.linearised(springs) else { return };
+        let damper = |(mode, shape): (&DampedMode, Vec<f64>)| ModeDamper {
+            excess: mode.damping_rate - rate,
+            shape,
+        };
+        self.dampers = damped.iter().zip(modes.shapes).map(damper).collect();
+    }
+
+    /// The modes under contacts of the stiffness `springs` \[N/m\], none in guides.
+    pub(super) fn linearised(&mut self, springs: &[f64]) -> Option<LinearisedModes> {
+        let (n, count) = (self.interfaces(), self.modes.len());
+        let mut at_rest = vec![0.0; n * n];
+        self.stiffness(|i| springs.get(i).copied().unwrap_or(0.0), &mut at_rest);
+        let modes = &self.modes;
+        let coupling = |a: usize, b: usize| -> f64 {
+            let pair = |i: usize, j: usize| modes[a].closure[i] * modes[b].closure[j];
+            (0..n * n).map(|place| at_rest[place] * pair(place / n, place % n)).sum()
+        };
+        let matrix = Mat::from_fn(count, count, |a, b| {
+            let own = if a == b { modes[a].angular_frequency.powi(2) } else { 0.0 };
+            own + 0.5 * (coupling(a, b) + coupling(b, a))
+        });
+        let found = matrix.self_adjoint_eigen(Side::Lower).ok()?;
+        let (vectors, values) = (found.U(), found.S().column_vector());
+        Some(LinearisedModes {
+            squares: (0..count).map(|r| values[r].max(0.0)).collect(),
+            shapes: (0..count).map(|r| (0..count).map(|j| vectors[(j, r)]).collect()).collect(),
+        })
     }
 
     fn add_retardation(&mut self, mode: &NormalMode) {
@@ -98,7 +157,8 @@ impl VariationalEquation {
         let damper =
             damper + self.retardation.iter().step_by(n + 1).enumerate().map(retarded).sum::<f64>();
         let rate = |mode: &NormalMode| mode.damping_rate + damper * square_of(&mode.closure);
-        self.modes.iter().map(rate).fold(0.0, f64::max)
+        let excess = self.dampers.iter().map(|damper| damper.excess).fold(0.0, f64::max);
+        excess + self.modes.iter().map(rate).fold(0.0, f64::max)
     }
 
     /// Writes `A^T C_c A + K D K` for the contact dampers `C_c` \[N s/m\], by rows: A is the share of the

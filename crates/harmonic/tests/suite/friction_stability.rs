@@ -99,7 +99,8 @@ impl Mass<'_> {
                 let b = slope(0.5, x + 0.5 * step * a.0, v + 0.5 * step * a.1);
                 let c = slope(0.5, x + 0.5 * step * b.0, v + 0.5 * step * b.1);
                 let d = slope(1.0, x + step * c.0, v + step * c.1);
-                let mean = |a: f64, b: f64, c: f64, d: f64| step * (a + 2.0 * b + 2.0 * c + d) / 6.0;
+                let mean =
+                    |a: f64, b: f64, c: f64, d: f64| step * (a + 2.0 * b + 2.0 * c + d) / 6.0;
                 let end = x + mean(a.0, b.0, c.0, d.0);
                 state = [end, v + mean(a.1, b.1, c.1, d.1), element(end)];
             }

@@ -12,6 +12,7 @@ mod friction_stability;
 mod integration;
 mod koopman_hill;
 mod linear;
+mod modal_damping;
 mod perturbation;
 mod reference;
 mod rig;

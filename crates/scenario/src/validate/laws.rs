@@ -238,7 +238,8 @@ impl<'a> Checker<'a, '_> {
             if let Some(first) = first {
                 // One report for each cycle, at its first law in alphabetical order.
                 let here = first == 0 && own == chain.iter().copied().min();
-                let cycle = || Fault::CyclicLaw(chain.iter().map(|&name| name.to_owned()).collect());
+                let cycle =
+                    || Fault::CyclicLaw(chain.iter().map(|&name| name.to_owned()).collect());
                 let accepted = "a law that does not refer back to this one".to_owned();
                 let outer = own.and_then(|own| self.named(own));
                 let several = outer.is_some_and(|law| law.get("laws").is_some());
@@ -262,7 +263,8 @@ impl<'a> Checker<'a, '_> {
             *count += 1;
             if *count > MAX_SERIES_LAWS {
                 let fault = Fault::TooManyInSeries(MAX_SERIES_LAWS);
-                let accepted = format!("at most {MAX_SERIES_LAWS}, those of nested series included");
+                let accepted =
+                    format!("at most {MAX_SERIES_LAWS}, those of nested series included");
                 return Err((None, Some(fault), accepted));
             }
         }

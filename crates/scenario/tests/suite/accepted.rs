@@ -7,8 +7,9 @@ use std::sync::LazyLock;
 
 use asperity_scenario::{
     ContactScheme, DampingAmount, DampingSpec, Document, DocumentError, ExcitationSpec,
-    FiniteDifferenceSpec, ForceSamples, LawRef, LawSpec, MethodSpec, ModalSpec, RayleighSpec,
-    Scenario, SectionSpec, SupportSpec, SyntaxFault, check_schema, scenario_schema, validate,
+    FiniteDifferenceSpec, ForceSamples, LawRef, LawSpec, MethodSpec, ModalDampingSpec, ModalSpec,
+    RayleighSpec, Scenario, SectionSpec, SupportSpec, SyntaxFault, check_schema, scenario_schema,
+    validate,
 };
 use proptest::prelude::*;
 use serde_json::{Value, json};
@@ -370,6 +371,18 @@ fn body_damping_is_read_and_written_in_every_form() {
     assert_eq!(found, coefficients(0.0, 2e-6));
     let found = read(r#"{"kind": "loss_factor", "loss_factor": 0.02}"#).unwrap();
     assert_eq!(found, DampingSpec::LossFactor(0.02));
+    let modal = |ratios: &[f64], other_ratio| {
+        DampingSpec::Modal(ModalDampingSpec { ratios: ratios.to_vec(), other_ratio })
+    };
+    let found = read(r#"{"kind": "modal", "ratios": [0.03, 0.01], "other_ratio": 0.02}"#).unwrap();
+    assert_eq!(found, modal(&[0.03, 0.01], Some(0.02)));
+    let found = read(r#"{"kind": "modal", "ratios": [0.03]}"#).unwrap();
+    assert_eq!(found, modal(&[0.03], None));
+    for refused in [r#"{"kind": "modal", "ratios": []}"#, r#"{"kind": "modal", "ratios": [-0.1]}"#]
+    {
+        let error = read(refused).unwrap_err().to_string();
+        assert!(error.contains("/damping/ratios"), "{error}");
+    }
     for [[f1, zeta1], [f2, zeta2]] in [
         [[800.0, 0.02], [11_000.0, 0.03]],
         [[11_000.0, 0.03], [800.0, 0.02]],
