@@ -205,11 +205,11 @@ impl Part {
                     }
                 }
             }
-            for i in 0..n {
-                for j in 0..n {
-                    let product: f64 = (0..n).map(|l| tangent[i * n + l] * flexibility[l][j]).sum();
-                    factors.matrix()[i * n + j] = product + f64::from(u8::from(i == j));
-                }
+            for place in 0..square {
+                let (i, j) = (place / n, place % n);
+                let row = tangent[i * n..(i + 1) * n].iter().zip(flexibility);
+                let product: f64 = row.map(|(k, r)| k * r[j]).sum();
+                factors.matrix()[place] = product + f64::from(u8::from(i == j));
             }
             // A singular matrix leaves numbers that are not finite: multipliers that are unknown.
             factors.factorize();

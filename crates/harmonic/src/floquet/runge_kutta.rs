@@ -19,9 +19,14 @@ const MOST_RADIANS_PER_STEP: f64 = 2.0;
 /// and the order falls to about 1.5.
 const STEPS_WITH_LOSS: usize = 1024;
 
-/// The classical method of fourth order, `q'' = -(h + Phi^T C(t) Phi) q' - (W^2 + Phi^T K(t) Phi) q
-/// + Phi^T B(t) z`, for all initial states at once: rows of displacements, then of velocities over w,
-/// then of sliders z, which are constant in a step; a column per state.
+/// The classical method of fourth order,
+///
+/// ```text
+/// q'' = -(h + Phi^T C(t) Phi) q' - (W^2 + Phi^T K(t) Phi) q + Phi^T B(t) z,
+/// ```
+///
+/// for all initial states at once: rows of displacements, then of velocities over w, then of sliders z,
+/// which are constant in a step; a column per state.
 #[derive(Debug, Clone, Default)]
 pub(super) struct RungeKutta {
     closures: Vec<f64>,

@@ -1,4 +1,8 @@
 //! The kernel of the splitting: kicks and rotations of many states side by side.
+#![allow(
+    clippy::inline_always,
+    reason = "kernels must be compiled with their caller, for the vector instructions chosen"
+)]
 
 use faer::Mat;
 use pulp::{Simd, WithSimd};
