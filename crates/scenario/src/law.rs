@@ -105,13 +105,12 @@ pub enum LawSpec {
     },
     /// Laws in series, with an elastic layer if one is given: `1/K = sum 1/K_law + 1/K_layer`; exactly
     /// one of law and laws.
-    #[schemars(extend(
-        "oneOf" = [{"required": ["law", "stiffness_pa_per_m"]}, {"required": ["laws"]}]
-    ))]
+    #[schemars(extend("oneOf" = [{"required": ["law"]}, {"required": ["laws"]}]))]
     InSeries {
         /// The one law in series with a layer: a name from "laws", or a law written in place; give
         /// this or laws.
         #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(with = "LawRef")]
         law: Option<LawRef>,
         /// Two or more laws, of contacts that carry the same pressure; give this or law.
         #[serde(default, skip_serializing_if = "Vec::is_empty")]

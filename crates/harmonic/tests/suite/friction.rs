@@ -8,7 +8,7 @@ use asperity_harmonic::{
     ContactSystem, Continuation, Drive, FourierResolution, HarmonicSettings, LawEvaluation,
     LinearSystem, RigidMass, SteppedSine, trace,
 };
-use asperity_law::{Constant, Friction};
+use asperity_law::{Constant, ContactDamping, Friction};
 use asperity_mesh::{
     Body, ComponentModes, Interface, ModeCount, NormalMode, ResidualFlexibility, Stack, Support,
 };
@@ -169,6 +169,44 @@ fn responses_with_friction_meet_the_integration_in_time() {
             assert!(off < 1e-4, "{name}, harmonic {}: {off:.1e} from cells", k + 1);
         }
         assert!((found[0] / without[0] - 1.0).abs() > 0.05, "{name}: friction hardly matters");
+    }
+}
+
+/// Random bars on one contact with viscous damping of the contact and friction in a guide or across it,
+/// near resonance: both integrators meet harmonic balance.
+#[test]
+fn random_damped_structures_meet_the_integration_in_time() {
+    let mut state = 7_u64;
+    let mut random = |low: f64, high: f64| {
+        state =
+            state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        low + (high - low) * (state >> 11) as f64 / (1_u64 << 53) as f64
+    };
+    for seed in 0..4 {
+        let mass = random(0.8, 2.5);
+        let bar = Body::with_mass("bar", random(0.1, 0.25), mass, 71e9, 2710.0).unwrap();
+        let law = if seed % 2 == 0 { power() } else { modified() };
+        let time = random(1e-6, 6e-6);
+        let contact = Interface::new("contact", AREA, law).unwrap();
+        let contact = contact.with_damping(ContactDamping::kelvin_voigt(time).unwrap());
+        let friction = Friction::coefficient(random(5e6, 2e7), random(0.01, 0.03)).unwrap();
+        let (bar, contact) = if seed < 2 {
+            (bar.with_friction(friction), contact)
+        } else {
+            (bar, contact.with_friction(friction))
+        };
+        let structure =
+            preloaded(Stack::new(vec![bar], vec![contact], Support::Rigid, 9.81).unwrap(), RATE);
+        let frequency_hz = random(0.95, 1.05) * structure.natural_frequency().unwrap();
+        let drive = Drive { frequency_hz, force: random(0.1, 0.25) * mass * 9.81 };
+        let found = balanced(&structure, drive);
+        for finite in [false, true] {
+            let other = integrated(&structure, drive, finite);
+            for k in 0..2 {
+                let off = (found[k] - other[k]).abs() / other[0];
+                assert!(off < 3e-4, "seed {seed}, cells {finite}, harmonic {}: {off:.1e}", k + 1);
+            }
+        }
     }
 }
 

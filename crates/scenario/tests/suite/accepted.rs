@@ -425,3 +425,39 @@ fn body_damping_is_read_and_written_in_every_form() {
         assert!(place(bad).contains("/damping"), "{bad}");
     }
 }
+
+/// One law with a layer, and any number of laws with or without one; what is neither is refused at its
+/// place.
+#[test]
+fn laws_in_series_are_read_in_both_forms() {
+    let read = |laws: &[(&str, &str)]| {
+        let mut document = rig();
+        for (pointer, law) in laws {
+            document.set(pointer, law).unwrap();
+        }
+        document.scenario()
+    };
+    let both = r#"{"kind": "in_series", "laws": ["pl", {"kind": "constant", "stiffness_pa_per_m": 1e12}]}"#;
+    let scenario = read(&[("/laws/modified", both)]).unwrap();
+    let law = scenario.laws.get("modified").unwrap();
+    assert_eq!(law.inner_laws().count(), 2);
+    let written = serde_json::to_value(&scenario).unwrap();
+    assert_eq!(serde_json::from_value::<Scenario>(written).unwrap(), scenario);
+    let layered = r#"{"kind": "in_series", "law": "pl", "stiffness_pa_per_m": 1e12}"#;
+    let scenario = read(&[("/laws/modified", layered)]).unwrap();
+    let named = LawRef::Named("pl".to_owned());
+    assert_eq!(scenario.laws.get("modified"), Some(&LawSpec::with_layer(named, 1e12)));
+    let many = vec!["\"pl\""; 101].join(", ");
+    let many = format!(r#"{{"kind": "in_series", "laws": [{many}]}}"#);
+    for (law, place, words) in [
+        (r#"{"kind": "in_series", "law": "pl"}"#, "/laws/modified", "stiffness_pa_per_m"),
+        (r#"{"kind": "in_series", "laws": ["pl"]}"#, "/laws/modified/laws", "item"),
+        (r#"{"kind": "in_series", "stiffness_pa_per_m": 1e12}"#, "/laws/modified", "neither"),
+        (r#"{"kind": "in_series", "laws": ["pl", "none"]}"#, "/laws/modified/laws/1", "none"),
+        (r#"{"kind": "in_series", "laws": ["pl", "modified"]}"#, "/laws/modified/laws", "itself"),
+        (&many, "/laws/modified", "more than 100 laws"),
+    ] {
+        let error = read(&[("/laws/modified", law)]).unwrap_err().to_string();
+        assert!(error.contains(place) && error.contains(words), "{law}: {error}");
+    }
+}
