@@ -1,8 +1,8 @@
 //! A branch of steady responses in words: its peak, its special points, and the reason for an end.
 
 use asperity_study::steady::{
-    BranchSummary, CondensationReason, StabilityUnknown, SteadyMotion, TerminationSummary,
-    TimeCheck, TimeSweepSummary,
+    BranchSummary, CondensationReason, SteadyMotion, TerminationSummary, TimeCheck,
+    TimeSweepSummary,
 };
 
 /// Bifurcations of one kind that are listed one by one; of more, the range is given.
@@ -137,12 +137,7 @@ pub(crate) fn remarks(branch: &BranchSummary) -> Vec<String> {
     match branch.unstable_points {
         Some(0) => remarks.push("stable".to_owned()),
         Some(count) => remarks.push(format!("unstable at {count} of {} points", branch.points)),
-        None => remarks.push(match branch.stability_unknown {
-            Some(StabilityUnknown::Friction) => {
-                "stability not computed: there is friction".to_owned()
-            }
-            _ => "stability not computed: a mode is too fast".to_owned(),
-        }),
+        None => remarks.push("stability not computed: a mode is too fast".to_owned()),
     }
     for (kind, one, several) in [
         ("fold", "fold", "folds"),

@@ -1,8 +1,8 @@
 //! Errors of the time integrators.
 
 use asperity_law::LawError;
-use asperity_mesh::{MeshError, Stack};
-use asperity_structure::StructureError;
+use asperity_mesh::MeshError;
+use asperity_structure::{PreloadedStructure, StructureError};
 
 use crate::InstructionSet;
 
@@ -108,6 +108,14 @@ pub enum DynamicsError {
         /// Name of the body.
         body: String,
     },
+    /// Linearised modes have damping ratios of their own, which integration in time does not take.
+    #[error(
+        "{modes} linearised modes have damping ratios of their own, which only steady responses and linearised modes have; accepted in time: mass-proportional or Rayleigh damping (Rayleigh with the ratios at two frequencies has those of two modes)"
+    )]
+    ModalDamping {
+        /// Number of modes with a ratio.
+        modes: usize,
+    },
     /// A contact law cannot be prepared for the integration.
     #[error("interface \"{interface}\": {source}")]
     Law {
@@ -133,12 +141,23 @@ pub(crate) fn balanced(
     Err(DynamicsError::Coarse { residual, step_s, limit: REFUSED_RESIDUAL, smaller })
 }
 
-/// Refuses a stack with a body that has a loss factor.
-pub(crate) fn check_bodies(stack: &Stack) -> Result<(), DynamicsError> {
-    let mut bodies = stack.bodies().iter();
+/// Refuses a structure with a body that has a loss factor, or with damping ratios of modes.
+pub(crate) fn check_damping(structure: &PreloadedStructure) -> Result<(), DynamicsError> {
+    check_modal_damping(structure)?;
+    let mut bodies = structure.stack().bodies().iter();
     match bodies.find(|body| body.damping().retardation_time().is_none()) {
         Some(body) => Err(DynamicsError::LossFactor { body: body.name().to_owned() }),
         None => Ok(()),
+    }
+}
+
+/// Refuses a structure with damping ratios of modes.
+pub(crate) fn check_modal_damping<M>(
+    structure: &PreloadedStructure<M>,
+) -> Result<(), DynamicsError> {
+    match structure.damped_modes().len() {
+        0 => Ok(()),
+        modes => Err(DynamicsError::ModalDamping { modes }),
     }
 }
 

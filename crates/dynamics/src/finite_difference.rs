@@ -42,7 +42,7 @@ mod time_loop;
 use asperity_mesh::Grid;
 use asperity_structure::PreloadedStructure;
 
-use crate::error::{balanced, check_bodies};
+use crate::error::{balanced, check_damping};
 use crate::run_bounds::{check_finite_differences, check_history};
 use crate::{DynamicsError, Excitation, InstructionSet, RunOutline, Sampling, Transient};
 use time_loop::TimeLoop;
@@ -112,7 +112,8 @@ impl FiniteDifference {
     ///
     /// # Errors
     /// [`DynamicsError::Mesh`] for a grid or Courant number out of range,
-    /// [`DynamicsError::LossFactor`] for a body with a loss factor,
+    /// [`DynamicsError::LossFactor`] for a body with a loss factor, [`DynamicsError::ModalDamping`] for
+    /// ratios of modes,
     /// [`DynamicsError::TooLarge`] for a run beyond the [bounds](crate::run_bounds),
     /// [`DynamicsError::Setting`] for an excitation out of range or an instruction set that the
     /// machine lacks, [`DynamicsError::Law`] when a law cannot be tabulated,
@@ -179,7 +180,7 @@ impl FiniteDifference {
         structure: &PreloadedStructure,
         sampling: &Sampling,
     ) -> Result<(Grid, f64, usize), DynamicsError> {
-        check_bodies(structure.stack())?;
+        check_damping(structure)?;
         let grid = Grid::new(structure.stack(), self.cell)?;
         let (step, stride) = grid.step_within(sampling.interval(), self.courant)?;
         check_finite_differences(grid.nodes(), (step, stride), sampling.samples())?;

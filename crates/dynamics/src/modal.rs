@@ -58,7 +58,7 @@ use std::sync::Arc;
 use asperity_mesh::ModeCount;
 use asperity_structure::PreloadedStructure;
 
-use crate::error::check_bodies;
+use crate::error::check_damping;
 use crate::{DynamicsError, Excitation, InstructionSet, Sampling, Transient};
 
 pub use assembly::ModalModel;
@@ -138,7 +138,8 @@ impl Modal {
     ///
     /// # Errors
     /// [`DynamicsError::Structure`] for a count of modes out of range,
-    /// [`DynamicsError::LossFactor`] for a body with a loss factor, [`DynamicsError::Setting`]
+    /// [`DynamicsError::LossFactor`] for a body with a loss factor, [`DynamicsError::ModalDamping`] for
+    /// ratios of modes, [`DynamicsError::Setting`]
     /// for a step or excitation out of range, more than 16 interfaces, or an instruction set
     /// that the machine lacks, [`DynamicsError::Law`] when a law cannot be tabulated,
     /// [`DynamicsError::Unstable`] when the numbers overflow or pressures leave every table,
@@ -164,7 +165,7 @@ impl Modal {
         sampling: &Sampling,
     ) -> Result<HitSimulation, DynamicsError> {
         excitation.check()?;
-        check_bodies(structure.stack())?;
+        check_damping(structure)?;
         let modes = self.mode_count(structure.natural_frequency(), excitation);
         let rig = Arc::new(ModalModel::new(structure.reduced(modes)?)?);
         let duration = sampling.samples() as f64 * sampling.interval();

@@ -66,7 +66,7 @@ fn measure(
         ..HarmonicSettings::default()
     };
     let (mut least, mut points) = (f64::INFINITY, 0);
-    for _ in 0..if stability.is_some() { 2 } else { ROUNDS } {
+    for _ in 0..ROUNDS {
         let started = Instant::now();
         let branch = black_box(trace(system, continuation, &settings).unwrap());
         least = least.min(started.elapsed().as_secs_f64());

@@ -34,6 +34,24 @@ pub(crate) struct CurvePoint {
     /// Sign of the determinant of the Jacobian with the tangent as last row. It is constant along
     /// a branch, folds included, and changes where another branch crosses.
     pub(crate) orientation: f64,
+    /// Second and third derivatives along the branch, of the cubic through this point and the one
+    /// before with their tangents; none without a point before, or where the tangent may turn.
+    pub(crate) curving: Option<[Vec<f64>; 2]>,
+}
+
+impl CurvePoint {
+    /// Adds the derivatives of the cubic from the point `before`.
+    fn curve_from(&mut self, before: &Self) {
+        let s = distance(&self.unknowns, &before.unknowns);
+        let places = || {
+            let ends = self.unknowns.iter().zip(&before.unknowns);
+            let slopes = self.tangent.iter().zip(&before.tangent);
+            ends.zip(slopes).map(|((x, x0), (t, t0))| ((x - x0) / s, t0, t))
+        };
+        let second = places().map(|(mean, t0, t)| (2.0 * t0 + 4.0 * t - 6.0 * mean) / s).collect();
+        let third = places().map(|(mean, t0, t)| 6.0 * (t0 + t - 2.0 * mean) / (s * s)).collect();
+        self.curving = Some([second, third]);
+    }
 }
 
 /// Failure of Newton's method.
@@ -112,10 +130,11 @@ impl<C: Curve> ArcLength<C> {
         // With the parameter's unit row in place of a tangent t the determinant is its own times
         // `sense / |t|^2`.
         let orientation = sense * self.factors.determinant_sign();
-        Ok(CurvePoint { unknowns, tangent, iterations, orientation })
+        Ok(CurvePoint { unknowns, tangent, iterations, orientation, curving: None })
     }
 
-    /// The solution a length `s` ahead of a point, in the plane normal to its tangent.
+    /// The solution a length `s` ahead of a point, in the plane normal to its tangent; sought from
+    /// the cubic through the last two points.
     pub(crate) fn ahead(
         &mut self,
         from: &CurvePoint,
@@ -126,12 +145,17 @@ impl<C: Curve> ArcLength<C> {
         }
         let through = std::mem::take(&mut self.predicted);
         let mut unknowns = through.clone();
+        if let Some([second, third]) = &from.curving {
+            for ((x, a), b) in unknowns.iter_mut().zip(second).zip(third) {
+                *x += s * s * (0.5 * a + s * b / 6.0);
+            }
+        }
         let mut tangent = vec![0.0; unknowns.len()];
         let constraint = Constraint::Normal { through: &through, tangent: &from.tangent };
         let solved = self.correct(&mut unknowns, constraint, &mut tangent);
         self.predicted = through;
         let orientation = self.factors.determinant_sign();
-        Ok(CurvePoint { unknowns, tangent, iterations: solved?, orientation })
+        Ok(CurvePoint { unknowns, tangent, iterations: solved?, orientation, curving: None })
     }
 
     /// The next point along the curve, and the length of the step to it; the step is adapted to
@@ -143,7 +167,7 @@ impl<C: Curve> ArcLength<C> {
         loop {
             let step = self.step;
             let failure = match self.ahead(from, step) {
-                Ok(next) => {
+                Ok(mut next) => {
                     let turn = dot(&next.tangent, &from.tangent).clamp(-1.0, 1.0).acos();
                     let off = distance(&next.unknowns, &from.unknowns);
                     // The corrector moves across the tangent, and could reach another branch.
@@ -153,6 +177,9 @@ impl<C: Curve> ArcLength<C> {
                         let by_iterations = WANTED / next.iterations.max(1) as f64;
                         let factor = by_turn.min(by_iterations).clamp(0.5, 2.0);
                         self.step = (step * factor).min(self.control.longest);
+                        if !self.curve.has_kinks() {
+                            next.curve_from(from);
+                        }
                         return Ok((next, step));
                     }
                     CorrectorFailure::Stalled(0.0)

@@ -1,11 +1,12 @@
 //! A preloaded structure in component modes as a linear system.
 
 use asperity_mesh::{ComponentModes, NormalMode};
-use asperity_structure::{Guide, PreloadedStructure};
+use asperity_structure::{DampedMode, Guide, PreloadedStructure};
 use faer::Mat;
 use faer::linalg::solvers::{Solve, Svd};
 use num_complex::Complex64;
 
+use crate::modal_damping;
 use crate::{Compliance, HarmonicError, LinearSystem, MeanBalance, Receptance};
 
 /// Part of the largest singular value below which a rigid motion is not held by contacts.
@@ -72,37 +73,29 @@ impl LinearSystem for PreloadedStructure<ComponentModes> {
     }
 
     fn compliance(&self, w: f64, anti_damping: f64, into: &mut Compliance) {
-        let (n, pairs) = (LinearSystem::interfaces(self), pairs(self.component_modes()));
-        let residual = self.component_modes().residual();
-        let constant =
-            |value| Receptance { value: Complex64::new(value, 0.0), ..Receptance::default() };
-        into.clear();
-        for row in 0..n {
-            for column in 0..n {
-                *into.contact_mut(row, column) = constant(residual.closure[row][column]);
-            }
-            *into.drive_mut(row) = constant(residual.drive[row]);
+        if !self.damped_modes().is_empty() {
+            let free = vec![Complex64::ZERO; into.interfaces()];
+            return self.compliance_on_springs(w, anti_damping, &free, into);
         }
-        into.direct = constant(residual.driving_point);
-        for mode in self.component_modes().modes() {
-            let mass = if mode.massless { 0.0 } else { 1.0 };
-            let rate = mode.total_damping(self.damping_rate()) - mass * anti_damping;
-            let square = mode.angular_frequency.powi(2);
-            let value = Complex64::new(square - mass * w * w, w * rate).inv();
-            let modal = Receptance {
-                value,
-                d_frequency: -value * value * Complex64::new(-2.0 * mass * w, rate),
-                d_anti_damping: value * value * Complex64::new(0.0, mass * w),
-            };
-            for row in 0..pairs {
-                for column in 0..pairs {
-                    let factor = closure(mode, row) * closure(mode, column);
-                    into.contact_mut(row, column).add(&modal, factor);
-                }
-                into.drive_mut(row).add(&modal, closure(mode, row) * mode.drive);
-            }
-            into.direct.add(&modal, mode.drive * mode.drive);
+        plain_compliance(self, w, anti_damping, into);
+    }
+
+    fn compliance_on_springs(
+        &self,
+        w: f64,
+        anti_damping: f64,
+        springs: &[Complex64],
+        into: &mut Compliance,
+    ) {
+        if self.damped_modes().is_empty() {
+            plain_compliance(self, w, anti_damping, into);
+            return into.add_springs(springs);
         }
+        let at = (w, self.damping_rate(), anti_damping);
+        modal_damping::write(self.damped_modes(), self.contacts(), at, springs, into, |k, into| {
+            plain_compliance(self, w, anti_damping, into);
+            into.add_springs(k);
+        });
     }
 
     /// Rigid motions carry no mean force, `phi_rigid . P0 = 0`; across them the closures are
@@ -156,9 +149,53 @@ impl LinearSystem for PreloadedStructure<ComponentModes> {
         self.damping_rate()
     }
 
+    fn damped_modes(&self) -> &[DampedMode] {
+        self.damped_modes()
+    }
+
     fn check(&self) -> Result<(), HarmonicError> {
         let closures = rigid_closures(self.component_modes());
         let (free, held) = (closures.ncols(), held(&closures));
         if held < free { Err(HarmonicError::Floating { free, held }) } else { Ok(()) }
+    }
+}
+
+/// The receptances without the dampers of linearised modes.
+fn plain_compliance(
+    structure: &PreloadedStructure<ComponentModes>,
+    w: f64,
+    anti_damping: f64,
+    into: &mut Compliance,
+) {
+    let (n, pairs) = (structure.component_modes().interfaces(), pairs(structure.component_modes()));
+    let residual = structure.component_modes().residual();
+    let constant =
+        |value| Receptance { value: Complex64::new(value, 0.0), ..Receptance::default() };
+    into.clear();
+    for row in 0..n {
+        for column in 0..n {
+            *into.contact_mut(row, column) = constant(residual.closure[row][column]);
+        }
+        *into.drive_mut(row) = constant(residual.drive[row]);
+    }
+    into.direct = constant(residual.driving_point);
+    for mode in structure.component_modes().modes() {
+        let mass = if mode.massless { 0.0 } else { 1.0 };
+        let rate = mode.total_damping(structure.damping_rate()) - mass * anti_damping;
+        let square = mode.angular_frequency.powi(2);
+        let value = Complex64::new(square - mass * w * w, w * rate).inv();
+        let modal = Receptance {
+            value,
+            d_frequency: -value * value * Complex64::new(-2.0 * mass * w, rate),
+            d_anti_damping: value * value * Complex64::new(0.0, mass * w),
+        };
+        for row in 0..pairs {
+            for column in 0..pairs {
+                let factor = closure(mode, row) * closure(mode, column);
+                into.contact_mut(row, column).add(&modal, factor);
+            }
+            into.drive_mut(row).add(&modal, closure(mode, row) * mode.drive);
+        }
+        into.direct.add(&modal, mode.drive * mode.drive);
     }
 }

@@ -145,7 +145,13 @@ impl CondensedStack {
         // The bodies as a linear system: the contacts keep the weights of all.
         let support = *stack.support();
         let stack = Stack::new(kept, joints, support, stack.gravity()).map_err(mesh)?;
-        let linear = PreloadedStructure::new(stack, Damping::Rate(structure.damping_rate()))?;
+        let rate = Damping::Rate(structure.damping_rate());
+        let linear = match structure.modal_ratios() {
+            Some((ratios, other)) => {
+                PreloadedStructure::new(stack, rate)?.with_modal_damping(ratios, other)?
+            }
+            None => PreloadedStructure::new(stack, rate)?,
+        };
         let system = ContactSystem::new(Arc::new(linear), contacts, evaluation)?;
         Ok(Self { system, bodies: bodies.to_vec(), interfaces })
     }

@@ -1,10 +1,11 @@
 //! A preloaded stack of elastic bars as a linear system, in closed form.
 
 use asperity_mesh::{Body, ComponentModes, ModeCount, Stack, Support};
-use asperity_structure::{Guide, PreloadedStructure, StructureError};
+use asperity_structure::{DampedMode, Guide, PreloadedStructure, StructureError};
 use num_complex::Complex64;
 
 use crate::bars_on_springs::{self, complex_modulus};
+use crate::modal_damping;
 use crate::{Compliance, HarmonicError, LinearSystem, MeanBalance, Receptance};
 
 /// Exact at every frequency; contacts are not included.
@@ -31,6 +32,10 @@ impl LinearSystem for PreloadedStructure {
     }
 
     fn compliance(&self, w: f64, anti_damping: f64, into: &mut Compliance) {
+        if !self.damped_modes().is_empty() {
+            let free = vec![Complex64::ZERO; into.interfaces()];
+            return self.compliance_on_springs(w, anti_damping, &free, into);
+        }
         into.clear();
         let last = self.contacts().len() - 1;
         for (i, body) in self.stack().bodies().iter().enumerate() {
@@ -69,7 +74,12 @@ impl LinearSystem for PreloadedStructure {
         into: &mut Compliance,
     ) {
         let at = (w, self.damping_rate(), anti_damping);
-        bars_on_springs::write(self.stack(), at, springs, into);
+        if self.damped_modes().is_empty() {
+            return bars_on_springs::write(self.stack(), at, springs, into);
+        }
+        modal_damping::write(self.damped_modes(), self.contacts(), at, springs, into, |k, into| {
+            bars_on_springs::write(self.stack(), at, k, into);
+        });
     }
 
     /// Without guides the contacts carry the mean forces of rest, and so does the support. The mean
@@ -126,6 +136,10 @@ impl LinearSystem for PreloadedStructure {
 
     fn mass_damping(&self) -> f64 {
         self.damping_rate()
+    }
+
+    fn damped_modes(&self) -> &[DampedMode] {
+        self.damped_modes()
     }
 }
 

@@ -49,14 +49,6 @@ pub enum HarmonicError {
         /// Stiffness found there \[Pa/m\].
         stiffness_pa_per_m: f64,
     },
-    /// Stability is not computed with friction.
-    #[error(
-        "there is friction at \"{element}\"; the stability of periodic responses is computed without friction only (trace the branch without it, or integrate in time)"
-    )]
-    Friction {
-        /// Name of the contact or of the guided body.
-        element: String,
-    },
     /// A law cannot be tabulated.
     #[error("interface \"{interface}\": {source}")]
     Law {

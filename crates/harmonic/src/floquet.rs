@@ -12,18 +12,22 @@
 //! within the unit circle. Damped contacts, of traction `t(x, x')`, have the tangents `S dt/dx`, and
 //! add `Phi^T C(t) Phi q'` with the dampers `C_c = diag(S dt/dx')`; both are zero where the faces
 //! carry nothing. Bodies with internal damping add `K D K`, D being the retardation of the flexibility
-//! R.
+//! R. Friction elements are springs while they stick and add the state of their slider where they
+//! slip in the period, with a multiplier of zero; one that never slips may rest anywhere, and has none.
 //!
 //! | module | holds |
 //! |---|---|
 //! | `variational_equation` | the linear equation above |
 //! | `period` | the contacts' tangents over a period |
+//! | `stick_slip`, `friction_monodromy` | phases of friction elements; the monodromy matrix through them |
 //! | `splitting` | the monodromy matrix by exact rotations and kicks, for modes of one damping rate |
 //! | `runge_kutta` | the same by the classical method, for the others |
 
+mod friction_monodromy;
 mod period;
 mod runge_kutta;
 mod splitting;
+mod stick_slip;
 #[cfg(test)]
 mod tests;
 mod variational_equation;
@@ -33,6 +37,7 @@ use faer::Mat;
 use num_complex::Complex64;
 
 use crate::{ContactSystem, HarmonicError};
+use friction_monodromy::FrictionMonodromy;
 use period::Period;
 use runge_kutta::RungeKutta;
 use splitting::Splitting;
@@ -75,42 +80,34 @@ pub(crate) struct FloquetSolver<'a> {
     variation: VariationalEquation,
     integration: Integration,
     period: Period,
-    steps: usize,
 }
 
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 enum Integration {
     Splitting(Splitting),
     RungeKutta(RungeKutta),
-}
-
-impl Integration {
-    fn steps(&self, fastest: f64, w: f64, lost: bool) -> Option<usize> {
-        match self {
-            Self::Splitting(_) => Splitting::steps(fastest, w, lost),
-            Self::RungeKutta(_) => RungeKutta::steps(fastest, w, lost),
-        }
-    }
+    Friction(Box<FrictionMonodromy>),
 }
 
 impl<'a> FloquetSolver<'a> {
     pub(crate) fn new(system: &'a ContactSystem, floquet: Floquet) -> Result<Self, HarmonicError> {
-        if let Some(element) = system.friction() {
-            return Err(HarmonicError::Friction { element: element.to_owned() });
-        }
         let springs: Vec<f64> = system.contacts().iter().map(PreloadedContact::spring).collect();
         let modes = system.linear().lowest_modes(floquet.modes)?;
         let mut variation =
             VariationalEquation::new(&modes, system.linear().mass_damping(), &springs);
+        let rate = system.linear().mass_damping();
+        variation.add_dampers(system.linear().damped_modes(), rate, &springs);
         // Dampers of the contacts, and of static modes, couple the rates of the others.
-        let undamped = !system.is_damped() && !variation.is_retarded();
-        let splitting = undamped.then(|| Splitting::new(&mut variation, &springs)).flatten();
-        let (integration, places) = splitting.map_or_else(
-            || (Integration::RungeKutta(RungeKutta::default()), &runge_kutta::PLACES[..]),
-            |splitting| (Integration::Splitting(splitting), &splitting::PLACES),
-        );
+        let friction = system.friction().is_some();
+        let plain = !friction && !system.is_damped() && !variation.is_retarded();
+        let splitting = plain.then(|| Splitting::new(&mut variation, &springs)).flatten();
+        let (integration, places) = match splitting {
+            Some(splitting) => (Integration::Splitting(splitting), &splitting::PLACES[..]),
+            None if friction => (Integration::Friction(Box::default()), &[][..]),
+            None => (Integration::RungeKutta(RungeKutta::default()), &runge_kutta::PLACES[..]),
+        };
         let period = Period::new(places);
-        Ok(Self { system, variation, integration, period, steps: 1 })
+        Ok(Self { system, variation, integration, period })
     }
 
     /// The multipliers of the motion with these closures' series, largest first; NaN if they cannot
@@ -120,31 +117,25 @@ impl<'a> FloquetSolver<'a> {
         closures: &[f64],
         angular_frequency: f64,
     ) -> Option<Vec<Complex64>> {
-        // The steps of the motion before resolve most motions; they are counted again for this one.
-        self.period.sample(self.system, closures, angular_frequency, self.steps);
-        let fastest = self.variation.highest_frequency(self.period.stiffest());
-        let damper = self.period.strongest_damper();
-        let damped = self.variation.highest_damping(damper, self.period.stiffest());
-        let coupled = self.system.is_damped() || self.variation.is_retarded();
-        let fastest = if coupled { fastest.max(damped) } else { fastest };
-        let lost = self.period.contact_lost();
-        let steps = self.integration.steps(fastest, angular_frequency, lost)?;
-        if steps != self.steps {
-            self.period.sample(self.system, closures, angular_frequency, steps);
-            self.steps = steps;
-        }
-        self.period.condense(&mut self.variation);
-        let monodromy = match &mut self.integration {
-            Integration::Splitting(splitting) => {
-                splitting.monodromy(&self.period, angular_frequency)
-            }
-            Integration::RungeKutta(method) => {
-                method.monodromy(&self.variation, &self.period, angular_frequency)
-            }
-        };
+        let monodromy = self.monodromy(closures, angular_frequency)?;
         let mut multipliers = eigenvalues(&monodromy);
         multipliers.sort_by(|a, b| b.norm().total_cmp(&a.norm()));
         Some(multipliers)
+    }
+
+    fn monodromy(&mut self, closures: &[f64], w: f64) -> Option<Mat<f64>> {
+        let Self { system, variation, integration, period } = self;
+        match integration {
+            Integration::Splitting(splitting) => {
+                period.resolve(system, variation, (closures, w), Splitting::steps)?;
+                Some(splitting.monodromy(period, w))
+            }
+            Integration::RungeKutta(method) => {
+                period.resolve(system, variation, (closures, w), RungeKutta::steps)?;
+                Some(method.monodromy(variation, period, w))
+            }
+            Integration::Friction(friction) => friction.compute(system, variation, closures, w),
+        }
     }
 }
 

@@ -24,6 +24,7 @@
 //! |---|---|
 //! | `linear_system`, `compliance` | the linear structure: [`LinearSystem`], [`Compliance`], [`MeanBalance`] |
 //! | `rigid_mass`, `elastic_bars`, `bars_on_springs`, `component_modes` | linear systems: a rigid mass, bars in closed form, component modes |
+//! | `modal_damping` | damping ratios of linearised modes in receptances |
 //! | `contact_system` | a linear structure with its contacts |
 //! | `condensed_stack` | a stack without the inertia of light bodies between contacts |
 //! | `fourier`, `balance` | series and samples; the equations with their derivatives |
@@ -87,6 +88,7 @@ mod floquet;
 mod fourier;
 mod linear_response;
 mod linear_system;
+mod modal_damping;
 mod periodic_response;
 mod rigid_mass;
 mod settings;

@@ -3,7 +3,7 @@
 use std::fmt::Debug;
 
 use asperity_mesh::ComponentModes;
-use asperity_structure::Guide;
+use asperity_structure::{DampedMode, Guide};
 use num_complex::Complex64;
 
 use crate::{Compliance, HarmonicError, MeanBalance};
@@ -53,6 +53,11 @@ pub trait LinearSystem: Debug + Send + Sync {
 
     /// Mass-proportional damping h \[1/s\] of these modes.
     fn mass_damping(&self) -> f64;
+
+    /// Linearised modes with a damping of their own, from the lowest on; none by default.
+    fn damped_modes(&self) -> &[DampedMode] {
+        &[]
+    }
 
     /// Checks that a periodic motion exists; passes by default.
     ///

@@ -60,6 +60,18 @@ impl BarStiffness {
         let th = angular_frequency * body.length() / body.wave_speed();
         (top * (th * (1.0 - fraction)).sin() + bottom * (th * fraction).sin()) / th.sin()
     }
+
+    /// Mean displacement over the length, for end displacements `top` and `bottom`, at
+    /// `angular_frequency` \[rad/s\]: half their sum times `tan(th / 2) / (th / 2)`.
+    pub fn mean_displacement(
+        body: &Body,
+        angular_frequency: f64,
+        (top, bottom): (f64, f64),
+    ) -> f64 {
+        let half = 0.5 * angular_frequency * body.length() / body.wave_speed();
+        let share = if half < 1e-4 { 1.0 + half * half / 3.0 } else { half.tan() / half };
+        0.5 * (top + bottom) * share
+    }
 }
 
 #[cfg(test)]

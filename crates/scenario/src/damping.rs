@@ -6,7 +6,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Damping of the bodies.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(try_from = "DampingKeys", into = "DampingKeys")]
 pub enum DampingSpec {
     /// Force `h rho A u'` per length on every body: h times its momentum per length.
@@ -16,6 +16,18 @@ pub enum DampingSpec {
     /// Modulus `E (1 + i eta)` of every body in harmonic vibration, with the loss factor eta; steady
     /// responses and linearised modes only.
     LossFactor(f64),
+    /// Damping ratios of the linearised modes; steady responses and linearised modes only.
+    Modal(ModalDampingSpec),
+}
+
+/// Damping ratios of the modes linearised about static equilibrium.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ModalDampingSpec {
+    /// Ratio of each mode, from the lowest on.
+    pub ratios: Vec<f64>,
+    /// Ratio of the first mode after these; the last of them if none is given. Modes above have its
+    /// damping rate.
+    pub other_ratio: Option<f64>,
 }
 
 /// Amount of mass-proportional damping.
@@ -80,7 +92,7 @@ impl RayleighSpec {
 }
 
 /// Damping of the bodies.
-#[derive(Clone, Copy, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
 #[schemars(rename = "DampingSpec")]
 enum DampingKeys {
@@ -120,6 +132,17 @@ enum DampingKeys {
         #[schemars(range(min = 0.0))]
         loss_factor: f64,
     },
+    /// Damping ratio of each linearised mode, of steady responses and linearised modes only.
+    Modal {
+        /// Damping ratios of the lowest modes linearised about static equilibrium, from the lowest on.
+        #[schemars(length(min = 1, max = 50), inner(range(min = 0.0)))]
+        ratios: Vec<f64>,
+        /// Damping ratio of the first mode after these, the last of the ratios when left out; modes
+        /// above have its damping rate.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(range(min = 0.0))]
+        other_ratio: Option<f64>,
+    },
 }
 
 impl TryFrom<DampingKeys> for DampingSpec {
@@ -145,6 +168,9 @@ impl TryFrom<DampingKeys> for DampingSpec {
                 }
             }
             DampingKeys::LossFactor { loss_factor } => Ok(Self::LossFactor(loss_factor)),
+            DampingKeys::Modal { ratios, other_ratio } => {
+                Ok(Self::Modal(ModalDampingSpec { ratios, other_ratio }))
+            }
         }
     }
 }
@@ -165,6 +191,9 @@ impl From<DampingSpec> for DampingKeys {
                 Self::Rayleigh { rate_per_s: None, time_s: None, ratios: Some(ratios) }
             }
             DampingSpec::LossFactor(loss_factor) => Self::LossFactor { loss_factor },
+            DampingSpec::Modal(ModalDampingSpec { ratios, other_ratio }) => {
+                Self::Modal { ratios, other_ratio }
+            }
         }
     }
 }

@@ -86,6 +86,9 @@ pub enum Fault {
     /// Laws in series nested too deep.
     #[error("laws in series are nested more than {0} deep")]
     LawTooDeep(usize),
+    /// Too many laws in series.
+    #[error("more than {0} laws are in series")]
+    TooManyInSeries(usize),
     /// Column of numbers that does not increase.
     #[error("{} does not increase: {} follows {}", quantity, number(*value), number(*previous))]
     NotIncreasing {

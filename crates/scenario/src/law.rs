@@ -103,14 +103,44 @@ pub enum LawSpec {
         #[schemars(length(min = 2))]
         points: Vec<[f64; 2]>,
     },
-    /// Law in series with an elastic layer, `1/K = 1/K_law + 1/K_layer`.
+    /// Laws in series, with an elastic layer if one is given: `1/K = sum 1/K_law + 1/K_layer`; exactly
+    /// one of law and laws.
+    #[schemars(extend("oneOf" = [{"required": ["law"]}, {"required": ["laws"]}]))]
     InSeries {
-        /// Law of the contact: a name from "laws", or a law written in place.
-        law: LawRef,
-        /// Stiffness `K_layer` of the elastic layer in Pa/m.
+        /// The one law in series with a layer: a name from "laws", or a law written in place; give
+        /// this or laws.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(with = "LawRef")]
+        law: Option<LawRef>,
+        /// Two or more laws, of contacts that carry the same pressure; give this or law.
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
+        #[schemars(length(min = 2))]
+        laws: Vec<LawRef>,
+        /// Stiffness `K_layer` of the elastic layer in Pa/m; without it the laws alone are in series.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
         #[schemars(extend("exclusiveMinimum" = 0.0))]
-        stiffness_pa_per_m: f64,
+        stiffness_pa_per_m: Option<f64>,
     },
+}
+
+impl LawSpec {
+    /// `law` in series with an elastic layer of this stiffness \[Pa/m\].
+    pub fn with_layer(law: LawRef, stiffness_pa_per_m: f64) -> Self {
+        Self::InSeries {
+            law: Some(law),
+            laws: Vec::new(),
+            stiffness_pa_per_m: Some(stiffness_pa_per_m),
+        }
+    }
+
+    /// The laws that this one has in series; none for a law of its own.
+    pub fn inner_laws(&self) -> impl Iterator<Item = &LawRef> {
+        let (law, laws) = match self {
+            Self::InSeries { law, laws, .. } => (law.as_ref(), &laws[..]),
+            _ => (None, &[][..]),
+        };
+        law.into_iter().chain(laws)
+    }
 }
 
 /// Contact law, by its name in "laws" or written in place.
@@ -171,7 +201,7 @@ impl Laws {
 
     /// Law that a reference stands for; `None` for a name that is not among these.
     ///
-    /// The inner reference of a law in series is resolved in the same way.
+    /// The inner references of laws in series are resolved in the same way.
     pub fn resolve<'a>(&'a self, reference: &'a LawRef) -> Option<&'a LawSpec> {
         match reference {
             LawRef::Named(name) => self.get(name),

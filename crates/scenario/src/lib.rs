@@ -65,7 +65,7 @@ mod wording;
 
 pub use body::{BodySpec, SectionSpec};
 pub use contact_damping::ContactDampingSpec;
-pub use damping::{DampingAmount, DampingSpec, RatioAtFrequency, RayleighSpec};
+pub use damping::{DampingAmount, DampingSpec, ModalDampingSpec, RatioAtFrequency, RayleighSpec};
 pub use diagnostic::{Diagnostic, InvalidDocument, MAX_FAULTS};
 pub use document::{Document, DocumentError, MAX_DOCUMENT_BYTES};
 pub use excitation::ExcitationSpec;
@@ -87,7 +87,7 @@ pub use schema_check::check_schema;
 pub use set_value::{SetError, set_value};
 pub use sha256::file_sha256;
 pub use validate::{
-    MAX_CELLS, MAX_HISTORY_NUMBERS, MAX_SERIES_DEPTH, MAX_STEPS, MIN_SAMPLES, validate,
-    validate_json,
+    MAX_CELLS, MAX_HISTORY_NUMBERS, MAX_SERIES_DEPTH, MAX_SERIES_LAWS, MAX_STEPS, MIN_SAMPLES,
+    validate, validate_json,
 };
 pub use wording::four_digits;

@@ -25,6 +25,9 @@ use crate::wording::count;
 /// Deepest nesting of laws in series.
 pub const MAX_SERIES_DEPTH: usize = 8;
 
+/// Most laws in series, those of nested series included.
+pub const MAX_SERIES_LAWS: usize = 100;
+
 /// Fewest output samples of a run.
 pub const MIN_SAMPLES: f64 = 16.0;
 

@@ -19,6 +19,7 @@
 //! | [`equilibrium`] | nonlinear static equilibrium of a stack under weight |
 //! | [`damping`] | mass-proportional viscosity from a damping ratio |
 //! | [`guide`] | a guide with friction |
+//! | [`modal_damping`] | damping ratios of linearised modes |
 //! | [`modes`] | linearised natural frequencies and shapes, exact for elastic bars |
 //! | [`error`] | errors |
 
@@ -27,6 +28,7 @@ pub mod damping;
 pub mod equilibrium;
 pub mod error;
 pub mod guide;
+pub mod modal_damping;
 pub mod modes;
 pub mod preloaded;
 
@@ -35,5 +37,6 @@ pub use damping::Damping;
 pub use equilibrium::StaticDisplacement;
 pub use error::StructureError;
 pub use guide::Guide;
+pub use modal_damping::DampedMode;
 pub use modes::LinearisedMode;
 pub use preloaded::PreloadedStructure;

@@ -19,6 +19,8 @@ pub struct LinearisedMode {
     /// factor `eta / 2` times it. Of first order in the damping: damping that couples the modes
     /// changes their ratios by its square.
     pub damping_ratio: f64,
+    /// Modal mass `phi^T M phi` of the shape given \[kg\].
+    pub modal_mass_kg: f64,
     /// Displacement of the upper and lower face of each body, the largest of
     /// all faces and the support being 1.
     pub faces: Vec<(f64, f64)>,
@@ -171,7 +173,13 @@ impl<'a> Chain<'a> {
         if !(damping_ratio.is_finite() && shape.iter().all(|value| value.is_finite())) {
             return Err(StructureError::Shape { frequency_hz });
         }
-        Ok(LinearisedMode { frequency_hz, damping_ratio, faces, support })
+        Ok(LinearisedMode {
+            frequency_hz,
+            damping_ratio,
+            modal_mass_kg: total_mass,
+            faces,
+            support,
+        })
     }
 }
 

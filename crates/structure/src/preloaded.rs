@@ -8,8 +8,9 @@ use faer::{Mat, Side};
 
 use crate::contact::check_springs;
 use crate::equilibrium::{self, StaticDisplacement};
+use crate::modal_damping::ModalRatios;
 use crate::modes::Chain;
-use crate::{Damping, Guide, LinearisedMode, PreloadedContact, StructureError};
+use crate::{DampedMode, Damping, Guide, LinearisedMode, PreloadedContact, StructureError};
 
 /// Most work of a computation of modes, their number times the cube of the number of faces: some
 /// minutes.
@@ -49,6 +50,8 @@ pub struct PreloadedStructure<M = Stack> {
     contacts: Vec<PreloadedContact>,
     guides: Vec<Guide>,
     damping_rate: f64,
+    damped_modes: Vec<DampedMode>,
+    ratios: ModalRatios,
     natural: Option<f64>,
 }
 
@@ -75,6 +78,12 @@ impl<M> PreloadedStructure<M> {
         self.damping_rate
     }
 
+    /// The modes with a damping of their own, from the lowest on; none without
+    /// [ratios of modes](PreloadedStructure::with_modal_damping).
+    pub fn damped_modes(&self) -> &[DampedMode] {
+        &self.damped_modes
+    }
+
     /// Lowest natural frequency linearised at rest \[Hz\]: exact for a stack, of the modes kept for
     /// component modes; none where a contact has no stiffness at rest.
     pub fn natural_frequency(&self) -> Option<f64> {
@@ -90,7 +99,8 @@ impl<M> PreloadedStructure<M> {
     ) -> Result<Self, StructureError> {
         let lowest = natural.as_ref().ok().copied();
         let damping_rate = damping.rate(natural)?;
-        Ok(Self { mesh, contacts, guides, damping_rate, natural: lowest })
+        let (damped_modes, ratios) = (Vec::new(), ModalRatios::default());
+        Ok(Self { mesh, contacts, guides, damping_rate, damped_modes, ratios, natural: lowest })
     }
 }
 
@@ -137,7 +147,13 @@ impl PreloadedStructure {
             let accepted = "at most 1e11";
             return Err(StructureError::Setting { quantity, value: work, accepted });
         }
-        let mode = |number| chain.mode(chain.frequency(number)?, self.damping_rate);
+        let mode = |number: usize| {
+            let mode = chain.mode(chain.frequency(number)?, self.damping_rate)?;
+            let own = self.damped_modes.get(number - 1).map_or(0.0, |damped| {
+                0.5 * (damped.damping_rate - self.damping_rate) / damped.angular_frequency
+            });
+            Ok(LinearisedMode { damping_ratio: mode.damping_ratio + own, ..mode })
+        };
         (1..=count).map(mode).collect()
     }
 
@@ -169,7 +185,25 @@ impl PreloadedStructure {
     ) -> Result<PreloadedStructure<ComponentModes>, StructureError> {
         let damping = Damping::Rate(self.damping_rate);
         let structure = PreloadedStructure::of_components(modes, self.contacts.clone(), damping)?;
-        structure.with_guides(self.guides.clone())
+        let structure = structure.with_guides(self.guides.clone())?;
+        let (damped_modes, ratios) = (self.damped_modes.clone(), self.ratios.clone());
+        Ok(PreloadedStructure { damped_modes, ratios, ..structure })
+    }
+
+    /// The ratios of modes that the structure was [given](Self::with_modal_damping), and that of the
+    /// next, if it was.
+    pub fn modal_ratios(&self) -> Option<(&[f64], f64)> {
+        (!self.damped_modes.is_empty()).then_some((&self.ratios.ratios, self.ratios.other))
+    }
+
+    pub(crate) fn with_damped_modes(
+        self,
+        mesh: Stack,
+        damping_rate: f64,
+        damped_modes: Vec<DampedMode>,
+        ratios: ModalRatios,
+    ) -> Self {
+        Self { mesh, damping_rate, damped_modes, ratios, ..self }
     }
 }
 

@@ -8,7 +8,7 @@ use asperity_dynamics::{
 };
 use asperity_law::{
     Constant, ContactDamping, ContactLaw, Exponential, Friction, GreenwoodWilliamson, Hyperbolic,
-    InSeries, ModifiedPower, Persson, Power, Tabulated,
+    InSeries, LawsInSeries, ModifiedPower, Persson, Power, SeriesContact, Tabulated,
 };
 use asperity_mesh::{Body, BodyDamping, Interface, Stack, Support};
 use asperity_structure::{Damping, PreloadedStructure, StructureError};
@@ -18,8 +18,8 @@ use crate::error::{BuildLawError, StudyError};
 use crate::laws::law_name;
 use asperity_scenario::{
     BodySpec, ContactDampingSpec, ContactScheme, DampingAmount, DampingSpec, ExcitationSpec,
-    ForceSamples, FrictionSpec, LawRef, LawSpec, Laws, MAX_SERIES_DEPTH, MethodSpec, ModalSpec,
-    Scenario, SectionSpec, SlipSpec, SupportSpec,
+    ForceSamples, FrictionSpec, LawRef, LawSpec, Laws, MAX_SERIES_DEPTH, MAX_SERIES_LAWS,
+    MethodSpec, ModalDampingSpec, ModalSpec, Scenario, SectionSpec, SlipSpec, SupportSpec,
 };
 
 /// A scenario turned into the objects that compute.
@@ -43,10 +43,15 @@ impl Assembly {
     /// # Errors
     /// [`StudyError`] when a part cannot be built or there is no static equilibrium.
     pub fn new(scenario: &Scenario, folder: &Path) -> Result<Self, StudyError> {
-        let (damping, internal) = body_damping(scenario.damping)?;
+        let (damping, internal) = body_damping(&scenario.damping)?;
         let stack = stack(scenario)?.with_body_damping(internal);
+        let mut structure = PreloadedStructure::new(stack, damping)?;
+        if let DampingSpec::Modal(ModalDampingSpec { ratios, other_ratio }) = &scenario.damping {
+            let other = other_ratio.or_else(|| ratios.last().copied()).unwrap_or_default();
+            structure = structure.with_modal_damping(ratios, other)?;
+        }
         Ok(Self {
-            structure: PreloadedStructure::new(stack, damping)?,
+            structure,
             excitation: excitation(&scenario.excitation, folder)?,
             sampling: Sampling::new(scenario.duration_s, scenario.output_rate_hz)?,
             method: integrator(scenario.method),
@@ -109,19 +114,21 @@ fn stack(scenario: &Scenario) -> Result<Stack, StudyError> {
 }
 
 /// The mass-proportional and the internal damping of the bodies.
-fn body_damping(spec: DampingSpec) -> Result<(Damping, BodyDamping), StudyError> {
-    let (mass, internal) = match spec {
+fn body_damping(spec: &DampingSpec) -> Result<(Damping, BodyDamping), StudyError> {
+    let (mass, internal) = match *spec {
         DampingSpec::MassProportional(DampingAmount::Ratio(ratio)) => {
             (Damping::Ratio(ratio), Ok(BodyDamping::NONE))
         }
         DampingSpec::MassProportional(DampingAmount::RatePerS(rate)) => {
             (Damping::Rate(rate), Ok(BodyDamping::NONE))
         }
-        DampingSpec::Rayleigh(rayleigh) => {
+        DampingSpec::Rayleigh(ref rayleigh) => {
             let (rate, time) = rayleigh.coefficients();
             (Damping::Rate(rate), BodyDamping::kelvin_voigt(time))
         }
         DampingSpec::LossFactor(factor) => (Damping::Rate(0.0), BodyDamping::loss_factor(factor)),
+        // Of linearised modes, once the structure is at rest.
+        DampingSpec::Modal(_) => (Damping::Rate(0.0), Ok(BodyDamping::NONE)),
     };
     Ok((mass, internal.map_err(StructureError::from)?))
 }
@@ -238,21 +245,56 @@ pub fn build_law(
             let points: Vec<_> = points.iter().map(|&[p, k]| (p, k)).collect();
             Arc::new(Tabulated::new(&points)?)
         }
-        LawSpec::InSeries { law, stiffness_pa_per_m } => {
-            // Layers in series are one layer, and a law in it is inverted by one iteration.
-            let (mut inner, mut layer) = (law, *stiffness_pa_per_m);
-            for _ in 0..MAX_SERIES_DEPTH {
-                let Some(LawSpec::InSeries { law, stiffness_pa_per_m }) = laws.resolve(inner)
-                else {
-                    break;
-                };
-                inner = law;
-                layer = 1.0 / (1.0 / layer + 1.0 / stiffness_pa_per_m);
+        LawSpec::InSeries { .. } => {
+            // Layers in series are one layer, and laws in it are inverted by one iteration.
+            let mut series = Series::default();
+            series.add(spec, laws, 0)?;
+            let build = |inner: &&LawRef| build_law(inner, laws, static_pressure);
+            let mut inner = series.laws.iter().map(build).collect::<Result<Vec<_>, _>>()?;
+            match (inner.len(), series.layer) {
+                (1, Some(layer)) => Arc::new(InSeries::new(inner.remove(0), layer)?),
+                (_, layer) => {
+                    let contacts = inner.into_iter().map(SeriesContact::new).collect();
+                    Arc::new(LawsInSeries::new(contacts, layer.map_or(0.0, f64::recip))?)
+                }
             }
-            let inner = build_law(inner, laws, static_pressure)?;
-            Arc::new(InSeries::new(inner, layer)?)
         }
     })
+}
+
+/// The laws in series of a law, those of nested series included, and all elastic layers as one.
+#[derive(Default)]
+struct Series<'a> {
+    laws: Vec<&'a LawRef>,
+    /// Stiffness of the layers \[Pa/m\].
+    layer: Option<f64>,
+}
+
+impl<'a> Series<'a> {
+    fn add(
+        &mut self,
+        spec: &'a LawSpec,
+        laws: &'a Laws,
+        depth: usize,
+    ) -> Result<(), BuildLawError> {
+        if depth == MAX_SERIES_DEPTH {
+            return Err(BuildLawError::SeriesTooDeep { most: MAX_SERIES_DEPTH });
+        }
+        if let LawSpec::InSeries { stiffness_pa_per_m: Some(stiffness), .. } = spec {
+            self.layer =
+                Some(self.layer.map_or(*stiffness, |layer| 1.0 / (1.0 / layer + 1.0 / stiffness)));
+        }
+        for inner in spec.inner_laws() {
+            match laws.resolve(inner) {
+                Some(nested @ LawSpec::InSeries { .. }) => self.add(nested, laws, depth + 1)?,
+                _ => self.laws.push(inner),
+            }
+            if self.laws.len() > MAX_SERIES_LAWS {
+                return Err(BuildLawError::TooManyInSeries { most: MAX_SERIES_LAWS });
+            }
+        }
+        Ok(())
+    }
 }
 
 /// The force that `spec` describes; sample files are looked for in `folder`.
@@ -299,7 +341,7 @@ mod tests {
         let power = LawSpec::Power { coefficient: 1.81e10, exponent: 0.35 };
         let in_series = |law: LawSpec, stiffness_pa_per_m| {
             let law = LawRef::InPlace(Box::new(law));
-            LawSpec::InSeries { law, stiffness_pa_per_m }
+            LawSpec::with_layer(law, stiffness_pa_per_m)
         };
         let nested = [4e12, 4e12, 2e12].into_iter().fold(power.clone(), in_series);
         let built = |law: LawSpec| {
@@ -307,5 +349,43 @@ mod tests {
             format!("{:?}", build_law(&law, &Laws::default(), 1e5).unwrap())
         };
         assert_eq!(built(nested), built(in_series(power, 1e12)));
+    }
+
+    /// Closures add at one pressure, whatever the nesting; two equal laws are half as stiff.
+    #[test]
+    fn laws_in_series_add_their_closures() {
+        let power = LawSpec::Power { coefficient: 1.81e10, exponent: 0.35 };
+        let constant = LawSpec::Constant { stiffness_pa_per_m: 8e11, unilateral: true };
+        let in_place = |law: &LawSpec| LawRef::InPlace(Box::new(law.clone()));
+        let series = |laws: &[&LawSpec], stiffness_pa_per_m: Option<f64>| {
+            let laws = laws.iter().map(|law| in_place(law)).collect();
+            LawSpec::InSeries { law: None, laws, stiffness_pa_per_m }
+        };
+        let built = |law: &LawSpec| build_law(&in_place(law), &Laws::default(), 1e5).unwrap();
+        let both = built(&series(&[&power, &constant], Some(4e12)));
+        let twice = built(&series(&[&power, &power], None));
+        let inner = series(&[&power, &constant], Some(8e12));
+        let nested = built(&series(&[&inner, &power], Some(8e12)));
+        let [one, other] = [built(&power), built(&constant)];
+        for pressure in [1e3, 1e5, 3e6] {
+            let closure = one.closure(pressure) + other.closure(pressure) + pressure / 4e12;
+            assert!((both.closure(pressure) / closure - 1.0).abs() < 1e-12);
+            let stiffness = twice.stiffness(pressure);
+            assert!((stiffness / one.stiffness(pressure) - 0.5).abs() < 1e-12);
+            let closure = closure + one.closure(pressure);
+            assert!((nested.closure(pressure) / closure - 1.0).abs() < 1e-12);
+        }
+    }
+
+    /// A law that refers to itself is refused without validation too.
+    #[test]
+    fn endless_series_are_refused() {
+        let named = || LawRef::Named("a".to_owned());
+        let law = |laws| LawSpec::InSeries { law: None, laws, stiffness_pa_per_m: None };
+        let laws = Laws::from_iter([("a".to_owned(), law(vec![named(), named()]))]);
+        let error = build_law(&named(), &laws, 1e5).unwrap_err();
+        assert!(error.to_string().contains("nested"), "{error}");
+        let error = build_law(&LawRef::InPlace(Box::new(law(vec![]))), &laws, 1e5).unwrap_err();
+        assert!(matches!(error, BuildLawError::Law(_)), "{error}");
     }
 }

@@ -142,6 +142,8 @@ impl StudyError {
                     | DynamicsError::TooLarge { .. }
                     | DynamicsError::Mesh(_)
                     | DynamicsError::ForceRecord { .. }
+                    | DynamicsError::LossFactor { .. }
+                    | DynamicsError::ModalDamping { .. }
             ),
             Self::Harmonic(error) => !matches!(
                 error,
@@ -169,6 +171,18 @@ pub enum BuildLawError {
         name: String,
         /// Names of the laws of the scenario.
         known: String,
+    },
+    /// Laws in series are nested too deep, or without end.
+    #[error("laws in series are nested more than {most} deep")]
+    SeriesTooDeep {
+        /// Most levels.
+        most: usize,
+    },
+    /// Too many laws are in series.
+    #[error("more than {most} laws are in series")]
+    TooManyInSeries {
+        /// Most laws.
+        most: usize,
     },
     /// The parameters do not make a law.
     #[error(transparent)]

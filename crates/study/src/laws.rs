@@ -100,10 +100,10 @@ fn highest_point(spec: &LawSpec, laws: &Laws) -> f64 {
     match spec {
         LawSpec::Table { points } => points.last().map_or(0.0, |point| point[0]),
         LawSpec::ModifiedPower { transition_pa, .. } => 2.0 * transition_pa,
-        LawSpec::InSeries { law, .. } => {
-            laws.resolve(law).map_or(0.0, |inner| highest_point(inner, laws))
+        _ => {
+            let inner = spec.inner_laws().filter_map(|inner| laws.resolve(inner));
+            inner.map(|inner| highest_point(inner, laws)).fold(0.0, f64::max)
         }
-        _ => 0.0,
     }
 }
 

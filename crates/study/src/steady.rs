@@ -100,8 +100,6 @@ pub struct SteadyLevel {
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum StabilityUnknown {
-    /// There is friction.
-    Friction,
     /// A mode is too fast to be integrated over a period.
     FastMode,
 }
@@ -190,7 +188,7 @@ pub fn steady_with_progress(
     let highest = request.from_hz.max(request.to_hz);
     let light = LightBodies::of(assembly, highest, request.bodies, evaluation)?.map(Arc::new);
     let choice = BodyChoice { elastic: &system, light: light.as_ref(), model: request.bodies };
-    let settings = settings(request, system.friction().is_some());
+    let settings = settings(request);
     let levels = request
         .amplitudes
         .par_iter()
@@ -259,8 +257,7 @@ fn check_work(interfaces: usize, request: &SteadyRequest) -> Result<(), Harmonic
     }
 }
 
-/// Stability is not computed with friction.
-fn settings(request: &SteadyRequest, friction: bool) -> HarmonicSettings {
+fn settings(request: &SteadyRequest) -> HarmonicSettings {
     let resolution = match request.harmonics {
         Some(harmonics) => FourierResolution::Fixed {
             harmonics,
@@ -269,7 +266,7 @@ fn settings(request: &SteadyRequest, friction: bool) -> HarmonicSettings {
         None => FourierResolution::Automatic { tolerance: TOLERANCE, most: MOST_HARMONICS },
     };
     let steps = StepControl { points: MOST_POINTS, ..StepControl::default() };
-    let stability = (!friction).then(Floquet::default);
+    let stability = Some(Floquet::default());
     HarmonicSettings { resolution, steps, stability, until_contact_lost: false }
 }
 
@@ -290,17 +287,12 @@ fn level(
     };
     let points = outcome.as_ref().map_or(&[][..], |branch| &branch.points);
     let unknown = points.iter().any(|point| point.stable().is_none());
-    let reason = if settings.stability.is_none() {
-        StabilityUnknown::Friction
-    } else {
-        StabilityUnknown::FastMode
-    };
     let mut level = SteadyLevel {
         force_n,
         outcome,
         condensed,
         check,
-        stability_unknown: unknown.then_some(reason),
+        stability_unknown: unknown.then_some(StabilityUnknown::FastMode),
         warnings: Vec::new(),
         wall_s,
     };

@@ -231,7 +231,7 @@ fn law(draw: &mut Draw, pressure: f64, stiffness: f64, depth: usize) -> LawSpec 
         _ => {
             let layer = rounded(stiffness * draw.log_uniform(0.5, 50.0));
             let inner = law(draw, pressure, stiffness, depth - 1);
-            LawSpec::InSeries { law: LawRef::InPlace(Box::new(inner)), stiffness_pa_per_m: layer }
+            LawSpec::with_layer(LawRef::InPlace(Box::new(inner)), layer)
         }
     }
 }

@@ -13,6 +13,7 @@ use super::friction_rows::with_guides_as_pairs;
 use super::simd::table_lookup::TableRow;
 use super::step_model::{InterpolationChoice, StepModel};
 use crate::DynamicsError;
+use crate::error::check_modal_damping;
 
 /// Largest error of a tabulated pressure, as a share of the static pressure: a hundredth of
 /// the error of the step at its default length.
@@ -82,8 +83,10 @@ impl ModalModel {
     /// A model of any structure in component modes.
     ///
     /// # Errors
-    /// [`DynamicsError::Setting`] for more than 16 contacts.
+    /// [`DynamicsError::Setting`] for more than 16 contacts, [`DynamicsError::ModalDamping`] for ratios
+    /// of modes.
     pub fn new(structure: PreloadedStructure<ComponentModes>) -> Result<Self, DynamicsError> {
+        check_modal_damping(&structure)?;
         let rows = with_guides_as_pairs(structure.component_modes());
         let count = structure.contacts().len() + structure.guides().len();
         if count > MOST_INTERFACES {

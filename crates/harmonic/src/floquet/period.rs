@@ -49,6 +49,32 @@ impl Period {
         &self.damping
     }
 
+    /// Samples the contacts along the closures' series at the angular frequency w \[rad/s\] in as many
+    /// steps as `steps` gives for the fastest rate \[rad/s\], w, and loss of contact, and puts the
+    /// residual flexibility in series; none where it gives none.
+    pub(super) fn resolve(
+        &mut self,
+        system: &ContactSystem,
+        variation: &mut VariationalEquation,
+        (closures, w): (&[f64], f64),
+        steps: impl Fn(f64, f64, bool) -> Option<usize>,
+    ) -> Option<()> {
+        // The steps of the motion before resolve most motions; they are counted again for this one.
+        self.sample(system, closures, w, self.steps.max(1));
+        let stiffest = self.stiffest();
+        let frequency = variation.highest_frequency(stiffest);
+        let damped = variation.highest_damping(self.strongest_damper(), stiffest);
+        let coupled =
+            system.is_damped() || variation.is_retarded() || !variation.dampers.is_empty();
+        let fastest = if coupled { frequency.max(damped) } else { frequency };
+        let steps = steps(fastest, w, self.contact_lost())?;
+        if steps != self.steps {
+            self.sample(system, closures, w, steps);
+        }
+        self.condense(variation);
+        Some(())
+    }
+
     /// Samples the tangents of the contacts along the closures' series at the angular frequency `w`
     /// \[rad/s\], and their dampers.
     pub(super) fn sample(

@@ -19,13 +19,31 @@ const MOST_RADIANS_PER_STEP: f64 = 2.0;
 /// and the order falls to about 1.5.
 const STEPS_WITH_LOSS: usize = 1024;
 
-/// The classical method of fourth order, `q'' = -(h + Phi^T C(t) Phi) q' - (W^2 + Phi^T K(t) Phi) q`, for all
-/// initial states at once: rows of displacements, then of velocities over w, a column per state.
+/// The classical method of fourth order,
+///
+/// ```text
+/// q'' = -(h + Phi^T C(t) Phi) q' - (W^2 + Phi^T K(t) Phi) q + Phi^T B(t) z,
+/// ```
+///
+/// for all initial states at once: rows of displacements, then of velocities over w, then of sliders z,
+/// which are constant in a step; a column per state.
 #[derive(Debug, Clone, Default)]
 pub(super) struct RungeKutta {
     closures: Vec<f64>,
     rates: Vec<f64>,
     forces: Vec<f64>,
+    slopes: Vec<f64>,
+    trial: Vec<f64>,
+    sum: Vec<f64>,
+}
+
+/// The forces of the pairs at a time: per closure K, per rate C, and per slider B, matrices by rows. C
+/// and B are empty where there are none.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Coefficients<'a> {
+    pub(super) stiffness: &'a [f64],
+    pub(super) damping: &'a [f64],
+    pub(super) sliders: &'a [f64],
 }
 
 /// Share of a step at which each stage is evaluated, and its half steps.
@@ -59,51 +77,74 @@ impl RungeKutta {
     ) -> Mat<f64> {
         let steps = period.steps();
         let (size, square) = (2 * variation.modes.len(), variation.interfaces().pow(2));
-        self.closures.resize(variation.interfaces() * size, 0.0);
-        self.forces.resize(variation.interfaces() * size, 0.0);
-        self.rates.resize(variation.interfaces() * size, 0.0);
         let step = std::f64::consts::TAU / (angular_frequency * steps as f64);
-        let mut states = vec![0.0; size * size];
-        for i in 0..size {
-            states[i * size + i] = 1.0;
-        }
-        let (mut slopes, mut trial) = (vec![0.0; size * size], states.clone());
-        let mut sum = states.clone();
+        let mut states = identity(size);
         for number in 0..steps {
-            for ((share, half_steps), weight) in STAGES.into_iter().zip(WEIGHTS) {
-                if share > 0.0 {
-                    for ((t, x), k) in trial.iter_mut().zip(&states).zip(&slopes) {
-                        *t = x + share * step * k;
-                    }
-                } else {
-                    trial.copy_from_slice(&states);
-                }
+            let at = [0, 1, 2].map(|half_steps| {
                 let place = (2 * number + half_steps) % (2 * steps);
-                let k = &period.stiffness()[place * square..(place + 1) * square];
-                let c = period.damping().get(place * square..(place + 1) * square);
-                self.slopes(variation, angular_frequency, (k, c), &trial, &mut slopes);
-                for (s, k) in sum.iter_mut().zip(&slopes) {
-                    *s += weight / 6.0 * step * k;
+                let range = place * square..(place + 1) * square;
+                Coefficients {
+                    stiffness: &period.stiffness()[range.clone()],
+                    damping: period.damping().get(range).unwrap_or(&[]),
+                    sliders: &[],
                 }
-            }
-            states.copy_from_slice(&sum);
+            });
+            self.advance(variation, (angular_frequency, step), at, &mut states);
         }
         Mat::from_fn(size, size, |row, column| states[row * size + column])
     }
 
-    /// Time derivatives of all states under the stiffness `k` and the damping `c`.
+    /// Advances all `states` by a `step` \[s\], under the coefficients at its start, middle and end;
+    /// velocities are divided by `scale` \[rad/s\].
+    pub(super) fn advance(
+        &mut self,
+        variation: &VariationalEquation,
+        (scale, step): (f64, f64),
+        at: [Coefficients<'_>; 3],
+        states: &mut [f64],
+    ) {
+        for all in [&mut self.slopes, &mut self.trial, &mut self.sum] {
+            all.resize(states.len(), 0.0);
+        }
+        let (mut slopes, mut trial) =
+            (std::mem::take(&mut self.slopes), std::mem::take(&mut self.trial));
+        self.sum.copy_from_slice(states);
+        for ((share, half_steps), weight) in STAGES.into_iter().zip(WEIGHTS) {
+            if share > 0.0 {
+                for ((t, x), k) in trial.iter_mut().zip(&*states).zip(&slopes) {
+                    *t = x + share * step * k;
+                }
+            } else {
+                trial.copy_from_slice(states);
+            }
+            self.slopes(variation, scale, at[half_steps], &trial, &mut slopes);
+            for (s, k) in self.sum.iter_mut().zip(&slopes) {
+                *s += weight / 6.0 * step * k;
+            }
+        }
+        states.copy_from_slice(&self.sum);
+        (self.slopes, self.trial) = (slopes, trial);
+    }
+
+    /// Time derivatives of all states under these coefficients.
     fn slopes(
         &mut self,
         variation: &VariationalEquation,
         scale: f64,
-        (k, c): (&[f64], Option<&[f64]>),
+        at: Coefficients<'_>,
         states: &[f64],
         slopes: &mut [f64],
     ) {
-        let (modes, size) = (variation.modes.len(), 2 * variation.modes.len());
-        let n = self.closures.len() / size;
-        let (q, v) = states.split_at(modes * size);
-        let (q_slopes, v_slopes) = slopes.split_at_mut(modes * size);
+        let (modes, n) = (variation.modes.len(), variation.interfaces());
+        let sliders = at.sliders.len() / n;
+        let size = states.len() / (2 * modes + sliders);
+        for all in [&mut self.closures, &mut self.rates, &mut self.forces] {
+            all.resize(n * size, 0.0);
+        }
+        let (q, rest) = states.split_at(modes * size);
+        let (v, z) = rest.split_at(modes * size);
+        slopes[2 * modes * size..].fill(0.0);
+        let (q_slopes, v_slopes) = slopes[..2 * modes * size].split_at_mut(modes * size);
         self.closures.fill(0.0);
         self.forces.fill(0.0);
         for (q, mode) in q.chunks_exact(size).zip(&variation.modes) {
@@ -111,21 +152,29 @@ impl RungeKutta {
                 add(closure, *phi, q);
             }
         }
-        for (force, k) in self.forces.chunks_exact_mut(size).zip(k.chunks_exact(n)) {
+        for (force, k) in self.forces.chunks_exact_mut(size).zip(at.stiffness.chunks_exact(n)) {
             for (closure, k) in self.closures.chunks_exact(size).zip(k) {
                 add(force, k / scale, closure);
             }
         }
-        if let Some(c) = c {
+        if !at.damping.is_empty() {
             self.rates.fill(0.0);
             for (v, mode) in v.chunks_exact(size).zip(&variation.modes) {
                 for (rate, phi) in self.rates.chunks_exact_mut(size).zip(&mode.closure) {
                     add(rate, *phi, v);
                 }
             }
-            for (force, c) in self.forces.chunks_exact_mut(size).zip(c.chunks_exact(n)) {
+            for (force, c) in self.forces.chunks_exact_mut(size).zip(at.damping.chunks_exact(n)) {
                 for (rate, c) in self.rates.chunks_exact(size).zip(c) {
                     add(force, *c, rate);
+                }
+            }
+        }
+        if sliders > 0 {
+            let rows = at.sliders.chunks_exact(sliders);
+            for (force, b) in self.forces.chunks_exact_mut(size).zip(rows) {
+                for (slider, b) in z.chunks_exact(size).zip(b) {
+                    add(force, -b / scale, slider);
                 }
             }
         }
@@ -141,10 +190,29 @@ impl RungeKutta {
                 add(v_slope, -phi, force);
             }
         }
+        for damper in &variation.dampers {
+            let rate = &mut self.forces[..size];
+            rate.fill(0.0);
+            for (v, share) in v.chunks_exact(size).zip(&damper.shape) {
+                add(rate, *share, v);
+            }
+            for (v_slope, share) in v_slopes.chunks_exact_mut(size).zip(&damper.shape) {
+                add(v_slope, -damper.excess * share, rate);
+            }
+        }
     }
 }
 
-fn add(to: &mut [f64], factor: f64, what: &[f64]) {
+/// The states that the columns of a monodromy matrix start from, by rows.
+pub(super) fn identity(size: usize) -> Vec<f64> {
+    let mut states = vec![0.0; size * size];
+    for i in 0..size {
+        states[i * size + i] = 1.0;
+    }
+    states
+}
+
+pub(super) fn add(to: &mut [f64], factor: f64, what: &[f64]) {
     for (t, w) in to.iter_mut().zip(what) {
         *t += factor * w;
     }

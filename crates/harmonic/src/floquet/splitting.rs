@@ -1,9 +1,12 @@
 //! The monodromy matrix by exact rotations and kicks.
 
-use faer::{Mat, Side};
+mod passes;
+
+use faer::Mat;
 
 use super::period::Period;
-use super::variational_equation::VariationalEquation;
+use super::variational_equation::{LinearisedModes, VariationalEquation};
+use passes::Passes;
 
 /// Radians of the fastest mode per kick. Multipliers of large motions are then off by 1e-5, rarely
 /// 1e-4; beyond about 0.8 the kicks may resonate with the modes.
@@ -42,19 +45,17 @@ pub(super) const PLACES: [f64; STAGES] = {
     places
 };
 
-/// States advanced together: columns of the monodromy matrix.
-const LANES: usize = 4;
-type Lanes = [f64; LANES];
-
 /// Splitting of `q'' + h q' + (w^2 + Phi^T dK(t) Phi) q = 0` in the modes of the linearised
 /// structure, `dK` being the change of the contacts' stiffness from that at rest.
 ///
 /// Each damped mode rotates exactly; the change of stiffness acts in kicks of the velocities. The
-/// determinant of the matrix is exact, `exp(-h T)` to the power of the number of modes, as kicks
-/// keep volumes. All modes need one damping rate h, else the rotations are coupled.
+/// determinant of the matrix is exact, `exp(-sum h T)` over the modes, as kicks keep volumes. All
+/// component modes need one damping rate, and linearised ones may have rates h of their own beside it:
+/// else the rotations are coupled.
 #[derive(Debug, Clone)]
 pub(super) struct Splitting {
-    damping_rate: f64,
+    /// Damping rate of each linearised mode [1/s].
+    damping_rates: Vec<f64>,
     /// Squares of the linearised frequencies [rad^2/s^2].
     squares: Vec<f64>,
     /// Velocities are divided by these rates [rad/s].
@@ -63,6 +64,8 @@ pub(super) struct Splitting {
     shapes: Vec<f64>,
     /// Stiffness at rest, residual flexibility in series, by rows.
     at_rest: Vec<f64>,
+    /// Share of the step of each kick.
+    weights: Vec<f64>,
     rotations: Vec<[f64; 4]>,
     kicks: Vec<f64>,
     changes: Vec<f64>,
@@ -80,30 +83,23 @@ impl Splitting {
         let (n, count) = (springs.len(), variation.modes.len());
         let mut at_rest = vec![0.0; n * n];
         variation.stiffness(|i| springs[i], &mut at_rest);
+        let LinearisedModes { squares, shapes: coordinates } = variation.linearised(springs)?;
         let modes = &variation.modes;
-        let coupling = |a: usize, b: usize| -> f64 {
-            let pair = |i: usize, j: usize| modes[a].closure[i] * modes[b].closure[j];
-            (0..n * n).map(|place| at_rest[place] * pair(place / n, place % n)).sum()
-        };
-        let matrix = Mat::from_fn(count, count, |a, b| {
-            let own = if a == b { modes[a].angular_frequency.powi(2) } else { 0.0 };
-            own + 0.5 * (coupling(a, b) + coupling(b, a))
-        });
-        let found = matrix.self_adjoint_eigen(Side::Lower).ok()?;
-        let (vectors, values) = (found.U(), found.S().column_vector());
-        let squares: Vec<f64> = (0..count).map(|r| values[r].max(0.0)).collect();
+        let excess = |r: usize| variation.dampers.get(r).map_or(0.0, |damper| damper.excess);
+        let damping_rates = (0..count).map(|r| first + excess(r)).collect();
         let largest = squares.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
         let scales = squares.iter().map(|square| square.max(1e-12 * largest).sqrt()).collect();
         let shape = |r: usize, i: usize| -> f64 {
-            (0..count).map(|mode| vectors[(mode, r)] * modes[mode].closure[i]).sum()
+            (0..count).map(|mode| coordinates[r][mode] * modes[mode].closure[i]).sum()
         };
         let shapes = (0..count * n).map(|place| shape(place / n, place % n)).collect();
         Some(Self {
-            damping_rate: first,
+            damping_rates,
             squares,
             scales,
             shapes,
             at_rest,
+            weights: Vec::new(),
             rotations: Vec::new(),
             kicks: Vec::new(),
             changes: Vec::new(),
@@ -123,39 +119,20 @@ impl Splitting {
 
     /// The monodromy matrix over a period sampled at the kicks.
     pub(super) fn monodromy(&mut self, period: &Period, w: f64) -> Mat<f64> {
-        let (count, n, steps) = (self.squares.len(), period.interfaces(), period.steps());
+        let steps = period.steps();
         let step = std::f64::consts::TAU / (w * steps as f64);
         self.prepare(period, step);
-        let size = 2 * count;
+        let size = 2 * self.squares.len();
         let mut matrix = Mat::zeros(size, size);
-        let (mut q, mut v) = (vec![[0.0; LANES]; count], vec![[0.0; LANES]; count]);
-        let mut closures = vec![[0.0; LANES]; n];
-        for block in (0..size).step_by(LANES) {
-            q.fill([0.0; LANES]);
-            v.fill([0.0; LANES]);
-            for (lane, column) in (block..size.min(block + LANES)).enumerate() {
-                let start = if column < count { &mut q[column] } else { &mut v[column - count] };
-                start[lane] = 1.0;
-            }
-            self.kick(0, KICKS[0], &q, &mut v, &mut closures);
-            for place in 1..=steps * STAGES {
-                let stage = place % STAGES;
-                let before = (place - 1) % STAGES;
-                self.rotate(before, &mut q, &mut v);
-                let weight = match stage {
-                    0 if place == steps * STAGES => KICKS[0],
-                    0 => 2.0 * KICKS[0],
-                    _ => KICKS[stage],
-                };
-                self.kick(place % (steps * STAGES), weight, &q, &mut v, &mut closures);
-            }
-            for (lane, column) in (block..size.min(block + LANES)).enumerate() {
-                for row in 0..count {
-                    matrix[(row, column)] = q[row][lane];
-                    matrix[(count + row, column)] = v[row][lane];
-                }
-            }
-        }
+        let passes = Passes {
+            interfaces: period.interfaces(),
+            weights: &self.weights,
+            rotations: &self.rotations,
+            shapes: &self.shapes,
+            kicks: &self.kicks,
+            changes: &self.changes,
+        };
+        passes.columns(&mut matrix);
         matrix
     }
 
@@ -163,10 +140,17 @@ impl Splitting {
     fn prepare(&mut self, period: &Period, step: f64) {
         self.rotations.clear();
         for share in ROTATIONS {
-            for (square, scale) in self.squares.iter().zip(&self.scales) {
-                self.rotations.push(rotation(*square, *scale, self.damping_rate, share * step));
+            let modes = self.squares.iter().zip(&self.scales).zip(&self.damping_rates);
+            for ((square, scale), rate) in modes {
+                self.rotations.push(rotation(*square, *scale, *rate, share * step));
             }
         }
+        let kicks = period.steps() * STAGES;
+        self.weights.clear();
+        self.weights.extend((0..=kicks).map(|place| match place % STAGES {
+            0 if place > 0 && place < kicks => 2.0 * KICKS[0],
+            stage => KICKS[stage],
+        }));
         let n = period.interfaces();
         self.kicks.clear();
         for (shape, scale) in self.shapes.chunks_exact(n).zip(&self.scales) {
@@ -176,81 +160,6 @@ impl Splitting {
         for stiffness in period.stiffness().chunks_exact(n * n) {
             self.changes.extend(stiffness.iter().zip(&self.at_rest).map(|(k, rest)| k - rest));
         }
-    }
-
-    #[inline]
-    fn rotate(&self, stage: usize, q: &mut [Lanes], v: &mut [Lanes]) {
-        let count = q.len();
-        let rotations = &self.rotations[stage * count..][..count];
-        for ((q, v), [a, b, c, d]) in q.iter_mut().zip(v).zip(rotations) {
-            for lane in 0..LANES {
-                let (x, y) = (q[lane], v[lane]);
-                q[lane] = a * x + b * y;
-                v[lane] = c * x + d * y;
-            }
-        }
-    }
-
-    /// `v -= weight Phi^T dK Phi q`, scaled, with the change of stiffness at `place`.
-    #[inline]
-    fn kick(
-        &self,
-        place: usize,
-        weight: f64,
-        q: &[Lanes],
-        v: &mut [Lanes],
-        closures: &mut [Lanes],
-    ) {
-        let n = closures.len();
-        let changes = &self.changes[place * n * n..][..n * n];
-        if let ([change], [_]) = (changes, &*closures) {
-            let mut closure = [0.0; LANES];
-            for (q, phi) in q.iter().zip(&self.shapes) {
-                add(&mut closure, *phi, q);
-            }
-            for (v, phi) in v.iter_mut().zip(&self.kicks) {
-                add(v, -weight * change * phi, &closure);
-            }
-        } else if let ([c00, c01, c10, c11], [_, _]) = (changes, &*closures) {
-            let (mut first, mut second) = ([0.0; LANES], [0.0; LANES]);
-            for (q, phi) in q.iter().zip(self.shapes.as_chunks::<2>().0) {
-                add(&mut first, phi[0], q);
-                add(&mut second, phi[1], q);
-            }
-            let mut forces = [[0.0; LANES]; 2];
-            for lane in 0..LANES {
-                forces[0][lane] = weight * (c00 * first[lane] + c01 * second[lane]);
-                forces[1][lane] = weight * (c10 * first[lane] + c11 * second[lane]);
-            }
-            for (v, phi) in v.iter_mut().zip(self.kicks.as_chunks::<2>().0) {
-                for lane in 0..LANES {
-                    v[lane] -= phi[0] * forces[0][lane] + phi[1] * forces[1][lane];
-                }
-            }
-        } else {
-            closures.fill([0.0; LANES]);
-            for (q, shape) in q.iter().zip(self.shapes.chunks_exact(n)) {
-                for (closure, phi) in closures.iter_mut().zip(shape) {
-                    add(closure, *phi, q);
-                }
-            }
-            for (i, row) in changes.chunks_exact(n).enumerate() {
-                let mut force = [0.0; LANES];
-                for (closure, change) in closures.iter().zip(row) {
-                    add(&mut force, weight * change, closure);
-                }
-                for (v, shape) in v.iter_mut().zip(self.kicks.chunks_exact(n)) {
-                    add(v, -shape[i], &force);
-                }
-            }
-        }
-    }
-}
-
-#[inline]
-fn add(to: &mut Lanes, factor: f64, what: &Lanes) {
-    for (t, w) in to.iter_mut().zip(what) {
-        *t += factor * w;
     }
 }
 

@@ -1,11 +1,14 @@
 //! The linear equation of small disturbances.
 
 use asperity_mesh::{ComponentModes, NormalMode, ResidualFlexibility};
+use asperity_structure::DampedMode;
+use faer::{Mat, Side};
 
 /// Frequency of an elastic mode, over the fastest motion on the contacts, beyond which it is static.
 const STATIC: f64 = 1e3;
 
-/// Modes with contact tangents that vary over the period.
+/// Modes with contact tangents that vary over the period. Displacements in guides with friction are
+/// closures after those of the contacts.
 #[derive(Debug, Clone)]
 pub(super) struct VariationalEquation {
     /// The modes, each with its total damping rate.
@@ -14,7 +17,27 @@ pub(super) struct VariationalEquation {
     /// Closures per rate of the contact forces, `sum c g g^T / w^4` of the damped modes that are static
     /// \[m s/N\], by rows; empty without them.
     retardation: Vec<f64>,
+    /// Linearised modes with a damping of their own, from the lowest on.
+    pub(super) dampers: Vec<ModeDamper>,
     matrix: Vec<f64>,
+}
+
+/// Damping of a linearised mode.
+#[derive(Debug, Clone)]
+pub(super) struct ModeDamper {
+    /// Damping rate beyond that of the others \[1/s\].
+    pub(super) excess: f64,
+    /// Coordinates of the mode in the component modes.
+    pub(super) shape: Vec<f64>,
+}
+
+/// Modes of the structure on springs in its contacts, from the lowest on.
+#[derive(Debug, Clone)]
+pub(super) struct LinearisedModes {
+    /// Squares of the frequencies \[rad^2/s^2\].
+    pub(super) squares: Vec<f64>,
+    /// Coordinates in the component modes, a row each.
+    pub(super) shapes: Vec<Vec<f64>>,
 }
 
 impl VariationalEquation {
@@ -22,24 +45,64 @@ impl VariationalEquation {
     /// stiffness is of the order of `springs` \[N/m\]. Elastic modes far above all others are static, and
     /// so are overdamped ones above all motions on the contacts; their damping remains.
     pub(super) fn new(modes: &ComponentModes, rate: f64, springs: &[f64]) -> Self {
-        let (n, residual) = (modes.interfaces(), modes.residual().clone());
+        let residual = with_guides(modes.residual(), modes.guides());
+        let n = residual.closure.len();
         let (retardation, matrix) = (Vec::new(), vec![0.0; 2 * n * n]);
-        let mut found = Self { modes: Vec::new(), residual, retardation, matrix };
+        let (modes_kept, dampers) = (Vec::new(), Vec::new());
+        let mut found = Self { modes: modes_kept, residual, retardation, dampers, matrix };
         let stiffest = springs.iter().copied().fold(0.0, f64::max);
         let on_contacts = |mode: &NormalMode| stiffest * square_of(&mode.closure);
         let fastest = modes.modes().iter().map(on_contacts).fold(0.0, f64::max).sqrt();
         for mode in modes.modes() {
+            let closure = [&mode.closure[..], &mode.guide].concat();
+            let mode = NormalMode { closure, guide: Vec::new(), ..mode.clone() };
             let w = mode.angular_frequency;
             let overdamped = w > fastest && mode.damping_rate > 2.0 * w;
             if mode.massless || overdamped || w > STATIC * fastest {
-                found.residual.add(mode);
-                found.add_retardation(mode);
+                found.residual.add(&mode);
+                found.add_retardation(&mode);
             } else {
                 let damping_rate = mode.total_damping(rate);
-                found.modes.push(NormalMode { damping_rate, mass_damped: false, ..mode.clone() });
+                found.modes.push(NormalMode { damping_rate, mass_damped: false, ..mode });
             }
         }
         found
+    }
+
+    /// Adds the damping of linearised modes, under contacts of the stiffness `springs` \[N/m\]; those
+    /// beyond the modes of the equation have none.
+    pub(super) fn add_dampers(&mut self, damped: &[DampedMode], rate: f64, springs: &[f64]) {
+        if damped.is_empty() {
+            return;
+        }
+        let Some(modes) = self.linearised(springs) else { return };
+        let damper = |(mode, shape): (&DampedMode, Vec<f64>)| ModeDamper {
+            excess: mode.damping_rate - rate,
+            shape,
+        };
+        self.dampers = damped.iter().zip(modes.shapes).map(damper).collect();
+    }
+
+    /// The modes under contacts of the stiffness `springs` \[N/m\], none in guides.
+    pub(super) fn linearised(&mut self, springs: &[f64]) -> Option<LinearisedModes> {
+        let (n, count) = (self.interfaces(), self.modes.len());
+        let mut at_rest = vec![0.0; n * n];
+        self.stiffness(|i| springs.get(i).copied().unwrap_or(0.0), &mut at_rest);
+        let modes = &self.modes;
+        let coupling = |a: usize, b: usize| -> f64 {
+            let pair = |i: usize, j: usize| modes[a].closure[i] * modes[b].closure[j];
+            (0..n * n).map(|place| at_rest[place] * pair(place / n, place % n)).sum()
+        };
+        let matrix = Mat::from_fn(count, count, |a, b| {
+            let own = if a == b { modes[a].angular_frequency.powi(2) } else { 0.0 };
+            own + 0.5 * (coupling(a, b) + coupling(b, a))
+        });
+        let found = matrix.self_adjoint_eigen(Side::Lower).ok()?;
+        let (vectors, values) = (found.U(), found.S().column_vector());
+        Some(LinearisedModes {
+            squares: (0..count).map(|r| values[r].max(0.0)).collect(),
+            shapes: (0..count).map(|r| (0..count).map(|j| vectors[(j, r)]).collect()).collect(),
+        })
     }
 
     fn add_retardation(&mut self, mode: &NormalMode) {
@@ -59,8 +122,19 @@ impl VariationalEquation {
         !self.retardation.is_empty()
     }
 
+    /// Number of pairs: interfaces, and after them guides with friction.
     pub(super) fn interfaces(&self) -> usize {
         self.residual.closure.len()
+    }
+
+    /// Closures of pair i per force at pair j, row i, of the modes left out \[m/N\].
+    pub(super) fn flexibility(&self) -> &[Vec<f64>] {
+        &self.residual.closure
+    }
+
+    /// Closures per rate of the forces of static modes \[m s/N\], by rows; empty without damped ones.
+    pub(super) fn retardation(&self) -> &[f64] {
+        &self.retardation
     }
 
     /// An upper estimate of the highest frequency [rad/s] with contact stiffnesses up to
@@ -83,7 +157,8 @@ impl VariationalEquation {
         let damper =
             damper + self.retardation.iter().step_by(n + 1).enumerate().map(retarded).sum::<f64>();
         let rate = |mode: &NormalMode| mode.damping_rate + damper * square_of(&mode.closure);
-        self.modes.iter().map(rate).fold(0.0, f64::max)
+        let excess = self.dampers.iter().map(|damper| damper.excess).fold(0.0, f64::max);
+        excess + self.modes.iter().map(rate).fold(0.0, f64::max)
     }
 
     /// Writes `A^T C_c A + K D K` for the contact dampers `C_c` \[N s/m\], by rows: A is the share of the
@@ -167,6 +242,16 @@ impl VariationalEquation {
             out[i * n..(i + 1) * n].copy_from_slice(&self.matrix[i * width + n..(i + 1) * width]);
         }
     }
+}
+
+/// The residual flexibility with rows for guides, in which modes left out do not move.
+fn with_guides(residual: &ResidualFlexibility, guides: usize) -> ResidualFlexibility {
+    let n = residual.closure.len() + guides;
+    let mut found = ResidualFlexibility::zero(n);
+    for (row, known) in found.closure.iter_mut().zip(&residual.closure) {
+        row[..known.len()].copy_from_slice(known);
+    }
+    found
 }
 
 fn square_of(shape: &[f64]) -> f64 {

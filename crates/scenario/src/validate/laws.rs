@@ -1,6 +1,6 @@
 //! Contact laws: references to existing laws, and increasing curves.
 
-use super::{MAX_SERIES_DEPTH, Node};
+use super::{MAX_SERIES_DEPTH, MAX_SERIES_LAWS, Node};
 use crate::diagnostic::{Diagnostic, MAX_FAULTS};
 use crate::fault::{Bound, Fault};
 use crate::suggest::nearest;
@@ -77,8 +77,13 @@ impl<'a> Checker<'a, '_> {
             }
             Some("persson") => self.wavevectors(law),
             Some("in_series") => {
-                if let Some(inner) = law.get("law") {
+                for inner in inner_laws(law) {
                     self.reference(&inner);
+                }
+                if law.get("law").is_some() && law.get("stiffness_pa_per_m").is_none() {
+                    let fault = Fault::MissingKey("stiffness_pa_per_m".to_owned());
+                    let accepted = "the stiffness of the layer in series with \"law\"; or two or more \"laws\"";
+                    self.found.push(Diagnostic::new(&law.at, fault, accepted));
                 }
             }
             _ => {}
@@ -201,41 +206,80 @@ impl<'a> Checker<'a, '_> {
 
     /// Follows laws in series inwards from `start`: a reference, or the law named `own` in "laws".
     fn series(&mut self, start: &Node<'a>, own: Option<&'a str>) {
-        let mut chain: Vec<&str> = own.into_iter().collect();
-        let mut law = start.clone();
-        for _ in 0..=MAX_SERIES_DEPTH {
-            if let Some(name) = law.value.as_str() {
-                let first = chain.iter().position(|known| *known == name);
-                chain.push(name);
-                if let Some(first) = first {
-                    // One report for each cycle, at its first law in alphabetical order.
-                    if first == 0 && own == chain.iter().copied().min() {
-                        let chain = chain.into_iter().map(str::to_owned).collect();
-                        let fault = Fault::CyclicLaw(chain);
-                        let accepted = "a law that does not refer back to this one";
-                        let at = start.at.child("law");
-                        self.found.push(Diagnostic::new(&at, fault, accepted));
-                    }
-                    return;
-                }
-                match self.named(name) {
-                    Some(named) => law = named,
-                    None => return,
-                }
+        let (mut chain, mut count): (Vec<&str>, _) = (own.into_iter().collect(), 0);
+        let Err((at, fault, accepted)) = self.follow(start, own, &mut chain, 0, &mut count) else {
+            return;
+        };
+        if let Some(fault) = fault {
+            let at = at.map_or_else(|| start.at.clone(), |key| start.at.child(key));
+            self.found.push(Diagnostic::new(&at, fault, accepted));
+        }
+    }
+
+    /// Follows one law at a `depth` of series, reached along the `chain` of names, and counts the laws
+    /// that are in series.
+    ///
+    /// # Errors
+    /// The key of the start, the fault and what is accepted; without a fault for a cycle that is
+    /// reported elsewhere.
+    fn follow(
+        &self,
+        law: &Node<'a>,
+        own: Option<&'a str>,
+        chain: &mut Vec<&'a str>,
+        depth: usize,
+        count: &mut usize,
+    ) -> Result<(), (Option<&'static str>, Option<Fault>, String)> {
+        let mut law = law.clone();
+        let names = chain.len();
+        if let Some(name) = law.value.as_str() {
+            let first = chain.iter().position(|known| *known == name);
+            chain.push(name);
+            if let Some(first) = first {
+                // One report for each cycle, at its first law in alphabetical order.
+                let here = first == 0 && own == chain.iter().copied().min();
+                let cycle =
+                    || Fault::CyclicLaw(chain.iter().map(|&name| name.to_owned()).collect());
+                let accepted = "a law that does not refer back to this one".to_owned();
+                let outer = own.and_then(|own| self.named(own));
+                let several = outer.is_some_and(|law| law.get("laws").is_some());
+                let key = if several { "laws" } else { "law" };
+                return Err((Some(key), here.then(cycle), accepted));
             }
-            match (law.text("kind"), law.get("law")) {
-                (Some("in_series"), Some(inner)) => law = inner,
-                _ => return,
+            match self.named(name) {
+                Some(named) => law = named,
+                None => return Ok(()),
             }
         }
-        let max = MAX_SERIES_DEPTH;
-        let accepted = format!("at most {max} nested laws in series");
-        self.found.push(Diagnostic::new(&start.at, Fault::LawTooDeep(max), accepted));
+        if law.text("kind") == Some("in_series") {
+            if depth == MAX_SERIES_DEPTH {
+                let accepted = format!("at most {depth} nested laws in series");
+                return Err((None, Some(Fault::LawTooDeep(depth)), accepted));
+            }
+            for inner in inner_laws(&law) {
+                self.follow(&inner, own, chain, depth + 1, count)?;
+            }
+        } else {
+            *count += 1;
+            if *count > MAX_SERIES_LAWS {
+                let fault = Fault::TooManyInSeries(MAX_SERIES_LAWS);
+                let accepted =
+                    format!("at most {MAX_SERIES_LAWS}, those of nested series included");
+                return Err((None, Some(fault), accepted));
+            }
+        }
+        chain.truncate(names);
+        Ok(())
     }
 
     fn named(&self, name: &str) -> Option<Node<'a>> {
         self.laws.as_ref()?.get(name)
     }
+}
+
+/// The laws inside a law in series.
+fn inner_laws<'a>(law: &Node<'a>) -> Vec<Node<'a>> {
+    law.get("law").into_iter().chain(law.items("laws")).collect()
 }
 
 /// Row [pressure, stiffness] and its place.

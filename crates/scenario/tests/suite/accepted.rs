@@ -7,8 +7,9 @@ use std::sync::LazyLock;
 
 use asperity_scenario::{
     ContactScheme, DampingAmount, DampingSpec, Document, DocumentError, ExcitationSpec,
-    FiniteDifferenceSpec, ForceSamples, LawRef, LawSpec, MethodSpec, ModalSpec, RayleighSpec,
-    Scenario, SectionSpec, SupportSpec, SyntaxFault, check_schema, scenario_schema, validate,
+    FiniteDifferenceSpec, ForceSamples, LawRef, LawSpec, MethodSpec, ModalDampingSpec, ModalSpec,
+    RayleighSpec, Scenario, SectionSpec, SupportSpec, SyntaxFault, check_schema, scenario_schema,
+    validate,
 };
 use proptest::prelude::*;
 use serde_json::{Value, json};
@@ -370,6 +371,18 @@ fn body_damping_is_read_and_written_in_every_form() {
     assert_eq!(found, coefficients(0.0, 2e-6));
     let found = read(r#"{"kind": "loss_factor", "loss_factor": 0.02}"#).unwrap();
     assert_eq!(found, DampingSpec::LossFactor(0.02));
+    let modal = |ratios: &[f64], other_ratio| {
+        DampingSpec::Modal(ModalDampingSpec { ratios: ratios.to_vec(), other_ratio })
+    };
+    let found = read(r#"{"kind": "modal", "ratios": [0.03, 0.01], "other_ratio": 0.02}"#).unwrap();
+    assert_eq!(found, modal(&[0.03, 0.01], Some(0.02)));
+    let found = read(r#"{"kind": "modal", "ratios": [0.03]}"#).unwrap();
+    assert_eq!(found, modal(&[0.03], None));
+    for refused in [r#"{"kind": "modal", "ratios": []}"#, r#"{"kind": "modal", "ratios": [-0.1]}"#]
+    {
+        let error = read(refused).unwrap_err().to_string();
+        assert!(error.contains("/damping/ratios"), "{error}");
+    }
     for [[f1, zeta1], [f2, zeta2]] in [
         [[800.0, 0.02], [11_000.0, 0.03]],
         [[11_000.0, 0.03], [800.0, 0.02]],
@@ -410,5 +423,41 @@ fn body_damping_is_read_and_written_in_every_form() {
         r#"{"kind": "loss_factor"}"#,
     ] {
         assert!(place(bad).contains("/damping"), "{bad}");
+    }
+}
+
+/// One law with a layer, and any number of laws with or without one; what is neither is refused at its
+/// place.
+#[test]
+fn laws_in_series_are_read_in_both_forms() {
+    let read = |laws: &[(&str, &str)]| {
+        let mut document = rig();
+        for (pointer, law) in laws {
+            document.set(pointer, law).unwrap();
+        }
+        document.scenario()
+    };
+    let both = r#"{"kind": "in_series", "laws": ["pl", {"kind": "constant", "stiffness_pa_per_m": 1e12}]}"#;
+    let scenario = read(&[("/laws/modified", both)]).unwrap();
+    let law = scenario.laws.get("modified").unwrap();
+    assert_eq!(law.inner_laws().count(), 2);
+    let written = serde_json::to_value(&scenario).unwrap();
+    assert_eq!(serde_json::from_value::<Scenario>(written).unwrap(), scenario);
+    let layered = r#"{"kind": "in_series", "law": "pl", "stiffness_pa_per_m": 1e12}"#;
+    let scenario = read(&[("/laws/modified", layered)]).unwrap();
+    let named = LawRef::Named("pl".to_owned());
+    assert_eq!(scenario.laws.get("modified"), Some(&LawSpec::with_layer(named, 1e12)));
+    let many = vec!["\"pl\""; 101].join(", ");
+    let many = format!(r#"{{"kind": "in_series", "laws": [{many}]}}"#);
+    for (law, place, words) in [
+        (r#"{"kind": "in_series", "law": "pl"}"#, "/laws/modified", "stiffness_pa_per_m"),
+        (r#"{"kind": "in_series", "laws": ["pl"]}"#, "/laws/modified/laws", "item"),
+        (r#"{"kind": "in_series", "stiffness_pa_per_m": 1e12}"#, "/laws/modified", "neither"),
+        (r#"{"kind": "in_series", "laws": ["pl", "none"]}"#, "/laws/modified/laws/1", "none"),
+        (r#"{"kind": "in_series", "laws": ["pl", "modified"]}"#, "/laws/modified/laws", "itself"),
+        (&many, "/laws/modified", "more than 100 laws"),
+    ] {
+        let error = read(&[("/laws/modified", law)]).unwrap_err().to_string();
+        assert!(error.contains(place) && error.contains(words), "{law}: {error}");
     }
 }

@@ -50,6 +50,10 @@ impl Response {
     pub(super) fn loses_contact(&self) -> bool {
         contact_is_lost(&self.record.contacts)
     }
+
+    fn has_friction(&self) -> bool {
+        self.hit.model.preloaded().friction().is_some()
+    }
 }
 
 /// True if any of some contacts is lost for a time.
@@ -222,9 +226,10 @@ impl<'a> Task<'a> {
             // The error of the finer one may be the larger.
             return ErrorEstimate::unknown(&fine.observables, self.accuracy());
         }
-        // Of second order while contact holds, of first where it is lost.
-        let lost = fine.loses_contact() || other.loses_contact();
-        let divisor = match (self.compares_with_half(), lost) {
+        // Of second order while contact holds; of first where it is lost, or where friction begins to
+        // slip.
+        let kinks = fine.loses_contact() || other.loses_contact() || fine.has_friction();
+        let divisor = match (self.compares_with_half(), kinks) {
             (false, false) => 3.0,
             (false, true) => 1.0,
             (true, false) => 0.75,
@@ -233,13 +238,14 @@ impl<'a> Task<'a> {
         ErrorEstimate::new(&fine.observables, &other.observables, divisor, self.accuracy())
     }
 
-    /// Errors by the truncation of modes, of third order in their number.
+    /// Errors by the truncation of modes, of third order in their number; with loss of contact or
+    /// friction of no certain order, the whole difference.
     fn truncation_errors(&self, fine: &Response) -> ErrorEstimate {
         match &self.fewer {
             None => ErrorEstimate::of_share(&fine.observables, 0.0, self.accuracy()),
             Some(Ok(fewer)) => {
-                let lost = fewer.loses_contact() || fine.loses_contact();
-                let divisor = if lost { 1.0 } else { 3.0 };
+                let kinks = fewer.loses_contact() || fine.loses_contact() || fine.has_friction();
+                let divisor = if kinks { 1.0 } else { 3.0 };
                 ErrorEstimate::new(&fine.observables, &fewer.observables, divisor, self.accuracy())
             }
             Some(Err(_)) => ErrorEstimate::unknown(&fine.observables, self.accuracy()),
