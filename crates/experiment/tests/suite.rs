@@ -128,9 +128,9 @@ fn trigger_level_and_hit_length_are_found() {
     let numbers: Vec<usize> = found.report.hits.iter().map(|hit| hit.index).collect();
     assert_eq!(numbers, (1..=12).collect::<Vec<_>>());
     assert_eq!(found.report.hits[6].record, 1, "records count in each file");
-    assert_eq!(found.hits_csv().lines().count(), 13);
+    assert_eq!(found.hits_table().to_csv().lines().count(), 13);
     let points: usize = found.backbones.iter().map(|backbone| backbone.points.len()).sum();
-    assert_eq!(found.backbone_csv().lines().count(), points + 1);
+    assert_eq!(found.backbone_table().to_csv().lines().count(), points + 1);
     // Amplitudes are displacements: a pulse of 10 N and 2 ms moves 1 kg at 300 Hz by less than its
     // impulse over mass and angular frequency.
     let most = 10.0 * 2e-3 * 2.0 / PI / (TAU * 300.0);
@@ -282,7 +282,7 @@ fn the_modal_table_of_several_responses_is_exact() {
             assert_eq!(at.hits, 3);
         }
     }
-    assert_eq!(found.modes_csv().lines().count(), 10);
+    assert_eq!(found.modes_table().to_csv().lines().count(), 10);
     // An average and three hits each.
     assert_eq!(found.frf_record(false).channels.len(), 12);
     let nodes: Vec<i64> = found.frf_record(false).channels[4..9]
