@@ -49,7 +49,7 @@ mod _asperity {
     #[pymodule_export]
     use crate::identify::identify;
     #[pymodule_export]
-    use crate::measurement::{even_rate, read};
+    use crate::measurement::{even_rate, read, write};
     #[pymodule_export]
     use crate::scenario::{PyScenario, restore_scenario};
     #[pymodule_export]

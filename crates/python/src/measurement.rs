@@ -11,6 +11,7 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 
+use crate::signal::not_accepted;
 use crate::{background, exception};
 
 /// Name of records in memory, where results and messages name files.
@@ -49,15 +50,19 @@ impl Sources<'_> {
                 Ok(files.into_iter().map(Into::into).collect())
             }
             Self::Records(records) => {
-                let record = |channels: Vec<ArrayChannel<'_>>| {
-                    let channels = channels.into_iter().map(ArrayChannel::into_channel);
-                    Ok(Record { channels: channels.collect::<PyResult<_>>()?, ..Record::default() })
-                };
-                let records = records.into_iter().map(record).collect::<PyResult<_>>()?;
+                let records = into_records(records)?;
                 Ok(vec![MeasurementSource::Records { name: IN_MEMORY.into(), records }])
             }
         }
     }
+}
+
+fn into_records(records: Vec<Vec<ArrayChannel<'_>>>) -> PyResult<Vec<Record>> {
+    let record = |channels: Vec<ArrayChannel<'_>>| {
+        let channels = channels.into_iter().map(ArrayChannel::into_channel);
+        Ok(Record { channels: channels.collect::<PyResult<_>>()?, ..Record::default() })
+    };
+    records.into_iter().map(record).collect()
 }
 
 impl ArrayChannel<'_> {
@@ -179,6 +184,38 @@ pub(crate) fn read<'py>(
         }
     }
     Ok((list, notices))
+}
+
+/// Writes records to a file, in the format of its name or in `format`.
+#[pyfunction]
+pub(crate) fn write(
+    py: Python<'_>,
+    path: PathBuf,
+    records: Vec<Vec<ArrayChannel<'_>>>,
+    format: Option<&str>,
+    title: String,
+    overwrite: bool,
+) -> PyResult<()> {
+    const ACCEPTED: [(&str, Format); 4] = [
+        ("uff", Format::UniversalBinary),
+        ("uff-ascii", Format::UniversalText),
+        ("csv", Format::Text),
+        ("npz", Format::Npz),
+    ];
+    let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
+    let found = match format {
+        Some(name) => ACCEPTED.iter().find(|(known, _)| *known == name).map(|(_, format)| *format),
+        None => extension.as_deref().and_then(Format::of_extension),
+    };
+    let Some(format) = found else {
+        let name = format.map_or_else(|| path.display().to_string(), str::to_owned);
+        let accepted = ACCEPTED.map(|(name, _)| name);
+        return Err(not_accepted("format", &name, &accepted));
+    };
+    let records = into_records(records)?;
+    let options = WriteOptions { title, replace: overwrite, ..WriteOptions::default() };
+    let written = py.detach(|| asperity_measure::write(&path, &records, format, &options));
+    written.map_err(|error| exception::of_measure(&error))
 }
 
 /// A channel with the keys of SEP005; `None` for one that is not real or not over time.

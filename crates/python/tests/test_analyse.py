@@ -236,6 +236,33 @@ def test_channels_are_those_of_sep005(signals: tuple[Any, Any], file: Path) -> N
     assert displacement["fs"] == 1000.0 and displacement["time"][0] == 0.5
 
 
+@pytest.mark.parametrize("name", ["a.uff", "a.unv", "a.csv", "a.npz", "ascii"])
+def test_files_that_are_written_read_back(
+    name: str, signals: tuple[Any, Any], tmp_path: Path
+) -> None:
+    force, acceleration = (signal[:1000] for signal in signals)
+    channels = hammer.sep005(("hammer", "N", force), ("top", "m/s^2", acceleration))
+    path = tmp_path / name
+    asperity.write(path, channels, format="uff-ascii" if name == "ascii" else None, title="a test")
+    (read,) = asperity.read(path)
+    # Dataset 58 has 12 digits.
+    tolerance = 1e-11 if name == "ascii" else 0.0
+    for channel, expected in zip(read, channels, strict=True):
+        assert (channel["name"], channel["fs"]) == (expected["name"], hammer.RATE)
+        np.testing.assert_allclose(channel["data"], expected["data"], rtol=tolerance)
+    with pytest.raises(ValueError, match="exists"):
+        asperity.write(path, channels, format="uff")
+    asperity.write(path, [force], sample_rate_hz=hammer.RATE, format="npz", overwrite=True)
+    with pytest.raises(ValueError, match="uff-ascii"):
+        asperity.write(tmp_path / "a.docx", channels)
+    with pytest.raises(ValueError, match="wav|format"):
+        asperity.write(tmp_path / "a.wav", channels)
+    with pytest.raises(TypeError, match="path"):
+        asperity.write(tmp_path / "b.uff", path)
+    with pytest.raises(OSError):
+        asperity.write(tmp_path / "none" / "b.uff", channels)
+
+
 def test_units_and_notices_of_a_file(tmp_path: Path) -> None:
     file = hammer.write(tmp_path / "a.npz", ("x [mm]", np.arange(4.0)), ("y", np.arange(4.0)))
     with pytest.warns(UserWarning, match="no unit"):

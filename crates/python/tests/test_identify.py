@@ -97,8 +97,8 @@ def test_the_law_is_found_and_used(problem: dict[str, Any]) -> None:
         assert low < true < high
         assert estimate["value"] == pytest.approx(true, rel=1e-2)
     band = found.law_band
-    true = COEFFICIENT * band["pressure_pa"] ** EXPONENT
-    assert np.all((band["lower_pa_per_m"] < true) & (true < band["upper_pa_per_m"]))
+    law = COEFFICIENT * band["pressure_pa"] ** EXPONENT
+    assert np.all((band["lower_pa_per_m"] < law) & (law < band["upper_pa_per_m"]))
     assert band["informed"].dtype == np.bool_
     assert found.law is not None and found.law["kind"] == "power"
     scenario = asperity.Scenario(rig()).with_({"/laws/pl": found.law})

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -282,7 +283,7 @@ def test_arrays_that_hold_no_samples_are_errors_in_words(
     samples: Any, error: type[Exception], words: str
 ) -> None:
     good = np.ones(40)
-    calls = [
+    calls: list[Callable[[], object]] = [
         lambda: signal.find_hits(samples, (), 100.0),
         lambda: signal.quality_issues(samples, good, 100.0),
         lambda: signal.pulse(samples, 100.0),
@@ -304,7 +305,7 @@ def test_arrays_that_hold_no_samples_are_errors_in_words(
 @pytest.mark.parametrize("rate", [0.0, -1.0, np.nan, np.inf])
 def test_rates_that_are_none_are_errors(rate: float) -> None:
     good = np.sin(np.arange(400.0))
-    for call in (
+    calls: list[Callable[[], object]] = [
         lambda: signal.find_hits(good, (), rate),
         lambda: signal.quality_issues(good, good, rate),
         lambda: signal.pulse(good, rate),
@@ -314,7 +315,8 @@ def test_rates_that_are_none_are_errors(rate: float) -> None:
         lambda: signal.backbone(good, rate, (5.0, 10.0)),
         lambda: signal.ForceWindow(0.0, 1.0).apply(good, rate),
         lambda: signal.ExponentialWindow(1.0).apply(good, rate),
-    ):
+    ]
+    for call in calls:
         with pytest.raises(ValueError, match="positive|above|accepted"):
             call()
 
@@ -323,7 +325,7 @@ def test_options_out_of_range_are_errors_in_words() -> None:
     good = np.sin(np.arange(400.0))
     response = signal.FrequencyResponse(good, good, 100.0)
     average = signal.FrfAverage(400, 100.0)
-    for call, error, words in [
+    calls: list[tuple[Callable[[], object], type[Exception], str]] = [
         (lambda: signal.FrfAverage(0, 100.0), ValueError, "no samples"),
         (lambda: signal.FrfAverage(-1, 100.0), ValueError, "0 and above"),
         (lambda: signal.FrfAverage(2**60, 100.0), ValueError, "at most"),
@@ -359,7 +361,8 @@ def test_options_out_of_range_are_errors_in_words() -> None:
         (lambda: signal.find_hits(good, (), 100.0, length_s=0), ValueError, "longer"),
         (lambda: signal.find_hits(good, (), 100.0, hold_off_s=0), ValueError, "longer"),
         (lambda: signal.ForceWindow.around(np.zeros(10), 100.0), ValueError, "no pulse"),
-    ]:
+    ]
+    for call, error, words in calls:
         with pytest.raises(error, match=words):
             call()
     assert average.averages == 0

@@ -14,7 +14,7 @@ from . import signal
 from ._analyse import Analysis, DecayAnalysis, ResponseAnalysis, analyse, decay
 from ._asperity import ComputationError, Scenario, ScenarioError, __version__
 from ._identify import Identification, identify
-from ._measurement import read, to_sep005
+from ._measurement import read, to_sep005, write
 from ._simulate import Simulation, simulate
 from ._table import Table
 
@@ -36,4 +36,5 @@ __all__ = [
     "signal",
     "simulate",
     "to_sep005",
+    "write",
 ]

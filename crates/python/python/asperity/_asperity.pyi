@@ -34,6 +34,7 @@ __all__ = [
     "restore_scenario",
     "simulate",
     "until_noise",
+    "write",
 ]
 __version__: str
 
@@ -83,6 +84,13 @@ def read(
     si: bool,
     progress: _Progress,
 ) -> tuple[list[list[dict[str, Any]]], list[str]]: ...
+def write(
+    path: str | os.PathLike[str],
+    records: list[list[dict[str, Any]]],
+    format: str | None,
+    title: str,
+    overwrite: bool,
+) -> None: ...
 def even_rate(time_s: _Floats) -> float | None: ...
 def analyse(
     sources: _Sources,

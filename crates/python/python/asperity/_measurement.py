@@ -202,9 +202,10 @@ def read(
     ValueError
         If its content or an option is not valid.
     """
-    if not _is_path(paths) and not (_is_sequence(paths) and all(map(_is_path, paths))):
-        raise TypeError(f"paths is {type(paths)}; accepted: a path or several")
-    listed = [os.fspath(path) for path in ([paths] if _is_path(paths) else paths)]  # type: ignore[union-attr, arg-type, list-item]
+    separate: list[Any] = [paths] if _is_path(paths) else list(paths)  # type: ignore[arg-type]
+    if not all(map(_is_path, separate)):
+        raise TypeError(f"paths is {paths!r}; accepted: a path or several")
+    listed = [os.fspath(path) for path in separate]
     rate = None if sample_rate_hz is None else _arrays.number("sample_rate_hz", sample_rate_hz)
     records, notices = _asperity.read(
         listed,
@@ -218,6 +219,47 @@ def read(
     for notice in notices:
         warnings.warn(notice, stacklevel=2)
     return records
+
+
+def write(
+    path: Path,
+    source: Any,
+    *,
+    sample_rate_hz: float | None = None,
+    sample_axis: str | None = None,
+    format: str | None = None,
+    title: str = "",
+    overwrite: bool = False,
+) -> None:
+    """Write measurements to a file that other programs read.
+
+    Parameters
+    ----------
+    path : str or os.PathLike
+        File to write; it appears complete or not at all.
+    source : array, SEP005 channels, or several of them
+        As for `analyse`, but for paths.
+    sample_rate_hz, sample_axis : optional
+        As for `analyse`.
+    format : {"uff", "uff-ascii", "csv", "npz"}, optional
+        Universal file (dataset 58b or 58), text, or arrays of NumPy; by default that of the name.
+    title : str
+        Title of the measurement, for universal files.
+    overwrite : bool
+        Replace an existing file.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If `source` is none of the above, the format cannot hold it, or the file exists.
+    OSError
+        If the file cannot be written.
+    """
+    records = sources(source, sample_rate_hz, sample_axis)
+    if any(isinstance(record, str) for record in records):
+        raise TypeError(f"measurements to write cannot be a path; {_ACCEPTED}")
+    channels = [record for record in records if isinstance(record, list)]
+    _asperity.write(os.fspath(path), channels, format, title, bool(overwrite))
 
 
 #: Endings of column names, and their units.

@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import Any, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -53,14 +54,13 @@ _Complex = NDArray[np.complex128]
 
 def _responses(value: ArrayLike | Sequence[ArrayLike], samples: int) -> list[_Floats]:
     """One or several responses, each as long as the force."""
-    array_like: list[ArrayLike]
     if isinstance(value, np.ndarray):
-        array_like = list(value) if value.ndim == 2 else [value]
+        separate: list[Any] = list(value) if value.ndim == 2 else [value]
     else:
         listed = list(value)  # type: ignore[arg-type]
-        single = bool(listed) and all(np.isscalar(item) for item in listed)
-        array_like = [listed] if single else listed
-    found = [_arrays.real("a response", one) for one in array_like]
+        is_one = bool(listed) and all(np.isscalar(item) for item in listed)
+        separate = [listed] if is_one else listed
+    found = [_arrays.real("a response", one) for one in separate]
     for one in found:
         if len(one) != samples:
             raise ValueError(
@@ -124,7 +124,11 @@ class Hits(Sequence[Hit]):
     noise_n: float
     largest_n: float
 
-    def __getitem__(self, index):  # type: ignore[no-untyped-def]
+    @overload
+    def __getitem__(self, index: int) -> Hit: ...
+    @overload
+    def __getitem__(self, index: slice) -> tuple[Hit, ...]: ...
+    def __getitem__(self, index: int | slice) -> Hit | tuple[Hit, ...]:
         return self._hits[index]
 
     def __len__(self) -> int:
