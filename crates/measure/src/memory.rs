@@ -66,3 +66,61 @@ fn part(channel: &Channel, begin: usize, end: usize) -> Channel {
         origin: channel.origin.clone(),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{ChannelQuantity, ChannelUnit, Complex64, Origin};
+
+    fn channel(abscissa: Abscissa, samples: Samples) -> Channel {
+        Channel {
+            name: "a".to_owned(),
+            quantity: ChannelQuantity::Unknown,
+            unit: ChannelUnit::Missing,
+            abscissa,
+            samples,
+            origin: Origin::default(),
+        }
+    }
+
+    /// Blocks have their own part of samples and axis, also of channels of other lengths; each record
+    /// begins anew.
+    #[test]
+    fn blocks_join_to_the_records() {
+        let time = ChannelQuantity::Time;
+        let values = vec![0.0, 1.0, 3.0, 4.0];
+        let uneven = Abscissa::Uneven { values: values.clone(), quantity: time };
+        let complex = values.iter().map(|x| Complex64::new(*x, 1.0)).collect();
+        let channels = vec![
+            channel(Abscissa::even_time(5.0, 10.0), Samples::Real(vec![1.0, 2.0, 3.0, 4.0, 5.0])),
+            channel(uneven, Samples::Complex(complex)),
+        ];
+        let record = Record { channels, title: "t".to_owned(), ..Record::default() };
+        let all = [record.clone(), record.clone()];
+        for block in [1, 2, 3, 5, usize::MAX] {
+            let mut source = MemoryRecords::new(&all, block);
+            let mut parts: Vec<Record> = Vec::new();
+            while let Some(part) = source.next_record(&mut Notices::default()).unwrap() {
+                parts.push(part);
+            }
+            assert_eq!(parts.iter().filter(|part| !part.continues).count(), 2);
+            let first: Vec<&Record> = parts[..parts.len() / 2].iter().collect();
+            let joined: Vec<f64> = first
+                .iter()
+                .flat_map(|part| part.channels[0].samples.real().unwrap())
+                .copied()
+                .collect();
+            assert_eq!(record.channels[0].samples.real(), Some(&joined[..]));
+            let begins: Vec<f64> =
+                first.iter().map(|part| part.channels[0].abscissa.at(0).unwrap()).collect();
+            let expected = |n: usize| 5.0 + (n * block) as f64 * 0.1;
+            assert!(begins.iter().enumerate().all(|(n, at)| (at - expected(n)).abs() < 1e-12));
+            let times: Vec<f64> = first
+                .iter()
+                .flat_map(|part| (0..4).map_while(|n| part.channels[1].abscissa.at(n)))
+                .collect();
+            assert_eq!(times, values);
+            assert_eq!(first.iter().map(|part| part.channels[1].samples.len()).sum::<usize>(), 4);
+        }
+    }
+}

@@ -56,8 +56,9 @@ impl Settings<'_> {
         let changes: Value =
             serde_json::from_str(&json::text_of(self.changes.as_any())?).unwrap_or_default();
         let mut value = document.value().clone();
-        for (key, change) in changes.as_object().into_iter().flatten() {
-            value[key] = change.clone();
+        // Anything else is a fault of the check that follows.
+        if let (Some(settings), Value::Object(changes)) = (value.as_object_mut(), changes) {
+            settings.extend(changes);
         }
         let document = Document::parse(&value.to_string(), document.path())
             .map_err(|error| exception::of_document(py, &error))?;

@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use asperity_measure::{
-    Abscissa, Channel, ChannelQuantity, ChannelUnit, MeasurementSource, Origin, ReadOptions,
-    Record, SampleAxis, Samples,
+    Abscissa, Channel, ChannelQuantity, ChannelUnit, Format, MeasurementSource, Origin,
+    ReadOptions, Record, SampleAxis, Samples, WriteOptions,
 };
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::exceptions::PyValueError;

@@ -15,10 +15,11 @@ pub(crate) mod frf;
 pub(crate) mod hits;
 pub(crate) mod windows;
 
-use asperity_signal::{FrfForm, ResponseKind};
+use asperity_signal::{Complex64, FrfForm, ResponseKind};
 use numpy::{Element, PyReadonlyArray1};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use pyo3::types::PyComplex;
 
 /// Samples of an array.
 pub(crate) type Array<'py, T = f64> = PyReadonlyArray1<'py, T>;
@@ -29,6 +30,11 @@ pub(crate) type Array<'py, T = f64> = PyReadonlyArray1<'py, T>;
 /// For an array that is not contiguous.
 pub(crate) fn copied<T: Element + Copy>(array: &Array<'_, T>) -> PyResult<Vec<T>> {
     Ok(array.as_slice()?.to_vec())
+}
+
+/// A complex number of Python.
+pub(crate) fn complex(py: Python<'_>, value: Complex64) -> Bound<'_, PyComplex> {
+    PyComplex::from_doubles(py, value.re, value.im)
 }
 
 /// The quantity of a response by its name.

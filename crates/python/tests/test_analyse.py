@@ -423,6 +423,15 @@ def test_wrong_options_are_errors_in_words(
         asperity.analyse(channels, **options)
 
 
+@pytest.mark.parametrize("text", ["[1]", "3", "null", "{", "", "\x00"])
+def test_files_that_are_no_rig_are_errors(text: str, signals: tuple[Any, Any], tmp_path: Path) -> None:
+    rig = tmp_path / "rig.json"
+    rig.write_text(text, encoding="utf-8")
+    channels = hammer.sep005(("hammer", "N", signals[0]), ("top", "m/s^2", signals[1]))
+    with pytest.raises(asperity.ScenarioError):
+        asperity.analyse(channels, rig=rig, level_n=5.0)
+
+
 def test_samples_of_any_layout_give_the_same_numbers(signals: tuple[Any, Any]) -> None:
     force, acceleration = (np.round(1000 * signal) for signal in signals)
     expected = asperity.analyse(

@@ -70,7 +70,7 @@ def _responses(value: ArrayLike | Sequence[ArrayLike], samples: int) -> list[_Fl
     return found
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Hit:
     """Samples of one hit.
 
@@ -109,7 +109,7 @@ class Hit:
         )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Hits(Sequence[Hit]):
     """The hits of a record, and the trigger that found them.
 
@@ -336,7 +336,11 @@ class ForceWindow:
 
     @classmethod
     def around(
-        cls, force: ArrayLike, sample_rate_hz: float, *, margin_s: float = 0.5e-3,
+        cls,
+        force: ArrayLike,
+        sample_rate_hz: float,
+        *,
+        margin_s: float = 0.5e-3,
         taper_s: float = 0.5e-3,
     ) -> ForceWindow:
         """The window about the pulse of a force (N), with a margin on either side."""
@@ -519,9 +523,7 @@ class FrfAverage:
             For samples that are not finite, too many or of unequal number, and a force that is zero
             throughout; the hit is then not added.
         """
-        return self._native.push(
-            _arrays.real("force", force), _arrays.real("response", response)
-        )
+        return self._native.push(_arrays.real("force", force), _arrays.real("response", response))
 
     @property
     def averages(self) -> int:
@@ -608,7 +610,7 @@ def convert_frf(
     )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Harmonics:
     """Fundamental and second harmonic of a receptance; None for one without a peak."""
 

@@ -8,7 +8,7 @@ use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use super::{Array, copied};
+use super::{Array, complex, copied};
 use crate::exception;
 
 /// A circle fit as a dict.
@@ -19,8 +19,8 @@ pub(crate) fn circle_to_dict<'py>(
     let dict = PyDict::new(py);
     dict.set_item("natural_frequency_hz", fit.natural_hz)?;
     dict.set_item("damping_ratio", fit.ratio)?;
-    dict.set_item("modal_constant_per_kg", fit.modal_constant)?;
-    dict.set_item("centre", fit.centre)?;
+    dict.set_item("modal_constant_per_kg", complex(py, fit.modal_constant))?;
+    dict.set_item("centre", complex(py, fit.centre))?;
     dict.set_item("radius", fit.radius)?;
     dict.set_item("scatter", fit.scatter)?;
     dict.set_item("angle_scatter_rad", fit.angle_scatter)?;

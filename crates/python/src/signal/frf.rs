@@ -10,10 +10,10 @@ use asperity_signal::{
 use numpy::PyArray1;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyComplex, PyDict};
 
 use super::damping::circle_to_dict;
-use super::{Array, copied, frf_form, not_accepted, response_kind};
+use super::{Array, complex, copied, frf_form, not_accepted, response_kind};
 use crate::exception;
 
 /// Function in another form.
@@ -212,8 +212,8 @@ impl PyPeak {
 
     /// Receptance [m/N].
     #[getter]
-    fn value(&self) -> Complex64 {
-        self.peak.value
+    fn value<'py>(&self, py: Python<'py>) -> Bound<'py, PyComplex> {
+        complex(py, self.peak.value)
     }
 
     /// Height above the higher minimum beside it, over its magnitude.
