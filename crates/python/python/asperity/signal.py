@@ -177,7 +177,7 @@ def find_hits(
         For options out of range, and a force that does not rise above its noise.
     """
     force = _arrays.real("force", force)
-    rate = _arrays.number("sample_rate_hz", sample_rate_hz)
+    rate = _rate(sample_rate_hz)
     if level_n is not None and level_fraction is not None:
         raise ValueError("level_n and level_fraction exclude each other")
     if level_n is not None:
