@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -31,7 +31,7 @@ def assert_same_table(table: asperity.Table, path: Path) -> None:
             np.testing.assert_array_equal(finite, written[name], err_msg=name, strict=False)
 
 
-def assert_same_numbers(table: asperity.Table, other: asperity.Table) -> None:
+def assert_same_numbers(table: Mapping[str, Any], other: Mapping[str, Any]) -> None:
     """Two tables have the same columns, but for the names of files."""
     assert list(table) == list(other)
     for name, column in table.items():

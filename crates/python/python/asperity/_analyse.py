@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from . import _arrays, _asperity
 from ._measurement import sources, texts
@@ -59,15 +60,15 @@ class Analysis:
         One for each response, in the order asked for.
     modes : Table
         Modes in the band, a row for each mode and response, as in ``modes.csv``.
-    frfs : Table
-        ``frequency_hz`` and complex columns from the first line above zero: ``average H1`` (or H2,
+    frfs : dict of ndarray, each of shape (lines,)
+        ``frequency_hz`` and complex functions from the first line above zero: ``average H1`` (or H2,
         Hv) and, with ``frfs=True``, ``hit 1`` and so on, as the channels of ``frfs.npz``. With
         several responses the names begin with that of the response.
     """
 
     responses: tuple[ResponseAnalysis, ...]
     modes: Table
-    frfs: Table
+    frfs: dict[str, NDArray[Any]] = field(repr=False)
 
     @property
     def report(self) -> dict[str, Any]:
@@ -271,7 +272,7 @@ def analyse(
         )
         for one in found["responses"]
     )
-    return Analysis(responses, _arrays.table(found["modes"]), _arrays.table(found["frfs"]))
+    return Analysis(responses, _arrays.table(found["modes"]), found["frfs"])
 
 
 @dataclass(frozen=True)
