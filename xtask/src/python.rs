@@ -20,6 +20,11 @@ const ACCEPTED: &str = "import sys, venv, ensurepip; sys.exit(sys.version_info <
 /// Packages that build and test the wheel.
 const TOOLS: [&str; 4] = ["maturin>=1.9,<2", "mypy", "numpy", "pytest"];
 
+/// Packages that results are compared with and that run the notebooks; tests without them skip, by
+/// name.
+const COMPARED: [&str; 6] =
+    ["ipykernel", "matplotlib", "nbclient", "pyFRF", "scipy", "sdypy-sep005"];
+
 /// Variable that makes the package a condition, with this value.
 const REQUIRED: (&str, &str) = ("ASPERITY_PYTHON", "required");
 
@@ -56,6 +61,11 @@ pub(crate) fn run() -> Result<bool> {
         ensure!(!required, "the tools of the Python package cannot be installed");
         println!("python: skipped, {} cannot be installed", TOOLS.join(", "));
         return Ok(true);
+    }
+    let compared = [&["-m", "pip", "install", "--quiet"][..], &COMPARED].concat();
+    if !call(&python, &compared, &root)? {
+        ensure!(!required, "the packages to compare with cannot be installed");
+        println!("python: without comparisons, {} cannot be installed", COMPARED.join(", "));
     }
     if wheels.exists() {
         std::fs::remove_dir_all(&wheels).with_context(|| wheels.display().to_string())?;

@@ -1,12 +1,11 @@
-//! Analysis of files in two passes.
+//! Analysis of files, or of records in memory, in two passes.
 
-use std::io::Read;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::sync_channel;
 use std::thread::ScopedJoinHandle;
 
-use sha2::{Digest, Sha256};
+use asperity_measure::MeasurementSource;
 
 use crate::analysis::Analysis;
 use crate::error::AnalysisError;
@@ -14,6 +13,7 @@ use crate::hit_analysis::HitAccumulator;
 use crate::input_size::{MAX_ANALYSED_BYTES, check_size};
 use crate::options::{AnalysisOptions, HitCount};
 use crate::report::{AnalysedFile, AnalysisProvenance};
+use crate::source_hash::sha256;
 use crate::stream::{SampleBlock, SampleStream};
 use crate::trigger::{ForceEnvelope, TriggerSettings};
 
@@ -26,27 +26,29 @@ const BLOCKS_AHEAD: usize = 4;
 /// [`AnalysisError`] for a file that cannot be read, a channel or a unit that is not clear, and a
 /// test without a hit that can be averaged.
 pub fn analyse(files: &[PathBuf], options: &AnalysisOptions) -> Result<Analysis, AnalysisError> {
-    analyse_with_progress(files, options, &|_| {})
+    analyse_sources(&as_sources(files), options, &|_| {})
 }
 
-/// Analyses as [`analyse`] does, and reports the number of passes over files that are done.
+/// Analyses files or records in memory as [`analyse`] does, and reports the number of passes over
+/// them that are done.
 ///
-/// Each file is read twice, so `progress` ends at twice the number of files.
+/// Each source is read twice, so `progress` ends at twice the number of sources. The same samples
+/// give the same numbers from a file and from memory.
 ///
 /// # Errors
 /// As [`analyse`].
-pub fn analyse_with_progress(
-    files: &[PathBuf],
+pub fn analyse_sources(
+    sources: &[MeasurementSource],
     options: &AnalysisOptions,
     progress: &dyn Fn(usize),
 ) -> Result<Analysis, AnalysisError> {
     options.check()?;
-    check_size(files, MAX_ANALYSED_BYTES)?;
-    // The hashes are a third pass over the files, in parallel with the two others.
+    check_size(sources, MAX_ANALYSED_BYTES)?;
+    // The hashes are a third pass over the sources, in parallel with the two others.
     let cancelled = AtomicBool::new(false);
     std::thread::scope(|scope| {
-        let hashes = scope.spawn(|| files.iter().map(|file| sha256(file, &cancelled)).collect());
-        let found = two_passes(files, options, progress);
+        let hashes = scope.spawn(|| sources.iter().map(|one| sha256(one, &cancelled)).collect());
+        let found = two_passes(sources, options, progress);
         cancelled.store(found.is_err(), Ordering::Relaxed);
         let hashes: Result<Vec<String>, AnalysisError> = joined(hashes);
         let (hits, trigger, mut stream, mut files) = found?;
@@ -61,16 +63,21 @@ pub fn analyse_with_progress(
     })
 }
 
+/// Sources of some files.
+pub(crate) fn as_sources(files: &[PathBuf]) -> Vec<MeasurementSource> {
+    files.iter().cloned().map(MeasurementSource::from).collect()
+}
+
 type Passes<'a> = (HitAccumulator<'a>, TriggerSettings, SampleStream<'a>, Vec<AnalysedFile>);
 
 /// Finds the trigger settings, then cuts and analyses the hits.
 fn two_passes<'a>(
-    files: &[PathBuf],
+    sources: &[MeasurementSource],
     options: &'a AnalysisOptions,
     progress: &dyn Fn(usize),
 ) -> Result<Passes<'a>, AnalysisError> {
     let mut stream = SampleStream::new(options);
-    let (envelope, signals, read) = ForceEnvelope::of_files(&mut stream, files, progress)?;
+    let (envelope, signals, read) = ForceEnvelope::of_sources(&mut stream, sources, progress)?;
     let trigger = envelope.trigger_settings(options, signals.sample_rate_hz)?;
     drop(envelope);
     if trigger.is_inverted {
@@ -83,9 +90,9 @@ fn two_passes<'a>(
         let (sender, receiver) = sync_channel::<(usize, Option<SampleBlock>)>(BLOCKS_AHEAD);
         let stream = &mut stream;
         let reader = scope.spawn(move || {
-            for (number, file) in files.iter().enumerate() {
+            for (number, source) in sources.iter().enumerate() {
                 // A receiver that is gone has stopped at an error of its own.
-                stream.read(file, &mut |block, _| {
+                stream.read(source, &mut |block, _| {
                     let _ = sender.send((number, Some(block)));
                     Ok(())
                 })?;
@@ -99,7 +106,7 @@ fn two_passes<'a>(
                 found.push(name, &block)?;
             } else {
                 found.end_file(name)?;
-                progress(files.len() + number + 1);
+                progress(sources.len() + number + 1);
             }
         }
         joined::<Result<(), AnalysisError>>(reader)
@@ -133,21 +140,4 @@ pub(crate) fn files_given_twice(files: &[AnalysedFile]) -> Vec<String> {
 /// Result of a thread; its panic continues here.
 fn joined<T>(thread: ScopedJoinHandle<'_, T>) -> T {
     thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
-}
-
-/// SHA-256 of a file in hexadecimal; of its beginning once the analysis is cancelled.
-pub(crate) fn sha256(path: &Path, cancelled: &AtomicBool) -> Result<String, AnalysisError> {
-    let io = |source| AnalysisError::Io { path: path.to_owned(), source };
-    let mut file = std::fs::File::open(path).map_err(io)?;
-    let mut hash = Sha256::new();
-    let mut buffer = vec![0; 1 << 16];
-    while !cancelled.load(Ordering::Relaxed) {
-        match file.read(&mut buffer).map_err(io)? {
-            0 => break,
-            length => hash.update(&buffer[..length]),
-        }
-    }
-    let digest = hash.finalize();
-    let nibbles = digest.iter().flat_map(|byte| [byte >> 4, byte & 15]);
-    Ok(nibbles.filter_map(|nibble| char::from_digit(nibble.into(), 16)).collect())
 }

@@ -1,7 +1,7 @@
 //! Result of an analysis, and its tables: `hits.csv`, `frf.csv` and `backbone.csv`.
 
 use asperity_signal::{BackbonePoint, ResponseKind};
-use asperity_table::{CsvWriter, columns_to_csv};
+use asperity_table::RecordTable;
 
 use crate::average::AveragedFrf;
 use crate::curve::HitCurve;
@@ -59,10 +59,9 @@ impl Analysis {
     }
 
     /// Table `modes.csv`: a row for each mode and response.
-    pub fn modes_csv(&self) -> String {
+    pub fn modes_table(&self) -> RecordTable {
         type Column = (&'static str, fn(&ModeAtResponse) -> Option<f64>);
-        let columns: [Column; 10] = [
-            ("hits", |at| Some(at.hits as f64)),
+        let columns: [Column; 9] = [
             ("peak_frequency_hz", |at| Some(at.peak_frequency_hz)),
             ("natural_frequency_hz", |at| Some(at.natural_frequency_hz)),
             ("natural_frequency_uncertainty_hz", |at| at.natural_frequency_uncertainty_hz),
@@ -73,15 +72,15 @@ impl Analysis {
             ("modal_constant_uncertainty_per_kg", |at| at.modal_constant_uncertainty_per_kg),
             ("phase_deg", |at| Some(at.phase_deg)),
         ];
-        let names = columns.iter().map(|column| column.0);
-        let mut csv = CsvWriter::with_header(["mode", "response"].into_iter().chain(names));
-        for mode in &self.modes {
-            for at in &mode.responses {
-                let numbers = columns.iter().map(|column| (column.1)(at));
-                csv.text(&mode.number.to_string()).text(&at.response).numbers(numbers).end_row();
-            }
-        }
-        csv.into_string()
+        let rows =
+            || self.modes.iter().flat_map(|mode| mode.responses.iter().map(move |at| (mode, at)));
+        let table = RecordTable::new()
+            .counts("mode", rows().map(|(mode, _)| mode.number))
+            .texts("response", rows().map(|(_, at)| &at.response))
+            .counts("hits", rows().map(|(_, at)| at.hits));
+        columns.into_iter().fold(table, |table, (name, value)| {
+            table.numbers(name, rows().map(|(_, at)| value(at)))
+        })
     }
 }
 
@@ -91,20 +90,16 @@ impl ResponseAnalysis {
         self.report.channels.last().map_or("", |channel| channel.name.as_str())
     }
 
-    /// Table `hits.csv`: a row for each hit. Flags are 0 and 1.
-    pub fn hits_csv(&self) -> String {
+    /// Table `hits.csv`: a row for each hit.
+    pub fn hits_table(&self) -> RecordTable {
         type Column = (&'static str, fn(&HitReport) -> Option<f64>);
-        let columns: [Column; 25] = [
-            ("index", |hit| Some(hit.index as f64)),
-            ("record", |hit| Some(hit.record as f64)),
+        let of_pulse: [Column; 4] = [
             ("time_s", |hit| Some(hit.time_s)),
             ("force_peak_n", |hit| hit.force_peak_n),
             ("impulse_ns", |hit| hit.impulse_ns),
             ("pulse_width_s", |hit| hit.pulse_width_s),
-            ("double_hit", |hit| Some(flag(hit.double_hit))),
-            ("overload", |hit| Some(flag(hit.overload))),
-            ("dropout", |hit| Some(flag(hit.dropout))),
-            ("averaged", |hit| Some(flag(hit.averaged))),
+        ];
+        let of_response: [Column; 15] = [
             ("frequency_hz", |hit| Some(hit.fundamental?.frequency_hz)),
             ("magnitude_m_per_n", |hit| Some(hit.fundamental?.magnitude)),
             ("damping_ratio", |hit| hit.fundamental?.damping_ratio),
@@ -125,56 +120,52 @@ impl ResponseAnalysis {
             ("harmonic_ratio", |hit| hit.harmonic_ratio),
             ("harmonic_ratio_uncertainty", |hit| hit.harmonic_ratio_uncertainty),
         ];
-        let names = columns.iter().map(|column| column.0);
-        let mut csv =
-            CsvWriter::with_header(std::iter::once("file").chain(names).chain(["verdicts"]));
-        for hit in &self.report.hits {
-            let numbers = columns.iter().map(|column| (column.1)(hit));
-            csv.text(&hit.file).numbers(numbers).text(&hit.issues.join("; ")).end_row();
-        }
-        csv.into_string()
+        let hits = &self.report.hits;
+        let with =
+            |table: RecordTable, (name, value): Column| table.numbers(name, hits.iter().map(value));
+        let table = RecordTable::new()
+            .texts("file", hits.iter().map(|hit| &hit.file))
+            .counts("index", hits.iter().map(|hit| hit.index))
+            .counts("record", hits.iter().map(|hit| hit.record));
+        let table = of_pulse
+            .into_iter()
+            .fold(table, with)
+            .flags("double_hit", hits.iter().map(|hit| hit.double_hit))
+            .flags("overload", hits.iter().map(|hit| hit.overload))
+            .flags("dropout", hits.iter().map(|hit| hit.dropout))
+            .flags("averaged", hits.iter().map(|hit| hit.averaged));
+        of_response
+            .into_iter()
+            .fold(table, with)
+            .texts("verdicts", hits.iter().map(|hit| hit.issues.join("; ")))
     }
 
-    /// Table `frf.csv`: a row for each frequency. The coherence is empty for one hit; `valid` is 0
-    /// or 1.
-    pub fn frf_csv(&self) -> String {
+    /// Table `frf.csv`: a row for each frequency. The coherence is NaN for one hit.
+    pub fn frf_table(&self) -> RecordTable {
         let average = &self.average;
         let values = &average.frf.values;
-        let real: Vec<f64> = values.iter().map(|value| value.re).collect();
-        let imag: Vec<f64> = values.iter().map(|value| value.im).collect();
         let none = || vec![f64::NAN; values.len()];
-        let coherence = average.coherence.clone().unwrap_or_else(none);
-        let valid: Vec<f64> = average.valid.iter().copied().map(flag).collect();
-        columns_to_csv([
-            ("frequency_hz", &average.frf.frequency_hz),
-            ("real", &real),
-            ("imag", &imag),
-            ("magnitude", &average.frf.magnitude()),
-            ("phase_rad", &average.frf.phase()),
-            ("coherence", &coherence),
-            ("valid", &valid),
-        ])
+        RecordTable::new()
+            .numbers("frequency_hz", average.frf.frequency_hz.iter().copied())
+            .numbers("real", values.iter().map(|value| value.re))
+            .numbers("imag", values.iter().map(|value| value.im))
+            .numbers("magnitude", average.frf.magnitude())
+            .numbers("phase_rad", average.frf.phase())
+            .numbers("coherence", average.coherence.clone().unwrap_or_else(none))
+            .flags("valid", average.valid.iter().copied())
     }
 
     /// Table `backbone.csv`: a row for each point of each backbone.
-    pub fn backbone_csv(&self) -> String {
+    pub fn backbone_table(&self) -> RecordTable {
         let rows = || self.backbones.iter().flat_map(|of| of.points.iter().map(move |p| (of, p)));
-        let column = |value: fn(&BackbonePoint) -> f64| -> Vec<f64> {
-            rows().map(|(_, point)| value(point)).collect()
-        };
-        columns_to_csv([
-            ("index", &rows().map(|(of, _)| of.index as f64).collect::<Vec<_>>()),
-            ("force_peak_n", &rows().map(|(of, _)| of.force_peak_n).collect::<Vec<_>>()),
-            ("time_s", &column(|point| point.time_s)),
-            ("amplitude_m", &column(|point| point.amplitude)),
-            ("frequency_hz", &column(|point| point.frequency_hz)),
-            ("decay_rate_per_s", &column(|point| point.decay_rate)),
-            ("damping_ratio", &column(|point| point.damping_ratio)),
-        ])
+        let column = |value: fn(&BackbonePoint) -> f64| rows().map(move |(_, point)| value(point));
+        RecordTable::new()
+            .counts("index", rows().map(|(of, _)| of.index))
+            .numbers("force_peak_n", rows().map(|(of, _)| of.force_peak_n))
+            .numbers("time_s", column(|point| point.time_s))
+            .numbers("amplitude_m", column(|point| point.amplitude))
+            .numbers("frequency_hz", column(|point| point.frequency_hz))
+            .numbers("decay_rate_per_s", column(|point| point.decay_rate))
+            .numbers("damping_ratio", column(|point| point.damping_ratio))
     }
-}
-
-/// A flag in a table.
-fn flag(flag: bool) -> f64 {
-    f64::from(u8::from(flag))
 }

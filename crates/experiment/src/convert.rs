@@ -4,7 +4,8 @@ use std::io::ErrorKind;
 use std::path::Path;
 
 use asperity_measure::{
-    Format, MeasureError, Measurement, Notice, ReadOptions, WriteOptions, read, write,
+    Format, MeasureError, Measurement, MeasurementSource, Notice, ReadOptions, WriteOptions, read,
+    write,
 };
 
 use crate::error::AnalysisError;
@@ -78,7 +79,7 @@ pub fn convert(
             return Err(MeasureError::Exists { file: to.display().to_string() }.into());
         }
     }
-    check_size(&[from], MAX_CONVERTED_BYTES)?;
+    check_size(&[MeasurementSource::File(from.to_owned())], MAX_CONVERTED_BYTES)?;
     let measured = read(from, &options.reading).map_err(|error| measure_error(error, from))?;
     let Measurement { format, mut records, notices } = measured;
     if options.in_si {

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use asperity_signal::{HitFinder, HitOptions, HitRecord, ResponseKind, SignalError};
 
+use crate::analyse::as_sources;
 use crate::error::AnalysisError;
 use crate::options::AnalysisOptions;
 use crate::stream::{SampleBlock, SampleStream};
@@ -21,11 +22,12 @@ pub fn for_each_hit(
 ) -> Result<(), AnalysisError> {
     options.check()?;
     let mut stream = SampleStream::new(options);
-    let (envelope, signals, _) = ForceEnvelope::of_files(&mut stream, files, &|_| {})?;
+    let sources = &as_sources(files);
+    let (envelope, signals, _) = ForceEnvelope::of_sources(&mut stream, sources, &|_| {})?;
     let trigger = envelope.trigger_settings(options, signals.sample_rate_hz)?;
     let mut cutter = HitCutter::new(&trigger, options, signals.sample_rate_hz);
-    for file in files {
-        stream.read(file, &mut |block, signals| {
+    for source in sources {
+        stream.read(source, &mut |block, signals| {
             for hit in cutter.push(&block)? {
                 take(hit.samples, &signals.responses);
             }

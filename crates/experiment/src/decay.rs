@@ -23,19 +23,20 @@ pub use report::{
 use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 
-use asperity_measure::{MeasureError, Measurement, ReadOptions, read};
+use asperity_measure::{MeasureError, Measurement, MeasurementSource, ReadOptions};
 use asperity_signal::{
     DecayOrigin, DecayPoint, DecayResonance, FoundDecay, FreeDecay, FreeDecayOptions, find_decays,
     level_range,
 };
 use rayon::prelude::*;
 
-use crate::analyse::{files_given_twice, sha256};
+use crate::analyse::{as_sources, files_given_twice};
 use crate::channel::ChannelSelector;
 use crate::error::AnalysisError;
 use crate::input_size::{MAX_CONVERTED_BYTES, check_size};
 use crate::options::{ChannelSensor, FrequencyBand};
 use crate::report::{AnalysedFile, AnalysisProvenance, RigFile};
+use crate::source_hash::sha256;
 use crate::stream::measure_error;
 use signals::{DecaySignals, ResponseSignal};
 
@@ -157,33 +158,35 @@ pub fn analyse_decays(
     files: &[PathBuf],
     options: &DecayOptions,
 ) -> Result<DecayAnalysis, AnalysisError> {
-    analyse_decays_with_progress(files, options, &|_| {})
+    analyse_decay_sources(&as_sources(files), options, &|_| {})
 }
 
-/// Analyses as [`analyse_decays`] does, and reports the number of files that are done.
+/// Analyses files or records in memory as [`analyse_decays`] does, and reports the number of sources
+/// that are done.
 ///
 /// # Errors
 /// As [`analyse_decays`].
-pub fn analyse_decays_with_progress(
-    files: &[PathBuf],
+pub fn analyse_decay_sources(
+    sources: &[MeasurementSource],
     options: &DecayOptions,
     progress: &dyn Fn(usize),
 ) -> Result<DecayAnalysis, AnalysisError> {
-    if files.is_empty() {
+    if sources.is_empty() {
         return Err(AnalysisError::NoFile);
     }
     let mut found = DecayAccumulator::new(options);
-    let mut analysed = Vec::with_capacity(files.len());
-    for (number, path) in files.iter().enumerate() {
-        check_size(std::slice::from_ref(path), MAX_CONVERTED_BYTES)?;
+    let mut analysed = Vec::with_capacity(sources.len());
+    for (number, source) in sources.iter().enumerate() {
+        check_size(std::slice::from_ref(source), MAX_CONVERTED_BYTES)?;
+        let path = source.name();
         let Measurement { format, records, notices } =
-            read(path, &options.reading).map_err(|error| measure_error(error, path))?;
+            source.read(&options.reading).map_err(|error| measure_error(error, path))?;
         let mut file = AnalysedFile {
             file: path.display().to_string(),
             format: format.to_string(),
             records: 0,
             samples: 0,
-            sha256: sha256(path, &AtomicBool::new(false))?,
+            sha256: sha256(source, &AtomicBool::new(false))?,
         };
         let name = file.file.clone();
         found.notices.extend(notices.iter().map(|notice| format!("{name}: {notice}")));

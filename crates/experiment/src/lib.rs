@@ -47,7 +47,7 @@
 //! let response = &analysis.responses[0];
 //! let fundamental = response.report.hits[0].fundamental.unwrap();
 //! assert!((fundamental.frequency_hz - 100.0).abs() < 0.5);
-//! assert!(response.hits_csv().starts_with("file,index,record,time_s,force_peak_n"));
+//! assert!(response.hits_table().to_csv().starts_with("file,index,record,time_s,force_peak_n"));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
@@ -55,7 +55,8 @@
 //! |---|---|
 //! | `options`, `channel` | [`AnalysisOptions`] and their text forms, selection of the channels |
 //! | `rig` | [`RigSettings`]: a file in place of options |
-//! | `stream` | files as blocks of force and response in SI |
+//! | `stream` | files, or records in memory, as blocks of force and response in SI |
+//! | `source_hash` | checksums of files and records |
 //! | `trigger`, `cutting` | trigger level and hit length; blocks to hits |
 //! | `analyse`, `hit_analysis` | [`analyse`]: the two passes, hits for every response |
 //! | `response_analysis`, `average` | hits of one response and their average |
@@ -93,11 +94,12 @@ mod report;
 mod response_analysis;
 mod rig;
 mod second_peak;
+mod source_hash;
 mod stream;
 mod trigger;
 mod watched_folder;
 
-pub use analyse::{analyse, analyse_with_progress};
+pub use analyse::{analyse, analyse_sources};
 pub use analysis::{Analysis, HitBackbone, ResponseAnalysis};
 pub use average::AveragedFrf;
 pub use channel::ChannelSelector;
@@ -106,8 +108,8 @@ pub use curve::HitCurve;
 pub use cutting::for_each_hit;
 pub use decay::{
     DECAY_SCHEMA, DecayAnalysis, DecayCurve, DecayCurveReport, DecayHarmonicReport, DecayLevel,
-    DecayOptions, DecayOutline, DecayReport, DecaySettings, MeasuredDecay, analyse_decays,
-    analyse_decays_with_progress,
+    DecayOptions, DecayOutline, DecayReport, DecaySettings, MeasuredDecay, analyse_decay_sources,
+    analyse_decays,
 };
 pub use error::AnalysisError;
 pub use force_level::ForceLevel;

@@ -1,6 +1,6 @@
 //! Content of `analysis.json`.
 
-use asperity_signal::{AnalysedHit, HitChannel, HitFeatures, QualityIssue};
+use asperity_signal::{AnalysedHit, HitFeatures, QualityIssue};
 use serde::Serialize;
 
 use crate::force_level::ForceLevel;
@@ -312,7 +312,7 @@ impl HitReport {
             issues: rings
                 .iter()
                 .cloned()
-                .chain(hit.issues.iter().filter(is_told).map(describe))
+                .chain(hit.issues.iter().filter(is_told).map(ToString::to_string))
                 .chain(doubtful)
                 .collect(),
             ring_s,
@@ -397,48 +397,5 @@ impl HitStatistics {
             smallest: values.iter().copied().fold(f64::INFINITY, f64::min),
             largest: values.iter().copied().fold(f64::NEG_INFINITY, f64::max),
         })
-    }
-}
-
-/// Quality issue with its evidence, in words.
-fn describe(issue: &QualityIssue) -> String {
-    match *issue {
-        QualityIssue::DoubleHit(double) => format!(
-            "double hit: {:.0} % of the first impact after {:.3} ms",
-            100.0 * double.ratio,
-            1e3 * (double.second_s - double.first_s)
-        ),
-        QualityIssue::Overload { channel, samples, value, .. } => {
-            format!("overload: the {} stays at {value} for {samples} samples", name(channel))
-        }
-        QualityIssue::Clipped { channel, times, value, .. } => {
-            format!("overload: the {} is at {value}, a limit, {times} times", name(channel))
-        }
-        QualityIssue::Dropout { channel, samples, value, .. } => {
-            format!("dropout: the {} stays at {value} for {samples} samples", name(channel))
-        }
-        QualityIssue::NotFinite { channel, samples, .. } => {
-            format!("dropout: {samples} samples of the {} are not finite", name(channel))
-        }
-        QualityIssue::Truncated { samples, missing } => {
-            format!("truncated: {missing} of {} samples are missing", samples + missing)
-        }
-        QualityIssue::NotDecayed { ratio, threshold, .. } if !ratio.is_finite() => format!(
-            "not decayed: the response does not fall below {:.1} % of its largest",
-            100.0 * threshold
-        ),
-        QualityIssue::NotDecayed { ratio, threshold, .. } => format!(
-            "not decayed: {:.1} % of the largest response remain at the end, above the limit of {:.1} %",
-            100.0 * ratio,
-            100.0 * threshold
-        ),
-        _ => "another issue".to_owned(),
-    }
-}
-
-fn name(channel: HitChannel) -> &'static str {
-    match channel {
-        HitChannel::Force => "force",
-        HitChannel::Response(_) => "response",
     }
 }

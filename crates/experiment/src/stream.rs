@@ -1,10 +1,11 @@
-//! Files as blocks of force and response in SI units.
+//! Sources as blocks of force and response in SI units.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use asperity_measure::{
-    Channel, ChannelQuantity, DegreeOfFreedom, MeasureError, Reader, Record, Samples, open,
+    Channel, ChannelQuantity, DegreeOfFreedom, MeasureError, MeasurementSource, Reader, Record,
+    Samples,
 };
 use asperity_signal::ResponseKind;
 use serde::Serialize;
@@ -52,7 +53,7 @@ pub struct UsedChannel {
     pub(crate) node: Option<DegreeOfFreedom>,
 }
 
-/// Reader of files, one after the other.
+/// Reader of sources, one after the other.
 pub(crate) struct SampleStream<'a> {
     options: &'a AnalysisOptions,
     /// Properties of the signals, once a record is read.
@@ -68,14 +69,15 @@ impl<'a> SampleStream<'a> {
         Self { options, signals: None, channels: Vec::new(), notices: BTreeSet::new() }
     }
 
-    /// Calls `take` with the blocks of one file; returns its properties without the hash.
+    /// Calls `take` with the blocks of one source; returns its properties without the hash.
     pub(crate) fn read(
         &mut self,
-        file: &Path,
+        source: &MeasurementSource,
         take: &mut dyn FnMut(SampleBlock, &SignalParameters) -> Result<(), AnalysisError>,
     ) -> Result<AnalysedFile, AnalysisError> {
+        let file = source.name();
         let mut reader =
-            open(file, &self.options.reading).map_err(|error| measure_error(error, file))?;
+            source.open(&self.options.reading).map_err(|error| measure_error(error, file))?;
         let mut read = AnalysedFile {
             file: file.display().to_string(),
             format: reader.format().to_string(),

@@ -3,8 +3,7 @@
 //! The first pass keeps the largest force of each millisecond and, for the noise, a limited number
 //! of samples, so the memory is a small part of the record.
 
-use std::path::PathBuf;
-
+use asperity_measure::MeasurementSource;
 use asperity_signal::{HitLength, HitOptions, TriggerLevel, robust_level};
 
 use crate::error::AnalysisError;
@@ -72,16 +71,16 @@ impl TriggerSettings {
 }
 
 impl ForceEnvelope {
-    /// Reads some files; `progress` is called with the number of files that are read.
-    pub(super) fn of_files(
+    /// Reads some sources; `progress` is called with the number of sources that are read.
+    pub(super) fn of_sources(
         stream: &mut SampleStream<'_>,
-        files: &[PathBuf],
+        sources: &[MeasurementSource],
         progress: &dyn Fn(usize),
     ) -> Result<(Self, SignalParameters, Vec<AnalysedFile>), AnalysisError> {
         let mut envelope: Option<Self> = None;
-        let mut read = Vec::with_capacity(files.len());
-        for (number, file) in files.iter().enumerate() {
-            read.push(stream.read(file, &mut |block, signals| {
+        let mut read = Vec::with_capacity(sources.len());
+        for (number, source) in sources.iter().enumerate() {
+            read.push(stream.read(source, &mut |block, signals| {
                 let envelope = envelope.get_or_insert_with(|| Self::new(signals.sample_rate_hz));
                 envelope.push(block.begins_record, &block.force);
                 Ok(())

@@ -7,11 +7,11 @@ use std::path::PathBuf;
 
 use asperity_experiment::{
     Analysis, AnalysisError, AnalysisOptions, FrequencyBand, ResponseAnalysis, ResponseChoice,
-    analyse,
+    analyse, analyse_sources,
 };
 use asperity_measure::{
-    Abscissa, Channel, ChannelQuantity, ChannelUnit, Format, Origin, ReadOptions, Record, Samples,
-    WriteOptions, write,
+    Abscissa, Channel, ChannelQuantity, ChannelUnit, Format, MeasurementSource, Origin,
+    ReadOptions, Record, Samples, WriteOptions, write,
 };
 use asperity_signal::{
     FrfForm, FundamentalSearch, HammerOptions, HarmonicOptions, HitLength, HitOptions,
@@ -39,7 +39,7 @@ fn hit_mode(hits: usize) -> (Vec<f64>, Vec<f64>) {
     (0..(hits as f64 * 0.5 * RATE) as usize).map(sample).unzip()
 }
 
-fn store(folder: &TempDir, name: &str, force: &[f64], response: &[f64]) -> PathBuf {
+fn record(force: &[f64], response: &[f64]) -> Record {
     let channel = |name: &str, unit: &str, samples: &[f64]| Channel {
         name: name.to_owned(),
         quantity: ChannelQuantity::Unknown,
@@ -49,9 +49,13 @@ fn store(folder: &TempDir, name: &str, force: &[f64], response: &[f64]) -> PathB
         origin: Origin::default(),
     };
     let channels = vec![channel("force", "N", force), channel("acc", "m/s^2", response)];
+    Record { channels, ..Record::default() }
+}
+
+fn store(folder: &TempDir, name: &str, force: &[f64], response: &[f64]) -> PathBuf {
     let path = folder.path().join(name);
-    let record = Record { channels, ..Record::default() };
-    write(&path, &[record], Format::UniversalBinary, &WriteOptions::default()).unwrap();
+    let options = WriteOptions::default();
+    write(&path, &[record(force, response)], Format::UniversalBinary, &options).unwrap();
     path
 }
 
@@ -114,6 +118,46 @@ fn blocks_and_the_whole_record_give_equal_results() {
     }
 }
 
+/// Records in memory have the numbers of the same samples in a file, for any size of the blocks, and
+/// a hash by which records that are given twice are found.
+#[test]
+fn records_in_memory_equal_those_of_a_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let (force, response) = hit_mode(3);
+    let file = MeasurementSource::from(store(&folder, "a.uff", &force, &response));
+    let in_memory = |name: &str, scale: f64| {
+        let force: Vec<f64> = force.iter().map(|x| scale * x).collect();
+        MeasurementSource::Records { name: name.into(), records: vec![record(&force, &response)] }
+    };
+    let analysed = |sources: &[MeasurementSource], block: usize| {
+        let reading = ReadOptions { block, ..ReadOptions::default() };
+        let options = AnalysisOptions { reading, ..AnalysisOptions::default() };
+        let passes = std::cell::Cell::new(0);
+        let found = analyse_sources(sources, &options, &|done| passes.set(done)).unwrap();
+        assert_eq!(passes.get(), 2 * sources.len());
+        only(found)
+    };
+    let of_file = analysed(&[file], 1 << 16);
+    for block in [313, 1 << 20] {
+        let found = analysed(&[in_memory("arrays", 1.0)], block);
+        let unnamed = |found: &ResponseAnalysis| {
+            let mut hits = found.report.hits.clone();
+            hits.iter_mut().for_each(|hit| hit.file = String::new());
+            hits
+        };
+        assert_eq!(unnamed(&found), unnamed(&of_file));
+        assert_eq!(found.average, of_file.average);
+        assert_eq!(found.backbones, of_file.backbones);
+        let source = &found.report.provenance.files[0];
+        assert_eq!((source.file.as_str(), source.format.as_str()), ("arrays", "memory"));
+    }
+    let twice = |other| {
+        let found = analysed(&[in_memory("a", 1.0), other], 1 << 16);
+        found.report.notices.iter().any(|notice| notice.contains("same bytes"))
+    };
+    assert!(twice(in_memory("b", 1.0)) && !twice(in_memory("b", 1.01)));
+}
+
 /// The trigger level and the hit length are found from the force.
 #[test]
 fn trigger_level_and_hit_length_are_found() {
@@ -128,9 +172,9 @@ fn trigger_level_and_hit_length_are_found() {
     let numbers: Vec<usize> = found.report.hits.iter().map(|hit| hit.index).collect();
     assert_eq!(numbers, (1..=12).collect::<Vec<_>>());
     assert_eq!(found.report.hits[6].record, 1, "records count in each file");
-    assert_eq!(found.hits_csv().lines().count(), 13);
+    assert_eq!(found.hits_table().to_csv().lines().count(), 13);
     let points: usize = found.backbones.iter().map(|backbone| backbone.points.len()).sum();
-    assert_eq!(found.backbone_csv().lines().count(), points + 1);
+    assert_eq!(found.backbone_table().to_csv().lines().count(), points + 1);
     // Amplitudes are displacements: a pulse of 10 N and 2 ms moves 1 kg at 300 Hz by less than its
     // impulse over mass and angular frequency.
     let most = 10.0 * 2e-3 * 2.0 / PI / (TAU * 300.0);
@@ -282,7 +326,7 @@ fn the_modal_table_of_several_responses_is_exact() {
             assert_eq!(at.hits, 3);
         }
     }
-    assert_eq!(found.modes_csv().lines().count(), 10);
+    assert_eq!(found.modes_table().to_csv().lines().count(), 10);
     // An average and three hits each.
     assert_eq!(found.frf_record(false).channels.len(), 12);
     let nodes: Vec<i64> = found.frf_record(false).channels[4..9]

@@ -14,7 +14,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use serde_json::Value;
+use serde_json::{Map, Value};
 
 use crate::data_files::{problem, read};
 use crate::error::IdentificationError;
@@ -53,17 +53,22 @@ fn places(feature: &str) -> Option<(&'static str, Option<&'static str>)> {
     })
 }
 
-/// The hits of the analysis at `path` with these features; with `repeated`, standard deviations are
-/// at least the scatter of repeated hits.
+const EXPECTED: &str = "the analysis.json that asperity analyse writes";
+
+/// The analysis at `path`.
+pub(super) fn read_analysis(path: &Path) -> Result<Map<String, Value>, IdentificationError> {
+    serde_json::from_str(&read(path)?)
+        .map_err(|error| problem(path, format!("line {}: {error}", error.line()), EXPECTED))
+}
+
+/// The hits of an analysis with these features; with `repeated`, standard deviations are at least the
+/// scatter of repeated hits. `path` is its file, or its place in the problem.
 pub(super) fn analysed_hits(
     path: &Path,
+    analysis: &Map<String, Value>,
     features: &[String],
     repeated: bool,
 ) -> Result<AnalysedHits, IdentificationError> {
-    const EXPECTED: &str = "the analysis.json that asperity analyse writes";
-    let text = read(path)?;
-    let analysis: Value = serde_json::from_str(&text)
-        .map_err(|error| problem(path, format!("line {}: {error}", error.line()), EXPECTED))?;
     if analysis.get("schema").and_then(Value::as_str) != Some("asperity/analysis/1") {
         let found = "\"schema\" is not \"asperity/analysis/1\"".to_owned();
         return Err(problem(path, found, EXPECTED));

@@ -3,15 +3,16 @@
 mod hits;
 mod observations;
 
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
-use crate::analysed_hits::{AnalysedHits, analysed_hits};
+use crate::analysed_hits::{AnalysedHits, analysed_hits, read_analysis};
 use crate::data_files;
 use crate::error::IdentificationError;
 use crate::observed_quantity::ObservedQuantity;
-use crate::problem::{DataSpec, SpreadSpec};
+use crate::problem::{AnalysisRef, DataSpec, SpreadSpec};
 use crate::records;
 use crate::scenario_model::ScenarioModel;
 use crate::stepped_sine::read_table;
@@ -76,9 +77,18 @@ impl Loader<'_> {
                 for feature in features {
                     self.column(&place, feature)?;
                 }
-                let path = self.folder.join(file);
+                let (path, analysis) = match file {
+                    AnalysisRef::File(file) => {
+                        let path = self.folder.join(file);
+                        let analysis = Cow::Owned(read_analysis(&path)?);
+                        (path, analysis)
+                    }
+                    AnalysisRef::InPlace(analysis) => {
+                        (PathBuf::from(format!("{place}/file")), Cow::Borrowed(analysis))
+                    }
+                };
                 let AnalysedHits { hits, left_out, scatter } =
-                    analysed_hits(&path, features, *repeatability)?;
+                    analysed_hits(&path, &analysis, features, *repeatability)?;
                 if !scatter.is_empty() {
                     let part = |(feature, relative): (&String, &f64)| {
                         format!("{} % of {feature}", four_digits(100.0 * relative))

@@ -10,7 +10,7 @@ use crate::identification::Identification;
 use crate::identification_problem::IdentificationProblem;
 use crate::law_band::StiffnessOrigin;
 use crate::starts::{StartAgreement, starts_at_best};
-use asperity_table::{CsvWriter, columns_to_csv};
+use asperity_table::RecordTable;
 
 /// Identifier of the format.
 pub const IDENTIFICATION_SCHEMA: &str = "asperity/identification/1";
@@ -253,80 +253,54 @@ impl Identification {
     }
 
     /// `law.csv`: stiffness over pressure with its band.
-    pub fn law_csv(&self) -> String {
+    pub fn law_table(&self) -> RecordTable {
         let law = &self.law;
-        let mut csv = CsvWriter::with_header([
-            "pressure_pa",
-            "stiffness_pa_per_m",
-            "median_pa_per_m",
-            "lower_pa_per_m",
-            "upper_pa_per_m",
-            "remaining",
-            "informed",
-            "origin",
-            "lower_50_pa_per_m",
-            "upper_50_pa_per_m",
-            "resolution_ln_p",
-        ]);
         let [first, third] = &law.quartiles;
-        for i in 0..law.pressure.len() {
-            let resolution =
-                self.free_law.as_ref().and_then(|free| free.resolution(law.pressure[i]));
-            let numbers = [
-                law.pressure[i],
-                law.stiffness[i],
-                law.median[i],
-                law.lower[i],
-                law.upper[i],
-                law.remaining[i],
-                f64::from(u8::from(law.informed[i])),
-            ];
-            csv.numbers(numbers.map(Some)).text(law.origin[i].name());
-            csv.numbers([Some(first[i]), Some(third[i]), resolution]).end_row();
-        }
-        csv.into_string()
+        let resolution = |pressure: &f64| self.free_law.as_ref()?.resolution(*pressure);
+        let all = |values: &'_ [f64]| values.to_vec();
+        RecordTable::new()
+            .numbers("pressure_pa", all(&law.pressure))
+            .numbers("stiffness_pa_per_m", all(&law.stiffness))
+            .numbers("median_pa_per_m", all(&law.median))
+            .numbers("lower_pa_per_m", all(&law.lower))
+            .numbers("upper_pa_per_m", all(&law.upper))
+            .numbers("remaining", all(&law.remaining))
+            .flags("informed", law.informed.iter().copied())
+            .texts("origin", law.origin.iter().map(|origin| origin.name()))
+            .numbers("lower_50_pa_per_m", all(first))
+            .numbers("upper_50_pa_per_m", all(third))
+            .numbers("resolution_ln_p", law.pressure.iter().map(resolution))
     }
 
     /// `data.csv`: observations with their predictions.
-    pub fn data_csv(&self) -> String {
-        let mut csv = CsvWriter::with_header([
-            "data",
-            "feature",
-            "at",
-            "value",
-            "standard_deviation",
-            "predicted",
-            "lower",
-            "upper",
-            "residual",
-            "weight",
-        ]);
+    pub fn data_table(&self) -> RecordTable {
         let [lower, upper] = self.predicted_band();
-        for (i, (about, observation)) in self.about.iter().zip(&self.observations).enumerate() {
-            let numbers = [
-                about.at,
-                Some(observation.value),
-                Some(observation.standard_deviation),
-                self.fit.predictions[i],
-                lower.get(i).copied(),
-                upper.get(i).copied(),
-                Some(self.fit.residuals[i]),
-                Some(self.fit.weights[i]),
-            ];
-            csv.text(&about.data).text(&about.feature).numbers(numbers).end_row();
-        }
-        csv.into_string()
+        let band = |ends: &[f64]| -> Vec<Option<f64>> {
+            (0..self.observations.len()).map(|i| ends.get(i).copied()).collect()
+        };
+        RecordTable::new()
+            .texts("data", self.about.iter().map(|about| &about.data))
+            .texts("feature", self.about.iter().map(|about| &about.feature))
+            .numbers("at", self.about.iter().map(|about| about.at))
+            .numbers("value", self.observations.iter().map(|one| one.value))
+            .numbers(
+                "standard_deviation",
+                self.observations.iter().map(|one| one.standard_deviation),
+            )
+            .numbers("predicted", self.fit.predictions.iter().copied())
+            .numbers("lower", band(&lower))
+            .numbers("upper", band(&upper))
+            .numbers("residual", self.fit.residuals.iter().copied())
+            .numbers("weight", self.fit.weights.iter().copied())
     }
 
     /// `posterior.csv`: the draws with their weights.
-    pub fn posterior_csv(&self) -> String {
-        let mut columns: Vec<(String, Vec<f64>)> =
-            vec![("weight".to_owned(), self.posterior.weights.clone())];
-        for (parameter, name) in self.names.iter().enumerate() {
-            let values = self.posterior.draws.iter().map(|draw| draw[parameter]);
-            columns.push((name.clone(), values.collect()));
-        }
-        columns_to_csv(columns)
+    pub fn posterior_table(&self) -> RecordTable {
+        let weights = self.posterior.weights.iter().copied();
+        let table = RecordTable::new().numbers("weight", weights);
+        self.names.iter().enumerate().fold(table, |table, (parameter, name)| {
+            table.numbers(name, self.posterior.draws.iter().map(|draw| draw[parameter]))
+        })
     }
 
     /// Lower and upper end of the interval of every prediction.

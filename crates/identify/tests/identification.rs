@@ -163,7 +163,7 @@ fn records_receptances_and_backbones_give_back_the_parameters() {
     };
     let analysis = analyse(std::slice::from_ref(&uff), &analysed).unwrap();
     let write_text = |name: &str, text: String| std::fs::write(folder.path().join(name), text);
-    write_text("backbone.csv", analysis.responses[0].backbone_csv()).unwrap();
+    write_text("backbone.csv", analysis.responses[0].backbone_table().to_csv()).unwrap();
     let frf = asperity_study::run::receptance(&run).unwrap().unwrap();
     write_text("frf.csv", asperity_study::record::frf_csv(&frf)).unwrap();
 

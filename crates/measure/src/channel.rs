@@ -2,6 +2,7 @@
 
 use num_complex::Complex64;
 
+use crate::notice::Notices;
 use crate::{ChannelQuantity, MeasureError, SensorSensitivity, Unit};
 
 /// One signal of a record.
@@ -87,6 +88,27 @@ impl Abscissa {
     /// An even time axis from `start` seconds at `rate` hertz.
     pub fn even_time(start: f64, rate: f64) -> Self {
         Self::Even { start, step: 1.0 / rate, quantity: ChannelQuantity::Time }
+    }
+
+    /// The axis of measured times (seconds): even, with a whole rate where there is one, if the times
+    /// are so within their rounding.
+    ///
+    /// - `relative_rounding`: of the times, such as [`f64::EPSILON`], or [`f32::EPSILON`] of times
+    ///   that were in single precision.
+    ///
+    /// ```
+    /// use asperity_measure::Abscissa;
+    /// let times = (0..100).map(|n| f64::from(n) / 51_200.0).collect();
+    /// assert_eq!(Abscissa::of_times(times, f64::EPSILON).sample_rate_hz(), Some(51_200.0));
+    /// ```
+    pub fn of_times(values: Vec<f64>, relative_rounding: f64) -> Self {
+        let largest = values.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
+        let quantity = ChannelQuantity::Time;
+        let rounding = |_| relative_rounding * largest;
+        match crate::rate::even_axis(&values, rounding, &mut Notices::default()) {
+            Some((start, step)) => Self::Even { start, step, quantity },
+            None => Self::Uneven { values, quantity },
+        }
     }
 
     /// Quantity: time, frequency, or another.

@@ -28,6 +28,8 @@ pub enum Format {
     Tdms,
     /// HDF5, which MATLAB 7.3 also writes.
     Hdf5,
+    /// Records in memory, not a file.
+    Memory,
 }
 
 impl Format {
@@ -145,6 +147,7 @@ impl fmt::Display for Format {
             Self::Wav => "WAV",
             Self::Tdms => "TDMS",
             Self::Hdf5 => "HDF5",
+            Self::Memory => "memory",
         })
     }
 }

@@ -26,6 +26,7 @@
 //! | `wav` | RIFF WAVE |
 //! | `hdf5` | HDF5 and MATLAB 7.3, with the feature `hdf5` |
 //! | `tdms` | TDMS of LabVIEW, read by `asperity-tdms` |
+//! | `memory`, `measurement_source` | records in memory, and sources of either kind |
 //! | `write`, `whole_file` | writing of complete files |
 //!
 //! The crate contains no mechanics and no signal processing.
@@ -53,6 +54,8 @@ mod format;
 mod hdf5;
 mod heading;
 mod mat;
+mod measurement_source;
+mod memory;
 mod notice;
 mod npy;
 mod npz;
@@ -75,6 +78,7 @@ mod write;
 pub use channel::{Abscissa, Channel, ChannelUnit, DegreeOfFreedom, FrfUnits, Origin, Samples};
 pub use error::{FilePosition, MeasureError};
 pub use format::Format;
+pub use measurement_source::MeasurementSource;
 pub use notice::Notice;
 pub use num_complex::Complex64;
 pub use options::{ReadOptions, SampleAxis, WriteOptions};

@@ -4,6 +4,7 @@ use std::io::Cursor;
 use std::path::Path;
 
 use crate::decoding::Records;
+use crate::memory::MemoryRecords;
 use crate::notice::Notices;
 use crate::source::Source;
 use crate::{
@@ -80,6 +81,44 @@ impl<'a> Reader<'a> {
         Self::of(Source::new(name, Box::new(stream))?, options)
     }
 
+    /// Reads records in memory as those of a file: in blocks, with the names and units of the
+    /// options, and with the quantities that follow; `name` replaces that of the file in messages.
+    ///
+    /// # Errors
+    /// [`MeasureError`] for options that are not valid.
+    ///
+    /// ```
+    /// use asperity_measure::{ReadOptions, Reader, read_bytes};
+    ///
+    /// let text = b"time_s,hammer,acc\n0,0,0\n0.001,10,0.5\n0.002,0,0.25\n";
+    /// let records = read_bytes(text, &ReadOptions::default())?.records;
+    /// let units = vec!["N".to_owned(), "g".to_owned()];
+    /// let options = ReadOptions { units, block: 2, ..ReadOptions::default() };
+    /// let mut reader = Reader::of_records("arrays", &records, &options)?;
+    /// let block = reader.next_record()?.ok_or("the first block")?;
+    /// assert_eq!((block.len(), block.channels[1].unit.text()), (2, "g"));
+    /// assert!(reader.next_record()?.ok_or("the second block")?.continues);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn of_records(
+        name: &str,
+        records: &'a [Record],
+        options: &ReadOptions,
+    ) -> Result<Self, MeasureError> {
+        let units = units(name, options)?;
+        let records = Box::new(MemoryRecords::new(records, options.block.max(1)));
+        Ok(Self::with(records, Notices::default(), options, units))
+    }
+
+    fn with(
+        records: Box<dyn Records + 'a>,
+        notices: Notices,
+        options: &ReadOptions,
+        units: Vec<Option<Unit>>,
+    ) -> Self {
+        Self { records, notices, names: options.names.clone(), units, ended: false }
+    }
+
     fn of(mut source: Source<'a>, options: &ReadOptions) -> Result<Self, MeasureError> {
         let units = units(source.name(), options)?;
         let options = &ReadOptions { block: options.block.max(1), ..options.clone() };
@@ -104,8 +143,13 @@ impl<'a> Reader<'a> {
                     instead: "build with the feature `hdf5`, or save it with `save -v7` or as NPZ",
                 });
             }
+            // Not found in content.
+            Format::Memory => {
+                let file = source.name().to_owned();
+                return Err(MeasureError::UnknownFormat { file, expected: Format::READABLE });
+            }
         };
-        Ok(Self { records, notices, names: options.names.clone(), units, ended: false })
+        Ok(Self::with(records, notices, options, units))
     }
 
     /// The format.
@@ -133,7 +177,7 @@ impl<'a> Reader<'a> {
         Ok(Some(record))
     }
 
-    fn read_all(mut self) -> Result<Measurement, MeasureError> {
+    pub(crate) fn read_all(mut self) -> Result<Measurement, MeasureError> {
         let mut records = Vec::new();
         while let Some(record) = self.next_record()? {
             records.push(record);

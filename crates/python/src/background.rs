@@ -20,6 +20,15 @@ pub(crate) struct Progress {
     stopped: AtomicBool,
 }
 
+/// A computation under way, as the calling thread sees it.
+pub(crate) trait Watched: Send + Sync + 'static {
+    /// Fraction done, 0 to 1.
+    fn fraction(&self) -> f64;
+
+    /// Asks the computation to end soon.
+    fn stop(&self);
+}
+
 /// Payload that unwinds the threads of a stopped computation.
 struct Stopped;
 
@@ -32,30 +41,48 @@ impl Progress {
             resume_unwind(Box::new(Stopped));
         }
     }
+}
 
+impl Watched for Progress {
     fn fraction(&self) -> f64 {
         f64::from_bits(self.fraction.load(Ordering::Relaxed))
     }
+
+    fn stop(&self) {
+        self.stopped.store(true, Ordering::Relaxed);
+    }
 }
 
-/// Carries out `work` without the interpreter's lock.
-///
-/// The calling thread calls `listener`, if there is one, with the fraction done, and checks signals.
-/// After Ctrl-C or an exception of the listener it returns at once; the work ends at its next report
-/// of progress, and its result is dropped.
+/// Carries out `work`, which reports its progress, as [`run_watched`] does.
 ///
 /// # Errors
-/// The exception of the listener or of a signal handler.
+/// Those of [`run_watched`].
 pub(crate) fn run<T: Send + 'static>(
     py: Python<'_>,
     listener: Option<&Bound<'_, PyAny>>,
     work: impl FnOnce(&Progress) -> T + Send + 'static,
 ) -> PyResult<T> {
-    let progress = Arc::new(Progress::default());
+    run_watched(py, listener, Arc::new(Progress::default()), work)
+}
+
+/// Carries out `work` without the interpreter's lock.
+///
+/// The calling thread calls `listener`, if there is one, with the fraction done, and checks signals.
+/// After Ctrl-C or an exception of the listener it returns at once; the work is asked to stop, and its
+/// result is dropped.
+///
+/// # Errors
+/// The exception of the listener or of a signal handler.
+pub(crate) fn run_watched<T: Send + 'static, W: Watched>(
+    py: Python<'_>,
+    listener: Option<&Bound<'_, PyAny>>,
+    watched: Arc<W>,
+    work: impl FnOnce(&W) -> T + Send + 'static,
+) -> PyResult<T> {
     let (sender, receiver) = mpsc::sync_channel(1);
     // Only this thread receives; the lock makes the borrow fit to leave the interpreter with.
     let receiver = Mutex::new(receiver);
-    let reported = Arc::clone(&progress);
+    let reported = Arc::clone(&watched);
     let thread = std::thread::Builder::new().name("asperity".to_owned()).spawn(move || {
         let outcome = catch_unwind(AssertUnwindSafe(|| work(&reported)));
         // Nobody receives the outcome of a stopped computation.
@@ -66,12 +93,12 @@ pub(crate) fn run<T: Send + 'static>(
     loop {
         let received = py
             .detach(|| receiver.lock().unwrap_or_else(PoisonError::into_inner).recv_timeout(TICK));
-        let fraction = progress.fraction();
+        let fraction = watched.fraction();
         if let Some(listener) = listener
             && fraction != told
             && let Err(error) = listener.call1((fraction,))
         {
-            progress.stopped.store(true, Ordering::Relaxed);
+            watched.stop();
             return Err(error);
         }
         told = fraction;
@@ -80,7 +107,7 @@ pub(crate) fn run<T: Send + 'static>(
             // A defect of the program, shown as pyo3 shows panics.
             Ok(Err(payload)) => resume_unwind(payload),
             Err(RecvTimeoutError::Timeout) => py.check_signals().inspect_err(|_| {
-                progress.stopped.store(true, Ordering::Relaxed);
+                watched.stop();
             })?,
             Err(RecvTimeoutError::Disconnected) => {
                 return Err(PyRuntimeError::new_err("the computation ended without a result"));

@@ -2,7 +2,11 @@
 
 use std::path::Path;
 
+use asperity_experiment::AnalysisError;
+use asperity_identify::IdentificationError;
+use asperity_measure::MeasureError;
 use asperity_scenario::{Diagnostic, DocumentError, InputError, InvalidDocument, SetError};
+use asperity_signal::SignalError;
 use asperity_study::error::StudyError;
 use pyo3::create_exception;
 use pyo3::exceptions::{
@@ -122,4 +126,47 @@ pub(crate) fn of_study(py: Python<'_>, error: &StudyError) -> PyErr {
         _ if error.is_wrong_request() => PyValueError::new_err(error.to_string()),
         _ => ComputationError::new_err(error.to_string()),
     }
+}
+
+/// Error of measurements: OSError for a file that cannot be read, else ValueError.
+pub(crate) fn of_measure(error: &MeasureError) -> PyErr {
+    match error {
+        MeasureError::Io { source, .. } => of_io(source, error.to_string()),
+        _ => PyValueError::new_err(error.to_string()),
+    }
+}
+
+/// Error of an analysis: OSError for a file that cannot be read, ValueError for a wrong request, else
+/// `ComputationError`.
+pub(crate) fn of_analysis(error: &AnalysisError) -> PyErr {
+    match error {
+        AnalysisError::Measure(source) => of_measure(source),
+        AnalysisError::Io { source, .. } => of_io(source, error.to_string()),
+        _ if error.is_wrong_request() => PyValueError::new_err(error.to_string()),
+        _ => ComputationError::new_err(error.to_string()),
+    }
+}
+
+/// Error of samples or options that are not valid.
+pub(crate) fn of_signal(error: &SignalError) -> PyErr {
+    PyValueError::new_err(error.to_string())
+}
+
+/// Error of an identification: that of its document, data or scenario; ValueError for a wrong request,
+/// else `ComputationError`.
+pub(crate) fn of_identification(py: Python<'_>, error: &IdentificationError) -> PyErr {
+    match error {
+        IdentificationError::Document(source) => of_document(py, source),
+        IdentificationError::Invalid(source) => of_invalid(py, source),
+        IdentificationError::Study(source) => of_study(py, source),
+        IdentificationError::Analysis(source) => of_analysis(source),
+        IdentificationError::Input { path, source } => of_input(path, *source),
+        _ if error.is_wrong_request() => PyValueError::new_err(error.to_string()),
+        _ => ComputationError::new_err(error.to_string()),
+    }
+}
+
+/// OSError, of the class that fits the cause.
+fn of_io(cause: &std::io::Error, message: String) -> PyErr {
+    std::io::Error::new(cause.kind(), message).into()
 }

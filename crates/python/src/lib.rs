@@ -13,18 +13,28 @@
 //! |---|---|
 //! | `scenario` | the class `Scenario` |
 //! | `simulate` | one transient run |
+//! | `measurement` | channels in arrays as records, and back |
+//! | `analyse` | analyses of hits and of free decays |
+//! | `identify` | identification of laws |
+//! | `signal` | single steps of an analysis |
 //! | `background` | long calls: without the interpreter's lock, with progress, stopped by Ctrl-C |
 //! | `columns` | columns of numbers as NumPy arrays |
+//! | `record_table` | tables with texts as dicts |
 //! | `json` | documents between Python and Rust |
 //! | `exception` | errors as exceptions |
 
 #![allow(clippy::doc_markdown, reason = "the documentation of classes and functions is Python's")]
 
+mod analyse;
 mod background;
 mod columns;
 mod exception;
+mod identify;
 mod json;
+mod measurement;
+mod record_table;
 mod scenario;
+mod signal;
 mod simulate;
 
 /// Native part of the package `asperity`.
@@ -33,9 +43,26 @@ mod _asperity {
     use pyo3::prelude::*;
 
     #[pymodule_export]
+    use crate::analyse::{analyse, decay};
+    #[pymodule_export]
     use crate::exception::{ComputationError, ScenarioError};
     #[pymodule_export]
+    use crate::identify::identify;
+    #[pymodule_export]
+    use crate::measurement::{even_rate, read, write};
+    #[pymodule_export]
     use crate::scenario::{PyScenario, restore_scenario};
+    #[pymodule_export]
+    use crate::signal::damping::{backbone, circle_fit, logarithmic_decrement};
+    #[pymodule_export]
+    use crate::signal::frf::{PyFrequencyResponse, PyFrfAverage, PyPeak, convert_frf};
+    #[pymodule_export]
+    use crate::signal::hits::{find_hits, pulse, quality_issues};
+    #[pymodule_export]
+    use crate::signal::windows::{
+        exponential_corrected, exponential_falling_to, exponential_receptance, exponential_window,
+        force_window, response_window, until_noise,
+    };
     #[pymodule_export]
     use crate::simulate::simulate;
 

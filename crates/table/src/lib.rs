@@ -1,7 +1,7 @@
 //! Named columns of numbers, and the one CSV text of the workspace.
 //!
-//! A [`Table`] holds columns of equal length; [`CsvWriter`] writes rows that mix text and numbers.
-//! Both write a number `x` as the shortest decimal that reads back to the same bits, and leave the
+//! A [`Table`] holds columns of equal length, a [`RecordTable`] also texts, counts and flags;
+//! [`CsvWriter`] writes any rows. All write a number `x` as the shortest decimal that reads back to the same bits, and leave the
 //! field empty where `x` is not finite, as JSON writes `null` there.
 //!
 //! ```
@@ -18,10 +18,13 @@
 //! | module | holds |
 //! |---|---|
 //! | `table` | [`Table`], [`Column`], [`TableError`] |
+//! | `record_table` | [`RecordTable`], [`ColumnValues`] |
 //! | `csv` | [`CsvWriter`], and [`columns_to_csv`] for borrowed columns |
 
 mod csv;
+mod record_table;
 mod table;
 
 pub use csv::{CsvWriter, Decimal, columns_to_csv, quoted, unquoted};
+pub use record_table::{ColumnValues, RecordTable};
 pub use table::{Column, Table, TableError};

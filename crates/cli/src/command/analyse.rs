@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 
 use asperity_experiment::{
     Analysis, AnalysisError, AnalysisOptions, AnalysisReport, ForceLevel, HitReport, HitStatistics,
-    Mode, ResponseAnalysis, ResponseChoice, analyse_with_progress, input_files,
+    Mode, ResponseAnalysis, ResponseChoice, analyse_sources, input_files,
 };
-use asperity_measure::WriteOptions;
+use asperity_measure::{MeasurementSource, WriteOptions};
 use asperity_study::output::file_name::distinct_file_names;
 use serde_json::json;
 
@@ -29,7 +29,8 @@ pub(crate) fn run(asked: &Analyse, quiet: bool) -> Result<(), Failure> {
     let first = files.first().map_or("analysis".as_ref(), PathBuf::as_path);
     let folder = claim(first, asked, asked.overwrite)?;
     let bar = crate::progress::bar(2 * files.len() as u64, "reading", quiet);
-    let analysis = analyse_with_progress(&files, &options(asked)?, &|passes| {
+    let sources: Vec<MeasurementSource> = files.iter().cloned().map(Into::into).collect();
+    let analysis = analyse_sources(&sources, &options(asked)?, &|passes| {
         bar.set_position(passes as u64);
     });
     bar.finish_and_clear();
@@ -65,11 +66,11 @@ pub(super) fn write(
 ) -> Result<PathBuf, Failure> {
     let names = suffixes(analysis);
     for (response, suffix) in analysis.responses.iter().zip(&names) {
-        folder.write(&format!("hits{suffix}.csv"), response.hits_csv())?;
-        folder.write(&format!("frf{suffix}.csv"), response.frf_csv())?;
-        folder.write(&format!("backbone{suffix}.csv"), response.backbone_csv())?;
+        folder.write(&format!("hits{suffix}.csv"), response.hits_table().to_csv())?;
+        folder.write(&format!("frf{suffix}.csv"), response.frf_table().to_csv())?;
+        folder.write(&format!("backbone{suffix}.csv"), response.backbone_table().to_csv())?;
     }
-    folder.write("modes.csv", analysis.modes_csv())?;
+    folder.write("modes.csv", analysis.modes_table().to_csv())?;
     if let Some(format) = asked.frfs {
         let options = WriteOptions { title: "asperity analyse".to_owned(), ..Default::default() };
         let place = folder.unfinished(format.frf_file_name())?;

@@ -6,8 +6,9 @@ use std::path::PathBuf;
 
 use asperity_experiment::{
     DecayCurveReport, DecayOptions, DecayReport, MeasuredDecay, ResponseChoice,
-    analyse_decays_with_progress, input_files,
+    analyse_decay_sources, input_files,
 };
+use asperity_measure::MeasurementSource;
 use serde_json::json;
 
 use super::ResultFolder;
@@ -30,13 +31,14 @@ pub(crate) fn run(asked: &Decay, quiet: bool) -> Result<(), Failure> {
     let folder = ResultFolder::claim_at("decay", first, out, asked.overwrite, formats)?;
     let options = options(asked)?;
     let bar = crate::progress::bar(files.len() as u64, "reading", quiet);
+    let sources: Vec<MeasurementSource> = files.iter().cloned().map(Into::into).collect();
     let analysis =
-        analyse_decays_with_progress(&files, &options, &|files| bar.set_position(files as u64));
+        analyse_decay_sources(&sources, &options, &|files| bar.set_position(files as u64));
     bar.finish_and_clear();
     let analysis = analysis?;
 
-    folder.write("decays.csv", analysis.decays_csv())?;
-    folder.write("backbone.csv", analysis.backbone_csv())?;
+    folder.write("decays.csv", analysis.decays_table().to_csv())?;
+    folder.write("backbone.csv", analysis.backbone_table().to_csv())?;
     let figures = plot::decay_figures(&analysis);
     for (name, figure) in &figures {
         folder.draw(name, figure)?;

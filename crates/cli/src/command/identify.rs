@@ -46,9 +46,9 @@ pub(crate) fn run(
         folder.write("law.json", super::pretty(&law))?;
     }
     folder.write("scenario.json", super::pretty(&found.scenario_json(&problem)?))?;
-    folder.write("law.csv", found.law_csv())?;
-    folder.write("data.csv", found.data_csv())?;
-    folder.write("posterior.csv", found.posterior_csv())?;
+    folder.write("law.csv", found.law_table().to_csv())?;
+    folder.write("data.csv", found.data_table().to_csv())?;
+    folder.write("posterior.csv", found.posterior_table().to_csv())?;
     folder.write("draws.json", found.draws_json(&problem)?.to_string())?;
     let figures = plot::identification(&found);
     for (name, figure) in &figures {

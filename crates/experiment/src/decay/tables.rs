@@ -1,19 +1,16 @@
 //! Tables `decays.csv` and `backbone.csv`.
 
 use asperity_signal::DecayPoint;
-use asperity_table::CsvWriter;
+use asperity_table::RecordTable;
 
 use super::report::{DecayCurveReport, MeasuredDecay};
 use super::{DecayAnalysis, DecayCurve};
 
 impl DecayAnalysis {
     /// Table `decays.csv`: a row for each decay, band and response.
-    pub fn decays_csv(&self) -> String {
+    pub fn decays_table(&self) -> RecordTable {
         type Column = (&'static str, fn(&DecayCurveReport) -> Option<f64>);
-        let columns: [Column; 23] = [
-            ("start_s", |of| Some(of.start_s)),
-            ("length_s", |of| Some(of.length_s)),
-            ("reaches_noise", |of| Some(f64::from(u8::from(of.reaches_noise)))),
+        let columns: [Column; 20] = [
             ("frequency_hz", |of| Some(of.mean?.frequency_hz)),
             ("frequency_uncertainty_hz", |of| Some(of.mean?.frequency_uncertainty_hz)),
             ("damping_ratio", |of| Some(of.mean?.damping_ratio)),
@@ -35,25 +32,34 @@ impl DecayAnalysis {
             ("noise_density", |of| Some(of.noise_density)),
             ("floor", |of| Some(of.floor)),
         ];
-        let begin = ["index", "decay", "file", "record", "origin", "response", "unit"];
-        let names = columns.iter().map(|column| column.0);
-        let mut csv = CsvWriter::with_header(begin.into_iter().chain(names).chain(["warnings"]));
-        let rows = |decay: &'_ MeasuredDecay| decay.responses.len();
-        for decay in self.report.decays.iter().filter(|decay| rows(decay) > 0) {
-            for of in &decay.responses {
-                csv.number(of.index as f64).number(decay.index as f64).text(&decay.file);
-                csv.number(decay.record as f64).text(decay.origin).text(&of.response);
-                csv.text(&of.unit).numbers(columns.iter().map(|column| (column.1)(of)));
-                let all: Vec<&str> =
-                    of.warnings.iter().chain(&decay.warnings).map(String::as_str).collect();
-                csv.text(&all.join("; ")).end_row();
-            }
-        }
-        csv.into_string()
+        let decays = &self.report.decays;
+        let rows =
+            || decays.iter().flat_map(|decay| decay.responses.iter().map(move |of| (decay, of)));
+        let warnings = |(decay, of): (&MeasuredDecay, &DecayCurveReport)| {
+            let all = of.warnings.iter().chain(&decay.warnings);
+            all.map(String::as_str).collect::<Vec<_>>().join("; ")
+        };
+        let table = RecordTable::new()
+            .counts("index", rows().map(|(_, of)| of.index))
+            .counts("decay", rows().map(|(decay, _)| decay.index))
+            .texts("file", rows().map(|(decay, _)| &decay.file))
+            .counts("record", rows().map(|(decay, _)| decay.record))
+            .texts("origin", rows().map(|(decay, _)| decay.origin))
+            .texts("response", rows().map(|(_, of)| &of.response))
+            .texts("unit", rows().map(|(_, of)| &of.unit))
+            .numbers("start_s", rows().map(|(_, of)| of.start_s))
+            .numbers("length_s", rows().map(|(_, of)| of.length_s))
+            .flags("reaches_noise", rows().map(|(_, of)| of.reaches_noise));
+        columns
+            .into_iter()
+            .fold(table, |table, (name, value)| {
+                table.numbers(name, rows().map(|(_, of)| value(of)))
+            })
+            .texts("warnings", rows().map(warnings))
     }
 
     /// Table `backbone.csv`: a row for each point. Times are on the time axis of the record.
-    pub fn backbone_csv(&self) -> String {
+    pub fn backbone_table(&self) -> RecordTable {
         type Column = (&'static str, fn(&DecayCurve, &DecayPoint) -> Option<f64>);
         let columns: [Column; 13] = [
             ("time_s", |of, one| Some(of.start_s + one.point.time_s)),
@@ -70,16 +76,14 @@ impl DecayAnalysis {
             ("third_harmonic_ratio", |_, one| Some(one.harmonics[1]?.ratio)),
             ("third_harmonic_ratio_uncertainty", |_, one| Some(one.harmonics[1]?.uncertainty)),
         ];
-        let names = columns.iter().map(|column| column.0);
-        let mut csv =
-            CsvWriter::with_header(["index", "decay", "response", "unit"].into_iter().chain(names));
-        for of in &self.curves {
-            for one in &of.points {
-                csv.number(of.index as f64).number(of.decay as f64);
-                csv.text(&of.response).text(&of.unit);
-                csv.numbers(columns.iter().map(|column| (column.1)(of, one))).end_row();
-            }
-        }
-        csv.into_string()
+        let rows = || self.curves.iter().flat_map(|of| of.points.iter().map(move |one| (of, one)));
+        let table = RecordTable::new()
+            .counts("index", rows().map(|(of, _)| of.index))
+            .counts("decay", rows().map(|(of, _)| of.decay))
+            .texts("response", rows().map(|(of, _)| &of.response))
+            .texts("unit", rows().map(|(of, _)| &of.unit));
+        columns.into_iter().fold(table, |table, (name, value)| {
+            table.numbers(name, rows().map(|(of, one)| value(of, one)))
+        })
     }
 }

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
 
 use super::Changes;
 
@@ -30,9 +31,8 @@ pub enum DataSpec {
     Analysis {
         /// A name.
         name: Option<String>,
-        /// The file, relative to the folder of the problem.
-        #[schemars(length(min = 1))]
-        file: String,
+        /// The file, relative to the folder of the problem, or its content in place.
+        file: AnalysisRef,
         /// Changes of the scenario for these hits.
         #[serde(default, skip_serializing_if = "Changes::is_empty")]
         set: Changes,
@@ -161,16 +161,29 @@ pub enum DataSpec {
     },
 }
 
+/// An analysis by its file, or in place.
+#[derive(Debug, Clone, PartialEq, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum AnalysisRef {
+    /// The file, relative to the folder of the problem.
+    File(#[schemars(length(min = 1))] String),
+    /// The analysis itself, as `analysis.json` holds it.
+    InPlace(Map<String, Value>),
+}
+
 impl DataSpec {
     /// Files that the data are read from, relative to the folder of the problem.
     pub fn files(&self) -> &[String] {
         match self {
-            Self::Analysis { file, .. }
+            Self::Analysis { file: AnalysisRef::File(file), .. }
             | Self::Frf { file, .. }
             | Self::Backbone { file, .. }
             | Self::SteppedSine { file, .. } => std::slice::from_ref(file),
             Self::Records { files, .. } => files,
-            Self::Hits { .. } | Self::Stiffness { .. } | Self::Ratio { .. } => &[],
+            Self::Analysis { file: AnalysisRef::InPlace(_), .. }
+            | Self::Hits { .. }
+            | Self::Stiffness { .. }
+            | Self::Ratio { .. } => &[],
         }
     }
 }

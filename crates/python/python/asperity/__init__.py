@@ -10,16 +10,31 @@ stated at the end of each name.
 >>> run.history["time_s"], run.history["displacement_m"] # doctest: +SKIP
 """
 
+from . import signal
+from ._analyse import Analysis, DecayAnalysis, ResponseAnalysis, analyse, decay
 from ._asperity import ComputationError, Scenario, ScenarioError, __version__
+from ._identify import Identification, identify
+from ._measurement import read, to_sep005, write
 from ._simulate import Simulation, simulate
 from ._table import Table
 
 __all__ = [
+    "Analysis",
     "ComputationError",
+    "DecayAnalysis",
+    "Identification",
+    "ResponseAnalysis",
     "Scenario",
     "ScenarioError",
     "Simulation",
     "Table",
     "__version__",
+    "analyse",
+    "decay",
+    "identify",
+    "read",
+    "signal",
     "simulate",
+    "to_sep005",
+    "write",
 ]

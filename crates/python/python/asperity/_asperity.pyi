@@ -7,11 +7,34 @@ from numpy.typing import NDArray
 
 __all__ = [
     "ComputationError",
+    "FrequencyResponse",
+    "FrfAverage",
+    "Peak",
     "Scenario",
     "ScenarioError",
     "__version__",
+    "analyse",
+    "backbone",
+    "circle_fit",
+    "convert_frf",
+    "decay",
+    "even_rate",
+    "exponential_corrected",
+    "exponential_falling_to",
+    "exponential_receptance",
+    "exponential_window",
+    "find_hits",
+    "force_window",
+    "identify",
+    "logarithmic_decrement",
+    "pulse",
+    "quality_issues",
+    "read",
+    "response_window",
     "restore_scenario",
     "simulate",
+    "until_noise",
+    "write",
 ]
 __version__: str
 
@@ -45,3 +68,147 @@ def simulate(
 ) -> tuple[
     dict[str, Any], Mapping[str, NDArray[np.float64]], Mapping[str, NDArray[np.float64]] | None
 ]: ...
+
+_Floats = NDArray[np.float64]
+_Complex = NDArray[np.complex128]
+_Columns = dict[str, NDArray[Any] | list[str]]
+_Progress = Callable[[float], object] | None
+_Sources = list[str] | list[list[dict[str, Any]]]
+
+def read(
+    paths: list[str],
+    sample_rate_hz: float | None,
+    names: list[str],
+    units: list[str],
+    sample_axis: str | None,
+    si: bool,
+    progress: _Progress,
+) -> tuple[list[list[dict[str, Any]]], list[str]]: ...
+def write(
+    path: str | os.PathLike[str],
+    records: list[list[dict[str, Any]]],
+    format: str | None,
+    title: str,
+    overwrite: bool,
+) -> None: ...
+def even_rate(time_s: _Floats) -> float | None: ...
+def analyse(
+    sources: _Sources,
+    settings: dict[str, Any],
+    hits: str,
+    form: str,
+    frfs: bool,
+    progress: _Progress,
+) -> dict[str, Any]: ...
+def decay(
+    sources: _Sources, settings: dict[str, Any], bands_hz: list[list[float]], progress: _Progress
+) -> tuple[dict[str, Any], _Columns, _Columns]: ...
+def identify(
+    problem: str | os.PathLike[str] | dict[str, Any],
+    folder: str | os.PathLike[str] | None,
+    progress: _Progress,
+) -> dict[str, Any]: ...
+def find_hits(
+    force: _Floats,
+    responses: list[_Floats],
+    sample_rate_hz: float,
+    level: float,
+    level_of: str,
+    pre_trigger: int,
+    length: int,
+    until_next: bool,
+    hold_off: int,
+) -> tuple[list[dict[str, Any]], tuple[float, float, float]]: ...
+def quality_issues(
+    force: _Floats,
+    responses: list[_Floats],
+    sample_rate_hz: float,
+    missing: int,
+    second_fraction: float,
+    full_scale_n: float | None,
+    full_scale_response: float | None,
+    undecayed_ratio: float,
+) -> list[dict[str, Any]]: ...
+def pulse(force: _Floats, sample_rate_hz: float) -> dict[str, float] | None: ...
+def force_window(
+    force: _Floats, sample_rate_hz: float, window: tuple[float, float, float]
+) -> _Floats: ...
+def response_window(
+    response: _Floats, sample_rate_hz: float, window: tuple[float, float]
+) -> _Floats: ...
+def until_noise(
+    response: _Floats, sample_rate_hz: float, frequency_hz: float, noise_density: float
+) -> tuple[float, float] | None: ...
+def exponential_window(
+    samples: _Floats, sample_rate_hz: float, tau_s: float, origin: int
+) -> _Floats: ...
+def exponential_falling_to(fraction: float, after_s: float) -> float: ...
+def exponential_corrected(
+    quantity: str, tau_s: float, natural_hz: float, ratio: float, value: float
+) -> float: ...
+def exponential_receptance(
+    frequency_hz: _Floats, receptance: _Complex, response: str, tau_s: float
+) -> _Complex: ...
+def convert_frf(frequency_hz: _Floats, values: _Complex, form: str, to: str) -> _Complex: ...
+def circle_fit(frequency_hz: _Floats, mobility: _Complex) -> dict[str, Any] | None: ...
+def logarithmic_decrement(
+    samples: _Floats, sample_rate_hz: float, frequency_hz: float
+) -> dict[str, float] | None: ...
+def backbone(
+    decay: _Floats,
+    sample_rate_hz: float,
+    band: tuple[float, float, float],
+    cycles: float,
+    edge_level: float,
+    noise_density: float,
+    noise_factor: float,
+) -> _Columns: ...
+
+@final
+class FrfAverage:
+    def __new__(
+        cls, samples: int, sample_rate_hz: float, response: str, padding: int
+    ) -> FrfAverage: ...
+    def push(self, force: _Floats, response: _Floats) -> _Complex: ...
+    @property
+    def averages(self) -> int: ...
+    @property
+    def form(self) -> str: ...
+    @property
+    def frequency_hz(self) -> _Floats: ...
+    def frf(self, name: str, noise_ratio: float | None) -> _Complex: ...
+    def response(self, name: str, noise_ratio: float | None) -> FrequencyResponse: ...
+    def coherence(self) -> list[_Floats]: ...
+    def spread(self) -> list[_Floats]: ...
+    def force_mask(self, threshold: float) -> NDArray[np.bool_]: ...
+    def spectra(self, density: str) -> tuple[_Floats, _Floats, _Complex]: ...
+
+@final
+class Peak:
+    @property
+    def frequency_hz(self) -> float: ...
+    @property
+    def magnitude(self) -> float: ...
+    @property
+    def value(self) -> complex: ...
+    @property
+    def prominence(self) -> float: ...
+
+@final
+class FrequencyResponse:
+    def __new__(
+        cls, force: _Floats, response: _Floats, sample_rate_hz: float, kind: str
+    ) -> FrequencyResponse: ...
+    def receptance_at(self, frequency_hz: _Floats) -> _Complex: ...
+    def dominant_frequency(
+        self, band_hz: tuple[float, float], form: str, force_threshold: float
+    ) -> float | None: ...
+    def find_harmonics(
+        self,
+        near_hz: float,
+        fundamental_window: tuple[float, float],
+        second_window: tuple[float, float],
+        force_threshold: float,
+    ) -> tuple[Peak | None, Peak | None, _Floats]: ...
+    def half_power(self, peak: Peak) -> tuple[float, float, float] | None: ...
+    def circle_fit(self, peak: Peak) -> dict[str, Any] | None: ...

@@ -1,5 +1,7 @@
 //! Quality of a hit.
 
+use std::fmt;
+
 use super::HitRecord;
 use super::double::{DoubleHit, double_hits};
 use super::fault::{SampleRun, clipped, force_dropouts, not_finite, overloads, response_dropouts};
@@ -88,6 +90,55 @@ impl QualityIssue {
     /// one that has not decayed, which have leakage only.
     pub fn is_disqualifying(&self) -> bool {
         !matches!(self, Self::Truncated { .. } | Self::NotDecayed { .. })
+    }
+}
+
+impl fmt::Display for QualityIssue {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::DoubleHit(double) => write!(
+                f,
+                "double hit: {:.0} % of the first impact after {:.3} ms",
+                100.0 * double.ratio,
+                1e3 * (double.second_s - double.first_s)
+            ),
+            Self::Overload { channel, samples, value, .. } => {
+                write!(f, "overload: the {channel} stays at {value} for {samples} samples")
+            }
+            Self::Clipped { channel, times, value, .. } => {
+                write!(f, "overload: the {channel} is at {value}, a limit, {times} times")
+            }
+            Self::Dropout { channel, samples, value, .. } => {
+                write!(f, "dropout: the {channel} stays at {value} for {samples} samples")
+            }
+            Self::NotFinite { channel, samples, .. } => {
+                write!(f, "dropout: {samples} samples of the {channel} are not finite")
+            }
+            Self::Truncated { samples, missing } => {
+                write!(f, "truncated: {missing} of {} samples are missing", samples + missing)
+            }
+            Self::NotDecayed { ratio, threshold, .. } if !ratio.is_finite() => write!(
+                f,
+                "not decayed: the response does not fall below {:.1} % of its largest",
+                100.0 * threshold
+            ),
+            Self::NotDecayed { ratio, threshold, .. } => write!(
+                f,
+                "not decayed: {:.1} % of the largest response remain at the end, above the limit \
+                 of {:.1} %",
+                100.0 * ratio,
+                100.0 * threshold
+            ),
+        }
+    }
+}
+
+impl fmt::Display for HitChannel {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Force => "force",
+            Self::Response(_) => "response",
+        })
     }
 }
 

@@ -1,0 +1,114 @@
+"""Identification of contact laws from measurements."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+from . import _arrays, _asperity
+from ._table import Table
+
+
+@dataclass(frozen=True)
+class Identification:
+    """An identified contact law with its uncertainty.
+
+    Attributes
+    ----------
+    report : dict
+        All results, as in ``identification.json``: ``estimates``, ``stiffnesses``, ``fit``,
+        ``identifiability``, ``posterior``, ``comparison`` with other laws, ``design`` of further
+        hits, ``words``.
+    law : dict or None
+        The law at the best fit, as ``law.json`` holds it: a value for ``laws`` of a scenario.
+    scenario : dict
+        The scenario at the best fit, as in ``scenario.json``.
+    law_band : Table
+        Stiffness over pressure with its credible band, as in ``law.csv``: ``pressure_pa``,
+        ``stiffness_pa_per_m`` (best fit), ``median_pa_per_m``, ``lower_pa_per_m``,
+        ``upper_pa_per_m``, ``informed`` (bool: the data narrow it), ``origin``, and more.
+    data : Table
+        Observations with their predictions, as in ``data.csv``: ``data``, ``feature``, ``at``,
+        ``value``, ``standard_deviation``, ``predicted``, ``lower``, ``upper``, ``residual`` (in
+        standard deviations), ``weight``.
+    posterior : Table
+        Draws from the posterior, as in ``posterior.csv``: ``weight``, and a column for each
+        parameter.
+    draws : dict
+        The draws as changes of the scenario, as in ``draws.json``, for predictions by a study.
+    """
+
+    report: dict[str, Any] = field(repr=False)
+    law: dict[str, Any] | None
+    scenario: dict[str, Any] = field(repr=False)
+    law_band: Table
+    data: Table
+    posterior: Table
+    draws: dict[str, Any] = field(repr=False)
+
+    @property
+    def conclusions(self) -> list[str]:
+        """The answer in sentences."""
+        return list(self.report["words"])
+
+    @property
+    def estimates(self) -> list[dict[str, Any]]:
+        """Estimates of the parameters: ``name``, ``value``, ``standard_deviation``, intervals."""
+        return list(self.report["estimates"])
+
+    @property
+    def notices(self) -> list[str]:
+        """Replaced or omitted data and settings, and warnings."""
+        return list(self.report["notices"])
+
+
+def identify(
+    problem: str | os.PathLike[str] | dict[str, Any],
+    *,
+    folder: str | os.PathLike[str] | None = None,
+    progress: Callable[[float], object] | None = None,
+) -> Identification:
+    """Identify a contact law, or any numbers of a scenario, from measurements.
+
+    The same as ``asperity identify``, with the same numbers. Other Python threads run meanwhile, and
+    Ctrl-C stops the call.
+
+    Parameters
+    ----------
+    problem : str, os.PathLike or dict
+        Path of a JSON file, JSON text (which starts with ``{``), or the problem as a dict. The hits
+        of an analysis enter without a file: ``{"kind": "analysis", "file": found.report}``.
+    folder : str or os.PathLike, optional
+        Folder that relative file names in a text or a dict start from; the current one by default.
+    progress : callable, optional
+        Called with the estimated fraction done, 0 to 1. An exception that it raises stops the
+        identification and is passed on.
+
+    Raises
+    ------
+    ScenarioError
+        If the problem or its scenario is not valid, with all faults.
+    ValueError
+        If the data do not fit the scenario.
+    OSError
+        If a file cannot be read.
+    ComputationError
+        If the scenario cannot be run at any start.
+
+    Examples
+    --------
+    >>> found = asperity.identify("problem.json")                              # doctest: +SKIP
+    >>> scenario.with_({"/laws/contact": found.law})                           # doctest: +SKIP
+    """
+    found = _asperity.identify(problem, folder, progress)
+    return Identification(
+        report=found["report"],
+        law=found["law"],
+        scenario=found["scenario"],
+        law_band=_arrays.table(found["law_band"]),
+        data=_arrays.table(found["data"]),
+        posterior=_arrays.table(found["posterior"]),
+        draws=found["draws"],
+    )
