@@ -20,6 +20,9 @@ const ACCEPTED: &str = "import sys, venv, ensurepip; sys.exit(sys.version_info <
 /// Packages that build and test the wheel.
 const TOOLS: [&str; 4] = ["maturin>=1.9,<2", "mypy", "numpy", "pytest"];
 
+/// Packages that take tables in tests, which skip themselves without them.
+const READERS: [&str; 2] = ["polars", "pyarrow"];
+
 /// Variable that makes the package a condition, with this value.
 const REQUIRED: (&str, &str) = ("ASPERITY_PYTHON", "required");
 
@@ -57,6 +60,10 @@ pub(crate) fn run() -> Result<bool> {
         println!("python: skipped, {} cannot be installed", TOOLS.join(", "));
         return Ok(true);
     }
+    let readers = [&["-m", "pip", "install", "--quiet"][..], &READERS].concat();
+    if !call(&python, &readers, &root)? {
+        println!("python: {} cannot be installed, their tests skip themselves", READERS.join(", "));
+    }
     if wheels.exists() {
         std::fs::remove_dir_all(&wheels).with_context(|| wheels.display().to_string())?;
     }
@@ -71,7 +78,11 @@ pub(crate) fn run() -> Result<bool> {
     // The stubs are compared away from the sources, which the wheel must not depend on.
     Ok(call(&python, &install, &root)?
         && call(&python, &["-m", "mypy.stubtest", "asperity"], &own)?
-        && call(&python, &["-m", "mypy", "--strict", "python/asperity", "tests"], &package)?
+        && call(
+            &python,
+            &["-m", "mypy", "--strict", "python/asperity", "tests", "benches"],
+            &package,
+        )?
         && call(&python, &["-m", "pytest", "--quiet"], &package)?)
 }
 

@@ -12,20 +12,27 @@
 //! | module | holds |
 //! |---|---|
 //! | `scenario` | the class `Scenario` |
-//! | `simulate` | one transient run |
+//! | `law` | the class `Law`, laws of a scenario, fits |
+//! | `simulate`, `sweep`, `steady` | one transient run; many; steady responses and modes |
+//! | `figure` | the class `Figure` |
 //! | `background` | long calls: without the interpreter's lock, with progress, stopped by Ctrl-C |
-//! | `columns` | columns of numbers as NumPy arrays |
+//! | `columns`, `arrow` | columns as NumPy arrays, and as a stream of the Arrow C data interface |
 //! | `json` | documents between Python and Rust |
 //! | `exception` | errors as exceptions |
 
 #![allow(clippy::doc_markdown, reason = "the documentation of classes and functions is Python's")]
 
+mod arrow;
 mod background;
 mod columns;
 mod exception;
+mod figure;
 mod json;
+mod law;
 mod scenario;
 mod simulate;
+mod steady;
+mod sweep;
 
 /// Native part of the package `asperity`.
 #[pyo3::pymodule]
@@ -33,11 +40,21 @@ mod _asperity {
     use pyo3::prelude::*;
 
     #[pymodule_export]
+    use crate::arrow::arrow_stream;
+    #[pymodule_export]
     use crate::exception::{ComputationError, ScenarioError};
+    #[pymodule_export]
+    use crate::figure::PyFigure;
+    #[pymodule_export]
+    use crate::law::{PyLaw, fit_power, laws, restore_law, tabulate};
     #[pymodule_export]
     use crate::scenario::{PyScenario, restore_scenario};
     #[pymodule_export]
     use crate::simulate::simulate;
+    #[pymodule_export]
+    use crate::steady::{modes, steady};
+    #[pymodule_export]
+    use crate::sweep::{sweep, sweep_rows};
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {

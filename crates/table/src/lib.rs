@@ -1,7 +1,7 @@
 //! Named columns of numbers, and the one CSV text of the workspace.
 //!
-//! A [`Table`] holds columns of equal length; [`CsvWriter`] writes rows that mix text and numbers.
-//! Both write a number `x` as the shortest decimal that reads back to the same bits, and leave the
+//! A [`Table`] holds columns of numbers, a [`DataTable`] also integers, truth values and texts;
+//! [`CsvWriter`] writes rows that mix text and numbers. All write a number `x` as the shortest decimal that reads back to the same bits, and leave the
 //! field empty where `x` is not finite, as JSON writes `null` there.
 //!
 //! ```
@@ -17,11 +17,14 @@
 //!
 //! | module | holds |
 //! |---|---|
+//! | `data_table` | [`DataTable`], [`ColumnData`]: columns of several types |
 //! | `table` | [`Table`], [`Column`], [`TableError`] |
 //! | `csv` | [`CsvWriter`], and [`columns_to_csv`] for borrowed columns |
 
 mod csv;
+mod data_table;
 mod table;
 
 pub use csv::{CsvWriter, Decimal, columns_to_csv, quoted, unquoted};
+pub use data_table::{ColumnData, DataTable};
 pub use table::{Column, Table, TableError};

@@ -8,13 +8,13 @@ use asperity_experiment::{
     DecayCurveReport, DecayOptions, DecayReport, MeasuredDecay, ResponseChoice,
     analyse_decays_with_progress, input_files,
 };
+use asperity_plot as plot;
 use serde_json::json;
 
 use super::ResultFolder;
 use crate::args::decay::Decay;
 use crate::failure::Failure;
 use crate::file_kind::check_measurements;
-use crate::plot;
 use crate::rig;
 
 /// Most rows in the printed table.

@@ -10,16 +10,42 @@ stated at the end of each name.
 >>> run.history["time_s"], run.history["displacement_m"] # doctest: +SKIP
 """
 
-from ._asperity import ComputationError, Scenario, ScenarioError, __version__
+from ._asperity import ComputationError, Figure, Law, Scenario, ScenarioError, __version__
+from ._law import (
+    LawTables,
+    PowerFit,
+    fit_power,
+    law_from_pressure,
+    law_from_stiffness,
+    laws,
+    tabulate,
+)
 from ._simulate import Simulation, simulate
+from ._steady import Modes, SteadyResponses, modes, steady
+from ._sweep import Sweep, sweep
 from ._table import Table
 
 __all__ = [
     "ComputationError",
+    "Figure",
+    "Law",
+    "LawTables",
+    "Modes",
+    "PowerFit",
     "Scenario",
     "ScenarioError",
     "Simulation",
+    "SteadyResponses",
+    "Sweep",
     "Table",
     "__version__",
+    "fit_power",
+    "law_from_pressure",
+    "law_from_stiffness",
+    "laws",
+    "modes",
     "simulate",
+    "steady",
+    "sweep",
+    "tabulate",
 ]
