@@ -2,7 +2,8 @@
 //!
 //! The wheel is built with the profile of the other builds and installed under `target/python`.
 //! Its types are compared with its stubs, and its tests run: those that compare with the command
-//! take the program `asperity` beside this one, and skip where it has not been built.
+//! take the program `asperity` beside this one, and skip where it has not been built. Then the
+//! notebooks of `docs/notebooks` are executed.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -22,6 +23,9 @@ const TOOLS: [&str; 4] = ["maturin>=1.9,<2", "mypy", "numpy", "pytest"];
 
 /// Packages that take tables in tests, which skip themselves without them.
 const READERS: [&str; 2] = ["polars", "pyarrow"];
+
+/// Packages that execute the notebooks.
+const NOTEBOOK_TOOLS: [&str; 2] = ["nbclient", "ipykernel"];
 
 /// Variable that makes the package a condition, with this value.
 const REQUIRED: (&str, &str) = ("ASPERITY_PYTHON", "required");
@@ -83,7 +87,31 @@ pub(crate) fn run() -> Result<bool> {
             &["-m", "mypy", "--strict", "python/asperity", "tests", "benches"],
             &package,
         )?
-        && call(&python, &["-m", "pytest", "--quiet"], &package)?)
+        && call(&python, &["-m", "pytest", "--quiet"], &package)?
+        && notebooks(&root.join("docs/notebooks"), &programs, &call)?)
+}
+
+/// Executes the notebooks in `folder`; true if none fails. Their files are left as they are.
+fn notebooks(
+    folder: &Path,
+    programs: &Path,
+    call: &dyn Fn(&Path, &[&str], &Path) -> Result<bool>,
+) -> Result<bool> {
+    let install = [&["-m", "pip", "install", "--quiet"][..], &NOTEBOOK_TOOLS].concat();
+    if !call(&programs.join("python"), &install, folder)? {
+        println!("python: {} cannot be installed, notebooks skipped", NOTEBOOK_TOOLS.join(", "));
+        return Ok(true);
+    }
+    let mut names = Vec::new();
+    for entry in std::fs::read_dir(folder)? {
+        let path = entry?.path();
+        if path.extension().is_some_and(|ending| ending == "ipynb") {
+            names.push(path.display().to_string());
+        }
+    }
+    names.sort();
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    call(&programs.join("jupyter-execute"), &names, folder)
 }
 
 /// Interpreter that PYTHON or the path names and that is new enough.

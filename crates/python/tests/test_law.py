@@ -216,7 +216,7 @@ def test_threads_that_call_at_once_get_the_same_numbers() -> None:
 
 
 def test_a_law_stands_wherever_a_scenario_has_one() -> None:
-    scenario = asperity.Scenario(RIG)
+    scenario = asperity.Scenario(RIG).with_({"/method": "modal"})
     law = asperity.laws(scenario)["pl"]
     expected = asperity.simulate(scenario.with_({"/interfaces/0/law": "pl", "/interfaces/1/law": "pl"}))
     for changes in (
@@ -250,7 +250,7 @@ def test_a_stiffness_in_python_is_the_law_to_its_tolerance() -> None:
 
 
 def test_a_response_with_a_law_in_python_is_that_of_the_law() -> None:
-    scenario = asperity.Scenario(RIG)
+    scenario = asperity.Scenario(RIG).with_({"/method": "modal"})
     expected = asperity.simulate(scenario.with_({"/laws/modified": asperity.laws(scenario)["pl"]}))
     law = asperity.law_from_stiffness(lambda p: 1.81e10 * p**0.35, (1.0, 1e7))
     found = asperity.simulate(scenario.with_({"/laws/modified": law}))
