@@ -216,7 +216,7 @@ def test_threads_that_call_at_once_get_the_same_numbers() -> None:
 
 
 def test_a_law_stands_wherever_a_scenario_has_one() -> None:
-    scenario = asperity.Scenario(RIG).with_({"/method": "modal"})
+    scenario = asperity.Scenario(RIG).with_({"/method": "modal", "/duration_s": 0.02})
     law = asperity.laws(scenario)["pl"]
     expected = asperity.simulate(scenario.with_({"/interfaces/0/law": "pl", "/interfaces/1/law": "pl"}))
     for changes in (
@@ -240,7 +240,7 @@ def test_a_stiffness_in_python_is_the_law_to_its_tolerance() -> None:
         return 1.81e10 * math.pow(pressure, 0.35)
 
     law = asperity.law_from_stiffness(stiffness, (1.0, 1e8), tolerance=1e-6)
-    assert law.kind == "table" and calls < 20_000
+    assert law.kind == "table" and calls < 12_000
     pressure = np.geomspace(1.0, 1e8, 9_973)
     exact = asperity.Law(POWER)
     np.testing.assert_allclose(law.stiffness(pressure), exact.stiffness(pressure), rtol=2e-6)
@@ -250,7 +250,7 @@ def test_a_stiffness_in_python_is_the_law_to_its_tolerance() -> None:
 
 
 def test_a_response_with_a_law_in_python_is_that_of_the_law() -> None:
-    scenario = asperity.Scenario(RIG).with_({"/method": "modal"})
+    scenario = asperity.Scenario(RIG).with_({"/method": "modal", "/duration_s": 0.02})
     expected = asperity.simulate(scenario.with_({"/laws/modified": asperity.laws(scenario)["pl"]}))
     law = asperity.law_from_stiffness(lambda p: 1.81e10 * p**0.35, (1.0, 1e7))
     found = asperity.simulate(scenario.with_({"/laws/modified": law}))
@@ -270,7 +270,8 @@ def test_two_functions_of_the_closure_are_a_law() -> None:
 
     law = asperity.law_from_pressure(pressure, stiffness, (0.0, 2e-6))
     closure = np.linspace(0.0, 2e-6, 1001)
-    np.testing.assert_allclose(law.pressure(closure), pressure(closure), rtol=1e-6, atol=1e-3)  # type: ignore[arg-type]
+    # A stiffness off by 1e-6 is a closure off by 1e-6, and a pressure by K d / p <= 2 times that.
+    np.testing.assert_allclose(law.pressure(closure), pressure(closure), rtol=2.5e-6)  # type: ignore[arg-type]
     np.testing.assert_allclose(law.stiffness(law.pressure(closure)), stiffness(closure), rtol=3e-6)  # type: ignore[arg-type]
 
 

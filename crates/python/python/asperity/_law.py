@@ -259,6 +259,7 @@ def _followed(
     """Table law through samples, with points added where it differs from them; the arguments and
     pressures of its points."""
     points = {x: sample(x) for x in grid}
+    known = dict(points)
     settled: set[float] = set()
     while True:
         places = sorted(points)
@@ -270,30 +271,38 @@ def _followed(
                     f"after {before[0]:g} Pa"
                 )
         law = Law({"kind": "table", "points": [list(pair) for pair in pairs]})
-        middles = [
-            _middle(a, b) for a, b in zip(places, places[1:], strict=False) if a not in settled
-        ]
-        starts = [a for a in places[:-1] if a not in settled]
-        found = [sample(x) for x in middles]
-        pressures = np.array([pair[0] for pair in found])
-        exact = np.array([pair[1] for pair in found])
-        error = np.abs(law.stiffness(pressures) - exact) / exact
-        worst = int(np.argmax(error)) if len(error) else 0
-        if not len(error) or error[worst] <= tolerance:
-            xs = np.array(places)
-            return law, xs, np.array([pair[0] for pair in pairs])
-        # A part whose middle and neighbours agree is left alone.
-        settled |= {a for a, off in zip(starts, error, strict=True) if off <= 1e-3 * tolerance}
-        added = [(x, pair) for x, pair, off in zip(middles, found, error, strict=True) if off > tolerance]
-        narrow = [x for x, _ in added if x in points]
-        if narrow or len(points) + len(added) > _MOST_POINTS:
-            at = pressures[worst]
+        parts = [part for part in zip(places, places[1:], strict=False) if part[0] not in settled]
+        # Errors of the slopes at both ends cancel in the middle of a part, not in its quarters.
+        inner = [x for part in parts for x in _quarters(*part)]
+        for x in inner:
+            if x not in known:
+                known[x] = sample(x)
+        pressures = np.array([known[x][0] for x in inner])
+        exact = np.array([known[x][1] for x in inner])
+        errors = np.abs(law.stiffness(pressures) - exact) / exact
+        error = np.max(errors.reshape(-1, 3), axis=1, initial=0.0)
+        off = error > tolerance
+        if not np.any(off):
+            return law, np.array(places), np.array([pair[0] for pair in pairs])
+        # A jump is still there in the narrowest part.
+        narrow = [b - a <= 1e-2 * tolerance * max(abs(a), abs(b)) for a, b in parts]
+        if np.any(off & narrow) or len(points) + int(np.sum(off)) > _MOST_POINTS:
+            worst = int(np.argmax(errors))
             raise ValueError(
-                f"the stiffness changes too fast near {at:g} Pa: a table of {len(points)} points "
-                f"differs from it by {error[worst]:.1g}; accepted: continuous functions, or a larger "
-                f"tolerance than {tolerance:g}"
+                f"the stiffness changes too fast near {pressures[worst]:g} Pa: a table of "
+                f"{len(points)} points differs from it by {errors[worst]:.1g}; accepted: continuous "
+                f"functions, or a larger tolerance than {tolerance:g}"
             )
-        points.update(added)
+        # A part that is far better than needed is left alone.
+        settled |= {a for (a, _), e in zip(parts, error, strict=True) if e <= 1e-3 * tolerance}
+        for x in np.array(inner).reshape(-1, 3)[off, 1].tolist():
+            points[x] = known[x]
+
+
+def _quarters(a: float, b: float) -> tuple[float, float, float]:
+    """Places that divide a part, by their ratios between positive numbers."""
+    middle = _middle(a, b)
+    return _middle(a, middle), middle, _middle(middle, b)
 
 
 def _middle(a: float, b: float) -> float:
