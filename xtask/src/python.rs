@@ -2,7 +2,8 @@
 //!
 //! The wheel is built with the profile of the other builds and installed under `target/python`.
 //! Its types are compared with its stubs, and its tests run: those that compare with the command
-//! take the program `asperity` beside this one, and skip where it has not been built.
+//! take the program `asperity` beside this one, and skip where it has not been built. Then the
+//! notebooks of `docs/notebooks` are executed.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -20,10 +21,18 @@ const ACCEPTED: &str = "import sys, venv, ensurepip; sys.exit(sys.version_info <
 /// Packages that build and test the wheel.
 const TOOLS: [&str; 4] = ["maturin>=1.9,<2", "mypy", "numpy", "pytest"];
 
-/// Packages that results are compared with and that run the notebooks; tests without them skip, by
-/// name.
-const COMPARED: [&str; 6] =
-    ["ipykernel", "matplotlib", "nbclient", "pyFRF", "scipy", "sdypy-sep005"];
+/// Packages that results are compared with, that take tables, and that run the notebooks; tests
+/// without them skip, by name.
+const COMPARED: [&str; 8] = [
+    "ipykernel",
+    "matplotlib",
+    "nbclient",
+    "polars",
+    "pyarrow",
+    "pyFRF",
+    "scipy",
+    "sdypy-sep005",
+];
 
 /// Variable that makes the package a condition, with this value.
 const REQUIRED: (&str, &str) = ("ASPERITY_PYTHON", "required");
@@ -82,7 +91,11 @@ pub(crate) fn run() -> Result<bool> {
     // The stubs are compared away from the sources, which the wheel must not depend on.
     Ok(call(&python, &install, &root)?
         && call(&python, &["-m", "mypy.stubtest", "asperity"], &own)?
-        && call(&python, &["-m", "mypy", "--strict", "python/asperity", "tests"], &package)?
+        && call(
+            &python,
+            &["-m", "mypy", "--strict", "python/asperity", "tests", "benches"],
+            &package,
+        )?
         && call(&python, &["-m", "pytest", "--quiet"], &package)?)
 }
 

@@ -69,6 +69,7 @@
 //! | CSV | [`table`] | [`table::Table`] |
 //! | TDMS files, without units | [`tdms`] | [`tdms::TdmsFile`] |
 //! | figures | [`figure`] | [`figure::Figure`] |
+//! | figures of results | [`plot`] | [`plot::history`], [`plot::steady()`] |
 //!
 //! All quantities are `f64` in SI units; positions and displacements point down, pressure is
 //! positive in compression and closure when two faces approach.
@@ -94,6 +95,7 @@ pub use asperity_inference as inference;
 pub use asperity_law as law;
 pub use asperity_measure as measure;
 pub use asperity_mesh as mesh;
+pub use asperity_plot as plot;
 pub use asperity_scenario as scenario;
 pub use asperity_signal as signal;
 pub use asperity_structure as structure;

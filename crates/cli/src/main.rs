@@ -5,7 +5,6 @@
 //! | [`mod@answer`] | answers on standard output |
 //! | [`args`] | the options |
 //! | [`command`] | the subcommands, one a file |
-//! | [`plot`] | the figures that the subcommands write |
 //! | [`failure`] | errors, their exit status and their hints |
 //! | [`file_kind`] | kinds of input files |
 //! | [`usage`] | errors of options in words |
@@ -19,10 +18,8 @@ mod command;
 mod excerpt;
 mod failure;
 mod file_kind;
-mod plot;
 mod progress;
 mod rig;
-mod steady_words;
 mod usage;
 
 use std::process::ExitCode;

@@ -1,7 +1,7 @@
 //! Result of an analysis, and its tables: `hits.csv`, `frf.csv` and `backbone.csv`.
 
 use asperity_signal::{BackbonePoint, ResponseKind};
-use asperity_table::RecordTable;
+use asperity_table::DataTable;
 
 use crate::average::AveragedFrf;
 use crate::curve::HitCurve;
@@ -59,7 +59,7 @@ impl Analysis {
     }
 
     /// Table `modes.csv`: a row for each mode and response.
-    pub fn modes_table(&self) -> RecordTable {
+    pub fn modes_table(&self) -> DataTable {
         type Column = (&'static str, fn(&ModeAtResponse) -> Option<f64>);
         let columns: [Column; 9] = [
             ("peak_frequency_hz", |at| Some(at.peak_frequency_hz)),
@@ -74,7 +74,7 @@ impl Analysis {
         ];
         let rows =
             || self.modes.iter().flat_map(|mode| mode.responses.iter().map(move |at| (mode, at)));
-        let table = RecordTable::new()
+        let table = DataTable::new()
             .counts("mode", rows().map(|(mode, _)| mode.number))
             .texts("response", rows().map(|(_, at)| &at.response))
             .counts("hits", rows().map(|(_, at)| at.hits));
@@ -91,7 +91,7 @@ impl ResponseAnalysis {
     }
 
     /// Table `hits.csv`: a row for each hit.
-    pub fn hits_table(&self) -> RecordTable {
+    pub fn hits_table(&self) -> DataTable {
         type Column = (&'static str, fn(&HitReport) -> Option<f64>);
         let of_pulse: [Column; 4] = [
             ("time_s", |hit| Some(hit.time_s)),
@@ -122,8 +122,8 @@ impl ResponseAnalysis {
         ];
         let hits = &self.report.hits;
         let with =
-            |table: RecordTable, (name, value): Column| table.numbers(name, hits.iter().map(value));
-        let table = RecordTable::new()
+            |table: DataTable, (name, value): Column| table.numbers(name, hits.iter().map(value));
+        let table = DataTable::new()
             .texts("file", hits.iter().map(|hit| &hit.file))
             .counts("index", hits.iter().map(|hit| hit.index))
             .counts("record", hits.iter().map(|hit| hit.record));
@@ -141,11 +141,11 @@ impl ResponseAnalysis {
     }
 
     /// Table `frf.csv`: a row for each frequency. The coherence is NaN for one hit.
-    pub fn frf_table(&self) -> RecordTable {
+    pub fn frf_table(&self) -> DataTable {
         let average = &self.average;
         let values = &average.frf.values;
         let none = || vec![f64::NAN; values.len()];
-        RecordTable::new()
+        DataTable::new()
             .numbers("frequency_hz", average.frf.frequency_hz.iter().copied())
             .numbers("real", values.iter().map(|value| value.re))
             .numbers("imag", values.iter().map(|value| value.im))
@@ -156,10 +156,10 @@ impl ResponseAnalysis {
     }
 
     /// Table `backbone.csv`: a row for each point of each backbone.
-    pub fn backbone_table(&self) -> RecordTable {
+    pub fn backbone_table(&self) -> DataTable {
         let rows = || self.backbones.iter().flat_map(|of| of.points.iter().map(move |p| (of, p)));
         let column = |value: fn(&BackbonePoint) -> f64| rows().map(move |(_, point)| value(point));
-        RecordTable::new()
+        DataTable::new()
             .counts("index", rows().map(|(of, _)| of.index))
             .numbers("force_peak_n", rows().map(|(of, _)| of.force_peak_n))
             .numbers("time_s", column(|point| point.time_s))

@@ -10,7 +10,7 @@ use crate::identification::Identification;
 use crate::identification_problem::IdentificationProblem;
 use crate::law_band::StiffnessOrigin;
 use crate::starts::{StartAgreement, starts_at_best};
-use asperity_table::RecordTable;
+use asperity_table::DataTable;
 
 /// Identifier of the format.
 pub const IDENTIFICATION_SCHEMA: &str = "asperity/identification/1";
@@ -253,12 +253,12 @@ impl Identification {
     }
 
     /// `law.csv`: stiffness over pressure with its band.
-    pub fn law_table(&self) -> RecordTable {
+    pub fn law_table(&self) -> DataTable {
         let law = &self.law;
         let [first, third] = &law.quartiles;
         let resolution = |pressure: &f64| self.free_law.as_ref()?.resolution(*pressure);
         let all = |values: &'_ [f64]| values.to_vec();
-        RecordTable::new()
+        DataTable::new()
             .numbers("pressure_pa", all(&law.pressure))
             .numbers("stiffness_pa_per_m", all(&law.stiffness))
             .numbers("median_pa_per_m", all(&law.median))
@@ -273,12 +273,12 @@ impl Identification {
     }
 
     /// `data.csv`: observations with their predictions.
-    pub fn data_table(&self) -> RecordTable {
+    pub fn data_table(&self) -> DataTable {
         let [lower, upper] = self.predicted_band();
         let band = |ends: &[f64]| -> Vec<Option<f64>> {
             (0..self.observations.len()).map(|i| ends.get(i).copied()).collect()
         };
-        RecordTable::new()
+        DataTable::new()
             .texts("data", self.about.iter().map(|about| &about.data))
             .texts("feature", self.about.iter().map(|about| &about.feature))
             .numbers("at", self.about.iter().map(|about| about.at))
@@ -295,9 +295,9 @@ impl Identification {
     }
 
     /// `posterior.csv`: the draws with their weights.
-    pub fn posterior_table(&self) -> RecordTable {
+    pub fn posterior_table(&self) -> DataTable {
         let weights = self.posterior.weights.iter().copied();
-        let table = RecordTable::new().numbers("weight", weights);
+        let table = DataTable::new().numbers("weight", weights);
         self.names.iter().enumerate().fold(table, |table, (parameter, name)| {
             table.numbers(name, self.posterior.draws.iter().map(|draw| draw[parameter]))
         })

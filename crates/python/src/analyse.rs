@@ -15,7 +15,7 @@ use pyo3::types::{PyDict, PyList};
 use serde_json::Value;
 
 use crate::measurement::{Sources, read_options};
-use crate::{background, exception, json, record_table};
+use crate::{background, columns, exception, json};
 
 /// Settings of a rig, from a file or a dict, with changes.
 #[derive(FromPyObject)]
@@ -117,14 +117,14 @@ fn to_dict<'py>(py: Python<'py>, analysis: &Analysis) -> PyResult<Bound<'py, PyD
         let dict = PyDict::new(py);
         dict.set_item("name", response.name())?;
         dict.set_item("report", json::to_python(py, &response.report)?)?;
-        dict.set_item("hits", record_table::to_dict(py, response.hits_table())?)?;
-        dict.set_item("frf", record_table::to_dict(py, response.frf_table())?)?;
-        dict.set_item("backbone", record_table::to_dict(py, response.backbone_table())?)?;
+        dict.set_item("hits", columns::of_table(py, response.hits_table())?)?;
+        dict.set_item("frf", columns::of_table(py, response.frf_table())?)?;
+        dict.set_item("backbone", columns::of_table(py, response.backbone_table())?)?;
         responses.append(dict)?;
     }
     let dict = PyDict::new(py);
     dict.set_item("responses", responses)?;
-    dict.set_item("modes", record_table::to_dict(py, analysis.modes_table())?)?;
+    dict.set_item("modes", columns::of_table(py, analysis.modes_table())?)?;
     dict.set_item("frfs", functions(py, analysis.frf_record(false))?)?;
     Ok(dict)
 }
@@ -175,7 +175,7 @@ pub(crate) fn decay<'py>(
     let analysis = analysis.map_err(|error| exception::of_analysis(&error))?;
     Ok((
         json::to_python(py, &analysis.report)?,
-        record_table::to_dict(py, analysis.decays_table())?,
-        record_table::to_dict(py, analysis.backbone_table())?,
+        columns::of_table(py, analysis.decays_table())?,
+        columns::of_table(py, analysis.backbone_table())?,
     ))
 }

@@ -78,8 +78,13 @@ fn scenario_error(py: Python<'_>, message: String, faults: &[DocumentFault]) -> 
 
 /// All faults of a document.
 pub(crate) fn of_invalid(py: Python<'_>, invalid: &InvalidDocument) -> PyErr {
+    of_faults(py, invalid.to_string(), invalid)
+}
+
+/// All faults of a document, with another message.
+pub(crate) fn of_faults(py: Python<'_>, message: String, invalid: &InvalidDocument) -> PyErr {
     let faults: Vec<DocumentFault> = invalid.diagnostics.iter().map(Into::into).collect();
-    scenario_error(py, invalid.to_string(), &faults)
+    scenario_error(py, message, &faults)
 }
 
 /// Error of a text that is not a document, or of its file.
@@ -94,15 +99,20 @@ pub(crate) fn of_document(py: Python<'_>, error: &DocumentError) -> PyErr {
 }
 
 /// Error of a value that cannot be set.
-pub(crate) fn of_set(py: Python<'_>, pointer: &str, error: &SetError) -> PyErr {
+pub(crate) fn of_set(py: Python<'_>, message: String, error: &SetError) -> PyErr {
     let (accepted, suggestion) = match error {
         SetError::Missing { accepted, suggestion, .. } => {
             (Some(accepted.join(", ")), suggestion.clone())
         }
         _ => (None, None),
     };
-    let message = error.to_string();
-    let pointer = pointer.to_owned();
+    let pointer = match error {
+        SetError::Missing { pointer, .. }
+        | SetError::NotAContainer { pointer, .. }
+        | SetError::Value { pointer, .. }
+        | SetError::RepeatedKey { pointer, .. } => pointer.clone(),
+        _ => String::new(),
+    };
     let fault = DocumentFault { pointer, message: message.clone(), accepted, suggestion };
     scenario_error(py, message, &[fault])
 }
@@ -116,6 +126,12 @@ fn of_input(path: &Path, error: InputError) -> PyErr {
         InputError::NotPermitted => PyPermissionError::new_err(message),
         _ => PyOSError::new_err(message),
     }
+}
+
+/// Error of a number of threads that cannot be started.
+pub(crate) fn no_threads(threads: Option<usize>) -> PyErr {
+    let threads = threads.unwrap_or_default();
+    PyValueError::new_err(format!("{threads} threads cannot be started; accepted: 1 to 1024"))
 }
 
 /// Error of a study: ValueError for a wrong request, else `ComputationError`.

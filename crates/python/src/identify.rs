@@ -6,14 +6,14 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use asperity_identify::{IdentificationError, IdentificationProblem, Work, identify as identified};
 use asperity_scenario::Document;
-use asperity_table::RecordTable;
+use asperity_table::DataTable;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
 use serde_json::Value;
 
 use crate::background::Watched;
-use crate::{background, exception, json, record_table};
+use crate::{background, columns, exception, json};
 
 /// File name that a text or a dict without a file has in messages.
 const UNNAMED: &str = "problem";
@@ -48,7 +48,7 @@ struct Found {
     law: Option<Value>,
     scenario: Value,
     draws: Value,
-    tables: [(&'static str, RecordTable); 3],
+    tables: [(&'static str, DataTable); 3],
 }
 
 impl Found {
@@ -98,7 +98,7 @@ pub(crate) fn identify<'py>(
     dict.set_item("scenario", json::to_python(py, &found.scenario)?)?;
     dict.set_item("draws", json::to_python(py, &found.draws)?)?;
     for (name, table) in found.tables {
-        dict.set_item(name, record_table::to_dict(py, table)?)?;
+        dict.set_item(name, columns::of_table(py, table)?)?;
     }
     Ok(dict)
 }

@@ -12,30 +12,35 @@
 //! | module | holds |
 //! |---|---|
 //! | `scenario` | the class `Scenario` |
-//! | `simulate` | one transient run |
+//! | `law` | the class `Law`, laws of a scenario, fits |
+//! | `simulate`, `sweep`, `steady` | one transient run; many; steady responses and modes |
 //! | `measurement` | channels in arrays as records, and back |
 //! | `analyse` | analyses of hits and of free decays |
 //! | `identify` | identification of laws |
 //! | `signal` | single steps of an analysis |
+//! | `figure` | the class `Figure` |
 //! | `background` | long calls: without the interpreter's lock, with progress, stopped by Ctrl-C |
-//! | `columns` | columns of numbers as NumPy arrays |
-//! | `record_table` | tables with texts as dicts |
+//! | `columns`, `arrow` | columns as NumPy arrays, and as a stream of the Arrow C data interface |
 //! | `json` | documents between Python and Rust |
 //! | `exception` | errors as exceptions |
 
 #![allow(clippy::doc_markdown, reason = "the documentation of classes and functions is Python's")]
 
 mod analyse;
+mod arrow;
 mod background;
 mod columns;
 mod exception;
+mod figure;
 mod identify;
 mod json;
+mod law;
 mod measurement;
-mod record_table;
 mod scenario;
 mod signal;
 mod simulate;
+mod steady;
+mod sweep;
 
 /// Native part of the package `asperity`.
 #[pyo3::pymodule]
@@ -45,9 +50,15 @@ mod _asperity {
     #[pymodule_export]
     use crate::analyse::{analyse, decay};
     #[pymodule_export]
+    use crate::arrow::arrow_stream;
+    #[pymodule_export]
     use crate::exception::{ComputationError, ScenarioError};
     #[pymodule_export]
+    use crate::figure::PyFigure;
+    #[pymodule_export]
     use crate::identify::identify;
+    #[pymodule_export]
+    use crate::law::{PyLaw, fit_power, laws, restore_law, tabulate};
     #[pymodule_export]
     use crate::measurement::{even_rate, read, write};
     #[pymodule_export]
@@ -65,6 +76,10 @@ mod _asperity {
     };
     #[pymodule_export]
     use crate::simulate::simulate;
+    #[pymodule_export]
+    use crate::steady::{modes, steady};
+    #[pymodule_export]
+    use crate::sweep::{sweep, sweep_rows};
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {

@@ -103,7 +103,7 @@ impl PyScenario {
             let (pointer, text) = (pointer.to_cow()?, json::text_of(&value)?);
             document
                 .set(&pointer, &text)
-                .map_err(|error| exception::of_set(py, &pointer, &error))?;
+                .map_err(|error| exception::of_set(py, error.to_string(), &error))?;
         }
         Self::checked(py, document)
     }

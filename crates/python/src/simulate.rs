@@ -1,5 +1,7 @@
 //! One transient run.
 
+use asperity_figure::Figure;
+use asperity_plot::MagnitudeAxis;
 use asperity_study::error::StudyError;
 use asperity_study::record::{frf_columns, history_columns};
 use asperity_study::run::{receptance, simulate_with_progress};
@@ -7,42 +9,51 @@ use asperity_study::summary::Summary;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+use crate::figure::PyFigure;
 use crate::scenario::PyScenario;
 use crate::{background, columns, exception, json};
 
-/// Columns by their names.
-type Columns = Vec<(String, Vec<f64>)>;
+/// Columns by their names, and the figure that the command draws of them.
+type Drawn = (Vec<(String, Vec<f64>)>, Figure);
 
 /// Summary, history and, for a run with force, FRF of one run.
 fn computed(
     scenario: &PyScenario,
     progress: &background::Progress,
-) -> Result<(Summary, Columns, Option<Columns>), StudyError> {
+) -> Result<(Summary, Drawn, Option<Drawn>), StudyError> {
     let run = simulate_with_progress(&scenario.document, &scenario.scenario, &|fraction| {
         progress.report(fraction);
     })?;
     let names: Vec<&str> =
         scenario.scenario.interfaces.iter().map(|face| face.name.as_str()).collect();
-    let history = history_columns(&run.transient.history, &names);
-    let history = history.into_iter().map(|(name, values)| (name, values.to_vec())).collect();
+    let history = &run.transient.history;
+    let figure = asperity_plot::history(history, &names);
+    let columns = history_columns(history, &names);
+    let columns = columns.into_iter().map(|(name, values)| (name, values.to_vec())).collect();
     let frf = receptance(&run)?.map(|frf| {
-        frf_columns(&frf).into_iter().map(|(name, values)| (name.to_owned(), values)).collect()
+        let figure = asperity_plot::frf(&frf, &run.summary, MagnitudeAxis::default());
+        let columns = frf_columns(&frf).into_iter();
+        (columns.map(|(name, values)| (name.to_owned(), values)).collect(), figure)
     });
-    Ok((run.summary, history, frf))
+    Ok((run.summary, (columns, figure), frf))
 }
 
-/// Summary as a dict, history and FRF as dicts of arrays.
+/// Dict of arrays, and figure.
+type Shown<'py> = (Bound<'py, PyDict>, PyFigure);
+
+/// Summary as a dict, history and FRF as dicts of arrays with their figures.
 #[pyfunction]
 #[pyo3(signature = (scenario, progress))]
-#[expect(clippy::type_complexity, reason = "a tuple of dicts")]
 pub(crate) fn simulate<'py>(
     py: Python<'py>,
     scenario: &Bound<'py, PyAny>,
     progress: Option<&Bound<'py, PyAny>>,
-) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyDict>, Option<Bound<'py, PyDict>>)> {
+) -> PyResult<(Bound<'py, PyAny>, Shown<'py>, Option<Shown<'py>>)> {
     let scenario = PyScenario::of(scenario, None)?;
     let outcome = background::run(py, progress, move |progress| computed(&scenario, progress))?;
     let (summary, history, frf) = outcome.map_err(|error| exception::of_study(py, &error))?;
-    let frf = frf.map(|frf| columns::to_dict(py, frf)).transpose()?;
-    Ok((json::to_python(py, &summary)?, columns::to_dict(py, history)?, frf))
+    let shown = |(columns, figure): Drawn| -> PyResult<Shown<'py>> {
+        Ok((columns::to_dict(py, columns)?, PyFigure(figure)))
+    };
+    Ok((json::to_python(py, &summary)?, shown(history)?, frf.map(shown).transpose()?))
 }

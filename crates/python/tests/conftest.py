@@ -47,8 +47,17 @@ def assert_same_columns(table: Any, path: Path) -> None:
     written = read_csv(path)
     assert list(table) == list(written)
     for name, column in table.items():
-        finite = np.where(np.isfinite(column), column, np.nan)
-        np.testing.assert_array_equal(finite, written[name], err_msg=name, strict=False)
+        expected = written[name]
+        if isinstance(expected, list) and column.dtype.kind in "bf":
+            # Truth values; those that are not known are NaN and empty.
+            words = {0.0: "false", 1.0: "true"}
+            assert [words.get(float(value), "") for value in column] == expected, name
+        elif column.dtype.kind == "U":
+            texts = expected if isinstance(expected, list) else [""] * len(expected)
+            assert column.tolist() == texts, name
+        else:
+            finite = np.where(np.isfinite(column), column, np.nan)
+            np.testing.assert_array_equal(finite, expected, err_msg=name, strict=False)
 
 
 @pytest.fixture(scope="session")

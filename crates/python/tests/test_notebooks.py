@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-NOTEBOOKS = sorted((Path(__file__).parent.parent / "notebooks").glob("*.ipynb"))
+NOTEBOOKS = sorted((Path(__file__).parents[3] / "docs" / "notebooks").glob("*.ipynb"))
 
 #: Runs the notebook of its first argument; its second is the file with the outputs.
 RUN = """
@@ -35,7 +35,7 @@ def test_a_notebook_has_no_outputs(path: Path) -> None:
 
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
 def test_a_notebook_runs(path: Path, tmp_path: Path) -> None:
-    for package in ("ipykernel", "matplotlib", "nbclient"):
+    for package in ("ipykernel", "matplotlib", "nbclient", "polars"):
         pytest.importorskip(package)
     done = subprocess.run(
         [sys.executable, "-c", RUN, str(path), str(tmp_path / "run.ipynb")],

@@ -56,23 +56,41 @@ pub struct LawTable {
 /// ```
 pub fn tabulate(scenario: &Scenario) -> Result<Vec<LawTable>, StudyError> {
     let _stage = tracing::info_span!("tabulate").entered();
+    let tables = scenario_laws(scenario)?.into_iter().map(|one| {
+        let top = usual_top(scenario.laws.get(&one.name), &scenario.laws, one.static_pressure_pa);
+        table(&one.name, &one.law, top)
+    });
+    Ok(tables.collect())
+}
+
+/// A named law of a scenario.
+#[derive(Debug, Clone)]
+pub struct ScenarioLaw {
+    /// Name of the law.
+    pub name: String,
+    /// Static pressure \[Pa\] of the first interface that uses the law, or else of the first one.
+    pub static_pressure_pa: f64,
+    /// The law; one that never separates counts its closure from that pressure.
+    pub law: Arc<dyn ContactLaw>,
+}
+
+/// Builds every named law of `scenario`, in its order.
+///
+/// # Errors
+/// [`StudyError`] when a law or a body cannot be built.
+pub fn scenario_laws(scenario: &Scenario) -> Result<Vec<ScenarioLaw>, StudyError> {
     let at_rest = static_pressures(scenario)?;
-    let mut tables = Vec::with_capacity(scenario.laws.len());
-    for (name, spec) in scenario.laws.iter() {
-        let used = scenario
-            .interfaces
-            .iter()
-            .position(|interface| interface.law == LawRef::Named(name.to_owned()));
-        let pressure_pa = at_rest[used.unwrap_or_default()];
+    let built = scenario.laws.names().map(|name| {
         let reference = LawRef::Named(name.to_owned());
+        let used = scenario.interfaces.iter().position(|interface| interface.law == reference);
+        let pressure_pa = at_rest[used.unwrap_or_default()];
         let law = build_law(&reference, &scenario.laws, pressure_pa).map_err(|source| {
             let interface = used.map(|at| scenario.interfaces[at].name.clone());
             StudyError::Law { law: name.to_owned(), interface, pressure_pa, source }
         })?;
-        let top = usual_top(Some(spec), &scenario.laws, pressure_pa);
-        tables.push(table(name, &law, top));
-    }
-    Ok(tables)
+        Ok(ScenarioLaw { name: name.to_owned(), static_pressure_pa: pressure_pa, law })
+    });
+    built.collect()
 }
 
 /// Pressure \[Pa\] at each interface under the weight of the bodies above.

@@ -15,7 +15,7 @@
 //! | step | modules |
 //! |---|---|
 //! | prepare | [`gap_table`], [`assemble`], [`static_state`], [`prepared_scenario`], [`parameter`] |
-//! | compute | [`run`], [`mod@sweep`], [`row_simulator`], [`mod@steady`], [`sensitivity`], [`laws`], [`accuracy`], [`error_control`] |
+//! | compute | [`run`], [`mod@sweep`], [`row_simulator`], [`mod@steady`], [`modes`], [`sensitivity`], [`laws`], [`accuracy`], [`error_control`] |
 //! | observe | [`quantity`], [`observables`], [`observable_extractor`], [`warning`] |
 //! | write | [`contact_deck`], [`summary`], [`provenance`], [`record`], [`output`], [`error`] |
 
@@ -27,6 +27,7 @@ pub mod error_control;
 mod finite_differences;
 pub mod gap_table;
 pub mod laws;
+pub mod modes;
 pub mod observable_extractor;
 pub mod observables;
 pub mod output;

@@ -4,10 +4,10 @@
 use asperity_dynamics::History;
 use asperity_measure::{Abscissa, Channel, ChannelQuantity, ChannelUnit, Origin, Record, Samples};
 use asperity_signal::Frf;
-use asperity_structure::LinearisedMode;
 use asperity_table::columns_to_csv;
 
 use crate::laws::LawTable;
+use crate::modes::LinearisedModes;
 
 /// `history.csv`: a row per output sample.
 pub fn history_csv(history: &History, interfaces: &[&str]) -> String {
@@ -48,21 +48,31 @@ pub fn frf_columns(frf: &Frf) -> [(&'static str, Vec<f64>); 5] {
 
 /// `law-<name>.csv`: a row per pressure.
 pub fn law_csv(table: &LawTable) -> String {
-    columns_to_csv([
+    columns_to_csv(law_columns(table))
+}
+
+/// Columns of `law-<name>.csv`, with their names.
+pub fn law_columns(table: &LawTable) -> [(&'static str, &[f64]); 4] {
+    [
         ("pressure_pa", &table.pressure),
         ("stiffness_pa_per_m", &table.stiffness),
         ("closure_m", &table.closure),
         ("energy_j_per_m2", &table.energy),
-    ])
+    ]
 }
 
 /// `modes.csv`: the shape of each mode along the stack, a row per place.
-pub fn modes_csv(places: &[f64], modes: &[LinearisedMode], shapes: &[Vec<f64>]) -> String {
-    let mut columns: Vec<(String, &[f64])> = vec![("position_m".to_owned(), places)];
-    for (number, (mode, shape)) in modes.iter().zip(shapes).enumerate() {
+pub fn modes_csv(modes: &LinearisedModes) -> String {
+    columns_to_csv(modes_columns(modes))
+}
+
+/// Columns of `modes.csv`, with their names.
+pub fn modes_columns(modes: &LinearisedModes) -> Vec<(String, &[f64])> {
+    let mut columns: Vec<(String, &[f64])> = vec![("position_m".to_owned(), &modes.positions)];
+    for (number, (mode, shape)) in modes.modes.iter().zip(&modes.shapes).enumerate() {
         columns.push((format!("mode_{}:{:.3}_hz", number + 1, mode.frequency_hz), shape));
     }
-    columns_to_csv(columns)
+    columns
 }
 
 /// Force, acceleration and displacement of a run as a data acquisition system would have recorded

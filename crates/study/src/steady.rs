@@ -31,7 +31,7 @@ pub use summary::{
     BackboneSummary, BackbonesSummary, BifurcationSummary, BranchSummary, LevelSummary,
     STEADY_SCHEMA, SteadySummary, TerminationSummary, TimeSweepSummary,
 };
-pub use table::{backbone_csv, steady_csv, steady_time_csv};
+pub use table::{backbone_table, steady_table, steady_time_table};
 pub use time_sweep::{SweepDirection, TimeSweep, TimeSweepPoint, TimeSweepRequest, time_sweeps};
 
 /// Truncation that the automatic choice of harmonics aims at, and most harmonics. More would reach

@@ -1,8 +1,8 @@
 //! Named columns of numbers, and the one CSV text of the workspace.
 //!
-//! A [`Table`] holds columns of equal length, a [`RecordTable`] also texts, counts and flags;
-//! [`CsvWriter`] writes any rows. All write a number `x` as the shortest decimal that reads back to the same bits, and leave the
-//! field empty where `x` is not finite, as JSON writes `null` there.
+//! A [`Table`] holds columns of numbers, a [`DataTable`] also integers, truth values and texts;
+//! [`CsvWriter`] writes any rows. All write a number `x` as the shortest decimal that reads back to
+//! the same bits, and leave the field empty where `x` is not finite, as JSON writes `null` there.
 //!
 //! ```
 //! use asperity_table::Table;
@@ -17,14 +17,14 @@
 //!
 //! | module | holds |
 //! |---|---|
+//! | `data_table` | [`DataTable`], [`ColumnData`]: columns of several types |
 //! | `table` | [`Table`], [`Column`], [`TableError`] |
-//! | `record_table` | [`RecordTable`], [`ColumnValues`] |
 //! | `csv` | [`CsvWriter`], and [`columns_to_csv`] for borrowed columns |
 
 mod csv;
-mod record_table;
+mod data_table;
 mod table;
 
 pub use csv::{CsvWriter, Decimal, columns_to_csv, quoted, unquoted};
-pub use record_table::{ColumnValues, RecordTable};
+pub use data_table::{ColumnData, DataTable};
 pub use table::{Column, Table, TableError};

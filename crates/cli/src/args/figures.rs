@@ -39,3 +39,13 @@ pub(crate) enum MagnitudeAxis {
     /// Decibels, relative to one unit.
     Db,
 }
+
+impl From<MagnitudeAxis> for asperity_plot::MagnitudeAxis {
+    fn from(axis: MagnitudeAxis) -> Self {
+        match axis {
+            MagnitudeAxis::Linear => Self::Linear,
+            MagnitudeAxis::Log => Self::Log,
+            MagnitudeAxis::Db => Self::Db,
+        }
+    }
+}

@@ -8,6 +8,7 @@ use asperity_experiment::{
     Mode, ResponseAnalysis, ResponseChoice, analyse_sources, input_files,
 };
 use asperity_measure::{MeasurementSource, WriteOptions};
+use asperity_plot as plot;
 use asperity_study::output::file_name::distinct_file_names;
 use serde_json::json;
 
@@ -15,7 +16,6 @@ use super::{ResultFolder, pretty};
 use crate::args::analyse::{Analyse, AnalysisArguments};
 use crate::failure::Failure;
 use crate::file_kind::check_measurements;
-use crate::plot;
 use crate::rig;
 
 /// Most hits in the printed table.
@@ -79,9 +79,9 @@ pub(super) fn write(
             .map_err(AnalysisError::from)?;
     }
     for (number, (response, suffix)) in analysis.responses.iter().zip(&names).enumerate() {
-        let mut figures = plot::figures(response, asked.magnitude);
+        let mut figures = plot::figures(response, asked.magnitude.into());
         if number == 0 {
-            let all = plot::responses(analysis, asked.magnitude);
+            let all = plot::responses(analysis, asked.magnitude.into());
             figures.extend(all.map(|figure| ("responses", figure)));
         }
         for (name, figure) in &figures {

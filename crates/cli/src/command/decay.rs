@@ -9,13 +9,13 @@ use asperity_experiment::{
     analyse_decay_sources, input_files,
 };
 use asperity_measure::MeasurementSource;
+use asperity_plot as plot;
 use serde_json::json;
 
 use super::ResultFolder;
 use crate::args::decay::Decay;
 use crate::failure::Failure;
 use crate::file_kind::check_measurements;
-use crate::plot;
 use crate::rig;
 
 /// Most rows in the printed table.

@@ -10,6 +10,7 @@ use asperity_identify::{
     Identification, IdentificationError, IdentificationProblem, IncompleteIdentification,
     StiffnessOrigin, Work, WorkProgress, identify,
 };
+use asperity_plot as plot;
 use asperity_scenario::four_digits;
 use tracing::info_span;
 
@@ -17,7 +18,6 @@ use super::ResultFolder;
 use crate::args::Output;
 use crate::failure::Failure;
 use crate::file_kind::FileKind;
-use crate::plot;
 
 /// Identifies the parameters of a problem; writes laws, tables, figures and the report.
 pub(crate) fn run(

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use asperity_law::{BeyondTable, OverclosureTable};
+use asperity_plot as plot;
 use asperity_scenario::Scenario;
 use asperity_study::contact_deck::{ContactTable, DeckFormat, DeckUnits, contact_tables, deck};
 use asperity_study::error::StudyError;
@@ -17,7 +18,6 @@ use super::ResultFolder;
 use crate::args::law::DeckExport;
 use crate::args::{Input, Output};
 use crate::failure::Failure;
-use crate::plot;
 
 /// Rows of a table of a contact, unless the user asks for others.
 const ROWS: usize = 200;

@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use asperity_experiment::AnalysisError;
 use asperity_measure::{MeasureError, WriteOptions, write};
+use asperity_plot as plot;
 use asperity_study::error::OutputError;
 use asperity_study::record::{frf_csv, history_csv, measurement_record};
 use asperity_study::run::{receptance, simulate_with_progress};
@@ -16,7 +17,6 @@ use crate::args::analyse::RecordFormat;
 use crate::args::figures::MagnitudeAxis;
 use crate::args::{Input, Output};
 use crate::failure::Failure;
-use crate::plot;
 
 /// Simulates one hit; writes summary, history, FRF and figures.
 pub(crate) fn run(
@@ -47,7 +47,7 @@ pub(crate) fn run(
     folder.draw("history", &plot::history(history, &names))?;
     if let Some(frf) = receptance(&run)? {
         folder.write("frf.csv", frf_csv(&frf))?;
-        folder.draw("frf", &plot::frf(&frf, &run.summary, magnitude))?;
+        folder.draw("frf", &plot::frf(&frf, &run.summary, magnitude.into()))?;
     }
     if let Some(format) = record {
         let rate = run.assembly.sampling.rate();

@@ -1,19 +1,19 @@
 //! `asperity steady`.
 
+use asperity_plot::{self as plot, steady_words};
 use asperity_structure::PreloadedContact;
 use asperity_study::assemble::Assembly;
 use asperity_study::provenance::Provenance;
 use asperity_study::static_state::StaticSummary;
 use asperity_study::steady::{
-    LevelSummary, SteadyRequest, SteadySummary, TimeSweepRequest, backbone_csv, steady_csv,
-    steady_time_csv, steady_with_progress,
+    LevelSummary, SteadyRequest, SteadySummary, TimeSweepRequest, backbone_table, steady_table,
+    steady_time_table, steady_with_progress,
 };
 use serde_json::json;
 
 use super::ResultFolder;
 use crate::args::{Input, Output, SteadyRange};
 use crate::failure::Failure;
-use crate::{plot, steady_words};
 
 /// Follows branches of steady responses; writes table, figure and summary.
 pub(crate) fn run(
@@ -48,12 +48,12 @@ pub(crate) fn run(
 
     let names: Vec<&str> =
         assembly.structure.contacts().iter().map(PreloadedContact::name).collect();
-    folder.write("steady.csv", steady_csv(&found, &names))?;
+    folder.write("steady.csv", steady_table(&found, &names).to_csv())?;
     if let Some(backbones) = &found.backbones {
-        folder.write("backbone.csv", backbone_csv(backbones))?;
+        folder.write("backbone.csv", backbone_table(backbones).to_csv())?;
     }
     if request.time_sweep.is_some() {
-        folder.write("steady_time.csv", steady_time_csv(&found.time_sweeps))?;
+        folder.write("steady_time.csv", steady_time_table(&found.time_sweeps).to_csv())?;
     }
     let figure = plot::steady(&found);
     if let Some(figure) = &figure {

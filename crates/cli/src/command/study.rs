@@ -9,6 +9,7 @@ use asperity_ensemble::{
     AnswerOptions, EnsembleError, RunOptions, Shard, SlurmJob, StudyAnswers, StudyFolder,
     StudyOutcome, StudyPlan, answers, slurm_script,
 };
+use asperity_plot as plot;
 use asperity_scenario::four_digits;
 use asperity_study::output::file_name::file_name;
 use tracing::info_span;
@@ -16,7 +17,6 @@ use tracing::info_span;
 use crate::args::study::{Study, StudyPart};
 use crate::failure::Failure;
 use crate::file_kind::FileKind;
-use crate::plot;
 
 /// Runs a study, joins its shards, or prints a job script for them.
 pub(crate) fn run(asked: &Study, quiet: bool) -> Result<(), Failure> {

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::time::Instant;
 
+use asperity_plot as plot;
 use asperity_study::provenance::Provenance;
 use asperity_study::sweep::{Variation, input_files, number_of_runs, sweep_with_progress};
 use serde_json::json;
@@ -10,7 +11,6 @@ use serde_json::json;
 use super::ResultFolder;
 use crate::args::{Input, Output};
 use crate::failure::Failure;
-use crate::plot;
 
 /// Simulates the product of the variations; writes table, figure and provenance.
 pub(crate) fn run(

@@ -18,7 +18,7 @@ use super::{analyse as analysis, stop_on_signals};
 use crate::args::analyse::Watch;
 use crate::failure::Failure;
 use crate::file_kind::FileKind;
-use crate::plot::measurement;
+use asperity_plot::measurement;
 
 /// Time between two looks at the folder.
 const LOOK: Duration = Duration::from_millis(200);

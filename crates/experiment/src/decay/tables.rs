@@ -1,14 +1,14 @@
 //! Tables `decays.csv` and `backbone.csv`.
 
 use asperity_signal::DecayPoint;
-use asperity_table::RecordTable;
+use asperity_table::DataTable;
 
 use super::report::{DecayCurveReport, MeasuredDecay};
 use super::{DecayAnalysis, DecayCurve};
 
 impl DecayAnalysis {
     /// Table `decays.csv`: a row for each decay, band and response.
-    pub fn decays_table(&self) -> RecordTable {
+    pub fn decays_table(&self) -> DataTable {
         type Column = (&'static str, fn(&DecayCurveReport) -> Option<f64>);
         let columns: [Column; 20] = [
             ("frequency_hz", |of| Some(of.mean?.frequency_hz)),
@@ -39,7 +39,7 @@ impl DecayAnalysis {
             let all = of.warnings.iter().chain(&decay.warnings);
             all.map(String::as_str).collect::<Vec<_>>().join("; ")
         };
-        let table = RecordTable::new()
+        let table = DataTable::new()
             .counts("index", rows().map(|(_, of)| of.index))
             .counts("decay", rows().map(|(decay, _)| decay.index))
             .texts("file", rows().map(|(decay, _)| &decay.file))
@@ -59,7 +59,7 @@ impl DecayAnalysis {
     }
 
     /// Table `backbone.csv`: a row for each point. Times are on the time axis of the record.
-    pub fn backbone_table(&self) -> RecordTable {
+    pub fn backbone_table(&self) -> DataTable {
         type Column = (&'static str, fn(&DecayCurve, &DecayPoint) -> Option<f64>);
         let columns: [Column; 13] = [
             ("time_s", |of, one| Some(of.start_s + one.point.time_s)),
@@ -77,7 +77,7 @@ impl DecayAnalysis {
             ("third_harmonic_ratio_uncertainty", |_, one| Some(one.harmonics[1]?.uncertainty)),
         ];
         let rows = || self.curves.iter().flat_map(|of| of.points.iter().map(move |one| (of, one)));
-        let table = RecordTable::new()
+        let table = DataTable::new()
             .counts("index", rows().map(|(of, _)| of.index))
             .counts("decay", rows().map(|(of, _)| of.decay))
             .texts("response", rows().map(|(of, _)| &of.response))

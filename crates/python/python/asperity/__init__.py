@@ -12,29 +12,55 @@ stated at the end of each name.
 
 from . import signal
 from ._analyse import Analysis, DecayAnalysis, ResponseAnalysis, analyse, decay
-from ._asperity import ComputationError, Scenario, ScenarioError, __version__
+from ._asperity import ComputationError, Figure, Law, Scenario, ScenarioError, __version__
 from ._identify import Identification, identify
+from ._law import (
+    LawTables,
+    PowerFit,
+    fit_power,
+    law_from_pressure,
+    law_from_stiffness,
+    laws,
+    tabulate,
+)
 from ._measurement import read, to_sep005, write
 from ._simulate import Simulation, simulate
+from ._steady import Modes, SteadyResponses, modes, steady
+from ._sweep import Sweep, sweep
 from ._table import Table
 
 __all__ = [
     "Analysis",
     "ComputationError",
     "DecayAnalysis",
+    "Figure",
     "Identification",
+    "Law",
+    "LawTables",
+    "Modes",
+    "PowerFit",
     "ResponseAnalysis",
     "Scenario",
     "ScenarioError",
     "Simulation",
+    "SteadyResponses",
+    "Sweep",
     "Table",
     "__version__",
     "analyse",
     "decay",
+    "fit_power",
     "identify",
+    "law_from_pressure",
+    "law_from_stiffness",
+    "laws",
+    "modes",
     "read",
     "signal",
     "simulate",
+    "steady",
+    "sweep",
+    "tabulate",
     "to_sep005",
     "write",
 ]

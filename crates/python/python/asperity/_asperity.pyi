@@ -1,19 +1,22 @@
 import os
 from collections.abc import Callable, Mapping
-from typing import Any, final
+from typing import Any, final, overload
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 __all__ = [
     "ComputationError",
+    "Figure",
     "FrequencyResponse",
     "FrfAverage",
+    "Law",
     "Peak",
     "Scenario",
     "ScenarioError",
     "__version__",
     "analyse",
+    "arrow_stream",
     "backbone",
     "circle_fit",
     "convert_frf",
@@ -24,19 +27,35 @@ __all__ = [
     "exponential_receptance",
     "exponential_window",
     "find_hits",
+    "fit_power",
     "force_window",
     "identify",
+    "laws",
     "logarithmic_decrement",
+    "modes",
     "pulse",
     "quality_issues",
     "read",
     "response_window",
+    "restore_law",
     "restore_scenario",
     "simulate",
+    "steady",
+    "sweep",
+    "sweep_rows",
+    "tabulate",
     "until_noise",
     "write",
 ]
 __version__: str
+
+_ScenarioLike = Scenario | str | os.PathLike[str] | dict[str, Any]
+_Progress = Callable[[float], object] | None
+_Columns = Mapping[str, NDArray[Any]]
+_Numbers = Mapping[str, NDArray[np.float64]]
+_Floats = NDArray[np.float64]
+_Complex = NDArray[np.complex128]
+_Sources = list[str] | list[list[dict[str, Any]]]
 
 class ScenarioError(ValueError):
     pointer: str
@@ -49,7 +68,7 @@ class ComputationError(Exception): ...
 class Scenario:
     def __new__(
         cls,
-        source: Scenario | str | os.PathLike[str] | dict[str, Any],
+        source: _ScenarioLike,
         *,
         folder: str | os.PathLike[str] | None = None,
     ) -> Scenario: ...
@@ -61,19 +80,54 @@ class Scenario:
     def sha256(self) -> str: ...
     def __eq__(self, other: object, /) -> bool: ...
 
-def restore_scenario(text: str, path: str | os.PathLike[str]) -> Scenario: ...
-def simulate(
-    scenario: Scenario | str | os.PathLike[str] | dict[str, Any],
-    progress: Callable[[float], object] | None,
-) -> tuple[
-    dict[str, Any], Mapping[str, NDArray[np.float64]], Mapping[str, NDArray[np.float64]] | None
-]: ...
+@final
+class Law:
+    def __new__(
+        cls, source: Law | str | dict[str, Any], *, reference_pa: float | None = None
+    ) -> Law: ...
+    @overload
+    def stiffness(self, pressure: float) -> float: ...
+    @overload
+    def stiffness(self, pressure: ArrayLike) -> NDArray[np.float64]: ...
+    @overload
+    def stiffness_slope(self, pressure: float) -> float: ...
+    @overload
+    def stiffness_slope(self, pressure: ArrayLike) -> NDArray[np.float64]: ...
+    @overload
+    def closure(self, pressure: float) -> float: ...
+    @overload
+    def closure(self, pressure: ArrayLike) -> NDArray[np.float64]: ...
+    @overload
+    def pressure(self, closure: float) -> float: ...
+    @overload
+    def pressure(self, closure: ArrayLike) -> NDArray[np.float64]: ...
+    @overload
+    def energy(self, closure: float) -> float: ...
+    @overload
+    def energy(self, closure: ArrayLike) -> NDArray[np.float64]: ...
+    def to_dict(self) -> dict[str, Any]: ...
+    @property
+    def kind(self) -> str: ...
+    @property
+    def reference_pa(self) -> float: ...
+    @property
+    def closure_lost_m(self) -> float | None: ...
+    @property
+    def closure_limit_m(self) -> float: ...
+    @property
+    def measured_range_pa(self) -> tuple[float, float] | None: ...
+    def __eq__(self, other: object, /) -> bool: ...
 
-_Floats = NDArray[np.float64]
-_Complex = NDArray[np.complex128]
-_Columns = dict[str, NDArray[Any] | list[str]]
-_Progress = Callable[[float], object] | None
-_Sources = list[str] | list[list[dict[str, Any]]]
+@final
+class Figure:
+    def svg(self) -> str: ...
+    def png(self) -> bytes: ...
+    def save(self, path: str | os.PathLike[str]) -> None: ...
+    def _repr_svg_(self) -> str: ...
+
+def arrow_stream(columns: list[tuple[str, NDArray[Any] | list[str]]]) -> object: ...
+def restore_scenario(text: str, path: str | os.PathLike[str]) -> Scenario: ...
+def restore_law(text: str, reference_pa: float | None) -> Law: ...
 
 def read(
     paths: list[str],
@@ -212,3 +266,31 @@ class FrequencyResponse:
     ) -> tuple[Peak | None, Peak | None, _Floats]: ...
     def half_power(self, peak: Peak) -> tuple[float, float, float] | None: ...
     def circle_fit(self, peak: Peak) -> dict[str, Any] | None: ...
+
+def simulate(
+    scenario: _ScenarioLike, progress: _Progress
+) -> tuple[dict[str, Any], tuple[_Numbers, Figure], tuple[_Numbers, Figure] | None]: ...
+def sweep(
+    scenario: _ScenarioLike,
+    vary: list[tuple[str, str | list[str]]],
+    threads: int | None,
+    progress: _Progress,
+) -> tuple[_Columns, Figure | None]: ...
+def sweep_rows(
+    scenario: _ScenarioLike,
+    rows: list[tuple[str, list[str]]],
+    threads: int | None,
+    progress: _Progress,
+) -> _Columns: ...
+def steady(
+    scenario: _ScenarioLike,
+    asked: dict[str, Any],
+    threads: int | None,
+    progress: _Progress,
+) -> tuple[dict[str, Any], _Columns, _Columns | None, _Columns | None, Figure | None]: ...
+def modes(scenario: _ScenarioLike, count: int) -> tuple[dict[str, Any], _Numbers, Figure]: ...
+def laws(scenario: _ScenarioLike) -> dict[str, Law]: ...
+def tabulate(scenario: _ScenarioLike) -> tuple[dict[str, _Numbers], Figure | None]: ...
+def fit_power(
+    pressure: list[float], stiffness: list[float]
+) -> tuple[float, float, float, tuple[float, float] | None]: ...

@@ -1,4 +1,4 @@
-"""JSON text of Python values, with the numbers and arrays of NumPy."""
+"""JSON text of Python values, with the numbers and arrays of NumPy, and laws."""
 
 from __future__ import annotations
 
@@ -7,13 +7,17 @@ from typing import Any
 
 import numpy as np
 
+from . import _asperity
+
 
 def _plain(value: object) -> Any:
     if isinstance(value, np.generic | np.ndarray):
         return value.tolist()
+    if isinstance(value, _asperity.Law):
+        return value.to_dict()
     raise TypeError(
         f"a document cannot hold a {type(value).__name__}; "
-        "accepted: dict, list, tuple, str, int, float, bool, None, numbers and arrays of NumPy"
+        "accepted: dict, list, tuple, str, int, float, bool, None, numbers and arrays of NumPy, Law"
     )
 
 

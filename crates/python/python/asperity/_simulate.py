@@ -28,11 +28,21 @@ class Simulation:
     frf : Table or None
         Receptance of the top, as in ``frf.csv``: ``frequency_hz``, ``real_m_per_n``,
         ``imag_m_per_n``, ``magnitude_m_per_n``, ``phase_rad``; None without a force.
+    history_figure : Figure
+        The response over time, as in ``history.svg``.
+    frf_figure : Figure or None
+        The receptance, as in ``frf.svg``; None without a force.
     """
 
     summary: dict[str, Any] = field(repr=False)
     history: Table
     frf: Table | None
+    history_figure: _asperity.Figure = field(repr=False)
+    frf_figure: _asperity.Figure | None = field(repr=False)
+
+    def _repr_html_(self) -> str:
+        figures = (self.frf_figure, self.history_figure)
+        return "".join(figure.svg() for figure in figures if figure is not None)
 
 
 def simulate(
@@ -59,5 +69,6 @@ def simulate(
     ComputationError
         If the integration fails.
     """
-    summary, history, frf = _asperity.simulate(scenario, progress)
-    return Simulation(summary, Table(history), None if frf is None else Table(frf))
+    summary, (history, history_figure), frf = _asperity.simulate(scenario, progress)
+    receptance, frf_figure = (None, None) if frf is None else (Table(frf[0]), frf[1])
+    return Simulation(summary, Table(history), receptance, history_figure, frf_figure)

@@ -2,27 +2,46 @@
 
 from __future__ import annotations
 
+import html
 from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
+
+from . import _asperity
+
+# Rows that a notebook shows: so many from the start and from the end of a longer table.
+_SHOWN = 5
 
 
 class Table(Mapping[str, NDArray[Any]]):
-    """Columns of equal length by their names; each name ends with its unit.
+    """Columns of equal length by their names; each name of numbers ends with its unit.
 
-    A table is a mapping: ``table["time_s"]`` is an array of shape ``(rows,)``,
-    ``pandas.DataFrame(dict(table))`` and ``polars.DataFrame(dict(table))`` are data frames.
+    A table is a mapping: ``table["time_s"]`` is a read-only array of shape ``(rows,)`` and of the
+    type float64 (NaN where there is no value), int64, bool or str. It offers the Arrow C stream:
+    ``polars.DataFrame(table)``, ``pyarrow.table(table)`` and
+    ``pandas.DataFrame.from_arrow(table)`` take its numbers without a copy, and
+    ``pandas.DataFrame(dict(table))`` works in all versions. Notebooks show its first and last rows.
+
+    Parameters
+    ----------
+    columns : Mapping
+        One-dimensional arrays, or lists, by name: numbers, integers, truth values or texts.
+        Numbers of other widths and byte orders become float64 and int64.
+
+    Raises
+    ------
+    ValueError
+        If a column does not have one dimension, or the lengths are not equal.
+    TypeError
+        If a column has another type, such as complex numbers or dates.
     """
 
     __slots__ = ("_columns",)
 
-    def __init__(self, columns: Mapping[str, NDArray[Any]]) -> None:
-        arrays = {name: np.asarray(values) for name, values in columns.items()}
-        for name, values in arrays.items():
-            if values.ndim != 1:
-                raise ValueError(f"column {name!r} has shape {values.shape}; expected one dimension")
+    def __init__(self, columns: Mapping[str, ArrayLike]) -> None:
+        arrays = {name: _column(name, values) for name, values in columns.items()}
         lengths = {len(values) for values in arrays.values()}
         if len(lengths) > 1:
             raise ValueError(f"columns have {sorted(lengths)} rows; expected equal lengths")
@@ -46,5 +65,82 @@ class Table(Mapping[str, NDArray[Any]]):
         """Number of rows."""
         return next((len(values) for values in self._columns.values()), 0)
 
+    def to_dict(self) -> dict[str, NDArray[Any]]:
+        """The arrays by name; they share the memory of the table."""
+        return dict(self._columns)
+
+    def __arrow_c_stream__(self, requested_schema: object | None = None) -> object:
+        """The columns as a stream of one batch (Arrow PyCapsule interface)."""
+        return _asperity.arrow_stream(
+            [
+                (name, values.tolist() if values.dtype.kind == "U" else _contiguous(values))
+                for name, values in self._columns.items()
+            ]
+        )
+
     def __repr__(self) -> str:
-        return f"<asperity.Table of {self.rows} rows: {', '.join(self._columns)}>"
+        return f"<asperity.{type(self).__name__} of {self.rows} rows: {', '.join(self._columns)}>"
+
+    def _repr_html_(self) -> str:
+        """The first and the last rows, for notebooks."""
+        rows = self.rows
+        if rows > 2 * _SHOWN:
+            shown: list[int | None] = [*range(_SHOWN), None, *range(rows - _SHOWN, rows)]
+        else:
+            shown = [*range(rows)]
+        head = "".join(f"<th>{html.escape(name)}</th>" for name in self._columns)
+        body = "".join(
+            "<tr>"
+            + "".join(
+                f"<td>{'…' if row is None else html.escape(_text(values[row]))}</td>"
+                for values in self._columns.values()
+            )
+            + "</tr>"
+            for row in shown
+        )
+        return (
+            f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
+            f"<p>{rows} rows, {len(self._columns)} columns</p>"
+        )
+
+
+def _text(value: Any) -> str:
+    if isinstance(value, np.floating):
+        return "" if np.isnan(value) else f"{value:.6g}"
+    return str(value)
+
+
+def _contiguous(values: NDArray[Any]) -> NDArray[Any]:
+    return np.require(values, requirements=["C", "A"])
+
+
+def _column(name: str, values: ArrayLike) -> NDArray[Any]:
+    """The values as a read-only array of a type that tables hold."""
+    if not isinstance(name, str):
+        raise TypeError(f"the column name {name!r} is a {type(name).__name__}; expected a str")
+    if isinstance(values, np.ma.MaskedArray):
+        if np.ma.is_masked(values) and values.dtype.kind != "f":
+            raise TypeError(f"column {name!r} has masked values; only floats can be masked")
+        values = values.filled(np.nan) if values.dtype.kind == "f" else values.data
+    array = np.asarray(values)
+    if array.ndim != 1:
+        raise ValueError(f"column {name!r} has shape {array.shape}; expected one dimension")
+    kind = array.dtype.kind
+    if kind == "O" and all(isinstance(value, str) for value in array):
+        kind = "U"
+    if kind == "f":
+        array = array.astype(np.float64, copy=False)
+    elif kind in "iu":
+        if array.dtype == np.uint64 and np.any(array > np.uint64(np.iinfo(np.int64).max)):
+            raise ValueError(f"column {name!r} has integers of 64 bits; at most 2^63 - 1 is accepted")
+        array = array.astype(np.int64, copy=False)
+    elif kind in "UT":
+        array = array.astype(np.str_, copy=False)
+    elif kind != "b":
+        raise TypeError(
+            f"column {name!r} has the type {array.dtype}; "
+            "accepted: numbers, integers, truth values or texts"
+        )
+    view = array.view()
+    view.flags.writeable = False
+    return view

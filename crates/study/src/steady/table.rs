@@ -1,7 +1,7 @@
-//! Steady responses as CSV.
+//! Steady responses as tables.
 
-use asperity_harmonic::Branch;
-use asperity_table::CsvWriter;
+use asperity_harmonic::{Branch, PeriodicResponse};
+use asperity_table::DataTable;
 
 use super::{Backbones, Steady, TimeSweep};
 
@@ -10,35 +10,62 @@ const MATTERS: f64 = 1e-4;
 
 /// `steady.csv`: a row per point of every branch, in the order of the request, with harmonics up to the
 /// highest that matters.
-pub fn steady_csv(steady: &Steady, interfaces: &[&str]) -> String {
+pub fn steady_table(steady: &Steady, interfaces: &[&str]) -> DataTable {
+    let points: Vec<Place<'_>> = steady
+        .levels
+        .iter()
+        .enumerate()
+        .flat_map(|(index, level)| {
+            let points = level.outcome.as_ref().map_or(&[][..], |branch| &branch.points);
+            points.iter().enumerate().map(move |(number, point)| Place {
+                branch: (index + 1) as i64,
+                number: (number + 1) as i64,
+                point,
+            })
+        })
+        .collect();
+    let column = |value: &dyn Fn(&PeriodicResponse) -> f64| -> Vec<f64> {
+        points.iter().map(|place| value(place.point)).collect()
+    };
+    let mut table = DataTable::new()
+        .with("branch", points.iter().map(|place| place.branch).collect::<Vec<i64>>())
+        .with("point", points.iter().map(|place| place.number).collect::<Vec<i64>>())
+        .with("force_n", column(&|point| point.force))
+        .with("frequency_hz", column(&PeriodicResponse::frequency_hz));
     let branches: Vec<&Branch> =
         steady.levels.iter().filter_map(|level| level.outcome.as_ref().ok()).collect();
-    let harmonics = harmonics_that_matter(&branches);
-    let mut names: Vec<String> =
-        ["branch", "point", "force_n", "frequency_hz"].map(str::to_owned).into();
-    names.extend((1..=harmonics).map(|k| format!("amplitude_{k}_m")));
-    names.push("phase_1_rad".to_owned());
-    for name in interfaces {
-        names.extend([format!("{name}:pressure_min_pa"), format!("{name}:pressure_max_pa")]);
+    for k in 1..=harmonics_that_matter(&branches) {
+        let amplitude = |point: &PeriodicResponse| {
+            if k <= point.harmonics() { point.amplitude(k) } else { f64::NAN }
+        };
+        table = table.with(format!("amplitude_{k}_m"), column(&amplitude));
     }
-    names.extend(["stable", "contact_lost"].map(str::to_owned));
-    let mut csv = CsvWriter::with_header(names);
-    for (index, level) in steady.levels.iter().enumerate() {
-        let points = level.outcome.as_ref().map_or(&[][..], |branch| &branch.points);
-        for (number, point) in points.iter().enumerate() {
-            csv.numbers([(index + 1) as f64, (number + 1) as f64]);
-            csv.numbers([point.force, point.frequency_hz()]);
-            csv.numbers(
-                (1..=harmonics).map(|k| (k <= point.harmonics()).then(|| point.amplitude(k))),
-            );
-            csv.number(point.phase());
-            for range in level.pressures(point) {
-                csv.numbers([range.lowest, range.highest]);
-            }
-            csv.text(point.stable().map_or("", truth)).text(truth(point.contact_lost())).end_row();
-        }
+    table = table.with("phase_1_rad", column(&PeriodicResponse::phase));
+    let pressures: Vec<_> = points
+        .iter()
+        .map(|place| steady.levels[(place.branch - 1) as usize].pressures(place.point))
+        .collect();
+    for (at, name) in interfaces.iter().enumerate() {
+        let ends: (Vec<f64>, Vec<f64>) = pressures
+            .iter()
+            .map(|ranges| {
+                ranges.get(at).map_or((f64::NAN, f64::NAN), |range| (range.lowest, range.highest))
+            })
+            .unzip();
+        table = table
+            .with(format!("{name}:pressure_min_pa"), ends.0)
+            .with(format!("{name}:pressure_max_pa"), ends.1);
     }
-    csv.into_string()
+    let stable: Vec<Option<bool>> = points.iter().map(|place| place.point.stable()).collect();
+    let lost: Vec<bool> = points.iter().map(|place| place.point.contact_lost()).collect();
+    table.with("stable", stable).with("contact_lost", lost)
+}
+
+/// A point of a branch, with the numbers of both, from 1.
+struct Place<'a> {
+    branch: i64,
+    number: i64,
+    point: &'a PeriodicResponse,
 }
 
 /// The highest harmonic that matters at any point; two at least, as far as they were computed.
@@ -50,59 +77,54 @@ fn harmonics_that_matter(branches: &[&Branch]) -> usize {
     (1..=computed).rev().find(|&k| matters(k)).unwrap_or(1).max(computed.min(2))
 }
 
-fn truth(value: bool) -> &'static str {
-    if value { "true" } else { "false" }
-}
-
 /// `steady_time.csv`: a row per frequency of every stepped sine by time integration, in its order.
-pub fn steady_time_csv(sweeps: &[TimeSweep]) -> String {
-    let mut csv = CsvWriter::with_header([
-        "force_n",
-        "direction",
-        "frequency_hz",
-        "amplitude_1_m",
-        "amplitude_2_m",
-        "phase_1_rad",
-        "periods",
-        "change",
-        "settled",
-    ]);
-    for sweep in sweeps {
-        for point in sweep.outcome.as_ref().map_or(&[][..], |points| points) {
-            csv.number(sweep.force_n).text(sweep.direction()).number(point.frequency_hz);
-            csv.numbers([point.amplitude_1_m, point.amplitude_2_m, point.phase_1_rad]);
-            csv.numbers([point.periods as f64, point.change]);
-            csv.text(truth(point.settled)).end_row();
-        }
-    }
-    csv.into_string()
+pub fn steady_time_table(sweeps: &[TimeSweep]) -> DataTable {
+    let rows: Vec<_> = sweeps
+        .iter()
+        .flat_map(|sweep| {
+            let points = sweep.outcome.as_ref().map_or(&[][..], |points| points);
+            points.iter().map(move |point| (sweep, point))
+        })
+        .collect();
+    let texts = rows.iter().map(|(sweep, _)| sweep.direction().to_owned());
+    DataTable::new()
+        .with("force_n", rows.iter().map(|(sweep, _)| sweep.force_n).collect::<Vec<f64>>())
+        .with("direction", texts.collect::<Vec<String>>())
+        .with("frequency_hz", rows.iter().map(|row| row.1.frequency_hz).collect::<Vec<f64>>())
+        .with("amplitude_1_m", rows.iter().map(|row| row.1.amplitude_1_m).collect::<Vec<f64>>())
+        .with("amplitude_2_m", rows.iter().map(|row| row.1.amplitude_2_m).collect::<Vec<f64>>())
+        .with("phase_1_rad", rows.iter().map(|row| row.1.phase_1_rad).collect::<Vec<f64>>())
+        .with("periods", rows.iter().map(|row| row.1.periods as i64).collect::<Vec<i64>>())
+        .with("change", rows.iter().map(|row| row.1.change).collect::<Vec<f64>>())
+        .with("settled", rows.iter().map(|row| row.1.settled).collect::<Vec<bool>>())
 }
 
 /// `backbone.csv`: a row per point of both backbones. Modes have a damping ratio, phase resonances
 /// a force.
-pub fn backbone_csv(backbones: &Backbones) -> String {
-    let mut csv = CsvWriter::with_header([
-        "backbone",
-        "point",
-        "force_n",
-        "frequency_hz",
-        "amplitude_1_m",
-        "harmonic_ratio",
-        "damping_ratio",
-        "modal_amplitude_m_sqrt_kg",
-        "contact_lost",
-    ]);
+pub fn backbone_table(backbones: &Backbones) -> DataTable {
     let named = [("phase_resonance", &backbones.phase_resonance), ("mode", &backbones.mode)];
-    for (name, outcome) in named {
-        let points = outcome.as_ref().map_or(&[][..], |branch| &branch.points);
-        for (number, point) in points.iter().enumerate() {
-            let is_mode = name == "mode";
-            csv.text(name).number((number + 1) as f64);
-            csv.number((!is_mode).then_some(point.force));
-            csv.numbers([point.frequency_hz(), point.amplitude(1), point.harmonic_ratio()]);
-            csv.number(is_mode.then(|| point.damping_ratio())).number(point.modal_amplitude());
-            csv.text(truth(point.contact_lost())).end_row();
-        }
-    }
-    csv.into_string()
+    let rows: Vec<(&str, i64, &PeriodicResponse)> = named
+        .into_iter()
+        .flat_map(|(name, outcome)| {
+            let points = outcome.as_ref().map_or(&[][..], |branch| &branch.points);
+            points.iter().zip(1..).map(move |(point, number)| (name, number, point))
+        })
+        .collect();
+    let column = |value: &dyn Fn(bool, &PeriodicResponse) -> f64| -> Vec<f64> {
+        rows.iter().map(|(name, _, point)| value(*name == "mode", point)).collect()
+    };
+    let names = rows.iter().map(|row| row.0.to_owned());
+    DataTable::new()
+        .with("backbone", names.collect::<Vec<String>>())
+        .with("point", rows.iter().map(|row| row.1).collect::<Vec<i64>>())
+        .with("force_n", column(&|mode, point| if mode { f64::NAN } else { point.force }))
+        .with("frequency_hz", column(&|_, point| point.frequency_hz()))
+        .with("amplitude_1_m", column(&|_, point| point.amplitude(1)))
+        .with("harmonic_ratio", column(&|_, point| point.harmonic_ratio()))
+        .with(
+            "damping_ratio",
+            column(&|mode, point| if mode { point.damping_ratio() } else { f64::NAN }),
+        )
+        .with("modal_amplitude_m_sqrt_kg", column(&|_, point| point.modal_amplitude()))
+        .with("contact_lost", rows.iter().map(|row| row.2.contact_lost()).collect::<Vec<bool>>())
 }

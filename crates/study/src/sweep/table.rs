@@ -3,7 +3,7 @@
 use super::variation::{Variation, chosen_values};
 use crate::error::StudyError;
 use crate::warning::Warning;
-use asperity_table::CsvWriter;
+use asperity_table::{CsvWriter, DataTable};
 
 /// The results of a sweep: for each run the numbers of its summary, or its error.
 #[derive(Debug)]
@@ -55,15 +55,49 @@ impl Sweep {
         counts.into_iter().map(|(kind, count, _)| (kind, count)).collect()
     }
 
-    /// `sweep.csv`: a row per run with the varied values, the observables, the error of a run that
-    /// failed, and the kinds of warnings about the others.
+    /// Kinds of the warnings of each run, separated by blanks.
+    fn warning_kinds(&self) -> impl Iterator<Item = String> + '_ {
+        let mut warnings = self.warnings.iter().peekable();
+        (0..self.runs.len()).map(move |run| {
+            let mut kinds: Vec<&str> = Vec::new();
+            while let Some((_, warning)) = warnings.next_if(|(of, _)| *of == run) {
+                kinds.push(warning.kind());
+            }
+            kinds.dedup();
+            kinds.join(" ")
+        })
+    }
+
+    /// The columns of `sweep.csv`: the values of the variations as texts, the numbers, `error` and
+    /// `warnings`.
+    pub fn table(&self) -> DataTable {
+        let mut table = DataTable::new();
+        let chosen: Vec<Vec<usize>> =
+            (0..self.runs.len()).map(|run| chosen_values(run, &self.variations)).collect();
+        for (at, variation) in self.variations.iter().enumerate() {
+            let texts = chosen.iter().map(|chosen| variation.values[chosen[at]].clone());
+            table = table.with(&variation.pointer, texts.collect::<Vec<String>>());
+        }
+        for (at, name) in self.columns.iter().enumerate() {
+            let number = |run: &Result<Box<[f64]>, _>| run.as_ref().map_or(f64::NAN, |row| row[at]);
+            table = table.with(name, self.runs.iter().map(number).collect::<Vec<f64>>());
+        }
+        let error = |run: &Result<_, StudyError>| {
+            run.as_ref().err().map(ToString::to_string).unwrap_or_default()
+        };
+        table
+            .with("error", self.runs.iter().map(error).collect::<Vec<String>>())
+            .with("warnings", self.warning_kinds().collect::<Vec<String>>())
+    }
+
+    /// `sweep.csv`: a row per run.
     pub fn csv(&self) -> String {
         let pointers = self.variations.iter().map(|variation| variation.pointer.as_str());
         let names =
             pointers.chain(self.columns.iter().map(String::as_str)).chain(["error", "warnings"]);
         let mut csv = CsvWriter::with_header(names);
-        let mut warnings = self.warnings.iter().peekable();
-        for (run, outcome) in self.runs.iter().enumerate() {
+        let warnings = self.warning_kinds();
+        for ((run, outcome), kinds) in self.runs.iter().enumerate().zip(warnings) {
             for value in self.values(run) {
                 csv.text(value);
             }
@@ -73,12 +107,7 @@ impl Sweep {
                     csv.numbers(self.columns.iter().map(|_| None)).text(&error.to_string())
                 }
             };
-            let mut kinds: Vec<&str> = Vec::new();
-            while let Some((_, warning)) = warnings.next_if(|(of, _)| *of == run) {
-                kinds.push(warning.kind());
-            }
-            kinds.dedup();
-            csv.text(&kinds.join(" ")).end_row();
+            csv.text(&kinds).end_row();
         }
         csv.into_string()
     }

@@ -1,0 +1,63 @@
+//! Figures and report pages of results, from the same numbers as their tables.
+//!
+//! A result is drawn by one function, whichever program asks: the command `asperity` writes its
+//! figures to files, the Python package shows them in notebooks.
+//!
+//! | result | figures | page |
+//! |---|---|---|
+//! | transient run | [`history`], [`frf`] | |
+//! | sweep | [`sweep`] | |
+//! | laws, modes | [`laws`], [`modes`] | |
+//! | steady responses | [`steady`] | [`steady_report`], in the words of [`steady_words`] |
+//! | measured hits | [`figures`], [`responses`] | [`analysis_report`] |
+//! | free decays | [`decay_figures`] | [`decay_report`] |
+//! | identification | [`identification`] | [`identification_report`] |
+//! | study | [`answers`] | |
+//!
+//! A function returns no figure where there is nothing to draw. Magnitudes have the
+//! [`MagnitudeAxis`] that is asked for.
+//!
+//! ```
+//! # use asperity_scenario::Document;
+//! let scenario = Document::read("../study/examples/block.json")?.scenario()?;
+//! let tables = asperity_study::tabulate(&scenario)?;
+//! let svg = asperity_plot::laws(&tables).to_svg();
+//! assert!(svg.contains("Contact stiffness"));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod analysis;
+mod answers;
+mod decay;
+mod identification;
+mod magnitude;
+mod response;
+mod steady;
+pub mod steady_words;
+mod structure;
+mod sweep;
+
+use asperity_figure::{Figure, Panel};
+
+pub use analysis::{analysis_report, figures, responses};
+pub use answers::answers;
+pub use decay::{decay_figures, decay_report};
+pub use identification::{identification, identification_report, measurement};
+pub use magnitude::MagnitudeAxis;
+pub use response::{frf, history};
+pub use steady::{steady, steady_report};
+pub use structure::{laws, modes};
+pub use sweep::sweep;
+
+/// A figure of the panels that have a series; none without any.
+fn figure(
+    title: &str,
+    columns: usize,
+    width_mm: f64,
+    panels: impl IntoIterator<Item = Panel>,
+) -> Option<Figure> {
+    let mut panels = panels.into_iter().filter(|panel| !panel.is_empty()).peekable();
+    panels.peek()?;
+    let figure = panels.fold(Figure::new(title), Figure::panel);
+    Some(figure.columns(columns).width_mm(width_mm))
+}

@@ -1,0 +1,173 @@
+//! Steady responses over frequency: stable parts solid, unstable dashed.
+
+mod report;
+
+use asperity_figure::{Axis, Color, Dash, Figure, Legend, Marker, Panel, Series};
+use asperity_harmonic::{Branch, PeriodicResponse, SpecialPointKind};
+use asperity_study::steady::Steady;
+
+pub use report::steady_report;
+
+use super::figure;
+
+/// Most force amplitudes in the legend.
+const MOST_NAMED: usize = 8;
+
+type Observable = fn(&PeriodicResponse) -> f64;
+
+/// Amplitude with backbones, harmonic ratio, and lowest pressure over one range of frequencies, with
+/// the special points of each branch; none without a branch.
+pub fn steady(found: &Steady) -> Option<Figure> {
+    let branches: Vec<(f64, &Branch)> = found
+        .levels
+        .iter()
+        .filter_map(|level| Some((level.force_n, level.outcome.as_ref().ok()?)))
+        .collect();
+    if branches.is_empty() {
+        return None;
+    }
+    let backbones: Vec<(&str, &Branch, Dash)> = found
+        .backbones
+        .iter()
+        .flat_map(|found| {
+            [
+                ("phase resonance", &found.phase_resonance, Dash::DashDot),
+                ("damped mode", &found.mode, Dash::Dotted),
+            ]
+        })
+        .filter_map(|(name, outcome, dash)| Some((name, outcome.as_ref().ok()?, dash)))
+        .collect();
+    let drawn = branches.iter().map(|(_, branch)| *branch);
+    let drawn = drawn.chain(backbones.iter().map(|(_, branch, _)| *branch));
+    let (low, high) = drawn
+        .flat_map(|branch| &branch.points)
+        .map(PeriodicResponse::frequency_hz)
+        .fold((f64::INFINITY, 0.0_f64), |(low, high), hz| (low.min(hz), high.max(hz)));
+    let panel = |axis: Axis, observable: Observable| {
+        let frequency = Axis::linear("Frequency", "Hz").range(low, high);
+        all(Panel::new(frequency, axis), &branches, observable)
+    };
+    let amplitude = Axis::linear("Amplitude A_{1}", "µm").scale(1e6);
+    let mut amplitude = panel(amplitude, |point| point.amplitude(1));
+    for (name, marker, rising) in SWEEPS {
+        let sweeps = found.time_sweeps.iter().filter(|sweep| sweep.rising == rising);
+        let points =
+            sweeps.flat_map(|sweep| sweep.outcome.as_ref().map_or(&[][..], |points| points));
+        let (x, y): (Vec<f64>, Vec<f64>) =
+            points.map(|point| (point.frequency_hz, point.amplitude_1_m)).unzip();
+        if !x.is_empty() {
+            let series = Series::points(name, x, y).color(Color::BLACK).marker(marker);
+            amplitude = amplitude.series(series.filled(false).marker_size(2.5));
+        }
+    }
+    for (name, branch, dash) in backbones {
+        let (x, y) = columns(&branch.points, |point| point.amplitude(1));
+        amplitude = amplitude.series(Series::line(name, x, y).color(Color::BLACK).dash(dash));
+    }
+    let ratio = panel(Axis::linear("Ratio A_{2}/A_{1}", ""), PeriodicResponse::harmonic_ratio);
+    let pressure = panel(Axis::linear("Lowest pressure", "MPa").scale(1e-6), |point| {
+        point.pressures.iter().map(|range| range.lowest).fold(f64::INFINITY, f64::min)
+    });
+    let panels = [amplitude, ratio.legend(Legend::None), pressure.legend(Legend::None)];
+    figure("Steady responses", 1, 120.0, panels)
+}
+
+fn all(mut panel: Panel, branches: &[(f64, &Branch)], observable: Observable) -> Panel {
+    for (index, (force, branch)) in branches.iter().enumerate() {
+        let color = Color::ramp_step(index, branches.len());
+        let mut name = if index < MOST_NAMED { format!("{force} N") } else { String::new() };
+        for (stable, points) in parts(&branch.points) {
+            let (x, y) = columns(points, observable);
+            let dash = if stable { Dash::Solid } else { Dash::Dashed };
+            panel =
+                panel.series(Series::line(std::mem::take(&mut name), x, y).color(color).dash(dash));
+        }
+    }
+    for mark in MARKS {
+        let at: Vec<&PeriodicResponse> =
+            branches.iter().flat_map(|(_, branch)| (mark.places)(branch)).collect();
+        let (x, y) = at.iter().map(|point| (point.frequency_hz(), observable(point))).unzip();
+        let (x, y): (Vec<f64>, Vec<f64>) = (x, y);
+        if !x.is_empty() {
+            let series = Series::points(mark.name, x, y).color(Color::BLACK).marker(mark.marker);
+            panel = panel.series(series.filled(mark.filled).marker_size(4.5));
+        }
+    }
+    panel
+}
+
+/// Stepped sines by time integration: name, symbol, and whether the frequency rises.
+const SWEEPS: [(&str, Marker, bool); 2] = [
+    ("time integration, up", Marker::Triangle, true),
+    ("time integration, down", Marker::Circle, false),
+];
+
+/// A symbol for points of a branch.
+struct Mark {
+    name: &'static str,
+    marker: Marker,
+    filled: bool,
+    places: fn(&Branch) -> Vec<&PeriodicResponse>,
+}
+
+const MARKS: [Mark; 6] = [
+    Mark {
+        name: "fold",
+        marker: Marker::Circle,
+        filled: false,
+        places: |branch| branch.of_kind(SpecialPointKind::Fold).collect(),
+    },
+    Mark {
+        name: "period doubling",
+        marker: Marker::Square,
+        filled: false,
+        places: |branch| branch.of_kind(SpecialPointKind::PeriodDoubling).collect(),
+    },
+    Mark {
+        name: "Neimark-Sacker",
+        marker: Marker::Diamond,
+        filled: false,
+        places: |branch| branch.of_kind(SpecialPointKind::NeimarkSacker).collect(),
+    },
+    Mark {
+        name: "branch point",
+        marker: Marker::Triangle,
+        filled: false,
+        places: |branch| branch.of_kind(SpecialPointKind::BranchPoint).collect(),
+    },
+    Mark { name: "contact lost", marker: Marker::Cross, filled: false, places: changes_of_contact },
+    Mark {
+        name: "end of the branch",
+        marker: Marker::Square,
+        filled: true,
+        places: |branch| {
+            branch.points.last().filter(|_| !branch.is_complete()).into_iter().collect()
+        },
+    },
+];
+
+/// The first and the last point of each part of a branch on which contact is lost.
+fn changes_of_contact(branch: &Branch) -> Vec<&PeriodicResponse> {
+    let pairs = branch.points.windows(2);
+    let changes = pairs.filter(|pair| pair[0].contact_lost() != pair[1].contact_lost());
+    changes.map(|pair| if pair[0].contact_lost() { &pair[0] } else { &pair[1] }).collect()
+}
+
+/// Consecutive points of equal stability; each part ends with the first point of the next, so that
+/// the line is not broken.
+fn parts(points: &[PeriodicResponse]) -> Vec<(bool, &[PeriodicResponse])> {
+    let stable = |point: &PeriodicResponse| point.stable() != Some(false);
+    let mut parts = Vec::new();
+    let mut start = 0;
+    for end in 1..=points.len() {
+        if end == points.len() || stable(&points[end]) != stable(&points[start]) {
+            parts.push((stable(&points[start]), &points[start..(end + 1).min(points.len())]));
+            start = end;
+        }
+    }
+    parts
+}
+
+fn columns(points: &[PeriodicResponse], observable: Observable) -> (Vec<f64>, Vec<f64>) {
+    points.iter().map(|point| (point.frequency_hz(), observable(point))).unzip()
+}

@@ -1,0 +1,164 @@
+//! A branch of steady responses in words: its peak, its special points, and the reason for an end.
+
+use asperity_study::steady::{
+    BranchSummary, CondensationReason, SteadyMotion, TerminationSummary, TimeCheck,
+    TimeSweepSummary,
+};
+
+/// Bifurcations of one kind that are listed one by one; of more, the range is given.
+const MOST_LISTED: usize = 4;
+
+/// The peak inside a complete branch, or the reason why there is none.
+pub fn peak(branch: &BranchSummary) -> String {
+    let (Some(hz), Some(a1)) = (branch.peak_frequency_hz, branch.peak_amplitude_1_m) else {
+        return "no response".to_owned();
+    };
+    let ratio = branch.harmonic_ratio.unwrap_or(f64::NAN);
+    let numbers = format!("{hz:.3} Hz   A1 {a1:.5e} m   A2/A1 {ratio:.5}");
+    if branch.peak_is_inside {
+        return format!("peak {numbers}");
+    }
+    if let TerminationSummary::Reached = branch.end {
+        return format!("no peak in the range; largest at its end   {numbers}");
+    }
+    format!("no peak: {}; largest before   {numbers}", end(branch))
+}
+
+/// The end of a branch, with its place and reason.
+pub fn end(branch: &BranchSummary) -> String {
+    let hz = branch.end_frequency_hz.unwrap_or(f64::NAN);
+    let points = branch.points;
+    match &branch.end {
+        TerminationSummary::Reached => "complete".to_owned(),
+        TerminationSummary::Returned => {
+            "the branch turns back and leaves the range at its start".to_owned()
+        }
+        TerminationSummary::NotConverged => {
+            format!("the branch ends at {hz:.3} Hz, where the iteration does not converge")
+        }
+        TerminationSummary::PointLimit => {
+            format!(
+                "the branch ends at {hz:.3} Hz after {points} points, the most that are followed"
+            )
+        }
+        TerminationSummary::BeyondLaw { interface, closure_m } => format!(
+            "the branch ends at {hz:.3} Hz, where {interface} would close by {closure_m:.3e} m and its law gives no finite pressure"
+        ),
+        _ => format!("the branch ends at {hz:.3} Hz"),
+    }
+}
+
+/// A request that may give the peak, if this branch has none.
+pub fn advice(branch: &BranchSummary) -> Option<&'static str> {
+    if branch.peak_is_inside {
+        return None;
+    }
+    Some(match branch.end {
+        TerminationSummary::Reached => "try a wider range of frequencies (--from, --to)",
+        TerminationSummary::Returned => {
+            "try to start on the other side of the resonance (--from, --to)"
+        }
+        TerminationSummary::BeyondLaw { .. } => "try a lower force (--amplitude)",
+        _ if branch.contact_lost && branch.condensed_bodies.is_empty() => {
+            "try condensed bodies (--bodies condensed) or fewer harmonics (--harmonics 7): with contact lost, high ones excite light bodies \
+             between open contacts; or a lower force (--amplitude)"
+        }
+        _ => "try another number of harmonics (--harmonics), or the range from its other end",
+    })
+}
+
+/// The bodies without inertia and the reason, if there are any.
+fn condensed(branch: &BranchSummary) -> Option<String> {
+    let reason = branch.condensed_because?;
+    let bodies = branch.condensed_bodies.iter();
+    let bodies: Vec<String> =
+        bodies.map(|body| format!("{} ({:.4e} Hz)", body.name, body.frequency_hz)).collect();
+    let reason = match reason {
+        CondensationReason::ContactLost { from_hz } => {
+            format!(", as contact is lost from {from_hz:.3} Hz on with it")
+        }
+        _ => String::new(),
+    };
+    Some(format!("inertia left out: {}{reason}", bodies.join(", ")))
+}
+
+/// The comparison with time integration.
+pub fn check(check: &TimeCheck) -> String {
+    let (hz, difference) = (check.frequency_hz, check.relative_difference);
+    let scatter = check.scatter;
+    match check.motion {
+        SteadyMotion::Periodic => {
+            format!("at {hz:.3} Hz differs from time integration by {difference:.1e}")
+        }
+        SteadyMotion::NonPeriodic => format!(
+            "at {hz:.3} Hz time integration gives a motion that is not periodic: its fundamental \
+             scatters by {scatter:.1e} from period to period; the mean differs by {difference:.1e}"
+        ),
+        _ => format!(
+            "at {hz:.3} Hz differs from time integration, which has not settled, by {difference:.1e}"
+        ),
+    }
+}
+
+/// A stepped sine by time integration.
+pub fn time_sweep(sweep: &TimeSweepSummary) -> String {
+    let direction = sweep.direction;
+    if let Some(error) = &sweep.error {
+        return format!("stepped sine {direction}: {error}");
+    }
+    let (hz, a1) = (sweep.peak_frequency_hz, sweep.peak_amplitude_1_m);
+    let (hz, a1) = (hz.unwrap_or(f64::NAN), a1.unwrap_or(f64::NAN));
+    let jumps: Vec<String> =
+        sweep.jumps_hz.iter().map(|[a, b]| format!("{a:.3} and {b:.3} Hz")).collect();
+    let jumps = if jumps.is_empty() {
+        "no jump".to_owned()
+    } else {
+        format!("jumps between {}", jumps.join(", "))
+    };
+    let settled = match sweep.unsettled {
+        0 => "settled at every frequency".to_owned(),
+        count => format!(
+            "not settled at {count} of {} frequencies: the fundamental still changes by up to {:.1e}",
+            sweep.frequencies, sweep.largest_change
+        ),
+    };
+    format!(
+        "stepped sine {direction} by time integration: largest {a1:.5e} m at {hz:.3} Hz; {jumps}; {settled}"
+    )
+}
+
+/// Loss of contact, instability and bifurcations, a remark each.
+pub fn remarks(branch: &BranchSummary) -> Vec<String> {
+    let mut remarks = Vec::new();
+    if let Some(hz) = branch.contact_lost_from_hz {
+        remarks.push(format!("contact lost from {hz:.3} Hz on"));
+    }
+    remarks.extend(condensed(branch));
+    match branch.unstable_points {
+        Some(0) => remarks.push("stable".to_owned()),
+        Some(count) => remarks.push(format!("unstable at {count} of {} points", branch.points)),
+        None => remarks.push("stability not computed: a mode is too fast".to_owned()),
+    }
+    for (kind, one, several) in [
+        ("fold", "fold", "folds"),
+        ("period_doubling", "period doubling", "period doublings"),
+        ("neimark_sacker", "Neimark-Sacker bifurcation", "Neimark-Sacker bifurcations"),
+        ("branch_point", "branch point", "branch points"),
+    ] {
+        let found = branch.bifurcations.iter().filter(|found| found.kind == kind);
+        let places: Vec<f64> = found.map(|found| found.frequency_hz).collect();
+        if places.is_empty() {
+            continue;
+        }
+        let name = if places.len() == 1 { one } else { several };
+        remarks.push(if places.len() > MOST_LISTED {
+            let lowest = places.iter().copied().fold(f64::INFINITY, f64::min);
+            let highest = places.iter().copied().fold(0.0, f64::max);
+            format!("{} {name} between {lowest:.3} and {highest:.3} Hz", places.len())
+        } else {
+            let list: Vec<String> = places.iter().map(|hz| format!("{hz:.3}")).collect();
+            format!("{name} at {} Hz", list.join(", "))
+        });
+    }
+    remarks
+}

@@ -1,0 +1,229 @@
+"""Steady responses to a shaker, backbones, and linearised modes."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from . import _asperity
+from ._numbers import column, numbers
+from ._simulate import ScenarioLike
+from ._table import Table
+
+
+@dataclass(frozen=True)
+class SteadyResponses:
+    """Branches of periodic responses to a harmonic force on the top.
+
+    Attributes
+    ----------
+    summary : dict
+        Peaks, special points and ends of the branches, as in ``summary.json``.
+    points : Table
+        A row per point of every branch, as in ``steady.csv``: ``branch``, ``point``, ``force_n``,
+        ``frequency_hz``, ``amplitude_K_m``, ``phase_1_rad``, the extremes of the pressure at each
+        interface, ``stable`` (1, 0, NaN where it is not known) and ``contact_lost``.
+    backbones : Table or None
+        Phase resonance and damped mode, as in ``backbone.csv``; None unless asked for.
+    time_sweeps : Table or None
+        Stepped sines by time integration, as in ``steady_time.csv``; None unless asked for.
+    figure : Figure or None
+        The figure of the command; None without a branch.
+    """
+
+    summary: dict[str, Any] = field(repr=False)
+    points: Table
+    backbones: Table | None
+    time_sweeps: Table | None
+    figure: _asperity.Figure | None = field(repr=False)
+
+    @property
+    def peaks(self) -> Table:
+        """Largest response of each branch, a row per force amplitude.
+
+        ``force_n``, ``peak_frequency_hz``, ``peak_amplitude_1_m``, ``harmonic_ratio`` (NaN where
+        there is none), ``peak_is_inside`` (true if it is a peak of a branch that covers the whole
+        range), ``contact_lost``, and ``error`` (text, empty for a branch that was found).
+        """
+        levels = self.summary["levels"]
+        numeric = ("force_n", "peak_frequency_hz", "peak_amplitude_1_m", "harmonic_ratio")
+        columns: dict[str, ArrayLike] = {
+            name: np.array([_number(level.get(name)) for level in levels]) for name in numeric
+        }
+        for name in ("peak_is_inside", "contact_lost"):
+            columns[name] = np.array([bool(level.get(name, False)) for level in levels])
+        columns["error"] = np.array([level.get("error", "") for level in levels], dtype=np.str_)
+        return Table(columns)
+
+    @property
+    def special_points(self) -> Table:
+        """Bifurcations along the branches: ``branch``, ``force_n``, ``kind``, ``frequency_hz``,
+        ``amplitude_1_m``; kinds are fold, period_doubling, neimark_sacker and branch_point."""
+        found = [
+            (number, level["force_n"], point)
+            for number, level in enumerate(self.summary["levels"], start=1)
+            for point in level.get("bifurcations", ())
+        ]
+        return Table(
+            {
+                "branch": np.array([number for number, _, _ in found], dtype=np.int64),
+                "force_n": np.array([force for _, force, _ in found], dtype=np.float64),
+                "kind": np.array([point["kind"] for _, _, point in found], dtype=np.str_),
+                **{
+                    name: np.array([point[name] for _, _, point in found], dtype=np.float64)
+                    for name in ("frequency_hz", "amplitude_1_m")
+                },
+            }
+        )
+
+    def _repr_html_(self) -> str:
+        drawn = "" if self.figure is None else self.figure.svg()
+        return drawn + self.peaks._repr_html_()
+
+
+def _number(value: float | None) -> float:
+    return float("nan") if value is None else value
+
+
+def steady(
+    scenario: ScenarioLike,
+    amplitudes_n: ArrayLike,
+    from_hz: float,
+    to_hz: float,
+    *,
+    harmonics: int | None = None,
+    backbone: bool = False,
+    verify: bool = False,
+    bodies: Literal["auto", "elastic", "condensed"] = "auto",
+    time_sweep: Literal["up", "down", "both"] | None = None,
+    time_sweep_points: int = 201,
+    threads: int | None = None,
+    progress: Callable[[float], object] | None = None,
+) -> SteadyResponses:
+    """Follow branches of steady responses to a harmonic force on the top.
+
+    The excitation of the scenario has no part in them. An amplitude whose branch is not found does
+    not end the others: its error is in the summary, and a RuntimeWarning tells of it.
+
+    Parameters
+    ----------
+    scenario : Scenario, str, os.PathLike or dict
+        Anything that `Scenario` accepts.
+    amplitudes_n : float or array of shape (branches,)
+        Force amplitudes in N.
+    from_hz, to_hz : float
+        Frequencies in Hz at which each branch starts and ends; either may be the lower.
+    harmonics : int, optional
+        Number of harmonics; chosen by their truncation, up to 30, by default.
+    backbone : bool
+        Also follow the phase resonance and the damped nonlinear mode.
+    verify : bool
+        Also integrate one response of each branch in time, and state the difference.
+    bodies : {"auto", "elastic", "condensed"}
+        Light bodies between contacts: condensed where contact is lost, never, or always.
+    time_sweep : {"up", "down", "both"}, optional
+        Also integrate a stepped sine of `time_sweep_points` frequencies in time.
+    threads : int, optional
+        Number of threads; all cores by default.
+    progress : callable, optional
+        Called with the fraction of the branches that are done.
+
+    Raises
+    ------
+    ScenarioError
+        If the scenario is not valid.
+    ValueError
+        If the request is out of range.
+    ComputationError
+        If there is no static equilibrium.
+    """
+    asked = {
+        "amplitudes_n": column(np.atleast_1d(numbers(amplitudes_n, "amplitudes_n")), "amplitudes_n"),
+        "from_hz": from_hz,
+        "to_hz": to_hz,
+        "harmonics": harmonics,
+        "backbone": bool(backbone),
+        "verify": bool(verify),
+        "bodies": bodies,
+        "time_sweep": time_sweep,
+        "time_sweep_points": time_sweep_points,
+    }
+    summary, points, backbones, sweeps, figure = _asperity.steady(
+        scenario, asked, threads, progress
+    )
+    failed = [level for level in summary["levels"] if "error" in level]
+    if failed:
+        text = f"{len(failed)} of {len(summary['levels'])} force amplitudes have no branch; "
+        text += f"{failed[0]['force_n']} N: {failed[0]['error']}"
+        warnings.warn(text, RuntimeWarning, stacklevel=2)
+    return SteadyResponses(
+        summary,
+        Table(points),
+        None if backbones is None else Table(backbones),
+        None if sweeps is None else Table(sweeps),
+        figure,
+    )
+
+
+@dataclass(frozen=True)
+class Modes:
+    """Modes linearised about static equilibrium.
+
+    Attributes
+    ----------
+    summary : dict
+        State at rest, frequencies and damping ratios, as in ``modes.json``.
+    shapes : Table
+        Displacement along the stack, as in ``modes.csv``: ``position_m`` from the top, and a column
+        ``mode_N:FREQUENCY_hz`` for each mode.
+    figure : Figure
+        The shapes.
+    """
+
+    summary: dict[str, Any] = field(repr=False)
+    shapes: Table
+    figure: _asperity.Figure = field(repr=False)
+
+    @property
+    def table(self) -> Table:
+        """``frequency_hz`` and ``damping_ratio``, a row per mode."""
+        modes = self.summary["modes"]
+        return Table(
+            {
+                name: np.array([mode[name] for mode in modes], dtype=np.float64)
+                for name in ("frequency_hz", "damping_ratio")
+            }
+        )
+
+    def _repr_html_(self) -> str:
+        return self.figure.svg() + self.table._repr_html_()
+
+
+def modes(scenario: ScenarioLike, count: int = 4) -> Modes:
+    """Compute natural frequencies, damping ratios and mode shapes about static equilibrium.
+
+    Parameters
+    ----------
+    scenario : Scenario, str, os.PathLike or dict
+        Anything that `Scenario` accepts.
+    count : int
+        Number of modes, 1 to 1000; a structure may have fewer.
+
+    Raises
+    ------
+    ScenarioError
+        If the scenario is not valid.
+    ValueError
+        If the count is out of range.
+    ComputationError
+        If there is no static equilibrium.
+    """
+    if not 1 <= count <= 1000:
+        raise ValueError(f"count is {count}; accepted: 1 to 1000")
+    summary, shapes, figure = _asperity.modes(scenario, count)
+    return Modes(summary, Table(shapes), figure)

@@ -1,0 +1,165 @@
+//! Steady responses and linearised modes.
+
+use asperity_scenario::Scenario;
+use asperity_structure::PreloadedContact;
+use asperity_study::assemble::Assembly;
+use asperity_study::error::StudyError;
+use asperity_study::modes::{ModesSummary, linearised_modes};
+use asperity_study::provenance::Provenance;
+use asperity_study::record::modes_columns;
+use asperity_study::static_state::StaticSummary;
+use asperity_study::steady::{
+    BodyModel, SteadyRequest, SteadySummary, SweepDirection, TimeSweepRequest, backbone_table,
+    steady_table, steady_time_table, steady_with_progress,
+};
+use asperity_study::sweep::on_threads;
+use asperity_table::DataTable;
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use crate::figure::PyFigure;
+use crate::scenario::PyScenario;
+use crate::{background, columns, exception, json};
+
+/// Results of steady responses: summary, points, backbones, stepped sines, figure.
+struct Found {
+    summary: SteadySummary,
+    points: DataTable,
+    backbones: Option<DataTable>,
+    time_sweeps: Option<DataTable>,
+    figure: Option<asperity_figure::Figure>,
+}
+
+/// Parameters of a request, as Python gives them.
+#[derive(Debug, FromPyObject)]
+#[pyo3(from_item_all)]
+pub(crate) struct Asked {
+    amplitudes_n: Vec<f64>,
+    from_hz: f64,
+    to_hz: f64,
+    harmonics: Option<usize>,
+    backbone: bool,
+    verify: bool,
+    bodies: String,
+    time_sweep: Option<String>,
+    time_sweep_points: usize,
+}
+
+impl Asked {
+    fn request(self) -> PyResult<SteadyRequest> {
+        let unknown = |name: &str, found: &str, accepted: &str| {
+            PyValueError::new_err(format!("{name} is {found:?}; accepted: {accepted}"))
+        };
+        let bodies = match self.bodies.as_str() {
+            "auto" => BodyModel::Auto,
+            "elastic" => BodyModel::Elastic,
+            "condensed" => BodyModel::Condensed,
+            other => return Err(unknown("bodies", other, "auto, elastic, condensed")),
+        };
+        let direction = match self.time_sweep.as_deref() {
+            None => None,
+            Some("up") => Some(SweepDirection::Up),
+            Some("down") => Some(SweepDirection::Down),
+            Some("both") => Some(SweepDirection::Both),
+            Some(other) => return Err(unknown("time_sweep", other, "up, down, both")),
+        };
+        Ok(SteadyRequest {
+            amplitudes: self.amplitudes_n,
+            from_hz: self.from_hz,
+            to_hz: self.to_hz,
+            harmonics: self.harmonics,
+            backbone: self.backbone,
+            verify: self.verify,
+            bodies,
+            time_sweep: direction.map(|direction| TimeSweepRequest {
+                direction,
+                frequencies: self.time_sweep_points,
+            }),
+        })
+    }
+}
+
+fn computed(
+    scenario: &PyScenario,
+    request: &SteadyRequest,
+    progress: &background::Progress,
+) -> Result<Found, StudyError> {
+    let (document, scenario): (_, &Scenario) = (&scenario.document, &scenario.scenario);
+    let assembly = Assembly::new(scenario, document.folder())?;
+    let (finished, levels) = (AtomicUsize::new(0), request.amplitudes.len());
+    let found = steady_with_progress(&assembly, request, &|| {
+        let done = finished.fetch_add(1, Ordering::Relaxed) + 1;
+        progress.report(done as f64 / levels as f64);
+    })?;
+    let names: Vec<&str> =
+        assembly.structure.contacts().iter().map(PreloadedContact::name).collect();
+    let provenance = Provenance::of_scenario(document, scenario)?;
+    let at_rest = StaticSummary::of(&assembly);
+    Ok(Found {
+        points: steady_table(&found, &names),
+        backbones: found.backbones.as_ref().map(backbone_table),
+        time_sweeps: request.time_sweep.map(|_| steady_time_table(&found.time_sweeps)),
+        figure: asperity_plot::steady(&found),
+        summary: SteadySummary::new(scenario.title.clone(), at_rest, &found, provenance),
+    })
+}
+
+/// Summary, columns of the branches, of the backbones and of the stepped sines, and figure.
+#[pyfunction]
+#[pyo3(signature = (scenario, asked, threads, progress))]
+#[expect(clippy::type_complexity, reason = "a tuple of dicts")]
+pub(crate) fn steady<'py>(
+    py: Python<'py>,
+    scenario: &Bound<'py, PyAny>,
+    asked: Asked,
+    threads: Option<usize>,
+    progress: Option<&Bound<'py, PyAny>>,
+) -> PyResult<(
+    Bound<'py, PyAny>,
+    Bound<'py, PyDict>,
+    Option<Bound<'py, PyDict>>,
+    Option<Bound<'py, PyDict>>,
+    Option<PyFigure>,
+)> {
+    let scenario = PyScenario::of(scenario, None)?;
+    let request = asked.request()?;
+    let work = move |progress: &background::Progress| {
+        on_threads(threads, || computed(&scenario, &request, progress))
+    };
+    let found = background::run(py, progress, work)?
+        .ok_or_else(|| exception::no_threads(threads))?
+        .map_err(|error| exception::of_study(py, &error))?;
+    let table = |table: Option<DataTable>| table.map(|one| columns::of_table(py, one)).transpose();
+    Ok((
+        json::to_python(py, &found.summary)?,
+        columns::of_table(py, found.points)?,
+        table(found.backbones)?,
+        table(found.time_sweeps)?,
+        found.figure.map(PyFigure),
+    ))
+}
+
+/// Summary and columns of the shapes of modes, and figure.
+#[pyfunction]
+#[pyo3(signature = (scenario, count))]
+pub(crate) fn modes<'py>(
+    py: Python<'py>,
+    scenario: &Bound<'py, PyAny>,
+    count: usize,
+) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyDict>, PyFigure)> {
+    let PyScenario { document, scenario } = PyScenario::of(scenario, None)?;
+    let work = move |_: &background::Progress| {
+        let assembly = Assembly::new(&scenario, document.folder())?;
+        let found = linearised_modes(&assembly, count)?;
+        let provenance = Provenance::of_scenario(&document, &scenario)?;
+        Ok((ModesSummary::new(&scenario, &assembly, &found, provenance), found))
+    };
+    let outcome: Result<_, StudyError> = background::run(py, None, work)?;
+    let (summary, found) = outcome.map_err(|error| exception::of_study(py, &error))?;
+    let shapes = modes_columns(&found).into_iter().map(|(name, values)| (name, values.to_vec()));
+    let figure = PyFigure(asperity_plot::modes(&found));
+    Ok((json::to_python(py, &summary)?, columns::to_dict(py, shapes)?, figure))
+}
