@@ -114,7 +114,7 @@ pub(super) fn posterior_of(
         let pairs: Vec<(f64, f64)> = pairs.collect();
         [tail, 0.5, 1.0 - tail].map(|probability| quantile(pairs.clone(), probability))
     };
-    let latents = &best.point[*first..first + law.count()];
+    let latents = &found.linearised_at[*first..first + law.count()];
     let findings = FreeLawFindings {
         law: law.name.clone(),
         pressures_pa: law.pressures.clone(),
