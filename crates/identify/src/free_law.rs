@@ -24,11 +24,11 @@ use serde_json::{Value, json};
 
 use crate::error::IdentificationError;
 use crate::problem::{LogNormalSpec, ParameterSpec, SlopeSmoothness};
-use crate::scenario_model::stiffness;
+use crate::scenario_model::stiffness_curve;
 use rises::Rises;
 
 /// Places of the grid of a logarithm, in standard deviations.
-const GRID: [f64; 7] = [-2.25, -1.5, -0.75, 0.0, 0.75, 1.5, 2.25];
+const GRID: [f64; 5] = [-2.0, -1.0, 0.0, 1.0, 2.0];
 
 /// Relative variance by which the covariance of neighbouring slopes is positive definite.
 const NUGGET: f64 = 1e-8;
@@ -110,10 +110,8 @@ impl FreeLaw {
         let pressures: Vec<f64> = (0..*points).map(|i| low * (step * i as f64).exp()).collect();
         let laws = scenario.get("laws").cloned().unwrap_or_default();
         let laws: Laws = serde_json::from_value(laws).map_err(|error| refuse(error.to_string()))?;
-        let logarithms = pressures
-            .iter()
-            .map(|&pressure| Ok(stiffness(&laws, law, pressure)?.ln()))
-            .collect::<Result<Vec<f64>, IdentificationError>>()?;
+        let logarithms: Vec<f64> =
+            stiffness_curve(&laws, law, &pressures)?.iter().map(|k| k.ln()).collect();
         if logarithms.iter().any(|value| !value.is_finite()) {
             return Err(refuse(
                 "the scenario's law has no positive stiffness at all pressures".to_owned(),
