@@ -1,10 +1,16 @@
 //! Coverage of the bands of a free law on twins whose true laws are of other families than its prior.
 //!
-//! `cargo run --release -p asperity-identify --example free_law_coverage -- TWINS [HITS [FIRST]]`
+//! `cargo run --release -p asperity-identify --example free_law_coverage -- TABLE FIRST END [HITS [SMOOTHNESS]]`
 //! simulates hits of the paper's rig by finite differences, 9 to 32 N, with laws of six families in
 //! turn (modified power laws with random knots, shoulders, bumps, exponential, hyperbolic, kinks),
 //! gives them the noise (40 dB) and the gain errors (5 %) of sensors, identifies a free law about a
-//! power law, with damping and gains unknown, by the modal engine, and counts.
+//! power law, with damping and gains unknown, by the modal engine, and counts. Every twin from FIRST to
+//! before END is appended to the file TABLE as soon as it is finished; those that are in it already are
+//! not run again. The measured hits of a twin are kept beside the table (`twin-N-HITS.json`) and read from
+//! there, so that another prior is tried on the same hits. SMOOTHNESS is that of the slope in the prior,
+//! `differentiable` or `continuous`; both when left out.
+//!
+//! `... -- count TABLE...` prints the counts of tables without running a twin.
 //!
 //! `... -- width TWINS [HITS]` identifies the paper's modified law from each twin twice, free and with
 //! its own knots, and compares the widths of the bands.
@@ -20,11 +26,16 @@ mod laws;
 #[path = "../tests/support/twin.rs"]
 mod twin;
 
+use std::collections::BTreeMap;
+use std::fs::OpenOptions;
+use std::path::Path;
 use std::time::Instant;
 
+use asperity_identify::problem::SlopeSmoothness;
 use asperity_identify::{Identification, StiffnessOrigin, identify};
 use asperity_law::{ContactLaw, ModifiedPower, Tabulated};
 use asperity_scenario::Document;
+use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use twin::{FINE_CELL, Noise, Sensors, Truth};
 
@@ -112,72 +123,198 @@ fn main() {
     let number = |place: usize, default: usize| {
         arguments.get(place).map_or(default, |word| word.parse().unwrap())
     };
-    if arguments.first().is_some_and(|word| word == "width") {
-        widths(number(1, 4), number(2, 12));
-    } else if arguments.first().is_some_and(|word| word == "residuals") {
-        residuals(number(1, 6), number(2, 12), number(3, 0));
-    } else {
-        coverage(number(0, 6), number(1, 24), number(2, 0));
+    match arguments.first().map(String::as_str) {
+        Some("width") => widths(number(1, 4), number(2, 12)),
+        Some("residuals") => residuals(number(1, 6), number(2, 12), number(3, 0)),
+        Some("count") => {
+            count(
+                &arguments[1..].iter().flat_map(|path| rows(Path::new(path))).collect::<Vec<_>>(),
+            );
+        }
+        Some(table) => {
+            let twins = number(1, 0)..number(2, 6);
+            let smoothness = arguments.get(4).map(String::as_str);
+            coverage(Path::new(table), twins, number(3, 12), smoothness);
+        }
+        None => println!("expected TABLE FIRST END [HITS [SMOOTHNESS]], count, width or residuals"),
     }
 }
 
-fn coverage(twins: usize, hits: usize, first: usize) {
-    const REACHED: [StiffnessOrigin; 2] = [StiffnessOrigin::Data, StiffnessOrigin::Smoothness];
-    let peaks = peaks(hits);
+/// The findings of a twin, a row of the table.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+struct TwinRow {
+    twin: usize,
+    hits: usize,
+    informed: usize,
+    informed_inside_95: usize,
+    informed_inside_50: usize,
+    /// Pressures that the data inform, or that the smoothness carries from them.
+    reached: usize,
+    reached_inside_95: usize,
+    reached_inside_50: usize,
+    /// Mean over the informed pressures of the band of 95 % in ln K.
+    mean_width: f64,
+    informed_from_kpa: Option<f64>,
+    informed_to_kpa: Option<f64>,
+    chi_square: f64,
+    degrees_of_freedom: usize,
+    noise_factor: f64,
+    combinations: usize,
+    roughness: f64,
+    length: f64,
+    /// Probability of a slope without a derivative.
+    continuous: f64,
+    effective_draws: f64,
+    draws: usize,
+    pareto_shape: Option<f64>,
+    r_hat: f64,
+    rounds: usize,
+    wall_s: f64,
+}
+
+impl TwinRow {
+    fn new(twin: usize, hits: usize, found: &Identification, truth: &dyn ContactLaw) -> Self {
+        const REACHED: [StiffnessOrigin; 2] = [StiffnessOrigin::Data, StiffnessOrigin::Smoothness];
+        let [informed, reached] =
+            [&REACHED[..1], &REACHED].map(|kinds| Count::of(found, truth, kinds));
+        let band = &found.law;
+        let own = (0..band.pressure.len()).filter(|&i| band.informed[i]);
+        let width: f64 = own.map(|i| (band.upper[i] / band.lower[i]).ln()).sum();
+        let range = band.informed_range();
+        let diagnostics = &found.posterior.diagnostics;
+        let free = found.free_law.as_ref().unwrap();
+        let rough = free.smoothness.iter().find(|one| one.kind == SlopeSmoothness::Continuous);
+        Self {
+            twin,
+            hits,
+            informed: informed.pressures,
+            informed_inside_95: informed.wide,
+            informed_inside_50: informed.half,
+            reached: reached.pressures,
+            reached_inside_95: reached.wide,
+            reached_inside_50: reached.half,
+            mean_width: width / informed.pressures as f64,
+            informed_from_kpa: range.map(|range| 1e-3 * range[0]),
+            informed_to_kpa: range.map(|range| 1e-3 * range[1]),
+            chi_square: found.goodness.chi_square,
+            degrees_of_freedom: found.goodness.degrees_of_freedom,
+            noise_factor: found.noise_factor,
+            combinations: free.informed_combinations,
+            roughness: free.roughness[1],
+            length: free.length[1],
+            continuous: rough.map_or(0.0, |one| one.probability),
+            effective_draws: diagnostics.effective_draws,
+            draws: found.posterior.draws.len(),
+            pareto_shape: diagnostics.pareto_shape,
+            r_hat: diagnostics.r_hat.iter().copied().fold(1.0, f64::max),
+            rounds: diagnostics.rounds,
+            wall_s: found.wall_s,
+        }
+    }
+
+    fn family(&self) -> &'static str {
+        laws::FAMILIES[self.twin % laws::FAMILIES.len()]
+    }
+
+    fn informed(&self) -> Count {
+        Count {
+            pressures: self.informed,
+            wide: self.informed_inside_95,
+            half: self.informed_inside_50,
+        }
+    }
+
+    fn reached(&self) -> Count {
+        Count {
+            pressures: self.reached,
+            wide: self.reached_inside_95,
+            half: self.reached_inside_50,
+        }
+    }
+}
+
+/// The rows of a table; none where there is no file.
+fn rows(table: &Path) -> Vec<TwinRow> {
+    let Ok(mut reader) = csv::Reader::from_path(table) else { return Vec::new() };
+    reader.deserialize().collect::<Result<_, _>>().unwrap()
+}
+
+/// Appends a row to a table.
+fn append(table: &Path, row: &TwinRow) {
+    let is_new = !table.exists();
+    let file = OpenOptions::new().create(true).append(true).open(table).unwrap();
+    let mut writer = csv::WriterBuilder::new().has_headers(is_new).from_writer(file);
+    writer.serialize(row).unwrap();
+    writer.flush().unwrap();
+}
+
+fn coverage(table: &Path, twins: std::ops::Range<usize>, hits: usize, smoothness: Option<&str>) {
     let more = about_a_power_law();
-    let mut families = vec![[Count::default(); 2]; laws::FAMILIES.len()];
-    for number in first..twins {
+    let mut unknowns = unknowns("free_law");
+    if let Some(smoothness) = smoothness {
+        unknowns[0]["smoothness"] = json!([smoothness]);
+    }
+    let known: Vec<usize> = rows(table).iter().map(|row| row.twin).collect();
+    for number in twins.filter(|number| !known.contains(number)) {
+        let family = laws::FAMILIES[number % laws::FAMILIES.len()];
         let mut noise = Noise::new(100 + number as u64);
-        let place = number % laws::FAMILIES.len();
-        let points = laws::law(laws::FAMILIES[place], &mut noise);
+        let points = laws::law(family, &mut noise);
         let truth = Tabulated::new(&points).unwrap();
         let written = laws::written(&points).to_string();
         let sensors = sensors(number, &mut noise);
-        let changes =
-            [("/output_rate_hz", "50000"), ("/laws/modified", written.as_str()), FINE_CELL];
-        let twin = Truth::new(SCENARIO, &peaks, &changes);
-        let problem = twin.problem(&twin.measured(&sensors), &unknowns("free_law"), &more);
         let started = Instant::now();
-        let found = match identify(&problem) {
-            Ok(found) => found,
-            Err(error) => {
-                println!("{number:>3} {:>14}: failed: {error}", laws::FAMILIES[place]);
-                continue;
-            }
+        let kept = table.with_file_name(format!("twin-{number}-{hits}.json"));
+        let twin = |peaks: &[f64]| {
+            let changes =
+                [("/output_rate_hz", "50000"), ("/laws/modified", written.as_str()), FINE_CELL];
+            Truth::new(SCENARIO, peaks, &changes)
         };
-        let counts = [&REACHED[..1], &REACHED].map(|kinds| Count::of(&found, &truth, kinds));
-        let diagnostics = &found.posterior.diagnostics;
-        let free = found.free_law.as_ref().unwrap();
-        println!(
-            "{number:>3} {:>14}: informed {}, reached {}; {:?} kPa; chi2 {:.0}/{} p {:.2}; {} combinations, roughness {:.2}, length {:.2}; {:.0} of {} draws, pareto {:.2}, R-hat {:.3}, {} rounds; {:.0} s",
-            laws::FAMILIES[place],
-            counts[0].words(),
-            counts[1].words(),
-            found.law.informed_range().map(|range| range.map(|p| (1e-3 * p).round())),
-            found.goodness.chi_square,
-            found.goodness.degrees_of_freedom,
-            found.goodness.p_value.unwrap_or(f64::NAN),
-            free.informed_combinations,
-            free.roughness[1],
-            free.length[1],
-            diagnostics.effective_draws,
-            found.posterior.draws.len(),
-            diagnostics.pareto_shape.unwrap_or(f64::NAN),
-            diagnostics.r_hat.iter().copied().fold(1.0, f64::max),
-            diagnostics.rounds,
-            started.elapsed().as_secs_f64(),
-        );
-        families[place].iter_mut().zip(counts).for_each(|(sum, own)| sum.add(own));
+        let measured: Vec<Value> = match std::fs::read(&kept) {
+            Ok(text) => serde_json::from_slice(&text).unwrap(),
+            Err(_) => twin(&peaks(hits)).measured(&sensors),
+        };
+        std::fs::write(&kept, serde_json::to_vec(&measured).unwrap()).unwrap();
+        let problem = twin(&[]).problem(&measured, &unknowns, &more);
+        let simulated_s = started.elapsed().as_secs_f64();
+        match identify(&problem) {
+            Ok(found) => {
+                let row = TwinRow::new(number, hits, &found, &truth);
+                println!(
+                    "{number:>3} {family:>14}: informed {}, width {:.3}, chi2 {:.0}/{}, {:.0} of {} draws; {simulated_s:.0} + {:.0} s",
+                    row.informed().words(),
+                    row.mean_width,
+                    row.chi_square,
+                    row.degrees_of_freedom,
+                    row.effective_draws,
+                    row.draws,
+                    row.wall_s,
+                );
+                append(table, &row);
+            }
+            Err(error) => println!("{number:>3} {family:>14}: failed: {error}"),
+        }
     }
+    count(&rows(table));
+}
+
+/// Prints the counts of the families.
+fn count(rows: &[TwinRow]) {
     println!(
-        "family: informed pressures, inside 95 %, inside 50 %; the same of all reached pressures"
+        "family: twins, informed pressures, inside 95 %, inside 50 %; the same of all reached pressures"
     );
-    let mut all = [Count::default(); 2];
-    for (family, counts) in laws::FAMILIES.iter().zip(&families) {
-        println!("{family:>14}: {}; {}", counts[0].words(), counts[1].words());
-        all.iter_mut().zip(counts).for_each(|(sum, own)| sum.add(*own));
+    let mut families: BTreeMap<&str, Vec<&TwinRow>> = BTreeMap::new();
+    for row in rows {
+        families.entry(row.family()).or_default().push(row);
     }
-    println!("{:>14}: {}; {}", "all", all[0].words(), all[1].words());
+    let all = ("all", rows.iter().collect());
+    for (family, own) in families.into_iter().chain([all]) {
+        let mut sums = [Count::default(); 2];
+        for row in &own {
+            sums[0].add(row.informed());
+            sums[1].add(row.reached());
+        }
+        println!("{family:>14}: {:>3}, {}; {}", own.len(), sums[0].words(), sums[1].words());
+    }
 }
 
 /// Widths of the band of the paper's modified law, free over with its own knots.

@@ -6,6 +6,7 @@ use serde::Serialize;
 use crate::build::CONSTANT;
 use crate::identification::Identification;
 use crate::law_band::{LawBand, StiffnessOrigin};
+use crate::problem::SlopeSmoothness;
 use crate::starts::{about_starts, starts_at_best};
 use asperity_scenario::four_digits;
 
@@ -173,8 +174,9 @@ impl Identification {
     fn about_form(&self) -> String {
         let name = &self.law.name;
         let Some(free) = self.free_law.as_ref().filter(|free| free.law == *name) else {
+            let knots = self.assumed_knots();
             return format!(
-                "The band of law \"{name}\" is conditional on the form of the law: it does not contain the error of a form that the true law does not have. A free_law assumes none."
+                "The band of law \"{name}\" is conditional on the form of the law{knots}: it does not contain the error of a form that the true law does not have. A free_law assumes none."
             );
         };
         let finest = free.pressures_pa.iter().zip(&free.resolution_ln_p);
@@ -195,12 +197,29 @@ impl Identification {
         } else {
             ""
         };
+        let rough = free.smoothness.iter().find(|one| one.kind == SlopeSmoothness::Continuous);
+        let rough = rough.filter(|_| free.smoothness.len() > 1).map(|one| {
+            format!(" (a slope without a derivative, as of a law with kinks, has a probability of {:.2})", one.probability)
+        });
         format!(
-            "The form of law \"{name}\" is free: only smoothness was assumed, with a roughness of {} to {} that the data chose; where the data say nothing, the law tends to that of the scenario.{}{few}",
+            "The form of law \"{name}\" is free: only smoothness was assumed, with a roughness of {} to {} that the data chose{}; where the data say nothing, the law tends to that of the scenario.{}{few}",
             four_digits(free.roughness[0]),
             four_digits(free.roughness[2]),
+            rough.unwrap_or_default(),
             resolved.unwrap_or_default()
         )
+    }
+
+    /// The knots of a monotone law in words, which the problem assumes; empty without any.
+    fn assumed_knots(&self) -> String {
+        let own = self.stiffnesses.iter().filter(|one| one.law == self.law.name);
+        let knots: Vec<String> = own.map(|one| four_digits(1e-6 * one.pressure_pa)).collect();
+        match knots.len() {
+            0 => String::new(),
+            count => {
+                format!(" and on its {count} knots, at {} MPa, which are assumed", knots.join(", "))
+            }
+        }
     }
 
     /// True if hits have a fundamental, and fewer than half as many a second harmonic.

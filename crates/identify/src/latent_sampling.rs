@@ -7,8 +7,9 @@ use asperity_inference::{
 use serde::Serialize;
 
 use crate::error::IdentificationError;
-use crate::free_law::FreeLaw;
+use crate::free_law::{FreeLaw, PriorComponent};
 use crate::identification_problem::IdentificationProblem;
+use crate::problem::SlopeSmoothness;
 use crate::scenario_model::ScenarioModel;
 
 /// Dropped and kept steps of every walker of a posterior with latents.
@@ -26,6 +27,8 @@ pub struct FreeLawFindings {
     pub roughness: [f64; 3],
     /// Length in ln p over which the slope changes, in the same way.
     pub length: [f64; 3],
+    /// Posterior probabilities of the kinds of smoothness of the slope.
+    pub smoothness: Vec<SmoothnessProbability>,
     /// Number of combinations of the latents that the data inform: a precision above 0.03 of that of
     /// the prior.
     pub informed_combinations: usize,
@@ -44,6 +47,15 @@ pub struct FreeLawFindings {
     /// distance of the pressures of the table; up to four times the range of the table where the
     /// estimate is made of what the data tell of other pressures.
     pub resolution_ln_p: Vec<f64>,
+}
+
+/// Posterior probability of a kind of smoothness of the slope.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct SmoothnessProbability {
+    /// The kind.
+    pub kind: SlopeSmoothness,
+    /// Its posterior probability.
+    pub probability: f64,
 }
 
 impl FreeLawFindings {
@@ -102,17 +114,30 @@ pub(super) fn posterior_of(
         let pairs: Vec<(f64, f64)> = pairs.collect();
         [tail, 0.5, 1.0 - tail].map(|probability| quantile(pairs.clone(), probability))
     };
-    let latents = &best.point[*first..first + law.count()];
+    let latents = &found.linearised_at[*first..first + law.count()];
     let findings = FreeLawFindings {
         law: law.name.clone(),
         pressures_pa: law.pressures.clone(),
         roughness: of(&|k| grid[k].roughness),
         length: of(&|k| grid[k].length),
+        smoothness: smoothness_probabilities(&grid, &shares),
         informed_combinations: found.active,
         information: found.information.clone(),
         resolution_ln_p: resolution(law, latents, &found),
     };
     Ok((found.posterior, Some(findings)))
+}
+
+fn smoothness_probabilities(grid: &[PriorComponent], shares: &[f64]) -> Vec<SmoothnessProbability> {
+    let mut found: Vec<SmoothnessProbability> = Vec::new();
+    for (component, share) in grid.iter().zip(shares) {
+        match found.iter_mut().find(|one| one.kind == component.smoothness) {
+            Some(one) => one.probability += share,
+            None => found
+                .push(SmoothnessProbability { kind: component.smoothness, probability: *share }),
+        }
+    }
+    found
 }
 
 /// The least value whose cumulative share is at least `probability`.

@@ -77,7 +77,7 @@ pub use hit_numerics::HitNumerics;
 pub use identification::{Identification, identify, identify_with_progress};
 pub use identification_problem::IdentificationProblem;
 pub use incomplete::IncompleteIdentification;
-pub use latent_sampling::FreeLawFindings;
+pub use latent_sampling::{FreeLawFindings, SmoothnessProbability};
 pub use law_band::{
     ComparedForm, INFORMED_SHARE, LawBand, RESOLVED, StiffnessEstimate, StiffnessOrigin,
 };

@@ -19,7 +19,9 @@ use asperity_scenario::schema_of;
 pub use data::{
     AnalysisRef, DataSpec, HitConditionsSpec, HitSpec, Measured, SpreadSpec, Uncertain,
 };
-pub use parameter::{ChannelSpec, LogNormalSpec, ParameterSpec, PriorSpec, ScaleSpec};
+pub use parameter::{
+    ChannelSpec, LogNormalSpec, ParameterSpec, PriorSpec, ScaleSpec, SlopeSmoothness,
+};
 
 /// JSON Pointers into the scenario, and the values that are put there.
 pub type Changes = Map<String, Value>;

@@ -329,8 +329,12 @@ impl ScenarioModel {
             return Ok(Vec::new());
         }
         let laws = self.laws(point)?;
-        let at = |(law, pressure): &(String, f64)| stiffness(&laws, law, *pressure);
-        self.stiffness.iter().map(at).collect()
+        let mut all = Vec::with_capacity(self.stiffness.len());
+        for of_law in self.stiffness.chunk_by(|one, next| one.0 == next.0) {
+            let pressures: Vec<f64> = of_law.iter().map(|(_, pressure)| *pressure).collect();
+            all.extend(stiffness_curve(&laws, &of_law[0].0, &pressures)?);
+        }
+        Ok(all)
     }
 
     /// The stiffness \[Pa/m\] of `law` at some `pressures` \[Pa\], with the parameters at `point`.
@@ -341,7 +345,7 @@ impl ScenarioModel {
         point: &[f64],
     ) -> Result<Vec<f64>, StudyError> {
         let laws = self.laws(point)?;
-        pressures.iter().map(|&pressure| stiffness(&laws, law, pressure)).collect()
+        stiffness_curve(&laws, law, pressures)
     }
 
     /// The laws at `point`.
@@ -366,11 +370,20 @@ const MAX_POINTS: usize = 16;
 /// Least pressure \[Pa\] that laws which never separate are built for.
 const LEAST_PRESSURE: f64 = 1.0;
 
-/// Stiffness \[Pa/m\] of a law at a pressure \[Pa\].
-pub(super) fn stiffness(laws: &Laws, name: &str, pressure: f64) -> Result<f64, StudyError> {
+/// Stiffness \[Pa/m\] of a law at some pressures \[Pa\]. The law is built once: its static pressure is the
+/// origin of closures alone.
+pub(super) fn stiffness_curve(
+    laws: &Laws,
+    name: &str,
+    pressures: &[f64],
+) -> Result<Vec<f64>, StudyError> {
     let reference = LawRef::Named(name.to_owned());
-    let law = build_law(&reference, laws, pressure.max(LEAST_PRESSURE)).map_err(|source| {
-        StudyError::Law { law: name.to_owned(), interface: None, pressure_pa: pressure, source }
+    let highest = pressures.iter().copied().fold(LEAST_PRESSURE, f64::max);
+    let law = build_law(&reference, laws, highest).map_err(|source| StudyError::Law {
+        law: name.to_owned(),
+        interface: None,
+        pressure_pa: highest,
+        source,
     })?;
-    Ok(law.stiffness(pressure))
+    Ok(pressures.iter().map(|&pressure| law.stiffness(pressure)).collect())
 }

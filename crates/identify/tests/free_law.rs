@@ -7,6 +7,7 @@ mod laws;
 #[path = "support/twin.rs"]
 mod twin;
 
+use asperity_identify::problem::SlopeSmoothness;
 use asperity_identify::{
     Identification, IdentificationError, LawBand, PressureDependence, RESOLVED, StiffnessOrigin,
     identify,
@@ -155,19 +156,31 @@ fn the_smoothest_free_law_is_a_power_law() {
     }
 }
 
+/// A free law with `more` keys from quasi-static stiffnesses of `truth` with this uncertainty, as many as
+/// asked, evenly spaced in ln p.
+fn from_stiffnesses(
+    truth: &dyn ContactLaw,
+    count: i32,
+    relative: f64,
+    more: &Value,
+) -> Identification {
+    let ratio = (2.7e5_f64 / 2e4).powf(1.0 / f64::from(count - 1));
+    let at = (0..count).map(|i| 2e4 * ratio.powi(i));
+    let points: Vec<[f64; 2]> = at.map(|p| [p, truth.stiffness(p)]).collect();
+    let twin = Truth::new(SCENARIO, &[], &[]);
+    let problem = json!({"scenario": scenario(), "pressures_pa": [2e4, 2.7e5], "draws": 400, "data": [
+        {"kind": "stiffness", "law": "modified", "points": points, "spread": {"relative": relative}}]});
+    let mut law = json!({"kind": "free_law", "law": "modified", "pressures_pa": [1.5e4, 3e5]});
+    law.as_object_mut().unwrap().extend(more.as_object().unwrap().clone());
+    identify(&twin.problem(&[], &json!([law]), &problem)).unwrap()
+}
+
 /// A law that is concave from a pressure on, by its parameters: its secants fall there, and the band of a
 /// true law that is concave holds.
 #[test]
 fn a_concave_free_law_has_falling_secants() {
     let truth = Exponential::new(4e-7, 2e4).unwrap();
-    let at = [2e4, 3e4, 5e4, 8e4, 1.2e5, 1.8e5, 2.7e5];
-    let points: Vec<[f64; 2]> = at.iter().map(|&p| [p, truth.stiffness(p)]).collect();
-    let twin = Truth::new(SCENARIO, &[], &[]);
-    let problem = json!({"scenario": scenario(), "pressures_pa": [2e4, 2.7e5], "data": [
-        {"kind": "stiffness", "law": "modified", "points": points, "spread": {"relative": 0.03}}]});
-    let unknowns = json!([{"kind": "free_law", "law": "modified", "pressures_pa": [1.5e4, 3e5],
-        "concave_above_pa": 6e4}]);
-    let found = identify(&twin.problem(&[], &unknowns, &problem)).unwrap();
+    let found = from_stiffnesses(&truth, 7, 0.03, &json!({"concave_above_pa": 6e4}));
     let law = found.law_json().unwrap();
     let points: Vec<(f64, f64)> = serde_json::from_value(law["points"].clone()).unwrap();
     let secants = points.windows(2).map(|pair| (pair[1].1 - pair[0].1) / (pair[1].0 - pair[0].0));
@@ -179,6 +192,34 @@ fn a_concave_free_law_has_falling_secants() {
         .filter(|&i| (band.lower[i]..=band.upper[i]).contains(&truth.stiffness(band.pressure[i])));
     let (inside, all) = (inside.count(), band.pressure.len());
     assert!(10 * inside >= 9 * all, "{inside} of {all}");
+}
+
+/// The data choose the smoothness: a slope without a derivative is probable for a law with a kink, and
+/// improbable for a power law. In the linearised model the probabilities are 0.99 and 0.006. The answer
+/// depends on the seed, not on the number of threads.
+#[test]
+fn data_choose_the_smoothness_of_the_slope() {
+    let found = |slope: f64| {
+        let pressures = (0..80).map(|i| 1e4 * 1.06_f64.powi(i));
+        let stiffness = |p: f64| 1e12 * (p / 8e4_f64).powf(if p < 8e4 { slope } else { 0.35 });
+        let points: Vec<(f64, f64)> = pressures.map(|p| (p, stiffness(p))).collect();
+        from_stiffnesses(&Tabulated::new(&points).unwrap(), 25, 0.003, &json!({}))
+    };
+    let probability = |found: &Identification| {
+        let [one, other] = found.free_law.as_ref().unwrap().smoothness[..] else {
+            panic!("there are two kinds")
+        };
+        assert_eq!(one.kind, SlopeSmoothness::Differentiable);
+        assert!((one.probability + other.probability - 1.0).abs() < 1e-9);
+        other.probability
+    };
+    let kinked = found(2.5);
+    let smooth = probability(&found(0.35));
+    assert!(probability(&kinked) > 0.8 && smooth < 0.2, "{} {smooth}", probability(&kinked));
+    let serial = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    let alone = serial.install(|| found(2.5));
+    assert_eq!(kinked.posterior, alone.posterior);
+    assert_eq!((kinked.law, kinked.free_law), (alone.law, alone.free_law));
 }
 
 #[test]

@@ -100,6 +100,9 @@ fn the_modal_engine_identifies_the_law_of_a_finite_difference_run() {
             found.fit.converged,
             found.posterior.diagnostics
         );
+        let words = found.conclusions().join("\n");
+        let knots = "the form of the law and on its 4 knots, at 0, 0.025, 0.078, 0.14 MPa, which";
+        assert!(words.contains(knots), "{words}");
         assert_eq!(found.hits.len(), PEAKS.len());
         assert!(
             found.hits.iter().all(|hit| hit.estimated_error.unwrap() < 1e-2),

@@ -151,6 +151,23 @@ impl<'m> Fit<'m> {
         latents.filter(|(parameter, _)| parameter.is_latent()).map(|(_, z)| z * z).sum()
     }
 
+    /// The fit at another point; `None` where the model has no predictions.
+    pub(crate) fn moved(&self, point: Vec<f64>) -> Option<Self> {
+        let x = self.problem.to_working(&point);
+        let predictions = self.problem.predict(std::slice::from_ref(&x)).pop()?.ok()?;
+        let residuals = self.problem.residuals(&predictions);
+        let solution = FitSolution {
+            cost: self.problem.cost(&residuals, &x),
+            weights: residuals.iter().map(|&r| self.problem.loss.weight(r)).collect(),
+            missing: (0..predictions.len()).filter(|&i| predictions[i].is_none()).collect(),
+            point,
+            predictions,
+            residuals,
+            ..self.solution.clone()
+        };
+        Some(Self { problem: self.problem.clone(), progress: self.progress, solution })
+    }
+
     /// Working coordinates of the optimum.
     pub(crate) fn optimum(&self) -> Vec<f64> {
         self.problem.to_working(&self.point)

@@ -20,11 +20,40 @@ use crate::linear_algebra::{upper_root, upper_solve, upper_times};
 /// assert!((covariance[0][1] - 2.0 * (-1.0_f64).exp()).abs() < 1e-15);
 /// ```
 pub fn matern_three_halves(places: &[f64], length: f64) -> Vec<Vec<f64>> {
-    let entry = |x: &f64, other: &f64| {
-        let a = 3.0_f64.sqrt() * (x - other).abs() / length;
+    stationary(places, |distance| {
+        let a = 3.0_f64.sqrt() * distance / length;
         (1.0 + a) * (-a).exp()
-    };
-    places.iter().map(|x| places.iter().map(|other| entry(x, other)).collect()).collect()
+    })
+}
+
+/// Covariance matrix of a Gaussian process of unit variance at some `places`,
+///
+/// ```text
+/// k(x, x') = exp(-|x - x'| / length),
+/// ```
+///
+/// whose functions are continuous without a derivative (Matérn, smoothness 1/2; the process of Ornstein
+/// and Uhlenbeck). A function that jumps to an independent value at random places, one a `length` on
+/// average, has the same covariance. `places` and `length` have the same unit; the length is positive. In
+/// the limit of a long length all values are equal.
+///
+/// Source: C. E. Rasmussen, C. K. I. Williams, *Gaussian Processes for Machine Learning*, 2006, eqs. 4.17
+/// and B.29.
+///
+/// ```
+/// let covariance = asperity_inference::matern_one_half(&[0.0, 1.0, 3.0], 1.0);
+/// assert_eq!(covariance[0][0], 1.0);
+/// // Markov: the correlation over two intervals is the product of the correlations over each.
+/// assert!((covariance[0][2] - covariance[0][1] * covariance[1][2]).abs() < 1e-15);
+/// ```
+pub fn matern_one_half(places: &[f64], length: f64) -> Vec<Vec<f64>> {
+    stationary(places, |distance| (-distance / length).exp())
+}
+
+/// The covariance matrix of a covariance that depends on the distance alone.
+fn stationary(places: &[f64], covariance: impl Fn(f64) -> f64) -> Vec<Vec<f64>> {
+    let row = |x: &f64| places.iter().map(|other| covariance((x - other).abs())).collect();
+    places.iter().map(row).collect()
 }
 
 /// Latents `z` of the values `f = U z` of a random function with the covariance `C = U U^T`: standard

@@ -31,6 +31,9 @@ pub struct LatentPosterior {
     /// Resolution matrix of the latents in the linearised model: the mean of the posterior is this times
     /// the true latents, without noise. Source: A. Tarantola, *Inverse Problem Theory*, 2005, section 3.3.
     pub resolution: Vec<Vec<f64>>,
+    /// Values of all parameters where the model was linearised for resolution and combinations: the optimum
+    /// under the pooled prior of the components.
+    pub linearised_at: Vec<f64>,
 }
 
 impl LatentPosterior {
@@ -49,7 +52,9 @@ impl Fit<'_> {
     /// of the standard normal prior of the latents.
     ///
     /// The linearised model at the optimum gives the evidence of each component of the prior, the pooled
-    /// covariance of the latents, and the combinations of latents that the data inform. Those are
+    /// covariance of the latents, and the combinations of latents that the data inform. The model is then
+    /// linearised twice more, at the optimum under that pooled prior, which may be far from that under
+    /// the standard normal one. The combinations found there are
     /// sampled with all other parameters on a response surface, under the exact marginal density of the
     /// mixture; the component and the uninformed combinations of each draw follow from their exact
     /// conditional distribution, by random numbers that depend on the seed and the draw's index alone.
@@ -74,13 +79,24 @@ impl Fit<'_> {
         check_size("columns of the Jacobian", columns, parameters.len())?;
         let latents = parameters.iter().filter(|parameter| parameter.is_latent()).count();
         check_size("latents of the prior", prior.count(), latents)?;
-        let linear = LinearModel::new(self, linearisation, noise_factor, prior);
-        let weights = linear.component_weights(prior)?;
-        let subspace = LatentSubspace::new(prior, &linear.of_latents, &weights)?;
+        let mut at = (self.clone(), linearisation.clone());
+        for _ in 0..RELINEARISATIONS {
+            let parts = LinearParts::new(&at, noise_factor, prior)?;
+            let model = SubspaceModel::new(self.problem.model(), &parts.subspace);
+            let problem = self.subspace_problem(&model, noise_factor)?;
+            let values = problem.values_at(&whitening(&at, &model, &problem, noise_factor)?.centre);
+            let (others, informed) = values.split_at(model.others());
+            let point = model.point(others, &parts.subspace.latents(informed, &[]));
+            // Without predictions there, or a peak, those before are near enough for draws with weights.
+            let moved = self.moved(point).filter(|fit| fit.missing == self.missing);
+            let Some(fit) = moved else { break };
+            let Ok(linearisation) = fit.linearise() else { break };
+            at = (fit, linearisation);
+        }
+        let LinearParts { linear, weights, subspace } = LinearParts::new(&at, noise_factor, prior)?;
         let model = SubspaceModel::new(self.problem.model(), &subspace);
-        let problem = FitProblem::new(&model, self.problem.loss, self.problem.missing_residual)?
-            .with_noise_factor(noise_factor);
-        let whitening = whitening(self, &model, &problem, linearisation, noise_factor)?;
+        let problem = self.subspace_problem(&model, noise_factor)?;
+        let whitening = whitening(&at, &model, &problem, noise_factor)?;
         let target = LatentTarget { model: &model, whole: &self.problem, seed: options.seed };
         let mut posterior =
             by_surrogate(&problem, &target, whitening, &[], options, self.progress)?;
@@ -95,8 +111,43 @@ impl Fit<'_> {
             components,
             active: subspace.active,
             resolution: linear.resolution(&prior.pooled(&weights))?,
+            linearised_at: at.0.point.clone(),
             information: subspace.information,
         })
+    }
+
+    /// The problem of the informed combinations and the other parameters.
+    fn subspace_problem<'a>(
+        &self,
+        model: &'a SubspaceModel<'a>,
+        noise_factor: f64,
+    ) -> Result<FitProblem<'a>, InferenceError> {
+        let problem = FitProblem::new(model, self.problem.loss, self.problem.missing_residual)?;
+        Ok(problem.with_noise_factor(noise_factor))
+    }
+}
+
+/// Linearisations after that at the optimum of the fit, whose prior is not the mixture's.
+const RELINEARISATIONS: usize = 2;
+
+/// The linearised model at a point, the probabilities of the prior's components in it, and the combinations
+/// of latents that the data inform.
+struct LinearParts {
+    linear: LinearModel,
+    weights: Vec<f64>,
+    subspace: LatentSubspace,
+}
+
+impl LinearParts {
+    fn new(
+        (fit, linearisation): &(Fit<'_>, Linearisation),
+        noise_factor: f64,
+        prior: &LatentPrior,
+    ) -> Result<Self, InferenceError> {
+        let linear = LinearModel::new(fit, linearisation, noise_factor, prior);
+        let weights = linear.component_weights(prior)?;
+        let subspace = LatentSubspace::new(prior, &linear.of_latents, &weights)?;
+        Ok(Self { linear, weights, subspace })
     }
 }
 
@@ -193,10 +244,9 @@ impl LinearModel {
 
 /// The normal approximation in the subspace, about its own optimum under the pooled prior.
 fn whitening(
-    fit: &Fit<'_>,
+    (fit, linearisation): &(Fit<'_>, Linearisation),
     model: &SubspaceModel<'_>,
     problem: &FitProblem<'_>,
-    linearisation: &Linearisation,
     noise_factor: f64,
 ) -> Result<Whitening, InferenceError> {
     let subspace_row = |row: &Vec<f64>| -> Vec<f64> {

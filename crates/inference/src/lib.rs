@@ -93,7 +93,7 @@ pub use fit::{
     Fit, FitSolution, Optimum, StartOutcome, fit, fit_with_progress, refit_with_progress,
 };
 pub use fit_options::FitOptions;
-pub use gaussian_process::{LatentBasis, matern_three_halves};
+pub use gaussian_process::{LatentBasis, matern_one_half, matern_three_halves};
 pub use goodness::{Agreement, GoodnessOfFit};
 pub use identifiability::{Identifiability, UNDETERMINED_SHARE, Undetermined};
 pub use latent_posterior::LatentPosterior;

@@ -1,7 +1,7 @@
 //! Parameters of a problem file.
 
 use schemars::JsonSchema;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 /// One parameter to identify, or several of one law.
 #[derive(Debug, Clone, PartialEq, Deserialize, JsonSchema)]
@@ -65,6 +65,11 @@ pub enum ParameterSpec {
         /// Length in ln p over which the slope changes.
         #[serde(default = "default_length")]
         length: LogNormalSpec,
+        /// Smoothness of the slope: the kinds among which the data choose, each
+        /// with the same probability before them.
+        #[serde(default = "default_smoothness")]
+        #[schemars(length(min = 1, max = 2), extend("uniqueItems" = true))]
+        smoothness: Vec<SlopeSmoothness>,
         /// True if the exponent d ln K / d ln p is between 0 and 1 at all
         /// pressures; otherwise it is positive.
         #[serde(default)]
@@ -87,6 +92,19 @@ pub enum ParameterSpec {
         /// Its prior.
         prior: Option<PriorSpec>,
     },
+}
+
+/// Smoothness of the slope d ln K / d ln p of a free law.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum SlopeSmoothness {
+    /// The slope has a derivative (Matérn covariance of smoothness 3/2): laws
+    /// without kinks.
+    Differentiable,
+    /// The slope is continuous without a derivative (Matérn covariance of
+    /// smoothness 1/2, that of slopes with jumps at random pressures): laws with
+    /// kinks or steep shoulders.
+    Continuous,
 }
 
 /// A positive number whose logarithm has a normal distribution.
@@ -153,6 +171,10 @@ fn default_roughness() -> LogNormalSpec {
 
 fn default_length() -> LogNormalSpec {
     LogNormalSpec { median: 1.0, log_deviation: 0.5 }
+}
+
+fn default_smoothness() -> Vec<SlopeSmoothness> {
+    vec![SlopeSmoothness::Differentiable, SlopeSmoothness::Continuous]
 }
 
 fn default_gains() -> [f64; 2] {

@@ -2,7 +2,7 @@
 
 use asperity_inference::{
     Agreement, FitOptions, FunctionModel, LatentPosterior, LatentPrior, Observation, Parameter,
-    PosteriorOptions, fit, matern_three_halves, prior_draws,
+    PosteriorOptions, fit, matern_one_half, matern_three_halves, prior_draws,
 };
 use nalgebra::{DMatrix, DVector};
 
@@ -12,13 +12,21 @@ const LATENTS: usize = 12;
 const DATA: usize = 7;
 const NOISE: f64 = 0.3;
 
-/// Standard deviation and length of each component, with its weight.
-const COMPONENTS: [(f64, f64, f64); 3] = [(0.5, 4.0, 1.0), (1.0, 1.5, 2.0), (2.0, 0.5, 1.0)];
+/// Covariance of places, by a length.
+type Covariance = fn(&[f64], f64) -> Vec<Vec<f64>>;
+
+/// Covariance, standard deviation and length of each component, with its weight.
+const COMPONENTS: [(Covariance, f64, f64, f64); 4] = [
+    (matern_three_halves, 0.5, 4.0, 1.0),
+    (matern_three_halves, 1.0, 1.5, 2.0),
+    (matern_three_halves, 2.0, 0.5, 1.0),
+    (matern_one_half, 1.0, 2.0, 2.0),
+];
 
 fn prior(first: usize) -> LatentPrior {
     let places: Vec<f64> = (0..LATENTS).map(|i| 0.4 * i as f64).collect();
-    let component = |(deviation, length, weight): (f64, f64, f64)| {
-        let mut covariance = matern_three_halves(&places, length);
+    let component = |(of, deviation, length, weight): (Covariance, f64, f64, f64)| {
+        let mut covariance = of(&places, length);
         covariance.iter_mut().flatten().for_each(|entry| *entry *= deviation * deviation);
         (weight, covariance)
     };
