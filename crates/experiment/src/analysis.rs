@@ -1,6 +1,6 @@
 //! Result of an analysis, and its tables: `hits.csv`, `frf.csv` and `backbone.csv`.
 
-use asperity_signal::{BackbonePoint, ResponseKind};
+use asperity_signal::{BackbonePoint, BackboneUncertainty, ResponseKind};
 use asperity_table::{CsvWriter, columns_to_csv};
 
 use crate::average::AveragedFrf;
@@ -44,6 +44,8 @@ pub struct HitBackbone {
     pub force_peak_n: f64,
     /// Points in the order of time; amplitudes are displacements \[m\].
     pub points: Vec<BackbonePoint>,
+    /// Their standard deviations due to noise.
+    pub uncertainties: Vec<BackboneUncertainty>,
 }
 
 impl Analysis {
@@ -162,6 +164,9 @@ impl ResponseAnalysis {
         let column = |value: fn(&BackbonePoint) -> f64| -> Vec<f64> {
             rows().map(|(_, point)| value(point)).collect()
         };
+        let noise = |value: fn(&BackboneUncertainty) -> f64| -> Vec<f64> {
+            self.backbones.iter().flat_map(|of| of.uncertainties.iter().map(value)).collect()
+        };
         columns_to_csv([
             ("index", &rows().map(|(of, _)| of.index as f64).collect::<Vec<_>>()),
             ("force_peak_n", &rows().map(|(of, _)| of.force_peak_n).collect::<Vec<_>>()),
@@ -170,6 +175,9 @@ impl ResponseAnalysis {
             ("frequency_hz", &column(|point| point.frequency_hz)),
             ("decay_rate_per_s", &column(|point| point.decay_rate)),
             ("damping_ratio", &column(|point| point.damping_ratio)),
+            ("relative_amplitude_uncertainty", &noise(|sigma| sigma.relative_amplitude)),
+            ("frequency_uncertainty_hz", &noise(|sigma| sigma.frequency_hz)),
+            ("damping_ratio_uncertainty", &noise(|sigma| sigma.damping_ratio)),
         ])
     }
 }

@@ -1,0 +1,145 @@
+//! Kinds of loss of the paper's rig, as twins have them and as a problem compares them.
+
+use asperity_identify::IdentificationProblem;
+use asperity_scenario::{Document, set_value};
+use serde_json::{Value, json};
+use tempfile::TempDir;
+
+use crate::twin::{Noise, Sensors, Truth, data};
+
+const SCENARIO: &str = "../../fixtures/scenarios/nouira2020-modified.json";
+
+/// The kinds.
+pub const KINDS: [&str; 3] = ["bodies", "contacts", "friction"];
+
+/// Damping ratio of the bodies beside another loss.
+const BESIDE: f64 = 0.004;
+
+/// Stuck stiffness of the guide \[N/m\].
+const STUCK: f64 = 2e8;
+
+/// Changes of the scenario that give it a loss of a kind, and the pointers to its number.
+fn changes(kind: &str, size: f64) -> (Vec<(&'static str, Value)>, Vec<&'static str>) {
+    let beside = ("/damping/ratio", json!(BESIDE));
+    let contacts = json!({"kind": "kelvin_voigt", "time_s": 3e-6 * size});
+    let friction = json!({"stiffness_n_per_m": STUCK, "coefficient": 0.003 * size});
+    match kind {
+        "bodies" => (vec![("/damping/ratio", json!(0.012 * size))], vec!["/damping/ratio"]),
+        "contacts" => (
+            vec![
+                beside,
+                ("/interfaces/0/damping", contacts.clone()),
+                ("/interfaces/1/damping", contacts),
+            ],
+            vec!["/interfaces/0/damping/time_s", "/interfaces/1/damping/time_s"],
+        ),
+        _ => (
+            vec![beside, ("/bodies/0/friction", friction)],
+            vec!["/bodies/0/friction/coefficient"],
+        ),
+    }
+}
+
+/// Hits of 9, 20 and 32 N on a rig with the loss of a kind, of a random size.
+pub fn truth(kind: &str, seed: u64) -> (Truth, f64) {
+    let size = (0.2 * Noise::new(seed + 1000).normal()).exp();
+    let written: Vec<(&str, String)> =
+        changes(kind, size).0.iter().map(|(pointer, value)| (*pointer, value.to_string())).collect();
+    let mut all = vec![("/output_rate_hz", "50000"), ("/duration_s", "0.1")];
+    all.extend(written.iter().map(|(pointer, value)| (*pointer, value.as_str())));
+    (Truth::new(SCENARIO, &[9.0, 20.0, 32.0], &all), size)
+}
+
+/// What a problem observes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Observed {
+    /// Frequency and damping over amplitude along the decays.
+    Backbones,
+    /// Frequency, receptance and harmonic ratio of the hits.
+    Features,
+    /// Both.
+    All,
+}
+
+/// A problem in a folder with its data.
+pub struct Measured {
+    pub problem: IdentificationProblem,
+    _folder: TempDir,
+}
+
+impl Measured {
+    /// Hits of a rig as measured with 40 dB of noise, for a scenario with the loss of the kind `own`, with
+    /// other `keys` of a problem.
+    fn new(truth: &Truth, observed: Observed, seed: u64, own: &str, keys: &Value) -> Self {
+        let sensors =
+            Sensors { signal_to_noise_db: 40.0, force_gain: 1.0, response_gain: 1.0, seed };
+        let (hits, table) = truth.measured_with_backbones(&sensors);
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("backbone.csv"), table).unwrap();
+        let mut all = if observed == Observed::Backbones { json!([]) } else { data(&hits) };
+        if observed != Observed::Features {
+            all.as_array_mut().unwrap().extend(hits.iter().enumerate().map(|(number, hit)| {
+                json!({
+                    "kind": "backbone", "file": "backbone.csv", "index": number + 1,
+                    "hit": {"force_peak_n": hit["force_peak_n"]},
+                    // Difference of the engines.
+                    "spread": {"relative": 5e-5}, "damping_spread": {"relative": 3e-3},
+                })
+            }));
+        }
+        let mut rig = truth.scenario.clone();
+        rig["bodies"][0].as_object_mut().unwrap().remove("friction");
+        for interface in rig["interfaces"].as_array_mut().unwrap() {
+            interface.as_object_mut().unwrap().remove("damping");
+        }
+        for (pointer, value) in changes(own, 1.0).0 {
+            set_value(&mut rig, pointer, &value.to_string()).unwrap();
+        }
+        let mut problem = json!({
+            "schema": "asperity/identify/1",
+            "scenario": rig,
+            "data": all,
+            "draws": 100,
+            "starts": 1,
+        });
+        for (key, value) in keys.as_object().into_iter().flatten() {
+            problem[key] = value.clone();
+        }
+        let path = folder.path().join("problem.json");
+        let document = Document::parse(&problem.to_string(), &path).unwrap();
+        Self { problem: IdentificationProblem::of(document).unwrap(), _folder: folder }
+    }
+}
+
+fn unknown(kind: &str) -> Value {
+    let (_, pointers) = changes(kind, 1.0);
+    let bounds = match kind {
+        "bodies" => [1e-3, 0.1],
+        "contacts" => [1e-8, 1e-4],
+        _ => [1e-5, 0.1],
+    };
+    json!({"kind": "scalar", "pointer": pointers[0], "also": pointers[1..], "bounds": bounds})
+}
+
+fn set(kind: &str) -> Value {
+    let all = changes(kind, 1.0).0.into_iter();
+    let all: serde_json::Map<String, Value> =
+        all.map(|(pointer, value)| (pointer.to_owned(), value)).collect();
+    all.into()
+}
+
+/// Damped bodies, compared with the other kinds.
+pub fn comparison(truth: &Truth, observed: Observed, seed: u64) -> Measured {
+    let candidate = |kind: &str| json!({"name": kind, "set": set(kind), "unknowns": [unknown(kind)]});
+    let keys = json!({
+        "unknowns": [unknown("bodies")],
+        "compare": [candidate("contacts"), candidate("friction")],
+    });
+    Measured::new(truth, observed, seed, "bodies", &keys)
+}
+
+/// The coefficient of friction and the damping ratio of the bodies as unknowns.
+pub fn friction(truth: &Truth, observed: Observed, seed: u64) -> Measured {
+    let keys = json!({"unknowns": [unknown("friction"), unknown("bodies")]});
+    Measured::new(truth, observed, seed, "friction", &keys)
+}
