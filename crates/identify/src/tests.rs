@@ -1,10 +1,7 @@
 //! The forward model: exact derivatives, data of every kind, invalid problems.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-mod backbones;
-
 use asperity_dynamics::{STENCIL, central_difference};
-use std::path::Path;
 use std::sync::Arc;
 
 use asperity_inference::{ForwardModel, Stage};
@@ -46,24 +43,14 @@ fn scenario() -> Value {
 }
 
 fn problem(parameters: &Value, data: &Value) -> IdentificationProblem {
-    let name = concat!(env!("CARGO_MANIFEST_DIR"), "/problem.json");
-    problem_of(&scenario(), parameters, data, Path::new(name))
-}
-
-/// The problem of a scenario, as if read from a file.
-fn problem_of(
-    scenario: &Value,
-    parameters: &Value,
-    data: &Value,
-    path: &Path,
-) -> IdentificationProblem {
     let problem = json!({
         "schema": "asperity/identify/1",
-        "scenario": scenario,
+        "scenario": scenario(),
         "unknowns": parameters,
         "data": data,
     });
-    IdentificationProblem::of(Document::parse(&problem.to_string(), path).unwrap()).unwrap()
+    let name = concat!(env!("CARGO_MANIFEST_DIR"), "/problem.json");
+    IdentificationProblem::of(Document::parse(&problem.to_string(), name).unwrap()).unwrap()
 }
 
 /// Data of every kind that needs no file, two preloads among them.

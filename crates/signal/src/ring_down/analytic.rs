@@ -35,7 +35,8 @@ pub fn analytic_signal(
 ) -> Result<Vec<Complex64>> {
     // A gain cut at zero frequency would have a slowly decaying impulse response. Both signs of
     // frequency pass, the even part of the gain to the signal, the odd part to its quadrature.
-    let gain = |frequency: f64| band.map_or(f64::from(frequency > 0.0), |band| band.gain(frequency));
+    let above = |frequency: f64| if frequency.is_sign_positive() { 1.0 } else { 0.0 };
+    let gain = |frequency: f64| band.map_or(above(frequency), |band| band.gain(frequency));
     filtered(samples, sample_rate_hz, band, gain)
 }
 

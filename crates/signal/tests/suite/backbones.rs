@@ -99,28 +99,29 @@ fn a_duffing_decay_follows_its_backbone() {
 }
 
 /// Verified against the displacement of the same decay: frequency and damping from accelerations and
-/// velocities, at equal amplitudes, of a softening oscillator whose frequency rises by 6 % along the
-/// decay. Without integration the damping ratio is several per cent too low where it rises fastest.
+/// velocities, at equal amplitudes, of a softening oscillator whose frequency rises by more than 1 %
+/// along the decay. Without integration the damping ratio is several per cent too low where it rises fastest.
 #[test]
 fn samples_of_every_kind_have_the_backbone_of_the_displacement() {
-    let (natural, damping, amplitude) = (200.0, 0.01, 1e-3);
+    let (natural, damping, amplitude) = (200.0, 0.004, 1e-3);
     let omega = TAU * natural;
-    let cubic = -0.08 * 8.0 / 3.0 * (omega / amplitude).powi(2);
+    let cubic = -0.04 * 8.0 / 3.0 * (omega / amplitude).powi(2);
     let restoring =
         move |u: f64, v: f64| omega * omega * u + cubic * u.powi(3) + 2.0 * damping * omega * v;
     let kick = move |t: f64| if t < 1e-4 { amplitude * omega / 1e-4 } else { 0.0 };
     let (u, a) = integrated(1.0, restoring, kick, RATE, 16_000, 5);
     // Central differences of sixth order.
     let weights = [-1.0, 9.0, -45.0, 0.0, 45.0, -9.0, 1.0].map(|weight| weight / 60.0 * RATE);
-    let slope = |around: &[f64]| around.iter().zip(weights).map(|(x, w)| x * w).sum();
+    let slope = |around: &[f64]| around.iter().zip(weights).map(|(x, w)| x * w).sum::<f64>();
     let v: Vec<f64> = u[..15_990].windows(7).map(slope).collect();
     let curve = |samples: &[f64], derivatives: i32| {
         let band = BandPass::around(natural, 0.3).unwrap();
-        let options = BackboneOptions { derivatives, ..BackboneOptions::new(band) };
+        let edge_level = 1e-6;
+        let options = BackboneOptions { derivatives, edge_level, ..BackboneOptions::new(band) };
         backbone(samples, RATE, &options).unwrap().points
     };
     let expected = curve(&u[20..], 0);
-    assert!(expected[0].frequency_hz < 0.97 * natural, "{:?}", expected[0]);
+    assert!(expected[0].frequency_hz < 0.988 * natural, "{:?}", expected[0]);
     // Linear between the points about an amplitude, in its logarithm.
     let at = |amplitude: f64, value: fn(&BackbonePoint) -> f64| {
         let pair = expected.windows(2).find(|pair| pair[1].amplitude <= amplitude)?;
