@@ -123,7 +123,8 @@ const ROUNDING: f64 = 1e-11;
 ///
 /// `z` is that of the displacement. The amplitude of an acceleration is `A (2 pi f)^2`, which falls by
 /// `2 f' / f` more slowly where the frequency rises along the decay; samples of a velocity or an
-/// acceleration ([`BackboneOptions::derivatives`]) are therefore integrated inside the band.
+/// acceleration ([`BackboneOptions::derivatives`]) are therefore integrated inside the band. The change
+/// of the band's gain along the decay is taken out likewise.
 ///
 /// The filter responds to the steps at the ends of the record: to one of
 /// size `x` with `(4/pi) x exp(-2 pi^2 edge t)`. Points
@@ -232,5 +233,24 @@ pub(crate) fn backbone_and_signal(
             found.points.push(BackbonePoint::of_line(&line, time_s, &filter));
         }
     }
+    take_out_gain(&mut found.points, &band);
     Ok((found, signal))
+}
+
+/// Points on either side, half of a line, over which the change of the gain is taken.
+const BESIDE: usize = 2;
+
+/// Takes the change of the gain of the band along the decay out of the decay rates: the filtered
+/// amplitude is `A G(f)`, and falls faster than A where f moves away from the centre.
+fn take_out_gain(points: &mut [BackbonePoint], band: &BandPass) {
+    let gains: Vec<(f64, f64)> =
+        points.iter().map(|point| (point.time_s, band.gain(point.frequency_hz).ln())).collect();
+    for (n, point) in points.iter_mut().enumerate() {
+        let (from, to) = (gains[n.saturating_sub(BESIDE)], gains[(n + BESIDE).min(gains.len() - 1)]);
+        if to.0 > from.0 {
+            point.decay_rate += (to.1 - from.1) / (to.0 - from.0);
+            let omega = std::f64::consts::TAU * point.frequency_hz;
+            point.damping_ratio = point.decay_rate / point.decay_rate.hypot(omega);
+        }
+    }
 }

@@ -110,7 +110,7 @@ impl Measured {
                     "kind": "backbone", "file": "backbone.csv", "index": number + 1,
                     "hit": {"force_peak_n": hit["force_peak_n"]},
                     // Difference of the engines.
-                    "spread": {"relative": 5e-5}, "damping_spread": {"relative": 3e-3},
+                    "spread": {"relative": 5e-5}, "damping_spread": {"relative": 1e-3},
                 })
             }));
         }

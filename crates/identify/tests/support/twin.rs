@@ -86,7 +86,7 @@ impl Truth {
         );
         options.windows.force_s = Some((2e-3, 1e-3));
         options.windows.until_noise = true;
-        let one = |(number, (_, force, response)): (usize, &(f64, Vec<f64>, Vec<f64>))| {
+        let one = |(place, (_, force, response)): (usize, &(f64, Vec<f64>, Vec<f64>))| {
             let mut shown = |signal: &[f64], gain: f64| -> Vec<f64> {
                 let power = signal.iter().map(|x| x * x).sum::<f64>() / signal.len() as f64;
                 let deviation = power.sqrt() * 10.0_f64.powf(-sensors.signal_to_noise_db / 20.0);
@@ -120,7 +120,7 @@ impl Truth {
                     sigma.damping_ratio,
                 ];
                 let row = row.map(|value| format!("{value:e}")).join(",");
-                table += &format!("{},{row}\n", number + 1);
+                table += &format!("{},{row}\n", place + 1);
             }
             let first = features.harmonics.fundamental.unwrap();
             let sigma = features.fundamental_uncertainty.unwrap();
