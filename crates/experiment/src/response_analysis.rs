@@ -187,7 +187,8 @@ impl<'a> ResponseAccumulator<'a> {
             self.curves.kept.push(curve);
         }
         self.modes.push(HitModes::of(hit.features.as_ref()));
-        let decay = hit.features.and_then(|of| Some((of.backbone?.points, of.backbone_uncertainty)));
+        let decay =
+            hit.features.and_then(|of| Some((of.backbone?.points, of.backbone_uncertainty)));
         if let Some((mut points, uncertainties)) = decay.filter(|(points, _)| !points.is_empty()) {
             for point in &mut points {
                 let omega = std::f64::consts::TAU * point.frequency_hz;

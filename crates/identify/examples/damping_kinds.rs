@@ -32,10 +32,13 @@ fn main() {
     let mut arguments: Vec<String> = std::env::args().skip(1).collect();
     let is_paper = arguments.first().is_some_and(|word| word == "paper");
     let losses: Losses = if is_paper { PAPER } else { LIGHT };
-    let mut words = arguments.drain(usize::from(is_paper)..).map(|word| word.parse::<u64>().unwrap());
+    let mut words =
+        arguments.drain(usize::from(is_paper)..).map(|word| word.parse::<u64>().unwrap());
     let repetitions = words.next().unwrap_or(2);
     let first = words.next().unwrap_or(0);
-    println!("| loss | data | right, others rejected | right, undecided | another leads, undecided | right one rejected |");
+    println!(
+        "| loss | data | right, others rejected | right, undecided | another leads, undecided | right one rejected |"
+    );
     println!("|---|---|---|---|---|---|");
     for kind in KINDS {
         let truths: Vec<_> =

@@ -61,7 +61,8 @@ impl BackboneOptions {
             return Err(SignalError::Option { quantity: "the cycles of a line", value, expected });
         }
         if !(0..=2).contains(&self.derivatives) {
-            let (quantity, value) = ("the derivatives of the displacement", self.derivatives.into());
+            let (quantity, value) =
+                ("the derivatives of the displacement", self.derivatives.into());
             return Err(SignalError::Option { quantity, value, expected: "0, 1 or 2" });
         }
         let named =
@@ -246,7 +247,8 @@ fn take_out_gain(points: &mut [BackbonePoint], band: &BandPass) {
     let gains: Vec<(f64, f64)> =
         points.iter().map(|point| (point.time_s, band.gain(point.frequency_hz).ln())).collect();
     for (n, point) in points.iter_mut().enumerate() {
-        let (from, to) = (gains[n.saturating_sub(BESIDE)], gains[(n + BESIDE).min(gains.len() - 1)]);
+        let (from, to) =
+            (gains[n.saturating_sub(BESIDE)], gains[(n + BESIDE).min(gains.len() - 1)]);
         if to.0 > from.0 {
             point.decay_rate += (to.1 - from.1) / (to.0 - from.0);
             let omega = std::f64::consts::TAU * point.frequency_hz;

@@ -6,8 +6,8 @@ use crate::support::{
     AREA, Law, constant, difference, modified, power, pulse, rig, run_at, single_body, slope,
 };
 use asperity_dynamics::{
-    Batch, Decimation, Excitation, FiniteDifference, HitSimulation, InstructionSet,
-    Modal, ModalModel, Sampling, Transient,
+    Batch, Decimation, Excitation, FiniteDifference, HitSimulation, InstructionSet, Modal,
+    ModalModel, Sampling, Transient,
 };
 use asperity_law::{Constant, Friction};
 use asperity_mesh::{Body, ComponentModes, Interface, NormalMode, ResidualFlexibility, Stack};

@@ -164,10 +164,7 @@ impl Case {
             bar = bar.with_friction(share.unwrap());
         }
         let stack = Stack::new(
-            vec![
-                bar,
-                Body::new("sample", 0.015, AREA, 71e9, 2710.0).unwrap(),
-            ],
+            vec![bar, Body::new("sample", 0.015, AREA, 71e9, 2710.0).unwrap()],
             contacts.to_vec(),
             Support::SpringMass { stiffness: self.support, mass: 3.0, damping_ratio: 0.05 },
             self.gravity,

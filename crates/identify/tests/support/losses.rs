@@ -36,14 +36,20 @@ pub const PAPER: Losses =
 
 impl Losses {
     /// Changes of the scenario that give it a loss of a kind, and the pointers to its number.
-    pub fn changes(&self, kind: &str, size: f64) -> (Vec<(&'static str, Value)>, Vec<&'static str>) {
+    pub fn changes(
+        &self,
+        kind: &str,
+        size: f64,
+    ) -> (Vec<(&'static str, Value)>, Vec<&'static str>) {
         let beside = ("/damping/ratio", json!(self.beside));
         let contacts = json!({"kind": "kelvin_voigt", "time_s": self.time_s * size});
         let friction = json!({
             "stiffness_n_per_m": self.stuck, "coefficient": self.coefficient * size,
         });
         match kind {
-            "bodies" => (vec![("/damping/ratio", json!(self.ratio * size))], vec!["/damping/ratio"]),
+            "bodies" => {
+                (vec![("/damping/ratio", json!(self.ratio * size))], vec!["/damping/ratio"])
+            }
             "contacts" => (
                 vec![
                     beside,

@@ -38,7 +38,8 @@ impl DisplacementFilter {
             terms[k] = -terms[k - 1] * (f64::from(derivatives) + k as f64 - 1.0) / k as f64;
         }
         let mut filter = Self { band, terms, raise: 1.0 };
-        let at_limits = [band.low_hz(), band.high_hz()].map(|limit| filter.integration(limit).abs());
+        let at_limits =
+            [band.low_hz(), band.high_hz()].map(|limit| filter.integration(limit).abs());
         filter.raise = at_limits.into_iter().fold(1.0, f64::max);
         filter
     }

@@ -125,8 +125,8 @@ fn samples_of_every_kind_have_the_backbone_of_the_displacement() {
     // Linear between the points about an amplitude, in its logarithm.
     let at = |amplitude: f64, value: fn(&BackbonePoint) -> f64| {
         let pair = expected.windows(2).find(|pair| pair[1].amplitude <= amplitude)?;
-        let share = (amplitude / pair[0].amplitude).ln()
-            / (pair[1].amplitude / pair[0].amplitude).ln();
+        let share =
+            (amplitude / pair[0].amplitude).ln() / (pair[1].amplitude / pair[0].amplitude).ln();
         (share >= 0.0).then(|| value(&pair[0]) + share * (value(&pair[1]) - value(&pair[0])))
     };
     let worst = |samples: &[f64], derivatives: i32, integrated: bool| {

@@ -102,7 +102,8 @@ impl FrictionDerivative {
     pub(super) fn of_row(models: [&ModalModel; 4], i: usize, step: f64) -> Option<Self> {
         let [a, b, c, d] = models.map(|model| Coefficients::of_row(model, i));
         let four = [a?.0, b?.0, c?.0, d?.0];
-        let slope = |of: fn(&Coefficients) -> f64| central_difference(four.each_ref().map(of), step);
+        let slope =
+            |of: fn(&Coefficients) -> f64| central_difference(four.each_ref().map(of), step);
         let coefficients = Coefficients {
             stiffness: slope(|one| one.stiffness),
             slip: slope(|one| one.slip),
