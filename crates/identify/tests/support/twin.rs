@@ -18,6 +18,10 @@ const BEFORE_S: f64 = 5e-3;
 #[allow(dead_code, reason = "used by the examples")]
 pub const FINE_CELL: (&str, &str) = ("/method/cell_m", "0.00025");
 
+/// Least amplitude of a backbone over its first: a rig with friction soon comes to rest, and a model with
+/// more of it has no prediction further down.
+const LEAST_AMPLITUDE: f64 = 0.1;
+
 /// Columns of a table of backbones.
 const BACKBONE_HEADER: &str = "index,amplitude_m,frequency_hz,damping_ratio,frequency_uncertainty_hz,damping_ratio_uncertainty\n";
 
@@ -110,7 +114,9 @@ impl Truth {
             let features = found.features.expect("a good hit");
             let number = |value: f64, deviation: f64| json!({"value": value, "standard_deviation": deviation});
             let backbone = features.backbone.as_ref().expect("a decay");
-            for (point, sigma) in backbone.points.iter().zip(&features.backbone_uncertainty) {
+            let least = LEAST_AMPLITUDE * backbone.points[0].amplitude;
+            let points = backbone.points.iter().zip(&features.backbone_uncertainty);
+            for (point, sigma) in points.take_while(|(point, _)| point.amplitude > least) {
                 let omega = std::f64::consts::TAU * point.frequency_hz;
                 let row = [
                     point.amplitude / omega.powi(2),
