@@ -94,12 +94,6 @@ pub enum DynamicsError {
     /// The structure has no rest, damping or modes.
     #[error(transparent)]
     Structure(#[from] StructureError),
-    /// Derivatives are not computed with friction.
-    #[error("there is friction at \"{element}\"; derivatives need a structure without friction")]
-    Friction {
-        /// Name of the contact or of the guided body.
-        element: String,
-    },
     /// A body has a loss factor, which is defined for harmonic vibration only.
     #[error(
         "body \"{body}\" has a loss factor, which only steady responses and linearised modes have; accepted in time: mass-proportional or Rayleigh damping"

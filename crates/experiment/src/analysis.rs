@@ -1,6 +1,6 @@
 //! Result of an analysis, and its tables: `hits.csv`, `frf.csv` and `backbone.csv`.
 
-use asperity_signal::{BackbonePoint, ResponseKind};
+use asperity_signal::{BackbonePoint, BackboneUncertainty, ResponseKind};
 use asperity_table::DataTable;
 
 use crate::average::AveragedFrf;
@@ -44,6 +44,8 @@ pub struct HitBackbone {
     pub force_peak_n: f64,
     /// Points in the order of time; amplitudes are displacements \[m\].
     pub points: Vec<BackbonePoint>,
+    /// Their standard deviations due to noise.
+    pub uncertainties: Vec<BackboneUncertainty>,
 }
 
 impl Analysis {
@@ -159,6 +161,9 @@ impl ResponseAnalysis {
     pub fn backbone_table(&self) -> DataTable {
         let rows = || self.backbones.iter().flat_map(|of| of.points.iter().map(move |p| (of, p)));
         let column = |value: fn(&BackbonePoint) -> f64| rows().map(move |(_, point)| value(point));
+        let noise = |value: fn(&BackboneUncertainty) -> f64| {
+            self.backbones.iter().flat_map(move |of| of.uncertainties.iter().map(value))
+        };
         DataTable::new()
             .counts("index", rows().map(|(of, _)| of.index))
             .numbers("force_peak_n", rows().map(|(of, _)| of.force_peak_n))
@@ -167,5 +172,8 @@ impl ResponseAnalysis {
             .numbers("frequency_hz", column(|point| point.frequency_hz))
             .numbers("decay_rate_per_s", column(|point| point.decay_rate))
             .numbers("damping_ratio", column(|point| point.damping_ratio))
+            .numbers("relative_amplitude_uncertainty", noise(|sigma| sigma.relative_amplitude))
+            .numbers("frequency_uncertainty_hz", noise(|sigma| sigma.frequency_hz))
+            .numbers("damping_ratio_uncertainty", noise(|sigma| sigma.damping_ratio))
     }
 }

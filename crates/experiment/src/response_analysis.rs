@@ -187,14 +187,15 @@ impl<'a> ResponseAccumulator<'a> {
             self.curves.kept.push(curve);
         }
         self.modes.push(HitModes::of(hit.features.as_ref()));
-        let backbone = hit.features.and_then(|features| features.backbone);
-        if let Some(mut backbone) = backbone.filter(|backbone| !backbone.points.is_empty()) {
-            for point in &mut backbone.points {
+        let decay =
+            hit.features.and_then(|of| Some((of.backbone?.points, of.backbone_uncertainty)));
+        if let Some((mut points, uncertainties)) = decay.filter(|(points, _)| !points.is_empty()) {
+            for point in &mut points {
                 let omega = std::f64::consts::TAU * point.frequency_hz;
                 point.amplitude /= omega.powi(self.response.derivatives());
             }
-            let points = backbone.points;
-            self.backbones.push(HitBackbone { index: report.index, force_peak_n, points });
+            let index = report.index;
+            self.backbones.push(HitBackbone { index, force_peak_n, points, uncertainties });
         }
         self.hits.push(report);
         Ok(())

@@ -62,18 +62,32 @@ pub(super) fn frf(
     Ok(inside.into_iter().step_by(every).collect())
 }
 
-/// Amplitudes \[m\], frequencies \[Hz\] and, where asked for, damping ratios of hit `index` of a
-/// `backbone.csv`.
+/// A point of a backbone, with the standard deviations due to noise where the file has them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct BackboneRow {
+    /// In m.
+    pub(super) amplitude: f64,
+    pub(super) frequency_hz: f64,
+    /// Equal to the frequency where damping was not asked for.
+    pub(super) damping_ratio: f64,
+    /// 0 where it is not known.
+    pub(super) frequency_deviation_hz: f64,
+    /// 0 where it is not known.
+    pub(super) ratio_deviation: f64,
+}
+
+/// Points of hit `index` of a `backbone.csv`, with damping ratios where asked for.
 pub(super) fn backbone(
     path: &Path,
     index: Option<usize>,
     with_damping: bool,
-) -> Result<Vec<[f64; 3]>, IdentificationError> {
+) -> Result<Vec<BackboneRow>, IdentificationError> {
     const EXPECTED: &str =
         "the columns index, amplitude_m, frequency_hz and, for damping, damping_ratio";
     let third = if with_damping { "damping_ratio" } else { "frequency_hz" };
     let columns = [&["index"][..], &["amplitude_m"], &["frequency_hz"], &[third]];
-    let rows = columns_of(path, &columns, EXPECTED)?;
+    let noise = ["frequency_uncertainty_hz", "damping_ratio_uncertainty"];
+    let rows: Vec<[f64; 6]> = table(path, &columns, &noise, EXPECTED)?;
     let wanted = match (index, rows.first()) {
         (Some(index), _) => index as f64,
         (None, Some(first)) if rows.iter().all(|row| row[0] == first[0]) => first[0],
@@ -82,11 +96,18 @@ pub(super) fn backbone(
             return Err(problem(path, text, "\"index\", the number of one of them"));
         }
     };
-    let points: Vec<[f64; 3]> = rows
+    let known = |deviation: f64| if deviation.is_nan() { 0.0 } else { deviation };
+    let points: Vec<BackboneRow> = rows
         .iter()
-        .filter(|row| row[0] == wanted && row.iter().all(|x| !x.is_nan()))
+        .filter(|row| row[0] == wanted && row[..4].iter().all(|x| !x.is_nan()))
         .step_by(EVERY)
-        .map(|row| [row[1], row[2], row[3]])
+        .map(|row| BackboneRow {
+            amplitude: row[1],
+            frequency_hz: row[2],
+            damping_ratio: row[3],
+            frequency_deviation_hz: known(row[4]),
+            ratio_deviation: known(row[5]),
+        })
         .collect();
     if points.is_empty() && rows.iter().any(|row| row[0] == wanted) {
         let text = format!("amplitude_m is empty for hit {wanted}");
@@ -109,17 +130,31 @@ pub(super) fn columns_of<const N: usize>(
     names: &[&[&str]; N],
     expected: &'static str,
 ) -> Result<Vec<[f64; N]>, IdentificationError> {
+    table(path, names, &[], expected)
+}
+
+/// The same with `others` behind, NaN where there is no such column.
+fn table<const N: usize>(
+    path: &Path,
+    names: &[&[&str]],
+    others: &[&str],
+    expected: &'static str,
+) -> Result<Vec<[f64; N]>, IdentificationError> {
     let text = read(path)?;
     let mut reader = csv::ReaderBuilder::new()
         .trim(csv::Trim::All)
         .from_reader(text.trim_start_matches('\u{feff}').as_bytes());
     let unreadable = |error: csv::Error| problem(path, error.to_string(), expected);
     let header = reader.headers().map_err(unreadable)?.clone();
-    let mut places = [0; N];
-    for (place, names) in places.iter_mut().zip(names) {
+    let mut places = [usize::MAX; N];
+    let (needed, optional) = places.split_at_mut(names.len());
+    for (place, names) in needed.iter_mut().zip(names) {
         let found = header.iter().position(|column| names.contains(&column));
         *place = found
             .ok_or_else(|| problem(path, format!("there is no column {}", names[0]), expected))?;
+    }
+    for (place, name) in optional.iter_mut().zip(others) {
+        *place = header.iter().position(|column| column == *name).unwrap_or(usize::MAX);
     }
     let valid = header.iter().position(|column| column == "valid");
     let mut rows = Vec::new();

@@ -52,7 +52,9 @@ pub(super) fn compare_laws(
     if built.is_empty() {
         return Ok(Compared::default());
     }
-    let own = if of_law {
+    let own = if let Some(name) = &problem.spec.name {
+        name.clone()
+    } else if of_law {
         format!("the problem's law \"{}\"", law.name)
     } else {
         "the problem's scenario".to_owned()

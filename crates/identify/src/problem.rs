@@ -58,7 +58,10 @@ pub struct ProblemSpec {
     #[serde(default = "default_level")]
     #[schemars(extend("exclusiveMinimum" = 0.0, "exclusiveMaximum" = 1.0))]
     pub level: f64,
-    /// Other laws to compare with.
+    /// Name of the problem's own model in the comparison.
+    #[schemars(length(min = 1))]
+    pub name: Option<String>,
+    /// Other laws, kinds of damping or other scenarios to compare with.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     #[schemars(length(max = 100))]
     pub compare: Vec<CandidateSpec>,
@@ -121,7 +124,7 @@ pub enum NoiseSpec {
     AtLeastGiven,
 }
 
-/// Another law to compare with.
+/// Another law, kind of damping or other change of the scenario to compare with.
 #[derive(Debug, Clone, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CandidateSpec {

@@ -151,7 +151,9 @@ impl FreeDecay {
         let within = (NOISE_BAND.0 * centre, (NOISE_BAND.1 * centre).min(0.5 * rate));
         let noise_density =
             options.noise_density.or_else(|| quiet_density(quiet, rate, within)).unwrap_or(0.0);
-        let mut settings = BackboneOptions { noise_density, ..BackboneOptions::new(band) };
+        let derivatives = options.derivatives;
+        let mut settings =
+            BackboneOptions { noise_density, derivatives, ..BackboneOptions::new(band) };
         let (first, _) = backbone_and_signal(samples, rate, &settings)?;
         settings.cycles = cycles_of_line(&first, centre);
         let (found, signal) = backbone_and_signal(samples, rate, &settings)?;
@@ -203,7 +205,7 @@ impl FreeDecay {
         let middle_s = 0.5 * (span.start() + span.end()) as f64 / rate;
         let length_s = (span.end() - span.start()) as f64 / rate;
         decay.mean = Polar::of(&signal).line(span, rate, band.centre_hz()).map(|line| {
-            let point = BackbonePoint::of_line(&line, middle_s, &band);
+            let point = BackbonePoint::of_line(&line, middle_s, &settings.filter());
             let uncertainty = point.uncertainty_over(length_s, &settings);
             DecayPoint { point, uncertainty, harmonics: [None; 2] }
         });

@@ -2,11 +2,13 @@
 
 mod analytic;
 mod band_pass;
+mod displacement_filter;
 mod line_noise;
 mod local;
 
 pub use analytic::analytic_signal;
 pub use band_pass::BandPass;
+pub(crate) use displacement_filter::DisplacementFilter;
 pub use line_noise::BackboneUncertainty;
 pub(crate) use local::{LocalFit, Polar};
 
@@ -30,12 +32,26 @@ pub struct BackboneOptions {
     pub noise_density: f64,
     /// Smallest envelope, over the root mean square of the envelope of the filtered noise.
     pub noise_factor: f64,
+    /// Derivatives of the displacement that the samples are: 0 to 2.
+    pub derivatives: i32,
 }
 
 impl BackboneOptions {
-    /// Four cycles, edge level 3e-4, no noise, noise factor 5.
+    /// Four cycles, edge level 3e-4, no noise, noise factor 5, samples of a displacement.
     pub fn new(band: BandPass) -> Self {
-        Self { band, cycles: 4.0, edge_level: 3e-4, noise_density: 0.0, noise_factor: 5.0 }
+        Self {
+            band,
+            cycles: 4.0,
+            edge_level: 3e-4,
+            noise_density: 0.0,
+            noise_factor: 5.0,
+            derivatives: 0,
+        }
+    }
+
+    /// The filter of the decay: the band, and the integration to a displacement.
+    pub(crate) fn filter(&self) -> DisplacementFilter {
+        DisplacementFilter::new(self.band, self.derivatives)
     }
 
     fn check(&self) -> Result<()> {
@@ -43,6 +59,11 @@ impl BackboneOptions {
         if !(self.cycles >= 1.0 && self.cycles.is_finite()) {
             let (value, expected) = (self.cycles, "at least 1 and finite");
             return Err(SignalError::Option { quantity: "the cycles of a line", value, expected });
+        }
+        if !(0..=2).contains(&self.derivatives) {
+            let (quantity, value) =
+                ("the derivatives of the displacement", self.derivatives.into());
+            return Err(SignalError::Option { quantity, value, expected: "0, 1 or 2" });
         }
         let named =
             [("the noise density", self.noise_density), ("the noise factor", self.noise_factor)];
@@ -63,9 +84,9 @@ pub struct BackbonePoint {
     pub time_s: f64,
     /// Amplitude of the oscillation, in the samples' unit.
     pub amplitude: f64,
-    /// Instantaneous frequency of the damped oscillation, in hertz.
+    /// Instantaneous frequency of the damped oscillation of the displacement, in hertz.
     pub frequency_hz: f64,
-    /// Decay rate `-d ln A / dt`, in 1/s.
+    /// Decay rate `-d ln A / dt` of the amplitude of the displacement, in 1/s.
     pub decay_rate: f64,
     /// Damping ratio `sigma / sqrt(sigma^2 + w_d^2)`.
     pub damping_ratio: f64,
@@ -84,8 +105,8 @@ pub struct Backbone {
     pub masked_outside: usize,
     /// The smallest amplitude accepted, in the samples' unit.
     pub floor: f64,
-    /// [`BandPass::settling_s`] of the edge level, in seconds: the longest effect of an end of the
-    /// record.
+    /// Time after which the response of the filter to a step is below the edge level, in seconds: the
+    /// longest effect of an end of the record.
     pub settling_s: f64,
 }
 
@@ -100,6 +121,11 @@ const ROUNDING: f64 = 1e-11;
 /// ```text
 /// f = phi' / 2 pi,   sigma = -(ln A)',   zeta = sigma / sqrt(sigma^2 + (2 pi f)^2)
 /// ```
+///
+/// `z` is that of the displacement. The amplitude of an acceleration is `A (2 pi f)^2`, which falls by
+/// `2 f' / f` more slowly where the frequency rises along the decay; samples of a velocity or an
+/// acceleration ([`BackboneOptions::derivatives`]) are therefore integrated inside the band. The change
+/// of the band's gain along the decay is taken out likewise.
 ///
 /// The filter responds to the steps at the ends of the record: to one of
 /// size `x` with `(4/pi) x exp(-2 pi^2 edge t)`. Points
@@ -145,11 +171,11 @@ pub(crate) fn half_line(sample_rate_hz: f64, options: &BackboneOptions) -> usize
 
 impl BackbonePoint {
     /// The point of a line through a filtered decay.
-    pub(crate) fn of_line(line: &LocalFit, time_s: f64, band: &BandPass) -> Self {
+    pub(crate) fn of_line(line: &LocalFit, time_s: f64, filter: &DisplacementFilter) -> Self {
         let omega = std::f64::consts::TAU * line.frequency_hz;
         Self {
             time_s,
-            amplitude: line.amplitude / band.gain(line.frequency_hz),
+            amplitude: line.amplitude / filter.gain(line.frequency_hz),
             frequency_hz: line.frequency_hz,
             decay_rate: line.decay_rate,
             damping_ratio: line.decay_rate / line.decay_rate.hypot(omega),
@@ -166,13 +192,13 @@ pub(crate) fn backbone_and_signal(
     check_samples("decay", decay)?;
     check_rate(sample_rate_hz)?;
     options.check()?;
-    let band = options.band;
-    let signal = analytic_signal(decay, sample_rate_hz, Some(&band))?;
+    let (band, filter) = (options.band, options.filter());
+    let signal = filter.analytic_signal(decay, sample_rate_hz)?;
     let polar = Polar::of(&signal);
 
     let centre_hz = band.centre_hz();
     let half = half_line(sample_rate_hz, options);
-    let noise = (2.0 * options.noise_density * band.noise_width_hz()).sqrt();
+    let noise = (2.0 * options.noise_density * filter.noise_width_hz()).sqrt();
     let floor = (options.noise_factor * noise).max(ROUNDING * largest_magnitude(decay));
     let mut found = Backbone {
         points: Vec::new(),
@@ -180,7 +206,7 @@ pub(crate) fn backbone_and_signal(
         masked_noise: 0,
         masked_outside: 0,
         floor,
-        settling_s: band.settling_s(options.edge_level),
+        settling_s: filter.settling_s(options.edge_level),
     };
     let cycle = ((sample_rate_hz / band.low_hz()) as usize).clamp(1, decay.len());
     let head = largest_magnitude(&decay[..cycle]);
@@ -195,9 +221,9 @@ pub(crate) fn backbone_and_signal(
             found.masked_outside += 1;
             continue;
         }
-        let amplitude = line.amplitude / band.gain(line.frequency_hz);
+        let amplitude = line.amplitude / filter.gain(line.frequency_hz);
         // The nearest sample of the line is affected most.
-        let ringing = |samples: usize| band.ringing(samples as f64 / sample_rate_hz);
+        let ringing = |samples: usize| filter.ringing(samples as f64 / sample_rate_hz);
         let edge = head * ringing(middle - half) + tail * ringing(decay.len() - 1 - middle - half);
         if edge > options.edge_level * amplitude {
             found.masked_edges += 1;
@@ -205,8 +231,28 @@ pub(crate) fn backbone_and_signal(
             found.masked_noise += 1;
         } else {
             let time_s = middle as f64 / sample_rate_hz;
-            found.points.push(BackbonePoint::of_line(&line, time_s, &band));
+            found.points.push(BackbonePoint::of_line(&line, time_s, &filter));
         }
     }
+    take_out_gain(&mut found.points, &band);
     Ok((found, signal))
+}
+
+/// Points on either side, half of a line, over which the change of the gain is taken.
+const BESIDE: usize = 2;
+
+/// Takes the change of the gain of the band along the decay out of the decay rates: the filtered
+/// amplitude is `A G(f)`, and falls faster than A where f moves away from the centre.
+fn take_out_gain(points: &mut [BackbonePoint], band: &BandPass) {
+    let gains: Vec<(f64, f64)> =
+        points.iter().map(|point| (point.time_s, band.gain(point.frequency_hz).ln())).collect();
+    for (n, point) in points.iter_mut().enumerate() {
+        let (from, to) =
+            (gains[n.saturating_sub(BESIDE)], gains[(n + BESIDE).min(gains.len() - 1)]);
+        if to.0 > from.0 {
+            point.decay_rate += (to.1 - from.1) / (to.0 - from.0);
+            let omega = std::f64::consts::TAU * point.frequency_hz;
+            point.damping_ratio = point.decay_rate / point.decay_rate.hypot(omega);
+        }
+    }
 }

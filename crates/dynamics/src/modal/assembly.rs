@@ -115,6 +115,11 @@ impl ModalModel {
         damped || self.structure.friction().is_some()
     }
 
+    /// The modes with a contact pair more for each guide.
+    pub(super) fn row_modes(&self) -> &ComponentModes {
+        &self.rows
+    }
+
     /// Number of rows: of contacts, and behind them of guides.
     pub(super) fn rows(&self) -> usize {
         self.rows.interfaces()

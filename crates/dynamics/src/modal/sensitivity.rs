@@ -13,9 +13,9 @@
 //! (I + B K) y' = y*' - B' p - B p_theta,    p' = K y' + p_theta,
 //! ```
 //!
-//! with K the tangents and `p_theta` the derivative of the laws at fixed closure. Of damped contacts
-//! the tractions take the place of the pressures, their impulses at earlier steps being carried along
-//! too. The steps are
+//! with K the tangents and `p_theta` the derivative of the laws at fixed closure. Of contacts with
+//! damping or friction, and of guides, the tractions take the place of the pressures; impulses and
+//! sliders at earlier steps are carried along too. The steps are
 //! taken once more for it, one hit and in scalars, with the exact laws and their equations
 //! solved to rounding, so that no table and no unfinished correction is differentiated.
 //!
@@ -27,10 +27,12 @@
 //! At loss of contact, and at a jump in the stiffness of a law, the map from one step to the next is
 //! smooth only piece by piece: the derivative is that of the piece that the hit is on, without
 //! the share of steps that would change sides. So an average of the stiffness of a law with a
-//! stiffness at zero pressure lacks the change of the time open.
+//! stiffness at zero pressure lacks the change of the time open. Between stick and slip the motion is
+//! continuous, and nothing is lacking.
 
 mod contact_equations;
 mod extreme;
+mod friction_element;
 mod law_derivative;
 mod linear_system;
 mod motion;
@@ -44,6 +46,7 @@ use crate::DynamicsError;
 use asperity_structure::PreloadedContact;
 use contact_equations::{Contacts, RateHistory};
 use extreme::Extreme;
+use friction_element::FrictionDerivative;
 use law_derivative::LawDerivative;
 use motion::Motion;
 use step_inputs::Inputs;
@@ -135,7 +138,6 @@ impl Batch {
     ///
     /// # Errors
     /// As [`Modal::integrate`](super::Modal::integrate) for the hit itself;
-    /// [`DynamicsError::Friction`] for friction;
     /// [`DynamicsError::Variation`] when a varied hit has not as many modes and interfaces, when
     /// its step is not positive and finite, or when the static pressure varies at an interface
     /// without stiffness at rest.
@@ -144,9 +146,6 @@ impl Batch {
         hit: &HitSimulation,
         variations: &[ParameterVariation],
     ) -> Result<Sensitivity, DynamicsError> {
-        if let Some(name) = hit.model.preloaded().friction() {
-            return Err(DynamicsError::Friction { element: name.to_owned() });
-        }
         let (prepared, outcome) = self.whole(hit)?;
         let parameters = variations
             .iter()
@@ -180,6 +179,8 @@ struct ParameterDerivative {
     traction: Vec<f64>,
     /// Of the viscous impulses at earlier steps.
     past: Vec<RateHistory>,
+    /// Of the friction elements.
+    friction: Vec<Option<FrictionDerivative>>,
     /// Of the stiffness at the newest step.
     stiffness: Vec<f64>,
     history: StepHistory,
@@ -204,6 +205,7 @@ impl ParameterDerivative {
             for (quantity, found, expected) in [
                 ("number of modes", hit.model.structure().modes().len(), modes),
                 ("number of interfaces", hit.model.contacts().len(), base.len()),
+                ("number of guides with friction", hit.model.rows(), prepared.model.rows()),
             ] {
                 if found != expected {
                     return refuse(quantity, found as f64, "that of the hit that is varied");
@@ -213,10 +215,11 @@ impl ParameterDerivative {
         }
         let model = &prepared.tabulated.step_model;
         let inputs = variation.hits.each_ref().map(|hit| {
-            let areas: Vec<f64> = hit.model.contacts().iter().map(PreloadedContact::area).collect();
-            let (structure, interpolations) = (hit.model.structure(), model.interpolations.clone());
+            let rows = hit.model.row_modes();
+            let areas: Vec<f64> = (0..hit.model.rows()).map(|i| hit.model.area(i)).collect();
+            let interpolations = model.interpolations.clone();
             let varied = StepModel::with_interpolations(
-                structure,
+                rows,
                 &areas,
                 hit.model.preloaded().damping_rate(),
                 model.step,
@@ -236,7 +239,11 @@ impl ParameterDerivative {
             laws.push(law);
         }
         let history = StepHistory::new(derivatives.force(prepared.steps), &derivatives.pressure);
-        let zero = || vec![0.0; base.len()];
+        let zero = || vec![0.0; prepared.model.rows()];
+        let models = variation.hits.each_ref().map(|hit| &*hit.model);
+        let friction = (0..prepared.model.rows())
+            .map(|i| FrictionDerivative::of_row(models, i, step))
+            .collect();
         let at_rest = base.iter().zip(&laws).map(|(contact, law)| {
             let pressure = contact.pressure();
             let slope = law.slope(pressure, law.pressure_derivative);
@@ -248,6 +255,7 @@ impl ParameterDerivative {
             pressure: zero(),
             traction: zero(),
             past: vec![RateHistory::default(); base.len()],
+            friction,
             stiffness: at_rest.collect(),
             derivatives,
             laws,
@@ -283,8 +291,8 @@ fn march(
     let contacts = prepared.model.contacts();
     let share = 1.0 / prepared.steps as f64;
     let mut motion = Motion::at_rest(inputs.modes.len());
-    let mut found = Contacts::at_rest(contacts.len(), prepared.tabulated.step_model.step);
-    let mut target = vec![0.0; contacts.len()];
+    let mut found = Contacts::at_rest(&prepared.model, prepared.tabulated.step_model.step);
+    let mut target = vec![0.0; prepared.model.rows()];
     let mut open = vec![false; contacts.len()];
     let at_rest = contacts.iter().map(|contact| {
         let stiffness = contact.law().stiffness(contact.pressure());
@@ -332,10 +340,12 @@ fn open_at(contact: &PreloadedContact, increment: f64) -> bool {
 }
 
 fn unstable(prepared: &PreparedHit, n: usize, found: &Contacts) -> DynamicsError {
-    let lost = found.pressure.iter().position(|p| !p.is_finite()).unwrap_or(0);
+    let contacts = prepared.model.contacts();
+    let named = contacts.iter().zip(&found.pressure);
+    let lost = named.clone().find(|(_, p)| !p.is_finite()).or_else(|| named.clone().next());
     DynamicsError::Unstable {
         time_s: (n + 1) as f64 * prepared.tabulated.step_model.step,
-        interface: prepared.model.contacts()[lost].name().to_owned(),
+        interface: lost.map_or_else(String::new, |(contact, _)| contact.name().to_owned()),
     }
 }
 
@@ -349,40 +359,56 @@ impl ParameterDerivative {
         open: &[bool],
         share: f64,
     ) {
-        let count = self.laws.len();
+        let (count, rows) = (self.laws.len(), self.closure.len());
         let mut answers =
             [law_derivative::LawDerivatives::default(); super::assembly::MOST_INTERFACES];
         for (i, (answer, law)) in answers.iter_mut().zip(&self.laws).enumerate() {
             *answer = law.at(found.pressure[i], found.tangent[i], open[i]);
         }
         let answers = &answers[..count];
-        // Of the tractions, at fixed closure.
-        let mut at_fixed_closure = [0.0; super::assembly::MOST_INTERFACES];
+        // Of the normal tractions and of friction, at fixed closure.
+        let mut normal = [0.0; super::assembly::MOST_INTERFACES];
         for (i, answer) in answers.iter().enumerate() {
-            at_fixed_closure[i] = if !self.laws[i].is_damped() {
+            normal[i] = if !self.laws[i].is_damped() {
                 answer.pressure
-            } else if found.traction_tangent[i] == 0.0 {
+            } else if found.normal_tangent[i] == 0.0 {
                 -self.laws[i].pressure_derivative
             } else {
                 answer.pressure + found.rate() * answer.impulse + self.past[i].share(found.step)
             };
         }
-        for i in 0..count {
-            for (j, moved) in at_fixed_closure[..count].iter().enumerate() {
+        let mut friction = [0.0; super::assembly::MOST_INTERFACES];
+        for (i, (own, base)) in self.friction.iter().zip(&found.friction).enumerate() {
+            if let (Some(own), Some(base)) = (own, base) {
+                let rest = self.laws[base.contact].pressure_derivative;
+                friction[i] = own.at_fixed_closure(base, found.closure[i], rest);
+            }
+        }
+        for i in 0..rows {
+            for (j, (normal, friction)) in normal.iter().zip(&friction).take(rows).enumerate() {
                 self.closure[i] -= self.derivatives.coupling[i][j] * found.traction[j]
-                    + inputs.coupling[i][j] * moved;
+                    + inputs.coupling[i][j] * (normal + friction);
             }
         }
         found.factors.solve(&mut self.closure);
         for (i, answer) in answers.iter().enumerate() {
             self.pressure[i] = found.tangent[i] * self.closure[i] + answer.pressure;
-            self.traction[i] = found.traction_tangent[i] * self.closure[i] + at_fixed_closure[i];
+            normal[i] += found.normal_tangent[i] * self.closure[i];
             self.past[i].push(found.coefficient[i] * self.closure[i] + answer.impulse);
             let derivative = self.laws[i].pressure_derivative + self.pressure[i];
             self.history.pressure[i].push(derivative);
             self.history.contacts[i].stiffness_average += share * self.stiffness[i];
             let slope = self.laws[i].slope(inputs.pressure[i] + found.pressure[i], derivative);
             self.stiffness[i] = if open[i] { 0.0 } else { slope + answer.stiffness };
+        }
+        for i in 0..rows {
+            let tangent = found.traction_tangent[i] - found.normal_tangent[i];
+            friction[i] += tangent * self.closure[i];
+            self.traction[i] = normal[i] + friction[i];
+            if let (Some(own), Some(base)) = (&mut self.friction[i], &found.friction[i]) {
+                let moved = (self.closure[i], friction[i], normal[base.contact]);
+                own.advance(base, found.closure[i], moved);
+            }
         }
         let drives = (&inputs.drive(n), &self.derivatives.drive(n));
         let tractions = (found.traction.as_slice(), self.traction.as_slice());

@@ -8,7 +8,7 @@ use asperity_dynamics::{
     Batch, Excitation, HitSimulation, ModalModel, ParameterVariation, RELATIVE_STEP, STENCIL,
     Sampling, Sensitivity, StepHistory, central_difference,
 };
-use asperity_law::{ContactDamping, ModifiedPower, Power};
+use asperity_law::{ContactDamping, Friction, ModifiedPower, Power};
 use asperity_mesh::{Body, BodyDamping, Interface, Stack, Support};
 use asperity_structure::{Damping, PreloadedStructure};
 
@@ -34,6 +34,12 @@ struct Case {
     damping_coefficient: f64,
     damping_exponent: f64,
     body_time: f64,
+    /// Of the guide of the bar and across the lower contact: stuck stiffness, and the coefficient of
+    /// the guide and the slip force of the contact; all or none.
+    guide_stiffness: f64,
+    guide_coefficient: f64,
+    contact_stiffness: f64,
+    slip_force: f64,
     step: f64,
 }
 
@@ -73,6 +79,10 @@ const CASE: Case = Case {
     damping_coefficient: 0.0,
     damping_exponent: 0.0,
     body_time: 0.0,
+    guide_stiffness: 0.0,
+    guide_coefficient: 0.0,
+    contact_stiffness: 0.0,
+    slip_force: 0.0,
     step: 1e-5,
 };
 
@@ -81,6 +91,15 @@ const DAMPED: Case = Case {
     damping_coefficient: 3e6,
     damping_exponent: 1.4,
     body_time: 2e-6,
+    ..CASE
+};
+
+/// Friction that sticks and slips, without and with viscous damping of the contacts.
+const FRICTION: Case = Case {
+    guide_stiffness: 4e7,
+    guide_coefficient: 0.02,
+    contact_stiffness: 3e7,
+    slip_force: 0.3,
     ..CASE
 };
 
@@ -93,6 +112,14 @@ fn parameters(case: &Case) -> Vec<(&'static str, Place)> {
             ("damping coefficient", |case| &mut case.damping_coefficient),
             ("damping exponent", |case| &mut case.damping_exponent),
             ("body time", |case| &mut case.body_time),
+        ]);
+    }
+    if case.guide_stiffness > 0.0 {
+        parameters.extend([
+            ("guide stiffness", (|case| &mut case.guide_stiffness) as Place),
+            ("guide coefficient", |case| &mut case.guide_coefficient),
+            ("contact stiffness", |case| &mut case.contact_stiffness),
+            ("slip force", |case| &mut case.slip_force),
         ]);
     }
     parameters
@@ -128,11 +155,16 @@ impl Case {
                 .try_into()
                 .unwrap();
         }
+        let mut bar = Body::with_mass("guide bar", self.length, self.mass, 71e9, 2710.0).unwrap();
+        if self.guide_stiffness > 0.0 {
+            let [upper, lower] = contacts;
+            let own = Friction::slip_force(self.contact_stiffness, self.slip_force).unwrap();
+            contacts = [upper, lower.with_friction(own)];
+            let share = Friction::coefficient(self.guide_stiffness, self.guide_coefficient);
+            bar = bar.with_friction(share.unwrap());
+        }
         let stack = Stack::new(
-            vec![
-                Body::with_mass("guide bar", self.length, self.mass, 71e9, 2710.0).unwrap(),
-                Body::new("sample", 0.015, AREA, 71e9, 2710.0).unwrap(),
-            ],
+            vec![bar, Body::new("sample", 0.015, AREA, 71e9, 2710.0).unwrap()],
             contacts.to_vec(),
             Support::SpringMass { stiffness: self.support, mass: 3.0, damping_ratio: 0.05 },
             self.gravity,
@@ -249,6 +281,17 @@ fn derivatives_of_damped_hits_are_those_of_whole_hits() {
     compare(&Case { modified: false, peak: 9.0, ..DAMPED }, 1e-5, 1e-7);
 }
 
+/// Friction in a guide, a share of a contact's force, and across a contact: every number of it too. The
+/// motion is continuous between stick and slip, its derivative is not: whole hits 1e-7 apart (rounding
+/// 1e-7) see a reversal in another step now and then.
+#[test]
+fn derivatives_with_friction_are_those_of_whole_hits() {
+    compare(&FRICTION, 1e-7, 1e-5);
+    compare(&Case { modified: false, peak: 9.0, ..FRICTION }, 1e-7, 1e-5);
+    let damped = Case { guide_stiffness: 4e7, guide_coefficient: 0.02, ..DAMPED };
+    compare(&Case { contact_stiffness: 3e7, slip_force: 0.3, ..damped }, 1e-7, 1e-5);
+}
+
 /// Contact lost and found again: the map is smooth only between such steps, so whole hits must be
 /// so near, 1e-7, that hardly any opens or closes; their rounding is then 1e-7, of the highest
 /// pressure 1e-6. A step next to loss, where stiffness rises without bound, leaves 1e-5 in the mean
@@ -265,7 +308,7 @@ fn derivatives_are_those_of_whole_hits_with_loss_of_contact() {
 /// unfinished corrections.
 #[test]
 fn the_response_is_that_of_the_vector_kernel() {
-    for case in [CASE, DAMPED] {
+    for case in [CASE, DAMPED, FRICTION] {
         the_response_of(&case);
     }
 }

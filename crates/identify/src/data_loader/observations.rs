@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use asperity_inference::Observation;
 
 use super::{Loader, ObservationLabel, no_law};
-use crate::data_files::ReceptanceLine;
+use crate::data_files::{BackboneRow, ReceptanceLine};
 use crate::error::IdentificationError;
 use crate::observed_quantity::{ComplexPart, ObservedQuantity};
 use crate::problem::{Changes, HitSpec, SpreadSpec};
@@ -74,26 +74,30 @@ impl Loader<'_> {
         Ok(())
     }
 
-    /// Adds frequency and, with its spread, damping at the points of a backbone: amplitude \[m\],
-    /// frequency \[Hz\], damping ratio.
+    /// Adds frequency and, with its spread, damping at the points of a backbone.
     pub(super) fn backbone(
         &mut self,
         place: &str,
         data: &str,
         hit: usize,
-        points: &[[f64; 3]],
+        points: &[BackboneRow],
         (spread, damping_spread): (SpreadSpec, Option<SpreadSpec>),
     ) -> Result<(), IdentificationError> {
         self.built.forward.hits[hit].backbone = true;
         let block = self.next_block();
-        for &[amplitude, frequency, damping] in points {
+        for point in points {
+            let amplitude = point.amplitude;
             let quantity = ObservedQuantity::BackboneFrequency { hit, amplitude };
             let about = ObservationLabel::new(data, "backbone.frequency_hz", Some(amplitude));
-            self.push(place, block, quantity, about, (frequency, spread.of(frequency)))?;
+            let value = point.frequency_hz;
+            let deviation = spread.of(value).hypot(point.frequency_deviation_hz);
+            self.push(place, block, quantity, about, (value, deviation))?;
             if let Some(spread) = damping_spread {
                 let quantity = ObservedQuantity::BackboneDamping { hit, amplitude };
                 let about = ObservationLabel::new(data, "backbone.damping_ratio", Some(amplitude));
-                self.push(place, block, quantity, about, (damping, spread.of(damping)))?;
+                let value = point.damping_ratio;
+                let deviation = spread.of(value).hypot(point.ratio_deviation);
+                self.push(place, block, quantity, about, (value, deviation))?;
             }
         }
         Ok(())

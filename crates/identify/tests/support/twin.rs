@@ -18,6 +18,13 @@ const BEFORE_S: f64 = 5e-3;
 #[allow(dead_code, reason = "used by the examples")]
 pub const FINE_CELL: (&str, &str) = ("/method/cell_m", "0.00025");
 
+/// Least amplitude of a backbone over its first: a rig with friction soon comes to rest, and a model with
+/// more of it has no prediction further down.
+const LEAST_AMPLITUDE: f64 = 0.1;
+
+/// Columns of a table of backbones.
+const BACKBONE_HEADER: &str = "index,amplitude_m,frequency_hz,damping_ratio,frequency_uncertainty_hz,damping_ratio_uncertainty\n";
+
 /// Responses of a rig without measurement errors.
 pub struct Truth {
     /// The scenario with the modal engine.
@@ -63,6 +70,12 @@ impl Truth {
 
     /// The features of the hits as `sensors` measure them, one JSON object a hit.
     pub fn measured(&self, sensors: &Sensors) -> Vec<Value> {
+        self.measured_with_backbones(sensors).0
+    }
+
+    /// The features, and the backbones of the hits as a table, numbered from 1.
+    pub fn measured_with_backbones(&self, sensors: &Sensors) -> (Vec<Value>, String) {
+        let mut table = String::from(BACKBONE_HEADER);
         let mut noise = Noise::new(sensors.seed);
         let before = (BEFORE_S * self.rate) as usize;
         let mut options = HammerOptions::new(
@@ -77,7 +90,7 @@ impl Truth {
         );
         options.windows.force_s = Some((2e-3, 1e-3));
         options.windows.until_noise = true;
-        let one = |(_, force, response): &(f64, Vec<f64>, Vec<f64>)| {
+        let one = |(place, (_, force, response)): (usize, &(f64, Vec<f64>, Vec<f64>))| {
             let mut shown = |signal: &[f64], gain: f64| -> Vec<f64> {
                 let power = signal.iter().map(|x| x * x).sum::<f64>() / signal.len() as f64;
                 let deviation = power.sqrt() * 10.0_f64.powf(-sensors.signal_to_noise_db / 20.0);
@@ -100,6 +113,21 @@ impl Truth {
             let found = analyse_hit(hit, &options, &mut average);
             let features = found.features.expect("a good hit");
             let number = |value: f64, deviation: f64| json!({"value": value, "standard_deviation": deviation});
+            let backbone = features.backbone.as_ref().expect("a decay");
+            let least = LEAST_AMPLITUDE * backbone.points[0].amplitude;
+            let points = backbone.points.iter().zip(&features.backbone_uncertainty);
+            for (point, sigma) in points.take_while(|(point, _)| point.amplitude > least) {
+                let omega = std::f64::consts::TAU * point.frequency_hz;
+                let row = [
+                    point.amplitude / omega.powi(2),
+                    point.frequency_hz,
+                    point.damping_ratio,
+                    sigma.frequency_hz,
+                    sigma.damping_ratio,
+                ];
+                let row = row.map(|value| format!("{value:e}")).join(",");
+                table += &format!("{},{row}\n", place + 1);
+            }
             let first = features.harmonics.fundamental.unwrap();
             let sigma = features.fundamental_uncertainty.unwrap();
             let mut measured = json!({
@@ -115,7 +143,8 @@ impl Truth {
             }
             json!({"force_peak_n": found.pulse.unwrap().refined_peak_n, "features": measured})
         };
-        self.hits.iter().map(one).collect()
+        let measured = self.hits.iter().enumerate().map(one).collect();
+        (measured, table)
     }
 
     /// The problem of identifying `unknowns` from measured `hits`, with `more` keys.

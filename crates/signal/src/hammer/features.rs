@@ -12,7 +12,9 @@ use crate::hit::Pulse;
 use crate::noise::{band_density, quiet_density, white_density};
 use crate::peak::Peak;
 use crate::response::FrequencyResponse;
-use crate::ring_down::{Backbone, BackboneOptions, BandPass, backbone_and_signal};
+use crate::ring_down::{
+    Backbone, BackboneOptions, BackboneUncertainty, BandPass, backbone_and_signal,
+};
 use crate::uncertainty::{
     NoiseDensity, NoiseWindows, PeakUncertainty, peak_uncertainty, ratio_uncertainty,
 };
@@ -60,6 +62,8 @@ pub struct HitFeatures {
     pub modes: Vec<BandMode>,
     /// Backbone from the decay of the response without window.
     pub backbone: Option<Backbone>,
+    /// Standard deviations of its points due to noise.
+    pub backbone_uncertainty: Vec<BackboneUncertainty>,
 }
 
 /// The features of a hit; `None` without a reference frequency.
@@ -114,6 +118,7 @@ pub(super) fn of_hit(
         mode_uncertainty: ModeUncertainty::default(),
         modes: Vec::new(),
         backbone: None,
+        backbone_uncertainty: Vec::new(),
         harmonics,
     };
     let Some(peak) = found.harmonics.fundamental else {
@@ -132,6 +137,7 @@ pub(super) fn of_hit(
         cycles: options.cycles,
         // Other modes that still ring at the end count as noise.
         noise_density: noise.response.max(remaining),
+        derivatives: options.response_kind.derivatives(),
         ..BackboneOptions::new(band)
     });
     let filtered = settings.and_then(|settings| backbone_and_signal(free, rate, &settings).ok());
@@ -142,15 +148,19 @@ pub(super) fn of_hit(
         let span = (first.time_s * rate) as usize..(last.time_s * rate) as usize;
         Some(signal.get(span)?.iter().map(|value| value.re).collect::<Vec<f64>>())
     });
-    found.backbone = filtered.map(|(backbone, _)| backbone);
+    if let (Some((backbone, _)), Some(settings)) = (filtered, settings) {
+        let uncertainties = backbone.points.iter().map(|point| point.uncertainty(&settings));
+        found.backbone_uncertainty = uncertainties.collect();
+        found.backbone = Some(backbone);
+    }
     let decay = decay.unwrap_or_default();
     let window = options.windows.exponential;
     found.mode = ModeFeatures::of(response, &peak, &decay, window);
     found.mode_uncertainty = ModeUncertainty::of(response, &peak, &noise, window);
-    if let Some(band) = band {
+    if let Some(settings) = settings {
         let (frequency, density) = (peak.frequency_hz, noise.response);
         found.mode_uncertainty =
-            found.mode_uncertainty.with_decrement(&decay, rate, frequency, density, &band);
+            found.mode_uncertainty.with_decrement(&decay, rate, frequency, density, &settings);
     }
     let fundamental = BandMode { peak, features: found.mode, uncertainty: found.mode_uncertainty };
     let responses = (response, unwindowed);

@@ -4,7 +4,7 @@ use crate::damping::{CircleSensitivity, HalfPower, circle_fit, half_power_crossi
 use crate::decrement::decrement_of;
 use crate::peak::Peak;
 use crate::response::FrequencyResponse;
-use crate::ring_down::BandPass;
+use crate::ring_down::BackboneOptions;
 use crate::uncertainty::{LogReceptanceTerms, NoiseDensity};
 use crate::window::ExponentialWindow;
 use num_complex::Complex64;
@@ -97,8 +97,9 @@ impl ModeUncertainty {
         sample_rate_hz: f64,
         frequency_hz: f64,
         noise_density: f64,
-        band: &BandPass,
+        settings: &BackboneOptions,
     ) -> Self {
+        let (band, filter) = (&settings.band, settings.filter());
         let Some((_, extrema)) = decrement_of(decay, 0.0, sample_rate_hz, frequency_hz) else {
             return self;
         };
@@ -112,7 +113,7 @@ impl ModeUncertainty {
             let omega = std::f64::consts::TAU * frequency;
             let sum: Complex64 =
                 extrema.iter().map(|(time, a)| Complex64::from_polar(*a, -omega * time)).sum();
-            (band.gain(frequency) * sum.norm()).powi(2)
+            (filter.gain(frequency) * sum.norm()).powi(2)
         };
         let variance = noise_density * step * (0..points).map(power).sum::<f64>();
         self.decrement = Some(variance.sqrt()).filter(|deviation| deviation.is_finite());

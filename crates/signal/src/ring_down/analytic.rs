@@ -33,6 +33,21 @@ pub fn analytic_signal(
     sample_rate_hz: f64,
     band: Option<&BandPass>,
 ) -> Result<Vec<Complex64>> {
+    // A gain cut at zero frequency would have a slowly decaying impulse response. Both signs of
+    // frequency pass, the even part of the gain to the signal, the odd part to its quadrature.
+    let above = |frequency: f64| if frequency.is_sign_positive() { 1.0 } else { 0.0 };
+    let gain = |frequency: f64| band.map_or(above(frequency), |band| band.gain(frequency));
+    filtered(samples, sample_rate_hz, band, gain)
+}
+
+/// The analytic signal whose transform is twice a `gain` times that of the samples, at frequencies of
+/// either sign; the gain is zero above the end of the `band`, and settles with it.
+pub(super) fn filtered(
+    samples: &[f64],
+    sample_rate_hz: f64,
+    band: Option<&BandPass>,
+    gain: impl Fn(f64) -> f64,
+) -> Result<Vec<Complex64>> {
     check_samples("signal", samples)?;
     check_rate(sample_rate_hz)?;
     let mut padding = samples.len();
@@ -46,12 +61,9 @@ pub fn analytic_signal(
     let mut spectrum = forward_transform(padded);
     let step = sample_rate_hz / length as f64;
     let scale = 1.0 / length as f64;
-    // A gain cut at zero frequency would have a slowly decaying impulse response. Both signs of
-    // frequency pass, the even part of the gain to the signal, the odd part to its quadrature.
     let gains = |k: usize| {
         let frequency = k as f64 * step;
-        let sides = |band: &BandPass| (band.gain(frequency), band.gain(-frequency));
-        let (above, below) = band.map_or((1.0, 0.0), sides);
+        let (above, below) = (gain(frequency), gain(-frequency));
         ((above + below) * scale, (above - below) * scale)
     };
     let last = spectrum.len() - 1;

@@ -31,7 +31,8 @@ impl BackbonePoint {
     /// w(t) = 12 t exp(sigma t) / (2 pi A T^3),   |t| <= T / 2,   W its transform
     /// ```
     ///
-    /// for a line of the length `T`, with the gain `G` of the band and the noise density `S`; the
+    /// for a line of the length `T`, with the gain `G` of the band and of an integration to a
+    /// displacement, and the noise density `S`; the
     /// decay rate has `2 pi` times this deviation, the amplitude that of `w = exp(sigma t) / (A T)`.
     /// Points closer than `T` share noise. Limiting case: a wide band and no damping give
     /// `sqrt(12 S / (A^2 T^3)) / 2 pi`.
@@ -46,8 +47,8 @@ impl BackbonePoint {
         length: f64,
         options: &BackboneOptions,
     ) -> BackboneUncertainty {
-        let band = &options.band;
-        let gain = band.gain(self.frequency_hz);
+        let (band, filter) = (&options.band, options.filter());
+        let gain = filter.gain(self.frequency_hz);
         let step = length / INSTANTS as f64;
         let instants: Vec<(f64, f64)> = (0..INSTANTS)
             .map(|k| (k as f64 + 0.5) * step - 0.5 * length)
@@ -59,12 +60,15 @@ impl BackbonePoint {
         for k in 0..FREQUENCIES {
             let offset = (k as f64 + 0.5) * spacing - highest;
             let (mut first, mut zeroth) = (Complex64::ZERO, Complex64::ZERO);
+            let turn = |t: f64| Complex64::from_polar(1.0, -TAU * offset * t);
+            let (mut phasor, next) = (turn(instants[0].0), turn(step));
             for (t, relative) in &instants {
-                let turned = Complex64::from_polar(relative * step, -TAU * offset * t);
+                let turned = phasor * (relative * step);
+                phasor *= next;
                 zeroth += turned / length;
                 first += turned * (12.0 * t / length.powi(3));
             }
-            let passed = (band.gain(self.frequency_hz + offset) / gain).powi(2) * spacing;
+            let passed = (filter.gain(self.frequency_hz + offset) / gain).powi(2) * spacing;
             slope += passed * first.norm_sqr();
             mean += passed * zeroth.norm_sqr();
         }

@@ -73,10 +73,11 @@ pub fn with_laws_of(base: &ModalModel, rig: &ModalModel) -> Result<ModalModel, D
     let contacts = rig.contacts().iter().zip(base.contacts()).map(|(contact, base)| {
         let law = Arc::clone(base.law());
         let shared = PreloadedContact::new(contact.name(), contact.area(), law, contact.pressure());
-        Ok::<_, StructureError>(shared?.with_damping(contact.damping()))
+        let shared = shared?.with_damping(contact.damping());
+        Ok::<_, StructureError>(shared.with_friction(contact.friction()))
     });
     let contacts = contacts.collect::<Result<_, _>>()?;
     let damping = Damping::Rate(rig.preloaded().damping_rate());
     let structure = PreloadedStructure::of_components(rig.structure().clone(), contacts, damping)?;
-    ModalModel::new(structure)
+    ModalModel::new(structure.with_guides(rig.preloaded().guides().to_vec())?)
 }

@@ -6,9 +6,12 @@
 //! t = q(x) + a_0 R(x) / h + sum of a_k R_before_k / h,    R = integral of c dx from rest,
 //! ```
 //!
-//! not below `-p0` where the law separates; that of another is the pressure q.
+//! not below `-p0` where the law separates; that of another is the pressure q. A row with friction has
+//! the traction of its element too; that of a guide has no other.
 
+use super::friction_element::FrictionElement;
 use super::linear_system::Factors;
+use crate::modal::assembly::ModalModel;
 use crate::modal::damped_table::RATE;
 use crate::modal::increasing_root::increasing_root;
 use crate::modal::simd::block::PAST;
@@ -25,16 +28,22 @@ const SWEEPS: usize = 2000;
 /// again: its relative error is of this size.
 const LAST_CORRECTION: f64 = 1e-12;
 
-/// Closure increments \[m\], pressure and traction increments \[Pa\] and tangents \[Pa/m\] of a step.
+/// Closure increments \[m\], pressure and traction increments \[Pa\] and tangents \[Pa/m\] of a step, of the
+/// contacts and behind them of guides.
 #[derive(Debug, Clone)]
 pub(super) struct Contacts {
     pub(super) closure: Vec<f64>,
     pub(super) pressure: Vec<f64>,
     pub(super) tangent: Vec<f64>,
-    /// Tractions and their tangents: those of the law without damping, zero tangents where faces carry
-    /// nothing.
+    /// Normal tractions and their tangents: those of the law without damping, zero tangents where faces
+    /// carry nothing.
+    pub(super) normal: Vec<f64>,
+    pub(super) normal_tangent: Vec<f64>,
+    /// Tractions and their tangents, with friction.
     pub(super) traction: Vec<f64>,
     pub(super) traction_tangent: Vec<f64>,
+    /// Friction elements of the rows that have one.
+    pub(super) friction: Vec<Option<FrictionElement>>,
     /// Viscous impulses since rest \[Pa s\] and the coefficients c, their tangents \[Pa s/m\].
     impulse: Vec<f64>,
     pub(super) coefficient: Vec<f64>,
@@ -49,20 +58,24 @@ pub(super) struct Contacts {
 }
 
 impl Contacts {
-    /// Contacts at rest before steps of `step` \[s\].
-    pub(super) fn at_rest(interfaces: usize, step: f64) -> Self {
-        let zero = || vec![0.0; interfaces];
+    /// The rows of a model at rest before steps of `step` \[s\].
+    pub(super) fn at_rest(model: &ModalModel, step: f64) -> Self {
+        let rows = model.rows();
+        let zero = || vec![0.0; rows];
         Self {
             closure: zero(),
             pressure: zero(),
             tangent: zero(),
+            normal: zero(),
+            normal_tangent: zero(),
             traction: zero(),
             traction_tangent: zero(),
+            friction: (0..rows).map(|row| FrictionElement::of_row(model, row)).collect(),
             impulse: zero(),
             coefficient: zero(),
-            past: vec![RateHistory::default(); interfaces],
+            past: vec![RateHistory::default(); rows],
             step,
-            factors: Factors::new(interfaces),
+            factors: Factors::new(rows),
             correction: zero(),
             scale: 0.0,
         }
@@ -80,12 +93,14 @@ impl Contacts {
             return false;
         }
         self.scale = self.scale.max(size);
+        self.predict_limits(contacts);
         let mut converged = false;
         for _ in 0..NEWTON {
             let largest = self.correct(contacts, coupling, target);
             for (i, correction) in self.correction.iter().enumerate() {
                 self.closure[i] += correction;
                 self.pressure[i] += self.tangent[i] * correction;
+                self.normal[i] += self.normal_tangent[i] * correction;
                 self.traction[i] += self.traction_tangent[i] * correction;
                 self.impulse[i] += self.coefficient[i] * correction;
             }
@@ -106,10 +121,21 @@ impl Contacts {
         RATE[0] / self.step
     }
 
-    /// Keeps the impulses of a step that is solved for the steps to come.
+    /// Keeps impulses and friction of a step that is solved for the steps to come.
     pub(super) fn advance(&mut self) {
         for (past, impulse) in self.past.iter_mut().zip(&self.impulse) {
             past.push(*impulse);
+        }
+        for (i, element) in self.friction.iter_mut().enumerate() {
+            let Some(element) = element else { continue };
+            element.advance(self.closure[i], self.normal[element.contact]);
+        }
+    }
+
+    /// The slip limits of the next step, from the normal tractions of the steps before.
+    fn predict_limits(&mut self, contacts: &[PreloadedContact]) {
+        for element in self.friction.iter_mut().flatten() {
+            element.predict_limit(contacts[element.contact].pressure());
         }
     }
 
@@ -133,14 +159,24 @@ impl Contacts {
     }
 
     fn evaluate(&mut self, contacts: &[PreloadedContact]) {
-        for (i, contact) in contacts.iter().enumerate() {
-            self.evaluate_one(i, contact);
+        for i in 0..self.closure.len() {
+            self.evaluate_one(i, contacts);
         }
     }
 
-    fn evaluate_one(&mut self, i: usize, contact: &PreloadedContact) {
-        let found = Evaluation::new(contact, self.closure[i], &self.past[i], self.step);
+    /// Row `i` at a closure \[m\].
+    fn at(&self, i: usize, contacts: &[PreloadedContact], closure: f64) -> Evaluation {
+        let normal = match contacts.get(i) {
+            Some(contact) => Evaluation::new(contact, closure, &self.past[i], self.step),
+            None => Evaluation::of_guide(),
+        };
+        normal.with_friction(self.friction[i].as_ref(), closure)
+    }
+
+    fn evaluate_one(&mut self, i: usize, contacts: &[PreloadedContact]) {
+        let found = self.at(i, contacts, self.closure[i]);
         (self.pressure[i], self.tangent[i]) = (found.law.value, found.law.tangent);
+        (self.normal[i], self.normal_tangent[i]) = (found.normal.value, found.normal.tangent);
         (self.traction[i], self.traction_tangent[i]) =
             (found.traction.value, found.traction.tangent);
         (self.impulse[i], self.coefficient[i]) = (found.impulse.value, found.impulse.tangent);
@@ -159,18 +195,17 @@ impl Contacts {
         self.evaluate(contacts);
         for _ in 0..SWEEPS {
             let mut moved = 0.0_f64;
-            for (i, contact) in contacts.iter().enumerate() {
+            for i in 0..target.len() {
                 let others = (0..target.len()).filter(|&j| j != i);
                 let lost: f64 = others.map(|j| coupling[i][j] * self.traction[j]).sum();
                 let own = coupling[i][i];
-                let traction =
-                    |y: f64| Evaluation::new(contact, y, &self.past[i], self.step).traction.value;
+                let traction = |y: f64| self.at(i, contacts, y).traction.value;
                 let lost = |y: f64| y + own * traction(y) - target[i] + lost;
                 let scale = self.scale.max(f64::MIN_POSITIVE);
                 let reached = increasing_root(lost, target[i], scale);
                 moved = moved.max((reached - self.closure[i]).abs());
                 self.closure[i] = reached;
-                self.evaluate_one(i, contact);
+                self.evaluate_one(i, contacts);
             }
             if moved <= f64::EPSILON * self.scale {
                 break;
@@ -196,19 +231,22 @@ impl RateHistory {
     }
 }
 
-/// One contact at a closure: law, viscous impulse and traction, with their tangents.
+/// One row at a closure: law, viscous impulse, normal traction and traction, with their tangents.
 struct Evaluation {
     law: Pressure,
     impulse: Pressure,
+    normal: Pressure,
     traction: Pressure,
 }
+
+const NOTHING: Pressure = Pressure { value: 0.0, tangent: 0.0 };
 
 impl Evaluation {
     fn new(contact: &PreloadedContact, closure: f64, past: &RateHistory, step: f64) -> Self {
         let (rest, law) = (contact.pressure(), contact.law());
         let at = law.pressure_increment(rest, closure);
         let Some(damping) = contact.damping() else {
-            return Self { law: at, impulse: Pressure { value: 0.0, tangent: 0.0 }, traction: at };
+            return Self { law: at, impulse: NOTHING, normal: at, traction: at };
         };
         let pressure = rest + at.value;
         let impulse = Pressure {
@@ -217,11 +255,26 @@ impl Evaluation {
         };
         let rate = RATE[0] / step;
         let value = at.value + rate * impulse.value + past.share(step);
-        let traction = if law.domain().separates() && value <= -rest {
+        let normal = if law.domain().separates() && value <= -rest {
             Pressure { value: -rest, tangent: 0.0 }
         } else {
             Pressure { value, tangent: at.tangent + rate * impulse.tangent }
         };
-        Self { law: at, impulse, traction }
+        Self { law: at, impulse, normal, traction: normal }
+    }
+
+    /// A guide without its friction.
+    fn of_guide() -> Self {
+        Self { law: NOTHING, impulse: NOTHING, normal: NOTHING, traction: NOTHING }
+    }
+
+    /// The row with its friction element.
+    fn with_friction(mut self, element: Option<&FrictionElement>, closure: f64) -> Self {
+        if let Some(element) = element {
+            let friction = element.traction(closure);
+            self.traction.value += friction.value;
+            self.traction.tangent += friction.tangent;
+        }
+        self
     }
 }

@@ -68,28 +68,26 @@ impl Inputs {
         let row = |length: usize, of: &dyn Fn(&Self, usize) -> f64| -> Vec<f64> {
             (0..length).map(|i| slope(&|inputs| of(inputs, i))).collect()
         };
-        let interfaces = first.pressure.len();
+        let rows = first.coupling.len();
         let mode = |m: usize| ModeInputs {
             decay: slope(&|inputs| inputs.modes[m].decay),
             spring: slope(&|inputs| inputs.modes[m].spring),
             contact: std::array::from_fn(|k| slope(&|inputs| inputs.modes[m].contact[k])),
             output: slope(&|inputs| inputs.modes[m].output),
             drive: std::array::from_fn(|k| slope(&|inputs| inputs.modes[m].drive[k])),
-            closure: row(interfaces, &|inputs, i| inputs.modes[m].closure[i]),
-            force: row(interfaces, &|inputs, i| inputs.modes[m].force[i]),
+            closure: row(rows, &|inputs, i| inputs.modes[m].closure[i]),
+            force: row(rows, &|inputs, i| inputs.modes[m].force[i]),
         };
         // Beyond its last step a force is zero.
         let lasting = four.iter().map(|inputs| inputs.drive_force.steps()).max().unwrap_or(0);
         let at = |column: &[f64], n: usize| column.get(n).copied().unwrap_or(0.0);
         Self {
             modes: (0..first.modes.len()).map(mode).collect(),
-            coupling: (0..interfaces)
-                .map(|i| row(interfaces, &|inputs, j| inputs.coupling[i][j]))
-                .collect(),
-            drive_closure: row(interfaces, &|inputs, i| inputs.drive_closure[i]),
-            output_pressure: row(interfaces, &|inputs, i| inputs.output_pressure[i]),
+            coupling: (0..rows).map(|i| row(rows, &|inputs, j| inputs.coupling[i][j])).collect(),
+            drive_closure: row(rows, &|inputs, i| inputs.drive_closure[i]),
+            output_pressure: row(rows, &|inputs, i| inputs.output_pressure[i]),
             output_drive: slope(&|inputs| inputs.output_drive),
-            pressure: row(interfaces, &|inputs, i| inputs.pressure[i]),
+            pressure: row(first.pressure.len(), &|inputs, i| inputs.pressure[i]),
             start: slope(&|inputs| inputs.start),
             drive_force: DriveForce {
                 mean: row(lasting, &|inputs, n| at(&inputs.drive_force.mean, n)),
