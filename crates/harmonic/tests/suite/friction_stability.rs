@@ -116,7 +116,7 @@ fn largest_first(mut multipliers: Vec<Complex64>) -> Vec<Complex64> {
 
 /// Multipliers of a bar with friction across its contact or in its guide, slipping at a slip force or at
 /// a share of the contact's force, against differences of the period's map of (closure, velocity,
-/// element's force); and the decay of a disturbed motion over many periods against their powers.
+/// element's force).
 #[test]
 fn multipliers_are_those_of_the_map_of_a_period() {
     let linear: Law = Arc::new(Constant::new(7e11).unwrap());
