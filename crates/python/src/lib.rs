@@ -25,6 +25,7 @@
 //! | `exception` | errors as exceptions |
 
 #![allow(clippy::doc_markdown, reason = "the documentation of classes and functions is Python's")]
+#![allow(clippy::needless_pass_by_value, reason = "arguments of Python's functions are owned")]
 
 mod analyse;
 mod arrow;

@@ -62,6 +62,7 @@ pub(crate) fn logarithmic_decrement<'py>(
 
 /// Backbone of a decay in a band (low, high, edge) \[Hz\], as a dict of columns.
 #[pyfunction]
+#[expect(clippy::too_many_arguments, reason = "keywords of the Python function")]
 pub(crate) fn backbone<'py>(
     py: Python<'py>,
     decay: Array<'py>,

@@ -275,7 +275,6 @@ impl PyFrequencyResponse {
     }
 
     /// Fundamental, second harmonic, and frequencies of masked maxima.
-    #[expect(clippy::type_complexity, reason = "a tuple of peaks")]
     fn find_harmonics<'py>(
         &self,
         py: Python<'py>,
