@@ -84,7 +84,7 @@ def test_invalid_values_name_their_place() -> None:
         ({"vary": {PEAKS: "9:x:2"}}, "not a range"),
         ({"vary": {PEAKS: [np.nan]}}, "JSON"),
         ({"vary": {PEAKS: np.array([np.inf])}}, "not finite"),
-        ({"vary": {PEAKS: range(2_000_000)}}, "at most 1000000"),
+        ({"vary": {PEAKS: range(1_000_001)}}, "at most 1000000"),
         ({"vary": {PEAKS: 3.0}}, "accepted"),
         ({"vary": {PEAKS: {"a": 1}}}, "accepted"),
         ({"vary": {PEAKS: b"12"}}, "accepted"),
@@ -132,9 +132,9 @@ def test_progress_rises_and_its_exception_stops_the_sweep() -> None:
         raise LookupError(f"stopped at {fraction}")
 
     with pytest.raises(LookupError, match="stopped at"):
-        asperity.sweep(RIG, {PEAKS: np.linspace(9, 32, 100_000)}, progress=stop)
+        asperity.sweep(RIG, {PEAKS: np.linspace(9, 32, 4_000)}, progress=stop)
     with pytest.raises(LookupError, match="stopped at"):
-        asperity.sweep(RIG, rows={PEAKS: np.linspace(9, 32, 20_000)}, progress=stop)
+        asperity.sweep(RIG, rows={PEAKS: np.linspace(9, 32, 2_000)}, progress=stop)
 
 
 def test_texts_that_look_like_numbers_stay_texts() -> None:
