@@ -74,7 +74,7 @@ fn the_retardation_time_of_contacts_is_identified() {
 /// Largest deviations of measured from predicted frequencies and damping ratios of a result, over the
 /// predicted ones, the number of points, and the largest over the smallest measured frequency.
 fn deviations(found: &Identification) -> ([f64; 2], usize, f64) {
-    let table = found.data_csv();
+    let table = found.data_table().to_csv();
     let mut rows = table.lines().map(|line| line.split(',').collect::<Vec<_>>());
     let header = rows.next().unwrap();
     let place = |name: &str| header.iter().position(|column| *column == name).unwrap();
@@ -131,8 +131,8 @@ fn measured_and_predicted_backbones_agree() {
         let decays = analyse_decays(std::slice::from_ref(&path), &options).unwrap();
         // `decay` knows no force, and begins at larger amplitudes: a stronger hit reaches them.
         for (name, table, peak, tolerance) in [
-            ("analyse", hits.responses[0].backbone_csv(), 32, 2e-4),
-            ("decay", decays.backbone_csv(), 45, 4e-4),
+            ("analyse", hits.responses[0].backbone_table().to_csv(), 32, 2e-4),
+            ("decay", decays.backbone_table().to_csv(), 45, 4e-4),
         ] {
             // The pipelines differ in the same way for every kind of loss.
             if name == "decay" && kind != "bodies" {

@@ -246,12 +246,14 @@ pub(crate) fn laws<'py>(
 
 /// A law whose inner laws are written in place.
 fn resolved(spec: &LawSpec, laws: &Laws, depth: usize) -> LawSpec {
+    let in_place = |inner: &LawRef| match laws.resolve(inner) {
+        Some(spec) => LawRef::InPlace(Box::new(resolved(spec, laws, depth - 1))),
+        None => inner.clone(),
+    };
     match spec {
-        LawSpec::InSeries { law, stiffness_pa_per_m } if depth > 0 => LawSpec::InSeries {
-            law: match laws.resolve(law) {
-                Some(inner) => LawRef::InPlace(Box::new(resolved(inner, laws, depth - 1))),
-                None => law.clone(),
-            },
+        LawSpec::InSeries { law, laws, stiffness_pa_per_m } if depth > 0 => LawSpec::InSeries {
+            law: law.as_ref().map(in_place),
+            laws: laws.iter().map(in_place).collect(),
             stiffness_pa_per_m: *stiffness_pa_per_m,
         },
         other => other.clone(),

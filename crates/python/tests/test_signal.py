@@ -217,6 +217,12 @@ def test_a_linear_decay_has_one_frequency_and_damping() -> None:
     np.testing.assert_allclose(curve["frequency_hz"], HZ, rtol=5e-4)
     np.testing.assert_allclose(curve["damping_ratio"], 0.01, atol=1e-3)
     assert np.all(np.diff(curve["amplitude"]) < 0)
+    # Twice the derivative in time: the same damping, with the amplitude of the samples.
+    faster = signal.backbone(-(OMEGA**2) * decay, RATE, (140.0, 260.0), response="acceleration")
+    np.testing.assert_allclose(faster["damping_ratio"], 0.01, atol=1e-3)
+    np.testing.assert_allclose(faster["amplitude"][0], OMEGA**2 * curve["amplitude"][0], rtol=2e-2)
+    with pytest.raises(ValueError, match="acceleration"):
+        signal.backbone(decay, RATE, (140.0, 260.0), response="force")
 
 
 def test_windows_and_their_exact_correction() -> None:

@@ -216,6 +216,7 @@ def backbone(
     edge_level: float,
     noise_density: float,
     noise_factor: float,
+    response: str,
 ) -> _Columns: ...
 
 @final

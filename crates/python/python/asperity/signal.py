@@ -841,6 +841,7 @@ def backbone(
     edge_level: float = 3e-4,
     noise_density: float = 0.0,
     noise_factor: float = 5.0,
+    response: str = "displacement",
 ) -> Table:
     """Frequency and damping over amplitude along a free decay (ring-down) of one mode.
 
@@ -862,6 +863,9 @@ def backbone(
         One-sided density of the noise, in the squared unit of the samples per Hz.
     noise_factor : float
         Smallest envelope over that of the filtered noise.
+    response : {"displacement", "velocity", "acceleration"}
+        What the samples are. The amplitude is theirs; decay rate and damping are those of the
+        displacement, whose amplitude falls at another rate where the frequency changes.
 
     Returns
     -------
@@ -884,5 +888,6 @@ def backbone(
         _arrays.number("edge_level", edge_level),
         _arrays.number("noise_density", noise_density),
         _arrays.number("noise_factor", noise_factor),
+        response,
     )
     return _arrays.table(columns)

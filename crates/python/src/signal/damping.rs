@@ -8,7 +8,7 @@ use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use super::{Array, complex, copied};
+use super::{Array, complex, copied, response_kind};
 use crate::exception;
 
 /// A circle fit as a dict.
@@ -72,11 +72,14 @@ pub(crate) fn backbone<'py>(
     edge_level: f64,
     noise_density: f64,
     noise_factor: f64,
+    response: &str,
 ) -> PyResult<Bound<'py, PyDict>> {
+    let derivatives = response_kind(response)?.derivatives();
     let (low_hz, high_hz, edge_hz) = band;
     let band =
         BandPass::new(low_hz, high_hz, edge_hz).map_err(|error| exception::of_signal(&error))?;
-    let options = BackboneOptions { band, cycles, edge_level, noise_density, noise_factor };
+    let options =
+        BackboneOptions { band, cycles, edge_level, noise_density, noise_factor, derivatives };
     let decay = copied(&decay)?;
     let found = py.detach(|| backbone_of(&decay, sample_rate_hz, &options));
     let points = found.map_err(|error| exception::of_signal(&error))?.points;
