@@ -208,6 +208,7 @@ impl PyLaw {
     }
 
     /// Pickles and copies are made from the document and the reference pressure.
+    #[expect(clippy::type_complexity, reason = "the protocol of pickle")]
     fn __reduce__<'py>(
         slf: &Bound<'py, Self>,
     ) -> PyResult<(Bound<'py, PyAny>, (String, Option<f64>))> {

@@ -6,6 +6,7 @@ use asperity_study::row_simulator::RowSimulator;
 use asperity_study::sweep::{
     Sweep, SweepError, Variation, VariationError, on_threads, sweep_with_progress,
 };
+use asperity_study::warning::Warning;
 use asperity_table::{ColumnData, DataTable};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -92,7 +93,7 @@ fn run_rows(
                 column.push(found.and_then(|row| row.values.get(at)).map_or(f64::NAN, |x| *x));
             }
             let mut kinds: Vec<&str> =
-                found.iter().flat_map(|row| &row.warnings).map(|one| one.kind()).collect();
+                found.iter().flat_map(|row| &row.warnings).map(Warning::kind).collect();
             kinds.dedup();
             warnings.push(kinds.join(" "));
             errors.push(outcome.err().map(|error| error.to_string()).unwrap_or_default());

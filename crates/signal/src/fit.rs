@@ -28,7 +28,7 @@ pub(crate) fn quartic_vertex([y0, y1, y2, y3, y4]: [f64; 5]) -> Option<(f64, f64
         let curvature = 2.0 * a2 + x * (6.0 * a3 + x * 12.0 * a4);
         x -= slope / curvature;
     }
-    (x.abs() <= 1.0).then(|| (x, y2 + x * (a1 + x * (a2 + x * (a3 + x * a4)))))
+    (x.abs() <= 1.0).then_some((x, y2 + x * (a1 + x * (a2 + x * (a3 + x * a4)))))
 }
 
 /// Slope and root mean square residual of the least-squares line through `(k, y_k)`.

@@ -128,7 +128,7 @@ impl DataTable {
     /// The table with a column of counts.
     #[must_use]
     pub fn counts(self, name: impl Into<String>, values: impl IntoIterator<Item = usize>) -> Self {
-        let values = values.into_iter().map(|value| value as i64);
+        let values = values.into_iter().map(|value| i64::try_from(value).unwrap_or(i64::MAX));
         self.with(name, ColumnData::Integers(values.collect()))
     }
 

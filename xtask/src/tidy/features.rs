@@ -11,10 +11,10 @@ use crate::ci::cargo;
 /// File that asks for the features.
 const ALIGNED: &str = "xtask/features/Cargo.toml";
 
-/// What the tests of the workspace compile, as arguments of `cargo tree`.
+/// The packages that the tests of the workspace compile, as arguments of `cargo tree`.
 const WHOLE: &str = "--workspace --all-features --edges all";
 
-/// What else is compiled, as arguments of `cargo tree`.
+/// The packages of the other builds, as arguments of `cargo tree`.
 const PARTS: [&str; 2] = [
     "--package xtask --edges normal,build",
     "--package asperity-python --features shared-build --edges normal,build",

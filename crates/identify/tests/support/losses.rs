@@ -77,7 +77,7 @@ impl Losses {
     }
 }
 
-/// What a problem observes.
+/// Data of a problem.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Observed {
     /// Frequency and damping over amplitude along the decays.

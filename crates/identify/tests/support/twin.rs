@@ -1,6 +1,8 @@
 //! Twin experiments: hits simulated by finite differences, with the noise and the gain errors of
 //! sensors, analysed as measured ones are, and identified by the other engine.
 
+use std::fmt::Write as _;
+
 use asperity_identify::IdentificationProblem;
 use asperity_scenario::Document;
 use asperity_signal::{
@@ -126,7 +128,7 @@ impl Truth {
                     sigma.damping_ratio,
                 ];
                 let row = row.map(|value| format!("{value:e}")).join(",");
-                table += &format!("{},{row}\n", place + 1);
+                let _ = writeln!(table, "{},{row}", place + 1);
             }
             let first = features.harmonics.fundamental.unwrap();
             let sigma = features.fundamental_uncertainty.unwrap();

@@ -18,8 +18,8 @@ pub fn steady_table(steady: &Steady, interfaces: &[&str]) -> DataTable {
         .flat_map(|(index, level)| {
             let points = level.outcome.as_ref().map_or(&[][..], |branch| &branch.points);
             points.iter().enumerate().map(move |(number, point)| Place {
-                branch: (index + 1) as i64,
-                number: (number + 1) as i64,
+                branch: index + 1,
+                number: number + 1,
                 point,
             })
         })
@@ -28,8 +28,8 @@ pub fn steady_table(steady: &Steady, interfaces: &[&str]) -> DataTable {
         points.iter().map(|place| value(place.point)).collect()
     };
     let mut table = DataTable::new()
-        .with("branch", points.iter().map(|place| place.branch).collect::<Vec<i64>>())
-        .with("point", points.iter().map(|place| place.number).collect::<Vec<i64>>())
+        .counts("branch", points.iter().map(|place| place.branch))
+        .counts("point", points.iter().map(|place| place.number))
         .with("force_n", column(&|point| point.force))
         .with("frequency_hz", column(&PeriodicResponse::frequency_hz));
     let branches: Vec<&Branch> =
@@ -41,10 +41,8 @@ pub fn steady_table(steady: &Steady, interfaces: &[&str]) -> DataTable {
         table = table.with(format!("amplitude_{k}_m"), column(&amplitude));
     }
     table = table.with("phase_1_rad", column(&PeriodicResponse::phase));
-    let pressures: Vec<_> = points
-        .iter()
-        .map(|place| steady.levels[(place.branch - 1) as usize].pressures(place.point))
-        .collect();
+    let pressures: Vec<_> =
+        points.iter().map(|place| steady.levels[place.branch - 1].pressures(place.point)).collect();
     for (at, name) in interfaces.iter().enumerate() {
         let ends: (Vec<f64>, Vec<f64>) = pressures
             .iter()
@@ -63,8 +61,8 @@ pub fn steady_table(steady: &Steady, interfaces: &[&str]) -> DataTable {
 
 /// A point of a branch, with the numbers of both, from 1.
 struct Place<'a> {
-    branch: i64,
-    number: i64,
+    branch: usize,
+    number: usize,
     point: &'a PeriodicResponse,
 }
 
@@ -94,7 +92,7 @@ pub fn steady_time_table(sweeps: &[TimeSweep]) -> DataTable {
         .with("amplitude_1_m", rows.iter().map(|row| row.1.amplitude_1_m).collect::<Vec<f64>>())
         .with("amplitude_2_m", rows.iter().map(|row| row.1.amplitude_2_m).collect::<Vec<f64>>())
         .with("phase_1_rad", rows.iter().map(|row| row.1.phase_1_rad).collect::<Vec<f64>>())
-        .with("periods", rows.iter().map(|row| row.1.periods as i64).collect::<Vec<i64>>())
+        .counts("periods", rows.iter().map(|row| row.1.periods))
         .with("change", rows.iter().map(|row| row.1.change).collect::<Vec<f64>>())
         .with("settled", rows.iter().map(|row| row.1.settled).collect::<Vec<bool>>())
 }
