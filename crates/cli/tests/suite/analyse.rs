@@ -67,7 +67,8 @@ fn the_files_columns_and_names_of_the_contract() {
     assert!(header(&out.join("hits.csv")).starts_with("file,index,record,time_s,force_peak_n,"));
     assert_eq!(
         header(&out.join("backbone.csv")),
-        "index,force_peak_n,time_s,amplitude_m,frequency_hz,decay_rate_per_s,damping_ratio"
+        "index,force_peak_n,time_s,amplitude_m,frequency_hz,decay_rate_per_s,damping_ratio,\
+         relative_amplitude_uncertainty,frequency_uncertainty_hz,damping_ratio_uncertainty"
     );
     assert_eq!(printed["schema"], "asperity/analysis/1");
     for pointer in [

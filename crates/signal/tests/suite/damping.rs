@@ -78,10 +78,11 @@ fn the_decrement_of_a_decay_is_exact_and_free_of_offset() {
             let damped = mode.damped_omega() / std::f64::consts::TAU;
             assert!((found.frequency_hz / damped - 1.0).abs() < 1e-4, "{found:?}");
             assert!(found.scatter < 1e-4, "{found:?}");
-            // From the first height to 1e-4 of it, or to the end of the record.
+            // From the first height to 1e-4 of it, or to the end of the record; up to a quarter of a cycle
+            // and half a cycle are left out at either end.
             let decrement = std::f64::consts::TAU * damping / (1.0 - damping * damping).sqrt();
             let expected = (1e4_f64.ln() / decrement).min(0.2 * damped);
-            assert!((found.cycles - expected).abs() < 1.6, "{} {expected}", found.cycles);
+            assert!((found.cycles - expected).abs() < 2.1, "{} {expected}", found.cycles);
         }
     }
 }

@@ -100,16 +100,24 @@ fn stated_deviations_are_the_scatter() {
     }
 }
 
-/// Frequency and amplitude of the fundamental of the undamped oscillator `u'' = -w^2 u + c u^3` that
-/// swings to `amplitude`, by Gauss-Chebyshev quadrature of the period and the cosine sum of the motion
-/// over it.
-fn softening(omega: f64, cubic: f64, amplitude: f64) -> (f64, f64) {
+/// The undamped oscillator `u'' = -w^2 u + c u^3` that swings to an amplitude.
+#[derive(Debug, Clone, Copy)]
+struct Swing {
+    frequency_hz: f64,
+    /// Amplitude of the fundamental.
+    fundamental: f64,
+    mean_square_velocity: f64,
+}
+
+/// The swing to `amplitude`, by Gauss-Chebyshev quadrature of the period and the cosine sum of the
+/// motion over it.
+fn softening(omega: f64, cubic: f64, amplitude: f64) -> Swing {
     let speed = |angle: f64| {
         let square = 0.5 * amplitude * amplitude * (1.0 + angle.sin().powi(2));
         (omega * omega - cubic * square).sqrt()
     };
     let step = FRAC_PI_2 / POINTS as f64;
-    let (mut time, mut cosine) = (0.0, 0.0);
+    let (mut time, mut cosine, mut work) = (0.0, 0.0, 0.0);
     let whole: f64 = (0..POINTS).map(|k| step / speed((k as f64 + 0.5) * step)).sum();
     // From the turning point on: u = a cos(angle).
     for k in 0..POINTS {
@@ -118,14 +126,20 @@ fn softening(omega: f64, cubic: f64, amplitude: f64) -> (f64, f64) {
         time += 0.5 * passed;
         cosine += amplitude * angle.cos() * (FRAC_PI_2 * time / whole).cos() * passed;
         time += 0.5 * passed;
+        work += (amplitude * angle.cos()).powi(2) * speed(angle) * step;
     }
-    (0.25 / whole, 2.0 * cosine / whole)
+    Swing {
+        frequency_hz: 0.25 / whole,
+        fundamental: 2.0 * cosine / whole,
+        mean_square_velocity: work / whole,
+    }
 }
 
-/// Verified against the amplitude-frequency relation of the conservative oscillator (quadrature of
-/// its period), for a decay integrated in time: the frequency changes by 5 % along the decay, and is
-/// that of its amplitude within 3e-4; the damping ratio times the frequency is the decay rate within
-/// 3 %.
+/// Verified against the conservative oscillator, by quadrature of its period, for a decay integrated in
+/// time: the frequency changes by 5 % along the decay, and is that of its amplitude within 3e-4. The
+/// damping force `2 zeta w v` takes the energy `E = w^2 a^2 / 2 - c a^4 / 4` away, so that the turning
+/// point a decreases by `2 zeta w <v^2> / (dE/da)`, and the decay rate of the fundamental, up to 3 % above
+/// `zeta w`, is known within 0.5 %.
 #[test]
 fn a_softening_oscillator_has_its_backbone() {
     let (omega, damping, cubic) = (TAU * 200.0, 0.005, 0.15 * (TAU * 200.0_f64).powi(2));
@@ -135,22 +149,32 @@ fn a_softening_oscillator_has_its_backbone() {
     let found = FreeDecay::of(&samples, RATE, &options(198.0)).unwrap();
     assert!(found.is_one_mode(), "{:?}", found.beating);
     assert!(found.points.len() > 30);
-    let exact: Vec<(f64, f64)> =
-        (1..=120).map(|k| softening(omega, cubic, 0.01 * f64::from(k))).collect();
+    // Amplitude and frequency of the fundamental, and its decay rate.
+    let exact = |k: i32| {
+        let turning = 0.01 * f64::from(k);
+        let swing = |share: f64| softening(omega, cubic, share * turning);
+        let (here, below, above) = (swing(1.0), swing(0.999), swing(1.001));
+        let slope = (above.fundamental / below.fundamental).ln() / (0.002 * turning);
+        let force = omega * omega * turning - cubic * turning.powi(3);
+        let fall = 2.0 * damping * omega * here.mean_square_velocity / force;
+        [here.fundamental, here.frequency_hz, fall * slope]
+    };
+    let exact: Vec<[f64; 3]> = (1..=120).map(exact).collect();
     let relation = |amplitude: f64| {
-        let above = exact.iter().position(|(_, a)| *a >= amplitude).unwrap();
-        let ((f0, a0), (f1, a1)) =
-            if above == 0 { ((200.0, 0.0), exact[0]) } else { (exact[above - 1], exact[above]) };
-        f0 + (f1 - f0) * (amplitude - a0) / (a1 - a0)
+        let above = exact.iter().position(|known| known[0] >= amplitude).unwrap();
+        let start = [0.0, 200.0, damping * omega];
+        let (low, high) = (if above == 0 { start } else { exact[above - 1] }, exact[above]);
+        let share = (amplitude - low[0]) / (high[0] - low[0]);
+        [1, 2].map(|of| low[of] + share * (high[of] - low[of]))
     };
     let largest = found.points[0].point.amplitude;
     assert!(largest > 0.5, "{largest}");
-    assert!(relation(largest) < 0.985 * 200.0);
+    assert!(relation(largest)[0] < 0.985 * 200.0 && relation(largest)[1] > 1.015 * damping * omega);
     for one in &found.points {
         let point = one.point;
-        let expected = relation(point.amplitude);
-        assert!((point.frequency_hz / expected - 1.0).abs() < 3e-4, "{expected} {point:?}");
-        assert!((point.decay_rate / (damping * omega) - 1.0).abs() < 0.03, "{point:?}");
+        let [frequency_hz, decay_rate] = relation(point.amplitude);
+        assert!((point.frequency_hz / frequency_hz - 1.0).abs() < 3e-4, "{frequency_hz} {point:?}");
+        assert!((point.decay_rate / decay_rate - 1.0).abs() < 5e-3, "{decay_rate} {point:?}");
     }
 }
 
