@@ -129,7 +129,7 @@ fn measured_and_predicted_backbones_agree() {
         let hits = analyse(std::slice::from_ref(&path), &options).unwrap();
         let options = DecayOptions { responses, bands_hz: vec![band], ..DecayOptions::default() };
         let decays = analyse_decays(std::slice::from_ref(&path), &options).unwrap();
-        // `decay` knows no force, and begins at larger amplitudes: a stronger hit reaches them.
+        // `decay` is without a force and begins at larger amplitudes: a stronger hit reaches them.
         for (name, table, peak, tolerance) in [
             ("analyse", hits.responses[0].backbone_table().to_csv(), 32, 2e-4),
             ("decay", decays.backbone_table().to_csv(), 45, 4e-4),
