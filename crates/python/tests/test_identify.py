@@ -192,7 +192,7 @@ def test_an_exception_of_the_progress_function_stops_the_identification() -> Non
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of consoles only")
-def test_ctrl_c_stops_an_identification_within_a_second() -> None:
+def test_ctrl_c_stops_an_identification() -> None:
     program = textwrap.dedent(
         """
         import signal
@@ -213,15 +213,12 @@ def test_ctrl_c_stops_an_identification_within_a_second() -> None:
         assert process.stdout is not None
         assert process.stdout.readline() == "started\n"
         time.sleep(0.5)
-        sent = time.monotonic()
         process.send_signal(signal.SIGINT)
         try:
             answer = process.stdout.readline()
-            taken = time.monotonic() - sent
             process.communicate(timeout=60)
         except subprocess.TimeoutExpired:
             process.kill()
             raise
         assert answer == "stopped\n"
-        assert taken < 1.0
         assert process.returncode == 0
