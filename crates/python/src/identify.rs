@@ -5,18 +5,13 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use asperity_identify::{IdentificationError, IdentificationProblem, Work, identify as identified};
-use asperity_scenario::Document;
 use asperity_table::DataTable;
-use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyString};
+use pyo3::types::PyDict;
 use serde_json::Value;
 
 use crate::background::Watched;
 use crate::{background, columns, exception, json};
-
-/// File name that a text or a dict without a file has in messages.
-const UNNAMED: &str = "problem";
 
 /// An identification under way.
 struct Identification {
@@ -77,7 +72,8 @@ pub(crate) fn identify<'py>(
     folder: Option<PathBuf>,
     progress: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let document = document_of(problem, folder)?;
+    let accepted = "a path, JSON text or a dict";
+    let document = json::document_of(problem, folder, "problem", accepted)?;
     let problem = py
         .detach(|| IdentificationProblem::of(document))
         .map_err(|error| exception::of_identification(py, &error))?;
@@ -101,24 +97,4 @@ pub(crate) fn identify<'py>(
         dict.set_item(name, columns::of_table(py, table)?)?;
     }
     Ok(dict)
-}
-
-/// The document of a path, a text or a dict.
-fn document_of(source: &Bound<'_, PyAny>, folder: Option<PathBuf>) -> PyResult<Document> {
-    let name = folder.unwrap_or_default().join(UNNAMED);
-    let document = if source.is_instance_of::<PyDict>() {
-        Document::parse(&json::text_of(source)?, name)
-    } else if let Ok(text) = source.cast::<PyString>()
-        && text.to_cow()?.trim_start_matches('\u{feff}').trim_start().starts_with('{')
-    {
-        Document::parse(&text.to_cow()?, name)
-    } else if let Ok(path) = source.extract::<PathBuf>() {
-        Document::read(path)
-    } else {
-        return Err(PyTypeError::new_err(format!(
-            "a problem cannot be a {}; accepted: a path, JSON text or a dict",
-            source.get_type().name()?
-        )));
-    };
-    document.map_err(|error| exception::of_document(source.py(), &error))
 }

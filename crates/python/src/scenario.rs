@@ -9,9 +9,6 @@ use pyo3::types::{PyDict, PyString};
 
 use crate::{exception, json};
 
-/// File name that a text or a dict without a file has in messages.
-const UNNAMED: &str = "scenario";
-
 /// A valid scenario: one computation as a document.
 ///
 /// Parameters
@@ -50,26 +47,11 @@ impl PyScenario {
 
     /// The scenario of anything that the constructor accepts.
     pub(crate) fn of(source: &Bound<'_, PyAny>, folder: Option<PathBuf>) -> PyResult<Self> {
-        let py = source.py();
         if let Ok(scenario) = source.cast::<Self>() {
             return Ok(scenario.get().clone());
         }
-        let name = folder.unwrap_or_default().join(UNNAMED);
-        let document = if source.is_instance_of::<PyDict>() {
-            Document::parse(&json::text_of(source)?, name)
-        } else if let Ok(text) = source.cast::<PyString>()
-            && text.to_cow()?.trim_start_matches('\u{feff}').trim_start().starts_with('{')
-        {
-            Document::parse(&text.to_cow()?, name)
-        } else if let Ok(path) = source.extract::<PathBuf>() {
-            Document::read(path)
-        } else {
-            return Err(PyTypeError::new_err(format!(
-                "a scenario cannot be a {}; accepted: a path, JSON text, a dict or a Scenario",
-                source.get_type().name()?
-            )));
-        };
-        Self::checked(py, document.map_err(|error| exception::of_document(py, &error))?)
+        let accepted = "a path, JSON text, a dict or a Scenario";
+        Self::checked(source.py(), json::document_of(source, folder, "scenario", accepted)?)
     }
 }
 

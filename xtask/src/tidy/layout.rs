@@ -12,7 +12,7 @@ const MOST_LINES: usize = 600;
 const FEWEST_LINES: usize = 40;
 
 /// Shorter files, each with its reason.
-const SHORT: [(&str, &str); 13] = [
+const SHORT: [(&str, &str); 12] = [
     ("crates/asperity/src/prelude.rs", "a list of names"),
     ("crates/cli/src/command/completions.rs", "one command a file"),
     ("crates/cli/src/command/man.rs", "one command a file"),
@@ -22,7 +22,6 @@ const SHORT: [(&str, &str); 13] = [
     ("crates/dynamics/src/finite_difference/ledger.rs", "energy of the grid"),
     ("crates/dynamics/src/modal/friction_rows.rs", "rows of the step, apart from its tables"),
     ("crates/law/src/domain.rs", "used by all laws"),
-    ("crates/python/src/json.rs", "used by all documents"),
     ("crates/scenario/src/contact_damping.rs", "a public type of its own"),
     ("crates/scenario/src/validate/damping.rs", "one key of a scenario a file"),
     ("crates/structure/src/damping.rs", "a public type of its own"),
