@@ -28,6 +28,8 @@
 //! | `simulate` | many hits, tried again where a step or a table was too short |
 //! | `dense_output` | the motion between steps |
 //! | `energy` | the energy balance |
+//! | `linear_tail` | the rest of a ring-down, where the laws are straight |
+//! | `linear_system` | the small linear equations of the contacts |
 //! | `increasing_root` | a bracketed root, for contacts solved one by one |
 //! | `simd` | hits in the lanes of vectors |
 //! | `sensitivity` | derivatives of a hit with respect to parameters |
@@ -44,6 +46,8 @@ mod energy;
 mod fast_modes;
 mod friction_rows;
 mod increasing_root;
+mod linear_system;
+mod linear_tail;
 mod oscillator;
 mod sensitivity;
 mod simd;

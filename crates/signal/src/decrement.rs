@@ -92,17 +92,19 @@ pub(crate) fn decrement_of(
 ) -> Option<(LogarithmicDecrement, Vec<(f64, f64)>)> {
     let per_cycle = sample_rate_hz / frequency_hz;
     let valid = per_cycle.is_finite() && per_cycle >= 8.0 && frequency_hz > 0.0;
-    if !valid || samples.iter().any(|sample| !sample.is_finite()) {
+    // All samples whatever the first is, which compiles to vectors.
+    if !valid || !samples.iter().fold(true, |all, sample| all & sample.is_finite()) {
         return None;
     }
     let extrema = alternating_extrema(samples, start, per_cycle);
-    let heights = heights(&extrema);
+    let heights = extrema.windows(2).map(|pair| (pair[0].value - pair[1].value).abs().ln());
+    let heights: Vec<f64> = heights.collect();
     if heights.len() < FEWEST {
         return None;
     }
     let (slope, scatter) = fitted_line(&heights);
     let decrement = -2.0 * slope;
-    let times: Vec<f64> = extrema[..=heights.len()].iter().map(|e| e.time).collect();
+    let times: Vec<f64> = extrema.iter().map(|extremum| extremum.time).collect();
     let (half_cycle, _) = fitted_line(&times);
     let square = 4.0 * PI * PI + decrement * decrement;
     // The slope of a line is the sum of (k - c) y_k over that of (k - c)^2.
@@ -134,12 +136,14 @@ struct Extremum {
     is_maximum: bool,
 }
 
-/// Extrema that follow each other half a cycle apart, from a quarter of a cycle after `start` on.
+/// Extrema that follow each other half a cycle apart, from a quarter of a cycle after `start` on and
+/// down to the floor.
 fn alternating_extrema(samples: &[f64], start: f64, per_cycle: f64) -> Vec<Extremum> {
     // At least two, with eight samples a cycle.
     let quarter = (0.25 * per_cycle) as usize;
     let first = start + 0.25 * per_cycle;
     let mut extrema: Vec<Extremum> = Vec::new();
+    let mut floor = f64::MIN_POSITIVE;
     for n in quarter..samples.len().saturating_sub(quarter) {
         let Some(extremum) = extremum_at(samples, n, quarter) else {
             continue;
@@ -151,8 +155,12 @@ fn alternating_extrema(samples: &[f64], start: f64, per_cycle: f64) -> Vec<Extre
         if let Some(last) = extrema.last() {
             let spacing = (extremum.time - last.time) / per_cycle;
             let follows = last.is_maximum != extremum.is_maximum && (0.3..0.7).contains(&spacing);
-            if !follows {
+            let height = (last.value - extremum.value).abs();
+            if !(follows && height >= floor && height.is_finite()) {
                 break;
+            }
+            if extrema.len() == 1 {
+                floor = floor.max(FLOOR * height);
             }
         }
         extrema.push(extremum);
@@ -175,21 +183,4 @@ fn extremum_at(samples: &[f64], n: usize, quarter: usize) -> Option<Extremum> {
     }
     let (shift, value) = quartic_vertex([samples[n - 2], before, here, after, samples[n + 2]])?;
     Some(Extremum { time: n as f64 + shift, value, is_maximum })
-}
-
-/// `ln |u_k - u_{k+1}|` down to the floor.
-fn heights(extrema: &[Extremum]) -> Vec<f64> {
-    let heights = extrema.windows(2).map(|pair| (pair[0].value - pair[1].value).abs());
-    let mut kept = Vec::new();
-    let mut floor = f64::MIN_POSITIVE;
-    for height in heights {
-        if !(height >= floor && height.is_finite()) {
-            break;
-        }
-        if kept.is_empty() {
-            floor = floor.max(FLOOR * height);
-        }
-        kept.push(height.ln());
-    }
-    kept
 }

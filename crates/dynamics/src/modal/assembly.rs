@@ -10,6 +10,8 @@ use asperity_structure::{Guide, PreloadedContact, PreloadedStructure};
 use super::damped_table::{DampedTable, stiffness_in_step};
 use super::drive::DriveForce;
 use super::friction_rows::with_guides_as_pairs;
+use super::linear_tail::LinearTail;
+use super::simd::decimation::Decimation;
 use super::simd::table_lookup::TableRow;
 use super::step_model::{InterpolationChoice, StepModel};
 use crate::DynamicsError;
@@ -28,8 +30,9 @@ const TOLERANCES: [f64; 3] = [1.0, 10.0, 100.0];
 /// Most interfaces that the vector kernel couples.
 pub(super) const MOST_INTERFACES: usize = 16;
 
-/// Entries of the cache beyond which it is emptied.
+/// Entries of the caches beyond which they are emptied.
 const MOST_TABULATED: usize = 64;
+const MOST_TAILS: usize = 8;
 
 /// A preloaded structure in component modes, with what its steps need.
 ///
@@ -55,6 +58,7 @@ pub(super) struct TabulatedModel {
     pub(super) tolerances: Vec<f64>,
     /// Of every contact if one is damped or there is friction, else none.
     pub(super) damped: Vec<DampedTable>,
+    tails: Mutex<Vec<Arc<LinearTail>>>,
 }
 
 /// Table of a guide, where there is no pressure, and its cells per metre.
@@ -76,6 +80,25 @@ impl TabulatedModel {
     /// The cell of row `i` that begins at rest.
     pub(super) fn cell_at_rest(&self, i: usize) -> f64 {
         self.tables.get(i).map_or(0.0, |table| table.scales()[1].offset)
+    }
+
+    /// The rest of responses of `steps` steps after the first `from`; none if it is not worth its
+    /// preparation.
+    pub(super) fn linear_tail(
+        &self,
+        (from, steps): (usize, usize),
+        decimation: &Arc<Decimation>,
+    ) -> Option<Arc<LinearTail>> {
+        let mut tails = self.tails.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(known) = tails.iter().find(|tail| tail.is_of((from, steps), decimation)) {
+            return Some(Arc::clone(known));
+        }
+        let tail = Arc::new(LinearTail::new(self, (from, steps), decimation)?);
+        if tails.len() >= MOST_TAILS {
+            tails.clear();
+        }
+        tails.push(Arc::clone(&tail));
+        Some(tail)
     }
 }
 
@@ -214,7 +237,13 @@ impl ModalModel {
         } else {
             Vec::new()
         };
-        let prepared = Arc::new(TabulatedModel { step_model, tables, tolerances, damped });
+        let prepared = Arc::new(TabulatedModel {
+            step_model,
+            tables,
+            tolerances,
+            damped,
+            tails: Mutex::default(),
+        });
         if cache.len() >= MOST_TABULATED {
             cache.clear();
         }
@@ -272,11 +301,18 @@ pub(super) struct PreparedHit {
     /// Force of unit peak step by step, shared by hits of one shape, and the factor on it.
     pub(super) drive: Arc<DriveForce>,
     pub(super) amplitude: f64,
-    /// Steps to take.
+    /// Steps of the response.
     pub(super) steps: usize,
+    /// The last of them in closed form; none where all are integrated.
+    pub(super) tail: Option<Arc<LinearTail>>,
 }
 
 impl PreparedHit {
+    /// Steps to integrate.
+    pub(super) fn integrated(&self) -> usize {
+        self.tail.as_ref().map_or(self.steps, |tail| tail.from)
+    }
+
     /// Closure increment \[m\] at and below which contact `i` is lost; -inf if it never separates, and
     /// for a guide.
     pub(super) fn open_below(&self, i: usize) -> f64 {

@@ -5,7 +5,7 @@ use super::simd::integrate::Outcome;
 use crate::EnergyLedger;
 use crate::contact_energy::excess;
 
-/// The ledger of a finished hit.
+/// The ledger of a finished hit at the end of the steps that were integrated.
 ///
 /// Velocities at the end come from the last five states to fourth order. The elastic energy is
 /// that of the modes and, half force times displacement, of the residual flexibility.
@@ -25,7 +25,7 @@ pub(super) fn ledger(hit: &PreparedHit, outcome: &Outcome) -> EnergyLedger {
     }
     let contacts = hit.model.contacts();
     let residual = &model.residual;
-    let drive = hit.amplitude * hit.drive.end.get(hit.steps - 1).copied().unwrap_or(0.0);
+    let drive = hit.amplitude * hit.drive.end.get(hit.integrated() - 1).copied().unwrap_or(0.0);
     let force = |i: usize| hit.model.area(i) * outcome.row_tractions[i];
     ledger.elastic += 0.5 * residual.driving_point * drive * drive;
     for (i, contact) in contacts.iter().enumerate() {

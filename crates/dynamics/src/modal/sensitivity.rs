@@ -34,7 +34,6 @@ mod contact_equations;
 mod extreme;
 mod friction_element;
 mod law_derivative;
-mod linear_system;
 mod motion;
 mod step_inputs;
 

@@ -10,6 +10,7 @@ use super::assembly::PreparedHit;
 use super::dense_output::history;
 use super::drive::DriveForce;
 use super::energy::ledger;
+use super::linear_tail;
 use super::simd::block::CHUNK;
 use super::simd::decimation::Decimation;
 use super::simd::integrate::{BlockRun, Outcome, Recording, RunEnd, room};
@@ -48,6 +49,8 @@ struct Settings {
     /// Each contact's table ends at `2^exponent` \[Pa\] above rest.
     table_exponents: Vec<i32>,
     interpolation: InterpolationChoice,
+    /// False once the rest of the response was found not to be linear.
+    may_end_linearly: bool,
 }
 
 /// Doublings of the tabulated pressures before a hit is given up; and before pressures with the
@@ -204,10 +207,20 @@ fn first_table_exponents(hit: &HitSimulation) -> Vec<i32> {
 }
 
 impl Settings {
-    /// The first settings of a hit at its first step, halved so often.
-    fn first(hit: &HitSimulation, halvings: u32) -> Self {
-        let table_exponents = first_table_exponents(hit);
-        Self { halvings, table_exponents, interpolation: InterpolationChoice::default() }
+    /// The first settings of a hit at its first step.
+    fn first(hit: &HitSimulation) -> Self {
+        Self {
+            halvings: 0,
+            table_exponents: first_table_exponents(hit),
+            interpolation: InterpolationChoice::default(),
+            may_end_linearly: true,
+        }
+    }
+
+    /// The first settings at half the step.
+    fn halved(&self, hit: &HitSimulation) -> Self {
+        let may_end_linearly = self.may_end_linearly;
+        Self { halvings: self.halvings + 1, may_end_linearly, ..Self::first(hit) }
     }
 
     /// These settings with the tables of more pressures, after a pressure beyond them; none after
@@ -247,7 +260,7 @@ impl Attempt {
     ) -> Result<Self, DynamicsError> {
         hit.excitation.check()?;
         let resolution = Resolution::first(hit)?;
-        Self::at(index, hit, resolution, Settings::first(hit, 0), shapes, decimation)
+        Self::at(index, hit, resolution, Settings::first(hit), shapes, decimation)
     }
 
     fn at(
@@ -262,9 +275,13 @@ impl Attempt {
         let (drive, amplitude) = shapes.drive_force(&hit.excitation, step, steps);
         let tabulated =
             hit.model.prepare(step, &settings.table_exponents, settings.interpolation)?;
-        let lane =
-            PreparedHit { model: Arc::clone(&hit.model), tabulated, drive, amplitude, steps };
-        Ok(Self { index, lane, settings, decimation: decimation(index, step) })
+        let decimation = decimation(index, step);
+        let start = || linear_tail::start(&hit.model, &drive, step, steps);
+        let tail = settings.may_end_linearly.then(start).flatten();
+        let tail = tail.and_then(|from| tabulated.linear_tail((from, steps), &decimation));
+        let model = Arc::clone(&hit.model);
+        let lane = PreparedHit { model, tabulated, drive, amplitude, steps, tail };
+        Ok(Self { index, lane, settings, decimation })
     }
 
     /// Orders attempts so that those that can be integrated together are neighbours; among them,
@@ -272,7 +289,8 @@ impl Attempt {
     fn batch_order(&self, other: &Self) -> Ordering {
         let key = |attempt: &Self| {
             let model = &attempt.lane.tabulated.step_model;
-            let size = (attempt.lane.steps, model.modes.len(), attempt.lane.model.rows());
+            let lane = &attempt.lane;
+            let size = (lane.steps, lane.integrated(), model.modes.len(), lane.model.rows());
             (
                 size,
                 attempt.lane.model.is_dissipative(),
@@ -314,9 +332,15 @@ impl Attempt {
                 if let Some(i) = not_finite(&self.lane, outcome) {
                     (i, self.lane.steps)
                 } else {
-                    let residual = ledger(&self.lane, outcome).residual_relative();
+                    let energy = ledger(&self.lane, outcome);
+                    let residual = energy.residual_relative();
                     if may_halve && Resolution::too_coarse(residual) {
-                        return at(Settings::first(hit, self.settings.halvings + 1)).map(Some);
+                        return at(self.settings.halved(hit)).map(Some);
+                    }
+                    let ends_linearly = self.lane.tail.is_some();
+                    if ends_linearly && !linear_tail::is_straight(&self.lane, outcome, &energy) {
+                        let whole = Settings { may_end_linearly: false, ..self.settings.clone() };
+                        return at(whole).map(Some);
                     }
                     balanced(residual, self.lane.tabulated.step_model.step, "step")?;
                     return Ok(None);
@@ -332,11 +356,12 @@ impl Attempt {
             Some(next) => return next.map(Some),
         }
         if self.settings.interpolation == InterpolationChoice::HighestOrder {
+            let Settings { halvings, may_end_linearly, .. } = self.settings;
             let interpolation = InterpolationChoice::Average;
-            let first = Settings::first(hit, self.settings.halvings);
-            at(Settings { interpolation, ..first }).map(Some)
+            let first = Settings::first(hit);
+            at(Settings { halvings, interpolation, may_end_linearly, ..first }).map(Some)
         } else if may_halve {
-            at(Settings::first(hit, self.settings.halvings + 1)).map(Some)
+            at(self.settings.halved(hit)).map(Some)
         } else {
             Err(unstable(time, i))
         }
@@ -346,6 +371,7 @@ impl Attempt {
         HitResponse {
             step: self.lane.tabulated.step_model.step,
             steps: self.lane.steps,
+            integrated_steps: self.lane.integrated(),
             modes: self.lane.tabulated.step_model.modes.len(),
             decimation: Arc::clone(&self.decimation),
             contacts: contact_extremes(&self.lane, &outcome),

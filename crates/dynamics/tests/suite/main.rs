@@ -15,6 +15,7 @@ mod friction;
 mod instruction_sets;
 mod interface_waves;
 mod invalid_settings;
+mod linear_tail;
 mod modal_batch;
 mod modal_exact;
 mod modal_limits;

@@ -10,10 +10,10 @@
 //! the traction of its element too; that of a guide has no other.
 
 use super::friction_element::FrictionElement;
-use super::linear_system::Factors;
 use crate::modal::assembly::ModalModel;
 use crate::modal::damped_table::RATE;
 use crate::modal::increasing_root::increasing_root;
+use crate::modal::linear_system::Factors;
 use crate::modal::simd::block::PAST;
 use asperity_law::Pressure;
 use asperity_structure::PreloadedContact;

@@ -151,6 +151,7 @@ impl BlockRun<'_> {
             reached += count;
             run.end(simd, reached, count);
         }
+        run.finish_samples();
         run.outcomes()
     }
 }

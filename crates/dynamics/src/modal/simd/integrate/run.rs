@@ -4,6 +4,8 @@ use pulp::Simd;
 
 use super::{ContactOutcome, LAST_STATES, Outcome, Recording, RunEnd};
 use crate::modal::assembly::PreparedHit;
+use crate::modal::linear_tail::carried;
+use crate::modal::oscillator::NODES;
 use crate::modal::simd::block::{
     Block, CHUNK, Coefficient, Drive, Numbers, PAST, Pair, Step, lane_of, total_work,
 };
@@ -23,7 +25,11 @@ pub(super) struct Run<'a, S: Simd, C, const N: usize> {
     chunks: usize,
     ends: Vec<RunEnd>,
     states: Vec<[Numbers<S>; LAST_STATES]>,
+    /// The finished samples of each lane.
+    samples: Vec<Vec<f64>>,
+    /// Steps to integrate, and those of the whole response.
     pub(super) steps: usize,
+    all_steps: usize,
 }
 
 /// Everything of one lane, step by step.
@@ -38,15 +44,15 @@ impl<'a, S: TableLookup, C: Coefficient<S>, const N: usize> Run<'a, S, C, N> {
     #[inline(always)]
     pub(super) fn new(simd: S, lanes: &[&'a PreparedHit], recording: Recording<'_>) -> Self {
         let block = Block::new(simd, lanes);
-        let steps = lanes.first().map_or(0, |lane| lane.steps);
+        let steps = lanes.first().map_or(0, |lane| lane.integrated());
+        let all_steps = lanes.first().map_or(0, |lane| lane.steps);
         let zero = Pair(simd).splat(0.0);
         let rest = Step { pressure: [zero; N], closure: [zero; N], output: zero };
         let mut decimator = None;
         let mut recorded = Vec::new();
         match recording {
             Recording::Decimated(decimation) => {
-                // The state at the very end is beyond the samples.
-                decimator = Some(DecimationState::new(simd, decimation, steps));
+                decimator = Some(DecimationState::new(simd, decimation, all_steps));
             }
             Recording::EveryStep => {
                 let column = || {
@@ -70,7 +76,9 @@ impl<'a, S: TableLookup, C: Coefficient<S>, const N: usize> Run<'a, S, C, N> {
             chunks: 0,
             ends: lanes.iter().map(|_| RunEnd::Done).collect(),
             states: vec![[zero; LAST_STATES]; block.modes.len()],
+            samples: Vec::new(),
             steps,
+            all_steps,
             block,
         }
     }
@@ -120,7 +128,8 @@ impl<'a, S: TableLookup, C: Coefficient<S>, const N: usize> Run<'a, S, C, N> {
         let chunk = &self.chunk[PAST..PAST + count];
         self.extremes.take(simd, chunk);
         if let Some(decimator) = &mut self.decimator {
-            let samples = count - usize::from(reached == self.steps);
+            // The state at the very end is beyond the samples.
+            let samples = count - usize::from(reached == self.all_steps);
             decimator.take(simd, &chunk[..samples]);
         }
         if self.steps - reached < LAST_STATES {
@@ -160,8 +169,24 @@ impl<'a, S: TableLookup, C: Coefficient<S>, const N: usize> Run<'a, S, C, N> {
         }
     }
 
+    /// Finishes the samples of each lane, with the rest of a response in closed form.
+    #[inline(always)]
+    pub(super) fn finish_samples(&mut self) {
+        self.samples = self.decimator.take().map(DecimationState::finish).unwrap_or_default();
+        for (lane, samples) in self.samples.iter_mut().enumerate() {
+            let Some(hit) = self.block.lanes[lane] else { continue };
+            let Some(tail) = &hit.tail else { continue };
+            let of = |numbers: &Numbers<S>| lane_of::<S>(numbers, lane);
+            let mut state = Vec::with_capacity(self.block.modes.len() * (NODES + 1));
+            for (mode, model) in self.block.modes.iter().zip(&hit.tabulated.step_model.modes) {
+                state.extend([of(&mode.predicted), of(&mode.predicted_increment)]);
+                state.extend(mode.carry[..carried(model)].iter().map(of));
+            }
+            tail.add_to(samples, &state);
+        }
+    }
+
     pub(super) fn outcomes(mut self) -> Vec<Outcome> {
-        let mut decimated = self.decimator.take().map(DecimationState::finish).unwrap_or_default();
         let mut recorded = std::mem::take(&mut self.recorded);
         // The newest step is the last of those before the next chunk.
         let newest = &self.chunk[PAST - 1];
@@ -172,9 +197,11 @@ impl<'a, S: TableLookup, C: Coefficient<S>, const N: usize> Run<'a, S, C, N> {
             let contacts = hit.tabulated.tables.iter().enumerate().map(|(i, table)| {
                 let contact = &self.block.contacts[i];
                 let per_metre = table.scales()[1].cells_per_metre;
+                // Where the law counts as straight, its stiffness is that at rest.
+                let rest = (self.all_steps - self.steps) as f64 * table.get_with_tangent(0.0).1;
                 ContactOutcome {
                     extremes: self.extremes.extremes(i, lane).scaled(1.0 / per_metre),
-                    stiffness: of(&contact.stiffness) * per_metre / self.steps as f64,
+                    stiffness: (of(&contact.stiffness) * per_metre + rest) / self.all_steps as f64,
                     loss: self
                         .block
                         .dampers
@@ -207,7 +234,7 @@ impl<'a, S: TableLookup, C: Coefficient<S>, const N: usize> Run<'a, S, C, N> {
                 row_tractions: rows.map(|i| of(&newest.pressure[i])).collect(),
                 friction_stored,
                 friction_loss,
-                displacement: match decimated.get_mut(lane) {
+                displacement: match self.samples.get_mut(lane) {
                     Some(samples) => std::mem::take(samples),
                     None => columns.displacement,
                 },

@@ -1,0 +1,150 @@
+//! The rest of a ring-down in closed form, against all of its steps.
+
+use std::sync::Arc;
+
+use crate::support::{DISC, constant, every_law, modified, pulse, rig, rig_on, three_bodies};
+use asperity_dynamics::{
+    Batch, Decimation, Excitation, HitResponse, HitSimulation, ModalModel, Sampling, Transient,
+};
+use asperity_mesh::{BodyDamping, ModeCount, Stack, Support};
+use asperity_structure::{Damping, PreloadedStructure};
+
+const DURATION: f64 = 0.12;
+
+fn hit(
+    stack: &Stack,
+    damping: Damping,
+    excitation: Excitation,
+    step: Option<f64>,
+) -> HitSimulation {
+    let structure = PreloadedStructure::new(stack.clone(), damping).unwrap();
+    let rig = ModalModel::new(structure.reduced(ModeCount::PerBody(3)).unwrap()).unwrap();
+    HitSimulation { model: Arc::new(rig), excitation, duration: DURATION, step }
+}
+
+fn filter(factor: usize, length: usize) -> Arc<Decimation> {
+    let tap = |l: usize| (0.2 * l as f64).cos() / length as f64;
+    Arc::new(Decimation { factor, taps: (0..length).map(tap).collect() })
+}
+
+fn respond(hit: &HitSimulation, decimation: &Arc<Decimation>) -> HitResponse {
+    let mut records =
+        Batch::default().run(std::slice::from_ref(hit), &|_, _| Arc::clone(decimation));
+    records.swap_remove(0).unwrap()
+}
+
+/// Every step of the hit.
+fn whole(hit: &HitSimulation, record: &HitResponse) -> Transient {
+    let sampling = Sampling::new(DURATION, 1.0 / record.step).unwrap();
+    Batch::default().transient(hit, &sampling).unwrap()
+}
+
+/// Largest difference between a record and the filtered displacement of all steps, over its peak.
+fn departure(record: &HitResponse, all: &[f64]) -> f64 {
+    let Decimation { factor, taps } = &*record.decimation;
+    let filtered = |j: usize| -> f64 {
+        let past = taps.iter().enumerate().map(|(l, tap)| {
+            let step = (j * factor).checked_sub(l).filter(|step| *step < record.steps);
+            step.map_or(0.0, |step| tap * all[step])
+        });
+        past.sum()
+    };
+    let expected: Vec<f64> = (0..record.displacement.len()).map(filtered).collect();
+    let peak = expected.iter().fold(0.0_f64, |most, u| most.max(u.abs()));
+    let pairs = record.displacement.iter().zip(&expected);
+    pairs.map(|(found, exact)| (found - exact).abs()).fold(0.0, f64::max) / peak
+}
+
+/// A law that is straight: both are the same numbers but for rounding, for filters that are longer
+/// and shorter than the factor, and at the end of the response, where the motion is not yet zero.
+#[test]
+fn of_a_straight_law_it_is_exact() {
+    let rigs = [
+        hit(&rig(&constant()), Damping::Ratio(0.035), pulse(20.0), None),
+        hit(&rig_on(&constant(), DISC), Damping::Ratio(0.03), pulse(20.0), Some(2e-5)),
+    ];
+    for hit in rigs {
+        for (factor, length) in [(8, 96), (1, 1), (7, 3), (3, 200), (40, 96)] {
+            let record = respond(&hit, &filter(factor, length));
+            assert!(record.integrated_steps < record.steps * 4 / 5);
+            let all = whole(&hit, &record);
+            assert_eq!((record.step, record.steps), (all.step, all.steps));
+            let off = departure(&record, &all.history.displacement);
+            // Rounding of the steps: found 1e-11 at most.
+            assert!(off < 1e-10, "{factor} {length}: {off:.1e}");
+            let [found, exact] =
+                [&record.contacts, &all.contacts].map(|contacts| contacts[0].stiffness_average);
+            assert!((found / exact - 1.0).abs() < 1e-12);
+        }
+    }
+}
+
+/// Every law, several dampings and hits: within the bound, and extremes and averages with it.
+#[test]
+fn of_every_law_it_is_within_its_bound() {
+    let decimation = filter(8, 96);
+    let (mut closed, mut count) = (0, 0);
+    for (name, law) in every_law() {
+        for ratio in [0.01, 0.035, 0.1] {
+            for peak in [0.5, 9.0, 32.0] {
+                let hit = hit(&rig(&law), Damping::Ratio(ratio), pulse(peak), None);
+                let record = respond(&hit, &decimation);
+                count += 1;
+                let all = whole(&hit, &record);
+                if record.integrated_steps == record.steps {
+                    assert_eq!(record.contacts, all.contacts);
+                    continue;
+                }
+                closed += 1;
+                let off = departure(&record, &all.history.displacement);
+                assert!(off < 1e-6, "{name}, {ratio}, {peak} N: {off:.1e}");
+                for (found, exact) in record.contacts.iter().zip(&all.contacts) {
+                    assert_eq!(found.pressure_min, exact.pressure_min);
+                    assert_eq!(found.pressure_max, exact.pressure_max);
+                    assert_eq!(found.lost, exact.lost);
+                    // In the table a tangent is less exact than the pressure.
+                    let average = found.stiffness_average / exact.stiffness_average - 1.0;
+                    assert!(average.abs() < 1e-5, "{name}, {ratio}, {peak} N: {average:.1e}");
+                }
+                assert!(record.energy.residual_relative() < 5e-4);
+            }
+        }
+    }
+    // All but those of little damping and those that bounce to the end.
+    assert!(closed > count / 2, "{closed} of {count}");
+}
+
+/// Damping of a body besides, and several bodies.
+#[test]
+fn structures_with_damped_bodies_end_in_it_too() {
+    let decimation = filter(5, 64);
+    let kelvin = BodyDamping::kelvin_voigt(2e-7).unwrap();
+    let stack = rig_on(&modified(), DISC);
+    let bodies = stack.bodies().iter().map(|body| body.clone().with_damping(kelvin));
+    let contacts = stack.interfaces().to_vec();
+    let damped = Stack::new(bodies.collect(), contacts, *stack.support(), stack.gravity()).unwrap();
+    for stack in [three_bodies(Support::Rigid), damped] {
+        let hit = hit(&stack, Damping::Ratio(0.05), pulse(4.0), None);
+        let record = respond(&hit, &decimation);
+        assert!(record.integrated_steps < record.steps, "{}", record.steps);
+        let off = departure(&record, &whole(&hit, &record).history.displacement);
+        assert!(off < 1e-6, "{off:.1e}");
+    }
+}
+
+/// What has too little damping, or bounces for long, or is driven for ever, has no such rest.
+#[test]
+fn other_responses_are_integrated_to_their_end() {
+    let decimation = filter(8, 96);
+    let sine = Excitation::Harmonic { amplitude: 1.0, frequency: 700.0 };
+    let hits = [
+        hit(&rig(&modified()), Damping::Ratio(0.001), pulse(9.0), None),
+        hit(&rig(&modified()), Damping::Ratio(0.015), pulse(2000.0), None),
+        hit(&rig(&modified()), Damping::Ratio(0.035), sine, None),
+    ];
+    for hit in hits {
+        let record = respond(&hit, &decimation);
+        assert_eq!(record.integrated_steps, record.steps);
+        assert_eq!(record.contacts, whole(&hit, &record).contacts);
+    }
+}
