@@ -1,9 +1,13 @@
-"""The program of the book's page about Python, and the notebooks."""
+"""The programs of the book's pages about Python, and the notebooks."""
 
 from __future__ import annotations
 
+import ast
+import importlib.util
 import json
+import os
 import re
+import shutil
 from pathlib import Path
 from typing import Any
 
@@ -11,19 +15,84 @@ import pytest
 
 from conftest import ROOT, SCENARIOS
 
-PAGE = ROOT / "docs" / "src" / "how-to" / "use-python.md"
+BOOK = ROOT / "docs" / "src"
+OVERVIEW = BOOK / "how-to" / "use-python.md"
+PAGES = sorted((BOOK / "python").glob("*.md"))
+
+#: Fixtures that the pages use.
+FIXTURES = ("problems", "reference/measure", "scenarios")
+
+#: A page's program, each block with the number of its first line.
+Blocks = list[tuple[int, str]]
 
 
-def test_the_page_about_python_runs(
+def blocks_of(page: Path) -> Blocks:
+    """The blocks of Python on a page."""
+    text = page.read_text(encoding="utf-8")
+    found = re.finditer(r"^```python\n(.*?)^```$", text, re.M | re.S)
+    return [(text.count("\n", 0, block.start(1)), block.group(1)) for block in found]
+
+
+def imported(block: str) -> set[str]:
+    """The packages that a block imports."""
+    found = set()
+    for node in ast.walk(ast.parse(block)):
+        if isinstance(node, ast.Import):
+            found |= {alias.name.partition(".")[0] for alias in node.names}
+        elif isinstance(node, ast.ImportFrom) and node.module is not None:
+            found.add(node.module.partition(".")[0])
+    return found
+
+
+def run(page: Path, blocks: Blocks) -> list[str]:
+    """Runs the blocks in their order as one program; returns the packages that are missing here,
+    whose blocks are left out."""
+    names: dict[str, Any] = {"__name__": page.stem}
+    missing = []
+    for lines, block in blocks:
+        absent = [name for name in imported(block) if importlib.util.find_spec(name) is None]
+        missing += absent
+        if not absent:
+            # Empty lines before the block: a traceback has the lines of the page.
+            exec(compile("\n" * lines + block, str(page), "exec"), names)
+    return sorted(set(missing))
+
+
+def test_the_overview_runs(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    blocks = re.findall(r"^```python\n(.*?)^```$", PAGE.read_text(encoding="utf-8"), re.M | re.S)
+    blocks = blocks_of(OVERVIEW)
     assert len(blocks) > 5
     monkeypatch.chdir(Path(SCENARIOS))
-    names: dict[str, Any] = {}
-    for block in blocks:
-        exec(compile(block, PAGE.name, "exec"), names)
+    assert run(OVERVIEW, blocks) == []
     assert "/excitation/peak" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+def test_a_page_runs(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    blocks = blocks_of(page)
+    assert blocks
+    if any("subprocess" in imported(block) for _, block in blocks):
+        command = os.environ.get("ASPERITY_COMMAND")
+        if not command:
+            pytest.skip("ASPERITY_COMMAND does not name the command asperity")
+        folders = [str(Path(command).parent), os.environ["PATH"]]
+        monkeypatch.setenv("PATH", os.pathsep.join(folders))
+    # A page starts at the root of a checkout: here a copy, so that the files it writes stay in it.
+    for folder in FIXTURES:
+        shutil.copytree(ROOT / "fixtures" / folder, tmp_path / "fixtures" / folder)
+    monkeypatch.chdir(tmp_path)
+    missing = run(page, blocks)
+    if missing:
+        pytest.skip(f"all blocks ran but those that import {', '.join(missing)}")
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+def test_a_page_and_its_original_lead_to_each_other(page: Path) -> None:
+    originals = [BOOK / folder / page.name for folder in ("tutorial", "how-to")]
+    (original,) = (path for path in originals if path.exists())
+    assert f"../{original.parent.name}/{page.name}" in page.read_text(encoding="utf-8")
+    assert f"../python/{page.name}" in original.read_text(encoding="utf-8")
 
 
 def test_notebooks_are_kept_without_outputs() -> None:
