@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use serde_json::Value;
 
 use crate::analysed_hits::{AnalysedHits, analysed_hits, read_analysis};
-use crate::data_files;
+use crate::data_files::{self, TableSource};
 use crate::error::IdentificationError;
 use crate::observed_quantity::ObservedQuantity;
 use crate::problem::{AnalysisRef, DataSpec, SpreadSpec};
@@ -113,14 +113,14 @@ impl Loader<'_> {
             }
             DataSpec::Frf { file, hit, band_hz, spread, points, .. } => {
                 check_band(&place, *band_hz)?;
-                let path = self.folder.join(file);
-                let lines = data_files::frf(&path, *band_hz, *points)?;
+                let table = TableSource::new(&place, self.folder, file);
+                let lines = data_files::frf(&table, *band_hz, *points)?;
                 let simulated = self.add_hit(&place, &name, &[&hit.set], hit.force_peak_n)?;
                 self.receptance(&place, &name, simulated, &lines, |_| *spread)
             }
             DataSpec::Backbone { file, index, hit, spread, damping_spread, .. } => {
-                let path = self.folder.join(file);
-                let points = data_files::backbone(&path, *index, damping_spread.is_some())?;
+                let table = TableSource::new(&place, self.folder, file);
+                let points = data_files::backbone(&table, *index, damping_spread.is_some())?;
                 let simulated = self.add_hit(&place, &name, &[&hit.set], hit.force_peak_n)?;
                 self.backbone(&place, &name, simulated, &points, (*spread, *damping_spread))
             }
@@ -138,7 +138,7 @@ impl Loader<'_> {
                 Ok(())
             }
             DataSpec::SteppedSine { file, set, spread, phase_spread_rad, harmonics, .. } => {
-                let rows = read_table(&self.folder.join(file))?;
+                let rows = read_table(&TableSource::new(&place, self.folder, file))?;
                 self.stepped_sine(
                     &place,
                     &name,

@@ -17,7 +17,8 @@ use serde_json::{Map, Value};
 use asperity_scenario::schema_of;
 
 pub use data::{
-    AnalysisRef, DataSpec, HitConditionsSpec, HitSpec, Measured, SpreadSpec, Uncertain,
+    AnalysisRef, Cell, DataSpec, HitConditionsSpec, HitSpec, Measured, SpreadSpec, TableRef,
+    Uncertain,
 };
 pub use parameter::{
     ChannelSpec, LogNormalSpec, ParameterSpec, PriorSpec, ScaleSpec, SlopeSmoothness,

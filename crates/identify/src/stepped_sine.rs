@@ -1,7 +1,5 @@
 //! Steady responses to a shaker at stepped frequencies, by harmonic balance.
 
-use std::path::Path;
-
 use asperity_dynamics::{STENCIL, central_difference};
 use asperity_harmonic::{
     ContactSystem, Drive, LawEvaluation, SineResponse, SineVariation, SteppedSine,
@@ -9,7 +7,7 @@ use asperity_harmonic::{
 use asperity_signal::Complex64;
 use rayon::prelude::*;
 
-use crate::data_files::{columns_of, problem};
+use crate::data_files::TableSource;
 use crate::error::IdentificationError;
 use crate::hit::PreparedRig;
 use crate::problem_parameters::{Gains, Sensors};
@@ -33,10 +31,10 @@ pub(super) struct SteppedRow {
 }
 
 /// The rows of a table, in its order.
-pub(super) fn read_table(path: &Path) -> Result<Vec<SteppedRow>, IdentificationError> {
+pub(super) fn read_table(source: &TableSource<'_>) -> Result<Vec<SteppedRow>, IdentificationError> {
     const EXPECTED: &str = "the columns frequency_hz, force_n, amplitude_m or amplitude_m_per_s2, \
                             and optionally phase_rad or phase_deg, and level";
-    let table = |names: &[&[&str]; 3]| columns_of(path, names, EXPECTED);
+    let table = |names: &[&[&str]; 3]| source.columns(names, EXPECTED);
     let common = [&["frequency_hz"][..], &["force_n"]];
     let with = |last: &'static [&'static str]| table(&[common[0], common[1], last]);
     let (rows, is_acceleration) = match with(&["amplitude_m"]) {
@@ -62,7 +60,7 @@ pub(super) fn read_table(path: &Path) -> Result<Vec<SteppedRow>, IdentificationE
                 "row {}: frequency {frequency_hz}, force {force_n}, amplitude {amplitude}",
                 i + 1
             );
-            return Err(problem(path, text, "positive numbers"));
+            return Err(source.problem(text, "positive numbers"));
         }
         let w = std::f64::consts::TAU * frequency_hz;
         let phase = phases.as_ref().map(|(rows, unit)| rows[i][2] * unit);
@@ -87,7 +85,7 @@ pub(super) fn read_table(path: &Path) -> Result<Vec<SteppedRow>, IdentificationE
         });
     }
     if found.is_empty() {
-        return Err(problem(path, "the table has no row".to_owned(), EXPECTED));
+        return Err(source.problem("the table has no row".to_owned(), EXPECTED));
     }
     Ok(found)
 }

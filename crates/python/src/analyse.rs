@@ -8,6 +8,7 @@ use asperity_experiment::{
     ResponseChoice, RigFile, RigSettings, analyse_decay_sources, analyse_sources, parse_frf_form,
 };
 use asperity_measure::{Abscissa, Record, Samples};
+use asperity_plot::{MagnitudeAxis, decay_figures, figures};
 use asperity_scenario::{Diagnostic, Document, Fault, schema_of};
 use numpy::PyArray1;
 use pyo3::prelude::*;
@@ -15,7 +16,7 @@ use pyo3::types::{PyDict, PyList};
 use serde_json::Value;
 
 use crate::measurement::{Sources, read_options};
-use crate::{background, columns, exception, json};
+use crate::{background, columns, exception, figure, json};
 
 /// Settings of a rig, from a file or a dict, with changes.
 #[derive(FromPyObject)]
@@ -120,6 +121,8 @@ fn to_dict<'py>(py: Python<'py>, analysis: &Analysis) -> PyResult<Bound<'py, PyD
         dict.set_item("hits", columns::of_table(py, response.hits_table())?)?;
         dict.set_item("frf", columns::of_table(py, response.frf_table())?)?;
         dict.set_item("backbone", columns::of_table(py, response.backbone_table())?)?;
+        let drawn = figures(response, MagnitudeAxis::default());
+        dict.set_item("figures", figure::by_name(py, drawn)?)?;
         responses.append(dict)?;
     }
     let dict = PyDict::new(py);
@@ -143,7 +146,11 @@ fn functions(py: Python<'_>, record: Record) -> PyResult<Bound<'_, PyDict>> {
     Ok(dict)
 }
 
-/// Report, decays and backbones.
+/// Report, decays, backbones and figures.
+type DecayResults<'py> =
+    (Bound<'py, PyAny>, Bound<'py, PyDict>, Bound<'py, PyDict>, Bound<'py, PyDict>);
+
+/// Report, decays, backbones and figures.
 #[pyfunction]
 #[pyo3(signature = (sources, settings, bands_hz, progress))]
 pub(crate) fn decay<'py>(
@@ -152,7 +159,7 @@ pub(crate) fn decay<'py>(
     settings: Settings<'py>,
     bands_hz: Vec<[f64; 2]>,
     progress: Option<&Bound<'py, PyAny>>,
-) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyDict>, Bound<'py, PyDict>)> {
+) -> PyResult<DecayResults<'py>> {
     let sources = sources.into_sources()?;
     let rig = settings.options(py)?;
     let band = |[low, high]: &[f64; 2]| format!("{low}:{high}").parse();
@@ -173,9 +180,8 @@ pub(crate) fn decay<'py>(
         analyse_decay_sources(&sources, &options, &|done| progress.report(done as f64 / all))
     })?;
     let analysis = analysis.map_err(|error| exception::of_analysis(&error))?;
-    Ok((
-        json::to_python(py, &analysis.report)?,
-        columns::of_table(py, analysis.decays_table())?,
-        columns::of_table(py, analysis.backbone_table())?,
-    ))
+    let drawn = figure::by_name(py, decay_figures(&analysis))?;
+    let tables = [analysis.decays_table(), analysis.backbone_table()];
+    let [decays, backbone] = tables.map(|table| columns::of_table(py, table));
+    Ok((json::to_python(py, &analysis.report)?, decays?, backbone?, drawn))
 }

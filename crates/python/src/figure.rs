@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use asperity_figure::FigureError;
 use pyo3::exceptions::{PyOSError, PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
-use pyo3::types::PyBytes;
+use pyo3::types::{PyBytes, PyDict};
 
 /// Resolution of PNG, 300 dots per inch.
 const PIXELS_PER_MM: f64 = 300.0 / 25.4;
@@ -65,6 +65,18 @@ impl PyFigure {
     fn _repr_svg_(&self, py: Python<'_>) -> String {
         self.svg(py)
     }
+}
+
+/// Figures by their names.
+pub(crate) fn by_name<'py>(
+    py: Python<'py>,
+    figures: Vec<(&'static str, asperity_figure::Figure)>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let dict = PyDict::new(py);
+    for (name, figure) in figures {
+        dict.set_item(name, PyFigure(figure))?;
+    }
+    Ok(dict)
 }
 
 fn failed(error: &FigureError) -> PyErr {

@@ -4,14 +4,16 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
+use asperity_figure::Figure;
 use asperity_identify::{IdentificationError, IdentificationProblem, Work, identify as identified};
+use asperity_plot::identification;
 use asperity_table::DataTable;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde_json::Value;
 
 use crate::background::Watched;
-use crate::{background, columns, exception, json};
+use crate::{background, columns, exception, figure, json};
 
 /// An identification under way.
 struct Identification {
@@ -44,6 +46,7 @@ struct Found {
     scenario: Value,
     draws: Value,
     tables: [(&'static str, DataTable); 3],
+    figures: Vec<(&'static str, Figure)>,
 }
 
 impl Found {
@@ -59,6 +62,7 @@ impl Found {
                 ("data", found.data_table()),
                 ("posterior", found.posterior_table()),
             ],
+            figures: identification(&found),
         })
     }
 }
@@ -93,6 +97,7 @@ pub(crate) fn identify<'py>(
     dict.set_item("law", json::to_python(py, &found.law)?)?;
     dict.set_item("scenario", json::to_python(py, &found.scenario)?)?;
     dict.set_item("draws", json::to_python(py, &found.draws)?)?;
+    dict.set_item("figures", figure::by_name(py, found.figures)?)?;
     for (name, table) in found.tables {
         dict.set_item(name, columns::of_table(py, table)?)?;
     }

@@ -154,6 +154,27 @@ def test_an_analysis_enters_without_a_file(tmp_path: Path) -> None:
     assert in_place.estimates[0]["value"] == pytest.approx(COEFFICIENT, rel=0.02)
     with pytest.raises(ValueError, match="/data/0/file.*schema"):
         asperity.identify(with_data({"schema": "asperity/decay/1"}))
+    assert list(analysis.figures) == ["records", "frf", "features", "backbone"]
+    assert "<svg" in analysis._repr_html_() and "<svg" in in_place._repr_html_()
+    assert {"law", "features", "residuals", "profiles"} <= set(in_place.figures)
+
+    # Tables of the same analysis, from a file and in memory.
+    def with_backbone(file: Any) -> dict[str, Any]:
+        hit, spread = {"force_peak_n": 24.0}, {"relative": 1e-3}
+        backbone = {"kind": "backbone", "file": file, "index": 2, "hit": hit, "spread": spread}
+        return {**whole, "data": [backbone]}
+
+    columns = {name: np.asarray(column) for name, column in analysis.backbone.items()}
+    rows = [",".join(columns)]
+    for row in zip(*columns.values(), strict=True):
+        rows.append(",".join("" if value != value else repr(float(value)) for value in row))
+    (tmp_path / "backbone.csv").write_text("\n".join(rows) + "\n", encoding="utf-8")
+    of_file = asperity.identify(with_backbone("backbone.csv"), folder=tmp_path)
+    in_place = asperity.identify(with_backbone(analysis.backbone))
+    assert in_place.estimates == of_file.estimates
+    assert in_place.data["value"].tolist() == of_file.data["value"].tolist()
+    with pytest.raises(ValueError, match="/data/0/file.*frequency_hz"):
+        asperity.identify(with_backbone({"index": [2.0], "amplitude_m": [1e-7]}))
 
 
 def test_faults_of_a_problem_are_exceptions_in_words(problem: dict[str, Any]) -> None:

@@ -53,9 +53,8 @@ pub enum DataSpec {
         /// A name.
         name: Option<String>,
         /// The file, relative to the folder of the problem, with the columns
-        /// `frequency_hz` and real and imaginary part in m/N.
-        #[schemars(length(min = 1))]
-        file: String,
+        /// `frequency_hz` and real and imaginary part in m/N; or these columns in place.
+        file: TableRef,
         /// The hit.
         #[serde(default)]
         hit: HitConditionsSpec,
@@ -74,9 +73,8 @@ pub enum DataSpec {
     Backbone {
         /// A name.
         name: Option<String>,
-        /// The file, relative to the folder of the problem.
-        #[schemars(length(min = 1))]
-        file: String,
+        /// The file, relative to the folder of the problem, or its columns in place.
+        file: TableRef,
         /// Number of the hit or curve in the file; the only one when left out.
         index: Option<usize>,
         /// The hit. Where its force was not measured, any that reaches the amplitudes: the relation
@@ -119,9 +117,8 @@ pub enum DataSpec {
         /// The file, relative to the folder of the problem: a CSV with the columns `frequency_hz`,
         /// `force_n` (force amplitude), `amplitude_m` or `amplitude_m_per_s2` (of displacement or
         /// acceleration) and optionally `phase_rad` or `phase_deg` (of the same to the force) and
-        /// `level`.
-        #[schemars(length(min = 1))]
-        file: String,
+        /// `level`; or these columns in place.
+        file: TableRef,
         /// Changes of the scenario for these responses.
         #[serde(default, skip_serializing_if = "Changes::is_empty")]
         set: Changes,
@@ -171,19 +168,40 @@ pub enum AnalysisRef {
     InPlace(Map<String, Value>),
 }
 
+/// A table by its CSV file, or in place.
+#[derive(Debug, Clone, PartialEq, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum TableRef {
+    /// The file, relative to the folder of the problem.
+    File(#[schemars(length(min = 1))] String),
+    /// Its columns by their names, all of one length.
+    InPlace(BTreeMap<String, Vec<Cell>>),
+}
+
+/// A cell of a table in place.
+#[derive(Debug, Clone, PartialEq, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum Cell {
+    /// A number.
+    Number(f64),
+    /// A truth value, such as those of a column `valid`.
+    Truth(bool),
+    /// A text.
+    Text(String),
+    /// No value.
+    Empty(()),
+}
+
 impl DataSpec {
     /// Files that the data are read from, relative to the folder of the problem.
     pub fn files(&self) -> &[String] {
         match self {
             Self::Analysis { file: AnalysisRef::File(file), .. }
-            | Self::Frf { file, .. }
-            | Self::Backbone { file, .. }
-            | Self::SteppedSine { file, .. } => std::slice::from_ref(file),
+            | Self::Frf { file: TableRef::File(file), .. }
+            | Self::Backbone { file: TableRef::File(file), .. }
+            | Self::SteppedSine { file: TableRef::File(file), .. } => std::slice::from_ref(file),
             Self::Records { files, .. } => files,
-            Self::Analysis { file: AnalysisRef::InPlace(_), .. }
-            | Self::Hits { .. }
-            | Self::Stiffness { .. }
-            | Self::Ratio { .. } => &[],
+            _ => &[],
         }
     }
 }

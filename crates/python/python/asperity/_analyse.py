@@ -41,6 +41,8 @@ class ResponseAnalysis:
         Frequency and damping over amplitude along the decay of each hit, as in ``backbone.csv``:
         ``index`` of the hit, ``force_peak_n``, ``time_s``, ``amplitude_m``, ``frequency_hz``,
         ``decay_rate_per_s``, ``damping_ratio``.
+    figures : dict of Figure
+        ``records``, ``frf``, ``features`` and ``backbone``, those with something to draw.
     """
 
     name: str
@@ -48,6 +50,10 @@ class ResponseAnalysis:
     hits: Table
     frf: Table
     backbone: Table
+    figures: dict[str, _asperity.Figure] = field(repr=False)
+
+    def _repr_html_(self) -> str:
+        return "".join(figure.svg() for figure in self.figures.values())
 
 
 @dataclass(frozen=True)
@@ -89,6 +95,14 @@ class Analysis:
     def backbone(self) -> Table:
         """Frequency and damping over amplitude along the decay of each hit."""
         return self.responses[0].backbone
+
+    @property
+    def figures(self) -> dict[str, _asperity.Figure]:
+        """Figures of the first response."""
+        return self.responses[0].figures
+
+    def _repr_html_(self) -> str:
+        return "".join(response._repr_html_() for response in self.responses)
 
     @property
     def conclusions(self) -> list[str]:
@@ -269,6 +283,7 @@ def analyse(
             hits=_arrays.table(one["hits"]),
             frf=_arrays.table(one["frf"]),
             backbone=_arrays.table(one["backbone"]),
+            figures=one["figures"],
         )
         for one in found["responses"]
     )
@@ -290,11 +305,17 @@ class DecayAnalysis:
         curve, ``decay``, ``response``, ``unit``, ``time_s``, ``amplitude`` (in the unit),
         ``amplitude_m`` (NaN for an unknown unit), ``frequency_hz``, ``damping_ratio``, and standard
         deviations due to noise.
+    figures : dict of Figure
+        The decays and their backbones, as the command draws them.
     """
 
     report: dict[str, Any] = field(repr=False)
     decays: Table
     backbone: Table
+    figures: dict[str, _asperity.Figure] = field(repr=False)
+
+    def _repr_html_(self) -> str:
+        return "".join(figure.svg() for figure in self.figures.values())
 
     @property
     def conclusions(self) -> list[str]:
@@ -354,5 +375,5 @@ def decay(
         [_arrays.number("a limit of bands_hz", limit) for limit in (low, high)]
         for low, high in bands_hz
     ]
-    report, decays, backbone = _asperity.decay(read, settings, bands, progress)
-    return DecayAnalysis(report, _arrays.table(decays), _arrays.table(backbone))
+    report, decays, backbone, figures = _asperity.decay(read, settings, bands, progress)
+    return DecayAnalysis(report, _arrays.table(decays), _arrays.table(backbone), figures)

@@ -38,6 +38,9 @@ class Identification:
         parameter.
     draws : dict
         The draws as changes of the scenario, as in ``draws.json``, for predictions by a study.
+    figures : dict of Figure
+        Those of the command: ``law``, ``features``, ``residuals``, ``profiles`` and more, those with
+        something to draw.
     """
 
     report: dict[str, Any] = field(repr=False)
@@ -47,6 +50,10 @@ class Identification:
     data: Table
     posterior: Table
     draws: dict[str, Any] = field(repr=False)
+    figures: dict[str, _asperity.Figure] = field(repr=False)
+
+    def _repr_html_(self) -> str:
+        return "".join(figure.svg() for figure in self.figures.values())
 
     @property
     def conclusions(self) -> list[str]:
@@ -78,8 +85,10 @@ def identify(
     Parameters
     ----------
     problem : str, os.PathLike or dict
-        Path of a JSON file, JSON text (which starts with ``{``), or the problem as a dict. The hits
-        of an analysis enter without a file: ``{"kind": "analysis", "file": found.report}``.
+        Path of a JSON file, JSON text (which starts with ``{``), or the problem as a dict. Results
+        of an analysis enter without a file: hits as ``{"kind": "analysis", "file": found.report}``,
+        and tables in place of those that other data name, such as
+        ``{"kind": "backbone", "file": found.backbone, "spread": {"relative": 1e-3}}``.
     folder : str or os.PathLike, optional
         Folder that relative file names in a text or a dict start from; the current one by default.
     progress : callable, optional
@@ -111,4 +120,5 @@ def identify(
         data=_arrays.table(found["data"]),
         posterior=_arrays.table(found["posterior"]),
         draws=found["draws"],
+        figures=found["figures"],
     )
