@@ -3,11 +3,6 @@
 from __future__ import annotations
 
 import json
-import signal
-import subprocess
-import sys
-import textwrap
-import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -210,36 +205,3 @@ def test_an_exception_of_the_progress_function_stops_the_identification() -> Non
 
     with pytest.raises(LookupError, match="stopped at"):
         asperity.identify(slow_problem(), progress=stop)
-
-
-@pytest.mark.skipif(sys.platform == "win32", reason="signals of consoles only")
-def test_ctrl_c_stops_an_identification() -> None:
-    program = textwrap.dedent(
-        """
-        import signal
-        import asperity, test_identify
-        # A shell may start its background jobs with the signal ignored.
-        signal.signal(signal.SIGINT, signal.default_int_handler)
-        print("started", flush=True)
-        try:
-            asperity.identify(test_identify.slow_problem())
-        except KeyboardInterrupt:
-            print("stopped", flush=True)
-        """
-    )
-    folder = Path(__file__).parent
-    with subprocess.Popen(
-        [sys.executable, "-c", program], cwd=folder, stdout=subprocess.PIPE, text=True
-    ) as process:
-        assert process.stdout is not None
-        assert process.stdout.readline() == "started\n"
-        time.sleep(0.5)
-        process.send_signal(signal.SIGINT)
-        try:
-            answer = process.stdout.readline()
-            process.communicate(timeout=60)
-        except subprocess.TimeoutExpired:
-            process.kill()
-            raise
-        assert answer == "stopped\n"
-        assert process.returncode == 0

@@ -2,12 +2,7 @@
 
 from __future__ import annotations
 
-import signal
-import subprocess
-import sys
-import textwrap
 import threading
-import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -82,38 +77,6 @@ def test_an_exception_of_the_progress_function_stops_the_run() -> None:
 def test_a_progress_function_that_is_none_is_an_error() -> None:
     with pytest.raises(TypeError):
         asperity.simulate(SCENARIOS / "nouira2020-power.json", progress=3)  # type: ignore[arg-type]
-
-
-@pytest.mark.skipif(sys.platform == "win32", reason="signals of consoles only")
-def test_ctrl_c_stops_a_long_run() -> None:
-    program = textwrap.dedent(
-        """
-        import signal
-        import asperity, test_simulate
-        # A shell may start its background jobs with the signal ignored.
-        signal.signal(signal.SIGINT, signal.default_int_handler)
-        print("started", flush=True)
-        try:
-            asperity.simulate(test_simulate.slow_scenario())
-        except KeyboardInterrupt:
-            print("stopped", flush=True)
-        """
-    )
-    folder = Path(__file__).parent
-    with subprocess.Popen(
-        [sys.executable, "-c", program], cwd=folder, stdout=subprocess.PIPE, text=True
-    ) as process:
-        assert process.stdout is not None
-        assert process.stdout.readline() == "started\n"
-        time.sleep(0.3)
-        process.send_signal(signal.SIGINT)
-        try:
-            rest, _ = process.communicate(timeout=60)
-        except subprocess.TimeoutExpired:
-            process.kill()
-            raise
-        assert rest == "stopped\n"
-        assert process.returncode == 0
 
 
 def test_threads_that_call_at_once_get_the_same_result() -> None:
