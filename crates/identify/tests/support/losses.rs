@@ -7,7 +7,8 @@ use tempfile::TempDir;
 
 use crate::twin::{Noise, Sensors, Truth, data};
 
-const SCENARIO: &str = "../../fixtures/scenarios/nouira2020-modified.json";
+const SCENARIO: &str =
+    concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/scenarios/nouira2020-modified.json");
 
 /// The kinds.
 pub const KINDS: [&str; 3] = ["bodies", "contacts", "friction"];
