@@ -33,14 +33,16 @@ pub(crate) struct LatentSubspace {
     root: Vec<Vec<f64>>,
     /// Rows of `V^T`.
     rotation: Vec<Vec<f64>>,
+    /// Logarithms of weight over volume of each component.
+    log_weights: Vec<f64>,
+    /// `W` of each component, upper triangular, with `W^T W` the inverse of the covariance of `a`: row
+    /// after row, of each entry that of all components.
+    whitenings: Vec<f64>,
     components: Vec<Component>,
 }
 
 /// A component of the prior in the coordinates `(a, c)`.
 struct Component {
-    log_weight: f64,
-    /// `W` with `W^T W` the inverse of the covariance of `a`, upper triangular, row after row.
-    whitening: Vec<f64>,
     /// The mean of `c` is this times `a`.
     regression: Vec<Vec<f64>>,
     /// Root of the covariance of `c` at a given `a`, upper triangular.
@@ -70,8 +72,14 @@ impl LatentSubspace {
             prior.covariances().iter().zip(prior.weights()).map(|(own, weight)| {
                 Component::new(&rotated(own, &root, &rotation), active, *weight)
             });
-        let components = components.collect::<Option<_>>().ok_or_else(singular)?;
-        Ok(Self { first: prior.first(), information, active, root, rotation, components })
+        let components = components.collect::<Option<Vec<_>>>().ok_or_else(singular)?;
+        let log_weights = components.iter().map(|(log_weight, ..)| *log_weight).collect();
+        let entries = active * (active + 1) / 2;
+        let entry = |entry: usize| components.iter().map(move |(_, whitening, _)| whitening[entry]);
+        let whitenings = (0..entries).flat_map(entry).collect();
+        let components = components.into_iter().map(|(.., component)| component).collect();
+        let first = prior.first();
+        Ok(Self { first, information, active, root, rotation, log_weights, whitenings, components })
     }
 
     pub(crate) fn count(&self) -> usize {
@@ -104,25 +112,42 @@ impl LatentSubspace {
     /// Logarithm of the mixture's density of informed combinations, over that of standard normal ones.
     pub(crate) fn log_factor(&self, informed: &[f64]) -> f64 {
         let standard = 0.5 * dot(informed, informed);
-        let (mut largest, mut sum) = (f64::NEG_INFINITY, 0.0);
-        for component in &self.components {
-            let log = component.log_density(informed);
-            if log > largest {
-                sum = sum * (largest - log).exp() + 1.0;
-                largest = log;
-            } else {
-                sum += (log - largest).exp();
+        let logs = self.log_densities(informed);
+        let largest = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let sum: f64 = logs.iter().map(|log| (log - largest).exp()).sum();
+        largest + sum.ln() + standard
+    }
+
+    /// Logarithm of weight times density of `a`, up to a constant of all components, of each.
+    ///
+    /// All components side by side: sums of one after the other would wait for each other.
+    fn log_densities(&self, informed: &[f64]) -> Vec<f64> {
+        let count = self.components.len();
+        let mut sums = vec![0.0; count];
+        let mut values = vec![0.0; count];
+        let mut entries = self.whitenings.chunks_exact(count.max(1));
+        for i in 0..informed.len() {
+            values.fill(0.0);
+            for (coordinate, row) in informed[i..].iter().zip(&mut entries) {
+                for (value, entry) in values.iter_mut().zip(row) {
+                    *value += entry * coordinate;
+                }
+            }
+            for (sum, value) in sums.iter_mut().zip(&values) {
+                *sum += value * value;
             }
         }
-        largest + sum.ln() + standard
+        for (sum, log_weight) in sums.iter_mut().zip(&self.log_weights) {
+            *sum = log_weight - 0.5 * *sum;
+        }
+        sums
     }
 
     /// The component of draw number `index`, and its latents: both depend on the seed, the index and
     /// the informed combinations alone.
     pub(crate) fn complete(&self, informed: &[f64], seed: u64, index: usize) -> (usize, Vec<f64>) {
         let mut numbers = generator(seed ^ UNINFORMED, index as u64);
-        let logs: Vec<f64> =
-            self.components.iter().map(|component| component.log_density(informed)).collect();
+        let logs = self.log_densities(informed);
         let largest = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let shares: Vec<f64> = logs.iter().map(|log| (log - largest).exp()).collect();
         let chosen = LatentPrior::component_at(uniform(&mut numbers), &shares);
@@ -136,8 +161,9 @@ impl LatentSubspace {
 }
 
 impl Component {
-    /// The component of this covariance of `(a, c)`.
-    fn new(covariance: &[Vec<f64>], active: usize, weight: f64) -> Option<Self> {
+    /// The component of this covariance of `(a, c)`, after the logarithm of its weight over its volume and
+    /// its whitening.
+    fn new(covariance: &[Vec<f64>], active: usize, weight: f64) -> Option<(f64, Vec<f64>, Self)> {
         let count = covariance.len();
         let block =
             |rows: std::ops::Range<usize>, columns: std::ops::Range<usize>| -> Vec<Vec<f64>> {
@@ -164,24 +190,8 @@ impl Component {
             }
         }
         let volume: f64 = (0..active).map(|i| root[i][i].ln()).sum();
-        Some(Self {
-            log_weight: weight.ln() - volume,
-            whitening,
-            regression: regression.collect(),
-            rest: upper_root(&rest)?,
-        })
-    }
-
-    /// Logarithm of weight times density of `a`, up to a constant of all components.
-    fn log_density(&self, informed: &[f64]) -> f64 {
-        let (mut sum, mut first) = (0.0, 0);
-        for i in 0..informed.len() {
-            let length = informed.len() - i;
-            let value = dot(&self.whitening[first..first + length], &informed[i..]);
-            sum += value * value;
-            first += length;
-        }
-        self.log_weight - 0.5 * sum
+        let own = Self { regression: regression.collect(), rest: upper_root(&rest)? };
+        Some((weight.ln() - volume, whitening, own))
     }
 }
 

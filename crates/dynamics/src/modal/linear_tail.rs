@@ -105,7 +105,7 @@ pub(super) struct LinearTail {
 
 impl LinearTail {
     /// The rest of responses of `steps` steps after the first `from`; none if it would be larger than
-    /// it is worth.
+    /// it is worth, or if it does not decay.
     pub(super) fn new(
         model: &TabulatedModel,
         (from, steps): (usize, usize),
@@ -126,6 +126,10 @@ impl LinearTail {
             return None;
         }
         let (matrix, output) = linear.matrix();
+        // An oscillation that the step makes grow must show in the energy of all steps.
+        if !matrix.power(steps - from).entries.iter().all(|entry| entry.abs() < 1.0) {
+            return None;
+        }
         let mut columns = vec![Vec::with_capacity(count - first_sample); linear.size];
         let mut push = |row: &[f64]| {
             for (column, entry) in columns.iter_mut().zip(row) {
@@ -320,13 +324,13 @@ impl Matrix {
         row
     }
 
+    /// `A^exponent`, at least the first.
     fn power(&self, exponent: usize) -> Self {
-        let unit = |k: usize| {
-            let mut row = vec![0.0; self.size];
-            row[k] = 1.0;
-            row
-        };
-        let rows = (0..self.size).flat_map(|k| self.power_left_product(unit(k), exponent));
-        Self { size: self.size, entries: rows.collect() }
+        if exponent <= 1 {
+            return self.clone();
+        }
+        let half = self.power(exponent / 2);
+        let even = half.times(&half);
+        if exponent % 2 == 1 { even.times(self) } else { even }
     }
 }
