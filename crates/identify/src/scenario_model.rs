@@ -5,7 +5,7 @@ mod derivatives;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use asperity_dynamics::{Batch, HitResponse, HitSimulation};
+use asperity_dynamics::{Batch, DynamicsError, HitResponse, HitSimulation};
 use asperity_inference::{
     Derivatives, ForwardModel, Observation, Parameter, PredictionError, Predictions,
 };
@@ -98,6 +98,9 @@ impl ForwardModel for ScenarioModel {
 fn stopped() -> PredictionError {
     PredictionError { reason: "stopped".to_owned() }
 }
+
+/// Halvings at most of a first step that does not keep the energy.
+const MOST_HALVINGS: usize = 4;
 
 #[allow(clippy::needless_pass_by_value, reason = "the shape that map_err takes")]
 fn prediction_error(error: StudyError) -> PredictionError {
@@ -276,7 +279,8 @@ impl ScenarioModel {
     }
 
     /// Holds the first step and modes of a refinement, at the start of the parameters: those of a
-    /// search whose end is refined. A law far from the data may need much finer ones in vain.
+    /// search whose end is refined. A law far from the data may need much finer ones in vain. Where the
+    /// first step does not keep the energy, it is halved.
     pub(super) fn hold_first(&mut self) {
         let Ok(requests) = self.requests(&self.start()) else { return };
         for (hit, request) in self.hits.iter_mut().zip(&requests) {
@@ -287,6 +291,34 @@ impl ScenarioModel {
             }
         }
         self.share_levels_of_records();
+        for _ in 0..MOST_HALVINGS {
+            let Ok(records) = self.records(&self.start()) else { return };
+            let coarse = records.iter().map(|record| {
+                matches!(record, Err(DynamicsError::Coarse { .. } | DynamicsError::Unstable { .. }))
+            });
+            let coarse: Vec<bool> = coarse.collect();
+            if !coarse.contains(&true) {
+                return;
+            }
+            let held = self.hits.iter_mut().zip(coarse).filter(|(_, is_coarse)| *is_coarse);
+            for resolution in held.filter_map(|(hit, _)| hit.resolution.as_mut()) {
+                resolution.step *= 0.5;
+            }
+            self.share_levels_of_records();
+        }
+    }
+
+    /// The responses to the hits at `point`.
+    fn records(
+        &self,
+        point: &[f64],
+    ) -> Result<Vec<Result<HitResponse, DynamicsError>>, StudyError> {
+        let (rigs, simulations) = self.prepare_hits(point)?;
+        let decimation = |index: usize, step: f64| {
+            let natural = rigs[self.hits[index].rig].case.at_rest.natural_frequency_hz;
+            self.extractor.decimation(natural, 0.0, step)
+        };
+        Ok(self.batch.run(&simulations, &decimation))
     }
 
     /// Holds step and modes of the hits of another model of the same data.

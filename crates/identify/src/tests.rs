@@ -194,6 +194,25 @@ fn step_and_modes_are_held_until_a_point_needs_finer_ones() {
     assert!(off.fold(f64::INFINITY, f64::min) < 1e-4);
 }
 
+/// A first step that does not keep the energy at the start of the parameters, as with little damping, is
+/// halved: there are predictions.
+#[test]
+fn a_first_step_without_an_energy_balance_is_halved() {
+    let parameters = json!([
+        {"kind": "scalar", "pointer": "/laws/modified/coefficient", "bounds": [1e10, 1e13]},
+    ]);
+    let mut problem = problem(&parameters, &data());
+    problem.scenario["method"] = json!("modal");
+    problem.scenario["duration_s"] = json!(0.4);
+    problem.scenario["damping"] = json!({"kind": "mass_proportional", "ratio": 0.01});
+    problem.scenario["laws"]["modified"] = json!({"kind": "power", "coefficient": 1.6e10,
+        "exponent": 0.35});
+    let model = problem.model().unwrap().forward;
+    let step = model.hits[0].resolution.as_ref().unwrap().step;
+    assert!(step < 1.2e-5, "{step}");
+    assert!(model.predict(&[starts(&model)]).remove(0).is_ok());
+}
+
 /// As written by `asperity analyse`: no value at zero, and a line with too little force.
 const FRF: &str = "frequency_hz,real,imag,magnitude,phase_rad,coherence,valid
 0,,,,,0.9,1
