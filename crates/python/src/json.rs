@@ -55,7 +55,7 @@ pub(crate) fn document_of(
         Document::read(path)
     } else {
         return Err(PyTypeError::new_err(format!(
-            "a {kind} cannot be a {}; accepted: {accepted}",
+            "a {kind} cannot be of the type {}; accepted: {accepted}",
             source.get_type().name()?
         )));
     };

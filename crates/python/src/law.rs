@@ -40,10 +40,13 @@ const VALUES_A_CHECK: usize = 1 << 14;
 ///
 /// Raises
 /// ------
+/// TypeError
+///     If `source` is none of these.
 /// ScenarioError
 ///     With all faults of the document.
 /// ValueError
-///     If the parameters do not make a law, or a law that never separates has no `reference_pa`.
+///     If the parameters do not make a law, or a law whose stiffness grows in proportion to the pressure or
+///     faster, which never separates, has no `reference_pa`.
 ///
 /// Examples
 /// --------
@@ -121,7 +124,7 @@ impl PyLaw {
             text.to_cow()?.into_owned()
         } else {
             return Err(PyTypeError::new_err(format!(
-                "a law cannot be a {}; accepted: a dict, JSON text or a Law",
+                "a law cannot be of the type {}; accepted: a dict, JSON text or a Law",
                 source.get_type().name()?
             )));
         };
@@ -133,27 +136,102 @@ impl PyLaw {
         Self::build(spec, reference_pa)
     }
 
-    /// Stiffness K = dp/dd in Pa/m at pressures in Pa; zero below the domain.
+    /// Stiffness ``K = dp/dd`` at pressures.
+    ///
+    /// Parameters
+    /// ----------
+    /// pressure : float or array_like
+    ///     Pressures in Pa.
+    ///
+    /// Returns
+    /// -------
+    /// float or ndarray of the shape of `pressure`
+    ///     In Pa/m; zero below the domain, NaN for NaN.
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     If the pressures are not real numbers.
     fn stiffness<'py>(&self, pressure: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         Self::map(pressure, "pressure", |p| self.law.stiffness(p))
     }
 
-    /// Slope dK/dp of the stiffness in 1/m at pressures in Pa.
+    /// Slope ``dK/dp`` of the stiffness at pressures.
+    ///
+    /// Parameters
+    /// ----------
+    /// pressure : float or array_like
+    ///     Pressures in Pa.
+    ///
+    /// Returns
+    /// -------
+    /// float or ndarray of the shape of `pressure`
+    ///     In 1/m; infinite where the stiffness leaves zero with a vertical tangent, NaN for NaN.
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     If the pressures are not real numbers.
     fn stiffness_slope<'py>(&self, pressure: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         Self::map(pressure, "pressure", |p| self.law.stiffness_slope(p))
     }
 
-    /// Closure in m at pressures in Pa.
+    /// Closure at pressures.
+    ///
+    /// Parameters
+    /// ----------
+    /// pressure : float or array_like
+    ///     Pressures in Pa.
+    ///
+    /// Returns
+    /// -------
+    /// float or ndarray of the shape of `pressure`
+    ///     In m, from `reference_pa`; NaN for NaN.
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     If the pressures are not real numbers.
     fn closure<'py>(&self, pressure: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         Self::map(pressure, "pressure", |p| self.law.closure(p))
     }
 
-    /// Pressure in Pa at closures in m; zero where contact is lost, infinite beyond `closure_limit_m`.
+    /// Pressure at closures.
+    ///
+    /// Parameters
+    /// ----------
+    /// closure : float or array_like
+    ///     Closures in m.
+    ///
+    /// Returns
+    /// -------
+    /// float or ndarray of the shape of `closure`
+    ///     In Pa; zero where contact is lost, infinite beyond `closure_limit_m`, NaN for NaN.
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     If the closures are not real numbers.
     fn pressure<'py>(&self, closure: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         Self::map(closure, "closure", |d| self.law.pressure(d).value)
     }
 
-    /// Stored energy per area in J/m2 at closures in m.
+    /// Stored energy per area at closures.
+    ///
+    /// Parameters
+    /// ----------
+    /// closure : float or array_like
+    ///     Closures in m.
+    ///
+    /// Returns
+    /// -------
+    /// float or ndarray of the shape of `closure`
+    ///     In J/m2; NaN for NaN.
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     If the closures are not real numbers.
     fn energy<'py>(&self, closure: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         Self::map(closure, "closure", |d| self.law.energy(d))
     }

@@ -20,6 +20,8 @@ use crate::{exception, json};
 ///
 /// Raises
 /// ------
+/// TypeError
+///     If `source` is none of these.
 /// ScenarioError
 ///     With all faults of the document.
 /// OSError
@@ -73,6 +75,8 @@ impl PyScenario {
     ///
     /// Raises
     /// ------
+    /// TypeError
+    ///     If a pointer is not a str, or a value cannot be in a document.
     /// ScenarioError
     ///     If a pointer leads nowhere, or the result is not valid.
     fn with_(&self, values: &Bound<'_, PyDict>) -> PyResult<Self> {

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import threading
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -12,7 +13,7 @@ import pytest
 
 import asperity
 import hammer
-from conftest import read_csv
+from conftest import SCENARIOS, read_csv
 from test_signal import receptance
 
 Command = Callable[..., dict[str, Any]]
@@ -479,3 +480,20 @@ def test_threads_that_call_at_once_get_the_same_result(signals: tuple[Any, Any])
     for thread in threads:
         thread.join()
     assert [result.report == alone.report for result in results] == [True] * 4
+
+
+def test_arrays_take_the_sample_rate_of_the_rig(tmp_path: Path) -> None:
+    rig = {"schema": "asperity/rig/1", "sample_rate_hz": 50_000, "band_hz": [700, 1100]}
+    (tmp_path / "rig.json").write_text(json.dumps(rig), encoding="utf-8")
+    scenario = asperity.Scenario(SCENARIOS / "nouira2020-modified.json").with_(
+        {"/method": "modal", "/output_rate_hz": 50_000}
+    )
+    history = asperity.simulate(scenario).history
+    signals = [history["force_n"], history["acceleration_m_per_s2"]]
+    units = ["N", "m/s^2"]
+    given = asperity.analyse(signals, sample_rate_hz=50_000, units=units, band_hz=(700, 1100))
+    for of_rig in (rig, tmp_path / "rig.json"):
+        found = asperity.analyse(signals, rig=of_rig, units=units)
+        assert found.hits["frequency_hz"].tolist() == given.hits["frequency_hz"].tolist()
+    with pytest.raises(ValueError, match="no sample rate"):
+        asperity.analyse(signals, rig={"schema": "asperity/rig/1"}, units=units)

@@ -96,3 +96,26 @@ def test_modes_equal_those_of_the_command(
 def test_a_number_of_modes_out_of_range_is_an_error(count: Any) -> None:
     with pytest.raises((TypeError, ValueError)):
         asperity.modes(RIG, count)
+
+
+@pytest.mark.parametrize(
+    ("call", "error", "words"),
+    [
+        (lambda: asperity.steady(RIG, 0.5, 700, 1000, harmonics=-1), ValueError, "harmonics is -1"),
+        (lambda: asperity.steady(RIG, 0.5, 700, 1000, threads=0), ValueError, "threads is 0"),
+        (lambda: asperity.modes(RIG, "a"), TypeError, "count is 'a'"),  # type: ignore[arg-type]
+        (
+            lambda: asperity.sweep(RIG, {"/excitation/peak_n": [9]}, threads=-1),
+            ValueError,
+            "threads is -1; accepted: 1 to 1024",
+        ),
+        (lambda: asperity.read(5), TypeError, "paths is 5"),  # type: ignore[arg-type]
+        (lambda: asperity.signal.ForceWindow(2.0, 1.0), ValueError, "an end after the begin"),
+        (lambda: asperity.signal.ResponseWindow(1.0, -1.0), ValueError, "taper_s is -1"),
+    ],
+)
+def test_numbers_out_of_range_are_named(
+    call: Callable[[], object], error: type[Exception], words: str
+) -> None:
+    with pytest.raises(error, match=words):
+        call()

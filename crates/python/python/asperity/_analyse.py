@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 import os
+import pathlib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -83,17 +85,17 @@ class Analysis:
 
     @property
     def hits(self) -> Table:
-        """A row for each hit."""
+        """A row for each hit of the first response, as in `ResponseAnalysis`."""
         return self.responses[0].hits
 
     @property
     def frf(self) -> Table:
-        """Average over the hits."""
+        """Average over the hits of the first response, as in `ResponseAnalysis`."""
         return self.responses[0].frf
 
     @property
     def backbone(self) -> Table:
-        """Frequency and damping over amplitude along the decay of each hit."""
+        """Frequency and damping over amplitude of the first response, as in `ResponseAnalysis`."""
         return self.responses[0].backbone
 
     @property
@@ -128,7 +130,7 @@ def _settings(
     if sample_axis not in (None, "first", "last"):
         raise ValueError(f'sample_axis is {sample_axis!r}; accepted: "first", "last"')
     if not (rig is None or isinstance(rig, str | os.PathLike | dict)):
-        raise TypeError(f"a rig cannot be a {type(rig).__name__}; accepted: a path or a dict")
+        raise TypeError(f"a rig cannot be of the type {type(rig).__name__}; accepted: a path or a dict")
     return {
         "rig": rig,
         "changes": {key: value for key, value in changes.items() if value is not None},
@@ -140,6 +142,17 @@ def _settings(
         "sample_axis": sample_axis,
         "sensitivity": texts("sensitivity", sensitivity),
     }
+
+
+def _rate_of(rig: Rig | None) -> float | None:
+    """The sample rate that the settings of a rig give to arrays; their faults are found later."""
+    if rig is not None and not isinstance(rig, dict):
+        try:
+            rig = json.loads(pathlib.Path(rig).read_text(encoding="utf-8"))
+        except (OSError, ValueError):
+            return None
+    rate = rig.get("sample_rate_hz") if isinstance(rig, dict) else None
+    return rate if isinstance(rate, int | float) and not isinstance(rate, bool) else None
 
 
 def _selector(name: str, channel: str | int) -> str:
@@ -200,7 +213,7 @@ def analyse(
     rig : path or dict, optional
         Settings of the rig, as ``asperity schema --rig`` describes them. Other arguments win.
     sample_rate_hz : float, optional
-        Sample rate in Hz of arrays, and of files without one.
+        Sample rate in Hz of arrays, and of files without one; that of the rig by default.
     names, units : sequence of str, optional
         Of the channels in their order, such as ``["hammer", "top"]`` and ``["N", "m/s^2"]``; an
         empty one keeps that of the file.
@@ -239,6 +252,11 @@ def analyse(
         Called with the fraction done, 0 to 1. An exception that it raises stops the analysis and is
         passed on.
 
+    Returns
+    -------
+    Analysis
+        Hits, averaged functions, backbones and modes as tables.
+
     Raises
     ------
     TypeError
@@ -273,7 +291,8 @@ def analyse(
         "keep_all": keep_all,
     }
     settings = _settings(rig, changes, sample_rate_hz, names, units, sample_axis, sensitivity)
-    read = sources(source, sample_rate_hz, sample_axis)
+    rate = _rate_of(rig) if sample_rate_hz is None else sample_rate_hz
+    read = sources(source, rate, sample_axis)
     number = hits if isinstance(hits, str) else str(_arrays.count("hits", hits))
     found = _asperity.analyse(read, settings, number, form, bool(frfs), progress)
     responses = tuple(
@@ -356,6 +375,11 @@ def decay(
         Bands in Hz with one mode each. By default one about the strongest resonance of the first
         decay.
 
+    Returns
+    -------
+    DecayAnalysis
+        Decays and their backbones as tables.
+
     Raises
     ------
     TypeError, ScenarioError, ValueError, OSError
@@ -370,7 +394,8 @@ def decay(
     """
     changes = {"responses": _selectors(response)}
     settings = _settings(rig, changes, sample_rate_hz, names, units, sample_axis, sensitivity)
-    read = sources(source, sample_rate_hz, sample_axis)
+    rate = _rate_of(rig) if sample_rate_hz is None else sample_rate_hz
+    read = sources(source, rate, sample_axis)
     bands = [
         [_arrays.number("a limit of bands_hz", limit) for limit in (low, high)]
         for low, high in bands_hz

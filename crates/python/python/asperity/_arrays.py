@@ -46,13 +46,19 @@ def number(name: str, value: float) -> float:
         raise TypeError(f"{name} is {value!r}; accepted: a number") from None
 
 
-def count(name: str, value: int) -> int:
-    """An int that is not negative."""
+def count(name: str, value: int, least: int = 0, most: int | None = None) -> int:
+    """An int from `least` on, to `most` if given."""
     if isinstance(value, bool) or not isinstance(value, int | np.integer):
         raise TypeError(f"{name} is {value!r}; accepted: a whole number")
-    if not 0 <= value < 2**62:
-        raise ValueError(f"{name} is {value!r}; accepted: 0 and above")
+    if not least <= value <= (2**62 if most is None else most):
+        accepted = f"{least} and above" if most is None else f"{least} to {most}"
+        raise ValueError(f"{name} is {value!r}; accepted: {accepted}")
     return int(value)
+
+
+def threads(value: int | None) -> int | None:
+    """A number of threads, None for all cores."""
+    return None if value is None else count("threads", value, 1, 1024)
 
 
 def samples_of(name: str, seconds: float, sample_rate_hz: float) -> int:

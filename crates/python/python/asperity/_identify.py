@@ -95,6 +95,11 @@ def identify(
         Called with the estimated fraction done, 0 to 1. An exception that it raises stops the
         identification and is passed on.
 
+    Returns
+    -------
+    Identification
+        The law with its band, the fit of the data, and draws from the posterior.
+
     Raises
     ------
     ScenarioError

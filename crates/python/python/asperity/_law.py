@@ -28,7 +28,7 @@ class LawTables(Mapping[str, Table]):
     """Tables of the laws of a scenario by name, with a figure of all.
 
     Each has the columns of ``law-NAME.csv``: ``pressure_pa``, ``stiffness_pa_per_m``, ``closure_m``,
-    ``energy_j_per_m2``.
+    ``energy_j_per_m2``. A name that is not in the scenario is a KeyError.
 
     Attributes
     ----------
@@ -68,6 +68,16 @@ def laws(scenario: ScenarioLike) -> dict[str, Law]:
     The closure of a law that never separates counts from the static pressure of the first interface
     that uses it.
 
+    Parameters
+    ----------
+    scenario : Scenario, str, os.PathLike or dict
+        Anything that `Scenario` accepts.
+
+    Returns
+    -------
+    dict of str to Law
+        The laws by their names in the scenario.
+
     Raises
     ------
     ScenarioError
@@ -80,6 +90,16 @@ def laws(scenario: ScenarioLike) -> dict[str, Law]:
 
 def tabulate(scenario: ScenarioLike) -> LawTables:
     """Tabulate every named law of a scenario, from zero pressure to at least 1 MPa.
+
+    Parameters
+    ----------
+    scenario : Scenario, str, os.PathLike or dict
+        Anything that `Scenario` accepts.
+
+    Returns
+    -------
+    LawTables
+        A table for each law, by its name.
 
     Raises
     ------
@@ -116,7 +136,7 @@ class PowerFit:
 
     @property
     def law(self) -> Law:
-        """The law; for exponents below 1, whose law separates."""
+        """The law; ValueError for exponents from 1 on, whose law never separates."""
         return Law(
             {"kind": "power", "coefficient": self.coefficient, "exponent": self.exponent}
         )
@@ -132,6 +152,8 @@ def fit_power(pressure_pa: ArrayLike, stiffness_pa_per_m: ArrayLike) -> PowerFit
 
     Raises
     ------
+    TypeError
+        If they are not real numbers.
     ValueError
         If the lengths differ, a number is not positive and finite, or the pressures do not differ.
     """
@@ -167,12 +189,15 @@ def law_from_stiffness(
     pressures_pa : (float, float)
         Lowest and highest pressure in Pa; the lowest may be zero.
     tolerance : float
-        Largest relative difference of the stiffness.
+        Largest relative difference of the stiffness, 1e-12 to 0.1.
 
     Raises
     ------
+    TypeError
+        If the range does not hold two numbers, or the function returns no number.
     ValueError
-        If a stiffness is not positive and finite, or jumps.
+        If a stiffness is not positive and finite, or jumps; if the range or the tolerance is not
+        valid.
     Exception
         Any exception of the function.
 
@@ -215,13 +240,15 @@ def law_from_pressure(
     closures_m : (float, float)
         Lowest and highest closure in m.
     tolerance : float
-        Largest relative difference of the stiffness.
+        Largest relative difference of the stiffness, 1e-12 to 0.1.
 
     Raises
     ------
+    TypeError
+        If the range does not hold two numbers, or a function returns no number.
     ValueError
         If the pressure does not increase, a number is not finite, or the stiffness is not the
-        derivative of the pressure.
+        derivative of the pressure; if the range or the tolerance is not valid.
     Exception
         Any exception of the functions.
 

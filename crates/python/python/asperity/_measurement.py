@@ -171,8 +171,8 @@ def read(
 ) -> list[list[dict[str, Any]]]:
     """Read measurement files as records of SEP005 channels.
 
-    Formats are detected from the content: universal files, text, NPY, NPZ, MAT, WAV, TDMS. Records
-    over frequency and complex channels are left out. Assumptions of the reader are warnings.
+    Formats are detected from the content: universal files, text, NPY, NPZ, MAT, HDF5, WAV, TDMS.
+    Records over frequency and complex channels are left out. Assumptions of the reader are warnings.
 
     Parameters
     ----------
@@ -187,7 +187,8 @@ def read(
     si : bool
         Convert channels with a known unit to SI.
     progress : callable, optional
-        Called with the fraction done, 0 to 1.
+        Called with the fraction done, 0 to 1. An exception that it raises stops the reading and is
+        passed on.
 
     Returns
     -------
@@ -199,12 +200,17 @@ def read(
 
     Raises
     ------
+    TypeError
+        If `paths` holds something else than paths.
     OSError
         If a file cannot be read.
     ValueError
         If its content or an option is not valid.
     """
-    separate: list[Any] = [paths] if _is_path(paths) else list(paths)  # type: ignore[arg-type]
+    several = [paths] if _is_path(paths) else paths
+    if not isinstance(several, Iterable):
+        raise TypeError(f"paths is {paths!r}; accepted: a path or several")
+    separate: list[Any] = list(several)
     if not all(map(_is_path, separate)):
         raise TypeError(f"paths is {paths!r}; accepted: a path or several")
     listed = [os.fspath(path) for path in separate]
@@ -241,8 +247,10 @@ def write(
         File to write; it appears complete or not at all.
     source : array, SEP005 channels, or several of them
         As for `analyse`, but for paths.
-    sample_rate_hz, sample_axis : optional
-        As for `analyse`.
+    sample_rate_hz : float, optional
+        Sample rate in Hz of arrays.
+    sample_axis : {"first", "last"}, optional
+        Axis of an array along which the samples run; by default the longer one.
     format : {"uff", "uff-ascii", "csv", "npz"}, optional
         Universal file (dataset 58b or 58), text, or arrays of NumPy; by default that of the name.
     title : str
@@ -252,8 +260,10 @@ def write(
 
     Raises
     ------
-    TypeError, ValueError
-        If `source` is none of the above, the format cannot hold it, or the file exists.
+    TypeError
+        If `source` is none of the above.
+    ValueError
+        If a channel or an option is not valid, the format cannot hold the channels, or the file exists.
     OSError
         If the file cannot be written.
     """
@@ -287,11 +297,14 @@ def to_sep005(table: Table | Mapping[str, Any]) -> list[dict[str, Any]]:
     Returns
     -------
     list of dict
-        A channel for each further column of numbers: its name without the unit, the unit by the
-        ending of the name, ``data``, ``fs`` in Hz, and ``time`` in s if it does not begin at zero.
+        A channel for each further column of numbers: ``name`` without the unit, ``unit_str`` by the
+        ending of the name, ``data`` of shape (rows,) in that unit, ``fs`` in Hz, and ``time`` in s if
+        it does not begin at zero.
 
     Raises
     ------
+    TypeError
+        If the times are not real numbers.
     ValueError
         If there is no column ``time_s``, or its steps are not equal.
 

@@ -60,10 +60,17 @@ def simulate(
         Called with the fraction done, 0 to 1, some times a second. An exception that it raises
         stops the computation and is passed on.
 
+    Returns
+    -------
+    Simulation
+        Observables, time history and receptance.
+
     Raises
     ------
     ScenarioError
         If the scenario is not valid.
+    OSError
+        If a file of the scenario cannot be read.
     ValueError
         If the structure cannot be built, or a setting is out of range.
     ComputationError

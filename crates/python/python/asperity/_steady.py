@@ -10,7 +10,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from . import _asperity
+from . import _arrays, _asperity
 from ._numbers import column, numbers
 from ._simulate import ScenarioLike
 from ._table import Table
@@ -63,7 +63,8 @@ class SteadyResponses:
     @property
     def special_points(self) -> Table:
         """Bifurcations along the branches: ``branch``, ``force_n``, ``kind``, ``frequency_hz``,
-        ``amplitude_1_m``; kinds are fold, period_doubling, neimark_sacker and branch_point."""
+        ``amplitude_1_m``; kinds are ``fold``, ``period_doubling``,
+        ``neimark_sacker`` and ``branch_point``."""
         found = [
             (number, level["force_n"], point)
             for number, level in enumerate(self.summary["levels"], start=1)
@@ -131,12 +132,20 @@ def steady(
     threads : int, optional
         Number of threads; all cores by default.
     progress : callable, optional
-        Called with the fraction of the branches that are done.
+        Called with the fraction of the branches that are done, 0 to 1. An exception that it raises
+        stops the computation and is passed on.
+
+    Returns
+    -------
+    SteadyResponses
+        Branches, backbones and stepped sines as tables.
 
     Raises
     ------
     ScenarioError
         If the scenario is not valid.
+    TypeError
+        If the amplitudes are not real numbers.
     ValueError
         If the request is out of range.
     ComputationError
@@ -146,7 +155,7 @@ def steady(
         "amplitudes_n": column(np.atleast_1d(numbers(amplitudes_n, "amplitudes_n")), "amplitudes_n"),
         "from_hz": from_hz,
         "to_hz": to_hz,
-        "harmonics": harmonics,
+        "harmonics": None if harmonics is None else _arrays.count("harmonics", harmonics, 1, 400),
         "backbone": bool(backbone),
         "verify": bool(verify),
         "bodies": bodies,
@@ -154,7 +163,7 @@ def steady(
         "time_sweep_points": time_sweep_points,
     }
     summary, points, backbones, sweeps, figure = _asperity.steady(
-        scenario, asked, threads, progress
+        scenario, asked, _arrays.threads(threads), progress
     )
     failed = [level for level in summary["levels"] if "error" in level]
     if failed:
@@ -191,7 +200,7 @@ class Modes:
 
     @property
     def table(self) -> Table:
-        """``frequency_hz`` and ``damping_ratio``, a row per mode."""
+        """Natural frequencies ``frequency_hz`` and ``damping_ratio``, a row per mode."""
         modes = self.summary["modes"]
         return Table(
             {
@@ -214,6 +223,11 @@ def modes(scenario: ScenarioLike, count: int = 4) -> Modes:
     count : int
         Number of modes, 1 to 1000; a structure may have fewer.
 
+    Returns
+    -------
+    Modes
+        Frequencies in Hz, damping ratios and shapes.
+
     Raises
     ------
     ScenarioError
@@ -223,7 +237,6 @@ def modes(scenario: ScenarioLike, count: int = 4) -> Modes:
     ComputationError
         If there is no static equilibrium.
     """
-    if not 1 <= count <= 1000:
-        raise ValueError(f"count is {count}; accepted: 1 to 1000")
-    summary, shapes, figure = _asperity.modes(scenario, count)
+    number = _arrays.count("count", count, 1, 1000)
+    summary, shapes, figure = _asperity.modes(scenario, number)
     return Modes(summary, Table(shapes), figure)

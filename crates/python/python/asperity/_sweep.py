@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _asperity
+from . import _arrays, _asperity
 from ._json import text_of
 from ._simulate import ScenarioLike
 from ._table import Table
@@ -89,8 +89,10 @@ def sweep(
     ------
     ScenarioError
         If the scenario, or with `vary` a combination of values, is not valid.
+    TypeError
+        If both or none of `vary` and `rows` are given, or values are no array, list or text.
     ValueError
-        If there is nothing to vary, or the sweep is too large.
+        If there is nothing to vary, the lengths of `rows` differ, or the sweep is too large.
 
     Examples
     --------
@@ -99,12 +101,13 @@ def sweep(
     """
     if (vary is None) == (rows is None):
         raise TypeError("sweep takes either `vary` or `rows`")
+    cores = _arrays.threads(threads)
     if rows is not None:
         columns = [(_pointer(key), _texts(key, values)) for key, values in rows.items()]
         lengths = sorted({len(values) for _, values in columns})
         if len(lengths) != 1 or lengths[0] == 0:
             raise ValueError(f"rows have the lengths {lengths}; expected one length from 1 on")
-        found = Sweep(_asperity.sweep_rows(scenario, columns, threads, progress))
+        found = Sweep(_asperity.sweep_rows(scenario, columns, cores, progress))
     else:
         assert vary is not None
         varied = [
@@ -113,7 +116,7 @@ def sweep(
         ]
         if not varied:
             raise ValueError("`vary` is empty; expected values by JSON Pointer")
-        found = Sweep(*_asperity.sweep(scenario, varied, threads, progress))
+        found = Sweep(*_asperity.sweep(scenario, varied, cores, progress))
     if found.failed:
         first = int(np.flatnonzero(found["error"])[0])
         text = f"{found.failed} of {found.rows} runs failed; row {first}: {found['error'][first]}"
@@ -137,7 +140,7 @@ def _texts(key: str, values: Values) -> list[str]:
         values = values.tolist()
     if isinstance(values, str | bytes | Mapping) or not isinstance(values, Sequence | range):
         raise TypeError(
-            f"{key}: values cannot be a {type(values).__name__}; accepted: an array or a list"
+            f"{key}: values cannot be of the type {type(values).__name__}; accepted: an array or a list"
         )
     return [_text(value) for value in values]
 

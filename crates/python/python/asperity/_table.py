@@ -36,6 +36,8 @@ class Table(Mapping[str, NDArray[Any]]):
         If a column does not have one dimension, or the lengths are not equal.
     TypeError
         If a column has another type, such as complex numbers or dates.
+    KeyError
+        If a column is asked for that the table does not have.
     """
 
     __slots__ = ("_columns",)

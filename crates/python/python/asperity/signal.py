@@ -103,7 +103,7 @@ class Hit:
         return (self.start + self.trigger) / self.sample_rate_hz
 
     def quality_issues(self) -> list[QualityIssue]:
-        """`quality_issues` of the hit."""
+        """The result of the function `quality_issues` for the hit, with its defaults."""
         return quality_issues(
             self.force, self.responses, self.sample_rate_hz, missing=self.missing
         )
@@ -171,10 +171,18 @@ def find_hits(
     hold_off_s : float
         Time after a trigger in which no further hit begins, in s.
 
+    Returns
+    -------
+    Hits
+        A sequence of `Hit`, with the trigger level.
+
     Raises
     ------
+    TypeError
+        For signals and options that are not real numbers.
     ValueError
-        For options out of range, and a force that does not rise above its noise.
+        For options out of range, signals of unequal length, and a force that does not rise above its
+        noise.
     """
     force = _arrays.real("force", force)
     rate = _rate(sample_rate_hz)
@@ -275,6 +283,13 @@ def quality_issues(
     -------
     list of QualityIssue
         Empty for a good hit.
+
+    Raises
+    ------
+    TypeError
+        For signals and options that are not real numbers.
+    ValueError
+        For signals of unequal length, a sample rate that is not positive, and a negative `missing`.
     """
     force = _arrays.real("force", force)
     rate = _rate(sample_rate_hz)
@@ -307,7 +322,21 @@ def _rate(sample_rate_hz: float) -> float:
 
 @dataclass(frozen=True)
 class Pulse:
-    """The pulse of a force: largest force, impulse, width at half height, ends."""
+    """The pulse of a force.
+
+    Attributes
+    ----------
+    force_peak_n : float
+        Largest force in N.
+    peak_time_s : float
+        Its time in s after the first sample.
+    impulse_ns : float
+        Integral of the force over time in N s.
+    pulse_width_s : float
+        Width at half height in s.
+    begin_s, end_s : float
+        Ends of the pulse in s after the first sample.
+    """
 
     force_peak_n: float
     peak_time_s: float
@@ -318,21 +347,59 @@ class Pulse:
 
 
 def pulse(force: ArrayLike, sample_rate_hz: float) -> Pulse | None:
-    """The pulse of a force in N without offset; None without one."""
+    """Find the pulse of a force.
+
+    Parameters
+    ----------
+    force : array_like, shape (samples,)
+        Force in N, without offset.
+    sample_rate_hz : float
+        Sample rate in Hz.
+
+    Returns
+    -------
+    Pulse or None
+        None for a force without a pulse, and for samples that are not finite.
+
+    Raises
+    ------
+    TypeError
+        For samples that are not real numbers.
+    ValueError
+        For samples of another shape, and a sample rate that is not positive.
+    """
     found = _asperity.pulse(_arrays.real("force", force), _rate(sample_rate_hz))
     return None if found is None else Pulse(**found)
+
+
+def _taper(taper_s: float) -> None:
+    if not 0 <= _arrays.number("taper_s", taper_s) < np.inf:
+        raise ValueError(f"taper_s is {taper_s}; accepted: 0 s and above")
 
 
 @dataclass(frozen=True)
 class ForceWindow:
     """A window that is one from `begin_s` to `end_s` and zero beyond a cosine taper of `taper_s`.
 
-    Times are in s after the first sample. The offset of the force must be subtracted first.
+    The offset of the force must be subtracted first.
+
+    Parameters
+    ----------
+    begin_s, end_s : float
+        Ends of the window in s after the first sample.
+    taper_s : float
+        Length of each taper in s.
     """
 
     begin_s: float
     end_s: float
     taper_s: float = 0.5e-3
+
+    def __post_init__(self) -> None:
+        begin, end = _arrays.number("begin_s", self.begin_s), _arrays.number("end_s", self.end_s)
+        if not begin <= end:
+            raise ValueError(f"begin_s is {begin} and end_s {end}; accepted: an end after the begin")
+        _taper(self.taper_s)
 
     @classmethod
     def around(
@@ -343,14 +410,49 @@ class ForceWindow:
         margin_s: float = 0.5e-3,
         taper_s: float = 0.5e-3,
     ) -> ForceWindow:
-        """The window about the pulse of a force (N), with a margin on either side."""
+        """The window about the pulse of a force, with a margin on either side.
+
+        Parameters
+        ----------
+        force : array_like, shape (samples,)
+            Force in N, without offset.
+        sample_rate_hz : float
+            Sample rate in Hz.
+        margin_s, taper_s : float
+            Margin on either side, and length of each taper, in s.
+
+        Raises
+        ------
+        ValueError
+            If the force has no pulse.
+        """
         found = pulse(force, sample_rate_hz)
         if found is None:
             raise ValueError("the force has no pulse")
         return cls(found.begin_s - margin_s, found.end_s + margin_s, taper_s)
 
     def apply(self, force: ArrayLike, sample_rate_hz: float) -> _Floats:
-        """The force times the window, shape (samples,)."""
+        """The force times the window.
+
+        Parameters
+        ----------
+        force : array_like, shape (samples,)
+            Force in any unit.
+        sample_rate_hz : float
+            Sample rate in Hz.
+
+        Returns
+        -------
+        ndarray, shape (samples,)
+            In the unit of the force.
+
+        Raises
+        ------
+        TypeError
+            For samples that are not real numbers.
+        ValueError
+            For samples of another shape, and a sample rate that is not positive.
+        """
         window = tuple(
             _arrays.number(name, getattr(self, name)) for name in ("begin_s", "end_s", "taper_s")
         )
@@ -361,10 +463,22 @@ class ForceWindow:
 
 @dataclass(frozen=True)
 class ResponseWindow:
-    """A window that is one until `end_s` and zero after a cosine taper of `taper_s`, in s."""
+    """A window that is one until `end_s` and zero after a cosine taper of `taper_s`.
+
+    Parameters
+    ----------
+    end_s : float
+        End of the window in s after the first sample.
+    taper_s : float
+        Length of the taper in s.
+    """
 
     end_s: float
     taper_s: float
+
+    def __post_init__(self) -> None:
+        _arrays.number("end_s", self.end_s)
+        _taper(self.taper_s)
 
     @classmethod
     def until_noise(
@@ -377,8 +491,23 @@ class ResponseWindow:
     ) -> ResponseWindow | None:
         """The window at whose end a resonance has decayed into noise; None if it has not.
 
-        `frequency_hz` is that of the resonance, `noise_density` the one-sided density of the noise
-        there, in the squared unit of the samples per Hz.
+        Parameters
+        ----------
+        response : array_like, shape (samples,)
+            Response in any unit.
+        sample_rate_hz : float
+            Sample rate in Hz.
+        frequency_hz : float
+            Frequency of the resonance in Hz.
+        noise_density : float
+            One-sided density of the noise there, in the squared unit of the samples per Hz.
+
+        Raises
+        ------
+        TypeError
+            For samples that are not real numbers.
+        ValueError
+            For samples of another shape, and a sample rate that is not positive.
         """
         found = _asperity.until_noise(
             _arrays.real("response", response),
@@ -389,7 +518,27 @@ class ResponseWindow:
         return None if found is None else cls(*found)
 
     def apply(self, response: ArrayLike, sample_rate_hz: float) -> _Floats:
-        """The response times the window, shape (samples,)."""
+        """The response times the window.
+
+        Parameters
+        ----------
+        response : array_like, shape (samples,)
+            Response in any unit.
+        sample_rate_hz : float
+            Sample rate in Hz.
+
+        Returns
+        -------
+        ndarray, shape (samples,)
+            In the unit of the response.
+
+        Raises
+        ------
+        TypeError
+            For samples that are not real numbers.
+        ValueError
+            For samples of another shape, and a sample rate that is not positive.
+        """
         window = (
             _arrays.number("end_s", self.end_s),
             _arrays.number("taper_s", self.taper_s),
@@ -404,19 +553,60 @@ class ExponentialWindow:
     """An exponential window ``exp(-t / tau_s)`` on force and response, with its exact correction.
 
     The windowed signals give ``H(i w + 1/tau)`` in place of ``H(i w)``: a mode keeps its damped
-    frequency and its residue, and its decay rate rises by ``1/tau``.
+    frequency and its residue, and its decay rate rises by ``1/tau``. A time constant that is not
+    positive and finite is a ValueError of each method.
+
+    Parameters
+    ----------
+    tau_s : float
+        Time constant in s.
     """
 
     tau_s: float
 
     @classmethod
     def falling_to(cls, fraction: float, after_s: float) -> ExponentialWindow:
-        """The window that falls to a fraction (0 to 1) after a time in s."""
+        """The window that falls to a fraction after a time.
+
+        Parameters
+        ----------
+        fraction : float
+            Above 0 and below 1.
+        after_s : float
+            Time in s after which the window has this value.
+
+        Raises
+        ------
+        ValueError
+            For a fraction or a time out of range.
+        """
         fraction, after = _arrays.number("fraction", fraction), _arrays.number("after_s", after_s)
         return cls(_asperity.exponential_falling_to(fraction, after))
 
     def apply(self, samples: ArrayLike, sample_rate_hz: float, *, origin: int = 0) -> _Floats:
-        """The samples times the window, which is one at sample `origin`."""
+        """The samples times the window.
+
+        Parameters
+        ----------
+        samples : array_like, shape (samples,)
+            Force or response in any unit.
+        sample_rate_hz : float
+            Sample rate in Hz.
+        origin : int
+            Index of the sample at which the window is one, for both signals the same.
+
+        Returns
+        -------
+        ndarray, shape (samples,)
+            In the unit of the samples.
+
+        Raises
+        ------
+        TypeError
+            For samples that are not real numbers.
+        ValueError
+            For samples of another shape, and a sample rate or an origin out of range.
+        """
         return _asperity.exponential_window(
             _arrays.real("samples", samples),
             _rate(sample_rate_hz),
@@ -442,26 +632,49 @@ class ExponentialWindow:
     def corrected_natural_frequency_hz(
         self, natural_frequency_hz: float, damping_ratio: float
     ) -> float:
-        """The undamped natural frequency in Hz without the window."""
+        """The undamped natural frequency in Hz without the window, from frequency (Hz) and ratio
+        found with it."""
         return self._corrected("natural_frequency_hz", natural_frequency_hz, damping_ratio, 0.0)
 
     def corrected_peak_frequency_hz(
         self, natural_frequency_hz: float, damping_ratio: float, peak_frequency_hz: float
     ) -> float:
-        """The frequency in Hz of a single mode's receptance peak without the window."""
+        """The frequency in Hz of a single mode's receptance peak without the window, from natural
+        frequency (Hz), damping ratio and peak frequency (Hz) found with it."""
         mode = natural_frequency_hz, damping_ratio
         return self._corrected("peak_frequency_hz", *mode, peak_frequency_hz)
 
     def corrected_peak_magnitude(
         self, natural_frequency_hz: float, damping_ratio: float, magnitude: float
     ) -> float:
-        """The height of a single mode's receptance peak without the window."""
+        """The height of a single mode's receptance peak without the window, in the unit of
+        `magnitude`; NaN if the damping ratio is not larger than that of the window."""
         return self._corrected("peak_magnitude", natural_frequency_hz, damping_ratio, magnitude)
 
     def corrected_receptance(
         self, frequency_hz: ArrayLike, receptance: ArrayLike, response: str = "acceleration"
     ) -> _Complex:
-        """The receptance at ``i w + 1/tau`` from that of the windowed response divided at ``i w``."""
+        """The receptance at ``i w + 1/tau`` from that of the windowed response divided at ``i w``.
+
+        Parameters
+        ----------
+        frequency_hz : array_like, shape (lines,)
+            Frequencies in Hz.
+        receptance : array_like, shape (lines,)
+            Complex receptances in m/N.
+        response : {"acceleration", "velocity", "displacement"}
+            Quantity of the response that was windowed.
+
+        Returns
+        -------
+        ndarray, shape (lines,)
+            In m/N.
+
+        Raises
+        ------
+        ValueError
+            For unequal numbers of frequencies and receptances, and an unknown quantity.
+        """
         frequencies = _arrays.real("frequency_hz", frequency_hz)
         values = _arrays.complex_("receptance", receptance)
         _equal_lengths(frequencies, values)
@@ -478,6 +691,9 @@ def _equal_lengths(frequencies: _Floats, values: _Complex) -> None:
 
 class FrfAverage:
     """The average of hits: spectra, frequency response function by H1, H2 or Hv, coherence.
+
+    All arrays of results have the shape (lines,). The functions are in the unit of the response per N. A result
+    for which there are too few hits is a ValueError: one is needed, two for coherence and spread.
 
     Parameters
     ----------
@@ -515,7 +731,17 @@ class FrfAverage:
         )
 
     def push(self, force: ArrayLike, response: ArrayLike) -> _Complex:
-        """Add a hit (force in N); returns its own function, shape (lines,).
+        """Add a hit.
+
+        Parameters
+        ----------
+        force, response : array_like, shape (samples,)
+            Force in N; response in m/s^2, m/s or m.
+
+        Returns
+        -------
+        ndarray, shape (lines,)
+            The complex function of this hit alone.
 
         Raises
         ------
@@ -552,7 +778,8 @@ class FrfAverage:
         """Total least squares, for noise on both, shape (lines,).
 
         `noise_ratio` is the standard deviation of the response's noise over that of the force's, in
-        the response's unit per N; by default both have the same noise-to-signal ratio.
+        the response's unit per N; by default both have the same noise-to-signal ratio. One that is
+        not positive and finite is a ValueError.
         """
         ratio = None if noise_ratio is None else _arrays.number("noise_ratio", noise_ratio)
         return self._native.frf("hv", ratio)
@@ -562,25 +789,34 @@ class FrfAverage:
         return self._native.coherence()[0]
 
     def random_errors(self) -> tuple[_Floats, _Floats]:
-        """Standard deviations of the relative magnitude and of the phase (rad), by the coherence."""
+        """Standard deviations of the relative magnitude and of the phase (rad), by the coherence,
+        each of shape (lines,); ValueError for fewer than two hits."""
         _, magnitude, phase = self._native.coherence()
         return magnitude, phase
 
     def spread(self) -> tuple[_Floats, _Floats]:
-        """Mean and standard deviation over the hits of the magnitude of their functions."""
+        """Mean and standard deviation over the hits of the magnitude of their functions, each of
+        shape (lines,); ValueError for fewer than two hits."""
         mean, deviation = self._native.spread()
         return mean, deviation
 
     def valid(self, threshold: float = 0.02) -> NDArray[np.bool_]:
-        """True where the force spectrum is at least `threshold` of its maximum."""
+        """True where the force spectrum is at least `threshold` of its maximum, shape (lines,)."""
         return self._native.force_mask(_arrays.number("threshold", threshold))
 
     def spectra(self, density: str = "power") -> tuple[_Floats, _Floats, _Complex]:
-        """One-sided ``Gff``, ``Gxx`` and ``Gfx``, as densities of ``"power"`` or ``"energy"``."""
+        """One-sided ``Gff``, ``Gxx`` and ``Gfx``, each of shape (lines,).
+
+        As densities of ``"power"``, in the product of the units per Hz such as N^2/Hz, or of
+        ``"energy"``, the same times s. Another density is a ValueError.
+        """
         return self._native.spectra(density)
 
     def response(self, estimator: str = "h1") -> FrequencyResponse:
-        """The averaged function at every frequency, for peaks and damping between the lines."""
+        """The averaged function at every frequency, for peaks and damping between the lines.
+
+        `estimator` is ``"h1"``, ``"h2"`` or ``"hv"``; another one is a ValueError.
+        """
         return FrequencyResponse._of(self._native.response(estimator, None))
 
 
@@ -602,7 +838,14 @@ def convert_frf(
     Returns
     -------
     ndarray, shape (lines,)
-        Not finite at zero frequency where the form is not defined there.
+        In SI units. Not finite at zero frequency where the form is not defined there.
+
+    Raises
+    ------
+    TypeError
+        For frequencies that are not real numbers, and values that are no numbers.
+    ValueError
+        For unequal numbers of frequencies and values, and unknown forms.
     """
     frequencies = _arrays.real("frequency_hz", frequency_hz)
     return _asperity.convert_frf(
@@ -612,7 +855,16 @@ def convert_frf(
 
 @dataclass(frozen=True, eq=False)
 class Harmonics:
-    """Fundamental and second harmonic of a receptance; None for one without a peak."""
+    """Fundamental and second harmonic of a receptance.
+
+    Attributes
+    ----------
+    fundamental, second : Peak or None
+        None for one without a peak.
+    masked_hz : ndarray
+        Frequencies in Hz of maxima in either window that were left out, since the force spectrum is
+        too small there.
+    """
 
     fundamental: Peak | None
     second: Peak | None
@@ -628,7 +880,15 @@ class Harmonics:
 
 @dataclass(frozen=True)
 class HalfPower:
-    """Damping ratio by the half-power frequencies (Hz) on either side of a peak."""
+    """Damping by the half-power frequencies on either side of a peak.
+
+    Attributes
+    ----------
+    damping_ratio : float
+        Damping ratio.
+    lower_hz, upper_hz : float
+        Half-power frequencies in Hz.
+    """
 
     damping_ratio: float
     lower_hz: float
@@ -706,7 +966,8 @@ class FrequencyResponse:
         return response
 
     def receptance(self, frequency_hz: ArrayLike) -> _Complex:
-        """Receptances in m/N at frequencies in Hz, shape (frequencies,)."""
+        """Receptances in m/N at frequencies in Hz, both of shape (frequencies,); NaN at zero for
+        velocities and accelerations."""
         return self._native.receptance_at(_arrays.real("frequency_hz", frequency_hz))
 
     def dominant_frequency(
@@ -716,7 +977,22 @@ class FrequencyResponse:
         form: str = "receptance",
         force_threshold: float = 0.02,
     ) -> float | None:
-        """Frequency in Hz of the largest peak in a band, in a form of the function."""
+        """Frequency in Hz of the largest peak in a band; None without one.
+
+        Parameters
+        ----------
+        band_hz : (float, float)
+            Band in Hz.
+        form : str
+            Form of the function whose peak is sought, as for `convert_frf`.
+        force_threshold : float
+            Smallest force spectrum at a peak, over its maximum.
+
+        Raises
+        ------
+        ValueError
+            For an unknown form, and a band that is not two numbers.
+        """
         threshold = _arrays.number("force_threshold", force_threshold)
         return self._native.dominant_frequency(_pair("band_hz", band_hz), form, threshold)
 
@@ -740,6 +1016,16 @@ class FrequencyResponse:
             Window of the second harmonic, over the fundamental found.
         force_threshold : float
             Smallest force spectrum at a peak, over its maximum.
+
+        Returns
+        -------
+        Harmonics
+            With the peaks that were found.
+
+        Raises
+        ------
+        ValueError
+            For a window that is not two numbers.
         """
         found = self._native.find_harmonics(
             _arrays.number("near_hz", near_hz),
@@ -785,7 +1071,13 @@ def circle_fit(
     Returns
     -------
     CircleFit or None
-        None for points that are not on a circle, and values that are not finite.
+        None for fewer than 5 points, frequencies that do not increase, points that are not on a
+        circle, and values that are not finite.
+
+    Raises
+    ------
+    ValueError
+        For unequal numbers of frequencies and values, and an unknown form.
     """
     frequencies = _arrays.real("frequency_hz", frequency_hz)
     mobility = convert_frf(frequencies, values, form, "mobility")
@@ -819,9 +1111,28 @@ class LogarithmicDecrement:
 def logarithmic_decrement(
     samples: ArrayLike, sample_rate_hz: float, near_hz: float
 ) -> LogarithmicDecrement | None:
-    """Damping of a free decay (any unit) whose frequency is `near_hz` in Hz to within a quarter.
+    """Damping of a free decay by the logarithmic decrement of its extrema.
 
-    None for fewer than 8 samples a cycle or four extrema, and for samples that are not finite.
+    Parameters
+    ----------
+    samples : array_like, shape (samples,)
+        Free decay of one mode, in any unit.
+    sample_rate_hz : float
+        Sample rate in Hz.
+    near_hz : float
+        Frequency in Hz, to within a quarter.
+
+    Returns
+    -------
+    LogarithmicDecrement or None
+        None for fewer than 8 samples a cycle or four extrema, and for samples that are not finite.
+
+    Raises
+    ------
+    TypeError
+        For samples that are not real numbers.
+    ValueError
+        For samples of another shape, and a sample rate that is not positive.
     """
     found = _asperity.logarithmic_decrement(
         _arrays.real("samples", samples),
