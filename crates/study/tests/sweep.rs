@@ -44,6 +44,10 @@ fn tolerance(column: &str, corners: bool, several_modes: bool) -> f64 {
         | "second_harmonic.receptance_m_per_n"
         | "harmonic_ratio"
         | "fundamental.damping_ratio" => 1e-4,
+        // In the rest of a ring-down a sweep takes the stiffness at rest instead of the tangents of the
+        // table, which are less exact than its pressures, and the decay of the energy.
+        _ if column.ends_with("stiffness_average_pa_per_m") => 4e-6,
+        "energy.dissipated_j" => 1e-8,
         _ => 1e-9,
     }
 }

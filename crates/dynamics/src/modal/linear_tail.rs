@@ -91,6 +91,22 @@ pub(super) fn is_straight(hit: &PreparedHit, outcome: &Outcome, energy: &EnergyL
     })
 }
 
+/// The energy balance at the end of a response from that where its rest begins: what is left decays at
+/// the rate of the mass-proportional damping.
+pub(super) fn at_end(hit: &PreparedHit, energy: EnergyLedger) -> EnergyLedger {
+    let model = &hit.tabulated.step_model;
+    let time = (hit.steps - hit.integrated()) as f64 * model.step;
+    let share = (-hit.model.preloaded().damping_rate() * time).exp();
+    let left = energy.kinetic + energy.elastic + energy.contact;
+    EnergyLedger {
+        kinetic: share * energy.kinetic,
+        elastic: share * energy.elastic,
+        contact: share * energy.contact,
+        dissipated: energy.dissipated + (1.0 - share) * left,
+        ..energy
+    }
+}
+
 /// The rest of the responses of one model at one step.
 #[derive(Debug)]
 pub(super) struct LinearTail {

@@ -375,7 +375,7 @@ impl Attempt {
             modes: self.lane.tabulated.step_model.modes.len(),
             decimation: Arc::clone(&self.decimation),
             contacts: contact_extremes(&self.lane, &outcome),
-            energy: ledger(&self.lane, &outcome),
+            energy: linear_tail::at_end(&self.lane, ledger(&self.lane, &outcome)),
             displacement: outcome.displacement,
             is_of_second_order: self.settings.interpolation == InterpolationChoice::Average,
             table_exponents: self.settings.table_exponents.clone(),

@@ -30,8 +30,7 @@ pub struct HitResponse {
     /// Number of steps.
     pub steps: usize,
     /// Number of steps that were integrated: the laws bend so little in the motion after them that
-    /// the rest is in closed form, within 1e-6 of the largest displacement. The energy balance is
-    /// that at the end of these steps.
+    /// the rest is in closed form, within 1e-6 of the largest displacement.
     pub integrated_steps: usize,
     /// Number of modes that were integrated; the others count as flexibility.
     pub modes: usize,
