@@ -82,7 +82,6 @@ fn a_rattling_sample_is_named_and_its_mean_is_that_of_the_condensed_branch() {
     assert!(check.relative_difference < 8e-3, "{check:?}");
 }
 
-/// On request bodies are condensed without loss as well; one that is not far above the range is not.
 /// Where contact is lost at every cycle, the branch with the condensed sample is that of the elastic
 /// bodies in time, whose sample rattles: within 0.8 % from 1000 Hz down to the lower fold.
 #[test]
@@ -102,6 +101,7 @@ fn the_condensed_branch_is_that_of_time_integration() {
     assert!(points.last().unwrap().amplitude_1_m > 5.5e-7);
 }
 
+/// On request bodies are condensed without loss as well; one that is not far above the range is not.
 #[test]
 fn requests_are_honoured_or_refused() {
     let found = steady(&rig(), &request(0.5, BodyModel::Condensed)).unwrap();

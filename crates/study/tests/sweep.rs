@@ -46,7 +46,7 @@ fn tolerance(column: &str, corners: bool, several_modes: bool) -> f64 {
         | "fundamental.damping_ratio" => 1e-4,
         // In the rest of a ring-down a sweep takes the stiffness at rest instead of the tangents of the
         // table, which are less exact than its pressures: the knot of the law at 0.14 MPa is in the cell
-        // next to rest. And it takes the decay of the energy.
+        // next to rest. The energy that is left decays at the damping rate.
         _ if column.ends_with("stiffness_average_pa_per_m") => 1e-5,
         "energy.dissipated_j" => 1e-8,
         _ => 1e-9,

@@ -58,7 +58,16 @@ pub(super) struct TabulatedModel {
     pub(super) tolerances: Vec<f64>,
     /// Of every contact if one is damped or there is friction, else none.
     pub(super) damped: Vec<DampedTable>,
-    tails: Mutex<Vec<Arc<LinearTail>>>,
+    tails: Mutex<Vec<KnownTail>>,
+}
+
+/// The rest of responses of so many steps after the first `from`, or that there is none.
+#[derive(Debug)]
+struct KnownTail {
+    from: usize,
+    steps: usize,
+    decimation: Arc<Decimation>,
+    tail: Option<Arc<LinearTail>>,
 }
 
 /// Table of a guide, where there is no pressure, and its cells per metre.
@@ -82,23 +91,26 @@ impl TabulatedModel {
         self.tables.get(i).map_or(0.0, |table| table.scales()[1].offset)
     }
 
-    /// The rest of responses of `steps` steps after the first `from`; none if it is not worth its
-    /// preparation.
+    /// The rest of responses of `steps` steps after the first `from`, if there is one.
     pub(super) fn linear_tail(
         &self,
         (from, steps): (usize, usize),
         decimation: &Arc<Decimation>,
     ) -> Option<Arc<LinearTail>> {
         let mut tails = self.tails.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(known) = tails.iter().find(|tail| tail.is_of((from, steps), decimation)) {
-            return Some(Arc::clone(known));
+        let same = |known: &&KnownTail| {
+            (known.from, known.steps) == (from, steps) && known.decimation == *decimation
+        };
+        if let Some(known) = tails.iter().find(same) {
+            return known.tail.clone();
         }
-        let tail = Arc::new(LinearTail::new(self, (from, steps), decimation)?);
+        let tail = LinearTail::new(self, (from, steps), decimation).map(Arc::new);
         if tails.len() >= MOST_TAILS {
             tails.clear();
         }
-        tails.push(Arc::clone(&tail));
-        Some(tail)
+        let decimation = Arc::clone(decimation);
+        tails.push(KnownTail { from, steps, decimation, tail: tail.clone() });
+        tail
     }
 }
 

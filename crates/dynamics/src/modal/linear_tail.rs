@@ -14,7 +14,6 @@
 //! the hit is integrated to its end.
 
 use std::f64::consts::TAU;
-use std::sync::Arc;
 
 use super::assembly::{ModalModel, PreparedHit, TabulatedModel};
 use super::drive::DriveForce;
@@ -79,9 +78,9 @@ pub(super) fn is_straight(hit: &PreparedHit, outcome: &Outcome, energy: &EnergyL
     let structure = hit.model.preloaded();
     let turns = TAU * structure.natural_frequency().unwrap_or(0.0) / structure.damping_rate();
     let left = energy.kinetic + energy.elastic + energy.contact;
-    let contacts = hit.model.contacts().iter().zip(&hit.tabulated.tables).zip(&outcome.contacts);
+    let pairs = hit.model.contacts().iter().zip(&hit.tabulated.tables);
     // A number that is not one is not straight.
-    contacts.into_iter().all(|((contact, table), seen)| {
+    pairs.zip(&outcome.contacts).all(|((contact, table), seen)| {
         let (_, stiffness) = table.get_with_tangent(0.0);
         let bound = (2.0 * left / (contact.area() * stiffness)).sqrt();
         let bend = |closure: f64| (table.get(closure) / (stiffness * closure) - 1.0).abs();
@@ -110,10 +109,8 @@ pub(super) fn at_end(hit: &PreparedHit, energy: EnergyLedger) -> EnergyLedger {
 /// The rest of the responses of one model at one step.
 #[derive(Debug)]
 pub(super) struct LinearTail {
-    /// Number of steps before it, and of the whole response.
+    /// Number of steps before it.
     pub(super) from: usize,
-    steps: usize,
-    decimation: Arc<Decimation>,
     first_sample: usize,
     /// Shares of each variable of the state in the samples from the first on.
     columns: Vec<Vec<f64>>,
@@ -125,7 +122,7 @@ impl LinearTail {
     pub(super) fn new(
         model: &TabulatedModel,
         (from, steps): (usize, usize),
-        decimation: &Arc<Decimation>,
+        decimation: &Decimation,
     ) -> Option<Self> {
         let (factor, reach) = (decimation.factor.max(1), decimation.taps.len());
         // The state at the very end is beyond the outputs, of which the last is this.
@@ -180,22 +177,7 @@ impl LinearTail {
         for j in last_whole + 1..count {
             push(&sample(j, &rows, first));
         }
-        Some(Self { from, steps, decimation: Arc::clone(decimation), first_sample, columns })
-    }
-
-    /// True if it is the rest of such responses.
-    pub(super) fn is_of(
-        &self,
-        (from, steps): (usize, usize),
-        decimation: &Arc<Decimation>,
-    ) -> bool {
-        let same = || {
-            Arc::ptr_eq(&self.decimation.taps, &decimation.taps)
-                || self.decimation.taps == decimation.taps
-        };
-        (self.from, self.steps) == (from, steps)
-            && self.decimation.factor == decimation.factor
-            && same()
+        Some(Self { from, first_sample, columns })
     }
 
     /// Adds the rest to the samples of a response, from its state.

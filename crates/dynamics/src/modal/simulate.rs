@@ -356,10 +356,9 @@ impl Attempt {
             Some(next) => return next.map(Some),
         }
         if self.settings.interpolation == InterpolationChoice::HighestOrder {
-            let Settings { halvings, may_end_linearly, .. } = self.settings;
             let interpolation = InterpolationChoice::Average;
-            let first = Settings::first(hit);
-            at(Settings { halvings, interpolation, may_end_linearly, ..first }).map(Some)
+            let table_exponents = first_table_exponents(hit);
+            at(Settings { table_exponents, interpolation, ..self.settings.clone() }).map(Some)
         } else if may_halve {
             at(self.settings.halved(hit)).map(Some)
         } else {

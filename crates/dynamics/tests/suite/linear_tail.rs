@@ -111,6 +111,10 @@ fn of_every_law_it_is_within_its_bound() {
             }
         }
     }
+    // The share that the book states of the paper's rig.
+    let paper = hit(&rig(&modified()), Damping::Ratio(0.035), pulse(32.0), None);
+    let record = respond(&paper, &decimation);
+    assert_eq!(record.integrated_steps, (7 * record.steps).div_ceil(16));
     // All but those of little damping and those that bounce to the end.
     assert!(closed > count / 2, "{closed} of {count}");
 }
