@@ -146,7 +146,7 @@ fn functions(py: Python<'_>, record: Record) -> PyResult<Bound<'_, PyDict>> {
     Ok(dict)
 }
 
-/// What `decay` gives to Python.
+/// Results of `decay` for Python.
 type DecayResults<'py> =
     (Bound<'py, PyAny>, Bound<'py, PyDict>, Bound<'py, PyDict>, Bound<'py, PyDict>);
 

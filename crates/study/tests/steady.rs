@@ -82,8 +82,8 @@ fn a_rattling_sample_is_named_and_its_mean_is_that_of_the_condensed_branch() {
     assert!(check.relative_difference < 8e-3, "{check:?}");
 }
 
-/// Where contact is lost at every cycle, the branch with the condensed sample is that of the elastic
-/// bodies in time, whose sample rattles: within 0.8 % from 1000 Hz down to the lower fold.
+/// The branch with the condensed sample, which loses contact at every cycle, is that of the elastic bodies
+/// in time, whose sample rattles: within 0.8 % from 1000 Hz down to the lower fold.
 #[test]
 fn the_condensed_branch_is_that_of_time_integration() {
     let assembly = rig();
