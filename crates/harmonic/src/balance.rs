@@ -429,10 +429,10 @@ impl<'a> Balance<'a> {
                         compliance.contact(i, j).value * force
                     })
                     .sum();
-                omitted = omitted.max(closure.norm());
+                omitted = omitted.max(closure.norm_sqr());
             }
         }
-        if largest > 0.0 { omitted / largest } else { 0.0 }
+        if largest > 0.0 { omitted.sqrt() / largest } else { 0.0 }
     }
 }
 

@@ -78,9 +78,9 @@ pub(crate) fn write(
     // Coordinates scaled to diagonal entries of about one: pivots do not depend on a stiff support.
     let mut scale = Vec::with_capacity(size);
     for (row, entry) in diagonal.iter().enumerate() {
-        let of = |i: usize| springs[..n].get(i).map_or(0.0, |spring| spring.norm());
+        let of = |i: usize| springs[..n].get(i).map_or(0.0, Complex64::l1_norm);
         let contacts = of(row / 2) + (row / 2).checked_sub(1).map_or(0.0, of);
-        scale.push((entry.value.norm() + contacts).sqrt().recip());
+        scale.push((entry.value.l1_norm() + contacts).sqrt().recip());
     }
     for (row, factor) in rows.chunks_exact_mut(width).zip(&scale) {
         for (x, other) in row.iter_mut().zip(&scale) {
@@ -146,9 +146,9 @@ impl GuidedBar {
     fn new(body: &Body, place: usize, w: f64, h: f64) -> Self {
         let s = Complex64::new(w * w, -w * h);
         let (m, m_slope) = complex_modulus(body, w);
-        let x = (s / m).sqrt() / body.wave_speed() * (0.5 * body.length());
+        let x = root(s / m) / body.wave_speed() * (0.5 * body.length());
         let square = x * x;
-        let excess = if x.norm() < 0.1 {
+        let excess = if x.norm_sqr() < 0.01 {
             // Of tan(x) / x - 1.
             const SERIES: [f64; 5] =
                 [1.0 / 3.0, 2.0 / 15.0, 17.0 / 315.0, 62.0 / 2835.0, 1382.0 / 155_925.0];
@@ -191,7 +191,7 @@ struct Diagonal {
 fn bar(body: &Body, w: f64, h: f64) -> [Diagonal; 2] {
     let s = Complex64::new(w * w, -w * h);
     let (m, m_slope) = complex_modulus(body, w);
-    let kappa = (s / m).sqrt() / body.wave_speed();
+    let kappa = root(s / m) / body.wave_speed();
     let half = 0.5 * body.length();
     let tan = tangent(kappa * half);
     let rigidity = m * (2.0 * body.axial_rigidity());
@@ -217,11 +217,21 @@ pub(crate) fn complex_modulus(body: &Body, w: f64) -> (Complex64, Complex64) {
     (Complex64::new(1.0, damping.loss(w)), Complex64::new(0.0, damping.loss_slope()))
 }
 
+/// The root with a positive real part, without the angles of the general function.
+fn root(x: Complex64) -> Complex64 {
+    let size = x.norm_sqr().sqrt();
+    if x.re <= 0.0 || !size.is_normal() {
+        return x.sqrt();
+    }
+    let re = (0.5 * (size + x.re)).sqrt();
+    Complex64::new(re, 0.5 * x.im / re)
+}
+
 /// `tan(x)`, without overflow for the strongly damped, whose imaginary part is negative, and
 /// without cancellation for small x.
 fn tangent(x: Complex64) -> Complex64 {
     let i = Complex64::new(0.0, 1.0);
-    if x.norm() < 0.5 {
+    if x.norm_sqr() < 0.25 {
         x.sin() / x.cos()
     } else {
         let turn = (-2.0 * i * x).exp();

@@ -131,7 +131,9 @@ impl<'a> FloquetSolver<'a> {
                 Some(splitting.monodromy(period, w))
             }
             Integration::RungeKutta(method) => {
-                period.resolve(system, variation, (closures, w), RungeKutta::steps)?;
+                period.resolve(system, variation, (closures, w), |fastest, w, ratio| {
+                    RungeKutta::steps(fastest, w, ratio == f64::INFINITY)
+                })?;
                 Some(method.monodromy(variation, period, w))
             }
             Integration::Friction(friction) => friction.compute(system, variation, closures, w),
