@@ -5,7 +5,7 @@ use crate::{
     frame::{Frame, Obstacles, crossed},
     line::stroke,
     mark,
-    series::{BAND_LIGHTNESS, Join, Series},
+    series::{Join, Series},
     svg::{Canvas, TextStyle},
     text::{self, LABEL_FONT},
 };
@@ -144,7 +144,7 @@ impl LegendEntry<'_> {
                 stroke(canvas, &line, color, series.dash, series.width);
             }
             Join::Band => {
-                let fill = format!(r#"fill="{}""#, color.lighten(BAND_LIGHTNESS));
+                let fill = format!(r#"fill="{}""#, color.lighten(series.lightness));
                 canvas.rectangle(x, y - 0.3 * LINE, sample, 0.6 * LINE, &fill);
             }
             Join::Points => {}

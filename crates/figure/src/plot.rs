@@ -7,7 +7,7 @@ use crate::{
     mark,
     panel::ReferenceLine,
     ruler::Ruler,
-    series::{BAND_LIGHTNESS, Join, Series},
+    series::{Join, Series},
     svg::{Canvas, TextStyle},
     text::{self, LABEL_FONT, TITLE_FONT},
     trace,
@@ -128,7 +128,7 @@ impl Plot<'_> {
         canvas.open(number);
         self.shades(canvas);
         for (index, series) in self.panel.series.iter().enumerate() {
-            let fill = self.panel.series_color(index).lighten(BAND_LIGHTNESS);
+            let fill = self.panel.series_color(index).lighten(series.lightness);
             let style = format!(r#"fill="{fill}""#);
             canvas.path(&trace::path(&self.areas(series), true), &style);
         }

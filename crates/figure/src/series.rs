@@ -38,8 +38,8 @@ pub enum Marker {
     Plus,
 }
 
-/// Share of white in the fill of a band.
-pub(crate) const BAND_LIGHTNESS: f64 = 0.78;
+/// Share of white in the fill of a band, unless set.
+const BAND_LIGHTNESS: f64 = 0.78;
 
 /// Connection of the points of a series.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -72,6 +72,7 @@ pub struct Series {
     pub(crate) marker_every: usize,
     pub(crate) width: f64,
     pub(crate) filled: bool,
+    pub(crate) lightness: f64,
 }
 
 impl Series {
@@ -91,6 +92,7 @@ impl Series {
             marker_every: 1,
             width: 1.0,
             filled: false,
+            lightness: BAND_LIGHTNESS,
         }
     }
 
@@ -172,6 +174,14 @@ impl Series {
     #[must_use]
     pub fn filled(mut self, filled: bool) -> Self {
         self.filled = filled;
+        self
+    }
+
+    /// Sets the share of white in the fill of a band (0.78 unless set): less of it for a band inside
+    /// another.
+    #[must_use]
+    pub fn lightness(mut self, share: f64) -> Self {
+        self.lightness = share;
         self
     }
 

@@ -119,6 +119,20 @@ fn text_is_escaped_and_panels_are_tagged() {
     assert!(svg_to_png(&svg, 4.0).is_ok());
 }
 
+/// A band inside another of the same colour is told from it, in the panel and in the legend.
+#[test]
+fn a_band_inside_another_is_darker() {
+    let band = |name: &str, half: f64| {
+        Series::band(name, [0.0, 1.0], [-half, -half], [half, half]).color(Color::BLUE)
+    };
+    let panel = axes().series(band("outer", 1.0)).series(band("inner", 0.4).lightness(0.5));
+    let svg = Figure::new("F").panel(panel).to_svg();
+    for share in [0.78, 0.5] {
+        let fill = format!("fill=\"{}\"", Color::BLUE.lighten(share));
+        assert_eq!(svg.matches(&fill).count(), 2, "{fill}");
+    }
+}
+
 #[test]
 fn a_legend_without_a_free_place_goes_above_the_frame() {
     let x: Vec<f64> = (0..600).map(f64::from).collect();

@@ -52,7 +52,7 @@ fn frf(found: &FrfBand) -> Panel {
     let up = Axis::log("Receptance", "m/N");
     Panel::new(Axis::linear("Frequency", "Hz"), up)
         .series(Series::band("95 %", x, column(0), column(4)).color(Color::BLUE))
-        .series(Series::band("50 %", x, column(1), column(3)).color(Color::BLUE))
+        .series(Series::band("50 %", x, column(1), column(3)).color(Color::BLUE).lightness(0.5))
         .series(Series::line("median", x, column(2)).color(Color::BLUE).width(0.8))
 }
 

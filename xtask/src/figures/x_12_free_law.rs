@@ -171,7 +171,7 @@ fn draw(table: &Table) -> Result<String> {
     let axis = || style::pressure_axis().range(0.0, 0.22);
     let law = Panel::new(axis(), Axis::log("Stiffness", "Pa/m").range(3e10, 2e12))
         .series(band("95 %", "95", Color::GREEN)?)
-        .series(band("50 %", "50", Color::GREEN.mix(Color::BLACK, 0.4))?)
+        .series(band("50 %", "50", Color::GREEN)?.lightness(0.5))
         .series(Series::line("best fit", pressure, stiffness("fit")?).color(Color::GREEN))
         .series(knots("with four knots", "lower")?)
         .series(knots("", "upper")?)

@@ -42,7 +42,7 @@ pub(super) fn law(found: &Identification, rows: &[ObservationRow<'_>]) -> Figure
     let half = Series::band("50 % band", &law.pressure, first, third);
     let mut shown = Panel::new(pressure(), stiffness)
         .series_if_visible(band.color(Color::BLUE))
-        .series_if_visible(half.color(Color::BLUE));
+        .series_if_visible(half.color(Color::BLUE).lightness(0.5));
     for (place, draw) in law.draws.iter().enumerate() {
         let name = if place == 0 { "draws" } else { "" };
         let draw = Series::line(name, &law.pressure, draw).width(0.4);
