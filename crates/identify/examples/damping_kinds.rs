@@ -26,6 +26,8 @@ struct Counts {
     leading: u32,
     undecided: u32,
     wrong: u32,
+    /// No hit has a decay.
+    without: u32,
 }
 
 fn main() {
@@ -37,16 +39,19 @@ fn main() {
     let repetitions = words.next().unwrap_or(2);
     let first = words.next().unwrap_or(0);
     println!(
-        "| loss | data | right, others rejected | right, undecided | another leads, undecided | right one rejected |"
+        "| loss | data | right, others rejected | right, undecided | another leads, undecided | right one rejected | no decay |"
     );
-    println!("|---|---|---|---|---|---|");
+    println!("|---|---|---|---|---|---|---|");
     for kind in KINDS {
         let truths: Vec<_> =
             (first..first + repetitions).map(|seed| (seed, losses.truth(kind, seed).0)).collect();
         for observed in [Observed::Backbones, Observed::Features, Observed::All] {
             let mut counts = Counts::default();
             for (seed, truth) in &truths {
-                let measured = losses.comparison(truth, observed, *seed);
+                let Some(measured) = losses.comparison(truth, observed, *seed) else {
+                    counts.without += 1;
+                    continue;
+                };
                 let found = identify(&measured.problem).unwrap();
                 let comparison = found.comparison.as_ref().unwrap();
                 let own = KINDS.iter().position(|known| *known == kind).unwrap();
@@ -62,8 +67,10 @@ fn main() {
                     counts.leading += 1;
                 }
             }
-            let Counts { right, leading, undecided, wrong } = counts;
-            println!("| {kind} | {observed:?} | {right} | {leading} | {undecided} | {wrong} |");
+            let Counts { right, leading, undecided, wrong, without } = counts;
+            println!(
+                "| {kind} | {observed:?} | {right} | {leading} | {undecided} | {wrong} | {without} |"
+            );
         }
     }
 }

@@ -166,7 +166,7 @@ fn measured_and_predicted_backbones_agree() {
 fn friction_is_told_from_viscous_losses_by_backbones() {
     for kind in ["bodies", "friction"] {
         let (truth, _) = LIGHT.truth(kind, 1);
-        let measured = LIGHT.comparison(&truth, Observed::Backbones, 1);
+        let measured = LIGHT.comparison(&truth, Observed::Backbones, 1).unwrap();
         let found = identify(&measured.problem).unwrap();
         let comparison = found.comparison.as_ref().unwrap();
         let words = found.conclusions();
@@ -187,7 +187,7 @@ fn friction_is_told_from_viscous_losses_by_backbones() {
 #[test]
 fn the_coefficient_of_friction_is_identified() {
     let (truth, size) = LIGHT.truth("friction", 3);
-    let found = identify(&LIGHT.friction(&truth, Observed::All, 3).problem).unwrap();
+    let found = identify(&LIGHT.friction(&truth, Observed::All, 3).unwrap().problem).unwrap();
     let mu = &found.estimates()[0];
     let [low, high] = mu.posterior_interval;
     assert!((low..=high).contains(&(0.003 * size)) && high < 1.2 * low, "{size}: {mu:?}");

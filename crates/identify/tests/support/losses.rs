@@ -97,29 +97,35 @@ pub struct Measured {
 
 impl Measured {
     /// Hits of a rig as measured with 40 dB of noise, for a scenario with the changes `own`, and
-    /// other `keys` of a problem.
+    /// other `keys` of a problem; none without data.
     fn new(
         truth: &Truth,
         observed: Observed,
         seed: u64,
         own: &[(&'static str, Value)],
         keys: &Value,
-    ) -> Self {
+    ) -> Option<Self> {
         let sensors =
             Sensors { signal_to_noise_db: 40.0, force_gain: 1.0, response_gain: 1.0, seed };
         let (hits, table) = truth.measured_with_backbones(&sensors);
         let folder = tempfile::tempdir().unwrap();
-        std::fs::write(folder.path().join("backbone.csv"), table).unwrap();
+        std::fs::write(folder.path().join("backbone.csv"), &table).unwrap();
         let mut all = if observed == Observed::Backbones { json!([]) } else { data(&hits) };
         if observed != Observed::Features {
-            all.as_array_mut().unwrap().extend(hits.iter().enumerate().map(|(number, hit)| {
+            // A decay may be too short for a backbone.
+            let decays = |number: &usize| table.contains(&format!("\n{number},"));
+            let backbones = (1..=hits.len()).filter(decays).map(|number| {
                 json!({
-                    "kind": "backbone", "file": "backbone.csv", "index": number + 1,
-                    "hit": {"force_peak_n": hit["force_peak_n"]},
+                    "kind": "backbone", "file": "backbone.csv", "index": number,
+                    "hit": {"force_peak_n": hits[number - 1]["force_peak_n"]},
                     // Difference of the engines.
                     "spread": {"relative": 5e-5}, "damping_spread": {"relative": 1e-3},
                 })
-            }));
+            });
+            all.as_array_mut().unwrap().extend(backbones);
+        }
+        if all == json!([]) {
+            return None;
         }
         let mut rig = truth.scenario.clone();
         rig["bodies"][0].as_object_mut().unwrap().remove("friction");
@@ -141,7 +147,7 @@ impl Measured {
         }
         let path = folder.path().join("problem.json");
         let document = Document::parse(&problem.to_string(), &path).unwrap();
-        Self { problem: IdentificationProblem::of(document).unwrap(), _folder: folder }
+        Some(Self { problem: IdentificationProblem::of(document).unwrap(), _folder: folder })
     }
 }
 
@@ -157,8 +163,8 @@ pub fn unknown(kind: &str) -> Value {
 }
 
 impl Losses {
-    /// Damped bodies, compared with the other kinds.
-    pub fn comparison(&self, truth: &Truth, observed: Observed, seed: u64) -> Measured {
+    /// Damped bodies, compared with the other kinds; none without data.
+    pub fn comparison(&self, truth: &Truth, observed: Observed, seed: u64) -> Option<Measured> {
         let candidate = |kind: &str| {
             let set: serde_json::Map<String, Value> = self
                 .changes(kind, 1.0)
@@ -176,8 +182,8 @@ impl Losses {
         Measured::new(truth, observed, seed, &self.changes("bodies", 1.0).0, &keys)
     }
 
-    /// The coefficient of friction and the damping ratio of the bodies as unknowns.
-    pub fn friction(&self, truth: &Truth, observed: Observed, seed: u64) -> Measured {
+    /// The coefficient of friction and the damping ratio of the bodies as unknowns; none without data.
+    pub fn friction(&self, truth: &Truth, observed: Observed, seed: u64) -> Option<Measured> {
         let keys = json!({"unknowns": [unknown("friction"), unknown("bodies")]});
         Measured::new(truth, observed, seed, &self.changes("friction", 1.0).0, &keys)
     }

@@ -116,7 +116,8 @@ impl Truth {
             let features = found.features.expect("a good hit");
             let number = |value: f64, deviation: f64| json!({"value": value, "standard_deviation": deviation});
             let backbone = features.backbone.as_ref().expect("a decay");
-            let least = LEAST_AMPLITUDE * backbone.points[0].amplitude;
+            let largest = backbone.points.first().map_or(0.0, |point| point.amplitude);
+            let least = LEAST_AMPLITUDE * largest;
             let points = backbone.points.iter().zip(&features.backbone_uncertainty);
             for (point, sigma) in points.take_while(|(point, _)| point.amplitude > least) {
                 let omega = std::f64::consts::TAU * point.frequency_hz;
