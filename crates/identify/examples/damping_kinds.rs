@@ -1,10 +1,11 @@
 //! Counts of decided kinds of loss, by repeated simulated measurements.
 //!
-//! `cargo run --release -p asperity-identify --example damping_kinds -- [paper] REPETITIONS [FIRST]`
+//! `cargo run --release -p asperity-identify --example damping_kinds -- [paper] [KIND] REPETITIONS [FIRST]`
 //! simulates
 //! hits of 9, 20 and 32 N on a lightly damped rig, or the paper's, by finite differences with damped bodies,
 //! damped contacts or friction in the guide, each of a random size, gives them the noise (40 dB) of sensors, and compares
-//! the three kinds with the modal engine: by backbones, by features of the hits, and by both.
+//! the three kinds with the modal engine: by backbones, by features of the hits, and by both. KIND is the
+//! loss that hits have; each in turn when left out.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "its problems are valid")]
 #![allow(clippy::print_stdout, reason = "an example prints its answer")]
 #![allow(missing_docs, unreachable_pub, dead_code, reason = "the twin is shared with the tests")]
@@ -34,15 +35,17 @@ fn main() {
     let mut arguments: Vec<String> = std::env::args().skip(1).collect();
     let is_paper = arguments.first().is_some_and(|word| word == "paper");
     let losses: Losses = if is_paper { PAPER } else { LIGHT };
+    arguments.drain(..usize::from(is_paper));
+    let kind = arguments.first().filter(|word| KINDS.contains(&word.as_str())).cloned();
     let mut words =
-        arguments.drain(usize::from(is_paper)..).map(|word| word.parse::<u64>().unwrap());
+        arguments.iter().skip(usize::from(kind.is_some())).map(|word| word.parse::<u64>().unwrap());
     let repetitions = words.next().unwrap_or(2);
     let first = words.next().unwrap_or(0);
     println!(
         "| loss | data | right, others rejected | right, undecided | another leads, undecided | right one rejected | no decay |"
     );
     println!("|---|---|---|---|---|---|---|");
-    for kind in KINDS {
+    for kind in KINDS.into_iter().filter(|one| kind.as_deref().is_none_or(|only| only == *one)) {
         let truths: Vec<_> =
             (first..first + repetitions).map(|seed| (seed, losses.truth(kind, seed).0)).collect();
         for observed in [Observed::Backbones, Observed::Features, Observed::All] {
