@@ -131,9 +131,7 @@ impl<'a> FloquetSolver<'a> {
                 Some(splitting.monodromy(period, w))
             }
             Integration::RungeKutta(method) => {
-                period.resolve(system, variation, (closures, w), |fastest, w, ratio| {
-                    RungeKutta::steps(fastest, w, ratio == f64::INFINITY)
-                })?;
+                period.resolve(system, variation, (closures, w), RungeKutta::steps)?;
                 Some(method.monodromy(variation, period, w))
             }
             Integration::Friction(friction) => friction.compute(system, variation, closures, w),

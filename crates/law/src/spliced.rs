@@ -5,7 +5,7 @@
 //! halved, once, at construction, until the rule is exact to rounding. The integrals up to every
 //! cell are stored, so that a closure costs one search and one rule.
 
-use crate::contact_law::inverse::{runge_kutta, step};
+use crate::contact_law::inverse::step;
 use crate::contact_law::quadrature::gauss;
 use crate::contact_law::{ContactLaw, Pressure, refine_increment};
 use crate::domain::{Domain, no_less};
@@ -19,9 +19,6 @@ const AGREEMENT: f64 = 1e-13;
 /// Largest number of halvings of a cell, and of cells of a piece, for extreme data.
 const HALVINGS: u32 = 40;
 const CELLS: usize = 1024;
-
-/// Relative change of the stiffness over a step that needs no correction: the error is 1e-10 of the step.
-const STRAIGHT: f64 = 1e-2;
 
 /// Newton steps at most; the start is a cell's end and the bracket is kept.
 const ITERATIONS: usize = 64;
@@ -307,16 +304,7 @@ impl ContactLaw for Spliced {
         let Some((cell, next)) = self.find(from) else {
             return step((from, closure_increment), |pressure| self.stiffness(pressure), across);
         };
-        // Within the cell of `from` nothing is to be searched for. Over a short step a cubic needs no
-        // correction: the error of the step is of the order of the fourth power of the change.
-        if from > 0.0 {
-            let (increment, _, change) =
-                runge_kutta((from, closure_increment), |p| cell.stiffness(p));
-            let reached = from + increment;
-            if change < STRAIGHT && (cell.start..=next.start).contains(&reached) {
-                return Some(Pressure { value: increment, tangent: cell.stiffness(reached) });
-            }
-        }
+        // Within the cell of `from` nothing is to be searched for.
         let inside = |pressure: f64| (cell.start..=next.start).contains(&pressure);
         let stiffness = |pressure| {
             if inside(pressure) { cell.stiffness(pressure) } else { self.stiffness(pressure) }

@@ -50,15 +50,14 @@ impl Period {
     }
 
     /// Samples the contacts along the closures' series at the angular frequency w \[rad/s\] in as many
-    /// steps as `steps` gives for the fastest rate \[rad/s\], w, and the
-    /// [ratio of the stiffness](Self::stiffness_ratio), and puts the residual flexibility in series; none
-    /// where it gives none.
+    /// steps as `steps` gives for the fastest rate \[rad/s\], w, and loss of contact, and puts the
+    /// residual flexibility in series; none where it gives none.
     pub(super) fn resolve(
         &mut self,
         system: &ContactSystem,
         variation: &mut VariationalEquation,
         (closures, w): (&[f64], f64),
-        steps: impl Fn(f64, f64, f64) -> Option<usize>,
+        steps: impl Fn(f64, f64, bool) -> Option<usize>,
     ) -> Option<()> {
         // The steps of the motion before resolve most motions; they are counted again for this one.
         self.sample(system, closures, w, self.steps.max(1));
@@ -68,7 +67,7 @@ impl Period {
         let coupled =
             system.is_damped() || variation.is_retarded() || !variation.dampers.is_empty();
         let fastest = if coupled { frequency.max(damped) } else { frequency };
-        let steps = steps(fastest, w, self.stiffness_ratio())?;
+        let steps = steps(fastest, w, self.contact_lost())?;
         if steps != self.steps {
             self.sample(system, closures, w, steps);
         }
@@ -130,16 +129,9 @@ impl Period {
         self.dampers.iter().copied().fold(0.0, f64::max)
     }
 
-    /// The largest tangent sampled of a contact over its smallest; infinite where one is open.
-    pub(super) fn stiffness_ratio(&self) -> f64 {
-        let count = self.steps * self.places.len();
-        let ratio = |tangents: &[f64]| {
-            let range = tangents
-                .iter()
-                .fold([f64::INFINITY, 0.0], |[least, most], &k| [k.min(least), k.max(most)]);
-            if range[0] > 0.0 { range[1] / range[0] } else { f64::INFINITY }
-        };
-        self.tangents.chunks_exact(count).map(ratio).fold(1.0, f64::max)
+    /// True if a contact is open at a place.
+    pub(super) fn contact_lost(&self) -> bool {
+        self.tangents.contains(&0.0)
     }
 
     /// Puts the residual flexibility in series with the tangents sampled.

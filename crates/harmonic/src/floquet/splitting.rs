@@ -15,11 +15,6 @@ const RADIANS_PER_KICK: f64 = 0.4;
 /// Steps per period, at least and at most.
 const STEPS: (usize, usize) = (96, 1 << 12);
 
-/// Steps at least where the stiffness of no contact changes by more than the factor [`MILD`]: the error
-/// is of the order of the square of the change.
-const STEPS_IF_MILD: usize = 48;
-const MILD: f64 = 4.0;
-
 /// Steps at least where contact is lost: the stiffness leaves zero with a vertical tangent there,
 /// and the order falls to about 1.5.
 const STEPS_WITH_LOSS: usize = 352;
@@ -112,18 +107,13 @@ impl Splitting {
     }
 
     /// Steps of a period with the angular frequency `w` whose stiffest contacts bring the fastest mode
-    /// to `fastest` \[rad/s\], of this [ratio](Period::stiffness_ratio) of stiffness; none where that
-    /// takes too many.
-    pub(super) fn steps(fastest: f64, w: f64, ratio: f64) -> Option<usize> {
+    /// to `fastest` \[rad/s\]; none where that takes too many.
+    pub(super) fn steps(fastest: f64, w: f64, lost: bool) -> Option<usize> {
         let wanted = std::f64::consts::TAU * fastest / (w * RADIANS_PER_KICK * STAGES as f64);
         if wanted.is_nan() || wanted > STEPS.1 as f64 {
             return None;
         }
-        let fewest = match ratio {
-            f64::INFINITY => STEPS_WITH_LOSS,
-            ratio if ratio <= MILD => STEPS_IF_MILD,
-            _ => STEPS.0,
-        };
+        let fewest = if lost { STEPS_WITH_LOSS } else { STEPS.0 };
         Some(super::period::rounded(wanted).clamp(fewest, STEPS.1))
     }
 

@@ -231,20 +231,6 @@ impl Bracket {
     }
 }
 
-/// A Runge-Kutta step of `dp/dd = K(p)` from a pressure \[Pa\] over a closure increment \[m\]: the pressure
-/// increment, and the stiffness at the start and its relative change over the stages.
-pub(crate) fn runge_kutta(
-    (from, over): (f64, f64),
-    stiffness: impl Fn(f64) -> f64,
-) -> (f64, f64, f64) {
-    let k1 = stiffness(from);
-    let k2 = stiffness(from + 0.5 * over * k1);
-    let k3 = stiffness(from + 0.5 * over * k2);
-    let k4 = stiffness(from + over * k3);
-    let change = ((k2 - k1).abs() + (k3 - k2).abs() + (k4 - k1).abs()) / k1;
-    (over * (k1 + 2.0 * (k2 + k3) + k4) / 6.0, k1, change)
-}
-
 /// [`ContactLaw::pressure_step`] from a pressure \[Pa\] over a closure increment \[m\], with the stiffness at a
 /// pressure and the closure increment over a pressure increment.
 pub(crate) fn step(
@@ -252,7 +238,11 @@ pub(crate) fn step(
     stiffness: impl Fn(f64) -> f64,
     closure: impl Fn(f64) -> f64,
 ) -> Option<Pressure> {
-    let (mut increment, k1, _) = runge_kutta((from, over), &stiffness);
+    let k1 = stiffness(from);
+    let k2 = stiffness(from + 0.5 * over * k1);
+    let k3 = stiffness(from + 0.5 * over * k2);
+    let k4 = stiffness(from + over * k3);
+    let mut increment = over * (k1 + 2.0 * (k2 + k3) + k4) / 6.0;
     for _ in 0..2 {
         let reached = from + increment;
         // A step down by more than half of the pressure is too coarse next to zero.

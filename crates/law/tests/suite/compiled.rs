@@ -48,6 +48,16 @@ fn estimate_holds(
     let table = CompiledLaw::new(law, STATE, top, tolerance).unwrap();
     let bound = table.error_estimate();
     prop_assert!(bound <= tolerance * STATE.max((top - STATE) / 1000.0));
+    estimate_covers(law, &table, shares)
+}
+
+/// The error at shares of the table is at most its estimate.
+fn estimate_covers(
+    law: &dyn ContactLaw,
+    table: &CompiledLaw,
+    shares: &[f64],
+) -> Result<(), TestCaseError> {
+    let bound = table.error_estimate();
     for share in shares {
         let x = table.x_lo() + share * (table.x_hi() - table.x_lo());
         let exact = law.pressure_increment(STATE, x).value;
@@ -70,6 +80,28 @@ proptest! {
         shares in prop::collection::vec(0.0..1.0_f64, 256),
     ) {
         estimate_holds(&laws()[which], top, 10.0_f64.powf(-exponent), &shares)?;
+    }
+
+    /// Tables as free laws are: many points, whose stiffness changes by up to a factor of 3 from one to the
+    /// next.
+    #[test]
+    fn the_error_estimate_holds_for_any_table(
+        steps in prop::collection::vec((1.05..2.0_f64, -0.2..1.1_f64), 4..40),
+        top in 2e5..2e6_f64,
+        exponent in 4.0..7.0_f64,
+        shares in prop::collection::vec(0.0..1.0_f64, 1024),
+    ) {
+        let mut points = vec![(2e3, 5e10)];
+        for (rise, stiffening) in steps {
+            let &(p, k) = points.last().unwrap();
+            points.push((p * rise, k * f64::exp(stiffening)));
+        }
+        let law = Tabulated::new(&points).unwrap();
+        let tolerance = 10.0_f64.powf(-exponent);
+        match CompiledLaw::uniform(&law, STATE, top, tolerance) {
+            Err(LawError::Unresolved { .. }) => {}
+            table => estimate_covers(&law, &table.unwrap(), &shares)?,
+        }
     }
 
     /// Next to loss of contact, where the curvature of a power law is unbounded.

@@ -12,6 +12,9 @@ const EPS: f64 = f64::EPSILON;
 /// Relative precision of the quadrature defaults.
 const QUADRATURE: f64 = 1e-12;
 
+/// Relative precision of short steps.
+const SHORT_STEP: f64 = 1e-12;
+
 type Outcome = Result<(), TestCaseError>;
 
 /// A law without its closed forms: only the methods that the trait requires.
@@ -55,6 +58,7 @@ pub(crate) fn conform(law: &dyn ContactLaw, pressures: &[f64]) -> Outcome {
         closures_agree(law, p)?;
         round_trip(law, p)?;
         increments_agree(law, p)?;
+        short_steps_agree(law, p)?;
         energies_agree(law, p)?;
         differences_agree(law, p)?;
     }
@@ -114,6 +118,18 @@ fn increments_agree(law: &dyn ContactLaw, p: f64) -> Outcome {
         let slip = law.stiffness_slope(near.value).abs() * EPS * (8.0 * p.abs() + condition);
         let slack = 64.0 * EPS * near.tangent + slip;
         close("tangent of increment", back.tangent, near.tangent, slack)?;
+    }
+    Ok(())
+}
+
+/// Short steps against the inverse, where a law has one that is short enough.
+fn short_steps_agree(law: &dyn ContactLaw, p: f64) -> Outcome {
+    for share in [1e-4, 1e-3, 1e-2, 0.1, -1e-3, -1e-2, -0.1] {
+        let x = share * p.abs() / law.stiffness(p);
+        if let Some(step) = law.pressure_step(p, x) {
+            let dp = law.pressure_increment(p, x).value;
+            close("short step", step.value, dp, SHORT_STEP * dp.abs() + EPS * p.abs())?;
+        }
     }
     Ok(())
 }
