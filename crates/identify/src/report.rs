@@ -38,6 +38,8 @@ pub struct Estimate {
     pub posterior_mean: f64,
     /// Interval of the posterior, with equal tails.
     pub posterior_interval: [f64; 2],
+    /// Monte Carlo standard error of either end of it.
+    pub posterior_interval_error: [f64; 2],
     /// R-hat of its chains.
     pub r_hat: f64,
     /// Effective sample size of its chains.
@@ -51,6 +53,7 @@ impl Identification {
     pub fn estimates(&self) -> Vec<Estimate> {
         let deviations = self.covariance.value_standard_deviations();
         let tail = 0.5 * (1.0 - self.level);
+        let tails = [tail, 1.0 - tail];
         let found = &self.posterior.diagnostics;
         let end = |parameter: usize, side: usize| {
             let profile = self.profiles.iter().find(|profile| profile.parameter == parameter)?;
@@ -65,8 +68,9 @@ impl Identification {
             standard_deviation: deviations[parameter],
             profile_interval: [end(parameter, 0), end(parameter, 1)],
             posterior_mean: self.posterior.mean(parameter),
-            posterior_interval: [tail, 1.0 - tail]
-                .map(|probability| self.posterior.quantile(parameter, probability)),
+            posterior_interval: tails.map(|tail| self.posterior.quantile(parameter, tail)),
+            posterior_interval_error: tails
+                .map(|tail| self.posterior.quantile_error(parameter, tail)),
             r_hat: found.r_hat[parameter],
             effective_sample_size: found.effective_sample_size[parameter],
             at_bound: self.fit.at_bound[parameter],

@@ -20,9 +20,17 @@ const COARSE_TOLERANCE: f64 = 1e-3;
 const COARSE_COLUMNS: [&str; 5] = ["_error", "_slope", "contact_lost_s", "threshold_n", ":fit"];
 
 /// The same for quantiles of draws from a posterior: a draw that rounding turns the other way
-/// changes all that follow it, as another seed does, which moves them by 5e-3.
-const SAMPLED_TOLERANCE: f64 = 2e-2;
+/// changes all that follow it, as another seed does, which moves two of them apart by 5e-3 (one
+/// standard deviation, measured over six seeds).
+const SAMPLED_TOLERANCE: f64 = 3e-2;
 const SAMPLED_COLUMNS: [&str; 3] = [":lower", ":median", ":upper"];
+
+/// End of the name of a column with the Monte Carlo standard errors of the column named before it;
+/// two such columns may differ by [`MOST_STANDARD_ERRORS`] of their difference, and their errors,
+/// which are estimates, by the factor [`ERROR_FACTOR`].
+const MONTE_CARLO_ERROR: &str = ":monte_carlo_error";
+const MOST_STANDARD_ERRORS: f64 = 5.0;
+const ERROR_FACTOR: f64 = 4.0;
 
 /// Most rows stored of a table: a longer one is stored in equal strides.
 const MOST_ROWS: usize = 400;
@@ -80,16 +88,17 @@ fn decimated(table: &Table) -> Result<Table> {
     Ok(decimated)
 }
 
-/// Tolerance of the column of this name.
-fn tolerance(column: &str) -> f64 {
+/// Largest difference of a value in the column of this name whose largest magnitude is `scale`.
+fn tolerance(column: &str, scale: f64) -> f64 {
     let is_any = |ends: &[&str]| ends.iter().any(|end| column.ends_with(end));
-    if is_any(&SAMPLED_COLUMNS) {
+    let relative = if is_any(&SAMPLED_COLUMNS) {
         SAMPLED_TOLERANCE
     } else if is_any(&COARSE_COLUMNS) {
         COARSE_TOLERANCE
     } else {
         TOLERANCE
-    }
+    };
+    relative * scale
 }
 
 /// The first difference between two tables, in words.
@@ -103,13 +112,24 @@ fn difference(stored: &Table, computed: &Table) -> Option<String> {
         return Some(format!("{} rows are stored, {} computed", stored.rows(), computed.rows()));
     }
     for (old, new) in stored.columns().iter().zip(computed.columns()) {
+        let name = old.name();
         let finite = old.values().iter().filter(|value| value.is_finite());
         let scale = finite.fold(0.0, |largest: f64, value| largest.max(value.abs()));
-        let tolerance = tolerance(old.name());
+        let errors_of = |table: &Table| {
+            table.column(&format!("{name}{MONTE_CARLO_ERROR}")).ok().map(<[f64]>::to_vec)
+        };
+        let errors = errors_of(stored).zip(errors_of(computed));
+        let allowed = |row: usize| match &errors {
+            Some((old, new)) => MOST_STANDARD_ERRORS * old[row].hypot(new[row]),
+            None => tolerance(name, scale),
+        };
         for (row, (&a, &b)) in old.values().iter().zip(new.values()).enumerate() {
-            let same = (a.is_nan() && b.is_nan()) || (a - b).abs() <= tolerance * scale;
-            if !same {
-                let name = old.name();
+            let same = if name.ends_with(MONTE_CARLO_ERROR) {
+                a <= ERROR_FACTOR * b && b <= ERROR_FACTOR * a
+            } else {
+                (a - b).abs() <= allowed(row)
+            };
+            if !(same || (a.is_nan() && b.is_nan())) {
                 return Some(format!("{name}, row {}: {a:e} is stored, {b:e} computed", row + 1));
             }
         }
@@ -138,6 +158,18 @@ mod tests {
         {
             let column = |value: f64| Table::new().with_column(name, vec![value]).unwrap();
             assert_eq!(difference(&column(1.0), &column(1.0 + change)).is_some(), is_found);
+        }
+        let sampled = |value: f64, error: f64| {
+            Table::new()
+                .with_column("a:upper", vec![value])
+                .and_then(|table| table.with_column("a:upper:monte_carlo_error", vec![error]))
+                .unwrap()
+        };
+        let old = sampled(1.0, 0.03);
+        for (value, error, is_found) in
+            [(1.2, 0.03, false), (1.22, 0.03, true), (1.0, 0.1, false), (1.0, 0.13, true)]
+        {
+            assert_eq!(difference(&old, &sampled(value, error)).is_some(), is_found, "{value}");
         }
         let other = Table::new().with_column("b_m", vec![1.0, -2.0, f64::NAN]).unwrap();
         assert!(difference(&stored, &other).is_some());

@@ -84,6 +84,31 @@ fn a_linear_model_has_its_normal_posterior() {
     assert_eq!(predicted.quantiles, curve.quantiles, "predictions are the line");
 }
 
+/// The error stated of a quantile is its standard deviation over 60 seeds, which is known to 9 %.
+#[test]
+fn quantiles_state_their_monte_carlo_error() {
+    let model = FunctionModel {
+        parameters: vec![linear("mean", 0.0, [-100.0, 100.0])],
+        observations: Observation::list(&[1.0, 2.0, 3.0], 0.2),
+        function: |x: &[f64]| vec![x[0]; 3],
+    };
+    let (found, spread) = fitted(&model);
+    let posteriors: Vec<Posterior> = (0..60)
+        .map(|seed| PosteriorOptions { draws: 500, seed, ..PosteriorOptions::default() })
+        .map(|options| found.posterior(&spread, &[], &options).unwrap())
+        .collect();
+    let count = posteriors.len() as f64;
+    for level in [0.025, 0.5, 0.9] {
+        let mean = |of: &dyn Fn(&Posterior) -> f64| posteriors.iter().map(of).sum::<f64>() / count;
+        let centre = mean(&|one| one.quantile(0, level));
+        let variance = mean(&|one| (one.quantile(0, level) - centre).powi(2));
+        let stated = mean(&|one| one.quantile_error(0, level).powi(2));
+        let ratio = (stated / variance).sqrt();
+        assert!((0.75..1.35).contains(&ratio), "{level}: {ratio}");
+    }
+    assert!(posteriors[0].quantile_error(1, 0.5).is_nan(), "there is no such parameter");
+}
+
 /// A bent valley: `x` known to 1, `exp(x / 2) + y` to 0.5.
 fn banana() -> FunctionModel<impl Fn(&[f64]) -> Vec<f64> + Sync> {
     FunctionModel {
