@@ -77,6 +77,9 @@ enum Constraint<'p> {
 const CONVERGED: f64 = 1e-13;
 const STALLED: f64 = 1e-8;
 
+/// Relative residual of a point whose Jacobian serves for the tangent at the solution next to it.
+const CLOSE: f64 = 1e-7;
+
 /// Step below which a turn of the tangent is that of a kink, for a curve that may have some.
 const KINK: f64 = 1e-4;
 
@@ -252,7 +255,11 @@ impl<C: Curve> ArcLength<C> {
             if !converged && (iteration == ITERATIONS || norm.is_nan() || norm > 1e6) {
                 return Err(CorrectorFailure::Stalled(norm));
             }
+            let close = converged && last <= CLOSE;
             last = norm;
+            if close {
+                return self.tangent(constraint, tangent, iteration, norm);
+            }
             self.curve.jacobian(unknowns, &mut self.column, self.factors.matrix());
             let row = &mut self.factors.matrix()[size * (size + 1)..];
             self.residual[size] = match constraint {
@@ -274,21 +281,7 @@ impl<C: Curve> ArcLength<C> {
                 return Err(CorrectorFailure::Stalled(norm));
             }
             if converged {
-                tangent.fill(0.0);
-                tangent[size] = match constraint {
-                    Constraint::Normal { .. } => 1.0,
-                    Constraint::Parameter { sense, .. } => sense,
-                };
-                self.factors.solve(tangent);
-                let length = dot(tangent, tangent).sqrt();
-                for t in tangent.iter_mut() {
-                    *t /= length;
-                }
-                return if length.is_finite() {
-                    Ok(iteration)
-                } else {
-                    Err(CorrectorFailure::Stalled(norm))
-                };
+                return self.tangent(constraint, tangent, iteration, norm);
             }
             self.factors.solve(&mut self.residual);
             for (x, dx) in unknowns.iter_mut().zip(&self.residual) {
@@ -296,6 +289,28 @@ impl<C: Curve> ArcLength<C> {
             }
         }
         Err(CorrectorFailure::Stalled(last))
+    }
+
+    /// Writes the unit tangent from the factors of the Jacobian; the iterations if it is finite, else
+    /// the residual.
+    fn tangent(
+        &self,
+        constraint: Constraint<'_>,
+        tangent: &mut [f64],
+        iterations: usize,
+        residual: f64,
+    ) -> Result<usize, CorrectorFailure> {
+        tangent.fill(0.0);
+        tangent[self.curve.size()] = match constraint {
+            Constraint::Normal { .. } => 1.0,
+            Constraint::Parameter { sense, .. } => sense,
+        };
+        self.factors.solve(tangent);
+        let length = dot(tangent, tangent).sqrt();
+        for t in tangent.iter_mut() {
+            *t /= length;
+        }
+        if length.is_finite() { Ok(iterations) } else { Err(CorrectorFailure::Stalled(residual)) }
     }
 }
 

@@ -124,8 +124,11 @@ pub(crate) fn write(
         found
     };
     for i in 0..top {
-        for j in 0..top {
-            *into.contact_mut(i, j) = receptance(i, j);
+        for j in 0..=i {
+            // Reciprocal.
+            let found = receptance(i, j);
+            *into.contact_mut(i, j) = found;
+            *into.contact_mut(j, i) = found;
         }
         *into.drive_mut(i) = receptance(i, top);
     }

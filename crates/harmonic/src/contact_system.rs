@@ -196,6 +196,18 @@ impl ContactSystem {
             }
         }
     }
+
+    /// The tangents alone of [`forces`](Self::forces).
+    pub(crate) fn tangents(&self, interface: usize, closures: &[f64], tangents: &mut [f64]) {
+        let contact = &self.contacts[interface];
+        let area = contact.area();
+        let exact = |x: f64| contact.law().pressure_increment(contact.pressure(), x).tangent;
+        let table = self.tables[interface].as_ref();
+        for (&x, tangent) in closures.iter().zip(tangents) {
+            let tabulated = table.map_or(f64::NAN, |table| table.tangent(x));
+            *tangent = area * if tabulated.is_nan() { exact(x) } else { tabulated };
+        }
+    }
 }
 
 /// The table of a contact's law, if it is to be tabulated and has a static pressure to refer to.

@@ -1,5 +1,7 @@
 //! Gaussian elimination of small dense matrices, without allocation.
 
+use crate::vector_instructions::vectorised;
+
 /// A square matrix by rows and its factors in place.
 ///
 /// Newton's matrices here have tens of rows: contiguous rows and no call overhead beat a blocked
@@ -23,37 +25,44 @@ impl Factorization {
 
     /// Factors the matrix written; false if it is singular or not finite.
     pub(crate) fn factorize(&mut self) -> bool {
-        let n = self.size;
-        for column in 0..n {
-            let (mut pivot, mut largest) = (column, 0.0);
-            for row in column..n {
-                let size = self.rows[row * n + column].abs();
-                if size > largest {
-                    (pivot, largest) = (row, size);
-                }
-            }
-            if !(largest > 0.0 && largest.is_finite()) {
-                return false;
-            }
-            self.exchanged[column] = pivot;
-            let (above, below) = self.rows.split_at_mut((column + 1) * n);
-            let top = &mut above[column * n..];
-            if pivot > column {
-                top.swap_with_slice(&mut below[(pivot - column - 1) * n..(pivot - column) * n]);
-            }
-            let inverse = 1.0 / top[column];
-            let tail = &top[column + 1..];
-            for row in below.chunks_exact_mut(n) {
-                let factor = row[column] * inverse;
-                row[column] = factor;
-                if factor != 0.0 {
-                    for (x, t) in row[column + 1..].iter_mut().zip(tail) {
-                        *x -= factor * t;
+        vectorised(
+            #[inline(always)]
+            || {
+                let n = self.size;
+                for column in 0..n {
+                    let (mut pivot, mut largest) = (column, 0.0);
+                    for row in column..n {
+                        let size = self.rows[row * n + column].abs();
+                        if size > largest {
+                            (pivot, largest) = (row, size);
+                        }
+                    }
+                    if !(largest > 0.0 && largest.is_finite()) {
+                        return false;
+                    }
+                    self.exchanged[column] = pivot;
+                    let (above, below) = self.rows.split_at_mut((column + 1) * n);
+                    let top = &mut above[column * n..];
+                    if pivot > column {
+                        top.swap_with_slice(
+                            &mut below[(pivot - column - 1) * n..(pivot - column) * n],
+                        );
+                    }
+                    let inverse = 1.0 / top[column];
+                    let tail = &top[column + 1..];
+                    for row in below.chunks_exact_mut(n) {
+                        let factor = row[column] * inverse;
+                        row[column] = factor;
+                        if factor != 0.0 {
+                            for (x, t) in row[column + 1..].iter_mut().zip(tail) {
+                                *x -= factor * t;
+                            }
+                        }
                     }
                 }
-            }
-        }
-        true
+                true
+            },
+        )
     }
 
     /// Sign of the determinant of the matrix factored.

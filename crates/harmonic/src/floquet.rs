@@ -119,7 +119,7 @@ impl<'a> FloquetSolver<'a> {
     ) -> Option<Vec<Complex64>> {
         let monodromy = self.monodromy(closures, angular_frequency)?;
         let mut multipliers = eigenvalues(&monodromy);
-        multipliers.sort_by(|a, b| b.norm().total_cmp(&a.norm()));
+        multipliers.sort_by(|a, b| b.norm_sqr().total_cmp(&a.norm_sqr()));
         Some(multipliers)
     }
 

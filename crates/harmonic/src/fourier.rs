@@ -1,8 +1,14 @@
 //! Real Fourier series on equal samples of a period.
+#![allow(
+    clippy::inline_always,
+    reason = "kernels must be compiled with their caller, for the vector instructions chosen"
+)]
 
 use std::f64::consts::TAU;
 
 use num_complex::Complex64;
+
+use crate::vector_instructions::vectorised;
 
 /// Tables that take a series of H harmonics to N samples of a period, and samples to 2H harmonics.
 ///
@@ -76,22 +82,32 @@ impl Fourier {
 
     /// The samples of a series.
     pub(crate) fn synthesise(&self, series: &[f64], samples: &mut [f64]) {
-        samples.fill(series[0]);
-        for (row, pair) in series[1..].chunks_exact(2).enumerate() {
-            let (cos, sin) = (self.row(2 * row + 1), self.row(2 * row + 2));
-            for ((x, c), s) in samples.iter_mut().zip(cos).zip(sin) {
-                *x += pair[0] * c + pair[1] * s;
-            }
-        }
+        vectorised(
+            #[inline(always)]
+            || {
+                samples.fill(series[0]);
+                for (row, pair) in series[1..].chunks_exact(2).enumerate() {
+                    let (cos, sin) = (self.row(2 * row + 1), self.row(2 * row + 2));
+                    for ((x, c), s) in samples.iter_mut().zip(cos).zip(sin) {
+                        *x += pair[0] * c + pair[1] * s;
+                    }
+                }
+            },
+        );
     }
 
     /// The leading coefficients of the series of samples, as many as `series` holds: up to
     /// `4 H + 1`.
     pub(crate) fn analyse(&self, samples: &[f64], series: &mut [f64]) {
         let scale = 2.0 / self.samples as f64;
-        for (row, coefficient) in series.iter_mut().enumerate() {
-            *coefficient = scale * long_dot(self.row(row), samples);
-        }
+        vectorised(
+            #[inline(always)]
+            || {
+                for (row, coefficient) in series.iter_mut().enumerate() {
+                    *coefficient = scale * long_dot(self.row(row), samples);
+                }
+            },
+        );
         series[0] *= 0.5;
     }
 
@@ -174,13 +190,17 @@ pub(crate) fn value_at(series: &[f64], th: f64) -> [f64; 3] {
     sum
 }
 
-/// Scalar product in eight sums, which the compiler may keep in vector registers.
+/// Sums of a scalar product: additions to two vectors of 512 bits do not wait for each other.
+const SUMS: usize = 16;
+
+/// Scalar product in [`SUMS`] sums, which the compiler may keep in vector registers.
+#[inline(always)]
 fn long_dot(a: &[f64], b: &[f64]) -> f64 {
-    let (blocks_a, rest_a) = a.as_chunks::<8>();
-    let (blocks_b, rest_b) = b.as_chunks::<8>();
-    let mut sums = [0.0; 8];
+    let (blocks_a, rest_a) = a.as_chunks::<SUMS>();
+    let (blocks_b, rest_b) = b.as_chunks::<SUMS>();
+    let mut sums = [0.0; SUMS];
     for (a, b) in blocks_a.iter().zip(blocks_b) {
-        for i in 0..8 {
+        for i in 0..SUMS {
             sums[i] += a[i] * b[i];
         }
     }

@@ -94,6 +94,7 @@ mod rigid_mass;
 mod settings;
 mod stepped_sine;
 mod trace;
+mod vector_instructions;
 
 pub use branch::{Branch, SpecialPoint, SpecialPointKind, Termination};
 pub use compliance::{Compliance, MeanBalance, Receptance};

@@ -246,6 +246,16 @@ impl CompiledLaw {
         }
     }
 
+    /// Tangent dp/dd \[Pa/m\] at closure increment `x` \[m\], that of
+    /// [`get_with_tangent`](Self::get_with_tangent).
+    #[inline(always)]
+    pub fn tangent(&self, x: f64) -> f64 {
+        let (i, t) = self.place(x);
+        let Some(&[_, c1, c2, c3]) = self.cells.get(i as usize) else { return f64::NAN };
+        let scale = if i <= self.fine_cells { &self.fine } else { &self.coarse };
+        (c1 + t * (2.0 * c2 + t * (3.0 * c3))) * scale.cells_per_metre
+    }
+
     /// The cell of `x` and the place in it, 0 <= t < 1. The conversion saturates, so that everything
     /// below the table falls in cell 0.
     #[inline(always)]

@@ -132,6 +132,9 @@ pub enum Fault {
         /// Its value.
         value: f64,
     },
+    /// Two damping ratios of one frequency.
+    #[error("both ratios are given at {} Hz", four_digits(*.0))]
+    EqualFrequencies(f64),
     /// Quantity derived from the scenario that is zero or exceeds the range of numbers.
     #[error("{quantity} evaluates to {}", number(*value))]
     Degenerate {

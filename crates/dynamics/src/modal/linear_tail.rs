@@ -81,7 +81,7 @@ pub(super) fn is_straight(hit: &PreparedHit, outcome: &Outcome, energy: &EnergyL
     let pairs = hit.model.contacts().iter().zip(&hit.tabulated.tables);
     // A number that is not one is not straight.
     pairs.zip(&outcome.contacts).all(|((contact, table), seen)| {
-        let (_, stiffness) = table.get_with_tangent(0.0);
+        let stiffness = table.tangent(0.0);
         let bound = (2.0 * left / (contact.area() * stiffness)).sqrt();
         let bend = |closure: f64| (table.get(closure) / (stiffness * closure) - 1.0).abs();
         let largest = seen.extremes.highest.max(-seen.extremes.lowest);
@@ -211,7 +211,7 @@ impl<'a> LinearStep<'a> {
     fn new(tabulated: &'a TabulatedModel) -> Self {
         let model = &tabulated.step_model;
         let tables = tabulated.tables.iter();
-        let stiffness: Vec<f64> = tables.map(|table| table.get_with_tangent(0.0).1).collect();
+        let stiffness: Vec<f64> = tables.map(|table| table.tangent(0.0)).collect();
         let mut factors = Factors::new(stiffness.len());
         factors.factor(&model.coupling, &stiffness);
         let size = model.modes.iter().map(|mode| 2 + carried(mode)).sum();

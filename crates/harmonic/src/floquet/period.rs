@@ -13,9 +13,9 @@ pub(super) struct Period {
     steps: usize,
     interfaces: usize,
     closures: Vec<f64>,
-    forces: Vec<f64>,
     tangents: Vec<f64>,
-    /// Closures' rates and the dampers of a system with damped contacts.
+    /// Forces, closures' rates and the dampers of a system with damped contacts.
+    forces: Vec<f64>,
     rates: Vec<f64>,
     dampers: Vec<f64>,
     /// `A^T C_c A + K D K` with `A = (1 + R K_c)^-1` by rows, place after place; empty without damped
@@ -91,10 +91,11 @@ impl Period {
         let kept = kept.filter(|kept| kept.harmonics() == harmonics && kept.samples() == count);
         let fourier = kept.unwrap_or_else(|| Fourier::at_places(harmonics, steps, &self.places));
         (self.steps, self.interfaces) = (steps, n);
-        for samples in [&mut self.closures, &mut self.forces, &mut self.tangents] {
+        for samples in [&mut self.closures, &mut self.tangents] {
             samples.resize(count * n, 0.0);
         }
         if system.is_damped() {
+            self.forces.resize(count * n, 0.0);
             self.rates.resize(count, 0.0);
             self.dampers.resize(count * n, 0.0);
         }
@@ -103,11 +104,11 @@ impl Period {
             let range = i * count..(i + 1) * count;
             let samples = &mut self.closures[range.clone()];
             fourier.synthesise(series, samples);
-            let forces = &mut self.forces[range.clone()];
             let tangents = &mut self.tangents[range.clone()];
             if self.dampers.is_empty() {
-                system.forces(i, samples, forces, tangents);
+                system.tangents(i, samples, tangents);
             } else {
+                let forces = &mut self.forces[range.clone()];
                 rate_of(series, w, &mut rate_series);
                 fourier.synthesise(&rate_series, &mut self.rates);
                 let found = (forces, tangents, &mut self.dampers[range]);

@@ -63,8 +63,9 @@ fn estimate_covers(
         let exact = law.pressure_increment(STATE, x).value;
         let off = (table.get(x) - exact).abs();
         prop_assert!(off <= bound, "{law:?} at {x:e}: off by {off:e}, bound {bound:e}");
-        let (value, _) = table.get_with_tangent(x);
+        let (value, tangent) = table.get_with_tangent(x);
         prop_assert_eq!(value, table.get(x));
+        prop_assert_eq!(tangent, table.tangent(x));
     }
     Ok(())
 }

@@ -25,6 +25,11 @@ pub(super) fn check(root: &Node<'_>, found: &mut Vec<Diagnostic>) {
     let (Some(first), Some(second)) = (of(first), of(second)) else { return };
     let (rate, time) = RayleighSpec::Ratios([first, second]).coefficients();
     let accepted = "two different frequencies, the ratio at the higher over that at the lower between the quotient of the lower and the higher frequency and its inverse";
+    if first.frequency_hz == second.frequency_hz {
+        let fault = Fault::EqualFrequencies(first.frequency_hz);
+        found.push(Diagnostic::new(&at, fault, accepted));
+        return;
+    }
     for (quantity, value) in [("rate_per_s", rate), ("time_s", time)] {
         if !(value.is_finite() && value >= 0.0) {
             let fault = Fault::NegativeDamping { quantity, value };

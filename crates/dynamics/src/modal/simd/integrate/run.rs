@@ -198,7 +198,7 @@ impl<'a, S: TableLookup, C: Coefficient<S>, const N: usize> Run<'a, S, C, N> {
                 let contact = &self.block.contacts[i];
                 let per_metre = table.scales()[1].cells_per_metre;
                 // Where the law counts as straight, its stiffness is that at rest.
-                let rest = (self.all_steps - self.steps) as f64 * table.get_with_tangent(0.0).1;
+                let rest = (self.all_steps - self.steps) as f64 * table.tangent(0.0);
                 ContactOutcome {
                     extremes: self.extremes.extremes(i, lane).scaled(1.0 / per_metre),
                     stiffness: (of(&contact.stiffness) * per_metre + rest) / self.all_steps as f64,
