@@ -69,8 +69,7 @@ impl IdentificationProblem {
         points: &[Vec<f64>],
     ) -> Result<(Vec<String>, Vec<Vec<Value>>), IdentificationError> {
         let parameters = ProblemParameters::new(unknowns, &self.scenario)?;
-        let mut scenario = self.scenario.clone();
-        let changes = points.iter().map(|point| parameters.written(&mut scenario, point));
+        let changes = points.iter().map(|point| parameters.written(&self.scenario, point));
         let changes = changes.collect::<Result<_, _>>()?;
         Ok((parameters.pointers().map(str::to_owned).collect(), changes))
     }
@@ -208,9 +207,9 @@ pub(super) const CONSTANT: &str = "constant stiffness";
 /// Ratio of the bounds of its stiffness to its start.
 const CONSTANT_RANGE: f64 = 30.0;
 
-/// Checks that no number has two parameters.
+/// Checks that no number has two parameters. Numbers of a law that a free law deviates from have one.
 fn check_overlap(parameters: &ProblemParameters) -> Result<(), IdentificationError> {
-    let pointers: Vec<&str> = parameters.pointers().collect();
+    let pointers: Vec<&str> = parameters.pointers_of_numbers().collect();
     for (index, pointer) in pointers.iter().enumerate() {
         let mut others = pointers.iter().enumerate().filter(|(other, _)| *other != index);
         if let Some((_, other)) = others.find(|(_, other)| is_within(pointer, other)) {

@@ -28,6 +28,9 @@ pub enum PressureDependence {
 const MIN_DRAWS: f64 = 0.2;
 const MOST_R_HAT: f64 = 1.02;
 
+/// Effective draws of which no band can be made.
+const FEW_DRAWS: f64 = 20.0;
+
 impl Identification {
     /// True if the law explains the data: their [agreement](Self::agreement) is good.
     pub fn explains(&self) -> bool {
@@ -88,10 +91,11 @@ impl Identification {
                 ),
             };
             words.push(format!(
-                "The posterior has not converged: {:.0} of {} draws are effective, the largest R-hat is {:.3}{lost}; its bands are estimates.",
+                "The posterior has not converged: {:.0} of {} draws are effective, the largest R-hat is {:.3}{lost}; its bands {}.",
                 found.effective_draws,
                 self.posterior.draws.len(),
                 found.r_hat.iter().copied().fold(1.0, f64::max),
+                if found.effective_draws < FEW_DRAWS { "say nothing" } else { "are estimates" },
             ));
         }
         words
@@ -201,8 +205,14 @@ impl Identification {
         let rough = rough.filter(|_| free.smoothness.len() > 1).map(|one| {
             format!(" (a slope without a derivative, as of a law with kinks, has a probability of {:.2})", one.probability)
         });
+        let tends = match free.form_unknowns.len() {
+            0 => "the law tends to that of the scenario".to_owned(),
+            count => format!(
+                "the law tends to the form of the scenario's, of which {count} numbers are unknown"
+            ),
+        };
         format!(
-            "The form of law \"{name}\" is free: only smoothness was assumed, with a roughness of {} to {} that the data chose{}; where the data say nothing, the law tends to that of the scenario.{}{few}",
+            "The form of law \"{name}\" is free: only smoothness was assumed, with a roughness of {} to {} that the data chose{}; where the data say nothing, {tends}.{}{few}",
             four_digits(free.roughness[0]),
             four_digits(free.roughness[2]),
             rough.unwrap_or_default(),

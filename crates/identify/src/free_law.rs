@@ -8,7 +8,9 @@
 //! ```
 //!
 //! with the slope `s` as an increasing function of `g`, the scenario's law `K0` and its `g0`, a Gaussian
-//! process `r` in `ln p` and a normal number `level`. Every law is positive and increasing; where it is to
+//! process `r` in `ln p` and a normal number `level`. Where other parameters are numbers of the scenario's
+//! law, `g0` is that of the law that they give: a form with unknown numbers, a smooth deviation from it, and
+//! a level of its own. Every law is positive and increasing; where it is to
 //! be concave, `g` is the exponent of the fall of its secants instead of the slope (`rises`). The process
 //! has a derivative (Matérn 3/2) or is only continuous (Matérn 1/2, the covariance of a slope that jumps
 //! at random pressures: laws with kinks), and amplitude (roughness) and length of a distribution over a
@@ -30,6 +32,9 @@ use rises::Rises;
 /// Places of the grid of a logarithm, in standard deviations.
 const GRID: [f64; 5] = [-2.0, -1.0, 0.0, 1.0, 2.0];
 
+/// Largest difference of slopes that are the same but for rounding.
+const SAME_SLOPE: f64 = 1e-9;
+
 /// Relative variance by which the covariance of neighbouring slopes is positive definite.
 const NUGGET: f64 = 1e-8;
 
@@ -46,8 +51,10 @@ pub(super) struct FreeLaw {
     anchor: usize,
     /// ln K of the scenario's law there.
     centre: f64,
-    /// `g0` between the pressures.
+    /// `g0` between the pressures, of the scenario's law.
     numbers: Vec<f64>,
+    /// True if other parameters are numbers of the scenario's law.
+    form_is_unknown: bool,
     rises: Rises,
     /// Standard deviation of the level.
     level: f64,
@@ -108,15 +115,6 @@ impl FreeLaw {
         }
         let step = (high / low).ln() / (points - 1) as f64;
         let pressures: Vec<f64> = (0..*points).map(|i| low * (step * i as f64).exp()).collect();
-        let laws = scenario.get("laws").cloned().unwrap_or_default();
-        let laws: Laws = serde_json::from_value(laws).map_err(|error| refuse(error.to_string()))?;
-        let logarithms: Vec<f64> =
-            stiffness_curve(&laws, law, &pressures)?.iter().map(|k| k.ln()).collect();
-        if logarithms.iter().any(|value| !value.is_finite()) {
-            return Err(refuse(
-                "the scenario's law has no positive stiffness at all pressures".to_owned(),
-            ));
-        }
         let at = at_pa.unwrap_or((low * high).sqrt());
         let anchor = (((at / low).ln() / step).round().max(0.0) as usize).min(points - 1);
         let first_falling = match *concave_above_pa {
@@ -131,14 +129,14 @@ impl FreeLaw {
             )));
         }
         let rises = Rises { step, below_one: *below_one, first_falling };
-        let of_scenario: Vec<f64> = logarithms.windows(2).map(|pair| pair[1] - pair[0]).collect();
         let reference = mean_covariance(smoothness, &places(points - 1, step), length.median);
-        Ok(Some(Self {
+        let mut found = Self {
             name: law.clone(),
             pointer: JsonPointer::root().child("laws").child(law).to_string(),
             anchor,
-            centre: logarithms[anchor],
-            numbers: rises.centre(&of_scenario),
+            centre: 0.0,
+            numbers: Vec::new(),
+            form_is_unknown: false,
             rises,
             pressures,
             level: *level,
@@ -147,7 +145,48 @@ impl FreeLaw {
             roughness: *roughness,
             length: *length,
             smoothness: smoothness.clone(),
-        }))
+        };
+        (found.centre, found.numbers) = found.form_in(scenario)?;
+        Ok(Some(found))
+    }
+
+    /// ln K at the pressure of the level, and `g0`, of the law in a scenario.
+    fn form_in(&self, scenario: &Value) -> Result<(f64, Vec<f64>), IdentificationError> {
+        let refuse =
+            |reason: String| IdentificationError::FreeLaw { law: self.name.clone(), reason };
+        let laws = scenario.get("laws").cloned().unwrap_or_default();
+        let laws: Laws = serde_json::from_value(laws).map_err(|error| refuse(error.to_string()))?;
+        let logarithms: Vec<f64> = stiffness_curve(&laws, &self.name, &self.pressures)?
+            .iter()
+            .map(|stiffness| stiffness.ln())
+            .collect();
+        if logarithms.iter().any(|value| !value.is_finite()) {
+            return Err(refuse(
+                "the scenario's law has no positive stiffness at all pressures".to_owned(),
+            ));
+        }
+        let rises: Vec<f64> = logarithms.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        Ok((logarithms[self.anchor], self.rises.centre(&rises)))
+    }
+
+    /// From now on the law deviates from the one that other parameters have written into the scenario.
+    pub(super) fn with_unknown_form(&mut self) {
+        self.form_is_unknown = true;
+    }
+
+    /// True if the form of this law has the slopes of that of another.
+    pub(super) fn has_slopes_of(&self, other: &Self) -> bool {
+        let mut pairs = self.numbers.iter().zip(&other.numbers);
+        pairs.all(|(one, other)| (one - other).abs() <= SAME_SLOPE)
+    }
+
+    /// The law about the form in a scenario, where its numbers are unknown.
+    pub(super) fn about(&self, scenario: &Value) -> Result<Self, IdentificationError> {
+        let mut own = self.clone();
+        if self.form_is_unknown {
+            (_, own.numbers) = self.form_in(scenario)?;
+        }
+        Ok(own)
     }
 
     /// Number of latents.
@@ -171,15 +210,15 @@ impl FreeLaw {
         std::iter::once(level).chain((1..self.count()).map(slope)).collect()
     }
 
-    /// The numbers `g` of the rises.
-    fn numbers(&self, latents: &[f64]) -> Vec<f64> {
+    /// The numbers `g` of the rises of a law about a form with the numbers `g0`.
+    fn moved_numbers(&self, form: &[f64], latents: &[f64]) -> Vec<f64> {
         let deviations = self.basis.values(&latents[1..]);
-        self.numbers.iter().zip(deviations).map(|(centre, r)| centre + self.reference * r).collect()
+        form.iter().zip(deviations).map(|(centre, r)| centre + self.reference * r).collect()
     }
 
-    /// ln K at the pressures.
-    pub(super) fn log_stiffness(&self, latents: &[f64]) -> Vec<f64> {
-        let rises = self.rises.of(&self.numbers(latents));
+    /// ln K at the pressures, of a law about a form with the numbers `g0`.
+    fn log_stiffness(&self, form: &[f64], latents: &[f64]) -> Vec<f64> {
+        let rises = self.rises.of(&self.moved_numbers(form, latents));
         self.summed(self.centre + self.level * latents[0], &rises)
     }
 
@@ -187,14 +226,14 @@ impl FreeLaw {
     pub(super) fn log_stiffness_change(&self, latents: &[f64], change: &[f64]) -> Vec<f64> {
         let moved: Vec<f64> =
             self.basis.values(&change[1..]).into_iter().map(|r| self.reference * r).collect();
-        let rises = self.rises.change(&self.numbers(latents), &moved);
+        let rises = self.rises.change(&self.moved_numbers(&self.numbers, latents), &moved);
         self.summed(self.level * change[0], &rises)
     }
 
     /// The change of the latents that changes ln K, to first order.
     pub(super) fn latent_change(&self, latents: &[f64], change: &[f64]) -> Vec<f64> {
         let rises: Vec<f64> = change.windows(2).map(|pair| pair[1] - pair[0]).collect();
-        let moved = self.rises.inverse_change(&self.numbers(latents), &rises);
+        let moved = self.rises.inverse_change(&self.moved_numbers(&self.numbers, latents), &rises);
         let values: Vec<f64> = moved.into_iter().map(|value| value / self.reference).collect();
         let level = change[self.anchor] / self.level;
         std::iter::once(level).chain(self.basis.latents(&values)).collect()
@@ -212,13 +251,28 @@ impl FreeLaw {
         values
     }
 
-    /// Writes the law into a scenario, as a table; `None` without its place.
-    pub(super) fn write(&self, scenario: &mut Value, latents: &[f64]) -> Option<()> {
-        let values = self.log_stiffness(latents);
+    /// Writes the law into a scenario, as a table in place of its form.
+    ///
+    /// # Errors
+    /// [`IdentificationError::FreeLaw`] without its place, or for a form without a positive stiffness.
+    pub(super) fn write(
+        &self,
+        scenario: &mut Value,
+        latents: &[f64],
+    ) -> Result<(), IdentificationError> {
+        let values = if self.form_is_unknown {
+            self.log_stiffness(&self.form_in(scenario)?.1, latents)
+        } else {
+            self.log_stiffness(&self.numbers, latents)
+        };
         let points: Vec<[f64; 2]> =
             self.pressures.iter().zip(values).map(|(&p, value)| [p, value.exp()]).collect();
-        *scenario.pointer_mut(&self.pointer)? = json!({"kind": "table", "points": points});
-        Some(())
+        let place = scenario.pointer_mut(&self.pointer).ok_or_else(|| {
+            let reason = "the scenario has no such law".to_owned();
+            IdentificationError::FreeLaw { law: self.name.clone(), reason }
+        })?;
+        *place = json!({"kind": "table", "points": points});
+        Ok(())
     }
 
     /// The components: every smoothness with the grid of amplitudes and lengths.

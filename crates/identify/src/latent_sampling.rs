@@ -20,6 +20,8 @@ const STEPS: [usize; 2] = [500, 1500];
 pub struct FreeLawFindings {
     /// Its name.
     pub law: String,
+    /// Names of the unknown numbers of the form that it deviates from.
+    pub form_unknowns: Vec<String>,
     /// Pressures of its table \[Pa\].
     pub pressures_pa: Vec<f64>,
     /// Standard deviation of the slope d ln K / d ln p about that of the scenario's law: lower end of
@@ -96,9 +98,8 @@ pub(super) fn posterior_of(
     let spec = &problem.spec;
     let options =
         PosteriorOptions { draws: spec.draws, seed: spec.seed, ..PosteriorOptions::default() };
-    let (Some((first, law)), Some(prior)) =
-        (&forward.parameters.free, forward.parameters.latent_prior()?)
-    else {
+    let parameters = &forward.parameters;
+    let (Some((first, law)), Some(prior)) = (&parameters.free, parameters.latent_prior()?) else {
         return Ok((best.posterior(covariance, profiles, &options)?, None));
     };
     let [burn_in, steps] = STEPS;
@@ -114,16 +115,18 @@ pub(super) fn posterior_of(
         let pairs: Vec<(f64, f64)> = pairs.collect();
         [tail, 0.5, 1.0 - tail].map(|probability| quantile(pairs.clone(), probability))
     };
-    let latents = &found.linearised_at[*first..first + law.count()];
+    let of_form = parameters.of_form();
+    let labels = parameters.labels(&forward.scenario);
     let findings = FreeLawFindings {
         law: law.name.clone(),
+        form_unknowns: of_form.iter().map(|&parameter| labels[parameter].clone()).collect(),
         pressures_pa: law.pressures.clone(),
         roughness: of(&|k| grid[k].roughness),
         length: of(&|k| grid[k].length),
         smoothness: smoothness_probabilities(&grid, &shares),
         informed_combinations: found.active,
         information: found.information.clone(),
-        resolution_ln_p: resolution(law, latents, &found),
+        resolution_ln_p: resolution(forward, *first, &found)?,
     };
     Ok((found.posterior, Some(findings)))
 }
@@ -177,9 +180,51 @@ fn kernel_width(kernel: &[f64], at: usize) -> f64 {
     4.0 * kernel.len() as f64
 }
 
-/// Width of the averaging kernel at every pressure of a law.
-fn resolution(law: &FreeLaw, latents: &[f64], found: &LatentPosterior) -> Vec<f64> {
+/// Step of a parameter of the form over its range, for the derivative of ln K.
+const STEP: f64 = 1e-5;
+
+/// Derivatives of ln K at the pressures of the free law with respect to the working coordinates of the
+/// parameters of its form, at a point: the index of each parameter with its derivatives.
+fn of_form(
+    forward: &ScenarioModel,
+    law: &FreeLaw,
+    point: &[f64],
+) -> Result<Vec<(usize, Vec<f64>)>, IdentificationError> {
+    let one = |j: usize| -> Result<(usize, Vec<f64>), IdentificationError> {
+        let parameter = &forward.parameters.list[j];
+        let [low, high] = parameter.bounds().map(|bound| parameter.to_working(bound));
+        let ends = [-STEP, STEP].map(|share| {
+            let at = parameter.to_working(point[j]) + share * (high - low);
+            at.clamp(low, high)
+        });
+        let curve = |coordinate: f64| {
+            let mut moved = point.to_vec();
+            moved[j] = parameter.from_working(coordinate);
+            forward.curve(&law.name, &law.pressures, &moved)
+        };
+        let [below, above] = ends.map(curve);
+        let pairs = below?.into_iter().zip(above?);
+        let slope = |(a, b): (f64, f64)| (b / a).ln() / (ends[1] - ends[0]);
+        Ok((j, pairs.map(slope).collect()))
+    };
+    forward.parameters.of_form().into_iter().map(one).collect()
+}
+
+/// Width of the averaging kernel at every pressure of the free law, whose latents are parameters from
+/// index `first` on.
+fn resolution(
+    forward: &ScenarioModel,
+    first: usize,
+    found: &LatentPosterior,
+) -> Result<Vec<f64>, IdentificationError> {
+    let point = &found.linearised_at;
+    let Some(law) = forward.parameters.free_law_at(&forward.scenario, point)? else {
+        return Ok(Vec::new());
+    };
     let count = law.count();
+    let own = first..first + count;
+    let latents = &point[own.clone()];
+    let of_form = of_form(forward, &law, point)?;
     let step = (law.pressures[1] / law.pressures[0]).ln();
     // Column i: the change of the estimate if the true ln K is higher at pressure i.
     let columns: Vec<Vec<f64>> = (0..count)
@@ -192,14 +237,18 @@ fn resolution(law: &FreeLaw, latents: &[f64], found: &LatentPosterior) -> Vec<f6
                 .iter()
                 .map(|row| row.iter().zip(&truth).map(|(r, z)| r * z).sum())
                 .collect();
-            law.log_stiffness_change(latents, &estimate)
+            let mut moved = law.log_stiffness_change(latents, &estimate[own.clone()]);
+            for (j, slopes) in &of_form {
+                moved.iter_mut().zip(slopes).for_each(|(sum, slope)| *sum += estimate[*j] * slope);
+            }
+            moved
         })
         .collect();
     let of = |j: usize| {
         let kernel: Vec<f64> = columns.iter().map(|column| column[j].abs()).collect();
         step * kernel_width(&kernel, j)
     };
-    (0..count).map(of).collect()
+    Ok((0..count).map(of).collect())
 }
 
 #[cfg(test)]

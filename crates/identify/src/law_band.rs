@@ -203,7 +203,14 @@ impl StiffnessEstimate {
         posterior: &Posterior,
     ) -> Result<Vec<Self>, IdentificationError> {
         let mut all = Vec::new();
-        for (law, pressures) in forward.parameters.monotone_pressures(&forward.scenario) {
+        for (law, mut pressures) in forward.parameters.monotone_pressures(&forward.scenario) {
+            if let Some((_, free)) =
+                forward.parameters.free.as_ref().filter(|free| free.1.name == law)
+            {
+                // Outside its table a free law is not its form's.
+                let range = free.pressures[0]..=free.pressures[free.count() - 1];
+                pressures.retain(|pressure| range.contains(pressure));
+            }
             let reached = Reached::of(forward, &law, best)?.range;
             let stiffness = forward.curve(&law, &pressures, best)?;
             let found = Evaluated::new(problem, forward, &law, &pressures, posterior);

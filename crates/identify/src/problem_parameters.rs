@@ -73,6 +73,13 @@ impl ProblemParameters {
         for spec in specs {
             found.add(spec, scenario)?;
         }
+        let form_is_unknown = !found.of_form().is_empty();
+        if let Some((_, free)) = &mut found.free
+            && form_is_unknown
+        {
+            free.with_unknown_form();
+            found.check_form(scenario)?;
+        }
         Ok(found)
     }
 
@@ -143,11 +150,48 @@ impl ProblemParameters {
         Ok(())
     }
 
+    /// Checks that every number of the form of the free law changes its slopes.
+    fn check_form(&self, scenario: &Value) -> Result<(), IdentificationError> {
+        let start: Vec<f64> = self.list.iter().map(Parameter::start).collect();
+        let Some(free) = self.free_law_at(scenario, &start)? else { return Ok(()) };
+        for j in self.of_form() {
+            let parameter = &self.list[j];
+            let [low, high] = parameter.bounds().map(|bound| parameter.to_working(bound));
+            let at = parameter.to_working(start[j]);
+            let step = FORM_STEP * (high - low);
+            let mut moved = start.clone();
+            moved[j] = parameter.from_working(if at + step > high { at - step } else { at + step });
+            let other = self.free_law_at(scenario, &moved)?;
+            if other.is_some_and(|other| other.has_slopes_of(&free)) {
+                let reason = format!(
+                    "its unknown \"{}\" changes no slope, and a free law has a level of its own; expected numbers that change the slope",
+                    parameter.name()
+                );
+                return Err(IdentificationError::FreeLaw { law: free.name, reason });
+            }
+        }
+        Ok(())
+    }
+
     /// Puts the values of `point` into a scenario.
     ///
     /// # Errors
     /// [`IdentificationError::Parameter`] for a missing number.
     pub(super) fn write(
+        &self,
+        scenario: &mut Value,
+        point: &[f64],
+    ) -> Result<(), IdentificationError> {
+        self.write_numbers(scenario, point)?;
+        if let Some((first, law)) = &self.free {
+            // Last: it replaces the form that the others have written.
+            law.write(scenario, &point[*first..first + law.count()])?;
+        }
+        Ok(())
+    }
+
+    /// Puts the values of all parameters but those of the free law into a scenario.
+    fn write_numbers(
         &self,
         scenario: &mut Value,
         point: &[f64],
@@ -162,27 +206,50 @@ impl ProblemParameters {
             law.write(scenario, &point[*first..first + law.count])
                 .ok_or_else(|| IdentificationError::NotMonotone(law.name.clone()))?;
         }
-        if let Some((first, law)) = &self.free {
-            law.write(scenario, &point[*first..first + law.count()]).ok_or_else(|| {
-                let reason = "the scenario has no such law".to_owned();
-                IdentificationError::FreeLaw { law: law.name.clone(), reason }
-            })?;
-        }
         Ok(())
     }
 
-    /// The values that [`write`](Self::write) puts into a scenario, in the order of
+    /// The values that [`write`](Self::write) puts into this scenario, in the order of
     /// [`pointers`](Self::pointers).
     ///
     /// # Errors
     /// Those of [`write`](Self::write).
     pub(super) fn written(
         &self,
-        scenario: &mut Value,
+        scenario: &Value,
         point: &[f64],
     ) -> Result<Vec<Value>, IdentificationError> {
-        self.write(scenario, point)?;
+        let mut scenario = scenario.clone();
+        self.write(&mut scenario, point)?;
         Ok(self.pointers().filter_map(|pointer| scenario.pointer(pointer).cloned()).collect())
+    }
+
+    /// The free law about the form that the other parameters at `point` give it.
+    ///
+    /// # Errors
+    /// Those of [`write`](Self::write).
+    pub(super) fn free_law_at(
+        &self,
+        scenario: &Value,
+        point: &[f64],
+    ) -> Result<Option<FreeLaw>, IdentificationError> {
+        let Some((_, law)) = &self.free else { return Ok(None) };
+        let mut scenario = scenario.clone();
+        self.write_numbers(&mut scenario, point)?;
+        law.about(&scenario).map(Some)
+    }
+
+    /// Indices of the parameters that are numbers of the form of the free law.
+    pub(super) fn of_form(&self) -> Vec<usize> {
+        let Some((_, free)) = &self.free else { return Vec::new() };
+        let inside = |pointer: &str| is_within(pointer, &free.pointer);
+        let scalars = self.scalars.iter().filter(|(_, number)| inside(&number.pointer));
+        let laws = self.laws.iter().filter(|(_, law)| inside(&law.pairs));
+        let mut found: Vec<usize> = scalars.map(|(parameter, _)| *parameter).collect();
+        found.extend(laws.flat_map(|(first, law)| *first..first + law.count));
+        found.sort_unstable();
+        found.dedup();
+        found
     }
 
     /// The prior of the latents of the free law.
@@ -241,14 +308,23 @@ impl ProblemParameters {
             || self.list[parameter].is_latent()
     }
 
-    /// Pointers to the written numbers.
+    /// Pointers to the written numbers. Those of the form of the free law, which takes their place, are
+    /// not among them.
     pub(super) fn pointers(&self) -> impl Iterator<Item = &str> {
+        let free = self.free.as_ref().map(|(_, law)| law.pointer.as_str());
+        let stays = move |pointer: &&str| free.is_none_or(|free| !is_within(pointer, free));
+        self.pointers_of_numbers().filter(stays).chain(free)
+    }
+
+    /// Pointers to the numbers of all parameters but those of the free law.
+    pub(super) fn pointers_of_numbers(&self) -> impl Iterator<Item = &str> {
         let scalars = self.scalars.iter().map(|(_, parameter)| parameter.pointer.as_str());
-        scalars
-            .chain(self.laws.iter().map(|(_, law)| law.pairs.as_str()))
-            .chain(self.free.iter().map(|(_, law)| law.pointer.as_str()))
+        scalars.chain(self.laws.iter().map(|(_, law)| law.pairs.as_str()))
     }
 }
+
+/// Change of a number of the form of a free law, over its range, that has to change its slopes.
+const FORM_STEP: f64 = 0.01;
 
 /// Change of a step of a monotone law over which predictions change.
 const STEP_LENGTH: f64 = 0.25;

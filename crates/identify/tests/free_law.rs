@@ -13,7 +13,7 @@ use asperity_identify::{
     identify,
 };
 use asperity_inference::Agreement;
-use asperity_law::{ContactLaw, Exponential, Tabulated};
+use asperity_law::{ContactLaw, Exponential, ModifiedPower, Tabulated};
 use asperity_scenario::Document;
 use serde_json::{Value, json};
 use twin::{Noise, Sensors, Truth};
@@ -156,6 +156,76 @@ fn the_smoothest_free_law_is_a_power_law() {
     }
 }
 
+/// Largest difference in ln K of the paper's modified law from its table at these pressures.
+fn interpolation(pressures: &[f64]) -> f64 {
+    let knots = [(0.0, 0.02e12), (0.025e6, 0.12e12), (0.078e6, 0.40e12), (0.14e6, 0.97e12)];
+    let law = ModifiedPower::new(1.81e10, 0.35, 0.2e6, &knots).unwrap();
+    let points: Vec<(f64, f64)> = pressures.iter().map(|&p| (p, law.stiffness(p))).collect();
+    let table = Tabulated::new(&points).unwrap();
+    let between = pressures.windows(2).map(|pair| 0.5 * (pair[0] + pair[1]));
+    between.map(|p| (table.stiffness(p) / law.stiffness(p)).ln().abs()).fold(0.0, f64::max)
+}
+
+/// With a deviation that is as good as none, a free law about a form with unknown numbers is that form with a
+/// level of its own: unknown knots and coefficient of a modified power law have the same law with the
+/// same band.
+#[test]
+fn the_smoothest_free_law_about_knots_is_that_of_the_knots() {
+    let mut scenario = Document::read(SCENARIO).unwrap();
+    for (pointer, value) in [
+        ("/method", r#"{"kind": "modal", "step_s": 2e-5}"#),
+        ("/output_rate_hz", "50000"),
+        ("/duration_s", "0.06"),
+    ] {
+        scenario.set(pointer, value).unwrap();
+    }
+    let changes = [("/output_rate_hz", "50000"), ("/duration_s", "0.06")];
+    let twin = Truth::new(SCENARIO, &PEAKS[..4], &changes);
+    let sensors =
+        Sensors { signal_to_noise_db: 40.0, force_gain: 1.0, response_gain: 1.0, seed: 22 };
+    let measured = twin.measured(&sensors);
+    let found = |unknowns: Value| -> Identification {
+        let more =
+            json!({"draws": 1000, "pressures_pa": [0.06e6, 0.17e6], "scenario": scenario.value()});
+        identify(&twin.problem(&measured, &unknowns, &more)).unwrap()
+    };
+    let knots = json!({"kind": "monotone_law", "law": "modified", "steps": [0.02, 0.9]});
+    let known = |median: f64| json!({"median": median, "log_deviation": 0});
+    let coefficient = "/laws/modified/coefficient";
+    let fixed = found(json!([
+        knots,
+        {"kind": "scalar", "pointer": coefficient, "bounds": [1e9, 1e11]},
+    ]));
+    let free = found(json!([
+        knots,
+        {"kind": "free_law", "law": "modified", "points": 80, "pressures_pa": [0.012e6, 0.5e6],
+         "roughness": known(1e-5), "length": known(1.0)},
+    ]));
+    let words = free.conclusions().join(" ");
+    assert!(words.contains("of which 4 numbers are unknown"), "{words}");
+    let unknowns = &free.free_law.as_ref().unwrap().form_unknowns;
+    assert_eq!(unknowns.len(), 4, "{unknowns:?}");
+    assert_eq!(free.stiffnesses.len(), 3, "that at zero is outside the table");
+    let interpolation = interpolation(&free.free_law.as_ref().unwrap().pressures_pa);
+    assert!(interpolation < 5e-3, "{interpolation}");
+    let [free, fixed] = [&free.law, &fixed.law];
+    let mut compared = 0;
+    for i in (0..free.pressure.len()).filter(|&i| fixed.informed[i]) {
+        let width = |band: &LawBand| (band.upper[i] / band.lower[i]).ln();
+        let ratio = width(free) / width(fixed);
+        assert!((ratio - 1.0).abs() < 0.15, "{} Pa: {ratio}", free.pressure[i]);
+        let shift = (free.median[i] / fixed.median[i]).ln().abs();
+        println!(
+            "{} {ratio:.3} {:.3} {shift:.5} {interpolation:.5}",
+            free.pressure[i],
+            width(fixed)
+        );
+        assert!(shift < 0.1 * width(fixed) + interpolation, "{} Pa: {shift}", free.pressure[i]);
+        compared += 1;
+    }
+    assert!(compared > 10, "{compared}");
+}
+
 /// A free law with `more` keys from quasi-static stiffnesses of `truth` with this uncertainty, as many as
 /// asked, evenly spaced in ln p.
 fn from_stiffnesses(
@@ -259,4 +329,8 @@ fn wrong_free_laws_are_refused_with_a_reason() {
     assert!(second.contains("at most one free law"), "{second}");
     let unknown = refused(json!([own(json!({"law": "none"}))]));
     assert!(unknown.contains("there is no law \"none\""), "{unknown}");
+    let coefficient = "/laws/modified/coefficient";
+    let scaled = refused(json!([own(json!({})),
+        {"kind": "scalar", "pointer": coefficient, "name": "C", "bounds": [1e9, 1e11]}]));
+    assert!(scaled.contains("its unknown \"C\" changes no slope"), "{scaled}");
 }

@@ -28,8 +28,9 @@ pub struct LatentPosterior {
     /// Number of combinations that were sampled with the data, those above
     /// [`ACTIVE_INFORMATION`](crate::ACTIVE_INFORMATION).
     pub active: usize,
-    /// Resolution matrix of the latents in the linearised model: the mean of the posterior is this times
-    /// the true latents, without noise. Source: A. Tarantola, *Inverse Problem Theory*, 2005, section 3.3.
+    /// Resolution matrix of the linearised model, a row for every parameter and a column for every latent:
+    /// the mean of the posterior, in the working coordinate of a parameter that is no latent, changes by
+    /// this times a change of the true latents, without noise. Source: A. Tarantola, *Inverse Problem Theory*, 2005, section 3.3.
     pub resolution: Vec<Vec<f64>>,
     /// Values of all parameters where the model was linearised for resolution and combinations: the optimum
     /// under the pooled prior of the components.
@@ -110,7 +111,7 @@ impl Fit<'_> {
             posterior,
             components,
             active: subspace.active,
-            resolution: linear.resolution(&prior.pooled(&weights))?,
+            resolution: linear.resolution(&prior.pooled(&weights), &model)?,
             linearised_at: at.0.point.clone(),
             information: subspace.information,
         })
@@ -157,6 +158,8 @@ struct LinearModel {
     of_latents: Vec<Vec<f64>>,
     /// Times the standard deviations of the others before the measurement.
     of_others: Vec<Vec<f64>>,
+    /// These standard deviations.
+    deviations: Vec<f64>,
 }
 
 impl LinearModel {
@@ -168,7 +171,13 @@ impl LinearModel {
     ) -> Self {
         let parameters = fit.problem.parameters;
         let rows = linearisation.weighted_rows();
-        let mut own = Self { offset: Vec::new(), of_latents: Vec::new(), of_others: Vec::new() };
+        let others = parameters.iter().enumerate().filter(|(j, _)| !prior.contains(*j));
+        let mut own = Self {
+            offset: Vec::new(),
+            of_latents: Vec::new(),
+            of_others: Vec::new(),
+            deviations: others.map(|(_, parameter)| parameter.initial_deviation()).collect(),
+        };
         let optimum = fit.optimum();
         for (i, row) in rows.iter().enumerate() {
             if fit.predictions[i].is_none() {
@@ -226,19 +235,33 @@ impl LinearModel {
         Ok(normalised(&weighted))
     }
 
-    /// `S J^T C^-1 J` with the covariance `C` of the residuals.
-    fn resolution(&self, latents: &[Vec<f64>]) -> Result<Vec<Vec<f64>>, InferenceError> {
+    /// `S J^T C^-1 J` for the latents and `P J_o^T C^-1 J` for the others, with the covariance `C` of the
+    /// residuals.
+    fn resolution(
+        &self,
+        latents: &[Vec<f64>],
+        model: &SubspaceModel<'_>,
+    ) -> Result<Vec<Vec<f64>>, InferenceError> {
         let root = upper_root(&self.covariance(latents))
             .ok_or(InferenceError::Singular("covariance of the residuals"))?;
-        let column = |j: usize| self.of_latents.iter().map(|row| row[j]).collect::<Vec<f64>>();
+        let white_column = |rows: &[Vec<f64>], j: usize| {
+            upper_solve(&root, &rows.iter().map(|row| row[j]).collect::<Vec<f64>>())
+        };
         let white: Vec<Vec<f64>> =
-            (0..latents.len()).map(|j| upper_solve(&root, &column(j))).collect();
+            (0..latents.len()).map(|j| white_column(&self.of_latents, j)).collect();
         let precision =
             |i: usize| white.iter().map(|own| dot(&white[i], own)).collect::<Vec<f64>>();
         let precision: Vec<Vec<f64>> = (0..latents.len()).map(precision).collect();
         // The precision is symmetric.
-        let row = |prior: &Vec<f64>| precision.iter().map(|own| dot(prior, own)).collect();
-        Ok(latents.iter().map(row).collect())
+        let of_latent = |prior: &Vec<f64>| precision.iter().map(|own| dot(prior, own)).collect();
+        let of_other = |(j, deviation): (usize, &f64)| {
+            let own = white_column(&self.of_others, j);
+            white.iter().map(|latent| deviation * dot(&own, latent)).collect()
+        };
+        let others: Vec<Vec<f64>> = self.deviations.iter().enumerate().map(of_other).collect();
+        let (before, after) = others.split_at(model.subspace.first);
+        let latents: Vec<Vec<f64>> = latents.iter().map(of_latent).collect();
+        Ok([before, &latents, after].concat())
     }
 }
 

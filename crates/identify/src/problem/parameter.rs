@@ -40,7 +40,8 @@ pub enum ParameterSpec {
     /// A law without an assumed form: ln K over ln p at many points, whose
     /// slope deviates from that of the scenario's law by a smooth random
     /// function of unknown amplitude and length. The law of the scenario is
-    /// replaced by a table.
+    /// replaced by a table. Other unknowns may be numbers of that law: the free
+    /// law deviates from the form that they give.
     FreeLaw {
         /// Name of the law in "laws".
         law: String,

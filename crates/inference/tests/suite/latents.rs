@@ -160,15 +160,20 @@ fn resolution_is_the_response_of_the_mean_to_the_truth() {
     let found = sampled(NOISE, 100);
     let (weights, ..) = closed_form(NOISE);
     let own = prior(1);
-    let pooled = DMatrix::from_fn(LATENTS, LATENTS, |i, j| {
-        own.covariances().iter().zip(&weights).map(|(s, weight)| weight * s[i][j]).sum()
+    let before = DMatrix::from_fn(LATENTS + 1, LATENTS + 1, |i, j| match (i, j) {
+        (0, 0) => 0.25,
+        (0, _) | (_, 0) => 0.0,
+        _ => {
+            let pairs = own.covariances().iter().zip(&weights);
+            pairs.map(|(s, weight)| weight * s[i - 1][j - 1]).sum()
+        }
     });
-    let a = DMatrix::from_fn(DATA, LATENTS, |i, j| row(i)[j + 1]);
-    let ones = DMatrix::from_element(DATA, DATA, 0.25);
-    let spread =
-        &a * &pooled * a.transpose() + ones + DMatrix::identity(DATA, DATA) * NOISE.powi(2);
-    let expected = &pooled * a.transpose() * spread.try_inverse().unwrap() * &a;
-    for i in 0..LATENTS {
+    let a = DMatrix::from_fn(DATA, LATENTS + 1, |i, j| row(i)[j]);
+    let spread = &a * &before * a.transpose() + DMatrix::identity(DATA, DATA) * NOISE.powi(2);
+    let of_latents = a.columns(1, LATENTS);
+    let expected = &before * a.transpose() * spread.try_inverse().unwrap() * of_latents;
+    assert!(expected[(0, 0)].abs() > 1e-3, "the offset follows the latents");
+    for i in 0..=LATENTS {
         for j in 0..LATENTS {
             let apart = found.resolution[i][j] - expected[(i, j)];
             assert!(apart.abs() < 1e-7, "{i} {j}: {apart}");
