@@ -99,11 +99,11 @@ impl Fit<'_> {
         let problem = self.subspace_problem(&model, noise_factor)?;
         let whitening = whitening(&at, &model, &problem, noise_factor)?;
         let target = LatentTarget { model: &model, whole: &self.problem, seed: options.seed };
-        let mut posterior =
-            by_surrogate(&problem, &target, whitening, &[], options, self.progress)?;
-        let components = posterior.draws.iter().enumerate().map(|(index, draw)| {
+        let found = by_surrogate(&problem, &target, whitening, &[], options, self.progress)?;
+        let mut posterior = found.posterior;
+        let components = posterior.draws.iter().zip(&found.numbers).map(|(draw, &number)| {
             let (_, z) = model.split(draw);
-            subspace.complete(&subspace.informed(&z), options.seed, index).0
+            subspace.complete(&subspace.informed(&z), options.seed, number).0
         });
         let components = components.collect();
         spread_diagnostics(&mut posterior, &model);

@@ -48,6 +48,9 @@ pub struct PosteriorDiagnostics {
     pub pareto_shape: Option<f64>,
     /// Share of draws at the limit of the response surface's range.
     pub at_range_limit: f64,
+    /// Draws that were evaluated on the model: more than are kept where their weights left too few, of
+    /// which the kept ones are resampled to equal weights.
+    pub evaluated_draws: usize,
     /// Response surfaces trained; 0 for the exact method.
     pub rounds: usize,
     /// Largest leave-one-out error of the last surface, in standard deviations of an observation.
@@ -84,7 +87,8 @@ impl Fit<'_> {
     /// (importance sampling), so that errors of the surface cost precision but cause no bias within
     /// its range. While the effective share of draws is below [`PosteriorOptions::target_share`],
     /// or draws are at the limit of the range, a new surface is trained at these draws and new
-    /// points about them; the round with the most effective draws counts. Results depend on the
+    /// points about them; the round with the most effective draws counts. If that is too few, up to ten times as
+    /// many draws are evaluated and resampled to the number asked for. Results depend on the
     /// seed, not on the number of threads.
     ///
     /// A tail outside the range of all surfaces is missing, which the weights do not show. Compare
@@ -126,6 +130,7 @@ impl Fit<'_> {
         let mut found = match options.method {
             PosteriorMethod::Surrogate => {
                 by_surrogate(&problem, &AsItIs, whitening, profiles, options, self.progress)
+                    .map(|found| found.posterior)
             }
             PosteriorMethod::Exact => exactly(&problem, &whitening, options, self.progress),
         }?;

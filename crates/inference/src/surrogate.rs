@@ -70,7 +70,11 @@ pub(crate) struct Training {
 
 impl Training {
     /// Adds the points that have predictions.
-    pub(crate) fn extend(&mut self, points: &[Vec<f64>], answers: &[Result<Predictions, String>]) {
+    pub(crate) fn extend<'a>(
+        &mut self,
+        points: &[Vec<f64>],
+        answers: impl Iterator<Item = &'a Result<Predictions, String>>,
+    ) {
         for (x, answer) in points.iter().zip(answers) {
             if let Ok(predictions) = answer {
                 self.points.push(x.clone());
@@ -220,7 +224,7 @@ pub(crate) fn sample(
     let answers = problem.predict(&points);
     report(progress, Stage::Surrogate, count, count);
     let mut training = Training::default();
-    training.extend(&points, &answers);
+    training.extend(&points, answers.iter());
     Ok(training)
 }
 

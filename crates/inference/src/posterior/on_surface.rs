@@ -12,7 +12,8 @@ use crate::linear_algebra::upper_root;
 use crate::model::Predictions;
 use crate::profile::Profile;
 use crate::progress::{ProgressCallback, Stage, report};
-use crate::sampler::sample_chains;
+use crate::random::{generator, uniform};
+use crate::sampler::{Chains, sample_chains};
 use crate::surrogate::{RANGE, Surrogate, Training, Whitening, sample};
 
 /// Whitened coordinate beyond which a draw is at the limit of the response surface's range.
@@ -25,6 +26,11 @@ const WIDENING: f64 = 1.5;
 const LEAST_PARTED: usize = 250;
 /// Effective share of those draws, over the target, below which a surface is replaced at once.
 const POOR: f64 = 0.5;
+
+/// Most draws evaluated more where weights leave too few, over those asked for.
+const MOST_TIMES: usize = 10;
+/// Stream of the random numbers of resampling.
+const RESAMPLING: u64 = 0x5e1e;
 
 /// The part of a density that no response surface replaces, and the points at which its draws are
 /// evaluated.
@@ -60,6 +66,38 @@ impl SurfaceTarget for AsItIs {
     }
 }
 
+/// A draw with what belongs to it.
+#[derive(Debug, Clone)]
+struct Draw {
+    /// Whitened coordinates on the surface.
+    z: Vec<f64>,
+    /// Values of all parameters of the model.
+    values: Vec<f64>,
+    answer: Result<Predictions, String>,
+    /// Logarithm of exact over surface density.
+    log_ratio: f64,
+    /// Number by which the target evaluated it.
+    number: usize,
+}
+
+/// Draws from a posterior, with the number by which the target evaluated each.
+pub(crate) struct NumberedDraws {
+    pub(crate) posterior: Posterior,
+    pub(crate) numbers: Vec<usize>,
+}
+
+/// The draws of a round.
+struct Round {
+    /// Effective number of them, less where the surface is too narrow.
+    score: f64,
+    surface: Surrogate,
+    draws: Vec<Draw>,
+    weights: Vec<f64>,
+    diagnostics: PosteriorDiagnostics,
+    /// More states of its chains.
+    reserve: Vec<Vec<f64>>,
+}
+
 /// Draws of `exp(-cost)` times the factor of the target.
 pub(crate) fn by_surrogate(
     problem: &FitProblem<'_>,
@@ -68,9 +106,9 @@ pub(crate) fn by_surrogate(
     profiles: &[Profile],
     options: &PosteriorOptions,
     progress: &ProgressCallback<'_>,
-) -> Result<Posterior, InferenceError> {
+) -> Result<NumberedDraws, InferenceError> {
     let mut training = Training::default();
-    let mut best: Option<(f64, Posterior)> = None;
+    let mut best: Option<Round> = None;
     let mut evaluations = 0;
     for round in 1..=options.max_rounds {
         let along = if round == 1 { profiles } else { &[] };
@@ -98,39 +136,12 @@ pub(crate) fn by_surrogate(
             &layout(whitening.centre.len(), options, round),
         );
         report(progress, Stage::Sampling, round, options.max_rounds);
-        let log_ratio = |answer: &Result<Predictions, String>, x: &[f64], z: &[f64]| match answer {
-            Ok(predictions) => {
-                target.log_factor(x)
-                    - problem.cost(&problem.residuals(predictions), x)
-                    - surface_density(problem, target, &surface, z)
-            }
-            Err(_) => f64::NEG_INFINITY,
-        };
-        // A part of the draws shows a poor surface, which a better one replaces.
-        let whole = round == options.max_rounds || options.draws < LEAST_PARTED;
-        let parts =
-            if whole { vec![options.draws] } else { vec![options.draws / PART, options.draws] };
-        let (mut z, mut x): (Vec<Vec<f64>>, Vec<Vec<f64>>) = (Vec::new(), Vec::new());
-        let (mut draws, mut answers, mut weights) = (Vec::new(), Vec::new(), Vec::new());
-        for part in parts {
-            let more = spread(&chains, options.draws, z.len(), part);
-            let points: Vec<Vec<f64>> = more.iter().map(|z| whitening.to_working(z)).collect();
-            let (values, predicted) = target.evaluate(problem, &points, x.len());
-            draws.extend(values);
-            answers.extend(predicted);
-            evaluations += points.len();
-            z.extend(more);
-            x.extend(points);
-            let places = answers.iter().zip(x.iter().zip(&z));
-            let ratios: Vec<f64> = places.map(|(answer, (x, z))| log_ratio(answer, x, z)).collect();
-            weights = normalised(&ratios);
-            if effective_draws(&weights) < POOR * options.target_share * z.len() as f64 {
-                break;
-            }
-        }
+        let is_last = round == options.max_rounds;
+        let (draws, weights) = first_draws((problem, target), &surface, &chains, options, is_last);
+        evaluations += draws.len();
         report(progress, Stage::Draws, round, options.max_rounds);
-        let crowd = z.iter().filter(|z| z.iter().any(|z| z.abs() > RANGE_LIMIT)).count();
-        let at_range_limit = crowd as f64 / z.len() as f64;
+        let is_at_limit = |draw: &&Draw| draw.z.iter().any(|z| z.abs() > RANGE_LIMIT);
+        let at_range_limit = draws.iter().filter(is_at_limit).count() as f64 / draws.len() as f64;
         let effective = effective_draws(&weights);
         let diagnostics = PosteriorDiagnostics {
             pareto_shape: pareto_shape(&weights),
@@ -142,15 +153,17 @@ pub(crate) fn by_surrogate(
             ..chain_diagnostics(&chains, whitening.centre.len())
         };
         let narrow = at_range_limit > MAX_AT_RANGE_LIMIT;
-        let enough = effective >= options.target_share * z.len() as f64 && !narrow;
+        let enough = effective >= options.target_share * draws.len() as f64 && !narrow;
         // Local training: predictions at the draws, and the earlier points among them.
+        let x: Vec<Vec<f64>> = draws.iter().map(|draw| whitening.to_working(&draw.z)).collect();
         let next = localised(&x, &weights);
-        training.extend(&x, &answers);
+        training.extend(&x, draws.iter().map(|draw| &draw.answer));
         // Draws outside the range are missing; small weights only cost precision.
         let score = if narrow { 0.25 * effective } else { effective };
-        if effective > 0.0 && best.as_ref().is_none_or(|(before, _)| score > *before) {
-            let predictions = answers.into_iter().map(Result::unwrap_or_default).collect();
-            best = Some((score, Posterior { draws, weights, predictions, diagnostics }));
+        if effective > 0.0 && best.as_ref().is_none_or(|before| score > before.score) {
+            let more = if enough { 0 } else { MOST_TIMES * options.draws };
+            let reserve = spread(&chains, more, 0, more);
+            best = Some(Round { score, surface, draws, weights, diagnostics, reserve });
         }
         if enough {
             break;
@@ -167,9 +180,102 @@ pub(crate) fn by_surrogate(
         points: options.draws,
         reason: "the cost is not finite".to_owned(),
     };
-    let (_, mut posterior) = best.ok_or_else(failed)?;
-    posterior.diagnostics.evaluations = evaluations;
-    Ok(posterior)
+    let mut best = best.ok_or_else(failed)?;
+    best.diagnostics.evaluations = evaluations;
+    Ok(best.completed((problem, target), options, progress))
+}
+
+impl Round {
+    /// The draws, more of them where their weights leave too few, resampled to the number asked for.
+    fn completed(
+        self,
+        (problem, target): (&FitProblem<'_>, &dyn SurfaceTarget),
+        options: &PosteriorOptions,
+        progress: &ProgressCallback<'_>,
+    ) -> NumberedDraws {
+        let Self { surface, mut draws, mut weights, mut diagnostics, reserve, .. } = self;
+        let mut reserve = reserve.chunks(options.draws);
+        while effective_draws(&weights) < options.target_share * options.draws as f64
+            && let Some(more) = reserve.next()
+        {
+            let first = draws.len();
+            draws.extend(evaluated((problem, target), &surface, more, first));
+            diagnostics.evaluations += more.len();
+            weights = weights_of(&draws);
+            report(progress, Stage::Draws, draws.len(), (1 + MOST_TIMES) * options.draws);
+        }
+        diagnostics.evaluated_draws = draws.len();
+        diagnostics.effective_draws = effective_draws(&weights);
+        diagnostics.pareto_shape = pareto_shape(&weights);
+        if draws.len() > options.draws {
+            let kept = resampled(&weights, options.draws, options.seed);
+            draws = kept.into_iter().map(|place| draws[place].clone()).collect();
+            weights = vec![1.0 / draws.len() as f64; draws.len()];
+            // The variances of weights and of resampling add.
+            let inverse = diagnostics.effective_draws.recip() + (draws.len() as f64).recip();
+            diagnostics.effective_draws = inverse.recip();
+        }
+        let numbers = draws.iter().map(|draw| draw.number).collect();
+        let (mut values, mut predictions) = (Vec::new(), Vec::new());
+        for draw in draws {
+            values.push(draw.values);
+            predictions.push(draw.answer.unwrap_or_default());
+        }
+        let posterior = Posterior { draws: values, weights, predictions, diagnostics };
+        NumberedDraws { posterior, numbers }
+    }
+}
+
+/// Normalised weights of draws.
+fn weights_of(draws: &[Draw]) -> Vec<f64> {
+    normalised(&draws.iter().map(|draw| draw.log_ratio).collect::<Vec<_>>())
+}
+
+/// The draws of a round with their weights. A part of them shows a poor surface, which a better one replaces.
+fn first_draws(
+    model: (&FitProblem<'_>, &dyn SurfaceTarget),
+    surface: &Surrogate,
+    chains: &Chains,
+    options: &PosteriorOptions,
+    is_last: bool,
+) -> (Vec<Draw>, Vec<f64>) {
+    let whole = is_last || options.draws < LEAST_PARTED;
+    let parts = if whole { vec![options.draws] } else { vec![options.draws / PART, options.draws] };
+    let (mut draws, mut weights): (Vec<Draw>, Vec<f64>) = (Vec::new(), Vec::new());
+    for part in parts {
+        let more = spread(chains, options.draws, draws.len(), part);
+        let first = draws.len();
+        draws.extend(evaluated(model, surface, &more, first));
+        weights = weights_of(&draws);
+        if effective_draws(&weights) < POOR * options.target_share * draws.len() as f64 {
+            break;
+        }
+    }
+    (draws, weights)
+}
+
+/// The model at places of the surface, the first of which has the number `first`.
+fn evaluated(
+    (problem, target): (&FitProblem<'_>, &dyn SurfaceTarget),
+    surface: &Surrogate,
+    places: &[Vec<f64>],
+    first: usize,
+) -> Vec<Draw> {
+    let x: Vec<Vec<f64>> = places.iter().map(|z| surface.whitening.to_working(z)).collect();
+    let (values, answers) = target.evaluate(problem, &x, first);
+    let rows = places.iter().zip(&x).zip(values.into_iter().zip(answers)).enumerate();
+    rows.map(|(place, ((z, x), (values, answer)))| {
+        let log_ratio = match &answer {
+            Ok(predictions) => {
+                target.log_factor(x)
+                    - problem.cost(&problem.residuals(predictions), x)
+                    - surface_density(problem, target, surface, z)
+            }
+            Err(_) => f64::NEG_INFINITY,
+        };
+        Draw { z: z.clone(), values, answer, log_ratio, number: first + place }
+    })
+    .collect()
 }
 
 thread_local! {
@@ -195,6 +301,21 @@ fn surface_density(
         surface.residuals(z, monomials, residuals);
         target.log_factor(&x) - problem.cost(residuals, &x)
     })
+}
+
+/// Places of `count` draws of equal weight: systematic resampling.
+fn resampled(weights: &[f64], count: usize, seed: u64) -> Vec<usize> {
+    let offset = uniform(&mut generator(seed ^ RESAMPLING, 0));
+    let (mut place, mut sum) = (0, weights.first().copied().unwrap_or(0.0));
+    let one = |k: usize| {
+        let level = (k as f64 + offset) / count as f64;
+        while sum <= level && place + 1 < weights.len() {
+            place += 1;
+            sum += weights[place];
+        }
+        place
+    };
+    (0..count).map(one).collect()
 }
 
 /// Mean and covariance of weighted draws. Weights are cut at `mean * sqrt(count)` (E. L. Ionides,

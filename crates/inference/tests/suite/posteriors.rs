@@ -109,6 +109,57 @@ fn quantiles_state_their_monte_carlo_error() {
     assert!(posteriors[0].quantile_error(1, 0.5).is_nan(), "there is no such parameter");
 }
 
+/// A slope of one up to 0.5, and of [`STEEP`] beyond: no polynomial is near such predictions.
+fn kinked(x: f64) -> f64 {
+    if x < 0.5 { x } else { 0.5 + STEEP * (x - 0.5) }
+}
+const STEEP: f64 = 4.0;
+const KINKS: usize = 8;
+
+/// A poor surface takes more draws: means over 16 seeds have no bias, and vary as those of the stated
+/// number of independent draws.
+#[test]
+fn more_draws_make_up_for_a_poor_surface() {
+    let model = FunctionModel {
+        parameters: (0..KINKS).map(|j| linear(&format!("x{j}"), 0.1, [-20.0, 20.0])).collect(),
+        observations: Observation::list(&[0.0; KINKS], 1.0),
+        function: |x: &[f64]| x.iter().map(|&x| kinked(x)).collect::<Vec<f64>>(),
+    };
+    let (found, spread) = fitted(&model);
+    let options = PosteriorOptions {
+        draws: 400,
+        max_rounds: 1,
+        burn_in: 500,
+        steps: 1500,
+        ..PosteriorOptions::default()
+    };
+    let posteriors: Vec<Posterior> = (0..16)
+        .map(|seed| PosteriorOptions { seed, ..options })
+        .map(|options| found.posterior(&spread, &[], &options).unwrap())
+        .collect();
+    // By the midpoint rule.
+    let places = || (0..100_000).map(|k| -10.0 + (f64::from(k) + 0.5) * 2e-4);
+    let density = |x: f64| (-0.5 * kinked(x) * kinked(x)).exp();
+    let moment = |power: i32| places().map(|x| x.powi(power) * density(x)).sum::<f64>();
+    let mean = moment(1) / moment(0);
+    let variance = moment(2) / moment(0) - mean * mean;
+    let (mut bias, mut squares, mut count, mut more) = (0.0, 0.0, 0.0, 0);
+    for found in &posteriors {
+        let diagnostics = &found.diagnostics;
+        more += usize::from(diagnostics.evaluated_draws > 400);
+        assert_eq!(found.draws.len(), 400);
+        for j in 0..KINKS {
+            let scaled = (found.mean(j) - mean) * (diagnostics.effective_draws / variance).sqrt();
+            bias += scaled;
+            squares += scaled * scaled;
+            count += 1.0;
+        }
+    }
+    assert!(more >= 8, "{more}");
+    assert!((bias / count).abs() < 4.0 / f64::sqrt(count), "{}", bias / count);
+    assert!((0.5..1.5).contains(&(squares / count)), "{}", squares / count);
+}
+
 /// A bent valley: `x` known to 1, `exp(x / 2) + y` to 0.5.
 fn banana() -> FunctionModel<impl Fn(&[f64]) -> Vec<f64> + Sync> {
     FunctionModel {
