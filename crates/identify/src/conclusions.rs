@@ -28,6 +28,9 @@ pub enum PressureDependence {
 const MIN_DRAWS: f64 = 0.2;
 const MOST_R_HAT: f64 = 1.02;
 
+/// Largest Pareto shape of weights that may be cut.
+const MOST_SHAPE: f64 = 0.7;
+
 /// Effective draws of which no band can be made.
 const FEW_DRAWS: f64 = 20.0;
 
@@ -38,12 +41,21 @@ impl Identification {
     }
 
     /// True if fit and posterior have converged: R-hat of every parameter below 1.02, at least a
-    /// fifth of the draws effective, and the profile intervals covered.
+    /// fifth of the draws effective (with a Pareto shape of at most 0.7 where their weights were cut), and
+    /// the profile intervals covered.
     pub fn has_converged(&self) -> bool {
         let found = &self.posterior.diagnostics;
         let share = found.effective_draws / self.posterior.draws.len().max(1) as f64;
         let mixed = found.r_hat.iter().all(|r| *r < MOST_R_HAT);
-        self.fit.converged && share >= MIN_DRAWS && mixed && found.truncated.is_empty()
+        let is_whole = found.truncated.is_empty() && !self.has_heavy_weights();
+        self.fit.converged && share >= MIN_DRAWS && mixed && is_whole
+    }
+
+    /// True if weights of draws were cut that should not be.
+    fn has_heavy_weights(&self) -> bool {
+        let found = &self.posterior.diagnostics;
+        let is_cut = found.evaluated_draws > self.posterior.draws.len();
+        is_cut && found.pareto_shape.is_some_and(|shape| shape > MOST_SHAPE)
     }
 
     /// Evidence in the data for a stiffness that depends on pressure.
@@ -90,8 +102,14 @@ impl Identification {
                     ", and the draws leave out more than a quarter of the profile interval of {lost}"
                 ),
             };
+            let heavy = match found.pareto_shape {
+                Some(shape) if self.has_heavy_weights() => {
+                    format!(", a few of them have most of the weight (Pareto shape {shape:.2})")
+                }
+                _ => String::new(),
+            };
             words.push(format!(
-                "The posterior has not converged: {:.0} of {} draws are effective, the largest R-hat is {:.3}{lost}; its bands {}.",
+                "The posterior has not converged: {:.0} of {} draws are effective{heavy}, the largest R-hat is {:.3}{lost}; its bands {}.",
                 found.effective_draws,
                 self.posterior.draws.len(),
                 found.r_hat.iter().copied().fold(1.0, f64::max),

@@ -150,11 +150,12 @@ impl ProblemParameters {
         Ok(())
     }
 
-    /// Checks that every number of the form of the free law changes its slopes.
+    /// Checks that every number of the form of the free law changes its slopes. Knots may be outside its
+    /// pressures.
     fn check_form(&self, scenario: &Value) -> Result<(), IdentificationError> {
         let start: Vec<f64> = self.list.iter().map(Parameter::start).collect();
         let Some(free) = self.free_law_at(scenario, &start)? else { return Ok(()) };
-        for j in self.of_form() {
+        for j in self.of_form().into_iter().filter(|&j| !self.is_of_monotone_law(j)) {
             let parameter = &self.list[j];
             let [low, high] = parameter.bounds().map(|bound| parameter.to_working(bound));
             let at = parameter.to_working(start[j]);

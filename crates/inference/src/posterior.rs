@@ -43,13 +43,14 @@ pub struct PosteriorDiagnostics {
     pub acceptance: f64,
     /// Effective number of weighted draws, at most their number.
     pub effective_draws: f64,
-    /// Pareto shape of the largest weights: below 0.7 weighted means are reliable. `None` where
+    /// Pareto shape of the largest weights, before any cut: below 0.7 weighted means are reliable. `None` where
     /// the weights are equal or too few.
     pub pareto_shape: Option<f64>,
     /// Share of draws at the limit of the response surface's range.
     pub at_range_limit: f64,
     /// Draws that were evaluated on the model: more than are kept where their weights left too few, of
-    /// which the kept ones are resampled to equal weights.
+    /// which the kept ones are resampled to equal weights. Weights are then cut at their mean times the
+    /// root of their number, which takes a bias for less variance.
     pub evaluated_draws: usize,
     /// Response surfaces trained; 0 for the exact method.
     pub rounds: usize,

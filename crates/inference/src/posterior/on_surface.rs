@@ -195,18 +195,20 @@ impl Round {
     ) -> NumberedDraws {
         let Self { surface, mut draws, mut weights, mut diagnostics, reserve, .. } = self;
         let mut reserve = reserve.chunks(options.draws);
+        let mut shape = diagnostics.pareto_shape;
         while effective_draws(&weights) < options.target_share * options.draws as f64
             && let Some(more) = reserve.next()
         {
             let first = draws.len();
             draws.extend(evaluated((problem, target), &surface, more, first));
             diagnostics.evaluations += more.len();
-            weights = weights_of(&draws);
+            shape = pareto_shape(&weights_of(&draws));
+            weights = cut(&weights_of(&draws));
             report(progress, Stage::Draws, draws.len(), (1 + MOST_TIMES) * options.draws);
         }
         diagnostics.evaluated_draws = draws.len();
         diagnostics.effective_draws = effective_draws(&weights);
-        diagnostics.pareto_shape = pareto_shape(&weights);
+        diagnostics.pareto_shape = shape;
         if draws.len() > options.draws {
             let kept = resampled(&weights, options.draws, options.seed);
             draws = kept.into_iter().map(|place| draws[place].clone()).collect();
@@ -318,18 +320,24 @@ fn resampled(weights: &[f64], count: usize, seed: u64) -> Vec<usize> {
     (0..count).map(one).collect()
 }
 
-/// Mean and covariance of weighted draws. Weights are cut at `mean * sqrt(count)` (E. L. Ionides,
-/// J. Comp. Graph. Stat. 17, 295, 2008), so that a few large ones do not dominate.
-fn localised(x: &[Vec<f64>], weights: &[f64]) -> Option<Whitening> {
+/// Weights cut at `mean * sqrt(count)`, so that a few large ones do not dominate, with unit sum. The bias of a
+/// weighted mean vanishes with their number. Source: E. L. Ionides, J. Comp. Graph. Stat. 17, 295 (2008).
+fn cut(weights: &[f64]) -> Vec<f64> {
     let limit = (weights.len() as f64).sqrt().recip();
     let cut: Vec<f64> = weights.iter().map(|weight| weight.min(limit)).collect();
     let total: f64 = cut.iter().sum();
+    if total > 0.0 { cut.iter().map(|weight| weight / total).collect() } else { cut }
+}
+
+/// Mean and covariance of draws with weights that are [`cut`].
+fn localised(x: &[Vec<f64>], weights: &[f64]) -> Option<Whitening> {
+    let cut = cut(weights);
     let size = x.first()?.len();
-    let mean = |j: usize| x.iter().zip(&cut).map(|(x, w)| x[j] * w).sum::<f64>() / total;
+    let mean = |j: usize| x.iter().zip(&cut).map(|(x, w)| x[j] * w).sum::<f64>();
     let centre: Vec<f64> = (0..size).map(mean).collect();
     let entry = |i: usize, j: usize| {
         let product = |(x, w): (&Vec<f64>, &f64)| w * (x[i] - centre[i]) * (x[j] - centre[j]);
-        x.iter().zip(&cut).map(product).sum::<f64>() / total
+        x.iter().zip(&cut).map(product).sum::<f64>()
     };
     let covariance: Vec<Vec<f64>> =
         (0..size).map(|i| (0..size).map(|j| entry(i, j)).collect()).collect();
