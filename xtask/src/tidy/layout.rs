@@ -21,9 +21,9 @@ const SHORT: [(&str, &str); 12] = [
     ("crates/plot/src/structure.rs", "one figure a file"),
     ("crates/dynamics/src/finite_difference/ledger.rs", "energy of the grid"),
     ("crates/dynamics/src/modal/friction_rows.rs", "rows of the step, apart from its tables"),
+    ("crates/harmonic/src/vector_instructions.rs", "used by sums and factorisation"),
     ("crates/law/src/domain.rs", "used by all laws"),
     ("crates/scenario/src/contact_damping.rs", "a public type of its own"),
-    ("crates/scenario/src/validate/damping.rs", "one key of a scenario a file"),
     ("crates/structure/src/damping.rs", "a public type of its own"),
 ];
 
