@@ -255,6 +255,7 @@ fn exactly(
     };
     let diagnostics = PosteriorDiagnostics {
         effective_draws: usable as f64,
+        evaluated_draws: x.len(),
         evaluations: layout.ensembles * layout.walkers * (layout.burn_in + layout.steps + 1)
             + x.len(),
         ..chain_diagnostics(&chains, whitening.centre.len())

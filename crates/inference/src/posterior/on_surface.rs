@@ -195,20 +195,19 @@ impl Round {
     ) -> NumberedDraws {
         let Self { surface, mut draws, mut weights, mut diagnostics, reserve, .. } = self;
         let mut reserve = reserve.chunks(options.draws);
-        let mut shape = diagnostics.pareto_shape;
         while effective_draws(&weights) < options.target_share * options.draws as f64
             && let Some(more) = reserve.next()
         {
             let first = draws.len();
             draws.extend(evaluated((problem, target), &surface, more, first));
             diagnostics.evaluations += more.len();
-            shape = pareto_shape(&weights_of(&draws));
-            weights = cut(&weights_of(&draws));
+            let whole = weights_of(&draws);
+            diagnostics.pareto_shape = pareto_shape(&whole);
+            weights = cut(&whole);
             report(progress, Stage::Draws, draws.len(), (1 + MOST_TIMES) * options.draws);
         }
         diagnostics.evaluated_draws = draws.len();
         diagnostics.effective_draws = effective_draws(&weights);
-        diagnostics.pareto_shape = shape;
         if draws.len() > options.draws {
             let kept = resampled(&weights, options.draws, options.seed);
             draws = kept.into_iter().map(|place| draws[place].clone()).collect();

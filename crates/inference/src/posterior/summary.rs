@@ -48,15 +48,12 @@ impl Posterior {
     /// probabilities p - s and p + s, where s = sqrt(p (1 - p) / n) is the standard error of the
     /// share of n independent draws below the quantile, and n the smaller of the effective numbers
     /// of weighted draws and of the parameter's chains (Vehtari et al. 2021, Bayesian Analysis 16,
-    /// 667-718). NaN where n is not known.
+    /// 667-718). NaN for an index without a parameter.
     pub fn quantile_error(&self, parameter: usize, probability: f64) -> f64 {
         let found = &self.diagnostics;
-        let chains = found.effective_sample_size.get(parameter).copied().unwrap_or(f64::NAN);
-        let effective = if chains < found.effective_draws { chains } else { found.effective_draws };
+        let Some(chains) = found.effective_sample_size.get(parameter) else { return f64::NAN };
+        let effective = chains.min(found.effective_draws);
         let error = (probability * (1.0 - probability) / effective).sqrt();
-        if error.is_nan() || chains.is_nan() {
-            return f64::NAN;
-        }
         let at = |level: f64| self.quantile(parameter, level.clamp(0.0, 1.0));
         0.5 * (at(probability + error) - at(probability - error))
     }
