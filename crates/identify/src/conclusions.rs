@@ -51,7 +51,7 @@ impl Identification {
         self.fit.converged && share >= MIN_DRAWS && mixed && is_whole
     }
 
-    /// True if weights of draws were cut that should not be.
+    /// True if weights were cut whose tail is too heavy for it.
     fn has_heavy_weights(&self) -> bool {
         let found = &self.posterior.diagnostics;
         let is_cut = found.evaluated_draws > self.posterior.draws.len();
@@ -104,7 +104,7 @@ impl Identification {
             };
             let heavy = match found.pareto_shape {
                 Some(shape) if self.has_heavy_weights() => {
-                    format!(", a few of them have most of the weight (Pareto shape {shape:.2})")
+                    format!(", their weights have a heavy tail (Pareto shape {shape:.2})")
                 }
                 _ => String::new(),
             };
@@ -226,7 +226,7 @@ impl Identification {
         let tends = match free.form_unknowns.len() {
             0 => "the law tends to that of the scenario".to_owned(),
             count => format!(
-                "the law tends to the form of the scenario's, of which {count} numbers are unknown"
+                "the law tends to the form of the scenario's law, of which {count} numbers are unknown"
             ),
         };
         format!(

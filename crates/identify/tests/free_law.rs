@@ -240,7 +240,7 @@ fn from_stiffnesses(
     identify(&twin.problem(&[], &json!([law]), &problem)).unwrap()
 }
 
-/// Draws that are too few, or of which a few have most of the weight, are no converged posterior.
+/// Draws that are too few, or whose weights were cut in spite of a heavy tail, are no converged posterior.
 #[test]
 fn few_draws_and_heavy_ones_are_named() {
     let truth = Exponential::new(4e-7, 2e4).unwrap();
@@ -250,7 +250,7 @@ fn few_draws_and_heavy_ones_are_named() {
     assert!(found.has_converged(), "weights that were not cut may have any tail");
     found.posterior.diagnostics.evaluated_draws = 10 * found.posterior.draws.len();
     let words = found.conclusions().join(" ");
-    assert!(words.contains("most of the weight (Pareto shape 0.90)"), "{words}");
+    assert!(words.contains("a heavy tail (Pareto shape 0.90)"), "{words}");
     assert!(words.contains("its bands are estimates"), "{words}");
     found.posterior.diagnostics.effective_draws = 5.0;
     let words = found.conclusions().join(" ");

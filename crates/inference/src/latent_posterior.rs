@@ -30,7 +30,8 @@ pub struct LatentPosterior {
     pub active: usize,
     /// Resolution matrix of the linearised model, a row for every parameter and a column for every latent:
     /// the mean of the posterior, in the working coordinate of a parameter that is no latent, changes by
-    /// this times a change of the true latents, without noise. Source: A. Tarantola, *Inverse Problem Theory*, 2005, section 3.3.
+    /// this times a change of the true latents, without noise. Source: A. Tarantola, *Inverse Problem
+    /// Theory*, 2005, section 3.3.
     pub resolution: Vec<Vec<f64>>,
     /// Values of all parameters where the model was linearised for resolution and combinations: the optimum
     /// under the pooled prior of the components.
