@@ -69,9 +69,12 @@ pub fn simulate_with_progress(
     let started = Instant::now();
     let prepared = info_span!("assemble")
         .in_scope(|| PreparedScenario::new(scenario, document.folder()).map(Arc::new))?;
-    let (transient, observables) = match prepared.modal() {
+    let (transient, observables, modes_per_body) = match prepared.modal() {
         Some(modal) => controlled(&prepared, modal, progress)?,
-        None => integrate(&prepared.assembly, &prepared.at_rest, progress)?,
+        None => {
+            let (transient, found) = integrate(&prepared.assembly, &prepared.at_rest, progress)?;
+            (transient, found, None)
+        }
     };
     let (assembly, at_rest) = (prepared.assembly.clone(), prepared.at_rest.clone());
     for warning in &observables.warnings {
@@ -81,6 +84,7 @@ pub fn simulate_with_progress(
         method: assembly.method.name(),
         step_s: transient.step,
         steps: transient.steps,
+        modes_per_body,
         instructions: format!("{:?}", assembly.method.instructions()).to_lowercase(),
         wall_s: started.elapsed().as_secs_f64(),
     };
@@ -90,12 +94,12 @@ pub fn simulate_with_progress(
     Ok(Run { assembly, transient, observables, summary })
 }
 
-/// The modal response to the accuracy of the scenario.
+/// The modal response to the accuracy of the scenario, and the modes of each body.
 fn controlled(
     prepared: &Arc<PreparedScenario>,
     modal: Modal,
     progress: &(dyn Fn(f64) + Sync),
-) -> Result<(Transient, Observables), StudyError> {
+) -> Result<(Transient, Observables, Option<Vec<usize>>), StudyError> {
     let Assembly { excitation, sampling, .. } = &prepared.assembly;
     let batch = Batch { instructions: modal.instructions };
     let request =
@@ -108,7 +112,7 @@ fn controlled(
     let transient = batch.transient(&chosen.hit, sampling)?;
     let found = Observables::of_transient(&prepared.assembly, &prepared.at_rest, &transient)?;
     progress(1.0);
-    Ok((transient, found.with_estimate_of(&chosen.observables)))
+    Ok((transient, found.with_estimate_of(&chosen.observables), Some(chosen.counts)))
 }
 
 /// The receptance from the top displacement, up to six times the static

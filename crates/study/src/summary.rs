@@ -113,6 +113,9 @@ pub struct Numerics {
     pub step_s: f64,
     /// Number of steps.
     pub steps: usize,
+    /// Modes of each body, the rigid one included; none of finite differences.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub modes_per_body: Option<Vec<usize>>,
     /// Vector instructions used.
     pub instructions: String,
     /// Time the integration and analysis took \[s\].

@@ -61,7 +61,9 @@ fn scenarios_that_were_wrong_are_right_without_a_setting() {
 /// A step that is given is kept, and the summary says that it is too long.
 #[test]
 fn a_given_step_that_is_too_long_is_said_to_be() {
-    let run = run(&rig(&[("/method", r#"{"kind": "modal", "step_s": 5e-5}"#)]));
+    let method = r#"{"kind": "modal", "step_s": 5e-5, "modes_per_body": 3}"#;
+    let run = run(&rig(&[("/method", method)]));
+    assert_eq!(run.summary.numerics.modes_per_body, Some(vec![3, 3]));
     let accuracy = run.summary.accuracy.as_ref().unwrap();
     assert!((run.summary.numerics.step_s - 5e-5).abs() < 1e-12);
     assert!(!accuracy.reached && accuracy.estimated_error > accuracy.asked);
@@ -77,6 +79,7 @@ fn finite_differences_state_their_error() {
     for cell in ["0.004", "0.002"] {
         let method = format!(r#"{{"kind": "finite_difference", "cell_m": {cell}}}"#);
         let run = run(&rig(&[("/method", &method)]));
+        assert_eq!(run.summary.numerics.modes_per_body, None);
         let estimate = run.observables.estimate().unwrap();
         let mut largest = 0.0_f64;
         for observable in [

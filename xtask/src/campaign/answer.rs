@@ -113,6 +113,8 @@ pub(super) struct Answer {
     pub(super) reservations: Vec<String>,
     /// Integration step \[s\].
     pub(super) step_s: f64,
+    /// Most modes of a body; zero of finite differences.
+    pub(super) modes_per_body: usize,
     /// Residual of the energy balance, over the input.
     pub(super) residual: f64,
     /// True if a contact opens for a time.
@@ -161,6 +163,7 @@ impl Answer {
             observables,
             reservations: reservations(summary),
             step_s: number("/numerics/step_s").unwrap_or(f64::NAN),
+            modes_per_body: most_modes(summary),
             residual: number("/energy/residual_relative").unwrap_or(f64::NAN),
             contact_lost: interfaces.iter().any(|one| one["contact_lost_s"].as_f64() > Some(0.0)),
         }
@@ -176,6 +179,13 @@ impl Answer {
         let pairs = self.observables.iter().zip(&other.observables);
         pairs.map(|(one, other)| other.distance(one.value)).fold(0.0, f64::max)
     }
+}
+
+/// The most modes of a body that a summary states; zero without any.
+fn most_modes(summary: &Value) -> usize {
+    let counts = summary["numerics"]["modes_per_body"].as_array().map(Vec::as_slice);
+    let counts = counts.unwrap_or_default().iter().filter_map(Value::as_u64);
+    counts.max().map_or(0, |most| usize::try_from(most).unwrap_or(usize::MAX))
 }
 
 /// Statements of a summary that its numbers may be wrong. Pressures beyond the measured range are
@@ -258,7 +268,7 @@ mod tests {
                             "stiffness_average_pa_per_m": 1e9}],
             "energy": {"residual_relative": 1e-6},
             "warnings": [{"kind": "outside_measured_range"}, {"kind": "energy_balance"}],
-            "numerics": {"step_s": 1e-5},
+            "numerics": {"step_s": 1e-5, "modes_per_body": [3, 7]},
         })
     }
 
@@ -280,6 +290,14 @@ mod tests {
         close(distance("/interfaces/0/stiffness_average_pa_per_m", 1.01e9), 2.0);
         close(distance("/harmonic_ratio", 0.5 * RATIO_FLOOR), 0.0);
         assert_eq!(distance("/harmonic_ratio", 2.0 * RATIO_FLOOR), f64::INFINITY);
+    }
+
+    #[test]
+    fn modes_are_those_of_the_body_with_most() {
+        assert_eq!(Answer::of(&summary()).modes_per_body, 7);
+        let mut cells = summary();
+        cells["numerics"] = json!({"step_s": 1e-7});
+        assert_eq!(Answer::of(&cells).modes_per_body, 0);
     }
 
     #[test]

@@ -2,9 +2,10 @@
 //!
 //! Where the answers with default settings agree within the tolerances, both are right. Elsewhere
 //! both engines run again, refined, unless both say that they may be wrong: modal steps of a quarter
-//! of the first (or half the one chosen) and at least 20 modes a body, cells of
-//! a third. Refined runs of both that agree within half the tolerances are the truth. Otherwise
-//! both are refined once more, to a sixteenth of the step and 40 modes and a sixth of the cell, and
+//! of the first (or half the one chosen), 20 modes a body (or one and a half times the most chosen), cells
+//! of a third. Refined runs of both that agree within half the tolerances are the truth. Otherwise
+//! both are refined once more, to a sixteenth of the step, 40 modes (or twice the most chosen) and a
+//! sixth of the cell, and
 //! an observable in which those agree within the tolerance, and with the less refined run of either
 //! engine, has that truth. An observable without such an agreement has none: the response is
 //! chaotic, or beyond both engines.
@@ -21,14 +22,19 @@ struct Refinement {
     step: f64,
     cell: f64,
     modes_per_body: usize,
+    /// Least modes over those that the default answer has chosen.
+    more_modes: f64,
 }
 
 /// Refinements, one after the other.
 const REFINEMENTS: [Refinement; 3] = [
-    Refinement { step: 4.0, cell: 3.0, modes_per_body: 20 },
-    Refinement { step: 16.0, cell: 6.0, modes_per_body: 40 },
-    Refinement { step: 64.0, cell: 12.0, modes_per_body: 80 },
+    Refinement { step: 4.0, cell: 3.0, modes_per_body: 20, more_modes: 1.5 },
+    Refinement { step: 16.0, cell: 6.0, modes_per_body: 40, more_modes: 2.0 },
+    Refinement { step: 64.0, cell: 12.0, modes_per_body: 80, more_modes: 3.0 },
 ];
+
+/// Most modes of a body that a scenario may ask for.
+const MOST_MODES: usize = 2000;
 
 /// True value of an observable.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -252,10 +258,11 @@ impl Case<'_> {
     ) -> (Vec<TrueValue>, usize) {
         let steps = [self.default_step(), modal.answer().map(|answer| 2.0 * answer.step_s)];
         let step = steps.into_iter().flatten().reduce(f64::min);
+        let modes = modal.answer().map_or(0, |answer| answer.modes_per_body);
         let mut truth = Vec::new();
         let mut coarse: Option<[Outcome; 2]> = None;
         for (number, refinement) in refinements.iter().enumerate() {
-            let fine = self.refined(step, refinement);
+            let fine = self.refined(step, modes, refinement);
             let answers = [fine[0].answer(), fine[1].answer()];
             truth = match (answers, &coarse) {
                 ([Some(one), Some(other)], None) => {
@@ -281,12 +288,13 @@ impl Case<'_> {
     }
 
     /// Refined runs of both engines, the modal one with a part of `step`: that which it tries first,
-    /// or twice the one it has chosen.
-    fn refined(&self, step: Option<f64>, refinement: &Refinement) -> [Outcome; 2] {
+    /// or twice the one it has chosen; and with more `modes` of a body than it has chosen.
+    fn refined(&self, step: Option<f64>, modes: usize, refinement: &Refinement) -> [Outcome; 2] {
         let step_s = step.map(|step| step / refinement.step);
+        let more = (modes as f64 * refinement.more_modes).ceil() as usize;
         let modal = ModalSpec {
             step_s,
-            modes_per_body: Some(refinement.modes_per_body),
+            modes_per_body: Some(refinement.modes_per_body.max(more).min(MOST_MODES)),
             ..ModalSpec::default()
         };
         let default = FiniteDifferenceSpec::default();
@@ -339,6 +347,7 @@ mod tests {
             ],
             reservations: reservations.iter().map(|&text| text.to_owned()).collect(),
             step_s: 1e-5,
+            modes_per_body: 3,
             residual: 1e-6,
             contact_lost: false,
         }

@@ -5,8 +5,9 @@
 //! steps, nor lie farther apart than they.
 
 use super::assembly::PreparedHit;
-use super::oscillator::{NODES, Propagator};
+use super::oscillator::{ForceInterpolation, NODES, Propagator};
 use super::simd::integrate::Outcome;
+use super::step_model::ModeStep;
 use crate::{Excitation, History, Sampling};
 use asperity_structure::PreloadedContact;
 
@@ -47,36 +48,58 @@ struct DenseOutput<'a> {
     /// Displacements of every mode at the step before.
     before: Vec<f64>,
     at: usize,
+    /// Coefficients of `s^k` of the tractions within the step from `at`, by interpolation and row.
+    tractions: [Vec<[f64; NODES]>; INTERPOLATIONS.len()],
     /// Propagators of every mode to places within a step, the whole step first.
-    places: Vec<(f64, Vec<Propagator>)>,
+    places: Vec<Place>,
     /// Closure increment \[m\] at and below which each contact is lost.
     open_below: Vec<f64>,
 }
+
+/// The propagators of every mode to a part of a step; `moments` are of the forces `F_k s^k`.
+struct Place {
+    part: f64,
+    propagators: Vec<Propagator>,
+}
+
+/// The interpolations, in the order of their discriminants.
+const INTERPOLATIONS: [ForceInterpolation; 3] =
+    [ForceInterpolation::Average, ForceInterpolation::Quartic, ForceInterpolation::Linear];
 
 impl<'a> DenseOutput<'a> {
     fn new(hit: &'a PreparedHit, outcome: &'a Outcome) -> Self {
         let states = vec![[0.0; 2]; hit.tabulated.step_model.modes.len()];
         let before = vec![0.0; states.len()];
         let open_below = (0..hit.model.contacts().len()).map(|i| hit.open_below(i)).collect();
+        let (tractions, places) = (Default::default(), Vec::new());
         let mut motion =
-            Self { hit, outcome, states, before, at: 0, places: Vec::new(), open_below };
+            Self { hit, outcome, states, before, at: 0, tractions, places, open_below };
         motion.place(1.0);
+        motion.interpolate_tractions();
         motion
     }
 
     /// Number of the propagators to the part `s` of a step.
     fn place(&mut self, s: f64) -> usize {
-        let close = |(known, _): &(f64, _)| (known - s).abs() < ON_STEP;
+        let close = |known: &Place| (known.part - s).abs() < ON_STEP;
         if let Some(found) = self.places.iter().position(close) {
             return found;
         }
         let model = &self.hit.tabulated.step_model;
-        let to = |mode: &super::step_model::ModeStep| mode.dynamics.propagator(s * model.step);
+        let to = |mode: &ModeStep| {
+            let mut propagator = mode.dynamics.propagator(s * model.step);
+            let mut power = 1.0;
+            for moment in &mut propagator.moments {
+                *moment = moment.map(|share| share * power);
+                power *= s;
+            }
+            propagator
+        };
         let propagators = model.modes.iter().map(to).collect();
         if self.places.len() > MOST_PLACES {
             self.places.truncate(1);
         }
-        self.places.push((s, propagators));
+        self.places.push(Place { part: s, propagators });
         self.places.len() - 1
     }
 
@@ -85,43 +108,63 @@ impl<'a> DenseOutput<'a> {
         step.and_then(|step| column.get(step.min(column.len() - 1))).copied().unwrap_or(0.0)
     }
 
-    /// Coefficients of `s^k` of the modal force of mode `m` within the step from `n`.
-    fn force(&self, m: usize, n: usize) -> [f64; NODES] {
-        let mode = &self.hit.tabulated.step_model.modes[m];
-        let forces: [f64; NODES] = std::array::from_fn(|age| {
-            let end = (n + 1).checked_sub(age);
-            let each = mode.force.iter().enumerate();
-            -each.map(|(i, force)| force * self.traction(i, end)).sum::<f64>()
-        });
-        let drive = &self.hit.drive;
-        let of = |interpolation: &[f64]| {
-            self.hit.amplitude * mode.drive * interpolation.get(n).copied().unwrap_or(0.0)
-        };
-        let (mean, rise) = (of(&drive.mean), of(&drive.rise));
-        let mut interpolation = mode
-            .interpolation
-            .weights()
-            .map(|row| (0..NODES).map(|end| row[end] * forces[end]).sum::<f64>());
-        interpolation[0] += mean - 0.5 * rise;
-        interpolation[1] += rise;
-        interpolation
+    /// Interpolates the tractions within the step from `at`.
+    fn interpolate_tractions(&mut self) {
+        let rows = self.outcome.traction.len();
+        let ends: Vec<[f64; NODES]> = (0..rows)
+            .map(|i| std::array::from_fn(|age| self.traction(i, (self.at + 1).checked_sub(age))))
+            .collect();
+        for (of_rows, interpolation) in self.tractions.iter_mut().zip(INTERPOLATIONS) {
+            let weights = interpolation.weights();
+            let coefficients = |ends: &[f64; NODES]| {
+                weights.map(|row| row.iter().zip(ends).map(|(weight, end)| weight * end).sum())
+            };
+            of_rows.clear();
+            of_rows.extend(ends.iter().map(coefficients));
+        }
     }
 
-    /// Displacement and velocity of mode `m` at the part `s` of the step from `at`.
+    /// Coefficients of `s^k` of the modal force of a mode within the step from `at`.
+    fn force(&self, mode: &ModeStep) -> [f64; NODES] {
+        let mut force = [0.0; NODES];
+        let tractions = &self.tractions[mode.interpolation as usize];
+        for (of_row, traction) in mode.force.iter().zip(tractions) {
+            for (force, traction) in force.iter_mut().zip(traction) {
+                *force -= of_row * traction;
+            }
+        }
+        let drive = &self.hit.drive;
+        if let (Some(mean), Some(rise)) = (drive.mean.get(self.at), drive.rise.get(self.at)) {
+            let of = self.hit.amplitude * mode.drive;
+            force[0] += of * (mean - 0.5 * rise);
+            force[1] += of * rise;
+        }
+        force
+    }
+
+    /// Displacement and velocity of mode `m` at a place in the step from `at`.
     fn state(&self, m: usize, place: usize) -> [f64; 2] {
-        let (s, propagators) = &self.places[place];
-        let (propagator, [q, v]) = (&propagators[m], self.states[m]);
+        let (propagator, [q, v]) = (&self.places[place].propagators[m], self.states[m]);
         let mut state = [
             propagator.displacement[0] * q + propagator.displacement[1] * v,
             propagator.velocity[0] * q + propagator.velocity[1] * v,
         ];
-        let mut power = 1.0;
-        for (moment, force) in propagator.moments.iter().zip(self.force(m, self.at)) {
-            state[0] += moment[0] * force * power;
-            state[1] += moment[1] * force * power;
-            power *= s;
+        let force = self.force(&self.hit.tabulated.step_model.modes[m]);
+        for (moment, force) in propagator.moments.iter().zip(force) {
+            state[0] += moment[0] * force;
+            state[1] += moment[1] * force;
         }
         state
+    }
+
+    /// Takes one step.
+    fn advance(&mut self) {
+        for m in 0..self.states.len() {
+            self.before[m] = self.states[m][0];
+            self.states[m] = self.state(m, 0);
+        }
+        self.at += 1;
+        self.interpolate_tractions();
     }
 
     /// Step before `time` and the part of it that has passed.
@@ -136,9 +179,7 @@ impl<'a> DenseOutput<'a> {
     fn output(&mut self, time: f64, excitation: &Excitation) -> (f64, f64) {
         let (step, s) = self.locate(time);
         while self.at < step {
-            self.before = self.states.iter().map(|[q, _]| *q).collect();
-            self.states = (0..self.states.len()).map(|m| self.state(m, 0)).collect();
-            self.at += 1;
+            self.advance();
         }
         let place = (s > ON_STEP).then(|| self.place(s));
         let model = &self.hit.tabulated.step_model;
@@ -152,8 +193,8 @@ impl<'a> DenseOutput<'a> {
                 acceleration += mode.output * bend;
                 continue;
             }
-            let coefficients = self.force(m, self.at);
-            let force = coefficients.iter().rev().fold(0.0, |sum, f| sum * s + f);
+            let force = self.force(mode);
+            let force = force.iter().rev().fold(0.0, |sum, f| sum * s + f);
             let dynamics = &mode.dynamics;
             displacement += mode.output * q;
             acceleration +=
