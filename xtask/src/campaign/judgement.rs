@@ -2,13 +2,12 @@
 //!
 //! Where the answers with default settings agree within the tolerances, both are right. Elsewhere
 //! both engines run again, refined, unless both say that they may be wrong: modal steps of a quarter
-//! of the first (or half the one chosen), 20 modes a body (or one and a half times the most chosen), cells
-//! of a third. Refined runs of both that agree within half the tolerances are the truth. Otherwise
-//! both are refined once more, to a sixteenth of the step, 40 modes (or twice the most chosen) and a
-//! sixth of the cell, and
-//! an observable in which those agree within the tolerance, and with the less refined run of either
-//! engine, has that truth. An observable without such an agreement has none: the response is
-//! chaotic, or beyond both engines.
+//! of the first (or half the one chosen), 20 modes a body (or one and a half times the most chosen),
+//! cells of a third. Refined runs of both that agree within half the tolerances are the truth.
+//! Otherwise both are refined once more, to a sixteenth of the step, 40 modes (or twice the most
+//! chosen) and a sixth of the cell, and an observable in which those agree within the tolerance, and
+//! with the less refined run of either engine, has that truth. An observable without such an
+//! agreement has none: the response is chaotic, or beyond both engines.
 
 use asperity_dynamics::Integrator;
 use asperity_scenario::{Document, FiniteDifferenceSpec, MethodSpec, ModalSpec, Scenario};
