@@ -69,12 +69,12 @@ pub fn simulate_with_progress(
     let started = Instant::now();
     let prepared = info_span!("assemble")
         .in_scope(|| PreparedScenario::new(scenario, document.folder()).map(Arc::new))?;
-    let (transient, observables, modes_per_body) = match prepared.modal() {
-        Some(modal) => controlled(&prepared, modal, progress)?,
-        None => {
-            let (transient, found) = integrate(&prepared.assembly, &prepared.at_rest, progress)?;
-            (transient, found, None)
-        }
+    let (transient, observables, modes_per_body) = if let Some(modal) = prepared.modal() {
+        let (transient, found, counts) = controlled(&prepared, modal, progress)?;
+        (transient, found, Some(counts))
+    } else {
+        let (transient, found) = integrate(&prepared.assembly, &prepared.at_rest, progress)?;
+        (transient, found, None)
     };
     let (assembly, at_rest) = (prepared.assembly.clone(), prepared.at_rest.clone());
     for warning in &observables.warnings {
@@ -99,7 +99,7 @@ fn controlled(
     prepared: &Arc<PreparedScenario>,
     modal: Modal,
     progress: &(dyn Fn(f64) + Sync),
-) -> Result<(Transient, Observables, Option<Vec<usize>>), StudyError> {
+) -> Result<(Transient, Observables, Vec<usize>), StudyError> {
     let Assembly { excitation, sampling, .. } = &prepared.assembly;
     let batch = Batch { instructions: modal.instructions };
     let request =
@@ -112,7 +112,7 @@ fn controlled(
     let transient = batch.transient(&chosen.hit, sampling)?;
     let found = Observables::of_transient(&prepared.assembly, &prepared.at_rest, &transient)?;
     progress(1.0);
-    Ok((transient, found.with_estimate_of(&chosen.observables), Some(chosen.counts)))
+    Ok((transient, found.with_estimate_of(&chosen.observables), chosen.counts))
 }
 
 /// The receptance from the top displacement, up to six times the static
