@@ -4,6 +4,8 @@ mod on_surface;
 mod options;
 mod summary;
 
+use rayon::prelude::*;
+
 use crate::convergence::{effective_sample_size, r_hat};
 use crate::covariance::Covariance;
 use crate::error::{InferenceError, check_size};
@@ -175,25 +177,29 @@ fn spread(chains: &Chains, draws: usize, first: usize, end: usize) -> Vec<Vec<f6
     order.skip(first).take(end.saturating_sub(first)).map(state).collect()
 }
 
-fn chain_diagnostics(chains: &Chains, dimensions: usize) -> PosteriorDiagnostics {
+/// Diagnostics with those of the chains of every parameter.
+fn chain_diagnostics(chains: &Chains, of_draws: PosteriorDiagnostics) -> PosteriorDiagnostics {
+    let dimensions = chains.walkers.first().and_then(|chain| chain.first()).map_or(0, Vec::len);
     let of = |j: usize| -> Vec<Vec<f64>> {
         chains.walkers.iter().map(|chain| chain.iter().map(|state| state[j]).collect()).collect()
     };
     let kept: usize = chains.walkers.iter().map(Vec::len).sum();
-    let size = |j: usize| {
+    let of_parameter = |j: usize| {
         let chains_of_walkers = of(j);
         let ensembles = ensemble_means(&chains_of_walkers, chains.ensembles);
         let worth =
             effective_sample_size(&ensembles) * variance(&chains_of_walkers) / variance(&ensembles);
-        effective_sample_size(&chains_of_walkers).min(worth)
+        let size = effective_sample_size(&chains_of_walkers).min(worth);
+        (size, r_hat(&whole_ensembles(&chains_of_walkers, chains.ensembles)))
     };
-    let sizes: Vec<f64> = (0..dimensions).map(size).collect();
+    let (sizes, r_hat): (Vec<f64>, Vec<f64>) =
+        (0..dimensions).into_par_iter().map(of_parameter).unzip();
     PosteriorDiagnostics {
-        r_hat: (0..dimensions).map(|j| r_hat(&whole_ensembles(&of(j), chains.ensembles))).collect(),
+        r_hat,
         autocorrelation_time: sizes.iter().map(|size| kept as f64 / size).collect(),
         effective_sample_size: sizes,
         acceptance: chains.acceptance,
-        ..PosteriorDiagnostics::default()
+        ..of_draws
     }
 }
 
@@ -253,17 +259,17 @@ fn exactly(
     let share = |answer: &Result<Predictions, String>| {
         if answer.is_ok() { 1.0 / usable as f64 } else { 0.0 }
     };
-    let diagnostics = PosteriorDiagnostics {
+    let of_draws = PosteriorDiagnostics {
         effective_draws: usable as f64,
         evaluated_draws: x.len(),
         evaluations: layout.ensembles * layout.walkers * (layout.burn_in + layout.steps + 1)
             + x.len(),
-        ..chain_diagnostics(&chains, whitening.centre.len())
+        ..PosteriorDiagnostics::default()
     };
     Ok(Posterior {
         draws: x.iter().map(|x| problem.values_at(x)).collect(),
         weights: answers.iter().map(share).collect(),
         predictions: answers.into_iter().map(Result::unwrap_or_default).collect(),
-        diagnostics,
+        diagnostics: chain_diagnostics(&chains, of_draws),
     })
 }

@@ -94,8 +94,8 @@ struct Round {
     draws: Vec<Draw>,
     weights: Vec<f64>,
     diagnostics: PosteriorDiagnostics,
-    /// More states of its chains.
-    reserve: Vec<Vec<f64>>,
+    /// The chains that the draws are states of.
+    chains: Chains,
 }
 
 /// Draws of `exp(-cost)` times the factor of the target.
@@ -150,7 +150,7 @@ pub(crate) fn by_surrogate(
             rounds: round,
             surrogate_error: surface.leave_one_out_errors.iter().copied().fold(0.0, f64::max),
             evaluations,
-            ..chain_diagnostics(&chains, whitening.centre.len())
+            ..PosteriorDiagnostics::default()
         };
         let narrow = at_range_limit > MAX_AT_RANGE_LIMIT;
         let enough = effective >= options.target_share * draws.len() as f64 && !narrow;
@@ -161,9 +161,7 @@ pub(crate) fn by_surrogate(
         // Draws outside the range are missing; small weights only cost precision.
         let score = if narrow { 0.25 * effective } else { effective };
         if effective > 0.0 && best.as_ref().is_none_or(|before| score > before.score) {
-            let more = if enough { 0 } else { MOST_TIMES * options.draws };
-            let reserve = spread(&chains, more, 0, more);
-            best = Some(Round { score, surface, draws, weights, diagnostics, reserve });
+            best = Some(Round { score, surface, draws, weights, diagnostics, chains });
         }
         if enough {
             break;
@@ -193,9 +191,15 @@ impl Round {
         options: &PosteriorOptions,
         progress: &ProgressCallback<'_>,
     ) -> NumberedDraws {
-        let Self { surface, mut draws, mut weights, mut diagnostics, reserve, .. } = self;
+        let Self { surface, mut draws, mut weights, diagnostics, chains, .. } = self;
+        let mut diagnostics = chain_diagnostics(&chains, diagnostics);
+        let is_poor = |weights: &[f64]| {
+            effective_draws(weights) < options.target_share * options.draws as f64
+        };
+        let most = if is_poor(&weights) { MOST_TIMES * options.draws } else { 0 };
+        let reserve = spread(&chains, most, 0, most);
         let mut reserve = reserve.chunks(options.draws);
-        while effective_draws(&weights) < options.target_share * options.draws as f64
+        while is_poor(&weights)
             && let Some(more) = reserve.next()
         {
             let first = draws.len();
