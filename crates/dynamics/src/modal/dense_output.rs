@@ -49,7 +49,7 @@ struct DenseOutput<'a> {
     before: Vec<f64>,
     at: usize,
     /// Coefficients of `s^k` of the tractions within the step from `at`, by interpolation and row.
-    tractions: [Vec<[f64; NODES]>; INTERPOLATIONS.len()],
+    tractions: [Vec<[f64; NODES]>; ForceInterpolation::ALL.len()],
     /// Propagators of every mode to places within a step, the whole step first.
     places: Vec<Place>,
     /// Closure increment \[m\] at and below which each contact is lost.
@@ -61,10 +61,6 @@ struct Place {
     part: f64,
     propagators: Vec<Propagator>,
 }
-
-/// The interpolations, in the order of their discriminants.
-const INTERPOLATIONS: [ForceInterpolation; 3] =
-    [ForceInterpolation::Average, ForceInterpolation::Quartic, ForceInterpolation::Linear];
 
 impl<'a> DenseOutput<'a> {
     fn new(hit: &'a PreparedHit, outcome: &'a Outcome) -> Self {
@@ -114,7 +110,7 @@ impl<'a> DenseOutput<'a> {
         let ends: Vec<[f64; NODES]> = (0..rows)
             .map(|i| std::array::from_fn(|age| self.traction(i, (self.at + 1).checked_sub(age))))
             .collect();
-        for (of_rows, interpolation) in self.tractions.iter_mut().zip(INTERPOLATIONS) {
+        for (of_rows, interpolation) in self.tractions.iter_mut().zip(ForceInterpolation::ALL) {
             let weights = interpolation.weights();
             let coefficients = |ends: &[f64; NODES]| {
                 weights.map(|row| row.iter().zip(ends).map(|(weight, end)| weight * end).sum())

@@ -40,6 +40,9 @@ pub(super) enum ForceInterpolation {
 }
 
 impl ForceInterpolation {
+    /// All interpolations, each at the place of its number.
+    pub(super) const ALL: [Self; 3] = [Self::Average, Self::Quartic, Self::Linear];
+
     /// Coefficient of `s^k` (row) per force at the new end, the old end, and the ends before
     /// (column): Lagrange's polynomials of the nodes 1, 0, -1, -2, -3.
     pub(super) fn weights(self) -> [[f64; NODES]; NODES] {
@@ -247,6 +250,13 @@ mod tests {
 
     const CASES: [(f64, f64); 6] =
         [(0.0, 0.0), (0.0, 352.0), (5.5e3, 0.0), (7.0e4, 352.0), (1e3, 2e3), (10.0, 5e3)];
+
+    #[test]
+    fn each_interpolation_is_at_the_place_of_its_number() {
+        for (place, interpolation) in ForceInterpolation::ALL.into_iter().enumerate() {
+            assert_eq!(interpolation as usize, place);
+        }
+    }
 
     /// Against the propagator applied twice: the recurrence is the same motion without velocity.
     #[test]
