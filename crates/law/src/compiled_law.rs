@@ -358,6 +358,8 @@ impl CompiledLaw {
     fn estimate_error(&self, law: &dyn ContactLaw, grid: &ClosureGrid, stop: f64) -> f64 {
         let kinks = law.kinks();
         let mut bound = 0.0_f64;
+        // dK/dp at the upper end of the cell before: the lower end of this one.
+        let mut slope_below = None;
         for (i, cell) in self.cells.iter().enumerate().skip(1) {
             let &[c0, c1, c2, c3] = cell;
             // An argument s of up to `count` cells is rounded by three operations, the value by
@@ -377,7 +379,11 @@ impl CompiledLaw {
             };
             if !(i % WATCHED == 0 || i <= EDGE || kinked) {
                 let rises = [c1, c1 + 2.0 * c2 + 3.0 * c3];
-                let slopes = [from, to].map(|pressure| law.stiffness_slope(pressure));
+                let slopes = [
+                    slope_below.unwrap_or_else(|| law.stiffness_slope(from)),
+                    law.stiffness_slope(to),
+                ];
+                slope_below = Some(slopes[1]);
                 let off = off_quintic(rises, slopes.map(|slope| slope * width * grid.width));
                 if off.is_finite() {
                     include(off);
@@ -387,6 +393,7 @@ impl CompiledLaw {
                     continue;
                 }
             }
+            slope_below = None;
             for t in CHECKS {
                 let place = if i <= fine {
                     ((i - 1) as f64 + t) / DIVISION as f64

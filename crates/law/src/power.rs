@@ -74,14 +74,14 @@ impl Power {
     /// Closure increment from pressure `from` > 0 over the logarithmic increment `log`.
     fn closure_over(&self, from: f64, log: f64) -> f64 {
         let e = 1.0 - self.exponent;
-        from.powf(e) / self.coefficient * exp_m1_over(e, log)
+        raised(from, e) / self.coefficient * exp_m1_over(e, log)
     }
 
     /// Logarithmic pressure increment from `from` > 0 over a closure increment: -inf after
     /// loss of contact, +inf from the closure limit on.
     fn log_over(&self, from: f64, closure_increment: f64) -> f64 {
         let e = 1.0 - self.exponent;
-        ln_1p_over(e, self.coefficient * closure_increment / from.powf(e))
+        ln_1p_over(e, self.coefficient * closure_increment / raised(from, e))
     }
 
     /// `value` with the tangent at `pressure`.
@@ -101,7 +101,7 @@ impl Power {
 
 impl ContactLaw for Power {
     fn stiffness(&self, pressure: f64) -> f64 {
-        if pressure < 0.0 { 0.0 } else { self.coefficient * pressure.powf(self.exponent) }
+        if pressure < 0.0 { 0.0 } else { self.coefficient * raised(pressure, self.exponent) }
     }
 
     fn stiffness_slope(&self, pressure: f64) -> f64 {
@@ -174,6 +174,16 @@ impl ContactLaw for Power {
         self.state(p, p)
     }
 
+    /// In closed form, with one power: `p0^m = p0 / p0^(1-m)`.
+    fn pressure_step(&self, from: f64, closure_increment: f64) -> Option<Pressure> {
+        let (m, e) = (self.exponent, 1.0 - self.exponent);
+        let power = raised(from, e);
+        let log = ln_1p_over(e, self.coefficient * closure_increment / power);
+        let value = from * log.exp_m1();
+        let tangent = self.coefficient * (from / power) * (m * log).exp();
+        (from > 0.0 && value.is_finite() && value > -from).then_some(Pressure { value, tangent })
+    }
+
     fn energy(&self, closure: f64) -> f64 {
         let m = self.exponent;
         if m < 1.0 {
@@ -183,6 +193,17 @@ impl ContactLaw for Power {
         } else {
             self.energy_from_reference(closure)
         }
+    }
+}
+
+/// `x^a`, without a power for the exponents of a constant stiffness.
+fn raised(x: f64, a: f64) -> f64 {
+    if a == 0.0 {
+        1.0
+    } else if a == 1.0 {
+        x
+    } else {
+        x.powf(a)
     }
 }
 

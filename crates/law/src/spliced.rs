@@ -302,7 +302,10 @@ impl ContactLaw for Spliced {
     fn pressure_step(&self, from: f64, closure_increment: f64) -> Option<Pressure> {
         let across = |increment| self.closure_increment(from, increment);
         let Some((cell, next)) = self.find(from) else {
-            return step((from, closure_increment), |pressure| self.stiffness(pressure), across);
+            let above = self.above.pressure_step(from, closure_increment);
+            return above.filter(|at| from + at.value >= self.end.start).or_else(|| {
+                step((from, closure_increment), |pressure| self.stiffness(pressure), across)
+            });
         };
         // Within the cell of `from` nothing is to be searched for.
         let inside = |pressure: f64| (cell.start..=next.start).contains(&pressure);
