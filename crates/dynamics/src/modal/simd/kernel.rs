@@ -23,10 +23,11 @@ use super::block::{Block, Coefficient, Drive, Numbers, PAST, Pair, Step};
 use super::table_lookup::TableLookup;
 
 impl<S: TableLookup, C: Coefficient<S>, const N: usize> Block<'_, S, C, N> {
-    /// Interfaces: a constant for the usual one or two, so that loops over them are laid out.
+    /// Rows: a constant in the form of two, so that loops over them are laid out. The second is without
+    /// force where there is one.
     #[inline(always)]
     pub(super) fn interfaces(&self) -> usize {
-        if N <= 2 { N } else { self.coupled.min(N) }
+        if N == 2 { N } else { self.coupled.min(N) }
     }
 
     /// Takes one step from the steps of `past`, oldest first.

@@ -52,7 +52,8 @@ impl<S: Simd> Pair<S> {
 
     #[inline(always)]
     pub(in crate::modal) fn abs(self, a: Numbers<S>) -> Numbers<S> {
-        [self.0.abs_f64s(a[0]), self.0.abs_f64s(a[1])]
+        let all_but_sign = self.0.splat_f64s(f64::from_bits(u64::MAX >> 1));
+        [self.0.and_f64s(all_but_sign, a[0]), self.0.and_f64s(all_but_sign, a[1])]
     }
 
     /// Mask of `|a| > limit`.
