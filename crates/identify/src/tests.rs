@@ -132,13 +132,14 @@ fn derivatives_are_those_of_the_predictions() {
 /// The same for the latents of free laws, at a law that is not the centre of the prior.
 #[test]
 fn derivatives_of_free_laws_are_those_of_the_predictions() {
+    const POINTS: usize = 10;
     for own in
         [json!({}), json!({"exponent_between_0_and_1": true}), json!({"concave_above_pa": 1e5})]
     {
-        let mut law = json!({"kind": "free_law", "law": "modified", "points": 10, "pressures_pa": [1e4, 1e6]});
+        let mut law = json!({"kind": "free_law", "law": "modified", "points": POINTS, "pressures_pa": [1e4, 1e6]});
         law.as_object_mut().unwrap().extend(own.as_object().unwrap().clone());
         let model = problem(&json!([law]), &data()).model().unwrap().forward;
-        let point: Vec<f64> = (0..10_u32).map(|i| 0.5 * f64::from(i).sin()).collect();
+        let point: Vec<f64> = (0..POINTS).map(|i| 0.5 * (i as f64).sin()).collect();
         let exact = model.derivatives(&point).unwrap();
         let mut compared = 0;
         for j in 0..point.len() {
@@ -159,7 +160,7 @@ fn derivatives_of_free_laws_are_those_of_the_predictions() {
                 compared += 1;
             }
         }
-        assert_eq!(compared, 10 * 21);
+        assert_eq!(compared, POINTS * 21);
     }
 }
 
@@ -170,8 +171,9 @@ fn step_and_modes_are_held_until_a_point_needs_finer_ones() {
     let parameters = json!([
         {"kind": "scalar", "pointer": "/laws/modified/coefficient", "bounds": [1e10, 1e13]},
     ]);
-    let mut problem = problem(&parameters, &data());
+    let mut problem = problem(&parameters, &json!([data()[0]]));
     problem.scenario["method"] = json!("modal");
+    problem.scenario["duration_s"] = json!(0.04);
     let mut model = problem.model().unwrap().forward;
     let start = starts(&model);
     let at = |model: &ScenarioModel, point: &[f64]| model.controlled(point).unwrap();

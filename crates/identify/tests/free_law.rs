@@ -22,6 +22,11 @@ const SCENARIO: &str = "../../fixtures/scenarios/nouira2020-modified.json";
 
 const PEAKS: [f64; 5] = [9.0, 15.0, 20.0, 26.0, 32.0];
 
+/// True where larger problems are asked for, as every night: the variable `ASPERITY_LONG` is set.
+fn is_long() -> bool {
+    std::env::var_os("ASPERITY_LONG").is_some()
+}
+
 /// The scenario of the identification, with the paper's modified law.
 fn with_knots() -> Document {
     let mut document = Document::read(SCENARIO).unwrap();
@@ -61,14 +66,17 @@ fn identified(law: &Value, seed: u64, points: usize, peaks: &[f64]) -> Identific
     identify(&twin.problem(&twin.measured(&sensors), &unknowns(points), &more)).unwrap()
 }
 
-/// True laws that are neither the scenario's nor of the prior's kind. Bands of 95 % hold at all eight
-/// pressures with a probability of 66 %, at fewer than five with one of 0.04 %; bands of half the
-/// width, which hold 67 % of the time, at fewer than five with one of 20 %. The example
+/// True laws that are neither the scenario's nor of the prior's kind. In the long test, bands of 95 % hold
+/// at all eight pressures with a probability of 66 %, at fewer than five with one of 0.04 %; bands of half
+/// the width, which hold 67 % of the time, at fewer than five with one of 20 %. In the short one a right
+/// band fails, at fewer than two of four pressures, with a probability of 0.05 %. The example
 /// `free_law_coverage` counts many.
 #[test]
 fn the_bands_of_free_laws_hold_for_laws_of_other_families() {
     let mut inside = Vec::new();
-    for (family, seed) in [("shoulder", 11), ("bump", 12), ("exponential", 13), ("kink", 3)] {
+    let families = [("shoulder", 11), ("kink", 3), ("bump", 12), ("exponential", 13)];
+    let (count, least) = if is_long() { (4, 5) } else { (2, 2) };
+    for &(family, seed) in &families[..count] {
         let points = laws::law(family, &mut Noise::new(seed));
         let truth = Tabulated::new(&points).unwrap();
         let found = identified(&laws::written(&points), seed, 30, &PEAKS);
@@ -83,7 +91,7 @@ fn the_bands_of_free_laws_hold_for_laws_of_other_families() {
             check_findings(&found);
         }
     }
-    assert!(inside.iter().filter(|one| one.2).count() >= 5, "{inside:?}");
+    assert!(inside.iter().filter(|one| one.2).count() >= least, "{inside:?}");
 }
 
 /// Diagnostics, words and files of a free law that explains the data.
@@ -175,9 +183,13 @@ fn interpolation(pressures: &[f64]) -> f64 {
 
 /// With a deviation that is as good as none, a free law about a form with unknown numbers is that form with a
 /// level of its own: unknown knots and coefficient of a modified power law have the same law with the
-/// same band.
+/// same band. A long test; [`the_smoothest_free_law_is_a_power_law`] is the short one of its kind.
 #[test]
 fn the_smoothest_free_law_about_knots_is_that_of_the_knots() {
+    if !is_long() {
+        eprintln!("skipped: ASPERITY_LONG is not set");
+        return;
+    }
     let scenario = with_knots();
     let changes = [("/output_rate_hz", "50000"), ("/duration_s", "0.06")];
     let twin = Truth::new(SCENARIO, &PEAKS[..4], &changes);
@@ -301,12 +313,10 @@ fn data_choose_the_smoothness_of_the_slope() {
 
 #[test]
 fn a_constant_law_shows_no_dependence_on_pressure() {
-    let found = identified(
-        &json!({"kind": "constant", "stiffness_pa_per_m": 1e12}),
-        5,
-        16,
-        &[9.0, 18.0, 32.0],
-    );
+    let (points, peaks) =
+        if is_long() { (16, &[9.0, 18.0, 32.0][..]) } else { (10, &[9.0, 32.0][..]) };
+    let found =
+        identified(&json!({"kind": "constant", "stiffness_pa_per_m": 1e12}), 5, points, peaks);
     let first = &found.conclusions()[0];
     assert!(
         first.starts_with("The data do not show a contact stiffness that depends on pressure"),
