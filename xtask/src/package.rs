@@ -43,7 +43,8 @@ pub(crate) fn run() -> Result<bool> {
             unpack.with_context(|| path.display().to_string())?;
         }
     }
-    fs::write(unpacked.join("Cargo.toml"), manifest(&unpacked)?)?;
+    let root = fs::read_to_string(workspace_root().join("Cargo.toml"))?;
+    fs::write(unpacked.join("Cargo.toml"), manifest(&unpacked, profiles(&root))?)?;
     fs::copy(workspace_root().join("Cargo.lock"), unpacked.join("Cargo.lock"))?;
     let check = "check --workspace --all-features --lib --bins --examples";
     let checked = cargo(&check.split(' ').collect::<Vec<_>>())
@@ -54,8 +55,14 @@ pub(crate) fn run() -> Result<bool> {
     Ok(checked.success())
 }
 
-/// Manifest of a workspace of the unpacked packages, each of which replaces the published one.
-fn manifest(unpacked: &Path) -> Result<String> {
+/// The profiles at the end of the manifest `root`: with others all dependencies would be compiled again.
+fn profiles(root: &str) -> &str {
+    root.find("[profile.").map_or("", |start| &root[start..])
+}
+
+/// Manifest of a workspace of the unpacked packages, each of which replaces the published one, with
+/// these `profiles`.
+fn manifest(unpacked: &Path, profiles: &str) -> Result<String> {
     let version = concat!("-", env!("CARGO_PKG_VERSION"));
     let mut patches = Vec::new();
     for entry in fs::read_dir(unpacked)? {
@@ -65,7 +72,7 @@ fn manifest(unpacked: &Path) -> Result<String> {
         }
     }
     let workspace = "[workspace]\nmembers = [\"*\"]\nresolver = \"3\"\n\n[patch.crates-io]\n";
-    Ok(workspace.to_owned() + &patches.concat())
+    Ok(workspace.to_owned() + &patches.concat() + "\n" + profiles)
 }
 
 #[cfg(test)]
@@ -78,8 +85,10 @@ mod tests {
         let name = format!("asperity-law-{}", env!("CARGO_PKG_VERSION"));
         fs::create_dir(folder.path().join(&name)).unwrap();
         fs::create_dir(folder.path().join("another")).unwrap();
-        let text = manifest(folder.path()).unwrap();
+        let root = "[workspace]\n\n[profile.dev]\nopt-level = 1\n";
+        let text = manifest(folder.path(), profiles(root)).unwrap();
         let patch = text.split_once("[patch.crates-io]\n").unwrap().1;
-        assert_eq!(patch, format!("asperity-law = {{ path = \"{name}\" }}\n"));
+        let profile = "\n[profile.dev]\nopt-level = 1\n";
+        assert_eq!(patch, format!("asperity-law = {{ path = \"{name}\" }}\n{profile}"));
     }
 }
