@@ -14,8 +14,9 @@ use crate::{package, python, tidy, workspace_root};
 /// Steps of the inner loop, as arguments of cargo.
 const QUICK: [(&str, &str); 4] = [
     ("fmt", "fmt --all --check"),
-    ("clippy", "clippy --workspace --all-targets -- -D warnings"),
-    ("unit tests", "test --workspace --lib --bins --quiet"),
+    // With the features of the whole run, which then compiles nothing again.
+    ("clippy", "clippy --workspace --all-targets --all-features -- -D warnings"),
+    ("unit tests", "test --workspace --all-features --lib --bins --quiet"),
     ("tidy", "xtask tidy"),
 ];
 
