@@ -132,14 +132,13 @@ fn derivatives_are_those_of_the_predictions() {
 /// The same for the latents of free laws, at a law that is not the centre of the prior.
 #[test]
 fn derivatives_of_free_laws_are_those_of_the_predictions() {
-    const POINTS: usize = 10;
     for own in
         [json!({}), json!({"exponent_between_0_and_1": true}), json!({"concave_above_pa": 1e5})]
     {
-        let mut law = json!({"kind": "free_law", "law": "modified", "points": POINTS, "pressures_pa": [1e4, 1e6]});
+        let mut law = json!({"kind": "free_law", "law": "modified", "points": 10, "pressures_pa": [1e4, 1e6]});
         law.as_object_mut().unwrap().extend(own.as_object().unwrap().clone());
         let model = problem(&json!([law]), &data()).model().unwrap().forward;
-        let point: Vec<f64> = (0..POINTS).map(|i| 0.5 * (i as f64).sin()).collect();
+        let point: Vec<f64> = (0..10_u32).map(|i| 0.5 * f64::from(i).sin()).collect();
         let exact = model.derivatives(&point).unwrap();
         let mut compared = 0;
         for j in 0..point.len() {
@@ -160,7 +159,7 @@ fn derivatives_of_free_laws_are_those_of_the_predictions() {
                 compared += 1;
             }
         }
-        assert_eq!(compared, POINTS * 21);
+        assert_eq!(compared, 10 * 21);
     }
 }
 

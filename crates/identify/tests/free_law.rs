@@ -16,16 +16,11 @@ use asperity_inference::Agreement;
 use asperity_law::{ContactLaw, Exponential, ModifiedPower, Tabulated};
 use asperity_scenario::Document;
 use serde_json::{Value, json};
-use twin::{Noise, Sensors, Truth};
+use twin::{Noise, Sensors, Truth, is_long};
 
 const SCENARIO: &str = "../../fixtures/scenarios/nouira2020-modified.json";
 
 const PEAKS: [f64; 5] = [9.0, 15.0, 20.0, 26.0, 32.0];
-
-/// True where larger problems are asked for, as every night: the variable `ASPERITY_LONG` is set.
-fn is_long() -> bool {
-    std::env::var_os("ASPERITY_LONG").is_some()
-}
 
 /// The scenario of the identification, with the paper's modified law.
 fn with_knots() -> Document {

@@ -18,17 +18,12 @@ use asperity_study::record::measurement_record;
 use asperity_study::run::simulate;
 use asperity_study::steady::SettledAmplitude;
 use serde_json::{Value, json};
-use twin::{Sensors, Truth};
+use twin::{Sensors, Truth, is_long};
 
 const SCENARIO: &str = "../../fixtures/scenarios/nouira2020-modified.json";
 
 /// Forces of five hits \[N\].
 const PEAKS: [f64; 5] = [9.0, 15.0, 20.0, 26.0, 32.0];
-
-/// True where larger problems are asked for, as every night: the variable `ASPERITY_LONG` is set.
-fn is_long() -> bool {
-    std::env::var_os("ASPERITY_LONG").is_some()
-}
 
 const QUICK: [(&str, &str); 2] = [("/output_rate_hz", "50000"), ("/duration_s", "0.06")];
 

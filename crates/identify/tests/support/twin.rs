@@ -27,6 +27,12 @@ const LEAST_AMPLITUDE: f64 = 0.1;
 /// Columns of a table of backbones.
 const BACKBONE_HEADER: &str = "index,amplitude_m,frequency_hz,damping_ratio,frequency_uncertainty_hz,damping_ratio_uncertainty\n";
 
+/// True where larger problems are asked for, as every night: the variable `ASPERITY_LONG` is set.
+#[allow(dead_code, reason = "used by the tests with long and short problems")]
+pub fn is_long() -> bool {
+    std::env::var_os("ASPERITY_LONG").is_some()
+}
+
 /// Responses of a rig without measurement errors.
 pub struct Truth {
     /// The scenario with the modal engine.
