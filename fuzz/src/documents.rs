@@ -2,7 +2,7 @@
 
 use asperity_identify::IdentificationProblem;
 use asperity_scenario::{Document, ForceSamples, Scenario};
-use asperity_study::sweep::Variation;
+use asperity_simulation::sweep::Variation;
 
 /// Scenario that values are set in.
 pub(crate) const BASE: &str = include_str!("../../fixtures/scenarios/three-body.json");

@@ -2,7 +2,7 @@
 
 use asperity_law::CompiledLaw;
 use asperity_scenario::Document;
-use asperity_study::assemble::build_law;
+use asperity_simulation::assemble::build_law;
 use serde_json::Value;
 
 use crate::documents::BASE;

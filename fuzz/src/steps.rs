@@ -4,7 +4,7 @@ use std::path::Path;
 
 use asperity_dynamics::{FiniteDifference, Integrator, Modal};
 use asperity_scenario::Document;
-use asperity_study::assemble::Assembly;
+use asperity_simulation::assemble::Assembly;
 
 use crate::numbers::Numbers;
 

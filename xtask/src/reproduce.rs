@@ -24,7 +24,7 @@ use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
 use asperity_figure::svg_to_png;
-use asperity_study::output::{OutputFolder, OutputRequest};
+use asperity_simulation::output::{OutputFolder, OutputRequest};
 use asperity_table::Table;
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};

@@ -56,18 +56,17 @@
 //!
 //! | step | module | entry |
 //! |---|---|---|
-//! | distributions, designs | [`design`] | [`design::InputSpace`], [`design::Design`] |
-//! | quantiles, exceedance, Sobol indices | [`design`] | [`design::WeightedSample`], [`design::SensitivitySums`] |
+//! | distributions, designs | [`sampling`] | [`sampling::InputSpace`], [`sampling::Design`] |
+//! | quantiles, exceedance, Sobol indices | [`sampling`] | [`sampling::WeightedSample`], [`sampling::SensitivitySums`] |
 //!
 //! With files, as the command `asperity` does it:
 //!
 //! | step | module | entry |
 //! |---|---|---|
 //! | scenario files | [`scenario`] | [`scenario::Document`] |
-//! | simulation, sweeps, steady responses | [`study`] | [`study::simulate`], [`study::sweep()`], [`study::steady()`] |
-//! | studies of any size | [`ensemble`] | [`ensemble::StudyPlan`], [`ensemble::run()`] |
+//! | simulation, sweeps, steady responses | [`simulation`] | [`simulation::simulate`], [`simulation::sweep()`], [`simulation::steady()`] |
+//! | studies of any size | [`study`] | [`study::StudyPlan`], [`study::run()`] |
 //! | CSV | [`table`] | [`table::Table`] |
-//! | TDMS files, without units | [`tdms`] | [`tdms::TdmsFile`] |
 //! | figures | [`figure`] | [`figure::Figure`] |
 //! | figures of results | [`plot`] | [`plot::history`], [`plot::steady()`] |
 //!
@@ -77,16 +76,14 @@
 //! # Features
 //! `hdf5` adds HDF5 files of measurements.
 
+mod hit_simulation;
 pub mod prelude;
-mod simulation;
 mod stack_builder;
 
-pub use simulation::{SimulatedHit, Simulation, SimulationError};
+pub use hit_simulation::{HitError, SimulatedHit, Simulation};
 pub use stack_builder::StackBuilder;
 
-pub use asperity_design as design;
 pub use asperity_dynamics as dynamics;
-pub use asperity_ensemble as ensemble;
 pub use asperity_experiment as experiment;
 pub use asperity_figure as figure;
 pub use asperity_harmonic as harmonic;
@@ -96,9 +93,10 @@ pub use asperity_law as law;
 pub use asperity_measure as measure;
 pub use asperity_mesh as mesh;
 pub use asperity_plot as plot;
+pub use asperity_sampling as sampling;
 pub use asperity_scenario as scenario;
 pub use asperity_signal as signal;
+pub use asperity_simulation as simulation;
 pub use asperity_structure as structure;
 pub use asperity_study as study;
 pub use asperity_table as table;
-pub use asperity_tdms as tdms;

@@ -1,6 +1,6 @@
 //! Names of everyday programs, for `use asperity::prelude::*`.
 
-pub use crate::{SimulatedHit, Simulation, SimulationError, StackBuilder};
+pub use crate::{HitError, SimulatedHit, Simulation, StackBuilder};
 
 pub use asperity_dynamics::{Excitation, FiniteDifference, Integrator, Modal, Transient};
 pub use asperity_figure::{Axis, Figure, Panel, Series};

@@ -9,7 +9,7 @@ pub(crate) mod study;
 
 use std::path::PathBuf;
 
-use asperity_study::steady::{BodyModel, SweepDirection};
+use asperity_simulation::steady::{BodyModel, SweepDirection};
 use clap::{ArgAction, Args as Group, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
 

@@ -23,8 +23,8 @@ use std::sync::atomic::AtomicBool;
 
 use asperity_figure::Figure;
 use asperity_scenario::{Document, Scenario};
-use asperity_study::output::file_name::file_name;
-use asperity_study::output::{OutputFolder, OutputRequest};
+use asperity_simulation::output::file_name::file_name;
+use asperity_simulation::output::{OutputFolder, OutputRequest};
 use serde_json::Value;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
@@ -72,7 +72,7 @@ fn on_threads<T: Send>(
     threads: Option<usize>,
     work: impl FnOnce() -> T + Send,
 ) -> Result<T, Failure> {
-    asperity_study::sweep::on_threads(threads, work)
+    asperity_simulation::sweep::on_threads(threads, work)
         .ok_or(Failure::Threads { threads: threads.unwrap_or_default() })
 }
 

@@ -4,15 +4,15 @@ use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use asperity_ensemble::EnsembleError;
 use asperity_experiment::AnalysisError;
 use asperity_figure::FigureError;
 use asperity_identify::IdentificationError;
 use asperity_measure::MeasureError;
 use asperity_scenario::{Diagnostic, DocumentError, InvalidDocument, SetError};
+use asperity_simulation::error::{OutputError, SimulationError};
+use asperity_simulation::sweep::{SweepError, VariationError};
 use asperity_structure::StructureError;
-use asperity_study::error::{OutputError, StudyError};
-use asperity_study::sweep::{SweepError, VariationError};
+use asperity_study::StudyError;
 use thiserror::Error;
 
 use crate::excerpt::{Label, show_excerpts};
@@ -41,7 +41,7 @@ pub(crate) enum Failure {
     #[error("{} has no `design`", path.display())]
     NoDesign { path: PathBuf },
     #[error(transparent)]
-    Study(#[from] StudyError),
+    Study(#[from] SimulationError),
     #[error("--vary {0}")]
     Variation(#[from] VariationError),
     #[error(transparent)]
@@ -61,7 +61,7 @@ pub(crate) enum Failure {
     #[error("the manual pages cannot be written to {}: {source}", folder.display())]
     Pages { folder: PathBuf, source: std::io::Error },
     #[error(transparent)]
-    Ensemble(Box<EnsembleError>),
+    Ensemble(Box<StudyError>),
     #[error("--exceed {argument}: accepted: NAME=VALUE, e.g. harmonic_ratio=0.1")]
     ExceedForm { argument: String },
     #[error("--shard {argument}: accepted: K/N, e.g. 3/8")]
@@ -83,8 +83,8 @@ impl From<OutputError> for Failure {
     }
 }
 
-impl From<EnsembleError> for Failure {
-    fn from(error: EnsembleError) -> Self {
+impl From<StudyError> for Failure {
+    fn from(error: StudyError) -> Self {
         Self::Ensemble(Box::new(error))
     }
 }
@@ -140,30 +140,30 @@ impl Failure {
     /// Options of the command that help with the failure.
     fn hint(&self) -> Option<String> {
         match self {
-            Self::Study(StudyError::Output(OutputError::Occupied { .. })) => Some(
+            Self::Study(SimulationError::Output(OutputError::Occupied { .. })) => Some(
                 "choose another folder with --out, or write beside these files with \
                      --overwrite, which replaces only those that have the name of a new file"
                     .into(),
             ),
-            Self::Study(StudyError::Output(
+            Self::Study(SimulationError::Output(
                 OutputError::OtherDocument { .. } | OutputError::OtherKind { .. },
             )) => Some(
                 "choose another folder with --out, or replace these results with --overwrite"
                     .into(),
             ),
-            Self::Study(StudyError::Output(OutputError::Busy { .. })) => {
+            Self::Study(SimulationError::Output(OutputError::Busy { .. })) => {
                 Some("wait until it has ended, or choose another folder with --out".into())
             }
-            Self::Study(StudyError::Output(OutputError::NotAFolder { .. })) => {
+            Self::Study(SimulationError::Output(OutputError::NotAFolder { .. })) => {
                 Some("choose another folder with --out".into())
             }
             Self::Analysis(error) => analysis_hint(error),
             Self::Ensemble(error) => match **error {
-                EnsembleError::Begun { .. } => {
+                StudyError::Begun { .. } => {
                     Some("go on with --resume, or choose another folder with --out".into())
                 }
-                EnsembleError::Foreign { .. } => Some("choose another folder with --out".into()),
-                EnsembleError::Missing { .. } => Some(
+                StudyError::Foreign { .. } => Some("choose another folder with --out".into()),
+                StudyError::Missing { .. } => Some(
                     "`asperity study` with --resume, or with the shards that failed, computes them"
                         .into(),
                 ),

@@ -17,7 +17,7 @@ use crate::problem::{CandidateSpec, DataSpec, ParameterSpec};
 use crate::problem_parameters::{ProblemParameters, is_within};
 use crate::scenario_model::ScenarioModel;
 use asperity_scenario::JsonPointer;
-use asperity_study::observable_extractor::ObservableExtractor;
+use asperity_simulation::observable_extractor::ObservableExtractor;
 
 impl IdentificationProblem {
     /// The model of the problem.

@@ -8,8 +8,8 @@ use thiserror::Error;
 use crate::incomplete::IncompleteIdentification;
 use asperity_experiment::AnalysisError;
 use asperity_scenario::{DocumentError, InputError, InvalidDocument, SetError};
-use asperity_study::error::StudyError;
-use asperity_study::parameter::ParameterError;
+use asperity_simulation::error::SimulationError;
+use asperity_simulation::parameter::ParameterError;
 
 /// Errors of an identification.
 #[derive(Debug, Error)]
@@ -170,7 +170,7 @@ pub enum IdentificationError {
     StoppedAtOnce,
     /// The scenario cannot be run.
     #[error(transparent)]
-    Study(#[from] StudyError),
+    Study(#[from] SimulationError),
     /// An error of the inference.
     #[error(transparent)]
     Inference(#[from] InferenceError),

@@ -11,9 +11,9 @@ use crate::problem::Changes;
 use crate::problem_parameters::{Gains, ProblemParameters, Sensors};
 use asperity_scenario::set_value;
 use asperity_scenario::{ExcitationSpec, Scenario};
-use asperity_study::assemble::excitation;
-use asperity_study::error::StudyError;
-use asperity_study::prepared_scenario::PreparedScenario;
+use asperity_simulation::assemble::excitation;
+use asperity_simulation::error::SimulationError;
+use asperity_simulation::prepared_scenario::PreparedScenario;
 
 /// Applies the changes of `place` to a scenario.
 pub(super) fn apply(
@@ -100,18 +100,18 @@ impl PreparedRig {
         parameters: &ProblemParameters,
         point: &[f64],
         folder: &Path,
-    ) -> Result<Self, StudyError> {
+    ) -> Result<Self, SimulationError> {
         let mut scenario = scenario.clone();
         parameters
             .write(&mut scenario, point)
-            .map_err(|error| StudyError::Scenario(error.to_string()))?;
+            .map_err(|error| SimulationError::Scenario(error.to_string()))?;
         let silent = json!({"kind": "none"});
         let excitation = match scenario.get_mut("excitation") {
             Some(excitation) => std::mem::replace(excitation, silent),
             None => silent,
         };
         let scenario: Scenario = serde_json::from_value(scenario)
-            .map_err(|error| StudyError::Scenario(error.to_string()))?;
+            .map_err(|error| SimulationError::Scenario(error.to_string()))?;
         Ok(Self { case: Arc::new(PreparedScenario::new(&scenario, folder)?), excitation })
     }
 }
@@ -123,7 +123,7 @@ impl SimulatedHit {
         rig: &PreparedRig,
         gains: Gains,
         folder: &Path,
-    ) -> Result<Excitation, StudyError> {
+    ) -> Result<Excitation, SimulationError> {
         let found = match &self.drive {
             HitForce::Scenario { set, peak_n } => {
                 let mut part = json!({ "excitation": rig.excitation });
@@ -137,7 +137,7 @@ impl SimulatedHit {
                 }
                 let spec = part.get_mut("excitation").map(Value::take).unwrap_or_default();
                 let spec: ExcitationSpec = serde_json::from_value(spec)
-                    .map_err(|error| StudyError::Scenario(error.to_string()))?;
+                    .map_err(|error| SimulationError::Scenario(error.to_string()))?;
                 excitation(&spec, folder)?
             }
             HitForce::Record { time_s, force_n } => {
@@ -155,7 +155,7 @@ impl SimulatedHit {
         rig: &PreparedRig,
         gains: Gains,
         folder: &Path,
-    ) -> Result<HitSimulation, StudyError> {
+    ) -> Result<HitSimulation, SimulationError> {
         let modal = rig.case.modal().unwrap_or_default();
         let excitation = self.excitation(rig, gains, folder)?;
         let hit = rig.case.hit(&modal, excitation)?;
@@ -174,7 +174,7 @@ impl SimulatedHit {
         &self,
         rig: &PreparedRig,
         excitation: &Excitation,
-    ) -> Result<Vec<usize>, StudyError> {
+    ) -> Result<Vec<usize>, SimulationError> {
         match &self.resolution {
             Some(resolution) => Ok(resolution.counts.clone()),
             None => Ok(rig.case.mode_counts(&rig.case.modal().unwrap_or_default(), excitation)?),

@@ -1,9 +1,9 @@
 //! Step, modes and estimated errors of the simulated hits at the best fit.
 
-use asperity_study::error::StudyError;
-use asperity_study::error_control::Controlled;
-use asperity_study::quantity::Quantity;
-use asperity_study::warning::Warning;
+use asperity_simulation::error::SimulationError;
+use asperity_simulation::error_control::Controlled;
+use asperity_simulation::quantity::Quantity;
+use asperity_simulation::warning::Warning;
 use serde::Serialize;
 
 use crate::scenario_model::ScenarioModel;
@@ -33,7 +33,7 @@ impl HitNumerics {
     /// left out.
     pub(super) fn of(
         model: &ScenarioModel,
-        controlled: &[Result<Controlled, StudyError>],
+        controlled: &[Result<Controlled, SimulationError>],
     ) -> Vec<Self> {
         let hits = model.hits.iter().zip(controlled);
         let numerics = hits.filter_map(|(hit, controlled)| {

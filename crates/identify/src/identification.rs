@@ -23,7 +23,7 @@ use crate::problem::{LossSpec, NoiseSpec, ParameterSpec};
 use crate::scenario_model::ScenarioModel;
 use crate::work::{WorkStage, expected_evaluations};
 use asperity_scenario::Laws;
-use asperity_study::provenance::InputFile;
+use asperity_simulation::provenance::InputFile;
 
 /// Relative reduction of the cost at which a fit has converged.
 const TOLERANCE: f64 = 1e-7;

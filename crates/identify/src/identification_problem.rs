@@ -10,7 +10,7 @@ use crate::error::IdentificationError;
 use crate::problem::{DataSpec, ProblemSpec, ScenarioRef, problem_schema};
 use crate::work::Work;
 use asperity_scenario::{Document, validate_json};
-use asperity_study::provenance::InputFile;
+use asperity_simulation::provenance::InputFile;
 
 /// An identification problem with its scenario, checked except for the data files.
 #[derive(Debug, Clone)]

@@ -15,7 +15,7 @@ use crate::latent_sampling::FreeLawFindings;
 use crate::observed_quantity::ObservedQuantity;
 use crate::scenario_model::ScenarioModel;
 use crate::stepped_sine::SimulatedSweep;
-use asperity_study::error::StudyError;
+use asperity_simulation::error::SimulationError;
 
 /// Pressures at which a law is drawn.
 const PRESSURES: usize = 81;
@@ -311,7 +311,7 @@ impl Reached {
         forward: &ScenarioModel,
         law: &str,
         point: &[f64],
-    ) -> Result<Self, StudyError> {
+    ) -> Result<Self, SimulationError> {
         let outcomes = forward.outcomes(&[point.to_vec()]).remove(0)?;
         let (mut low, mut high) = (f64::INFINITY, 0.0_f64);
         let mut at_rest = None;

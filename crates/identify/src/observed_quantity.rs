@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use asperity_signal::{BackboneOptions, BackbonePoint, BandPass, Complex64, backbone};
 
 use crate::problem_parameters::Gains;
-use asperity_study::quantity::{Observable, observable_names};
+use asperity_simulation::quantity::{Observable, observable_names};
 
 /// The quantity of one observation.
 #[derive(Debug, Clone, PartialEq)]

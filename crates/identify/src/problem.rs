@@ -1,7 +1,7 @@
 //! The problem file: scenario, parameters, data and requested results.
 //!
 //! As in a scenario, the JSON keys are the field names, each with its unit, and unknown keys
-//! are errors. Features have the names of a [summary's](asperity_study::quantity::Quantity)
+//! are errors. Features have the names of a [summary's](asperity_simulation::quantity::Quantity)
 //! numbers.
 
 mod data;

@@ -7,7 +7,7 @@ use crate::error::IdentificationError;
 use crate::free_law::FreeLaw;
 use crate::monotone::MonotoneLaw;
 use crate::problem::{ChannelSpec, ParameterSpec, PriorSpec, ScaleSpec};
-use asperity_study::parameter::{ParameterError, ScenarioParameter};
+use asperity_simulation::parameter::{ParameterError, ScenarioParameter};
 
 /// The parameters of a problem and the places of their values.
 #[derive(Debug, Clone)]

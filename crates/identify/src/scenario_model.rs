@@ -21,11 +21,11 @@ use crate::problem_parameters::{Gains, ProblemParameters};
 use crate::stepped_sine::SimulatedSweep;
 use crate::work::Work;
 use asperity_scenario::{LawRef, Laws};
-use asperity_study::assemble::build_law;
-use asperity_study::error::StudyError;
-use asperity_study::error_control::{Controlled, ErrorControl, Request};
-use asperity_study::observable_extractor::ObservableExtractor;
-use asperity_study::quantity::Quantity;
+use asperity_simulation::assemble::build_law;
+use asperity_simulation::error::SimulationError;
+use asperity_simulation::error_control::{Controlled, ErrorControl, Request};
+use asperity_simulation::observable_extractor::ObservableExtractor;
+use asperity_simulation::quantity::Quantity;
 
 /// A scenario with parameters, simulated hits and observed quantities.
 #[derive(Debug)]
@@ -60,7 +60,7 @@ impl ForwardModel for ScenarioModel {
     }
 
     fn predict(&self, points: &[Vec<f64>]) -> Vec<Result<Predictions, PredictionError>> {
-        let predict = |(point, outcomes): (&Vec<f64>, Result<PointOutcomes, StudyError>)| {
+        let predict = |(point, outcomes): (&Vec<f64>, Result<PointOutcomes, SimulationError>)| {
             let outcomes = outcomes.map_err(prediction_error)?;
             let gains = self.gains(point);
             let value =
@@ -103,13 +103,13 @@ fn stopped() -> PredictionError {
 const MOST_HALVINGS: usize = 4;
 
 #[allow(clippy::needless_pass_by_value, reason = "the shape that map_err takes")]
-fn prediction_error(error: StudyError) -> PredictionError {
+fn prediction_error(error: SimulationError) -> PredictionError {
     PredictionError { reason: error.to_string() }
 }
 
 impl ScenarioModel {
     /// Every rig at `point`.
-    pub(super) fn prepare(&self, point: &[f64]) -> Result<Vec<PreparedRig>, StudyError> {
+    pub(super) fn prepare(&self, point: &[f64]) -> Result<Vec<PreparedRig>, SimulationError> {
         let prepare = |rig| PreparedRig::new(rig, &self.parameters, point, &self.folder);
         self.rigs.iter().map(prepare).collect()
     }
@@ -147,8 +147,11 @@ impl ScenarioModel {
     }
 
     /// Results of every hit at some `points`, in one batch.
-    pub(super) fn outcomes(&self, points: &[Vec<f64>]) -> Vec<Result<PointOutcomes, StudyError>> {
-        let prepared: Vec<Result<Ready, StudyError>> =
+    pub(super) fn outcomes(
+        &self,
+        points: &[Vec<f64>],
+    ) -> Vec<Result<PointOutcomes, SimulationError>> {
+        let prepared: Vec<Result<Ready, SimulationError>> =
             points.iter().map(|point| self.prepare_hits(point)).collect();
         let count = self.hits.len();
         let ready: Vec<&Ready> = prepared.iter().flatten().collect();
@@ -161,7 +164,7 @@ impl ScenarioModel {
             self.extractor.decimation(natural, highest, step)
         };
         let mut records = self.batch.run(&all, &decimation).into_iter();
-        let finish = |(point, prepared): (&Vec<f64>, Result<Ready, StudyError>)| {
+        let finish = |(point, prepared): (&Vec<f64>, Result<Ready, SimulationError>)| {
             let (rigs, simulations) = prepared?;
             // All records of a point are consumed before an error of one of them.
             let own: Vec<_> = records.by_ref().take(count).collect();
@@ -180,7 +183,7 @@ impl ScenarioModel {
         &self,
         rigs: &[PreparedRig],
         point: &[f64],
-    ) -> Result<Vec<Option<Complex64>>, StudyError> {
+    ) -> Result<Vec<Option<Complex64>>, SimulationError> {
         let mut all = Vec::new();
         for sweep in &self.sweeps {
             let gains = sweep.sensors.gains(point);
@@ -192,7 +195,7 @@ impl ScenarioModel {
     }
 
     /// The rigs at `point`, and the hits on them as simulations.
-    fn prepare_hits(&self, point: &[f64]) -> Result<Ready, StudyError> {
+    fn prepare_hits(&self, point: &[f64]) -> Result<Ready, SimulationError> {
         let rigs = self.prepare(point)?;
         let simulation = |hit: &SimulatedHit| {
             let gains = hit.sensors.gains(point);
@@ -207,14 +210,14 @@ impl ScenarioModel {
     pub(super) fn controlled(
         &self,
         point: &[f64],
-    ) -> Result<Vec<Result<Controlled, StudyError>>, StudyError> {
+    ) -> Result<Vec<Result<Controlled, SimulationError>>, SimulationError> {
         Ok(ErrorControl::new(self.batch).run(&self.requests(point)?))
     }
 
     /// The hits at `point` as requests of an accuracy.
-    fn requests(&self, point: &[f64]) -> Result<Vec<Request>, StudyError> {
+    fn requests(&self, point: &[f64]) -> Result<Vec<Request>, SimulationError> {
         let rigs = self.prepare(point)?;
-        let request = |hit: &SimulatedHit| -> Result<Request, StudyError> {
+        let request = |hit: &SimulatedHit| -> Result<Request, SimulationError> {
             let rig = &rigs[hit.rig];
             let excitation = hit.excitation(rig, hit.sensors.gains(point), &self.folder)?;
             Ok(Request { prepared: Arc::clone(&rig.case), excitation, duration: hit.duration })
@@ -224,7 +227,7 @@ impl ScenarioModel {
 
     /// Holds step and modes of every hit: those that `controlled` hits have. One that cannot be
     /// integrated has a step of its own at every point. True if any is finer than before.
-    pub(super) fn hold(&mut self, controlled: &[Result<Controlled, StudyError>]) -> bool {
+    pub(super) fn hold(&mut self, controlled: &[Result<Controlled, SimulationError>]) -> bool {
         let mut finer = false;
         for (hit, controlled) in self.hits.iter_mut().zip(controlled) {
             let Ok(Controlled { hit: HitSimulation { step: Some(step), .. }, counts, .. }) =
@@ -312,7 +315,7 @@ impl ScenarioModel {
     fn records(
         &self,
         point: &[f64],
-    ) -> Result<Vec<Result<HitResponse, DynamicsError>>, StudyError> {
+    ) -> Result<Vec<Result<HitResponse, DynamicsError>>, SimulationError> {
         let (rigs, simulations) = self.prepare_hits(point)?;
         let decimation = |index: usize, step: f64| {
             let natural = rigs[self.hits[index].rig].case.at_rest.natural_frequency_hz;
@@ -338,7 +341,7 @@ impl ScenarioModel {
         hit: &SimulatedHit,
         simulation: &HitSimulation,
         record: &HitResponse,
-    ) -> Result<HitOutcome, StudyError> {
+    ) -> Result<HitOutcome, SimulationError> {
         let observables = self.extractor.observables(&rig.case, simulation, record)?;
         let fundamental = observables.get(Quantity::FundamentalFrequency, None);
         let mut outcome =
@@ -356,7 +359,7 @@ impl ScenarioModel {
     }
 
     /// The requested stiffnesses at `point` \[Pa/m\].
-    pub(super) fn stiffnesses(&self, point: &[f64]) -> Result<Vec<f64>, StudyError> {
+    pub(super) fn stiffnesses(&self, point: &[f64]) -> Result<Vec<f64>, SimulationError> {
         if self.stiffness.is_empty() {
             return Ok(Vec::new());
         }
@@ -375,14 +378,14 @@ impl ScenarioModel {
         law: &str,
         pressures: &[f64],
         point: &[f64],
-    ) -> Result<Vec<f64>, StudyError> {
+    ) -> Result<Vec<f64>, SimulationError> {
         let laws = self.laws(point)?;
         stiffness_curve(&laws, law, pressures)
     }
 
     /// The laws at `point`.
-    pub(super) fn laws(&self, point: &[f64]) -> Result<Laws, StudyError> {
-        let fail = |reason: String| StudyError::Scenario(reason);
+    pub(super) fn laws(&self, point: &[f64]) -> Result<Laws, SimulationError> {
+        let fail = |reason: String| SimulationError::Scenario(reason);
         let mut scenario = self.scenario.clone();
         self.parameters.write(&mut scenario, point).map_err(|error| fail(error.to_string()))?;
         let laws = scenario.get_mut("laws").map(Value::take).unwrap_or_default();
@@ -408,10 +411,10 @@ pub(super) fn stiffness_curve(
     laws: &Laws,
     name: &str,
     pressures: &[f64],
-) -> Result<Vec<f64>, StudyError> {
+) -> Result<Vec<f64>, SimulationError> {
     let reference = LawRef::Named(name.to_owned());
     let highest = pressures.iter().copied().fold(LEAST_PRESSURE, f64::max);
-    let law = build_law(&reference, laws, highest).map_err(|source| StudyError::Law {
+    let law = build_law(&reference, laws, highest).map_err(|source| SimulationError::Law {
         law: name.to_owned(),
         interface: None,
         pressure_pa: highest,

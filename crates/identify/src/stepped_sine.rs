@@ -11,7 +11,7 @@ use crate::data_files::TableSource;
 use crate::error::IdentificationError;
 use crate::hit::PreparedRig;
 use crate::problem_parameters::{Gains, Sensors};
-use asperity_study::error::StudyError;
+use asperity_simulation::error::SimulationError;
 
 /// Relative change of the force from which on a row begins another level, in a table without levels.
 const NEW_LEVEL: f64 = 0.1;
@@ -111,7 +111,7 @@ impl SimulatedSweep {
         &self,
         rigs: &[PreparedRig],
         gains: Gains,
-    ) -> Result<Vec<Option<SineResponse>>, StudyError> {
+    ) -> Result<Vec<Option<SineResponse>>, SimulationError> {
         // Tables of the laws; the derivatives are those of the laws themselves.
         let system = system(&rigs[self.rig], LawEvaluation::default())?;
         let drives: Vec<Drive> =
@@ -127,14 +127,14 @@ impl SimulatedSweep {
         rigs: &[PreparedRig],
         gains: Gains,
         stencils: &[SweepStencil<'_>],
-    ) -> Result<(Vec<Option<Complex64>>, Vec<Vec<Option<Complex64>>>), StudyError> {
+    ) -> Result<(Vec<Option<Complex64>>, Vec<Vec<Option<Complex64>>>), SimulationError> {
         let responses = self.responses(rigs, gains)?;
         let exact = |rigs: &[PreparedRig]| system(&rigs[self.rig], LawEvaluation::Exact);
         let middle = exact(rigs)?;
         let systems = stencils
             .iter()
             .map(|stencil| stencil.rigs.iter().map(|rigs| exact(rigs)).collect())
-            .collect::<Result<Vec<Vec<ContactSystem>>, StudyError>>()?;
+            .collect::<Result<Vec<Vec<ContactSystem>>, SimulationError>>()?;
         // The weights of the stencil, from the differences of unit values.
         let weights: [f64; 4] = std::array::from_fn(|k| {
             central_difference(std::array::from_fn(|i| f64::from(u8::from(i == k))), 1.0)
@@ -198,6 +198,6 @@ pub(super) struct SweepStencil<'a> {
     pub(super) step: f64,
 }
 
-fn system(rig: &PreparedRig, laws: LawEvaluation) -> Result<ContactSystem, StudyError> {
+fn system(rig: &PreparedRig, laws: LawEvaluation) -> Result<ContactSystem, SimulationError> {
     Ok(ContactSystem::of_structure(&rig.case.assembly.structure, laws)?)
 }

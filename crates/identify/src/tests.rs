@@ -190,7 +190,8 @@ fn step_and_modes_are_held_until_a_point_needs_finer_ones() {
     // The predictions are those of a response to the accuracy.
     let exact = at(&model, &stiff).remove(0).unwrap().observables;
     let predicted = model.predict(&[stiff.to_vec()]).remove(0).unwrap();
-    let first = exact.get(asperity_study::quantity::Quantity::FundamentalFrequency, None).unwrap();
+    let first =
+        exact.get(asperity_simulation::quantity::Quantity::FundamentalFrequency, None).unwrap();
     let off = predicted.iter().flatten().map(|value| (value / first - 1.0).abs());
     assert!(off.fold(f64::INFINITY, f64::min) < 1e-4);
 }

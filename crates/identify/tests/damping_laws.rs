@@ -13,8 +13,8 @@ use asperity_experiment::{
 use asperity_identify::{Identification, IdentificationProblem, identify};
 use asperity_measure::{Format, WriteOptions, write};
 use asperity_scenario::Document;
-use asperity_study::record::measurement_record;
-use asperity_study::run::simulate;
+use asperity_simulation::record::measurement_record;
+use asperity_simulation::run::simulate;
 use losses::{KINDS, LIGHT, Observed};
 use serde_json::{Value, json};
 use twin::{Sensors, Truth};

@@ -13,10 +13,10 @@ use asperity_inference::ModelAssessment;
 use asperity_law::{ContactLaw, ModifiedPower};
 use asperity_measure::{Format, WriteOptions, write};
 use asperity_scenario::Document;
-use asperity_study::assemble::Assembly;
-use asperity_study::record::measurement_record;
-use asperity_study::run::simulate;
-use asperity_study::steady::SettledAmplitude;
+use asperity_simulation::assemble::Assembly;
+use asperity_simulation::record::measurement_record;
+use asperity_simulation::run::simulate;
+use asperity_simulation::steady::SettledAmplitude;
 use serde_json::{Value, json};
 use twin::{Sensors, Truth, is_long};
 
@@ -169,8 +169,8 @@ fn records_receptances_and_backbones_give_back_the_parameters() {
     let analysis = analyse(std::slice::from_ref(&uff), &analysed).unwrap();
     let write_text = |name: &str, text: String| std::fs::write(folder.path().join(name), text);
     write_text("backbone.csv", analysis.responses[0].backbone_table().to_csv()).unwrap();
-    let frf = asperity_study::run::receptance(&run).unwrap().unwrap();
-    write_text("frf.csv", asperity_study::record::frf_csv(&frf)).unwrap();
+    let frf = asperity_simulation::run::receptance(&run).unwrap().unwrap();
+    write_text("frf.csv", asperity_simulation::record::frf_csv(&frf)).unwrap();
 
     let scenario = document.value().clone();
     let unknowns = json!([

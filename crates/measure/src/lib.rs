@@ -25,7 +25,8 @@
 //! | `npy`, `npz`, `mat`, `arrays`, `number` | arrays of NumPy and MATLAB |
 //! | `wav` | RIFF WAVE |
 //! | `hdf5` | HDF5 and MATLAB 7.3, with the feature `hdf5` |
-//! | `tdms` | TDMS of LabVIEW, read by `asperity-tdms` |
+//! | `tdms` | TDMS of LabVIEW to channels with axis and unit |
+//! | [`tdms_file`] | TDMS to objects, properties and numbers, without units |
 //! | `memory`, `measurement_source` | records in memory, and sources of either kind |
 //! | `write`, `whole_file` | writing of complete files |
 //!
@@ -68,6 +69,7 @@ mod record;
 mod sensitivity;
 mod source;
 mod tdms;
+pub mod tdms_file;
 mod text;
 mod uff;
 mod unit;

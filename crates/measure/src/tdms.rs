@@ -1,4 +1,4 @@
-//! TDMS of National Instruments: the objects of `asperity-tdms` to channels with axis and unit.
+//! TDMS of National Instruments: objects of a [`TdmsFile`] to channels with axis and unit.
 //!
 //! | module | contents |
 //! |---|---|
@@ -8,7 +8,7 @@ mod axis;
 mod gather;
 mod waveform;
 
-use asperity_tdms::{TdmsError, TdmsFile, TdmsOptions, TdmsPath};
+use crate::tdms_file::{TdmsError, TdmsFile, TdmsOptions, TdmsPath};
 
 use crate::decoding::Records;
 use crate::notice::Notices;

@@ -1,8 +1,8 @@
 //! Answers of a study: distributions and exceedance curves of its observables, and Sobol indices.
 
-use asperity_ensemble::{FrfBand, ObservableAnswers, StudyAnswers};
 use asperity_figure::{Axis, Color, Figure, Legend, Marker, Panel, Series};
-use asperity_study::quantity::Quantity;
+use asperity_simulation::quantity::Quantity;
+use asperity_study::{FrfBand, ObservableAnswers, StudyAnswers};
 
 use super::figure;
 use super::identification::{fitted, short};
@@ -107,7 +107,7 @@ fn exceedance(one: &ObservableAnswers) -> Option<Panel> {
     if one.exceedance_curve.is_empty() {
         return None;
     }
-    let column = |of: fn(&asperity_ensemble::IntervalEstimate) -> f64| -> Vec<f64> {
+    let column = |of: fn(&asperity_study::IntervalEstimate) -> f64| -> Vec<f64> {
         one.exceedance_curve.iter().map(|(_, share)| of(share)).collect()
     };
     let x: Vec<f64> = one.exceedance_curve.iter().map(|(value, _)| *value).collect();

@@ -20,7 +20,7 @@
 //! ```
 //! # use asperity_scenario::Document;
 //! let scenario = Document::read("../study/examples/block.json")?.scenario()?;
-//! let tables = asperity_study::tabulate(&scenario)?;
+//! let tables = asperity_simulation::tabulate(&scenario)?;
 //! let svg = asperity_plot::laws(&tables).to_svg();
 //! assert!(svg.contains("Contact stiffness"));
 //! # Ok::<(), Box<dyn std::error::Error>>(())

@@ -3,7 +3,7 @@
 use asperity_dynamics::History;
 use asperity_figure::{Axis, Color, Dash, Figure, Legend, Panel, Series};
 use asperity_signal::{Frf, decay_length};
-use asperity_study::summary::Summary;
+use asperity_simulation::summary::Summary;
 
 use super::magnitude::{MagnitudeAxis, phase_axis, phase_line};
 

@@ -4,7 +4,7 @@ mod report;
 
 use asperity_figure::{Axis, Color, Dash, Figure, Legend, Marker, Panel, Series};
 use asperity_harmonic::{Branch, PeriodicResponse, SpecialPointKind};
-use asperity_study::steady::Steady;
+use asperity_simulation::steady::Steady;
 
 pub use report::steady_report;
 

@@ -1,6 +1,6 @@
 //! A branch of steady responses in words: its peak, its special points, and the reason for an end.
 
-use asperity_study::steady::{
+use asperity_simulation::steady::{
     BranchSummary, CondensationReason, SteadyMotion, TerminationSummary, TimeCheck,
     TimeSweepSummary,
 };

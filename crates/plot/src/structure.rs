@@ -1,8 +1,8 @@
 //! Laws and mode shapes.
 
 use asperity_figure::{Axis, Color, Dash, Figure, Legend, Panel, Series};
-use asperity_study::laws::LawTable;
-use asperity_study::modes::LinearisedModes;
+use asperity_simulation::laws::LawTable;
+use asperity_simulation::modes::LinearisedModes;
 
 /// Stiffness against pressure, and pressure against closure, of every law.
 pub fn laws(tables: &[LawTable]) -> Figure {

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use asperity_figure::{Axis, Color, Figure, Legend, Panel, Series};
-use asperity_study::quantity::Quantity;
-use asperity_study::sweep::{Sweep, Variation};
+use asperity_simulation::quantity::Quantity;
+use asperity_simulation::sweep::{Sweep, Variation};
 
 use super::figure;
 

@@ -7,7 +7,7 @@ use asperity_identify::IdentificationError;
 use asperity_measure::MeasureError;
 use asperity_scenario::{Diagnostic, DocumentError, InputError, InvalidDocument, SetError};
 use asperity_signal::SignalError;
-use asperity_study::error::StudyError;
+use asperity_simulation::error::SimulationError;
 use pyo3::create_exception;
 use pyo3::exceptions::{
     PyException, PyFileNotFoundError, PyIsADirectoryError, PyOSError, PyPermissionError,
@@ -135,10 +135,10 @@ pub(crate) fn no_threads(threads: Option<usize>) -> PyErr {
 }
 
 /// Error of a study: ValueError for a wrong request, else `ComputationError`.
-pub(crate) fn of_study(py: Python<'_>, error: &StudyError) -> PyErr {
+pub(crate) fn of_study(py: Python<'_>, error: &SimulationError) -> PyErr {
     match error {
-        StudyError::Document(source) => of_document(py, source),
-        StudyError::Input { path, source } => of_input(path, *source),
+        SimulationError::Document(source) => of_document(py, source),
+        SimulationError::Input { path, source } => of_input(path, *source),
         _ if error.is_wrong_request() => PyValueError::new_err(error.to_string()),
         _ => ComputationError::new_err(error.to_string()),
     }

@@ -4,10 +4,10 @@ use std::sync::{Arc, LazyLock};
 
 use asperity_law::{ContactLaw, LawError, fit_power as fit};
 use asperity_scenario::{Document, LawRef, LawSpec, Laws, MAX_SERIES_DEPTH, schema_of};
-use asperity_study::assemble::build_law;
-use asperity_study::error::BuildLawError;
-use asperity_study::laws::{scenario_laws, tabulate as tables_of};
-use asperity_study::record::law_columns;
+use asperity_simulation::assemble::build_law;
+use asperity_simulation::error::BuildLawError;
+use asperity_simulation::laws::{scenario_laws, tabulate as tables_of};
+use asperity_simulation::record::law_columns;
 use numpy::{PyArray1, PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;

@@ -2,10 +2,10 @@
 
 use asperity_figure::Figure;
 use asperity_plot::MagnitudeAxis;
-use asperity_study::error::StudyError;
-use asperity_study::record::{frf_columns, history_columns};
-use asperity_study::run::{receptance, simulate_with_progress};
-use asperity_study::summary::Summary;
+use asperity_simulation::error::SimulationError;
+use asperity_simulation::record::{frf_columns, history_columns};
+use asperity_simulation::run::{receptance, simulate_with_progress};
+use asperity_simulation::summary::Summary;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -20,7 +20,7 @@ type Drawn = (Vec<(String, Vec<f64>)>, Figure);
 fn computed(
     scenario: &PyScenario,
     progress: &background::Progress,
-) -> Result<(Summary, Drawn, Option<Drawn>), StudyError> {
+) -> Result<(Summary, Drawn, Option<Drawn>), SimulationError> {
     let run = simulate_with_progress(&scenario.document, &scenario.scenario, &|fraction| {
         progress.report(fraction);
     })?;

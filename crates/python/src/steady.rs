@@ -1,18 +1,18 @@
 //! Steady responses and linearised modes.
 
 use asperity_scenario::Scenario;
-use asperity_structure::PreloadedContact;
-use asperity_study::assemble::Assembly;
-use asperity_study::error::StudyError;
-use asperity_study::modes::{ModesSummary, linearised_modes};
-use asperity_study::provenance::Provenance;
-use asperity_study::record::modes_columns;
-use asperity_study::static_state::StaticSummary;
-use asperity_study::steady::{
+use asperity_simulation::assemble::Assembly;
+use asperity_simulation::error::SimulationError;
+use asperity_simulation::modes::{ModesSummary, linearised_modes};
+use asperity_simulation::provenance::Provenance;
+use asperity_simulation::record::modes_columns;
+use asperity_simulation::static_state::StaticSummary;
+use asperity_simulation::steady::{
     BodyModel, SteadyRequest, SteadySummary, SweepDirection, TimeSweepRequest, backbone_table,
     steady_table, steady_time_table, steady_with_progress,
 };
-use asperity_study::sweep::on_threads;
+use asperity_simulation::sweep::on_threads;
+use asperity_structure::PreloadedContact;
 use asperity_table::DataTable;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -86,7 +86,7 @@ fn computed(
     scenario: &PyScenario,
     request: &SteadyRequest,
     progress: &background::Progress,
-) -> Result<Found, StudyError> {
+) -> Result<Found, SimulationError> {
     let (document, scenario): (_, &Scenario) = (&scenario.document, &scenario.scenario);
     let assembly = Assembly::new(scenario, document.folder())?;
     let (finished, levels) = (AtomicUsize::new(0), request.amplitudes.len());
@@ -157,7 +157,7 @@ pub(crate) fn modes<'py>(
         let provenance = Provenance::of_scenario(&document, &scenario)?;
         Ok((ModesSummary::new(&scenario, &assembly, &found, provenance), found))
     };
-    let outcome: Result<_, StudyError> = background::run(py, None, work)?;
+    let outcome: Result<_, SimulationError> = background::run(py, None, work)?;
     let (summary, found) = outcome.map_err(|error| exception::of_study(py, &error))?;
     let shapes = modes_columns(&found).into_iter().map(|(name, values)| (name, values.to_vec()));
     let figure = PyFigure(asperity_plot::modes(&found));

@@ -1,12 +1,12 @@
 //! Many runs of one scenario.
 
 use asperity_scenario::Document;
-use asperity_study::error::StudyError;
-use asperity_study::row_simulator::RowSimulator;
-use asperity_study::sweep::{
+use asperity_simulation::error::SimulationError;
+use asperity_simulation::row_simulator::RowSimulator;
+use asperity_simulation::sweep::{
     Sweep, SweepError, Variation, VariationError, on_threads, sweep_with_progress,
 };
-use asperity_study::warning::Warning;
+use asperity_simulation::warning::Warning;
 use asperity_table::{ColumnData, DataTable};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -74,7 +74,7 @@ fn run_rows(
     document: Document,
     inputs: Vec<(String, Vec<String>)>,
     progress: &background::Progress,
-) -> Result<DataTable, StudyError> {
+) -> Result<DataTable, SimulationError> {
     let places = inputs.iter().map(|(pointer, _)| vec![pointer.clone()]).collect();
     let simulator = RowSimulator::new(document, places)?;
     let value =

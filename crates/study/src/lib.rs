@@ -1,52 +1,41 @@
-//! From scenarios to results: transient runs, sweeps, steady responses, derivatives.
+//! Studies of one scenario over designs of any size.
 //!
-//! A checked [`Scenario`](asperity_scenario::Scenario) is assembled to bodies with contact laws at
-//! their interfaces, at static equilibrium ([`assemble`]). Its response to a force,
+//! A study file names a scenario, inputs with their distributions, and a design. Run `k` of the study
+//! is the scenario with the inputs
 //!
 //! ```text
-//! rho A (u'' + h u' - g) = d/dx(E A du/dx)        bodies (Eq. 1)
-//! p = p(d), d = u_above - u_below                 contacts (Eq. 5)
+//! x(k) = F^-1(u_k),    k = 0, ..., n - 1,
 //! ```
 //!
-//! is integrated in time, and every command reads the same [`observables`] off it: the harmonics of
-//! the receptance, extremes and averages of each contact, the energy balance, and [`warning`]s.
-//! [`quantity`] lists them with key, unit, label and derivative.
+//! which follow from the seed and `k` alone. Runs are computed in chunks, each of which is on disk
+//! whole or not at all, in constant memory; interrupted studies are continued, and shards are
+//! computed on several machines with nothing in common but a folder. The results have the same bytes
+//! in each case.
 //!
-//! | step | modules |
+//! | module | holds |
 //! |---|---|
-//! | prepare | [`gap_table`], [`assemble`], [`static_state`], [`prepared_scenario`], [`parameter`] |
-//! | compute | [`run`], [`mod@sweep`], [`row_simulator`], [`mod@steady`], [`modes`], [`sensitivity`], [`laws`], [`accuracy`], [`error_control`] |
-//! | observe | [`quantity`], [`observables`], [`observable_extractor`], [`warning`] |
-//! | write | [`contact_deck`], [`summary`], [`provenance`], [`record`], [`output`], [`error`] |
+//! | [`spec`] | the study file and its schema |
+//! | `plan` | [`StudyPlan`]: the inputs of each run, by a design, draws of a file, or rows of a table |
+//! | `folder` | [`StudyFolder`]: manifest, chunks, the joined table as CSV and Parquet |
+//! | `run` | [`run()`] over chunks and shards, for any [`RowModel`] |
+//! | `answers` | [`answers()`]: quantiles, exceedance probabilities, Sobol indices of a finished study |
+//! | `study_table` | the joined table, read column by column |
+//! | `slurm` | [`slurm_script`]: a job array with one task a shard, and the job that joins them |
 
-pub mod accuracy;
-pub mod assemble;
-pub mod contact_deck;
-pub mod error;
-pub mod error_control;
-mod finite_differences;
-pub mod gap_table;
-pub mod laws;
-pub mod modes;
-pub mod observable_extractor;
-pub mod observables;
-pub mod output;
-pub mod parameter;
-pub mod prepared_scenario;
-pub mod provenance;
-pub mod quantity;
-pub mod record;
-pub mod row_simulator;
-pub mod run;
-pub mod sensitivity;
-pub mod static_state;
-pub mod steady;
-pub mod summary;
-pub mod sweep;
-pub mod warning;
+mod answers;
+mod error;
+mod folder;
+mod plan;
+mod run;
+mod slurm;
+pub mod spec;
+mod study_table;
 
-pub use laws::{fit, tabulate};
-pub use run::{simulate, simulate_with_progress};
-pub use sensitivity::sensitivities;
-pub use steady::{steady, steady_with_progress};
-pub use sweep::{sweep, sweep_with_progress};
+pub use answers::{AnswerOptions, FrfBand, ObservableAnswers, StudyAnswers, answers};
+pub use asperity_sampling::{Histogram, IntervalEstimate};
+pub use error::StudyError;
+pub use folder::StudyFolder;
+pub use plan::StudyPlan;
+pub use run::{MOST_SHARDS, RowModel, RowResult, RunOptions, Shard, StudyOutcome, run};
+pub use slurm::{SlurmJob, slurm_script};
+pub use spec::study_schema;

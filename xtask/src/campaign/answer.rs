@@ -4,7 +4,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use anyhow::Result;
 use asperity_scenario::{Document, MethodSpec, Scenario};
-use asperity_study::run::simulate;
+use asperity_simulation::run::simulate;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 

@@ -11,7 +11,7 @@
 
 use asperity_dynamics::Integrator;
 use asperity_scenario::{Document, FiniteDifferenceSpec, MethodSpec, ModalSpec, Scenario};
-use asperity_study::assemble::Assembly;
+use asperity_simulation::assemble::Assembly;
 use serde::{Deserialize, Serialize};
 
 use super::answer::{Answer, Kind, Observable, Outcome, run};

@@ -12,7 +12,7 @@ use asperity_scenario::{
     BodySpec, DampingAmount, DampingSpec, ExcitationSpec, ForceSamples, InterfaceSpec, LawRef,
     LawSpec, Laws, MethodSpec, Scenario, SchemaId, SectionSpec, SupportSpec,
 };
-use asperity_study::assemble::Assembly;
+use asperity_simulation::assemble::Assembly;
 
 use super::draw::{Draw, rounded};
 

@@ -16,11 +16,11 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use asperity_dynamics::{Excitation, FiniteDifference, Integrator, Modal, Sampling};
 use asperity_harmonic::{Branch, PeriodicResponse};
 use asperity_scenario::{Document, Scenario};
-use asperity_structure::PreloadedStructure;
-use asperity_study::assemble::Assembly;
-use asperity_study::steady::{
+use asperity_simulation::assemble::Assembly;
+use asperity_simulation::steady::{
     BodyModel, SettledAmplitude, Steady, SteadyRequest, TimeCheck, first_periods, steady,
 };
+use asperity_structure::PreloadedStructure;
 use serde::Serialize;
 
 use super::draw::Draw;

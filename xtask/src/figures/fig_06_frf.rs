@@ -2,7 +2,7 @@
 
 use anyhow::{Context, Result};
 use asperity_figure::{Axis, Color, Dash, Legend, Panel, Series};
-use asperity_study::summary::Summary;
+use asperity_simulation::summary::Summary;
 use asperity_table::Table;
 
 use super::levels::yes;

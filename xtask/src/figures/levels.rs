@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use anyhow::Result;
 use asperity_figure::{Axis, Color, Dash, Legend, Marker, Panel, Series};
-use asperity_study::summary::Summary;
+use asperity_simulation::summary::Summary;
 use asperity_table::Table;
 
 use super::style;

@@ -1,12 +1,12 @@
 //! x10: which inputs decide the response, by Sobol indices.
 
 use anyhow::{Context, Result, bail, ensure};
-use asperity_design::{IntervalEstimate, SensitivitySums, SobolIndices};
-use asperity_ensemble::StudyPlan;
-use asperity_ensemble::spec::{DistributionSpec, StudyDesign};
 use asperity_figure::{Axis, Color, Legend, Marker, Panel, Series};
+use asperity_sampling::{IntervalEstimate, SensitivitySums, SobolIndices};
 use asperity_scenario::Document;
-use asperity_study::quantity::Quantity;
+use asperity_simulation::quantity::Quantity;
+use asperity_study::StudyPlan;
+use asperity_study::spec::{DistributionSpec, StudyDesign};
 use asperity_table::Table;
 
 use super::style;
@@ -108,7 +108,7 @@ fn compute(rig: &Rig) -> Result<Computed> {
     for output in &OUTPUTS {
         let mut sums = SensitivitySums::new(INPUTS.len(), REPLICATES, seed)?;
         for (base, runs) in (0..).zip(runs.chunks_exact(INPUTS.len() + 2)) {
-            let value = |run: &asperity_study::observables::Observables| {
+            let value = |run: &asperity_simulation::observables::Observables| {
                 run.get(output.quantity, output.interface).unwrap_or(f64::NAN)
             };
             sums.add(base, &runs.iter().map(value).collect::<Vec<_>>());
@@ -125,7 +125,7 @@ fn compute(rig: &Rig) -> Result<Computed> {
 
 /// Ends of the even distribution of each input.
 fn ranges(plan: &StudyPlan) -> Result<Vec<[f64; 2]>> {
-    let ends = |input: &asperity_ensemble::spec::InputSpec| match input.distribution {
+    let ends = |input: &asperity_study::spec::InputSpec| match input.distribution {
         Some(DistributionSpec::Uniform { lower, upper }) => Ok([lower, upper]),
         _ => bail!("the caption states even distributions; {} has another", input.pointer),
     };

@@ -1,12 +1,12 @@
 //! x11: Figs. 8, 11 and 12 with the uncertainty of the identified law and pulse.
 
 use anyhow::{Result, ensure};
-use asperity_design::WeightedSample;
 use asperity_figure::{Axis, Color, Dash, Legend, Marker, Panel, Series};
 use asperity_identify::Identification;
-use asperity_study::observables::Observables;
-use asperity_study::quantity::Quantity;
-use asperity_study::row_simulator::{Places, RowSimulator};
+use asperity_sampling::WeightedSample;
+use asperity_simulation::observables::Observables;
+use asperity_simulation::quantity::Quantity;
+use asperity_simulation::row_simulator::{Places, RowSimulator};
 use asperity_table::Table;
 use serde_json::{Value, json};
 

@@ -62,7 +62,8 @@ fn compute(rig: &Rig) -> Result<Computed> {
         }
     }
     let assembly = rig.struck(Law::Constant, 32.0)?.assembly()?;
-    let natural = asperity_study::static_state::StaticSummary::of(&assembly).natural_frequency_hz;
+    let natural =
+        asperity_simulation::static_state::StaticSummary::of(&assembly).natural_frequency_hz;
     let ratio = natural
         .map_or(f64::NAN, |f| assembly.structure.damping_rate() / (4.0 * std::f64::consts::PI * f));
     table.push("linear_floor", vec![2.0 * ratio / 3.0; FORCES.len()])?;

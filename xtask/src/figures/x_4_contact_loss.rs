@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 use asperity_figure::{Axis, Legend, Panel};
-use asperity_study::summary::Summary;
+use asperity_simulation::summary::Summary;
 use asperity_table::Table;
 
 use super::levels::{

@@ -6,8 +6,8 @@ use anyhow::{Context, Result, ensure};
 use asperity_experiment::{AnalysisOptions, FrequencyBand, HitCount, ResponseChoice, analyse};
 use asperity_figure::{Axis, Legend, Marker, Series};
 use asperity_measure::{Format, WriteOptions, write};
-use asperity_study::record::measurement_record;
-use asperity_study::run::Run;
+use asperity_simulation::record::measurement_record;
+use asperity_simulation::run::Run;
 use asperity_table::Table;
 
 use super::levels::{both_laws, force_axis};

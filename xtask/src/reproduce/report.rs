@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 use asperity_figure::report::{ClaimOutcome, Report, TableCell, four_digits};
-use asperity_study::output::OutputFolder;
+use asperity_simulation::output::OutputFolder;
 
 use super::Finished;
 use super::claims::{CheckedClaim, Expected, Verdict};

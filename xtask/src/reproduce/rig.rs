@@ -12,9 +12,9 @@ use asperity_law::ContactLaw;
 use asperity_mesh::Grid;
 use asperity_scenario::{Document, LawRef, LawSpec, Scenario};
 use asperity_signal::FrequencyResponse;
-use asperity_study::assemble::{Assembly, build_law};
-use asperity_study::run::{Run, simulate};
-use asperity_study::summary::Summary;
+use asperity_simulation::assemble::{Assembly, build_law};
+use asperity_simulation::run::{Run, simulate};
+use asperity_simulation::summary::Summary;
 use indicatif::ProgressBar;
 use rayon::prelude::*;
 

@@ -1,7 +1,7 @@
 //! The options of `asperity law`.
 #![allow(clippy::doc_markdown, reason = "these comments are help texts, shown without markup")]
 
-use asperity_study::contact_deck::{DeckFormat, DeckUnits};
+use asperity_simulation::contact_deck::{DeckFormat, DeckUnits};
 use clap::{Args as Group, ValueEnum};
 
 /// Tables of the contacts for a finite-element code.

@@ -9,7 +9,7 @@ use asperity_experiment::{
 };
 use asperity_measure::{MeasurementSource, WriteOptions};
 use asperity_plot as plot;
-use asperity_study::output::file_name::distinct_file_names;
+use asperity_simulation::output::file_name::distinct_file_names;
 use serde_json::json;
 
 use super::{ResultFolder, pretty};

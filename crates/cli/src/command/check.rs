@@ -1,8 +1,8 @@
 //! `asperity check`.
 
 use asperity_dynamics::Integrator;
-use asperity_study::assemble::Assembly;
-use asperity_study::static_state::StaticSummary;
+use asperity_simulation::assemble::Assembly;
+use asperity_simulation::static_state::StaticSummary;
 use serde_json::json;
 
 use crate::args::Input;
@@ -16,7 +16,7 @@ pub(crate) fn run(input: &Input, as_json: bool) -> Result<(), Failure> {
     let Assembly { structure, excitation, sampling, method, .. } = &assembly;
     let outline = method
         .outline(structure, excitation, sampling)
-        .map_err(asperity_study::error::StudyError::from)?;
+        .map_err(asperity_simulation::error::SimulationError::from)?;
     let natural = StaticSummary::of(&assembly).natural_frequency_hz;
     if as_json {
         let answer = json!({

@@ -5,13 +5,15 @@ use std::path::Path;
 use asperity_law::{BeyondTable, OverclosureTable};
 use asperity_plot as plot;
 use asperity_scenario::Scenario;
-use asperity_study::contact_deck::{ContactTable, DeckFormat, DeckUnits, contact_tables, deck};
-use asperity_study::error::StudyError;
-use asperity_study::gap_table::{ImportedLaw, import_gaps};
-use asperity_study::laws::{fit, tabulate};
-use asperity_study::output::file_name::distinct_file_names;
-use asperity_study::provenance::{InputFile, Provenance};
-use asperity_study::record::law_csv;
+use asperity_simulation::contact_deck::{
+    ContactTable, DeckFormat, DeckUnits, contact_tables, deck,
+};
+use asperity_simulation::error::SimulationError;
+use asperity_simulation::gap_table::{ImportedLaw, import_gaps};
+use asperity_simulation::laws::{fit, tabulate};
+use asperity_simulation::output::file_name::distinct_file_names;
+use asperity_simulation::provenance::{InputFile, Provenance};
+use asperity_simulation::record::law_csv;
 use serde_json::{Value, json};
 
 use super::ResultFolder;
@@ -32,12 +34,12 @@ pub(crate) fn run(
 ) -> Result<(), Failure> {
     let document = super::read(input)?;
     let mut scenario = super::checked(&document)?;
-    let imported = gaps.map(import_gaps).transpose().map_err(StudyError::from)?;
+    let imported = gaps.map(import_gaps).transpose().map_err(SimulationError::from)?;
     if let (Some(path), Some(law)) = (gaps, &imported) {
         add_law(&mut scenario, path, law);
     }
     let exported = Export::new(&scenario, export)?;
-    let fitted = table.map(fit).transpose().map_err(StudyError::from)?;
+    let fitted = table.map(fit).transpose().map_err(SimulationError::from)?;
     let tables = tabulate(&scenario)?;
     let folder = ResultFolder::claim("law", document.path(), output)?;
     let file_names = distinct_file_names(tables.iter().map(|law| law.name.as_str()));

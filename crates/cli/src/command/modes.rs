@@ -1,10 +1,10 @@
 //! `asperity modes`.
 
 use asperity_plot as plot;
-use asperity_study::assemble::Assembly;
-use asperity_study::modes::{ModesSummary, linearised_modes};
-use asperity_study::provenance::Provenance;
-use asperity_study::record::modes_csv;
+use asperity_simulation::assemble::Assembly;
+use asperity_simulation::modes::{ModesSummary, linearised_modes};
+use asperity_simulation::provenance::Provenance;
+use asperity_simulation::record::modes_csv;
 use serde_json::json;
 
 use super::ResultFolder;

@@ -1,8 +1,8 @@
 //! `asperity schema`.
 
-use asperity_ensemble::study_schema;
 use asperity_identify::problem::problem_schema;
 use asperity_scenario::scenario_schema;
+use asperity_study::study_schema;
 
 use crate::failure::Failure;
 use crate::rig::rig_schema;

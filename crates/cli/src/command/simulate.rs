@@ -6,10 +6,10 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use asperity_experiment::AnalysisError;
 use asperity_measure::{MeasureError, WriteOptions, write};
 use asperity_plot as plot;
-use asperity_study::error::OutputError;
-use asperity_study::record::{frf_csv, history_csv, measurement_record};
-use asperity_study::run::{receptance, simulate_with_progress};
-use asperity_study::summary::Summary;
+use asperity_simulation::error::OutputError;
+use asperity_simulation::record::{frf_csv, history_csv, measurement_record};
+use asperity_simulation::run::{receptance, simulate_with_progress};
+use asperity_simulation::summary::Summary;
 use serde_json::json;
 
 use super::ResultFolder;

@@ -1,14 +1,14 @@
 //! `asperity steady`.
 
 use asperity_plot::{self as plot, steady_words};
-use asperity_structure::PreloadedContact;
-use asperity_study::assemble::Assembly;
-use asperity_study::provenance::Provenance;
-use asperity_study::static_state::StaticSummary;
-use asperity_study::steady::{
+use asperity_simulation::assemble::Assembly;
+use asperity_simulation::provenance::Provenance;
+use asperity_simulation::static_state::StaticSummary;
+use asperity_simulation::steady::{
     LevelSummary, SteadyRequest, SteadySummary, TimeSweepRequest, backbone_table, steady_table,
     steady_time_table, steady_with_progress,
 };
+use asperity_structure::PreloadedContact;
 use serde_json::json;
 
 use super::ResultFolder;

@@ -5,13 +5,13 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-use asperity_ensemble::{
-    AnswerOptions, EnsembleError, RunOptions, Shard, SlurmJob, StudyAnswers, StudyFolder,
-    StudyOutcome, StudyPlan, answers, slurm_script,
-};
 use asperity_plot as plot;
 use asperity_scenario::four_digits;
-use asperity_study::output::file_name::file_name;
+use asperity_simulation::output::file_name::file_name;
+use asperity_study::{
+    AnswerOptions, RunOptions, Shard, SlurmJob, StudyAnswers, StudyError, StudyFolder,
+    StudyOutcome, StudyPlan, answers, slurm_script,
+};
 use tracing::info_span;
 
 use crate::args::study::{Study, StudyPart};
@@ -88,7 +88,7 @@ fn run_study(file: &Path, asked: &Study, quiet: bool) -> Result<(), Failure> {
     let started = Instant::now();
     let outcome = super::on_threads(asked.threads, || {
         let options = RunOptions { folder: &folder, resume: asked.resume, shard };
-        asperity_ensemble::run(&plan, &simulator, &options, &stop, &|done, all| {
+        asperity_study::run(&plan, &simulator, &options, &stop, &|done, all| {
             bar.set_length(all);
             bar.set_position(done);
         })
@@ -121,7 +121,7 @@ fn read(file: &Path) -> Result<StudyPlan, Failure> {
     let document = super::read_document(file, FileKind::Study)?;
     let text = document.text().to_owned();
     StudyPlan::of(document).map_err(|error| match error {
-        EnsembleError::Invalid(source) if source.path == file => {
+        StudyError::Invalid(source) if source.path == file => {
             Failure::Invalid { kind: "study", text, path: file.to_owned(), source }
         }
         other => other.into(),

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 use std::time::Instant;
 
 use asperity_plot as plot;
-use asperity_study::provenance::Provenance;
-use asperity_study::sweep::{Variation, input_files, number_of_runs, sweep_with_progress};
+use asperity_simulation::provenance::Provenance;
+use asperity_simulation::sweep::{Variation, input_files, number_of_runs, sweep_with_progress};
 use serde_json::json;
 
 use super::ResultFolder;

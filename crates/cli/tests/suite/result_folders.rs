@@ -9,7 +9,7 @@ mod provenance;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use asperity_study::output::{OutputFolder, OutputRequest};
+use asperity_simulation::output::{OutputFolder, OutputRequest};
 use serde_json::{Value, json};
 
 use crate::{asperity, files, fixture, text};

@@ -12,7 +12,7 @@ use crate::problem::{Changes, HitSpec, SpreadSpec};
 use crate::stepped_sine::{SimulatedSweep, SteppedRow};
 use asperity_harmonic::Drive;
 use asperity_scenario::four_digits;
-use asperity_study::quantity::Quantity;
+use asperity_simulation::quantity::Quantity;
 
 /// Largest distance of two values of one feature of one hit, in standard deviations.
 const MAX_APART: f64 = 10.0;

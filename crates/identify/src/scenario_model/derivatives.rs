@@ -19,10 +19,10 @@ use super::ScenarioModel;
 use crate::hit::{PreparedRig, SimulatedHit};
 use crate::observed_quantity::{HitOutcome, ObservedQuantity, PointOutcomes, backbone_of};
 use crate::stepped_sine::SweepStencil;
-use asperity_study::error::StudyError;
-use asperity_study::observables::free_from;
-use asperity_study::quantity::Observable;
-use asperity_study::sensitivity::{DerivativeTable, StaticStencil, with_laws_of};
+use asperity_simulation::error::SimulationError;
+use asperity_simulation::observables::free_from;
+use asperity_simulation::quantity::Observable;
+use asperity_simulation::sensitivity::{DerivativeTable, StaticStencil, with_laws_of};
 
 /// Step along the derivative of a decay, relative to that of the parameter's stencil.
 const ALONG: f64 = 1e-2;
@@ -44,12 +44,12 @@ struct HitDerivatives {
 
 impl ScenarioModel {
     /// Predictions and their derivatives with respect to the parameters at `point`.
-    pub(crate) fn derivatives(&self, point: &[f64]) -> Result<Derivatives, StudyError> {
+    pub(crate) fn derivatives(&self, point: &[f64]) -> Result<Derivatives, SimulationError> {
         let base = self.prepare(point)?;
         let neighbours = (0..point.len())
             .into_par_iter()
             .map(|parameter| self.neighbours(parameter, point))
-            .collect::<Result<Vec<_>, StudyError>>()?;
+            .collect::<Result<Vec<_>, SimulationError>>()?;
         let hit_derivatives = self
             .hits
             .par_iter()
@@ -95,7 +95,7 @@ impl ScenarioModel {
         Ok(Derivatives { values, jacobian: jacobian.collect() })
     }
 
-    fn neighbours(&self, parameter: usize, point: &[f64]) -> Result<StencilRigs, StudyError> {
+    fn neighbours(&self, parameter: usize, point: &[f64]) -> Result<StencilRigs, SimulationError> {
         let [lower, upper] = self.parameters.list[parameter].bounds();
         let value = point[parameter];
         let scale = match value {
@@ -120,14 +120,14 @@ impl ScenarioModel {
         point: &[f64],
         base: &[PreparedRig],
         neighbours: &[StencilRigs],
-    ) -> Result<HitDerivatives, StudyError> {
+    ) -> Result<HitDerivatives, SimulationError> {
         let rig = &base[hit.rig];
         let gains = |point: &[f64]| hit.sensors.gains(point);
         let simulation = hit.simulation(rig, gains(point), &self.folder)?;
         let counts = hit.mode_counts(rig, &simulation.excitation)?;
         let mut variations = Vec::with_capacity(neighbours.len());
         for around in neighbours {
-            let at = |place: usize| -> Result<HitSimulation, StudyError> {
+            let at = |place: usize| -> Result<HitSimulation, SimulationError> {
                 let varied = &around.rigs[place][hit.rig];
                 let sensors = gains(&around.points[place]);
                 let excitation = hit.excitation(varied, sensors, &self.folder)?;
@@ -228,7 +228,7 @@ impl ScenarioModel {
         parameter: usize,
         around: &StencilRigs,
         hit_derivatives: &[HitDerivatives],
-    ) -> Result<PointOutcomes, StudyError> {
+    ) -> Result<PointOutcomes, SimulationError> {
         let [a, b, c, d] = around.points.each_ref().map(|point| self.stiffnesses(point));
         let (a, b, c, d) = (a?, b?, c?, d?);
         let stiffness = (0..self.stiffness.len())
@@ -247,7 +247,7 @@ impl ScenarioModel {
         point: &[f64],
         base: &[PreparedRig],
         neighbours: &[StencilRigs],
-    ) -> Result<(Vec<Option<Complex64>>, Vec<Vec<Option<Complex64>>>), StudyError> {
+    ) -> Result<(Vec<Option<Complex64>>, Vec<Vec<Option<Complex64>>>), SimulationError> {
         let (mut values, mut derivatives) = (Vec::new(), vec![Vec::new(); neighbours.len()]);
         for sweep in &self.sweeps {
             let stencils: Vec<SweepStencil<'_>> = neighbours

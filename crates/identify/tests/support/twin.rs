@@ -9,7 +9,7 @@ use asperity_signal::{
     FrfAverage, FundamentalSearch, HammerOptions, HitLength, HitOptions, HitRecord, ResponseKind,
     TriggerLevel, analyse_hit,
 };
-use asperity_study::run::simulate;
+use asperity_simulation::run::simulate;
 use serde_json::{Value, json};
 
 /// Time before the hit \[s\].

@@ -1,6 +1,6 @@
 //! Axis of a record.
 
-use asperity_tdms::{TdmsObject, TdmsPath};
+use crate::tdms_file::{TdmsObject, TdmsPath};
 
 use crate::channel::scale;
 use crate::notice::Notices;

@@ -5,7 +5,7 @@
 
 use std::collections::BTreeMap;
 
-use asperity_tdms::{TdmsFile, TdmsPath, TdmsSelection};
+use crate::tdms_file::{TdmsFile, TdmsPath, TdmsSelection};
 
 use crate::notice::Notices;
 use crate::tdms::axis;

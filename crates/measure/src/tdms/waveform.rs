@@ -1,6 +1,6 @@
 //! Axis and unit of a channel from its properties.
 
-use asperity_tdms::{TdmsObject, TdmsProperty, TdmsTime};
+use crate::tdms_file::{TdmsObject, TdmsProperty, TdmsTime};
 
 use crate::error::excerpt;
 use crate::heading::Heading;

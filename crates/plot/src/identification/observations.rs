@@ -1,7 +1,7 @@
 //! Observations with their predictions and bands, and the labels of their features.
 
 use asperity_identify::{Identification, PredictedObservation};
-use asperity_study::quantity::Quantity;
+use asperity_simulation::quantity::Quantity;
 
 /// Kind of an observation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -2,7 +2,7 @@
 
 use asperity_figure::Figure;
 use asperity_figure::report::{Report, TableCell};
-use asperity_study::steady::{
+use asperity_simulation::steady::{
     BackboneSummary, BranchSummary, LevelSummary, SteadySummary, TerminationSummary,
     TimeSweepSummary,
 };

@@ -1,0 +1,404 @@
+//! One response on its way to its accuracy.
+
+use asperity_dynamics::{
+    COARSE_RESIDUAL, ContactExtremes, DynamicsError, Excitation, HitResponse, HitSimulation, Modal,
+};
+use asperity_law::LawError;
+
+use super::{Controlled, Request};
+use crate::accuracy::{DEFAULT_ACCURACY, ErrorEstimate};
+use crate::error::SimulationError;
+use crate::observables::Observables;
+
+/// Halvings of the first step before an accuracy counts as not reached.
+const MOST_REFINEMENTS: i32 = 7;
+
+/// Steps of a response beyond which it is not refined any more.
+const MOST_STEPS: f64 = 2e6;
+
+/// Steps times modes of a response beyond which it is not refined any more: some seconds, or, where a
+/// smaller accuracy than the default is asked for, minutes.
+const MOST_WORK: f64 = 1e8;
+const MOST_WORK_ASKED: f64 = 4e9;
+
+/// Most modes of a body: those too fast for the step count as flexibility anyway.
+const MOST_MODES: usize = 512;
+
+/// Levels in a row without a response after which none is expected.
+const MOST_FAILURES: usize = 4;
+
+/// Shares of the accuracy that the step, the number of modes, and modes too fast for the step may
+/// take; the rest is for the tables.
+const STEP_SHARE: f64 = 0.45;
+const COUNT_SHARE: f64 = 0.35;
+const FAST_SHARE: f64 = 0.1;
+
+/// Halvings from which on a response counts as far from converged, and its estimated error then, over
+/// the accuracy.
+const SUSPECT_REFINEMENTS: i32 = 2;
+const SUSPECT_ERROR: f64 = 10.0;
+
+/// A response and its observables.
+#[derive(Debug)]
+pub(super) struct Response {
+    pub(super) hit: HitSimulation,
+    pub(super) record: HitResponse,
+    pub(super) observables: Observables,
+}
+
+impl Response {
+    pub(super) fn loses_contact(&self) -> bool {
+        contact_is_lost(&self.record.contacts)
+    }
+
+    fn has_friction(&self) -> bool {
+        self.hit.model.preloaded().friction().is_some()
+    }
+}
+
+/// True if any of some contacts is lost for a time.
+pub(crate) fn contact_is_lost(contacts: &[ContactExtremes]) -> bool {
+    contacts.iter().any(|contact| contact.lost > 0.0)
+}
+
+/// A request on its way.
+#[derive(Debug)]
+pub(super) struct Task<'a> {
+    pub(super) request: &'a Request,
+    /// Modes of each body, and step \[s\], of the first level.
+    counts: Vec<usize>,
+    first_step: f64,
+    duration: f64,
+    /// True if the scenario gives the step, or the modes.
+    step_is_given: bool,
+    modes_are_given: bool,
+    /// True if its level is that of many hits.
+    is_pilot: bool,
+    pub(super) level: Level,
+    /// Levels in a row without a response.
+    failures: usize,
+    pub(super) fine: Option<Result<Response, SimulationError>>,
+    /// The response that the step is judged by; and the one, of fewer modes, that the modes are
+    /// judged by.
+    pub(super) other: Option<Result<Response, SimulationError>>,
+    pub(super) fewer: Option<Result<Response, SimulationError>>,
+    /// Errors by the truncation of modes, of a response with so many.
+    truncation: Option<(usize, ErrorEstimate)>,
+    /// The time from which on the fine response depends on rounding, and the observables of its twin.
+    pub(super) parted: Option<(f64, Observables)>,
+    pub(super) done: Option<Result<Controlled, SimulationError>>,
+}
+
+/// Halvings of the first step, and doublings of the first modes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
+pub(super) struct Level {
+    step: i32,
+    modes: i32,
+}
+
+impl<'a> Task<'a> {
+    pub(super) fn new(request: &'a Request) -> Result<Self, SimulationError> {
+        let prepared = &request.prepared;
+        let modal = prepared.modal().unwrap_or_default();
+        let mut hit = prepared.hit(&modal, request.excitation.clone())?;
+        hit.duration = request.duration.unwrap_or(hit.duration);
+        Ok(Self {
+            request,
+            counts: first_counts(prepared.mode_counts(&modal, &request.excitation)?, &modal),
+            first_step: hit.first_step()?.0,
+            duration: hit.duration,
+            step_is_given: modal.step.is_some(),
+            modes_are_given: modal.modes_per_body.is_some(),
+            is_pilot: false,
+            level: Level::default(),
+            failures: 0,
+            fine: None,
+            other: None,
+            fewer: None,
+            truncation: None,
+            parted: None,
+            done: None,
+        })
+    }
+
+    /// Modes of each body at a level: the rigid one always, of the elastic ones 0, 1, 3, 7, ...
+    pub(super) fn counts_at(&self, level: Level) -> Vec<usize> {
+        let factor = f64::from(level.modes).exp2();
+        let modes = |&count: &usize| ((count as f64 * factor) as usize).clamp(1, MOST_MODES);
+        self.counts.iter().map(modes).collect()
+    }
+
+    pub(super) fn hit(
+        &self,
+        level: Level,
+        excitation: Excitation,
+    ) -> Result<HitSimulation, SimulationError> {
+        Ok(HitSimulation {
+            model: self.request.prepared.modal_model(&self.counts_at(level))?,
+            excitation,
+            duration: self.duration,
+            step: Some(self.first_step / f64::from(level.step).exp2()),
+        })
+    }
+
+    /// The hit at a level, if there is one.
+    pub(super) fn hit_at(&self, level: Level) -> Result<HitSimulation, SimulationError> {
+        self.hit(level, self.request.excitation.clone())
+    }
+
+    pub(super) fn pilot(request: &'a Request) -> Result<Self, SimulationError> {
+        Ok(Self { is_pilot: true, ..Self::new(request)? })
+    }
+
+    /// True if the step is judged by one of half its length, false if by one of twice: a longer step
+    /// for many hits is worth the comparison.
+    fn compares_with_half(&self) -> bool {
+        self.is_pilot || self.step_is_given
+    }
+
+    /// Level of the response that the step is judged by.
+    pub(super) fn other_level(&self) -> Level {
+        let change = if self.compares_with_half() { 1 } else { -1 };
+        Level { step: self.level.step + change, ..self.level }
+    }
+
+    /// Level of the response that the truncation of modes is judged by: of fewer modes.
+    pub(super) fn fewer_level(&self) -> Level {
+        Level { modes: self.level.modes - 1, ..self.level }
+    }
+
+    /// True if the truncation of the fine response's modes is not judged yet.
+    pub(super) fn lacks_truncation(&self) -> bool {
+        let Some(Ok(fine)) = &self.fine else { return false };
+        let known = self.truncation.as_ref().map(|(modes, _)| *modes);
+        !self.modes_are_given && known != Some(fine.record.modes)
+    }
+
+    /// True if the response may depend on rounding: it loses contact, and is far from converged.
+    pub(super) fn is_suspect(&self) -> bool {
+        let Some(Ok(fine)) = &self.fine else { return false };
+        fine.loses_contact() && self.is_far_from_converged(fine)
+    }
+
+    fn is_far_from_converged(&self, fine: &Response) -> bool {
+        self.level.step >= SUSPECT_REFINEMENTS
+            && self.step_errors(fine).relative > SUSPECT_ERROR * self.accuracy()
+    }
+
+    /// True if half the step, after a response of so many `modes`, is worth its work.
+    fn may_halve(&self, modes: usize) -> bool {
+        let steps = 2.0 * self.steps();
+        !self.step_is_given
+            && self.level.step < MOST_REFINEMENTS
+            && steps <= MOST_STEPS
+            && steps * modes as f64 <= self.most_work()
+    }
+
+    /// True if twice the modes, after a response of so many, are worth their work.
+    fn may_add_modes(&self, modes: usize) -> bool {
+        let more = Level { modes: self.level.modes + 1, ..self.level };
+        !self.modes_are_given
+            && self.level.modes < MOST_REFINEMENTS
+            && self.steps() * 2.0 * modes as f64 <= self.most_work()
+            && self.counts_at(more) != self.counts_at(self.level)
+    }
+
+    fn steps(&self) -> f64 {
+        self.duration / self.first_step * f64::from(self.level.step).exp2()
+    }
+
+    fn most_work(&self) -> f64 {
+        if self.accuracy() < DEFAULT_ACCURACY { MOST_WORK_ASKED } else { MOST_WORK }
+    }
+
+    fn accuracy(&self) -> f64 {
+        self.request.prepared.assembly.accuracy
+    }
+
+    /// Errors by the step.
+    fn step_errors(&self, fine: &Response) -> ErrorEstimate {
+        let Some(Ok(other)) = &self.other else {
+            return ErrorEstimate::unknown(&fine.observables, self.accuracy());
+        };
+        let [finer, coarser] =
+            if self.compares_with_half() { [other, fine] } else { [fine, other] };
+        if finer.record.is_of_second_order && !coarser.record.is_of_second_order {
+            // The error of the finer one may be the larger.
+            return ErrorEstimate::unknown(&fine.observables, self.accuracy());
+        }
+        // Of second order while contact holds; of first where it is lost, or where friction begins to
+        // slip.
+        let kinks = fine.loses_contact() || other.loses_contact() || fine.has_friction();
+        let divisor = match (self.compares_with_half(), kinks) {
+            (false, false) => 3.0,
+            (false, true) => 1.0,
+            (true, false) => 0.75,
+            (true, true) => 0.5,
+        };
+        ErrorEstimate::new(&fine.observables, &other.observables, divisor, self.accuracy())
+    }
+
+    /// Errors by the truncation of modes, of third order in their number; with loss of contact or
+    /// friction of no certain order, the whole difference.
+    fn truncation_errors(&self, fine: &Response) -> ErrorEstimate {
+        match &self.fewer {
+            None => ErrorEstimate::of_share(&fine.observables, 0.0, self.accuracy()),
+            Some(Ok(fewer)) => {
+                let kinks = fewer.loses_contact() || fine.loses_contact() || fine.has_friction();
+                let divisor = if kinks { 1.0 } else { 3.0 };
+                ErrorEstimate::new(&fine.observables, &fewer.observables, divisor, self.accuracy())
+            }
+            Some(Err(_)) => ErrorEstimate::unknown(&fine.observables, self.accuracy()),
+        }
+    }
+
+    /// Errors by modes that neither the fine response nor the one that judges its step shows, from
+    /// above.
+    fn fast_mode_errors(&self, fine: &Response) -> ErrorEstimate {
+        let step = match &self.other {
+            Some(Ok(other)) => other.record.step.min(fine.record.step),
+            _ => fine.record.step,
+        };
+        let error = fine.hit.error_of_fast_modes(step, &fine.record);
+        ErrorEstimate::of_share(&fine.observables, error, self.accuracy())
+    }
+
+    /// Errors by the tables of the laws: their largest differences from the laws, over the ranges of
+    /// pressure, are those of the forces.
+    fn table_errors(&self, fine: &Response) -> ErrorEstimate {
+        let Ok(errors) = fine.record.table_errors(&fine.hit.model) else {
+            return ErrorEstimate::unknown(&fine.observables, self.accuracy());
+        };
+        let share = |(error, contact): (f64, &ContactExtremes)| {
+            if error == 0.0 { 0.0 } else { error / (contact.pressure_max - contact.pressure_min) }
+        };
+        let shares = errors.into_iter().zip(&fine.record.contacts).map(share);
+        let largest = shares.fold(0.0, f64::max);
+        ErrorEstimate::of_share(&fine.observables, largest, self.accuracy())
+    }
+
+    /// Accepts the fine response with the errors of its pilot if contact held; begins anew otherwise.
+    pub(super) fn follow(&mut self, pilot: &(Level, Observables)) {
+        let fine = self.fine.take();
+        if let (Some(Ok(fine)), Some(estimate)) = (fine, pilot.1.estimate())
+            && !fine.loses_contact()
+            && fine.record.energy.residual_relative() <= COARSE_RESIDUAL
+        {
+            let estimate = estimate.transferred(&pilot.1, &fine.observables);
+            self.done = Some(Ok(accepted(fine, self.counts_at(self.level), estimate)));
+        } else {
+            self.level = Level::default();
+        }
+    }
+
+    /// Accepts the fine response, or prepares the next level.
+    pub(super) fn judge(&mut self) {
+        match self.fine.take() {
+            None => {}
+            Some(Err(error))
+                if self.failures < MOST_FAILURES
+                    && self.may_halve(1)
+                    && is_mended_by_refinement(&error) =>
+            {
+                self.failures += 1;
+                self.level.step += 1;
+                self.other = None;
+            }
+            Some(Err(SimulationError::Dynamics(source))) if self.level.step > 0 => {
+                let step_s = self.first_step / f64::from(self.level.step).exp2();
+                self.done = Some(Err(SimulationError::NotResolved { step_s, source }));
+            }
+            Some(Err(error)) => self.done = Some(Err(error)),
+            // Its hits are refined one by one.
+            Some(Ok(fine))
+                if self.is_pilot && (fine.loses_contact() || self.is_far_from_converged(&fine)) =>
+            {
+                let estimate = ErrorEstimate::unknown(&fine.observables, self.accuracy());
+                self.done = Some(Ok(accepted(fine, self.counts_at(self.level), estimate)));
+            }
+            Some(Ok(fine)) => {
+                self.failures = 0;
+                let by_step = self.step_errors(&fine);
+                let by_modes = match (self.truncation.take(), &self.fewer) {
+                    (Some((_, known)), None) => known,
+                    _ => self.truncation_errors(&fine),
+                };
+                self.fewer = None;
+                let by_fast_modes = self.fast_mode_errors(&fine);
+                tracing::debug!(
+                    step_s = fine.record.step,
+                    modes = fine.record.modes,
+                    error_by_step = by_step.relative,
+                    of = ?by_step.worst,
+                    error_by_modes = by_modes.relative,
+                    of_modes = ?by_modes.worst,
+                    error_by_fast_modes = by_fast_modes.relative,
+                    "errors estimated"
+                );
+                let residual = fine.record.energy.residual_relative();
+                // An error that is not a number is not small.
+                let accuracy = self.accuracy();
+                let exceeds = |estimate: &ErrorEstimate, share: f64| {
+                    estimate.relative.is_nan() || estimate.relative > share * accuracy
+                };
+                let is_coarse = exceeds(&by_step, STEP_SHARE)
+                    || exceeds(&by_fast_modes, FAST_SHARE)
+                    || residual.is_nan()
+                    || residual > COARSE_RESIDUAL;
+                let halve = is_coarse && self.may_halve(fine.record.modes);
+                let add_modes =
+                    exceeds(&by_modes, COUNT_SHARE) && self.may_add_modes(fine.record.modes);
+                let parted = self.parted.take();
+                if parted.is_none() && add_modes {
+                    self.level.modes += 1;
+                    self.level.step += i32::from(halve);
+                    self.other = None;
+                } else if parted.is_none() && halve {
+                    self.level.step += 1;
+                    self.truncation = Some((fine.record.modes, by_modes));
+                    if self.compares_with_half() {
+                        self.fine = self.other.take();
+                    } else {
+                        self.other = Some(Ok(fine));
+                    }
+                } else {
+                    let by_tables = self.table_errors(&fine);
+                    let estimate = by_step.plus(&by_modes).plus(&by_fast_modes).plus(&by_tables);
+                    let mut done = accepted(fine, self.counts_at(self.level), estimate);
+                    if let Some((from, twin)) = parted {
+                        done.observables.set_sensitive(from, Some(&twin));
+                    }
+                    self.done = Some(Ok(done));
+                }
+            }
+        }
+    }
+}
+
+/// Modes of each body at the first level: at least one elastic, whose share can be seen.
+fn first_counts(mut counts: Vec<usize>, modal: &Modal) -> Vec<usize> {
+    if modal.modes_per_body.is_none() {
+        for count in &mut counts {
+            *count = (*count).max(2);
+        }
+    }
+    counts
+}
+
+fn accepted(response: Response, counts: Vec<usize>, estimate: ErrorEstimate) -> Controlled {
+    Controlled {
+        counts,
+        record: response.record,
+        observables: response.observables.with_estimate(estimate),
+        hit: response.hit,
+    }
+}
+
+fn is_mended_by_refinement(error: &SimulationError) -> bool {
+    let SimulationError::Dynamics(error) = error else { return false };
+    match error {
+        DynamicsError::Unstable { .. } | DynamicsError::Coarse { .. } => true,
+        DynamicsError::Law { source, .. } => matches!(source, LawError::Unresolved { .. }),
+        _ => false,
+    }
+}

@@ -1,0 +1,173 @@
+//! Tables of the laws of a scenario, and the fit of the power law to measurements.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use asperity_law::{ContactLaw, PowerFit, fit_power};
+use asperity_mesh::Body;
+use asperity_scenario::{LawRef, LawSpec, Laws, Scenario, read_text};
+
+use crate::assemble::{body, build_law};
+use crate::error::{FitTableError, FitTableFault, SimulationError};
+
+/// Rows of a tabulated law.
+const ROWS: usize = 501;
+
+/// Highest pressure of a table \[Pa\], unless the law or the static pressures are higher.
+const USUAL_TOP: f64 = 1e6;
+
+/// Most bytes of a table to fit.
+const MOST_FIT_BYTES: u64 = 16 << 20;
+
+/// A tabulated law.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LawTable {
+    /// Name of the law in the scenario.
+    pub name: String,
+    /// Pressure in Pa, increasing.
+    pub pressure: Vec<f64>,
+    /// Contact stiffness per area in Pa/m.
+    pub stiffness: Vec<f64>,
+    /// Closure in m, from the law's reference pressure.
+    pub closure: Vec<f64>,
+    /// Stored energy per area in J/m2.
+    pub energy: Vec<f64>,
+}
+
+/// Tabulates every named law of `scenario`, from zero pressure to at least 1 MPa.
+///
+/// The rows crowd towards zero pressure, where the laws differ most: row `i`
+/// of `n` lies at `(i / n)^2` of the top. A law that never separates counts its
+/// closure from the static pressure of the first interface that uses it, and
+/// its table starts above zero pressure, where its closure is finite.
+///
+/// # Errors
+/// [`SimulationError`] when a law or a body cannot be built.
+///
+/// ```
+/// # use asperity_scenario::Document;
+/// # use asperity_simulation::laws::tabulate;
+/// let document = Document::read("examples/block.json")?;
+/// let tables = tabulate(&document.scenario()?)?;
+/// let last = tables[0].pressure.len() - 1;
+/// assert_eq!(tables[0].pressure[last], 1e6);
+/// assert!((tables[0].stiffness[last] / (1.8e10 * 1e6_f64.powf(0.35)) - 1.0).abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn tabulate(scenario: &Scenario) -> Result<Vec<LawTable>, SimulationError> {
+    let _stage = tracing::info_span!("tabulate").entered();
+    let tables = scenario_laws(scenario)?.into_iter().map(|one| {
+        let top = usual_top(scenario.laws.get(&one.name), &scenario.laws, one.static_pressure_pa);
+        table(&one.name, &one.law, top)
+    });
+    Ok(tables.collect())
+}
+
+/// A named law of a scenario.
+#[derive(Debug, Clone)]
+pub struct ScenarioLaw {
+    /// Name of the law.
+    pub name: String,
+    /// Static pressure \[Pa\] of the first interface that uses the law, or else of the first one.
+    pub static_pressure_pa: f64,
+    /// The law; one that never separates counts its closure from that pressure.
+    pub law: Arc<dyn ContactLaw>,
+}
+
+/// Builds every named law of `scenario`, in its order.
+///
+/// # Errors
+/// [`SimulationError`] when a law or a body cannot be built.
+pub fn scenario_laws(scenario: &Scenario) -> Result<Vec<ScenarioLaw>, SimulationError> {
+    let at_rest = static_pressures(scenario)?;
+    let built = scenario.laws.names().map(|name| {
+        let reference = LawRef::Named(name.to_owned());
+        let used = scenario.interfaces.iter().position(|interface| interface.law == reference);
+        let pressure_pa = at_rest[used.unwrap_or_default()];
+        let law = build_law(&reference, &scenario.laws, pressure_pa).map_err(|source| {
+            let interface = used.map(|at| scenario.interfaces[at].name.clone());
+            SimulationError::Law { law: name.to_owned(), interface, pressure_pa, source }
+        })?;
+        Ok(ScenarioLaw { name: name.to_owned(), static_pressure_pa: pressure_pa, law })
+    });
+    built.collect()
+}
+
+/// Pressure \[Pa\] at each interface under the weight of the bodies above.
+pub(crate) fn static_pressures(scenario: &Scenario) -> Result<Vec<f64>, SimulationError> {
+    let bodies = scenario.bodies.iter().map(body).collect::<Result<Vec<Body>, _>>()?;
+    let areas = scenario.interfaces.iter().map(|interface| interface.area_m2);
+    Ok(asperity_mesh::static_pressures(&bodies, areas, scenario.gravity_m_per_s2))
+}
+
+/// Name of a law in messages and tables.
+pub(crate) fn law_name(reference: &LawRef) -> &str {
+    match reference {
+        LawRef::Named(name) => name,
+        LawRef::InPlace(_) => "in place",
+    }
+}
+
+/// Highest pressure \[Pa\] of the table of a law.
+pub(crate) fn usual_top(spec: Option<&LawSpec>, laws: &Laws, at_rest: f64) -> f64 {
+    let highest = spec.map_or(0.0, |spec| highest_point(spec, laws));
+    USUAL_TOP.max(2.0 * at_rest).max(highest)
+}
+
+fn highest_point(spec: &LawSpec, laws: &Laws) -> f64 {
+    match spec {
+        LawSpec::Table { points } => points.last().map_or(0.0, |point| point[0]),
+        LawSpec::ModifiedPower { transition_pa, .. } => 2.0 * transition_pa,
+        _ => {
+            let inner = spec.inner_laws().filter_map(|inner| laws.resolve(inner));
+            inner.map(|inner| highest_point(inner, laws)).fold(0.0, f64::max)
+        }
+    }
+}
+
+fn table(name: &str, law: &Arc<dyn ContactLaw>, top: f64) -> LawTable {
+    let pressures = (0..ROWS).map(|row| top * (row as f64 / (ROWS - 1) as f64).powi(2));
+    let pairs = pressures.map(|pressure| (pressure, law.closure(pressure)));
+    let (pressure, closure): (Vec<f64>, Vec<f64>) = pairs.filter(|pair| pair.1.is_finite()).unzip();
+    let stiffness = pressure.iter().map(|&pressure| law.stiffness(pressure)).collect();
+    let energy = closure.iter().map(|&closure| law.energy(closure)).collect();
+    LawTable { name: name.to_owned(), pressure, stiffness, closure, energy }
+}
+
+/// Fits `ln K = ln C + m ln p` to a CSV of `pressure_pa,stiffness_pa_per_m` rows.
+///
+/// The paper's Table 3 gives C = 1.810e10 and m = 0.351.
+///
+/// # Errors
+/// [`FitTableError`] for a file that cannot be read or points that cannot be fitted.
+///
+/// ```
+/// # use asperity_simulation::laws::fit;
+/// let folder = tempfile::tempdir()?;
+/// let table = folder.path().join("table.csv");
+/// let rows = "0.14e6,1.15e12\n0.35e6,1.75e12\n0.57e6,1.63e12\n1e6,2.46e12\n";
+/// std::fs::write(&table, format!("pressure_pa,stiffness_pa_per_m\n{rows}"))?;
+/// let power = fit(&table)?;
+/// assert!((power.exponent - 0.3509).abs() < 1e-4);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn fit(path: &Path) -> Result<PowerFit, FitTableError> {
+    let fitted = read_points(path).and_then(|points| Ok(fit_power(&points)?));
+    fitted.map_err(|fault| FitTableError { path: path.to_owned(), fault })
+}
+
+fn read_points(path: &Path) -> Result<Vec<(f64, f64)>, FitTableFault> {
+    let text = read_text(path, MOST_FIT_BYTES)?;
+    let mut lines = text.trim_start_matches('\u{feff}').lines().enumerate();
+    let header = lines.next().map(|(_, line)| line.trim()).unwrap_or_default();
+    if header.replace(' ', "") != "pressure_pa,stiffness_pa_per_m" {
+        return Err(FitTableFault::Header(header.to_owned()));
+    }
+    let rows = lines.filter(|(_, line)| !line.trim().is_empty());
+    rows.map(|(number, line)| {
+        let parse = |field: &str| field.trim().parse::<f64>().ok();
+        let pair = line.split_once(',').and_then(|(p, k)| Some((parse(p)?, parse(k)?)));
+        pair.ok_or_else(|| FitTableFault::Row { line: number + 1, found: line.to_owned() })
+    })
+    .collect()
+}

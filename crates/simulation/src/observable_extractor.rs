@@ -1,0 +1,212 @@
+//! From the decimated records of many hits to their observables.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use asperity_dynamics::{Decimation, Excitation, HitResponse, HitSimulation};
+use asperity_signal::{
+    Complex64, DecimationFilter, HarmonicOptions, SharedForce, SharedForceFeatures, SignalError,
+    transform_at,
+};
+
+use crate::error::SimulationError;
+use crate::observables::{
+    Observables, Peaks, ResponseView, contact_views, features_of, free_from, frequency_response,
+};
+use crate::prepared_scenario::PreparedScenario;
+
+/// Forces kept at a time.
+const MOST_KEPT: usize = 32;
+
+/// Extracts the observables of hits from their records; filters and transforms of forces that hits
+/// share are computed once.
+#[derive(Debug, Default)]
+pub struct ObservableExtractor {
+    filters: Mutex<Vec<Arc<Filter>>>,
+    /// The latest filter, with the frequency and the step it was made for, both in bits.
+    latest: Mutex<Option<(u64, u64, Arc<Decimation>)>>,
+    forces: Mutex<Vec<Arc<DecimatedForce>>>,
+}
+
+/// A low-pass filter, as integrator and analysis take it.
+#[derive(Debug)]
+struct Filter {
+    decimation: Arc<Decimation>,
+    decimator: DecimationFilter,
+}
+
+/// The force of hits of one shape, of unit peak, decimated.
+#[derive(Debug)]
+struct DecimatedForce {
+    shape: Excitation,
+    step: f64,
+    steps: usize,
+    decimation: Arc<Decimation>,
+    samples: Vec<f64>,
+    shared: Option<SharedForce>,
+    /// Place in the decimated samples from which on there is no force.
+    free: f64,
+}
+
+impl ObservableExtractor {
+    /// The filter for the output of a hit at `step` \[s\]: it keeps the windows in which peaks are
+    /// sought about the static frequency `natural` \[Hz\], and all below `wanted` \[Hz\].
+    pub fn decimation(&self, natural: Option<f64>, wanted: f64, step: f64) -> Arc<Decimation> {
+        let options = HarmonicOptions::default();
+        let band = options.fundamental_window.1 * options.second_window.1.max(1.0);
+        let high = natural.map_or(f64::INFINITY, |natural| (band * natural).max(wanted));
+        let (band, bits) = (high.to_bits(), step.to_bits());
+        let mut latest = self.latest.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, _, decimation)) = latest.as_ref().filter(|l| (l.0, l.1) == (band, bits)) {
+            return Arc::clone(decimation);
+        }
+        let decimator = DecimationFilter::keeping(1.0 / step, high);
+        let mut filters = self.filters.lock().unwrap_or_else(PoisonError::into_inner);
+        let same = |filter: &&Arc<Filter>| filter.decimation.factor == decimator.factor();
+        let known = filters.iter().find(same).map(|filter| Arc::clone(&filter.decimation));
+        let decimation = known.unwrap_or_else(|| {
+            let decimation =
+                Arc::new(Decimation { factor: decimator.factor(), taps: decimator.taps().into() });
+            filters.push(Arc::new(Filter { decimation: Arc::clone(&decimation), decimator }));
+            decimation
+        });
+        *latest = Some((band, bits, Arc::clone(&decimation)));
+        decimation
+    }
+
+    /// The decimated force of a hit's shape, and the factor on it; none without a force.
+    fn force(
+        &self,
+        hit: &HitSimulation,
+        record: &HitResponse,
+    ) -> Option<(Arc<DecimatedForce>, f64)> {
+        let (shape, factor) = hit.excitation.unit();
+        if shape.peak() == 0.0 {
+            return None;
+        }
+        let mut forces = self.forces.lock().unwrap_or_else(PoisonError::into_inner);
+        let same = |force: &&Arc<DecimatedForce>| {
+            (force.step, force.steps) == (record.step, record.steps)
+                && Arc::ptr_eq(&force.decimation, &record.decimation)
+                && force.shape == shape
+        };
+        if let Some(force) = forces.iter().find(same) {
+            return Some((Arc::clone(force), factor));
+        }
+        let mut samples = vec![0.0; record.steps];
+        shape.sample_into(0.0, record.step, &mut samples);
+        let free = free_from(&samples, shape.peak());
+        let filters = self.filters.lock().unwrap_or_else(PoisonError::into_inner);
+        let filter = filters.iter().find(|f| Arc::ptr_eq(&f.decimation, &record.decimation))?;
+        let delay = filter.decimator.taps().len() / 2;
+        let mut decimated = filter.decimator.apply(&samples, &(0..samples.len()));
+        decimated.truncate(record.displacement.len());
+        let rate = sample_rate(record);
+        // The filter keeps frequencies up to this.
+        let kept = rate / 4.4;
+        let force = Arc::new(DecimatedForce {
+            shared: SharedForce::new(&decimated, rate, kept),
+            shape,
+            step: record.step,
+            steps: record.steps,
+            decimation: Arc::clone(&record.decimation),
+            samples: decimated,
+            free: (free + delay) as f64 / filter.decimator.factor() as f64,
+        });
+        if forces.len() >= MOST_KEPT {
+            forces.clear();
+        }
+        forces.push(Arc::clone(&force));
+        Some((force, factor))
+    }
+
+    /// The receptance of a hit at some `frequencies` \[Hz\] that its filter keeps \[m/N\]; none
+    /// without a force.
+    pub fn receptance(
+        &self,
+        hit: &HitSimulation,
+        record: &HitResponse,
+        frequencies: &[f64],
+    ) -> Option<Vec<Complex64>> {
+        let (force, factor) = self.force(hit, record)?;
+        let rate = sample_rate(record);
+        let at = |&frequency: &f64| {
+            let [response, force] = [&record.displacement, &force.samples]
+                .map(|samples| transform_at(samples, rate, frequency));
+            response / (factor * force)
+        };
+        Some(frequencies.iter().map(at).collect())
+    }
+
+    /// The displacement of a hit after its force \[m\], and its sample rate \[Hz\]; none without
+    /// a force.
+    pub fn decay<'a>(
+        &self,
+        hit: &HitSimulation,
+        record: &'a HitResponse,
+    ) -> Option<(&'a [f64], f64)> {
+        let (force, _) = self.force(hit, record)?;
+        Some((force.decay(record), sample_rate(record)))
+    }
+
+    /// The observables of a hit from its record.
+    ///
+    /// # Errors
+    /// [`SimulationError::Signal`] when the record cannot be analysed.
+    pub fn observables(
+        &self,
+        prepared: &PreparedScenario,
+        hit: &HitSimulation,
+        record: &HitResponse,
+    ) -> Result<Observables, SimulationError> {
+        let mut peaks = Peaks::default();
+        let natural = prepared.at_rest.natural_frequency_hz;
+        if let (Some(natural), Some((force, factor))) = (natural, self.force(hit, record)) {
+            let options = HarmonicOptions::default();
+            let shared = force.shared.as_ref();
+            let features =
+                shared.and_then(|s| s.analyse(&record.displacement, factor, natural, &options));
+            let features = match features {
+                Some(features) => features,
+                None => force.analyse_exactly(factor, record, natural)?,
+            };
+            // From the sample before the end of the force on.
+            let decay = record.displacement.get(force.free as usize..).unwrap_or_default();
+            peaks = Peaks::new(features, decay, force.free.fract(), sample_rate(record));
+        }
+        let interfaces = prepared.assembly.structure.contacts();
+        let view = ResponseView {
+            at_rest: &prepared.at_rest,
+            interfaces,
+            peaks,
+            contacts: contact_views(interfaces, &record.contacts),
+            energy: Some(record.energy),
+            step: record.step,
+            steps: record.steps,
+        };
+        Ok(view.observables())
+    }
+}
+
+/// Sample rate of a decimated record \[Hz\].
+fn sample_rate(record: &HitResponse) -> f64 {
+    1.0 / (record.step * record.decimation.factor as f64)
+}
+
+impl DecimatedForce {
+    /// The part of a record after the force.
+    fn decay<'a>(&self, record: &'a HitResponse) -> &'a [f64] {
+        record.displacement.get(self.free.ceil() as usize..).unwrap_or_default()
+    }
+
+    /// The features of a record whose spectrum cannot be interpolated, for a force of this factor.
+    fn analyse_exactly(
+        &self,
+        factor: f64,
+        record: &HitResponse,
+        natural: f64,
+    ) -> Result<SharedForceFeatures, SignalError> {
+        let force: Vec<f64> = self.samples.iter().map(|force| factor * force).collect();
+        let response = frequency_response(&force, &record.displacement, sample_rate(record))?;
+        Ok(response.map(|response| features_of(&response, natural)).unwrap_or_default())
+    }
+}

@@ -1,0 +1,62 @@
+//! Origin of results: version, scenario, and the files that the scenario names.
+
+use std::path::Path;
+
+use asperity_scenario::{Document, ExcitationSpec, Scenario, file_sha256};
+use serde::Serialize;
+
+use crate::error::SimulationError;
+
+/// Origin of a result.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Provenance {
+    /// Version of asperity.
+    pub version: &'static str,
+    /// SHA-256 of the scenario, with its changes, in canonical form.
+    pub scenario_sha256: String,
+    /// Other files that the result depends on.
+    pub files: Vec<InputFile>,
+}
+
+/// File that a result depends on.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+pub struct InputFile {
+    /// Name, as given.
+    pub file: String,
+    /// SHA-256 of its contents.
+    pub sha256: String,
+}
+
+impl Provenance {
+    /// The provenance of a result that depends on these files beside the document.
+    pub fn new(document: &Document, files: Vec<InputFile>) -> Self {
+        Self { version: env!("CARGO_PKG_VERSION"), scenario_sha256: document.sha256(), files }
+    }
+
+    /// The provenance of a result of one scenario.
+    ///
+    /// # Errors
+    /// [`SimulationError::Input`] for a file that cannot be read.
+    pub fn of_scenario(document: &Document, scenario: &Scenario) -> Result<Self, SimulationError> {
+        let files = match &scenario.excitation {
+            ExcitationSpec::Samples { file, .. } => {
+                vec![InputFile::read(document.folder(), file.as_ref())?]
+            }
+            _ => Vec::new(),
+        };
+        Ok(Self::new(document, files))
+    }
+}
+
+impl InputFile {
+    /// The file `file`, relative to `folder`.
+    ///
+    /// # Errors
+    /// [`SimulationError::Input`] if it cannot be read.
+    pub fn read(folder: &Path, file: &Path) -> Result<Self, SimulationError> {
+        let path = folder.join(file);
+        let sha256 =
+            file_sha256(&path).map_err(|source| SimulationError::Input { path, source })?;
+        Ok(Self { file: file.display().to_string(), sha256 })
+    }
+}

@@ -1,0 +1,135 @@
+//! One transient run: equilibrium, integration, observables.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use asperity_dynamics::{Batch, Modal, Transient};
+use asperity_scenario::{Document, Scenario};
+use asperity_signal::Frf;
+use tracing::info_span;
+
+use crate::assemble::Assembly;
+use crate::error::SimulationError;
+use crate::error_control::{ErrorControl, Request};
+use crate::finite_differences::integrate;
+use crate::observables::{Observables, frequency_response};
+use crate::prepared_scenario::PreparedScenario;
+use crate::provenance::Provenance;
+use crate::summary::{Numerics, Summary};
+
+/// Zero padding of the FRF that is written and drawn.
+const FRF_PADDING: usize = 4;
+
+/// Highest frequency of the FRF that is written, over the static frequency.
+const FRF_RANGE: f64 = 6.0;
+
+/// A finished run.
+#[derive(Debug)]
+pub struct Run {
+    /// The assembled scenario.
+    pub assembly: Assembly,
+    /// The response.
+    pub transient: Transient,
+    /// Its observables.
+    pub observables: Observables,
+    /// The observables as `summary.json` has them.
+    pub summary: Summary,
+}
+
+/// Carries out the run that `document` describes.
+///
+/// Warnings about the response are in the summary, and logged.
+///
+/// # Errors
+/// [`SimulationError`] when the parts cannot be built or the run fails.
+///
+/// ```
+/// # use asperity_scenario::Document;
+/// # use asperity_simulation::run::simulate;
+/// let document = Document::read("examples/block.json")?;
+/// let run = simulate(&document, &document.scenario()?)?;
+/// let fundamental = run.summary.fundamental.unwrap();
+/// let at_rest = run.summary.at_rest.natural_frequency_hz.unwrap();
+/// assert!((fundamental.frequency_hz / at_rest - 1.0).abs() < 0.05);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn simulate(document: &Document, scenario: &Scenario) -> Result<Run, SimulationError> {
+    simulate_with_progress(document, scenario, &|_| ())
+}
+
+/// As [`simulate`]; `progress` receives the fraction done.
+///
+/// # Errors
+/// Those of [`simulate`].
+pub fn simulate_with_progress(
+    document: &Document,
+    scenario: &Scenario,
+    progress: &(dyn Fn(f64) + Sync),
+) -> Result<Run, SimulationError> {
+    let started = Instant::now();
+    let prepared = info_span!("assemble")
+        .in_scope(|| PreparedScenario::new(scenario, document.folder()).map(Arc::new))?;
+    let (transient, observables, modes_per_body) = if let Some(modal) = prepared.modal() {
+        let (transient, found, counts) = controlled(&prepared, modal, progress)?;
+        (transient, found, Some(counts))
+    } else {
+        let (transient, found) = integrate(&prepared.assembly, &prepared.at_rest, progress)?;
+        (transient, found, None)
+    };
+    let (assembly, at_rest) = (prepared.assembly.clone(), prepared.at_rest.clone());
+    for warning in &observables.warnings {
+        tracing::warn!("{warning}");
+    }
+    let numerics = Numerics {
+        method: assembly.method.name(),
+        step_s: transient.step,
+        steps: transient.steps,
+        modes_per_body,
+        instructions: format!("{:?}", assembly.method.instructions()).to_lowercase(),
+        wall_s: started.elapsed().as_secs_f64(),
+    };
+    let provenance = Provenance::of_scenario(document, scenario)?;
+    let title = scenario.title.clone();
+    let summary = Summary::new(title, at_rest, &observables, numerics, provenance);
+    Ok(Run { assembly, transient, observables, summary })
+}
+
+/// The modal response to the accuracy of the scenario, and the modes of each body.
+fn controlled(
+    prepared: &Arc<PreparedScenario>,
+    modal: Modal,
+    progress: &(dyn Fn(f64) + Sync),
+) -> Result<(Transient, Observables, Vec<usize>), SimulationError> {
+    let Assembly { excitation, sampling, .. } = &prepared.assembly;
+    let batch = Batch { instructions: modal.instructions };
+    let request =
+        Request { prepared: Arc::clone(prepared), excitation: excitation.clone(), duration: None };
+    let stage = info_span!("choose step and modes").entered();
+    let chosen = ErrorControl::new(batch).run_one(&request)?;
+    drop(stage);
+    progress(0.5);
+    let _stage = info_span!("integrate and analyse").entered();
+    let transient = batch.transient(&chosen.hit, sampling)?;
+    let found = Observables::of_transient(&prepared.assembly, &prepared.at_rest, &transient)?;
+    progress(1.0);
+    Ok((transient, found.with_estimate_of(&chosen.observables), chosen.counts))
+}
+
+/// The receptance from the top displacement, up to six times the static
+/// frequency (or the whole band without one); none for a run without force.
+///
+/// # Errors
+/// [`SimulationError::Signal`] when the response cannot be analysed.
+pub fn receptance(run: &Run) -> Result<Option<Frf>, SimulationError> {
+    let (history, rate) = (&run.transient.history, run.assembly.sampling.rate());
+    let Some(response) = frequency_response(&history.force, &history.displacement, rate)? else {
+        return Ok(None);
+    };
+    let mut frf = response.receptance(FRF_PADDING);
+    if let Some(natural) = run.summary.at_rest.natural_frequency_hz {
+        let kept = frf.frequency_hz.partition_point(|&f| f <= FRF_RANGE * natural);
+        frf.frequency_hz.truncate(kept);
+        frf.values.truncate(kept);
+    }
+    Ok(Some(frf))
+}

@@ -1,0 +1,340 @@
+//! Steady responses to a shaker: one branch per force amplitude, and the backbones.
+
+mod bodies;
+mod check;
+mod settled;
+mod summary;
+mod table;
+mod time_sweep;
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use asperity_harmonic::{
+    Branch, ContactSystem, Continuation, Floquet, FourierResolution, HarmonicError,
+    HarmonicSettings, LawEvaluation, PeriodicResponse, PressureRange, StepControl,
+};
+use asperity_structure::PreloadedContact;
+use rayon::prelude::*;
+use serde::Serialize;
+
+use crate::assemble::Assembly;
+use crate::error::SimulationError;
+use crate::static_state::StaticSummary;
+use crate::warning::Warning;
+
+use bodies::BodyChoice;
+pub use bodies::{BodyModel, Condensation, CondensationReason, CondensedBody, LightBodies};
+pub use check::TimeCheck;
+pub use settled::{SettledAmplitude, SteadyMotion, first_periods};
+pub use summary::{
+    BackboneSummary, BackbonesSummary, BifurcationSummary, BranchSummary, LevelSummary,
+    STEADY_SCHEMA, SteadySummary, TerminationSummary, TimeSweepSummary,
+};
+pub use table::{backbone_table, steady_table, steady_time_table};
+pub use time_sweep::{SweepDirection, TimeSweep, TimeSweepPoint, TimeSweepRequest, time_sweeps};
+
+/// Truncation that the automatic choice of harmonics aims at, and most harmonics. More would reach
+/// the modes of light samples, where branches with loss of contact fold without end.
+const TOLERANCE: f64 = 1e-5;
+const MOST_HARMONICS: usize = 30;
+
+/// Most points of a branch.
+const MOST_POINTS: usize = 2000;
+
+/// Most force amplitudes, most equations of a point, interfaces times Fourier coefficients, and most
+/// of amplitudes times the cube of the equations: hours at the most points.
+const MOST_AMPLITUDES: usize = 1000;
+const MOST_EQUATIONS: f64 = 2000.0;
+const MOST_WORK: f64 = 1e11;
+
+/// Samples per harmonic where the number of harmonics is given.
+const SAMPLES_PER_HARMONIC: usize = 16;
+
+/// A backbone starts at this part of the largest force.
+const LOWEST_FORCE: f64 = 1e-3;
+
+/// Range and force amplitudes of steady responses.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SteadyRequest {
+    /// Force amplitudes \[N\].
+    pub amplitudes: Vec<f64>,
+    /// Frequency at which each branch starts \[Hz\].
+    pub from_hz: f64,
+    /// Frequency at which each branch ends \[Hz\].
+    pub to_hz: f64,
+    /// Number of harmonics; chosen from the truncation if none is given.
+    pub harmonics: Option<usize>,
+    /// Adds the backbones: phase resonance and the damped mode.
+    pub backbone: bool,
+    /// Adds a response of each branch by time integration.
+    pub verify: bool,
+    /// Light bodies between contacts.
+    pub bodies: BodyModel,
+    /// Adds a stepped sine by time integration at each force amplitude.
+    pub time_sweep: Option<TimeSweepRequest>,
+}
+
+/// The responses at one force amplitude.
+#[derive(Debug)]
+pub struct SteadyLevel {
+    /// Force amplitude \[N\].
+    pub force_n: f64,
+    /// The branch, or the error.
+    pub outcome: Result<Branch, HarmonicError>,
+    /// The reason for which the branch is one with its light bodies condensed, if it is: its contacts
+    /// are then those of the condensed stack.
+    pub condensed: Option<Condensation>,
+    /// A response by time integration, if requested.
+    pub check: Option<TimeCheck>,
+    /// The reason for which stability is not known at every point, if it is not.
+    pub stability_unknown: Option<StabilityUnknown>,
+    /// Warnings about the responses.
+    pub warnings: Vec<Warning>,
+    /// Time of the computation \[s\].
+    pub wall_s: f64,
+}
+
+/// Reason for which stability was not computed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+#[non_exhaustive]
+pub enum StabilityUnknown {
+    /// A mode is too fast to be integrated over a period.
+    FastMode,
+}
+
+impl SteadyLevel {
+    /// Extremes of the pressure at each interface of the scenario over a response of the branch.
+    pub fn pressures(&self, response: &PeriodicResponse) -> Vec<PressureRange> {
+        match &self.condensed {
+            Some(condensed) => condensed.light.pressures(response),
+            None => response.pressures.clone(),
+        }
+    }
+}
+
+/// The backbones.
+#[derive(Debug)]
+pub struct Backbones {
+    /// Phase resonance over force.
+    pub phase_resonance: Result<Branch, HarmonicError>,
+    /// The damped mode over amplitude.
+    pub mode: Result<Branch, HarmonicError>,
+}
+
+/// Everything computed for a [`SteadyRequest`].
+#[derive(Debug)]
+pub struct Steady {
+    /// The levels, in the order of the request.
+    pub levels: Vec<SteadyLevel>,
+    /// The backbones, if requested.
+    pub backbones: Option<Backbones>,
+    /// The stepped sines by time integration, if requested.
+    pub time_sweeps: Vec<TimeSweep>,
+    /// Time of the whole computation \[s\].
+    pub wall_s: f64,
+}
+
+/// Computes the steady responses of an assembled scenario to a harmonic force on the top; its own
+/// excitation has no part in them.
+///
+/// Levels go over all threads.
+///
+/// # Errors
+/// [`SimulationError`] for a request out of range or a structure that cannot be balanced. A level without
+/// a response does not end the others: its outcome is the error.
+///
+/// ```
+/// # use asperity_scenario::Document;
+/// # use asperity_simulation::assemble::Assembly;
+/// # use asperity_simulation::steady::{BodyModel, SteadyRequest, steady};
+/// let document = Document::read("examples/block.json")?;
+/// let assembly = Assembly::new(&document.scenario()?, document.folder())?;
+/// let request = SteadyRequest {
+///     amplitudes: vec![0.2],
+///     from_hz: 1200.0,
+///     to_hz: 1900.0,
+///     harmonics: Some(5),
+///     backbone: false,
+///     verify: false,
+///     bodies: BodyModel::Auto,
+///     time_sweep: None,
+/// };
+/// let found = steady(&assembly, &request)?;
+/// let peak = found.levels[0].outcome.as_ref().unwrap().highest().unwrap();
+/// assert!((1200.0..1900.0).contains(&peak.frequency_hz()));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn steady(assembly: &Assembly, request: &SteadyRequest) -> Result<Steady, SimulationError> {
+    steady_with_progress(assembly, request, &|| ())
+}
+
+/// As [`steady`]; `progress` is called after each level.
+///
+/// # Errors
+/// Those of [`steady`].
+pub fn steady_with_progress(
+    assembly: &Assembly,
+    request: &SteadyRequest,
+    progress: &(dyn Fn() + Sync),
+) -> Result<Steady, SimulationError> {
+    let started = Instant::now();
+    let _stage = tracing::info_span!("continue branches").entered();
+    check_range(request)?;
+    check_work(assembly.structure.contacts().len(), request)?;
+    let evaluation = LawEvaluation::default();
+    let system = ContactSystem::of_structure(&assembly.structure, evaluation)?;
+    let highest = request.from_hz.max(request.to_hz);
+    let light = LightBodies::of(assembly, highest, request.bodies, evaluation)?.map(Arc::new);
+    let choice = BodyChoice { elastic: &system, light: light.as_ref(), model: request.bodies };
+    let settings = settings(request);
+    let levels = request
+        .amplitudes
+        .par_iter()
+        .map(|&force_n| {
+            let level = level(assembly, &choice, request, &settings, force_n);
+            progress();
+            level
+        })
+        .collect::<Result<Vec<_>, SimulationError>>()?;
+    for level in &levels {
+        for warning in &level.warnings {
+            tracing::warn!(force_n = level.force_n, "{warning}");
+        }
+    }
+    let backbones = request.backbone.then(|| backbones(assembly, &choice, request, &settings));
+    let range = (request.from_hz, request.to_hz);
+    let sweeps = |sweep| time_sweeps(assembly, &request.amplitudes, range, sweep);
+    let time_sweeps = request.time_sweep.map(sweeps).transpose()?.unwrap_or_default();
+    Ok(Steady { levels, backbones, time_sweeps, wall_s: started.elapsed().as_secs_f64() })
+}
+
+/// Refuses requests out of range.
+fn check_range(request: &SteadyRequest) -> Result<(), HarmonicError> {
+    let positive = |value: f64| value.is_finite() && value > 0.0;
+    let (from, to) = (request.from_hz, request.to_hz);
+    if !(positive(from) && positive(to)) || from == to {
+        return Err(HarmonicError::EmptyRange { quantity: "frequency [Hz]", from, to });
+    }
+    if request.amplitudes.is_empty() {
+        let quantity = "number of force amplitudes";
+        return Err(HarmonicError::Setting { quantity, value: 0.0, accepted: "at least 1" });
+    }
+    if let Some(value) = request.amplitudes.iter().copied().find(|&force| !positive(force)) {
+        let quantity = "force amplitude [N]";
+        return Err(HarmonicError::Setting { quantity, value, accepted: "positive and finite" });
+    }
+    if let Some(value) = request.harmonics
+        && !(1..=FourierResolution::MOST_HARMONICS).contains(&value)
+    {
+        let (quantity, value) = ("number of harmonics", value as f64);
+        return Err(HarmonicError::Setting { quantity, value, accepted: "1 to 400" });
+    }
+    Ok(())
+}
+
+/// Refuses requests whose work exceeds the bounds.
+fn check_work(interfaces: usize, request: &SteadyRequest) -> Result<(), HarmonicError> {
+    let harmonics = request.harmonics.unwrap_or(MOST_HARMONICS);
+    let amplitudes = request.amplitudes.len() as f64;
+    let equations = (interfaces * (2 * harmonics + 1)) as f64;
+    let checks = [
+        ("number of force amplitudes", amplitudes, MOST_AMPLITUDES as f64, "at most 1000"),
+        ("number of interfaces times (2 harmonics + 1)", equations, MOST_EQUATIONS, "at most 2000"),
+        (
+            "number of force amplitudes times the cube of interfaces (2 harmonics + 1)",
+            amplitudes * equations.powi(3),
+            MOST_WORK,
+            "at most 1e11",
+        ),
+    ];
+    match checks.into_iter().find(|(_, value, limit, _)| value > limit) {
+        Some((quantity, value, _, accepted)) => {
+            Err(HarmonicError::Setting { quantity, value, accepted })
+        }
+        None => Ok(()),
+    }
+}
+
+fn settings(request: &SteadyRequest) -> HarmonicSettings {
+    let resolution = match request.harmonics {
+        Some(harmonics) => FourierResolution::Fixed {
+            harmonics,
+            samples: (SAMPLES_PER_HARMONIC * harmonics).max(64),
+        },
+        None => FourierResolution::Automatic { tolerance: TOLERANCE, most: MOST_HARMONICS },
+    };
+    let steps = StepControl { points: MOST_POINTS, ..StepControl::default() };
+    let stability = Some(Floquet::default());
+    HarmonicSettings { resolution, steps, stability, until_contact_lost: false }
+}
+
+fn level(
+    assembly: &Assembly,
+    choice: &BodyChoice<'_>,
+    request: &SteadyRequest,
+    settings: &HarmonicSettings,
+    force_n: f64,
+) -> Result<SteadyLevel, SimulationError> {
+    let started = Instant::now();
+    let path = Continuation::Frequency { force: force_n, from: request.from_hz, to: request.to_hz };
+    let (outcome, condensed) = choice.trace(&path, settings);
+    let wall_s = started.elapsed().as_secs_f64();
+    let check = match outcome.as_ref().ok().and_then(TimeCheck::place) {
+        Some(peak) if request.verify => Some(TimeCheck::of(assembly, peak)?),
+        _ => None,
+    };
+    let points = outcome.as_ref().map_or(&[][..], |branch| &branch.points);
+    let unknown = points.iter().any(|point| point.stable().is_none());
+    let mut level = SteadyLevel {
+        force_n,
+        outcome,
+        condensed,
+        check,
+        stability_unknown: unknown.then_some(StabilityUnknown::FastMode),
+        warnings: Vec::new(),
+        wall_s,
+    };
+    level.warnings = warnings(&level, assembly.structure.contacts());
+    Ok(level)
+}
+
+/// Warnings about the contacts whose pressures leave the measured range on a branch.
+fn warnings(level: &SteadyLevel, contacts: &[PreloadedContact]) -> Vec<Warning> {
+    let points = level.outcome.as_ref().map_or(&[][..], |branch| &branch.points);
+    let all: Vec<Vec<PressureRange>> = points.iter().map(|point| level.pressures(point)).collect();
+    let outside = |(i, contact): (usize, &PreloadedContact)| {
+        let ranges = || all.iter().filter_map(|ranges| ranges.get(i));
+        let lowest = ranges().map(|range| range.lowest).fold(f64::INFINITY, f64::min);
+        let highest = ranges().map(|range| range.highest).fold(f64::NEG_INFINITY, f64::max);
+        Warning::outside_measured_range(contact, lowest, highest)
+    };
+    contacts.iter().enumerate().filter_map(outside).collect()
+}
+
+/// Phase resonance up to the largest force, and the damped mode up to the amplitude reached there.
+fn backbones(
+    assembly: &Assembly,
+    choice: &BodyChoice<'_>,
+    request: &SteadyRequest,
+    settings: &HarmonicSettings,
+) -> Backbones {
+    let middle = 0.5 * (request.from_hz + request.to_hz);
+    let near = StaticSummary::of(assembly).natural_frequency_hz.unwrap_or(middle);
+    let largest = request.amplitudes.iter().copied().fold(0.0, f64::max);
+    let settings = HarmonicSettings { stability: None, ..*settings };
+    let path = Continuation::PhaseResonance { near, from: LOWEST_FORCE * largest, to: largest };
+    let (phase_resonance, _) = choice.trace(&path, &settings);
+    let mode = match &phase_resonance {
+        Ok(branch) => match (branch.points.first(), branch.points.last()) {
+            (Some(first), Some(last)) => {
+                let (from, to) = (first.amplitude(1), last.amplitude(1));
+                choice.trace(&Continuation::Mode { near, from, to }, &settings).0
+            }
+            _ => Err(HarmonicError::NoLinearResponse { frequency_hz: near }),
+        },
+        Err(error) => Err(error.clone()),
+    };
+    Backbones { phase_resonance, mode }
+}

@@ -1,0 +1,122 @@
+//! Modal responses against truths, and what is said of those that are not accurate.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
+
+use asperity_scenario::Document;
+use asperity_simulation::run::{Run, simulate};
+use asperity_simulation::warning::Warning;
+use serde_json::Value;
+
+fn run(document: &Document) -> Run {
+    simulate(document, &document.scenario().unwrap()).unwrap()
+}
+
+fn rig(changes: &[(&str, &str)]) -> Document {
+    let mut document = Document::read("../../fixtures/scenarios/nouira2020-modified.json").unwrap();
+    for (pointer, value) in changes {
+        document.set(pointer, value).unwrap();
+    }
+    document
+}
+
+fn warnings(run: &Run) -> Vec<&'static str> {
+    run.summary.warnings.iter().map(Warning::kind).collect()
+}
+
+/// Light bodies on stiff contacts, once wrong by up to 43 % of the departure from rest: within the
+/// tolerances of the truth by refined runs of both engines.
+#[test]
+fn scenarios_that_were_wrong_are_right_without_a_setting() {
+    let text = std::fs::read_to_string("../../fixtures/cases/truths.json").unwrap();
+    let truths: Value = serde_json::from_str(&text).unwrap();
+    for name in ["random-015", "random-118", "random-195"] {
+        let document = Document::read(format!("../../fixtures/cases/{name}.json")).unwrap();
+        let run = run(&document);
+        assert!(run.summary.accuracy.as_ref().unwrap().reached, "{name}");
+        let interfaces: Vec<&str> =
+            run.summary.interfaces.iter().map(|interface| interface.name.as_str()).collect();
+        let names = asperity_simulation::quantity::observable_names(&interfaces);
+        let mut compared = 0;
+        for truth in truths[name].as_array().unwrap() {
+            let (Some(value), Some(scale)) = (truth["value"].as_f64(), truth["scale"].as_f64())
+            else {
+                continue;
+            };
+            let place = names.iter().position(|known| *known == truth["name"]).unwrap();
+            let share = match truth["kind"].as_str().unwrap() {
+                "frequency" => 5e-4,
+                "ratio" => 2e-2,
+                "stiffness" => 5e-3,
+                _ => 1e-2,
+            };
+            let found = run.observables.values[place];
+            let off = (found - value).abs() / scale;
+            assert!(off < share, "{name}, {}: {found} for {value}", names[place]);
+            compared += 1;
+        }
+        assert!(compared > 4, "{name}: {compared}");
+    }
+}
+
+/// A step that is given is kept, and the summary says that it is too long.
+#[test]
+fn a_given_step_that_is_too_long_is_said_to_be() {
+    let method = r#"{"kind": "modal", "step_s": 5e-5, "modes_per_body": 3}"#;
+    let run = run(&rig(&[("/method", method)]));
+    assert_eq!(run.summary.numerics.modes_per_body, Some(vec![3, 3]));
+    let accuracy = run.summary.accuracy.as_ref().unwrap();
+    assert!((run.summary.numerics.step_s - 5e-5).abs() < 1e-12);
+    assert!(!accuracy.reached && accuracy.estimated_error > accuracy.asked);
+    assert!(warnings(&run).contains(&"accuracy_not_reached"), "{:?}", warnings(&run));
+}
+
+/// Against a modal response to 1e-5: no error of finite differences is more than half larger than
+/// stated, nor all of them far smaller, and the statement falls with the step.
+#[test]
+fn finite_differences_state_their_error() {
+    let truth = run(&rig(&[("/method", r#"{"kind": "modal", "accuracy": 1e-5}"#)])).observables;
+    let mut stated = Vec::new();
+    for cell in ["0.004", "0.002"] {
+        let method = format!(r#"{{"kind": "finite_difference", "cell_m": {cell}}}"#);
+        let run = run(&rig(&[("/method", &method)]));
+        assert_eq!(run.summary.numerics.modes_per_body, None);
+        let estimate = run.observables.estimate().unwrap();
+        let mut largest = 0.0_f64;
+        for observable in [
+            "fundamental.frequency_hz",
+            "fundamental.receptance_m_per_n",
+            "interfaces.guide-sample.pressure_min_pa",
+            "interfaces.sample-disc.pressure_min_pa",
+        ] {
+            let names =
+                asperity_simulation::quantity::observable_names(&["guide-sample", "sample-disc"]);
+            let place = names.iter().position(|name| name == observable).unwrap();
+            let error = (run.observables.values[place] - truth.values[place]).abs();
+            let stated = estimate.errors[place];
+            assert!(error < 1.5 * stated, "{observable} {cell}: {error}, stated {stated}");
+            largest = largest.max(error / estimate.errors[place]);
+        }
+        assert!(largest > 0.3, "{cell}: {largest}");
+        stated.push(estimate.relative);
+    }
+    let order = (stated[0] / stated[1]).log2();
+    // The steps have the ratio 2.08.
+    assert!((0.95..1.15).contains(&order), "{order} {stated:?}");
+}
+
+/// A stack that rattles on springs without tension depends on rounding.
+#[test]
+fn rattling_is_named_with_the_time_from_which_rounding_counts() {
+    let law = r#"{"kind": "constant", "stiffness_pa_per_m": 8.5e11, "unilateral": true}"#;
+    let run = run(&rig(&[
+        ("/method", r#"{"kind": "modal", "step_s": 2e-6}"#),
+        ("/excitation/peak_n", "200"),
+        ("/interfaces/0/law", law),
+        ("/interfaces/1/law", law),
+    ]));
+    let summary = &run.summary;
+    let from = summary.sensitive_from_s.unwrap();
+    // Contact is lost before rounding can count.
+    assert!(summary.sensitive && from > 1e-3 && from < 0.12, "{from}");
+    assert!(warnings(&run).contains(&"sensitive"));
+}
