@@ -66,22 +66,30 @@ pub enum MeshError {
         limit: usize,
     },
     /// Modal data do not fit together.
-    #[error(
-        "modal data with {found} entries where there is one for each of {interfaces} interfaces"
-    )]
+    #[error("modal data with {found} entries where there is one for each of {ports} ports")]
     ModalSize {
         /// Entries found.
         found: usize,
-        /// Number of interfaces.
-        interfaces: usize,
+        /// Number of ports.
+        ports: usize,
     },
-    /// The modes of a structure have differently many guides.
-    #[error("a mode with {found} guides, where the first has {guides}")]
-    GuideCount {
-        /// Guides found.
-        found: usize,
-        /// Guides of the first mode.
-        guides: usize,
+    /// A contact or guide is at a port that the structure does not have.
+    #[error("port {port} does not exist; the structure has {ports}, counted from 0")]
+    NoPort {
+        /// The port.
+        port: usize,
+        /// Number of ports.
+        ports: usize,
+    },
+    /// A port is not on the stack.
+    #[error("the {quantity} of a port is {value}; accepted: 0 to {most}")]
+    Port {
+        /// The quantity, with its unit.
+        quantity: &'static str,
+        /// The value given.
+        value: f64,
+        /// The most accepted.
+        most: f64,
     },
     /// A mass or stiffness matrix is not usable.
     #[error("the {matrix} matrix is {problem}")]

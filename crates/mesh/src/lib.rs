@@ -19,7 +19,9 @@
 //! | [`body_damping`] | internal damping of a body: Kelvin-Voigt, loss factor |
 //! | [`stack`] | the chain of bodies and interfaces, and the weight on each contact |
 //! | [`grid`] | the finite-difference grid with half-cell ends, and its stability limit |
-//! | [`component_modes`] | free-interface modes with residual flexibility |
+//! | [`port`] | places where loads act, contacts join and sensors read |
+//! | [`component_modes`] | free-interface modes with residual flexibility at ports |
+//! | [`bar_modes`] | component modes of bars in closed form |
 //! | [`mode_count`] | number of modes kept, by count or by error bound |
 //! | [`matrix_modes`] | component modes of mass and stiffness matrices |
 //! | [`bar_stiffness`] | the closed-form dynamic stiffness of a bar, for exact modes |
@@ -40,12 +42,13 @@
 //! let stack = Stack::new(vec![guide], vec![contact], Support::Rigid, 9.81)?;
 //! assert!((stack.static_pressures()[0] - 0.1373e6).abs() < 0.1e3);
 //!
-//! let modes = ComponentModes::of_stack(&stack, ModeCount::PerBody(3))?;
+//! let modes = ComponentModes::of_stack(&stack, ModeCount::PerBody(3), &[])?;
 //! assert_eq!(modes.modes()[0].angular_frequency, 0.0);
 //! # Ok(())
 //! # }
 //! ```
 
+pub mod bar_modes;
 pub mod bar_stiffness;
 pub mod body;
 pub mod body_damping;
@@ -54,6 +57,7 @@ pub mod error;
 pub mod grid;
 pub mod matrix_modes;
 pub mod mode_count;
+pub mod port;
 pub mod stack;
 
 pub use bar_stiffness::BarStiffness;
@@ -62,6 +66,6 @@ pub use body_damping::BodyDamping;
 pub use component_modes::{ComponentModes, NormalMode, ResidualFlexibility};
 pub use error::MeshError;
 pub use grid::{BarGrid, Grid};
-pub use matrix_modes::InterfaceDofs;
 pub use mode_count::ModeCount;
+pub use port::{Port, PortPair};
 pub use stack::{Interface, Stack, Support, static_pressures};

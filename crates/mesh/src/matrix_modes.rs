@@ -2,23 +2,7 @@
 
 use faer::{Mat, MatRef, Side};
 
-use crate::{ComponentModes, MeshError, NormalMode, ResidualFlexibility};
-
-/// Linear combinations of degrees of freedom by which a structure is driven, observed and touched.
-///
-/// Each is a list of a degree of freedom and its weight. A displacement at a point has one entry;
-/// the mean over a face has one for each of its degrees of freedom, with weights that add up to one;
-/// the closure of a contact pair is the mean over its upper face less that over its lower face, or
-/// the upper face alone on an immovable support. Forces act through the same weights.
-#[derive(Debug, Clone, PartialEq)]
-pub struct InterfaceDofs {
-    /// Displacement of the driving point.
-    pub drive: Vec<(usize, f64)>,
-    /// Displacement observed.
-    pub output: Vec<(usize, f64)>,
-    /// Closure of each contact pair.
-    pub closures: Vec<Vec<(usize, f64)>>,
-}
+use crate::{ComponentModes, MeshError, NormalMode, PortPair, ResidualFlexibility};
 
 /// Squared frequency over the largest, per degree of freedom, up to which a mode counts as rigid:
 /// a hundred roundings of the eigenvalues.
@@ -29,22 +13,22 @@ impl ComponentModes {
     /// least, with the residual flexibility of all others.
     ///
     /// `stiffness` K \[N/m\] and `mass` M \[kg\] are symmetric, of one size, without the contacts;
-    /// their lower triangles are read. K may be singular. Every mode is computed, so the cost grows
-    /// with the cube of the size. Mass-proportional damping acts on all modes.
+    /// their lower triangles are read. K may be singular. Each port is a list of degrees of freedom and
+    /// their weights: one entry for the displacement at a point, for the mean over a face one for each
+    /// degree of freedom of it, with weights that add up to one. Every mode is computed, so the cost
+    /// grows with the cube of the size. Mass-proportional damping acts on all modes.
     ///
     /// ```
-    /// use asperity_mesh::{ComponentModes, InterfaceDofs};
+    /// use asperity_mesh::{ComponentModes, PortPair};
     /// use faer::mat;
     ///
     /// // Two masses of 1 kg joined by a spring of 200 N/m, the lower on a contact.
     /// let stiffness = mat![[200.0, -200.0], [-200.0, 200.0]];
     /// let mass = mat![[1.0, 0.0], [0.0, 1.0]];
-    /// let dofs = InterfaceDofs {
-    ///     drive: vec![(0, 1.0)],
-    ///     output: vec![(0, 1.0)],
-    ///     closures: vec![vec![(1, 1.0)]],
-    /// };
-    /// let modes = ComponentModes::from_matrices(stiffness.as_ref(), mass.as_ref(), &dofs, 2)?;
+    /// let ports = [vec![(0, 1.0)], vec![(1, 1.0)]];
+    /// let contacts = vec![PortPair::on_ground(1)];
+    /// let (k, m) = (stiffness.as_ref(), mass.as_ref());
+    /// let modes = ComponentModes::from_matrices((k, m), &ports, contacts, 2)?;
     /// assert_eq!(modes.modes()[0].angular_frequency, 0.0);
     /// assert!((modes.modes()[1].angular_frequency - 20.0).abs() < 1e-9);
     /// # Ok::<(), asperity_mesh::MeshError>(())
@@ -55,9 +39,9 @@ impl ComponentModes {
     /// positive definite, a stiffness matrix with a negative eigenvalue, or eigenvalues that do not
     /// converge; [`MeshError::DegreeOfFreedom`] for one beyond the size.
     pub fn from_matrices(
-        stiffness: MatRef<'_, f64>,
-        mass: MatRef<'_, f64>,
-        dofs: &InterfaceDofs,
+        (stiffness, mass): (MatRef<'_, f64>, MatRef<'_, f64>),
+        ports: &[Vec<(usize, f64)>],
+        contacts: Vec<PortPair>,
         count: usize,
     ) -> Result<Self, MeshError> {
         let size = mass.nrows();
@@ -66,8 +50,7 @@ impl ComponentModes {
             let problem = "not square or not of the size of the other";
             return Err(MeshError::Matrix { matrix: "mass or stiffness", problem });
         }
-        let all = dofs.closures.iter().chain([&dofs.drive, &dofs.output]).flatten();
-        if let Some(&(dof, _)) = all.clone().find(|(dof, _)| *dof >= size) {
+        if let Some(&(dof, _)) = ports.iter().flatten().find(|(dof, _)| *dof >= size) {
             return Err(MeshError::DegreeOfFreedom { dof, size });
         }
         let (squares, shapes) = eigen(stiffness, mass)?;
@@ -77,23 +60,21 @@ impl ComponentModes {
             let problem = "not positive semidefinite";
             return Err(MeshError::Matrix { matrix: "stiffness", problem });
         }
-        let mut residual = ResidualFlexibility::zero(dofs.closures.len());
+        let mut residual = ResidualFlexibility::zero(ports.len());
         let mut kept = Vec::new();
         for (number, &square) in squares.iter().enumerate() {
-            let along = |combination: &[(usize, f64)]| -> f64 {
-                combination.iter().map(|&(dof, weight)| weight * shapes[(dof, number)]).sum()
+            let along = |port: &Vec<(usize, f64)>| -> f64 {
+                port.iter().map(|&(dof, weight)| weight * shapes[(dof, number)]).sum()
             };
             let frequency = if square <= rigid { 0.0 } else { square.sqrt() };
-            let closure = dofs.closures.iter().map(|closure| along(closure)).collect();
-            let mut mode = NormalMode::elastic(frequency, along(&dofs.drive), closure);
-            mode.output = along(&dofs.output);
+            let mode = NormalMode::elastic(frequency, ports.iter().map(along).collect());
             if number < count || frequency == 0.0 {
                 kept.push(mode);
             } else {
                 residual.add(&mode);
             }
         }
-        Self::new(kept, residual)
+        Self::new(kept, residual, contacts, Vec::new())
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use asperity_mesh::{Body, ComponentModes, ModeCount, Stack};
+use asperity_mesh::{Body, ComponentModes, ModeCount, Port, Stack};
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 
@@ -157,26 +157,30 @@ impl PreloadedStructure {
         (1..=count).map(mode).collect()
     }
 
-    /// The structure in free-interface modes of its bars with residual flexibility.
+    /// The structure in free-interface modes of its bars with residual flexibility, at these `ports`
+    /// and those of its contacts and guides.
     ///
     /// # Errors
-    /// [`StructureError::Mesh`] when `modes` asks for none or too many.
+    /// [`StructureError::Mesh`] when `modes` asks for none or too many, or for a port that is not on
+    /// the stack.
     pub fn reduced(
         &self,
         modes: ModeCount,
+        ports: &[Port],
     ) -> Result<PreloadedStructure<ComponentModes>, StructureError> {
-        self.with_modes(ComponentModes::of_stack(&self.mesh, modes)?)
+        self.with_modes(ComponentModes::of_stack(&self.mesh, modes, ports)?)
     }
 
     /// [`reduced`](Self::reduced) with a count of modes, the rigid one included, of each body.
     ///
     /// # Errors
-    /// [`StructureError::Mesh`] for no modes of a body or too many.
+    /// [`StructureError::Mesh`] for no modes of a body or too many, or a port that is not on the stack.
     pub fn reduced_to(
         &self,
         counts: &[usize],
+        ports: &[Port],
     ) -> Result<PreloadedStructure<ComponentModes>, StructureError> {
-        self.with_modes(ComponentModes::with_counts(&self.mesh, counts)?)
+        self.with_modes(ComponentModes::with_counts(&self.mesh, counts, ports)?)
     }
 
     fn with_modes(
@@ -220,7 +224,7 @@ impl PreloadedStructure<ComponentModes> {
         contacts: Vec<PreloadedContact>,
         damping: Damping,
     ) -> Result<Self, StructureError> {
-        let (pairs, given) = (modes.interfaces(), contacts.len());
+        let (pairs, given) = (modes.contacts().len(), contacts.len());
         if given != pairs || given == 0 {
             return Err(StructureError::ContactCount { pairs, contacts: given });
         }
@@ -234,7 +238,7 @@ impl PreloadedStructure<ComponentModes> {
     /// [`StructureError::GuideCount`] unless there are as many, [`StructureError::GuideContact`] for
     /// a guide under a contact that is none of the structure's.
     pub fn with_guides(self, guides: Vec<Guide>) -> Result<Self, StructureError> {
-        let (expected, given) = (self.mesh.guides(), guides.len());
+        let (expected, given) = (self.mesh.guides().len(), guides.len());
         if given != expected {
             return Err(StructureError::GuideCount { expected, given });
         }
@@ -266,15 +270,16 @@ fn lowest_frequency(
 ) -> Result<f64, StructureError> {
     check_springs(contacts)?;
     let mut residual = modes.residual().clone();
+    let pairs = modes.contacts();
     let (massless, modes): (Vec<_>, Vec<_>) = modes.modes().iter().partition(|mode| mode.massless);
     for mode in massless {
         residual.add(mode);
     }
     let n = contacts.len();
     let flexibility = Mat::from_fn(n, n, |i, j| {
-        residual.closure[i][j] + if i == j { 1.0 / contacts[i].spring() } else { 0.0 }
+        residual.closure(pairs[i], pairs[j]) + if i == j { 1.0 / contacts[i].spring() } else { 0.0 }
     });
-    let shapes = Mat::from_fn(n, modes.len(), |i, m| modes[m].closure[i]);
+    let shapes = Mat::from_fn(n, modes.len(), |i, m| modes[m].closure(pairs[i]));
     let forces = flexibility.partial_piv_lu().solve(&shapes);
     let coupled = shapes.transpose() * &forces;
     let stiffness = Mat::from_fn(modes.len(), modes.len(), |a, b| {

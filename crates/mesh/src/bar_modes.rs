@@ -1,0 +1,198 @@
+//! Component modes of bars in closed form.
+
+use std::f64::consts::PI;
+
+use faer::{Mat, Side};
+
+use crate::mode_count::{checked_count, first_frequency};
+use crate::{
+    Body, ComponentModes, MeshError, ModeCount, NormalMode, Port, PortPair, ResidualFlexibility,
+    Stack, Support,
+};
+
+/// Part of the largest eigenvalue of a body's residual flexibility below which it is rounding.
+const ROUNDING: f64 = 1e-13;
+
+impl ComponentModes {
+    /// The free-free modes of every bar of `stack` in closed form, and its support, with the given
+    /// `ports` first, in their order; the faces of the contacts and the guides have ports behind them.
+    ///
+    /// At a distance x from its upper end a bar has
+    ///
+    /// ```text
+    /// w_n = n pi c / L,    phi_n(x) = sqrt(2 / m) cos(n pi x / L),    phi_0 = sqrt(1 / m),
+    /// ```
+    ///
+    /// and the flexibility of all its elastic modes between x and y, the nearer end being that of
+    /// `x <= y`, is `L / (E A) (1/3 - y / L + (x^2 + y^2) / (2 L^2))`: `L / (3 E A)` at a face and
+    /// `-L / (6 E A)` across. The mean displacement of a bar, and the inertia of the whole stack under
+    /// a base acceleration, have rigid participations only. Each body with friction has a guide, from
+    /// the top down, at its mean displacement.
+    ///
+    /// With the retardation time b of a body its modes have the damping rate `b w_n^2` of their own, and
+    /// the flexibility left out is that of massless modes of the same retardation time, one for each
+    /// of its eigenvectors between the ports of the body. A loss factor is replaced by viscous damping
+    /// of the same ratio at each mode, `eta w_n`; its flexibility left out has no loss.
+    ///
+    /// # Errors
+    /// [`MeshError::ModeCount`] when `modes` asks for none or too many, [`MeshError::Port`] for a port
+    /// that is not on `stack`.
+    pub fn of_stack(stack: &Stack, modes: ModeCount, ports: &[Port]) -> Result<Self, MeshError> {
+        Self::with_counts(stack, &modes.counts(stack)?, ports)
+    }
+
+    /// [`of_stack`](Self::of_stack) with a count of modes, the rigid one included, of each body.
+    ///
+    /// # Errors
+    /// [`MeshError::ModeCount`] for no modes or too many; a body without a count has none.
+    /// [`MeshError::Port`] for a port that is not on `stack`.
+    pub fn with_counts(stack: &Stack, counts: &[usize], ports: &[Port]) -> Result<Self, MeshError> {
+        let bodies = stack.bodies();
+        let mut all = Vec::new();
+        for port in ports {
+            all.push(port.check(stack)?);
+        }
+        let mut contacts = Vec::new();
+        for (i, body) in bodies.iter().enumerate() {
+            let upper = all.len();
+            all.push(Port::Point { body: i, position: body.length() });
+            let below = if i + 1 < bodies.len() {
+                Some(Port::Point { body: i + 1, position: 0.0 })
+            } else {
+                (*stack.support() != Support::Rigid).then_some(Port::Support)
+            };
+            let lower = below.map(|_| all.len());
+            all.extend(below);
+            contacts.push(PortPair { upper, lower });
+        }
+        let mut guides = Vec::new();
+        for body in (0..bodies.len()).filter(|&body| bodies[body].friction().is_some()) {
+            guides.push(all.len());
+            all.push(Port::Mean { body });
+        }
+        let mut modes = Vec::new();
+        let mut residual = ResidualFlexibility::zero(all.len());
+        for (i, body) in bodies.iter().enumerate() {
+            let kept = checked_count(body, counts.get(i).copied().unwrap_or(0))?;
+            let bar = Bar { index: i, body };
+            for n in 0..kept {
+                let w = n as f64 * first_frequency(body);
+                let participations = all.iter().map(|port| bar.participation(*port, n)).collect();
+                let damping_rate = w * body.damping().loss(w);
+                let mode = NormalMode::elastic(w, participations);
+                modes.push(NormalMode { damping_rate, ..mode });
+            }
+            bar.leave_out(kept, &all, &mut modes, &mut residual);
+        }
+        if let Support::SpringMass { stiffness, mass, .. } = *stack.support() {
+            let participation = |port: &Port| match port {
+                Port::Support => (1.0 / mass).sqrt(),
+                Port::Base => -mass.sqrt(),
+                Port::Point { .. } | Port::Mean { .. } => 0.0,
+            };
+            modes.push(NormalMode {
+                mass_damped: false,
+                damping_rate: stack.support().damping() / mass,
+                ..NormalMode::elastic(
+                    (stiffness / mass).sqrt(),
+                    all.iter().map(participation).collect(),
+                )
+            });
+        }
+        Self::new(modes, residual, contacts, guides)
+    }
+}
+
+/// One bar of a stack, free at both ends.
+struct Bar<'a> {
+    index: usize,
+    body: &'a Body,
+}
+
+impl Bar<'_> {
+    /// Participation of mode `n` at a port \[kg^-1/2\].
+    fn participation(&self, port: Port, n: usize) -> f64 {
+        let mass = self.body.mass();
+        match port {
+            Port::Point { body, position } if body == self.index => {
+                let shape = (if n == 0 { 1.0 } else { 2.0 } / mass).sqrt();
+                let part = position / self.body.length();
+                // Exact at both ends.
+                let cosine = if part == 0.0 {
+                    1.0
+                } else if part == 1.0 {
+                    if n.is_multiple_of(2) { 1.0 } else { -1.0 }
+                } else {
+                    (n as f64 * PI * part).cos()
+                };
+                shape * cosine
+            }
+            // The mean displacement of an elastic mode of a free bar is zero.
+            Port::Mean { body } if body == self.index && n == 0 => (1.0 / mass).sqrt(),
+            Port::Base if n == 0 => -mass.sqrt(),
+            _ => 0.0,
+        }
+    }
+
+    /// Flexibility of all elastic modes between two places \[m/N\].
+    fn flexibility(&self, x: f64, y: f64) -> f64 {
+        let length = self.body.length();
+        let (x, y) = (x / length, y / length);
+        let parts = 1.0 / 3.0 - x.max(y) + 0.5 * (x * x + y * y);
+        parts * length / self.body.axial_rigidity()
+    }
+
+    /// Adds the flexibility of the modes from `kept` on: to the residual, or as massless modes where
+    /// the bar has a retardation time.
+    fn leave_out(
+        &self,
+        kept: usize,
+        all: &[Port],
+        modes: &mut Vec<NormalMode>,
+        residual: &mut ResidualFlexibility,
+    ) {
+        let place = |(port, of): (usize, &Port)| match *of {
+            Port::Point { body, position } if body == self.index => Some((port, position)),
+            _ => None,
+        };
+        let places: Vec<(usize, f64)> = all.iter().enumerate().filter_map(place).collect();
+        let shown = |a: usize, b: usize| -> f64 {
+            let of_mode = |n: usize| {
+                let w = n as f64 * first_frequency(self.body);
+                let [a, b] = [a, b].map(|port| self.participation(all[port], n));
+                a * b / (w * w)
+            };
+            (1..kept).map(of_mode).sum()
+        };
+        let left = |(a, x): (usize, f64), (b, y): (usize, f64)| -> f64 {
+            self.flexibility(x, y) - shown(a, b)
+        };
+        let time = self.body.damping().retardation_time().unwrap_or(0.0);
+        if time == 0.0 {
+            for (number, &a) in places.iter().enumerate() {
+                for &b in &places[number..] {
+                    residual.add_between(a.0, b.0, left(a, b));
+                }
+            }
+            return;
+        }
+        let matrix = Mat::from_fn(places.len(), places.len(), |i, j| left(places[i], places[j]));
+        // A symmetric matrix of numbers has its eigenvalues; without them nothing yields.
+        let Ok(found) = matrix.self_adjoint_eigen(Side::Lower) else { return };
+        let values = found.S().column_vector();
+        let largest = values.iter().copied().fold(0.0, f64::max);
+        let w = kept as f64 * first_frequency(self.body);
+        for k in (0..places.len()).filter(|&k| values[k] > ROUNDING * largest) {
+            let mut participations = vec![0.0; all.len()];
+            for (i, &(port, _)) in places.iter().enumerate() {
+                participations[port] = w * values[k].sqrt() * found.U()[(i, k)];
+            }
+            modes.push(NormalMode {
+                mass_damped: false,
+                damping_rate: time * w * w,
+                massless: true,
+                ..NormalMode::elastic(w, participations)
+            });
+        }
+    }
+}
