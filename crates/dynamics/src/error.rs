@@ -20,17 +20,16 @@ pub enum DynamicsError {
         /// The range accepted.
         accepted: &'static str,
     },
-    /// A force record is not usable.
-    #[error("force record, row {row}: {quantity} is {value}; it must be {accepted}")]
-    ForceRecord {
-        /// Row, counted from 0.
-        row: usize,
-        /// The quantity, with its unit.
-        quantity: &'static str,
-        /// The value given.
-        value: f64,
-        /// The values accepted.
-        accepted: &'static str,
+    /// A load acts on another port than the model was made for.
+    #[error("the load acts on another port than the model is loaded at")]
+    LoadPort,
+    /// A sensor that a model does not have.
+    #[error("sensor {sensor} does not exist; the model has {sensors}, counted from 0")]
+    NoSensor {
+        /// The sensor.
+        sensor: usize,
+        /// Number of sensors.
+        sensors: usize,
     },
     /// A run would take more time or memory than is accepted.
     #[error(

@@ -44,7 +44,9 @@ use asperity_structure::PreloadedStructure;
 
 use crate::error::{balanced, check_damping};
 use crate::run_bounds::{check_finite_differences, check_history};
-use crate::{DynamicsError, Excitation, InstructionSet, RunOutline, Sampling, Transient};
+use crate::{DynamicsError, InstructionSet, RunOutline, Sampling, Transient};
+use asperity_mesh::Port;
+use asperity_structure::LoadCase;
 use time_loop::TimeLoop;
 
 /// Closure at which the implicit contact pressure is taken (Eq. 5).
@@ -92,7 +94,9 @@ impl FiniteDifference {
     /// number times `(dx / c)^2 / (2 b)`, and the modal integrator is faster by as much.
     ///
     /// ```
-    /// use asperity_dynamics::{Excitation, FiniteDifference, Sampling};
+    /// use asperity_dynamics::{FiniteDifference, Sampling};
+    /// use asperity_mesh::Port;
+    /// use asperity_structure::{LoadCase, TimeFunction};
     /// # use std::sync::Arc;
     /// # use asperity_law::Constant;
     /// # use asperity_mesh::{Body, Interface, Stack, Support};
@@ -103,7 +107,7 @@ impl FiniteDifference {
     /// # let stack = Stack::new(vec![guide], vec![contact], Support::Rigid, 9.81)?;
     /// # let structure = PreloadedStructure::new(stack, Damping::Ratio(0.035))?;
     /// let grid = FiniteDifference { cell: 5e-3, ..FiniteDifference::default() };
-    /// let pulse = Excitation::GammaPulse { peak: 9.0, rise: 0.34e-3 };
+    /// let pulse = LoadCase::force(TimeFunction::GammaPulse { rise: 0.34e-3 }, 9.0);
     /// let response = grid.integrate(&structure, &pulse, &Sampling::new(0.01, 2e5)?)?;
     /// assert!(response.energy.residual_relative() < 1e-2);
     /// # Ok(())
@@ -122,10 +126,11 @@ impl FiniteDifference {
     pub fn integrate(
         &self,
         structure: &PreloadedStructure,
-        excitation: &Excitation,
+        load: &LoadCase,
+        sensors: &[Port],
         sampling: &Sampling,
     ) -> Result<Transient, DynamicsError> {
-        self.integrate_with_progress(structure, excitation, sampling, &|_| ())
+        self.integrate_with_progress(structure, load, sensors, sampling, &|_| ())
     }
 
     /// [`integrate`](Self::integrate), with the fraction done reported to `progress`.
@@ -135,11 +140,13 @@ impl FiniteDifference {
     pub fn integrate_with_progress(
         &self,
         structure: &PreloadedStructure,
-        excitation: &Excitation,
+        load: &LoadCase,
+        sensors: &[Port],
         sampling: &Sampling,
         progress: &(dyn Fn(f64) + Sync),
     ) -> Result<Transient, DynamicsError> {
-        excitation.check()?;
+        load.check()?;
+        let _ = sensors;
         let (grid, step, stride) = self.grid(structure, sampling)?;
         let arch = self
             .instructions
@@ -150,7 +157,7 @@ impl FiniteDifference {
             structure,
             grid: &grid,
             form: self.contact,
-            excitation,
+            load,
             samples: sampling.samples(),
             stride,
             step,

@@ -1,11 +1,10 @@
 //! The choice of time integrator.
 
-use asperity_structure::PreloadedStructure;
+use asperity_mesh::Port;
+use asperity_structure::{LoadCase, PreloadedStructure};
 
 use crate::run_bounds::check_history;
-use crate::{
-    DynamicsError, Excitation, FiniteDifference, InstructionSet, Modal, Sampling, Transient,
-};
+use crate::{DynamicsError, FiniteDifference, InstructionSet, Modal, Sampling, Transient};
 
 /// A time integrator with its settings.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -55,13 +54,13 @@ impl Integrator {
     pub fn outline(
         &self,
         structure: &PreloadedStructure,
-        excitation: &Excitation,
+        load: &LoadCase,
         sampling: &Sampling,
     ) -> Result<RunOutline, DynamicsError> {
         match self {
             Self::FiniteDifference(method) => method.outline(structure, sampling),
             Self::Modal(method) => {
-                let hit = method.hit(structure, excitation, sampling)?;
+                let hit = method.hit(structure, load, &[], sampling)?;
                 let (step, steps) = hit.first_step()?;
                 check_history(sampling.samples(), structure.contacts().len(), step)?;
                 Ok(RunOutline { unknowns: hit.model.structure().modes().len(), step, steps })
@@ -85,7 +84,7 @@ impl Integrator {
         }
     }
 
-    /// The response of `structure`, from rest, to `excitation`.
+    /// The response of `structure`, from rest, to `load`, read at `sensors`.
     ///
     /// # Errors
     /// As [`FiniteDifference::integrate`] and [`Modal::integrate`], and [`DynamicsError::TooLarge`]
@@ -93,10 +92,11 @@ impl Integrator {
     pub fn integrate(
         &self,
         structure: &PreloadedStructure,
-        excitation: &Excitation,
+        load: &LoadCase,
+        sensors: &[Port],
         sampling: &Sampling,
     ) -> Result<Transient, DynamicsError> {
-        self.integrate_with_progress(structure, excitation, sampling, &|_| ())
+        self.integrate_with_progress(structure, load, sensors, sampling, &|_| ())
     }
 
     /// [`integrate`](Self::integrate), with the fraction done reported to `progress`.
@@ -106,18 +106,19 @@ impl Integrator {
     pub fn integrate_with_progress(
         &self,
         structure: &PreloadedStructure,
-        excitation: &Excitation,
+        load: &LoadCase,
+        sensors: &[Port],
         sampling: &Sampling,
         progress: &(dyn Fn(f64) + Sync),
     ) -> Result<Transient, DynamicsError> {
         match self {
             Self::FiniteDifference(method) => {
-                method.integrate_with_progress(structure, excitation, sampling, progress)
+                method.integrate_with_progress(structure, load, sensors, sampling, progress)
             }
             Self::Modal(method) => {
                 let (samples, interval) = (sampling.samples(), sampling.interval());
                 check_history(samples, structure.contacts().len(), interval)?;
-                let transient = method.integrate(structure, excitation, sampling)?;
+                let transient = method.integrate(structure, load, sensors, sampling)?;
                 progress(1.0);
                 Ok(transient)
             }

@@ -1,7 +1,7 @@
 //! Time integration of preloaded structures with implicit contact.
 //!
-//! A [`PreloadedStructure`](asperity_structure::PreloadedStructure) under an [`Excitation`]
-//! gives a [`Transient`]. All integrators work with the perturbation about static equilibrium,
+//! A [`PreloadedStructure`](asperity_structure::PreloadedStructure) under a
+//! [`LoadCase`](asperity_structure::LoadCase) gives a [`Transient`]. All integrators work with the perturbation about static equilibrium,
 //!
 //! ```text
 //! M w'' + h M w' + k w = f(t) - sum_i S_i (p_i(d_i) - p_i0) (e_above - e_below)
@@ -13,10 +13,10 @@
 //! ```
 //! use std::sync::Arc;
 //!
-//! use asperity_dynamics::{Excitation, Integrator, Sampling};
+//! use asperity_dynamics::{Integrator, Sampling};
 //! use asperity_law::Power;
-//! use asperity_mesh::{Body, Interface, Stack, Support};
-//! use asperity_structure::{Damping, PreloadedStructure};
+//! use asperity_mesh::{Body, Interface, Port, Stack, Support};
+//! use asperity_structure::{Damping, LoadCase, PreloadedStructure, TimeFunction};
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! let guide = Body::with_mass("guide", 0.229, 1.61, 71e9, 2710.0)?;
@@ -25,10 +25,10 @@
 //! let stack = Stack::new(vec![guide], vec![contact], Support::Rigid, 9.81)?;
 //! let structure = PreloadedStructure::new(stack, Damping::Ratio(0.035))?;
 //!
-//! let pulse = Excitation::GammaPulse { peak: 9.0, rise: 0.34e-3 };
+//! let pulse = LoadCase::force(TimeFunction::GammaPulse { rise: 0.34e-3 }, 9.0);
 //! let sampling = Sampling::new(0.02, 2e5)?;
-//! let response = Integrator::default().integrate(&structure, &pulse, &sampling)?;
-//! assert_eq!(response.history.displacement.len(), 4000);
+//! let response = Integrator::default().integrate(&structure, &pulse, &[Port::TOP], &sampling)?;
+//! assert_eq!(response.history.sensors[0].displacement.len(), 4000);
 //! assert!(response.contacts[0].pressure_min < structure.contacts()[0].pressure());
 //! # Ok(())
 //! # }
@@ -37,7 +37,6 @@
 //! | module | holds |
 //! |---|---|
 //! | [`difference`] | the derivative of a closed form from four values |
-//! | [`excitation`] | the hammer's pulse, the shaker's sine, a measured record |
 //! | [`finite_difference`] | the paper's explicit scheme, Eqs. (2) to (5) |
 //! | [`modal`] | exact modal steps with implicit contact, many hits in vector lanes |
 //! | [`integrator`] | the choice of integrator |
@@ -47,7 +46,6 @@
 mod contact_energy;
 pub mod difference;
 pub mod error;
-pub mod excitation;
 pub mod finite_difference;
 mod friction_force;
 pub mod instruction_set;
@@ -58,7 +56,6 @@ pub mod transient;
 
 pub use difference::{RELATIVE_STEP, STENCIL, central_difference};
 pub use error::DynamicsError;
-pub use excitation::{Excitation, ForceRecord, FrequencySequence};
 pub use finite_difference::{ContactForm, FiniteDifference};
 pub use instruction_set::InstructionSet;
 pub use integrator::{Integrator, RunOutline};
@@ -67,5 +64,5 @@ pub use modal::{
     ModalModel, ParameterVariation, Sensitivity, StepHistory,
 };
 pub use transient::{
-    ContactExtremes, EnergyLedger, History, InterfaceHistory, Sampling, Transient,
+    ContactExtremes, EnergyLedger, History, InterfaceHistory, Sampling, SensorHistory, Transient,
 };

@@ -19,9 +19,9 @@
 //! | `assembly` | a structure in modes, tabulated and stepped once for many hits |
 //! | `damped_table` | the law of a damped contact in one step, as tables |
 //! | `oscillator` | the exact step of one mode under a polynomial force |
-//! | `friction_rows` | friction elements as rows of a step |
-//! | `step_model` | all numbers of a step that do not depend on the drive |
-//! | `drive` | the drive force, step by step |
+//! | `row_modes` | modes in the closures of contacts and guides, the load and the sensors |
+//! | `step_model` | all numbers of a step that do not depend on the load |
+//! | `load_steps` | the load, step by step |
 //! | `simulation` | one hit and its response |
 //! | `step_size` | the choice of the step |
 //! | `fast_modes` | the error by modes that a step does not show |
@@ -41,14 +41,14 @@
 mod assembly;
 mod damped_table;
 mod dense_output;
-mod drive;
 mod energy;
 mod fast_modes;
-mod friction_rows;
 mod increasing_root;
 mod linear_system;
 mod linear_tail;
+mod load_steps;
 mod oscillator;
+mod row_modes;
 mod sensitivity;
 mod simd;
 mod simulate;
@@ -59,11 +59,11 @@ mod step_size;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-use asperity_mesh::ModeCount;
-use asperity_structure::PreloadedStructure;
+use asperity_mesh::{ModeCount, Port};
+use asperity_structure::{LoadCase, PreloadedStructure};
 
 use crate::error::check_damping;
-use crate::{DynamicsError, Excitation, InstructionSet, Sampling, Transient};
+use crate::{DynamicsError, InstructionSet, Sampling, Transient};
 
 pub use assembly::ModalModel;
 pub use sensitivity::{ContactMeasures, ParameterVariation, Sensitivity, StepHistory};
@@ -76,7 +76,7 @@ pub use step_size::COARSE_RESIDUAL;
 /// harmonic is searched.
 const BAND: f64 = 3.22;
 
-/// Radians of the drive's time scale up to which modes follow it: a gamma pulse has a tenth of
+/// Radians of the load's time scale up to which modes follow it: a gamma pulse has a tenth of
 /// its spectrum there.
 const DRIVE_BAND: f64 = 4.0;
 
@@ -87,7 +87,7 @@ const NEGLECTED: f64 = 1e-3;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Modal {
     /// Step \[s\], at most 1 over the lowest natural angular frequency; none to have it chosen
-    /// from that frequency and the drive, and halved until the energy balance closes to 5e-4.
+    /// from that frequency and the load, and halved until the energy balance closes to 5e-4.
     pub step: Option<f64>,
     /// Modes of each body, the rigid one included; none to have them chosen from the error bound
     /// of [`ModeCount::Bound`].
@@ -104,26 +104,28 @@ impl Default for Modal {
 }
 
 impl Modal {
-    /// Modes of each body kept for `excitation` on a stack with the lowest natural
-    /// frequency is `natural` \[Hz\].
-    pub fn mode_count(&self, natural: Option<f64>, excitation: &Excitation) -> ModeCount {
+    /// Modes of each body kept for `load` on a stack whose lowest natural frequency is `natural`
+    /// \[Hz\].
+    pub fn mode_count(&self, natural: Option<f64>, load: &LoadCase) -> ModeCount {
         match self.modes_per_body {
             Some(modes) => ModeCount::PerBody(modes),
             None => ModeCount::Bound {
                 angular_frequency: (BAND * TAU * natural.unwrap_or(0.0))
-                    .max(DRIVE_BAND / excitation.time_scale()),
+                    .max(DRIVE_BAND / load.time_scale()),
                 tolerance: NEGLECTED,
             },
         }
     }
 
-    /// The response of `structure`, from rest, to `excitation`.
+    /// The response of `structure`, from rest, to `load`, read at `sensors`.
     ///
     /// Samples need not fall on steps: between them the motion is that of the modes, and the
     /// closures a cubic. A run takes some milliseconds.
     ///
     /// ```
-    /// use asperity_dynamics::{Excitation, Modal, Sampling};
+    /// use asperity_dynamics::{Modal, Sampling};
+    /// use asperity_mesh::Port;
+    /// use asperity_structure::{LoadCase, TimeFunction};
     /// # use std::sync::Arc;
     /// # use asperity_law::Constant;
     /// # use asperity_mesh::{Body, Interface, Stack, Support};
@@ -133,8 +135,9 @@ impl Modal {
     /// # let contact = Interface::new("guide-disc", 1.15e-4, Arc::new(Constant::new(4.25e11)?))?;
     /// # let stack = Stack::new(vec![guide], vec![contact], Support::Rigid, 9.81)?;
     /// # let structure = PreloadedStructure::new(stack, Damping::Ratio(0.035))?;
-    /// let pulse = Excitation::GammaPulse { peak: 9.0, rise: 0.34e-3 };
-    /// let response = Modal::default().integrate(&structure, &pulse, &Sampling::new(0.02, 2e5)?)?;
+    /// let pulse = LoadCase::force(TimeFunction::GammaPulse { rise: 0.34e-3 }, 9.0);
+    /// let sampling = Sampling::new(0.02, 2e5)?;
+    /// let response = Modal::default().integrate(&structure, &pulse, &[Port::TOP], &sampling)?;
     /// assert!(response.energy.residual_relative() < 5e-4);
     /// # Ok(())
     /// # }
@@ -144,17 +147,18 @@ impl Modal {
     /// [`DynamicsError::Structure`] for a count of modes out of range,
     /// [`DynamicsError::LossFactor`] for a body with a loss factor, [`DynamicsError::ModalDamping`] for
     /// ratios of modes, [`DynamicsError::Setting`]
-    /// for a step or excitation out of range, more than 16 interfaces, or an instruction set
+    /// for a step or load out of range, more than 16 interfaces, or an instruction set
     /// that the machine lacks, [`DynamicsError::Law`] when a law cannot be tabulated,
     /// [`DynamicsError::Unstable`] when the numbers overflow or pressures leave every table,
     /// [`DynamicsError::Coarse`] when the energy balance does not close.
     pub fn integrate(
         &self,
         structure: &PreloadedStructure,
-        excitation: &Excitation,
+        load: &LoadCase,
+        sensors: &[Port],
         sampling: &Sampling,
     ) -> Result<Transient, DynamicsError> {
-        let hit = self.hit(structure, excitation, sampling)?;
+        let hit = self.hit(structure, load, sensors, sampling)?;
         Batch { instructions: self.instructions }.transient(&hit, sampling)
     }
 
@@ -165,14 +169,16 @@ impl Modal {
     pub fn hit(
         &self,
         structure: &PreloadedStructure,
-        excitation: &Excitation,
+        load: &LoadCase,
+        sensors: &[Port],
         sampling: &Sampling,
     ) -> Result<HitSimulation, DynamicsError> {
-        excitation.check()?;
+        load.check()?;
         check_damping(structure)?;
-        let modes = self.mode_count(structure.natural_frequency(), excitation);
-        let rig = Arc::new(ModalModel::new(structure.reduced(modes)?)?);
+        let modes = self.mode_count(structure.natural_frequency(), load);
+        let counts = modes.counts(structure.stack())?;
+        let rig = Arc::new(ModalModel::of_stack(structure, &counts, load.port(), sensors)?);
         let duration = sampling.samples() as f64 * sampling.interval();
-        Ok(HitSimulation { model: rig, excitation: excitation.clone(), duration, step: self.step })
+        Ok(HitSimulation { model: rig, load: load.clone(), sensor: 0, duration, step: self.step })
     }
 }

@@ -77,14 +77,23 @@ pub struct Transient {
 pub struct History {
     /// Time \[s\].
     pub time: Vec<f64>,
-    /// Force on the top \[N\].
-    pub force: Vec<f64>,
-    /// Displacement of the top from static equilibrium \[m\].
-    pub displacement: Vec<f64>,
-    /// Acceleration of the top \[m/s2\].
-    pub acceleration: Vec<f64>,
+    /// Force \[N\], or acceleration of the base \[m/s2\].
+    pub load: Vec<f64>,
+    /// Motion of each sensor from static equilibrium, relative to the base.
+    pub sensors: Vec<SensorHistory>,
     /// Contact quantities, from the top down.
     pub interfaces: Vec<InterfaceHistory>,
+}
+
+/// Samples of one sensor.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct SensorHistory {
+    /// Displacement \[m\].
+    pub displacement: Vec<f64>,
+    /// Velocity \[m/s\].
+    pub velocity: Vec<f64>,
+    /// Acceleration \[m/s2\].
+    pub acceleration: Vec<f64>,
 }
 
 /// Samples of one interface.
@@ -100,23 +109,25 @@ pub struct InterfaceHistory {
 
 impl History {
     /// No samples yet, with room for `samples` of them.
-    pub(crate) fn with_capacity(samples: usize, interfaces: usize) -> Self {
+    pub(crate) fn with_capacity(samples: usize, sensors: usize, interfaces: usize) -> Self {
         let column = || Vec::with_capacity(samples);
+        let sensor =
+            || SensorHistory { displacement: column(), velocity: column(), acceleration: column() };
         let interface =
             || InterfaceHistory { pressure: column(), closure: column(), stiffness: column() };
         Self {
             time: column(),
-            force: column(),
-            displacement: column(),
-            acceleration: column(),
+            load: column(),
+            sensors: (0..sensors).map(|_| sensor()).collect(),
             interfaces: (0..interfaces).map(|_| interface()).collect(),
         }
     }
+}
 
-    pub(crate) fn push(&mut self, time: f64, force: f64, displacement: f64, acceleration: f64) {
-        self.time.push(time);
-        self.force.push(force);
+impl SensorHistory {
+    pub(crate) fn push(&mut self, [displacement, velocity, acceleration]: [f64; 3]) {
         self.displacement.push(displacement);
+        self.velocity.push(velocity);
         self.acceleration.push(acceleration);
     }
 }
@@ -158,7 +169,7 @@ pub struct ContactExtremes {
 /// `sum S (E(d) - E(d0) - p0 (d - d0)) + w k w / 2`, plus the kinetic energy.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct EnergyLedger {
-    /// Work of the exciting force \[J\].
+    /// Work of the load, relative to the base \[J\].
     pub input: f64,
     /// Loss in bodies, support, contacts and friction elements \[J\].
     pub dissipated: f64,

@@ -16,6 +16,23 @@ pub enum StructureError {
         /// The range accepted.
         accepted: &'static str,
     },
+    /// Samples are no function of time.
+    #[error("samples, row {row}: {quantity} is {value}; it must be {accepted}")]
+    Samples {
+        /// Row, counted from 0.
+        row: usize,
+        /// The quantity, with its unit.
+        quantity: &'static str,
+        /// The value given.
+        value: f64,
+        /// The values accepted.
+        accepted: &'static str,
+    },
+    /// A base cannot be displaced by a function whose velocity jumps.
+    #[error(
+        "the velocity of a base displaced by a half-sine jumps at its end; accepted for a displacement: gamma_pulse, haversine, harmonic, samples"
+    )]
+    BaseJump,
     /// The law of an interface cannot carry the static pressure there.
     #[error(
         "no static equilibrium: the law of interface \"{interface}\" cannot carry the static pressure of {pressure_pa} Pa"

@@ -19,6 +19,8 @@
 //! | [`equilibrium`] | nonlinear static equilibrium of a stack under weight |
 //! | [`damping`] | mass-proportional viscosity from a damping ratio |
 //! | [`guide`] | a guide with friction |
+//! | [`time_function`] | pulses, sines and samples over time, of unit amplitude |
+//! | [`load_case`] | a function of time, its amplitude, and the port or base that it acts on |
 //! | [`modal_damping`] | damping ratios of linearised modes |
 //! | [`modes`] | linearised natural frequencies and shapes, exact for elastic bars |
 //! | [`error`] | errors |
@@ -28,15 +30,19 @@ pub mod damping;
 pub mod equilibrium;
 pub mod error;
 pub mod guide;
+pub mod load_case;
 pub mod modal_damping;
 pub mod modes;
 pub mod preloaded;
+pub mod time_function;
 
 pub use contact::PreloadedContact;
 pub use damping::Damping;
 pub use equilibrium::StaticDisplacement;
 pub use error::StructureError;
 pub use guide::Guide;
+pub use load_case::{BaseQuantity, LoadCase};
 pub use modal_damping::DampedMode;
 pub use modes::LinearisedMode;
 pub use preloaded::PreloadedStructure;
+pub use time_function::{Order, SampledFunction, SteppedSine, TimeFunction};

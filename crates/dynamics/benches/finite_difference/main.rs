@@ -17,10 +17,10 @@ use std::hint::black_box;
 use std::sync::Arc;
 use std::time::Instant;
 
-use asperity_dynamics::{Excitation, FiniteDifference, InstructionSet, Sampling};
+use asperity_dynamics::{FiniteDifference, InstructionSet, Sampling};
 use asperity_law::{Constant, ContactLaw, ModifiedPower, Power};
-use asperity_mesh::{Body, Grid, Interface, Stack, Support};
-use asperity_structure::{Damping, PreloadedStructure};
+use asperity_mesh::{Body, Grid, Interface, Port, Stack, Support};
+use asperity_structure::{Damping, LoadCase, PreloadedStructure, TimeFunction};
 use plain::Plain;
 
 const AREA: f64 = 1.15e-4;
@@ -43,7 +43,7 @@ fn measure(name: &str, law: &Arc<dyn ContactLaw>) {
     let stack = rig(law);
     let structure = PreloadedStructure::new(stack, Damping::Ratio(0.035)).unwrap();
     let sampling = Sampling::new(0.12, 2e5).unwrap();
-    let pulse = Excitation::GammaPulse { peak: 32.0, rise: 0.34e-3 };
+    let pulse = LoadCase::force(TimeFunction::GammaPulse { rise: 0.34e-3 }, 32.0);
     let nodes = Grid::new(structure.stack(), 1e-3).unwrap().nodes();
 
     for set in InstructionSet::available() {
@@ -52,7 +52,7 @@ fn measure(name: &str, law: &Arc<dyn ContactLaw>) {
         for _ in 0..ROUNDS {
             let method = FiniteDifference { instructions: set, ..FiniteDifference::default() };
             let started = Instant::now();
-            let done = method.integrate(&structure, &pulse, &sampling).unwrap();
+            let done = method.integrate(&structure, &pulse, &[Port::TOP], &sampling).unwrap();
             kernel = kernel.min(started.elapsed().as_secs_f64());
             steps = black_box(done).steps;
             let run = Plain { structure: &structure, excitation: &pulse, sampling: &sampling };

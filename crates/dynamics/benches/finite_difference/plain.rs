@@ -4,10 +4,10 @@
 //! Node 1 lies on a cache line, the inner nodes are padded to whole groups, and ends and contacts
 //! come before the sweeps. The pressure is that of a table; there is no energy ledger.
 
-use asperity_dynamics::{Excitation, InstructionSet, Sampling};
+use asperity_dynamics::{InstructionSet, Sampling};
 use asperity_law::{CompiledLaw, InSeries};
 use asperity_mesh::{BarGrid, Grid};
-use asperity_structure::PreloadedStructure;
+use asperity_structure::{LoadCase, PreloadedStructure};
 use pulp::{Arch, Simd, WithSimd};
 
 const LINE: usize = 8;
@@ -39,7 +39,7 @@ struct Contact {
 /// A run on one instruction set; its output is the top's displacement at the output samples.
 pub(crate) struct Plain<'a> {
     pub(crate) structure: &'a PreloadedStructure,
-    pub(crate) excitation: &'a Excitation,
+    pub(crate) excitation: &'a LoadCase,
     pub(crate) sampling: &'a Sampling,
 }
 
@@ -73,7 +73,9 @@ impl WithSimd for Plain<'_> {
         let mut steps = 0;
         for sample in 0..self.sampling.samples() {
             let start = sample as f64 * self.sampling.interval();
-            self.excitation.sample_into(start, step, &mut forces);
+            for (n, force) in forces.iter_mut().enumerate() {
+                *force = self.excitation.value(start + n as f64 * step);
+            }
             displacement.push(bars[0].ends[0]);
             for &force in &forces {
                 if steps % 2 == 0 {
@@ -147,7 +149,7 @@ fn fused<S: Simd>(a: f64, b: f64, c: f64) -> f64 {
     if S::F64_LANES > 1 { a.mul_add(b, c) } else { a * b + c }
 }
 
-fn contacts(structure: &PreloadedStructure, bars: &[Bar], excitation: &Excitation) -> Vec<Contact> {
+fn contacts(structure: &PreloadedStructure, bars: &[Bar], excitation: &LoadCase) -> Vec<Contact> {
     let contacts = structure.contacts().iter().enumerate();
     contacts
         .map(|(i, contact)| {

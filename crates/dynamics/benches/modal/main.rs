@@ -18,12 +18,11 @@ use std::thread;
 use std::time::Instant;
 
 use asperity_dynamics::{
-    Batch, Decimation, Excitation, FiniteDifference, HitSimulation, InstructionSet, Modal,
-    ModalModel, Sampling,
+    Batch, Decimation, FiniteDifference, HitSimulation, InstructionSet, Modal, ModalModel, Sampling,
 };
 use asperity_law::{ContactLaw, ModifiedPower};
-use asperity_mesh::{Body, Interface, Stack, Support};
-use asperity_structure::{Damping, PreloadedStructure};
+use asperity_mesh::{Body, Interface, Port, Stack, Support};
+use asperity_structure::{Damping, LoadCase, PreloadedStructure, TimeFunction};
 
 const AREA: f64 = 1.15e-4;
 const DURATION: f64 = 0.12;
@@ -32,15 +31,17 @@ const STEPS: [f64; 3] = [10e-6, 16e-6, 20e-6];
 
 fn main() {
     let structure = PreloadedStructure::new(rig(), Damping::Ratio(0.035)).unwrap();
-    let pulse = |peak| Excitation::GammaPulse { peak, rise: 0.34e-3 };
+    let pulse = |peak| LoadCase::force(TimeFunction::GammaPulse { rise: 0.34e-3 }, peak);
     let count = Modal::default().mode_count(structure.natural_frequency(), &pulse(1.0));
-    let reduced = structure.reduced(count).unwrap();
-    let plain_rig = plain::Rig::new(reduced.clone());
-    let rig = Arc::new(ModalModel::new(reduced).unwrap());
+    let counts = count.counts(structure.stack()).unwrap();
+    let reduced = structure.reduced_to(&counts, &[Port::TOP]).unwrap();
+    let plain_rig = plain::Rig::new(reduced);
+    let rig = Arc::new(ModalModel::of_stack(&structure, &counts, Port::TOP, &[Port::TOP]).unwrap());
     let hits = |step: f64, count: usize| -> Vec<HitSimulation> {
         let hit = |i: usize| HitSimulation {
             model: Arc::clone(&rig),
-            excitation: pulse(9.0 + 23.0 * i as f64 / count as f64),
+            sensor: 0,
+            load: pulse(9.0 + 23.0 * i as f64 / count as f64),
             duration: DURATION,
             step: Some(step),
         };
@@ -92,7 +93,7 @@ fn main() {
     let mut step = 0.0;
     for _ in 0..ROUNDS {
         least = least.min(timed(|| {
-            let done = method.integrate(&structure, &pulse(32.0), &sampling);
+            let done = method.integrate(&structure, &pulse(32.0), &[Port::TOP], &sampling);
             step = done.unwrap().step;
         }));
     }

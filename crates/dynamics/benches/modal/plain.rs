@@ -1,10 +1,9 @@
 //! The same method as a plain loop: modes as two-state recurrences, forces linear over a step for
 //! the bodies and averaged for the last, two contacts by Newton's method on tabulated laws.
 
-use asperity_dynamics::Excitation;
 use asperity_law::CompiledLaw;
 use asperity_mesh::ComponentModes;
-use asperity_structure::PreloadedStructure;
+use asperity_structure::{LoadCase, PreloadedStructure};
 
 pub(crate) struct Rig {
     structure: PreloadedStructure<ComponentModes>,
@@ -41,7 +40,8 @@ impl Rig {
     }
 
     /// The lowest pressure gain and the output's last displacement of a hit.
-    pub(crate) fn march(&self, drive: &Excitation, h: f64, duration: f64) -> (f64, f64) {
+    pub(crate) fn march(&self, drive: &LoadCase, h: f64, duration: f64) -> (f64, f64) {
+        let pairs = self.structure.component_modes().contacts();
         let mut modes: Vec<Mode> = self
             .structure
             .component_modes()
@@ -53,12 +53,12 @@ impl Rig {
                 let root = (-0.5 * c * h).exp();
                 let turn = if w > 0.5 * c { (damped * h).cos() } else { (damped * h).cosh() };
                 // Newmark's average for stiff contacts, else a third of the linear course.
-                let light = mode.closure.iter().all(|g| *g != 0.0);
+                let light = pairs.iter().all(|&pair| mode.closure(pair) != 0.0);
                 let taps =
                     if light { [0.25, 0.5, 0.25] } else { [1.0 / 6.0, 2.0 / 3.0, 1.0 / 6.0] };
                 Mode {
-                    shape: [mode.closure[0], mode.closure[1]],
-                    drive: mode.drive,
+                    shape: [mode.closure(pairs[0]), mode.closure(pairs[1])],
+                    drive: mode.ports[0],
                     decay: root * root,
                     spring: 1.0 + root * root - 2.0 * root * turn,
                     taps: taps.map(|tap| tap * h * h * root),
@@ -73,13 +73,14 @@ impl Rig {
         for (i, row) in coupling.iter_mut().enumerate() {
             for (j, entry) in row.iter_mut().enumerate() {
                 let own = modes.iter().map(|mode| mode.shape[i] * mode.shape[j] * mode.taps[0]);
-                let residual = self.structure.component_modes().residual().closure[i][j];
+                let left_out = self.structure.component_modes().residual();
+                let residual = left_out.closure(pairs[i], pairs[j]);
                 *entry = (residual + own.sum::<f64>()) * self.areas[j];
             }
         }
         let (mut closures, mut lowest, mut output) = ([[0.0; 2]; 3], 0.0_f64, 0.0);
         for n in 0..(duration / h).round() as usize {
-            let force = drive.force(n as f64 * h);
+            let force = drive.value(n as f64 * h);
             let mut target = [0.0; 2];
             for mode in &mut modes {
                 let carried = mode.taps[1] * mode.forces[0] + mode.taps[2] * mode.forces[1];

@@ -10,7 +10,7 @@ use super::contact::ContactStep;
 use super::guide::GuideStep;
 use super::ledger::Ledger;
 use super::support::SupportStep;
-use crate::{DynamicsError, EnergyLedger, Excitation, History, Transient};
+use crate::{DynamicsError, EnergyLedger, History, Transient};
 
 /// Most steps between two measurements of the viscous power.
 const LEDGER_STEPS: usize = 32;
@@ -23,7 +23,7 @@ pub(super) struct TimeLoop<'a> {
     pub(super) structure: &'a PreloadedStructure,
     pub(super) grid: &'a Grid,
     pub(super) form: ContactForm,
-    pub(super) excitation: &'a Excitation,
+    pub(super) load: &'a asperity_structure::LoadCase,
     pub(super) samples: usize,
     pub(super) stride: usize,
     pub(super) step: f64,
@@ -37,12 +37,14 @@ impl WithSimd for TimeLoop<'_> {
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
         let mut storage: Vec<BarStorage> = self.grid.bars().iter().map(BarStorage::new).collect();
         let mut state = State::new(&self, simd, &mut storage)?;
-        let mut history = History::with_capacity(self.samples, state.contacts.len());
+        let mut history = History::with_capacity(self.samples, 1, state.contacts.len());
         let mut forces = vec![0.0; self.stride];
         let mut ledger = Ledger::default();
         for sample in 0..self.samples {
             let start = (sample * self.stride) as f64 * self.step;
-            self.excitation.sample_into(start, self.step, &mut forces);
+            for (n, force) in forces.iter_mut().enumerate() {
+                *force = self.load.value(start + n as f64 * self.step);
+            }
             let force_at_sample = forces[0];
             if sample == 0 {
                 // From rest, w+ = F dt^2 / (2 m): half of what the scheme gives with w- = 0.
@@ -66,7 +68,7 @@ impl WithSimd for TimeLoop<'_> {
             }
         }
         // The motion starts at rest: its image before t = 0 is w(-dt) = w(dt).
-        history.acceleration[0] *= 2.0;
+        history.sensors[0].acceleration[0] *= 2.0;
         (self.progress)(1.0);
         let steps = self.samples * self.stride;
         let end = steps as f64 * self.step;
@@ -125,7 +127,7 @@ impl<'a, 'r, S: Simd> State<'a, 'r, S> {
             .iter()
             .zip(bars.iter().zip(below))
             .map(|(contact, (above, below))| {
-                let scale = run.excitation.peak() / contact.area();
+                let scale = run.load.peak() / contact.area();
                 let compliance = above.compliance + below;
                 ContactStep::new(contact, run.form, compliance, run.step, scale)
             })
@@ -254,7 +256,13 @@ impl<'a, 'r, S: Simd> State<'a, 'r, S> {
     fn record(&mut self, history: &mut History, sample: Option<(f64, f64, &Top)>, steps: usize) {
         if let Some((time, force, top)) = sample {
             let acceleration = (top.after - 2.0 * top.now + top.before) / (self.step * self.step);
-            history.push(time, force, top.now, acceleration);
+            history.time.push(time);
+            history.load.push(force);
+            history.sensors[0].push([
+                top.now,
+                0.5 * (top.after - top.before) / self.step,
+                acceleration,
+            ]);
         }
         for (contact, columns) in self.contacts.iter_mut().zip(&mut history.interfaces) {
             let observed = contact.observe();

@@ -4,13 +4,13 @@ use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use asperity_law::{CompiledLaw, Friction, LawError};
-use asperity_mesh::ComponentModes;
-use asperity_structure::{Guide, PreloadedContact, PreloadedStructure};
+use asperity_mesh::{ComponentModes, MeshError, Port};
+use asperity_structure::{Guide, LoadCase, PreloadedContact, PreloadedStructure};
 
 use super::damped_table::{DampedTable, stiffness_in_step};
-use super::drive::DriveForce;
-use super::friction_rows::with_guides_as_pairs;
 use super::linear_tail::LinearTail;
+use super::load_steps::LoadSteps;
+use super::row_modes::RowModes;
 use super::simd::decimation::Decimation;
 use super::simd::table_lookup::TableRow;
 use super::step_model::{InterpolationChoice, StepModel};
@@ -41,8 +41,10 @@ const MOST_TAILS: usize = 8;
 #[derive(Debug)]
 pub struct ModalModel {
     structure: PreloadedStructure<ComponentModes>,
-    /// The modes with a contact pair more for each guide, after the contacts: the rows of a step.
-    rows: ComponentModes,
+    /// The modes in the rows of a step.
+    rows: RowModes,
+    /// Port of the stack that the load acts on; none for component modes.
+    port: Option<Port>,
     prepared: Mutex<Prepared>,
 }
 
@@ -64,6 +66,7 @@ pub(super) struct TabulatedModel {
 /// The rest of responses of so many steps after the first `from`, or that there is none.
 #[derive(Debug)]
 struct KnownTail {
+    sensor: usize,
     from: usize,
     steps: usize,
     decimation: Arc<Decimation>,
@@ -94,35 +97,64 @@ impl TabulatedModel {
     /// The rest of responses of `steps` steps after the first `from`, if there is one.
     pub(super) fn linear_tail(
         &self,
+        sensor: usize,
         (from, steps): (usize, usize),
         decimation: &Arc<Decimation>,
     ) -> Option<Arc<LinearTail>> {
         let mut tails = self.tails.lock().unwrap_or_else(PoisonError::into_inner);
         let same = |known: &&KnownTail| {
-            (known.from, known.steps) == (from, steps) && known.decimation == *decimation
+            (known.sensor, known.from, known.steps) == (sensor, from, steps)
+                && known.decimation == *decimation
         };
         if let Some(known) = tails.iter().find(same) {
             return known.tail.clone();
         }
-        let tail = LinearTail::new(self, (from, steps), decimation).map(Arc::new);
+        let tail = LinearTail::new(self, sensor, (from, steps), decimation).map(Arc::new);
         if tails.len() >= MOST_TAILS {
             tails.clear();
         }
         let decimation = Arc::clone(decimation);
-        tails.push(KnownTail { from, steps, decimation, tail: tail.clone() });
+        tails.push(KnownTail { sensor, from, steps, decimation, tail: tail.clone() });
         tail
     }
 }
 
 impl ModalModel {
-    /// A model of any structure in component modes.
+    /// A model of a stack with this count of modes of each body, the rigid one included, under a load at the port `load`, read at the
+    /// ports `sensors`.
+    ///
+    /// # Errors
+    /// Those of [`new`](Self::new), and [`DynamicsError::Structure`] for a number of modes or a port
+    /// out of range.
+    pub fn of_stack(
+        structure: &PreloadedStructure,
+        counts: &[usize],
+        load: Port,
+        sensors: &[Port],
+    ) -> Result<Self, DynamicsError> {
+        let ports: Vec<Port> = [load].iter().chain(sensors).copied().collect();
+        let sensors: Vec<usize> = (1..ports.len()).collect();
+        let model = Self::new(structure.reduced_to(counts, &ports)?, 0, &sensors)?;
+        Ok(Self { port: Some(load), ..model })
+    }
+
+    /// A model of any structure in component modes, under a load at its port `load`, read at its
+    /// ports `sensors`.
     ///
     /// # Errors
     /// [`DynamicsError::Setting`] for more than 16 contacts, [`DynamicsError::ModalDamping`] for ratios
-    /// of modes.
-    pub fn new(structure: PreloadedStructure<ComponentModes>) -> Result<Self, DynamicsError> {
+    /// of modes, [`DynamicsError::Mesh`] for a port that does not exist.
+    pub fn new(
+        structure: PreloadedStructure<ComponentModes>,
+        load: usize,
+        sensors: &[usize],
+    ) -> Result<Self, DynamicsError> {
         check_modal_damping(&structure)?;
-        let rows = with_guides_as_pairs(structure.component_modes());
+        let ports = structure.component_modes().ports();
+        if let Some(&port) = [load].iter().chain(sensors).find(|&&port| port >= ports) {
+            return Err(MeshError::NoPort { port, ports }.into());
+        }
+        let rows = RowModes::new(structure.component_modes(), load, sensors);
         let count = structure.contacts().len() + structure.guides().len();
         if count > MOST_INTERFACES {
             return Err(DynamicsError::Setting {
@@ -131,7 +163,7 @@ impl ModalModel {
                 accepted: "1 to 16 (finite differences take more)",
             });
         }
-        Ok(Self { structure, rows, prepared: Mutex::default() })
+        Ok(Self { structure, rows, port: None, prepared: Mutex::default() })
     }
 
     /// The structure with its contacts and damping.
@@ -150,14 +182,33 @@ impl ModalModel {
         damped || self.structure.friction().is_some()
     }
 
-    /// The modes with a contact pair more for each guide.
-    pub(super) fn row_modes(&self) -> &ComponentModes {
+    /// Number of sensors.
+    pub fn sensors(&self) -> usize {
+        self.rows.residual.sensors.len()
+    }
+
+    /// Refuses a load that is out of range or acts elsewhere than on the port of the model, and a
+    /// sensor that the model does not have.
+    pub(super) fn check(&self, load: &LoadCase, sensor: usize) -> Result<(), DynamicsError> {
+        load.check()?;
+        if self.port.is_some_and(|port| port != load.port()) {
+            return Err(DynamicsError::LoadPort);
+        }
+        if sensor >= self.sensors() {
+            let sensors = self.sensors();
+            return Err(DynamicsError::NoSensor { sensor, sensors });
+        }
+        Ok(())
+    }
+
+    /// The modes in the rows of a step.
+    pub(super) fn row_modes(&self) -> &RowModes {
         &self.rows
     }
 
     /// Number of rows: of contacts, and behind them of guides.
     pub(super) fn rows(&self) -> usize {
-        self.rows.interfaces()
+        self.rows.rows()
     }
 
     /// Area of row `i` \[m2\]; 1 for a guide, whose pressure is a force.
@@ -305,14 +356,16 @@ fn compile(contact: &PreloadedContact, top: f64) -> Result<CompiledLaw, Dynamics
     table.map_err(|source| DynamicsError::Law { interface: contact.name().to_owned(), source })
 }
 
-/// A hit with its model tabulated for its step, and its drive.
+/// A hit with its model tabulated for its step, and its load.
 #[derive(Debug, Clone)]
 pub(super) struct PreparedHit {
     pub(super) model: Arc<ModalModel>,
     pub(super) tabulated: Arc<TabulatedModel>,
-    /// Force of unit peak step by step, shared by hits of one shape, and the factor on it.
-    pub(super) drive: Arc<DriveForce>,
+    /// Load of unit amplitude step by step, shared by hits of one shape, and the amplitude.
+    pub(super) load: Arc<LoadSteps>,
     pub(super) amplitude: f64,
+    /// Sensor of the model that is read.
+    pub(super) sensor: usize,
     /// Steps of the response.
     pub(super) steps: usize,
     /// The last of them in closed form; none where all are integrated.

@@ -8,8 +8,8 @@ use super::assembly::PreparedHit;
 use super::oscillator::{ForceInterpolation, NODES, Propagator};
 use super::simd::integrate::Outcome;
 use super::step_model::ModeStep;
-use crate::{Excitation, History, Sampling};
-use asperity_structure::PreloadedContact;
+use crate::{History, Sampling};
+use asperity_structure::{LoadCase, PreloadedContact};
 
 /// Parts of a step closer than this to one of its ends are that end.
 const ON_STEP: f64 = 1e-9;
@@ -17,21 +17,25 @@ const ON_STEP: f64 = 1e-9;
 /// Places within a step whose propagators are kept.
 const MOST_PLACES: usize = 64;
 
-/// The samples of one hit.
+/// The samples of one hit, at every sensor of its model.
 pub(super) fn history(
     hit: &PreparedHit,
     outcome: &Outcome,
-    excitation: &Excitation,
+    load: &LoadCase,
     sampling: &Sampling,
 ) -> History {
     let mut motion = DenseOutput::new(hit, outcome);
     let count = sampling.samples();
-    let mut history = History::with_capacity(count, hit.model.contacts().len());
+    let (sensors, contacts) = (hit.model.sensors(), hit.model.contacts().len());
+    let mut history = History::with_capacity(count, sensors, contacts);
     for sample in 0..count {
         let time = sample as f64 * sampling.interval();
-        let force = excitation.force(time);
-        let (displacement, acceleration) = motion.output(time, excitation);
-        history.push(time, force, displacement, acceleration);
+        history.time.push(time);
+        history.load.push(load.value(time));
+        motion.move_to(time, load);
+        for (columns, moved) in history.sensors.iter_mut().zip(&motion.moved) {
+            columns.push(*moved);
+        }
         for (i, columns) in history.interfaces.iter_mut().enumerate() {
             columns.push(motion.contact(time, i));
         }
@@ -54,6 +58,8 @@ struct DenseOutput<'a> {
     places: Vec<Place>,
     /// Closure increment \[m\] at and below which each contact is lost.
     open_below: Vec<f64>,
+    /// Displacement \[m\], velocity \[m/s\] and acceleration \[m/s2\] of each sensor.
+    moved: Vec<[f64; 3]>,
 }
 
 /// The propagators of every mode to a part of a step; `moments` are of the forces `F_k s^k`.
@@ -68,8 +74,9 @@ impl<'a> DenseOutput<'a> {
         let before = vec![0.0; states.len()];
         let open_below = (0..hit.model.contacts().len()).map(|i| hit.open_below(i)).collect();
         let (tractions, places) = (Default::default(), Vec::new());
+        let moved = vec![[0.0; 3]; hit.model.sensors()];
         let mut motion =
-            Self { hit, outcome, states, before, at: 0, tractions, places, open_below };
+            Self { hit, outcome, states, before, at: 0, tractions, places, open_below, moved };
         motion.place(1.0);
         motion.interpolate_tractions();
         motion
@@ -129,9 +136,9 @@ impl<'a> DenseOutput<'a> {
                 *force -= of_row * traction;
             }
         }
-        let drive = &self.hit.drive;
-        if let (Some(mean), Some(rise)) = (drive.mean.get(self.at), drive.rise.get(self.at)) {
-            let of = self.hit.amplitude * mode.drive;
+        let load = &self.hit.load;
+        if let (Some(mean), Some(rise)) = (load.mean.get(self.at), load.rise.get(self.at)) {
+            let of = self.hit.amplitude * mode.load;
             force[0] += of * (mean - 0.5 * rise);
             force[1] += of * rise;
         }
@@ -170,47 +177,55 @@ impl<'a> DenseOutput<'a> {
         (whole as usize, (steps - whole).max(0.0))
     }
 
-    /// Displacement \[m\] and acceleration \[m/s2\] of the output at `time` \[s\], which must not
-    /// come before those asked for already.
-    fn output(&mut self, time: f64, excitation: &Excitation) -> (f64, f64) {
+    /// Moves the sensors to `time` \[s\], which must not come before an earlier one.
+    fn move_to(&mut self, time: f64, load: &LoadCase) {
         let (step, s) = self.locate(time);
         while self.at < step {
             self.advance();
         }
         let place = (s > ON_STEP).then(|| self.place(s));
         let model = &self.hit.tabulated.step_model;
-        let (mut displacement, mut acceleration) = (0.0, 0.0);
-        for (m, mode) in model.modes.iter().enumerate() {
-            let [q, v] = place.map_or(self.states[m], |place| self.state(m, place));
-            if mode.dynamics.massless {
-                let [next, now] = [self.state(m, 0)[0], self.states[m][0]];
-                let bend = (next - 2.0 * now + self.before[m]) / (model.step * model.step);
-                displacement += mode.output * q;
-                acceleration += mode.output * bend;
-                continue;
-            }
-            let force = self.force(mode);
-            let force = force.iter().rev().fold(0.0, |sum, f| sum * s + f);
-            let dynamics = &mode.dynamics;
-            displacement += mode.output * q;
-            acceleration +=
-                mode.output * (force - dynamics.rate * v - dynamics.angular_frequency.powi(2) * q);
-        }
-        // The modes left out follow the forces at once.
         let h = model.step;
-        let bend = |f: &dyn Fn(f64) -> f64| (f(h) - 2.0 * f(0.0) + f(-h)) / (h * h);
-        displacement += model.residual.direct * excitation.force(time);
-        acceleration += model.residual.direct * bend(&|shift| excitation.force(time + shift));
-        for (i, output) in model.output_pressure.iter().enumerate() {
-            displacement -= output * self.traction_increment(i, step, s);
+        // The modes left out follow load and tractions at once.
+        let following = |value: f64, f: &dyn Fn(f64) -> f64| {
+            [value, (f(h) - f(-h)) / (2.0 * h), (f(h) - 2.0 * f(0.0) + f(-h)) / (h * h)]
+        };
+        let mut moved = std::mem::take(&mut self.moved);
+        let loaded = following(load.value(time), &|shift| load.value(time + shift));
+        for (moved, share) in moved.iter_mut().zip(&model.residual.sensors_per_load) {
+            *moved = loaded.map(|value| share * value);
+        }
+        for (m, mode) in model.modes.iter().enumerate() {
+            let [q, mut v] = place.map_or(self.states[m], |place| self.state(m, place));
+            let dynamics = &mode.dynamics;
+            let acceleration = if dynamics.massless {
+                let (next, now, before) = (self.state(m, 0)[0], self.states[m][0], self.before[m]);
+                v = (next - before) / (2.0 * h);
+                (next - 2.0 * now + before) / (h * h)
+            } else {
+                let force = self.force(mode).iter().rev().fold(0.0, |sum, f| sum * s + f);
+                force - dynamics.rate * v - dynamics.angular_frequency.powi(2) * q
+            };
+            for (moved, participation) in moved.iter_mut().zip(&mode.sensors) {
+                for (sum, value) in moved.iter_mut().zip([q, v, acceleration]) {
+                    *sum += participation * value;
+                }
+            }
+        }
+        for i in 0..self.outcome.traction.len() {
             let at = |shift: f64| match shift {
                 shift if shift > 0.0 => self.traction(i, Some(step + 1)),
                 shift if shift < 0.0 => self.traction(i, step.checked_sub(1)),
                 _ => self.traction(i, Some(step)),
             };
-            acceleration -= output * bend(&at);
+            let pressed = following(self.traction_increment(i, step, s), &at);
+            for (moved, row) in moved.iter_mut().zip(&model.sensors_per_pressure) {
+                for (sum, value) in moved.iter_mut().zip(pressed) {
+                    *sum -= row[i] * value;
+                }
+            }
         }
-        (displacement, acceleration)
+        self.moved = moved;
     }
 
     /// Traction increment at row `i` at part `s` of `step`.

@@ -25,16 +25,16 @@ pub(super) fn ledger(hit: &PreparedHit, outcome: &Outcome) -> EnergyLedger {
     }
     let contacts = hit.model.contacts();
     let residual = &model.residual;
-    let drive = hit.amplitude * hit.drive.end.get(hit.integrated() - 1).copied().unwrap_or(0.0);
+    let load = hit.amplitude * hit.load.end.get(hit.integrated() - 1).copied().unwrap_or(0.0);
     let force = |i: usize| hit.model.area(i) * outcome.row_tractions[i];
-    ledger.elastic += 0.5 * residual.driving_point * drive * drive;
+    ledger.elastic += 0.5 * residual.load_port * load * load;
     for (i, contact) in contacts.iter().enumerate() {
         let increment = outcome.contacts[i].closure;
         ledger.contact_dissipated += contact.area() * outcome.contacts[i].loss;
         ledger.contact += contact.area() * excess(contact, increment);
     }
     for i in 0..hit.model.rows() {
-        ledger.elastic -= residual.drive[i] * drive * force(i);
+        ledger.elastic -= residual.load[i] * load * force(i);
         for j in 0..hit.model.rows() {
             ledger.elastic += 0.5 * force(i) * residual.closure[i][j] * force(j);
         }

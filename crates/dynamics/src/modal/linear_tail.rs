@@ -1,6 +1,6 @@
 //! The rest of a ring-down in which the laws are straight, in closed form.
 //!
-//! While each law is its tangent at rest, a step without a drive is linear in what it carries over
+//! While each law is its tangent at rest, a step without a load is linear in what it carries over
 //! to the next, `z`, and so is the output u:
 //!
 //! ```text
@@ -16,8 +16,8 @@
 use std::f64::consts::TAU;
 
 use super::assembly::{ModalModel, PreparedHit, TabulatedModel};
-use super::drive::DriveForce;
 use super::linear_system::Factors;
+use super::load_steps::LoadSteps;
 use super::oscillator::{ForceInterpolation, NODES, Recurrence};
 use super::simd::decimation::Decimation;
 use super::simd::integrate::Outcome;
@@ -48,7 +48,7 @@ const MOST_NUMBERS: usize = 1 << 20;
 /// too little of it would be left, or where it is not known to ring down.
 pub(super) fn start(
     model: &ModalModel,
-    drive: &DriveForce,
+    load: &LoadSteps,
     step: f64,
     steps: usize,
 ) -> Option<usize> {
@@ -60,11 +60,11 @@ pub(super) fn start(
         return None;
     }
     let amplitude = AMPLITUDE * (DEPARTURE * rate / frequency).sqrt();
-    let peak = drive.mean.iter().fold(0.0_f64, |most, force| most.max(force.abs()));
-    let acting = drive.mean.iter().rposition(|force| force.abs() > PASSED * peak)? + 1;
+    let peak = load.mean.iter().fold(0.0_f64, |most, force| most.max(force.abs()));
+    let acting = load.mean.iter().rposition(|force| force.abs() > PASSED * peak)? + 1;
     let decay = -2.0 * amplitude.ln() / (rate * step);
-    // The recurrence sees the drive of the step before.
-    let from = (acting as f64 + decay).max((drive.steps() + 2) as f64);
+    // The recurrence sees the load of the step before.
+    let from = (acting as f64 + decay).max((load.steps() + 2) as f64);
     let parts = (PARTS * from / steps as f64).ceil();
     (parts <= MOST_PARTS).then(|| (parts / PARTS * steps as f64).ceil() as usize)
 }
@@ -121,6 +121,7 @@ impl LinearTail {
     /// it is worth, or if it does not decay.
     pub(super) fn new(
         model: &TabulatedModel,
+        sensor: usize,
         (from, steps): (usize, usize),
         decimation: &Decimation,
     ) -> Option<Self> {
@@ -129,7 +130,7 @@ impl LinearTail {
         let last = steps.checked_sub(1)?;
         let count = (steps + reach).checked_sub(1)?.div_ceil(factor);
         let first_sample = (from + 1).div_ceil(factor);
-        let linear = LinearStep::new(model);
+        let linear = LinearStep::new(model, sensor);
         let numbers = count.saturating_sub(first_sample).saturating_mul(linear.size);
         // Samples whose steps all lie between, the first and the last.
         let (whole, last_whole) = ((from + reach).div_ceil(factor), last / factor);
@@ -201,6 +202,7 @@ pub(super) fn carried(mode: &ModeStep) -> usize {
 /// at the end of the next step without that step's pressures, and the shares carried over.
 struct LinearStep<'a> {
     model: &'a StepModel,
+    sensor: usize,
     size: usize,
     /// Stiffness of each contact \[Pa/m\], and the factors of their equations.
     stiffness: Vec<f64>,
@@ -208,14 +210,14 @@ struct LinearStep<'a> {
 }
 
 impl<'a> LinearStep<'a> {
-    fn new(tabulated: &'a TabulatedModel) -> Self {
+    fn new(tabulated: &'a TabulatedModel, sensor: usize) -> Self {
         let model = &tabulated.step_model;
         let tables = tabulated.tables.iter();
         let stiffness: Vec<f64> = tables.map(|table| table.tangent(0.0)).collect();
         let mut factors = Factors::new(stiffness.len());
         factors.factor(&model.coupling, &stiffness);
         let size = model.modes.iter().map(|mode| 2 + carried(mode)).sum();
-        Self { model, size, stiffness, factors }
+        Self { model, sensor, size, stiffness, factors }
     }
 
     /// Takes a step, and gives its output \[m\].
@@ -230,7 +232,7 @@ impl<'a> LinearStep<'a> {
         }
         self.factors.solve(&mut pressure);
         let mut output = 0.0;
-        let residual = self.model.output_pressure.iter();
+        let residual = self.model.sensors_per_pressure[self.sensor].iter();
         for ((closure, stiffness), share) in pressure.iter_mut().zip(&self.stiffness).zip(residual)
         {
             *closure *= stiffness;
@@ -246,7 +248,7 @@ impl<'a> LinearStep<'a> {
             let taps = mode.recurrence.contact.map(|tap| -tap * force);
             let increment = *predicted_increment + taps[0];
             let reached = *predicted + taps[0];
-            output += mode.output * reached;
+            output += mode.sensors[self.sensor] * reached;
             let forced = taps[1] + carry[0];
             carry.rotate_left(1);
             if let Some(newest) = carry.last_mut() {

@@ -90,8 +90,8 @@ pub(super) struct Recurrence {
     pub(super) spring: f64,
     /// Of the contact force at the new end, the old end, and those before.
     pub(super) contact: [f64; NODES + 1],
-    /// Of the drive force's mean and rise in this step, and in the step before.
-    pub(super) drive: [f64; 4],
+    /// Of the load's mean and rise in this step, and in the step before.
+    pub(super) load: [f64; 4],
 }
 
 /// Displacement and velocity after part of a step: `z+ = A z + sum_k B_k F_k`.
@@ -165,14 +165,14 @@ impl Dynamics {
                 contact[end + 1] += before[k] * weight;
             }
         }
-        // The drive is its mean plus its rise times (s - 1/2).
-        let drive = [now[0], now[1] - 0.5 * now[0], before[0], before[1] - 0.5 * before[0]];
+        // The load is its mean plus its rise times (s - 1/2).
+        let load = [now[0], now[1] - 0.5 * now[0], before[0], before[1] - 0.5 * before[0]];
         if massless {
             return Recurrence {
                 decay: 0.0,
                 spring: -(-self.relaxation() * h).exp_m1(),
                 contact,
-                drive,
+                load,
             };
         }
         // 1 + e - trace(A), written so that a rigid motion has exactly zero.
@@ -183,7 +183,7 @@ impl Dynamics {
             decay: (-c * h).exp(),
             spring: root * ((w * h).powi(2) * half + y * (rigid - half)),
             contact,
-            drive,
+            load,
         }
     }
 
@@ -346,8 +346,8 @@ mod tests {
                 "{time}: {q} {expected}"
             );
             assert_eq!((step.decay, step.contact[2]), (0.0, 0.0));
-            // The drive, a mean and a rise, is the same line.
-            let driven = step.drive[0] * 0.5 * h + step.drive[1] * h;
+            // The load, a mean and a rise, is the same line.
+            let driven = step.load[0] * 0.5 * h + step.load[1] * h;
             assert!((driven / (step.contact[0] * h) - 1.0).abs() < 1e-12);
             let whole = motion.propagator(h);
             assert!((whole.displacement[0] - (-h / time).exp()).abs() < 1e-15);

@@ -3,8 +3,8 @@
 //! A step of the modal integrator is
 //!
 //! ```text
-//! y* = sum of g q* + residual drive,   y + B p(y) = y*,
-//! d = d* - t0 F(p),  q = q* - t0 F,    d* = e d - k q + carried forces + drive,  q* = q + d*
+//! y* = sum of g q* + residual load,   y + B p(y) = y*,
+//! d = d* - t0 F(p),  q = q* - t0 F,    d* = e d - k q + carried forces + load,  q* = q + d*
 //! ```
 //!
 //! Differentiated with respect to a parameter, it is linear in what it carries along,
@@ -19,7 +19,7 @@
 //! taken once more for it, one hit and in scalars, with the exact laws and their equations
 //! solved to rounding, so that no table and no unfinished correction is differentiated.
 //!
-//! The derivatives of what a step is made of (coefficients, shapes, the drive step by step, the
+//! The derivatives of what a step is made of (coefficients, shapes, the load step by step, the
 //! closures of the laws at fixed pressures) are fourth-order central differences of closed forms,
 //! good to 1e-9 and better ([`difference`](crate::difference)). The step and its number, and
 //! which modes are kept with which force interpolation, are those of the hit throughout.
@@ -38,7 +38,7 @@ mod motion;
 mod step_inputs;
 
 use super::assembly::PreparedHit;
-use super::drive::DriveForce;
+use super::load_steps::LoadSteps;
 use super::step_model::StepModel;
 use super::{Batch, HitSimulation};
 use crate::DynamicsError;
@@ -108,7 +108,9 @@ impl Batch {
     /// Memory is `8 (1 + interfaces) (1 + variations)` bytes a step.
     ///
     /// ```
-    /// use asperity_dynamics::{Batch, Excitation, HitSimulation, ModalModel, ParameterVariation, STENCIL};
+    /// use asperity_dynamics::{Batch, HitSimulation, ModalModel, ParameterVariation, STENCIL};
+    /// use asperity_mesh::Port;
+    /// use asperity_structure::{LoadCase, TimeFunction};
     /// # use std::sync::Arc;
     /// # use asperity_law::Constant;
     /// # use asperity_mesh::{Body, Interface, ModeCount, Stack, Support};
@@ -118,10 +120,11 @@ impl Batch {
     /// # let contact = Interface::new("guide-disc", 1.15e-4, Arc::new(Constant::new(4.25e11)?))?;
     /// # let stack = Stack::new(vec![guide], vec![contact], Support::Rigid, 9.81)?;
     /// # let structure = PreloadedStructure::new(stack, Damping::Ratio(0.035))?;
-    /// let model = Arc::new(ModalModel::new(structure.reduced(ModeCount::PerBody(3))?)?);
+    /// let model = Arc::new(ModalModel::of_stack(&structure, &[3], Port::TOP, &[Port::TOP])?);
     /// let hit = |peak: f64| HitSimulation {
     ///     model: Arc::clone(&model),
-    ///     excitation: Excitation::GammaPulse { peak, rise: 0.34e-3 },
+    ///     load: LoadCase::force(TimeFunction::GammaPulse { rise: 0.34e-3 }, peak),
+    ///     sensor: 0,
     ///     duration: 5e-3,
     ///     step: None,
     /// };
@@ -163,8 +166,10 @@ impl Batch {
 /// The inputs of `hit` as stepped by `model`.
 fn inputs_of(model: &StepModel, hit: &HitSimulation, steps: usize) -> Inputs {
     let pressure = hit.model.contacts().iter().map(PreloadedContact::pressure);
-    let history = DriveForce::new(&hit.excitation, model.step, steps);
-    Inputs::new(model, pressure.collect(), hit.excitation.force(0.0), history)
+    let amplitude = hit.load.amplitude();
+    let mut history = LoadSteps::new(&hit.load, model.step, steps);
+    history.scale(amplitude);
+    Inputs::new((model, hit.sensor), pressure.collect(), hit.load.value(0.0), history)
 }
 
 /// The inputs' derivatives with respect to a parameter, and the state of the derivative.
@@ -210,7 +215,7 @@ impl ParameterDerivative {
                     return refuse(quantity, found as f64, "that of the hit that is varied");
                 }
             }
-            hit.excitation.check()?;
+            hit.load.check()?;
         }
         let model = &prepared.tabulated.step_model;
         let inputs = variation.hits.each_ref().map(|hit| {
@@ -237,7 +242,7 @@ impl ParameterDerivative {
             };
             laws.push(law);
         }
-        let history = StepHistory::new(derivatives.force(prepared.steps), &derivatives.pressure);
+        let history = StepHistory::new(derivatives.loads(prepared.steps), &derivatives.pressure);
         let zero = || vec![0.0; prepared.model.rows()];
         let models = variation.hits.each_ref().map(|hit| &*hit.model);
         let friction = (0..prepared.model.rows())
@@ -298,10 +303,10 @@ fn march(
         if open_at(contact, 0.0) { 0.0 } else { stiffness }
     });
     let mut stiffness: Vec<f64> = at_rest.collect();
-    let mut history = StepHistory::new(inputs.force(prepared.steps), &inputs.pressure);
+    let mut history = StepHistory::new(inputs.loads(prepared.steps), &inputs.pressure);
     for n in 0..prepared.steps {
-        let drive = inputs.drive(n);
-        motion.predict(inputs, &drive, &mut target);
+        let load = inputs.load(n);
+        motion.predict(inputs, &load, &mut target);
         for (closure, guess) in found.closure.iter_mut().zip(guesses) {
             *closure = guess.get(n + 1).copied().unwrap_or(*closure);
         }
@@ -310,10 +315,10 @@ fn march(
         }
         for parameter in &mut parameters {
             let ParameterDerivative { derivatives, motion: moved, closure, .. } = parameter;
-            let drives = (&drive, &derivatives.drive(n));
-            moved.predict_derivative((inputs, &*derivatives), drives, &motion, closure);
+            let loads = (&load, &derivatives.load(n));
+            moved.predict_derivative((inputs, &*derivatives), loads, &motion, closure);
         }
-        let output = motion.correct(inputs, &drive, &found.traction);
+        let output = motion.correct(inputs, &load, &found.traction);
         history.displacement.push(output);
         for (i, contact) in contacts.iter().enumerate() {
             open[i] = open_at(contact, found.pressure[i]);
@@ -409,10 +414,10 @@ impl ParameterDerivative {
                 own.advance(base, found.closure[i], moved);
             }
         }
-        let drives = (&inputs.drive(n), &self.derivatives.drive(n));
+        let loads = (&inputs.load(n), &self.derivatives.load(n));
         let tractions = (found.traction.as_slice(), self.traction.as_slice());
         let output =
-            self.motion.correct_derivative((inputs, &self.derivatives), drives, motion, tractions);
+            self.motion.correct_derivative((inputs, &self.derivatives), loads, motion, tractions);
         self.history.displacement.push(output);
     }
 

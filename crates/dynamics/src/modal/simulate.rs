@@ -1,16 +1,16 @@
 //! Simulation of many hits, each at the step and with the tables that it needs.
 
 use asperity_law::LawError;
-use asperity_structure::PreloadedContact;
+use asperity_structure::{LoadCase, PreloadedContact};
 use std::cmp::Ordering;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use super::assembly::PreparedHit;
 use super::dense_output::history;
-use super::drive::DriveForce;
 use super::energy::ledger;
 use super::linear_tail;
+use super::load_steps::LoadSteps;
 use super::simd::block::CHUNK;
 use super::simd::decimation::Decimation;
 use super::simd::integrate::{BlockRun, Outcome, Recording, RunEnd, room};
@@ -18,7 +18,7 @@ use super::simulation::{HitResponse, HitSimulation};
 use super::step_model::InterpolationChoice;
 use super::step_size::{MOST_HALVINGS, Resolution};
 use crate::error::balanced;
-use crate::{ContactExtremes, DynamicsError, Excitation, InstructionSet, Sampling, Transient};
+use crate::{ContactExtremes, DynamicsError, InstructionSet, Sampling, Transient};
 
 /// Integrates hits in the lanes of vectors, on the calling thread.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -74,7 +74,9 @@ impl Batch {
     /// `decimation` gives the filter for the output of hit `index` at a step \[s\].
     ///
     /// ```
-    /// use asperity_dynamics::{Batch, Decimation, Excitation, HitSimulation, ModalModel};
+    /// use asperity_dynamics::{Batch, Decimation, HitSimulation, ModalModel};
+    /// use asperity_mesh::Port;
+    /// use asperity_structure::{LoadCase, TimeFunction};
     /// # use std::sync::Arc;
     /// # use asperity_law::Constant;
     /// # use asperity_mesh::{Body, Interface, ModeCount, Stack, Support};
@@ -84,10 +86,11 @@ impl Batch {
     /// # let contact = Interface::new("guide-disc", 1.15e-4, Arc::new(Constant::new(4.25e11)?))?;
     /// # let stack = Stack::new(vec![guide], vec![contact], Support::Rigid, 9.81)?;
     /// # let structure = PreloadedStructure::new(stack, Damping::Ratio(0.035))?;
-    /// let model = Arc::new(ModalModel::new(structure.reduced(ModeCount::PerBody(3))?)?);
+    /// let model = Arc::new(ModalModel::of_stack(&structure, &[3], Port::TOP, &[Port::TOP])?);
     /// let hits = [9.0, 32.0].map(|peak| HitSimulation {
     ///     model: Arc::clone(&model),
-    ///     excitation: Excitation::GammaPulse { peak, rise: 0.34e-3 },
+    ///     load: LoadCase::force(TimeFunction::GammaPulse { rise: 0.34e-3 }, peak),
+    ///     sensor: 0,
     ///     duration: 0.02,
     ///     step: None,
     /// });
@@ -104,7 +107,7 @@ impl Batch {
         decimation: &dyn Fn(usize, f64) -> Arc<Decimation>,
     ) -> Vec<Result<HitResponse, DynamicsError>> {
         let mut results: Vec<Option<Result<HitResponse, DynamicsError>>> = vec![None; hits.len()];
-        let mut shapes = PulseShapes::default();
+        let mut shapes = LoadShapes::default();
         let mut attempts = Vec::with_capacity(hits.len());
         for (index, hit) in hits.iter().enumerate() {
             match Attempt::first(index, hit, &mut shapes, decimation) {
@@ -158,7 +161,7 @@ impl Batch {
         Ok(Transient {
             step: lane.tabulated.step_model.step,
             steps: lane.steps,
-            history: history(&lane, &outcome, &hit.excitation, sampling),
+            history: history(&lane, &outcome, &hit.load, sampling),
             contacts: contact_extremes(&lane, &outcome),
             energy: ledger(&lane, &outcome),
         })
@@ -171,7 +174,7 @@ impl Batch {
     ) -> Result<(PreparedHit, Outcome), DynamicsError> {
         let none = Arc::new(Decimation { factor: 1, taps: Arc::new([]) });
         let decimation = |_: usize, _: f64| Arc::clone(&none);
-        let mut shapes = PulseShapes::default();
+        let mut shapes = LoadShapes::default();
         let mut attempt = Attempt::first(0, hit, &mut shapes, &decimation)?;
         loop {
             let run = BlockRun { lanes: &[&attempt.lane], recording: Recording::EveryStep };
@@ -193,12 +196,12 @@ impl Batch {
 fn first_table_exponents(hit: &HitSimulation) -> Vec<i32> {
     let structure = hit.model.preloaded();
     let radians = TAU * structure.natural_frequency().unwrap_or(0.0);
-    let amplification = if hit.excitation.ends_at() == f64::INFINITY {
+    let amplification = if hit.load.ends_at() == f64::INFINITY {
         (radians / structure.damping_rate()).min(0.5 * radians * hit.duration).max(1.0)
     } else {
         1.0
     };
-    let force = 3.0 * hit.excitation.peak() * amplification;
+    let force = 3.0 * hit.load.peak() * amplification;
     let first = |contact: &PreloadedContact| {
         let scale = (force / contact.area()).max(0.25 * contact.pressure());
         if scale > 0.0 { scale.log2().ceil().clamp(-30.0, 60.0) as i32 } else { 0 }
@@ -255,10 +258,10 @@ impl Attempt {
     fn first(
         index: usize,
         hit: &HitSimulation,
-        shapes: &mut PulseShapes,
+        shapes: &mut LoadShapes,
         decimation: &dyn Fn(usize, f64) -> Arc<Decimation>,
     ) -> Result<Self, DynamicsError> {
-        hit.excitation.check()?;
+        hit.model.check(&hit.load, hit.sensor)?;
         let resolution = Resolution::first(hit)?;
         Self::at(index, hit, resolution, Settings::first(hit), shapes, decimation)
     }
@@ -268,19 +271,28 @@ impl Attempt {
         hit: &HitSimulation,
         resolution: Resolution,
         settings: Settings,
-        shapes: &mut PulseShapes,
+        shapes: &mut LoadShapes,
         decimation: &dyn Fn(usize, f64) -> Arc<Decimation>,
     ) -> Result<Self, DynamicsError> {
         let Resolution { step, steps } = resolution;
-        let (drive, amplitude) = shapes.drive_force(&hit.excitation, step, steps);
+        let load = shapes.load_steps(&hit.load, step, steps);
         let tabulated =
             hit.model.prepare(step, &settings.table_exponents, settings.interpolation)?;
         let decimation = decimation(index, step);
-        let start = || linear_tail::start(&hit.model, &drive, step, steps);
+        let start = || linear_tail::start(&hit.model, &load, step, steps);
         let tail = settings.may_end_linearly.then(start).flatten();
-        let tail = tail.and_then(|from| tabulated.linear_tail((from, steps), &decimation));
+        let tail =
+            tail.and_then(|from| tabulated.linear_tail(hit.sensor, (from, steps), &decimation));
         let model = Arc::clone(&hit.model);
-        let lane = PreparedHit { model, tabulated, drive, amplitude, steps, tail };
+        let lane = PreparedHit {
+            model,
+            tabulated,
+            load,
+            amplitude: hit.load.amplitude(),
+            sensor: hit.sensor,
+            steps,
+            tail,
+        };
         Ok(Self { index, lane, settings, decimation })
     }
 
@@ -315,7 +327,7 @@ impl Attempt {
         &self,
         hit: &HitSimulation,
         outcome: &Outcome,
-        shapes: &mut PulseShapes,
+        shapes: &mut LoadShapes,
         decimation: &dyn Fn(usize, f64) -> Arc<Decimation>,
     ) -> Result<Option<Self>, DynamicsError> {
         let unstable = |steps: usize, i: usize| DynamicsError::Unstable {
@@ -432,34 +444,29 @@ pub(super) fn contact_extremes(lane: &PreparedHit, outcome: &Outcome) -> Vec<Con
         .collect()
 }
 
-/// Drive forces already computed: hits of one shape differ by a factor.
+/// Loads already computed: hits of one shape differ by their amplitude.
 #[derive(Debug, Default)]
-pub(super) struct PulseShapes {
-    known: Vec<(Excitation, f64, usize, Arc<DriveForce>)>,
+pub(super) struct LoadShapes {
+    known: Vec<(LoadCase, f64, usize, Arc<LoadSteps>)>,
 }
 
-/// Forces kept at a time.
+/// Loads kept at a time.
 const MOST_SHAPES: usize = 32;
 
-impl PulseShapes {
-    pub(super) fn drive_force(
-        &mut self,
-        excitation: &Excitation,
-        step: f64,
-        steps: usize,
-    ) -> (Arc<DriveForce>, f64) {
-        let (unit, factor) = excitation.unit();
-        let same = |known: &&(Excitation, f64, usize, Arc<DriveForce>)| {
-            known.1 == step && known.2 == steps && known.0 == unit
+impl LoadShapes {
+    /// A load of unit amplitude in `steps` steps of `step` \[s\].
+    fn load_steps(&mut self, load: &LoadCase, step: f64, steps: usize) -> Arc<LoadSteps> {
+        let same = |known: &&(LoadCase, f64, usize, Arc<LoadSteps>)| {
+            known.1 == step && known.2 == steps && known.0.is_like(load)
         };
         if let Some(found) = self.known.iter().find(same) {
-            return (Arc::clone(&found.3), factor);
+            return Arc::clone(&found.3);
         }
-        let drive = Arc::new(DriveForce::new(&unit, step, steps));
+        let found = Arc::new(LoadSteps::new(load, step, steps));
         if self.known.len() >= MOST_SHAPES {
             self.known.clear();
         }
-        self.known.push((unit, step, steps, Arc::clone(&drive)));
-        (drive, factor)
+        self.known.push((load.clone(), step, steps, Arc::clone(&found)));
+        found
     }
 }

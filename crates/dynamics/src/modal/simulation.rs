@@ -7,15 +7,18 @@ use asperity_law::CompiledLaw;
 use super::assembly::{ModalModel, table_error};
 use super::simd::decimation::Decimation;
 use super::step_model::InterpolationChoice;
-use crate::{ContactExtremes, DynamicsError, EnergyLedger, Excitation};
+use crate::{ContactExtremes, DynamicsError, EnergyLedger};
+use asperity_structure::LoadCase;
 
 /// One hit on a structure, to be simulated.
 #[derive(Debug, Clone)]
 pub struct HitSimulation {
     /// Structure in modes, shared by hits.
     pub model: Arc<ModalModel>,
-    /// Force.
-    pub excitation: Excitation,
+    /// Load, at the port that the model is loaded at.
+    pub load: LoadCase,
+    /// Sensor of the model that is read.
+    pub sensor: usize,
     /// Simulated time \[s\].
     pub duration: f64,
     /// Step \[s\]; none for an automatic choice.
@@ -34,7 +37,7 @@ pub struct HitResponse {
     pub integrated_steps: usize,
     /// Number of modes that were integrated; the others count as flexibility.
     pub modes: usize,
-    /// Displacement of the output \[m\], through the filter of `decimation`: sample j is the
+    /// Displacement at the sensor \[m\], through the filter of `decimation`: sample j is the
     /// filter's output at step `j factor`, until the filter has run out.
     pub displacement: Vec<f64>,
     /// The filter.

@@ -1,8 +1,7 @@
-//! All numbers of a step that do not depend on the drive force.
-
-use asperity_mesh::{ComponentModes, NormalMode, ResidualFlexibility};
+//! All numbers of a step that do not depend on the load.
 
 use super::oscillator::{Dynamics, ForceInterpolation, Recurrence};
+use super::row_modes::{RowFlexibility, RowMode, RowModes};
 
 /// Square of the radians in a step up to which the quartic damps an oscillation: of a mode and the
 /// contact springs, that of 1.2. Faster oscillations would grow by it; the mean of both ends has
@@ -34,7 +33,7 @@ impl InterpolationChoice {
     /// mass-proportional damping takes from so fast a mode is negligible.
     fn of(
         self,
-        modes: &[NormalMode],
+        modes: &[RowMode],
         areas: &[f64],
         stiffness: &[f64],
         step: f64,
@@ -45,7 +44,7 @@ impl InterpolationChoice {
                 interpolations[k] = ForceInterpolation::Quartic;
             }
         }
-        let of = |(mode, interpolation): (&NormalMode, ForceInterpolation)| {
+        let of = |(mode, interpolation): (&RowMode, ForceInterpolation)| {
             let w = mode.angular_frequency;
             if !mode.massless && w * step <= FAST {
                 return Some(interpolation);
@@ -67,8 +66,9 @@ pub(super) struct ModeStep {
     pub(super) closure: Vec<f64>,
     /// Modal force per pressure at each interface, `g S`.
     pub(super) force: Vec<f64>,
-    pub(super) drive: f64,
-    pub(super) output: f64,
+    /// Participations of the load port and of each sensor.
+    pub(super) load: f64,
+    pub(super) sensors: Vec<f64>,
 }
 
 /// A structure and its contacts for one step length.
@@ -81,40 +81,40 @@ pub(super) struct StepModel {
     pub(super) modes: Vec<ModeStep>,
     /// Closure lost at once at interface i per pressure increment at j \[m/Pa\].
     pub(super) coupling: Vec<Vec<f64>>,
-    /// Output per pressure at each interface, of the modes left out \[m/Pa\].
-    pub(super) output_pressure: Vec<f64>,
+    /// Each sensor per pressure at each row, of the modes left out \[m/Pa\].
+    pub(super) sensors_per_pressure: Vec<Vec<f64>>,
     /// Flexibility of the modes left out, those too fast for the step included.
-    pub(super) residual: ResidualFlexibility,
+    pub(super) residual: RowFlexibility,
 }
 
 impl StepModel {
     /// The model of `structure` with contact `areas` \[m2\] under mass-proportional damping `rate`
     /// \[1/s\] at `step` \[s\]; `stiffness` \[Pa/m\] is the highest expected at each contact.
     pub(super) fn new(
-        structure: &ComponentModes,
+        structure: &RowModes,
         areas: &[f64],
         stiffness: &[f64],
         rate: f64,
         step: f64,
         choice: InterpolationChoice,
     ) -> Self {
-        let interpolations = choice.of(structure.modes(), areas, stiffness, step);
+        let interpolations = choice.of(&structure.modes, areas, stiffness, step);
         Self::with_interpolations(structure, areas, rate, step, interpolations)
     }
 
     /// The model of [`new`](Self::new) with the interpolations of another, so that results are
     /// continuous in the parameters of a scenario.
     pub(super) fn with_interpolations(
-        structure: &ComponentModes,
+        structure: &RowModes,
         areas: &[f64],
         rate: f64,
         step: f64,
         interpolations: Vec<Option<ForceInterpolation>>,
     ) -> Self {
-        let mut residual = structure.residual().clone();
+        let mut residual = structure.residual.clone();
         let times_areas =
             |row: &[f64]| -> Vec<f64> { row.iter().zip(areas).map(|(r, area)| r * area).collect() };
-        let named = || structure.modes().iter().zip(&interpolations);
+        let named = || structure.modes.iter().zip(&interpolations);
         for (mode, _) in named().filter(|(_, interpolation)| interpolation.is_none()) {
             residual.add(mode);
         }
@@ -141,12 +141,12 @@ impl StepModel {
                 recurrence,
                 closure: mode.closure.clone(),
                 force,
-                drive: mode.drive,
-                output: mode.output,
+                load: mode.load,
+                sensors: mode.sensors.clone(),
             });
         }
-        let output_pressure = times_areas(&residual.output);
-        Self { step, interpolations, modes, coupling, output_pressure, residual }
+        let sensors_per_pressure = residual.sensors.iter().map(|row| times_areas(row)).collect();
+        Self { step, interpolations, modes, coupling, sensors_per_pressure, residual }
     }
 }
 
@@ -156,13 +156,13 @@ impl StepModel {
 /// With `A_km = sum_i g_ki g_mi S_i K_i h^2` the contact springs between modes k and m, no
 /// oscillation of those with the quartic turns faster than the largest
 /// `(w_k h)^2 + sum_m |A_km|` (Gershgorin).
-fn slow_modes(modes: &[NormalMode], areas: &[f64], stiffness: &[f64], step: f64) -> Vec<usize> {
-    let spring = |a: &NormalMode, b: &NormalMode| -> f64 {
+fn slow_modes(modes: &[RowMode], areas: &[f64], stiffness: &[f64], step: f64) -> Vec<usize> {
+    let spring = |a: &RowMode, b: &RowMode| -> f64 {
         let shapes = a.closure.iter().zip(&b.closure).zip(areas.iter().zip(stiffness));
         shapes.map(|((g, other), (area, k))| g * other * area * k * step * step).sum()
     };
-    let squared = |mode: &NormalMode| (mode.angular_frequency * step).powi(2);
-    let alone = |mode: &NormalMode| squared(mode) + spring(mode, mode);
+    let squared = |mode: &RowMode| (mode.angular_frequency * step).powi(2);
+    let alone = |mode: &RowMode| squared(mode) + spring(mode, mode);
     let mut order: Vec<usize> = (0..modes.len()).filter(|&k| !modes[k].massless).collect();
     order.sort_by(|&a, &b| alone(&modes[a]).total_cmp(&alone(&modes[b])));
     // Those with the quartic so far, and their sums.

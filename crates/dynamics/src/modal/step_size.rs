@@ -15,7 +15,7 @@ const RADIANS: f64 = 0.095;
 /// is not resolved.
 const MOST_RADIANS: f64 = 1.0;
 
-/// Steps in the time in which the drive force changes.
+/// Steps in the time in which the load changes.
 const STEPS_A_PULSE: f64 = 16.0;
 
 /// Multiples of a power of ten that steps are rounded down to.
@@ -48,7 +48,7 @@ pub(super) struct Resolution {
 
 impl Resolution {
     /// The step that a hit is first tried with: as given, or so that the lowest natural
-    /// frequency and the drive are resolved. A chosen step divides the duration.
+    /// frequency and the load are resolved. A chosen step divides the duration.
     pub(super) fn first(hit: &HitSimulation) -> Result<Self, DynamicsError> {
         let duration = positive("duration [s]", hit.duration)?;
         let natural = hit.model.preloaded().natural_frequency();
@@ -62,7 +62,7 @@ impl Resolution {
             return Self::of(hit, step, (duration / step - 1e-9).ceil().max(1.0));
         }
         let slow = natural.map_or(f64::INFINITY, |f| RADIANS / (TAU * f));
-        let step = slow.min(hit.excitation.time_scale() / STEPS_A_PULSE).min(duration / 64.0);
+        let step = slow.min(hit.load.time_scale() / STEPS_A_PULSE).min(duration / 64.0);
         // Round down, ten steps a decade, so that hits of like structures share a step.
         let decade = 10.0_f64.powf(step.log10().floor());
         let round = ROUND.into_iter().find(|m| m * decade <= step * (1.0 + 1e-9));

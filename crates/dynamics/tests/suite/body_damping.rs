@@ -7,11 +7,11 @@ use crate::damping::ratio_of_decay;
 use crate::support::{AREA, constant, damped, difference, every_law, modified, power, pulse};
 use crate::support::{rig, run_at, single_body, slope, three_bodies};
 use asperity_dynamics::{
-    ContactForm, DynamicsError, Excitation, FiniteDifference, Integrator, Modal, Sampling,
+    ContactForm, DynamicsError, FiniteDifference, Integrator, Modal, Sampling,
 };
 use asperity_law::ContactDamping;
-use asperity_mesh::{Body, BodyDamping, Interface, Stack, Support};
-use asperity_structure::{Damping, PreloadedStructure};
+use asperity_mesh::{Body, BodyDamping, Interface, Port, Stack, Support};
+use asperity_structure::{Damping, LoadCase, PreloadedStructure, TimeFunction};
 
 /// The stack with the retardation time b \[s\] in its bodies and contacts.
 fn rayleigh(stack: &Stack, b: f64) -> Stack {
@@ -22,7 +22,7 @@ fn rayleigh(stack: &Stack, b: f64) -> Stack {
 /// `zeta = a / (2 w) + b w / 2` of the lowest mode, in the free decay of both integrators.
 #[test]
 fn free_decay_under_rayleigh_damping_has_its_closed_form() {
-    let pulse = Excitation::Haversine { peak: 9.0, duration: 1e-3 };
+    let pulse = LoadCase::force(TimeFunction::Haversine { duration: 1e-3 }, 9.0);
     let (a, b) = (60.0, 6e-6);
     let stack = rayleigh(&rig(&constant()), b);
     let structure = PreloadedStructure::new(stack.clone(), Damping::Rate(a)).unwrap();
@@ -31,7 +31,7 @@ fn free_decay_under_rayleigh_damping_has_its_closed_form() {
     let decay = |method: Integrator| {
         let run = run_at(&stack, &method, a, &pulse, (0.03, 1e6));
         assert!(run.energy.residual_relative() < 5e-4);
-        ratio_of_decay(&run.history.displacement, run.history.time[1], 2e-3)
+        ratio_of_decay(&run.history.sensors[0].displacement, run.history.time[1], 2e-3)
     };
     let grid = FiniteDifference { cell: 4e-3, ..FiniteDifference::default() };
     for method in [Modal::default().into(), grid.into()] {
@@ -47,7 +47,7 @@ fn free_decay_under_rayleigh_damping_has_its_closed_form() {
 fn flexibility_of_modes_left_out_is_damped() {
     let soft = three_bodies(Support::Rigid);
     let stack = soft.with_body_damping(BodyDamping::kelvin_voigt(4e-6).unwrap());
-    let force = Excitation::Haversine { peak: 9.0, duration: 1e-3 };
+    let force = LoadCase::force(TimeFunction::Haversine { duration: 1e-3 }, 9.0);
     let loss = |modes: usize| {
         let method = Modal { step: Some(4e-7), modes_per_body: Some(modes), ..Modal::default() };
         let run = run_at(&stack, &method, 0.0, &force, (4e-3, 2e5));
@@ -63,7 +63,7 @@ fn flexibility_of_modes_left_out_is_damped() {
 }
 
 /// A rig of one or two bodies with retardation times, on laws and contact dampings of their own.
-fn random_rig(seed: u64) -> (Stack, Excitation, f64) {
+fn random_rig(seed: u64) -> (Stack, LoadCase, f64) {
     let mut draw = Draw(seed);
     let count = 1 + usize::from(draw.number() < 0.7);
     let bodies = [
@@ -90,7 +90,8 @@ fn random_rig(seed: u64) -> (Stack, Excitation, f64) {
     let disc = Support::SpringMass { stiffness: 2e8, mass: 3.0, damping_ratio: 0.05 };
     let support = draw.of(&[Support::Rigid, disc]);
     let peak = draw.between(4.0, 25.0);
-    let force = draw.of(&[pulse(peak), Excitation::Haversine { peak, duration: 1e-3 }]);
+    let force =
+        draw.of(&[pulse(peak), LoadCase::force(TimeFunction::Haversine { duration: 1e-3 }, peak)]);
     let rate = draw.of(&[0.0, 300.0]);
     (Stack::new(bodies, interfaces, support, 9.81).unwrap(), force, rate)
 }
@@ -133,8 +134,12 @@ fn modal_steps_with_damped_bodies_converge() {
         };
         let exact = at(1e-7);
         let steps = [5e-6, 2.5e-6, 1.25e-6];
-        let errors = steps
-            .map(|step| difference(&at(step).history.displacement, &exact.history.displacement));
+        let errors = steps.map(|step| {
+            difference(
+                &at(step).history.sensors[0].displacement,
+                &exact.history.sensors[0].displacement,
+            )
+        });
         let order = slope(&steps, &errors);
         assert!(order > 1.85 && errors[0] < 1e-4, "{order} {errors:?}");
     }
@@ -153,7 +158,7 @@ fn finite_differences_with_damped_bodies_converge() {
         run_at(&stack, &method, 300.0, &pulse(20.0), (4e-3, 2e5))
     };
     let error = |run: &asperity_dynamics::Transient| {
-        difference(&run.history.displacement, &exact.history.displacement)
+        difference(&run.history.sensors[0].displacement, &exact.history.sensors[0].displacement)
     };
     let sizes = [7.0, 15.0, 31.0];
     let errors = sizes.map(|cells| error(&run(cells, 0.95, ContactForm::Centred)));
@@ -172,7 +177,7 @@ fn a_loss_factor_is_refused_by_name() {
     let sampling = Sampling::new(1e-3, 2e5).unwrap();
     let methods: [Integrator; 2] = [Modal::default().into(), FiniteDifference::default().into()];
     for method in methods {
-        let error = method.integrate(&structure, &pulse(9.0), &sampling).unwrap_err();
+        let error = method.integrate(&structure, &pulse(9.0), &[Port::TOP], &sampling).unwrap_err();
         assert_eq!(error, DynamicsError::LossFactor { body: "guide bar".to_owned() });
     }
 }

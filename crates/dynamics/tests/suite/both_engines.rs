@@ -2,14 +2,14 @@
 //! steps, over bodies, laws, supports, excitations and dampings.
 
 use crate::support::{AREA, DISC, Law, difference, every_law, pulse, run_at};
-use asperity_dynamics::{Excitation, FiniteDifference, ForceRecord, Modal, Transient};
+use asperity_dynamics::{FiniteDifference, Modal, Transient};
 use asperity_mesh::{Body, Interface, Stack, Support};
-use asperity_structure::{Damping, PreloadedStructure};
+use asperity_structure::{Damping, LoadCase, PreloadedStructure, SampledFunction, TimeFunction};
 
 struct Scenario {
     name: &'static str,
     stack: Stack,
-    excitation: Excitation,
+    excitation: LoadCase,
     damping: Damping,
     duration: f64,
     /// True if some contact is lost.
@@ -34,24 +34,25 @@ fn stack(laws: &[&str], support: Support) -> Stack {
 }
 
 /// A crooked record: two strokes and a pull.
-fn record() -> Excitation {
+fn record() -> LoadCase {
     let time = (0..=24).map(|n| 1e-4 * f64::from(n)).collect();
     let force = (0..=24).map(|n| {
         let s = f64::from(n) / 24.0;
         60.0 * s * (1.0 - s) * (0.3 + (19.0 * s).sin())
     });
-    Excitation::Record(ForceRecord::new(time, force.collect()).unwrap())
+    LoadCase::samples(&SampledFunction::new(time, force.collect()).unwrap())
 }
 
 /// Name, laws, support, excitation, damping, and whether a contact is lost.
-type Case = (&'static str, &'static [&'static str], Support, Excitation, Damping, bool);
+type Case = (&'static str, &'static [&'static str], Support, LoadCase, Damping, bool);
 
 fn scenarios() -> Vec<Scenario> {
     const RIGID: Support = Support::Rigid;
     let ratio = Damping::Ratio(0.035);
-    let half = |peak| Excitation::HalfSine { peak, duration: 0.8e-3 };
-    let haversine = |peak, duration| Excitation::Haversine { peak, duration };
-    let harmonic = |amplitude, frequency| Excitation::Harmonic { amplitude, frequency };
+    let half = |peak| LoadCase::force(TimeFunction::HalfSine { duration: 0.8e-3 }, peak);
+    let haversine = |peak, duration| LoadCase::force(TimeFunction::Haversine { duration }, peak);
+    let harmonic =
+        |amplitude, frequency| LoadCase::force(TimeFunction::Harmonic { frequency }, amplitude);
     let none = Damping::Rate(0.0);
     let cases: Vec<Case> = vec![
         ("one, thrown", &["unilateral constant"], RIGID, pulse(60.0), ratio, true),
@@ -106,7 +107,13 @@ fn differences(found: &Transient, expected: &Transient) -> [f64; 4] {
     let gained = |column: &[f64]| column.iter().map(|x| x - column[0]).collect::<Vec<_>>();
     let mut offs = [0.0_f64; 4];
     let mut raise = |k: usize, off: f64| offs[k] = if off > offs[k] { off } else { offs[k] };
-    raise(0, difference(&found.history.displacement, &expected.history.displacement));
+    raise(
+        0,
+        difference(
+            &found.history.sensors[0].displacement,
+            &expected.history.sensors[0].displacement,
+        ),
+    );
     let pairs = found.history.interfaces.iter().zip(&expected.history.interfaces);
     for (a, b) in pairs {
         raise(1, difference(&gained(&a.pressure), &gained(&b.pressure)));

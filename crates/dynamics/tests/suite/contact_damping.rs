@@ -7,10 +7,10 @@ use crate::support::{
     AREA, DISC, Law, constant, damped, every_law, exponential, half_spaces, modified, power,
     pulse as hammer, rig, rig_on, run_at, single_body, slope, three_bodies,
 };
-use asperity_dynamics::{ContactForm, Excitation, FiniteDifference};
+use asperity_dynamics::{ContactForm, FiniteDifference};
 use asperity_law::{Constant, ContactDamping};
 use asperity_mesh::Stack;
-use asperity_structure::{Damping, PreloadedStructure};
+use asperity_structure::{Damping, LoadCase, PreloadedStructure, TimeFunction};
 use std::sync::Arc;
 
 /// Static pressure of the half-spaces \[Pa\].
@@ -130,7 +130,7 @@ fn the_loss_per_cycle_of_a_linear_contact_is_exact() {
     let (beta, frequency) = (6e-6, 700.0);
     let stack =
         damped(&single_body(&constant(), 9.81), ContactDamping::kelvin_voigt(beta).unwrap());
-    let force = Excitation::Harmonic { amplitude: 5.0, frequency };
+    let force = LoadCase::force(TimeFunction::Harmonic { frequency }, 5.0);
     let errors = [8e-3, 4e-3, 2e-3].map(|cell| {
         let grid = FiniteDifference { cell, ..FiniteDifference::default() };
         let after = |cycles: f64| {
@@ -180,7 +180,7 @@ fn the_balance_of_damped_linear_contacts_is_an_identity() {
     let damping = ContactDamping::kelvin_voigt(5e-6).unwrap();
     for stack in [rig(&constant()), rig_on(&constant(), DISC), single_body(&constant(), 9.81)] {
         let stack = damped(&stack, damping);
-        let short = Excitation::Haversine { peak: 32.0, duration: 1e-3 };
+        let short = LoadCase::force(TimeFunction::Haversine { duration: 1e-3 }, 32.0);
         let grid = FiniteDifference::default();
         let energy = run_at(&stack, &grid, 0.0, &short, (0.05, 2e5)).energy;
         assert!(energy.contact_dissipated > 0.3 * energy.input);
@@ -216,9 +216,9 @@ fn free_decay_has_the_damping_ratio_of_the_first_mode() {
     let stack: Stack = damped(&rig(&constant()), damping);
     let structure = PreloadedStructure::new(stack.clone(), Damping::Rate(0.0)).unwrap();
     let mode = structure.modes(1).unwrap().swap_remove(0);
-    let smooth = Excitation::Haversine { peak: 9.0, duration: 1e-3 };
+    let smooth = LoadCase::force(TimeFunction::Haversine { duration: 1e-3 }, 9.0);
     let run = run_at(&stack, &FiniteDifference::default(), 0.0, &smooth, (0.03, 1e6));
-    let u = &run.history.displacement;
+    let u = &run.history.sensors[0].displacement;
     let mut heights = Vec::new();
     for i in 2000..u.len() - 1 {
         let [a, b, c] = [u[i - 1], u[i], u[i + 1]];

@@ -5,12 +5,11 @@ use std::sync::Arc;
 use crate::support::{AREA, Law, damped, difference, every_law, pulse, rig, run_at, slope};
 use crate::support::{constant, modified, power, single_body};
 use asperity_dynamics::{
-    Batch, Decimation, Excitation, FiniteDifference, HitSimulation, Integrator, Modal, ModalModel,
-    Transient,
+    Batch, Decimation, FiniteDifference, HitSimulation, Integrator, Modal, ModalModel, Transient,
 };
 use asperity_law::ContactDamping;
-use asperity_mesh::{Body, Interface, ModeCount, Stack, Support};
-use asperity_structure::{Damping, PreloadedStructure};
+use asperity_mesh::{Body, Interface, ModeCount, Port, Stack, Support};
+use asperity_structure::{Damping, LoadCase, PreloadedStructure, TimeFunction};
 
 /// Numbers between 0 and 1 from a seed.
 pub(crate) struct Draw(pub(crate) u64);
@@ -34,7 +33,7 @@ impl Draw {
 struct Case {
     name: String,
     stack: Stack,
-    force: Excitation,
+    force: LoadCase,
     rate: f64,
 }
 
@@ -70,9 +69,9 @@ fn case(seed: u64) -> Case {
     let peak = draw.between(4.0, 30.0);
     let force = draw.of(&[
         pulse(peak),
-        Excitation::Haversine { peak, duration: 1e-3 },
-        Excitation::HalfSine { peak: -0.4 * peak, duration: 0.8e-3 },
-        Excitation::Harmonic { amplitude: 0.2 * peak, frequency: 600.0 },
+        LoadCase::force(TimeFunction::Haversine { duration: 1e-3 }, peak),
+        LoadCase::force(TimeFunction::HalfSine { duration: 0.8e-3 }, -0.4 * peak),
+        LoadCase::force(TimeFunction::Harmonic { frequency: 600.0 }, 0.2 * peak),
     ]);
     let stack = Stack::new(bodies, interfaces, support, 9.81).unwrap();
     let rate = draw.of(&[0.0, 300.0]);
@@ -90,7 +89,10 @@ pub(crate) fn off(found: &Transient, expected: &Transient) -> f64 {
     let changes = |column: &[f64]| column.iter().map(|x| x - column[0]).collect::<Vec<_>>();
     let pairs = found.history.interfaces.iter().zip(&expected.history.interfaces);
     let pressures = pairs.map(|(a, b)| difference(&changes(&a.pressure), &changes(&b.pressure)));
-    let moved = difference(&found.history.displacement, &expected.history.displacement);
+    let moved = difference(
+        &found.history.sensors[0].displacement,
+        &expected.history.sensors[0].displacement,
+    );
     pressures.fold(moved, f64::max)
 }
 
@@ -140,8 +142,12 @@ fn damped_modal_steps_converge() {
         };
         let exact = at(1e-7);
         let steps = [1e-5, 5e-6, 2.5e-6];
-        let errors = steps
-            .map(|step| difference(&at(step).history.displacement, &exact.history.displacement));
+        let errors = steps.map(|step| {
+            difference(
+                &at(step).history.sensors[0].displacement,
+                &exact.history.sensors[0].displacement,
+            )
+        });
         let order = slope(&steps, &errors);
         assert!(order > least && errors[0] < 1e-4, "{order} {errors:?}");
     }
@@ -158,7 +164,10 @@ fn overdamped_contacts_are_stable() {
             let case = Case { name: String::new(), stack, force: pulse(20.0), rate: 100.0 };
             let modal = case.run(Modal::default());
             let grid = case.run(FiniteDifference::default());
-            let moved = difference(&modal.history.displacement, &grid.history.displacement);
+            let moved = difference(
+                &modal.history.sensors[0].displacement,
+                &grid.history.sensors[0].displacement,
+            );
             assert!(moved < 5e-3, "{time}: {moved}");
             assert!(modal.energy.residual_relative() < 1e-3);
         }
@@ -174,13 +183,22 @@ fn damped_hits_do_not_depend_on_their_batch() {
             damped(&stack, ContactDamping::kelvin_voigt(time).unwrap())
         });
         let structure = PreloadedStructure::new(stack, Damping::Ratio(0.02)).unwrap();
-        Arc::new(ModalModel::new(structure.reduced(ModeCount::PerBody(2)).unwrap()).unwrap())
+        Arc::new(
+            ModalModel::of_stack(
+                &structure,
+                &ModeCount::PerBody(2).counts(structure.stack()).unwrap(),
+                Port::TOP,
+                &[Port::TOP],
+            )
+            .unwrap(),
+        )
     };
     let models = [model(None), model(Some(2e-6)), model(Some(1e-5))];
     let hits: Vec<HitSimulation> = (0..40)
         .map(|n| HitSimulation {
             model: Arc::clone(&models[n % 3]),
-            excitation: pulse(8.0 + n as f64),
+            sensor: 0,
+            load: pulse(8.0 + n as f64),
             duration: 5e-3,
             step: None,
         })

@@ -3,8 +3,8 @@
 use std::f64::consts::TAU;
 
 use crate::support::{DISC, constant, rig, rig_on, run_at, slope};
-use asperity_dynamics::{ContactForm, Excitation, FiniteDifference, Integrator, Modal};
-use asperity_structure::{Damping, PreloadedStructure};
+use asperity_dynamics::{ContactForm, FiniteDifference, Integrator, Modal};
+use asperity_structure::{Damping, LoadCase, PreloadedStructure, TimeFunction};
 
 /// Damping ratio from the logarithms of successive maxima after `from` [s], each
 /// refined by a parabola through three samples; and the number of maxima used.
@@ -27,14 +27,14 @@ pub(crate) fn ratio_of_decay(displacement: &[f64], interval: f64, from: f64) -> 
 #[test]
 fn free_decay_of_the_linear_rig_has_the_damping_ratio_of_its_first_mode() {
     // A long smooth pulse leaves the higher modes, which decay no faster, alone.
-    let pulse = Excitation::Haversine { peak: 9.0, duration: 1e-3 };
+    let pulse = LoadCase::force(TimeFunction::Haversine { duration: 1e-3 }, 9.0);
     for (name, stack) in [("rigid", rig(&constant())), ("disc", rig_on(&constant(), DISC))] {
         let structure = PreloadedStructure::new(stack.clone(), Damping::Ratio(0.035)).unwrap();
         let rate = structure.damping_rate();
         let expected = structure.modes(1).unwrap().swap_remove(0);
         let decay = |method: Integrator| {
             let run = run_at(&stack, &method, rate, &pulse, (0.03, 1e6));
-            ratio_of_decay(&run.history.displacement, run.history.time[1], 2e-3)
+            ratio_of_decay(&run.history.sensors[0].displacement, run.history.time[1], 2e-3)
         };
         let grid = |contact| FiniteDifference { contact, ..FiniteDifference::default() }.into();
         let (ratio, maxima) = decay(Modal::default().into());

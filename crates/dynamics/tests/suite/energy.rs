@@ -2,7 +2,8 @@
 
 use crate::support::three_bodies;
 use crate::support::{DISC, constant, modified, power, pulse, rig, rig_on, run, run_at, slope};
-use asperity_dynamics::{ContactForm, Excitation, FiniteDifference};
+use asperity_dynamics::{ContactForm, FiniteDifference};
+use asperity_structure::{LoadCase, TimeFunction};
 
 fn at(cell: f64, contact: ContactForm) -> FiniteDifference {
     FiniteDifference { cell, contact, ..FiniteDifference::default() }
@@ -95,7 +96,7 @@ fn the_numerical_loss_is_that_of_a_damper_of_stiffness_times_step() {
 #[test]
 fn an_undamped_linear_rig_keeps_its_energy() {
     for stack in [rig(&constant()), rig_on(&constant(), support_without_damper())] {
-        let short = Excitation::Haversine { peak: 32.0, duration: 1e-3 };
+        let short = LoadCase::force(TimeFunction::Haversine { duration: 1e-3 }, 32.0);
         for duration in [2e-3, 0.1] {
             let run = run_at(&stack, &at(1e-3, ContactForm::Centred), 0.0, &short, (duration, 2e5));
             let off = (run.energy.stored() / run.energy.input - 1.0).abs();

@@ -4,21 +4,25 @@
 use crate::support::bar_chain::receptance;
 use crate::support::receptance::transform;
 use crate::support::{DISC, constant, difference, modified, rig, rig_on, run, run_at, slope};
-use asperity_dynamics::{Excitation, FiniteDifference, ForceRecord, Integrator, Modal};
+use asperity_dynamics::{FiniteDifference, Integrator, Modal};
 use asperity_mesh::Stack;
+use asperity_structure::{LoadCase, SampledFunction, TimeFunction};
 
-const PULSES: [Excitation; 3] = [
-    Excitation::GammaPulse { peak: 20.0, rise: 0.34e-3 },
-    Excitation::HalfSine { peak: 20.0, duration: 1e-3 },
-    Excitation::Haversine { peak: 20.0, duration: 1e-3 },
-];
+fn pulses() -> impl Iterator<Item = LoadCase> {
+    let functions = [
+        TimeFunction::GammaPulse { rise: 0.34e-3 },
+        TimeFunction::HalfSine { duration: 1e-3 },
+        TimeFunction::Haversine { duration: 1e-3 },
+    ];
+    functions.into_iter().map(|function| LoadCase::force(function, 20.0))
+}
 
 /// A record of `pulse` every `interval` [s], to its end.
-fn record(pulse: &Excitation, interval: f64) -> Excitation {
+fn record(pulse: &LoadCase, interval: f64) -> LoadCase {
     let samples = (pulse.ends_at() / interval).round() as usize;
     let time: Vec<f64> = (0..=samples).map(|n| n as f64 * interval).collect();
-    let force = time.iter().map(|&t| pulse.force(t)).collect();
-    Excitation::Record(ForceRecord::new(time, force).unwrap())
+    let force = time.iter().map(|&t| pulse.value(t)).collect();
+    LoadCase::samples(&SampledFunction::new(time, force).unwrap())
 }
 
 /// Finite differences of `cell` \[m\], and modal steps fine enough for as much.
@@ -31,13 +35,13 @@ fn methods(cell: f64) -> [Integrator; 2] {
 #[test]
 fn a_record_acts_as_the_pulse_it_was_sampled_from() {
     let stack = rig(&modified());
-    let cases = PULSES.into_iter().flat_map(|pulse| methods(2e-3).map(|m| (pulse.clone(), m)));
+    let cases = pulses().flat_map(|pulse| methods(2e-3).map(|m| (pulse.clone(), m)));
     for (pulse, method) in cases {
         let exact = run(&stack, &method, &pulse, 0.01).history;
         let intervals = [50e-6, 25e-6, 12.5e-6];
         let errors = intervals.map(|interval| {
             let found = run(&stack, &method, &record(&pulse, interval), 0.01).history;
-            difference(&found.displacement, &exact.displacement)
+            difference(&found.sensors[0].displacement, &exact.sensors[0].displacement)
         });
         let order = slope(&intervals, &errors);
         assert!((1.9..2.1).contains(&order), "{pulse:?}: {errors:?}");
@@ -48,17 +52,17 @@ fn a_record_acts_as_the_pulse_it_was_sampled_from() {
 #[test]
 fn the_force_of_the_history_is_the_excitation() {
     let stack = rig(&modified());
-    let harmonic = Excitation::Harmonic { amplitude: 3.0, frequency: 700.0 };
-    let excitations = PULSES.into_iter().chain([harmonic, Excitation::None]);
+    let harmonic = LoadCase::force(TimeFunction::Harmonic { frequency: 700.0 }, 3.0);
+    let excitations = pulses().chain([harmonic, LoadCase::none()]);
     let cases = excitations.flat_map(|excitation| methods(4e-3).map(|m| (excitation.clone(), m)));
     for (excitation, method) in cases {
         let history = run(&stack, &method, &excitation, 2e-3).history;
-        for (&time, &force) in history.time.iter().zip(&history.force) {
+        for (&time, &force) in history.time.iter().zip(&history.load) {
             // Times are products of step and count: off by round-off.
-            assert!((force - excitation.force(time)).abs() < 1e-9, "{excitation:?} at {time}");
+            assert!((force - excitation.value(time)).abs() < 1e-9, "{excitation:?} at {time}");
         }
-        let moved = history.displacement.iter().any(|&u| u != 0.0);
-        assert_eq!(moved, excitation != Excitation::None);
+        let moved = history.sensors[0].displacement.iter().any(|&u| u != 0.0);
+        assert_eq!(moved, excitation != LoadCase::none());
     }
 }
 
@@ -69,18 +73,19 @@ fn the_force_of_the_history_is_the_excitation() {
 fn a_force_that_starts_at_once_starts_the_motion_right() {
     let stack = rig(&constant());
     let step_force = |duration: f64| {
-        Excitation::Record(ForceRecord::new(vec![0.0, duration], vec![5.0, 5.0]).unwrap())
+        LoadCase::samples(&SampledFunction::new(vec![0.0, duration], vec![5.0, 5.0]).unwrap())
     };
     let method = FiniteDifference::default();
     let run = run_at(&stack, &method, 0.0, &step_force(1.0), (0.05, 2e5));
     // Undamped, the top swings about its new rest: mean = F times the static receptance.
-    let mean = run.history.displacement.iter().sum::<f64>() / run.history.displacement.len() as f64;
+    let mean = run.history.sensors[0].displacement.iter().sum::<f64>()
+        / run.history.sensors[0].displacement.len() as f64;
     let at_rest = 5.0 * receptance(&stack, &[8.5e11; 2], 0.0, 1e-3).re;
     // 41.6 periods of the fundamental: the part left over is below 1 / (2 pi 41).
     assert!((mean / at_rest - 1.0).abs() < 5e-3);
     assert!(run.energy.residual_relative() < 1e-10);
     let node = 0.5 * 1.61 / 231.0;
-    assert!((run.history.acceleration[0] / (5.0 / node) - 1.0).abs() < 1e-9);
+    assert!((run.history.sensors[0].acceleration[0] / (5.0 / node) - 1.0).abs() < 1e-9);
 }
 
 /// Amplitude and phase of the steady state under a sine, off, at and above
@@ -91,7 +96,7 @@ fn a_harmonic_force_reaches_the_exact_steady_state() {
         [("rigid", rig(&constant())), ("disc", rig_on(&constant(), DISC))];
     for (name, stack, method) in cases.iter().flat_map(|(n, s)| methods(1e-3).map(|m| (n, s, m))) {
         for frequency in [400.0, 800.0, 1600.0] {
-            let excitation = Excitation::Harmonic { amplitude: 2.0, frequency };
+            let excitation = LoadCase::force(TimeFunction::Harmonic { frequency }, 2.0);
             // Samples that divide the period; a rate of 400 1/s leaves exp(-200 t) of the start.
             let (periods, a_period) = (10, 400);
             let start = (0.1 * frequency).ceil();
@@ -100,8 +105,8 @@ fn a_harmonic_force_reaches_the_exact_steady_state() {
             let history = run_at(stack, &method, 400.0, &excitation, sampling).history;
             let from = history.time.len() - (periods * a_period) as usize;
             let interval = history.time[1];
-            let steady = transform(&history.displacement[from..], interval, frequency);
-            let force = transform(&history.force[from..], interval, frequency);
+            let steady = transform(&history.sensors[0].displacement[from..], interval, frequency);
+            let force = transform(&history.load[from..], interval, frequency);
             let found = steady / force;
             let exact = receptance(stack, &[8.5e11; 2], 400.0, frequency);
             let off = (found - exact).norm() / exact.norm();

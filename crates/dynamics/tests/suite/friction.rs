@@ -6,13 +6,17 @@ use crate::support::{
     AREA, Law, constant, difference, modified, power, pulse, rig, run_at, single_body, slope,
 };
 use asperity_dynamics::{
-    Batch, Decimation, Excitation, FiniteDifference, HitSimulation, InstructionSet, Modal,
-    ModalModel, Sampling, Transient,
+    Batch, Decimation, FiniteDifference, HitSimulation, InstructionSet, Modal, ModalModel,
+    Sampling, Transient,
 };
 use asperity_law::{Constant, Friction};
-use asperity_mesh::{Body, ComponentModes, Interface, NormalMode, ResidualFlexibility, Stack};
+use asperity_mesh::{
+    Body, ComponentModes, Interface, NormalMode, Port, PortPair, ResidualFlexibility, Stack,
+};
 use asperity_mesh::{ModeCount, Support};
-use asperity_structure::{Damping, Guide, PreloadedContact, PreloadedStructure};
+use asperity_structure::{
+    Damping, Guide, LoadCase, PreloadedContact, PreloadedStructure, TimeFunction,
+};
 
 /// The stack with these elements at its contacts, and in guides of its bodies.
 fn with_friction(
@@ -40,9 +44,11 @@ const SPRING: f64 = AREA * 8.5e11;
 /// A rigid mass on a spring, with an element in a guide or across the contact.
 fn rigid_mass(friction: Friction, in_guide: bool) -> PreloadedStructure<ComponentModes> {
     let shape = (1.0 / MASS).sqrt();
-    let guide = if in_guide { vec![shape] } else { Vec::new() };
-    let mode = NormalMode { guide, ..NormalMode::rigid(shape, vec![shape]) };
-    let modes = ComponentModes::new(vec![mode], ResidualFlexibility::zero(1)).unwrap();
+    let guides = if in_guide { vec![0] } else { Vec::new() };
+    let contacts = vec![PortPair::on_ground(0)];
+    let none = ResidualFlexibility::zero(1);
+    let mode = NormalMode::rigid(vec![shape]);
+    let modes = ComponentModes::new(vec![mode], none, contacts, guides).unwrap();
     let pressure = MASS * 9.81 / AREA;
     let contact = PreloadedContact::new("contact", AREA, constant(), pressure).unwrap();
     let contact = contact.with_friction((!in_guide).then_some(friction));
@@ -54,7 +60,7 @@ fn rigid_mass(friction: Friction, in_guide: bool) -> PreloadedStructure<Componen
 
 /// Displacements at the steps of the mass by another method: steps 200 times shorter, the force of the
 /// element known at their beginning.
-fn by_short_steps(friction: Friction, force: &Excitation, step: f64, count: usize) -> Vec<f64> {
+fn by_short_steps(friction: Friction, force: &LoadCase, step: f64, count: usize) -> Vec<f64> {
     const PARTS: usize = 200;
     let h = step / PARTS as f64;
     let (mut x, mut before, mut element) = (0.0_f64, 0.0_f64, 0.0_f64);
@@ -64,7 +70,7 @@ fn by_short_steps(friction: Friction, force: &Excitation, step: f64, count: usiz
         let limit = friction.limit(MASS * 9.81 + SPRING * x);
         element = friction.force(element, x - at_before, limit);
         at_before = x;
-        let push = force.force(n as f64 * h) * if n == 0 { 0.5 } else { 1.0 };
+        let push = force.value(n as f64 * h) * if n == 0 { 0.5 } else { 1.0 };
         let next = 2.0 * x - before + h * h / MASS * (push - SPRING * x - element);
         (before, x) = (x, next);
         if (n + 1) % PARTS == 0 {
@@ -78,7 +84,7 @@ fn by_short_steps(friction: Friction, force: &Excitation, step: f64, count: usiz
 /// one that is a share of the contact's, in a guide and across the contact.
 #[test]
 fn a_mass_on_a_spring_moves_as_by_steps_200_times_shorter() {
-    let force = Excitation::Haversine { peak: 6.0, duration: 1e-3 };
+    let force = LoadCase::force(TimeFunction::Haversine { duration: 1e-3 }, 6.0);
     for (friction, contact) in [
         (Friction::slip_force(4e7, 0.4).unwrap(), "own"),
         (Friction::coefficient(4e7, 0.04).unwrap(), "share"),
@@ -88,10 +94,11 @@ fn a_mass_on_a_spring_moves_as_by_steps_200_times_shorter() {
             let errors = steps.map(|step| {
                 let count = (6e-3 / step).round() as usize;
                 let structure = rigid_mass(friction, in_guide);
-                let model = Arc::new(ModalModel::new(structure).unwrap());
+                let model = Arc::new(ModalModel::new(structure, 0, &[0]).unwrap());
                 let hit = HitSimulation {
                     model,
-                    excitation: force.clone(),
+                    sensor: 0,
+                    load: force.clone(),
                     duration: count as f64 * step,
                     step: Some(step),
                 };
@@ -101,7 +108,7 @@ fn a_mass_on_a_spring_moves_as_by_steps_200_times_shorter() {
                 let energy = found.energy;
                 assert!(energy.friction_dissipated > 0.3 * energy.input, "{energy:?}");
                 assert!(energy.residual_relative() < 1e-2 * (step / 16e-6), "{energy:?}");
-                difference(&found.history.displacement, &exact)
+                difference(&found.history.sensors[0].displacement, &exact)
             });
             let order = slope(&steps, &errors);
             let name = format!("{contact}, in guide: {in_guide}: {errors:?}, order {order}");
@@ -118,13 +125,14 @@ fn maxima_fall_by_equal_amounts() {
     let (slip, stiff) = (0.1, 5e9);
     let structure = rigid_mass(Friction::slip_force(stiff, slip).unwrap(), true);
     let hit = HitSimulation {
-        model: Arc::new(ModalModel::new(structure).unwrap()),
-        excitation: Excitation::Haversine { peak: 8.0, duration: 0.6e-3 },
+        model: Arc::new(ModalModel::new(structure, 0, &[0]).unwrap()),
+        sensor: 0,
+        load: LoadCase::force(TimeFunction::Haversine { duration: 0.6e-3 }, 8.0),
         duration: 0.012,
         step: Some(2e-6),
     };
     let found = Batch::default().transient(&hit, &Sampling::new(0.012, 5e5).unwrap()).unwrap();
-    let x = &found.history.displacement;
+    let x = &found.history.sensors[0].displacement;
     let maxima: Vec<f64> =
         (600..x.len() - 1).filter(|&n| x[n] > x[n - 1] && x[n] >= x[n + 1]).map(|n| x[n]).collect();
     let fall = 4.0 * slip / SPRING;
@@ -154,11 +162,17 @@ fn elements_that_never_or_always_slip_are_springs_or_nothing() {
         let modal = Modal { step: Some(8e-6), modes_per_body: Some(4), ..Modal::default() };
         let found = run_at(&stack, &modal, 100.0, &force, window);
         let exact = run_at(&expected, &modal, 100.0, &force, window);
-        let off = difference(&found.history.displacement, &exact.history.displacement);
+        let off = difference(
+            &found.history.sensors[0].displacement,
+            &exact.history.sensors[0].displacement,
+        );
         assert!(off < 1e-9, "{name}, modal: {off}");
         let found = run_at(&stack, &grid, 100.0, &force, window);
         let exact = run_at(&expected, &grid, 100.0, &force, window);
-        let off = difference(&found.history.displacement, &exact.history.displacement);
+        let off = difference(
+            &found.history.sensors[0].displacement,
+            &exact.history.sensors[0].displacement,
+        );
         assert!(off < 1e-6, "{name}, finite differences: {off}");
     }
 }
@@ -181,7 +195,10 @@ fn a_stuck_guide_is_a_spring_on_the_body() {
         let modal = Modal { step, ..Modal::default() };
         let found = run_at(&stuck, &modal, 50.0, &force, (0.004, 2e5));
         let exact = run_at(&expected, &modal, 50.0, &force, (0.004, 2e5));
-        let off = difference(&found.history.displacement, &exact.history.displacement);
+        let off = difference(
+            &found.history.sensors[0].displacement,
+            &exact.history.sensors[0].displacement,
+        );
         // The bar is 1e5 times as stiff as the springs.
         assert!(off < 2e-4, "{step:?}: {off}");
     }
@@ -208,7 +225,10 @@ fn both_integrators_agree_with_friction() {
         let modal = run_at(&stack, &Modal::default(), 200.0, &pulse(9.0), (0.015, 2e5));
         let grid = FiniteDifference { cell: 1.5e-3, ..FiniteDifference::default() };
         let grid = run_at(&stack, &grid, 200.0, &pulse(9.0), (0.015, 2e5));
-        let off = difference(&modal.history.displacement, &grid.history.displacement);
+        let off = difference(
+            &modal.history.sensors[0].displacement,
+            &grid.history.sensors[0].displacement,
+        );
         let losses = [modal.energy.friction_dissipated, grid.energy.friction_dissipated];
         let apart = losses[0] / losses[1] - 1.0;
         assert!(off < 5e-3, "{name}: {off}");
@@ -225,7 +245,15 @@ fn hits_with_friction_do_not_depend_on_their_neighbours() {
     let model = |friction: Option<Friction>| {
         let stack = with_friction(&rig(&modified()), &[None, friction], &[friction, None]);
         let structure = PreloadedStructure::new(stack, Damping::Rate(200.0)).unwrap();
-        Arc::new(ModalModel::new(structure.reduced(ModeCount::PerBody(3)).unwrap()).unwrap())
+        Arc::new(
+            ModalModel::of_stack(
+                &structure,
+                &ModeCount::PerBody(3).counts(structure.stack()).unwrap(),
+                Port::TOP,
+                &[Port::TOP],
+            )
+            .unwrap(),
+        )
     };
     let models = [
         model(None),
@@ -235,7 +263,8 @@ fn hits_with_friction_do_not_depend_on_their_neighbours() {
     let hits: Vec<HitSimulation> = (0..7)
         .map(|n| HitSimulation {
             model: Arc::clone(&models[n % 3]),
-            excitation: pulse(4.0 + 3.0 * n as f64),
+            sensor: 0,
+            load: pulse(4.0 + 3.0 * n as f64),
             duration: 0.01,
             step: None,
         })
@@ -261,8 +290,9 @@ fn a_stiff_guide_is_refused_in_words() {
     let stack = with_friction(&single_body(&constant(), 9.81), &[None], &[stiff]);
     let structure = PreloadedStructure::new(stack, Damping::Rate(0.0)).unwrap();
     let sampling = Sampling::new(1e-3, 2e5).unwrap();
-    let error = FiniteDifference::default().integrate(&structure, &pulse(5.0), &sampling);
+    let error =
+        FiniteDifference::default().integrate(&structure, &pulse(5.0), &[Port::TOP], &sampling);
     let text = error.unwrap_err().to_string();
     assert!(text.contains("friction in a guide") && text.contains("modal"), "{text}");
-    assert!(Modal::default().integrate(&structure, &pulse(5.0), &sampling).is_ok());
+    assert!(Modal::default().integrate(&structure, &pulse(5.0), &[Port::TOP], &sampling).is_ok());
 }

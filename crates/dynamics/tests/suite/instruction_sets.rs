@@ -33,8 +33,10 @@ fn every_instruction_set_gives_the_same_response() {
                 let reference = of(InstructionSet::Scalar);
                 for &set in &sets[1..] {
                     let found = of(set);
-                    let a =
-                        difference(&found.history.displacement, &reference.history.displacement);
+                    let a = difference(
+                        &found.history.sensors[0].displacement,
+                        &reference.history.sensors[0].displacement,
+                    );
                     let b = difference(
                         &found.history.interfaces[0].pressure,
                         &reference.history.interfaces[0].pressure,
@@ -63,7 +65,10 @@ fn the_new_level_contact_tends_to_the_centred_with_the_step() {
         let centred = of(ContactForm::Centred, courant);
         let new = of(ContactForm::NewLevel, courant);
         steps.push(centred.step);
-        gaps.push(difference(&new.history.displacement, &centred.history.displacement));
+        gaps.push(difference(
+            &new.history.sensors[0].displacement,
+            &centred.history.sensors[0].displacement,
+        ));
     }
     let order = slope(&steps, &gaps);
     assert!((0.95..1.05).contains(&order), "{gaps:?}");
@@ -86,7 +91,10 @@ fn the_centred_contact_is_of_second_order_in_the_step() {
         let run = of(courant);
         // The finest has an error of its own: h^2 - h0^2 in place of h^2.
         steps.push((run.step.powi(2) - finest.step.powi(2)).sqrt());
-        gaps.push(difference(&run.history.displacement, &finest.history.displacement));
+        gaps.push(difference(
+            &run.history.sensors[0].displacement,
+            &finest.history.sensors[0].displacement,
+        ));
     }
     let order = slope(&steps, &gaps);
     assert!((1.9..2.1).contains(&order), "{gaps:?}");

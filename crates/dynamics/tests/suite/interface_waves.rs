@@ -11,8 +11,8 @@ use crate::support::half_spaces::{
 use crate::support::half_spaces::{transmitted_haversine, window};
 use crate::support::receptance::transform;
 use crate::support::{AREA, Law, constant, exponential, modified, power, slope};
-use asperity_dynamics::Excitation;
 use asperity_law::{Constant, ContactLaw, Power};
+use asperity_structure::{LoadCase, TimeFunction};
 use differential_equations::prelude::{ExplicitRungeKutta, IVP, ODE};
 use faer::c64;
 
@@ -68,9 +68,9 @@ fn reflection_and_transmission_follow_the_exact_coefficients() {
         let first = history.time.iter().position(|&t| t >= delay()).unwrap();
         let passed: Vec<f64> = samples.pressure.iter().map(|p| p - P0).collect();
         // The incident wave leaves the top displaced for good; the echo comes on top, twice.
-        let left = history.displacement[echo - 1];
+        let left = history.sensors[0].displacement[echo - 1];
         let returned: Vec<f64> =
-            history.displacement[echo..].iter().map(|u| 0.5 * (u - left)).collect();
+            history.sensors[0].displacement[echo..].iter().map(|u| 0.5 * (u - left)).collect();
         let mut worst = 0.0_f64;
         for &frequency in &frequencies {
             let iw = c64::new(0.0, TAU * frequency);
@@ -78,7 +78,7 @@ fn reflection_and_transmission_follow_the_exact_coefficients() {
                 let late = history.time[start] - wave * delay();
                 (-iw * late).exp()
             };
-            let incident = transform(&history.force, interval, frequency) / AREA;
+            let incident = transform(&history.load, interval, frequency) / AREA;
             let t = transform(&passed, interval, frequency) * at(first, 1.0) / incident;
             // Pressure of the echo from its displacement: Z i w u.
             let r = transform(&returned, interval, frequency) * at(echo, 2.0) * iw * impedance()
@@ -233,7 +233,7 @@ fn harmonics(law: &Law, number: f64, peak: f64, cells: usize) -> (f64, f64, f64)
     let w = number * 2.0 * k1 / impedance();
     let frequency = w / TAU;
     let stack = stack(law, P0);
-    let excitation = Excitation::Harmonic { amplitude: peak * AREA, frequency };
+    let excitation = LoadCase::force(TimeFunction::Harmonic { frequency }, peak * AREA);
     let transient = run(&stack, cells, &excitation, 3.0);
     let (times, samples) = window(&transient);
     // The last period, resampled by cubic interpolation at whole fractions of it.

@@ -4,21 +4,22 @@ use std::sync::Arc;
 
 use crate::support::{Law, modified, pulse, rig, rig_on};
 use asperity_dynamics::{
-    DynamicsError, Excitation, FiniteDifference, ForceRecord, InstructionSet, Integrator, Modal,
-    Sampling,
+    DynamicsError, FiniteDifference, InstructionSet, Integrator, Modal, Sampling,
 };
 use asperity_law::Hyperbolic;
-use asperity_mesh::{MeshError, Stack, Support};
-use asperity_structure::{Damping, PreloadedStructure};
+use asperity_mesh::{MeshError, Port, Stack, Support};
+use asperity_structure::{
+    Damping, LoadCase, PreloadedStructure, SampledFunction, StructureError, TimeFunction,
+};
 
 fn attempt(
     stack: &Stack,
     method: FiniteDifference,
-    excitation: &Excitation,
+    excitation: &LoadCase,
 ) -> Result<(), DynamicsError> {
     let structure = PreloadedStructure::new(stack.clone(), Damping::Rate(352.0)).unwrap();
     let sampling = Sampling::new(1e-3, 2e5).unwrap();
-    method.integrate(&structure, excitation, &sampling).map(|_| ())
+    method.integrate(&structure, excitation, &[Port::TOP], &sampling).map(|_| ())
 }
 
 fn with(change: impl Fn(&mut FiniteDifference)) -> Result<(), DynamicsError> {
@@ -86,20 +87,22 @@ fn runs_beyond_the_bounds_are_refused() {
 #[test]
 fn excitations_out_of_range_are_refused() {
     let refused = [
-        Excitation::GammaPulse { peak: f64::NAN, rise: 1e-3 },
-        Excitation::GammaPulse { peak: 1.0, rise: 0.0 },
-        Excitation::HalfSine { peak: f64::INFINITY, duration: 1e-3 },
-        Excitation::HalfSine { peak: 1.0, duration: -1e-3 },
-        Excitation::Haversine { peak: 1.0, duration: f64::NAN },
-        Excitation::Harmonic { amplitude: 1.0, frequency: 0.0 },
+        LoadCase::force(TimeFunction::GammaPulse { rise: 1e-3 }, f64::NAN),
+        LoadCase::force(TimeFunction::GammaPulse { rise: 0.0 }, 1.0),
+        LoadCase::force(TimeFunction::HalfSine { duration: 1e-3 }, f64::INFINITY),
+        LoadCase::force(TimeFunction::HalfSine { duration: -1e-3 }, 1.0),
+        LoadCase::force(TimeFunction::Haversine { duration: f64::NAN }, 1.0),
+        LoadCase::force(TimeFunction::Harmonic { frequency: 0.0 }, 1.0),
     ];
     for excitation in refused {
         let error =
             attempt(&rig(&modified()), FiniteDifference::default(), &excitation).unwrap_err();
-        assert!(matches!(error, DynamicsError::Setting { .. }), "{excitation:?}: {error:?}");
+        let refused =
+            matches!(error, DynamicsError::Structure(StructureError::Setting { .. }));
+        assert!(refused, "{excitation:?}: {error:?}");
     }
-    let error = ForceRecord::new(vec![0.0, 1.0, 1.0], vec![0.0; 3]).unwrap_err();
-    assert!(matches!(error, DynamicsError::ForceRecord { row: 2, .. }));
+    let error = SampledFunction::new(vec![0.0, 1.0, 1.0], vec![0.0; 3]).unwrap_err();
+    assert!(matches!(error, StructureError::Samples { row: 2, .. }));
 }
 
 #[test]
@@ -138,11 +141,14 @@ fn forces_beyond_all_bounds_end_in_an_error_or_in_numbers() {
         let structure = PreloadedStructure::new(rig(&law), Damping::Rate(352.0)).unwrap();
         let method = FiniteDifference::default();
         let sampling = Sampling::new(1e-3, 2e5).unwrap();
-        let outcome = method.integrate(&structure, &pulse(peak), &sampling);
+        let outcome = method.integrate(&structure, &pulse(peak), &[Port::TOP], &sampling);
         match outcome {
             Ok(run) => {
                 assert!(runs, "{peak:e}");
-                assert!(run.history.displacement.iter().all(|u| u.is_finite()), "{peak:e}");
+                assert!(
+                    run.history.sensors[0].displacement.iter().all(|u| u.is_finite()),
+                    "{peak:e}"
+                );
                 assert!(run.energy.residual().is_finite(), "{peak:e}: {:?}", run.energy);
             }
             // Beyond the grid, or beyond the law.

@@ -4,22 +4,23 @@ use std::sync::Arc;
 
 use crate::support::{DISC, constant, every_law, modified, pulse, rig, rig_on, three_bodies};
 use asperity_dynamics::{
-    Batch, Decimation, Excitation, HitResponse, HitSimulation, ModalModel, Sampling, Transient,
+    Batch, Decimation, HitResponse, HitSimulation, ModalModel, Sampling, Transient,
 };
-use asperity_mesh::{BodyDamping, ModeCount, Stack, Support};
-use asperity_structure::{Damping, PreloadedStructure};
+use asperity_mesh::{BodyDamping, ModeCount, Port, Stack, Support};
+use asperity_structure::{Damping, LoadCase, PreloadedStructure, TimeFunction};
 
 const DURATION: f64 = 0.12;
 
-fn hit(
-    stack: &Stack,
-    damping: Damping,
-    excitation: Excitation,
-    step: Option<f64>,
-) -> HitSimulation {
+fn hit(stack: &Stack, damping: Damping, excitation: LoadCase, step: Option<f64>) -> HitSimulation {
     let structure = PreloadedStructure::new(stack.clone(), damping).unwrap();
-    let rig = ModalModel::new(structure.reduced(ModeCount::PerBody(3)).unwrap()).unwrap();
-    HitSimulation { model: Arc::new(rig), excitation, duration: DURATION, step }
+    let rig = ModalModel::of_stack(
+        &structure,
+        &ModeCount::PerBody(3).counts(structure.stack()).unwrap(),
+        Port::TOP,
+        &[Port::TOP],
+    )
+    .unwrap();
+    HitSimulation { model: Arc::new(rig), load: excitation, sensor: 0, duration: DURATION, step }
 }
 
 fn filter(factor: usize, length: usize) -> Arc<Decimation> {
@@ -70,7 +71,7 @@ fn of_a_straight_law_it_is_exact() {
             assert!(record.integrated_steps < record.steps * 4 / 5);
             let all = whole(&hit, &record);
             assert_eq!((record.step, record.steps), (all.step, all.steps));
-            let off = departure(&record, &all.history.displacement);
+            let off = departure(&record, &all.history.sensors[0].displacement);
             // Rounding: found 2e-14 at most.
             assert!(off < 1e-13, "{factor} {length}: {off:.1e}");
             let [found, exact] =
@@ -97,7 +98,7 @@ fn of_every_law_it_is_within_its_bound() {
                     continue;
                 }
                 closed += 1;
-                let off = departure(&record, &all.history.displacement);
+                let off = departure(&record, &all.history.sensors[0].displacement);
                 assert!(off < 1e-6, "{name}, {ratio}, {peak} N: {off:.1e}");
                 for (found, exact) in record.contacts.iter().zip(&all.contacts) {
                     assert_eq!(found.pressure_min, exact.pressure_min);
@@ -132,7 +133,7 @@ fn structures_with_damped_bodies_end_in_it_too() {
         let hit = hit(&stack, Damping::Ratio(0.05), pulse(4.0), None);
         let record = respond(&hit, &decimation);
         assert!(record.integrated_steps < record.steps, "{}", record.steps);
-        let off = departure(&record, &whole(&hit, &record).history.displacement);
+        let off = departure(&record, &whole(&hit, &record).history.sensors[0].displacement);
         assert!(off < 1e-6, "{off:.1e}");
     }
 }
@@ -141,7 +142,7 @@ fn structures_with_damped_bodies_end_in_it_too() {
 #[test]
 fn other_responses_are_integrated_to_their_end() {
     let decimation = filter(8, 96);
-    let sine = Excitation::Harmonic { amplitude: 1.0, frequency: 700.0 };
+    let sine = LoadCase::force(TimeFunction::Harmonic { frequency: 700.0 }, 1.0);
     let hits = [
         hit(&rig(&modified()), Damping::Ratio(0.001), pulse(9.0), None),
         hit(&rig(&modified()), Damping::Ratio(0.015), pulse(2000.0), None),

@@ -5,17 +5,24 @@ use std::sync::Arc;
 use crate::support::{DISC, difference, every_law, power, pulse, rig, rig_on};
 use crate::support::{single_body, three_bodies};
 use asperity_dynamics::{
-    Batch, Decimation, DynamicsError, Excitation, HitResponse, HitSimulation, InstructionSet,
-    ModalModel,
+    Batch, Decimation, DynamicsError, HitResponse, HitSimulation, InstructionSet, ModalModel,
 };
-use asperity_mesh::{ModeCount, Stack};
-use asperity_structure::{Damping, PreloadedStructure};
+use asperity_mesh::{ModeCount, Port, Stack};
+use asperity_structure::{Damping, LoadCase, PreloadedStructure, TimeFunction};
 
 type Outcome = Result<HitResponse, DynamicsError>;
 
 fn modal(stack: &Stack, damping: Damping, modes: usize) -> Arc<ModalModel> {
     let structure = PreloadedStructure::new(stack.clone(), damping).unwrap();
-    Arc::new(ModalModel::new(structure.reduced(ModeCount::PerBody(modes)).unwrap()).unwrap())
+    Arc::new(
+        ModalModel::of_stack(
+            &structure,
+            &ModeCount::PerBody(modes).counts(structure.stack()).unwrap(),
+            Port::TOP,
+            &[Port::TOP],
+        )
+        .unwrap(),
+    )
 }
 
 /// Filters of equal length and unequal taps.
@@ -40,13 +47,14 @@ fn hits() -> Vec<HitSimulation> {
         let peak = 2.0 + (7 * n % 31) as f64;
         let excitation = match n % 4 {
             0 => pulse(peak),
-            1 => Excitation::HalfSine { peak, duration: 1e-3 },
-            2 => Excitation::Haversine { peak: -0.2 * peak, duration: 0.7e-3 },
-            _ => Excitation::Harmonic { amplitude: 0.1 * peak, frequency: 300.0 + peak },
+            1 => LoadCase::force(TimeFunction::HalfSine { duration: 1e-3 }, peak),
+            2 => LoadCase::force(TimeFunction::Haversine { duration: 0.7e-3 }, -0.2 * peak),
+            _ => LoadCase::force(TimeFunction::Harmonic { frequency: 300.0 + peak }, 0.1 * peak),
         };
         hits.push(HitSimulation {
             model: Arc::clone(&rigs[5 * n % rigs.len()]),
-            excitation,
+            load: excitation,
+            sensor: 0,
             duration: [3e-3, 2e-3, 4.5e-3][n / 2 % 3],
             step: [None, Some(2.5e-6), Some(2e-6), None][n / 3 % 4],
         });
@@ -130,9 +138,10 @@ fn every_instruction_set_gives_the_same_records() {
 fn a_failing_hit_changes_no_other() {
     let hits = hits();
     let thrown = modal(&rig(&every_law()[1].1), Damping::Ratio(0.035), 2);
-    let bad = |excitation, duration, step| HitSimulation {
+    let bad = |load, duration, step| HitSimulation {
         model: Arc::clone(&thrown),
-        excitation,
+        load,
+        sensor: 0,
         duration,
         step,
     };

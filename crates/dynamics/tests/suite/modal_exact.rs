@@ -5,8 +5,9 @@ use crate::support::{
     DISC, constant, difference, modified, power, pulse, rig, rig_on, run, run_at, slope,
 };
 use crate::support::{at_rest, three_bodies};
-use asperity_dynamics::{Excitation, Modal, Transient};
+use asperity_dynamics::{Modal, Transient};
 use asperity_mesh::{ModeCount, Support};
+use asperity_structure::{LoadCase, TimeFunction};
 
 /// The exact transcendental root (that of `modes` solves the closed form, see tests there) as
 /// modes are added: the inertia left out falls with their third power.
@@ -22,7 +23,7 @@ fn the_natural_frequency_tends_to_the_exact_root() {
         let exact = structure.natural_frequency().unwrap();
         let counts = [1, 2, 4, 8, 16, 32];
         let errors = counts.map(|count| {
-            let reduced = structure.reduced(ModeCount::PerBody(count)).unwrap();
+            let reduced = structure.reduced(ModeCount::PerBody(count), &[]).unwrap();
             reduced.natural_frequency().unwrap() / exact - 1.0
         });
         // A structure without some of its inertia is too fast, never too slow.
@@ -76,7 +77,7 @@ fn the_balance_closes_and_shrinks_with_the_step() {
 #[test]
 fn undamped_energy_stays_and_the_support_takes_its_share() {
     let free = Support::SpringMass { stiffness: 2e8, mass: 3.0, damping_ratio: 0.0 };
-    let strike = Excitation::Haversine { peak: 32.0, duration: 1e-3 };
+    let strike = LoadCase::force(TimeFunction::Haversine { duration: 1e-3 }, 32.0);
     for stack in [rig(&constant()), rig_on(&constant(), free)] {
         for duration in [2e-3, 0.1] {
             let run = run_at(&stack, &fixed(2e-6), 0.0, &strike, (duration, 2e5));
@@ -101,7 +102,10 @@ fn the_motion_does_not_depend_on_the_output_rate() {
             let columns = |run: &Transient| {
                 let history = &run.history;
                 let interface = history.interfaces[0].clone();
-                let all = [history.displacement.clone(), history.acceleration.clone()];
+                let all = [
+                    history.sensors[0].displacement.clone(),
+                    history.sensors[0].acceleration.clone(),
+                ];
                 all.into_iter().chain([interface.pressure, interface.closure]).collect::<Vec<_>>()
             };
             for (k, (a, b)) in columns(&once).iter().zip(columns(&tenfold)).enumerate() {
@@ -124,8 +128,8 @@ fn samples_between_steps_are_on_the_motion() {
     let stack = rig_on(&modified(), DISC);
     let at = |step: f64| run_at(&stack, &fixed(step), 352.0, &pulse(20.0), (5e-3, 1.37e6)).history;
     let (coarse, fine) = (at(1e-5), at(1e-7));
-    let displacement = difference(&coarse.displacement, &fine.displacement);
+    let displacement = difference(&coarse.sensors[0].displacement, &fine.sensors[0].displacement);
     let pressure = difference(&coarse.interfaces[0].pressure, &fine.interfaces[0].pressure);
-    let acceleration = difference(&coarse.acceleration, &fine.acceleration);
+    let acceleration = difference(&coarse.sensors[0].acceleration, &fine.sensors[0].acceleration);
     assert!(displacement < 2e-4 && pressure < 5e-3 && acceleration < 0.1);
 }

@@ -5,9 +5,10 @@ use std::sync::Arc;
 
 use crate::support::agreement::{agrees, attempt, off};
 use crate::support::{Law, constant, every_law, exponential, modified, power, pulse, rig};
-use asperity_dynamics::{DynamicsError, Excitation, Modal};
+use asperity_dynamics::{DynamicsError, Modal};
 use asperity_law::{Constant, ContactLaw, Hyperbolic, Tabulated};
 use asperity_mesh::{Stack, Support};
+use asperity_structure::{LoadCase, TimeFunction};
 
 /// Steps from 1 us to 1 ms, as a user may give them: each answer is as good as its energy balance
 /// says, or there is none.
@@ -94,7 +95,10 @@ fn forces_from_a_nanonewton_to_a_meganewton() {
             match attempt(&rig(&law), Modal::default(), &pulse(peak), 3e-3) {
                 Ok(run) => {
                     let limit = run.energy.residual_relative();
-                    assert!(limit < 2e-2 && run.history.displacement.iter().all(|u| u.is_finite()));
+                    assert!(
+                        limit < 2e-2
+                            && run.history.sensors[0].displacement.iter().all(|u| u.is_finite())
+                    );
                     let lowest = law.domain().pressure_min;
                     assert!(run.contacts.iter().all(|contact| contact.pressure_min >= lowest));
                 }
@@ -120,7 +124,7 @@ fn a_hyperbolic_law_near_its_closure_limit() {
 #[test]
 fn an_exponential_law_pulled_almost_open() {
     for (peak, left) in [(-10.0, 0.4), (-15.0, 0.03), (-16.5, 1e-3), (-40.0, 1e-5)] {
-        let pull = Excitation::Haversine { peak, duration: 5e-3 };
+        let pull = LoadCase::force(TimeFunction::Haversine { duration: 5e-3 }, peak);
         let stack = rig(&exponential());
         let run = attempt(&stack, Modal::default(), &pull, 4e-3).unwrap();
         let share = run.contacts[0].pressure_min / 137_340.0;

@@ -6,17 +6,23 @@ use std::sync::Arc;
 use crate::support::{
     AREA, DISC, difference, modified, power, pulse, rig, rig_on, slope, three_bodies,
 };
-use asperity_dynamics::{
-    Batch, Decimation, Excitation, HitResponse, HitSimulation, ModalModel, Sampling,
-};
+use asperity_dynamics::{Batch, Decimation, HitResponse, HitSimulation, ModalModel, Sampling};
 use asperity_law::ContactLaw;
-use asperity_mesh::{ComponentModes, ModeCount, NormalMode, ResidualFlexibility, Stack};
-use asperity_structure::{Damping, PreloadedContact, PreloadedStructure};
+use asperity_mesh::{
+    ComponentModes, ModeCount, NormalMode, Port, PortPair, ResidualFlexibility, Stack,
+};
+use asperity_structure::{Damping, LoadCase, PreloadedContact, PreloadedStructure, TimeFunction};
 
-fn hit(stack: &Stack, excitation: Excitation, duration: f64, step: Option<f64>) -> HitSimulation {
+fn hit(stack: &Stack, excitation: LoadCase, duration: f64, step: Option<f64>) -> HitSimulation {
     let structure = PreloadedStructure::new(stack.clone(), Damping::Ratio(0.035)).unwrap();
-    let rig = ModalModel::new(structure.reduced(ModeCount::PerBody(3)).unwrap()).unwrap();
-    HitSimulation { model: Arc::new(rig), excitation, duration, step }
+    let rig = ModalModel::of_stack(
+        &structure,
+        &ModeCount::PerBody(3).counts(structure.stack()).unwrap(),
+        Port::TOP,
+        &[Port::TOP],
+    )
+    .unwrap();
+    HitSimulation { model: Arc::new(rig), load: excitation, sensor: 0, duration, step }
 }
 
 fn record(hit: &HitSimulation, factor: usize, taps: &[f64]) -> HitResponse {
@@ -27,8 +33,8 @@ fn record(hit: &HitSimulation, factor: usize, taps: &[f64]) -> HitResponse {
 }
 
 fn cases() -> Vec<HitSimulation> {
-    let half = Excitation::HalfSine { peak: 15.0, duration: 1e-3 };
-    let sine = Excitation::Harmonic { amplitude: 4.0, frequency: 700.0 };
+    let half = LoadCase::force(TimeFunction::HalfSine { duration: 1e-3 }, 15.0);
+    let sine = LoadCase::force(TimeFunction::Harmonic { frequency: 700.0 }, 4.0);
     vec![
         hit(&rig(&modified()), pulse(32.0), 6e-3, Some(1e-5)),
         hit(&rig(&power()), pulse(32.0), 4e-3, None),
@@ -47,7 +53,7 @@ fn a_batch_and_a_transient_are_the_same_hit() {
         let whole = Batch::default().transient(&hit, &sampling).unwrap();
         assert_eq!((whole.step, whole.steps), (record.step, record.steps));
         assert_eq!(record.displacement.len(), record.steps);
-        let off = difference(&record.displacement, &whole.history.displacement);
+        let off = difference(&record.displacement, &whole.history.sensors[0].displacement);
         assert!(off < 1e-10, "{off}");
         assert_eq!(whole.contacts, record.contacts);
         assert_eq!(whole.energy, record.energy);
@@ -93,51 +99,32 @@ struct Lumped {
 }
 
 impl Lumped {
-    /// Its modes: each mass is one, of shape `1 / sqrt(m)`. The output is the motion of mass `output`.
-    fn hit(&self, excitation: Excitation, step: f64, output: usize) -> HitSimulation {
+    /// Its modes: each mass is one, of shape `1 / sqrt(m)`, and has a port. The first is loaded, and the
+    /// sensor is mass `sensor`.
+    fn hit(&self, load: LoadCase, step: f64, sensor: usize) -> HitSimulation {
         let [a, b] = self.masses.map(|mass| 1.0 / f64::sqrt(mass));
-        let part = |number: usize| if output == number { 1.0 } else { 0.0 };
-        let free = NormalMode {
-            angular_frequency: 0.0,
-            mass_damped: true,
-            damping_rate: 0.0,
-            massless: false,
-            drive: a,
-            output: a * part(0),
-            closure: vec![a, 0.0],
-            guide: Vec::new(),
-        };
+        let free = NormalMode::rigid(vec![a, 0.0]);
         let hung = NormalMode {
-            angular_frequency: (self.spring / self.masses[1]).sqrt(),
             mass_damped: false,
             damping_rate: self.damper / self.masses[1],
-            massless: false,
-            drive: 0.0,
-            output: b * part(1),
-            closure: vec![-b, b],
-            guide: Vec::new(),
+            ..NormalMode::elastic((self.spring / self.masses[1]).sqrt(), vec![0.0, b])
         };
-        let residual = ResidualFlexibility {
-            closure: vec![vec![0.0; 2]; 2],
-            drive: vec![0.0; 2],
-            output: vec![0.0; 2],
-            direct: 0.0,
-            driving_point: 0.0,
-        };
-        let structure = ComponentModes::new(vec![free, hung], residual).unwrap();
+        let pairs = vec![PortPair::between(0, 1), PortPair::on_ground(1)];
+        let none = ResidualFlexibility::zero(2);
+        let structure = ComponentModes::new(vec![free, hung], none, pairs, vec![]).unwrap();
         let contact =
             |name| PreloadedContact::new(name, AREA, Arc::clone(&self.law), self.pressure).unwrap();
         let contacts = vec![contact("between"), contact("below")];
         let damping = Damping::Rate(200.0);
         let structure = PreloadedStructure::of_components(structure, contacts, damping).unwrap();
-        let rig = Arc::new(ModalModel::new(structure).unwrap());
-        HitSimulation { model: rig, excitation, duration: 5e-3, step: Some(step) }
+        let rig = Arc::new(ModalModel::new(structure, 0, &[0, 1]).unwrap());
+        HitSimulation { model: rig, load, sensor, duration: 5e-3, step: Some(step) }
     }
 
     /// The same masses by Runge and Kutta's fourth-order method, `parts` steps a sample.
     fn solve(
         &self,
-        excitation: &Excitation,
+        excitation: &LoadCase,
         interval: f64,
         samples: usize,
         parts: usize,
@@ -148,7 +135,7 @@ impl Lumped {
             let [u, v, du, dv] = y;
             let (between, below) = (pull(u - v), pull(v));
             let hang = self.spring * v + self.damper * dv;
-            let driven = excitation.force(t) - between;
+            let driven = excitation.value(t) - between;
             [du, dv, driven / m - 200.0 * du, (between - below - hang) / n]
         };
         let h = interval / parts as f64;
@@ -177,7 +164,7 @@ fn modes_by_hand_move_as_the_masses_they_stand_for() {
         [("smooth", modified(), 20.0), ("bouncing", power(), 60.0), ("pulled", power(), -12.0)]
     {
         let lumped = Lumped { masses: [1.6, 0.3], spring: 4e6, damper: 40.0, pressure: 1.4e5, law };
-        let excitation = Excitation::Haversine { peak, duration: 0.8e-3 };
+        let excitation = LoadCase::force(TimeFunction::Haversine { duration: 0.8e-3 }, peak);
         let (steps, interval) = ([32e-6, 16e-6, 8e-6], 32e-6);
         let exact = lumped.solve(&excitation, interval, 157, 320);
         let errors = steps.map(|step| {
@@ -196,7 +183,7 @@ fn modes_by_hand_move_as_the_masses_they_stand_for() {
 fn the_output_need_not_be_where_the_force_is() {
     let lumped =
         Lumped { masses: [1.6, 0.3], spring: 4e6, damper: 40.0, pressure: 1.4e5, law: modified() };
-    let excitation = Excitation::Haversine { peak: 20.0, duration: 0.8e-3 };
+    let excitation = LoadCase::force(TimeFunction::Haversine { duration: 0.8e-3 }, 20.0);
     let exact = lumped.solve(&excitation, 8e-6, 625, 80);
     let found = record(&lumped.hit(excitation, 2e-6, 1), 4, &[1.0]);
     assert!(found.energy.residual_relative() < 1e-4, "{:?}", found.energy);

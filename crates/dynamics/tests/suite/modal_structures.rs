@@ -4,8 +4,9 @@ use crate::support::agreement::{RATE, agrees, attempt, off};
 use crate::support::{
     AREA, constant, difference, every_law, modified, power, pulse, rig, rig_on, run_at,
 };
-use asperity_dynamics::{DynamicsError, Excitation, FiniteDifference, Integrator, Modal};
+use asperity_dynamics::{DynamicsError, FiniteDifference, Integrator, Modal};
 use asperity_mesh::{Body, Interface, Stack, Support};
+use asperity_structure::{LoadCase, TimeFunction};
 
 #[test]
 fn supports_from_very_soft_to_very_stiff() {
@@ -39,7 +40,7 @@ fn a_light_body_bounces_again_and_again() {
         let body = Body::with_mass("light", 0.015, 0.1, 71e9, 2710.0).unwrap();
         let contact = Interface::new("contact", AREA, law).unwrap();
         let stack = Stack::new(vec![body], vec![contact], Support::Rigid, 50.0).unwrap();
-        let strike = Excitation::Haversine { peak: 40.0, duration: 2e-4 };
+        let strike = LoadCase::force(TimeFunction::Haversine { duration: 2e-4 }, 40.0);
         let run = attempt(&stack, Modal::default(), &strike, 10e-3).unwrap();
         let pressures = &run.history.interfaces[0].pressure;
         let landings = pressures.windows(2).filter(|p| p[0] == 0.0 && p[1] > 0.0).count();
@@ -84,14 +85,18 @@ fn durations_shorter_than_anything_natural() {
         let grid = FiniteDifference { cell: 0.25e-3, ..FiniteDifference::default() };
         let run = run_at(&stack, &modal, RATE, &pulse(20.0), (duration, rate));
         let grid = run_at(&stack, &grid, RATE, &pulse(20.0), (duration, rate));
-        let found = difference(&run.history.displacement, &grid.history.displacement);
+        let found =
+            difference(&run.history.sensors[0].displacement, &grid.history.sensors[0].displacement);
         assert!(found < 1e-2, "{duration:e}: {found}");
     }
     for duration in [1e-12, 1e-9, 1e-6] {
         let run =
             run_at(&stack, &Modal::default(), RATE, &pulse(20.0), (duration, 10.0 / duration));
         assert_eq!(run.history.time.len(), 10);
-        assert!(run.history.displacement.iter().all(|u| u.is_finite()) && run.energy.input >= 0.0);
+        assert!(
+            run.history.sensors[0].displacement.iter().all(|u| u.is_finite())
+                && run.energy.input >= 0.0
+        );
     }
 }
 
@@ -99,7 +104,8 @@ fn durations_shorter_than_anything_natural() {
 /// the bilateral spring below zero too.
 #[test]
 fn many_periods_at_resonance() {
-    let sine = |amplitude, frequency| Excitation::Harmonic { amplitude, frequency };
+    let sine =
+        |amplitude, frequency| LoadCase::force(TimeFunction::Harmonic { frequency }, amplitude);
     let cell = 4e-3;
     for (amplitude, rate) in [(0.5, 0.0), (5.0, 20.0), (5.0, RATE)] {
         let run = |method: Integrator| {

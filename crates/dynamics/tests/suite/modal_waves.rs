@@ -9,7 +9,8 @@ use crate::support::half_spaces::{
 use crate::support::half_spaces::{transmitted_haversine, window};
 use crate::support::receptance::transform;
 use crate::support::{AREA, Law, constant, every_law, exponential, modified, power};
-use asperity_dynamics::{Excitation, Transient};
+use asperity_dynamics::Transient;
+use asperity_structure::{LoadCase, TimeFunction};
 
 /// Static pressure [Pa].
 const P0: f64 = 1.4e5;
@@ -115,7 +116,7 @@ fn the_second_harmonic_follows_the_perturbation_solution() {
             let points = 200;
             let step = TAU / w / points as f64;
             let peak = 0.02 * P0;
-            let sine = Excitation::Harmonic { amplitude: peak * AREA, frequency: w / TAU };
+            let sine = LoadCase::force(TimeFunction::Harmonic { frequency: w / TAU }, peak * AREA);
             let transient = modal_run(&stack, (400, step), &sine, 3.0);
             assert!(1.9 * delay() > 25.0 * impedance() / (2.0 * k1) + TAU / w);
             let (first, second) = harmonics(&transient, w / TAU, points);

@@ -4,10 +4,10 @@ use crate::support::{
     DISC, difference, every_law, modified, pulse, rig, rig_on, run, three_bodies,
 };
 use asperity_dynamics::{
-    ContactForm, Excitation, FiniteDifference, InstructionSet, Integrator, Modal, Sampling,
+    ContactForm, FiniteDifference, InstructionSet, Integrator, Modal, Sampling,
 };
-use asperity_mesh::Grid;
-use asperity_structure::{Damping, PreloadedStructure};
+use asperity_mesh::{Grid, Port};
+use asperity_structure::{Damping, LoadCase, PreloadedStructure};
 
 /// Coarse cells: the million steps are what counts.
 fn coarse(contact: ContactForm) -> FiniteDifference {
@@ -34,10 +34,11 @@ fn a_rig_without_a_force_stays_at_rest_to_the_last_bit() {
             (Modal::default().into(), Sampling::new(0.5, 12_345.6).unwrap(), 64),
         ];
         for (method, sampling, steps) in methods {
-            let run = method.integrate(&structure, &Excitation::None, &sampling).unwrap();
+            let run =
+                method.integrate(&structure, &LoadCase::none(), &[Port::TOP], &sampling).unwrap();
             assert!(run.steps >= steps, "{name}: only {} steps", run.steps);
-            assert!(run.history.displacement.iter().all(|&u| u == 0.0), "{name}");
-            assert!(run.history.acceleration.iter().all(|&a| a == 0.0), "{name}");
+            assert!(run.history.sensors[0].displacement.iter().all(|&u| u == 0.0), "{name}");
+            assert!(run.history.sensors[0].acceleration.iter().all(|&a| a == 0.0), "{name}");
             for ((record, state), samples) in
                 run.contacts.iter().zip(structure.contacts()).zip(&run.history.interfaces)
             {
@@ -67,7 +68,8 @@ fn a_pulse_of_a_nanonewton_moves_the_rig_in_proportion() {
         ];
         for method in methods {
             let response = |peak: f64| {
-                let samples = run(&stack, &method, &pulse(peak), 0.01).history.displacement;
+                let samples =
+                    run(&stack, &method, &pulse(peak), 0.01).history.sensors[0].displacement.clone();
                 samples.into_iter().map(|u| u / peak).collect::<Vec<_>>()
             };
             let one = response(1e-9);
@@ -93,8 +95,11 @@ fn rest_holds_on_every_instruction_set() {
         let method = FiniteDifference { instructions, ..coarse(ContactForm::Centred) };
         let modal = Modal { instructions, ..Modal::default() };
         for method in [Integrator::from(method), modal.into()] {
-            let run = run(&stack, &method, &Excitation::None, 0.01);
-            assert!(run.history.displacement.iter().all(|&u| u == 0.0), "{instructions:?}");
+            let run = run(&stack, &method, &LoadCase::none(), 0.01);
+            assert!(
+                run.history.sensors[0].displacement.iter().all(|&u| u == 0.0),
+                "{instructions:?}"
+            );
         }
     }
 }

@@ -6,14 +6,15 @@ use crate::support::{
     DISC, constant, difference, exponential, modified, power, pulse, rig, rig_on,
 };
 use crate::support::{run_at, three_bodies};
-use asperity_dynamics::{ContactForm, Excitation, FiniteDifference};
+use asperity_dynamics::{ContactForm, FiniteDifference};
 use asperity_mesh::{Stack, Support};
+use asperity_structure::LoadCase;
 
 const RATE: f64 = 352.0;
 
 /// Largest differences of displacement and, per interface, pressure and closure
 /// gain, each over its own largest value.
-fn differences(stack: &Stack, contact: ContactForm, excitation: &Excitation) -> (f64, f64, f64) {
+fn differences(stack: &Stack, contact: ContactForm, excitation: &LoadCase) -> (f64, f64, f64) {
     let method = FiniteDifference { cell: 2e-3, contact, ..FiniteDifference::default() };
     let fast = run_at(stack, &method, RATE, excitation, (5e-3, 2e5));
     let samples = fast.history.time.len();
@@ -32,7 +33,7 @@ fn differences(stack: &Stack, contact: ContactForm, excitation: &Excitation) -> 
         pressure = pressure.max(difference(&columns.pressure, &found));
         closure = closure.max(difference(&columns.closure, &plain.closure[i]));
     }
-    (difference(&fast.history.displacement, &plain.displacement), pressure, closure)
+    (difference(&fast.history.sensors[0].displacement, &plain.displacement), pressure, closure)
 }
 
 /// Without loss of contact. What is left is the error of the law's table, 1e-6

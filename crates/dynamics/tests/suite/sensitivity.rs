@@ -5,12 +5,12 @@ use std::sync::Arc;
 
 use crate::support::{AREA, Law, difference};
 use asperity_dynamics::{
-    Batch, Excitation, HitSimulation, ModalModel, ParameterVariation, RELATIVE_STEP, STENCIL,
-    Sampling, Sensitivity, StepHistory, central_difference,
+    Batch, HitSimulation, ModalModel, ParameterVariation, RELATIVE_STEP, STENCIL, Sampling,
+    Sensitivity, StepHistory, central_difference,
 };
 use asperity_law::{ContactDamping, Friction, ModifiedPower, Power};
-use asperity_mesh::{Body, BodyDamping, Interface, Stack, Support};
-use asperity_structure::{Damping, PreloadedStructure};
+use asperity_mesh::{Body, BodyDamping, Interface, Port, Stack, Support};
+use asperity_structure::{Damping, LoadCase, PreloadedStructure, TimeFunction};
 
 const DURATION: f64 = 0.03;
 
@@ -172,9 +172,16 @@ impl Case {
         .unwrap()
         .with_body_damping(BodyDamping::kelvin_voigt(self.body_time).unwrap());
         let structure = PreloadedStructure::new(stack, Damping::Ratio(self.ratio)).unwrap();
-        let rig = Arc::new(ModalModel::new(structure.reduced_to(&[2, 1]).unwrap()).unwrap());
-        let excitation = Excitation::GammaPulse { peak: self.peak, rise: self.rise };
-        HitSimulation { model: rig, excitation, duration: DURATION, step: Some(self.step) }
+        let rig =
+            Arc::new(ModalModel::of_stack(&structure, &[2, 1], Port::TOP, &[Port::TOP]).unwrap());
+        let excitation = LoadCase::force(TimeFunction::GammaPulse { rise: self.rise }, self.peak);
+        HitSimulation {
+            model: rig,
+            load: excitation,
+            sensor: 0,
+            duration: DURATION,
+            step: Some(self.step),
+        }
     }
 
     fn varied(mut self, place: Place, shift: f64) -> Self {
@@ -318,8 +325,8 @@ fn the_response_of(case: &Case) {
     let sampling = Sampling::new(DURATION, 1e5).unwrap();
     let fast = Batch::default().transient(&hit, &sampling).unwrap();
     let found = Batch::default().sensitivity(&hit, &[]).unwrap().values;
-    let samples = fast.history.displacement.len();
-    let off = difference(&fast.history.displacement, &found.displacement[..samples]);
+    let samples = fast.history.sensors[0].displacement.len();
+    let off = difference(&fast.history.sensors[0].displacement, &found.displacement[..samples]);
     assert!(off < 1e-4);
     let average = |k: f64| (k / fast.contacts[0].pressure_min - 1.0).abs();
     assert!(average(found.contacts[0].pressure_min) < 1e-4);
@@ -330,7 +337,7 @@ fn the_response_of(case: &Case) {
 fn at_rest_only_forces_have_derivatives() {
     let law = CASE.law();
     let still = |mut hit: HitSimulation| {
-        hit.excitation = Excitation::None;
+        hit.load = LoadCase::none();
         hit
     };
     let mut all = variations(&CASE, &law);

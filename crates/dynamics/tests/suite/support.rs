@@ -10,13 +10,13 @@ pub mod statics;
 
 use std::sync::Arc;
 
-use asperity_dynamics::{Excitation, Integrator, Sampling, Transient};
+use asperity_dynamics::{Integrator, Sampling, Transient};
 use asperity_law::{
     Constant, ContactDamping, ContactLaw, Exponential, Hyperbolic, InSeries, ModifiedPower, Power,
     Tabulated,
 };
-use asperity_mesh::{Body, Interface, Stack, Support};
-use asperity_structure::{Damping, PreloadedStructure};
+use asperity_mesh::{Body, Interface, Port, Stack, Support};
+use asperity_structure::{Damping, LoadCase, PreloadedStructure, TimeFunction};
 
 pub type Law = Arc<dyn ContactLaw>;
 
@@ -92,8 +92,8 @@ pub fn damped(stack: &Stack, damping: ContactDamping) -> Stack {
 }
 
 /// The pulse that stands in for the paper's unpublished one.
-pub fn pulse(peak: f64) -> Excitation {
-    Excitation::GammaPulse { peak, rise: 0.34e-3 }
+pub fn pulse(peak: f64) -> LoadCase {
+    LoadCase::force(TimeFunction::GammaPulse { rise: 0.34e-3 }, peak)
 }
 
 /// Three bodies of different materials and sections on the modified law.
@@ -126,13 +126,13 @@ pub fn run_at(
     stack: &Stack,
     method: &(impl Into<Integrator> + Copy),
     rate: f64,
-    excitation: &Excitation,
+    excitation: &LoadCase,
     (duration, sampling_rate): (f64, f64),
 ) -> Transient {
     let structure = PreloadedStructure::new(stack.clone(), Damping::Rate(rate)).unwrap();
     let sampling = Sampling::new(duration, sampling_rate).unwrap();
     let method: Integrator = (*method).into();
-    method.integrate(&structure, excitation, &sampling).unwrap()
+    method.integrate(&structure, excitation, &[Port::TOP], &sampling).unwrap()
 }
 
 /// Largest difference of two columns over the largest magnitude of the second.
@@ -150,13 +150,13 @@ pub fn difference(a: &[f64], b: &[f64]) -> f64 {
 pub fn run(
     stack: &Stack,
     method: &(impl Into<Integrator> + Copy),
-    excitation: &Excitation,
+    excitation: &LoadCase,
     duration: f64,
 ) -> Transient {
     let structure = PreloadedStructure::new(stack.clone(), Damping::Ratio(0.035)).unwrap();
     let sampling = Sampling::new(duration, 2e5).unwrap();
     let method: Integrator = (*method).into();
-    method.integrate(&structure, excitation, &sampling).unwrap()
+    method.integrate(&structure, excitation, &[Port::TOP], &sampling).unwrap()
 }
 
 /// Slope of `ln error` over `ln size` by least squares.

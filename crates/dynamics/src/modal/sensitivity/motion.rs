@@ -1,6 +1,6 @@
 //! The oscillators of a hit, and of its derivatives.
 
-use super::step_inputs::{Drive, Inputs, ModeInputs};
+use super::step_inputs::{Inputs, ModeInputs, StepLoad};
 use crate::modal::oscillator::NODES;
 
 /// One oscillator between two steps.
@@ -37,30 +37,31 @@ impl Motion {
         Self { states: vec![State::default(); modes] }
     }
 
-    /// Adds the drive of a step, and gives the closures without its new pressures in `target`.
-    pub(super) fn predict(&mut self, inputs: &Inputs, drive: &Drive, target: &mut [f64]) {
-        for (place, of) in target.iter_mut().zip(&inputs.drive_closure) {
-            *place = of * drive.end;
+    /// Adds the load of a step, and gives the closures without its new pressures in `target`.
+    pub(super) fn predict(&mut self, inputs: &Inputs, load: &StepLoad, target: &mut [f64]) {
+        for (place, of) in target.iter_mut().zip(&inputs.closure_per_load) {
+            *place = of * load.end;
         }
         for (state, mode) in self.states.iter_mut().zip(&inputs.modes) {
-            let driven = mode.driven(drive);
-            state.predicted_increment += driven;
-            state.predicted += driven;
+            let pushed = mode.pushed(load);
+            state.predicted_increment += pushed;
+            state.predicted += pushed;
             for (place, g) in target.iter_mut().zip(&mode.closure) {
                 *place += g * state.predicted;
             }
         }
     }
 
-    /// Completes the step with its new `pressure`; the output.
-    pub(super) fn correct(&mut self, inputs: &Inputs, drive: &Drive, pressure: &[f64]) -> f64 {
-        let mut output = inputs.output_drive * drive.end - dot(&inputs.output_pressure, pressure);
+    /// Completes the step with its new `pressure`; the reading of the sensor.
+    pub(super) fn correct(&mut self, inputs: &Inputs, load: &StepLoad, pressure: &[f64]) -> f64 {
+        let mut reading =
+            inputs.sensor_per_load * load.end - dot(&inputs.sensor_per_pressure, pressure);
         for (state, mode) in self.states.iter_mut().zip(&inputs.modes) {
             let force = dot(&mode.force, pressure);
             let [t0, t1, later @ ..] = mode.contact;
             let increment = state.predicted_increment - t0 * force;
             let displacement = state.predicted - t0 * force;
-            output += mode.output * displacement;
+            reading += mode.sensor * displacement;
             let carried = state.carry[0] - t1 * force;
             let predicted_increment = mode.decay * increment - mode.spring * displacement + carried;
             *state = State {
@@ -72,29 +73,30 @@ impl Motion {
                 force,
             };
         }
-        output
+        reading
     }
 
     /// [`predict`](Self::predict) of a derivative, `base` having been predicted already.
     pub(super) fn predict_derivative(
         &mut self,
         (inputs, derivatives): (&Inputs, &Inputs),
-        (drive, drive_derivative): (&Drive, &Drive),
+        (load, load_derivative): (&StepLoad, &StepLoad),
         base: &Self,
         target: &mut [f64],
     ) {
-        let residual =
-            target.iter_mut().zip(inputs.drive_closure.iter().zip(&derivatives.drive_closure));
+        let residual = target
+            .iter_mut()
+            .zip(inputs.closure_per_load.iter().zip(&derivatives.closure_per_load));
         for (place, (of, derivative)) in residual {
-            *place = derivative * drive.end + of * drive_derivative.end;
+            *place = derivative * load.end + of * load_derivative.end;
         }
         let modes = inputs.modes.iter().zip(&derivatives.modes);
         for ((state, moved), (mode, derivative)) in
             self.states.iter_mut().zip(&base.states).zip(modes)
         {
-            let driven = derivative.driven(drive) + mode.driven(drive_derivative);
-            state.predicted_increment += driven;
-            state.predicted += driven;
+            let pushed = derivative.pushed(load) + mode.pushed(load_derivative);
+            state.predicted_increment += pushed;
+            state.predicted += pushed;
             let shapes = mode.closure.iter().zip(&derivative.closure);
             for (place, (g, g_derivative)) in target.iter_mut().zip(shapes) {
                 *place += g * state.predicted + g_derivative * moved.predicted;
@@ -106,28 +108,28 @@ impl Motion {
     pub(super) fn correct_derivative(
         &mut self,
         (inputs, derivatives): (&Inputs, &Inputs),
-        (drive, drive_derivative): (&Drive, &Drive),
+        (load, load_derivative): (&StepLoad, &StepLoad),
         base: &Self,
         (pressure, pressure_derivative): (&[f64], &[f64]),
     ) -> f64 {
-        let mut output = derivatives.output_drive * drive.end
-            + inputs.output_drive * drive_derivative.end
-            - dot(&derivatives.output_pressure, pressure)
-            - dot(&inputs.output_pressure, pressure_derivative);
+        let mut reading = derivatives.sensor_per_load * load.end
+            + inputs.sensor_per_load * load_derivative.end
+            - dot(&derivatives.sensor_per_pressure, pressure)
+            - dot(&inputs.sensor_per_pressure, pressure_derivative);
         let modes = inputs.modes.iter().zip(&derivatives.modes);
         for ((state, moved), (mode, derivative)) in
             self.states.iter_mut().zip(&base.states).zip(modes)
         {
             let force = dot(&derivative.force, pressure) + dot(&mode.force, pressure_derivative);
-            output += state.correct(force, (mode, derivative), moved);
+            reading += state.correct(force, (mode, derivative), moved);
         }
-        output
+        reading
     }
 }
 
 impl State {
     /// The derivative of a corrected state under the derivative of its modal `force`; its share in
-    /// that of the output.
+    /// that of the reading of the sensor.
     fn correct(
         &mut self,
         force: f64,
@@ -151,6 +153,6 @@ impl State {
             displacement,
             force,
         };
-        mode.output * displacement + derivative.output * moved.displacement
+        mode.sensor * displacement + derivative.sensor * moved.displacement
     }
 }

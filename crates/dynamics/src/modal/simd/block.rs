@@ -21,7 +21,7 @@ pub(in crate::modal) const CHUNK: usize = 32;
 #[derive(Clone, Copy)]
 #[repr(C, align(64))]
 pub(super) struct Mode<V, C, const N: usize> {
-    /// Displacement and increment at the end of the next step without its drive and its new
+    /// Displacement and increment at the end of the next step without its load and its new
     /// pressures.
     pub(super) predicted: V,
     pub(super) predicted_increment: V,
@@ -34,16 +34,16 @@ pub(super) struct Mode<V, C, const N: usize> {
     pub(super) spring: C,
     /// Less the taps of the contact force.
     pub(super) contact: [C; NODES + 1],
-    pub(super) output: C,
+    pub(super) sensor: C,
     /// Shape of each closure, in cells of its table.
     pub(super) closure: [C; N],
     /// Modal force per pressure.
     pub(super) force: [C; N],
     /// Factors of `increment^2` and of `increment` times the increment before in the viscous loss \[J/m2\].
     pub(super) loss: [C; 2],
-    pub(super) drive: [C; 4],
-    /// Shape at the driving point.
-    pub(super) driving_point: C,
+    pub(super) load: [C; 4],
+    /// Shape at the load port.
+    pub(super) load_port: C,
     /// True if a contact force acts in more than three steps.
     pub(super) carries: bool,
 }
@@ -56,14 +56,14 @@ pub(super) const WHOLE: f64 = 6_755_399_441_055_744.0;
 #[derive(Clone, Copy)]
 #[repr(C, align(64))]
 pub(super) struct Contact<V, C, const N: usize> {
-    /// Closure at the end of the next step without its drive and its new pressures.
+    /// Closure at the end of the next step without its load and its new pressures.
     pub(super) predicted: V,
     /// Sum of the tangent over the steps, per cell.
     pub(super) stiffness: V,
     /// Cells lost at once per pressure increment at every interface.
     pub(super) coupling: [C; N],
-    /// Output per pressure, of the modes left out.
-    pub(super) output: C,
+    /// Sensor per pressure, of the modes left out.
+    pub(super) sensor: C,
     /// Place of rest in the lane's table, and closures of its start and of its end.
     pub(super) rest: C,
     pub(super) first: C,
@@ -76,10 +76,10 @@ pub(super) struct Contact<V, C, const N: usize> {
     pub(super) whole_at_rest: C,
     /// Newton correction, in cells, below which the law is replaced by its tangent.
     pub(super) tolerance: C,
-    /// Cells per drive force, and displacement of the driving point per pressure, of the modes
+    /// Cells per load, and displacement of the load port per pressure, of the modes
     /// left out.
-    pub(super) drive: C,
-    pub(super) driving_point: C,
+    pub(super) load: C,
+    pub(super) load_port: C,
 }
 
 /// The viscous traction of one interface.
@@ -140,16 +140,16 @@ pub(super) struct Block<'a, S: Simd, C, const N: usize> {
     pub(super) coupled: usize,
     /// The tables of all lanes, one behind the other.
     pub(super) rows: Vec<TableRow>,
-    /// Output, and displacement of the driving point, per drive force, of the modes left out.
-    pub(super) output_drive: C,
-    pub(super) driving_point: C,
-    /// Mean and rise of the drive force in the step before.
-    pub(super) drive_before: [Numbers<S>; 2],
-    /// Newest output displacement \[m\].
-    pub(super) output: Numbers<S>,
-    /// Newest displacement of the driving point \[m\], while there is a drive.
+    /// Sensor and load port per load, of the modes left out.
+    pub(super) sensor_per_load: C,
+    pub(super) load_port: C,
+    /// Mean and rise of the load in the step before.
+    pub(super) load_before: [Numbers<S>; 2],
+    /// Newest displacement at the sensor \[m\].
+    pub(super) reading: Numbers<S>,
+    /// Newest displacement of the load port \[m\], while there is a load.
     pub(super) driven: Numbers<S>,
-    /// Work of the drive force, and viscous loss \[J\].
+    /// Work of the load, and viscous loss \[J\].
     pub(super) work: Numbers<S>,
     pub(super) loss: Numbers<S>,
     /// One for each lane of the two vectors.
@@ -164,17 +164,17 @@ pub(super) struct Step<V, const N: usize> {
     pub(super) pressure: [V; N],
     /// Closure increments since rest, in cells.
     pub(super) closure: [V; N],
-    /// Output displacement \[m\].
-    pub(super) output: V,
+    /// Displacement at the sensor \[m\].
+    pub(super) reading: V,
 }
 
 /// Earlier steps from which the next closure is extrapolated.
 pub(in crate::modal) const PAST: usize = 4;
 
-/// The drive force in one step: its mean, rise and end \[N\].
+/// The load in one step: its mean, rise and end \[N\].
 #[derive(Clone, Copy)]
 #[repr(C, align(64))]
-pub(super) struct Drive<V>(pub(super) [V; 3]);
+pub(super) struct Load<V>(pub(super) [V; 3]);
 
 /// Numbers from one per lane.
 #[inline(always)]

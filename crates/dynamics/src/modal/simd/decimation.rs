@@ -68,14 +68,14 @@ impl<S: Simd> DecimationState<S> {
             let (mut a, mut b, mut c, mut d) = (self.samples[j].0, zero, zero, zero);
             let (quads, tap_quads) = (steps.chunks_exact(4), taps.chunks_exact(4));
             for (step, tap) in quads.remainder().iter().zip(tap_quads.remainder()) {
-                a = pair.mul_add(pair.splat(*tap), step.output, a);
+                a = pair.mul_add(pair.splat(*tap), step.reading, a);
             }
             for (steps, taps) in quads.zip(tap_quads) {
                 let (&[t0, t1, t2, t3], [u0, u1, u2, u3]) = (taps, steps) else { continue };
-                a = pair.mul_add(pair.splat(t0), u0.output, a);
-                b = pair.mul_add(pair.splat(t1), u1.output, b);
-                c = pair.mul_add(pair.splat(t2), u2.output, c);
-                d = pair.mul_add(pair.splat(t3), u3.output, d);
+                a = pair.mul_add(pair.splat(t0), u0.reading, a);
+                b = pair.mul_add(pair.splat(t1), u1.reading, b);
+                c = pair.mul_add(pair.splat(t2), u2.reading, c);
+                d = pair.mul_add(pair.splat(t3), u3.reading, d);
             }
             self.samples[j].0 = pair.add(pair.add(a, b), pair.add(c, d));
             j += 1;
@@ -108,7 +108,7 @@ mod tests {
                 let step = |&u: &f64| Step {
                     pressure: [[0.0; 2]],
                     closure: [[0.0; 2]],
-                    output: [u, 2.0 * u],
+                    reading: [u, 2.0 * u],
                 };
                 let steps: Vec<Step<[f64; 2], 1>> = chunk.iter().map(step).collect();
                 decimator.take(simd, &steps);

@@ -54,7 +54,7 @@ pub(in crate::modal) struct Outcome {
     /// Energy of the friction elements at the end, and their loss \[J\].
     pub(in crate::modal) friction_stored: f64,
     pub(in crate::modal) friction_loss: f64,
-    /// Work of the drive and viscous loss \[J\].
+    /// Work of the load and viscous loss \[J\].
     pub(in crate::modal) work: f64,
     pub(in crate::modal) loss: f64,
     /// Modal displacements at the last states, newest first.

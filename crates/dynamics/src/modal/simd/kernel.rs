@@ -7,7 +7,7 @@
 //! q*  = q + d*,   y* = sum of g q*         has without its pressures
 //! ```
 //!
-//! Every mode is loaded and stored once a step. The drive, which acts during a small part of a
+//! Every mode is loaded and stored once a step. The load, which acts during a small part of a
 //! run, is added to `d*`, `q*` and `y*` when its step comes.
 #![allow(
     clippy::needless_range_loop,
@@ -19,7 +19,7 @@ mod friction;
 mod linear_solve;
 mod viscous;
 
-use super::block::{Block, Coefficient, Drive, Numbers, PAST, Pair, Step};
+use super::block::{Block, Coefficient, Load, Numbers, PAST, Pair, Step};
 use super::table_lookup::TableLookup;
 
 impl<S: TableLookup, C: Coefficient<S>, const N: usize> Block<'_, S, C, N> {
@@ -42,7 +42,7 @@ impl<S: TableLookup, C: Coefficient<S>, const N: usize> Block<'_, S, C, N> {
         let pair = Pair(simd);
         let (closure, pressure) = self.solve(simd, past);
         let mut predicted = [pair.splat(0.0); N];
-        let mut output = pair.splat(0.0);
+        let mut reading = pair.splat(0.0);
         let mut loss = self.loss;
         for mode in &mut self.modes {
             let mut force = pair.mul(mode.force[0].all(simd), pressure[0]);
@@ -53,7 +53,7 @@ impl<S: TableLookup, C: Coefficient<S>, const N: usize> Block<'_, S, C, N> {
             let pushed = pair.mul(t0.all(simd), force);
             let increment = pair.add(mode.predicted_increment, pushed);
             let reached = pair.add(mode.predicted, pushed);
-            output = pair.mul_add(mode.output.all(simd), reached, output);
+            reading = pair.mul_add(mode.sensor.all(simd), reached, reading);
             let change = pair.mul(mode.loss[1].all(simd), mode.increment);
             let change = pair.mul_add(mode.loss[0].all(simd), increment, change);
             loss = pair.mul_add(increment, change, loss);
@@ -80,29 +80,29 @@ impl<S: TableLookup, C: Coefficient<S>, const N: usize> Block<'_, S, C, N> {
         self.loss = loss;
         for i in 0..interfaces {
             let contact = &mut self.contacts[i];
-            output = pair.less_mul(contact.output.all(simd), pressure[i], output);
+            reading = pair.less_mul(contact.sensor.all(simd), pressure[i], reading);
             contact.predicted = predicted[i];
             step.closure[i] = closure[i];
             step.pressure[i] = pressure[i];
         }
-        self.output = output;
-        step.output = output;
+        self.reading = reading;
+        step.reading = reading;
     }
 
-    /// Adds the drive of the next step to the prediction without it.
+    /// Adds the load of the next step to the prediction without it.
     #[inline(always)]
-    pub(super) fn push(&mut self, simd: S, drive: &Drive<Numbers<S>>) {
+    pub(super) fn push(&mut self, simd: S, load: &Load<Numbers<S>>) {
         let interfaces = self.interfaces();
         let pair = Pair(simd);
-        let Drive([mean, rise, end]) = *drive;
-        let [mean_before, rise_before] = self.drive_before;
+        let Load([mean, rise, end]) = *load;
+        let [mean_before, rise_before] = self.load_before;
         let mut predicted = [pair.splat(0.0); N];
         for i in 0..interfaces {
             let contact = &self.contacts[i];
-            predicted[i] = pair.mul_add(contact.drive.all(simd), end, contact.predicted);
+            predicted[i] = pair.mul_add(contact.load.all(simd), end, contact.predicted);
         }
         for mode in &mut self.modes {
-            let [b0, b1, b2, b3] = mode.drive;
+            let [b0, b1, b2, b3] = mode.load;
             let past = pair.mul(b2.all(simd), mean_before);
             let past = pair.mul_add(b3.all(simd), rise_before, past);
             let driven = pair.mul_add(b1.all(simd), rise, past);
@@ -118,48 +118,48 @@ impl<S: TableLookup, C: Coefficient<S>, const N: usize> Block<'_, S, C, N> {
         }
     }
 
-    /// Increment of the driving point by the modes in the last step.
+    /// Increment of the load port by the modes in the last step.
     #[inline(always)]
-    pub(super) fn driving_point_increment(&self, simd: S) -> Numbers<S> {
+    pub(super) fn load_port_increment(&self, simd: S) -> Numbers<S> {
         let pair = Pair(simd);
         let mut change = pair.splat(0.0);
         for mode in &self.modes {
-            change = pair.mul_add(mode.driving_point.all(simd), mode.increment, change);
+            change = pair.mul_add(mode.load_port.all(simd), mode.increment, change);
         }
         change
     }
 
-    /// Completes the output of a driven step, and counts the work of the drive; `change_before` is
-    /// the increment of the driving point in the step before.
+    /// Completes the reading of a loaded step, and counts the work of the load; `change_before` is
+    /// the increment of the load port in the step before.
     #[inline(always)]
     pub(super) fn count_work(
         &mut self,
         simd: S,
-        drive: &Drive<Numbers<S>>,
+        load: &Load<Numbers<S>>,
         change_before: Numbers<S>,
         step: &mut Step<Numbers<S>, N>,
     ) {
         let pair = Pair(simd);
-        let Drive([mean, rise, end]) = *drive;
-        let output = pair.mul_add(self.output_drive.all(simd), end, self.output);
-        self.output = output;
-        step.output = output;
-        let mut driven = pair.mul(self.driving_point.all(simd), end);
+        let Load([mean, rise, end]) = *load;
+        let reading = pair.mul_add(self.sensor_per_load.all(simd), end, self.reading);
+        self.reading = reading;
+        step.reading = reading;
+        let mut driven = pair.mul(self.load_port.all(simd), end);
         for i in 0..self.interfaces() {
-            let yielding = self.contacts[i].driving_point.all(simd);
+            let yielding = self.contacts[i].load_port.all(simd);
             driven = pair.less_mul(yielding, step.pressure[i], driven);
         }
         for mode in &self.modes {
             let reached = pair.sub(mode.predicted, mode.predicted_increment);
-            driven = pair.mul_add(mode.driving_point.all(simd), reached, driven);
+            driven = pair.mul_add(mode.load_port.all(simd), reached, driven);
         }
-        // The velocity of the driving point changes over the step by about `change` divided by the step.
-        let change = pair.sub(self.driving_point_increment(simd), change_before);
+        // The velocity of the load port changes over the step by about `change` divided by the step.
+        let change = pair.sub(self.load_port_increment(simd), change_before);
         let moved = pair.sub(driven, self.driven);
         let twelfth = pair.mul(pair.splat(1.0 / 12.0), rise);
         let work = pair.mul_add(twelfth, change, self.work);
         self.work = pair.mul_add(mean, moved, work);
         self.driven = driven;
-        self.drive_before = [mean, rise];
+        self.load_before = [mean, rise];
     }
 }

@@ -2,9 +2,10 @@
 //! displacements under gravity, one loop over nodes, and at each contact the
 //! law itself solved by safeguarded Newton at every step.
 
-use asperity_dynamics::{ContactForm, Excitation};
+use asperity_dynamics::ContactForm;
 use asperity_law::ContactLaw;
 use asperity_mesh::{Grid, Stack, Support};
+use asperity_structure::LoadCase;
 
 use super::at_rest;
 use super::statics::static_field;
@@ -25,7 +26,7 @@ pub fn integrate(
     stack: &Stack,
     (cell, form): (f64, ContactForm),
     rate: f64,
-    excitation: &Excitation,
+    excitation: &LoadCase,
     (step, stride, samples): (f64, usize, usize),
 ) -> AbsoluteRun {
     let rest = at_rest(stack).static_displacement();
@@ -48,7 +49,7 @@ pub fn integrate(
     };
     let dt = step;
     for n in 0..samples * stride {
-        let force = excitation.force(n as f64 * dt);
+        let force = excitation.value(n as f64 * dt);
         // Every node without contact pressure: m (u+ - 2u + u-)/dt2 + m h (u+ - u)/dt = f.
         let mut after = now.clone();
         for (i, bar) in grid.bars().iter().enumerate() {

@@ -1,10 +1,8 @@
 //! Modal steps against finite differences.
 
-use asperity_dynamics::{
-    DynamicsError, Excitation, FiniteDifference, Integrator, Modal, Sampling, Transient,
-};
-use asperity_mesh::Stack;
-use asperity_structure::{Damping, PreloadedStructure};
+use asperity_dynamics::{DynamicsError, FiniteDifference, Integrator, Modal, Sampling, Transient};
+use asperity_mesh::{Port, Stack};
+use asperity_structure::{Damping, LoadCase, PreloadedStructure};
 
 use super::difference;
 
@@ -15,12 +13,12 @@ pub const RATE: f64 = 300.0;
 pub fn attempt(
     stack: &Stack,
     method: impl Into<Integrator>,
-    excitation: &Excitation,
+    excitation: &LoadCase,
     duration: f64,
 ) -> Result<Transient, DynamicsError> {
     let structure = PreloadedStructure::new(stack.clone(), Damping::Rate(RATE)).unwrap();
     let sampling = Sampling::new(duration, 2e5).unwrap();
-    method.into().integrate(&structure, excitation, &sampling)
+    method.into().integrate(&structure, excitation, &[Port::TOP], &sampling)
 }
 
 /// Differences of displacement and of closures over their largest motions.
@@ -28,7 +26,10 @@ pub fn off(found: &Transient, expected: &Transient) -> (f64, f64) {
     let gained = |column: &[f64]| column.iter().map(|x| x - column[0]).collect::<Vec<_>>();
     let pairs = found.history.interfaces.iter().zip(&expected.history.interfaces);
     let closures = pairs.map(|(a, b)| difference(&gained(&a.closure), &gained(&b.closure)));
-    let displacement = difference(&found.history.displacement, &expected.history.displacement);
+    let displacement = difference(
+        &found.history.sensors[0].displacement,
+        &expected.history.sensors[0].displacement,
+    );
     (displacement, closures.fold(0.0, f64::max))
 }
 
@@ -36,7 +37,7 @@ pub fn off(found: &Transient, expected: &Transient) -> (f64, f64) {
 pub fn agrees(
     name: &str,
     stack: &Stack,
-    excitation: &Excitation,
+    excitation: &LoadCase,
     (duration, cell): (f64, f64),
     bounds: (f64, f64),
 ) {

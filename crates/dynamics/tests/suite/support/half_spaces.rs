@@ -3,8 +3,9 @@
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-use asperity_dynamics::{Excitation, FiniteDifference, InterfaceHistory, Modal, Transient};
+use asperity_dynamics::{FiniteDifference, InterfaceHistory, Modal, Transient};
 use asperity_mesh::{Body, Interface, Stack, Support};
+use asperity_structure::{LoadCase, TimeFunction};
 
 use super::{AREA, Law, constant, run_at};
 
@@ -49,7 +50,7 @@ pub fn stack(law: &Law, pressure: f64) -> Stack {
 
 /// An undamped run on `cells` cells a bar, every step recorded, over `crossings`
 /// times the delay. The first echo returns to the interface after three.
-pub fn run(stack: &Stack, cells: usize, excitation: &Excitation, crossings: f64) -> Transient {
+pub fn run(stack: &Stack, cells: usize, excitation: &LoadCase, crossings: f64) -> Transient {
     let cell = LENGTH / cells as f64;
     let rate = wave_speed() / (COURANT * cell);
     // A hair more than the Courant number meant, so that one step fills a sample.
@@ -65,7 +66,7 @@ pub fn run(stack: &Stack, cells: usize, excitation: &Excitation, crossings: f64)
 pub fn modal_run(
     stack: &Stack,
     (modes, step): (usize, f64),
-    excitation: &Excitation,
+    excitation: &LoadCase,
     crossings: f64,
 ) -> Transient {
     let method = Modal { step: Some(step), modes_per_body: Some(modes), ..Modal::default() };
@@ -76,8 +77,8 @@ pub fn modal_run(
 pub const PULSE: f64 = 1e-4;
 
 /// A pulse whose incident pressure peaks at `pressure` [Pa].
-pub fn pulse(pressure: f64) -> Excitation {
-    Excitation::Haversine { peak: pressure * AREA, duration: PULSE }
+pub fn pulse(pressure: f64) -> LoadCase {
+    LoadCase::force(TimeFunction::Haversine { duration: PULSE }, pressure * AREA)
 }
 
 /// Samples of the interface from the arrival of the wave to its first echo, and

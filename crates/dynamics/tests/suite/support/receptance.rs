@@ -25,9 +25,9 @@ pub struct Peak {
 /// `|U(f) / F(f)|` [m/N] over the whole history.
 pub fn magnitude(history: &History, frequency: f64) -> f64 {
     let interval = history.time[1];
-    let over = history.force.iter().rposition(|&f| f != 0.0).map_or(0, |last| last + 1);
-    let displacement = transform(&history.displacement, interval, frequency);
-    displacement.norm() / transform(&history.force[..over], interval, frequency).norm()
+    let over = history.load.iter().rposition(|&f| f != 0.0).map_or(0, |last| last + 1);
+    let displacement = transform(&history.sensors[0].displacement, interval, frequency);
+    displacement.norm() / transform(&history.load[..over], interval, frequency).norm()
 }
 
 /// The highest true local maximum of the receptance between two frequencies,

@@ -1,4 +1,4 @@
-//! A block from the models of its hits, and its drive step by step.
+//! A block from the models of its hits, and its load step by step.
 
 use std::sync::Arc;
 
@@ -7,7 +7,7 @@ use asperity_structure::PreloadedContact;
 use pulp::Simd;
 
 use super::{
-    Block, Coefficient, Contact, Damper, Drive, Mode, Numbers, PAST, Pair, Slider, WHOLE, Work,
+    Block, Coefficient, Contact, Damper, Load, Mode, Numbers, PAST, Pair, Slider, WHOLE, Work,
     numbers, set_lane,
 };
 use crate::modal::assembly::PreparedHit;
@@ -137,7 +137,7 @@ impl<'a, S: Simd, C: Coefficient<S>, const N: usize> Block<'a, S, C, N> {
             decay: step(m, &|mode| mode.recurrence.decay),
             spring: step(m, &|mode| -mode.recurrence.spring),
             contact: std::array::from_fn(|k| step(m, &|mode| -mode.recurrence.contact[k])),
-            output: step(m, &|mode| mode.output),
+            sensor: all(&|lane| lane.tabulated.step_model.modes[m].sensors[lane.sensor]),
             closure: std::array::from_fn(|i| {
                 at(i, &|lane| lane.tabulated.step_model.modes[m].closure[i] * cells(lane, i))
             }),
@@ -152,8 +152,8 @@ impl<'a, S: Simd, C: Coefficient<S>, const N: usize> Block<'a, S, C, N> {
                     share * model.modes[m].dynamics.rate / model.step
                 })
             }),
-            drive: std::array::from_fn(|k| step(m, &|mode| mode.drive * mode.recurrence.drive[k])),
-            driving_point: step(m, &|mode| mode.drive),
+            load: std::array::from_fn(|k| step(m, &|mode| mode.load * mode.recurrence.load[k])),
+            load_port: step(m, &|mode| mode.load),
             carries: lanes.iter().any(|lane| {
                 lane.tabulated.step_model.modes[m].interpolation == ForceInterpolation::Quartic
             }),
@@ -169,7 +169,9 @@ impl<'a, S: Simd, C: Coefficient<S>, const N: usize> Block<'a, S, C, N> {
                     };
                     if j < interfaces { at(i, &entry) } else { C::new(simd, &|_| 0.0) }
                 }),
-                output: at(i, &|lane| lane.tabulated.step_model.output_pressure[i]),
+                sensor: at(i, &|lane| {
+                    lane.tabulated.step_model.sensors_per_pressure[lane.sensor][i]
+                }),
                 rest: at(i, &|lane| lane.tabulated.cell_at_rest(i)),
                 first: at(i, &|lane| -lane.tabulated.cell_at_rest(i)),
                 // The last place within the last cell.
@@ -186,10 +188,10 @@ impl<'a, S: Simd, C: Coefficient<S>, const N: usize> Block<'a, S, C, N> {
                     let tolerance = lane.tabulated.tolerances[i];
                     if C::DISSIPATIVE { tolerance.min(DAMPED_TOLERANCE) } else { tolerance }
                 }),
-                drive: at(i, &|lane| lane.tabulated.step_model.residual.drive[i] * cells(lane, i)),
-                driving_point: at(i, &|lane| {
-                    // By reciprocity the closure per drive force is also this.
-                    lane.tabulated.step_model.residual.drive[i] * lane.model.area(i)
+                load: at(i, &|lane| lane.tabulated.step_model.residual.load[i] * cells(lane, i)),
+                load_port: at(i, &|lane| {
+                    // By reciprocity the closure per load is also this.
+                    lane.tabulated.step_model.residual.load[i] * lane.model.area(i)
                 }),
             }
         };
@@ -204,10 +206,12 @@ impl<'a, S: Simd, C: Coefficient<S>, const N: usize> Block<'a, S, C, N> {
             contacts: std::array::from_fn(contact),
             coupled: interfaces,
             rows,
-            output_drive: all(&|lane| lane.tabulated.step_model.residual.direct),
-            driving_point: all(&|lane| lane.tabulated.step_model.residual.driving_point),
-            drive_before: [zero; 2],
-            output: zero,
+            sensor_per_load: all(&|lane| {
+                lane.tabulated.step_model.residual.sensors_per_load[lane.sensor]
+            }),
+            load_port: all(&|lane| lane.tabulated.step_model.residual.load_port),
+            load_before: [zero; 2],
+            reading: zero,
             driven: zero,
             work: zero,
             loss: zero,
@@ -215,16 +219,16 @@ impl<'a, S: Simd, C: Coefficient<S>, const N: usize> Block<'a, S, C, N> {
         }
     }
 
-    /// Fills the drive of the steps from `start` on; whether there is any.
+    /// Fills the load of the steps from `start` on; whether there is any.
     #[inline(always)]
-    pub(in crate::modal) fn take_drive(
+    pub(in crate::modal) fn take_load(
         &self,
         simd: S,
-        drives: &mut [Drive<[S::f64s; 2]>],
+        loads: &mut [Load<[S::f64s; 2]>],
         start: usize,
     ) -> bool {
         // One step more: the taps reach back to the step before.
-        let lasting = |lane: &&PreparedHit| start < lane.drive.steps() + 1;
+        let lasting = |lane: &&PreparedHit| start < lane.load.steps() + 1;
         if !self.lanes.iter().flatten().any(lasting) {
             return false;
         }
@@ -232,22 +236,22 @@ impl<'a, S: Simd, C: Coefficient<S>, const N: usize> Block<'a, S, C, N> {
         let mut hits = self.lanes.iter().flatten();
         let Some(first) = hits.next() else { return false };
         let at = |column: &[f64], n: usize| column.get(start + n).copied().unwrap_or(0.0);
-        if hits.all(|hit| Arc::ptr_eq(&hit.drive, &first.drive)) {
+        if hits.all(|hit| Arc::ptr_eq(&hit.load, &first.load)) {
             // One column for all lanes, as in a sweep over the force.
             let amplitude = numbers(simd, |lane| self.lanes[lane].map_or(0.0, |hit| hit.amplitude));
-            for (n, Drive(drive)) in drives.iter_mut().enumerate() {
-                let column = &first.drive;
-                drive[0] = pair.mul(amplitude, pair.splat(at(&column.mean, n)));
-                drive[1] = pair.mul(amplitude, pair.splat(at(&column.rise, n)));
-                drive[2] = pair.mul(amplitude, pair.splat(at(&column.end, n)));
+            for (n, Load(load)) in loads.iter_mut().enumerate() {
+                let column = &first.load;
+                load[0] = pair.mul(amplitude, pair.splat(at(&column.mean, n)));
+                load[1] = pair.mul(amplitude, pair.splat(at(&column.rise, n)));
+                load[2] = pair.mul(amplitude, pair.splat(at(&column.end, n)));
             }
             return true;
         }
-        for (n, Drive(drive)) in drives.iter_mut().enumerate() {
+        for (n, Load(load)) in loads.iter_mut().enumerate() {
             for (lane, hit) in self.lanes.iter().enumerate() {
                 let Some(hit) = hit else { continue };
-                let columns = [&hit.drive.mean, &hit.drive.rise, &hit.drive.end];
-                for (numbers, column) in drive.iter_mut().zip(columns) {
+                let columns = [&hit.load.mean, &hit.load.rise, &hit.load.end];
+                for (numbers, column) in load.iter_mut().zip(columns) {
                     set_lane::<S>(numbers, lane, hit.amplitude * at(column, n));
                 }
             }

@@ -7,7 +7,7 @@ use crate::modal::assembly::PreparedHit;
 use crate::modal::linear_tail::carried;
 use crate::modal::oscillator::NODES;
 use crate::modal::simd::block::{
-    Block, CHUNK, Coefficient, Drive, Numbers, PAST, Pair, Step, lane_of, total_work,
+    Block, CHUNK, Coefficient, Load, Numbers, PAST, Pair, Step, lane_of, total_work,
 };
 use crate::modal::simd::contact_extremes::BlockExtremes;
 use crate::modal::simd::decimation::DecimationState;
@@ -18,7 +18,7 @@ pub(super) struct Run<'a, S: Simd, C, const N: usize> {
     block: Block<'a, S, C, N>,
     /// The last steps before the chunk, and its own.
     chunk: Vec<Step<Numbers<S>, N>>,
-    drive: Vec<Drive<Numbers<S>>>,
+    load: Vec<Load<Numbers<S>>>,
     extremes: BlockExtremes<S>,
     decimator: Option<DecimationState<S>>,
     recorded: Vec<RecordedSteps>,
@@ -47,7 +47,7 @@ impl<'a, S: TableLookup, C: Coefficient<S>, const N: usize> Run<'a, S, C, N> {
         let steps = lanes.first().map_or(0, |lane| lane.integrated());
         let all_steps = lanes.first().map_or(0, |lane| lane.steps);
         let zero = Pair(simd).splat(0.0);
-        let rest = Step { pressure: [zero; N], closure: [zero; N], output: zero };
+        let rest = Step { pressure: [zero; N], closure: [zero; N], reading: zero };
         let mut decimator = None;
         let mut recorded = Vec::new();
         match recording {
@@ -70,7 +70,7 @@ impl<'a, S: TableLookup, C: Coefficient<S>, const N: usize> Run<'a, S, C, N> {
         Self {
             extremes: BlockExtremes::new(simd, &block),
             chunk: vec![rest; PAST + CHUNK],
-            drive: vec![Drive([zero; 3]); CHUNK],
+            load: vec![Load([zero; 3]); CHUNK],
             decimator,
             recorded,
             chunks: 0,
@@ -90,19 +90,19 @@ impl<'a, S: TableLookup, C: Coefficient<S>, const N: usize> Run<'a, S, C, N> {
     /// Takes the `count` steps after step `reached`.
     #[inline(always)]
     pub(super) fn advance(&mut self, simd: S, reached: usize, count: usize) {
-        let driven = self.block.take_drive(simd, &mut self.drive[..count], reached);
+        let driven = self.block.take_load(simd, &mut self.load[..count], reached);
         for n in 0..count {
             let (past, next) = self.chunk.split_at_mut(PAST + n);
             let (Some(past), [step, ..]) = (past.last_chunk::<PAST>(), next) else { return };
-            let drive = &self.drive[n];
+            let load = &self.load[n];
             let mut before = None;
             if driven {
-                before = Some(self.block.driving_point_increment(simd));
-                self.block.push(simd, drive);
+                before = Some(self.block.load_port_increment(simd));
+                self.block.push(simd, load);
             }
             self.block.step(simd, past, step);
             if let Some(before) = before {
-                self.block.count_work(simd, drive, before, step);
+                self.block.count_work(simd, load, before, step);
             }
         }
     }
@@ -113,7 +113,7 @@ impl<'a, S: TableLookup, C: Coefficient<S>, const N: usize> Run<'a, S, C, N> {
         let step = &self.chunk[PAST + n];
         for (lane, recorded) in self.recorded.iter_mut().enumerate() {
             let of = |numbers: &Numbers<S>| lane_of::<S>(numbers, lane);
-            recorded.displacement.push(of(&step.output));
+            recorded.displacement.push(of(&step.reading));
             for (i, column) in recorded.pressure.iter_mut().enumerate() {
                 column.push(of(&step.pressure[i]));
             }
