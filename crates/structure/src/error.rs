@@ -28,6 +28,14 @@ pub enum StructureError {
         /// The values accepted.
         accepted: &'static str,
     },
+    /// A place on a body that the stack does not have.
+    #[error("no body is named \"{body}\"; accepted: {known}")]
+    UnknownBody {
+        /// The name.
+        body: String,
+        /// Names of the bodies.
+        known: String,
+    },
     /// A base cannot be displaced by a function whose velocity jumps.
     #[error(
         "the velocity of a base displaced by a half-sine jumps at its end; accepted for a displacement: gamma_pulse, haversine, harmonic, samples"

@@ -21,6 +21,7 @@
 //! | [`guide`] | a guide with friction |
 //! | [`time_function`] | pulses, sines and samples over time, of unit amplitude |
 //! | [`load_case`] | a function of time, its amplitude, and the port or base that it acts on |
+//! | [`excitation`], [`place`] | excitations, places and sensors as documents give them |
 //! | [`modal_damping`] | damping ratios of linearised modes |
 //! | [`modes`] | linearised natural frequencies and shapes, exact for elastic bars |
 //! | [`error`] | errors |
@@ -29,10 +30,12 @@ pub mod contact;
 pub mod damping;
 pub mod equilibrium;
 pub mod error;
+pub mod excitation;
 pub mod guide;
 pub mod load_case;
 pub mod modal_damping;
 pub mod modes;
+pub mod place;
 pub mod preloaded;
 pub mod time_function;
 
@@ -40,9 +43,13 @@ pub use contact::PreloadedContact;
 pub use damping::Damping;
 pub use equilibrium::StaticDisplacement;
 pub use error::StructureError;
+pub use excitation::{
+    AccelerationSpec, DisplacementSpec, ExcitationSpec, SamplesFile, VelocitySpec,
+};
 pub use guide::Guide;
 pub use load_case::{BaseQuantity, LoadCase};
 pub use modal_damping::DampedMode;
 pub use modes::LinearisedMode;
+pub use place::{Along, End, PlaceSpec, SensorKind, SensorSpec};
 pub use preloaded::PreloadedStructure;
 pub use time_function::{Order, SampledFunction, SteppedSine, TimeFunction};

@@ -97,8 +97,7 @@ fn excitations_out_of_range_are_refused() {
     for excitation in refused {
         let error =
             attempt(&rig(&modified()), FiniteDifference::default(), &excitation).unwrap_err();
-        let refused =
-            matches!(error, DynamicsError::Structure(StructureError::Setting { .. }));
+        let refused = matches!(error, DynamicsError::Structure(StructureError::Setting { .. }));
         assert!(refused, "{excitation:?}: {error:?}");
     }
     let error = SampledFunction::new(vec![0.0, 1.0, 1.0], vec![0.0; 3]).unwrap_err();

@@ -68,8 +68,9 @@ fn a_pulse_of_a_nanonewton_moves_the_rig_in_proportion() {
         ];
         for method in methods {
             let response = |peak: f64| {
-                let samples =
-                    run(&stack, &method, &pulse(peak), 0.01).history.sensors[0].displacement.clone();
+                let samples = run(&stack, &method, &pulse(peak), 0.01).history.sensors[0]
+                    .displacement
+                    .clone();
                 samples.into_iter().map(|u| u / peak).collect::<Vec<_>>()
             };
             let one = response(1e-9);

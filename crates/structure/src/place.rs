@@ -1,0 +1,142 @@
+//! Places of a stack as documents give them.
+
+use asperity_mesh::{Body, Port};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::StructureError;
+
+/// Place on a body: one of its ends, or a distance from its upper end.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(try_from = "PlaceKeys", into = "PlaceKeys")]
+pub struct PlaceSpec {
+    /// Name of the body.
+    pub body: String,
+    /// Place along it.
+    pub along: Along,
+}
+
+/// Place along a body.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Along {
+    /// Its upper or lower end.
+    End(End),
+    /// Distance from its upper end \[m\].
+    PositionM(f64),
+}
+
+/// End of a body.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum End {
+    /// Upper end.
+    Upper,
+    /// Lower end, next to the interface below the body.
+    Lower,
+}
+
+/// Place on a body, with exactly one of `position_m` and `end`.
+#[derive(Clone, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(
+    rename = "PlaceSpec",
+    extend("oneOf" = [{"required": ["position_m"]}, {"required": ["end"]}])
+)]
+struct PlaceKeys {
+    /// Name of the body.
+    #[schemars(length(min = 1))]
+    body: String,
+    /// Distance from the upper end of the body in m, at most its length; give this or `end`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0.0))]
+    position_m: Option<f64>,
+    /// End of the body; give this or `position_m`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    end: Option<End>,
+}
+
+impl TryFrom<PlaceKeys> for PlaceSpec {
+    type Error = &'static str;
+
+    fn try_from(keys: PlaceKeys) -> Result<Self, Self::Error> {
+        let along = match (keys.position_m, keys.end) {
+            (Some(position), None) => Along::PositionM(position),
+            (None, Some(end)) => Along::End(end),
+            _ => return Err("a place needs exactly one of position_m and end"),
+        };
+        Ok(Self { body: keys.body, along })
+    }
+}
+
+impl From<PlaceSpec> for PlaceKeys {
+    fn from(place: PlaceSpec) -> Self {
+        let (position_m, end) = match place.along {
+            Along::PositionM(position) => (Some(position), None),
+            Along::End(end) => (None, Some(end)),
+        };
+        Self { body: place.body, position_m, end }
+    }
+}
+
+impl PlaceSpec {
+    /// The port of this place on a stack of `bodies`.
+    ///
+    /// # Errors
+    /// [`StructureError::UnknownBody`] for a name that no body has; [`StructureError::Setting`] for a
+    /// position that is not on the body.
+    pub fn port(&self, bodies: &[Body]) -> Result<Port, StructureError> {
+        let found = bodies.iter().enumerate().find(|(_, body)| body.name() == self.body);
+        let Some((body, own)) = found else {
+            let known: Vec<&str> = bodies.iter().map(Body::name).collect();
+            let (body, known) = (self.body.clone(), known.join(", "));
+            return Err(StructureError::UnknownBody { body, known });
+        };
+        let position = match self.along {
+            Along::End(End::Upper) => 0.0,
+            Along::End(End::Lower) => own.length(),
+            Along::PositionM(value) if (0.0..=own.length()).contains(&value) => value,
+            Along::PositionM(value) => {
+                let (quantity, accepted) = ("position [m]", "0 to the length of the body");
+                return Err(StructureError::Setting { quantity, value, accepted });
+            }
+        };
+        Ok(Port::Point { body, position })
+    }
+}
+
+/// Sensor: a place and what is read there.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SensorSpec {
+    /// Name of the sensor, used in the headers of the results.
+    #[schemars(length(min = 1))]
+    pub name: String,
+    /// Place of the sensor; the top of the stack when left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub at: Option<PlaceSpec>,
+    /// What it reads.
+    pub kind: SensorKind,
+}
+
+/// What a sensor reads.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum SensorKind {
+    /// Displacement in m.
+    Displacement,
+    /// Velocity in m/s.
+    Velocity,
+    /// Acceleration in m/s².
+    Acceleration,
+}
+
+impl SensorKind {
+    /// Name of the quantity with its unit, as headers have it.
+    pub fn column(self) -> &'static str {
+        match self {
+            Self::Displacement => "displacement_m",
+            Self::Velocity => "velocity_m_per_s",
+            Self::Acceleration => "acceleration_m_per_s2",
+        }
+    }
+}
