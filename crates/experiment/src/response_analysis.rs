@@ -6,18 +6,18 @@ use asperity_signal::{
     analyse_hit, dominant_frequency, quality_issues,
 };
 
-use crate::analysis::{HitBackbone, ResponseAnalysis};
+use crate::analysis::{HitBackbone, HitFrf, ResponseAnalysis};
 use crate::average::{AveragedFrf, corrected};
 use crate::curve::{Curves, HitCurve};
 use crate::cutting::CutHit;
 use crate::error::AnalysisError;
 use crate::force_level::{BandSums, change_with_force, force_levels};
-use crate::frf_record::HitFrf;
+use crate::hit_report::{HitReport, HitStatistics};
 use crate::modes::HitModes;
 use crate::options::{AnalysisOptions, FrequencyBand, TimeConstant, estimator_name};
 use crate::report::{
     ANALYSIS_SCHEMA, AnalysisProvenance, AnalysisReport, AnalysisSettings, AverageFundamental,
-    AverageReport, HitReport, HitStatistics,
+    AverageReport,
 };
 use crate::second_peak::SecondPeakReport;
 use crate::stream::UsedChannel;

@@ -3,11 +3,13 @@
 mod beating;
 mod harmonics;
 mod one_mode;
+mod point;
 mod resonance;
 mod search;
 
 pub use beating::Beating;
 pub use harmonics::DecayHarmonic;
+pub use point::DecayPoint;
 pub use resonance::DecayResonance;
 pub use search::{DecayEnd, DecayOrigin, FoundDecay, find_decays, level_range};
 
@@ -15,12 +17,12 @@ use crate::error::{Result, check_positive, check_rate, check_samples};
 use crate::hammer::HarmonicTest;
 use crate::noise::quiet_density;
 use crate::ring_down::{
-    Backbone, BackboneOptions, BackbonePoint, BackboneUncertainty, BandPass, Polar,
-    backbone_and_signal, half_line,
+    Backbone, BackboneOptions, BackbonePoint, BandPass, Polar, backbone_and_signal, half_line,
 };
 use beating::BeatSearch;
 use harmonics::HarmonicBand;
-use one_mode::{OneModePart, span_of};
+use one_mode::OneModePart;
+use point::span_of;
 
 /// Largest half width of the band of a mode, over its frequency.
 const HALF_WIDTH: f64 = 0.3;
@@ -80,18 +82,6 @@ pub struct FreeDecay {
     pub stalls: bool,
     /// Behaviour of the second harmonic along the decay; `None` where it is noise.
     pub harmonic_test: Option<HarmonicTest>,
-}
-
-/// One point of a free decay.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct DecayPoint {
-    /// Time, amplitude, frequency and damping.
-    pub point: BackbonePoint,
-    /// Their standard deviations due to noise.
-    pub uncertainty: BackboneUncertainty,
-    /// Amplitudes of the second and the third harmonic over that of the fundamental; `None` where
-    /// they are noise.
-    pub harmonics: [Option<DecayHarmonic>; 2],
 }
 
 impl FreeDecay {

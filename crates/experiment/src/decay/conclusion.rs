@@ -2,7 +2,7 @@
 
 use asperity_signal::{DecayPoint, PeakOrigin};
 
-use super::DecayCurve;
+use super::curve::DecayCurve;
 use super::report::{DecayLevel, MeasuredDecay};
 use crate::second_peak::name as name_of_origin;
 

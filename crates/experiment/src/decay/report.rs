@@ -5,8 +5,8 @@ use asperity_signal::{
 };
 use serde::Serialize;
 
-use super::DecayCurve;
-use super::signals::{DecaySignals, ResponseSignal};
+use super::curve::DecayCurve;
+use super::signals::{DecayChannel, DecaySignals, ResponseSignal};
 use crate::report::AnalysisProvenance;
 use crate::second_peak::name as name_of_origin;
 
@@ -30,19 +30,6 @@ pub struct DecayReport {
     pub notices: Vec<String>,
     /// Version and files.
     pub provenance: AnalysisProvenance,
-}
-
-/// Channel of a response.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct DecayChannel {
-    /// Name.
-    pub name: String,
-    /// Measured quantity.
-    pub quantity: String,
-    /// Unit in the file, of all amplitudes without a unit in their name; empty without one.
-    pub unit: String,
-    /// SI unit of the quantity; `None` for a unit that is not known, or not one of motion.
-    pub si_unit: Option<&'static str>,
 }
 
 /// Settings of the analysis.

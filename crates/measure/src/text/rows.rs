@@ -3,8 +3,9 @@
 use crate::heading::Heading;
 use crate::notice::Notices;
 use crate::rate::rounding_of;
+use crate::text::Text;
+use crate::text::dialect::is_passed_over;
 use crate::text::labview::LvmSegment;
-use crate::text::{Text, is_passed_over};
 use crate::{Abscissa, Channel, ChannelUnit, MeasureError, Notice, Samples};
 
 /// A column of numbers.
