@@ -19,7 +19,7 @@ use crate::excerpt::{Label, show_excerpts};
 use crate::file_kind::WrongKind;
 use crate::progress::show_line;
 
-/// Exit status of a command that was stopped: that of shells after Ctrl-C.
+/// Exit status of a command that was stopped, as of shells after Ctrl-C.
 pub(crate) const INTERRUPTED: u8 = 130;
 
 /// Most problems of one scenario that are shown.

@@ -194,7 +194,7 @@ impl<'a> SampleStream<'a> {
 }
 
 impl SignalParameters {
-    /// Checks that a file agrees with those before.
+    /// Checks that a file agrees with the files before it.
     fn check(&self, file: &Path, found: &Self) -> Result<(), AnalysisError> {
         let differs = |quantity, found: String, expected: String| {
             Err(AnalysisError::Differs { file: PathBuf::from(file), quantity, found, expected })

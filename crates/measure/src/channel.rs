@@ -157,7 +157,7 @@ impl Abscissa {
 pub enum Samples {
     /// Real samples.
     Real(Vec<f64>),
-    /// Complex samples, such as those of a spectrum.
+    /// Complex samples, such as a spectrum.
     Complex(Vec<Complex64>),
 }
 

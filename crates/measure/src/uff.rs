@@ -1,6 +1,6 @@
 //! Universal files: functions at nodes (dataset 58 and 58b), title (151), units (164).
 //!
-//! The format is that of the SDRC I-DEAS test data universal file, with
+//! The format is the SDRC I-DEAS test data universal file, with
 //! datasets between lines of `-1`. A first pass reads the position and the header of each function,
 //! so that the consecutive functions of one hit can be read together in blocks.
 //!

@@ -51,7 +51,7 @@ pub struct FreeDecayOptions {
     /// Derivatives of the displacement that the samples are: 0 to 2.
     pub derivatives: i32,
     /// One-sided spectral density of the noise, in the samples' unit squared per hertz; `None` for
-    /// that of the last quarter.
+    /// the density of the last quarter.
     pub noise_density: Option<f64>,
 }
 
@@ -77,8 +77,8 @@ pub struct FreeDecay {
     pub floor: f64,
     /// A second mode in the band, if there is one above the noise.
     pub beating: Option<Beating>,
-    /// True if the amplitude grows or hardly falls somewhere in the decay, as that of one mode does
-    /// not.
+    /// True if the amplitude grows or hardly falls somewhere in the decay, as the amplitude of one
+    /// mode does not.
     pub stalls: bool,
     /// Behaviour of the second harmonic along the decay; `None` where it is noise.
     pub harmonic_test: Option<HarmonicTest>,

@@ -162,7 +162,7 @@ pub(crate) struct Conversion {
     pub(crate) output: PathBuf,
     #[command(flatten)]
     pub(crate) source: SourceOptions,
-    /// Format to write, in place of that of the extension: uff (58b), uff-ascii (58), csv or
+    /// Format to write, in place of the extension's: uff (58b), uff-ascii (58), csv or
     /// npz.
     #[arg(long, value_name = "FORMAT")]
     pub(crate) to: Option<RecordFormat>,

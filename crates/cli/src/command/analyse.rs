@@ -86,14 +86,14 @@ pub(super) fn write(
     folder.finish("analysis.json", &report, print)
 }
 
-/// Endings of the names of each response's files: none for the first, then those of the channels.
+/// Endings of the names of each response's files: none for the first, then `_` and the channel.
 fn suffixes(analysis: &Analysis) -> Vec<String> {
     let names = distinct_file_names(analysis.responses.iter().map(ResponseAnalysis::name));
     let ending = |(number, name)| if number == 0 { String::new() } else { format!("_{name}") };
     names.into_iter().enumerate().map(ending).collect()
 }
 
-/// The options of the rig, with those of the command line over them.
+/// The options of the rig; options of the command line win.
 pub(super) fn options(asked: &AnalysisArguments) -> Result<AnalysisOptions, Failure> {
     let rig = rig::channel_options(&asked.channels)?;
     Ok(AnalysisOptions {

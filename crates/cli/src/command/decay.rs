@@ -52,7 +52,7 @@ pub(crate) fn run(asked: &Decay, quiet: bool) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The options of the rig, with those of the command line over them.
+/// The options of the rig; options of the command line win.
 fn options(asked: &Decay) -> Result<DecayOptions, Failure> {
     let rig = rig::measured_options(&asked.measured)?;
     let responses = match (asked.response.as_slice(), rig.responses) {

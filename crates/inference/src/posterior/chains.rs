@@ -71,7 +71,7 @@ pub(super) fn spread(chains: &Chains, draws: usize, first: usize, end: usize) ->
     order.skip(first).take(end.saturating_sub(first)).map(state).collect()
 }
 
-/// Diagnostics with those of the chains of every parameter.
+/// Completes diagnostics by the chains of every parameter.
 pub(super) fn chain_diagnostics(
     chains: &Chains,
     of_draws: PosteriorDiagnostics,

@@ -73,7 +73,7 @@ impl Posterior {
     }
 
     /// Pointwise quantiles of a curve computed from the parameters' values. Draws are left out where
-    /// their curve is not finite; the number of points is that of the first draw.
+    /// their curve is not finite; the first draw gives the number of points.
     pub fn band(&self, curve: &dyn Fn(&[f64]) -> Vec<f64>, levels: &[f64]) -> CredibleBand {
         let curves: Vec<Vec<f64>> = self.draws.iter().map(|draw| curve(draw)).collect();
         let value = |draw: usize, point: usize| curves[draw].get(point).copied();

@@ -11,7 +11,7 @@ pub struct DecayPoint {
     pub point: BackbonePoint,
     /// Their standard deviations due to noise.
     pub uncertainty: BackboneUncertainty,
-    /// Amplitudes of the second and the third harmonic over that of the fundamental; `None` where
+    /// Amplitudes of the second and the third harmonic over the fundamental's; `None` where
     /// they are noise.
     pub harmonics: [Option<DecayHarmonic>; 2],
 }

@@ -19,7 +19,7 @@ pub(crate) struct TableColumn {
 }
 
 impl TableColumn {
-    /// The place of the column among those of a file.
+    /// The place of the column among the columns of a file.
     pub(super) fn place(&self, found: &[String]) -> Result<usize, String> {
         for name in &self.names {
             let mut places = (0..found.len()).filter(|&at| unquoted(&found[at]) == name);
