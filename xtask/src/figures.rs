@@ -14,6 +14,7 @@ mod fig_10_average_stiffness;
 mod fig_11_amplitude;
 mod fig_12_ratio;
 mod levels;
+mod sketch;
 mod style;
 mod x_10_sensitivity;
 mod x_11_prediction_bands;

@@ -163,13 +163,14 @@ pub(crate) enum Command {
     },
     /// Print the JSON Schema of the scenario.
     Schema {
-        /// Print that of a problem for `asperity identify` instead.
+        /// Print the schema of a problem for `asperity identify` instead.
         #[arg(long)]
         identify: bool,
-        /// Print that of the settings of a rig instead, which `analyse`, `inspect` and `convert` read.
+        /// Print the schema of the settings of a rig instead, which `analyse`, `inspect` and
+        /// `convert` read.
         #[arg(long, conflicts_with = "identify")]
         rig: bool,
-        /// Print that of a study file instead.
+        /// Print the schema of a study file instead.
         #[arg(long, conflicts_with_all = ["identify", "rig"])]
         study: bool,
     },

@@ -30,6 +30,7 @@ use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
 use tracing::info_span;
 
+use crate::args::analyse::AnalysisOutput;
 use crate::args::figures::FigureFormat;
 use crate::args::{Input, Output};
 use crate::failure::{Failure, INTERRUPTED};
@@ -104,6 +105,17 @@ impl ResultFolder {
             output.overwrite,
             &output.figures.figures,
         )
+    }
+
+    /// Claims the folder of an analysis; `replaces_own` where the command has written to it before.
+    fn claim_analysis(
+        command: &str,
+        input: &Path,
+        output: &AnalysisOutput,
+        replaces_own: bool,
+    ) -> Result<Self, Failure> {
+        let overwrite = output.overwrite || replaces_own;
+        Self::claim_at(command, input, output.out.as_deref(), overwrite, &output.figures.figures)
     }
 
     fn claim_at(

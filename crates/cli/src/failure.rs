@@ -16,10 +16,10 @@ use asperity_study::StudyError;
 use thiserror::Error;
 
 use crate::excerpt::{Label, show_excerpts};
-use crate::file_kind::FileKind;
+use crate::file_kind::WrongKind;
 use crate::progress::show_line;
 
-/// Exit status of a command that was stopped: that of shells after Ctrl-C.
+/// Exit status of a command that was stopped, as of shells after Ctrl-C.
 pub(crate) const INTERRUPTED: u8 = 130;
 
 /// Most problems of one scenario that are shown.
@@ -34,8 +34,8 @@ pub(crate) enum Failure {
     SetForm { argument: String, accepted: &'static str },
     #[error("--set {source}")]
     Set { source: SetError },
-    #[error("{} is {}; accepted: {}", path.display(), found.noun(), wanted.noun())]
-    WrongKind { path: PathBuf, found: FileKind, wanted: FileKind },
+    #[error(transparent)]
+    WrongKind(#[from] WrongKind),
     #[error("the {kind} is invalid")]
     Invalid { kind: &'static str, text: String, path: PathBuf, source: InvalidDocument },
     #[error("{} has no `design`", path.display())]
@@ -169,7 +169,7 @@ impl Failure {
                 ),
                 _ => None,
             },
-            Self::WrongKind { path, found, .. } => {
+            Self::WrongKind(WrongKind { path, found, .. }) => {
                 found.command(path).map(|command| format!("`{command}` reads it"))
             }
             _ => None,

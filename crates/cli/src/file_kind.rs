@@ -2,12 +2,11 @@
 
 use std::fs::File;
 use std::io::Read;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use asperity_measure::Format;
 use serde_json::Value;
-
-use crate::failure::Failure;
+use thiserror::Error;
 
 /// Kind of a file that a command reads or writes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -22,6 +21,15 @@ pub(crate) enum FileKind {
     Measurements,
     /// JSON that the command wrote, with its name.
     Result(&'static str),
+}
+
+/// A file was given to a command that reads files of another kind.
+#[derive(Debug, Error)]
+#[error("{} is {}; accepted: {}", path.display(), found.noun(), wanted.noun())]
+pub(crate) struct WrongKind {
+    pub(crate) path: PathBuf,
+    pub(crate) found: FileKind,
+    wanted: FileKind,
 }
 
 /// Schemas of the JSON files that the commands write.
@@ -84,7 +92,11 @@ impl FileKind {
 }
 
 /// Checks that a JSON document which names its kind is of the kind `wanted`.
-pub(crate) fn check_document(path: &Path, value: &Value, wanted: FileKind) -> Result<(), Failure> {
+pub(crate) fn check_document(
+    path: &Path,
+    value: &Value,
+    wanted: FileKind,
+) -> Result<(), WrongKind> {
     match FileKind::of_schema(value) {
         Some(found) if found != wanted => wrong(path, found, wanted),
         _ => Ok(()),
@@ -92,7 +104,7 @@ pub(crate) fn check_document(path: &Path, value: &Value, wanted: FileKind) -> Re
 }
 
 /// Checks that a file for a scenario or a problem has no name of measurements.
-pub(crate) fn check_name(path: &Path, wanted: FileKind) -> Result<(), Failure> {
+pub(crate) fn check_name(path: &Path, wanted: FileKind) -> Result<(), WrongKind> {
     let extension = path.extension().and_then(|extension| extension.to_str());
     if extension.and_then(Format::of_extension).is_some() && path.is_file() {
         return wrong(path, FileKind::Measurements, wanted);
@@ -101,7 +113,7 @@ pub(crate) fn check_name(path: &Path, wanted: FileKind) -> Result<(), Failure> {
 }
 
 /// Checks that a file of measurements is no scenario or other JSON document of ours.
-pub(crate) fn check_measurements(path: &Path) -> Result<(), Failure> {
+pub(crate) fn check_measurements(path: &Path) -> Result<(), WrongKind> {
     /// Longest document looked at.
     const MOST: u64 = 1 << 24;
     let is_json = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json"));
@@ -114,6 +126,6 @@ pub(crate) fn check_measurements(path: &Path) -> Result<(), Failure> {
     check_document(path, &value, FileKind::Measurements)
 }
 
-fn wrong(path: &Path, found: FileKind, wanted: FileKind) -> Result<(), Failure> {
-    Err(Failure::WrongKind { path: path.to_owned(), found, wanted })
+fn wrong(path: &Path, found: FileKind, wanted: FileKind) -> Result<(), WrongKind> {
+    Err(WrongKind { path: path.to_owned(), found, wanted })
 }

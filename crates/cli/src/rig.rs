@@ -4,12 +4,12 @@ use std::io::Write;
 use std::path::Path;
 use std::sync::LazyLock;
 
-use asperity_experiment::{AnalysisError, AnalysisOptions, RigFile, RigSettings};
+use asperity_experiment::{AnalysisError, AnalysisOptions, ResponseChoice, RigFile, RigSettings};
 use asperity_measure::{MeasureError, write_whole};
 use asperity_scenario::{Diagnostic, Fault, schema_of};
 use serde_json::{Value, json};
 
-use crate::args::analyse::SourceOptions;
+use crate::args::analyse::{HammerChannels, MeasuredOptions, SourceOptions};
 use crate::command::{pretty, read_document};
 use crate::failure::Failure;
 use crate::file_kind::FileKind;
@@ -24,6 +24,23 @@ pub(crate) fn rig_schema() -> &'static Value {
 pub(crate) fn options_of(source: &SourceOptions) -> Result<AnalysisOptions, Failure> {
     let mut options = source.rig.as_deref().map(read).transpose()?.unwrap_or_default();
     options.reading = source.read_options(&options.reading);
+    Ok(options)
+}
+
+/// The options that files of measurements and their rig give; the first sensor of a channel counts.
+pub(crate) fn measured_options(measured: &MeasuredOptions) -> Result<AnalysisOptions, Failure> {
+    let mut options = options_of(&measured.source)?;
+    options.sensitivities.splice(..0, measured.sensitivity.iter().cloned());
+    Ok(options)
+}
+
+/// The options of a hammer test's channels and their rig.
+pub(crate) fn channel_options(channels: &HammerChannels) -> Result<AnalysisOptions, Failure> {
+    let mut options = measured_options(&channels.measured)?;
+    options.force = channels.force.clone().or(options.force);
+    if !channels.response.is_empty() {
+        options.responses = ResponseChoice::of(&channels.response);
+    }
     Ok(options)
 }
 

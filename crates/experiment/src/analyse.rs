@@ -12,9 +12,9 @@ use crate::error::AnalysisError;
 use crate::hit_analysis::HitAccumulator;
 use crate::input_size::{MAX_ANALYSED_BYTES, check_size};
 use crate::options::{AnalysisOptions, HitCount};
-use crate::report::{AnalysedFile, AnalysisProvenance};
+use crate::report::AnalysisProvenance;
 use crate::source_hash::sha256;
-use crate::stream::{SampleBlock, SampleStream};
+use crate::stream::{AnalysedFile, SampleBlock, SampleStream, as_sources, files_given_twice};
 use crate::trigger::{ForceEnvelope, TriggerSettings};
 
 /// Blocks that are read ahead of the analysis.
@@ -61,11 +61,6 @@ pub fn analyse_sources(
         };
         hits.finish(&trigger, stream, &provenance)
     })
-}
-
-/// Sources of some files.
-pub(crate) fn as_sources(files: &[PathBuf]) -> Vec<MeasurementSource> {
-    files.iter().cloned().map(MeasurementSource::from).collect()
 }
 
 type Passes<'a> = (HitAccumulator<'a>, TriggerSettings, SampleStream<'a>, Vec<AnalysedFile>);
@@ -119,22 +114,6 @@ fn two_passes<'a>(
         stream.notices.insert(format!("{requested} hits requested, {found} above this level"));
     }
     Ok((found, trigger, stream, read))
-}
-
-/// A sentence for each file with the bytes of an earlier one.
-pub(crate) fn files_given_twice(files: &[AnalysedFile]) -> Vec<String> {
-    let mut sentences = Vec::new();
-    for (number, file) in files.iter().enumerate() {
-        let same = files[..number].iter().find(|earlier| earlier.sha256 == file.sha256);
-        if let Some(earlier) = same {
-            sentences.push(format!(
-                "{} and {} hold the same bytes: their hits are counted twice, and coherence and \
-                 scatter mean nothing",
-                earlier.file, file.file
-            ));
-        }
-    }
-    sentences
 }
 
 /// Result of a thread; its panic continues here.

@@ -1,13 +1,13 @@
 //! Result of an analysis, and its tables: `hits.csv`, `frf.csv` and `backbone.csv`.
 
-use asperity_signal::{BackbonePoint, BackboneUncertainty, ResponseKind};
+use asperity_signal::{BackbonePoint, BackboneUncertainty, Frf, ResponseKind};
 use asperity_table::DataTable;
 
 use crate::average::AveragedFrf;
 use crate::curve::HitCurve;
-use crate::frf_record::HitFrf;
+use crate::hit_report::HitReport;
 use crate::modes::{Mode, ModeAtResponse};
-use crate::report::{AnalysisReport, HitReport};
+use crate::report::AnalysisReport;
 
 /// Result of an analysis.
 #[derive(Debug, Clone, PartialEq)]
@@ -46,6 +46,17 @@ pub struct HitBackbone {
     pub points: Vec<BackbonePoint>,
     /// Their standard deviations due to noise.
     pub uncertainties: Vec<BackboneUncertainty>,
+}
+
+/// Frequency response function of one hit.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HitFrf {
+    /// Number of the hit, from 1.
+    pub index: usize,
+    /// Peak force \[N\].
+    pub force_peak_n: f64,
+    /// Function in the requested form, corrected for an exponential window.
+    pub frf: Frf,
 }
 
 impl Analysis {

@@ -57,7 +57,8 @@ impl AveragedFrf {
         Ok(Self { frf, coherence, valid: mask.valid, first_masked_hz })
     }
 
-    /// Largest peak of the averaged receptance in a band, found and corrected as those of hits are.
+    /// Largest peak of the averaged receptance in a band, found and corrected as the peaks of hits
+    /// are.
     pub(crate) fn fundamental(
         &self,
         average: &FrfAverage,

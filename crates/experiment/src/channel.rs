@@ -5,7 +5,6 @@ use std::path::Path;
 use asperity_measure::{Channel, ChannelQuantity, Record};
 
 use crate::error::AnalysisError;
-use crate::options::ResponseChoice;
 
 /// Selection of a channel by its number, its name or its quantity.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -54,6 +53,29 @@ impl ChannelSelector {
                     named
                 }
             }
+        }
+    }
+}
+
+/// Choice of the responses.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum ResponseChoice {
+    /// The only acceleration, velocity or displacement.
+    Only,
+    /// All accelerations, velocities and displacements.
+    All,
+    /// These channels, each once. The first sets the band of the fundamental, where none is given.
+    Channels(Vec<ChannelSelector>),
+}
+
+impl ResponseChoice {
+    /// The choice of some texts: none for the only response, `all`, or a channel each.
+    pub fn of(channels: &[ChannelSelector]) -> Self {
+        let is_all = |channel: &ChannelSelector| *channel == "all".into();
+        match channels {
+            [] => Self::Only,
+            [one] if is_all(one) => Self::All,
+            _ => Self::Channels(channels.to_vec()),
         }
     }
 }

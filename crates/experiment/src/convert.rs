@@ -30,7 +30,7 @@ pub struct Conversion {
 pub struct ConvertOptions {
     /// Properties that the file does not give.
     pub reading: ReadOptions,
-    /// Format of the output; that of its extension if not given.
+    /// Format of the output; by default the format of its extension.
     pub format: Option<Format>,
     /// Converts all channels to SI units.
     pub in_si: bool,

@@ -4,10 +4,9 @@ use std::path::PathBuf;
 
 use asperity_signal::{HitFinder, HitOptions, HitRecord, ResponseKind, SignalError};
 
-use crate::analyse::as_sources;
 use crate::error::AnalysisError;
 use crate::options::AnalysisOptions;
-use crate::stream::{SampleBlock, SampleStream};
+use crate::stream::{SampleBlock, SampleStream, as_sources};
 use crate::trigger::{ForceEnvelope, TriggerSettings};
 
 /// Calls `take` with every hit of some files, cut as [`analyse`](crate::analyse) cuts them, and the

@@ -3,17 +3,20 @@
 //! | module | holds |
 //! |---|---|
 //! | `signals` | responses of a record, in the unit of their channel |
+//! | `curve` | backbone of one response in one decay |
 //! | `report` | `decay.json` |
 //! | `tables` | `decays.csv`, `backbone.csv` |
 //! | `outline` | signals to draw |
 //! | `conclusion` | results in words |
 
 mod conclusion;
+mod curve;
 mod outline;
 mod report;
 mod signals;
 mod tables;
 
+pub use curve::DecayCurve;
 pub use outline::DecayOutline;
 pub use report::{
     DECAY_SCHEMA, DecayCurveReport, DecayHarmonicReport, DecayLevel, DecayReport, DecaySettings,
@@ -25,31 +28,23 @@ use std::sync::atomic::AtomicBool;
 
 use asperity_measure::{MeasureError, Measurement, MeasurementSource, ReadOptions};
 use asperity_signal::{
-    DecayOrigin, DecayPoint, DecayResonance, FoundDecay, FreeDecay, FreeDecayOptions, find_decays,
-    level_range,
+    DecayOrigin, DecayResonance, FoundDecay, FreeDecay, FreeDecayOptions, find_decays, level_range,
 };
 use rayon::prelude::*;
 
-use crate::analyse::{as_sources, files_given_twice};
 use crate::channel::ChannelSelector;
 use crate::error::AnalysisError;
 use crate::input_size::{MAX_CONVERTED_BYTES, check_size};
-use crate::options::{ChannelSensor, FrequencyBand};
-use crate::report::{AnalysedFile, AnalysisProvenance, RigFile};
+use crate::options::{ChannelSensor, FrequencyBand, RigFile};
+use crate::report::AnalysisProvenance;
 use crate::source_hash::sha256;
-use crate::stream::measure_error;
-use signals::{DecaySignals, ResponseSignal};
+use crate::stream::{AnalysedFile, as_sources, files_given_twice, measure_error};
+use signals::{DecayChannel, DecaySignals, MAX_FREQUENCY, MIN_CYCLES, ResponseSignal};
 
-/// Lowest frequency of a mode, in cycles over the decay.
-const MIN_CYCLES: f64 = 8.0;
-/// Highest frequency of a mode, over the sample rate.
-const MAX_FREQUENCY: f64 = 0.4;
 /// Band of a search without a band, over the resonance of the first decay.
 const DEFAULT_BAND: (f64, f64) = (0.85, 1.15);
 /// Cycles of the mode after a blow that may be the blow itself.
 const PULSE_CYCLES: f64 = 1.5;
-/// Most samples of a record from which the length of a cycle is taken.
-const MOST_FOR_CYCLE: usize = 1 << 20;
 
 /// Options of [`analyse_decays`](crate::analyse_decays).
 ///
@@ -90,38 +85,6 @@ pub struct DecayAnalysis {
     pub curves: Vec<DecayCurve>,
     /// Signals of some records, to be drawn.
     pub outlines: Vec<DecayOutline>,
-}
-
-/// Backbone of one response in one decay.
-#[derive(Debug, Clone, PartialEq)]
-pub struct DecayCurve {
-    /// Number through all curves, from 1.
-    pub index: usize,
-    /// Number of the decay, from 1.
-    pub decay: usize,
-    /// Number of the band, from 1.
-    pub band: usize,
-    /// Name of the response.
-    pub response: String,
-    /// Unit of the response; empty if it has none.
-    pub unit: String,
-    /// Metres over the unit of the response, times the square, the first or no power of the angular
-    /// frequency; `None` for an unknown unit.
-    metres: Option<(f64, i32)>,
-    /// Time of the first sample of the decay on the time axis of the record \[s\].
-    pub start_s: f64,
-    /// Points in the order of time, after `start_s`; none where the band holds several modes.
-    pub points: Vec<DecayPoint>,
-}
-
-impl DecayCurve {
-    /// Amplitude of a point as a displacement \[m\], by the derivatives of a harmonic motion; `None`
-    /// for an unknown unit.
-    pub fn amplitude_m(&self, point: &DecayPoint) -> Option<f64> {
-        let (factor, derivatives) = self.metres?;
-        let omega = std::f64::consts::TAU * point.point.frequency_hz;
-        Some(point.point.amplitude * factor / omega.powi(derivatives))
-    }
 }
 
 /// Analyses the free decays of some files, without their force.
@@ -174,13 +137,14 @@ pub fn analyse_decay_sources(
     if sources.is_empty() {
         return Err(AnalysisError::NoFile);
     }
+    let DecayOptions { reading, sensitivities: sensors, responses, .. } = options;
     let mut found = DecayAccumulator::new(options);
     let mut analysed = Vec::with_capacity(sources.len());
     for (number, source) in sources.iter().enumerate() {
         check_size(std::slice::from_ref(source), MAX_CONVERTED_BYTES)?;
         let path = source.name();
         let Measurement { format, records, notices } =
-            source.read(&options.reading).map_err(|error| measure_error(error, path))?;
+            source.read(reading).map_err(|error| measure_error(error, path))?;
         let mut file = AnalysedFile {
             file: path.display().to_string(),
             format: format.to_string(),
@@ -191,7 +155,9 @@ pub fn analyse_decay_sources(
         let name = file.file.clone();
         found.notices.extend(notices.iter().map(|notice| format!("{name}: {notice}")));
         for record in records {
-            let Some(signals) = DecaySignals::of(path, file.records + 1, record, options)? else {
+            let Some(signals) =
+                DecaySignals::of(path, file.records + 1, record, sensors, responses)?
+            else {
                 found.other_records += 1;
                 continue;
             };
@@ -220,7 +186,7 @@ struct DecayAccumulator<'a> {
     decays: Vec<MeasuredDecay>,
     curves: Vec<DecayCurve>,
     outlines: Vec<DecayOutline>,
-    channels: Vec<report::DecayChannel>,
+    channels: Vec<DecayChannel>,
     notices: Vec<String>,
     /// Responses that cannot be analysed, in words.
     left_out: Vec<String>,

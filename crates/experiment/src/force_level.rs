@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use asperity_signal::Complex64;
 use serde::Serialize;
 
-use crate::report::{HitReport, HitStatistics};
+use crate::hit_report::{HitReport, HitStatistics};
 
 /// Largest force of a group over its smallest.
 pub(crate) const WIDTH: f64 = 1.25;

@@ -8,17 +8,6 @@ use asperity_signal::{Frf, FrfForm};
 
 use crate::analysis::{Analysis, ResponseAnalysis};
 
-/// Frequency response function of one hit.
-#[derive(Debug, Clone, PartialEq)]
-pub struct HitFrf {
-    /// Number of the hit, from 1.
-    pub index: usize,
-    /// Peak force \[N\].
-    pub force_peak_n: f64,
-    /// Function in the requested form, corrected for an exponential window.
-    pub frf: Frf,
-}
-
 impl Analysis {
     /// The averaged function and the kept ones of the hits, response by response, as channels of one
     /// record over frequency.

@@ -147,7 +147,12 @@ impl<'a> HitAccumulator<'a> {
                 notices: stream.notices.iter().cloned().collect(),
                 provenance: provenance.clone(),
             })?;
-            modes.push(ResponseModes::new(name, hits, &found.report));
+            modes.push(ResponseModes::new(
+                name,
+                found.report.average.hits,
+                hits,
+                &found.report.hits,
+            ));
             responses.push(found);
         }
         let modes = Mode::of(&modes);

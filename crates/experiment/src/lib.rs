@@ -63,7 +63,7 @@
 //! | `modes` | modes of the band over hits and responses |
 //! | `force_level` | hits grouped by force |
 //! | `second_peak` | second harmonic or another mode |
-//! | `analysis`, `report`, `curve` | [`Analysis`], `analysis.json`, CSV, curves to draw |
+//! | `analysis`, `report`, `hit_report`, `curve` | [`Analysis`], `analysis.json`, CSV, curves to draw |
 //! | `decay` | [`analyse_decays`]: free decays without a force |
 //! | `frf_record` | functions of hits and average as a record |
 //! | `convert` | [`convert`] from one format to another |
@@ -84,6 +84,7 @@ mod error;
 mod force_level;
 mod frf_record;
 mod hit_analysis;
+mod hit_report;
 mod input_files;
 mod input_size;
 mod inspection;
@@ -100,9 +101,9 @@ mod trigger;
 mod watched_folder;
 
 pub use analyse::{analyse, analyse_sources};
-pub use analysis::{Analysis, HitBackbone, ResponseAnalysis};
+pub use analysis::{Analysis, HitBackbone, HitFrf, ResponseAnalysis};
 pub use average::AveragedFrf;
-pub use channel::ChannelSelector;
+pub use channel::{ChannelSelector, ResponseChoice};
 pub use convert::{Conversion, ConvertOptions, convert};
 pub use curve::HitCurve;
 pub use cutting::for_each_hit;
@@ -113,22 +114,21 @@ pub use decay::{
 };
 pub use error::AnalysisError;
 pub use force_level::ForceLevel;
-pub use frf_record::HitFrf;
+pub use hit_report::{HitFundamental, HitReport, HitSecondHarmonic, HitStatistics};
 pub use input_files::input_files;
 pub use input_size::{MAX_ANALYSED_BYTES, MAX_CONVERTED_BYTES};
 pub use inspection::{Choice, INSPECTION_SCHEMA, InspectedChannel, Inspection, inspect};
 pub use modes::{Mode, ModeAtResponse};
 pub use next_level::{LevelCoverage, NextLevel};
 pub use options::{
-    AnalysisOptions, ChannelSensor, FrequencyBand, HitCount, ResponseChoice, TimeConstant,
-    WindowOptions, parse_estimator, parse_frf_form,
+    AnalysisOptions, ChannelSensor, FrequencyBand, HitCount, RigFile, TimeConstant, WindowOptions,
+    parse_estimator, parse_frf_form,
 };
 pub use report::{
-    ANALYSIS_SCHEMA, AnalysedFile, AnalysisProvenance, AnalysisReport, AnalysisSettings,
-    AverageFundamental, AverageReport, HitFundamental, HitReport, HitSecondHarmonic, HitStatistics,
-    RigFile,
+    ANALYSIS_SCHEMA, AnalysisProvenance, AnalysisReport, AnalysisSettings, AverageFundamental,
+    AverageReport,
 };
 pub use rig::{RigChannel, RigEstimator, RigFault, RigSampleAxis, RigSchemaId, RigSettings};
 pub use second_peak::{HitSecondPeak, SecondPeakReport};
-pub use stream::UsedChannel;
+pub use stream::{AnalysedFile, UsedChannel};
 pub use watched_folder::{CompleteFile, WatchedFolder};

@@ -3,7 +3,7 @@
 use asperity_signal::{BandMode, Complex64, HitFeatures};
 use serde::Serialize;
 
-use crate::report::AnalysisReport;
+use crate::hit_report::HitReport;
 
 /// Part of the averaged hits of a response in which a mode must be found.
 const MAJORITY: f64 = 0.5;
@@ -80,8 +80,13 @@ pub(crate) struct ResponseModes {
 
 impl ResponseModes {
     /// The modes of a response, without the peaks that are second harmonics.
-    pub(crate) fn new(name: String, mut hits: Vec<HitModes>, report: &AnalysisReport) -> Self {
-        for (modes, hit) in hits.iter_mut().zip(&report.hits) {
+    pub(crate) fn new(
+        name: String,
+        averaged: usize,
+        mut hits: Vec<HitModes>,
+        reports: &[HitReport],
+    ) -> Self {
+        for (modes, hit) in hits.iter_mut().zip(reports) {
             if let Some(harmonic) = &hit.second_harmonic {
                 let is_harmonic = |mode: &BandMode| {
                     (mode.peak.frequency_hz / harmonic.frequency_hz - 1.0).abs() < SAME
@@ -89,7 +94,7 @@ impl ResponseModes {
                 modes.0.retain(|mode| !is_harmonic(mode));
             }
         }
-        Self { name, averaged: report.average.hits, hits }
+        Self { name, averaged, hits }
     }
 }
 

@@ -94,7 +94,7 @@ impl NextLevel {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::HitStatistics;
+    use crate::hit_report::HitStatistics;
 
     fn levels(of: &[(f64, usize)]) -> Vec<ForceLevel> {
         let level = |&(force, hits): &(f64, usize)| ForceLevel {

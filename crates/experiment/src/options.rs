@@ -4,10 +4,10 @@ use std::str::FromStr;
 
 use asperity_measure::{ReadOptions, SensorSensitivity};
 use asperity_signal::{FrfEstimator, FrfForm, HvScaling};
+use serde::Serialize;
 
-use crate::channel::ChannelSelector;
+use crate::channel::{ChannelSelector, ResponseChoice};
 use crate::error::AnalysisError;
-use crate::report::RigFile;
 
 /// Options of an analysis of measured hits.
 #[derive(Debug, Clone)]
@@ -97,27 +97,13 @@ impl AnalysisOptions {
     }
 }
 
-/// Choice of the responses.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum ResponseChoice {
-    /// The only acceleration, velocity or displacement.
-    Only,
-    /// All accelerations, velocities and displacements.
-    All,
-    /// These channels, each once. The first sets the band of the fundamental, where none is given.
-    Channels(Vec<ChannelSelector>),
-}
-
-impl ResponseChoice {
-    /// The choice of some texts: none for the only response, `all`, or a channel each.
-    pub fn of(channels: &[ChannelSelector]) -> Self {
-        let is_all = |channel: &ChannelSelector| *channel == "all".into();
-        match channels {
-            [] => Self::Only,
-            [one] if is_all(one) => Self::All,
-            _ => Self::Channels(channels.to_vec()),
-        }
-    }
+/// File of a rig's settings.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct RigFile {
+    /// Name, as given.
+    pub file: String,
+    /// SHA-256 of the file.
+    pub sha256: String,
 }
 
 /// Number of hits in the files.

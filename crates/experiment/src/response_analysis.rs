@@ -6,18 +6,18 @@ use asperity_signal::{
     analyse_hit, dominant_frequency, quality_issues,
 };
 
-use crate::analysis::{HitBackbone, ResponseAnalysis};
+use crate::analysis::{HitBackbone, HitFrf, ResponseAnalysis};
 use crate::average::{AveragedFrf, corrected};
 use crate::curve::{Curves, HitCurve};
 use crate::cutting::CutHit;
 use crate::error::AnalysisError;
 use crate::force_level::{BandSums, change_with_force, force_levels};
-use crate::frf_record::HitFrf;
+use crate::hit_report::{HitReport, HitStatistics};
 use crate::modes::HitModes;
 use crate::options::{AnalysisOptions, FrequencyBand, TimeConstant, estimator_name};
 use crate::report::{
     ANALYSIS_SCHEMA, AnalysisProvenance, AnalysisReport, AnalysisSettings, AverageFundamental,
-    AverageReport, HitReport, HitStatistics,
+    AverageReport,
 };
 use crate::second_peak::SecondPeakReport;
 use crate::stream::UsedChannel;
@@ -30,8 +30,8 @@ const EXPONENTIAL_END: f64 = 0.01;
 /// Window about the largest peak of the band in which the fundamental is refined, over its
 /// frequency.
 const PEAK_WINDOW: (f64, f64) = (0.97, 1.03);
-/// Window of the second harmonic, over the fundamental: that of a rig whose frequency changes along
-/// the decay is not at exactly two.
+/// Window of the second harmonic, over the fundamental: the window of a rig whose frequency changes
+/// along the decay is not at exactly two.
 const SECOND_WINDOW: (f64, f64) = (1.8, 2.2);
 /// Lowest frequency of the search without a band, in cycles over the hit.
 const MIN_CYCLES: f64 = 8.0;

@@ -4,11 +4,9 @@ use asperity_measure::{ChannelUnit, SampleAxis};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::channel::ChannelSelector;
+use crate::channel::{ChannelSelector, ResponseChoice};
 use crate::inspection::Inspection;
-use crate::options::{
-    AnalysisOptions, ChannelSensor, FrequencyBand, ResponseChoice, parse_estimator,
-};
+use crate::options::{AnalysisOptions, ChannelSensor, FrequencyBand, parse_estimator};
 
 /// Settings of a rig.
 ///

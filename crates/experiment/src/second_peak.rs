@@ -3,7 +3,7 @@
 use asperity_signal::PeakOrigin;
 use serde::Serialize;
 
-use crate::report::HitReport;
+use crate::hit_report::HitReport;
 
 /// Fewest hits, and least ratio of their forces, for a test by force.
 const FEWEST_HITS: usize = 4;

@@ -13,7 +13,6 @@ use serde::Serialize;
 use crate::channel::{ChannelRole, choose, choose_responses};
 use crate::error::AnalysisError;
 use crate::options::{AnalysisOptions, ChannelSensor};
-use crate::report::AnalysedFile;
 
 /// Consecutive samples of a record.
 pub(crate) struct SampleBlock {
@@ -51,6 +50,21 @@ pub struct UsedChannel {
     /// Node and direction, where the file tells them.
     #[serde(skip)]
     pub(crate) node: Option<DegreeOfFreedom>,
+}
+
+/// Analysed file.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct AnalysedFile {
+    /// Name, as given.
+    pub file: String,
+    /// Format.
+    pub format: String,
+    /// Number of time records.
+    pub records: usize,
+    /// Number of samples of each of the two channels.
+    pub samples: u64,
+    /// SHA-256 of the file.
+    pub sha256: String,
 }
 
 /// Reader of sources, one after the other.
@@ -180,7 +194,7 @@ impl<'a> SampleStream<'a> {
 }
 
 impl SignalParameters {
-    /// Checks that a file agrees with those before.
+    /// Checks that a file agrees with the files before it.
     fn check(&self, file: &Path, found: &Self) -> Result<(), AnalysisError> {
         let differs = |quantity, found: String, expected: String| {
             Err(AnalysisError::Differs { file: PathBuf::from(file), quantity, found, expected })
@@ -217,6 +231,27 @@ impl UsedChannel {
             node: channel.origin.response.clone(),
         }
     }
+}
+
+/// Sources of some files.
+pub(crate) fn as_sources(files: &[PathBuf]) -> Vec<MeasurementSource> {
+    files.iter().cloned().map(MeasurementSource::from).collect()
+}
+
+/// A sentence for each file with the bytes of an earlier one.
+pub(crate) fn files_given_twice(files: &[AnalysedFile]) -> Vec<String> {
+    let mut sentences = Vec::new();
+    for (number, file) in files.iter().enumerate() {
+        let same = files[..number].iter().find(|earlier| earlier.sha256 == file.sha256);
+        if let Some(earlier) = same {
+            sentences.push(format!(
+                "{} and {} hold the same bytes: their hits are counted twice, and coherence and \
+                 scatter mean nothing",
+                earlier.file, file.file
+            ));
+        }
+    }
+    sentences
 }
 
 /// Converts the channels in volts whose sensors are given, each by the first that fits it.

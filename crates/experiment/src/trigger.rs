@@ -8,8 +8,7 @@ use asperity_signal::{HitLength, HitOptions, TriggerLevel, robust_level};
 
 use crate::error::AnalysisError;
 use crate::options::{AnalysisOptions, HitCount};
-use crate::report::AnalysedFile;
-use crate::stream::{SampleStream, SignalParameters};
+use crate::stream::{AnalysedFile, SampleStream, SignalParameters};
 
 /// Interval of which the maximum is kept \[s\].
 const INTERVAL_S: f64 = 1e-3;

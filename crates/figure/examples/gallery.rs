@@ -2,9 +2,7 @@
 #![allow(clippy::print_stdout, reason = "an example prints its results")]
 
 use asperity_figure::report::{ClaimOutcome, Report, TableCell};
-use asperity_figure::{
-    Align, Axis, Color, ColorBar, Dash, Drawing, Figure, Legend, Marker, Panel, Series, Stroke,
-};
+use asperity_figure::{Axis, Color, ColorBar, Dash, Figure, Legend, Marker, Panel, Series};
 use std::{fs, path::PathBuf};
 
 /// Magnitude of the receptance of two modes, in m/N.
@@ -157,36 +155,6 @@ fn many_panels() -> Figure {
         )
 }
 
-fn sketch() -> Drawing {
-    let mut drawing = Drawing::new("Two beams in contact", 85.0, 52.0);
-    let (beam, edge) = (Color::hex(0xe4_e9ef), Stroke::BLACK);
-    drawing.rect((14.0, 10.0), (56.0, 9.0), Some(beam), Some(edge));
-    drawing.rect((14.0, 29.0), (56.0, 9.0), Some(beam), Some(edge));
-    let dotted = Stroke { dash: Dash::Dotted, ..Stroke::THIN };
-    for i in 1..8_u32 {
-        let x = 14.0 + 7.0 * f64::from(i);
-        drawing.line((x, 10.0), (x, 19.0), dotted);
-        drawing.line((x, 29.0), (x, 38.0), dotted);
-        drawing.spring((x, 19.0), (x, 29.0), 2.2, Stroke::new(Color::BLUE, 0.7));
-    }
-    drawing.damper((14.0, 19.0), (14.0, 29.0), 2.6, Stroke::new(Color::RED, 0.7));
-    drawing.damper((70.0, 19.0), (70.0, 29.0), 2.6, Stroke::new(Color::RED, 0.7));
-    drawing.ground((8.0, 44.0), (76.0, 44.0), edge);
-    for x in [20.0, 64.0] {
-        drawing.spring((x, 38.0), (x, 44.0), 2.0, edge);
-    }
-    drawing.arrow((42.0, 2.0), (42.0, 9.8), Stroke::new(Color::RED, 1.2));
-    drawing.styled_text((44.0, 4.5), "F(t) = F_{0} sin ωt", 7.5, Align::Left, Color::RED, 0.0);
-    drawing.text((42.0, 14.5), "upper body", 8.0, Align::Center);
-    drawing.text((42.0, 33.5), "lower body", 8.0, Align::Center);
-    drawing.styled_text((5.0, 24.0), "interface", 7.5, Align::Center, Color::BLACK, 90.0);
-    drawing.text((72.5, 24.0), "c_{n}", 7.5, Align::Left);
-    drawing.dimension((80.0, 10.0), (80.0, 19.0), "h", Stroke::new(Color::BLACK, 0.5));
-    drawing.hatch((76.0, 29.0), (6.0, 9.0), 1.0, Stroke::THIN);
-    drawing.circle((42.0, 9.8), 0.7, Some(Color::WHITE), Some(edge));
-    drawing
-}
-
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let folder = PathBuf::from(std::env::args().nth(1).unwrap_or_else(|| "gallery".to_owned()));
     fs::create_dir_all(&folder)?;
@@ -203,7 +171,6 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     for (name, figure) in &figures {
         pictures.push((*name, figure.to_svg(), figure.to_png(12.0)));
     }
-    pictures.push(("sketch", sketch().to_svg(), sketch().to_png(12.0)));
     for (name, svg, png) in pictures {
         println!("{name}: {} bytes of SVG", svg.len());
         fs::write(folder.join(format!("{name}.svg")), &svg)?;

@@ -1,10 +1,10 @@
 //! The colour bar beside a frame.
 
 use crate::{
-    Align, Axis, Color,
+    Axis, Color,
     frame::Frame,
     ruler::Ruler,
-    svg::{Canvas, TextStyle},
+    svg::{Align, Canvas, TextStyle},
     text::{self, LABEL_FONT, TITLE_FONT},
 };
 

@@ -1,7 +1,7 @@
 //! A figure on the page: frames of all panels, aligned in rows and columns.
 
 use crate::{
-    Align, Color, Figure, FigureError, Legend, Marker, Panel,
+    Color, Figure, FigureError, Legend, Marker, Panel,
     frame::Frame,
     interactive,
     legend::LegendBlock,
@@ -10,7 +10,7 @@ use crate::{
     plot::{Plot, TICK_GAP},
     raster,
     ruler::Ruler,
-    svg::{Canvas, TextStyle},
+    svg::{Align, Canvas, TextStyle},
     text::{self, LABEL_FONT, TITLE_FONT},
 };
 

@@ -1,12 +1,12 @@
 //! The legend: its entries, their size, and a place where they cover no data.
 
 use crate::{
-    Align, Color, Legend, Panel,
+    Color, Legend, Panel,
     frame::{Frame, Obstacles, crossed},
     line::stroke,
     mark,
     series::{Join, Series},
-    svg::{Canvas, TextStyle},
+    svg::{Align, Canvas, TextStyle},
     text::{self, LABEL_FONT},
 };
 

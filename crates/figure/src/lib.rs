@@ -1,8 +1,7 @@
 //! Tables to SVG, PDF, PNG and HTML.
 //!
-//! A [`Figure`] draws columns of numbers on [`Panel`]s with labelled [`Axis`] pairs; a [`Drawing`]
-//! is a free sketch in millimetres; a [`Report`](report::Report) gathers figures and tables into one
-//! page.
+//! A [`Figure`] draws columns of numbers on [`Panel`]s with labelled [`Axis`] pairs; a
+//! [`Report`](report::Report) gathers figures and tables into one page.
 //!
 //! ```
 //! use asperity_figure::{Axis, Color, Dash, Figure, Panel, Series};
@@ -30,7 +29,6 @@
 //! | `frame`, `trace` | rectangles, clipping and decimation of curves |
 //! | `line`, `mark`, `error_bar`, `plot`, `note`, `legend`, `color_bar` | parts of a panel |
 //! | `layout` | frames of all panels in rows and columns; [`Figure::to_svg`] |
-//! | `drawing`, `symbol` | sketches: springs, dampers, hatching, arrows |
 //! | `markup`, `svg`, `text` | SVG text, glyph widths |
 //! | `raster`, `pdf`, `pdf_font` | SVG text to PNG and PDF |
 //! | `interactive` | points of a figure for zoom and values on a page |
@@ -39,7 +37,6 @@
 mod axis;
 mod color;
 mod color_bar;
-mod drawing;
 mod error;
 mod error_bar;
 mod figure;
@@ -61,7 +58,6 @@ mod ruler;
 mod scale;
 mod series;
 mod svg;
-mod symbol;
 mod text;
 mod tick_label;
 mod ticks;
@@ -70,7 +66,6 @@ mod trace;
 pub use axis::Axis;
 pub use color::{CATEGORIES, Color};
 pub use color_bar::ColorBar;
-pub use drawing::{Align, Drawing, Stroke};
 pub use error::FigureError;
 pub use figure::Figure;
 pub use panel::{Anchor, Legend, Panel};

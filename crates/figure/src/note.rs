@@ -1,11 +1,11 @@
 //! Texts inside a frame: in a corner, along reference lines, at points.
 
 use crate::{
-    Align, Anchor, Color,
+    Anchor, Color,
     frame::{Frame, Obstacles, Point},
     panel::{Note, ReferenceLine},
     plot::Plot,
-    svg::{Canvas, TextStyle},
+    svg::{Align, Canvas, TextStyle},
     text::{self, LABEL_FONT},
 };
 

@@ -1,14 +1,14 @@
 //! One panel on the page: frame, axes, curves, markers.
 
 use crate::{
-    Align, Color, Dash, Marker, Panel, error_bar,
+    Color, Dash, Marker, Panel, error_bar,
     frame::{Frame, Obstacles, Point},
     line::stroke,
     mark,
     panel::ReferenceLine,
     ruler::Ruler,
     series::{Join, Series},
-    svg::{Canvas, TextStyle},
+    svg::{Align, Canvas, TextStyle},
     text::{self, LABEL_FONT, TITLE_FONT},
     trace,
 };

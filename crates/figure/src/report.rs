@@ -210,17 +210,6 @@ impl Report {
         let pairs = pairs.into_iter().map(|(key, value)| (key.into(), value.into())).collect();
         self.with(ReportBlock::KeyValues { pairs })
     }
-
-    /// The report as one self-contained HTML page: style, font and figures inside.
-    pub fn to_html(&self) -> String {
-        html::render(self)
-    }
-
-    /// The report as Markdown (GitHub's flavour); `figure_path` gives the path of the picture of a
-    /// figure from its identifier.
-    pub fn to_markdown(&self, figure_path: impl Fn(&str) -> String) -> String {
-        markdown::render(self, figure_path)
-    }
 }
 
 #[cfg(test)]

@@ -1,13 +1,24 @@
 //! SVG text of shapes in CSS pixels, written and read.
 
 use crate::{
-    Align, Color, FigureError,
+    Color, FigureError,
     markup::{PX_PER_MM, escape, number},
     text,
 };
 use resvg::usvg;
 use std::fmt::Write as _;
 use std::sync::Arc;
+
+/// Horizontal alignment of a text on its point.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Align {
+    /// The text starts at the point.
+    Left,
+    /// The text is centred on the point.
+    Center,
+    /// The text ends at the point.
+    Right,
+}
 
 /// Size, weight, alignment and colour of a text.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -99,12 +110,6 @@ impl Canvas {
         self.element(format_args!(
             r#"<rect x="{x}" y="{y}" width="{width}" height="{height}" {style}/>"#
         ));
-    }
-
-    /// A circle by its centre and radius.
-    pub(crate) fn circle(&mut self, x: f64, y: f64, radius: f64, style: &str) {
-        let [x, y, radius] = [x, y, radius].map(number);
-        self.element(format_args!(r#"<circle cx="{x}" cy="{y}" r="{radius}" {style}/>"#));
     }
 
     /// A text with its baseline at `(x, y)`; `_{}` and `^{}` are set low and high.

@@ -24,7 +24,7 @@ pub(crate) const LABEL_FONT: f64 = 7.0 * PX_PER_PT;
 pub(crate) const TITLE_FONT: f64 = 8.0 * PX_PER_PT;
 /// Height of a capital over the font size.
 pub(crate) const CAP_HEIGHT: f64 = 0.727;
-/// Size of a sub- or superscript over that of the text.
+/// Size of a sub- or superscript over the size of the text.
 const SCRIPT_SIZE: f64 = 0.7;
 /// Rise of a superscript over the font size.
 const SUPER_RISE: f64 = 0.36;

@@ -105,7 +105,7 @@ pub struct ComparedModel {
     pub bic: f64,
     /// Cross-validation; `None` with fewer than two blocks or a fold that cannot be fitted.
     pub cross_validation: Option<CrossValidation>,
-    /// Score less that of the best candidate.
+    /// Score less the score of the best candidate.
     pub score_difference: Option<f64>,
     /// Standard error of that difference over blocks.
     pub difference_error: Option<f64>,
@@ -315,7 +315,7 @@ fn assess(outcomes: &mut [ComparedModel]) -> usize {
     best
 }
 
-/// Score of one less that of the other, with the standard error `sqrt(n var)` over `n` blocks.
+/// Difference of two scores, with the standard error `sqrt(n var)` over `n` blocks.
 fn difference(one: &ComparedModel, other: &ComparedModel) -> Option<(f64, f64)> {
     let (one, other) = (one.cross_validation.as_ref()?, other.cross_validation.as_ref()?);
     if one.blocks.len() != other.blocks.len() {

@@ -85,8 +85,8 @@ impl LatentBasis {
         upper_solve(&self.root, values)
     }
 
-    /// The covariance `U^-1 C U^-T` of the latents if that of the values is `C`; the identity for the
-    /// reference.
+    /// The covariance `U^-1 C U^-T` of the latents for the covariance `C` of the values; the
+    /// identity for the reference.
     ///
     /// ```
     /// use asperity_inference::{LatentBasis, matern_three_halves};

@@ -8,7 +8,7 @@ use crate::random::chi_square_tail;
 pub struct GoodnessOfFit {
     /// Sum of squared standardised residuals: observations with a prediction, and priors.
     pub chi_square: f64,
-    /// Their number less that of the parameters, at least zero.
+    /// Their number less the number of parameters, at least zero.
     pub degrees_of_freedom: usize,
     /// Probability of a larger chi-square if model and standard deviations are right; `None`
     /// without degrees of freedom.

@@ -17,7 +17,7 @@ pub struct Undetermined {
     /// Name and weight of every parameter, largest first. Weights are per standard
     /// deviation before the measurement and have unit length.
     pub weights: Vec<(String, f64)>,
-    /// Its standard deviation after the measurement over the one before, up to 1.
+    /// Its standard deviation after the measurement over the standard deviation before, up to 1.
     pub remaining: f64,
 }
 

@@ -22,7 +22,7 @@ pub struct LatentPosterior {
     pub posterior: Posterior,
     /// Component of the prior that each draw belongs to.
     pub components: Vec<usize>,
-    /// Precision of the data along every combination of latents over that of the prior, largest first;
+    /// Precision of the data along every combination of latents over the prior's, largest first;
     /// without units.
     pub information: Vec<f64>,
     /// Number of combinations that were sampled with the data, those above

@@ -9,7 +9,7 @@ use crate::model::{ForwardModel, Observation, PredictionError, Predictions};
 use crate::parameter::Parameter;
 use crate::random::{generator, normal, uniform};
 
-/// Precision of the data over that of the prior above which a combination is sampled with the data. All
+/// Precision of the data over the prior's above which a combination is sampled with the data. All
 /// combinations below it are drawn from the prior; the importance weights contain their effect.
 pub const ACTIVE_INFORMATION: f64 = 0.03;
 
@@ -26,7 +26,7 @@ const UNINFORMED: u64 = 0x1a7e;
 /// precisions, `c` the others.
 pub(crate) struct LatentSubspace {
     pub(crate) first: usize,
-    /// Precision of the data along every combination over that of the pooled prior, largest first.
+    /// Precision of the data along every combination over the pooled prior's, largest first.
     pub(crate) information: Vec<f64>,
     pub(crate) active: usize,
     /// `R`, upper triangular.
@@ -109,7 +109,8 @@ impl LatentSubspace {
         self.rotation[..self.active].iter().map(|direction| dot(direction, &scaled)).collect()
     }
 
-    /// Logarithm of the mixture's density of informed combinations, over that of standard normal ones.
+    /// Logarithm of the mixture's density of informed combinations, over the density of standard
+    /// normal ones.
     pub(crate) fn log_factor(&self, informed: &[f64]) -> f64 {
         let standard = 0.5 * dot(informed, informed);
         let logs = self.log_densities(informed);
@@ -234,13 +235,14 @@ impl<'a> SubspaceModel<'a> {
         self.parameters.len() - self.subspace.active
     }
 
-    /// The values of all parameters of the model, from those of the others and the latents.
+    /// The values of all parameters of the model, from the other parameters and the latents.
     pub(crate) fn point(&self, others: &[f64], latents: &[f64]) -> Vec<f64> {
         let (before, after) = others.split_at(self.subspace.first);
         [before, latents, after].concat()
     }
 
-    /// The entries of a point or row of the model that belong to no latent, and those of latents.
+    /// The entries of a point or row of the model that belong to no latent, and the entries of
+    /// latents.
     pub(crate) fn split(&self, all: &[f64]) -> (Vec<f64>, Vec<f64>) {
         let (first, end) = (self.subspace.first, self.subspace.first + self.subspace.count());
         ([&all[..first], &all[end..]].concat(), all[first..end].to_vec())

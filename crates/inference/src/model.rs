@@ -110,7 +110,7 @@ pub struct ScaledNoise<'a> {
 }
 
 impl<'a> ScaledNoise<'a> {
-    /// The model whose standard deviations are those of `model` times `factor`.
+    /// The model whose standard deviations are `factor` times the deviations of `model`.
     pub fn new(model: &'a dyn ForwardModel, factor: f64) -> Self {
         let observations = model.observations().iter().map(|observation| Observation {
             standard_deviation: factor * observation.standard_deviation,

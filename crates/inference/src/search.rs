@@ -43,7 +43,7 @@ const MAX_DAMPING: f64 = 1e20;
 const UPDATED_RATIO: f64 = 0.25;
 /// Most updates before the derivatives are computed again.
 const MOST_UPDATES: usize = 12;
-/// Shortest step that updates the derivatives, over that of difference derivatives: differences
+/// Shortest step that updates the derivatives, over the step of difference derivatives: differences
 /// along shorter ones are of the order of the errors of the predictions.
 const LEAST_UPDATE: f64 = 0.5;
 
@@ -85,7 +85,7 @@ pub(crate) struct Search {
     updates: usize,
     /// True if the search may end on updated derivatives.
     near: bool,
-    /// The point nearby that the derivatives are those of, before the predictions at the start.
+    /// The point nearby at which the derivatives hold, before the predictions at the start.
     known: Option<Known>,
     linear: Option<LinearisedCost>,
     scaling: Vec<f64>,

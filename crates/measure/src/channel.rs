@@ -2,8 +2,8 @@
 
 use num_complex::Complex64;
 
-use crate::notice::Notices;
-use crate::{ChannelQuantity, MeasureError, SensorSensitivity, Unit};
+use crate::notice::{Notice, Notices};
+use crate::{ChannelQuantity, MeasureError, SensorSensitivity, Unit, rate};
 
 /// One signal of a record.
 #[derive(Debug, Clone, PartialEq)]
@@ -105,10 +105,27 @@ impl Abscissa {
         let largest = values.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
         let quantity = ChannelQuantity::Time;
         let rounding = |_| relative_rounding * largest;
-        match crate::rate::even_axis(&values, rounding, &mut Notices::default()) {
+        match rate::even_axis(&values, rounding, &mut Notices::default()) {
             Some((start, step)) => Self::Even { start, step, quantity },
             None => Self::Uneven { values, quantity },
         }
+    }
+
+    /// The times of a block from sample `from` of an axis that is even in the first block; uneven with a
+    /// notice if the block does not continue it to within `tolerance(expected)`.
+    pub(crate) fn continued(
+        (start, step): (f64, f64),
+        from: u64,
+        values: Vec<f64>,
+        tolerance: impl Fn(f64) -> f64,
+        notices: &mut Notices,
+    ) -> Self {
+        let (start, quantity) = (start + from as f64 * step, ChannelQuantity::Time);
+        if rate::is_even(&values, (start, step), |_, expected| tolerance(expected)) {
+            return Self::Even { start, step, quantity };
+        }
+        notices.add(Notice::UnevenBlock { sample: from });
+        Self::Uneven { values, quantity }
     }
 
     /// Quantity: time, frequency, or another.
@@ -121,9 +138,7 @@ impl Abscissa {
     /// Sample rate \[Hz\]; none for an uneven axis or one that is not time.
     pub fn sample_rate_hz(&self) -> Option<f64> {
         match self {
-            Self::Even { step, quantity: ChannelQuantity::Time, .. } => {
-                Some(crate::rate::of_step(*step))
-            }
+            Self::Even { step, quantity: ChannelQuantity::Time, .. } => Some(rate::of_step(*step)),
             _ => None,
         }
     }
@@ -142,7 +157,7 @@ impl Abscissa {
 pub enum Samples {
     /// Real samples.
     Real(Vec<f64>),
-    /// Complex samples, such as those of a spectrum.
+    /// Complex samples, such as a spectrum.
     Complex(Vec<Complex64>),
 }
 

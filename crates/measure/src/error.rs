@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use crate::tdms_file::TdmsError;
 use crate::{ChannelQuantity, Format};
 
 /// A position in a file.
@@ -194,6 +195,29 @@ impl MeasureError {
         expected: impl Into<String>,
     ) -> Self {
         Self::Malformed { file: file.to_owned(), place, quantity, found, expected: expected.into() }
+    }
+
+    /// The error of a TDMS file.
+    pub(crate) fn of_tdms(file: &str, error: TdmsError) -> Self {
+        let (file, at) = (file.to_owned(), FilePosition::Offset);
+        match error {
+            TdmsError::Io(source) => Self::Io { file, source },
+            TdmsError::Malformed { offset, quantity, found, expected } => {
+                Self::Malformed { file, place: at(offset), quantity, found, expected }
+            }
+            TdmsError::Truncated { offset, quantity, needed, available } => {
+                Self::Truncated { file, place: at(offset), quantity, needed, available }
+            }
+            TdmsError::TooLarge { offset, quantity, needed: announced, limit } => {
+                Self::TooLarge { file, place: at(offset), quantity, announced, limit }
+            }
+            TdmsError::RawDaqmx => Self::Unsupported {
+                file,
+                feature: "a TDMS file with raw data of NI-DAQmx",
+                instead: "save it from LabVIEW or DIAdem as scaled TDMS, or as UFF or CSV",
+            },
+            other => Self::Io { file, source: std::io::Error::other(other) },
+        }
     }
 }
 

@@ -18,7 +18,8 @@
 //! | module | contents |
 //! |---|---|
 //! | `channel`, `record`, `quantity`, `unit`, `sensitivity` | samples with axis and unit |
-//! | `reader`, `options`, `format`, `source` | opening, options, detection of the format |
+//! | `reader`, `options`, `source` | opening, options |
+//! | `format`, `detection` | formats, and the format of a file by its content |
 //! | `notice`, `error`, `rate` | assumptions, errors, whole sample rates |
 //! | `uff` | universal files: datasets 58, 58b, 151, 164 |
 //! | `text` | columns of numbers: CSV, TXT, LVM |
@@ -49,6 +50,7 @@
 mod arrays;
 mod channel;
 mod decoding;
+mod detection;
 mod error;
 mod format;
 #[cfg(feature = "hdf5")]

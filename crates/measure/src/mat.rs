@@ -23,10 +23,9 @@ use crate::source::Source;
 use crate::{FilePosition, Format, MeasureError, ReadOptions};
 
 use element::{ElementFault, Elements, Tag};
-use matrix::MatContext;
+use matrix::{MATRIX, MatContext};
 
-/// Element types of the outermost level.
-const MATRIX: u32 = 14;
+/// Type of a compressed element, at the outermost level.
 const COMPRESSED: u32 = 15;
 
 /// Reads every numeric array of the file.

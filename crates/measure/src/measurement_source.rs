@@ -11,7 +11,7 @@ pub enum MeasurementSource {
     File(PathBuf),
     /// Records in memory.
     Records {
-        /// Name in results and messages, in place of that of a file.
+        /// Name in results and messages, in place of a file's name.
         name: PathBuf,
         /// The records.
         records: Vec<Record>,

@@ -1,4 +1,4 @@
-//! Records in memory, read as those of a file.
+//! Records in memory, read as a file.
 
 use crate::decoding::Records;
 use crate::notice::Notices;

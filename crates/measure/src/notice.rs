@@ -7,7 +7,7 @@ use crate::{ChannelQuantity, FilePosition};
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Notice {
-    /// A step printed with few digits was replaced by that of a whole sample rate.
+    /// A step printed with few digits was replaced by the step of a whole sample rate.
     #[error("sample rate taken as {taken_hz} Hz; as written, {written_hz} Hz")]
     RateSnapped {
         /// Sample rate of the step as written \[Hz\].
@@ -29,7 +29,7 @@ pub enum Notice {
         /// The unit as written.
         text: String,
     },
-    /// A channel has no unit; that of the file's system of units was used.
+    /// A channel has no unit; the unit of the file's system was used.
     #[error("channel `{channel}`: unit of {quantity} taken from the file's system, {factor} in SI")]
     UnitOfFile {
         /// The channel.
@@ -52,7 +52,7 @@ pub enum Notice {
         /// SI value of the file's unit.
         file_factor: f64,
     },
-    /// The stated quantity of a channel is not that of its unit, which was used.
+    /// The stated quantity of a channel contradicts its unit; the unit was used.
     #[error("channel `{channel}` is stated to be {stated}; its unit is one of {by_unit}")]
     QuantityContradictsUnit {
         /// The channel.
@@ -62,7 +62,7 @@ pub enum Notice {
         /// The quantity of the unit.
         by_unit: ChannelQuantity,
     },
-    /// The announced length of a binary dataset is not that of its points, which was used.
+    /// The announced length of a binary dataset contradicts its points; their length was used.
     #[error("{place}: {announced} bytes announced, the points take {taken}")]
     ByteCount {
         /// Start of the data.
@@ -100,7 +100,7 @@ pub enum Notice {
         /// Its name or number.
         column: String,
     },
-    /// The file gives no sample rate; that of the options was used.
+    /// The file gives no sample rate; the rate of the options was used.
     #[error("no sample rate in the file; taken as {rate_hz} Hz, as given")]
     RateOfOptions {
         /// The rate \[Hz\].

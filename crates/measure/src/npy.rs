@@ -13,7 +13,9 @@ use crate::decoding::Records;
 use crate::heading::Heading;
 use crate::notice::Notices;
 use crate::source::Source;
-use crate::{FilePosition, Format, MeasureError, Notice, ReadOptions, Record, Samples, rate};
+use crate::{
+    Abscissa, FilePosition, Format, MeasureError, Notice, ReadOptions, Record, Samples, rate,
+};
 
 pub(crate) use header::NpyHeader;
 
@@ -143,7 +145,7 @@ impl Records for Npy<'_> {
         let relative = 4.0 * self.header.number.epsilon().max(1e-12);
         let tolerance = |expected: f64| relative * expected.abs();
         let abscissa =
-            rate::continued((axis.start, axis.step), self.next, times, tolerance, notices);
+            Abscissa::continued((axis.start, axis.step), self.next, times, tolerance, notices);
         let left_out = usize::from(axis.leads);
         let channels = columns.into_iter().enumerate().skip(left_out).map(|(index, values)| {
             let samples = Samples::of_parts(values, self.header.complex);

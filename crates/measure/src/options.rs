@@ -7,9 +7,9 @@ pub struct ReadOptions {
     pub sample_rate_hz: Option<f64>,
     /// Sample axis of an array; by default the longer one.
     pub sample_axis: Option<SampleAxis>,
-    /// Names of the channels, in order; an empty one keeps that of the file.
+    /// Names of the channels, in order; an empty name keeps the file's.
     pub names: Vec<String>,
-    /// Units of the channels, in order; an empty one keeps that of the file.
+    /// Units of the channels, in order; an empty unit keeps the file's.
     pub units: Vec<String>,
     /// Most samples of a channel in one record, at least 1; longer measurements are divided into
     /// records that continue each other.

@@ -4,8 +4,8 @@
 //! half a sample in 200 000. Since converters run at whole rates, the
 //! whole rate within the rounding of the printed step is used.
 
+use crate::MeasureError;
 use crate::notice::{Notice, Notices};
-use crate::{Abscissa, ChannelQuantity, MeasureError};
 
 /// The rate of an exact `step`, whole if it is so to the last bits.
 pub(crate) fn of_step(step: f64) -> f64 {
@@ -98,23 +98,6 @@ pub(crate) fn is_even(
         let expected = start + index as f64 * step;
         (value - expected).abs() <= tolerance(value, expected)
     })
-}
-
-/// The times of a block from sample `from` of an axis that is even in the first block; uneven with a
-/// notice if the block does not continue it to within `tolerance(expected)`.
-pub(crate) fn continued(
-    (start, step): (f64, f64),
-    from: u64,
-    values: Vec<f64>,
-    tolerance: impl Fn(f64) -> f64,
-    notices: &mut Notices,
-) -> Abscissa {
-    let (start, quantity) = (start + from as f64 * step, ChannelQuantity::Time);
-    if is_even(&values, (start, step), |_, expected| tolerance(expected)) {
-        return Abscissa::Even { start, step, quantity };
-    }
-    notices.add(Notice::UnevenBlock { sample: from });
-    Abscissa::Uneven { values, quantity }
 }
 
 /// Start and step of evenly spaced `values`, each known to within `tolerance(value)`, with the step

@@ -69,7 +69,7 @@ pub fn read_bytes(bytes: &[u8], options: &ReadOptions) -> Result<Measurement, Me
 }
 
 impl<'a> Reader<'a> {
-    /// Reads from a stream; `name` replaces that of the file in messages.
+    /// Reads from a stream; `name` stands for the file in messages.
     ///
     /// # Errors
     /// As [`open`].
@@ -81,8 +81,8 @@ impl<'a> Reader<'a> {
         Self::of(Source::new(name, Box::new(stream))?, options)
     }
 
-    /// Reads records in memory as those of a file: in blocks, with the names and units of the
-    /// options, and with the quantities that follow; `name` replaces that of the file in messages.
+    /// Reads records in memory as a file: in blocks, with the names and units of the
+    /// options, and with the quantities that follow; `name` stands for the file in messages.
     ///
     /// # Errors
     /// [`MeasureError`] for options that are not valid.

@@ -7,7 +7,7 @@ use crate::{Channel, ChannelQuantity, Format, Notice};
 pub struct Record {
     /// The channels, in the order of the file.
     pub channels: Vec<Channel>,
-    /// True if the record continues the one before it.
+    /// True if the record continues the previous record.
     pub continues: bool,
     /// Title of the measurement, if the file gives one.
     pub title: String,

@@ -8,7 +8,7 @@ mod axis;
 mod gather;
 mod waveform;
 
-use crate::tdms_file::{TdmsError, TdmsFile, TdmsOptions, TdmsPath};
+use crate::tdms_file::{TdmsFile, TdmsOptions, TdmsPath};
 
 use crate::decoding::Records;
 use crate::notice::Notices;
@@ -40,12 +40,21 @@ impl<'a> Tdms<'a> {
     ) -> Result<Self, MeasureError> {
         let (name, stream) = (source.name().to_owned(), source.into_stream());
         let tdms = TdmsOptions { expansion: options.expansion, keep: waveform::is_used };
-        let file = TdmsFile::open(stream, &tdms).map_err(|error| measure_error(&name, error));
+        let file =
+            TdmsFile::open(stream, &tdms).map_err(|error| MeasureError::of_tdms(&name, error));
         let mut file = file?;
         if let Some(offset) = file.cut_off() {
             notices.add(Notice::SegmentCutOff { place: FilePosition::Offset(offset) });
         }
         let records = gather::gather(&name, &mut file, notices)?;
+        // Uneven times are kept for every channel.
+        for record in &records {
+            if axis::times_of(record, file.objects()).is_some() {
+                let times = record.samples.saturating_mul(8 * record.channels.len() as u64);
+                let reserved = file.reserve(times, "the times");
+                reserved.map_err(|error| MeasureError::of_tdms(&name, error))?;
+            }
+        }
         if records.is_empty() {
             return Err(MeasureError::NoSamples { file: name, expected: "channels of numbers" });
         }
@@ -76,7 +85,7 @@ impl Records for Tdms<'_> {
         };
         let count = (record.samples - from).min(self.block);
         let columns = self.file.read(&mut record.selection, count);
-        let mut columns = columns.map_err(|error| measure_error(&self.name, error))?;
+        let mut columns = columns.map_err(|error| MeasureError::of_tdms(&self.name, error))?;
         let abscissa = axis.abscissa(from, &mut columns, notices);
         let left_out = if let TdmsAxis::Times(times) = &axis { Some(times.slot) } else { None };
         let date = record.waveform.time.map_or(String::new(), |time| time.to_string());
@@ -98,28 +107,5 @@ impl Records for Tdms<'_> {
             self.current = Some((record, axis, from + count));
         }
         Ok(Some(Record { channels, continues: from > 0, title, date }))
-    }
-}
-
-/// The error of a file.
-fn measure_error(file: &str, error: TdmsError) -> MeasureError {
-    let (file, at) = (file.to_owned(), FilePosition::Offset);
-    match error {
-        TdmsError::Io(source) => MeasureError::Io { file, source },
-        TdmsError::Malformed { offset, quantity, found, expected } => {
-            MeasureError::Malformed { file, place: at(offset), quantity, found, expected }
-        }
-        TdmsError::Truncated { offset, quantity, needed, available } => {
-            MeasureError::Truncated { file, place: at(offset), quantity, needed, available }
-        }
-        TdmsError::TooLarge { offset, quantity, needed: announced, limit } => {
-            MeasureError::TooLarge { file, place: at(offset), quantity, announced, limit }
-        }
-        TdmsError::RawDaqmx => MeasureError::Unsupported {
-            file,
-            feature: "a TDMS file with raw data of NI-DAQmx",
-            instead: "save it from LabVIEW or DIAdem as scaled TDMS, or as UFF or CSV",
-        },
-        other => MeasureError::Io { file, source: std::io::Error::other(other) },
     }
 }

@@ -24,7 +24,7 @@
 //! format depends on the device. Texts, truth values, times and complex numbers of channels are not
 //! read; see [`TdmsObject::other_content`]. Paths and kept properties have at most 65536 bytes.
 //!
-//! Lengths announced in a header are checked against that of the file before memory is allocated,
+//! Lengths announced in a header are checked against the file's length before memory is allocated,
 //! and memory is limited by [`TdmsOptions::expansion`]. Every other file is a [`TdmsError`] with its
 //! position.
 //!

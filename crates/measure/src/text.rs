@@ -30,23 +30,19 @@ use crate::{Channel, Format, MeasureError, Notice, ReadOptions, Record};
 use axis::{AxisFinder, TextAxis};
 use dialect::{Dialect, NumberRun, is_passed_over, words};
 use labview::{FileHeader, HeaderAxis, LvmSegment};
-use rows::{NumberColumn, RowBlock, Tracked};
+use rows::{NumberColumn, RowBlock, RowReader, Tracked};
 pub(crate) use write::{even_throughout, heading, write};
 
 /// A text of numbers being read.
 pub(crate) struct Text<'a> {
-    source: Source<'a>,
-    dialect: Dialect,
+    reader: RowReader<'a>,
     labview: Option<FileHeader>,
     segment: LvmSegment,
-    columns: Vec<NumberColumn>,
     /// Axis of the current segment, common or one for each channel;
     /// none before its first block.
     axes: Vec<TextAxis>,
-    line: Vec<u8>,
     /// Rows of the current segment read so far.
     rows: u64,
-    block: usize,
     rate_of_options: Option<f64>,
 }
 
@@ -60,20 +56,24 @@ impl<'a> Text<'a> {
         let length = source.peek(&mut start)?;
         start.truncate(length);
         let mut text = Self {
-            source,
-            dialect: Dialect { delimiter: b'\t', decimal: b'.' },
+            reader: RowReader {
+                source,
+                dialect: Dialect { delimiter: b'\t', decimal: b'.' },
+                is_labview: false,
+                columns: Vec::new(),
+                line: Vec::new(),
+                block: options.block,
+            },
             labview: None,
             segment: LvmSegment::default(),
-            columns: Vec::new(),
             axes: Vec::new(),
-            line: Vec::new(),
             rows: 0,
-            block: options.block,
             rate_of_options: options.sample_rate_hz,
         };
         if start.starts_with(labview::MARK) {
-            let header = FileHeader::read(&mut text.source)?;
-            text.dialect = header.dialect;
+            let header = FileHeader::read(&mut text.reader.source)?;
+            text.reader.dialect = header.dialect;
+            text.reader.is_labview = true;
             text.labview = Some(header);
             text.next_segment()?;
         } else {
@@ -88,21 +88,24 @@ impl<'a> Text<'a> {
         let body = start.strip_prefix(mark).unwrap_or(start);
         let lines: Vec<&[u8]> = body.split(|byte| *byte == b'\n').collect();
         // The last line is complete at the end of the file only.
-        let whole =
-            if self.source.len() > start.len() as u64 { lines.len() - 1 } else { lines.len() };
+        let whole = if self.reader.source.len() > start.len() as u64 {
+            lines.len() - 1
+        } else {
+            lines.len()
+        };
         let lines = &lines[..whole];
         let Some((dialect, run)) = Dialect::sniff(lines) else {
-            let file = self.source.name().to_owned();
+            let file = self.reader.source.name().to_owned();
             return Err(MeasureError::NoSamples { file, expected: "rows of numbers" });
         };
-        self.dialect = dialect;
+        self.reader.dialect = dialect;
         let headings = headings(lines, dialect, run);
         if let Some(line) =
             lines[..run.start].iter().position(|line| std::str::from_utf8(line).is_err())
         {
             notices.add(Notice::Latin1 { place: crate::FilePosition::Line(line as u64 + 1) });
         }
-        check_channels(&self.source, run.fields as u64)?;
+        check_channels(&self.reader.source, run.fields as u64)?;
         let rows = lines[run.start..].iter().filter(|line| !is_passed_over(line)).take(run.lines);
         let mut filled = vec![false; run.fields];
         for row in rows {
@@ -110,25 +113,26 @@ impl<'a> Text<'a> {
                 *filled |= !field.is_empty();
             }
         }
-        self.columns = (0..run.fields)
+        self.reader.columns = (0..run.fields)
             .filter(|&index| filled[index])
             .map(|index| NumberColumn { index, heading: headings.get(index).cloned().flatten() })
             .collect();
         let before: usize = lines[..run.start].iter().map(|line| line.len() + 1).sum();
         let offset = start.len() - body.len() + before;
-        self.source.skip_to_line(run.start as u64, offset as u64)
+        self.reader.source.skip_to_line(run.start as u64, offset as u64)
     }
 
     /// The next segment of a LabVIEW file; false at its end.
     fn next_segment(&mut self) -> Result<bool, MeasureError> {
         let Some(header) = &self.labview else { return Ok(false) };
         let (has_abscissa, in_pairs) = (header.has_abscissa, header.many_abscissae);
-        let segment = LvmSegment::read(&mut self.source, &mut self.line, self.dialect)?;
+        let segment =
+            LvmSegment::read(&mut self.reader.source, &mut self.reader.line, self.reader.dialect)?;
         let Some(segment) = segment else { return Ok(false) };
         let last = segment.names.len() - usize::from(segment.names.len() > 1);
         let commented = segment.names.last().is_some_and(|name| name == "Comment");
         let names = &segment.names[..if commented { last } else { segment.names.len() }];
-        check_channels(&self.source, names.len() as u64)?;
+        check_channels(&self.reader.source, names.len() as u64)?;
         let heading = |(index, name): (usize, &String)| {
             let mut heading = Heading::parse(name);
             // The line of units has no abscissa.
@@ -142,7 +146,7 @@ impl<'a> Text<'a> {
             NumberColumn { index, heading: Some(heading) }
         };
         let skipped = usize::from(!has_abscissa);
-        self.columns = names.iter().enumerate().skip(skipped).map(heading).collect();
+        self.reader.columns = names.iter().enumerate().skip(skipped).map(heading).collect();
         self.segment = segment;
         self.axes.clear();
         self.rows = 0;
@@ -160,8 +164,8 @@ impl<'a> Text<'a> {
         let mut values = rows.values;
         if self.axes.is_empty() {
             let header = self.segment.axis(0);
-            let axis =
-                self.finder(&self.columns, &header).find(&values, rows.roundings[0], notices)?;
+            let finder = self.finder(&self.reader.columns, &header);
+            let axis = finder.find(&values, rows.roundings[0], notices)?;
             self.axes.push(axis);
         }
         let Some(axis) = self.axes.first() else { return Ok(Vec::new()) };
@@ -172,7 +176,7 @@ impl<'a> Text<'a> {
             if left_out == Some(place) {
                 continue;
             }
-            channels.push(self.columns[place].channel(samples, abscissa.clone()));
+            channels.push(self.reader.columns[place].channel(samples, abscissa.clone()));
         }
         Ok(channels)
     }
@@ -183,7 +187,7 @@ impl<'a> Text<'a> {
 
     fn finder<'f>(&'f self, columns: &'f [NumberColumn], header: &'f HeaderAxis) -> AxisFinder<'f> {
         AxisFinder {
-            file: self.source.name(),
+            file: self.reader.source.name(),
             columns,
             header,
             labview: self.labview.is_some(),
@@ -199,12 +203,12 @@ impl Records for Text<'_> {
 
     fn next_record(&mut self, notices: &mut Notices) -> Result<Option<Record>, MeasureError> {
         loop {
-            let tracked = match axis::candidate(&self.columns) {
+            let tracked = match axis::candidate(&self.reader.columns) {
                 _ if !self.axes.is_empty() => Tracked::None,
                 _ if self.in_pairs() => Tracked::Pairs,
                 candidate => candidate.map_or(Tracked::None, Tracked::One),
             };
-            let rows = RowBlock::read(self, tracked, notices)?;
+            let rows = self.reader.read(tracked, notices)?;
             if rows.count > 0 {
                 let count = rows.count as u64;
                 let channels = self.channels(rows, notices)?;

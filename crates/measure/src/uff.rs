@@ -1,6 +1,6 @@
 //! Universal files: functions at nodes (dataset 58 and 58b), title (151), units (164).
 //!
-//! The format is that of the SDRC I-DEAS test data universal file, with
+//! The format is the SDRC I-DEAS test data universal file, with
 //! datasets between lines of `-1`. A first pass reads the position and the header of each function,
 //! so that the consecutive functions of one hit can be read together in blocks.
 //!
@@ -8,7 +8,7 @@
 //! |---|---|
 //! | `index` | first pass |
 //! | `header`, `fields` | lines before the numbers |
-//! | `binary`, `printed` | numbers |
+//! | `binary`, `printed`, `values` | numbers |
 //! | `system` | dataset 164, and units of a channel |
 //! | `group` | functions sampled together |
 //! | `write` | writing |
@@ -20,11 +20,10 @@ mod header;
 mod index;
 mod printed;
 mod system;
+mod values;
 mod write;
 
 use std::sync::Arc;
-
-use num_complex::Complex64;
 
 use crate::channel::scale;
 use crate::decoding::Records;
@@ -38,6 +37,7 @@ use crate::{
 use header::FunctionHeader;
 use index::{Data, FunctionEntry, Group};
 use printed::Printed;
+use values::Values;
 
 pub(crate) use write::write;
 
@@ -181,23 +181,5 @@ impl Records for Universal<'_> {
             title: context.title.clone(),
             date: context.date.clone(),
         }))
-    }
-}
-
-/// The numbers of some points of a function.
-pub(crate) struct Values {
-    abscissae: Vec<f64>,
-    real: Vec<f64>,
-    complex: Vec<Complex64>,
-}
-
-impl Values {
-    /// Space for `count` points, a number the caller has checked.
-    fn for_points(count: usize, even: bool, complex: bool) -> Self {
-        Self {
-            abscissae: Vec::with_capacity(if even { 0 } else { count }),
-            real: Vec::with_capacity(if complex { 0 } else { count }),
-            complex: Vec::with_capacity(if complex { count } else { 0 }),
-        }
     }
 }

@@ -8,7 +8,7 @@ use crate::{Abscissa, Channel, Format, MeasureError, Record, WriteOptions};
 /// Writes `records` to the file `path` in `format`: universal (58 or 58b, after
 /// datasets 151 and 164), text (CSV) or NPZ.
 ///
-/// A record that continues the one before becomes part of it. Samples are written
+/// A record that continues the previous record becomes part of it. Samples are written
 /// in their unit; names, units and axes can be read back. Universal files and NPZ also hold several
 /// records.
 ///

@@ -263,11 +263,11 @@ impl FrfAverage {
     }
 
     /// A force and a response of one hit with the averaged frequency response function, at every
-    /// frequency: peaks and damping are found in it as in those of hits.
+    /// frequency: peaks and damping are found in it as in the functions of hits.
     ///
     /// They are the mean autocorrelation of the forces, and the transform of `H Gff`; with H1 the
     /// mean cross correlation, so that the function is exact between the lines. Of one hit it is
-    /// that of the hit with each estimator.
+    /// the function of the hit with each estimator.
     ///
     /// # Errors
     /// Those of [`FrfAverage::frf`], and [`SignalError::NotFinite`] where the function is not finite.

@@ -6,7 +6,7 @@ const SHARE: f64 = 0.995;
 const MARGIN: f64 = 1.5;
 /// Part of the record at its end that gives the noise.
 const TAIL: usize = 10;
-/// Least energy of a decay over that of the record.
+/// Least energy of a decay over the energy of the record.
 const LEAST: f64 = 0.1;
 
 /// Number of samples in which a decay falls to about 2 % of its start; the whole record if it does

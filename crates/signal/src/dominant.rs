@@ -17,7 +17,7 @@ use std::f64::consts::TAU;
 /// - `force_threshold`: smallest admissible magnitude of the force's transform, over its largest up
 ///   to the end of the band.
 ///
-/// The frequency is that of the maximum of the receptance, refined on the exact transform,
+/// The frequency is the place of the maximum of the receptance, refined on the exact transform,
 /// whatever the form. `None` if there is no peak; a value that only rises towards a limit of the
 /// band is none.
 ///

@@ -83,9 +83,9 @@ impl std::fmt::Display for FrfForm {
 pub enum ResponseKind {
     /// Displacement from equilibrium, in metres.
     Displacement,
-    /// Velocity, in m/s; its transform is `i 2 pi f` times that of displacement.
+    /// Velocity, in m/s; its transform is `i 2 pi f` times the transform of displacement.
     Velocity,
-    /// Acceleration, in m/s^2; its transform is `-(2 pi f)^2` times that of displacement.
+    /// Acceleration, in m/s^2; its transform is `-(2 pi f)^2` times the transform of displacement.
     Acceleration,
 }
 

@@ -3,11 +3,13 @@
 mod beating;
 mod harmonics;
 mod one_mode;
+mod point;
 mod resonance;
 mod search;
 
 pub use beating::Beating;
 pub use harmonics::DecayHarmonic;
+pub use point::DecayPoint;
 pub use resonance::DecayResonance;
 pub use search::{DecayEnd, DecayOrigin, FoundDecay, find_decays, level_range};
 
@@ -15,12 +17,12 @@ use crate::error::{Result, check_positive, check_rate, check_samples};
 use crate::hammer::HarmonicTest;
 use crate::noise::quiet_density;
 use crate::ring_down::{
-    Backbone, BackboneOptions, BackbonePoint, BackboneUncertainty, BandPass, Polar,
-    backbone_and_signal, half_line,
+    Backbone, BackboneOptions, BackbonePoint, BandPass, Polar, backbone_and_signal, half_line,
 };
 use beating::BeatSearch;
 use harmonics::HarmonicBand;
-use one_mode::{OneModePart, span_of};
+use one_mode::OneModePart;
+use point::span_of;
 
 /// Largest half width of the band of a mode, over its frequency.
 const HALF_WIDTH: f64 = 0.3;
@@ -49,7 +51,7 @@ pub struct FreeDecayOptions {
     /// Derivatives of the displacement that the samples are: 0 to 2.
     pub derivatives: i32,
     /// One-sided spectral density of the noise, in the samples' unit squared per hertz; `None` for
-    /// that of the last quarter.
+    /// the density of the last quarter.
     pub noise_density: Option<f64>,
 }
 
@@ -75,23 +77,11 @@ pub struct FreeDecay {
     pub floor: f64,
     /// A second mode in the band, if there is one above the noise.
     pub beating: Option<Beating>,
-    /// True if the amplitude grows or hardly falls somewhere in the decay, as that of one mode does
-    /// not.
+    /// True if the amplitude grows or hardly falls somewhere in the decay, as the amplitude of one
+    /// mode does not.
     pub stalls: bool,
     /// Behaviour of the second harmonic along the decay; `None` where it is noise.
     pub harmonic_test: Option<HarmonicTest>,
-}
-
-/// One point of a free decay.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct DecayPoint {
-    /// Time, amplitude, frequency and damping.
-    pub point: BackbonePoint,
-    /// Their standard deviations due to noise.
-    pub uncertainty: BackboneUncertainty,
-    /// Amplitudes of the second and the third harmonic over that of the fundamental; `None` where
-    /// they are noise.
-    pub harmonics: [Option<DecayHarmonic>; 2],
 }
 
 impl FreeDecay {

@@ -28,7 +28,8 @@ const EDGE: f64 = 1.5 * PI;
 /// ```
 ///
 /// The truncation error is `1 / W(M/4)` of `sum |x_n|`, below 1e-16; rounding of exponentials of
-/// up to 42 makes it 2e-14, twice that of the direct sum. One value costs 18 products for any `N`.
+/// up to 42 makes it 2e-14, twice the error of the direct sum. One value costs 18 products for any
+/// `N`.
 ///
 /// Source: J. Keiner, S. Kunis and D. Potts, "Using NFFT 3: a software library for various
 /// nonequispaced fast Fourier transforms", ACM Trans. Math. Softw. 36 (2009), 19, appendix C,

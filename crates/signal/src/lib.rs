@@ -38,7 +38,7 @@
 //! peak returns `None`, never a limit of its window; frequencies at which the force is too weak are
 //! masked.
 //!
-//! The crate contains no mechanics. Fast transforms are those of `realfft`, which wraps `rustfft`
+//! The crate contains no mechanics. Fast transforms come from `realfft`, which wraps `rustfft`
 //! for real signals.
 //!
 //! ```

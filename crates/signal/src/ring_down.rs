@@ -122,8 +122,9 @@ const ROUNDING: f64 = 1e-11;
 /// f = phi' / 2 pi,   sigma = -(ln A)',   zeta = sigma / sqrt(sigma^2 + (2 pi f)^2)
 /// ```
 ///
-/// `z` is that of the displacement. The amplitude of an acceleration is `A (2 pi f)^2`, which falls by
-/// `2 f' / f` more slowly where the frequency rises along the decay; samples of a velocity or an
+/// `z` is the analytic signal of the displacement. The amplitude of an acceleration is
+/// `A (2 pi f)^2`, which falls by `2 f' / f` more slowly where the frequency rises along the decay;
+/// samples of a velocity or an
 /// acceleration ([`BackboneOptions::derivatives`]) are therefore integrated inside the band. The change
 /// of the band's gain along the decay is taken out likewise.
 ///

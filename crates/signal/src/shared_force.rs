@@ -29,7 +29,7 @@ const ACCEPTED: f64 = 1e-6;
 /// verified against the exact transform at the fundamental. Intended for records decimated by a
 /// [`DecimationFilter`](crate::DecimationFilter) to the band of interest.
 ///
-/// The results are those of [`find_harmonics`](crate::find_harmonics) and
+/// The results equal the results of [`find_harmonics`](crate::find_harmonics) and
 /// [`half_power`](crate::half_power) to 1e-6.
 ///
 /// ```

@@ -94,7 +94,7 @@ const ROUGH: f64 = 0.3;
 
 /// Roughness above which the width of a peak tells its curvature better than its top does.
 const SMOOTH: f64 = 0.1;
-/// Curvature over that of the width, above which it is that of a maximum of the noise.
+/// Curvature over the curvature of the width, above which it belongs to a maximum of the noise.
 const SHARP: f64 = 2.0;
 
 impl PeakUncertainty {

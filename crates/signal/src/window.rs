@@ -204,7 +204,8 @@ impl ExponentialWindow {
         if without > 0.0 { magnitude * sigma / without } else { f64::NAN }
     }
 
-    /// The receptance on `s = i w + 1/tau` from that of [`FrequencyResponse`](crate::FrequencyResponse).
+    /// The receptance on `s = i w + 1/tau` from the receptance of
+    /// [`FrequencyResponse`](crate::FrequencyResponse).
     ///
     /// Windowed accelerations must be divided by `s^2` instead of `(i w)^2`, windowed velocities by
     /// `s` instead of `i w`. The receptance from displacement is returned unchanged.

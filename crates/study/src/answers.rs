@@ -231,7 +231,8 @@ impl StudyAnswers {
 /// The table is read column by column from the disk, in memory that does not grow with the number of
 /// runs. Runs without an observable are left out of its statistics and counted; a base row of
 /// Saltelli's design is left out of Sobol indices as a whole if one of its runs has no value. Quantiles
-/// of Saltelli's design are those of its blocks A and B, whose rows are independent of each other.
+/// of Saltelli's design are the rows of its blocks A and B, whose rows are independent of each
+/// other.
 ///
 /// # Errors
 /// [`StudyError::Missing`] for a study that is not complete, [`StudyError::Part`] for an

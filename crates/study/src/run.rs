@@ -111,7 +111,7 @@ pub struct RunOptions<'a> {
 pub enum StudyOutcome {
     /// All chunks are joined in this table.
     Complete(PathBuf),
-    /// The chunks of the shard are on disk; those of others are not joined yet.
+    /// The chunks of the shard are on disk; the chunks of other shards are not joined yet.
     ShardDone,
     /// The run was stopped; the chunks that were complete are on disk.
     Stopped,

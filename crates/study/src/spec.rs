@@ -163,7 +163,7 @@ pub enum CorrelationKind {
     /// Rank correlations (Spearman).
     #[default]
     Rank,
-    /// Correlations of the normal scores: of normal inputs those of the values.
+    /// Correlations of the normal scores, which are the values' for normal inputs.
     NormalScores,
 }
 

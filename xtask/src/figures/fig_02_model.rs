@@ -1,9 +1,10 @@
 //! Fig. 2: the numerical model, drawn from the scenario.
 
 use anyhow::Result;
-use asperity_figure::{Align, Color, Drawing, Stroke};
+use asperity_figure::Color;
 use asperity_table::Table;
 
+use super::sketch::{Align, Sketch, Stroke};
 use crate::reproduce::rig::{Law, Rig};
 use crate::reproduce::{Computed, PaperFigure};
 
@@ -51,59 +52,60 @@ const GAP: f64 = 9.0;
 fn draw(table: &Table) -> Result<String> {
     let (body, x, mass) =
         (table.column("body")?, table.column("position_m")?, table.column("mass_kg")?);
-    let mut drawing = Drawing::new("The numerical model", 85.0, 138.0);
+    let mut drawing = Sketch::new("The numerical model", 85.0, 138.0);
     let centre = LEFT + WIDTH / 2.0;
-    let line = Stroke::new(Color::BLACK, 0.8);
+    let line = Stroke::BLACK;
     let mut top = 16.0;
-    drawing.arrow((centre, 3.0), (centre, top - 0.8), Stroke::new(Color::RED, 1.2));
-    drawing.text((centre + 3.0, 7.5), "F(t)", 8.0, Align::Left);
+    drawing.arrow((centre, 3.0), (centre, top - 0.8), Stroke(Color::RED, 1.2));
+    drawing.text((centre + 3.0, 7.5), "F(t)", 8.0, Align::Left, Color::BLACK);
     drawing.arrow((8.0, top), (8.0, top + 14.0), line);
-    drawing.text((10.5, top + 12.5), "x, u", 8.0, Align::Left);
+    drawing.text((10.5, top + 12.5), "x, u", 8.0, Align::Left, Color::BLACK);
 
-    for (number, label) in [(1.0, "Ω_{1}"), (2.0, "Ω_{2}")] {
+    for (number, label) in [(1.0, "Ω₁"), (2.0, "Ω₂")] {
         let nodes: Vec<usize> = (0..body.len()).filter(|&node| body[node] == number).collect();
         let (Some(&first), Some(&last)) = (nodes.first(), nodes.last()) else { continue };
         let stretch = if number == 1.0 { SCALE } else { SCALE * SAMPLE_STRETCH };
         let height = (x[last] - x[first]) * stretch;
-        drawing.rect(
-            (LEFT, top),
-            (WIDTH, height),
-            Some(Color::LIGHT_GREY.lighten(0.5)),
-            Some(line),
-        );
+        drawing.rect((LEFT, top), (WIDTH, height), Color::LIGHT_GREY.lighten(0.5), line);
         for &node in &nodes {
             let at_end = node == first || node == last;
             if at_end || (number == 2.0) || (node - first) % 8 == 0 {
                 let fill = if at_end { Color::WHITE } else { Color::BLUE };
                 let at = (centre, top + (x[node] - x[first]) * stretch);
                 let radius = if number == 1.0 { 0.75 } else { 0.5 };
-                drawing.circle(at, radius, Some(fill), Some(Stroke::new(Color::BLUE, 0.6)));
+                drawing.circle(at, radius, fill, Stroke(Color::BLUE, 0.6));
             }
         }
         let total: f64 = nodes.iter().map(|&node| mass[node]).sum();
         let middle = top + height / 2.0;
-        drawing.text((LEFT + 4.0, middle), label, 9.0, Align::Left);
+        drawing.text((LEFT + 4.0, middle), label, 9.0, Align::Left, Color::BLACK);
         let right = LEFT + WIDTH + 3.0;
-        drawing.dimension(
+        drawing.height(
             (right, top),
             (right, top + height),
             &format!("{:.0} mm", 1e3 * (x[last] - x[first])),
             Stroke::THIN,
         );
         let words = format!("{} nodes", nodes.len());
-        drawing.text((LEFT - 3.0, middle - 1.0), &words, 7.0, Align::Right);
+        drawing.text((LEFT - 3.0, middle - 1.0), &words, 7.0, Align::Right, Color::BLACK);
         let words =
             if total < 0.1 { format!("{:.2} g", 1e3 * total) } else { format!("{total:.2} kg") };
-        drawing.text((LEFT - 3.0, middle + 3.0), &words, 7.0, Align::Right);
+        drawing.text((LEFT - 3.0, middle + 3.0), &words, 7.0, Align::Right, Color::BLACK);
         top += height;
         for place in [LEFT + 5.0, centre, LEFT + WIDTH - 5.0] {
-            drawing.spring((place, top), (place, top + GAP), 3.0, Stroke::new(Color::RED, 0.7));
+            drawing.spring((place, top), (place, top + GAP), 3.0, Stroke(Color::RED, 0.7));
         }
         let name = if number == 1.0 { "K(p), contact 1" } else { "K(p), contact 2" };
-        drawing.text((LEFT + WIDTH + 3.0, top + GAP / 2.0 + 1.0), name, 7.0, Align::Left);
+        drawing.text(
+            (LEFT + WIDTH + 3.0, top + GAP / 2.0 + 1.0),
+            name,
+            7.0,
+            Align::Left,
+            Color::BLACK,
+        );
         top += GAP;
     }
     drawing.ground((LEFT - 8.0, top), (LEFT + WIDTH + 8.0, top), line);
-    drawing.text((centre, top + 7.0), "disc", 8.0, Align::Center);
+    drawing.text((centre, top + 7.0), "disc", 8.0, Align::Center, Color::BLACK);
     Ok(drawing.to_svg())
 }

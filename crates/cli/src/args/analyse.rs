@@ -54,23 +54,7 @@ pub(crate) struct Watch {
 #[derive(Debug, Group)]
 pub(crate) struct AnalysisArguments {
     #[command(flatten)]
-    pub(crate) source: SourceOptions,
-
-    /// Sensor of a channel in volts, such as hammer=2.25mV/N or '#2=100mV/g'; repeatable.
-    #[arg(long, value_name = "CHANNEL=SENSITIVITY")]
-    pub(crate) sensitivity: Vec<ChannelSensor>,
-
-    /// Channel of the force: its name, '#' and its number, or a quantity. Default: the only force.
-    #[arg(long, value_name = "CHANNEL")]
-    pub(crate) force: Option<ChannelSelector>,
-
-    /// Channel of a response, repeatable, or all. Default: the only acceleration, velocity or
-    /// displacement.
-    ///
-    /// With several, files of the first have their usual names, those of the others end in their
-    /// channel's, such as hits_acc2.csv.
-    #[arg(long, value_name = "CHANNEL|all")]
-    pub(crate) response: Vec<ChannelSelector>,
+    pub(crate) channels: HammerChannels,
 
     /// The force is negative when the hammer pushes.
     #[arg(long)]
@@ -135,21 +119,8 @@ pub(crate) struct AnalysisArguments {
     #[arg(long)]
     pub(crate) keep_all: bool,
 
-    /// Folder for the results. Default: out/ and the name of the first file or folder.
-    #[arg(long, value_name = "DIR")]
-    pub(crate) out: Option<PathBuf>,
-
-    /// Write into a folder that holds other files, which are kept, or the results of another file of
-    /// the same name, which are replaced.
-    #[arg(long)]
-    pub(crate) overwrite: bool,
-
-    /// Print the analysis as JSON on standard output, and nothing else there.
-    #[arg(long)]
-    pub(crate) json: bool,
-
     #[command(flatten)]
-    pub(crate) figures: FigureOptions,
+    pub(crate) output: AnalysisOutput,
 
     /// Axis of the magnitudes in the figure of the FRFs: linear, log or db.
     #[arg(long, value_name = "AXIS", default_value = "log", hide_possible_values = true)]
@@ -164,19 +135,7 @@ pub(crate) struct Inspect {
     pub(crate) files: Vec<PathBuf>,
 
     #[command(flatten)]
-    pub(crate) source: SourceOptions,
-
-    /// Sensor of a channel in volts, as for `analyse`.
-    #[arg(long, value_name = "CHANNEL=SENSITIVITY")]
-    pub(crate) sensitivity: Vec<ChannelSensor>,
-
-    /// Channel of the force, as for `analyse`.
-    #[arg(long, value_name = "CHANNEL")]
-    pub(crate) force: Option<ChannelSelector>,
-
-    /// Channel of a response, repeatable, or all, as for `analyse`.
-    #[arg(long, value_name = "CHANNEL|all")]
-    pub(crate) response: Vec<ChannelSelector>,
+    pub(crate) channels: HammerChannels,
 
     /// Also write the settings of a rig, as found in the first file, to complete and to give to
     /// --rig.
@@ -203,7 +162,7 @@ pub(crate) struct Conversion {
     pub(crate) output: PathBuf,
     #[command(flatten)]
     pub(crate) source: SourceOptions,
-    /// Format to write, in place of that of the extension: uff (58b), uff-ascii (58), csv or
+    /// Format to write, in place of the extension's: uff (58b), uff-ascii (58), csv or
     /// npz.
     #[arg(long, value_name = "FORMAT")]
     pub(crate) to: Option<RecordFormat>,
@@ -216,6 +175,56 @@ pub(crate) struct Conversion {
     /// Print the conversion as JSON.
     #[arg(long)]
     pub(crate) json: bool,
+}
+
+/// Channels of a hammer test.
+#[derive(Debug, Group)]
+pub(crate) struct HammerChannels {
+    #[command(flatten)]
+    pub(crate) measured: MeasuredOptions,
+
+    /// Channel of the force: its name, '#' and its number, or a quantity. Default: the only force.
+    #[arg(long, value_name = "CHANNEL")]
+    pub(crate) force: Option<ChannelSelector>,
+
+    /// Channel of a response, repeatable, or all. Default: the only acceleration, velocity or
+    /// displacement.
+    ///
+    /// With several, files of the first have their usual names, those of the others end in their
+    /// channel's, such as hits_acc2.csv.
+    #[arg(long, value_name = "CHANNEL|all")]
+    pub(crate) response: Vec<ChannelSelector>,
+}
+
+/// What files of measurements lack, and the sensors of their channels.
+#[derive(Debug, Group)]
+pub(crate) struct MeasuredOptions {
+    #[command(flatten)]
+    pub(crate) source: SourceOptions,
+
+    /// Sensor of a channel in volts, such as hammer=2.25mV/N or '#2=100mV/g'; repeatable.
+    #[arg(long, value_name = "CHANNEL=SENSITIVITY")]
+    pub(crate) sensitivity: Vec<ChannelSensor>,
+}
+
+/// Where the result of an analysis of measurements goes.
+#[derive(Debug, Group)]
+pub(crate) struct AnalysisOutput {
+    /// Folder for the results. Default: out/ and the name of the first file or folder.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+
+    /// Write into a folder that holds other files, which are kept, or the results of another file of
+    /// the same name, which are replaced.
+    #[arg(long)]
+    pub(crate) overwrite: bool,
+
+    /// Print the analysis as JSON on standard output, and nothing else there.
+    #[arg(long)]
+    pub(crate) json: bool,
+
+    #[command(flatten)]
+    pub(crate) figures: FigureOptions,
 }
 
 /// Names, units and sample rate of files that lack them.

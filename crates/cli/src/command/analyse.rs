@@ -1,11 +1,11 @@
 //! `asperity analyse`.
 
 use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use asperity_experiment::{
     Analysis, AnalysisError, AnalysisOptions, AnalysisReport, ForceLevel, HitReport, HitStatistics,
-    Mode, ResponseAnalysis, ResponseChoice, analyse_sources, input_files,
+    Mode, ResponseAnalysis, analyse_sources, input_files,
 };
 use asperity_measure::{MeasurementSource, WriteOptions};
 use asperity_plot as plot;
@@ -27,7 +27,7 @@ pub(crate) fn run(asked: &Analyse, quiet: bool) -> Result<(), Failure> {
     let files = input_files(files)?;
     files.iter().try_for_each(|file| check_measurements(file))?;
     let first = files.first().map_or("analysis".as_ref(), PathBuf::as_path);
-    let folder = claim(first, asked, asked.overwrite)?;
+    let folder = ResultFolder::claim_analysis("analyse", first, &asked.output, false)?;
     let bar = crate::progress::bar(2 * files.len() as u64, "reading", quiet);
     let sources: Vec<MeasurementSource> = files.iter().cloned().map(Into::into).collect();
     let analysis = analyse_sources(&sources, &options(asked)?, &|passes| {
@@ -35,8 +35,8 @@ pub(crate) fn run(asked: &Analyse, quiet: bool) -> Result<(), Failure> {
     });
     bar.finish_and_clear();
     let analysis = analysis?;
-    let folder = write(folder, &analysis, asked, asked.json)?;
-    if let (Some(first), false) = (analysis.responses.first(), asked.json || quiet) {
+    let folder = write(folder, &analysis, asked, asked.output.json)?;
+    if let (Some(first), false) = (analysis.responses.first(), asked.output.json || quiet) {
         crate::progress::show_notices(first.report.notices.iter().map(|notice| {
             let notice = notice.replace("`band_hz`", "--band LO:HI");
             notice.replace("`flip_force`", "--flip-force")
@@ -45,16 +45,6 @@ pub(crate) fn run(asked: &Analyse, quiet: bool) -> Result<(), Failure> {
         answer_line!("written to {}", folder.display());
     }
     Ok(())
-}
-
-/// The folder for the results of some input.
-pub(super) fn claim(
-    input: &Path,
-    asked: &AnalysisArguments,
-    overwrite: bool,
-) -> Result<ResultFolder, Failure> {
-    let formats = &asked.figures.figures;
-    ResultFolder::claim_at("analyse", input, asked.out.as_deref(), overwrite, formats)
 }
 
 /// Writes tables, figures and pages, and puts them in place; prints the report if `print`.
@@ -96,25 +86,17 @@ pub(super) fn write(
     folder.finish("analysis.json", &report, print)
 }
 
-/// Endings of the names of each response's files: none for the first, then those of the channels.
+/// Endings of the names of each response's files: none for the first, then `_` and the channel.
 fn suffixes(analysis: &Analysis) -> Vec<String> {
     let names = distinct_file_names(analysis.responses.iter().map(ResponseAnalysis::name));
     let ending = |(number, name)| if number == 0 { String::new() } else { format!("_{name}") };
     names.into_iter().enumerate().map(ending).collect()
 }
 
-/// The options of the rig, with those of the command line over them.
+/// The options of the rig; options of the command line win.
 pub(super) fn options(asked: &AnalysisArguments) -> Result<AnalysisOptions, Failure> {
-    let rig = rig::options_of(&asked.source)?;
-    // The first sensor of a channel counts.
-    let sensitivities = asked.sensitivity.iter().chain(&rig.sensitivities).cloned().collect();
+    let rig = rig::channel_options(&asked.channels)?;
     Ok(AnalysisOptions {
-        sensitivities,
-        force: asked.force.clone().or(rig.force),
-        responses: match asked.response.as_slice() {
-            [] => rig.responses,
-            given => ResponseChoice::of(given),
-        },
         flip_force: asked.flip_force || rig.flip_force,
         hits: asked.hits,
         trigger_level_n: asked.trigger_level.or(rig.trigger_level_n),

@@ -26,9 +26,7 @@ pub(crate) fn run(asked: &Decay, quiet: bool) -> Result<(), Failure> {
     let files = input_files(&asked.files)?;
     files.iter().try_for_each(|file| check_measurements(file))?;
     let first = files.first().map_or("decay".as_ref(), PathBuf::as_path);
-    let out = asked.out.as_deref();
-    let formats = &asked.figures.figures;
-    let folder = ResultFolder::claim_at("decay", first, out, asked.overwrite, formats)?;
+    let folder = ResultFolder::claim_analysis("decay", first, &asked.output, false)?;
     let options = options(asked)?;
     let bar = crate::progress::bar(files.len() as u64, "reading", quiet);
     let sources: Vec<MeasurementSource> = files.iter().cloned().map(Into::into).collect();
@@ -45,8 +43,8 @@ pub(crate) fn run(asked: &Decay, quiet: bool) -> Result<(), Failure> {
     }
     folder.write("report.html", plot::decay_report(&analysis, &figures))?;
     let report = &analysis.report;
-    let folder = folder.finish("decay.json", &json!(report), asked.json)?;
-    if !asked.json && !quiet {
+    let folder = folder.finish("decay.json", &json!(report), asked.output.json)?;
+    if !asked.output.json && !quiet {
         crate::progress::show_notices(report.notices.iter().map(|text| options_in(text)));
         answer!("{}", in_words(report));
         answer_line!("written to {}", folder.display());
@@ -54,10 +52,9 @@ pub(crate) fn run(asked: &Decay, quiet: bool) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The options of the rig, with those of the command line over them.
+/// The options of the rig; options of the command line win.
 fn options(asked: &Decay) -> Result<DecayOptions, Failure> {
-    let rig = rig::options_of(&asked.source)?;
-    let sensitivities = asked.sensitivity.iter().chain(&rig.sensitivities).cloned().collect();
+    let rig = rig::measured_options(&asked.measured)?;
     let responses = match (asked.response.as_slice(), rig.responses) {
         ([], ResponseChoice::Channels(channels)) => channels,
         (asked, _) => asked.to_vec(),
@@ -66,7 +63,13 @@ fn options(asked: &Decay) -> Result<DecayOptions, Failure> {
         [] => rig.band_hz.into_iter().collect(),
         bands => bands.to_vec(),
     };
-    Ok(DecayOptions { reading: rig.reading, sensitivities, responses, bands_hz, rig: rig.rig })
+    Ok(DecayOptions {
+        reading: rig.reading,
+        sensitivities: rig.sensitivities,
+        responses,
+        bands_hz,
+        rig: rig.rig,
+    })
 }
 
 /// A sentence of the library with the options of the command.

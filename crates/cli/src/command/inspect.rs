@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use asperity_experiment::{
-    Choice, InspectedChannel, Inspection, ResponseChoice, RigSettings, input_files, inspect,
+    Choice, InspectedChannel, Inspection, RigSettings, input_files, inspect,
 };
 use serde_json::{Value, json};
 
@@ -21,12 +21,7 @@ const COLUMNS: usize = 32;
 /// Describes measurement files; one that cannot be read does not keep the others from it, and is the
 /// error of the command.
 pub(crate) fn run(asked: &Inspect, quiet: bool) -> Result<(), Failure> {
-    let mut options = rig::options_of(&asked.source)?;
-    options.sensitivities.splice(..0, asked.sensitivity.iter().cloned());
-    options.force = asked.force.clone().or(options.force);
-    if !asked.response.is_empty() {
-        options.responses = ResponseChoice::of(&asked.response);
-    }
+    let options = rig::channel_options(&asked.channels)?;
     let (mut answers, mut failed, mut written) = (Vec::new(), None, false);
     let files = input_files(&asked.files)?;
     for file in &files {

@@ -14,7 +14,7 @@ use asperity_experiment::{
 use asperity_identify::{IdentificationError, IdentificationProblem, Work, identify};
 use serde_json::{Value, json};
 
-use super::{analyse as analysis, stop_on_signals};
+use super::{ResultFolder, analyse as analysis, stop_on_signals};
 use crate::args::analyse::Watch;
 use crate::failure::Failure;
 use crate::file_kind::FileKind;
@@ -32,7 +32,8 @@ pub(crate) fn run(asked: &Watch, quiet: bool) -> Result<(), Failure> {
     let options = analysis::options(&asked.analysis)?;
     let mut planner = asked.problem.as_deref().map(Planner::new).transpose()?;
     // Fails now rather than after the first hit.
-    drop(analysis::claim(&asked.folder, &asked.analysis, asked.analysis.overwrite)?);
+    let output = &asked.analysis.output;
+    drop(ResultFolder::claim_analysis("analyse", &asked.folder, output, false)?);
     let stop = Arc::new(AtomicBool::new(false));
     stop_on_signals(&stop);
     let mut session = Session {
@@ -70,7 +71,7 @@ pub(crate) fn run(asked: &Watch, quiet: bool) -> Result<(), Failure> {
         planner.stop();
     }
     match &session.written {
-        Some(folder) if !quiet && !asked.analysis.json => {
+        Some(folder) if !quiet && !asked.analysis.output.json => {
             answer_line!("written to {}", folder.display());
         }
         Some(_) => {}
@@ -153,8 +154,9 @@ impl Session<'_> {
             }
         };
         // After the first results the folder holds those of this command.
-        let overwrite = self.asked.analysis.overwrite || self.written.is_some();
-        let folder = analysis::claim(&self.asked.folder, &self.asked.analysis, overwrite)?;
+        let (place, output) = (&self.asked.folder, &self.asked.analysis.output);
+        let again = self.written.is_some();
+        let folder = ResultFolder::claim_analysis("analyse", place, output, again)?;
         self.written = Some(analysis::write(folder, &all, &self.asked.analysis, false)?);
         let Some(first) = all.responses.first() else { return Ok(false) };
         let report = &first.report;
@@ -175,7 +177,7 @@ impl Session<'_> {
 
     /// A line on standard output: text, or JSON.
     fn say(&self, text: &str, value: impl FnOnce() -> Value) -> Result<(), Failure> {
-        if self.asked.analysis.json {
+        if self.asked.analysis.output.json {
             answer_line!("{}", value());
         } else if !self.quiet {
             answer_line!("{text}");

@@ -2,7 +2,7 @@
 
 use asperity_signal::{DecayPoint, PeakOrigin};
 
-use super::DecayCurve;
+use super::curve::DecayCurve;
 use super::report::{DecayLevel, MeasuredDecay};
 use crate::second_peak::name as name_of_origin;
 
@@ -17,7 +17,7 @@ const APART: (f64, f64) = (1e-3, 5.0);
 const RANGE: f64 = 1.5;
 
 /// A sentence where responses of one decay and band have different frequencies at the same times,
-/// as those of one mode cannot.
+/// as responses of one mode cannot.
 pub(super) fn disagreement(curves: &[DecayCurve]) -> Option<String> {
     let longest = curves.iter().max_by_key(|curve| curve.points.len())?;
     for other in curves.iter().filter(|other| other.index != longest.index) {

@@ -5,8 +5,8 @@ use asperity_signal::{
 };
 use serde::Serialize;
 
-use super::DecayCurve;
-use super::signals::{DecaySignals, ResponseSignal};
+use super::curve::DecayCurve;
+use super::signals::{DecayChannel, DecaySignals, ResponseSignal};
 use crate::report::AnalysisProvenance;
 use crate::second_peak::name as name_of_origin;
 
@@ -30,19 +30,6 @@ pub struct DecayReport {
     pub notices: Vec<String>,
     /// Version and files.
     pub provenance: AnalysisProvenance,
-}
-
-/// Channel of a response.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct DecayChannel {
-    /// Name.
-    pub name: String,
-    /// Measured quantity.
-    pub quantity: String,
-    /// Unit in the file, of all amplitudes without a unit in their name; empty without one.
-    pub unit: String,
-    /// SI unit of the quantity; `None` for a unit that is not known, or not one of motion.
-    pub si_unit: Option<&'static str>,
 }
 
 /// Settings of the analysis.
@@ -80,7 +67,7 @@ pub struct MeasuredDecay {
 /// One response in one band of a decay.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct DecayCurveReport {
-    /// Number through all decays, bands and responses, from 1: that of `backbone.csv`.
+    /// Number through all decays, bands and responses, from 1, as in `backbone.csv`.
     pub index: usize,
     /// Name of the response.
     pub response: String,
@@ -140,8 +127,8 @@ pub struct DecayLevel {
 /// Harmonic of a response, at the largest amplitude where it is above the noise.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct DecayHarmonicReport {
-    /// Amplitude over that of the fundamental, as displacements; as measured where the quantity is
-    /// unknown.
+    /// Amplitude over the amplitude of the fundamental, as displacements; as measured where the
+    /// quantity is unknown.
     pub ratio: f64,
     /// Standard deviation of the ratio due to noise.
     pub ratio_uncertainty: f64,
@@ -149,7 +136,7 @@ pub struct DecayHarmonicReport {
     pub amplitude: f64,
     /// The same as a displacement \[m\].
     pub amplitude_m: Option<f64>,
-    /// Drift of the phase, less twice that of the fundamental, over the decay \[rad\].
+    /// Drift of the phase, less twice the phase of the fundamental, over the decay \[rad\].
     pub phase_drift_rad: Option<f64>,
     /// Exponent `d ln a2 / d ln a1` along the decay.
     pub amplitude_exponent: Option<f64>,

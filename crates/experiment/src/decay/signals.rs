@@ -5,12 +5,32 @@ use std::path::Path;
 
 use asperity_measure::{Channel, ChannelQuantity, Record, Samples};
 use asperity_signal::{DecayResonance, robust_level};
+use serde::Serialize;
 
-use super::report::DecayChannel;
-use super::{DecayOptions, MAX_FREQUENCY, MIN_CYCLES, MOST_FOR_CYCLE};
-use crate::channel::choose_any_responses;
+use crate::channel::{ChannelSelector, choose_any_responses};
 use crate::error::AnalysisError;
+use crate::options::ChannelSensor;
 use crate::stream::{calibrate, is_in_time};
+
+/// Lowest frequency of a mode, in cycles over the decay.
+pub(super) const MIN_CYCLES: f64 = 8.0;
+/// Highest frequency of a mode, over the sample rate.
+pub(super) const MAX_FREQUENCY: f64 = 0.4;
+/// Most samples of a record from which the length of a cycle is taken.
+const MOST_FOR_CYCLE: usize = 1 << 20;
+
+/// Channel of a response.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct DecayChannel {
+    /// Name.
+    pub name: String,
+    /// Measured quantity.
+    pub quantity: String,
+    /// Unit in the file, of all amplitudes without a unit in their name; empty without one.
+    pub unit: String,
+    /// SI unit of the quantity; `None` for a unit that is not known, or not one of motion.
+    pub si_unit: Option<&'static str>,
+}
 
 /// Responses that are sampled together.
 pub(super) struct DecaySignals {
@@ -42,13 +62,14 @@ impl DecaySignals {
         file: &Path,
         number: usize,
         mut record: Record,
-        options: &DecayOptions,
+        sensors: &[ChannelSensor],
+        responses: &[ChannelSelector],
     ) -> Result<Option<Self>, AnalysisError> {
         if !is_in_time(&record) {
             return Ok(None);
         }
-        calibrate(&options.sensitivities, file, &mut record)?;
-        let places = choose_any_responses(file, &record, &options.responses)?;
+        calibrate(sensors, file, &mut record)?;
+        let places = choose_any_responses(file, &record, responses)?;
         let problem =
             |problem| Err(AnalysisError::Record { file: file.to_owned(), record: number, problem });
         let mut found = Self {

@@ -15,31 +15,34 @@ const HINT: &str = "Figures: drag to zoom, double-click for the whole, shift and
 /// Size of a figure on the screen over its size on paper.
 const ZOOM: f64 = 1.4;
 
-/// Renders the report.
-pub(super) fn render(report: &Report) -> String {
-    let mut page = HtmlPage::default();
-    let main: String = report.blocks.iter().map(|block| page.block(block)).collect();
-    let intro: String = report.intro.iter().map(|text| element("p class=\"lead\"", text)).collect();
-    let navigation = if page.contents.is_empty() {
-        String::new()
-    } else {
-        let contents = &page.contents;
-        format!("<nav aria-label=\"Contents\"><h2>Contents</h2>\n<ol>\n{contents}</ol></nav>\n")
-    };
-    let (title, heading) = (escape(&report.title), element("h1", &report.title));
-    let (fonts, summary) = (fonts(), summary(report));
-    let (hint, script) = if page.interactive {
-        (format!("<p class=\"hint\">{HINT}</p>\n"), format!("<script>\n{SCRIPT}</script>\n"))
-    } else {
-        (String::new(), String::new())
-    };
-    format!(
-        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-         <title>{title}</title>\n<style>\n{fonts}{STYLE}</style>\n</head>\n<body>\n\
-         <header>\n{heading}{intro}{summary}{hint}</header>\n{navigation}\
-         <main>\n{main}</main>\n{script}</body>\n</html>\n"
-    )
+impl Report {
+    /// The report as one self-contained HTML page: style, font and figures inside.
+    pub fn to_html(&self) -> String {
+        let mut page = HtmlPage::default();
+        let main: String = self.blocks.iter().map(|block| page.block(block)).collect();
+        let intro: String =
+            self.intro.iter().map(|text| element("p class=\"lead\"", text)).collect();
+        let navigation = if page.contents.is_empty() {
+            String::new()
+        } else {
+            let contents = &page.contents;
+            format!("<nav aria-label=\"Contents\"><h2>Contents</h2>\n<ol>\n{contents}</ol></nav>\n")
+        };
+        let (title, heading) = (escape(&self.title), element("h1", &self.title));
+        let (fonts, summary) = (fonts(), summary(self));
+        let (hint, script) = if page.interactive {
+            (format!("<p class=\"hint\">{HINT}</p>\n"), format!("<script>\n{SCRIPT}</script>\n"))
+        } else {
+            (String::new(), String::new())
+        };
+        format!(
+            "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+             <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+             <title>{title}</title>\n<style>\n{fonts}{STYLE}</style>\n</head>\n<body>\n\
+             <header>\n{heading}{intro}{summary}{hint}</header>\n{navigation}\
+             <main>\n{main}</main>\n{script}</body>\n</html>\n"
+        )
+    }
 }
 
 /// Counters of a page while its blocks are written.

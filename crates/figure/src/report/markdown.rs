@@ -3,32 +3,35 @@
 use super::{Report, ReportBlock, TableCell, is_numeric};
 use crate::text;
 
-/// Renders the report; `figure_path` maps figure identifiers to paths.
-pub(super) fn render(report: &Report, figure_path: impl Fn(&str) -> String) -> String {
-    let mut parts = vec![format!("# {}", line(&report.title))];
-    parts.extend(report.intro.iter().map(|text| line(text)));
-    let mut number = 0;
-    for block in &report.blocks {
-        parts.push(match block {
-            ReportBlock::Section { title } => format!("## {}", line(title)),
-            ReportBlock::Subsection { title } => format!("### {}", line(title)),
-            ReportBlock::Paragraph { text } => line(text),
-            ReportBlock::Figure { id, caption, .. } => {
-                number += 1;
-                let path = figure_path(id);
-                let caption = line(caption);
-                format!("![Figure {number}](<{path}>)\n\n**Figure {number}.** {caption}")
-            }
-            ReportBlock::Table { headers, rows } => table(headers, rows),
-            ReportBlock::KeyValues { pairs } => {
-                let items = pairs
-                    .iter()
-                    .map(|(key, value)| format!("- **{}:** {}", line(key), line(value)));
-                items.collect::<Vec<_>>().join("\n")
-            }
-        });
+impl Report {
+    /// The report as Markdown (GitHub's flavour); `figure_path` gives the path of the picture of a
+    /// figure from its identifier.
+    pub fn to_markdown(&self, figure_path: impl Fn(&str) -> String) -> String {
+        let mut parts = vec![format!("# {}", line(&self.title))];
+        parts.extend(self.intro.iter().map(|text| line(text)));
+        let mut number = 0;
+        for block in &self.blocks {
+            parts.push(match block {
+                ReportBlock::Section { title } => format!("## {}", line(title)),
+                ReportBlock::Subsection { title } => format!("### {}", line(title)),
+                ReportBlock::Paragraph { text } => line(text),
+                ReportBlock::Figure { id, caption, .. } => {
+                    number += 1;
+                    let path = figure_path(id);
+                    let caption = line(caption);
+                    format!("![Figure {number}](<{path}>)\n\n**Figure {number}.** {caption}")
+                }
+                ReportBlock::Table { headers, rows } => table(headers, rows),
+                ReportBlock::KeyValues { pairs } => {
+                    let items = pairs
+                        .iter()
+                        .map(|(key, value)| format!("- **{}:** {}", line(key), line(value)));
+                    items.collect::<Vec<_>>().join("\n")
+                }
+            });
+        }
+        parts.join("\n\n") + "\n"
     }
-    parts.join("\n\n") + "\n"
 }
 
 fn table(headers: &[String], rows: &[Vec<TableCell>]) -> String {

@@ -2,9 +2,9 @@
 
 use std::cell::RefCell;
 
-use super::{
-    PART, Posterior, PosteriorDiagnostics, PosteriorOptions, chain_diagnostics, layout, spread,
-};
+use super::chains::{PART, PosteriorDiagnostics, chain_diagnostics, layout, spread};
+use super::options::PosteriorOptions;
+use super::summary::Posterior;
 use crate::error::InferenceError;
 use crate::fit_problem::FitProblem;
 use crate::importance::{effective_draws, normalised, pareto_shape};

@@ -1,6 +1,7 @@
-//! Means, quantiles and bands of weighted draws.
+//! Weighted draws: means, quantiles and bands.
 
-use super::Posterior;
+use super::chains::PosteriorDiagnostics;
+use crate::model::Predictions;
 
 /// Pointwise quantiles of a curve over the posterior.
 #[derive(Debug, Clone, PartialEq)]
@@ -9,6 +10,19 @@ pub struct CredibleBand {
     pub levels: Vec<f64>,
     /// The curve of quantiles for every level; NaN where no draw has a value.
     pub quantiles: Vec<Vec<f64>>,
+}
+
+/// Draws from the posterior distribution.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Posterior {
+    /// Values of the parameters, a row per draw.
+    pub draws: Vec<Vec<f64>>,
+    /// Weight of every draw; they sum to 1.
+    pub weights: Vec<f64>,
+    /// The model's predictions at every draw; empty where it has none (weight 0).
+    pub predictions: Vec<Predictions>,
+    /// Diagnostics.
+    pub diagnostics: PosteriorDiagnostics,
 }
 
 impl Posterior {
@@ -59,7 +73,7 @@ impl Posterior {
     }
 
     /// Pointwise quantiles of a curve computed from the parameters' values. Draws are left out where
-    /// their curve is not finite; the number of points is that of the first draw.
+    /// their curve is not finite; the first draw gives the number of points.
     pub fn band(&self, curve: &dyn Fn(&[f64]) -> Vec<f64>, levels: &[f64]) -> CredibleBand {
         let curves: Vec<Vec<f64>> = self.draws.iter().map(|draw| curve(draw)).collect();
         let value = |draw: usize, point: usize| curves[draw].get(point).copied();

@@ -6,7 +6,6 @@ use num_complex::Complex64;
 
 use crate::arrays::{Array, Layout};
 use crate::decoding::Budget;
-use crate::mat::MATRIX;
 use crate::mat::element::{ElementFault, Elements, Tag};
 use crate::notice::Notices;
 use crate::number::{Endian, NumberType};
@@ -20,6 +19,9 @@ pub(crate) struct MatContext<'a> {
     pub(crate) file: &'a str,
     pub(crate) place: FilePosition,
 }
+
+/// Type of an element that holds a matrix.
+pub(crate) const MATRIX: u32 = 14;
 
 /// Array classes.
 const STRUCTURE: u8 = 2;

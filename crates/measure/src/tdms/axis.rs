@@ -93,6 +93,6 @@ impl Times {
             return Abscissa::Uneven { values, quantity: ChannelQuantity::Time };
         };
         let tolerance = 4.0 * f64::from(f32::EPSILON) * largest.max(even.1);
-        rate::continued(even, from, values, |_| tolerance, notices)
+        Abscissa::continued(even, from, values, |_| tolerance, notices)
     }
 }

@@ -8,8 +8,6 @@ use std::collections::BTreeMap;
 use crate::tdms_file::{TdmsFile, TdmsPath, TdmsSelection};
 
 use crate::notice::Notices;
-use crate::tdms::axis;
-use crate::tdms::measure_error;
 use crate::tdms::waveform::Waveform;
 use crate::{ByteStream, FilePosition, MeasureError};
 
@@ -73,15 +71,9 @@ pub(crate) fn gather<'a>(
             ));
         }
         let record = &mut records[place];
-        file.select(&mut record.selection, id).map_err(|error| measure_error(name, error))?;
+        let selected = file.select(&mut record.selection, id);
+        selected.map_err(|error| MeasureError::of_tdms(name, error))?;
         record.channels.push(id);
-    }
-    // Uneven times are kept for every channel.
-    for record in &records {
-        if axis::times_of(record, file.objects()).is_some() {
-            let times = record.samples.saturating_mul(8 * record.channels.len() as u64);
-            file.reserve(times, "the times").map_err(|error| measure_error(name, error))?;
-        }
     }
     Ok(records)
 }

@@ -44,7 +44,7 @@ impl Waveform {
         Ok(Self { even, quantity, time })
     }
 
-    /// True for the same sample times as those of `other`.
+    /// True for the same sample times as `other`.
     pub(crate) fn goes_with(&self, other: &Self) -> bool {
         let apart = match (self.time, other.time) {
             (Some(one), Some(other)) => one.since(other).abs(),

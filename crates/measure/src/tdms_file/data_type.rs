@@ -20,7 +20,7 @@ pub(crate) enum DataType {
 }
 
 impl DataType {
-    /// The type of a code; none for other codes, such as those of numbers of more than 8 bytes.
+    /// The type of a code; none for other codes, such as codes of numbers of more than 8 bytes.
     pub(crate) fn of_code(code: u32) -> Option<Self> {
         Some(match code {
             0 => Self::Void,

@@ -27,7 +27,7 @@ impl Extent {
         self.base + chunk * self.stride + self.column + value * step
     }
 
-    /// True for samples in the same chunks as those of `other`.
+    /// True for samples in the same chunks as `other`.
     pub(crate) fn lies_with(&self, other: &Self) -> bool {
         let shape =
             |extent: &Self| (extent.base, extent.row, extent.stride, extent.chunks, extent.values);

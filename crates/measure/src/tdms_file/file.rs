@@ -21,7 +21,7 @@ pub struct TdmsOptions {
     /// Most bytes of memory per byte of the file, for metadata and selected samples; one MiB is
     /// always allowed.
     pub expansion: u64,
-    /// True for the names of properties to keep; those of scales are always kept.
+    /// True for the names of properties to keep; properties of scales are always kept.
     pub keep: fn(&str) -> bool,
 }
 

@@ -11,7 +11,7 @@ pub(crate) const LENGTH: u64 = 28;
 
 /// Flags of the contents.
 pub(crate) const METADATA: u32 = 1 << 1;
-/// The list of objects does not continue that of the segment before.
+/// The list of objects does not continue the list of the previous segment.
 pub(crate) const NEW_LIST: u32 = 1 << 2;
 pub(crate) const RAW_DATA: u32 = 1 << 3;
 pub(crate) const INTERLEAVED: u32 = 1 << 5;
@@ -25,7 +25,7 @@ pub(crate) struct LeadIn {
     contents: u32,
     /// Start of the raw data.
     pub(crate) data: u64,
-    /// End of the segment; that of the file for a segment that was not closed.
+    /// End of the segment; the end of the file for a segment that was not closed.
     pub(crate) end: u64,
     /// True for a segment that was not closed by its writer.
     pub(crate) open: bool,

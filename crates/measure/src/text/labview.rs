@@ -43,7 +43,7 @@ pub(crate) struct HeaderAxis {
 pub(crate) struct LvmSegment {
     /// Start and step for each channel, or one for all.
     axes: Vec<HeaderAxis>,
-    /// Names of all columns, that of the abscissa first.
+    /// Names of all columns, the abscissa first.
     pub(crate) names: Vec<String>,
     /// Units of the channels.
     pub(crate) units: Vec<String>,

@@ -15,14 +15,14 @@ impl Text<'_> {
         rows: RowBlock,
         notices: &mut Notices,
     ) -> Result<Vec<Channel>, MeasureError> {
-        let (mut values, last) = (rows.values, self.source.line_place());
+        let (mut values, last) = (rows.values, self.reader.source.line_place());
         if !values.len().is_multiple_of(2) {
             let found = format!("{} columns", values.len());
             let expected = "pairs of columns, as X_Columns is Multi";
-            return Err(self.source.malformed(last, "a row", &found, expected));
+            return Err(self.reader.source.malformed(last, "a row", &found, expected));
         }
         if self.axes.is_empty() {
-            let pairs = self.columns.chunks_exact(2).zip(values.chunks_exact(2));
+            let pairs = self.reader.columns.chunks_exact(2).zip(values.chunks_exact(2));
             let pairs = pairs.zip(rows.roundings);
             let axes = pairs.enumerate().map(|(place, ((columns, values), rounding))| {
                 let header = self.segment.axis(2 * place + 1);
@@ -31,14 +31,14 @@ impl Text<'_> {
             self.axes = axes.collect::<Result<_, _>>()?;
         }
         let mut channels = Vec::with_capacity(values.len() / 2);
-        let pairs = self.columns.chunks_exact(2).zip(values.chunks_exact_mut(2));
+        let pairs = self.reader.columns.chunks_exact(2).zip(values.chunks_exact_mut(2));
         for (axis, (columns, values)) in self.axes.iter().zip(pairs) {
             let abscissa = axis.take_abscissa(values, self.rows, notices);
             if matches!(abscissa, Abscissa::Uneven { .. }) {
                 let expected = "an even step in every block up to this line";
                 let (quantity, name) = ("the X column of a channel", columns[1].name());
                 let found = format!("uneven for {name}");
-                return Err(self.source.malformed(last, quantity, &found, expected));
+                return Err(self.reader.source.malformed(last, quantity, &found, expected));
             }
             channels.push(columns[1].channel(std::mem::take(&mut values[1]), abscissa));
         }

@@ -3,8 +3,9 @@
 use crate::heading::Heading;
 use crate::notice::Notices;
 use crate::rate::rounding_of;
+use crate::source::Source;
+use crate::text::dialect::{Dialect, is_passed_over};
 use crate::text::labview::LvmSegment;
-use crate::text::{Text, is_passed_over};
 use crate::{Abscissa, Channel, ChannelUnit, MeasureError, Notice, Samples};
 
 /// A column of numbers.
@@ -79,37 +80,49 @@ impl Rounding {
     }
 }
 
-impl RowBlock {
+/// Reader of rows.
+pub(crate) struct RowReader<'a> {
+    pub(crate) source: Source<'a>,
+    pub(crate) dialect: Dialect,
+    pub(crate) is_labview: bool,
+    pub(crate) columns: Vec<NumberColumn>,
+    /// The last line read, where it is no row.
+    pub(crate) line: Vec<u8>,
+    /// Most rows of a block.
+    pub(crate) block: usize,
+}
+
+impl RowReader<'_> {
     /// Reads up to a block of rows; fewer at the end of the segment or file.
     pub(crate) fn read(
-        text: &mut Text<'_>,
+        &mut self,
         tracked: Tracked,
         notices: &mut Notices,
-    ) -> Result<Self, MeasureError> {
-        let mut values: Vec<Vec<f64>> = vec![Vec::new(); text.columns.len()];
+    ) -> Result<RowBlock, MeasureError> {
+        let mut values: Vec<Vec<f64>> = vec![Vec::new(); self.columns.len()];
         let unknown = Rounding { significant: 1, half_unit: f64::INFINITY };
         let count_tracked =
-            if let Tracked::Pairs = tracked { text.columns.len().div_ceil(2) } else { 1 };
+            if let Tracked::Pairs = tracked { self.columns.len().div_ceil(2) } else { 1 };
         let mut roundings = vec![unknown; count_tracked];
         let mut count = 0;
         // The line that begins the next segment is kept.
-        let ended = text.labview.is_some() && LvmSegment::opens(&text.line);
-        while count < text.block && !ended {
-            let before = text.source.position();
-            if !text.source.read_line(&mut text.line)? {
+        let ended = self.is_labview && LvmSegment::opens(&self.line);
+        while count < self.block && !ended {
+            let before = self.source.position();
+            if !self.source.read_line(&mut self.line)? {
                 break;
             }
-            if is_passed_over(&text.line) {
-                text.line.clear();
+            if is_passed_over(&self.line) {
+                self.line.clear();
                 continue;
             }
-            if text.labview.is_some() && LvmSegment::opens(&text.line) {
+            if self.is_labview && LvmSegment::opens(&self.line) {
                 break;
             }
             if count == 0 {
-                let width = (text.source.position() - before).max(1);
-                let left = text.source.remaining() / width + 2;
-                let room = usize::try_from(left).unwrap_or(usize::MAX).min(text.block);
+                let width = (self.source.position() - before).max(1);
+                let left = self.source.remaining() / width + 2;
+                let room = usize::try_from(left).unwrap_or(usize::MAX).min(self.block);
                 for column in &mut values {
                     column.reserve_exact(room);
                 }
@@ -119,71 +132,71 @@ impl RowBlock {
                     column.reserve_exact(column.len() / 8 + 8);
                 }
             }
-            let filled = read_row(text, &mut values, tracked, &mut roundings)?;
+            let filled = self.read_row(&mut values, tracked, &mut roundings)?;
             if filled < values.len() {
-                if text.source.remaining() > 0 {
-                    return Err(wrong_row(text, filled));
+                if self.source.remaining() > 0 {
+                    return Err(self.wrong_row(filled));
                 }
                 for column in &mut values {
                     column.truncate(count);
                 }
-                notices.add(Notice::RowCutOff { place: text.source.line_place() });
+                notices.add(Notice::RowCutOff { place: self.source.line_place() });
                 break;
             }
-            text.line.clear();
+            self.line.clear();
             count += 1;
         }
-        if text.source.remaining() == 0 && text.labview.is_none() {
-            text.line.clear();
+        if self.source.remaining() == 0 && !self.is_labview {
+            self.line.clear();
         }
-        Ok(Self { values, count, roundings })
+        Ok(RowBlock { values, count, roundings })
     }
-}
 
-/// Appends the numbers of the line and returns the number of columns filled.
-fn read_row(
-    text: &Text<'_>,
-    values: &mut [Vec<f64>],
-    tracked: Tracked,
-    roundings: &mut [Rounding],
-) -> Result<usize, MeasureError> {
-    let mut place = 0;
-    let wrong = |field: &[u8], expected: String| {
-        let found = String::from_utf8_lossy(field).into_owned();
-        text.source.malformed(text.source.line_place(), "a field", &found, expected)
-    };
-    for (index, field) in text.dialect.fields(&text.line).enumerate() {
-        let Some(column) = text.columns.get(place) else {
-            // The last column of LabVIEW is a comment.
-            if field.is_empty() || text.labview.is_some() {
+    /// Appends the numbers of the line and returns the number of columns filled.
+    fn read_row(
+        &self,
+        values: &mut [Vec<f64>],
+        tracked: Tracked,
+        roundings: &mut [Rounding],
+    ) -> Result<usize, MeasureError> {
+        let mut place = 0;
+        let wrong = |field: &[u8], expected: String| {
+            let found = String::from_utf8_lossy(field).into_owned();
+            self.source.malformed(self.source.line_place(), "a field", &found, expected)
+        };
+        for (index, field) in self.dialect.fields(&self.line).enumerate() {
+            let Some(column) = self.columns.get(place) else {
+                // The last column of LabVIEW is a comment.
+                if field.is_empty() || self.is_labview {
+                    continue;
+                }
+                return Err(wrong(field, format!("nothing after {} columns", self.columns.len())));
+            };
+            if index < column.index {
                 continue;
             }
-            return Err(wrong(field, format!("nothing after {} columns", text.columns.len())));
-        };
-        if index < column.index {
-            continue;
-        }
-        let Some(value) = text.dialect.number(field) else {
-            if field.is_empty() && text.source.remaining() == 0 {
-                return Ok(place);
+            let Some(value) = self.dialect.number(field) else {
+                if field.is_empty() && self.source.remaining() == 0 {
+                    return Ok(place);
+                }
+                return Err(wrong(field, format!("a number for `{}`", column.name())));
+            };
+            if let Some(rounding) = tracked.slot(place).and_then(|slot| roundings.get_mut(slot))
+                && let Ok(printed) = std::str::from_utf8(field)
+            {
+                let (half_unit, significant) = rounding_of(printed);
+                rounding.significant = rounding.significant.max(significant);
+                rounding.half_unit = rounding.half_unit.min(half_unit);
             }
-            return Err(wrong(field, format!("a number for `{}`", column.name())));
-        };
-        if let Some(rounding) = tracked.slot(place).and_then(|slot| roundings.get_mut(slot))
-            && let Ok(printed) = std::str::from_utf8(field)
-        {
-            let (half_unit, significant) = rounding_of(printed);
-            rounding.significant = rounding.significant.max(significant);
-            rounding.half_unit = rounding.half_unit.min(half_unit);
+            values[place].push(value);
+            place += 1;
         }
-        values[place].push(value);
-        place += 1;
+        Ok(place)
     }
-    Ok(place)
-}
 
-fn wrong_row(text: &Text<'_>, filled: usize) -> MeasureError {
-    let found = format!("{filled} columns");
-    let expected = format!("{} columns of numbers", text.columns.len());
-    text.source.malformed(text.source.line_place(), "a row", &found, expected)
+    fn wrong_row(&self, filled: usize) -> MeasureError {
+        let found = format!("{filled} columns");
+        let expected = format!("{} columns of numbers", self.columns.len());
+        self.source.malformed(self.source.line_place(), "a row", &found, expected)
+    }
 }

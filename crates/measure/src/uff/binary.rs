@@ -9,9 +9,9 @@ use num_complex::Complex64;
 use crate::notice::Notices;
 use crate::number::{Endian, NumberType};
 use crate::source::Source;
-use crate::uff::Values;
 use crate::uff::fields::integer;
 use crate::uff::header::FunctionHeader;
+use crate::uff::values::Values;
 use crate::{FilePosition, MeasureError, Notice};
 
 /// Position and type of binary numbers.

@@ -19,8 +19,8 @@ pub enum FrfEstimator {
     /// a = Gff,   b = Gxx / s^2
     /// ```
     ///
-    /// Its magnitude lies between those of `H1` (`s -> infinity`) and `H2` (`s -> 0`); the three
-    /// phases are equal.
+    /// Its magnitude lies between the magnitudes of `H1` (`s -> infinity`) and `H2` (`s -> 0`); the
+    /// three phases are equal.
     ///
     /// Source: G. T. Rocklin, J. Crowley and H. Vold, "A comparison of H1, H2
     /// and Hv frequency response functions", Proc. 3rd IMAC 1985, 272-278.
@@ -34,7 +34,7 @@ pub enum HvScaling {
     /// Equal noise-to-signal ratios: `s^2 = Gxx / Gff` at each frequency, which
     /// makes `Hv` the geometric mean of `H1` and `H2`.
     EqualRatios,
-    /// Standard deviation `s` of the response noise over that of the force
+    /// Standard deviation `s` of the response noise over the deviation of the force
     /// noise, in the response's unit per newton.
     NoiseRatio(f64),
 }

@@ -29,8 +29,8 @@ impl Coherence {
         self.values.iter().map(error).collect()
     }
 
-    /// Standard deviation of the phase, in radians: that of the magnitude for small errors, at most
-    /// `pi / sqrt(3)`, that of a uniformly distributed phase.
+    /// Standard deviation of the phase, in radians: the magnitude's for small errors, at most
+    /// `pi / sqrt(3)`, the deviation of a uniformly distributed phase.
     pub fn phase_error(&self) -> Vec<f64> {
         let most = std::f64::consts::PI / 3.0_f64.sqrt();
         self.magnitude_error().iter().map(|error| error.min(most)).collect()

@@ -32,7 +32,7 @@ pub struct CircleFit {
     pub modal_constant: Complex64,
     /// Root mean square distance of the points from the circle, over the radius.
     pub scatter: f64,
-    /// Root mean square difference of the angles from those of the mode, in radians.
+    /// Root mean square difference of the angles from the angles of the mode, in radians.
     pub angle_scatter: f64,
     /// Angle between the first and the last point, in radians.
     pub arc: f64,
@@ -93,7 +93,7 @@ fn mobility_within(response: &FrequencyResponse, width: &HalfPower) -> (Vec<f64>
     (frequencies, values)
 }
 
-/// Changes of a circle fit due to those of the receptance.
+/// Changes of a circle fit due to changes of the receptance.
 pub(crate) struct CircleSensitivity {
     /// Of the logarithm of the natural frequency.
     pub(crate) natural: LogReceptanceTerms,

@@ -18,9 +18,9 @@ const LARGEST_ERROR: f64 = 0.25;
 /// Modulation of a decay by a second mode.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Beating {
-    /// Amplitude of the second mode over that of the first.
+    /// Amplitude of the second mode over the amplitude of the first.
     pub ratio: f64,
-    /// Frequency of the second mode less that of the first, in hertz.
+    /// Frequency of the second mode less the frequency of the first, in hertz.
     pub offset_hz: f64,
     /// Error of the local decay rate due to the beat, over the mean decay rate.
     pub decay_rate_error: f64,

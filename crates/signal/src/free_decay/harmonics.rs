@@ -14,7 +14,7 @@ const EDGE_LEVEL: f64 = 0.1;
 /// Least amplitude of a harmonic, in standard deviations of its noise.
 const ABOVE_NOISE: f64 = 4.0;
 
-/// Amplitude of a harmonic over that of the fundamental.
+/// Amplitude of a harmonic over the amplitude of the fundamental.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DecayHarmonic {
     /// Ratio of the amplitudes as displacements.

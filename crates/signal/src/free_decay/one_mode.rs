@@ -1,13 +1,11 @@
 //! The part of a decay in which its band holds one mode.
 
-use std::ops::RangeInclusive;
-
 use num_complex::Complex64;
 
 use crate::noise::median_of;
 
-use super::DecayPoint;
 use super::beating::{BeatSearch, Beating, FEWEST_BEATS};
+use super::point::{DecayPoint, span_of};
 
 /// Growth of the amplitude, in standard deviations, that noise does not explain.
 const GROWTH: f64 = 6.0;
@@ -122,14 +120,4 @@ fn strongest(
     };
     let found = [of(points), of(&points[points.len() / 2..])];
     found.into_iter().flatten().max_by(|a, b| a.decay_rate_error.total_cmp(&b.decay_rate_error))
-}
-
-/// Samples of the lines of some points.
-pub(super) fn span_of(
-    points: &[DecayPoint],
-    half: usize,
-    rate: f64,
-) -> Option<RangeInclusive<usize>> {
-    let place = |one: &DecayPoint| (one.point.time_s * rate).round() as usize;
-    Some(place(points.first()?) - half..=place(points.last()?) + half)
 }

@@ -6,8 +6,8 @@ use crate::spectrum::Spectrum;
 
 /// Zero padding of the spectra.
 const PADDING: usize = 4;
-/// Least height of a neighbouring resonance over that of the strongest, and the largest minimum
-/// between both over the height of the neighbour.
+/// Least height of a neighbouring resonance over the height of the strongest, and the largest
+/// minimum between both over the height of the neighbour.
 const NEIGHBOUR: f64 = 0.02;
 const VALLEY: f64 = 0.3;
 /// Least power of a neighbour over the median about the strongest resonance: the largest of a

@@ -7,9 +7,10 @@ use crate::noise::robust_level;
 const JUMP: f64 = 2.5;
 /// Blocks (cycles) before a blow, and of a rest.
 const BEFORE: usize = 8;
-/// Level of noise over that of its quiet blocks.
+/// Level of noise over the level of its quiet blocks.
 const NOISE: f64 = 2.5;
-/// Least level of a decay over that of the quiet blocks, and over the largest level of the record.
+/// Least level of a decay over the level of the quiet blocks, and over the largest level of the
+/// record.
 const ABOVE_NOISE: f64 = 4.0;
 const LEAST: f64 = 1e-3;
 /// Least fall of a decay.
@@ -72,7 +73,7 @@ pub(crate) struct Levels {
 /// Finds the free decays of responses that are sampled together, without their force.
 ///
 /// The level of a block of one cycle is the root of the sum over the responses of its mean square
-/// about the median, each over that of its quiet blocks. A decay begins
+/// about the median, each over the level of its quiet blocks. A decay begins
 ///
 /// - at a blow: a block 2.5 times above the largest of the eight before it;
 /// - after a sustained excitation: at the last block of at least 0.9 of its level;

@@ -10,7 +10,7 @@ const WRAPPED: f64 = 1e-12;
 
 /// The analytic signal `x + i Hilbert(x)`, filtered by a band if one is given.
 ///
-/// The transform of the result is twice that of `x` above zero frequency and
+/// The transform of the result is twice the transform of `x` above zero frequency and
 /// zero below; with a band it is twice the gain at every frequency, of either
 /// sign, times that of `x`. Its magnitude is the envelope and its angle the phase of a
 /// signal that oscillates about zero. Against circular convolution the record is padded with zeros
@@ -40,8 +40,8 @@ pub fn analytic_signal(
     filtered(samples, sample_rate_hz, band, gain)
 }
 
-/// The analytic signal whose transform is twice a `gain` times that of the samples, at frequencies of
-/// either sign; the gain is zero above the end of the `band`, and settles with it.
+/// The analytic signal whose transform is twice a `gain` times the transform of the samples, at
+/// frequencies of either sign; the gain is zero above the end of the `band`, and settles with it.
 pub(super) fn filtered(
     samples: &[f64],
     sample_rate_hz: f64,

@@ -36,11 +36,11 @@ pub struct ResponseWindow {
 const BAND: f64 = 0.3;
 /// Cycles over which the envelope is averaged.
 const CYCLES: f64 = 4.0;
-/// Mean square envelope at the end of the decay, over that of the noise.
+/// Mean square envelope at the end of the decay, over the mean square envelope of the noise.
 const ABOVE_NOISE: f64 = 4.0;
 /// Part of a resonance beyond the window, over the standard deviation of its noise.
 const CUT: f64 = 0.3;
-/// Length of the taper, over that of the decay.
+/// Length of the taper, over the length of the decay.
 const TAPER: f64 = 0.3;
 
 /// Envelope of the band about a resonance.

@@ -1,9 +1,7 @@
 //! Files that are whole or absent.
 
-use std::collections::hash_map::RandomState;
 use std::ffi::OsStr;
-use std::fs::{self, File};
-use std::hash::{BuildHasher, Hasher};
+use std::fs::File;
 use std::io::{self, BufWriter};
 use std::path::Path;
 
@@ -18,23 +16,23 @@ pub(super) fn is_temporary(name: &OsStr) -> bool {
 /// Writes a file under another name, brings it to the disk and renames it: it is whole or absent.
 pub(super) fn write_whole(
     path: &Path,
-    write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
+    write: impl FnOnce(&mut BufWriter<&mut File>) -> io::Result<()>,
 ) -> io::Result<()> {
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
     let folder = path.parent().unwrap_or(Path::new("."));
-    // Shards on several machines must not meet in one name.
-    let random = RandomState::new().build_hasher().finish();
-    let temporary = folder.join(format!("{BEGUN}{random:016x}-{name}"));
-    let written = (|| {
-        let mut file = BufWriter::new(File::create(&temporary)?);
-        write(&mut file)?;
-        file.into_inner().map_err(io::IntoInnerError::into_error)?.sync_all()?;
-        fs::rename(&temporary, path)?;
-        // The name itself; a folder cannot be opened everywhere.
-        if cfg!(unix) { File::open(folder)?.sync_all() } else { Ok(()) }
-    })();
-    if written.is_err() {
-        let _ = fs::remove_file(&temporary);
+    let mut builder = tempfile::Builder::new();
+    // Shards on several machines do not meet in one name: the file must be new.
+    builder.prefix(BEGUN);
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        // Those of a new file; temporary files are private to their owner.
+        builder.permissions(std::fs::Permissions::from_mode(0o666));
     }
-    written
+    let mut temporary = builder.tempfile_in(folder)?;
+    let mut file = BufWriter::new(temporary.as_file_mut());
+    write(&mut file)?;
+    file.into_inner().map_err(io::IntoInnerError::into_error)?.sync_all()?;
+    temporary.persist(path).map_err(|error| error.error)?;
+    // The name itself; a folder cannot be opened everywhere.
+    if cfg!(unix) { File::open(folder)?.sync_all() } else { Ok(()) }
 }

@@ -1,4 +1,7 @@
 //! Rows of a CSV file by their number: the byte offsets of some rows are kept.
+//!
+//! The crate `csv` reads the records and gives their offsets. The index of `csv-index` holds every
+//! offset, 8 bytes a row, as a file of its own; this one holds at most 65,536 and no file.
 
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
@@ -7,7 +10,7 @@ use std::ops::Range;
 use csv::{ErrorKind, Reader, ReaderBuilder, StringRecord};
 use serde_json::Value;
 
-use super::TableColumn;
+use super::column::TableColumn;
 
 /// Rows from one kept offset to the next, at first.
 const FIRST_STRIDE: u64 = 256;

@@ -11,7 +11,7 @@ use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::schema::types::ColumnDescriptor;
 use serde_json::Value;
 
-use super::TableColumn;
+use super::column::TableColumn;
 use crate::study_table::{guarded, words};
 
 /// Rows that are checked at a time.
