@@ -12,7 +12,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let system = ContactSystem::of_structure(&structure, LawEvaluation::default())?;
     let mode = Continuation::Mode { near, from: 1e-9, to: 1e-7 };
     for point in &trace(&system, &mode, &HarmonicSettings::default())?.points {
-        let (frequency, ratio) = (point.frequency_hz(), point.harmonic_ratio());
+        let (frequency, ratio) = (point.frequency_hz(), point.displacement_ratio());
         println!("{:.2e} m: {frequency:.2} Hz, ratio {ratio:.4}", point.amplitude(1));
     }
     Ok(())

@@ -1,9 +1,7 @@
 //! A simulated hit, with defaults for everything but the force.
 
 use asperity_dynamics::{DynamicsError, Excitation, Integrator, Sampling, Transient};
-use asperity_signal::{
-    FrequencyResponse, HarmonicOptions, Harmonics, SignalError, find_harmonics, half_power,
-};
+use asperity_signal::{FrequencyResponse, HarmonicOptions, ReceptanceFeatures, SignalError};
 use asperity_structure::PreloadedStructure;
 
 /// Simulation of the response to a force on the top of a structure, from rest.
@@ -76,10 +74,10 @@ impl Simulation {
         let transient = self.method.integrate(structure, &self.excitation, &sampling)?;
         let (force, displacement) = (&transient.history.force, &transient.history.displacement);
         let response = FrequencyResponse::from_displacement(force, displacement, self.sample_rate)?;
-        let harmonics = structure.natural_frequency().map_or_else(Harmonics::default, |natural| {
-            find_harmonics(&response, natural, &HarmonicOptions::default())
-        });
-        Ok(SimulatedHit { transient, response, harmonics })
+        let features = structure
+            .natural_frequency()
+            .map(|natural| ReceptanceFeatures::of(&response, natural, &HarmonicOptions::default()));
+        Ok(SimulatedHit { transient, response, features: features.unwrap_or_default() })
     }
 }
 
@@ -90,26 +88,26 @@ pub struct SimulatedHit {
     pub transient: Transient,
     /// Receptance of the top at any frequency.
     pub response: FrequencyResponse,
-    /// Fundamental and second harmonic.
-    pub harmonics: Harmonics,
+    /// Fundamental, second harmonic and half-power crossings.
+    pub features: ReceptanceFeatures,
 }
 
 impl SimulatedHit {
     /// Frequency of the fundamental \[Hz\]; none without a peak.
     pub fn fundamental_hz(&self) -> Option<f64> {
-        self.harmonics.fundamental.map(|peak| peak.frequency_hz)
+        self.features.harmonics.fundamental.map(|peak| peak.frequency_hz)
     }
 
     /// A2/A1: the ratio of the receptances at second harmonic and fundamental; none without both
     /// peaks.
     pub fn harmonic_ratio(&self) -> Option<f64> {
-        self.harmonics.ratio()
+        self.features.harmonics.ratio()
     }
 
     /// Damping ratio from the half-power width of the fundamental. For a nonlinear response it
     /// also contains the change of frequency during the decay.
     pub fn half_power_damping(&self) -> Option<f64> {
-        half_power(&self.response, self.harmonics.fundamental.as_ref()?)
+        self.features.damping_ratio()
     }
 }
 

@@ -17,7 +17,8 @@ pub use asperity_law::{
 pub use asperity_mesh::{Body, Stack, Support};
 pub use asperity_scenario::Document;
 pub use asperity_signal::{
-    FrequencyResponse, HarmonicOptions, find_harmonics, half_power, logarithmic_decrement,
+    FrequencyResponse, HarmonicOptions, ReceptanceFeatures, find_harmonics, half_power,
+    logarithmic_decrement,
 };
 pub use asperity_structure::{Damping, PreloadedStructure};
 pub use asperity_table::Table;

@@ -30,9 +30,6 @@ const EXPONENTIAL_END: f64 = 0.01;
 /// Window about the largest peak of the band in which the fundamental is refined, over its
 /// frequency.
 const PEAK_WINDOW: (f64, f64) = (0.97, 1.03);
-/// Window of the second harmonic, over the fundamental: the window of a rig whose frequency changes
-/// along the decay is not at exactly two.
-const SECOND_WINDOW: (f64, f64) = (1.8, 2.2);
 /// Lowest frequency of the search without a band, in cycles over the hit.
 const MIN_CYCLES: f64 = 8.0;
 /// Highest frequency of the search without a band, over the sample rate.
@@ -116,11 +113,8 @@ impl<'a> ResponseAccumulator<'a> {
             exponential,
             until_noise: options.windows.until_noise,
         };
-        hammer.harmonics = HarmonicOptions {
-            fundamental_window: PEAK_WINDOW,
-            second_window: SECOND_WINDOW,
-            ..HarmonicOptions::default()
-        };
+        hammer.harmonics =
+            HarmonicOptions { fundamental_window: PEAK_WINDOW, ..HarmonicOptions::default() };
         hammer.keep_all = options.keep_all;
         let empty = FrfAverage::new(trigger.hit_samples, rate, response, 1)?;
         Ok(Self {

@@ -64,7 +64,7 @@
 //! let peak = branch.highest().ok_or("an empty branch")?;
 //! // Softer than the linear resonance, with a second harmonic.
 //! assert!(branch.is_complete() && peak.frequency_hz() < 0.995 * natural);
-//! assert!(peak.harmonic_ratio() > 0.01);
+//! assert!(peak.displacement_ratio() > 0.01);
 //! # Ok(())
 //! # }
 //! ```

@@ -74,8 +74,8 @@ impl PeriodicResponse {
         self.displacement.first().map_or(0.0, |u| u.arg())
     }
 
-    /// Second harmonic over fundamental at the driving point.
-    pub fn harmonic_ratio(&self) -> f64 {
+    /// Ratio of displacements `u2/u1` at the driving point: second harmonic over fundamental.
+    pub fn displacement_ratio(&self) -> f64 {
         self.amplitude(2) / self.amplitude(1)
     }
 

@@ -14,6 +14,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use asperity_simulation::quantity::Quantity;
 use serde_json::{Map, Value};
 
 use crate::data_files::{problem, read};
@@ -36,19 +37,19 @@ pub(super) struct AnalysedHits {
 
 /// Pointers to a feature of a hit and to its standard deviation due to noise.
 fn places(feature: &str) -> Option<(&'static str, Option<&'static str>)> {
-    Some(match feature {
-        "fundamental.frequency_hz" => {
+    Some(match Quantity::of_name(feature)?.0 {
+        Quantity::FundamentalFrequency => {
             ("/fundamental/frequency_hz", Some("/fundamental/frequency_uncertainty_hz"))
         }
-        "fundamental.receptance_m_per_n" => {
+        Quantity::FundamentalReceptance => {
             ("/fundamental/magnitude", Some("/fundamental/magnitude_uncertainty"))
         }
-        "fundamental.damping_ratio" => {
+        Quantity::DampingRatio => {
             ("/fundamental/damping_ratio", Some("/fundamental/damping_ratio_uncertainty"))
         }
-        "second_harmonic.frequency_hz" => ("/second_harmonic/frequency_hz", None),
-        "second_harmonic.receptance_m_per_n" => ("/second_harmonic/magnitude", None),
-        "harmonic_ratio" => ("/harmonic_ratio", Some("/harmonic_ratio_uncertainty")),
+        Quantity::SecondHarmonicFrequency => ("/second_harmonic/frequency_hz", None),
+        Quantity::SecondHarmonicReceptance => ("/second_harmonic/magnitude", None),
+        Quantity::HarmonicRatio => ("/harmonic_ratio", Some("/harmonic_ratio_uncertainty")),
         _ => return None,
     })
 }

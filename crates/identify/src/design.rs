@@ -143,7 +143,7 @@ impl DesignModel {
         covariance: &Covariance,
         noise_factor: f64,
     ) -> Result<DesignRanking, IdentificationError> {
-        self.forward.hold(&self.forward.controlled(best)?);
+        self.forward.hold(&self.forward.converged(best)?);
         let forward = &self.forward;
         let mut candidates = self.hit_candidates(best, noise_factor)?;
         for kind in &self.kinds {

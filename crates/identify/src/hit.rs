@@ -158,7 +158,7 @@ impl SimulatedHit {
     ) -> Result<HitSimulation, SimulationError> {
         let modal = rig.case.modal().unwrap_or_default();
         let excitation = self.excitation(rig, gains, folder)?;
-        let hit = rig.case.hit(&modal, excitation)?;
+        let hit = rig.case.case(&modal, excitation)?;
         let duration = self.duration.unwrap_or(hit.duration);
         Ok(match &self.resolution {
             Some(HitResolution { step, counts }) => {

@@ -1,7 +1,7 @@
 //! Step, modes and estimated errors of the simulated hits at the best fit.
 
 use asperity_simulation::error::SimulationError;
-use asperity_simulation::error_control::Controlled;
+use asperity_simulation::error_control::ConvergedRun;
 use asperity_simulation::quantity::Quantity;
 use asperity_simulation::warning::Warning;
 use serde::Serialize;
@@ -29,21 +29,20 @@ pub struct HitNumerics {
 }
 
 impl HitNumerics {
-    /// The numerics of all hits of a model, `controlled` at one point; hits that fail there are
+    /// The numerics of all hits of a model, `converged` at one point; hits that fail there are
     /// left out.
     pub(super) fn of(
         model: &ScenarioModel,
-        controlled: &[Result<Controlled, SimulationError>],
+        converged: &[Result<ConvergedRun, SimulationError>],
     ) -> Vec<Self> {
-        let hits = model.hits.iter().zip(controlled);
-        let numerics = hits.filter_map(|(hit, controlled)| {
-            let Controlled { hit: simulation, observables, counts, .. } =
-                controlled.as_ref().ok()?;
+        let hits = model.hits.iter().zip(converged);
+        let numerics = hits.filter_map(|(hit, converged)| {
+            let ConvergedRun { case, observables, counts, .. } = converged.as_ref().ok()?;
             let number = |quantity| observables.get(quantity, None);
             Some(Self {
                 data: hit.data.clone(),
-                peak_n: simulation.excitation.peak(),
-                step_s: simulation.step?,
+                peak_n: case.excitation.peak(),
+                step_s: case.step?,
                 modes_per_body: counts.clone(),
                 estimated_error: number(Quantity::EstimatedError).filter(|error| error.is_finite()),
                 sensitive_from_s: number(Quantity::SensitiveFrom),

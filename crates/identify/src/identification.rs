@@ -156,7 +156,7 @@ pub fn identify_with_progress(
         return Err(unfinished.stopped(WorkStage::Fit, own, None, Vec::new(), laws));
     }
     let best = best?;
-    let hits = HitNumerics::of(&forward, &forward.controlled(&best.point)?);
+    let hits = HitNumerics::of(&forward, &forward.converged(&best.point)?);
     notices.extend(HitNumerics::notices(&hits));
     work.begin(WorkStage::Profiles);
     let linearisation = best.linearise()?;
@@ -300,7 +300,7 @@ fn own_fit(
         found => found?.into_solution(),
     };
     // The best fit may need finer steps and more modes than those of the search.
-    if !work.is_stopped() && forward.hold(&forward.controlled(&given.point)?) {
+    if !work.is_stopped() && forward.hold(&forward.converged(&given.point)?) {
         let before = given.clone();
         given = match refit_with_progress(forward, &given, progress) {
             Err(InferenceError::NoPredictions { .. }) if work.is_stopped() => before,

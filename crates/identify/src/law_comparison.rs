@@ -139,7 +139,7 @@ fn fit_candidate(
         Ok(found) => found.into_solution(),
         // Steps that are too long for the start.
         Err(InferenceError::NoPredictions { .. }) => {
-            model.hold(&model.controlled(&model.start())?);
+            model.hold(&model.converged(&model.start())?);
             fit_with_progress(model, &options.fit, progress)?.into_solution()
         }
         Err(error) => return Err(error.into()),
@@ -147,7 +147,7 @@ fn fit_candidate(
     if found.chi_square > FAR * own_fit.chi_square.max(found.residuals.len() as f64) {
         return Ok(found);
     }
-    Ok(if model.hold(&model.controlled(&found.point)?) {
+    Ok(if model.hold(&model.converged(&found.point)?) {
         refit_with_progress(model, &found, progress)?.into_solution()
     } else {
         found

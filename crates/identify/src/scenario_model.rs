@@ -23,7 +23,7 @@ use crate::work::Work;
 use asperity_scenario::{LawRef, Laws};
 use asperity_simulation::assemble::build_law;
 use asperity_simulation::error::SimulationError;
-use asperity_simulation::error_control::{Controlled, ErrorControl, Request};
+use asperity_simulation::error_control::{ConvergedRun, ErrorControl, RunRequest};
 use asperity_simulation::observable_extractor::ObservableExtractor;
 use asperity_simulation::quantity::Quantity;
 
@@ -207,31 +207,30 @@ impl ScenarioModel {
 
     /// Every hit at `point` to the accuracy of its scenario: step and modes, observables with their
     /// errors.
-    pub(super) fn controlled(
+    pub(super) fn converged(
         &self,
         point: &[f64],
-    ) -> Result<Vec<Result<Controlled, SimulationError>>, SimulationError> {
+    ) -> Result<Vec<Result<ConvergedRun, SimulationError>>, SimulationError> {
         Ok(ErrorControl::new(self.batch).run(&self.requests(point)?))
     }
 
     /// The hits at `point` as requests of an accuracy.
-    fn requests(&self, point: &[f64]) -> Result<Vec<Request>, SimulationError> {
+    fn requests(&self, point: &[f64]) -> Result<Vec<RunRequest>, SimulationError> {
         let rigs = self.prepare(point)?;
-        let request = |hit: &SimulatedHit| -> Result<Request, SimulationError> {
+        let request = |hit: &SimulatedHit| -> Result<RunRequest, SimulationError> {
             let rig = &rigs[hit.rig];
             let excitation = hit.excitation(rig, hit.sensors.gains(point), &self.folder)?;
-            Ok(Request { prepared: Arc::clone(&rig.case), excitation, duration: hit.duration })
+            Ok(RunRequest { prepared: Arc::clone(&rig.case), excitation, duration: hit.duration })
         };
         self.hits.iter().map(request).collect()
     }
 
-    /// Holds step and modes of every hit: those that `controlled` hits have. One that cannot be
+    /// Holds step and modes of every hit: the step and modes of its `converged` run. A hit that cannot be
     /// integrated has a step of its own at every point. True if any is finer than before.
-    pub(super) fn hold(&mut self, controlled: &[Result<Controlled, SimulationError>]) -> bool {
+    pub(super) fn hold(&mut self, converged: &[Result<ConvergedRun, SimulationError>]) -> bool {
         let mut finer = false;
-        for (hit, controlled) in self.hits.iter_mut().zip(controlled) {
-            let Ok(Controlled { hit: HitSimulation { step: Some(step), .. }, counts, .. }) =
-                controlled
+        for (hit, run) in self.hits.iter_mut().zip(converged) {
+            let Ok(ConvergedRun { case: HitSimulation { step: Some(step), .. }, counts, .. }) = run
             else {
                 continue;
             };

@@ -175,7 +175,7 @@ fn step_and_modes_are_held_until_a_point_needs_finer_ones() {
     problem.scenario["duration_s"] = json!(0.04);
     let mut model = problem.model().unwrap().forward;
     let start = starts(&model);
-    let at = |model: &ScenarioModel, point: &[f64]| model.controlled(point).unwrap();
+    let at = |model: &ScenarioModel, point: &[f64]| model.converged(point).unwrap();
     let steps = |model: &ScenarioModel| -> Vec<f64> {
         model.hits.iter().map(|hit| hit.resolution.as_ref().unwrap().step).collect()
     };

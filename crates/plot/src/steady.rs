@@ -15,7 +15,7 @@ const MOST_NAMED: usize = 8;
 
 type Observable = fn(&PeriodicResponse) -> f64;
 
-/// Amplitude with backbones, harmonic ratio, and lowest pressure over one range of frequencies, with
+/// Amplitude with backbones, displacement ratio, and lowest pressure over one range of frequencies, with
 /// the special points of each branch; none without a branch.
 pub fn steady(found: &Steady) -> Option<Figure> {
     let branches: Vec<(f64, &Branch)> = found
@@ -47,7 +47,7 @@ pub fn steady(found: &Steady) -> Option<Figure> {
         let frequency = Axis::linear("Frequency", "Hz").range(low, high);
         all(Panel::new(frequency, axis), &branches, observable)
     };
-    let amplitude = Axis::linear("Amplitude A_{1}", "µm").scale(1e6);
+    let amplitude = Axis::linear("Amplitude u_{1}", "µm").scale(1e6);
     let mut amplitude = panel(amplitude, |point| point.amplitude(1));
     for (name, marker, rising) in SWEEPS {
         let sweeps = found.time_sweeps.iter().filter(|sweep| sweep.rising == rising);
@@ -64,7 +64,7 @@ pub fn steady(found: &Steady) -> Option<Figure> {
         let (x, y) = columns(&branch.points, |point| point.amplitude(1));
         amplitude = amplitude.series(Series::line(name, x, y).color(Color::BLACK).dash(dash));
     }
-    let ratio = panel(Axis::linear("Ratio A_{2}/A_{1}", ""), PeriodicResponse::harmonic_ratio);
+    let ratio = panel(Axis::linear("Ratio u_{2}/u_{1}", ""), PeriodicResponse::displacement_ratio);
     let pressure = panel(Axis::linear("Lowest pressure", "MPa").scale(1e-6), |point| {
         point.pressures.iter().map(|range| range.lowest).fold(f64::INFINITY, f64::min)
     });

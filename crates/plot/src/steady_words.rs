@@ -10,11 +10,11 @@ const MOST_LISTED: usize = 4;
 
 /// The peak inside a complete branch, or the reason why there is none.
 pub fn peak(branch: &BranchSummary) -> String {
-    let (Some(hz), Some(a1)) = (branch.peak_frequency_hz, branch.peak_amplitude_1_m) else {
+    let (Some(hz), Some(u1)) = (branch.peak_frequency_hz, branch.peak_amplitude_1_m) else {
         return "no response".to_owned();
     };
-    let ratio = branch.harmonic_ratio.unwrap_or(f64::NAN);
-    let numbers = format!("{hz:.3} Hz   A1 {a1:.5e} m   A2/A1 {ratio:.5}");
+    let ratio = branch.displacement_ratio.unwrap_or(f64::NAN);
+    let numbers = format!("{hz:.3} Hz   u1 {u1:.5e} m   u2/u1 {ratio:.5}");
     if branch.peak_is_inside {
         return format!("peak {numbers}");
     }

@@ -13,7 +13,7 @@
 //! gives the fundamental `(f1, A1 = |H(f1)|)` and the second harmonic `(f2, A2 = |H(f2)|)`
 //! ([`find_harmonics`]), with the ratio of receptances `A2/A1` ([`Harmonics::ratio`]), and damping
 //! from the half-power width ([`half_power`]). [`logarithmic_decrement`] gives damping from the
-//! decay itself.
+//! decay itself. [`ReceptanceFeatures`] are all of these for one hit.
 //!
 //! [`hammer_test`] analyses a record of many hits. Its steps:
 //!
@@ -83,6 +83,7 @@ mod interpolation;
 mod noise;
 mod peak;
 mod peak_sensitivity;
+mod receptance_features;
 mod response;
 mod ring_down;
 mod root;
@@ -126,12 +127,13 @@ pub use noise::{RobustLevel, band_density, quiet_density, robust_level, white_de
 pub use num_complex::Complex64;
 pub use peak::Peak;
 pub use peak_sensitivity::{PeakDerivative, PeakSensitivity};
+pub use receptance_features::ReceptanceFeatures;
 pub use response::FrequencyResponse;
 pub use ring_down::{
     Backbone, BackboneOptions, BackbonePoint, BackboneUncertainty, BandPass, analytic_signal,
     backbone,
 };
-pub use shared_force::{SharedForce, SharedForceFeatures};
+pub use shared_force::SharedForce;
 pub use spectrum::{Spectrum, fast_length};
 pub use transform::{transform_at, transform_pair_at};
 pub use uncertainty::{

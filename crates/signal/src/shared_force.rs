@@ -7,7 +7,8 @@ use num_complex::Complex64;
 
 use crate::damping::half_power_of;
 use crate::form::ResponseKind;
-use crate::harmonics::{HarmonicOptions, Harmonics, harmonics_of};
+use crate::harmonics::{HarmonicOptions, harmonics_of};
+use crate::receptance_features::ReceptanceFeatures;
 use crate::spectra::{BandSpectra, HitSpectra, Ripple};
 use crate::spectrum::{fast_length, forward_transform};
 use crate::transform::transform_at;
@@ -47,7 +48,7 @@ const ACCEPTED: f64 = 1e-6;
 ///     let features = shared
 ///         .analyse(&displacement, factor, 800.0, &HarmonicOptions::default())
 ///         .ok_or("a record that has decayed")?;
-///     let ratio = features.damping_ratio.ok_or("a peak with a width")?;
+///     let ratio = features.damping_ratio().ok_or("a peak with a width")?;
 ///     assert!((ratio - zeta).abs() < 1e-3);
 /// }
 /// # Ok::<(), &str>(())
@@ -60,15 +61,6 @@ pub struct SharedForce {
     length: usize,
     force: CentredTransform,
     keep: usize,
-}
-
-/// Harmonics and damping of a hit, from [`SharedForce::analyse`].
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct SharedForceFeatures {
-    /// Fundamental and second harmonic.
-    pub harmonics: Harmonics,
-    /// Damping ratio of the fundamental from its half-power width.
-    pub damping_ratio: Option<f64>,
 }
 
 impl SharedForce {
@@ -101,7 +93,7 @@ impl SharedForce {
         factor: f64,
         static_frequency_hz: f64,
         options: &HarmonicOptions,
-    ) -> Option<SharedForceFeatures> {
+    ) -> Option<ReceptanceFeatures> {
         if displacement.len() != self.samples.len() || factor == 0.0 {
             return None;
         }
@@ -111,7 +103,7 @@ impl SharedForce {
         let hit = SharedHit { shared: self, displacement, response, factor };
         let harmonics = harmonics_of(&hit, static_frequency_hz, options);
         let Some(first) = harmonics.fundamental else {
-            return Some(SharedForceFeatures { harmonics, damping_ratio: None });
+            return Some(ReceptanceFeatures { harmonics, ..ReceptanceFeatures::default() });
         };
         let f = first.frequency_hz;
         let exact = transform_at(displacement, self.rate, f).norm()
@@ -123,9 +115,8 @@ impl SharedForce {
         let power = |frequency| hit.power(frequency);
         let first_step = 0.25 * self.rate / displacement.len() as f64;
         let highest = (self.keep - POINTS) as f64 * hit.step();
-        let crossings = half_power_of(power, f, first_step, highest);
-        let damping_ratio = crossings.map(|crossings| crossings.ratio());
-        Some(SharedForceFeatures { harmonics, damping_ratio })
+        let half_power = half_power_of(power, f, first_step, highest);
+        Some(ReceptanceFeatures { harmonics, half_power, damping_ratio_decrement: None })
     }
 }
 

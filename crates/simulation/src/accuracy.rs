@@ -9,29 +9,15 @@
 //!
 //! where the order of the method gives the divisor: 3 for one of second order and twice the step, 1
 //! for one of first. Errors of different origin are added. They are compared
-//! with a scale of the observable, its own value for most.
+//! with the error scale of the observable
+//! ([`quantity`](crate::quantity)), its own value for most.
 
 use serde::Serialize;
 
-use crate::observables::Observables;
-use crate::quantity::{Observable, Quantity};
+use crate::quantity::{Observable, Values};
 
 /// Relative accuracy of a run that asks for none.
 pub const DEFAULT_ACCURACY: f64 = 1e-3;
-
-/// The fundamental frequency is held to this share of the accuracy of the other observables.
-const FREQUENCY_SHARE: f64 = 0.1;
-
-/// Second-harmonic over fundamental receptance below which the second harmonic is not resolved for
-/// its own sake.
-const SMALL_HARMONIC: f64 = 1e-2;
-
-/// Damping ratio below which the damping is not resolved for its own sake.
-const SMALL_DAMPING: f64 = 1e-2;
-
-/// Departure of one extreme pressure from rest, over the range of pressures, below which it is not
-/// resolved for its own sake; and stiffness over the stiffness at rest.
-const SMALL_DEPARTURE: f64 = 0.1;
 
 /// Estimated errors of the observables of one response.
 #[derive(Debug, Clone, PartialEq)]
@@ -67,13 +53,13 @@ pub struct AccuracySummary {
 impl ErrorEstimate {
     /// The estimate from the observables of a response, and those of another: the error is their
     /// difference over `divisor`.
-    pub(crate) fn new(found: &Observables, other: &Observables, divisor: f64, asked: f64) -> Self {
-        let all = Observable::all(found.interfaces());
+    pub(crate) fn new(found: Values<'_>, other: Values<'_>, divisor: f64, asked: f64) -> Self {
+        let all = Observable::all(found.interfaces);
         let mut estimate =
             Self { asked, relative: 0.0, worst: None, errors: vec![f64::NAN; all.len()].into() };
         for (place, &observable) in all.iter().enumerate() {
-            let Some(scale) = scale(found, observable) else { continue };
-            let [a, b] = [found, other].map(|one| one.values[place]);
+            let Some(scale) = found.error_scale(observable) else { continue };
+            let [a, b] = [found, other].map(|one| one.all[place]);
             // A peak that only one of them has is all error.
             let error = match (a.is_nan(), b.is_nan()) {
                 (true, true) => continue,
@@ -91,10 +77,10 @@ impl ErrorEstimate {
 
     /// The errors of another response of the same structure to a force of the same shape, whose
     /// `observables` have the same relative errors.
-    pub(crate) fn transferred(&self, from: &Observables, to: &Observables) -> Self {
+    pub(crate) fn transferred(&self, from: Values<'_>, to: Values<'_>) -> Self {
         let mut errors = self.errors.clone();
-        for (error, observable) in errors.iter_mut().zip(Observable::all(to.interfaces())) {
-            let ratio = match (scale(from, observable), scale(to, observable)) {
+        for (error, observable) in errors.iter_mut().zip(Observable::all(to.interfaces)) {
+            let ratio = match (from.error_scale(observable), to.error_scale(observable)) {
                 (Some(from), Some(to)) if from > 0.0 => to / from,
                 _ => f64::NAN,
             };
@@ -127,15 +113,15 @@ impl ErrorEstimate {
     }
 
     /// The same relative error of all observables.
-    pub(crate) fn of_share(found: &Observables, relative: f64, asked: f64) -> Self {
-        let all = Observable::all(found.interfaces());
-        let error = |observable| scale(found, observable).map_or(0.0, |scale| relative * scale);
+    pub(crate) fn of_share(found: Values<'_>, relative: f64, asked: f64) -> Self {
+        let all = Observable::all(found.interfaces);
+        let error = |one| found.error_scale(one).map_or(0.0, |scale| relative * scale);
         Self { asked, relative, worst: None, errors: all.into_iter().map(error).collect() }
     }
 
     /// No estimate: the accuracy counts as not reached.
-    pub(crate) fn unknown(found: &Observables, asked: f64) -> Self {
-        let errors = vec![f64::NAN; found.values.len()].into();
+    pub(crate) fn unknown(found: Values<'_>, asked: f64) -> Self {
+        let errors = vec![f64::NAN; found.all.len()].into();
         Self { asked, relative: f64::INFINITY, worst: None, errors }
     }
 
@@ -155,46 +141,6 @@ impl ErrorEstimate {
             of: self.worst.map(|observable| observable.name(interfaces)),
             errors: named.map(|(one, &error)| (one.name(interfaces), error.into())).collect(),
         }
-    }
-}
-
-/// The number that the error of an observable is compared with, in its unit; none for observables
-/// that are exact, that are settings, or that measure errors themselves.
-fn scale(found: &Observables, observable: Observable) -> Option<f64> {
-    let Observable { quantity, interface } = observable;
-    let of = |quantity| found.get(quantity, interface).map(f64::abs);
-    let whole = |quantity| found.get(quantity, None).map(f64::abs);
-    match quantity {
-        Quantity::FundamentalFrequency => Some(FREQUENCY_SHARE * of(quantity).unwrap_or(1.0)),
-        Quantity::FundamentalReceptance | Quantity::StiffnessAverage => of(quantity),
-        Quantity::DampingRatio | Quantity::DampingRatioDecrement => {
-            Some(of(quantity)?.max(SMALL_DAMPING))
-        }
-        Quantity::SecondHarmonicFrequency => {
-            let ratio = whole(Quantity::HarmonicRatio)?;
-            (ratio >= SMALL_HARMONIC).then(|| of(quantity))?
-        }
-        Quantity::SecondHarmonicReceptance => {
-            let first = whole(Quantity::FundamentalReceptance)?;
-            Some(of(quantity)?.max(SMALL_HARMONIC * first))
-        }
-        Quantity::HarmonicRatio => Some(of(quantity)?.max(SMALL_HARMONIC)),
-        Quantity::PressureMin | Quantity::PressureMax => {
-            let range = of(Quantity::PressureMax)? - of(Quantity::PressureMin)?;
-            let departure = found.get(quantity, interface)? - of(Quantity::StaticPressure)?;
-            Some(departure.abs().max(SMALL_DEPARTURE * range))
-        }
-        Quantity::StiffnessAtPressureMin => {
-            Some(of(quantity)?.max(SMALL_DEPARTURE * of(Quantity::StaticStiffness)?))
-        }
-        Quantity::ContactLost => {
-            let period = whole(Quantity::NaturalFrequency).map_or(0.0, f64::recip);
-            Some(of(quantity)?.max(period))
-        }
-        Quantity::EnergyInput | Quantity::EnergyDissipated | Quantity::EnergyStored => {
-            whole(Quantity::EnergyInput)
-        }
-        _ => None,
     }
 }
 
@@ -228,7 +174,7 @@ mod tests {
             let [estimated, of_fine] = [&default, &fine].map(|found| found.estimate().unwrap());
             assert!(estimated.is_reached() && default.warnings.is_empty(), "{law} {peak}");
             assert!(of_fine.is_reached(), "{law} {peak}");
-            let true_errors = ErrorEstimate::new(&default, &fine, 1.0, DEFAULT_ACCURACY);
+            let true_errors = ErrorEstimate::new(default.all(), fine.all(), 1.0, DEFAULT_ACCURACY);
             assert!(true_errors.is_reached(), "{law} {peak}: {true_errors:?}");
         }
     }

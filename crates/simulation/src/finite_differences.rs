@@ -13,7 +13,7 @@ use tracing::info_span;
 use crate::accuracy::{DEFAULT_ACCURACY, ErrorEstimate};
 use crate::assemble::Assembly;
 use crate::error::SimulationError;
-use crate::error_control::{contact_is_lost, parting_sample, perturbed};
+use crate::error_control::{contact_is_lost, divergence_sample, perturbed};
 use crate::observables::Observables;
 use crate::static_state::StaticSummary;
 
@@ -30,16 +30,16 @@ pub(crate) fn integrate(
     let Assembly { structure, excitation, sampling, method, .. } = assembly;
     let stage = info_span!("integrate").entered();
     let transient = method.integrate_with_progress(structure, excitation, sampling, progress)?;
-    let mut parted = None;
+    let mut diverged = None;
     if contact_is_lost(&transient.contacts) {
-        let twin = method.integrate(structure, &perturbed(excitation), sampling)?;
-        let displacements = (&transient.history.displacement, &twin.history.displacement);
-        parted = parting_sample(displacements.0, displacements.1);
+        let other = method.integrate(structure, &perturbed(excitation), sampling)?;
+        let displacements = (&transient.history.displacement, &other.history.displacement);
+        diverged = divergence_sample(displacements.0, displacements.1);
     }
     drop(stage);
     let mut found = info_span!("analyse")
         .in_scope(|| Observables::of_transient(assembly, at_rest, &transient))?;
-    if let Some(sample) = parted {
+    if let Some(sample) = diverged {
         found.mark_sensitive(transient.history.time[sample]);
     }
     if let Integrator::FiniteDifference(method) = method {
@@ -69,11 +69,11 @@ fn estimated(
         None => FiniteDifference { courant: 0.5 * method.courant, ..with_cell(0.5) },
     };
     let Ok(other) = other.integrate(structure, excitation, sampling) else {
-        return ErrorEstimate::unknown(found, DEFAULT_ACCURACY);
+        return ErrorEstimate::unknown(found.all(), DEFAULT_ACCURACY);
     };
     let Ok(observables) = Observables::of_transient(assembly, at_rest, &other) else {
-        return ErrorEstimate::unknown(found, DEFAULT_ACCURACY);
+        return ErrorEstimate::unknown(found.all(), DEFAULT_ACCURACY);
     };
     let divisor = (other.step / transient.step - 1.0).abs();
-    ErrorEstimate::new(found, &observables, divisor, DEFAULT_ACCURACY)
+    ErrorEstimate::new(found.all(), observables.all(), divisor, DEFAULT_ACCURACY)
 }

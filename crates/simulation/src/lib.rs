@@ -10,7 +10,7 @@
 //!
 //! is integrated in time, and every command reads the same [`observables`] off it: the harmonics of
 //! the receptance, extremes and averages of each contact, the energy balance, and [`warning`]s.
-//! [`quantity`] lists them with key, unit, label and derivative.
+//! [`quantity`] is the table of them: key, unit, label, accessor, error scale and derivative.
 //!
 //! | step | modules |
 //! |---|---|
@@ -36,6 +36,8 @@ pub mod prepared_scenario;
 pub mod provenance;
 pub mod quantity;
 pub mod record;
+mod response_parts;
+mod row_runner;
 pub mod row_simulator;
 pub mod run;
 pub mod sensitivity;

@@ -4,15 +4,14 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use asperity_dynamics::{Decimation, Excitation, HitResponse, HitSimulation};
 use asperity_signal::{
-    Complex64, DecimationFilter, HarmonicOptions, SharedForce, SharedForceFeatures, SignalError,
+    Complex64, DecimationFilter, HarmonicOptions, ReceptanceFeatures, SharedForce, SignalError,
     transform_at,
 };
 
 use crate::error::SimulationError;
-use crate::observables::{
-    Observables, Peaks, ResponseView, contact_views, features_of, free_from, frequency_response,
-};
+use crate::observables::Observables;
 use crate::prepared_scenario::PreparedScenario;
+use crate::response_parts::{ResponseParts, free_from, frequency_response};
 
 /// Forces kept at a time.
 const MOST_KEPT: usize = 32;
@@ -158,32 +157,29 @@ impl ObservableExtractor {
         hit: &HitSimulation,
         record: &HitResponse,
     ) -> Result<Observables, SimulationError> {
-        let mut peaks = Peaks::default();
+        let mut features = ReceptanceFeatures::default();
         let natural = prepared.at_rest.natural_frequency_hz;
         if let (Some(natural), Some((force, factor))) = (natural, self.force(hit, record)) {
             let options = HarmonicOptions::default();
             let shared = force.shared.as_ref();
-            let features =
+            let found =
                 shared.and_then(|s| s.analyse(&record.displacement, factor, natural, &options));
-            let features = match features {
-                Some(features) => features,
-                None => force.analyse_exactly(factor, record, natural)?,
+            let found = match found {
+                Some(found) => found,
+                None => force.analyse_exactly(factor, record, natural, &options)?,
             };
             // From the sample before the end of the force on.
             let decay = record.displacement.get(force.free as usize..).unwrap_or_default();
-            peaks = Peaks::new(features, decay, force.free.fract(), sample_rate(record));
+            features = found.with_decay(decay, force.free.fract(), sample_rate(record));
         }
-        let interfaces = prepared.assembly.structure.contacts();
-        let view = ResponseView {
-            at_rest: &prepared.at_rest,
-            interfaces,
-            peaks,
-            contacts: contact_views(interfaces, &record.contacts),
-            energy: Some(record.energy),
-            step: record.step,
-            steps: record.steps,
-        };
-        Ok(view.observables())
+        Ok(Observables::of(&ResponseParts::new(
+            &prepared.at_rest,
+            prepared.assembly.structure.contacts(),
+            &features,
+            &record.contacts,
+            record.energy,
+            (record.step, record.steps),
+        )))
     }
 }
 
@@ -204,9 +200,12 @@ impl DecimatedForce {
         factor: f64,
         record: &HitResponse,
         natural: f64,
-    ) -> Result<SharedForceFeatures, SignalError> {
+        options: &HarmonicOptions,
+    ) -> Result<ReceptanceFeatures, SignalError> {
         let force: Vec<f64> = self.samples.iter().map(|force| factor * force).collect();
         let response = frequency_response(&force, &record.displacement, sample_rate(record))?;
-        Ok(response.map(|response| features_of(&response, natural)).unwrap_or_default())
+        Ok(response
+            .map(|response| ReceptanceFeatures::of(&response, natural, options))
+            .unwrap_or_default())
     }
 }

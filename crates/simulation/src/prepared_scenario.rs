@@ -1,4 +1,4 @@
-//! An assembled scenario, prepared once for many hits that differ in their force alone.
+//! An assembled scenario, prepared once for many runs that differ in their force alone.
 
 use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -46,20 +46,20 @@ impl PreparedScenario {
         }
     }
 
-    /// The hit of `excitation` on the structure, recorded for the duration of the scenario.
+    /// The transient case of `excitation` on the structure, for the duration of the scenario.
     ///
     /// # Errors
     /// [`SimulationError::Dynamics`] for a force or a number of modes out of range.
-    pub fn hit(
+    pub fn case(
         &self,
         modal: &Modal,
         excitation: Excitation,
     ) -> Result<HitSimulation, SimulationError> {
         excitation.check()?;
-        let rig = self.modal_model(&self.mode_counts(modal, &excitation)?)?;
+        let model = self.modal_model(&self.mode_counts(modal, &excitation)?)?;
         let sampling = &self.assembly.sampling;
         let duration = sampling.samples() as f64 * sampling.interval();
-        Ok(HitSimulation { model: rig, excitation, duration, step: modal.step })
+        Ok(HitSimulation { model, excitation, duration, step: modal.step })
     }
 
     /// Number of modes kept of each body for `excitation`, the rigid one included.

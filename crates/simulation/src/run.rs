@@ -10,11 +10,12 @@ use tracing::info_span;
 
 use crate::assemble::Assembly;
 use crate::error::SimulationError;
-use crate::error_control::{ErrorControl, Request};
+use crate::error_control::{ErrorControl, RunRequest};
 use crate::finite_differences::integrate;
-use crate::observables::{Observables, frequency_response};
+use crate::observables::Observables;
 use crate::prepared_scenario::PreparedScenario;
 use crate::provenance::Provenance;
+use crate::response_parts::frequency_response;
 use crate::summary::{Numerics, Summary};
 
 /// Zero padding of the FRF that is written and drawn.
@@ -70,7 +71,7 @@ pub fn simulate_with_progress(
     let prepared = info_span!("assemble")
         .in_scope(|| PreparedScenario::new(scenario, document.folder()).map(Arc::new))?;
     let (transient, observables, modes_per_body) = if let Some(modal) = prepared.modal() {
-        let (transient, found, counts) = controlled(&prepared, modal, progress)?;
+        let (transient, found, counts) = converged(&prepared, modal, progress)?;
         (transient, found, Some(counts))
     } else {
         let (transient, found) = integrate(&prepared.assembly, &prepared.at_rest, progress)?;
@@ -95,21 +96,21 @@ pub fn simulate_with_progress(
 }
 
 /// The modal response to the accuracy of the scenario, and the modes of each body.
-fn controlled(
+fn converged(
     prepared: &Arc<PreparedScenario>,
     modal: Modal,
     progress: &(dyn Fn(f64) + Sync),
 ) -> Result<(Transient, Observables, Vec<usize>), SimulationError> {
     let Assembly { excitation, sampling, .. } = &prepared.assembly;
     let batch = Batch { instructions: modal.instructions };
-    let request =
-        Request { prepared: Arc::clone(prepared), excitation: excitation.clone(), duration: None };
+    let (prepared_run, excitation) = (Arc::clone(prepared), excitation.clone());
+    let request = RunRequest { prepared: prepared_run, excitation, duration: None };
     let stage = info_span!("choose step and modes").entered();
     let chosen = ErrorControl::new(batch).run_one(&request)?;
     drop(stage);
     progress(0.5);
     let _stage = info_span!("integrate and analyse").entered();
-    let transient = batch.transient(&chosen.hit, sampling)?;
+    let transient = batch.transient(&chosen.case, sampling)?;
     let found = Observables::of_transient(&prepared.assembly, &prepared.at_rest, &transient)?;
     progress(1.0);
     Ok((transient, found.with_estimate_of(&chosen.observables), chosen.counts))

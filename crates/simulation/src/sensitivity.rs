@@ -17,7 +17,7 @@ use serde::Serialize;
 use thiserror::Error;
 
 use crate::error::SimulationError;
-use crate::error_control::{ErrorControl, Request};
+use crate::error_control::{ErrorControl, RunRequest};
 use crate::parameter::{ParameterError, ScenarioParameter};
 use crate::prepared_scenario::PreparedScenario;
 use crate::warning::Warning;
@@ -128,12 +128,12 @@ pub fn sensitivities(
     };
     let batch = Batch { instructions: method.instructions };
     let excitation = prepared.assembly.excitation.clone();
-    let chosen = ErrorControl::new(batch).run_one(&Request {
+    let chosen = ErrorControl::new(batch).run_one(&RunRequest {
         prepared: Arc::clone(&prepared),
         excitation,
         duration: None,
     })?;
-    let (base, counts) = (chosen.hit, chosen.counts);
+    let (base, counts) = (chosen.case, chosen.counts);
     let mut all = Vec::with_capacity(pointers.len());
     for pointer in pointers {
         all.push(Varied::new(document, pointer, &base, &counts)?);

@@ -3,7 +3,6 @@
 use serde::Serialize;
 
 use crate::assemble::Assembly;
-use crate::quantity::{Observable, Quantity};
 
 /// State at rest.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -42,19 +41,6 @@ impl StaticSummary {
                     closure_m: contact.closure(),
                 })
                 .collect(),
-        }
-    }
-
-    /// Value of an observable at rest; none for any other.
-    pub(crate) fn value(&self, observable: Observable) -> Option<f64> {
-        let Observable { quantity, interface } = observable;
-        let contact = interface.and_then(|at| self.interfaces.get(at));
-        match quantity {
-            Quantity::NaturalFrequency => self.natural_frequency_hz,
-            Quantity::StaticPressure => Some(contact?.pressure_pa),
-            Quantity::StaticStiffness => Some(contact?.stiffness_pa_per_m),
-            Quantity::StaticClosure => Some(contact?.closure_m),
-            _ => None,
         }
     }
 }

@@ -36,7 +36,7 @@ pub struct Summary {
     pub accuracy: Option<AccuracySummary>,
     /// True if the response depends on rounding.
     pub sensitive: bool,
-    /// Time from which on it does: where it and a response to a force larger by 1e-12 part.
+    /// Time from which on it does: where it and a response to a force larger by 1e-12 diverge.
     pub sensitive_from_s: Option<f64>,
     /// Warnings about the response.
     pub warnings: Vec<Warning>,

@@ -1,10 +1,11 @@
-//! Many runs of one scenario with some of its values varied.
+//! Many runs of one scenario with some of its values varied: the product of the values, run row by row
+//! as a study runs its rows.
 //!
 //! | module | holds |
 //! |---|---|
 //! | `variation` | pointers and their values |
 //! | `input_files` | files that the runs read, with their SHA-256 |
-//! | `plan` | the scenarios of a sweep, checked before the first run |
+//! | `plan` | the check of a sweep before the first run |
 //! | `table` | the results, and as CSV |
 
 mod input_files;
@@ -12,33 +13,20 @@ mod plan;
 mod table;
 mod variation;
 
-use std::collections::HashMap;
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
-use asperity_dynamics::Batch;
 use asperity_scenario::Document;
-use rayon::prelude::*;
 
-use crate::assemble::{Assembly, excitation};
 use crate::error::SimulationError;
-use crate::error_control::{ErrorControl, Request};
-use crate::finite_differences::integrate;
-use crate::observables::Observables;
-use crate::prepared_scenario::PreparedScenario;
-use plan::Plan;
+use crate::row_runner::RowRunner;
+use plan::checked_runs;
+use variation::chosen_values;
 
 pub use input_files::input_files;
 pub use plan::SweepError;
 pub use table::Sweep;
 pub use variation::{MOST_RUNS, Variation, VariationError, number_of_runs};
-
-/// Hits of one task, over the lanes of a batch: enough to fill the lanes again when some hits need
-/// a second attempt.
-const HITS_A_LANE: usize = 4;
-
-/// Prepared scenarios kept for later runs.
-const MOST_PREPARED: usize = 64;
 
 /// Runs the cartesian product of `variations` over `document`, the last varying fastest.
 ///
@@ -73,22 +61,14 @@ pub fn sweep_with_progress(
     variations: &[Variation],
     progress: &(dyn Fn(usize, usize) + Sync),
 ) -> Result<Sweep, SweepError> {
-    let plan = tracing::info_span!("check").in_scope(|| Plan::new(document, variations))?;
+    let count = tracing::info_span!("check").in_scope(|| checked_runs(document, variations))?;
     let _stage = tracing::info_span!("integrate and analyse").entered();
-    let batch = Batch::default();
-    let work = Work { plan: &plan, prepared: Mutex::default(), control: ErrorControl::new(batch) };
-    let size = batch.room() * HITS_A_LANE;
-    let finished = AtomicUsize::new(0);
-    let rows: Vec<Result<Row, SimulationError>> = (0..plan.runs().div_ceil(size))
-        .into_par_iter()
-        .flat_map_iter(|task| {
-            let runs = task * size..((task + 1) * size).min(plan.runs());
-            let count = runs.len();
-            let rows = work.rows(runs);
-            progress(finished.fetch_add(count, Ordering::Relaxed) + count, plan.runs());
-            rows
-        })
-        .collect();
+    let places = variations.iter().map(|variation| vec![variation.pointer.clone()]).collect();
+    let runner = RowRunner::new(document.clone(), places, false);
+    let values = |run: usize| chosen_values(run, variations);
+    let never = AtomicBool::new(false);
+    let rows = runner.run(count, values, &never, &|done| progress(done, count));
+    let rows = rows.unwrap_or_default();
     let named = rows.iter().find_map(|row| row.as_ref().ok());
     let columns = named.map_or_else(|| Arc::from([]), |(names, _)| Arc::clone(names));
     let mut warnings = Vec::new();
@@ -122,76 +102,4 @@ pub fn on_threads<T: Send>(threads: Option<usize>, work: impl FnOnce() -> T + Se
     }
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().ok()?;
     Some(pool.install(work))
-}
-
-/// The observables of one run, and their names, which runs share.
-type Row = (Arc<[String]>, Observables);
-
-/// State shared by the tasks of a sweep.
-struct Work<'a> {
-    plan: &'a Plan<'a>,
-    prepared: Mutex<HashMap<Vec<usize>, Arc<PreparedScenario>>>,
-    control: ErrorControl,
-}
-
-/// A run that has been set up: a modal hit, or a row that is done.
-enum Started {
-    Hit(Box<Request>),
-    Done(Row),
-}
-
-impl Work<'_> {
-    /// The rows of some runs: the modal ones in one batch, the others one by one.
-    fn rows(&self, runs: std::ops::Range<usize>) -> Vec<Result<Row, SimulationError>> {
-        let mut rows: Vec<Option<Result<Row, SimulationError>>> = Vec::new();
-        let mut requests: Vec<Request> = Vec::new();
-        let mut places: Vec<usize> = Vec::new();
-        for run in runs {
-            let place = rows.len();
-            rows.push(match self.start(run) {
-                Ok(Started::Hit(request)) => {
-                    requests.push(*request);
-                    places.push(place);
-                    None
-                }
-                Ok(Started::Done(row)) => Some(Ok(row)),
-                Err(error) => Some(Err(error)),
-            });
-        }
-        let outcomes = self.control.run(&requests);
-        for ((outcome, request), place) in outcomes.into_iter().zip(&requests).zip(places) {
-            let names = || Arc::clone(&request.prepared.names);
-            rows[place] = Some(outcome.map(|done| (names(), done.observables)));
-        }
-        rows.into_iter().flatten().collect()
-    }
-
-    /// The hit of a run, or its observables if it is not modal.
-    fn start(&self, run: usize) -> Result<Started, SimulationError> {
-        let chosen = self.plan.chosen(run);
-        let prepared = self.prepared(&chosen)?;
-        if prepared.modal().is_some() {
-            let excitation = excitation(&self.plan.excitation(&chosen)?, self.plan.folder())?;
-            return Ok(Started::Hit(Box::new(Request { prepared, excitation, duration: None })));
-        }
-        let assembly = Assembly::new(&self.plan.scenario(&chosen)?, self.plan.folder())?;
-        let (_, found) = integrate(&assembly, &prepared.at_rest, &|_| ())?;
-        Ok(Started::Done((Arc::clone(&prepared.names), found)))
-    }
-
-    fn prepared(&self, chosen: &[usize]) -> Result<Arc<PreparedScenario>, SimulationError> {
-        let key = self.plan.structure(chosen);
-        let known = || self.prepared.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(prepared) = known().get(&key) {
-            return Ok(Arc::clone(prepared));
-        }
-        let scenario = self.plan.scenario(chosen)?;
-        let prepared = Arc::new(PreparedScenario::new(&scenario, self.plan.folder())?);
-        let mut all = known();
-        if all.len() >= MOST_PREPARED {
-            all.clear();
-        }
-        // Another task may have been faster; both results are the same.
-        Ok(Arc::clone(all.entry(key).or_insert(prepared)))
-    }
 }

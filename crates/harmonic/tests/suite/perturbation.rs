@@ -27,7 +27,7 @@ fn found(point: &PeriodicResponse) -> ([f64; 3], f64) {
     let natural = natural_frequency(&reference_law());
     let shift = point.frequency_hz() / natural - 1.0;
     let pressure = MASS * (TAU * natural).powi(2) * point.amplitude(1) / AREA;
-    let values = [shift, point.harmonic_ratio(), point.mean_displacement / point.amplitude(1)];
+    let values = [shift, point.displacement_ratio(), point.mean_displacement / point.amplitude(1)];
     (values, pressure / PRESSURE)
 }
 

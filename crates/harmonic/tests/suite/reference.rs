@@ -25,7 +25,11 @@ fn the_peak_is_the_published_one() {
         let peak = found.of_kind(SpecialPointKind::Peak).next().unwrap();
         assert!((peak.frequency_hz() - 952.71).abs() < 5e-3, "{}", peak.frequency_hz());
         assert!((peak.amplitude(1) / 1.35887e-7 - 1.0).abs() < 5e-6, "{}", peak.amplitude(1));
-        assert!((peak.harmonic_ratio() - 0.01344).abs() < 5e-6, "{}", peak.harmonic_ratio());
+        assert!(
+            (peak.displacement_ratio() - 0.01344).abs() < 5e-6,
+            "{}",
+            peak.displacement_ratio()
+        );
         assert!(!peak.contact_lost());
     }
 }

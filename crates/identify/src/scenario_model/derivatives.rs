@@ -21,7 +21,7 @@ use crate::observed_quantity::{HitOutcome, ObservedQuantity, PointOutcomes, back
 use crate::stepped_sine::SweepStencil;
 use asperity_simulation::error::SimulationError;
 use asperity_simulation::observables::free_from;
-use asperity_simulation::quantity::Observable;
+use asperity_simulation::quantity::{Observable, Quantity};
 use asperity_simulation::sensitivity::{DerivativeTable, StaticStencil, with_laws_of};
 
 /// Step along the derivative of a decay, relative to that of the parameter's stencil.
@@ -168,8 +168,8 @@ impl ScenarioModel {
         };
         let rate = 1.0 / found.step;
         let count = found.values.displacement.len() - 1;
-        let transforms = |course: &StepHistory, frequency: f64| {
-            [&course.displacement, &course.force]
+        let transforms = |history: &StepHistory, frequency: f64| {
+            [&history.displacement, &history.force]
                 .map(|samples| transform_at(&samples[..count], rate, frequency))
         };
         let at_frequencies: Vec<[Complex64; 2]> =
@@ -179,10 +179,10 @@ impl ScenarioModel {
             receptance: at_frequencies.iter().map(|&[u, f]| u / f).collect(),
             backbone: Vec::new(),
         };
-        let derivatives = found.derivatives.iter().enumerate().map(|(parameter, course)| {
+        let derivatives = found.derivatives.iter().enumerate().map(|(parameter, history)| {
             let pairs = hit.frequencies.iter().zip(&at_frequencies);
             let receptance = pairs.map(|(&f, &[response, force])| {
-                let [d_response, d_force] = transforms(course, f);
+                let [d_response, d_force] = transforms(history, f);
                 (d_response - response / force * d_force) / force
             });
             HitOutcome {
@@ -197,7 +197,7 @@ impl ScenarioModel {
             derivatives,
             backbones: vec![Default::default(); steps.len()],
         };
-        let first = self.columns.find("fundamental.frequency_hz");
+        let first = self.columns.find(Quantity::FundamentalFrequency.key());
         let fundamental = first.map_or(f64::NAN, |column| all.outcome.columns[column]);
         if hit.backbone && fundamental.is_finite() {
             let force = &found.values.force[..count];
@@ -209,8 +209,8 @@ impl ScenarioModel {
                 .derivatives
                 .iter()
                 .zip(steps)
-                .map(|(course, step)| {
-                    let along = &course.displacement[free..count];
+                .map(|(history, step)| {
+                    let along = &history.displacement[free..count];
                     [ALONG * step, -ALONG * step].map(|step| {
                         let moved: Vec<f64> =
                             decay.iter().zip(along).map(|(u, rate)| u + step * rate).collect();

@@ -20,7 +20,7 @@ pub fn steady_report(summary: &SteadySummary, figure: Option<&Figure>) -> String
     if let Some(figure) = figure {
         page = page.section("Responses").interactive_figure(
             "steady",
-            "Fundamental of the top, harmonic ratio and lowest pressure of all contacts over \
+            "Fundamental of the top, displacement ratio and lowest pressure of all contacts over \
              frequency. Solid: stable; dashed: unstable. Marks: bifurcations, first loss of contact, \
              and ends of branches before the end of the range.",
             figure,
@@ -31,7 +31,7 @@ pub fn steady_report(summary: &SteadySummary, figure: Option<&Figure>) -> String
         let rows =
             [("phase resonance", &backbones.phase_resonance), ("damped mode", &backbones.mode)];
         let rows = rows.map(|(name, found)| backbone(name, found));
-        let headers = ["Backbone", "Points", "Last f (Hz)", "Last A_{1} (m)", "End"];
+        let headers = ["Backbone", "Points", "Last f (Hz)", "Last u_{1} (m)", "End"];
         page = page.section("Backbones").table(headers, rows);
     }
     if !summary.time_sweeps.is_empty() {
@@ -90,7 +90,7 @@ fn peaks(page: Report, summary: &SteadySummary) -> Report {
                 TableCell::from(branch.force_n),
                 number(branch.peak_frequency_hz),
                 number(branch.peak_amplitude_1_m),
-                number(branch.harmonic_ratio),
+                number(branch.displacement_ratio),
                 TableCell::Number(branch.harmonics.to_string()),
                 TableCell::Number(branch.points.to_string()),
                 remarks.join("; ").into(),
@@ -98,7 +98,7 @@ fn peaks(page: Report, summary: &SteadySummary) -> Report {
         }
     });
     let headers =
-        ["Force (N)", "Peak (Hz)", "A_{1} (m)", "A_{2}/A_{1}", "Harmonics", "Points", "Remarks"];
+        ["Force (N)", "Peak (Hz)", "u_{1} (m)", "u_{2}/u_{1}", "Harmonics", "Points", "Remarks"];
     page.table(headers, rows)
 }
 
@@ -119,7 +119,7 @@ fn bifurcations(page: Report, summary: &SteadySummary) -> Report {
     if rows.is_empty() {
         return page;
     }
-    let headers = ["Force (N)", "Kind", "Frequency (Hz)", "A_{1} (m)"];
+    let headers = ["Force (N)", "Kind", "Frequency (Hz)", "u_{1} (m)"];
     page.section("Bifurcations").table(headers, rows)
 }
 

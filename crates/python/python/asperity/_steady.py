@@ -46,12 +46,12 @@ class SteadyResponses:
     def peaks(self) -> Table:
         """Largest response of each branch, a row per force amplitude.
 
-        ``force_n``, ``peak_frequency_hz``, ``peak_amplitude_1_m``, ``harmonic_ratio`` (NaN where
+        ``force_n``, ``peak_frequency_hz``, ``peak_amplitude_1_m``, ``displacement_ratio`` (NaN where
         there is none), ``peak_is_inside`` (true if it is a peak of a branch that covers the whole
         range), ``contact_lost``, and ``error`` (text, empty for a branch that was found).
         """
         levels = self.summary["levels"]
-        numeric = ("force_n", "peak_frequency_hz", "peak_amplitude_1_m", "harmonic_ratio")
+        numeric = ("force_n", "peak_frequency_hz", "peak_amplitude_1_m", "displacement_ratio")
         columns: dict[str, ArrayLike] = {
             name: np.array([_number(level.get(name)) for level in levels]) for name in numeric
         }

@@ -49,7 +49,7 @@ fn decimated_hits_are_analysed_as_the_full_records() {
         assert!((first.magnitude / expected.magnitude - 1.0).abs() < 1e-5);
         assert!((first.value - expected.value).norm() < 2e-5 * expected.magnitude);
         let damping = half_power(&full, &expected).unwrap();
-        assert!((found.damping_ratio.unwrap() / damping - 1.0).abs() < 5e-5);
+        assert!((found.damping_ratio().unwrap() / damping - 1.0).abs() < 5e-5);
         assert_eq!(found.harmonics.second.is_some(), exact.second.is_some());
         if let (Some(second), Some(expected)) = (found.harmonics.second, exact.second) {
             assert!((second.frequency_hz / expected.frequency_hz - 1.0).abs() < 4e-6);

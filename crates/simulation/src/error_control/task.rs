@@ -1,11 +1,16 @@
-//! One response on its way to its accuracy.
+//! One run request while its step and modes are refined.
+//!
+//! At each level the response is compared with two others: one of another step, which shows the error by
+//! the step, and one of fewer modes, which shows the error by the modes left out. The response is
+//! accepted when all errors together are as small as was asked for; otherwise the next level has half the
+//! step, twice the modes, or both.
 
 use asperity_dynamics::{
     COARSE_RESIDUAL, ContactExtremes, DynamicsError, Excitation, HitResponse, HitSimulation, Modal,
 };
 use asperity_law::LawError;
 
-use super::{Controlled, Request};
+use super::converged_run::{ConvergedRun, RunRequest};
 use crate::accuracy::{DEFAULT_ACCURACY, ErrorEstimate};
 use crate::error::SimulationError;
 use crate::observables::Observables;
@@ -16,32 +21,32 @@ const MOST_REFINEMENTS: i32 = 7;
 /// Steps of a response beyond which it is not refined any more.
 const MOST_STEPS: f64 = 2e6;
 
-/// Steps times modes of a response beyond which it is not refined any more: some seconds, or, where a
-/// smaller accuracy than the default is asked for, minutes.
+/// Steps times modes of a response beyond which it is not refined any more: some seconds of
+/// computation, or minutes where a smaller accuracy than the default is asked for.
 const MOST_WORK: f64 = 1e8;
 const MOST_WORK_ASKED: f64 = 4e9;
 
-/// Most modes of a body: those too fast for the step count as flexibility anyway.
+/// Most modes of a body. Modes too fast for the step count as flexibility in any case.
 const MOST_MODES: usize = 512;
 
-/// Levels in a row without a response after which none is expected.
+/// Successive levels without a response after which the run fails.
 const MOST_FAILURES: usize = 4;
 
-/// Shares of the accuracy that the step, the number of modes, and modes too fast for the step may
-/// take; the rest is for the tables.
+/// Shares of the accuracy for the errors by the step, by the number of modes, and by modes too fast for
+/// the step. The rest is for the errors by the tables of the laws.
 const STEP_SHARE: f64 = 0.45;
 const COUNT_SHARE: f64 = 0.35;
 const FAST_SHARE: f64 = 0.1;
 
-/// Halvings from which on a response counts as far from converged, and its estimated error then, over
-/// the accuracy.
+/// A response counts as far from converged after this number of halvings with an estimated error of
+/// this multiple of the accuracy.
 const SUSPECT_REFINEMENTS: i32 = 2;
 const SUSPECT_ERROR: f64 = 10.0;
 
 /// A response and its observables.
 #[derive(Debug)]
 pub(super) struct Response {
-    pub(super) hit: HitSimulation,
+    pub(super) case: HitSimulation,
     pub(super) record: HitResponse,
     pub(super) observables: Observables,
 }
@@ -52,7 +57,7 @@ impl Response {
     }
 
     fn has_friction(&self) -> bool {
-        self.hit.model.preloaded().friction().is_some()
+        self.case.model.preloaded().friction().is_some()
     }
 }
 
@@ -61,10 +66,10 @@ pub(crate) fn contact_is_lost(contacts: &[ContactExtremes]) -> bool {
     contacts.iter().any(|contact| contact.lost > 0.0)
 }
 
-/// A request on its way.
+/// A request, its level, and the responses at it.
 #[derive(Debug)]
 pub(super) struct Task<'a> {
-    pub(super) request: &'a Request,
+    pub(super) request: &'a RunRequest,
     /// Modes of each body, and step \[s\], of the first level.
     counts: Vec<usize>,
     first_step: f64,
@@ -72,21 +77,22 @@ pub(super) struct Task<'a> {
     /// True if the scenario gives the step, or the modes.
     step_is_given: bool,
     modes_are_given: bool,
-    /// True if its level is that of many hits.
-    is_pilot: bool,
+    /// True for a reference run, whose level is the level of many runs.
+    is_reference: bool,
     pub(super) level: Level,
-    /// Levels in a row without a response.
+    /// Successive levels without a response.
     failures: usize,
     pub(super) fine: Option<Result<Response, SimulationError>>,
-    /// The response that the step is judged by; and the one, of fewer modes, that the modes are
-    /// judged by.
+    /// The response of another step, and the response of fewer modes, which show the errors of the fine
+    /// response.
     pub(super) other: Option<Result<Response, SimulationError>>,
     pub(super) fewer: Option<Result<Response, SimulationError>>,
-    /// Errors by the truncation of modes, of a response with so many.
+    /// Errors by the truncation of modes, with the number of modes of the response.
     truncation: Option<(usize, ErrorEstimate)>,
-    /// The time from which on the fine response depends on rounding, and the observables of its twin.
-    pub(super) parted: Option<(f64, Observables)>,
-    pub(super) done: Option<Result<Controlled, SimulationError>>,
+    /// The time from which on the fine response and its perturbed run differ, and the observables of the
+    /// perturbed run.
+    pub(super) diverged: Option<(f64, Observables)>,
+    pub(super) done: Option<Result<ConvergedRun, SimulationError>>,
 }
 
 /// Halvings of the first step, and doublings of the first modes.
@@ -97,26 +103,26 @@ pub(super) struct Level {
 }
 
 impl<'a> Task<'a> {
-    pub(super) fn new(request: &'a Request) -> Result<Self, SimulationError> {
+    pub(super) fn new(request: &'a RunRequest) -> Result<Self, SimulationError> {
         let prepared = &request.prepared;
         let modal = prepared.modal().unwrap_or_default();
-        let mut hit = prepared.hit(&modal, request.excitation.clone())?;
-        hit.duration = request.duration.unwrap_or(hit.duration);
+        let mut case = prepared.case(&modal, request.excitation.clone())?;
+        case.duration = request.duration.unwrap_or(case.duration);
         Ok(Self {
             request,
             counts: first_counts(prepared.mode_counts(&modal, &request.excitation)?, &modal),
-            first_step: hit.first_step()?.0,
-            duration: hit.duration,
+            first_step: case.first_step()?.0,
+            duration: case.duration,
             step_is_given: modal.step.is_some(),
             modes_are_given: modal.modes_per_body.is_some(),
-            is_pilot: false,
+            is_reference: false,
             level: Level::default(),
             failures: 0,
             fine: None,
             other: None,
             fewer: None,
             truncation: None,
-            parted: None,
+            diverged: None,
             done: None,
         })
     }
@@ -128,7 +134,8 @@ impl<'a> Task<'a> {
         self.counts.iter().map(modes).collect()
     }
 
-    pub(super) fn hit(
+    /// The transient case at a level under `excitation`.
+    pub(super) fn case(
         &self,
         level: Level,
         excitation: Excitation,
@@ -141,33 +148,33 @@ impl<'a> Task<'a> {
         })
     }
 
-    /// The hit at a level, if there is one.
-    pub(super) fn hit_at(&self, level: Level) -> Result<HitSimulation, SimulationError> {
-        self.hit(level, self.request.excitation.clone())
+    /// The transient case at a level.
+    pub(super) fn case_at(&self, level: Level) -> Result<HitSimulation, SimulationError> {
+        self.case(level, self.request.excitation.clone())
     }
 
-    pub(super) fn pilot(request: &'a Request) -> Result<Self, SimulationError> {
-        Ok(Self { is_pilot: true, ..Self::new(request)? })
+    pub(super) fn reference(request: &'a RunRequest) -> Result<Self, SimulationError> {
+        Ok(Self { is_reference: true, ..Self::new(request)? })
     }
 
-    /// True if the step is judged by one of half its length, false if by one of twice: a longer step
-    /// for many hits is worth the comparison.
+    /// True if the fine response is compared with one of half the step, false for one of twice the step.
+    /// Half the step costs more, and is worth it where the longer step then serves many runs.
     fn compares_with_half(&self) -> bool {
-        self.is_pilot || self.step_is_given
+        self.is_reference || self.step_is_given
     }
 
-    /// Level of the response that the step is judged by.
+    /// Level of the response of another step.
     pub(super) fn other_level(&self) -> Level {
         let change = if self.compares_with_half() { 1 } else { -1 };
         Level { step: self.level.step + change, ..self.level }
     }
 
-    /// Level of the response that the truncation of modes is judged by: of fewer modes.
+    /// Level of the response of fewer modes.
     pub(super) fn fewer_level(&self) -> Level {
         Level { modes: self.level.modes - 1, ..self.level }
     }
 
-    /// True if the truncation of the fine response's modes is not judged yet.
+    /// True if the error by the modes left out of the fine response is not estimated yet.
     pub(super) fn lacks_truncation(&self) -> bool {
         let Some(Ok(fine)) = &self.fine else { return false };
         let known = self.truncation.as_ref().map(|(modes, _)| *modes);
@@ -185,7 +192,7 @@ impl<'a> Task<'a> {
             && self.step_errors(fine).relative > SUSPECT_ERROR * self.accuracy()
     }
 
-    /// True if half the step, after a response of so many `modes`, is worth its work.
+    /// True if half the step, after a response of so many `modes`, is within the limits of work.
     fn may_halve(&self, modes: usize) -> bool {
         let steps = 2.0 * self.steps();
         !self.step_is_given
@@ -194,7 +201,7 @@ impl<'a> Task<'a> {
             && steps * modes as f64 <= self.most_work()
     }
 
-    /// True if twice the modes, after a response of so many, are worth their work.
+    /// True if twice the modes, after a response of so many, are within the limits of work.
     fn may_add_modes(&self, modes: usize) -> bool {
         let more = Level { modes: self.level.modes + 1, ..self.level };
         !self.modes_are_given
@@ -218,13 +225,13 @@ impl<'a> Task<'a> {
     /// Errors by the step.
     fn step_errors(&self, fine: &Response) -> ErrorEstimate {
         let Some(Ok(other)) = &self.other else {
-            return ErrorEstimate::unknown(&fine.observables, self.accuracy());
+            return ErrorEstimate::unknown(fine.observables.all(), self.accuracy());
         };
         let [finer, coarser] =
             if self.compares_with_half() { [other, fine] } else { [fine, other] };
         if finer.record.is_of_second_order && !coarser.record.is_of_second_order {
             // The error of the finer one may be the larger.
-            return ErrorEstimate::unknown(&fine.observables, self.accuracy());
+            return ErrorEstimate::unknown(fine.observables.all(), self.accuracy());
         }
         // Of second order while contact holds; of first where it is lost, or where friction begins to
         // slip.
@@ -235,56 +242,67 @@ impl<'a> Task<'a> {
             (true, false) => 0.75,
             (true, true) => 0.5,
         };
-        ErrorEstimate::new(&fine.observables, &other.observables, divisor, self.accuracy())
+        ErrorEstimate::new(
+            fine.observables.all(),
+            other.observables.all(),
+            divisor,
+            self.accuracy(),
+        )
     }
 
     /// Errors by the truncation of modes, of third order in their number; with loss of contact or
     /// friction of no certain order, the whole difference.
     fn truncation_errors(&self, fine: &Response) -> ErrorEstimate {
         match &self.fewer {
-            None => ErrorEstimate::of_share(&fine.observables, 0.0, self.accuracy()),
+            None => ErrorEstimate::of_share(fine.observables.all(), 0.0, self.accuracy()),
             Some(Ok(fewer)) => {
                 let kinks = fewer.loses_contact() || fine.loses_contact() || fine.has_friction();
                 let divisor = if kinks { 1.0 } else { 3.0 };
-                ErrorEstimate::new(&fine.observables, &fewer.observables, divisor, self.accuracy())
+                ErrorEstimate::new(
+                    fine.observables.all(),
+                    fewer.observables.all(),
+                    divisor,
+                    self.accuracy(),
+                )
             }
-            Some(Err(_)) => ErrorEstimate::unknown(&fine.observables, self.accuracy()),
+            Some(Err(_)) => ErrorEstimate::unknown(fine.observables.all(), self.accuracy()),
         }
     }
 
-    /// Errors by modes that neither the fine response nor the one that judges its step shows, from
-    /// above.
+    /// Upper bound of the errors by modes that are too fast for the fine response and for the response of
+    /// another step.
     fn fast_mode_errors(&self, fine: &Response) -> ErrorEstimate {
         let step = match &self.other {
             Some(Ok(other)) => other.record.step.min(fine.record.step),
             _ => fine.record.step,
         };
-        let error = fine.hit.error_of_fast_modes(step, &fine.record);
-        ErrorEstimate::of_share(&fine.observables, error, self.accuracy())
+        let error = fine.case.error_of_fast_modes(step, &fine.record);
+        ErrorEstimate::of_share(fine.observables.all(), error, self.accuracy())
     }
 
     /// Errors by the tables of the laws: their largest differences from the laws, over the ranges of
     /// pressure, are those of the forces.
     fn table_errors(&self, fine: &Response) -> ErrorEstimate {
-        let Ok(errors) = fine.record.table_errors(&fine.hit.model) else {
-            return ErrorEstimate::unknown(&fine.observables, self.accuracy());
+        let Ok(errors) = fine.record.table_errors(&fine.case.model) else {
+            return ErrorEstimate::unknown(fine.observables.all(), self.accuracy());
         };
         let share = |(error, contact): (f64, &ContactExtremes)| {
             if error == 0.0 { 0.0 } else { error / (contact.pressure_max - contact.pressure_min) }
         };
         let shares = errors.into_iter().zip(&fine.record.contacts).map(share);
         let largest = shares.fold(0.0, f64::max);
-        ErrorEstimate::of_share(&fine.observables, largest, self.accuracy())
+        ErrorEstimate::of_share(fine.observables.all(), largest, self.accuracy())
     }
 
-    /// Accepts the fine response with the errors of its pilot if contact held; begins anew otherwise.
-    pub(super) fn follow(&mut self, pilot: &(Level, Observables)) {
+    /// Accepts the fine response with the errors of its reference run if contact held; begins anew
+    /// otherwise.
+    pub(super) fn accept_as(&mut self, reference: &(Level, Observables)) {
         let fine = self.fine.take();
-        if let (Some(Ok(fine)), Some(estimate)) = (fine, pilot.1.estimate())
+        if let (Some(Ok(fine)), Some(estimate)) = (fine, reference.1.estimate())
             && !fine.loses_contact()
             && fine.record.energy.residual_relative() <= COARSE_RESIDUAL
         {
-            let estimate = estimate.transferred(&pilot.1, &fine.observables);
+            let estimate = estimate.transferred(reference.1.all(), fine.observables.all());
             self.done = Some(Ok(accepted(fine, self.counts_at(self.level), estimate)));
         } else {
             self.level = Level::default();
@@ -292,7 +310,7 @@ impl<'a> Task<'a> {
     }
 
     /// Accepts the fine response, or prepares the next level.
-    pub(super) fn judge(&mut self) {
+    pub(super) fn accept_or_refine(&mut self) {
         match self.fine.take() {
             None => {}
             Some(Err(error))
@@ -309,11 +327,12 @@ impl<'a> Task<'a> {
                 self.done = Some(Err(SimulationError::NotResolved { step_s, source }));
             }
             Some(Err(error)) => self.done = Some(Err(error)),
-            // Its hits are refined one by one.
+            // The runs of this reference are refined one by one.
             Some(Ok(fine))
-                if self.is_pilot && (fine.loses_contact() || self.is_far_from_converged(&fine)) =>
+                if self.is_reference
+                    && (fine.loses_contact() || self.is_far_from_converged(&fine)) =>
             {
-                let estimate = ErrorEstimate::unknown(&fine.observables, self.accuracy());
+                let estimate = ErrorEstimate::unknown(fine.observables.all(), self.accuracy());
                 self.done = Some(Ok(accepted(fine, self.counts_at(self.level), estimate)));
             }
             Some(Ok(fine)) => {
@@ -348,12 +367,12 @@ impl<'a> Task<'a> {
                 let halve = is_coarse && self.may_halve(fine.record.modes);
                 let add_modes =
                     exceeds(&by_modes, COUNT_SHARE) && self.may_add_modes(fine.record.modes);
-                let parted = self.parted.take();
-                if parted.is_none() && add_modes {
+                let diverged = self.diverged.take();
+                if diverged.is_none() && add_modes {
                     self.level.modes += 1;
                     self.level.step += i32::from(halve);
                     self.other = None;
-                } else if parted.is_none() && halve {
+                } else if diverged.is_none() && halve {
                     self.level.step += 1;
                     self.truncation = Some((fine.record.modes, by_modes));
                     if self.compares_with_half() {
@@ -365,8 +384,8 @@ impl<'a> Task<'a> {
                     let by_tables = self.table_errors(&fine);
                     let estimate = by_step.plus(&by_modes).plus(&by_fast_modes).plus(&by_tables);
                     let mut done = accepted(fine, self.counts_at(self.level), estimate);
-                    if let Some((from, twin)) = parted {
-                        done.observables.set_sensitive(from, Some(&twin));
+                    if let Some((from, perturbed)) = diverged {
+                        done.observables.set_sensitive(from, Some(&perturbed));
                     }
                     self.done = Some(Ok(done));
                 }
@@ -385,12 +404,12 @@ fn first_counts(mut counts: Vec<usize>, modal: &Modal) -> Vec<usize> {
     counts
 }
 
-fn accepted(response: Response, counts: Vec<usize>, estimate: ErrorEstimate) -> Controlled {
-    Controlled {
+fn accepted(response: Response, counts: Vec<usize>, estimate: ErrorEstimate) -> ConvergedRun {
+    ConvergedRun {
         counts,
         record: response.record,
         observables: response.observables.with_estimate(estimate),
-        hit: response.hit,
+        case: response.case,
     }
 }
 

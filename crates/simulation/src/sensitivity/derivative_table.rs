@@ -2,13 +2,12 @@
 
 use asperity_dynamics::{Sensitivity, StepHistory, central_difference};
 use asperity_signal::{
-    FrequencyResponse, HarmonicOptions, Harmonics, Peak, PeakSensitivity, SharedForceFeatures,
-    SignalError, find_harmonics, half_power_crossings,
+    FrequencyResponse, HarmonicOptions, PeakSensitivity, ReceptanceFeatures, SignalError,
 };
 
-use crate::observables::{ContactView, Peaks, ResponseView, contact_value, frequency_response};
 use crate::prepared_scenario::PreparedScenario;
-use crate::quantity::{Observable, Quantity};
+use crate::quantity::{Accessor, Observable};
+use crate::response_parts::{PeakValues, ResponseParts, frequency_response};
 use crate::static_state::StaticSummary;
 use crate::warning::Warning;
 
@@ -49,129 +48,82 @@ impl DerivativeTable {
             }
             None => None,
         };
-        let harmonics = match (&response, natural) {
-            (Some(response), Some(natural)) => {
-                find_harmonics(response, natural, &HarmonicOptions::default())
-            }
-            _ => Harmonics::default(),
-        };
-        let derivatives = Derivatives {
-            stencils,
-            found,
-            samples: count,
-            first: PeakDerivative::new(response.as_ref(), harmonics.fundamental, true),
-            second: PeakDerivative::new(response.as_ref(), harmonics.second, false),
-        };
-        let damping_ratio = derivatives.first.as_ref().and_then(|first| first.damping_ratio);
-        let features = SharedForceFeatures { harmonics, damping_ratio };
+        let (mut features, mut peaks) = (ReceptanceFeatures::default(), Vec::new());
+        if let (Some(response), Some(natural)) = (&response, natural) {
+            features = ReceptanceFeatures::of(response, natural, &HarmonicOptions::default());
+            peaks = peak_derivatives(response, &features, &found.derivatives);
+        }
         let contacts = &found.values.contacts;
-        let view = ResponseView {
+        let parts = ResponseParts {
             at_rest: &prepared.at_rest,
             interfaces: prepared.assembly.structure.contacts(),
-            peaks: Peaks { features, decrement: None },
-            contacts: contacts
-                .iter()
-                .map(|&measures| ContactView { measures, lost: None })
-                .collect(),
+            peaks: PeakValues::of(&features),
+            contacts: contacts.clone(),
+            contact_lost: Vec::new(),
             energy: None,
             step: found.step,
             steps: count,
         };
+        peaks.resize(found.derivatives.len(), PeakValues::default());
+        let derivatives = |Observable { quantity, interface }: Observable| -> Vec<Option<f64>> {
+            match quantity.accessor() {
+                Accessor::AtRest(read) => {
+                    let difference = |(states, step): &StaticStencil<'_>| {
+                        let [a, b, c, d] = states.map(|state| read(state, interface));
+                        Some(central_difference([a?, b?, c?, d?], *step))
+                    };
+                    stencils.iter().map(difference).collect()
+                }
+                Accessor::Contact(read) => {
+                    let of = |history: &StepHistory| Some(read(history.contacts.get(interface?)?));
+                    found.derivatives.iter().map(of).collect()
+                }
+                Accessor::Peaks(read) => peaks.iter().map(read).collect(),
+                Accessor::Parts(_) => vec![None; found.derivatives.len()],
+            }
+        };
         let mut observables = Observable::all(contacts.len());
         observables.retain(|observable| observable.quantity.has_derivative());
         Ok(Self {
-            values: observables.iter().map(|&one| view.value(one)).collect(),
-            jacobian: observables.iter().map(|&one| derivatives.of(one)).collect(),
-            warnings: view.warnings(),
+            values: observables.iter().map(|one| one.value(&parts)).collect(),
+            jacobian: observables.iter().map(|&one| derivatives(one)).collect(),
+            warnings: parts.warnings(),
             observables,
         })
     }
 }
 
-/// The derivatives of a response.
-struct Derivatives<'a> {
-    stencils: &'a [StaticStencil<'a>],
-    found: &'a Sensitivity,
-    samples: usize,
-    first: Option<PeakDerivative>,
-    second: Option<PeakDerivative>,
-}
-
-impl Derivatives<'_> {
-    /// Derivatives of an observable with respect to every parameter.
-    fn of(&self, observable: Observable) -> Vec<Option<f64>> {
-        let Observable { quantity, interface } = observable;
-        match quantity {
-            Quantity::PressureMin
-            | Quantity::PressureMax
-            | Quantity::StiffnessAverage
-            | Quantity::StiffnessAtPressureMin => {
-                let of = |course: &StepHistory| {
-                    contact_value(course.contacts.get(interface?)?, quantity)
-                };
-                self.found.derivatives.iter().map(of).collect()
-            }
-            Quantity::NaturalFrequency
-            | Quantity::StaticPressure
-            | Quantity::StaticStiffness
-            | Quantity::StaticClosure => {
-                let of = |(states, step): &StaticStencil<'_>| {
-                    let [a, b, c, d] = states.map(|state| state.value(observable));
-                    Some(central_difference([a?, b?, c?, d?], *step))
-                };
-                self.stencils.iter().map(of).collect()
-            }
-            _ => {
-                let of = |course: &StepHistory| {
-                    let displacement = &course.displacement[..self.samples];
-                    self.of_peaks(quantity, displacement, &course.force[..self.samples])
-                };
-                self.found.derivatives.iter().map(of).collect()
-            }
-        }
-    }
-
-    /// Derivative of a quantity of the receptance from those of displacement and force.
-    fn of_peaks(&self, quantity: Quantity, displacement: &[f64], force: &[f64]) -> Option<f64> {
-        let first = self.first.as_ref();
-        let moved = |peak: Option<&PeakDerivative>| {
-            peak.map(|peak| peak.sensitivity.peak(displacement, force))
+/// Derivatives of the receptance peaks of a `response` from those of its displacement and force, for
+/// each parameter.
+fn peak_derivatives(
+    response: &FrequencyResponse,
+    features: &ReceptanceFeatures,
+    derivatives: &[StepHistory],
+) -> Vec<PeakValues> {
+    let [first, second] = [features.harmonics.fundamental, features.harmonics.second];
+    let of_first = first.map(|peak| PeakSensitivity::new(response, &peak, features.half_power));
+    let of_second = second.map(|peak| PeakSensitivity::new(response, &peak, None));
+    let derivative = |history: &StepHistory| {
+        // The state at the very end is beyond the samples.
+        let count = history.displacement.len() - 1;
+        let (displacement, force) = (&history.displacement[..count], &history.force[..count]);
+        let change = |of: &Option<PeakSensitivity>| {
+            let change = of.as_ref()?.peak(displacement, force);
+            Some((change.frequency_hz, change.magnitude))
         };
-        match quantity {
-            Quantity::FundamentalFrequency => Some(moved(first)?.frequency_hz),
-            Quantity::FundamentalReceptance => Some(moved(first)?.magnitude),
-            Quantity::DampingRatio => first?.sensitivity.damping_ratio(displacement, force),
-            Quantity::SecondHarmonicFrequency => Some(moved(self.second.as_ref())?.frequency_hz),
-            Quantity::SecondHarmonicReceptance => Some(moved(self.second.as_ref())?.magnitude),
-            Quantity::HarmonicRatio => {
-                let (below, above) = (first?.peak.magnitude, self.second.as_ref()?.peak.magnitude);
-                let relative = moved(self.second.as_ref())?.magnitude / above
-                    - moved(first)?.magnitude / below;
-                Some(relative * above / below)
-            }
-            _ => None,
+        let (fundamental, harmonic) = (change(&of_first), change(&of_second));
+        let ratio = || {
+            let (below, above) = (first?.magnitude, second?.magnitude);
+            let relative = harmonic?.1 / above - fundamental?.1 / below;
+            Some(relative * above / below)
+        };
+        PeakValues {
+            fundamental,
+            second: harmonic,
+            ratio: ratio(),
+            damping_ratio: of_first.as_ref().and_then(|of| of.damping_ratio(displacement, force)),
+            damping_ratio_decrement: None,
         }
-    }
-}
-
-/// A peak of the receptance and its derivative.
-struct PeakDerivative {
-    peak: Peak,
-    /// Half-power damping ratio, if wanted and there is one.
-    damping_ratio: Option<f64>,
-    sensitivity: PeakSensitivity,
-}
-
-impl PeakDerivative {
-    /// Of `peak`, with its half-power points if `damped`.
-    fn new(response: Option<&FrequencyResponse>, peak: Option<Peak>, damped: bool) -> Option<Self> {
-        let (response, peak) = (response?, peak?);
-        let crossings = if damped { half_power_crossings(response, &peak) } else { None };
-        let damping_ratio = crossings.map(|crossings| crossings.ratio());
-        Some(Self {
-            peak,
-            damping_ratio,
-            sensitivity: PeakSensitivity::new(response, &peak, crossings),
-        })
-    }
+    };
+    derivatives.iter().map(derivative).collect()
 }

@@ -8,20 +8,22 @@ use serde::Serialize;
 
 use crate::assemble::Assembly;
 
-/// Samples of a period.
+/// Samples a period.
 const SAMPLES: usize = 64;
 
-/// Transients of free bodies are integrated until they have fallen to this.
+/// The first integration lasts until the transient of free bodies has fallen to this share.
 const REMAINS: f64 = 1e-6;
 
-/// Fewest periods, and most: for lightly damped rigs, and a support without damping.
+/// Limits of the number of periods. Lightly damped structures, and supports without damping, would take
+/// more.
 const FEWEST_PERIODS: f64 = 20.0;
 const MOST_PERIODS: f64 = 8000.0;
 
-/// Scatter of the fundamental over the last quarter of the time up to which it has settled.
+/// Largest scatter of a settled fundamental over the last quarter of the time.
 const SETTLED: f64 = 1e-4;
 
-/// Times that twice as long a run does not halve the scatter until the motion counts as not periodic.
+/// The motion counts as not periodic when the time was doubled this number of times in a row and the
+/// scatter was not halved.
 const STALLED: usize = 2;
 
 /// Motion of the top under a harmonic force, by the fundamentals of successive periods.
@@ -31,9 +33,10 @@ const STALLED: usize = 2;
 pub enum SteadyMotion {
     /// The fundamental no longer changes from period to period.
     Periodic,
-    /// It still changes at the end, less and less.
+    /// The fundamental still changes at the end, less with each doubling of the time.
     NotSettled,
-    /// It scatters, no less after four times as long: the steady motion has not the period of the force.
+    /// The fundamental scatters, and no less after four times the time: the motion does not have the
+    /// period of the force.
     NonPeriodic,
 }
 
@@ -58,9 +61,9 @@ impl SettledAmplitude {
         self.motion == SteadyMotion::Periodic
     }
 
-    /// Integrates under a force of `amplitude` \[N\] at `frequency` \[Hz\] by `method`: first as long as
-    /// the bodies' damping takes, then twice as long again while the fundamental changes, up to 8000
-    /// periods or until it turns out not to settle.
+    /// Integrates under a force of `amplitude` \[N\] at `frequency` \[Hz\] by `method`. The first integration
+    /// has [`first_periods`]; the time is doubled while the fundamental changes, up to 8000 periods or until
+    /// the motion counts as not periodic.
     ///
     /// # Errors
     /// [`DynamicsError`] of the integration.
@@ -97,14 +100,14 @@ impl SettledAmplitude {
     }
 }
 
-/// Periods until a transient of free bodies, on damped contacts that of the lowest mode, at `frequency` \[Hz\] has fallen to a millionth, 20 to
-/// 8000.
+/// Periods at `frequency` \[Hz\] until the transient has fallen to a millionth, 20 to 8000: the transient of
+/// free bodies, or of the lowest mode where contacts are damped.
 pub fn first_periods(assembly: &Assembly, frequency: f64) -> f64 {
     periods_to_decay(assembly, frequency, REMAINS).clamp(FEWEST_PERIODS, MOST_PERIODS).ceil()
 }
 
-/// Periods at `frequency` \[Hz\] until such a transient has fallen to `remains`; infinite without
-/// damping.
+/// Periods at `frequency` \[Hz\] until the transient of [`first_periods`] has fallen to `remains`; infinite
+/// without damping.
 pub(super) fn periods_to_decay(assembly: &Assembly, frequency: f64, remains: f64) -> f64 {
     let structure = &assembly.structure;
     let mut rate = 0.5 * structure.damping_rate();

@@ -60,8 +60,8 @@ pub struct BranchSummary {
     pub peak_frequency_hz: Option<f64>,
     /// Largest fundamental of the top \[m\].
     pub peak_amplitude_1_m: Option<f64>,
-    /// Ratio of the second harmonic to the fundamental there.
-    pub harmonic_ratio: Option<f64>,
+    /// Ratio of displacements u2/u1 there: second harmonic over fundamental of the top.
+    pub displacement_ratio: Option<f64>,
     /// True if that is a peak inside a branch that covers the whole range.
     pub peak_is_inside: bool,
     /// Number of points.
@@ -241,7 +241,7 @@ impl LevelSummary {
             force_n,
             peak_frequency_hz: peak.map(PeriodicResponse::frequency_hz),
             peak_amplitude_1_m: peak.map(|peak| peak.amplitude(1)),
-            harmonic_ratio: peak.map(PeriodicResponse::harmonic_ratio),
+            displacement_ratio: peak.map(PeriodicResponse::displacement_ratio),
             peak_is_inside: branch.peak().is_some(),
             points: branch.points.len(),
             harmonics: branch.harmonics,

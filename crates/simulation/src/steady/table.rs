@@ -118,7 +118,7 @@ pub fn backbone_table(backbones: &Backbones) -> DataTable {
         .with("force_n", column(&|mode, point| if mode { f64::NAN } else { point.force }))
         .with("frequency_hz", column(&|_, point| point.frequency_hz()))
         .with("amplitude_1_m", column(&|_, point| point.amplitude(1)))
-        .with("harmonic_ratio", column(&|_, point| point.harmonic_ratio()))
+        .with("displacement_ratio", column(&|_, point| point.displacement_ratio()))
         .with(
             "damping_ratio",
             column(&|mode, point| if mode { point.damping_ratio() } else { f64::NAN }),

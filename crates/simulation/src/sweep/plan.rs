@@ -1,17 +1,13 @@
-//! The scenarios of a sweep, checked before the first run.
+//! The check of a sweep before the first run.
 
-use std::path::Path;
-
-use asperity_structure::PreloadedContact;
+use asperity_scenario::{Document, InvalidDocument, SetError};
 use rayon::prelude::*;
-use serde_json::{Value, json};
 use thiserror::Error;
 
-use super::variation::{Variation, VariationError, chosen_values, digits, number_of_runs};
+use super::variation::{Variation, VariationError, digits, number_of_runs};
 use crate::assemble::Assembly;
 use crate::error::SimulationError;
-use crate::quantity::observable_names;
-use asperity_scenario::{Document, ExcitationSpec, InvalidDocument, Scenario, SetError, set_value};
+use crate::quantity::Observable;
 
 /// Most combinations of extreme values that are checked; beyond, each value on its own.
 const MOST_CORNERS: usize = 4096;
@@ -75,158 +71,92 @@ pub enum SweepError {
     },
 }
 
-/// The variations and the scenario they apply to.
-#[derive(Debug)]
-pub(super) struct Plan<'a> {
-    document: &'a Document,
-    variations: &'a [Variation],
-    /// Marks variations of the force alone.
-    force_only: Vec<bool>,
-    runs: usize,
-}
-
-impl<'a> Plan<'a> {
-    /// Checks the variations.
-    ///
-    /// Bounds in a scenario are intervals, so of a long list of numbers the least and the greatest
-    /// are checked; a fault between them is the error of its run. Every value of a short list, and
-    /// every value that is not a number, is checked.
-    pub(super) fn new(
-        document: &'a Document,
-        variations: &'a [Variation],
-    ) -> Result<Self, SweepError> {
-        let runs = number_of_runs(variations)?;
-        let of_force = |variation: &Variation| {
-            variation.pointer == "/excitation" || variation.pointer.starts_with("/excitation/")
-        };
-        let plan = Self {
-            document,
-            variations,
-            force_only: variations.iter().map(of_force).collect(),
-            runs,
-        };
-        let checked: Vec<Vec<usize>> = variations.iter().map(checked_values).collect();
-        let corners = checked.iter().try_fold(1_usize, |n, list| n.checked_mul(list.len()));
-        let combinations: Vec<Vec<usize>> = match corners {
-            Some(corners) if corners <= MOST_CORNERS => {
-                (0..corners).map(|n| digits(n, checked.iter().map(Vec::len))).collect()
-            }
-            _ => (0..checked.len())
-                .flat_map(|v| {
-                    let count = checked.len();
-                    (0..checked[v].len()).map(move |n| {
-                        let mut at = vec![0; count];
-                        at[v] = n;
-                        at
-                    })
-                })
-                .collect(),
-        };
-        let chosen = |at: &Vec<usize>| -> Vec<usize> {
-            at.iter().zip(&checked).map(|(&n, list)| list[n]).collect()
-        };
-        combinations.par_iter().try_for_each(|at| plan.check(&chosen(at)))?;
-        let every = combinations.len().div_ceil(ESTIMATED).max(1);
-        let ends = combinations.iter().step_by(every).chain(combinations.last());
-        let sizes = ends.filter_map(|at| plan.size(&chosen(at)).ok());
-        let largest = |a: (f64, usize), b: (f64, usize)| (a.0.max(b.0), a.1.max(b.1));
-        let (work, columns) = sizes.fold((0.0, 0), largest);
-        if columns as f64 * runs as f64 > MOST_NUMBERS {
-            return Err(SweepError::TooLarge { runs, columns });
+/// Checks the variations of a scenario, and returns the number of runs.
+///
+/// Bounds in a scenario are intervals, so of a long list of numbers the least and the greatest
+/// are checked; a fault between them is the error of its run. Every value of a short list, and
+/// every value that is not a number, is checked.
+///
+/// # Errors
+/// [`SweepError`] when a combination is invalid, or the sweep too large.
+pub(super) fn checked_runs(
+    document: &Document,
+    variations: &[Variation],
+) -> Result<usize, SweepError> {
+    let runs = number_of_runs(variations)?;
+    let checked: Vec<Vec<&str>> = variations.iter().map(checked_values).collect();
+    let corners = checked.iter().try_fold(1_usize, |n, list| n.checked_mul(list.len()));
+    let combinations: Vec<Vec<&str>> = match corners {
+        Some(corners) if corners <= MOST_CORNERS => {
+            let chosen = |n| digits(n, checked.iter().map(Vec::len)).into_iter().zip(&checked);
+            (0..corners).map(|n| chosen(n).map(|(at, list)| list[at]).collect()).collect()
         }
-        if work * runs as f64 > MOST_WORK {
-            return Err(SweepError::TooLong { runs, work });
+        _ => {
+            let first: Vec<&str> = checked.iter().map(|list| list[0]).collect();
+            let each = |v: usize| checked[v].iter().map(move |&value| (v, value));
+            let with = |(v, value)| {
+                let mut values = first.clone();
+                values[v] = value;
+                values
+            };
+            (0..checked.len()).flat_map(each).map(with).collect()
         }
-        Ok(plan)
-    }
-
-    /// Steps times unknowns of a run, and the numbers of its row; a run that cannot be set up has its
-    /// own error later.
-    fn size(&self, chosen: &[usize]) -> Result<(f64, usize), SimulationError> {
-        let assembly = Assembly::new(&self.scenario(chosen)?, self.folder())?;
-        let Assembly { structure, excitation, sampling, method, .. } = &assembly;
-        let outline = method.outline(structure, excitation, sampling)?;
-        let names: Vec<&str> = structure.contacts().iter().map(PreloadedContact::name).collect();
-        let columns = observable_names(&names).len() + self.variations.len();
-        Ok((outline.steps as f64 * outline.unknowns as f64, columns))
-    }
-
-    pub(super) fn runs(&self) -> usize {
-        self.runs
-    }
-
-    pub(super) fn folder(&self) -> &Path {
-        self.document.folder()
-    }
-
-    /// Number of the value of each variation in a run, the last varying fastest.
-    pub(super) fn chosen(&self, run: usize) -> Vec<usize> {
-        chosen_values(run, self.variations)
-    }
-
-    /// The values in `chosen` that vary more than the force: runs that share them share a prepared
-    /// scenario.
-    pub(super) fn structure(&self, chosen: &[usize]) -> Vec<usize> {
-        let kept = chosen.iter().zip(&self.force_only).filter(|(_, force)| !**force);
-        kept.map(|(&value, _)| value).collect()
-    }
-
-    /// The document of a run.
-    pub(super) fn document(&self, chosen: &[usize]) -> Result<Document, SetError> {
-        let mut document = self.document.clone();
-        for (variation, &value) in self.variations.iter().zip(chosen) {
-            document.set(&variation.pointer, &variation.values[value])?;
-        }
-        Ok(document)
-    }
-
-    /// The scenario of a run, whose values have been checked.
-    pub(super) fn scenario(&self, chosen: &[usize]) -> Result<Scenario, SimulationError> {
-        let document = self.document(chosen)?;
-        serde_json::from_value(document.value().clone())
-            .map_err(|error| SimulationError::Scenario(error.to_string()))
-    }
-
-    /// The force of a run.
-    pub(super) fn excitation(&self, chosen: &[usize]) -> Result<ExcitationSpec, SimulationError> {
-        let mut part = match self.document.value().get("excitation") {
-            Some(excitation) => json!({ "excitation": excitation }),
-            None => json!({}),
-        };
-        let varied = self.variations.iter().zip(chosen).zip(&self.force_only);
-        for ((variation, &value), _) in varied.filter(|(_, force)| **force) {
-            set_value(&mut part, &variation.pointer, &variation.values[value])?;
-        }
-        let excitation = part.get_mut("excitation").map(Value::take).unwrap_or_default();
-        serde_json::from_value(excitation)
-            .map_err(|error| SimulationError::Scenario(error.to_string()))
-    }
-
-    fn check(&self, chosen: &[usize]) -> Result<(), SweepError> {
+    };
+    let set = |values: &[&str]| {
+        let mut changed = document.clone();
+        let mut pairs = variations.iter().zip(values);
+        pairs.try_for_each(|(variation, value)| changed.set(&variation.pointer, value))?;
+        Ok::<Document, SetError>(changed)
+    };
+    combinations.par_iter().try_for_each(|values| {
         let named = || {
-            let pairs = self.variations.iter().zip(chosen);
+            let pairs = variations.iter().zip(values);
             let texts: Vec<String> =
-                pairs.map(|(v, &value)| format!("{}={}", v.pointer, v.values[value])).collect();
+                pairs.map(|(variation, value)| format!("{}={value}", variation.pointer)).collect();
             texts.join(", ")
         };
-        let document =
-            self.document(chosen).map_err(|source| SweepError::Set { values: named(), source })?;
-        document.scenario().map_err(|source| SweepError::Invalid { values: named(), source })?;
-        Ok(())
+        let changed = set(values).map_err(|source| SweepError::Set { values: named(), source })?;
+        let checked = changed.scenario();
+        checked.map(|_| ()).map_err(|source| SweepError::Invalid { values: named(), source })
+    })?;
+    let every = combinations.len().div_ceil(ESTIMATED).max(1);
+    let ends = combinations.iter().step_by(every).chain(combinations.last());
+    let sizes = ends.filter_map(|values| size(&set(values).ok()?).ok());
+    let largest = |a: (f64, usize), b: (f64, usize)| (a.0.max(b.0), a.1.max(b.1));
+    let (work, observables) = sizes.fold((0.0, 0), largest);
+    let columns = if observables == 0 { 0 } else { observables + variations.len() };
+    if columns as f64 * runs as f64 > MOST_NUMBERS {
+        return Err(SweepError::TooLarge { runs, columns });
     }
+    if work * runs as f64 > MOST_WORK {
+        return Err(SweepError::TooLong { runs, work });
+    }
+    Ok(runs)
+}
+
+/// Steps times unknowns of a run, and its number of observables; a run that cannot be set up has its
+/// own error later.
+fn size(document: &Document) -> Result<(f64, usize), SimulationError> {
+    let scenario = serde_json::from_value(document.value().clone())
+        .map_err(|error| SimulationError::Scenario(error.to_string()))?;
+    let assembly = Assembly::new(&scenario, document.folder())?;
+    let Assembly { structure, excitation, sampling, method, .. } = &assembly;
+    let outline = method.outline(structure, excitation, sampling)?;
+    let observables = Observable::all(structure.contacts().len()).len();
+    Ok((outline.steps as f64 * outline.unknowns as f64, observables))
 }
 
 /// The values of a variation that are checked.
-fn checked_values(variation: &Variation) -> Vec<usize> {
+fn checked_values(variation: &Variation) -> Vec<&str> {
     let values = &variation.values;
     let numbers: Option<Vec<f64>> =
         values.iter().map(|text| serde_json::from_str::<f64>(text).ok()).collect();
     let (Some(numbers), true) = (numbers, values.len() > FEW) else {
-        return (0..values.len()).collect();
+        return values.iter().map(String::as_str).collect();
     };
     let by = |a: &usize, b: &usize| numbers[*a].total_cmp(&numbers[*b]);
     let extremes = [(0..numbers.len()).min_by(by), (0..numbers.len()).max_by(by)];
     let mut checked: Vec<usize> = extremes.into_iter().flatten().collect();
     checked.dedup();
-    checked
+    checked.into_iter().map(|at| values[at].as_str()).collect()
 }

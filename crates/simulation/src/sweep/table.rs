@@ -29,8 +29,7 @@ impl Sweep {
 
     /// The values that a run was given, in the order of the variations.
     pub fn values(&self, run: usize) -> Vec<&str> {
-        let chosen = chosen_values(run, &self.variations).into_iter();
-        chosen.zip(&self.variations).map(|(at, variation)| variation.values[at].as_str()).collect()
+        chosen_values(run, &self.variations)
     }
 
     /// Runs that failed, with their errors.
@@ -72,10 +71,9 @@ impl Sweep {
     /// `warnings`.
     pub fn table(&self) -> DataTable {
         let mut table = DataTable::new();
-        let chosen: Vec<Vec<usize>> =
-            (0..self.runs.len()).map(|run| chosen_values(run, &self.variations)).collect();
+        let chosen: Vec<Vec<&str>> = (0..self.runs.len()).map(|run| self.values(run)).collect();
         for (at, variation) in self.variations.iter().enumerate() {
-            let texts = chosen.iter().map(|chosen| variation.values[chosen[at]].clone());
+            let texts = chosen.iter().map(|chosen| chosen[at].to_owned());
             table = table.with(&variation.pointer, texts.collect::<Vec<String>>());
         }
         for (at, name) in self.columns.iter().enumerate() {

@@ -102,9 +102,10 @@ pub fn number_of_runs(variations: &[Variation]) -> Result<usize, VariationError>
     }
 }
 
-/// Number of the value of each variation in a run, the last varying fastest.
-pub(super) fn chosen_values(run: usize, variations: &[Variation]) -> Vec<usize> {
-    digits(run, variations.iter().map(|variation| variation.values.len()))
+/// The value of each variation in a run, the last varying fastest.
+pub(super) fn chosen_values(run: usize, variations: &[Variation]) -> Vec<&str> {
+    let digits = digits(run, variations.iter().map(|variation| variation.values.len()));
+    digits.into_iter().zip(variations).map(|(at, one)| one.values[at].as_str()).collect()
 }
 
 /// `number` in mixed radices, the last fastest.

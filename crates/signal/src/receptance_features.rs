@@ -1,0 +1,70 @@
+//! Fundamental, second harmonic and damping in the receptance of one hit.
+
+use crate::damping::{HalfPower, half_power_crossings};
+use crate::decrement::logarithmic_decrement_after;
+use crate::harmonics::{HarmonicOptions, Harmonics, find_harmonics};
+use crate::response::FrequencyResponse;
+
+/// Fundamental, second harmonic and damping of one hit.
+///
+/// Every response of the workspace is read by this definition: [`of`](Self::of) for samples of any
+/// origin, [`SharedForce::analyse`](crate::SharedForce::analyse) for many hits under one force. The
+/// analysis of measured hits ([`HitFeatures`](crate::HitFeatures)) searches with the same
+/// [`find_harmonics`] and the same windows.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct ReceptanceFeatures {
+    /// Fundamental `(f1, A1)` and second harmonic `(f2, A2)`.
+    pub harmonics: Harmonics,
+    /// Half-power crossings of the fundamental; none where a side does not fall to half power.
+    pub half_power: Option<HalfPower>,
+    /// Damping ratio by the logarithmic decrement of the decay; none without a long enough decay.
+    pub damping_ratio_decrement: Option<f64>,
+}
+
+impl ReceptanceFeatures {
+    /// The features of a `response` with its fundamental near `reference_hz`, as [`find_harmonics`]
+    /// and [`half_power_crossings`] find them; without a decrement.
+    ///
+    /// ```
+    /// use asperity_signal::{FrequencyResponse, HarmonicOptions, ReceptanceFeatures};
+    ///
+    /// // Impulse response of a 1 kg oscillator at 200 Hz with 2 % of critical damping.
+    /// let (rate, omega, zeta) = (2e4, std::f64::consts::TAU * 200.0, 0.02_f64);
+    /// let damped = omega * (1.0 - zeta * zeta).sqrt();
+    /// let displacement: Vec<f64> = (0..20_000)
+    ///     .map(|n| f64::from(n) / rate)
+    ///     .map(|t| (-zeta * omega * t).exp() * (damped * t).sin() / damped)
+    ///     .collect();
+    /// let mut force = vec![0.0; displacement.len()];
+    /// force[0] = rate;
+    /// let response = FrequencyResponse::from_displacement(&force, &displacement, rate)?;
+    /// let features = ReceptanceFeatures::of(&response, 190.0, &HarmonicOptions::default())
+    ///     .with_decay(&displacement, 1.0, rate);
+    /// for ratio in [features.damping_ratio(), features.damping_ratio_decrement] {
+    ///     assert!((ratio.ok_or("a mode has damping")? - zeta).abs() < 1e-5);
+    /// }
+    /// assert!(features.harmonics.second.is_none());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn of(response: &FrequencyResponse, reference_hz: f64, options: &HarmonicOptions) -> Self {
+        let harmonics = find_harmonics(response, reference_hz, options);
+        let half_power =
+            harmonics.fundamental.and_then(|peak| half_power_crossings(response, &peak));
+        Self { harmonics, half_power, damping_ratio_decrement: None }
+    }
+
+    /// These features with the decrement of a `decay` that is free from sample `start` on, at
+    /// `sample_rate_hz`; see [`logarithmic_decrement_after`].
+    #[must_use]
+    pub fn with_decay(self, decay: &[f64], start: f64, sample_rate_hz: f64) -> Self {
+        let decrement = self.harmonics.fundamental.and_then(|peak| {
+            logarithmic_decrement_after(decay, start, sample_rate_hz, peak.frequency_hz)
+        });
+        Self { damping_ratio_decrement: decrement.map(|found| found.ratio), ..self }
+    }
+
+    /// Damping ratio of the fundamental from its half-power width, [`HalfPower::ratio`].
+    pub fn damping_ratio(&self) -> Option<f64> {
+        self.half_power.map(|crossings| crossings.ratio())
+    }
+}
