@@ -4,7 +4,7 @@ use std::fmt;
 
 use thiserror::Error;
 
-use crate::force_samples::SamplesError;
+use crate::load_samples::SamplesError;
 use crate::wording::{brief, count, four_digits, joined, number};
 
 /// Fault of a value in a scenario.
@@ -77,6 +77,20 @@ pub enum Fault {
     /// More laws than are accepted.
     #[error("there are {0} laws")]
     TooManyLaws(usize),
+    /// Reference to a body that does not exist.
+    #[error("there is no body named {}", brief(.0))]
+    UnknownBody(String),
+    /// Place that is not on its body.
+    #[error("position_m is {}, beyond the length of the body, {} m", number(*position_m), number(*length_m))]
+    BeyondBody {
+        /// Distance from the upper end in m.
+        position_m: f64,
+        /// Length of the body in m.
+        length_m: f64,
+    },
+    /// Base that is displaced by a function whose velocity jumps.
+    #[error("the velocity of a base displaced by a half-sine jumps at its end")]
+    BaseJump,
     /// Reference to a law that is not in "laws".
     #[error("there is no law named {}", brief(.0))]
     UnknownLaw(String),

@@ -39,19 +39,18 @@
 //! | text | [`Document`], [`JsonPointer`], [`set_value`], [`open_input`], [`SyntaxError`] |
 //! | checks | [`scenario_schema`], [`check_schema`], [`validate`], [`validate_json`] |
 //! | faults | [`InvalidDocument`], [`Diagnostic`], [`Fault`] |
-//! | measured force | [`ForceSamples`] |
+//! | measured loads | [`LoadSamples`] |
 
 mod body;
 mod contact_damping;
 mod damping;
 mod diagnostic;
 mod document;
-mod excitation;
 mod fault;
-mod force_samples;
 mod friction;
 mod input_file;
 mod law;
+mod load_samples;
 mod locate;
 mod method;
 mod pointer;
@@ -63,17 +62,20 @@ mod suggest;
 mod validate;
 mod wording;
 
+pub use asperity_structure::{
+    AccelerationSpec, Along, DisplacementSpec, End, ExcitationSpec, PlaceSpec, SamplesFile,
+    SensorKind, SensorSpec, VelocitySpec,
+};
 pub use body::{BodySpec, SectionSpec};
 pub use contact_damping::ContactDampingSpec;
 pub use damping::{DampingAmount, DampingSpec, ModalDampingSpec, RatioAtFrequency, RayleighSpec};
 pub use diagnostic::{Diagnostic, InvalidDocument, MAX_FAULTS};
 pub use document::{Document, DocumentError, MAX_DOCUMENT_BYTES};
-pub use excitation::ExcitationSpec;
 pub use fault::{Bound, Fault};
-pub use force_samples::{ForceSamples, MAX_SAMPLE_BYTES, SamplesError};
 pub use friction::{FrictionSpec, SlipSpec};
 pub use input_file::{InputError, open_input, read_text};
 pub use law::{LawRef, LawSpec, Laws};
+pub use load_samples::{LoadSamples, MAX_SAMPLE_BYTES, SamplesError};
 pub use locate::{ExpectedToken, MAX_NESTING, SyntaxError, SyntaxFault};
 pub use method::{
     ContactScheme, DEFAULT_CELL_M, DEFAULT_COURANT, FiniteDifferenceSpec, MethodSpec, ModalSpec,

@@ -6,6 +6,7 @@
 
 use std::sync::LazyLock;
 
+use asperity_structure::{ExcitationSpec, SensorSpec};
 use schemars::generate::SchemaSettings;
 use schemars::transform::transform_subschemas;
 use schemars::{JsonSchema, Schema};
@@ -15,7 +16,6 @@ use serde_json::Value;
 use crate::body::BodySpec;
 use crate::contact_damping::ContactDampingSpec;
 use crate::damping::DampingSpec;
-use crate::excitation::ExcitationSpec;
 use crate::friction::FrictionSpec;
 use crate::law::{LawRef, Laws};
 use crate::method::{MethodKeys, MethodSpec, deserialize_method};
@@ -56,9 +56,14 @@ pub struct Scenario {
     pub laws: Laws,
     /// Damping of the bodies.
     pub damping: DampingSpec,
-    /// Force on the top of the stack.
+    /// Force on the stack, or motion of its base.
     #[serde(default)]
     pub excitation: ExcitationSpec,
+    /// Sensors, from the first on: results are read at the first, and at the others beside it. The top
+    /// of the stack when left out.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(length(max = 100))]
+    pub sensors: Vec<SensorSpec>,
     /// Simulated time in s.
     #[schemars(extend("exclusiveMinimum" = 0.0))]
     pub duration_s: f64,

@@ -6,6 +6,7 @@
 mod damping;
 mod extent;
 mod laws;
+mod loads;
 mod names;
 
 use std::path::Path;
@@ -14,12 +15,9 @@ use serde_json::Value;
 
 use crate::diagnostic::Diagnostic;
 use crate::fault::Fault;
-use crate::force_samples::{ForceSamples, SamplesError};
-use crate::input_file::InputError;
 use crate::pointer::JsonPointer;
 use crate::scenario::{Scenario, scenario_schema};
 use crate::schema_check::check_schema;
-use crate::suggest::nearest;
 use crate::wording::count;
 
 /// Deepest nesting of laws in series.
@@ -66,7 +64,7 @@ pub(crate) fn check(scenario: &Value, folder: &Path) -> Vec<Diagnostic> {
     laws::check(&root, &mut found);
     damping::check(&root, &mut found);
     extent::check(&root, &mut found);
-    samples(&root, folder, &mut found);
+    loads::check(&root, folder, &mut found);
     found
 }
 
@@ -125,48 +123,4 @@ fn interface_count(root: &Node<'_>, found: &mut Vec<Diagnostic>) {
         );
         found.push(Diagnostic::new(&root.at.child("interfaces"), fault, accepted));
     }
-}
-
-fn samples(root: &Node<'_>, folder: &Path, found: &mut Vec<Diagnostic>) {
-    let Some(excitation) = root.get("excitation") else { return };
-    let (Some("samples"), Some(file)) = (excitation.text("kind"), excitation.text("file")) else {
-        return;
-    };
-    let read = ForceSamples::read(&folder.join(file));
-    let read = read.and_then(|samples| match excitation.number("peak_n") {
-        Some(peak_n) => samples.rescaled(peak_n),
-        None => Ok(samples),
-    });
-    if let Err(source) = read {
-        let key = if source == SamplesError::ZeroForce { "peak_n" } else { "file" };
-        let accepted = match key {
-            "file" => {
-                "a CSV file with the header time_s,force_n and rows of increasing time, relative to the scenario's folder"
-            }
-            _ => "no peak_n, or samples of a force that is not zero throughout",
-        };
-        let near = match source {
-            SamplesError::Input(InputError::NotFound) => neighbour(folder, file),
-            _ => None,
-        };
-        let file = file.to_owned();
-        let fault = Fault::Samples { file, source };
-        let diagnostic = Diagnostic::new(&excitation.at.child(key), fault, accepted);
-        found.push(diagnostic.suggest_word(near.as_deref()));
-    }
-}
-
-/// CSV file in the same folder whose name is nearest to `file`.
-fn neighbour(folder: &Path, file: &str) -> Option<String> {
-    let parent = Path::new(file).parent()?;
-    let name = Path::new(file).file_name()?.to_str()?;
-    let entries = std::fs::read_dir(folder.join(parent)).ok()?;
-    let mut names: Vec<String> = entries
-        .take(1000)
-        .filter_map(|entry| entry.ok()?.file_name().into_string().ok())
-        .filter(|name| name.to_lowercase().ends_with(".csv"))
-        .collect();
-    names.sort();
-    let near = nearest(name, names.iter().map(String::as_str))?;
-    Some(parent.join(near).to_string_lossy().into_owned())
 }

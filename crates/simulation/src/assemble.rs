@@ -3,23 +3,24 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use asperity_dynamics::{
-    ContactForm, Excitation, FiniteDifference, ForceRecord, Integrator, Modal, Sampling,
-};
+use asperity_dynamics::{ContactForm, FiniteDifference, Integrator, Modal, Sampling};
 use asperity_law::{
     Constant, ContactDamping, ContactLaw, Exponential, Friction, GreenwoodWilliamson, Hyperbolic,
     InSeries, LawsInSeries, ModifiedPower, Persson, Power, SeriesContact, Tabulated,
 };
-use asperity_mesh::{Body, BodyDamping, Interface, Stack, Support};
-use asperity_structure::{Damping, PreloadedStructure, StructureError};
+use asperity_mesh::{Body, BodyDamping, Interface, Port, Stack, Support};
+use asperity_structure::{
+    Damping, LoadCase, PreloadedStructure, SampledFunction, SensorKind, StructureError,
+};
 
 use crate::accuracy::DEFAULT_ACCURACY;
 use crate::error::{BuildLawError, SimulationError};
 use crate::laws::law_name;
 use asperity_scenario::{
     BodySpec, ContactDampingSpec, ContactScheme, DampingAmount, DampingSpec, ExcitationSpec,
-    ForceSamples, FrictionSpec, LawRef, LawSpec, Laws, MAX_SERIES_DEPTH, MAX_SERIES_LAWS,
-    MethodSpec, ModalDampingSpec, ModalSpec, Scenario, SectionSpec, SlipSpec, SupportSpec,
+    FrictionSpec, LawRef, LawSpec, Laws, LoadSamples, MAX_SERIES_DEPTH, MAX_SERIES_LAWS,
+    MethodSpec, ModalDampingSpec, ModalSpec, Scenario, SectionSpec, SensorSpec, SlipSpec,
+    SupportSpec,
 };
 
 /// A scenario turned into the objects that compute.
@@ -27,8 +28,10 @@ use asperity_scenario::{
 pub struct Assembly {
     /// Bodies, interfaces and support at rest, with their damping.
     pub structure: PreloadedStructure,
-    /// The force on the top.
-    pub excitation: Excitation,
+    /// The force, or the motion of the base.
+    pub load: LoadCase,
+    /// The sensors; without any in the scenario one at the top, without a name.
+    pub sensors: Vec<Sensor>,
     /// Duration and output rate of the record.
     pub sampling: Sampling,
     /// The integrator and its settings.
@@ -37,7 +40,23 @@ pub struct Assembly {
     pub accuracy: f64,
 }
 
+/// A place at which responses are read.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sensor {
+    /// Name; none for the top of a scenario without sensors.
+    pub name: Option<String>,
+    /// Place.
+    pub port: Port,
+    /// What it reads.
+    pub kind: SensorKind,
+}
+
 impl Assembly {
+    /// Ports of the sensors.
+    pub fn sensor_ports(&self) -> Vec<Port> {
+        self.sensors.iter().map(|sensor| sensor.port).collect()
+    }
+
     /// Assembles `scenario`; sample files are looked for in `folder`.
     ///
     /// # Errors
@@ -51,8 +70,9 @@ impl Assembly {
             structure = structure.with_modal_damping(ratios, other)?;
         }
         Ok(Self {
+            load: load_case(&scenario.excitation, structure.stack().bodies(), folder)?,
+            sensors: sensors(scenario, structure.stack().bodies())?,
             structure,
-            excitation: excitation(&scenario.excitation, folder)?,
             sampling: Sampling::new(scenario.duration_s, scenario.output_rate_hz)?,
             method: integrator(scenario.method),
             accuracy: match scenario.method {
@@ -300,39 +320,40 @@ impl<'a> Series<'a> {
     }
 }
 
-/// The force that `spec` describes; sample files are looked for in `folder`.
+/// The load that `spec` describes on a stack of `bodies`; sample files are looked for in `folder`.
 ///
 /// # Errors
 /// [`SimulationError`] for samples that cannot be read or values out of range.
-pub fn excitation(spec: &ExcitationSpec, folder: &Path) -> Result<Excitation, SimulationError> {
-    Ok(match *spec {
-        ExcitationSpec::None => Excitation::None,
-        ExcitationSpec::GammaPulse { peak_n, rise_s } => {
-            Excitation::GammaPulse { peak: peak_n, rise: rise_s }
-        }
-        ExcitationSpec::HalfSine { peak_n, duration_s } => {
-            Excitation::HalfSine { peak: peak_n, duration: duration_s }
-        }
-        ExcitationSpec::Haversine { peak_n, duration_s } => {
-            Excitation::Haversine { peak: peak_n, duration: duration_s }
-        }
-        ExcitationSpec::Harmonic { amplitude_n, frequency_hz } => {
-            Excitation::Harmonic { amplitude: amplitude_n, frequency: frequency_hz }
-        }
-        ExcitationSpec::Samples { ref file, peak_n } => {
-            let path = folder.join(file);
-            let read = || {
-                let samples = ForceSamples::read(&path)?;
-                match peak_n {
-                    Some(peak) => samples.rescaled(peak),
-                    None => Ok(samples),
-                }
-            };
-            let samples =
-                read().map_err(|source| SimulationError::Samples { path: path.clone(), source })?;
-            Excitation::Record(ForceRecord::new(samples.time_s, samples.force_n)?)
-        }
-    })
+pub fn load_case(
+    spec: &ExcitationSpec,
+    bodies: &[Body],
+    folder: &Path,
+) -> Result<LoadCase, SimulationError> {
+    let load = spec.load_case(bodies, |file| {
+        let path = folder.join(file.file);
+        let samples = LoadSamples::read(&path, file.column);
+        let samples = match (samples, file.peak) {
+            (Ok(samples), Some(peak)) => samples.rescaled(peak),
+            (samples, _) => samples,
+        };
+        let samples = samples.map_err(|source| SimulationError::Samples { path, source })?;
+        Ok::<_, SimulationError>(SampledFunction::new(samples.time_s, samples.values)?)
+    })?;
+    load.check()?;
+    Ok(load)
+}
+
+/// The sensors of `scenario`.
+fn sensors(scenario: &Scenario, bodies: &[Body]) -> Result<Vec<Sensor>, SimulationError> {
+    if scenario.sensors.is_empty() {
+        let kind = SensorKind::Displacement;
+        return Ok(vec![Sensor { name: None, port: Port::TOP, kind }]);
+    }
+    let sensor = |spec: &SensorSpec| {
+        let port = spec.at.as_ref().map_or(Ok(Port::TOP), |at| at.port(bodies))?;
+        Ok(Sensor { name: Some(spec.name.clone()), port, kind: spec.kind })
+    };
+    scenario.sensors.iter().map(sensor).collect()
 }
 
 #[cfg(test)]

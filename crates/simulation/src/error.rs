@@ -17,6 +17,9 @@ use asperity_scenario::{DocumentError, InputError, SamplesError};
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum SimulationError {
+    /// A scenario without a sensor.
+    #[error("the scenario has no sensor; expected at least one")]
+    NoSensor,
     /// The laws, bodies or interfaces do not make a structure at rest.
     #[error(transparent)]
     Structure(#[from] StructureError),
@@ -128,6 +131,7 @@ impl SimulationError {
             | Self::Set(_)
             | Self::Scenario { .. }
             | Self::OtherColumns
+            | Self::NoSensor
             | Self::NothingToCondense { .. }
             | Self::ContactDamping { .. }
             | Self::Friction { .. }
@@ -141,7 +145,6 @@ impl SimulationError {
                 DynamicsError::Setting { .. }
                     | DynamicsError::TooLarge { .. }
                     | DynamicsError::Mesh(_)
-                    | DynamicsError::ForceRecord { .. }
                     | DynamicsError::LossFactor { .. }
                     | DynamicsError::ModalDamping { .. }
             ),
@@ -157,7 +160,14 @@ impl SimulationError {
 }
 
 fn is_wrong_structure(error: &StructureError) -> bool {
-    matches!(error, StructureError::Setting { .. } | StructureError::Mesh(_))
+    matches!(
+        error,
+        StructureError::Setting { .. }
+            | StructureError::Samples { .. }
+            | StructureError::UnknownBody { .. }
+            | StructureError::BaseJump
+            | StructureError::Mesh(_)
+    )
 }
 
 /// A law that cannot be built.

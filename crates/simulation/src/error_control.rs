@@ -2,8 +2,8 @@
 //! enough.
 //!
 //! Runs of one structure under one shape of force have like relative errors while contact holds. The
-//! errors are estimated once, for a reference run whose peak force is the next power of two above the
-//! peak of the run, and runs take the step, the modes and the errors of their reference run; the results
+//! errors are estimated once, for a reference run whose amplitude is the next power of two above the
+//! amplitude of the run, and runs take the step, the modes and the errors of their reference run; the results
 //! of a run do not depend on other runs. A run that loses contact is refined by itself. A run that does
 //! not converge is repeated as a perturbed run, under a force larger by 1e-12: if the two diverge, the
 //! response depends on rounding.
@@ -18,8 +18,9 @@ mod task;
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use asperity_dynamics::{Batch, DynamicsError, Excitation, HitResponse, HitSimulation};
+use asperity_dynamics::{Batch, DynamicsError, HitResponse, HitSimulation};
 use asperity_signal::Complex64;
+use asperity_structure::LoadCase;
 
 use crate::accuracy::ErrorEstimate;
 use crate::error::SimulationError;
@@ -169,6 +170,14 @@ impl ErrorControl {
         found
     }
 
+    /// The outcome of the requests of one load at all sensors, as one run.
+    ///
+    /// # Errors
+    /// As [`run_one`](Self::run_one).
+    pub fn run_joined(&self, requests: &[RunRequest]) -> Result<ConvergedRun, SimulationError> {
+        ConvergedRun::joined(self.run(requests))
+    }
+
     /// The outcome of one request.
     ///
     /// # Errors
@@ -250,9 +259,8 @@ impl ErrorControl {
         tasks: &[Task<'_>],
         numbers: Vec<usize>,
     ) -> Vec<(usize, Result<Response, SimulationError>)> {
-        let runs = self.respond(tasks, &numbers, |task| {
-            task.case(task.level, perturbed(&task.request.excitation))
-        });
+        let runs = self
+            .respond(tasks, &numbers, |task| task.case(task.level, perturbed(&task.request.load)));
         numbers.into_iter().zip(runs).collect()
     }
 
@@ -299,8 +307,8 @@ impl ErrorControl {
 }
 
 /// The force of a perturbed run.
-pub(crate) fn perturbed(excitation: &Excitation) -> Excitation {
-    excitation.scaled(1.0 + PERTURBATION)
+pub(crate) fn perturbed(load: &LoadCase) -> LoadCase {
+    load.with_amplitude((1.0 + PERTURBATION) * load.amplitude())
 }
 
 /// Sample from which on two displacements differ.

@@ -27,14 +27,16 @@ pub(crate) fn integrate(
     at_rest: &StaticSummary,
     progress: &(dyn Fn(f64) + Sync),
 ) -> Result<(Transient, Observables), SimulationError> {
-    let Assembly { structure, excitation, sampling, method, .. } = assembly;
+    let Assembly { structure, load, sampling, method, .. } = assembly;
+    let ports = assembly.sensor_ports();
     let stage = info_span!("integrate").entered();
-    let transient = method.integrate_with_progress(structure, excitation, sampling, progress)?;
+    let transient = method.integrate_with_progress(structure, load, &ports, sampling, progress)?;
     let mut diverged = None;
     if contact_is_lost(&transient.contacts) {
-        let other = method.integrate(structure, &perturbed(excitation), sampling)?;
-        let displacements = (&transient.history.displacement, &other.history.displacement);
-        diverged = divergence_sample(displacements.0, displacements.1);
+        let other = method.integrate(structure, &perturbed(load), &ports, sampling)?;
+        let pairs = transient.history.sensors.iter().zip(&other.history.sensors);
+        let found = pairs.filter_map(|(a, b)| divergence_sample(&a.displacement, &b.displacement));
+        diverged = found.min();
     }
     drop(stage);
     let mut found = info_span!("analyse")
@@ -58,7 +60,7 @@ fn estimated(
     transient: &Transient,
     found: &Observables,
 ) -> ErrorEstimate {
-    let Assembly { structure, excitation, sampling, .. } = assembly;
+    let Assembly { structure, load, sampling, .. } = assembly;
     let with_cell = |factor: f64| FiniteDifference { cell: factor * method.cell, ..method };
     let step = |method: FiniteDifference| {
         method.outline(structure, sampling).map_or(transient.step, |outline| outline.step)
@@ -68,7 +70,7 @@ fn estimated(
         Some(factor) => with_cell(factor),
         None => FiniteDifference { courant: 0.5 * method.courant, ..with_cell(0.5) },
     };
-    let Ok(other) = other.integrate(structure, excitation, sampling) else {
+    let Ok(other) = other.integrate(structure, load, &assembly.sensor_ports(), sampling) else {
         return ErrorEstimate::unknown(found.all(), DEFAULT_ACCURACY);
     };
     let Ok(observables) = Observables::of_transient(assembly, at_rest, &other) else {

@@ -2,11 +2,12 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use asperity_dynamics::{Decimation, Excitation, HitResponse, HitSimulation};
+use asperity_dynamics::{Decimation, HitResponse, HitSimulation};
 use asperity_signal::{
     Complex64, DecimationFilter, HarmonicOptions, ReceptanceFeatures, SharedForce, SignalError,
     transform_at,
 };
+use asperity_structure::LoadCase;
 
 use crate::error::SimulationError;
 use crate::observables::Observables;
@@ -36,7 +37,7 @@ struct Filter {
 /// The force of hits of one shape, of unit peak, decimated.
 #[derive(Debug)]
 struct DecimatedForce {
-    shape: Excitation,
+    shape: LoadCase,
     step: f64,
     steps: usize,
     decimation: Arc<Decimation>,
@@ -78,21 +79,21 @@ impl ObservableExtractor {
         hit: &HitSimulation,
         record: &HitResponse,
     ) -> Option<(Arc<DecimatedForce>, f64)> {
-        let (shape, factor) = hit.excitation.unit();
-        if shape.peak() == 0.0 {
+        if hit.load.peak() == 0.0 {
             return None;
         }
+        let (shape, factor) = (hit.load.with_amplitude(1.0), hit.load.amplitude());
         let mut forces = self.forces.lock().unwrap_or_else(PoisonError::into_inner);
         let same = |force: &&Arc<DecimatedForce>| {
             (force.step, force.steps) == (record.step, record.steps)
                 && Arc::ptr_eq(&force.decimation, &record.decimation)
-                && force.shape == shape
+                && force.shape.is_like(&shape)
         };
         if let Some(force) = forces.iter().find(same) {
             return Some((Arc::clone(force), factor));
         }
-        let mut samples = vec![0.0; record.steps];
-        shape.sample_into(0.0, record.step, &mut samples);
+        let sample = |n: usize| shape.unit_value(n as f64 * record.step);
+        let samples: Vec<f64> = (0..record.steps).map(sample).collect();
         let free = free_from(&samples, shape.peak());
         let filters = self.filters.lock().unwrap_or_else(PoisonError::into_inner);
         let filter = filters.iter().find(|f| Arc::ptr_eq(&f.decimation, &record.decimation))?;

@@ -16,7 +16,8 @@ use crate::warning::Warning;
 /// Values of all observables of one response, and the warnings about it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Observables {
-    /// In the order of [`Observable::all`]; NaN for a quantity that the response does not have.
+    /// In the order of [`Observable::all`], then the [features](Quantity::features) of each further
+    /// sensor; NaN for a quantity that the response does not have.
     pub values: Box<[f64]>,
     /// Magnitudes of the receptance \[m/N\] at the frequencies that were asked for; NaN for a response without
     /// a force.
@@ -28,19 +29,33 @@ pub struct Observables {
 }
 
 impl Observables {
-    /// The observables of a response at the output rate.
+    /// The observables of a response at the output rate, read at all sensors.
     pub(crate) fn of_transient(
         assembly: &Assembly,
         at_rest: &StaticSummary,
         transient: &Transient,
     ) -> Result<Self, SimulationError> {
+        let first = Self::at_sensor(assembly, at_rest, transient, 0)?;
+        let others = 1..assembly.sensors.len();
+        let others = others.map(|sensor| Self::at_sensor(assembly, at_rest, transient, sensor));
+        Ok(first.with_sensors(others.collect::<Result<Vec<_>, _>>()?))
+    }
+
+    /// The observables of a response at the output rate, read at one sensor.
+    fn at_sensor(
+        assembly: &Assembly,
+        at_rest: &StaticSummary,
+        transient: &Transient,
+        sensor: usize,
+    ) -> Result<Self, SimulationError> {
         let (history, rate) = (&transient.history, assembly.sampling.rate());
+        let displacement = &history.sensors[sensor].displacement;
         let mut features = ReceptanceFeatures::default();
         if let Some(natural) = at_rest.natural_frequency_hz
-            && let Some(response) = frequency_response(&history.force, &history.displacement, rate)?
+            && let Some(response) = frequency_response(&history.load, displacement, rate)?
         {
-            let free = free_from(&history.force, assembly.excitation.peak());
-            let decay = history.displacement.get(free..).unwrap_or_default();
+            let free = free_from(&history.load, assembly.load.peak());
+            let decay = displacement.get(free..).unwrap_or_default();
             features = ReceptanceFeatures::of(&response, natural, &HarmonicOptions::default())
                 .with_decay(decay, 0.0, rate);
         }
@@ -61,6 +76,38 @@ impl Observables {
         let values = all.iter().map(|&one| one.value(parts).unwrap_or(f64::NAN)).collect();
         let (frf, warnings) = (Box::default(), parts.warnings());
         Self { values, frf, warnings, estimate: None, interfaces }
+    }
+
+    /// These observables with the features of further sensors, from the observables of the same response
+    /// there.
+    pub(crate) fn with_sensors(mut self, others: Vec<Self>) -> Self {
+        let mut values = self.values.into_vec();
+        for other in others {
+            values.extend(Quantity::features().map(|one| other.get(one, None).unwrap_or(f64::NAN)));
+            if let (Some(own), Some(estimate)) = (self.estimate.take(), other.estimate) {
+                self.estimate = Some(Box::new(own.larger(*estimate)));
+            }
+            for warning in other.warnings {
+                if !self.warnings.contains(&warning) {
+                    self.warnings.push(warning);
+                }
+            }
+        }
+        self.values = values.into();
+        if let Some(relative) = self.estimate().map(|estimate| estimate.relative) {
+            self.set(Quantity::EstimatedError, relative);
+        }
+        self
+    }
+
+    /// Value of a feature at the sensor of this number.
+    pub fn at(&self, sensor: usize, feature: Quantity) -> Option<f64> {
+        let Some(further) = sensor.checked_sub(1) else { return self.get(feature, None) };
+        let count = Quantity::features().count();
+        let place = Quantity::features().position(|one| one == feature)?;
+        let first = Observable::all(self.interfaces).len();
+        let value = self.values.get(first + further * count + place)?;
+        Some(*value).filter(|value| !value.is_nan())
     }
 
     /// Value of a quantity of the whole structure, or of the interface of this number.

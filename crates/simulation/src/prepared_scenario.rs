@@ -3,10 +3,12 @@
 use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use asperity_dynamics::{DynamicsError, Excitation, HitSimulation, Integrator, Modal, ModalModel};
+use asperity_dynamics::{DynamicsError, HitSimulation, Integrator, Modal, ModalModel};
+use asperity_mesh::Port;
 use asperity_scenario::Scenario;
+use asperity_structure::LoadCase;
 
-use crate::assemble::Assembly;
+use crate::assemble::{Assembly, Sensor};
 use crate::error::SimulationError;
 use crate::quantity::observable_names;
 use crate::static_state::StaticSummary;
@@ -20,9 +22,11 @@ pub struct PreparedScenario {
     pub at_rest: StaticSummary,
     /// Names of the observables of its responses.
     pub names: Arc<[String]>,
-    /// By the number of modes of each body, which may depend on the force.
-    models: Mutex<Vec<(Vec<usize>, Arc<ModalModel>)>>,
+    /// By the number of modes of each body, which may depend on the load, and the port of the load.
+    models: Mutex<Vec<KnownModel>>,
 }
+
+type KnownModel = (Vec<usize>, Port, Arc<ModalModel>);
 
 impl PreparedScenario {
     /// Assembles a scenario; sample files are looked for in `folder`.
@@ -34,7 +38,11 @@ impl PreparedScenario {
         let at_rest = StaticSummary::of(&assembly);
         let interfaces: Vec<&str> =
             at_rest.interfaces.iter().map(|one| one.name.as_str()).collect();
-        let names = observable_names(&interfaces).into();
+        let named = |one: &Sensor| one.name.clone().unwrap_or_default();
+        let further: Vec<String> = assembly.sensors.iter().skip(1).map(named).collect();
+        let further: Vec<&str> = further.iter().map(String::as_str).collect();
+        let base = assembly.load.base().is_some();
+        let names = observable_names(&interfaces, &further, base).into();
         Ok(Self { assembly, at_rest, names, models: Mutex::default() })
     }
 
@@ -46,46 +54,47 @@ impl PreparedScenario {
         }
     }
 
-    /// The transient case of `excitation` on the structure, for the duration of the scenario.
+    /// The transient case of `load` on the structure, read at its first sensor, for the duration of the
+    /// scenario.
     ///
     /// # Errors
-    /// [`SimulationError::Dynamics`] for a force or a number of modes out of range.
-    pub fn case(
-        &self,
-        modal: &Modal,
-        excitation: Excitation,
-    ) -> Result<HitSimulation, SimulationError> {
-        excitation.check()?;
-        let model = self.modal_model(&self.mode_counts(modal, &excitation)?)?;
+    /// [`SimulationError::Dynamics`] for a load or a number of modes out of range.
+    pub fn case(&self, modal: &Modal, load: LoadCase) -> Result<HitSimulation, SimulationError> {
+        load.check()?;
+        let model = self.modal_model(&self.mode_counts(modal, &load)?, load.port())?;
         let sampling = &self.assembly.sampling;
         let duration = sampling.samples() as f64 * sampling.interval();
-        Ok(HitSimulation { model, excitation, duration, step: modal.step })
+        Ok(HitSimulation { model, load, sensor: 0, duration, step: modal.step })
     }
 
-    /// Number of modes kept of each body for `excitation`, the rigid one included.
+    /// Number of modes kept of each body for `load`, the rigid one included.
     ///
     /// # Errors
     /// [`DynamicsError::Mesh`] for a number out of range.
-    pub fn mode_counts(
-        &self,
-        modal: &Modal,
-        excitation: &Excitation,
-    ) -> Result<Vec<usize>, DynamicsError> {
-        let count = modal.mode_count(self.at_rest.natural_frequency_hz, excitation);
+    pub fn mode_counts(&self, modal: &Modal, load: &LoadCase) -> Result<Vec<usize>, DynamicsError> {
+        let count = modal.mode_count(self.at_rest.natural_frequency_hz, load);
         Ok(count.counts(self.assembly.structure.stack())?)
     }
 
-    /// The modal model with these numbers of modes of each body.
+    /// The modal model with these numbers of modes of each body, loaded at `port` and read at the
+    /// sensors.
     ///
     /// # Errors
     /// As [`ModalModel::new`].
-    pub fn modal_model(&self, counts: &[usize]) -> Result<Arc<ModalModel>, DynamicsError> {
+    pub fn modal_model(
+        &self,
+        counts: &[usize],
+        port: Port,
+    ) -> Result<Arc<ModalModel>, DynamicsError> {
         let mut models = self.models.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((_, model)) = models.iter().find(|(known, _)| known == counts) {
+        let known = |one: &&KnownModel| one.0 == counts && one.1 == port;
+        if let Some((_, _, model)) = models.iter().find(known) {
             return Ok(Arc::clone(model));
         }
-        let model = Arc::new(ModalModel::new(self.assembly.structure.reduced_to(counts)?)?);
-        models.push((counts.to_vec(), Arc::clone(&model)));
+        let Assembly { structure, .. } = &self.assembly;
+        let sensors = self.assembly.sensor_ports();
+        let model = Arc::new(ModalModel::of_stack(structure, counts, port, &sensors)?);
+        models.push((counts.to_vec(), port, Arc::clone(&model)));
         Ok(model)
     }
 }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use asperity_scenario::{Document, ExcitationSpec, Scenario, file_sha256};
+use asperity_scenario::{Document, Scenario, file_sha256};
 use serde::Serialize;
 
 use crate::error::SimulationError;
@@ -38,13 +38,9 @@ impl Provenance {
     /// # Errors
     /// [`SimulationError::Input`] for a file that cannot be read.
     pub fn of_scenario(document: &Document, scenario: &Scenario) -> Result<Self, SimulationError> {
-        let files = match &scenario.excitation {
-            ExcitationSpec::Samples { file, .. } => {
-                vec![InputFile::read(document.folder(), file.as_ref())?]
-            }
-            _ => Vec::new(),
-        };
-        Ok(Self::new(document, files))
+        let file = scenario.excitation.samples().map(|samples| samples.file);
+        let files = file.map(|file| InputFile::read(document.folder(), file.as_ref()));
+        Ok(Self::new(document, files.into_iter().collect::<Result<_, _>>()?))
     }
 }
 

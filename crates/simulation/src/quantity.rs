@@ -290,6 +290,16 @@ impl Quantity {
         self.definition().accessor
     }
 
+    /// The features of a response at one sensor: its harmonics and damping ratios.
+    pub fn features() -> impl Iterator<Item = Self> {
+        Self::ALL.iter().copied().filter(|one| one.is_feature())
+    }
+
+    /// True for a harmonic or a damping ratio, which each sensor has.
+    pub fn is_feature(self) -> bool {
+        matches!(self.accessor(), Accessor::Peaks(_)) || self == Self::DampingRatioDecrement
+    }
+
     /// True if [`sensitivities`](crate::sensitivity::sensitivities) gives its derivatives.
     pub fn has_derivative(self) -> bool {
         !matches!(self.accessor(), Accessor::Parts(_))
@@ -314,6 +324,15 @@ impl Quantity {
     /// assert_eq!((quantity.unit(), quantity.label()), ("Pa", "Lowest pressure"));
     /// ```
     pub fn of_name(name: &str) -> Option<(Self, Option<&str>)> {
+        if let Some((_, key)) = name.split_once(':') {
+            let found = Self::of_name(key)?;
+            return found.0.is_feature().then_some(found);
+        }
+        if let Some(start) = name.strip_suffix(PER_BASE) {
+            return Self::features()
+                .find(|one| one.key().strip_suffix(PER_FORCE) == Some(start))
+                .map(|one| (one, None));
+        }
         Self::ALL.iter().find_map(|&quantity| match quantity.key().split_once('*') {
             None => (quantity.key() == name).then_some((quantity, None)),
             Some((start, end)) => {
@@ -440,11 +459,28 @@ impl Observable {
     }
 }
 
-/// Names of the observables of a structure with `interfaces` of these names, in the order of
-/// [`Observable::all`].
-pub fn observable_names(interfaces: &[&str]) -> Vec<String> {
-    Observable::all(interfaces.len()).iter().map(|one| one.name(interfaces)).collect()
+/// Names of the observables of a structure with `interfaces` of these names: in the order of
+/// [`Observable::all`], then the features at each sensor after the first, `SENSOR:fundamental.frequency_hz`
+/// and the like. With a motion of the base, amplitudes are relative displacements per base acceleration:
+/// `receptance_s2` in place of `receptance_m_per_n`.
+pub fn observable_names(interfaces: &[&str], further: &[&str], base: bool) -> Vec<String> {
+    let all = Observable::all(interfaces.len());
+    let own = all.iter().map(|one| one.name(interfaces));
+    let at = |sensor: &&str| {
+        let sensor = (*sensor).to_owned();
+        Quantity::features().map(move |one| format!("{sensor}:{}", one.key()))
+    };
+    let names = own.chain(further.iter().flat_map(at));
+    if base {
+        names.map(|name| name.replace(PER_FORCE, PER_BASE)).collect()
+    } else {
+        names.collect()
+    }
 }
+
+/// Ends of the names of amplitudes: per force, and per base acceleration.
+pub(crate) const PER_FORCE: &str = "receptance_m_per_n";
+pub(crate) const PER_BASE: &str = "receptance_s2";
 
 /// Name of the magnitude of the receptance at a frequency \[Hz\], as a column of a table.
 ///
@@ -457,19 +493,21 @@ pub fn observable_names(interfaces: &[&str]) -> Vec<String> {
 /// assert_eq!((frf_frequency("harmonic_ratio"), unit_of("fundamental.frequency_hz")), (None, "Hz"));
 /// ```
 pub fn frf_name(frequency_hz: f64) -> String {
-    format!("{}{frequency_hz}{}", FRF[0], FRF[1])
+    format!("frf.{frequency_hz}_hz.{PER_FORCE}")
 }
-
-/// Start and end of the name of a receptance.
-const FRF: [&str; 2] = ["frf.", "_hz.receptance_m_per_n"];
 
 /// The frequency \[Hz\] of a receptance of this name.
 pub fn frf_frequency(name: &str) -> Option<f64> {
-    name.strip_prefix(FRF[0])?.strip_suffix(FRF[1])?.parse().ok()
+    let name = name.strip_prefix("frf.")?;
+    let amplitude = name.strip_suffix(PER_FORCE).or_else(|| name.strip_suffix(PER_BASE))?;
+    amplitude.strip_suffix("_hz.")?.parse().ok()
 }
 
 /// Unit of a column of this name; empty for a number without one.
 pub fn unit_of(name: &str) -> &'static str {
+    if name.ends_with(PER_BASE) {
+        return "s²";
+    }
     if frf_frequency(name).is_some() {
         return Quantity::FundamentalReceptance.unit();
     }

@@ -1,49 +1,125 @@
 //! Results as files: CSV text under the column names of the contract, and runs as measurement
 //! records.
 
-use asperity_dynamics::History;
+use std::borrow::Cow;
+
+use asperity_dynamics::SensorHistory;
 use asperity_measure::{Abscissa, Channel, ChannelQuantity, ChannelUnit, Origin, Record, Samples};
 use asperity_signal::Frf;
+use asperity_structure::SensorKind;
 use asperity_table::columns_to_csv;
 
+use crate::error::SimulationError;
 use crate::laws::LawTable;
 use crate::modes::LinearisedModes;
+use crate::run::{Run, receptance, transmissibility};
 
 /// `history.csv`: a row per output sample.
-pub fn history_csv(history: &History, interfaces: &[&str]) -> String {
-    columns_to_csv(history_columns(history, interfaces))
+pub fn history_csv(run: &Run) -> String {
+    let columns = history_columns(run);
+    columns_to_csv(columns.iter().map(|(name, column)| (name.as_str(), &**column)))
 }
 
 /// Columns of `history.csv`, with their names.
-pub fn history_columns<'a>(history: &'a History, interfaces: &[&str]) -> Vec<(String, &'a [f64])> {
-    let mut columns: Vec<(String, &[f64])> = vec![
-        ("time_s".to_owned(), &history.time),
-        ("force_n".to_owned(), &history.force),
-        ("displacement_m".to_owned(), &history.displacement),
-        ("acceleration_m_per_s2".to_owned(), &history.acceleration),
+///
+/// Beside time there are the force, or the acceleration of the base; the motion at the top, or what each
+/// sensor reads; and the contacts. With a motion of the base, sensors read the absolute motion, and
+/// columns `relative_...` have the motion relative to the base.
+pub fn history_columns(run: &Run) -> Vec<(String, Cow<'_, [f64]>)> {
+    let history = &run.transient.history;
+    let load =
+        if run.assembly.load.base().is_some() { "base_acceleration_m_per_s2" } else { "force_n" };
+    let mut columns: Vec<(String, Cow<'_, [f64]>)> = vec![
+        ("time_s".to_owned(), (&history.time).into()),
+        (load.to_owned(), (&history.load).into()),
     ];
-    for (name, columns_of) in interfaces.iter().zip(&history.interfaces) {
-        columns.push((format!("{name}:pressure_pa"), &columns_of.pressure));
-        columns.push((format!("{name}:closure_m"), &columns_of.closure));
-        columns.push((format!("{name}:stiffness_pa_per_m"), &columns_of.stiffness));
+    for (number, sensor) in run.assembly.sensors.iter().enumerate() {
+        let both = [SensorKind::Displacement, SensorKind::Acceleration];
+        let kinds =
+            if sensor.name.is_none() { &both[..] } else { std::slice::from_ref(&sensor.kind) };
+        let prefix = sensor.name.as_ref().map_or(String::new(), |name| format!("{name}:"));
+        for &kind in kinds {
+            let relative = read(&history.sensors[number], kind);
+            if run.assembly.load.base().is_none() {
+                columns.push((format!("{prefix}{}", kind.column()), relative.into()));
+                continue;
+            }
+            columns
+                .push((format!("{prefix}{}", kind.column()), absolute(run, number, kind).into()));
+            columns.push((format!("{prefix}relative_{}", kind.column()), relative.into()));
+        }
+    }
+    let interfaces = run.assembly.structure.contacts();
+    for (contact, columns_of) in interfaces.iter().zip(&history.interfaces) {
+        let name = contact.name();
+        columns.push((format!("{name}:pressure_pa"), (&columns_of.pressure).into()));
+        columns.push((format!("{name}:closure_m"), (&columns_of.closure).into()));
+        columns.push((format!("{name}:stiffness_pa_per_m"), (&columns_of.stiffness).into()));
     }
     columns
 }
 
-/// `frf.csv`: a row per frequency.
-pub fn frf_csv(frf: &Frf) -> String {
-    columns_to_csv(frf_columns(frf))
+/// The samples of a sensor relative to the base.
+fn read(sensor: &SensorHistory, kind: SensorKind) -> &[f64] {
+    match kind {
+        SensorKind::Displacement => &sensor.displacement,
+        SensorKind::Velocity => &sensor.velocity,
+        SensorKind::Acceleration => &sensor.acceleration,
+    }
 }
 
-/// Columns of `frf.csv`, with their names.
-pub fn frf_columns(frf: &Frf) -> [(&'static str, Vec<f64>); 5] {
-    [
-        ("frequency_hz", frf.frequency_hz.clone()),
-        ("real_m_per_n", frf.values.iter().map(|value| value.re).collect()),
-        ("imag_m_per_n", frf.values.iter().map(|value| value.im).collect()),
-        ("magnitude_m_per_n", frf.magnitude()),
-        ("phase_rad", frf.phase()),
-    ]
+/// The absolute motion that a sensor reads: its motion relative to the base, and the motion of the base.
+fn absolute(run: &Run, sensor: usize, kind: SensorKind) -> Vec<f64> {
+    let history = &run.transient.history;
+    let relative = read(&history.sensors[sensor], kind);
+    let base = |time: f64| run.assembly.load.base_at(time)[kind as usize];
+    history.time.iter().zip(relative).map(|(&time, relative)| relative + base(time)).collect()
+}
+
+/// `frf.csv`: a row per frequency.
+pub fn frf_csv(columns: &[(String, Vec<f64>)]) -> String {
+    columns_to_csv(columns.iter().map(|(name, column)| (name.as_str(), column.as_slice())))
+}
+
+/// Columns of `frf.csv`, with their names: the receptance at the first sensor, and at each further one
+/// under its name. With a motion of the base the columns are those of the transmissibility, absolute over
+/// base motion, and after them those of the relative displacement per base acceleration \[s2\].
+///
+/// # Errors
+/// [`SimulationError::Signal`] when a response cannot be analysed.
+pub fn frf_columns(run: &Run) -> Result<Option<Vec<(String, Vec<f64>)>>, SimulationError> {
+    let mut columns = Vec::new();
+    for (number, sensor) in run.assembly.sensors.iter().enumerate() {
+        let Some(frf) = receptance(run, number)? else { return Ok(None) };
+        if number == 0 {
+            columns.push(("frequency_hz".to_owned(), frf.frequency_hz.clone()));
+        }
+        let prefix = match (&sensor.name, number) {
+            (Some(name), 1..) => format!("{name}:"),
+            _ => String::new(),
+        };
+        if run.assembly.load.base().is_some() {
+            push_frf(
+                &mut columns,
+                &format!("{prefix}transmissibility_"),
+                "",
+                &transmissibility(&frf),
+            );
+            push_frf(&mut columns, &format!("{prefix}relative_"), "_s2", &frf);
+        } else {
+            push_frf(&mut columns, &prefix, "_m_per_n", &frf);
+        }
+    }
+    Ok(Some(columns))
+}
+
+fn push_frf(columns: &mut Vec<(String, Vec<f64>)>, prefix: &str, unit: &str, frf: &Frf) {
+    columns
+        .push((format!("{prefix}real{unit}"), frf.values.iter().map(|value| value.re).collect()));
+    columns
+        .push((format!("{prefix}imag{unit}"), frf.values.iter().map(|value| value.im).collect()));
+    columns.push((format!("{prefix}magnitude{unit}"), frf.magnitude()));
+    columns.push((format!("{prefix}phase_rad"), frf.phase()));
 }
 
 /// `law-<name>.csv`: a row per pressure.
@@ -75,24 +151,42 @@ pub fn modes_columns(modes: &LinearisedModes) -> Vec<(String, &[f64])> {
     columns
 }
 
-/// Force, acceleration and displacement of a run as a data acquisition system would have recorded
-/// them at the output rate \[Hz\].
-pub fn measurement_record(history: &History, rate_hz: f64, title: Option<&str>) -> Record {
+/// The load and the sensors of a run as a data acquisition system would have recorded them at the output
+/// rate: without sensors acceleration and displacement of the top.
+pub fn measurement_record(run: &Run, title: Option<&str>) -> Record {
+    let (history, rate_hz) = (&run.transient.history, run.assembly.sampling.rate());
     let start = history.time.first().copied().unwrap_or(0.0);
-    let channel = |name: &str, unit: &str, quantity, samples: &[f64]| Channel {
+    let channel = |name: &str, unit: &str, quantity, samples: Vec<f64>| Channel {
         name: name.to_owned(),
         quantity,
         unit: ChannelUnit::of_text(unit),
         abscissa: Abscissa::even_time(start, rate_hz),
-        samples: Samples::Real(samples.to_vec()),
+        samples: Samples::Real(samples),
         origin: Origin::default(),
     };
+    let load = history.load.clone();
+    let mut channels = vec![match run.assembly.load.base() {
+        None => channel("force", "N", ChannelQuantity::Force, load),
+        Some(_) => channel("base acceleration", "m/s^2", ChannelQuantity::Acceleration, load),
+    }];
+    for (number, sensor) in run.assembly.sensors.iter().enumerate() {
+        let both = [SensorKind::Acceleration, SensorKind::Displacement];
+        let kinds =
+            if sensor.name.is_none() { &both[..] } else { std::slice::from_ref(&sensor.kind) };
+        for &kind in kinds {
+            let (word, unit, quantity) = match kind {
+                SensorKind::Displacement => ("displacement", "m", ChannelQuantity::Displacement),
+                SensorKind::Velocity => ("velocity", "m/s", ChannelQuantity::Velocity),
+                SensorKind::Acceleration => {
+                    ("acceleration", "m/s^2", ChannelQuantity::Acceleration)
+                }
+            };
+            let name = sensor.name.as_deref().unwrap_or(word);
+            channels.push(channel(name, unit, quantity, absolute(run, number, kind)));
+        }
+    }
     Record {
-        channels: vec![
-            channel("force", "N", ChannelQuantity::Force, &history.force),
-            channel("acceleration", "m/s^2", ChannelQuantity::Acceleration, &history.acceleration),
-            channel("displacement", "m", ChannelQuantity::Displacement, &history.displacement),
-        ],
+        channels,
         continues: false,
         title: title.unwrap_or_default().to_owned(),
         date: String::new(),

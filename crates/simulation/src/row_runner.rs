@@ -16,9 +16,9 @@ use rayon::prelude::*;
 use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
 
-use crate::assemble::{Assembly, excitation};
+use crate::assemble::{Assembly, load_case};
 use crate::error::SimulationError;
-use crate::error_control::{ErrorControl, RunRequest};
+use crate::error_control::{ConvergedRun, ErrorControl, RunRequest};
 use crate::finite_differences::integrate;
 use crate::observables::Observables;
 use crate::prepared_scenario::PreparedScenario;
@@ -52,7 +52,8 @@ pub(crate) struct RowRunner {
 
 /// A row that has been set up.
 enum Started {
-    Modal(Box<RunRequest>),
+    /// A request for each sensor.
+    Modal(Vec<RunRequest>),
     Done(Row),
 }
 
@@ -107,21 +108,24 @@ impl RowRunner {
         let mut rows: Vec<Option<Result<Row, SimulationError>>> = Vec::with_capacity(numbers.len());
         for number in numbers {
             rows.push(match self.start(&row(number)) {
-                Ok(Started::Modal(request)) => {
-                    places.push(rows.len());
-                    requests.push(*request);
+                Ok(Started::Modal(of_sensors)) => {
+                    if let Some(first) = of_sensors.first() {
+                        places.push((rows.len(), Arc::clone(&first.prepared), of_sensors.len()));
+                    }
+                    requests.extend(of_sensors);
                     None
                 }
                 Ok(Started::Done(row)) => Some(Ok(row)),
                 Err(error) => Some(Err(error)),
             });
         }
-        let outcomes = self.control.run(&requests);
-        for ((outcome, request), place) in outcomes.into_iter().zip(&requests).zip(places) {
-            rows[place] = Some(outcome.map(|mut run| {
+        let mut outcomes = self.control.run(&requests).into_iter();
+        for (place, prepared, sensors) in places {
+            let run = ConvergedRun::joined(outcomes.by_ref().take(sensors));
+            rows[place] = Some(run.map(|mut run| {
                 run.observables.frf =
                     self.magnitudes(|| self.control.receptance(&run, &self.frequencies));
-                (Arc::clone(&request.prepared.names), run.observables)
+                (Arc::clone(&prepared.names), run.observables)
             }));
         }
         rows.into_iter().flatten().collect()
@@ -140,19 +144,16 @@ impl RowRunner {
         let scenario = || deserialised::<Scenario>(self.value(row)?);
         let prepared = self.prepared(row, scenario)?;
         if prepared.modal().is_some() {
-            let excitation = excitation(&self.excitation(row)?, folder)?;
-            return Ok(Started::Modal(Box::new(RunRequest {
-                prepared,
-                excitation,
-                duration: None,
-            })));
+            let bodies = prepared.assembly.structure.stack().bodies();
+            let load = load_case(&self.excitation(row)?, bodies, folder)?;
+            return Ok(Started::Modal(RunRequest::at_sensors(&prepared, &load, None)));
         }
         let assembly = Assembly::new(&scenario()?, folder)?;
         let (transient, mut found) = integrate(&assembly, &prepared.at_rest, &|_| ())?;
         found.frf = self.magnitudes(|| {
             let (history, rate) = (&transient.history, assembly.sampling.rate());
             let receptance = |frequency: &f64| {
-                let [response, force] = [&history.displacement, &history.force]
+                let [response, force] = [&history.sensors[0].displacement, &history.load]
                     .map(|samples| transform_at(samples, rate, *frequency));
                 response / force
             };
@@ -224,9 +225,9 @@ impl RowRunner {
     }
 }
 
-/// True for a place in the scenario's force.
+/// True for a place in the scenario's load that does not change its kind.
 fn is_of_force(place: &str) -> bool {
-    place == "/excitation" || place.starts_with("/excitation/")
+    place.starts_with("/excitation/") && place != "/excitation/kind"
 }
 
 fn deserialised<T: DeserializeOwned>(value: Value) -> Result<T, SimulationError> {

@@ -1,11 +1,12 @@
 //! One transient run: equilibrium, integration, observables.
 
+use std::f64::consts::TAU;
 use std::sync::Arc;
 use std::time::Instant;
 
 use asperity_dynamics::{Batch, Modal, Transient};
 use asperity_scenario::{Document, Scenario};
-use asperity_signal::Frf;
+use asperity_signal::{Complex64, Frf};
 use tracing::info_span;
 
 use crate::assemble::Assembly;
@@ -91,7 +92,7 @@ pub fn simulate_with_progress(
     };
     let provenance = Provenance::of_scenario(document, scenario)?;
     let title = scenario.title.clone();
-    let summary = Summary::new(title, at_rest, &observables, numerics, provenance);
+    let summary = Summary::new(title, &assembly, at_rest, &observables, numerics, provenance);
     Ok(Run { assembly, transient, observables, summary })
 }
 
@@ -101,12 +102,11 @@ fn converged(
     modal: Modal,
     progress: &(dyn Fn(f64) + Sync),
 ) -> Result<(Transient, Observables, Vec<usize>), SimulationError> {
-    let Assembly { excitation, sampling, .. } = &prepared.assembly;
+    let Assembly { sampling, .. } = &prepared.assembly;
     let batch = Batch { instructions: modal.instructions };
-    let (prepared_run, excitation) = (Arc::clone(prepared), excitation.clone());
-    let request = RunRequest { prepared: prepared_run, excitation, duration: None };
+    let requests = RunRequest::at_sensors(prepared, &prepared.assembly.load, None);
     let stage = info_span!("choose step and modes").entered();
-    let chosen = ErrorControl::new(batch).run_one(&request)?;
+    let chosen = ErrorControl::new(batch).run_joined(&requests)?;
     drop(stage);
     progress(0.5);
     let _stage = info_span!("integrate and analyse").entered();
@@ -116,14 +116,16 @@ fn converged(
     Ok((transient, found.with_estimate_of(&chosen.observables), chosen.counts))
 }
 
-/// The receptance from the top displacement, up to six times the static
-/// frequency (or the whole band without one); none for a run without force.
+/// The frequency response at a sensor from its displacement, relative to the base: the receptance
+/// \[m/N\], or with a motion of the base the relative displacement per base acceleration \[s2\]. Up to
+/// six times the static frequency (or the whole band without one); none for a run without a load.
 ///
 /// # Errors
 /// [`SimulationError::Signal`] when the response cannot be analysed.
-pub fn receptance(run: &Run) -> Result<Option<Frf>, SimulationError> {
+pub fn receptance(run: &Run, sensor: usize) -> Result<Option<Frf>, SimulationError> {
     let (history, rate) = (&run.transient.history, run.assembly.sampling.rate());
-    let Some(response) = frequency_response(&history.force, &history.displacement, rate)? else {
+    let displacement = &history.sensors[sensor].displacement;
+    let Some(response) = frequency_response(&history.load, displacement, rate)? else {
         return Ok(None);
     };
     let mut frf = response.receptance(FRF_PADDING);
@@ -133,4 +135,12 @@ pub fn receptance(run: &Run) -> Result<Option<Frf>, SimulationError> {
         frf.values.truncate(kept);
     }
     Ok(Some(frf))
+}
+
+/// The transmissibility at a sensor: its absolute motion over the motion of the base, from the `frf` of
+/// its relative displacement per base acceleration, `1 - (2 pi f)^2 H`.
+pub fn transmissibility(frf: &Frf) -> Frf {
+    let pairs = frf.frequency_hz.iter().zip(&frf.values);
+    let value = |(frequency, value): (&f64, &Complex64)| 1.0 - (TAU * frequency).powi(2) * value;
+    Frf { frequency_hz: frf.frequency_hz.clone(), values: pairs.map(value).collect() }
 }

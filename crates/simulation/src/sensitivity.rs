@@ -127,10 +127,10 @@ pub fn sensitivities(
         return Err(SensitivityError::Method(prepared.assembly.method.name()));
     };
     let batch = Batch { instructions: method.instructions };
-    let excitation = prepared.assembly.excitation.clone();
     let chosen = ErrorControl::new(batch).run_one(&RunRequest {
         prepared: Arc::clone(&prepared),
-        excitation,
+        load: prepared.assembly.load.clone(),
+        sensor: 0,
         duration: None,
     })?;
     let (base, counts) = (chosen.case, chosen.counts);

@@ -1,8 +1,10 @@
 //! `summary.json`: the observables of one run, under the names of the contract.
 
+use asperity_structure::SensorKind;
 use serde::Serialize;
 
 use crate::accuracy::AccuracySummary;
+use crate::assemble::{Assembly, Sensor};
 use crate::observables::Observables;
 use crate::provenance::Provenance;
 use crate::quantity::Quantity;
@@ -28,6 +30,9 @@ pub struct Summary {
     pub second_harmonic: Option<SecondHarmonic>,
     /// Second-harmonic over fundamental receptance, A2/A1.
     pub harmonic_ratio: Option<f64>,
+    /// Features at each named sensor; those at the first are also the features above.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub sensors: Vec<SensorSummary>,
     /// Extremes and averages at each interface, from the top down.
     pub interfaces: Vec<InterfaceSummary>,
     /// Energy balance.
@@ -51,8 +56,9 @@ pub struct Summary {
 pub struct Fundamental {
     /// Frequency f1 \[Hz\].
     pub frequency_hz: f64,
-    /// Receptance A1 \[m/N\].
-    pub receptance_m_per_n: f64,
+    /// Amplitude A1.
+    #[serde(flatten)]
+    pub amplitude: Amplitude,
     /// Half-power damping ratio; none where the peak does not fall to half power.
     pub damping_ratio: Option<f64>,
     /// Damping ratio by the logarithmic decrement of the ring-down, if it has enough cycles.
@@ -64,8 +70,58 @@ pub struct Fundamental {
 pub struct SecondHarmonic {
     /// Frequency f2 \[Hz\].
     pub frequency_hz: f64,
-    /// Receptance A2 \[m/N\].
-    pub receptance_m_per_n: f64,
+    /// Amplitude A2.
+    #[serde(flatten)]
+    pub amplitude: Amplitude,
+}
+
+/// Amplitude of a frequency response.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum Amplitude {
+    /// Displacement per force.
+    PerForce {
+        /// Receptance \[m/N\].
+        receptance_m_per_n: f64,
+    },
+    /// Displacement relative to the base per acceleration of the base.
+    PerBase {
+        /// Receptance \[s2\].
+        receptance_s2: f64,
+    },
+}
+
+impl Amplitude {
+    fn new(value: f64, base: bool) -> Self {
+        if base {
+            Self::PerBase { receptance_s2: value }
+        } else {
+            Self::PerForce { receptance_m_per_n: value }
+        }
+    }
+
+    /// The number \[m/N or s2\].
+    pub fn value(self) -> f64 {
+        match self {
+            Self::PerForce { receptance_m_per_n: value }
+            | Self::PerBase { receptance_s2: value } => value,
+        }
+    }
+}
+
+/// The features of the response at one sensor.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SensorSummary {
+    /// Name of the sensor.
+    pub name: String,
+    /// What it reads.
+    pub kind: SensorKind,
+    /// Fundamental of its receptance; none without a peak.
+    pub fundamental: Option<Fundamental>,
+    /// Second harmonic of its receptance; none without a peak.
+    pub second_harmonic: Option<SecondHarmonic>,
+    /// Second-harmonic over fundamental receptance, A2/A1.
+    pub harmonic_ratio: Option<f64>,
 }
 
 /// One contact during the run.
@@ -126,15 +182,38 @@ impl Summary {
     /// The summary of a response with these observables.
     pub(crate) fn new(
         title: Option<String>,
+        assembly: &Assembly,
         at_rest: StaticSummary,
         found: &Observables,
         numerics: Numerics,
         provenance: Provenance,
     ) -> Self {
         let whole = |quantity| found.get(quantity, None);
-        let of_peak = |frequency, receptance| Some((whole(frequency)?, whole(receptance)?));
-        let first = of_peak(Quantity::FundamentalFrequency, Quantity::FundamentalReceptance);
-        let second = of_peak(Quantity::SecondHarmonicFrequency, Quantity::SecondHarmonicReceptance);
+        let base = assembly.load.base().is_some();
+        let at = |sensor: usize| {
+            let value = |quantity| found.at(sensor, quantity);
+            let peak = |frequency, receptance| {
+                Some((value(frequency)?, Amplitude::new(value(receptance)?, base)))
+            };
+            let first = peak(Quantity::FundamentalFrequency, Quantity::FundamentalReceptance);
+            let second =
+                peak(Quantity::SecondHarmonicFrequency, Quantity::SecondHarmonicReceptance);
+            let fundamental = first.map(|(frequency_hz, amplitude)| Fundamental {
+                frequency_hz,
+                amplitude,
+                damping_ratio: value(Quantity::DampingRatio),
+                damping_ratio_decrement: value(Quantity::DampingRatioDecrement),
+            });
+            let second_harmonic =
+                second.map(|(frequency_hz, amplitude)| SecondHarmonic { frequency_hz, amplitude });
+            (fundamental, second_harmonic, value(Quantity::HarmonicRatio))
+        };
+        let sensor = |(number, sensor): (usize, &Sensor)| {
+            let (fundamental, second_harmonic, harmonic_ratio) = at(number);
+            let (name, kind) = (sensor.name.clone()?, sensor.kind);
+            Some(SensorSummary { name, kind, fundamental, second_harmonic, harmonic_ratio })
+        };
+        let (fundamental, second_harmonic, harmonic_ratio) = at(0);
         let number = |quantity, interface| found.get(quantity, interface).unwrap_or(f64::NAN);
         let interface = |(at, state): (usize, &StaticInterface)| {
             let number = |quantity| number(quantity, Some(at));
@@ -153,17 +232,10 @@ impl Summary {
         Self {
             schema: SUMMARY_SCHEMA,
             title,
-            fundamental: first.map(|(frequency_hz, receptance_m_per_n)| Fundamental {
-                frequency_hz,
-                receptance_m_per_n,
-                damping_ratio: whole(Quantity::DampingRatio),
-                damping_ratio_decrement: whole(Quantity::DampingRatioDecrement),
-            }),
-            second_harmonic: second.map(|(frequency_hz, receptance_m_per_n)| SecondHarmonic {
-                frequency_hz,
-                receptance_m_per_n,
-            }),
-            harmonic_ratio: whole(Quantity::HarmonicRatio),
+            fundamental,
+            second_harmonic,
+            harmonic_ratio,
+            sensors: assembly.sensors.iter().enumerate().filter_map(sensor).collect(),
             interfaces: at_rest.interfaces.iter().enumerate().map(interface).collect(),
             at_rest,
             energy: EnergySummary {

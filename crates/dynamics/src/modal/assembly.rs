@@ -43,6 +43,8 @@ pub struct ModalModel {
     structure: PreloadedStructure<ComponentModes>,
     /// The modes in the rows of a step.
     rows: RowModes,
+    /// Ports of the component modes that are loaded and read.
+    at: (usize, Vec<usize>),
     /// Port of the stack that the load acts on; none for component modes.
     port: Option<Port>,
     prepared: Mutex<Prepared>,
@@ -163,7 +165,21 @@ impl ModalModel {
                 accepted: "1 to 16 (finite differences take more)",
             });
         }
-        Ok(Self { structure, rows, port: None, prepared: Mutex::default() })
+        let at = (load, sensors.to_vec());
+        Ok(Self { structure, rows, at, port: None, prepared: Mutex::default() })
+    }
+
+    /// The model of `structure`, which has the same ports, under a load at the same port and read at the
+    /// same sensors.
+    ///
+    /// # Errors
+    /// Those of [`new`](Self::new).
+    pub fn with_structure(
+        &self,
+        structure: PreloadedStructure<ComponentModes>,
+    ) -> Result<Self, DynamicsError> {
+        let (load, sensors) = &self.at;
+        Ok(Self { port: self.port, ..Self::new(structure, *load, sensors)? })
     }
 
     /// The structure with its contacts and damping.

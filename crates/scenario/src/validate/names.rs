@@ -19,6 +19,7 @@ const NOT_IN_FILES: &str = "/\\:*?\"<>|";
 pub(super) fn check(root: &Node<'_>, found: &mut Vec<Diagnostic>) {
     family(root, "bodies", "", found);
     family(root, "interfaces", NOT_IN_HEADERS, found);
+    family(root, "sensors", NOT_IN_HEADERS, found);
     let mut first = HashMap::new();
     for (name, law) in root.entries("laws") {
         if found.len() >= MAX_FAULTS {

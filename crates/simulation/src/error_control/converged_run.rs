@@ -2,9 +2,11 @@
 
 use std::sync::Arc;
 
-use asperity_dynamics::{Excitation, HitResponse, HitSimulation};
+use asperity_dynamics::{HitResponse, HitSimulation};
+use asperity_structure::LoadCase;
 
 use crate::accuracy::ErrorEstimate;
+use crate::error::SimulationError;
 use crate::observables::Observables;
 use crate::prepared_scenario::PreparedScenario;
 
@@ -13,8 +15,10 @@ use crate::prepared_scenario::PreparedScenario;
 pub struct RunRequest {
     /// The structure at rest, and the accuracy.
     pub prepared: Arc<PreparedScenario>,
-    /// The force.
-    pub excitation: Excitation,
+    /// The load.
+    pub load: LoadCase,
+    /// Number of the sensor that is read.
+    pub sensor: usize,
     /// Duration \[s\]; that of the scenario if not given.
     pub duration: Option<f64>,
 }
@@ -33,26 +37,56 @@ pub struct ConvergedRun {
 }
 
 impl ConvergedRun {
+    /// Runs of one load at all sensors as the run at the first, with the features of the others.
+    ///
+    /// # Errors
+    /// The first error among the runs.
+    pub(crate) fn joined(
+        runs: impl IntoIterator<Item = Result<Self, SimulationError>>,
+    ) -> Result<Self, SimulationError> {
+        let mut runs = runs.into_iter();
+        let mut first = runs.next().unwrap_or(Err(SimulationError::NoSensor))?;
+        let others = runs.map(|run| Ok(run?.observables));
+        let others = others.collect::<Result<Vec<_>, SimulationError>>()?;
+        first.observables = first.observables.with_sensors(others);
+        Ok(first)
+    }
+
     pub(super) fn is_reached(&self) -> bool {
         self.observables.estimate().is_some_and(ErrorEstimate::is_reached)
     }
 }
 
 impl RunRequest {
-    /// The request of the reference run: the peak of the force is the next power of two above the peak
-    /// of this request. None where forces of one shape are not told from others.
+    /// The requests of a load read at each sensor.
+    pub fn at_sensors(
+        prepared: &Arc<PreparedScenario>,
+        load: &LoadCase,
+        duration: Option<f64>,
+    ) -> Vec<Self> {
+        let request = |sensor: usize| Self {
+            prepared: Arc::clone(prepared),
+            load: load.clone(),
+            sensor,
+            duration,
+        };
+        (0..prepared.assembly.sensors.len()).map(request).collect()
+    }
+
+    /// The request of the reference run: its amplitude is the next power of two above the amplitude of
+    /// this request; none for no load.
     pub(super) fn reference(&self) -> Option<Self> {
-        let (unit, factor) = self.excitation.unit();
-        if unit.peak() != 1.0 || factor == 0.0 {
+        let amplitude = self.load.amplitude();
+        if self.load.peak() == 0.0 {
             return None;
         }
-        let octave = factor.abs().log2().ceil().exp2().copysign(factor);
-        let excitation = unit.scaled(octave);
-        Some(Self { prepared: Arc::clone(&self.prepared), excitation, duration: self.duration })
+        let octave = amplitude.abs().log2().ceil().exp2().copysign(amplitude);
+        Some(Self { load: self.load.with_amplitude(octave), ..self.clone() })
     }
 
     pub(super) fn is(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.prepared, &other.prepared)
-            && (&self.excitation, self.duration) == (&other.excitation, other.duration)
+            && (self.sensor, self.duration) == (other.sensor, other.duration)
+            && self.load == other.load
     }
 }

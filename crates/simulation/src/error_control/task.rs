@@ -6,11 +6,13 @@
 //! step, twice the modes, or both.
 
 use asperity_dynamics::{
-    COARSE_RESIDUAL, ContactExtremes, DynamicsError, Excitation, HitResponse, HitSimulation, Modal,
+    COARSE_RESIDUAL, ContactExtremes, DynamicsError, HitResponse, HitSimulation, Modal,
 };
 use asperity_law::LawError;
 
 use super::converged_run::{ConvergedRun, RunRequest};
+use asperity_structure::LoadCase;
+
 use crate::accuracy::{DEFAULT_ACCURACY, ErrorEstimate};
 use crate::error::SimulationError;
 use crate::observables::Observables;
@@ -106,11 +108,12 @@ impl<'a> Task<'a> {
     pub(super) fn new(request: &'a RunRequest) -> Result<Self, SimulationError> {
         let prepared = &request.prepared;
         let modal = prepared.modal().unwrap_or_default();
-        let mut case = prepared.case(&modal, request.excitation.clone())?;
+        let mut case = prepared.case(&modal, request.load.clone())?;
+        case.sensor = request.sensor;
         case.duration = request.duration.unwrap_or(case.duration);
         Ok(Self {
             request,
-            counts: first_counts(prepared.mode_counts(&modal, &request.excitation)?, &modal),
+            counts: first_counts(prepared.mode_counts(&modal, &request.load)?, &modal),
             first_step: case.first_step()?.0,
             duration: case.duration,
             step_is_given: modal.step.is_some(),
@@ -134,15 +137,16 @@ impl<'a> Task<'a> {
         self.counts.iter().map(modes).collect()
     }
 
-    /// The transient case at a level under `excitation`.
+    /// The transient case at a level under `load`.
     pub(super) fn case(
         &self,
         level: Level,
-        excitation: Excitation,
+        load: LoadCase,
     ) -> Result<HitSimulation, SimulationError> {
         Ok(HitSimulation {
-            model: self.request.prepared.modal_model(&self.counts_at(level))?,
-            excitation,
+            model: self.request.prepared.modal_model(&self.counts_at(level), load.port())?,
+            load,
+            sensor: self.request.sensor,
             duration: self.duration,
             step: Some(self.first_step / f64::from(level.step).exp2()),
         })
@@ -150,7 +154,7 @@ impl<'a> Task<'a> {
 
     /// The transient case at a level.
     pub(super) fn case_at(&self, level: Level) -> Result<HitSimulation, SimulationError> {
-        self.case(level, self.request.excitation.clone())
+        self.case(level, self.request.load.clone())
     }
 
     pub(super) fn reference(request: &'a RunRequest) -> Result<Self, SimulationError> {

@@ -45,13 +45,13 @@ impl Varied {
                 source: Box::new(source),
             })?;
             let prepared = PreparedScenario::new(&scenario, document.folder())?;
-            let mut rig = prepared.modal_model(counts)?;
+            let mut rig = prepared.modal_model(counts, base.load.port())?;
             if !parameter.is_of_law() {
                 rig = Arc::new(with_laws_of(&base.model, &rig)?);
             }
-            let excitation = prepared.assembly.excitation;
+            let load = prepared.assembly.load;
             Ok::<_, SensitivityError>((
-                HitSimulation { model: rig, excitation, ..base.clone() },
+                HitSimulation { model: rig, load, ..base.clone() },
                 prepared.at_rest,
             ))
         };
@@ -79,5 +79,5 @@ pub fn with_laws_of(base: &ModalModel, rig: &ModalModel) -> Result<ModalModel, D
     let contacts = contacts.collect::<Result<_, _>>()?;
     let damping = Damping::Rate(rig.preloaded().damping_rate());
     let structure = PreloadedStructure::of_components(rig.structure().clone(), contacts, damping)?;
-    ModalModel::new(structure.with_guides(rig.preloaded().guides().to_vec())?)
+    rig.with_structure(structure.with_guides(rig.preloaded().guides().to_vec())?)
 }

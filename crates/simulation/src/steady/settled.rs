@@ -2,7 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use asperity_dynamics::{DynamicsError, Excitation, Integrator, Sampling};
+use asperity_dynamics::{DynamicsError, Integrator, Sampling};
+use asperity_structure::{LoadCase, TimeFunction};
 use num_complex::Complex64;
 use serde::Serialize;
 
@@ -75,11 +76,13 @@ impl SettledAmplitude {
     ) -> Result<Self, DynamicsError> {
         let mut periods = first_periods(assembly, frequency);
         let (mut before, mut stalled) = (f64::INFINITY, 0);
-        let shaker = Excitation::Harmonic { amplitude, frequency };
+        let shaker = LoadCase::force(TimeFunction::Harmonic { frequency }, amplitude);
+        let shaker = shaker.at(assembly.load.port());
+        let sensor = &assembly.sensor_ports()[..1];
         loop {
             let sampling = Sampling::new(periods / frequency, SAMPLES as f64 * frequency)?;
-            let done = method.integrate(&assembly.structure, &shaker, &sampling)?;
-            let found = Fundamentals::of(&done.history.displacement);
+            let done = method.integrate(&assembly.structure, &shaker, sensor, &sampling)?;
+            let found = Fundamentals::of(&done.history.sensors[0].displacement);
             stalled = if found.scatter > 0.5 * before { stalled + 1 } else { 0 };
             before = found.scatter;
             let motion = if found.scatter <= SETTLED {

@@ -4,13 +4,14 @@ use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
 use asperity_dynamics::{
-    Batch, Decimation, DynamicsError, Excitation, FrequencySequence, HitResponse, HitSimulation,
-    Modal, Sampling,
+    Batch, Decimation, DynamicsError, HitResponse, HitSimulation, Modal, Sampling,
 };
 use num_complex::Complex64;
 use rayon::prelude::*;
 
 use super::settled::periods_to_decay;
+use asperity_structure::{LoadCase, SteppedSine, TimeFunction};
+
 use crate::assemble::Assembly;
 
 /// Transients of a change of frequency are integrated until they have fallen to this; a change that
@@ -203,9 +204,16 @@ struct Runner<'a> {
 
 impl<'a> Runner<'a> {
     fn new(assembly: &'a Assembly, low: f64, high: f64) -> Result<Self, DynamicsError> {
-        let shaker = Excitation::Frequencies(FrequencySequence::new(1.0, &[(high, 1)])?);
+        let sequence = SteppedSine::new(&[(high, 1)])?;
+        let shaker = LoadCase::force(TimeFunction::SteppedSine(sequence), 1.0);
+        let shaker = shaker.at(assembly.load.port());
         let sampling = Sampling::new(100.0 / low, 64.0 * high)?;
-        let mut template = Modal::default().hit(&assembly.structure, &shaker, &sampling)?;
+        let mut template = Modal::default().hit(
+            &assembly.structure,
+            &shaker,
+            &assembly.sensor_ports()[..1],
+            &sampling,
+        )?;
         let (step, _) = template.first_step()?;
         template.step = Some(STEP * step);
         Ok(Self { assembly, template, batch: Batch::default() })
@@ -219,8 +227,9 @@ impl<'a> Runner<'a> {
     /// Runs sweeps side by side.
     fn run(&self, lanes: &mut [&mut Lane]) {
         let every_step = Arc::new(Decimation { factor: 1, taps: Arc::new([1.0]) });
-        let sequence = |lane: &&mut Lane| FrequencySequence::new(lane.force_n, &lane.parts);
-        let sequences: Vec<FrequencySequence> = match lanes.iter().map(sequence).collect() {
+        let sequence = |lane: &&mut Lane| SteppedSine::new(&lane.parts);
+        let sequences: Result<Vec<SteppedSine>, _> = lanes.iter().map(sequence).collect();
+        let sequences = match sequences.map_err(DynamicsError::from) {
             Ok(sequences) => sequences,
             Err(error) => {
                 for lane in lanes.iter_mut() {
@@ -230,13 +239,14 @@ impl<'a> Runner<'a> {
             }
         };
         // Lanes run together as long as the longest; the others stay at their last frequency.
-        let duration = sequences.iter().map(FrequencySequence::end).fold(0.0, f64::max);
-        let hit = |sequence: &FrequencySequence| HitSimulation {
-            excitation: Excitation::Frequencies(sequence.clone()),
-            duration,
-            ..self.template.clone()
+        let duration = sequences.iter().map(SteppedSine::end).fold(0.0, f64::max);
+        let port = self.template.load.port();
+        let hit = |(sequence, lane): (&SteppedSine, &&mut Lane)| {
+            let function = TimeFunction::SteppedSine(sequence.clone());
+            let load = LoadCase::force(function, lane.force_n).at(port);
+            HitSimulation { load, duration, ..self.template.clone() }
         };
-        let hits: Vec<HitSimulation> = sequences.iter().map(hit).collect();
+        let hits: Vec<HitSimulation> = sequences.iter().zip(lanes.iter()).map(hit).collect();
         let responses = self.batch.run(&hits, &|_, _| Arc::clone(&every_step));
         for ((lane, sequence), response) in lanes.iter_mut().zip(&sequences).zip(responses) {
             lane.found = Some(response.map(|response| points(&lane.parts, sequence, &response)));
@@ -247,7 +257,7 @@ impl<'a> Runner<'a> {
 /// The motion at each frequency, from its last periods and those before.
 fn points(
     parts: &[(f64, usize)],
-    sequence: &FrequencySequence,
+    sequence: &SteppedSine,
     response: &HitResponse,
 ) -> Vec<TimeSweepPoint> {
     let point = |(place, &(frequency_hz, periods)): (usize, &(f64, usize))| {

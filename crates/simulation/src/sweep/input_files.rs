@@ -2,15 +2,17 @@
 
 use std::collections::BTreeSet;
 
-use asperity_scenario::{Document, set_value};
-use serde_json::{Value, json};
+use asperity_scenario::{Document, ExcitationSpec, set_value};
+use serde::Deserialize;
+use serde_json::json;
 
 use super::variation::{Variation, digits};
 use crate::error::SimulationError;
 use crate::provenance::InputFile;
 
-/// Values that choose the samples file of a run.
-const CHOOSING: [&str; 3] = ["/excitation", "/excitation/kind", "/excitation/file"];
+/// Keys in the excitation whose values choose the samples file of a run.
+const CHOOSING: [&str; 6] =
+    ["excitation", "kind", "file", "acceleration", "velocity", "displacement"];
 
 /// The files that the runs of a sweep read, with their SHA-256, sorted.
 ///
@@ -20,8 +22,11 @@ pub fn input_files(
     document: &Document,
     variations: &[Variation],
 ) -> Result<Vec<InputFile>, SimulationError> {
-    let choosing: Vec<&Variation> =
-        variations.iter().filter(|one| CHOOSING.contains(&one.pointer.as_str())).collect();
+    let chooses = |one: &&Variation| {
+        let key = one.pointer.rsplit('/').next();
+        one.pointer.starts_with("/excitation") && key.is_some_and(|key| CHOOSING.contains(&key))
+    };
+    let choosing: Vec<&Variation> = variations.iter().filter(chooses).collect();
     let lengths = || choosing.iter().map(|one| one.values.len());
     let mut files = BTreeSet::new();
     for combination in 0..lengths().product() {
@@ -32,9 +37,9 @@ pub fn input_files(
         for (one, value) in choosing.iter().zip(digits(combination, lengths())) {
             set_value(&mut part, &one.pointer, &one.values[value])?;
         }
-        let text = |key: &str| part["excitation"].get(key).and_then(Value::as_str);
-        if let (Some("samples"), Some(file)) = (text("kind"), text("file")) {
-            files.insert(file.to_owned());
+        let excitation = ExcitationSpec::deserialize(&part["excitation"]);
+        if let Some(samples) = excitation.ok().as_ref().and_then(ExcitationSpec::samples) {
+            files.insert(samples.file.to_owned());
         }
     }
     files.iter().map(|file| InputFile::read(document.folder(), file.as_ref())).collect()

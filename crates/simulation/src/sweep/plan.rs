@@ -7,7 +7,7 @@ use thiserror::Error;
 use super::variation::{Variation, VariationError, digits, number_of_runs};
 use crate::assemble::Assembly;
 use crate::error::SimulationError;
-use crate::quantity::Observable;
+use crate::quantity::{Observable, Quantity};
 
 /// Most combinations of extreme values that are checked; beyond, each value on its own.
 const MOST_CORNERS: usize = 4096;
@@ -140,9 +140,11 @@ fn size(document: &Document) -> Result<(f64, usize), SimulationError> {
     let scenario = serde_json::from_value(document.value().clone())
         .map_err(|error| SimulationError::Scenario(error.to_string()))?;
     let assembly = Assembly::new(&scenario, document.folder())?;
-    let Assembly { structure, excitation, sampling, method, .. } = &assembly;
-    let outline = method.outline(structure, excitation, sampling)?;
-    let observables = Observable::all(structure.contacts().len()).len();
+    let Assembly { structure, load, sampling, method, .. } = &assembly;
+    let outline = method.outline(structure, load, sampling)?;
+    let further = assembly.sensors.len() - 1;
+    let observables =
+        Observable::all(structure.contacts().len()).len() + further * Quantity::features().count();
     Ok((outline.steps as f64 * outline.unknowns as f64, observables))
 }
 

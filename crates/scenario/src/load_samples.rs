@@ -1,4 +1,4 @@
-//! Measured force: CSV rows `time_s,force_n`.
+//! Measured loads: CSV rows of time and a force or the motion of a base.
 
 use std::io::Read;
 use std::path::Path;
@@ -12,25 +12,25 @@ use crate::wording::{brief, count, number};
 /// Largest size of a samples file in bytes.
 pub const MAX_SAMPLE_BYTES: u64 = 1 << 30;
 
-/// Columns of a samples file.
-const COLUMNS: [&str; 2] = ["time_s", "force_n"];
+/// Column of times of a samples file.
+const TIME: &str = "time_s";
 
-/// Force sampled in time.
+/// Force, or motion of a base, sampled in time.
 ///
 /// ```
-/// use asperity_scenario::ForceSamples;
+/// use asperity_scenario::LoadSamples;
 ///
-/// let pulse = ForceSamples::from_csv(&b"time_s,force_n\n0,0\n1e-3,8\n2e-3,0\n"[..])?;
-/// assert_eq!(pulse.peak_n(), 8.0);
-/// assert_eq!(pulse.rescaled(20.0)?.force_n, [0.0, 20.0, 0.0]);
+/// let pulse = LoadSamples::from_csv(&b"time_s,force_n\n0,0\n1e-3,8\n2e-3,0\n"[..], "force_n")?;
+/// assert_eq!(pulse.peak(), 8.0);
+/// assert_eq!(pulse.rescaled(20.0)?.values, [0.0, 20.0, 0.0]);
 /// # Ok::<(), asperity_scenario::SamplesError>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
-pub struct ForceSamples {
+pub struct LoadSamples {
     /// Times in s, strictly increasing.
     pub time_s: Vec<f64>,
-    /// Force in N at these times.
-    pub force_n: Vec<f64>,
+    /// Values at these times.
+    pub values: Vec<f64>,
 }
 
 /// Error of force samples that cannot be used.
@@ -41,14 +41,19 @@ pub enum SamplesError {
     #[error("{0}")]
     Input(#[from] InputError),
     /// Empty file.
-    #[error("the samples file is empty; the header time_s,force_n is expected")]
-    Empty,
+    #[error("the samples file is empty; the header time_s,{0} is expected")]
+    Empty(&'static str),
     /// First line that is not the header.
-    #[error("line 1 is {}; the header time_s,force_n is expected", brief(.0))]
-    Header(String),
+    #[error("line 1 is {}; the header time_s,{column} is expected", brief(found))]
+    Header {
+        /// The line.
+        found: String,
+        /// Name of the second column.
+        column: &'static str,
+    },
     /// Row with another number of columns.
     #[error(
-        "line {line} has {}; 2 are expected: time_s,force_n",
+        "line {line} has {}; 2 are expected: time_s,{column}",
         count(*found, "column", "columns")
     )]
     Columns {
@@ -56,6 +61,8 @@ pub enum SamplesError {
         line: u64,
         /// Number of columns.
         found: usize,
+        /// Name of the second column.
+        column: &'static str,
     },
     /// Entry that is not a finite number.
     #[error("line {line}: {column} is {}; a finite number is expected", brief(found))]
@@ -91,22 +98,22 @@ pub enum SamplesError {
     ZeroForce,
 }
 
-impl ForceSamples {
-    /// Reads a CSV file with the header `time_s,force_n` and at least two rows of strictly
+impl LoadSamples {
+    /// Reads a CSV file with the header `time_s,` and `column` and at least two rows of strictly
     /// increasing times. A byte order mark and either line ending are accepted.
     ///
     /// # Errors
     /// [`SamplesError`] with the line.
-    pub fn read(path: &Path) -> Result<Self, SamplesError> {
+    pub fn read(path: &Path, column: &'static str) -> Result<Self, SamplesError> {
         let file = open_input(path, MAX_SAMPLE_BYTES)?;
-        Self::from_csv(file)
+        Self::from_csv(file, column)
     }
 
     /// Reads the same from a stream, of which at most [`MAX_SAMPLE_BYTES`] are taken.
     ///
     /// # Errors
     /// [`SamplesError`] with the line.
-    pub fn from_csv(stream: impl Read) -> Result<Self, SamplesError> {
+    pub fn from_csv(stream: impl Read, column: &'static str) -> Result<Self, SamplesError> {
         // Rows end at a line feed; a carriage return before it is white space. A line feed is
         // appended to the last row, so the reader's line after a row is that of the row plus one.
         let stream = stream.take(MAX_SAMPLE_BYTES).chain(&b"\n"[..]);
@@ -118,55 +125,55 @@ impl ForceSamples {
             .from_reader(stream);
         let mut row = ByteRecord::new();
         if !reader.read_byte_record(&mut row)? {
-            return Err(SamplesError::Empty);
+            return Err(SamplesError::Empty(column));
         }
-        if !row.iter().eq(COLUMNS.map(str::as_bytes)) {
+        if !row.iter().eq([TIME, column].map(str::as_bytes)) {
             let entries: Vec<_> = row.iter().map(String::from_utf8_lossy).collect();
-            return Err(SamplesError::Header(entries.join(",")));
+            return Err(SamplesError::Header { found: entries.join(","), column });
         }
-        let (mut time_s, mut force_n) = (Vec::new(), Vec::<f64>::new());
+        let (mut time_s, mut values) = (Vec::new(), Vec::<f64>::new());
         while reader.read_byte_record(&mut row)? {
             if row.iter().eq([b""]) {
                 continue;
             }
             let line = reader.position().line() - 1;
-            let (Some(time), Some(force), 2) = (row.get(0), row.get(1), row.len()) else {
-                return Err(SamplesError::Columns { line, found: row.len() });
+            let (Some(time), Some(value), 2) = (row.get(0), row.get(1), row.len()) else {
+                return Err(SamplesError::Columns { line, found: row.len(), column });
             };
-            let time = finite(time, line, COLUMNS[0])?;
-            let force = finite(force, line, COLUMNS[1])?;
+            let time = finite(time, line, TIME)?;
+            let value = finite(value, line, column)?;
             if let Some(&previous_s) = time_s.last()
                 && time <= previous_s
             {
                 return Err(SamplesError::TimeNotIncreasing { line, previous_s, time_s: time });
             }
             time_s.push(time);
-            force_n.push(force);
+            values.push(value);
         }
         match time_s.len() {
             rows @ 0..2 => Err(SamplesError::TooFewRows(rows)),
-            _ => Ok(Self { time_s, force_n }),
+            _ => Ok(Self { time_s, values }),
         }
     }
 
-    /// Force of largest magnitude in N, with its sign.
-    pub fn peak_n(&self) -> f64 {
-        let larger = |peak: f64, &force: &f64| if force.abs() > peak.abs() { force } else { peak };
-        self.force_n.iter().fold(0.0, larger)
+    /// Value of largest magnitude, with its sign.
+    pub fn peak(&self) -> f64 {
+        let larger = |peak: f64, &value: &f64| if value.abs() > peak.abs() { value } else { peak };
+        self.values.iter().fold(0.0, larger)
     }
 
-    /// The same force, rescaled so that its largest magnitude is `peak_n` in N; a negative `peak_n`
-    /// reverses it.
+    /// The same samples, rescaled so that their largest magnitude is `peak`; a negative `peak` reverses
+    /// them.
     ///
     /// # Errors
-    /// [`SamplesError::ZeroForce`] for a force that is zero throughout.
-    pub fn rescaled(mut self, peak_n: f64) -> Result<Self, SamplesError> {
-        let largest = self.peak_n().abs();
+    /// [`SamplesError::ZeroForce`] for samples that are zero throughout.
+    pub fn rescaled(mut self, peak: f64) -> Result<Self, SamplesError> {
+        let largest = self.peak().abs();
         if largest == 0.0 {
             return Err(SamplesError::ZeroForce);
         }
-        for force in &mut self.force_n {
-            *force = *force / largest * peak_n;
+        for value in &mut self.values {
+            *value = *value / largest * peak;
         }
         Ok(self)
     }
@@ -196,19 +203,19 @@ fn finite(entry: &[u8], line: u64, column: &'static str) -> Result<f64, SamplesE
 mod tests {
     use super::*;
 
-    fn read(text: &str) -> Result<ForceSamples, SamplesError> {
-        ForceSamples::from_csv(text.as_bytes())
+    fn read(text: &str) -> Result<LoadSamples, SamplesError> {
+        LoadSamples::from_csv(text.as_bytes(), "force_n")
     }
 
     #[test]
     fn plain_crlf_and_byte_order_mark_read_the_same() {
         let plain = read("time_s,force_n\n0,0\n1e-3,-2.5\n").unwrap();
         assert_eq!(plain.time_s, [0.0, 1e-3]);
-        assert_eq!(plain.force_n, [0.0, -2.5]);
+        assert_eq!(plain.values, [0.0, -2.5]);
         let odd = read("\u{feff}time_s, force_n\r\n0, 0\r\n1e-3,-2.5").unwrap();
         assert_eq!(odd, plain);
-        assert_eq!(plain.peak_n(), -2.5);
-        assert_eq!(plain.clone().rescaled(5.0).unwrap().force_n, [0.0, -5.0]);
+        assert_eq!(plain.peak(), -2.5);
+        assert_eq!(plain.clone().rescaled(5.0).unwrap().values, [0.0, -5.0]);
     }
 
     #[test]
@@ -226,7 +233,7 @@ mod tests {
         assert_eq!(line_of("time_s,force_n\n0,nan\n"), 2);
         assert_eq!(line_of("time_s,force_n\n\n0,0\n\r\n0,1"), 5);
         assert_eq!(read("time_s,force_n\n0,0\n"), Err(SamplesError::TooFewRows(1)));
-        assert_eq!(read(""), Err(SamplesError::Empty));
+        assert_eq!(read(""), Err(SamplesError::Empty("force_n")));
         let zero = read("time_s,force_n\n0,0\n1,0\n").unwrap();
         assert_eq!(zero.rescaled(1.0), Err(SamplesError::ZeroForce));
     }
