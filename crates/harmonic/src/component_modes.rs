@@ -1,6 +1,6 @@
 //! A preloaded structure in component modes as a linear system.
 
-use asperity_mesh::{ComponentModes, NormalMode};
+use asperity_mesh::{ComponentModes, NormalMode, PortPair};
 use asperity_structure::{DampedMode, Guide, PreloadedStructure};
 use faer::Mat;
 use faer::linalg::solvers::{Solve, Svd};
@@ -12,15 +12,9 @@ use crate::{Compliance, HarmonicError, LinearSystem, MeanBalance, Receptance};
 /// Part of the largest singular value below which a rigid motion is not held by contacts.
 const HELD: f64 = 1e-9;
 
-/// Number of contact pairs and guides.
-fn pairs(modes: &ComponentModes) -> usize {
-    modes.interfaces() + modes.guides()
-}
-
-/// Closure of a mode at a contact pair, or its displacement in a guide.
-fn closure(mode: &NormalMode, pair: usize) -> f64 {
-    let contacts = mode.closure.len();
-    if pair < contacts { mode.closure[pair] } else { mode.guide[pair - contacts] }
+/// Contact pairs, guides, and the load.
+fn places(modes: &ComponentModes) -> Vec<PortPair> {
+    modes.pairs().iter().copied().chain([PortPair::on_ground(0)]).collect()
 }
 
 fn rigid_modes(modes: &ComponentModes) -> Vec<&NormalMode> {
@@ -30,7 +24,8 @@ fn rigid_modes(modes: &ComponentModes) -> Vec<&NormalMode> {
 /// Closures of the rigid modes, a column each.
 fn rigid_closures(modes: &ComponentModes) -> Mat<f64> {
     let rigid = rigid_modes(modes);
-    Mat::from_fn(pairs(modes), rigid.len(), |i, r| closure(rigid[r], i))
+    let pairs = modes.pairs();
+    Mat::from_fn(pairs.len(), rigid.len(), |i, r| rigid[r].closure(pairs[i]))
 }
 
 /// Number of independent rigid motions that close some contact.
@@ -40,24 +35,15 @@ fn held(closures: &Mat<f64>) -> usize {
     values.iter().filter(|&&value| value > HELD * largest).count()
 }
 
-/// Static flexibility of the elastic modes and the residual, between pairs and, in the last row, at the
-/// driving point per force of a pair. The residual has no guides.
+/// Static flexibility of the elastic modes and the residual, between all places per force of a pair.
 fn elastic_flexibility(modes: &ComponentModes) -> Mat<f64> {
-    let (n, contacts) = (pairs(modes), modes.interfaces());
-    Mat::from_fn(n + 1, n, |row, column| {
-        let shape = |mode: &NormalMode| if row < n { closure(mode, row) } else { mode.drive };
+    let (places, pairs) = (places(modes), modes.pairs());
+    Mat::from_fn(places.len(), pairs.len(), |row, column| {
+        let (a, b) = (places[row], pairs[column]);
         let elastic = modes.modes().iter().filter(|mode| mode.angular_frequency > 0.0);
-        let kept: f64 = elastic
-            .map(|mode| shape(mode) * closure(mode, column) / mode.angular_frequency.powi(2))
-            .sum();
-        let residual = modes.residual();
-        kept + if column >= contacts {
-            0.0
-        } else if row == n {
-            residual.drive[column]
-        } else {
-            residual.closure.get(row).map_or(0.0, |flexibilities| flexibilities[column])
-        }
+        let kept =
+            |mode: &NormalMode| mode.closure(a) * mode.closure(b) / mode.angular_frequency.powi(2);
+        modes.residual().closure(a, b) + elastic.map(kept).sum::<f64>()
     })
 }
 
@@ -65,7 +51,7 @@ fn elastic_flexibility(modes: &ComponentModes) -> Mat<f64> {
 /// driving point.
 impl LinearSystem for PreloadedStructure<ComponentModes> {
     fn interfaces(&self) -> usize {
-        self.component_modes().interfaces()
+        self.component_modes().contacts().len()
     }
 
     fn guides(&self) -> &[Guide] {
@@ -102,7 +88,7 @@ impl LinearSystem for PreloadedStructure<ComponentModes> {
     /// elastic, `N^T (X0 + G P0) = 0` with N orthogonal to the rigid closures.
     fn mean_balance(&self) -> MeanBalance {
         let modes = self.component_modes();
-        let n = pairs(modes);
+        let n = modes.pairs().len();
         let rigid = rigid_modes(modes);
         let elastic = elastic_flexibility(modes);
         let mut balance = MeanBalance {
@@ -130,7 +116,7 @@ impl LinearSystem for PreloadedStructure<ComponentModes> {
         if !rigid.is_empty() && held == rigid.len() {
             // The rigid motions from the closures, Phi q = X0 + G P0, by least squares.
             let squares = closures.transpose() * &closures;
-            let drive = Mat::from_fn(rigid.len(), 1, |r, _| rigid[r].drive);
+            let drive = Mat::from_fn(rigid.len(), 1, |r, _| rigid[r].ports[0]);
             let weights = &closures * squares.partial_piv_lu().solve(&drive);
             for i in 0..n {
                 balance.output_closure[i] = weights[(i, 0)];
@@ -167,19 +153,25 @@ fn plain_compliance(
     anti_damping: f64,
     into: &mut Compliance,
 ) {
-    let (n, pairs) = (structure.component_modes().interfaces(), pairs(structure.component_modes()));
-    let residual = structure.component_modes().residual();
+    let modes = structure.component_modes();
+    let places = places(modes);
+    let load = places.len() - 1;
     let constant =
         |value| Receptance { value: Complex64::new(value, 0.0), ..Receptance::default() };
     into.clear();
-    for row in 0..n {
-        for column in 0..n {
-            *into.contact_mut(row, column) = constant(residual.closure[row][column]);
+    for (row, &a) in places.iter().enumerate() {
+        for (column, &b) in places.iter().enumerate() {
+            let left_out = constant(modes.residual().closure(a, b));
+            if row == load && column == load {
+                into.direct = left_out;
+            } else if column == load {
+                *into.drive_mut(row) = left_out;
+            } else if row < load {
+                *into.contact_mut(row, column) = left_out;
+            }
         }
-        *into.drive_mut(row) = constant(residual.drive[row]);
     }
-    into.direct = constant(residual.driving_point);
-    for mode in structure.component_modes().modes() {
+    for mode in modes.modes() {
         let mass = if mode.massless { 0.0 } else { 1.0 };
         let rate = mode.total_damping(structure.damping_rate()) - mass * anti_damping;
         let square = mode.angular_frequency.powi(2);
@@ -189,13 +181,14 @@ fn plain_compliance(
             d_frequency: -value * value * Complex64::new(-2.0 * mass * w, rate),
             d_anti_damping: value * value * Complex64::new(0.0, mass * w),
         };
-        for row in 0..pairs {
-            for column in 0..pairs {
-                let factor = closure(mode, row) * closure(mode, column);
+        let drive = mode.ports[0];
+        for row in 0..load {
+            for column in 0..load {
+                let factor = mode.closure(places[row]) * mode.closure(places[column]);
                 into.contact_mut(row, column).add(&modal, factor);
             }
-            into.drive_mut(row).add(&modal, closure(mode, row) * mode.drive);
+            into.drive_mut(row).add(&modal, mode.closure(places[row]) * drive);
         }
-        into.direct.add(&modal, mode.drive * mode.drive);
+        into.direct.add(&modal, drive * drive);
     }
 }

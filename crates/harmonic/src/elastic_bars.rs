@@ -130,7 +130,7 @@ impl LinearSystem for PreloadedStructure {
     }
 
     fn lowest_modes(&self, count: usize) -> Result<ComponentModes, HarmonicError> {
-        let modes = ComponentModes::of_stack(self.stack(), ModeCount::Lowest(count));
+        let modes = ComponentModes::of_stack(self.stack(), ModeCount::Lowest(count), &[]);
         Ok(modes.map_err(StructureError::from)?)
     }
 

@@ -1,6 +1,6 @@
 //! A rigid mass on one contact.
 
-use asperity_mesh::{ComponentModes, NormalMode, ResidualFlexibility};
+use asperity_mesh::{ComponentModes, NormalMode, PortPair, ResidualFlexibility};
 use asperity_structure::StructureError;
 use num_complex::Complex64;
 
@@ -65,9 +65,9 @@ impl LinearSystem for RigidMass {
     }
 
     fn lowest_modes(&self, _count: usize) -> Result<ComponentModes, HarmonicError> {
-        let shape = 1.0 / self.mass.sqrt();
-        let mode = NormalMode::rigid(shape, vec![shape]);
-        let modes = ComponentModes::new(vec![mode], ResidualFlexibility::zero(1));
+        let mode = NormalMode::rigid(vec![1.0 / self.mass.sqrt()]);
+        let (contacts, none) = (vec![PortPair::on_ground(0)], ResidualFlexibility::zero(1));
+        let modes = ComponentModes::new(vec![mode], none, contacts, Vec::new());
         Ok(modes.map_err(StructureError::from)?)
     }
 

@@ -1,6 +1,6 @@
 //! The linear equation of small disturbances.
 
-use asperity_mesh::{ComponentModes, NormalMode, ResidualFlexibility};
+use asperity_mesh::ComponentModes;
 use asperity_structure::DampedMode;
 use faer::{Mat, Side};
 
@@ -11,15 +11,26 @@ const STATIC: f64 = 1e3;
 /// closures after those of the contacts.
 #[derive(Debug, Clone)]
 pub(super) struct VariationalEquation {
-    /// The modes, each with its total damping rate.
-    pub(super) modes: Vec<NormalMode>,
-    residual: ResidualFlexibility,
+    pub(super) modes: Vec<PairMode>,
+    /// Closure of pair i per force at pair j, row i, of the modes left out \[m/N\].
+    flexibility: Vec<Vec<f64>>,
     /// Closures per rate of the contact forces, `sum c g g^T / w^4` of the damped modes that are static
     /// \[m s/N\], by rows; empty without them.
     retardation: Vec<f64>,
     /// Linearised modes with a damping of their own, from the lowest on.
     pub(super) dampers: Vec<ModeDamper>,
     matrix: Vec<f64>,
+}
+
+/// A mode as the pairs see it.
+#[derive(Debug, Clone)]
+pub(super) struct PairMode {
+    /// Angular frequency \[rad/s\].
+    pub(super) angular_frequency: f64,
+    /// Total damping rate \[1/s\].
+    pub(super) damping_rate: f64,
+    /// Participation of the closure of each pair \[kg^-1/2\].
+    pub(super) closure: Vec<f64>,
 }
 
 /// Damping of a linearised mode.
@@ -45,25 +56,33 @@ impl VariationalEquation {
     /// stiffness is of the order of `springs` \[N/m\]. Elastic modes far above all others are static, and
     /// so are overdamped ones above all motions on the contacts; their damping remains.
     pub(super) fn new(modes: &ComponentModes, rate: f64, springs: &[f64]) -> Self {
-        let residual = with_guides(modes.residual(), modes.guides());
-        let n = residual.closure.len();
+        let pairs = modes.pairs();
+        let n = pairs.len();
+        let row = |&a| pairs.iter().map(|&b| modes.residual().closure(a, b)).collect();
+        let flexibility = pairs.iter().map(row).collect();
         let (retardation, matrix) = (Vec::new(), vec![0.0; 2 * n * n]);
         let (modes_kept, dampers) = (Vec::new(), Vec::new());
-        let mut found = Self { modes: modes_kept, residual, retardation, dampers, matrix };
+        let mut found = Self { modes: modes_kept, flexibility, retardation, dampers, matrix };
         let stiffest = springs.iter().copied().fold(0.0, f64::max);
-        let on_contacts = |mode: &NormalMode| stiffest * square_of(&mode.closure);
-        let fastest = modes.modes().iter().map(on_contacts).fold(0.0, f64::max).sqrt();
-        for mode in modes.modes() {
-            let closure = [&mode.closure[..], &mode.guide].concat();
-            let mode = NormalMode { closure, guide: Vec::new(), ..mode.clone() };
+        let contacts = modes.contacts().len();
+        let all: Vec<PairMode> = modes
+            .modes()
+            .iter()
+            .map(|mode| PairMode {
+                angular_frequency: mode.angular_frequency,
+                damping_rate: mode.total_damping(rate),
+                closure: pairs.iter().map(|&pair| mode.closure(pair)).collect(),
+            })
+            .collect();
+        let on_contacts = |mode: &PairMode| stiffest * square_of(&mode.closure[..contacts]);
+        let fastest = all.iter().map(on_contacts).fold(0.0, f64::max).sqrt();
+        for (own, mode) in modes.modes().iter().zip(all) {
             let w = mode.angular_frequency;
-            let overdamped = w > fastest && mode.damping_rate > 2.0 * w;
-            if mode.massless || overdamped || w > STATIC * fastest {
-                found.residual.add(&mode);
-                found.add_retardation(&mode);
+            let overdamped = w > fastest && own.damping_rate > 2.0 * w;
+            if own.massless || overdamped || w > STATIC * fastest {
+                found.leave_out(PairMode { damping_rate: own.damping_rate, ..mode });
             } else {
-                let damping_rate = mode.total_damping(rate);
-                found.modes.push(NormalMode { damping_rate, mass_damped: false, ..mode });
+                found.modes.push(mode);
             }
         }
         found
@@ -105,15 +124,20 @@ impl VariationalEquation {
         })
     }
 
-    fn add_retardation(&mut self, mode: &NormalMode) {
-        if mode.damping_rate == 0.0 {
-            return;
-        }
+    /// Adds the flexibility of a static mode and the lag of its damping.
+    fn leave_out(&mut self, mode: PairMode) {
+        let PairMode { angular_frequency: w, damping_rate, closure } = mode;
         let n = self.interfaces();
-        self.retardation.resize(n * n, 0.0);
-        let lag = mode.damping_rate * mode.angular_frequency.powi(-4);
-        for (place, entry) in self.retardation.iter_mut().enumerate() {
-            *entry += lag * mode.closure[place / n] * mode.closure[place % n];
+        if damping_rate != 0.0 {
+            self.retardation.resize(n * n, 0.0);
+        }
+        for (i, own) in closure.iter().enumerate() {
+            for (j, other) in closure.iter().enumerate() {
+                self.flexibility[i][j] += own * other * w.powi(-2);
+                if damping_rate != 0.0 {
+                    self.retardation[i * n + j] += damping_rate * w.powi(-4) * own * other;
+                }
+            }
         }
     }
 
@@ -124,12 +148,12 @@ impl VariationalEquation {
 
     /// Number of pairs: interfaces, and after them guides with friction.
     pub(super) fn interfaces(&self) -> usize {
-        self.residual.closure.len()
+        self.flexibility.len()
     }
 
     /// Closures of pair i per force at pair j, row i, of the modes left out \[m/N\].
     pub(super) fn flexibility(&self) -> &[Vec<f64>] {
-        &self.residual.closure
+        &self.flexibility
     }
 
     /// Closures per rate of the forces of static modes \[m s/N\], by rows; empty without damped ones.
@@ -140,9 +164,8 @@ impl VariationalEquation {
     /// An upper estimate of the highest frequency [rad/s] with contact stiffnesses up to
     /// `stiffness` [N/m].
     pub(super) fn highest_frequency(&self, stiffness: f64) -> f64 {
-        let square = |mode: &NormalMode| {
-            mode.angular_frequency.powi(2) + stiffness * square_of(&mode.closure)
-        };
+        let square =
+            |mode: &PairMode| mode.angular_frequency.powi(2) + stiffness * square_of(&mode.closure);
         self.modes.iter().map(square).fold(0.0, f64::max).sqrt()
     }
 
@@ -151,12 +174,12 @@ impl VariationalEquation {
     pub(super) fn highest_damping(&self, damper: f64, stiffness: f64) -> f64 {
         let n = self.interfaces();
         let retarded = |(i, entry): (usize, &f64)| {
-            let flexibility = self.residual.closure[i][i];
+            let flexibility = self.flexibility[i][i];
             entry * (stiffness / (1.0 + stiffness * flexibility)).powi(2)
         };
         let damper =
             damper + self.retardation.iter().step_by(n + 1).enumerate().map(retarded).sum::<f64>();
-        let rate = |mode: &NormalMode| mode.damping_rate + damper * square_of(&mode.closure);
+        let rate = |mode: &PairMode| mode.damping_rate + damper * square_of(&mode.closure);
         let excess = self.dampers.iter().map(|damper| damper.excess).fold(0.0, f64::max);
         excess + self.modes.iter().map(rate).fold(0.0, f64::max)
     }
@@ -171,7 +194,7 @@ impl VariationalEquation {
         stiffness: &[f64],
         out: &mut [f64],
     ) {
-        let (n, flexibility) = (self.interfaces(), &self.residual.closure);
+        let (n, flexibility) = (self.interfaces(), &self.flexibility);
         let share = |i: usize, j: usize| {
             let lost: f64 = (0..n).map(|l| flexibility[i][l] * stiffness[l * n + j]).sum();
             if i == j { 1.0 - lost } else { -lost }
@@ -203,12 +226,12 @@ impl VariationalEquation {
         let n = self.interfaces();
         if n == 1 {
             let k = tangents(0);
-            out[0] = k / (1.0 + k * self.residual.closure[0][0]);
+            out[0] = k / (1.0 + k * self.flexibility[0][0]);
             return;
         }
         if n == 2 {
             // The inverse of a matrix of two rows, times K_c.
-            let ([k0, k1], r) = ([tangents(0), tangents(1)], &self.residual.closure);
+            let ([k0, k1], r) = ([tangents(0), tangents(1)], &self.flexibility);
             let (a, b) = (1.0 + k0 * r[0][0], k0 * r[0][1]);
             let (c, d) = (k1 * r[1][0], 1.0 + k1 * r[1][1]);
             let inverse = 1.0 / (a * d - b * c);
@@ -221,7 +244,7 @@ impl VariationalEquation {
         for i in 0..n {
             let k = tangents(i);
             for j in 0..n {
-                self.matrix[i * width + j] = k * self.residual.closure[i][j];
+                self.matrix[i * width + j] = k * self.flexibility[i][j];
             }
             self.matrix[i * width + i] += 1.0;
             self.matrix[i * width + n + i] = k;
@@ -242,16 +265,6 @@ impl VariationalEquation {
             out[i * n..(i + 1) * n].copy_from_slice(&self.matrix[i * width + n..(i + 1) * width]);
         }
     }
-}
-
-/// The residual flexibility with rows for guides, in which modes left out do not move.
-fn with_guides(residual: &ResidualFlexibility, guides: usize) -> ResidualFlexibility {
-    let n = residual.closure.len() + guides;
-    let mut found = ResidualFlexibility::zero(n);
-    for (row, known) in found.closure.iter_mut().zip(&residual.closure) {
-        row[..known.len()].copy_from_slice(known);
-    }
-    found
 }
 
 fn square_of(shape: &[f64]) -> f64 {

@@ -7,7 +7,7 @@ use asperity_harmonic::{
     ContactSystem, Continuation, Floquet, FourierResolution, HarmonicSettings, LawEvaluation,
     RigidMass, SpecialPointKind, trace,
 };
-use asperity_mesh::{ComponentModes, NormalMode, ResidualFlexibility};
+use asperity_mesh::{ComponentModes, NormalMode, PortPair, ResidualFlexibility};
 use asperity_structure::{Damping, PreloadedContact, PreloadedStructure};
 
 use crate::rigs::{Cubic, Law};
@@ -85,10 +85,11 @@ const FORCE: f64 = 0.03;
 fn two_modes() -> (ContactSystem, Law) {
     let law: Law = Arc::new(Cubic { stiffness: 1.1056, square: 1.0, cube: 1.0 });
     let modes = vec![
-        NormalMode::rigid(1.0, vec![COUPLING[0]]),
-        NormalMode::elastic(UPPER_SQUARED.sqrt(), 0.0, vec![COUPLING[1]]),
+        NormalMode::rigid(vec![1.0, COUPLING[0]]),
+        NormalMode::elastic(UPPER_SQUARED.sqrt(), vec![0.0, COUPLING[1]]),
     ];
-    let modes = ComponentModes::new(modes, ResidualFlexibility::zero(1)).unwrap();
+    let contacts = vec![PortPair::on_ground(1)];
+    let modes = ComponentModes::new(modes, ResidualFlexibility::zero(2), contacts, vec![]).unwrap();
     let contact = PreloadedContact::new("spring", 1.0, Arc::clone(&law), 0.0).unwrap();
     let damping = Damping::Rate(RATE);
     let structure = PreloadedStructure::of_components(modes, vec![contact], damping).unwrap();

@@ -10,7 +10,8 @@ use asperity_harmonic::{
 };
 use asperity_law::{Constant, ContactDamping, Friction};
 use asperity_mesh::{
-    Body, ComponentModes, Interface, ModeCount, NormalMode, ResidualFlexibility, Stack, Support,
+    Body, ComponentModes, Interface, ModeCount, NormalMode, Port, PortPair, ResidualFlexibility,
+    Stack, Support,
 };
 use asperity_structure::{Damping, PreloadedContact, PreloadedStructure};
 use num_complex::Complex64;
@@ -228,7 +229,7 @@ fn component_modes_with_guides_are_the_exact_bars() {
     let disc = Support::SpringMass { stiffness: 3e8, mass: 0.7, damping_ratio: 0.02 };
     let stack = Stack::new(bodies, contacts, disc, 9.81).unwrap();
     let exact = preloaded(stack, 300.0);
-    let reduced = exact.reduced(ModeCount::Lowest(60)).unwrap();
+    let reduced = exact.reduced(ModeCount::Lowest(60), &[Port::TOP]).unwrap();
     assert_eq!(LinearSystem::guides(&reduced).len(), 2);
     let systems = [
         ContactSystem::of_structure(&exact, LawEvaluation::Exact).unwrap(),
@@ -256,8 +257,10 @@ fn component_modes_with_guides_are_the_exact_bars() {
 fn contacts_side_by_side_are_one_contact() {
     let shape = MASS.sqrt().recip();
     let structure = |areas: &[f64]| {
-        let mode = NormalMode::rigid(shape, vec![shape; areas.len()]);
-        let modes = ComponentModes::new(vec![mode], ResidualFlexibility::zero(areas.len()));
+        let mode = NormalMode::rigid(vec![shape]);
+        let contacts = vec![PortPair::on_ground(0); areas.len()];
+        let residual = ResidualFlexibility::zero(1);
+        let modes = ComponentModes::new(vec![mode], residual, contacts, vec![]);
         let contact = |&area: &f64| PreloadedContact::new("contact", area, modified(), 1.37e5);
         let contacts = areas.iter().map(contact).collect::<Result<Vec<_>, _>>().unwrap();
         PreloadedStructure::of_components(modes.unwrap(), contacts, Damping::Rate(RATE)).unwrap()

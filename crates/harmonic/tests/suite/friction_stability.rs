@@ -9,7 +9,7 @@ use asperity_harmonic::{
     PeriodicResponse, RigidMass, SpecialPointKind, trace,
 };
 use asperity_law::{Constant, Friction};
-use asperity_mesh::{ComponentModes, NormalMode, ResidualFlexibility};
+use asperity_mesh::{ComponentModes, NormalMode, PortPair, ResidualFlexibility};
 use asperity_structure::{Damping, Guide, PreloadedContact, PreloadedStructure};
 use faer::Mat;
 use num_complex::Complex64;
@@ -35,20 +35,23 @@ fn damped_mass_on(law: &Law, friction: Option<Friction>, rate: f64) -> ContactSy
 
 /// A rigid bar on a contact, in a guide with `friction`.
 fn mass_in_guide(law: &Law, friction: Friction) -> ContactSystem {
-    let shape = MASS.sqrt().recip();
-    let mode = NormalMode { guide: vec![shape], ..NormalMode::rigid(shape, vec![shape]) };
-    of_modes(vec![mode], ResidualFlexibility::zero(1), law, friction)
+    let mode = NormalMode::rigid(vec![MASS.sqrt().recip()]);
+    of_modes(vec![mode], ResidualFlexibility::zero(1), vec![0], law, friction)
 }
 
+/// Modes loaded at port 0, with a contact at their last port and `guides`: friction is in the guides or
+/// else across the contact.
 fn of_modes(
     modes: Vec<NormalMode>,
     residual: ResidualFlexibility,
+    guides: Vec<usize>,
     law: &Law,
     friction: Friction,
 ) -> ContactSystem {
-    let modes = ComponentModes::new(modes, residual).unwrap();
-    let guides = (0..modes.guides()).map(|_| Guide::new("bar", friction, 0)).collect();
-    let own = (modes.guides() == 0).then_some(friction);
+    let own = guides.is_empty().then_some(friction);
+    let pairs = vec![PortPair::on_ground(modes[0].ports.len() - 1)];
+    let modes = ComponentModes::new(modes, residual, pairs, guides).unwrap();
+    let guides = modes.guides().iter().map(|_| Guide::new("bar", friction, 0)).collect();
     let contacts = vec![contact(law, own)];
     let structure = PreloadedStructure::of_components(modes, contacts, Damping::Rate(RATE));
     let structure = structure.unwrap().with_guides(guides).unwrap();
@@ -190,20 +193,17 @@ fn left_out_modes_are_in_series_with_friction() {
     let shape = MASS.sqrt().recip();
     let friction = Friction::coefficient(2e7, 0.01).unwrap();
     let (flexibility, fast) = (4e-9_f64, 3e5);
-    let with_guide = |guided: bool, mode: NormalMode, shape: f64| NormalMode {
-        guide: if guided { vec![shape] } else { Vec::new() },
-        ..mode
-    };
+    // Ports: the bar, which is loaded and guided, and the contact.
     for guided in [false, true] {
-        let rigid = with_guide(guided, NormalMode::rigid(shape, vec![shape]), shape);
-        let elastic = NormalMode::elastic(fast, 0.0, vec![fast * flexibility.sqrt()]);
-        let elastic = with_guide(guided, elastic, 0.0);
-        let none = ResidualFlexibility::zero(1);
+        let rigid = NormalMode::rigid(vec![shape, shape]);
+        let elastic = NormalMode::elastic(fast, vec![0.0, fast * flexibility.sqrt()]);
+        let none = ResidualFlexibility::zero(2);
         let mut residual = none.clone();
         residual.add(&elastic);
+        let guides = if guided { vec![0] } else { vec![] };
         let [kept, left_out] =
             [(vec![rigid.clone(), elastic], none), (vec![rigid], residual)].map(|(modes, left)| {
-                let system = of_modes(modes, left, &law, friction);
+                let system = of_modes(modes, left, guides.clone(), &law, friction);
                 largest_first(response(&system, 1050.0, 4.0).multipliers.unwrap())
             });
         // Of the fast mode's own pair there is nothing in the other.

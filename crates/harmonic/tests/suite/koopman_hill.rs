@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use asperity_harmonic::{ContactSystem, PeriodicResponse};
-use asperity_mesh::{ComponentModes, NormalMode};
+use asperity_mesh::{ComponentModes, NormalMode, PortPair};
 use faer::Mat;
 use faer::linalg::solvers::Solve;
 use num_complex::Complex64;
@@ -51,6 +51,7 @@ pub(crate) fn multipliers(
 /// Source: F. Bayer, R. Leine, Nonlinear Dyn. 2023, 111, 8439, doi 10.1007/s11071-023-08247-7.
 struct Hill {
     modes: Vec<NormalMode>,
+    contacts: Vec<PortPair>,
     mass_damping: f64,
     w: f64,
     /// Velocities are divided by this times w.
@@ -67,7 +68,8 @@ struct Hill {
 impl Hill {
     fn new(system: &ContactSystem, response: &PeriodicResponse, count: usize) -> Self {
         let modes = system.linear().lowest_modes(count).unwrap();
-        let n = modes.interfaces();
+        let contacts = modes.contacts();
+        let n = contacts.len();
         // Twice the harmonics of the motion, as far as samples resolve, are the most.
         let most = (2 * response.harmonics()).min((SAMPLES - 1) / 4);
         let zero = Complex64::new(0.0, 0.0);
@@ -94,7 +96,7 @@ impl Hill {
             stiffness.extend((1..=reach).map(|m| harmonic(m).conj()));
         }
         let square = |mode: &NormalMode| {
-            let shape: f64 = mode.closure.iter().map(|phi| phi * phi).sum();
+            let shape: f64 = contacts.iter().map(|&pair| mode.closure(pair).powi(2)).sum();
             mode.angular_frequency.powi(2) + largest * shape
         };
         let w = response.angular_frequency;
@@ -109,6 +111,7 @@ impl Hill {
             next: vec![zero; (harmonics + 1) * size],
             closures: vec![zero; (2 * harmonics + 1) * n],
             modes: modes.modes().to_vec(),
+            contacts: contacts.to_vec(),
         }
     }
 
@@ -158,8 +161,12 @@ impl Hill {
         let n = self.closures.len() / (2 * last + 1);
         for (k, block) in self.term.chunks_exact(size).enumerate() {
             for i in 0..n {
-                let sum: Complex64 =
-                    self.modes.iter().zip(block).map(|(mode, y)| y * mode.closure[i]).sum();
+                let sum: Complex64 = self
+                    .modes
+                    .iter()
+                    .zip(block)
+                    .map(|(mode, y)| y * mode.closure(self.contacts[i]))
+                    .sum();
                 self.closures[i * (2 * last + 1) + last - k] = sum.conj();
                 self.closures[i * (2 * last + 1) + last + k] = sum;
             }
@@ -183,7 +190,8 @@ impl Hill {
                     force += row.iter().zip(closures).map(|(k, d)| k * d).sum::<Complex64>();
                 }
                 for (j, mode) in self.modes.iter().enumerate() {
-                    next[modes + j] -= force * (factor / (w * scale) * mode.closure[i]);
+                    next[modes + j] -=
+                        force * (factor / (w * scale) * mode.closure(self.contacts[i]));
                 }
             }
         }
@@ -208,8 +216,9 @@ fn stiffness(
         .collect();
     let n = tangents.len();
     let unit = |i: usize, j: usize| if i == j { 1.0 } else { 0.0 };
-    let flexibility = &modes.residual().closure;
-    let matrix = Mat::from_fn(n, n, |i, j| unit(i, j) + tangents[i] * flexibility[i][j]);
+    let flexibility =
+        |i: usize, j: usize| modes.residual().closure(modes.contacts()[i], modes.contacts()[j]);
+    let matrix = Mat::from_fn(n, n, |i, j| unit(i, j) + tangents[i] * flexibility(i, j));
     let right = Mat::from_fn(n, n, |i, j| unit(i, j) * tangents[i]);
     let found = matrix.partial_piv_lu().solve(&right);
     (0..n * n).map(|place| found[(place / n, place % n)]).collect()

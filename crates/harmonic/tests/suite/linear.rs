@@ -7,7 +7,9 @@ use asperity_harmonic::{
     ContactSystem, Continuation, LawEvaluation, LinearSystem, linear_receptance,
 };
 use asperity_law::Constant;
-use asperity_mesh::{ComponentModes, ModeCount, NormalMode, ResidualFlexibility, Stack, Support};
+use asperity_mesh::{
+    ComponentModes, ModeCount, NormalMode, Port, PortPair, ResidualFlexibility, Stack, Support,
+};
 use asperity_structure::{Damping, PreloadedStructure};
 use num_complex::Complex64;
 
@@ -92,7 +94,7 @@ fn modes_with_residual_flexibility_approach_the_bars() {
         let stack = rig(&constant(), support);
         let structure = preloaded(stack.clone(), 370.0);
         let exact = ContactSystem::of_structure(&structure, LawEvaluation::Exact).unwrap();
-        let reduced = |count| structure.reduced(ModeCount::Lowest(count)).unwrap();
+        let reduced = |count| structure.reduced(ModeCount::Lowest(count), &[Port::TOP]).unwrap();
         let off = |count: usize, frequency: f64| {
             let truncated = reduced(count);
             let truncated = ContactSystem::of_structure(&truncated, LawEvaluation::Exact).unwrap();
@@ -125,23 +127,25 @@ fn modes_with_residual_flexibility_approach_the_bars() {
 #[test]
 fn component_modes_given_by_hand_are_the_rig() {
     let structure = preloaded(rig(&crate::rigs::power(), Support::Rigid), 370.0);
-    let reduced = structure.reduced(ModeCount::PerBody(1)).unwrap();
+    let reduced = structure.reduced(ModeCount::PerBody(1), &[Port::TOP]).unwrap();
     let (guide, sample) = ((1.0 / 1.61_f64).sqrt(), (1.0 / (2710.0 * 0.015 * AREA)).sqrt());
+    // The top, the lower face of the guide bar, and both faces of the sample.
     let modes = vec![
-        NormalMode::rigid(guide, vec![guide, 0.0]),
-        NormalMode::rigid(0.0, vec![-sample, sample]),
+        NormalMode::rigid(vec![guide, guide, 0.0, 0.0]),
+        NormalMode::rigid(vec![0.0, 0.0, sample, sample]),
     ];
-    // L / (3 E A) of each bar at its faces, L / (6 E A) across it.
+    // L / (3 E A) of each bar at its faces, -L / (6 E A) across it.
     let [long, short] = [0.229 / (71e9 * 1.61 / (2710.0 * 0.229)), 0.015 / (71e9 * AREA)];
-    let residual = ResidualFlexibility {
-        closure: vec![vec![(long + short) / 3.0, short / 6.0], vec![short / 6.0, short / 3.0]],
-        drive: vec![-long / 6.0, 0.0],
-        output: vec![-long / 6.0, 0.0],
-        direct: long / 3.0,
-        driving_point: long / 3.0,
-    };
+    let residual = ResidualFlexibility::from_rows(&[
+        vec![long / 3.0, -long / 6.0, 0.0, 0.0],
+        vec![-long / 6.0, long / 3.0, 0.0, 0.0],
+        vec![0.0, 0.0, short / 3.0, -short / 6.0],
+        vec![0.0, 0.0, -short / 6.0, short / 3.0],
+    ])
+    .unwrap();
+    let contacts = vec![PortPair::between(1, 2), PortPair::on_ground(3)];
     let by_hand = PreloadedStructure::of_components(
-        ComponentModes::new(modes, residual).unwrap(),
+        ComponentModes::new(modes, residual, contacts, vec![]).unwrap(),
         structure.contacts().to_vec(),
         Damping::Rate(370.0),
     )
