@@ -142,5 +142,5 @@ pub fn receptance(run: &Run, sensor: usize) -> Result<Option<Frf>, SimulationErr
 pub fn transmissibility(frf: &Frf) -> Frf {
     let pairs = frf.frequency_hz.iter().zip(&frf.values);
     let value = |(frequency, value): (&f64, &Complex64)| 1.0 - (TAU * frequency).powi(2) * value;
-    Frf { frequency_hz: frf.frequency_hz.clone(), values: pairs.map(value).collect() }
+    Frf { values: pairs.map(value).collect(), ..frf.clone() }
 }
