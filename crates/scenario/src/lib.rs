@@ -42,16 +42,12 @@
 //! | measured force | [`ForceSamples`] |
 
 mod body;
-mod contact_damping;
-mod damping;
 mod diagnostic;
 mod document;
 mod excitation;
 mod fault;
 mod force_samples;
-mod friction;
 mod input_file;
-mod law;
 mod locate;
 mod method;
 mod pointer;
@@ -63,17 +59,17 @@ mod suggest;
 mod validate;
 mod wording;
 
+pub use asperity_law::{ContactDampingSpec, FrictionSpec, LawRef, LawSpec, Laws, Slip};
+pub use asperity_structure::{
+    Damping, DampingSpec, ModalDampingSpec, RatioAtFrequency, RayleighSpec,
+};
 pub use body::{BodySpec, SectionSpec};
-pub use contact_damping::ContactDampingSpec;
-pub use damping::{DampingAmount, DampingSpec, ModalDampingSpec, RatioAtFrequency, RayleighSpec};
 pub use diagnostic::{Diagnostic, InvalidDocument, MAX_FAULTS};
 pub use document::{Document, DocumentError, MAX_DOCUMENT_BYTES};
 pub use excitation::ExcitationSpec;
 pub use fault::{Bound, Fault};
 pub use force_samples::{ForceSamples, MAX_SAMPLE_BYTES, SamplesError};
-pub use friction::{FrictionSpec, SlipSpec};
 pub use input_file::{InputError, open_input, read_text};
-pub use law::{LawRef, LawSpec, Laws};
 pub use locate::{ExpectedToken, MAX_NESTING, SyntaxError, SyntaxFault};
 pub use method::{
     ContactScheme, DEFAULT_CELL_M, DEFAULT_COURANT, FiniteDifferenceSpec, MethodSpec, ModalSpec,
@@ -87,7 +83,6 @@ pub use schema_check::check_schema;
 pub use set_value::{SetError, set_value};
 pub use sha256::file_sha256;
 pub use validate::{
-    MAX_CELLS, MAX_HISTORY_NUMBERS, MAX_SERIES_DEPTH, MAX_SERIES_LAWS, MAX_STEPS, MIN_SAMPLES,
-    validate, validate_json,
+    MAX_CELLS, MAX_HISTORY_NUMBERS, MAX_STEPS, MIN_SAMPLES, validate, validate_json,
 };
 pub use wording::four_digits;

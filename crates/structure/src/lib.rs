@@ -17,7 +17,7 @@
 //! | [`preloaded`] | mesh, contacts at rest and damping as one value |
 //! | [`contact`] | one contact at rest |
 //! | [`equilibrium`] | nonlinear static equilibrium of a stack under weight |
-//! | [`damping`] | mass-proportional viscosity from a damping ratio |
+//! | [`damping`] | damping of the bodies and its document form |
 //! | [`guide`] | a guide with friction |
 //! | [`modal_damping`] | damping ratios of linearised modes |
 //! | [`modes`] | linearised natural frequencies and shapes, exact for elastic bars |
@@ -33,7 +33,9 @@ pub mod modes;
 pub mod preloaded;
 
 pub use contact::PreloadedContact;
-pub use damping::Damping;
+pub use damping::{
+    Damping, DampingSpec, ModalDampingSpec, RatioAtFrequency, RayleighFault, RayleighSpec,
+};
 pub use equilibrium::StaticDisplacement;
 pub use error::StructureError;
 pub use guide::Guide;
