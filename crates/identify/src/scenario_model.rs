@@ -21,7 +21,6 @@ use crate::problem_parameters::{Gains, ProblemParameters};
 use crate::stepped_sine::SimulatedSweep;
 use crate::work::Work;
 use asperity_scenario::{LawRef, Laws};
-use asperity_simulation::assemble::build_law;
 use asperity_simulation::error::SimulationError;
 use asperity_simulation::error_control::{ConvergedRun, ErrorControl, RunRequest};
 use asperity_simulation::observable_extractor::ObservableExtractor;
@@ -413,7 +412,7 @@ pub(super) fn stiffness_curve(
 ) -> Result<Vec<f64>, SimulationError> {
     let reference = LawRef::Named(name.to_owned());
     let highest = pressures.iter().copied().fold(LEAST_PRESSURE, f64::max);
-    let law = build_law(&reference, laws, highest).map_err(|source| SimulationError::Law {
+    let law = laws.build(&reference, highest).map_err(|source| SimulationError::Law {
         law: name.to_owned(),
         interface: None,
         pressure_pa: highest,

@@ -178,7 +178,7 @@ impl CompiledLaw {
 
         let mut wanted = first_cells;
         let mut best = (0, f64::INFINITY);
-        while let Some(grid) = range.grid(wanted.min(LAST_CELLS)) {
+        while let Some(grid) = range.grid(wanted.min(LAST_CELLS), LAST_CELLS + 2) {
             let table = Self::on_grid(law, pressure_state, &range, &grid);
             // The last attempt is sampled completely, for the error message.
             let last = wanted >= LAST_CELLS;

@@ -1,8 +1,15 @@
 //! Constant stiffness: the linear spring.
 
+use std::sync::Arc;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
 use crate::contact_law::{ContactLaw, Pressure};
 use crate::domain::Domain;
+use crate::draw::{Draw, rounded};
 use crate::error::{LawError, LawQuantity, above};
+use crate::law_form::LawForm;
 
 /// Constant stiffness, `K = K0`, so `p = K0 d`.
 ///
@@ -97,5 +104,28 @@ impl ContactLaw for Constant {
 
     fn energy(&self, closure: f64) -> f64 {
         0.5 * self.pressure(closure).value * closure
+    }
+}
+
+/// Linear spring, K(p) = K0.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ConstantSpec {
+    /// Stiffness K0 in Pa/m.
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    pub stiffness_pa_per_m: f64,
+    /// Contact opens at zero pressure instead of carrying tension.
+    #[serde(default)]
+    pub unilateral: bool,
+}
+
+impl LawForm for ConstantSpec {
+    fn build(&self, _static_pressure: f64) -> Result<Arc<dyn ContactLaw>, LawError> {
+        let build = if self.unilateral { Constant::unilateral } else { Constant::new };
+        Ok(Arc::new(build(self.stiffness_pa_per_m)?))
+    }
+
+    fn sample(draw: &mut dyn Draw, _pressure: f64, stiffness: f64) -> Self {
+        Self { stiffness_pa_per_m: rounded(stiffness), unilateral: draw.chance(0.5) }
     }
 }

@@ -2,7 +2,10 @@
 
 use std::f64::consts::TAU;
 
-use crate::ContactLaw;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::contact_law::ContactLaw;
 use crate::contact_law::quadrature::adaptive;
 use crate::error::{LawError, LawQuantity, above, at_least, finite};
 
@@ -140,10 +143,63 @@ impl ContactDamping {
     }
 }
 
+/// Viscous damping of a contact: its traction is p + c(p) dd/dt, with the pressure p of the law and
+/// the closure d; never below zero where the law separates.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
+pub enum ContactDampingSpec {
+    /// Damping proportional to the stiffness, c = beta K(p): the traction is p + beta dp/dt.
+    KelvinVoigt {
+        /// Retardation time beta in s.
+        #[schemars(range(min = 0.0))]
+        time_s: f64,
+    },
+    /// Kelvin-Voigt damping with beta = ratio / (2 pi frequency).
+    LossRatio {
+        /// Loss per cycle of small vibration at the frequency, over 2 pi times the largest elastic
+        /// energy of the contact.
+        #[schemars(range(min = 0.0))]
+        ratio: f64,
+        /// Frequency in Hz.
+        #[schemars(extend("exclusiveMinimum" = 0.0))]
+        frequency_hz: f64,
+    },
+    /// Damping with its own power of pressure, c = coefficient (p / reference)^exponent.
+    Power {
+        /// Coefficient c at the reference pressure in Pa s/m.
+        #[schemars(range(min = 0.0))]
+        coefficient_pa_s_per_m: f64,
+        /// Reference pressure in Pa.
+        #[schemars(extend("exclusiveMinimum" = 0.0))]
+        reference_pa: f64,
+        /// Exponent of the pressure.
+        #[schemars(range(min = -1.0))]
+        exponent: f64,
+    },
+}
+
+impl ContactDampingSpec {
+    /// Builds the damping.
+    ///
+    /// # Errors
+    /// [`LawError`] for values out of range or not finite.
+    pub fn build(self) -> Result<ContactDamping, LawError> {
+        match self {
+            Self::KelvinVoigt { time_s } => ContactDamping::kelvin_voigt(time_s),
+            Self::LossRatio { ratio, frequency_hz } => {
+                ContactDamping::loss_ratio(ratio, frequency_hz)
+            }
+            Self::Power { coefficient_pa_s_per_m, reference_pa, exponent } => {
+                ContactDamping::power(coefficient_pa_s_per_m, reference_pa, exponent)
+            }
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{ContactLaw, Power};
+    use crate::Power;
 
     /// `c0 (p^(n - m + 1) - p0^(n - m + 1)) / (C p_ref^n (n - m + 1))` on a power law, and beta times
     /// the change of pressure on any.

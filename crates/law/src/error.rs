@@ -131,7 +131,7 @@ impl fmt::Display for LawQuantity {
 #[non_exhaustive]
 pub enum LawError {
     /// The value is NaN or infinite.
-    #[error("{quantity} is {value}; it must be finite")]
+    #[error("{quantity} is {}; it must be finite", number(*value))]
     NotFinite {
         /// The quantity.
         quantity: LawQuantity,
@@ -139,7 +139,7 @@ pub enum LawError {
         value: f64,
     },
     /// The value does not exceed its limit.
-    #[error("{quantity} is {value}; it must be greater than {limit}")]
+    #[error("{quantity} is {}; it must be greater than {}", number(*value), number(*limit))]
     NotAbove {
         /// The quantity.
         quantity: LawQuantity,
@@ -149,7 +149,7 @@ pub enum LawError {
         limit: f64,
     },
     /// The value is below its limit.
-    #[error("{quantity} is {value}; it must be at least {limit}")]
+    #[error("{quantity} is {}; it must be at least {}", number(*value), number(*limit))]
     Below {
         /// The quantity.
         quantity: LawQuantity,
@@ -159,7 +159,7 @@ pub enum LawError {
         limit: f64,
     },
     /// The value is above its limit.
-    #[error("{quantity} is {value}; it must be at most {limit}")]
+    #[error("{quantity} is {}; it must be at most {}", number(*value), number(*limit))]
     Above {
         /// The quantity.
         quantity: LawQuantity,
@@ -168,8 +168,55 @@ pub enum LawError {
         /// The greatest value allowed.
         limit: f64,
     },
+    /// The value is not below its limit.
+    #[error("{quantity} is {}; it must be less than {}", number(*value), number(*limit))]
+    NotBelow {
+        /// The quantity.
+        quantity: LawQuantity,
+        /// Its value.
+        value: f64,
+        /// The value it must not reach.
+        limit: f64,
+    },
+    /// A quantity of several parameters is zero or exceeds the range of numbers.
+    #[error("{quantity} evaluates to {}", number(*value))]
+    Degenerate {
+        /// The quantity.
+        quantity: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// A key that the others call for is not given.
+    #[error("missing key \"{0}\"")]
+    MissingKey(&'static str),
+    /// No law has this name.
+    #[error("the scenario has no law \"{name}\"; expected one of: {known}")]
+    UnknownLaw {
+        /// The name.
+        name: String,
+        /// Names of the laws there are.
+        known: String,
+    },
+    /// A law in series refers back to itself, along these names.
+    #[error("the law is in series with itself: {}", .0.join(" -> "))]
+    CyclicLaw(Vec<String>),
+    /// Laws in series are nested too deep.
+    #[error("laws in series are nested more than {most} deep")]
+    SeriesTooDeep {
+        /// Most levels.
+        most: usize,
+    },
+    /// Too many laws are in series.
+    #[error("more than {most} laws are in series")]
+    TooManyInSeries {
+        /// Most laws.
+        most: usize,
+    },
     /// A sequence that must increase strictly does not.
-    #[error("{quantity} {index} is {value}; it must be greater than {limit}, the one before it")]
+    #[error(
+        "{quantity} is {} at index {index}; it must be greater than {}, the one before it",
+        number(*value), number(*limit)
+    )]
     NotIncreasing {
         /// The quantity.
         quantity: LawQuantity,
@@ -194,6 +241,15 @@ pub enum LawError {
         /// Largest error allowed \[Pa\].
         limit: f64,
     },
+}
+
+/// A number in its shortest form, with an exponent outside 1e-3 to 1e6.
+fn number(value: f64) -> String {
+    if value == 0.0 || (1e-3..1e6).contains(&value.abs()) || !value.is_finite() {
+        format!("{value}")
+    } else {
+        format!("{value:e}")
+    }
 }
 
 /// `value` if it is finite.
@@ -228,17 +284,47 @@ pub(crate) fn at_most(quantity: LawQuantity, value: f64, limit: f64) -> Result<f
     }
 }
 
+/// `value` if it is finite and less than `limit`.
+pub(crate) fn below(quantity: LawQuantity, value: f64, limit: f64) -> Result<f64, LawError> {
+    if finite(quantity, value)? < limit {
+        Ok(value)
+    } else {
+        Err(LawError::NotBelow { quantity, value, limit })
+    }
+}
+
+/// `value` if it is finite and not zero.
+pub(crate) fn regular(quantity: &'static str, value: f64) -> Result<f64, LawError> {
+    if value.is_finite() && value != 0.0 {
+        Ok(value)
+    } else {
+        Err(LawError::Degenerate { quantity, value })
+    }
+}
+
+/// The value at `index` of a sequence if it is finite and greater than the one before it.
+pub(crate) fn rising(
+    quantity: LawQuantity,
+    index: usize,
+    value: f64,
+    before: Option<f64>,
+) -> Result<f64, LawError> {
+    match before {
+        Some(limit) if finite(quantity, value)? <= limit => {
+            Err(LawError::NotIncreasing { quantity, index, value, limit })
+        }
+        _ => finite(quantity, value),
+    }
+}
+
 /// Checks that finite `values` increase strictly.
 pub(crate) fn increasing(
     quantity: LawQuantity,
     values: impl Iterator<Item = f64>,
 ) -> Result<(), LawError> {
-    let mut limit = f64::NEG_INFINITY;
+    let mut before = None;
     for (index, value) in values.enumerate() {
-        if finite(quantity, value)? <= limit {
-            return Err(LawError::NotIncreasing { quantity, index, value, limit });
-        }
-        limit = value;
+        before = Some(rising(quantity, index, value, before)?);
     }
     Ok(())
 }

@@ -1,8 +1,15 @@
 //! Stiffness proportional to pressure.
 
+use std::sync::Arc;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
 use crate::contact_law::{ContactLaw, Pressure};
 use crate::domain::{Domain, no_less};
+use crate::draw::{Draw, rounded};
 use crate::error::{LawError, LawQuantity, above};
+use crate::law_form::LawForm;
 
 /// Exponential law, `K = p / u0`, so `p = p_ref exp(d / u0)`.
 ///
@@ -84,4 +91,23 @@ impl ContactLaw for Exponential {
 pub(crate) fn log_ratio(p: f64, r: f64) -> f64 {
     let change = (p - r) / r; // p - r is exact within a factor of two
     if change.abs() < 0.5 { change.ln_1p() } else { (p / r).ln() }
+}
+
+/// Exponential law K(p) = p / u0, which never separates.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ExponentialSpec {
+    /// Length u0 in m over which the pressure grows by a factor e.
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    pub length_m: f64,
+}
+
+impl LawForm for ExponentialSpec {
+    fn build(&self, static_pressure: f64) -> Result<Arc<dyn ContactLaw>, LawError> {
+        Ok(Arc::new(Exponential::new(self.length_m, static_pressure)?))
+    }
+
+    fn sample(_draw: &mut dyn Draw, pressure: f64, stiffness: f64) -> Self {
+        Self { length_m: rounded(pressure / stiffness) }
+    }
 }

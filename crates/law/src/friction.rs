@@ -1,5 +1,8 @@
 //! Rate-independent friction.
 
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
 use crate::error::{LawError, LawQuantity, above, at_least};
 
 /// A Jenkins element: a spring of stiffness k in series with a slider that holds up to the slip
@@ -49,9 +52,12 @@ pub struct Friction {
     slip: Slip,
 }
 
+/// Slip force of a friction element.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Slip {
-    Force(f64),
+pub enum Slip {
+    /// Slip force in N.
+    ForceN(f64),
+    /// Slip force over the force of the contact: this contact, or the one below the body.
     Coefficient(f64),
 }
 
@@ -61,8 +67,7 @@ impl Friction {
     /// # Errors
     /// [`LawError`] for a stiffness that is not positive, or a slip force that is negative.
     pub fn slip_force(stiffness: f64, slip: f64) -> Result<Self, LawError> {
-        let slip = Slip::Force(at_least(LawQuantity::SlipForce, slip, 0.0)?);
-        Ok(Self { stiffness: above(LawQuantity::SpringStiffness, stiffness, 0.0)?, slip })
+        FrictionSpec { stiffness_n_per_m: stiffness, slip: Slip::ForceN(slip) }.build()
     }
 
     /// An element of `stiffness` k \[N/m\] that slips at `coefficient` mu times the force of a
@@ -71,8 +76,8 @@ impl Friction {
     /// # Errors
     /// [`LawError`] for a stiffness that is not positive, or a coefficient that is negative.
     pub fn coefficient(stiffness: f64, coefficient: f64) -> Result<Self, LawError> {
-        let slip = Slip::Coefficient(at_least(LawQuantity::FrictionCoefficient, coefficient, 0.0)?);
-        Ok(Self { stiffness: above(LawQuantity::SpringStiffness, stiffness, 0.0)?, slip })
+        let slip = Slip::Coefficient(coefficient);
+        FrictionSpec { stiffness_n_per_m: stiffness, slip }.build()
     }
 
     /// Stiffness k of the stuck element \[N/m\].
@@ -83,7 +88,7 @@ impl Friction {
     /// Slip force R \[N\] where the contact carries `contact_force` \[N\]; none below zero.
     pub fn limit(&self, contact_force: f64) -> f64 {
         match self.slip {
-            Slip::Force(force) => force,
+            Slip::ForceN(force) => force,
             Slip::Coefficient(coefficient) => coefficient * contact_force.max(0.0),
         }
     }
@@ -91,7 +96,7 @@ impl Friction {
     /// Share of the slip force in that of the contact: mu, or zero for a slip force of its own.
     pub fn share_of_contact(&self) -> f64 {
         match self.slip {
-            Slip::Force(_) => 0.0,
+            Slip::ForceN(_) => 0.0,
             Slip::Coefficient(coefficient) => coefficient,
         }
     }
@@ -124,5 +129,90 @@ impl Friction {
         let storage = self.stiffness * (angle - angle.sin() * cosine) / std::f64::consts::PI;
         let loss = self.loss_per_cycle(amplitude, limit);
         [storage, loss / (std::f64::consts::PI * amplitude * amplitude)]
+    }
+}
+
+/// Friction across the closure of a contact, or between a body and its guide: a spring in series with
+/// a slider that holds up to the slip force.
+///
+/// In JSON the slip force is given by exactly one of `slip_force_n` and `coefficient`.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(try_from = "FrictionKeys", into = "FrictionKeys")]
+pub struct FrictionSpec {
+    /// Stiffness of the stuck element in N/m.
+    pub stiffness_n_per_m: f64,
+    /// Slip force.
+    pub slip: Slip,
+}
+
+impl FrictionSpec {
+    /// Builds the element.
+    ///
+    /// ```
+    /// use asperity_law::{FrictionSpec, Slip};
+    ///
+    /// let friction = FrictionSpec { stiffness_n_per_m: 1e7, slip: Slip::ForceN(0.2) };
+    /// assert_eq!(serde_json::to_value(friction)?["slip_force_n"], 0.2);
+    /// assert_eq!(friction.build()?.limit(158.0), 0.2);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`LawError`] for a stiffness that is not positive, or a slip force or coefficient that is
+    /// negative.
+    pub fn build(self) -> Result<Friction, LawError> {
+        let (slip, quantity) = match self.slip {
+            Slip::ForceN(force) => (force, LawQuantity::SlipForce),
+            Slip::Coefficient(coefficient) => (coefficient, LawQuantity::FrictionCoefficient),
+        };
+        at_least(quantity, slip, 0.0)?;
+        let stiffness = above(LawQuantity::SpringStiffness, self.stiffness_n_per_m, 0.0)?;
+        Ok(Friction { stiffness, slip: self.slip })
+    }
+}
+
+/// Rate-independent friction: a spring in series with a slider, with exactly one of `slip_force_n`
+/// and `coefficient`.
+#[derive(Clone, Copy, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(
+    rename = "FrictionSpec",
+    extend("oneOf" = [{"required": ["slip_force_n"]}, {"required": ["coefficient"]}])
+)]
+struct FrictionKeys {
+    /// Stiffness of the stuck element in N/m.
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    stiffness_n_per_m: f64,
+    /// Slip force in N; give this or `coefficient`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0.0))]
+    slip_force_n: Option<f64>,
+    /// Slip force over the force of the contact, of a body the one below it; give this or
+    /// `slip_force_n`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0.0))]
+    coefficient: Option<f64>,
+}
+
+impl TryFrom<FrictionKeys> for FrictionSpec {
+    type Error = &'static str;
+
+    fn try_from(keys: FrictionKeys) -> Result<Self, Self::Error> {
+        let slip = match (keys.slip_force_n, keys.coefficient) {
+            (Some(force), None) => Slip::ForceN(force),
+            (None, Some(coefficient)) => Slip::Coefficient(coefficient),
+            _ => return Err("friction needs exactly one of slip_force_n and coefficient"),
+        };
+        Ok(Self { stiffness_n_per_m: keys.stiffness_n_per_m, slip })
+    }
+}
+
+impl From<FrictionSpec> for FrictionKeys {
+    fn from(friction: FrictionSpec) -> Self {
+        let (slip_force_n, coefficient) = match friction.slip {
+            Slip::ForceN(force) => (Some(force), None),
+            Slip::Coefficient(coefficient) => (None, Some(coefficient)),
+        };
+        Self { stiffness_n_per_m: friction.stiffness_n_per_m, slip_force_n, coefficient }
     }
 }

@@ -2,10 +2,17 @@
 
 mod summit_moments;
 
+use std::sync::Arc;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
 use crate::contact_law::quadrature::gauss;
 use crate::contact_law::{ContactLaw, Pressure};
 use crate::domain::{Domain, no_less};
+use crate::draw::{Draw, rounded};
 use crate::error::{LawError, LawQuantity, above};
+use crate::law_form::LawForm;
 use summit_moments::SummitMoments;
 
 /// Newton steps at most; about five are needed.
@@ -223,4 +230,50 @@ fn gap(share: f64) -> f64 {
     let factor = moments.factor();
     let step = (factor * moments.three_halves - share) / (1.5 * factor * moments.half);
     if step.is_finite() { h + step } else { h }
+}
+
+/// Hertzian contact of spherical summits whose heights are normally distributed (Greenwood and
+/// Williamson), which never separates.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct GreenwoodWilliamsonSpec {
+    /// Number of summits per area in 1/m2.
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    pub summit_density_per_m2: f64,
+    /// Radius of the summits in m.
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    pub summit_radius_m: f64,
+    /// Standard deviation of the heights of the summits in m.
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    pub summit_height_rms_m: f64,
+    /// Contact modulus E* in Pa, `1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2`.
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    pub contact_modulus_pa: f64,
+}
+
+impl LawForm for GreenwoodWilliamsonSpec {
+    fn build(&self, static_pressure: f64) -> Result<Arc<dyn ContactLaw>, LawError> {
+        Ok(Arc::new(GreenwoodWilliamson::new(
+            self.summit_density_per_m2,
+            self.summit_radius_m,
+            self.summit_height_rms_m,
+            self.contact_modulus_pa,
+            static_pressure,
+        )?))
+    }
+
+    fn sample(draw: &mut dyn Draw, pressure: f64, stiffness: f64) -> Self {
+        // The gap in standard deviations gives K σ / p and p over the pressure scale.
+        let moments = SummitMoments::at(draw.uniform(0.0, 3.5));
+        let height = rounded(1.5 * moments.half / moments.three_halves * pressure / stiffness);
+        let scale = pressure / (moments.factor() * moments.three_halves);
+        let (radius, modulus) = (draw.log_uniform(1e-6, 1e-3), draw.log_uniform(1e9, 1e12));
+        let density = scale / (4.0 / 3.0 * modulus * radius.sqrt() * height.powf(1.5));
+        Self {
+            summit_density_per_m2: rounded(density),
+            summit_radius_m: radius,
+            summit_height_rms_m: height,
+            contact_modulus_pa: modulus,
+        }
+    }
 }

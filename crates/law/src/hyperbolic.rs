@@ -1,8 +1,15 @@
 //! Stiffness that grows without bound at a finite closure.
 
+use std::sync::Arc;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
 use crate::contact_law::{ContactLaw, Pressure};
 use crate::domain::{Domain, no_less};
+use crate::draw::{Draw, rounded};
 use crate::error::{LawError, LawQuantity, above};
+use crate::law_form::LawForm;
 
 /// Hyperbolic law, `K = K0 (1 + p / (K0 dm))^2`, so `p = K0 d / (1 - d / dm)`.
 ///
@@ -138,4 +145,30 @@ fn log_remainder(z: f64) -> f64 {
     // z^2 (1/2 + z/3 + ... + z^16/18): the next term is below 1e-16 of the sum at z = 1/8.
     let series = (2..=18).rev().fold(0.0, |sum, k| sum * z + 1.0 / f64::from(k));
     z * z * series
+}
+
+/// Hyperbolic law K(p) = K0 (1 + p / (K0 dm))^2 (Bandis and Barton).
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct HyperbolicSpec {
+    /// Stiffness K0 in Pa/m at zero pressure.
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    pub stiffness_pa_per_m: f64,
+    /// Largest closure dm in m, approached at infinite pressure.
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    pub closure_limit_m: f64,
+}
+
+impl LawForm for HyperbolicSpec {
+    fn build(&self, _static_pressure: f64) -> Result<Arc<dyn ContactLaw>, LawError> {
+        Ok(Arc::new(Hyperbolic::new(self.stiffness_pa_per_m, self.closure_limit_m)?))
+    }
+
+    fn sample(draw: &mut dyn Draw, pressure: f64, stiffness: f64) -> Self {
+        // K0 (1 + s)^2 is the stiffness at a pressure of s K0 dm.
+        let share = draw.log_uniform(0.05, 20.0);
+        let stiffness_pa_per_m = rounded(stiffness / (1.0 + share).powi(2));
+        let closure_limit_m = rounded(pressure / (share * stiffness_pa_per_m));
+        Self { stiffness_pa_per_m, closure_limit_m }
+    }
 }

@@ -1,8 +1,12 @@
 //! A law in series with an elastic layer.
 
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
 use crate::contact_law::{ContactLaw, Pressure};
 use crate::domain::{Domain, no_less};
 use crate::error::{LawError, LawQuantity, above};
+use crate::law_form::LawFault;
 
 /// A law and a linear spring in series, `1/K = 1/K_law + 1/K_layer`.
 ///
@@ -250,5 +254,41 @@ fn bounded(v: f64, (low, high): (f64, f64), converges: bool, last: bool) -> f64 
         v
     } else {
         0.5 * (low + high)
+    }
+}
+
+/// Laws in series, with an elastic layer if one is given: `1/K = sum 1/K_law + 1/K_layer`; exactly
+/// one of law and laws.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, bound(deserialize = "R: Deserialize<'de>"))]
+#[schemars(extend("oneOf" = [{"required": ["law"]}, {"required": ["laws"]}]))]
+pub struct InSeriesSpec<R> {
+    /// The one law in series with a layer: a name from "laws", or a law written in place; give
+    /// this or laws.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "R")]
+    pub law: Option<R>,
+    /// Two or more laws, of contacts that carry the same pressure; give this or law.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(length(min = 2))]
+    pub laws: Vec<R>,
+    /// Stiffness `K_layer` of the elastic layer in Pa/m; without it the laws alone are in series.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    pub stiffness_pa_per_m: Option<f64>,
+}
+
+impl<R> InSeriesSpec<R> {
+    /// References to the laws in series.
+    pub fn inner_laws(&self) -> impl Iterator<Item = &R> {
+        self.law.iter().chain(&self.laws)
+    }
+
+    /// Faults that the schema does not state: one law needs a layer.
+    pub(crate) fn faults(&self) -> impl Iterator<Item = LawFault> {
+        let missing = self.law.is_some() && self.stiffness_pa_per_m.is_none();
+        let error = LawError::MissingKey("stiffness_pa_per_m");
+        let accepted = "the stiffness of the layer in series with \"law\"; or two or more \"laws\"";
+        missing.then_some(LawFault { pointer: String::new(), error, accepted }).into_iter()
     }
 }

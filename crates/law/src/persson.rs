@@ -6,10 +6,15 @@ mod slope_node;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
 use crate::contact_law::quadrature::gauss;
 use crate::contact_law::{ContactLaw, Pressure, refine_increment};
 use crate::domain::{Domain, no_less};
+use crate::draw::{Draw, rounded};
 use crate::error::{LawError, LawQuantity, above, at_most};
+use crate::law_form::{LawFault, LawForm};
 use exponential_integral::scaled_exponential_integral;
 use slope_node::SlopeNode;
 
@@ -107,7 +112,7 @@ impl Persson {
         let hurst = above(LawQuantity::HurstExponent, hurst_exponent, 0.0)?;
         at_most(LawQuantity::HurstExponent, hurst, 1.0)?;
         let roll_off = above(LawQuantity::RollOff, roll_off, 0.0)?;
-        let range = (above(LawQuantity::CutOff, cut_off, roll_off)? / roll_off).ln();
+        let range = (above_roll_off(cut_off, roll_off)? / roll_off).ln();
         let modulus = above(LawQuantity::ContactModulus, contact_modulus, 0.0)?;
         let reference_pressure = above(LawQuantity::ReferencePressure, reference_pressure, 0.0)?;
         let exponent = 2.0 - 2.0 * hurst;
@@ -290,5 +295,69 @@ impl ContactLaw for Persson {
             return refine_increment(self, from, closure_increment, guess);
         }
         self.state(guess, from + guess)
+    }
+}
+
+/// `cut_off` if it is finite and greater than `roll_off`.
+fn above_roll_off(cut_off: f64, roll_off: f64) -> Result<f64, LawError> {
+    above(LawQuantity::CutOff, cut_off, roll_off)
+}
+
+/// Elastic contact of a self-affine surface (Persson), K(p) = p / u0 at low pressures, which never
+/// separates.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PerssonSpec {
+    /// Root mean square height in m.
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    pub height_rms_m: f64,
+    /// Hurst exponent, above 0 and at most 1.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 1.0))]
+    pub hurst_exponent: f64,
+    /// Smallest wavevector of the roughness in rad/m.
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    pub roll_off_per_m: f64,
+    /// Largest wavevector of the roughness in rad/m, above the smallest.
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    pub cut_off_per_m: f64,
+    /// Contact modulus E* in Pa, `1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2`.
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    pub contact_modulus_pa: f64,
+}
+
+impl LawForm for PerssonSpec {
+    fn faults(&self) -> Box<dyn Iterator<Item = LawFault> + '_> {
+        let cut_off = above_roll_off(self.cut_off_per_m, self.roll_off_per_m);
+        let accepted = "a cut_off_per_m greater than roll_off_per_m";
+        Box::new(LawFault::of(cut_off, || "/cut_off_per_m".to_owned(), accepted).into_iter())
+    }
+
+    fn build(&self, static_pressure: f64) -> Result<Arc<dyn ContactLaw>, LawError> {
+        Ok(Arc::new(Persson::new(
+            self.height_rms_m,
+            self.hurst_exponent,
+            [self.roll_off_per_m, self.cut_off_per_m],
+            self.contact_modulus_pa,
+            static_pressure,
+        )?))
+    }
+
+    fn sample(draw: &mut dyn Draw, pressure: f64, stiffness: f64) -> Self {
+        // Rough enough that no pressure of engineering is far above that of full contact.
+        let steepness = draw.log_uniform(0.05, 1.0);
+        let (hurst, range) = (draw.uniform(0.3, 1.0), draw.log_uniform(3.0, 1e4));
+        let modulus = draw.log_uniform(2e11, 1e12);
+        // Lengths scale with the height at a given steepness; K is nearly p over a length.
+        let unit = Persson::new(1.0, hurst, [steepness, steepness * range], modulus, pressure);
+        let height =
+            rounded(pressure / stiffness / unit.map_or(1.0, |law| law.length_at(pressure)));
+        let roll_off = rounded(steepness / height);
+        Self {
+            height_rms_m: height,
+            hurst_exponent: hurst,
+            roll_off_per_m: roll_off,
+            cut_off_per_m: rounded(roll_off * range),
+            contact_modulus_pa: modulus,
+        }
     }
 }

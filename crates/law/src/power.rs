@@ -1,9 +1,16 @@
 //! Stiffness as a power of pressure.
 
+use std::sync::Arc;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
 use crate::contact_law::{ContactLaw, Pressure};
 use crate::domain::{Domain, no_less};
-use crate::error::{LawError, LawQuantity, above, at_least};
+use crate::draw::{Draw, rounded};
+use crate::error::{LawError, LawQuantity, above, at_least, regular};
 use crate::exponential::log_ratio;
+use crate::law_form::{LawFault, LawForm};
 
 /// Power law, `K = C p^m`.
 ///
@@ -218,3 +225,39 @@ fn exp_m1_over(e: f64, l: f64) -> f64 {
 fn ln_1p_over(e: f64, y: f64) -> f64 {
     if e == 0.0 || (e * y).abs() < 1e-17 { y } else { no_less(e * y, -1.0).ln_1p() / e }
 }
+
+/// Power law K(p) = C p^m (Eq. 7 of the paper).
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PowerSpec {
+    /// Coefficient C in Pa^(1-m)/m.
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    pub coefficient: f64,
+    /// Exponent m.
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    pub exponent: f64,
+}
+
+impl LawForm for PowerSpec {
+    /// The stiffness neither overflows nor vanishes at a typical pressure.
+    fn faults(&self) -> Box<dyn Iterator<Item = LawFault> + '_> {
+        let stiffness = self.coefficient * 1e6_f64.powf(self.exponent);
+        let stiffness = regular("the stiffness C p^m at 1e6 Pa", stiffness);
+        Box::new(LawFault::of(stiffness, String::new, REGULAR).into_iter())
+    }
+
+    fn build(&self, static_pressure: f64) -> Result<Arc<dyn ContactLaw>, LawError> {
+        let reference_pressure = if self.exponent < 1.0 { 0.0 } else { static_pressure };
+        Ok(Arc::new(Power::new(self.coefficient, self.exponent, reference_pressure)?))
+    }
+
+    fn sample(draw: &mut dyn Draw, pressure: f64, stiffness: f64) -> Self {
+        let exponent =
+            if draw.chance(0.1) { draw.uniform(1.0, 1.2) } else { draw.uniform(0.2, 0.9) };
+        Self { coefficient: rounded(stiffness / pressure.powf(exponent)), exponent }
+    }
+}
+
+/// What is accepted where a stiffness `C p^m` is not [`regular`].
+pub(crate) const REGULAR: &str =
+    "a coefficient and an exponent that give a finite stiffness above zero";

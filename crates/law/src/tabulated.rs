@@ -1,7 +1,14 @@
 //! Stiffness measured at some pressures.
 
+use std::sync::Arc;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
 use crate::contact_law::{ContactLaw, forward};
-use crate::error::{LawError, LawQuantity, above, at_least, increasing};
+use crate::draw::{Draw, rounded};
+use crate::error::{LawError, LawQuantity, above, at_least, rising};
+use crate::law_form::{LawFault, LawForm};
 use crate::pchip;
 use crate::power::Power;
 use crate::spliced::{Spliced, SplicedNode};
@@ -47,11 +54,7 @@ impl Tabulated {
                 limit: 2.0,
             });
         };
-        at_least(LawQuantity::Pressure, first, 0.0)?;
-        increasing(LawQuantity::Pressure, points.iter().map(|point| point.0))?;
-        for point in points {
-            above(LawQuantity::Stiffness, point.1, 0.0)?;
-        }
+        LawFault::first(faults(points.iter().copied()))?;
         let mut pieces = pchip::pieces(points, &pchip::slopes(points));
         if first > 0.0 {
             let held = |pressure| SplicedNode { pressure, stiffness: held_below, slope: 0.0 };
@@ -78,5 +81,66 @@ impl ContactLaw for Tabulated {
 
     fn measured_range(&self) -> Option<(f64, f64)> {
         Some((self.points.first()?.0, self.points.last()?.0))
+    }
+}
+
+/// Faults of points (pressure \[Pa\], stiffness \[Pa/m\]).
+fn faults(points: impl Iterator<Item = (f64, f64)> + Clone) -> impl Iterator<Item = LawFault> {
+    let before = std::iter::once(None).chain(points.clone().map(|point| Some(point.0)));
+    before.zip(points).enumerate().flat_map(|(row, (before, (p, k)))| {
+        let place = |column| move || format!("/points/{row}/{column}");
+        let rises = rising(LawQuantity::Pressure, row, p, before);
+        let (pressure, stiffness) =
+            (at_least(LawQuantity::Pressure, p, 0.0), above(LawQuantity::Stiffness, k, 0.0));
+        [
+            LawFault::of(pressure, place(0), "a pressure of at least 0 Pa"),
+            LawFault::of(rises, place(0), "a number greater than the one in the row before"),
+            LawFault::of(stiffness, place(1), "a stiffness greater than 0 Pa/m"),
+        ]
+        .into_iter()
+        .flatten()
+    })
+}
+
+/// Smooth monotone curve through measured points, constant outside them.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct TableSpec {
+    /// Pairs [pressure in Pa, stiffness in Pa/m], pressures increasing.
+    #[schemars(length(min = 2))]
+    pub points: Vec<[f64; 2]>,
+}
+
+impl LawForm for TableSpec {
+    fn faults(&self) -> Box<dyn Iterator<Item = LawFault> + '_> {
+        Box::new(faults(self.points.iter().map(|&[p, k]| (p, k))))
+    }
+
+    fn highest_pressure(&self) -> f64 {
+        self.points.last().map_or(0.0, |point| point[0])
+    }
+
+    fn build(&self, _static_pressure: f64) -> Result<Arc<dyn ContactLaw>, LawError> {
+        let points: Vec<_> = self.points.iter().map(|&[p, k]| (p, k)).collect();
+        Ok(Arc::new(Tabulated::new(&points)?))
+    }
+
+    fn sample(draw: &mut dyn Draw, pressure: f64, stiffness: f64) -> Self {
+        let exponent = draw.uniform(0.1, 0.8);
+        let count = draw.whole(2..=7);
+        let (low, high) =
+            (pressure * draw.log_uniform(0.02, 0.5), pressure * draw.log_uniform(2.0, 50.0));
+        let mut points = Vec::with_capacity(count + 1);
+        if draw.chance(0.6) {
+            let at_zero = stiffness * (low / pressure).powf(exponent) * draw.uniform(0.2, 0.9);
+            points.push([0.0, rounded(at_zero)]);
+        }
+        for at in 0..count {
+            let place = low * (high / low).powf(at as f64 / (count - 1) as f64);
+            let scatter = draw.log_uniform(0.85, 1.18);
+            let value = stiffness * (place / pressure).powf(exponent) * scatter;
+            points.push([rounded(place), rounded(value)]);
+        }
+        Self { points }
     }
 }

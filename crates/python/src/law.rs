@@ -2,10 +2,10 @@
 
 use std::sync::{Arc, LazyLock};
 
-use asperity_law::{ContactLaw, LawError, fit_power as fit};
-use asperity_scenario::{Document, LawRef, LawSpec, Laws, MAX_SERIES_DEPTH, schema_of};
-use asperity_simulation::assemble::build_law;
-use asperity_simulation::error::BuildLawError;
+use asperity_law::{
+    ContactLaw, InSeriesSpec, LawError, LawRef, LawSpec, Laws, MAX_SERIES_DEPTH, fit_power as fit,
+};
+use asperity_scenario::{Document, schema_of};
 use asperity_simulation::laws::{scenario_laws, tabulate as tables_of};
 use asperity_simulation::record::law_columns;
 use numpy::{PyArray1, PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
@@ -69,9 +69,10 @@ impl PyLaw {
             let text = format!("reference_pa is {pressure}; it must be positive and finite");
             return Err(PyValueError::new_err(text));
         }
-        let reference = LawRef::InPlace(Box::new(spec.clone()));
-        let built =
-            |pressure: f64| build_law(&reference, &Laws::default(), pressure).map_err(in_words);
+        let reference = LawRef::from(spec.clone());
+        let built = |pressure: f64| {
+            Laws::default().build(&reference, pressure).map_err(|error| in_words(&error))
+        };
         let law = built(reference_pa.unwrap_or(0.0)).map_err(|error| {
             if reference_pa.is_none() && built(1e5).is_ok() {
                 PyValueError::new_err(
@@ -326,15 +327,15 @@ pub(crate) fn laws<'py>(
 /// A law whose inner laws are written in place.
 fn resolved(spec: &LawSpec, laws: &Laws, depth: usize) -> LawSpec {
     let in_place = |inner: &LawRef| match laws.resolve(inner) {
-        Some(spec) => LawRef::InPlace(Box::new(resolved(spec, laws, depth - 1))),
+        Some(spec) => resolved(spec, laws, depth - 1).into(),
         None => inner.clone(),
     };
     match spec {
-        LawSpec::InSeries { law, laws, stiffness_pa_per_m } if depth > 0 => LawSpec::InSeries {
-            law: law.as_ref().map(in_place),
-            laws: laws.iter().map(in_place).collect(),
-            stiffness_pa_per_m: *stiffness_pa_per_m,
-        },
+        LawSpec::InSeries(series) if depth > 0 => LawSpec::InSeries(InSeriesSpec {
+            law: series.law.as_ref().map(in_place),
+            laws: series.laws.iter().map(in_place).collect(),
+            stiffness_pa_per_m: series.stiffness_pa_per_m,
+        }),
         other => other.clone(),
     }
 }
@@ -365,21 +366,16 @@ pub(crate) fn fit_power(
     stiffness: Vec<f64>,
 ) -> PyResult<(f64, f64, f64, Option<(f64, f64)>)> {
     let points: Vec<(f64, f64)> = pressure.into_iter().zip(stiffness).collect();
-    let found = fit(&points).map_err(|error| in_words(error.into()))?;
+    let found = fit(&points).map_err(|error| in_words(&error))?;
     let errors = found.errors.map(|errors| (errors.log_coefficient, errors.exponent));
     Ok((found.coefficient, found.exponent, found.residual_log_rms, errors))
 }
 
-fn in_words(error: BuildLawError) -> PyErr {
+fn in_words(error: &LawError) -> PyErr {
     match error {
-        BuildLawError::Missing { name, .. } => PyValueError::new_err(format!(
+        LawError::UnknownLaw { name, .. } => PyValueError::new_err(format!(
             "the inner law {name:?} is a name of a scenario; write the law in place"
         )),
-        BuildLawError::Law(error) => of_law(&error),
         other => PyValueError::new_err(other.to_string()),
     }
-}
-
-fn of_law(error: &LawError) -> PyErr {
-    PyValueError::new_err(error.to_string())
 }

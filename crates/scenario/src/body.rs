@@ -1,9 +1,8 @@
 //! Elastic bodies of the stack.
 
+use asperity_law::FrictionSpec;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-
-use crate::friction::FrictionSpec;
 
 /// Elastic body of the stack: a uniform bar moving along its axis.
 ///

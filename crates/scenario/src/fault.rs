@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use asperity_law::LawError;
 use thiserror::Error;
 
 use crate::load_samples::SamplesError;
@@ -94,50 +95,9 @@ pub enum Fault {
     /// Reference to a law that is not in "laws".
     #[error("there is no law named {}", brief(.0))]
     UnknownLaw(String),
-    /// Law in series that refers back to itself.
-    #[error("the law is in series with itself: {}", .0.join(" -> "))]
-    CyclicLaw(Vec<String>),
-    /// Laws in series nested too deep.
-    #[error("laws in series are nested more than {0} deep")]
-    LawTooDeep(usize),
-    /// Too many laws in series.
-    #[error("more than {0} laws are in series")]
-    TooManyInSeries(usize),
-    /// Column of numbers that does not increase.
-    #[error("{} does not increase: {} follows {}", quantity, number(*value), number(*previous))]
-    NotIncreasing {
-        /// Quantity of the numbers.
-        quantity: &'static str,
-        /// Number before.
-        previous: f64,
-        /// Number that is not above it.
-        value: f64,
-    },
-    /// First knot of a modified power law at a pressure other than zero.
-    #[error("the first knot is at {} Pa", number(*pressure_pa))]
-    FirstKnot {
-        /// Pressure of the knot in Pa.
-        pressure_pa: f64,
-    },
-    /// Knot of a modified power law beyond its transition.
-    #[error("the knot at {} Pa is not below transition_pa, {} Pa", number(*pressure_pa), number(*transition_pa))]
-    KnotBeyondTransition {
-        /// Pressure of the knot in Pa.
-        pressure_pa: f64,
-        /// Transition pressure in Pa.
-        transition_pa: f64,
-    },
-    /// Knot of a modified power law at least as stiff as the power law at the transition.
-    #[error(
-        "the last knot's stiffness {} Pa/m is not below the power law's at the transition, {} Pa/m",
-        four_digits(*stiffness_pa_per_m), four_digits(*transition_stiffness_pa_per_m)
-    )]
-    KnotTooStiff {
-        /// Stiffness of the knot in Pa/m.
-        stiffness_pa_per_m: f64,
-        /// Stiffness `C p^m` at the transition in Pa/m.
-        transition_stiffness_pa_per_m: f64,
-    },
+    /// Law that cannot be built.
+    #[error(transparent)]
+    Law(LawError),
     /// Damping ratios that no damping of their kind has.
     #[error("the ratios would need {quantity} = {}", four_digits(*value))]
     NegativeDamping {

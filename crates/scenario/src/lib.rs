@@ -42,14 +42,10 @@
 //! | measured loads | [`LoadSamples`] |
 
 mod body;
-mod contact_damping;
-mod damping;
 mod diagnostic;
 mod document;
 mod fault;
-mod friction;
 mod input_file;
-mod law;
 mod load_samples;
 mod locate;
 mod method;
@@ -62,19 +58,16 @@ mod suggest;
 mod validate;
 mod wording;
 
+pub use asperity_law::{ContactDampingSpec, FrictionSpec, LawRef, LawSpec, Laws, Slip};
 pub use asperity_structure::{
-    AccelerationSpec, Along, DisplacementSpec, End, ExcitationSpec, PlaceSpec, SamplesFile,
-    SensorKind, SensorSpec, VelocitySpec,
+    AccelerationSpec, Along, Damping, DampingSpec, DisplacementSpec, End, ExcitationSpec,
+    ModalDampingSpec, PlaceSpec, RatioAtFrequency, RayleighSpec, SamplesFile, SensorKind, SensorSpec, VelocitySpec,
 };
 pub use body::{BodySpec, SectionSpec};
-pub use contact_damping::ContactDampingSpec;
-pub use damping::{DampingAmount, DampingSpec, ModalDampingSpec, RatioAtFrequency, RayleighSpec};
 pub use diagnostic::{Diagnostic, InvalidDocument, MAX_FAULTS};
 pub use document::{Document, DocumentError, MAX_DOCUMENT_BYTES};
 pub use fault::{Bound, Fault};
-pub use friction::{FrictionSpec, SlipSpec};
 pub use input_file::{InputError, open_input, read_text};
-pub use law::{LawRef, LawSpec, Laws};
 pub use load_samples::{LoadSamples, MAX_SAMPLE_BYTES, SamplesError};
 pub use locate::{ExpectedToken, MAX_NESTING, SyntaxError, SyntaxFault};
 pub use method::{
@@ -89,7 +82,6 @@ pub use schema_check::check_schema;
 pub use set_value::{SetError, set_value};
 pub use sha256::file_sha256;
 pub use validate::{
-    MAX_CELLS, MAX_HISTORY_NUMBERS, MAX_SERIES_DEPTH, MAX_SERIES_LAWS, MAX_STEPS, MIN_SAMPLES,
-    validate, validate_json,
+    MAX_CELLS, MAX_HISTORY_NUMBERS, MAX_STEPS, MIN_SAMPLES, validate, validate_json,
 };
 pub use wording::four_digits;

@@ -6,7 +6,8 @@
 
 use std::sync::LazyLock;
 
-use asperity_structure::{ExcitationSpec, SensorSpec};
+use asperity_law::{ContactDampingSpec, FrictionSpec, LawRef, Laws};
+use asperity_structure::{DampingSpec, ExcitationSpec, SensorSpec};
 use schemars::generate::SchemaSettings;
 use schemars::transform::transform_subschemas;
 use schemars::{JsonSchema, Schema};
@@ -14,10 +15,6 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use crate::body::BodySpec;
-use crate::contact_damping::ContactDampingSpec;
-use crate::damping::DampingSpec;
-use crate::friction::FrictionSpec;
-use crate::law::{LawRef, Laws};
 use crate::method::{MethodKeys, MethodSpec, deserialize_method};
 
 /// Default gravity in m/s², as the paper rounds it.

@@ -8,6 +8,7 @@ mod extent;
 mod laws;
 mod loads;
 mod names;
+mod node;
 
 use std::path::Path;
 
@@ -19,25 +20,9 @@ use crate::pointer::JsonPointer;
 use crate::scenario::{Scenario, scenario_schema};
 use crate::schema_check::check_schema;
 use crate::wording::count;
+use node::Node;
 
-/// Deepest nesting of laws in series.
-pub const MAX_SERIES_DEPTH: usize = 8;
-
-/// Most laws in series, those of nested series included.
-pub const MAX_SERIES_LAWS: usize = 100;
-
-/// Fewest output samples of a run.
-pub const MIN_SAMPLES: f64 = 16.0;
-
-/// Most numbers of the time history of a run, samples times columns: 0.8 GB, and some three times
-/// as much as text.
-pub const MAX_HISTORY_NUMBERS: f64 = 1e8;
-
-/// Most finite-difference cells of one body.
-pub const MAX_CELLS: f64 = 1e6;
-
-/// Most time steps of a run by finite differences.
-pub const MAX_STEPS: f64 = 2e10;
+pub use extent::{MAX_CELLS, MAX_HISTORY_NUMBERS, MAX_STEPS, MIN_SAMPLES};
 
 /// Checks a scenario built or changed in code, and returns all its faults.
 ///
@@ -66,48 +51,6 @@ pub(crate) fn check(scenario: &Value, folder: &Path) -> Vec<Diagnostic> {
     extent::check(&root, &mut found);
     loads::check(&root, folder, &mut found);
     found
-}
-
-/// Value and its place.
-#[derive(Clone)]
-struct Node<'a> {
-    value: &'a Value,
-    at: JsonPointer,
-}
-
-impl<'a> Node<'a> {
-    fn get(&self, key: &str) -> Option<Node<'a>> {
-        let value = self.value.as_object()?.get(key)?;
-        let at = self.at.child(key);
-        Some(Node { value, at })
-    }
-
-    fn number(&self, key: &str) -> Option<f64> {
-        self.value.get(key)?.as_f64()
-    }
-
-    fn text(&self, key: &str) -> Option<&'a str> {
-        self.value.get(key)?.as_str()
-    }
-
-    /// Items of the array at `key`; none without an array.
-    fn items(&self, key: &str) -> Vec<Node<'a>> {
-        let items = self.value.get(key).and_then(Value::as_array);
-        let at = self.at.child(key);
-        let item = |(index, value)| Node { value, at: at.child(index) };
-        items.into_iter().flatten().enumerate().map(item).collect()
-    }
-
-    /// Keys and values of the object at `key`; none without an object.
-    fn entries(&self, key: &str) -> Vec<(&'a str, Node<'a>)> {
-        let entries = self.value.get(key).and_then(Value::as_object);
-        let at = self.at.child(key);
-        let entry = |(name, value): (&'a String, &'a Value)| {
-            let at = at.child(name);
-            (name.as_str(), Node { value, at })
-        };
-        entries.into_iter().flatten().map(entry).collect()
-    }
 }
 
 fn interface_count(root: &Node<'_>, found: &mut Vec<Diagnostic>) {

@@ -5,9 +5,8 @@ mod text;
 use asperity_law::{BeyondTable, OverclosureTable, TableAccuracy};
 use asperity_scenario::{LawRef, Scenario};
 
-use crate::assemble::build_law;
 use crate::error::SimulationError;
-use crate::laws::{law_name, static_pressures, usual_top};
+use crate::laws::{static_pressures, usual_top};
 
 pub use text::deck;
 
@@ -122,18 +121,16 @@ pub fn contact_tables(
     let mut tables: Vec<ContactTable> = Vec::new();
     for (interface, reference, pressure) in contacts.chain(unused) {
         let failed = |source| SimulationError::Law {
-            law: law_name(&reference).to_owned(),
+            law: reference.name().to_owned(),
             interface: interface.map(str::to_owned),
             pressure_pa: pressure,
             source,
         };
-        let law = build_law(&reference, &scenario.laws, pressure).map_err(failed)?;
+        let law = scenario.laws.build(&reference, pressure).map_err(failed)?;
         let rest = (interface.is_some() && pressure > 0.0).then_some(pressure);
-        let spec = scenario.laws.resolve(&reference);
-        let top = top.unwrap_or_else(|| usual_top(spec, &scenario.laws, pressure));
-        let table =
-            OverclosureTable::new(&law, rest, top, rows).map_err(|source| failed(source.into()))?;
-        let name = law_name(&reference);
+        let top = top.unwrap_or_else(|| usual_top(&scenario.laws, &reference, pressure));
+        let table = OverclosureTable::new(&law, rest, top, rows).map_err(failed)?;
+        let name = reference.name();
         tables.push(ContactTable {
             interface: interface.map(str::to_owned),
             law: name.to_owned(),

@@ -59,7 +59,7 @@ pub enum SimulationError {
         /// Static pressure there \[Pa\].
         pressure_pa: f64,
         /// The fault.
-        source: BuildLawError,
+        source: LawError,
     },
     /// The damping of an interface is out of range.
     #[error("damping of interface \"{interface}\": {source}")]
@@ -168,35 +168,6 @@ fn is_wrong_structure(error: &StructureError) -> bool {
             | StructureError::BaseJump
             | StructureError::Mesh(_)
     )
-}
-
-/// A law that cannot be built.
-#[derive(Debug, Clone, PartialEq, Error)]
-#[non_exhaustive]
-pub enum BuildLawError {
-    /// The scenario has no law of this name.
-    #[error("the scenario has no law \"{name}\"; expected one of: {known}")]
-    Missing {
-        /// The name.
-        name: String,
-        /// Names of the laws of the scenario.
-        known: String,
-    },
-    /// Laws in series are nested too deep, or without end.
-    #[error("laws in series are nested more than {most} deep")]
-    SeriesTooDeep {
-        /// Most levels.
-        most: usize,
-    },
-    /// Too many laws are in series.
-    #[error("more than {most} laws are in series")]
-    TooManyInSeries {
-        /// Most laws.
-        most: usize,
-    },
-    /// The parameters do not make a law.
-    #[error(transparent)]
-    Law(#[from] LawError),
 }
 
 /// The place of a law in a message.

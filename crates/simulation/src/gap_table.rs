@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use asperity_law::{ContactLaw, LawError, Tabulated, stiffness_from_gaps};
-use asperity_scenario::{InputError, LawSpec, read_text};
+use asperity_law::{ContactLaw, LawError, LawSpec, TableSpec, Tabulated, stiffness_from_gaps};
+use asperity_scenario::{InputError, read_text};
 use thiserror::Error;
 
 /// Most bytes of a table.
@@ -198,7 +198,7 @@ fn law(rows: &[Row]) -> Result<ImportedLaw, GapTableFault> {
     };
     let closure_error = contact.iter().map(error).fold(0.0, f64::max) / (last.0 - first.0);
     Ok(ImportedLaw {
-        spec: LawSpec::Table { points: points.into_iter().map(|(p, k)| [p, k]).collect() },
+        spec: TableSpec { points: points.into_iter().map(|(p, k)| [p, k]).collect() }.into(),
         rows: rows.len(),
         open_rows: rows.len() - contact.len(),
         pressure_range: (first.1, last.1),

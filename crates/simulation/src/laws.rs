@@ -5,9 +5,9 @@ use std::sync::Arc;
 
 use asperity_law::{ContactLaw, PowerFit, fit_power};
 use asperity_mesh::Body;
-use asperity_scenario::{LawRef, LawSpec, Laws, Scenario, read_text};
+use asperity_scenario::{LawRef, Laws, Scenario, read_text};
 
-use crate::assemble::{body, build_law};
+use crate::assemble::body;
 use crate::error::{FitTableError, FitTableFault, SimulationError};
 
 /// Rows of a tabulated law.
@@ -57,7 +57,8 @@ pub struct LawTable {
 pub fn tabulate(scenario: &Scenario) -> Result<Vec<LawTable>, SimulationError> {
     let _stage = tracing::info_span!("tabulate").entered();
     let tables = scenario_laws(scenario)?.into_iter().map(|one| {
-        let top = usual_top(scenario.laws.get(&one.name), &scenario.laws, one.static_pressure_pa);
+        let reference = LawRef::Named(one.name.clone());
+        let top = usual_top(&scenario.laws, &reference, one.static_pressure_pa);
         table(&one.name, &one.law, top)
     });
     Ok(tables.collect())
@@ -84,7 +85,7 @@ pub fn scenario_laws(scenario: &Scenario) -> Result<Vec<ScenarioLaw>, Simulation
         let reference = LawRef::Named(name.to_owned());
         let used = scenario.interfaces.iter().position(|interface| interface.law == reference);
         let pressure_pa = at_rest[used.unwrap_or_default()];
-        let law = build_law(&reference, &scenario.laws, pressure_pa).map_err(|source| {
+        let law = scenario.laws.build(&reference, pressure_pa).map_err(|source| {
             let interface = used.map(|at| scenario.interfaces[at].name.clone());
             SimulationError::Law { law: name.to_owned(), interface, pressure_pa, source }
         })?;
@@ -100,29 +101,10 @@ pub(crate) fn static_pressures(scenario: &Scenario) -> Result<Vec<f64>, Simulati
     Ok(asperity_mesh::static_pressures(&bodies, areas, scenario.gravity_m_per_s2))
 }
 
-/// Name of a law in messages and tables.
-pub(crate) fn law_name(reference: &LawRef) -> &str {
-    match reference {
-        LawRef::Named(name) => name,
-        LawRef::InPlace(_) => "in place",
-    }
-}
-
 /// Highest pressure \[Pa\] of the table of a law.
-pub(crate) fn usual_top(spec: Option<&LawSpec>, laws: &Laws, at_rest: f64) -> f64 {
-    let highest = spec.map_or(0.0, |spec| highest_point(spec, laws));
+pub(crate) fn usual_top(laws: &Laws, law: &LawRef, at_rest: f64) -> f64 {
+    let highest = laws.highest_pressure(law).unwrap_or_default();
     USUAL_TOP.max(2.0 * at_rest).max(highest)
-}
-
-fn highest_point(spec: &LawSpec, laws: &Laws) -> f64 {
-    match spec {
-        LawSpec::Table { points } => points.last().map_or(0.0, |point| point[0]),
-        LawSpec::ModifiedPower { transition_pa, .. } => 2.0 * transition_pa,
-        _ => {
-            let inner = spec.inner_laws().filter_map(|inner| laws.resolve(inner));
-            inner.map(|inner| highest_point(inner, laws)).fold(0.0, f64::max)
-        }
-    }
 }
 
 fn table(name: &str, law: &Arc<dyn ContactLaw>, top: f64) -> LawTable {

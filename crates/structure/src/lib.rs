@@ -17,7 +17,7 @@
 //! | [`preloaded`] | mesh, contacts at rest and damping as one value |
 //! | [`contact`] | one contact at rest |
 //! | [`equilibrium`] | nonlinear static equilibrium of a stack under weight |
-//! | [`damping`] | mass-proportional viscosity from a damping ratio |
+//! | [`damping`] | damping of the bodies and its document form |
 //! | [`guide`] | a guide with friction |
 //! | [`time_function`] | pulses, sines and samples over time, of unit amplitude |
 //! | [`load_case`] | a function of time, its amplitude, and the port or base that it acts on |
@@ -40,7 +40,9 @@ pub mod preloaded;
 pub mod time_function;
 
 pub use contact::PreloadedContact;
-pub use damping::Damping;
+pub use damping::{
+    Damping, DampingSpec, ModalDampingSpec, RatioAtFrequency, RayleighFault, RayleighSpec,
+};
 pub use equilibrium::StaticDisplacement;
 pub use error::StructureError;
 pub use excitation::{

@@ -1,7 +1,6 @@
 //! Seeded random numbers for scenarios.
 
-use std::ops::RangeInclusive;
-
+use asperity_law::Draw as _;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
@@ -21,27 +20,6 @@ impl Draw {
         Self(Pcg64::seed_from_u64(step(step(step(0, seed), number), attempt)))
     }
 
-    /// A number in `[low, high)`, with four significant digits.
-    pub(super) fn uniform(&mut self, low: f64, high: f64) -> f64 {
-        rounded(low + (high - low) * self.0.random::<f64>())
-    }
-
-    /// A number whose logarithm is uniform between those of two positive bounds, with four
-    /// significant digits.
-    pub(super) fn log_uniform(&mut self, low: f64, high: f64) -> f64 {
-        rounded(low * (high / low).powf(self.0.random::<f64>()))
-    }
-
-    /// True with this probability.
-    pub(super) fn chance(&mut self, probability: f64) -> bool {
-        self.0.random::<f64>() < probability
-    }
-
-    /// A whole number of the range.
-    pub(super) fn whole(&mut self, range: RangeInclusive<usize>) -> usize {
-        self.0.random_range(range)
-    }
-
     /// One of several, with equal probabilities.
     pub(super) fn one_of<'a, T>(&mut self, options: &'a [T]) -> &'a T {
         &options[self.whole(0..=options.len() - 1)]
@@ -49,7 +27,7 @@ impl Draw {
 
     /// The place of one of several, with probabilities in proportion to their weights.
     pub(super) fn weighted(&mut self, weights: &[f64]) -> usize {
-        let mut left = weights.iter().sum::<f64>() * self.0.random::<f64>();
+        let mut left = weights.iter().sum::<f64>() * self.unit();
         for (place, weight) in weights.iter().enumerate() {
             left -= weight;
             if left < 0.0 {
@@ -60,8 +38,8 @@ impl Draw {
     }
 }
 
-/// `value` with four significant digits, so that files stay short and no rounding of a machine
-/// shows in them.
-pub(super) fn rounded(value: f64) -> f64 {
-    format!("{value:.3e}").parse().unwrap_or(value)
+impl asperity_law::Draw for Draw {
+    fn unit(&mut self) -> f64 {
+        self.0.random()
+    }
 }

@@ -8,13 +8,14 @@ use std::path::Path;
 
 use anyhow::{Result, bail};
 use asperity_dynamics::{FiniteDifference, Integrator};
+use asperity_law::{Draw as _, LawRef, LawSpec, Laws, rounded};
 use asperity_scenario::{
-    BodySpec, DampingAmount, DampingSpec, ExcitationSpec, ForceSamples, InterfaceSpec, LawRef,
-    LawSpec, Laws, MethodSpec, Scenario, SchemaId, SectionSpec, SupportSpec,
+    BodySpec, Damping, DampingSpec, ExcitationSpec, ForceSamples, InterfaceSpec, MethodSpec,
+    Scenario, SchemaId, SectionSpec, SupportSpec,
 };
 use asperity_simulation::assemble::Assembly;
 
-use super::draw::{Draw, rounded};
+use super::draw::Draw;
 
 /// Young's moduli \[Pa\] and densities \[kg/m³\] of steel, aluminium, titanium, brass, grey iron,
 /// alumina, glass, granite, acrylic glass, polyethylene.
@@ -72,13 +73,12 @@ fn attempt_one(draw: &mut Draw, seed: u64, number: u64) -> Option<RandomScenario
     let mut scenario = stack(draw, seed, number);
     // The structure at rest gives the time scale; no samples file is read for it.
     let natural = Assembly::new(&scenario, Path::new("")).ok()?.structure.natural_frequency()?;
-    let ratio = if let DampingSpec::MassProportional(DampingAmount::Ratio(ratio)) = scenario.damping
-    {
+    let ratio = if let DampingSpec::MassProportional(Damping::Ratio(ratio)) = scenario.damping {
         ratio
     } else {
         let ratio = draw.log_uniform(1e-3, 0.1);
         let rate = rounded(2.0 * ratio * std::f64::consts::TAU * natural);
-        scenario.damping = DampingSpec::MassProportional(DampingAmount::RatePerS(rate));
+        scenario.damping = DampingSpec::MassProportional(Damping::Rate(rate));
         ratio
     };
     let period = 1.0 / natural;
@@ -125,13 +125,13 @@ fn stack(draw: &mut Draw, seed: u64, number: u64) -> Scenario {
         let pressure = above * gravity / area_m2;
         let angular_frequency = std::f64::consts::TAU * draw.log_uniform(50.0, 16e3);
         let stiffness = angular_frequency.powi(2) * above / area_m2;
-        let law = law(draw, pressure, stiffness, 2);
+        let law = LawSpec::sample(draw, pressure, stiffness, 2);
         let law = if draw.chance(0.3) {
             let name = format!("law {at}");
             laws.insert(&name, law);
             LawRef::Named(name)
         } else {
-            LawRef::InPlace(Box::new(law))
+            law.into()
         };
         interfaces.push(InterfaceSpec {
             name: format!("contact {at}"),
@@ -153,9 +153,9 @@ fn stack(draw: &mut Draw, seed: u64, number: u64) -> Scenario {
         }
     };
     let amount = if draw.chance(0.8) {
-        DampingAmount::Ratio(draw.log_uniform(1e-3, 0.1))
+        Damping::Ratio(draw.log_uniform(1e-3, 0.1))
     } else {
-        DampingAmount::RatePerS(0.0)
+        Damping::Rate(0.0)
     };
     Scenario {
         schema: SchemaId::V1,
@@ -204,80 +204,6 @@ fn mass(body: &BodySpec) -> f64 {
         SectionSpec::AreaM2(area) => area * body.density_kg_per_m3 * body.length_m,
         SectionSpec::MassKg(mass) => mass,
     }
-}
-
-/// A law with about `stiffness` \[Pa/m\] at `pressure` \[Pa\]; laws in series nest to `depth`.
-fn law(draw: &mut Draw, pressure: f64, stiffness: f64, depth: usize) -> LawSpec {
-    let series = if depth > 0 { 1.0 } else { 0.0 };
-    match draw.weighted(&[0.7, 0.8, 2.0, 1.5, 0.8, 1.5, 1.5, series]) {
-        0 => LawSpec::Constant { stiffness_pa_per_m: rounded(stiffness), unilateral: false },
-        1 => LawSpec::Constant { stiffness_pa_per_m: rounded(stiffness), unilateral: true },
-        2 => {
-            let exponent =
-                if draw.chance(0.1) { draw.uniform(1.0, 1.2) } else { draw.uniform(0.2, 0.9) };
-            let coefficient = rounded(stiffness / pressure.powf(exponent));
-            LawSpec::Power { coefficient, exponent }
-        }
-        3 => modified_power(draw, pressure, stiffness),
-        4 => LawSpec::Exponential { length_m: rounded(pressure / stiffness) },
-        5 => {
-            // K0 (1 + s)^2 is the stiffness at a pressure of s K0 dm.
-            let share = draw.log_uniform(0.05, 20.0);
-            let at_zero = rounded(stiffness / (1.0 + share).powi(2));
-            let closure_limit_m = rounded(pressure / (share * at_zero));
-            LawSpec::Hyperbolic { stiffness_pa_per_m: at_zero, closure_limit_m }
-        }
-        6 => table(draw, pressure, stiffness),
-        _ => {
-            let layer = rounded(stiffness * draw.log_uniform(0.5, 50.0));
-            let inner = law(draw, pressure, stiffness, depth - 1);
-            LawSpec::with_layer(LawRef::InPlace(Box::new(inner)), layer)
-        }
-    }
-}
-
-fn modified_power(draw: &mut Draw, pressure: f64, stiffness: f64) -> LawSpec {
-    let exponent = draw.uniform(0.2, 0.8);
-    let coefficient = rounded(stiffness / pressure.powf(exponent));
-    let transition_pa = rounded(pressure * draw.log_uniform(0.1, 10.0));
-    let top = coefficient * transition_pa.powf(exponent);
-    let count = draw.whole(1..=4);
-    let mut knots = Vec::with_capacity(count);
-    let mut last = [0.0, rounded(top * draw.log_uniform(0.01, 0.5))];
-    knots.push(last);
-    for left in (1..count).rev() {
-        let share = draw.uniform(0.3, 0.9) / (left + 1) as f64;
-        let next = [
-            rounded(last[0] + share * (transition_pa - last[0])),
-            rounded(last[1] + draw.uniform(0.3, 0.9) / (left + 1) as f64 * (top - last[1])),
-        ];
-        if next[0] <= last[0] || next[1] <= last[1] {
-            break;
-        }
-        last = next;
-        knots.push(last);
-    }
-    LawSpec::ModifiedPower { coefficient, exponent, transition_pa, knots }
-}
-
-fn table(draw: &mut Draw, pressure: f64, stiffness: f64) -> LawSpec {
-    let exponent = draw.uniform(0.1, 0.8);
-    let count = draw.whole(2..=7);
-    let (low, high) =
-        (pressure * draw.log_uniform(0.02, 0.5), pressure * draw.log_uniform(2.0, 50.0));
-    let mut points: Vec<[f64; 2]> = Vec::with_capacity(count + 1);
-    if draw.chance(0.6) {
-        let at_zero = stiffness * (low / pressure).powf(exponent) * draw.uniform(0.2, 0.9);
-        points.push([0.0, rounded(at_zero)]);
-    }
-    for at in 0..count {
-        let place = low * (high / low).powf(at as f64 / (count - 1) as f64);
-        let scatter = draw.log_uniform(0.85, 1.18);
-        let [at_pressure, value] =
-            [rounded(place), rounded(stiffness * (place / pressure).powf(exponent) * scatter)];
-        points.push([at_pressure, value]);
-    }
-    LawSpec::Table { points }
 }
 
 fn output_rate(draw: &mut Draw, natural: f64) -> f64 {
@@ -356,6 +282,7 @@ fn measured_pulse(draw: &mut Draw, peak_n: f64, duration_s: f64) -> ForceSamples
 #[cfg(test)]
 mod tests {
     use super::*;
+    use asperity_law::Sampler;
     use asperity_scenario::Document;
 
     #[test]
@@ -379,13 +306,12 @@ mod tests {
             .map(|number| RandomScenario::new(1, number).unwrap().scenario)
             .map(|scenario| serde_json::to_string(&scenario).unwrap())
             .collect();
-        for kind in [
-            "constant",
-            "power",
-            "modified_power",
-            "exponential",
-            "hyperbolic",
-            "table",
+        let law_kind = |sample: &Sampler| {
+            let law = sample(&mut Draw::new(1, 0, 0), 1e5, 1e12);
+            serde_json::to_value(law).unwrap()["kind"].as_str().unwrap().to_owned()
+        };
+        let laws: Vec<String> = LawSpec::SAMPLERS.iter().map(law_kind).collect();
+        let others = [
             "in_series",
             "rigid",
             "spring_mass",
@@ -394,7 +320,8 @@ mod tests {
             "haversine",
             "samples",
             "harmonic",
-        ] {
+        ];
+        for kind in others.into_iter().chain(laws.iter().map(String::as_str)) {
             assert!(text.contains(&format!("\"kind\":\"{kind}\"")), "{kind}");
         }
         assert!(text.contains("rate_per_s") && text.contains("mass_kg"));

@@ -15,6 +15,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use asperity_dynamics::{Excitation, FiniteDifference, Integrator, Modal, Sampling};
 use asperity_harmonic::{Branch, PeriodicResponse};
+use asperity_law::Draw as _;
 use asperity_scenario::{Document, Scenario};
 use asperity_simulation::assemble::Assembly;
 use asperity_simulation::steady::{

@@ -89,12 +89,10 @@ fn struck(stored: &Document, peak: f64) -> Result<Case> {
 
 /// Knots of the modified law, its coefficient, exponent and transition.
 pub(super) fn modified(laws: &Laws) -> Result<(&[[f64; 2]], [f64; 3])> {
-    let Some(LawSpec::ModifiedPower { coefficient, exponent, transition_pa, knots }) =
-        laws.get("modified")
-    else {
+    let Some(LawSpec::ModifiedPower(law)) = laws.get("modified") else {
         bail!("the scenario has no modified power law named \"modified\"");
     };
-    Ok((knots, [*coefficient, *exponent, *transition_pa]))
+    Ok((&law.knots, [law.coefficient, law.exponent, law.transition_pa]))
 }
 
 /// Rise of the pulse, in s.

@@ -12,7 +12,7 @@ use asperity_law::ContactLaw;
 use asperity_mesh::Grid;
 use asperity_scenario::{Document, LawRef, LawSpec, Scenario};
 use asperity_signal::FrequencyResponse;
-use asperity_simulation::assemble::{Assembly, build_law};
+use asperity_simulation::assemble::Assembly;
 use asperity_simulation::run::{Run, simulate};
 use asperity_simulation::summary::Summary;
 use indicatif::ProgressBar;
@@ -51,15 +51,15 @@ impl Case {
 
     /// A law of the scenario at a contact under `pressure` in Pa.
     pub(crate) fn law(&self, law: Law, pressure: f64) -> Result<Arc<dyn ContactLaw>> {
-        Ok(build_law(&LawRef::Named(law.key().to_owned()), &self.scenario.laws, pressure)?)
+        Ok(self.scenario.laws.build(&LawRef::Named(law.key().to_owned()), pressure)?)
     }
 
     /// Pressures and stiffnesses of Table 3.
     pub(crate) fn table_3(&self) -> Result<Vec<(f64, f64)>> {
-        let Some(LawSpec::Table { points }) = self.scenario.laws.get("measured") else {
+        let Some(LawSpec::Table(table)) = self.scenario.laws.get("measured") else {
             bail!("the scenario has no table of measurements named \"measured\"");
         };
-        Ok(points.iter().map(|&[p, k]| (p, k)).collect())
+        Ok(table.points.iter().map(|&[p, k]| (p, k)).collect())
     }
 
     /// The finite-difference grid.

@@ -1,6 +1,5 @@
 //! The range of closures of a table, and its nodes.
 
-use super::LAST_CELLS;
 use crate::contact_law::ContactLaw;
 use crate::error::{LawError, LawQuantity, above, finite};
 
@@ -62,8 +61,8 @@ impl TableRange {
     }
 
     /// A grid of at least about `cells` cells with nodes at the state and at `down`; `None` if it
-    /// would take more than the most allowed.
-    pub(super) fn grid(&self, cells: usize) -> Option<ClosureGrid> {
+    /// would take more than `most`.
+    pub(super) fn grid(&self, cells: usize, most: usize) -> Option<ClosureGrid> {
         let (down, up) = (-self.down, self.up);
         let share = down / (down + up);
         // Rounded down: at most one cell more than requested.
@@ -73,7 +72,7 @@ impl TableRange {
         }
         let width = if below > 0.0 { down / below } else { up / cells as f64 };
         let above = (up / width).ceil().max(1.0);
-        (below + above <= (LAST_CELLS + 2) as f64).then_some(ClosureGrid {
+        (below + above <= most as f64).then_some(ClosureGrid {
             below: below as usize,
             above: above as usize,
             width,

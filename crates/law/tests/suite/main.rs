@@ -7,6 +7,7 @@ mod conformance;
 mod friction;
 mod gap_table;
 mod invalid;
+mod laws;
 mod laws_in_series;
 mod overclosure;
 mod reference;

@@ -2,12 +2,25 @@
 
 use serde_json::Value;
 
-use super::{MAX_CELLS, MAX_HISTORY_NUMBERS, MAX_STEPS, MIN_SAMPLES, Node};
+use super::node::Node;
 use crate::diagnostic::{Diagnostic, MAX_FAULTS};
 use crate::fault::Fault;
 use crate::method::{DEFAULT_CELL_M, DEFAULT_COURANT};
 use crate::scenario::{DEFAULT_OUTPUT_RATE_HZ, MAX_OUTPUT_RATE_HZ};
 use crate::wording::{four_digits, number};
+
+/// Fewest output samples of a run.
+pub const MIN_SAMPLES: f64 = 16.0;
+
+/// Most numbers of the time history of a run, samples times columns: 0.8 GB, and some three times
+/// as much as text.
+pub const MAX_HISTORY_NUMBERS: f64 = 1e8;
+
+/// Most finite-difference cells of one body.
+pub const MAX_CELLS: f64 = 1e6;
+
+/// Most time steps of a run by finite differences.
+pub const MAX_STEPS: f64 = 2e10;
 
 /// Checks the sections of the bodies and the size of the run.
 pub(super) fn check(root: &Node<'_>, found: &mut Vec<Diagnostic>) {

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::Node;
+use super::node::Node;
 use crate::diagnostic::{Diagnostic, MAX_FAULTS};
 use crate::fault::Fault;
 
