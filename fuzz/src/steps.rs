@@ -46,8 +46,8 @@ fn run(text: &str, assembly: &Assembly, method: &Integrator) {
     };
     let name = method.name();
     let history = &transient.history;
-    assert_eq!(history.displacement.len(), sampling.samples(), "{text}: {name}");
-    for values in [&history.force, &history.displacement, &history.acceleration] {
+    assert_eq!(history.sensors[0].displacement.len(), sampling.samples(), "{text}: {name}");
+    for values in [&history.load, &history.sensors[0].displacement, &history.sensors[0].acceleration] {
         assert!(values.iter().all(|value| value.is_finite()), "{text}: {name}: not finite");
     }
     for contact in &transient.contacts {

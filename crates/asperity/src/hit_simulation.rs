@@ -1,10 +1,11 @@
 //! A simulated hit, with defaults for everything but the force.
 
-use asperity_dynamics::{DynamicsError, Excitation, Integrator, Sampling, Transient};
+use asperity_dynamics::{DynamicsError, Integrator, Sampling, Transient};
+use asperity_mesh::Port;
 use asperity_signal::{FrequencyResponse, HarmonicOptions, ReceptanceFeatures, SignalError};
-use asperity_structure::PreloadedStructure;
+use asperity_structure::{LoadCase, PreloadedStructure, TimeFunction};
 
-/// Simulation of the response to a force on the top of a structure, from rest.
+/// Simulation of the response of a structure to a load, from rest.
 ///
 /// Defaults: 0.12 s at 200 kHz by the modal engine, which chooses its step and modes.
 ///
@@ -15,29 +16,38 @@ use asperity_structure::PreloadedStructure;
 ///     .body(Body::with_mass("guide bar", 0.229, 1.61, 71e9, 2710.0)?)
 ///     .interface("guide-disc", 1.15e-4, Power::new(1.81e10, 0.35, 0.0)?)
 ///     .preloaded(Damping::Ratio(0.035))?;
-/// let force = Excitation::HalfSine { peak: 5.0, duration: 1e-3 };
+/// let force = LoadCase::force(TimeFunction::HalfSine { duration: 1e-3 }, 5.0);
 /// let hit = Simulation::new(force).duration(0.1).run(&structure)?;
 /// assert!(hit.transient.energy.residual_relative() < 1e-3);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone)]
 pub struct Simulation {
-    excitation: Excitation,
+    load: LoadCase,
+    sensor: Port,
     duration: f64,
     sample_rate: f64,
     method: Integrator,
 }
 
 impl Simulation {
-    /// The response to `excitation`, which must have a force.
-    pub fn new(excitation: Excitation) -> Self {
-        Self { excitation, duration: 0.12, sample_rate: 2e5, method: Integrator::default() }
+    /// The response to `load`, which must not be zero, read at the top.
+    pub fn new(load: LoadCase) -> Self {
+        let sensor = Port::TOP;
+        Self { load, sensor, duration: 0.12, sample_rate: 2e5, method: Integrator::default() }
     }
 
     /// The response to the hit of a hammer: `peak (t/r)^2 exp(2 (1 - t/r))` \[N\] with a rise r of
     /// 0.34 ms.
     pub fn of_hit(peak: f64) -> Self {
-        Self::new(Excitation::GammaPulse { peak, rise: 0.34e-3 })
+        Self::new(LoadCase::force(TimeFunction::GammaPulse { rise: 0.34e-3 }, peak))
+    }
+
+    /// Sets the port at which the response is read.
+    #[must_use]
+    pub fn sensor(mut self, sensor: Port) -> Self {
+        self.sensor = sensor;
+        self
     }
 
     /// Sets the duration \[s\].
@@ -64,15 +74,15 @@ impl Simulation {
     /// Integrates the response of `structure`.
     ///
     /// # Errors
-    /// [`HitError::NoForce`] for an excitation without a force; else [`HitError`]
+    /// [`HitError::NoForce`] for a load of zero; else [`HitError`]
     /// for a setting out of range, or when the integration or its analysis fails.
     pub fn run(&self, structure: &PreloadedStructure) -> Result<SimulatedHit, HitError> {
-        if self.excitation.peak() == 0.0 {
+        if self.load.peak() == 0.0 {
             return Err(HitError::NoForce);
         }
         let sampling = Sampling::new(self.duration, self.sample_rate)?;
-        let transient = self.method.integrate(structure, &self.excitation, &sampling)?;
-        let (force, displacement) = (&transient.history.force, &transient.history.displacement);
+        let transient = self.method.integrate(structure, &self.load, &[self.sensor], &sampling)?;
+        let (force, displacement) = (&transient.history.load, &transient.history.sensors[0].displacement);
         let response = FrequencyResponse::from_displacement(force, displacement, self.sample_rate)?;
         let features = structure
             .natural_frequency()
@@ -86,7 +96,7 @@ impl Simulation {
 pub struct SimulatedHit {
     /// Samples, contact extremes and energy balance.
     pub transient: Transient,
-    /// Receptance of the top at any frequency.
+    /// Receptance of the sensor at any frequency.
     pub response: FrequencyResponse,
     /// Fundamental, second harmonic and half-power crossings.
     pub features: ReceptanceFeatures,
@@ -139,7 +149,7 @@ mod tests {
             .interface("bar-disc", 1e-4, Constant::new(8.5e11).unwrap())
             .preloaded(Damping::Ratio(0.02))
             .unwrap();
-        for simulation in [Simulation::new(Excitation::None), Simulation::of_hit(0.0)] {
+        for simulation in [Simulation::new(LoadCase::none()), Simulation::of_hit(0.0)] {
             let error = simulation.run(&structure).unwrap_err();
             assert!(matches!(error, HitError::NoForce), "{error}");
         }

@@ -3,15 +3,17 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use asperity_dynamics::{Excitation, ForceRecord, HitSimulation};
+use asperity_dynamics::HitSimulation;
+use asperity_structure::{LoadCase, SampledFunction};
+use serde::Deserialize;
 use serde_json::{Value, json};
 
 use crate::error::IdentificationError;
 use crate::problem::Changes;
 use crate::problem_parameters::{Gains, ProblemParameters, Sensors};
 use asperity_scenario::set_value;
-use asperity_scenario::{ExcitationSpec, Scenario};
-use asperity_simulation::assemble::excitation;
+use asperity_scenario::{ExcitationSpec, PlaceSpec, Scenario};
+use asperity_simulation::assemble::load_case;
 use asperity_simulation::error::SimulationError;
 use asperity_simulation::prepared_scenario::PreparedScenario;
 
@@ -118,35 +120,43 @@ impl PreparedRig {
 
 impl SimulatedHit {
     /// The force of the hit on a rig, as sensors of these `gains` have measured it.
-    pub(super) fn excitation(
+    pub(super) fn load(
         &self,
         rig: &PreparedRig,
         gains: Gains,
         folder: &Path,
-    ) -> Result<Excitation, SimulationError> {
-        let found = match &self.drive {
+    ) -> Result<LoadCase, SimulationError> {
+        let invalid = |error: serde_json::Error| SimulationError::Scenario(error.to_string());
+        let bodies = rig.case.assembly.structure.stack().bodies();
+        let load = match &self.drive {
             HitForce::Scenario { set, peak_n } => {
                 let mut part = json!({ "excitation": rig.excitation });
                 for (pointer, value) in set {
                     set_value(&mut part, pointer, &value.to_string())?;
                 }
-                if let (Some(peak), Some(Value::Object(excitation))) =
-                    (peak_n, part.get_mut("excitation"))
-                {
-                    excitation.insert("peak_n".to_owned(), (peak / gains.force).into());
-                }
                 let spec = part.get_mut("excitation").map(Value::take).unwrap_or_default();
-                let spec: ExcitationSpec = serde_json::from_value(spec)
-                    .map_err(|error| SimulationError::Scenario(error.to_string()))?;
-                excitation(&spec, folder)?
+                let spec: ExcitationSpec = serde_json::from_value(spec).map_err(invalid)?;
+                let load = load_case(&spec, bodies, folder)?;
+                match peak_n {
+                    Some(peak) => load.with_amplitude(peak / gains.force),
+                    None => load,
+                }
             }
             HitForce::Record { time_s, force_n } => {
-                let force = force_n.iter().map(|force| force / gains.force).collect();
-                Excitation::Record(ForceRecord::new(time_s.clone(), force)?)
+                let samples = SampledFunction::new(time_s.clone(), force_n.clone())?;
+                let load = LoadCase::samples(&samples);
+                let load = load.with_amplitude(load.amplitude() / gains.force);
+                match rig.excitation.get("at") {
+                    Some(at) => {
+                        let at = PlaceSpec::deserialize(at).map_err(invalid)?;
+                        load.at(at.port(bodies)?)
+                    }
+                    None => load,
+                }
             }
         };
-        found.check()?;
-        Ok(found)
+        load.check()?;
+        Ok(load)
     }
 
     /// The simulation of the hit.
@@ -157,27 +167,26 @@ impl SimulatedHit {
         folder: &Path,
     ) -> Result<HitSimulation, SimulationError> {
         let modal = rig.case.modal().unwrap_or_default();
-        let excitation = self.excitation(rig, gains, folder)?;
-        let hit = rig.case.case(&modal, excitation)?;
+        let hit = rig.case.case(&modal, self.load(rig, gains, folder)?)?;
         let duration = self.duration.unwrap_or(hit.duration);
         Ok(match &self.resolution {
             Some(HitResolution { step, counts }) => {
-                let model = rig.case.modal_model(counts)?;
+                let model = rig.case.modal_model(counts, hit.load.port())?;
                 HitSimulation { model, duration, step: Some(*step), ..hit }
             }
             None => HitSimulation { duration, ..hit },
         })
     }
 
-    /// Modes of each body in the simulation of the hit under `excitation`.
+    /// Modes of each body in the simulation of the hit under `load`.
     pub(super) fn mode_counts(
         &self,
         rig: &PreparedRig,
-        excitation: &Excitation,
+        load: &LoadCase,
     ) -> Result<Vec<usize>, SimulationError> {
         match &self.resolution {
             Some(resolution) => Ok(resolution.counts.clone()),
-            None => Ok(rig.case.mode_counts(&rig.case.modal().unwrap_or_default(), excitation)?),
+            None => Ok(rig.case.mode_counts(&rig.case.modal().unwrap_or_default(), load)?),
         }
     }
 }

@@ -41,7 +41,7 @@ impl HitNumerics {
             let number = |quantity| observables.get(quantity, None);
             Some(Self {
                 data: hit.data.clone(),
-                peak_n: case.excitation.peak(),
+                peak_n: case.load.peak(),
                 step_s: case.step?,
                 modes_per_body: counts.clone(),
                 estimated_error: number(Quantity::EstimatedError).filter(|error| error.is_finite()),

@@ -3,13 +3,14 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use serde::Deserialize;
 use serde_json::{Value, json};
 
 use crate::data_loader::folder_of;
 use crate::error::IdentificationError;
 use crate::problem::{DataSpec, ProblemSpec, ScenarioRef, problem_schema};
 use crate::work::Work;
-use asperity_scenario::{Document, validate_json};
+use asperity_scenario::{Document, ExcitationSpec, validate_json};
 use asperity_simulation::provenance::InputFile;
 
 /// An identification problem with its scenario, checked except for the data files.
@@ -49,10 +50,10 @@ impl IdentificationProblem {
     /// # Errors
     /// [`IdentificationError::Study`] for a file that cannot be read.
     pub fn input_files(&self) -> Result<Vec<InputFile>, IdentificationError> {
-        let text = |key: &str| self.scenario["excitation"].get(key).and_then(Value::as_str);
+        let excitation = ExcitationSpec::deserialize(&self.scenario["excitation"]);
         let mut files = Vec::new();
-        if let (Some("samples"), Some(file)) = (text("kind"), text("file")) {
-            files.push(InputFile::read(folder_of(&self.scenario_path), file.as_ref())?);
+        if let Some(samples) = excitation.ok().as_ref().and_then(ExcitationSpec::samples) {
+            files.push(InputFile::read(folder_of(&self.scenario_path), samples.file.as_ref())?);
         }
         for file in self.spec.data.iter().flat_map(DataSpec::files) {
             files.push(InputFile::read(self.document.folder(), file.as_ref())?);

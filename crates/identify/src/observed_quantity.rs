@@ -104,7 +104,7 @@ pub(super) struct SummaryColumns {
 
 impl SummaryColumns {
     pub(super) fn new(interfaces: &[&str]) -> Self {
-        let names = observable_names(interfaces);
+        let names = observable_names(interfaces, &[], false);
         let receptance = Observable::all(interfaces.len())
             .iter()
             .map(|observable| observable.quantity.unit() == "m/N")

@@ -218,8 +218,9 @@ impl ScenarioModel {
         let rigs = self.prepare(point)?;
         let request = |hit: &SimulatedHit| -> Result<RunRequest, SimulationError> {
             let rig = &rigs[hit.rig];
-            let excitation = hit.excitation(rig, hit.sensors.gains(point), &self.folder)?;
-            Ok(RunRequest { prepared: Arc::clone(&rig.case), excitation, duration: hit.duration })
+            let load = hit.load(rig, hit.sensors.gains(point), &self.folder)?;
+            let (prepared, duration) = (Arc::clone(&rig.case), hit.duration);
+            Ok(RunRequest { prepared, load, sensor: 0, duration })
         };
         self.hits.iter().map(request).collect()
     }

@@ -1,16 +1,20 @@
 //! Histories and receptance of one run.
 
-use asperity_dynamics::History;
 use asperity_figure::{Axis, Color, Dash, Figure, Legend, Panel, Series};
 use asperity_signal::{Frf, decay_length};
-use asperity_simulation::summary::Summary;
+use asperity_simulation::record::motions;
+use asperity_simulation::run::Run;
+use asperity_simulation::summary::{Amplitude, Fundamental, Summary};
+use asperity_scenario::SensorKind;
 
 use super::magnitude::{MagnitudeAxis, phase_axis, phase_line};
 
-/// Force, acceleration, displacement and pressures over time, until the motion has decayed.
-pub fn history(history: &History, interfaces: &[&str]) -> Figure {
-    let decays = [&history.displacement, &history.acceleration].map(|motion| decay_length(motion));
-    let last = decays[0].max(decays[1]).saturating_sub(1);
+/// Load, motion at each sensor and pressures over time, until the motion has decayed.
+pub fn history(run: &Run) -> Figure {
+    let history = &run.transient.history;
+    let motions = motions(run);
+    let decays = motions.iter().map(|motion| decay_length(motion.relative));
+    let last = decays.max().unwrap_or_default().saturating_sub(1);
     let end = history.time.get(last).map_or(0.0, |time| 1e3 * time);
     let time = || {
         let axis = Axis::linear("Time", "ms").scale(1e3);
@@ -22,18 +26,34 @@ pub fn history(history: &History, interfaces: &[&str]) -> Figure {
             .legend(Legend::None)
     };
     let mut pressures = Panel::new(time(), Axis::linear("Contact pressure", "MPa").scale(1e-6));
-    for (index, (name, columns)) in interfaces.iter().zip(&history.interfaces).enumerate() {
+    let contacts = run.assembly.structure.contacts().iter();
+    for (index, (contact, columns)) in contacts.zip(&history.interfaces).enumerate() {
         let dash = if index == 0 { Dash::Solid } else { Dash::Dashed };
-        let line = Series::line(*name, &history.time, &columns.pressure);
+        let line = Series::line(contact.name(), &history.time, &columns.pressure);
         pressures = pressures.series(line.color(Color::category(index)).dash(dash));
     }
-    Figure::new("Response over time")
-        .panel(single("Force", "N", 1.0, &history.force))
-        .panel(single("Acceleration", "m/s²", 1.0, &history.acceleration))
-        .panel(single("Displacement", "µm", 1e6, &history.displacement))
-        .panel(pressures)
-        .columns(2)
-        .width_mm(170.0)
+    let load = match run.assembly.load.base() {
+        None => single("Force", "N", 1.0, &history.load),
+        Some(_) => single("Base acceleration", "m/s²", 1.0, &history.load),
+    };
+    let mut figure = Figure::new("Response over time").panel(load);
+    let mut motions = motions;
+    if motions.iter().all(|motion| motion.name.is_none()) {
+        motions.reverse();
+    }
+    for motion in &motions {
+        let (word, unit, scale) = match motion.kind {
+            SensorKind::Displacement => ("Displacement", "µm", 1e6),
+            SensorKind::Velocity => ("Velocity", "m/s", 1.0),
+            SensorKind::Acceleration => ("Acceleration", "m/s²", 1.0),
+        };
+        let relative = if motion.absolute.is_some() { "Relative " } else { "" };
+        let word = if relative.is_empty() { word.to_owned() } else { word.to_lowercase() };
+        let at = motion.name.map_or(String::new(), |name| format!(", {name}"));
+        let label = format!("{relative}{word}{at}");
+        figure = figure.panel(single(&label, unit, scale, motion.relative));
+    }
+    figure.panel(pressures).columns(2).width_mm(170.0)
 }
 
 /// Magnitude and phase of the receptance, with its peaks and the natural frequency at rest marked.
@@ -55,11 +75,17 @@ pub fn frf(frf: &Frf, summary: &Summary, axis: MagnitudeAxis) -> Figure {
         known.fold(panel, |panel, (name, at)| panel.vertical(at, text(name)))
     };
     let shown: Vec<f64> = magnitude.iter().map(|value| axis.value(*value)).collect();
-    let up = axis.axis("Receptance", "m/N", magnitude.iter().copied());
+    let per_base = |peak: Fundamental| matches!(peak.amplitude, Amplitude::PerBase { .. });
+    let (label, unit) = if summary.fundamental.is_some_and(per_base) {
+        ("Relative displacement per base acceleration", "s²")
+    } else {
+        ("Receptance", "m/N")
+    };
+    let up = axis.axis(label, unit, magnitude.iter().copied());
     let mut upper = marked(Panel::new(across(), up), true)
         .series(Series::line("", frequency, &shown).color(Color::BLUE));
-    let first = summary.fundamental.map(|peak| (peak.frequency_hz, peak.receptance_m_per_n));
-    let second = summary.second_harmonic.map(|peak| (peak.frequency_hz, peak.receptance_m_per_n));
+    let first = summary.fundamental.map(|peak| (peak.frequency_hz, peak.amplitude.value()));
+    let second = summary.second_harmonic.map(|peak| (peak.frequency_hz, peak.amplitude.value()));
     for (frequency, receptance) in first.into_iter().chain(second) {
         let text = format!("{frequency:.1} Hz");
         upper = upper.note(frequency, axis.value(receptance), text);

@@ -24,16 +24,11 @@ fn computed(
     let run = simulate_with_progress(&scenario.document, &scenario.scenario, &|fraction| {
         progress.report(fraction);
     })?;
-    let names: Vec<&str> =
-        scenario.scenario.interfaces.iter().map(|face| face.name.as_str()).collect();
-    let history = &run.transient.history;
-    let figure = asperity_plot::history(history, &names);
-    let columns = history_columns(history, &names);
-    let columns = columns.into_iter().map(|(name, values)| (name, values.to_vec())).collect();
-    let frf = receptance(&run)?.map(|frf| {
-        let figure = asperity_plot::frf(&frf, &run.summary, MagnitudeAxis::default());
-        let columns = frf_columns(&frf).into_iter();
-        (columns.map(|(name, values)| (name.to_owned(), values)).collect(), figure)
+    let figure = asperity_plot::history(&run);
+    let columns = history_columns(&run).into_iter();
+    let columns = columns.map(|(name, values)| (name, values.into_owned())).collect();
+    let frf = receptance(&run, 0)?.zip(frf_columns(&run)?).map(|(frf, columns)| {
+        (columns, asperity_plot::frf(&frf, &run.summary, MagnitudeAxis::default()))
     });
     Ok((run.summary, (columns, figure), frf))
 }

@@ -33,20 +33,15 @@ pub fn history_columns(run: &Run) -> Vec<(String, Cow<'_, [f64]>)> {
         ("time_s".to_owned(), (&history.time).into()),
         (load.to_owned(), (&history.load).into()),
     ];
-    for (number, sensor) in run.assembly.sensors.iter().enumerate() {
-        let both = [SensorKind::Displacement, SensorKind::Acceleration];
-        let kinds =
-            if sensor.name.is_none() { &both[..] } else { std::slice::from_ref(&sensor.kind) };
-        let prefix = sensor.name.as_ref().map_or(String::new(), |name| format!("{name}:"));
-        for &kind in kinds {
-            let relative = read(&history.sensors[number], kind);
-            if run.assembly.load.base().is_none() {
-                columns.push((format!("{prefix}{}", kind.column()), relative.into()));
-                continue;
+    for Motion { name, kind, absolute, relative } in motions(run) {
+        let prefix = name.map_or(String::new(), |name| format!("{name}:"));
+        let column = kind.column();
+        match absolute {
+            None => columns.push((format!("{prefix}{column}"), relative.into())),
+            Some(absolute) => {
+                columns.push((format!("{prefix}{column}"), absolute.into()));
+                columns.push((format!("{prefix}relative_{column}"), relative.into()));
             }
-            columns
-                .push((format!("{prefix}{}", kind.column()), absolute(run, number, kind).into()));
-            columns.push((format!("{prefix}relative_{}", kind.column()), relative.into()));
         }
     }
     let interfaces = run.assembly.structure.contacts();
@@ -57,6 +52,36 @@ pub fn history_columns(run: &Run) -> Vec<(String, Cow<'_, [f64]>)> {
         columns.push((format!("{name}:stiffness_pa_per_m"), (&columns_of.stiffness).into()));
     }
     columns
+}
+
+/// What a sensor reads.
+#[derive(Debug, Clone)]
+pub struct Motion<'a> {
+    /// Name of the sensor; none for the top of a scenario without sensors.
+    pub name: Option<&'a str>,
+    /// Quantity.
+    pub kind: SensorKind,
+    /// Absolute motion where the base moves.
+    pub absolute: Option<Vec<f64>>,
+    /// Motion relative to the base.
+    pub relative: &'a [f64],
+}
+
+/// What each sensor reads; without sensors displacement and acceleration of the top.
+pub fn motions(run: &Run) -> Vec<Motion<'_>> {
+    let both = [SensorKind::Displacement, SensorKind::Acceleration];
+    let mut motions = Vec::new();
+    for (number, sensor) in run.assembly.sensors.iter().enumerate() {
+        let name = sensor.name.as_deref();
+        let kinds = if name.is_none() { &both[..] } else { std::slice::from_ref(&sensor.kind) };
+        for &kind in kinds {
+            let relative = read(&run.transient.history.sensors[number], kind);
+            let moves = run.assembly.load.base().is_some();
+            let absolute = moves.then(|| absolute(run, number, kind));
+            motions.push(Motion { name, kind, absolute, relative });
+        }
+    }
+    motions
 }
 
 /// The samples of a sensor relative to the base.
@@ -169,21 +194,18 @@ pub fn measurement_record(run: &Run, title: Option<&str>) -> Record {
         None => channel("force", "N", ChannelQuantity::Force, load),
         Some(_) => channel("base acceleration", "m/s^2", ChannelQuantity::Acceleration, load),
     }];
-    for (number, sensor) in run.assembly.sensors.iter().enumerate() {
-        let both = [SensorKind::Acceleration, SensorKind::Displacement];
-        let kinds =
-            if sensor.name.is_none() { &both[..] } else { std::slice::from_ref(&sensor.kind) };
-        for &kind in kinds {
-            let (word, unit, quantity) = match kind {
-                SensorKind::Displacement => ("displacement", "m", ChannelQuantity::Displacement),
-                SensorKind::Velocity => ("velocity", "m/s", ChannelQuantity::Velocity),
-                SensorKind::Acceleration => {
-                    ("acceleration", "m/s^2", ChannelQuantity::Acceleration)
-                }
-            };
-            let name = sensor.name.as_deref().unwrap_or(word);
-            channels.push(channel(name, unit, quantity, absolute(run, number, kind)));
-        }
+    let mut motions = motions(run);
+    if run.assembly.sensors.iter().all(|sensor| sensor.name.is_none()) {
+        motions.reverse();
+    }
+    for Motion { name, kind, absolute, relative } in motions {
+        let (word, unit, quantity) = match kind {
+            SensorKind::Displacement => ("displacement", "m", ChannelQuantity::Displacement),
+            SensorKind::Velocity => ("velocity", "m/s", ChannelQuantity::Velocity),
+            SensorKind::Acceleration => ("acceleration", "m/s^2", ChannelQuantity::Acceleration),
+        };
+        let samples = absolute.unwrap_or_else(|| relative.to_vec());
+        channels.push(channel(name.unwrap_or(word), unit, quantity, samples));
     }
     Record {
         channels,

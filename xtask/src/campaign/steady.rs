@@ -13,7 +13,7 @@
 use std::f64::consts::TAU;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use asperity_dynamics::{Excitation, FiniteDifference, Integrator, Modal, Sampling};
+use asperity_dynamics::{LoadCase, FiniteDifference, Integrator, Modal, Sampling};
 use asperity_harmonic::{Branch, PeriodicResponse};
 use asperity_law::Draw as _;
 use asperity_scenario::{Document, Scenario};
@@ -235,13 +235,13 @@ fn integration_cost(assembly: &Assembly, frequency: f64) -> Option<f64> {
     let sampling =
         Sampling::new(first_periods(assembly, frequency) / frequency, 64.0 * frequency).ok()?;
     let method = Integrator::from(FiniteDifference::default());
-    let outline = method.outline(&assembly.structure, &Excitation::None, &sampling).ok()?;
+    let outline = method.outline(&assembly.structure, &LoadCase::none(), &sampling).ok()?;
     Some(outline.unknowns as f64 * outline.steps as f64)
 }
 
 /// Fundamental of the top \[m\] by modal steps of a quarter of the default, if it settles.
 fn modal_amplitude(assembly: &Assembly, amplitude: f64, frequency: f64) -> Option<f64> {
-    let shaker = Excitation::Harmonic { amplitude, frequency };
+    let shaker = LoadCase::force(TimeFunction::Harmonic { frequency }, amplitude);
     let sampling = Sampling::new(20.0 / frequency, 64.0 * frequency).ok()?;
     let default = Integrator::default().outline(&assembly.structure, &shaker, &sampling).ok()?;
     let (step, modes_per_body) = (Some(default.step / 4.0), Some(20));

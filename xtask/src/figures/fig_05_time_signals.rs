@@ -28,9 +28,9 @@ fn compute(rig: &Rig) -> Result<Computed> {
     let shown = history.time.partition_point(|&time| time <= SHOWN);
     let table = Table::new()
         .with_column("time_s", &history.time[..shown])?
-        .with_column("force_n", &history.force[..shown])?
-        .with_column("acceleration_m_per_s2", &history.acceleration[..shown])?;
-    let peak = history.force.iter().copied().fold(0.0, f64::max);
+        .with_column("force_n", &history.load[..shown])?
+        .with_column("acceleration_m_per_s2", &history.sensors[0].acceleration[..shown])?;
+    let peak = history.load.iter().copied().fold(0.0, f64::max);
     Ok(Computed { table, values: vec![("force_level", peak)] })
 }
 

@@ -16,7 +16,7 @@ pub(super) type Observable = fn(&Summary) -> Option<f64>;
 /// Frequency of the fundamental.
 pub(super) const FREQUENCY: Observable = |summary| Some(summary.fundamental?.frequency_hz);
 /// Receptance at the fundamental.
-pub(super) const RECEPTANCE: Observable = |summary| Some(summary.fundamental?.receptance_m_per_n);
+pub(super) const RECEPTANCE: Observable = |summary| Some(summary.fundamental?.amplitude.value());
 /// Frequency of the second harmonic.
 pub(super) const SECOND_HARMONIC: Observable =
     |summary| Some(summary.second_harmonic?.frequency_hz);

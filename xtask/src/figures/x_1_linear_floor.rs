@@ -36,7 +36,7 @@ fn compute(rig: &Rig) -> Result<Computed> {
         let cases = rig.struck_with(law, &signed)?;
         let runs = rig.observe(&cases, |_, run| {
             let history = &run.transient.history;
-            Ok((history.force.clone(), history.displacement.clone(), run.summary.clone()))
+            Ok((history.load.clone(), history.sensors[0].displacement.clone(), run.summary.clone()))
         })?;
         let rate = cases[0].scenario.output_rate_hz;
         let mut columns = [Vec::new(), Vec::new(), Vec::new()];

@@ -65,7 +65,7 @@ fn both_paths(case: &Case, run: &Run) -> Result<(Observed, Observed)> {
     let summary = &run.summary;
     let first = summary.fundamental.context("the run has no fundamental")?;
     let ratio = summary.harmonic_ratio.context("the run has no second harmonic")?;
-    let direct = [first.frequency_hz, first.receptance_m_per_n, ratio];
+    let direct = [first.frequency_hz, first.amplitude.value(), ratio];
 
     let natural = summary.at_rest.natural_frequency_hz.context("the rig has no frequency")?;
     let folder = tempfile::tempdir().context("no temporary folder")?;

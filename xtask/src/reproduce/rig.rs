@@ -82,7 +82,7 @@ impl Case {
 /// The response of a run at any frequency.
 pub(crate) fn response(run: &Run) -> Result<FrequencyResponse> {
     let (history, rate) = (&run.transient.history, run.assembly.sampling.rate());
-    Ok(FrequencyResponse::from_displacement(&history.force, &history.displacement, rate)?)
+    Ok(FrequencyResponse::from_displacement(&history.load, &history.sensors[0].displacement, rate)?)
 }
 
 /// The three laws that the paper compares, by their name in the scenario.

@@ -7,9 +7,9 @@ use asperity_experiment::AnalysisError;
 use asperity_measure::{MeasureError, WriteOptions, write};
 use asperity_plot as plot;
 use asperity_simulation::error::OutputError;
-use asperity_simulation::record::{frf_csv, history_csv, measurement_record};
+use asperity_simulation::record::{frf_columns, frf_csv, history_csv, measurement_record};
 use asperity_simulation::run::{receptance, simulate_with_progress};
-use asperity_simulation::summary::Summary;
+use asperity_simulation::summary::{Amplitude, Summary};
 use serde_json::json;
 
 use super::ResultFolder;
@@ -41,17 +41,14 @@ pub(crate) fn run(
     bar.finish_and_clear();
     let run = run?;
 
-    let names: Vec<&str> = scenario.interfaces.iter().map(|face| face.name.as_str()).collect();
-    let history = &run.transient.history;
-    folder.write("history.csv", history_csv(history, &names))?;
-    folder.draw("history", &plot::history(history, &names))?;
-    if let Some(frf) = receptance(&run)? {
-        folder.write("frf.csv", frf_csv(&frf))?;
+    folder.write("history.csv", history_csv(&run))?;
+    folder.draw("history", &plot::history(&run))?;
+    if let (Some(frf), Some(columns)) = (receptance(&run, 0)?, frf_columns(&run)?) {
+        folder.write("frf.csv", frf_csv(&columns))?;
         folder.draw("frf", &plot::frf(&frf, &run.summary, magnitude.into()))?;
     }
     if let Some(format) = record {
-        let rate = run.assembly.sampling.rate();
-        let record = measurement_record(history, rate, scenario.title.as_deref());
+        let record = measurement_record(&run, scenario.title.as_deref());
         let place = folder.unfinished(format.file_name())?;
         let path = folder.0.path().join(format.file_name());
         let written = write(&place, &[record], format.format(), &WriteOptions::default());
@@ -90,8 +87,12 @@ fn in_words(summary: &Summary) -> String {
             line("fundamental", undetermined());
         }
         Some(f) => {
-            let (hz, receptance) = (f.frequency_hz, f.receptance_m_per_n);
-            line("fundamental", format!("{hz:.2} Hz, {receptance:.4e} m/N"));
+            let unit = match f.amplitude {
+                Amplitude::PerForce { .. } => "m/N",
+                Amplitude::PerBase { .. } => "s^2 (relative displacement per base acceleration)",
+            };
+            let (hz, receptance) = (f.frequency_hz, f.amplitude.value());
+            line("fundamental", format!("{hz:.2} Hz, {receptance:.4e} {unit}"));
             if let Some(ratio) = f.damping_ratio
                 && stated("fundamental.damping_ratio", ratio)
             {

@@ -124,18 +124,18 @@ impl ScenarioModel {
         let rig = &base[hit.rig];
         let gains = |point: &[f64]| hit.sensors.gains(point);
         let simulation = hit.simulation(rig, gains(point), &self.folder)?;
-        let counts = hit.mode_counts(rig, &simulation.excitation)?;
+        let counts = hit.mode_counts(rig, &simulation.load)?;
         let mut variations = Vec::with_capacity(neighbours.len());
         for around in neighbours {
             let at = |place: usize| -> Result<HitSimulation, SimulationError> {
                 let varied = &around.rigs[place][hit.rig];
                 let sensors = gains(&around.points[place]);
-                let excitation = hit.excitation(varied, sensors, &self.folder)?;
-                let mut moved = varied.case.modal_model(&counts)?;
+                let load = hit.load(varied, sensors, &self.folder)?;
+                let mut moved = varied.case.modal_model(&counts, load.port())?;
                 if !around.of_law {
                     moved = Arc::new(with_laws_of(&simulation.model, &moved)?);
                 }
-                Ok(HitSimulation { model: moved, excitation, ..simulation.clone() })
+                Ok(HitSimulation { model: moved, load, ..simulation.clone() })
             };
             let hits = [at(0)?, at(1)?, at(2)?, at(3)?];
             variations.push(ParameterVariation { hits, step: around.step });
