@@ -117,7 +117,7 @@ pub use hammer::{
     AnalysedHit, BandMode, FundamentalSearch, HammerOptions, HammerTest, HarmonicTest, HitFeatures,
     HitWindows, ModeFeatures, ModeUncertainty, PeakOrigin, analyse_hit, hammer_test,
 };
-pub use harmonics::{HarmonicOptions, Harmonics, find_harmonics};
+pub use harmonics::{HarmonicOptions, Harmonics, SECOND_HARMONIC_WINDOW, find_harmonics};
 pub use hit::{
     DoubleHit, HitChannel, HitFinder, HitLength, HitOptions, HitRecord, Offset, OffsetSource,
     Pulse, QualityIssue, QualityOptions, Trigger, TriggerLevel, double_hits, find_hits,

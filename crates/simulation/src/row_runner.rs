@@ -47,7 +47,7 @@ pub(crate) struct RowRunner {
     frequencies: Vec<f64>,
     control: ErrorControl,
     /// Prepared scenarios by the values that change more than the force.
-    prepared: Mutex<HashMap<String, Arc<PreparedScenario>>>,
+    prepared: Mutex<HashMap<Vec<String>, Arc<PreparedScenario>>>,
 }
 
 /// A row that has been set up.
@@ -194,13 +194,9 @@ impl RowRunner {
         row: &[T],
         scenario: impl FnOnce() -> Result<Scenario, SimulationError>,
     ) -> Result<Arc<PreparedScenario>, SimulationError> {
-        let mut key = String::new();
-        for (places, text) in self.places.iter().zip(row) {
-            if !places.iter().all(|place| is_of_force(place)) {
-                key.push_str(text.as_ref());
-                key.push('\n');
-            }
-        }
+        let of_structure = |places: &Places| !places.iter().all(|place| is_of_force(place));
+        let inputs = self.places.iter().zip(row).filter(|(places, _)| of_structure(places));
+        let key: Vec<String> = inputs.map(|(_, text)| text.as_ref().to_owned()).collect();
         let known = || self.prepared.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(prepared) = known().get(&key) {
             return Ok(Arc::clone(prepared));

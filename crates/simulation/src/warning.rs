@@ -31,9 +31,9 @@ pub enum Warning {
         /// Relative accuracy that was asked for.
         asked: f64,
     },
-    /// The response depends on rounding: two forces that differ by 1e-12 give responses that part.
+    /// The response depends on rounding: two forces that differ by 1e-12 give responses that diverge.
     Sensitive {
-        /// Time at which they part \[s\].
+        /// Time at which they diverge \[s\].
         from_s: f64,
     },
     /// The energy balance does not close to [`MOST_RESIDUAL`].

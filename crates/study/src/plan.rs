@@ -19,7 +19,7 @@ use draws::Draws;
 use inputs::{InputRows, options};
 
 /// Version of the numbers that a study writes: it changes when the same study file gives other bytes.
-const RESULTS_VERSION: u32 = 1;
+const RESULTS_VERSION: u32 = 2;
 
 /// A study file that has been checked, with its scenario.
 ///
