@@ -237,7 +237,7 @@ fn many_modes_are_the_exact_bars_at_random_ports() {
             let found = receptances(&modes, frequency);
             for (port, (found, expected)) in ports[1..].iter().zip(found.iter().zip(&expected)) {
                 let off = (found - expected).norm() / expected.norm();
-                assert!(off < 1e-5, "{number}, {frequency} Hz: {:?} {port:?} {off:.1e}", ports[0]);
+                assert!(off < 1e-6, "{number}, {frequency} Hz: {:?} {port:?} {off:.1e}", ports[0]);
             }
         }
     }
@@ -248,7 +248,7 @@ fn many_modes_are_the_exact_bars_at_random_ports() {
 #[test]
 fn nonlinear_responses_at_random_ports_are_those_of_component_modes() {
     let mut random = Random(3);
-    for number in 0..8 {
+    for number in 0..30 {
         let mut stack = random.stack(&power(), true);
         if number % 2 == 0 {
             let friction = Friction::slip_force(random.between(5e6, 2e7), 0.1).unwrap();
@@ -275,9 +275,9 @@ fn nonlinear_responses_at_random_ports_are_those_of_component_modes() {
                 (exact.mean - modes.mean).abs(),
             ];
             let most = off.into_iter().fold(0.0, f64::max);
-            assert!(most < 1e-4 * scale, "{number}: {:?} {port:?} {off:?} of {scale:e}", ports[0]);
+            assert!(most < 1e-7 * scale, "{number}: {:?} {port:?} {off:?} of {scale:e}", ports[0]);
             let harmonic = exact.displacement(2).norm();
-            assert!(harmonic > 1e-3 * scale, "{number} {port:?}: {harmonic:e} of {scale:e}");
+            assert!(harmonic > 1e-4 * scale, "{number} {port:?}: {harmonic:e} of {scale:e}");
         }
     }
 }
