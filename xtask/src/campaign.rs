@@ -32,7 +32,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Instant, SystemTime};
 
 use anyhow::{Context, Result};
-use asperity_scenario::{Document, ForceSamples};
+use asperity_scenario::{Document, LoadSamples};
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
@@ -151,8 +151,8 @@ fn judge_random(arguments: &Arguments, folder: &Path) -> Result<Vec<Judged>> {
 
 /// Writes a scenario, and the samples file it names beside it.
 fn write_scenario(random: &RandomScenario, path: &PathBuf) -> Result<()> {
-    if let Some(ForceSamples { time_s, force_n }) = &random.samples {
-        let rows = time_s.iter().zip(force_n).map(|(time, force)| format!("{time},{force}\n"));
+    if let Some(LoadSamples { time_s, values }) = &random.samples {
+        let rows = time_s.iter().zip(values).map(|(time, force)| format!("{time},{force}\n"));
         let table = format!("time_s,force_n\n{}", rows.collect::<String>());
         crate::reproduce::write(&path.with_extension("csv"), table.as_bytes())?;
     }

@@ -82,7 +82,8 @@ impl Simulation {
         }
         let sampling = Sampling::new(self.duration, self.sample_rate)?;
         let transient = self.method.integrate(structure, &self.load, &[self.sensor], &sampling)?;
-        let (force, displacement) = (&transient.history.load, &transient.history.sensors[0].displacement);
+        let (force, displacement) =
+            (&transient.history.load, &transient.history.sensors[0].displacement);
         let response = FrequencyResponse::from_displacement(force, displacement, self.sample_rate)?;
         let features = structure
             .natural_frequency()

@@ -2,7 +2,7 @@
 
 mod damped_forces;
 mod friction_loop;
-mod output;
+mod port_motion;
 #[cfg(test)]
 mod tests;
 
@@ -10,7 +10,7 @@ use asperity_structure::PreloadedContact;
 use num_complex::Complex64;
 
 use crate::fourier::{Fourier, amplitude_of};
-use crate::{Compliance, ContactSystem, MeanBalance, Receptance};
+use crate::{Compliance, ContactSystem, Dual, MeanBalance};
 use damped_forces::DampedForces;
 use friction_loop::{ContactForce, FEWEST_SAMPLES, FrictionLoop};
 
@@ -21,7 +21,7 @@ pub(crate) struct Conditions {
     pub(crate) angular_frequency: f64,
     /// Anti-damping rate [1/s].
     pub(crate) anti_damping: f64,
-    /// Amplitude F of the force `F cos(w t)` [N].
+    /// Amplitude F of the load `F cos(w t)`, of a force [N].
     pub(crate) force: f64,
 }
 
@@ -78,7 +78,7 @@ impl<'a> Balance<'a> {
         let samples = samples.max(least);
         let fourier = Fourier::new(harmonics, samples);
         let terms = fourier.terms();
-        let mut mean = system.linear().mean_balance();
+        let mut mean = system.linear().mean_balance(system.ports());
         // A row without closures balances forces: over the contacts' stiffness it is a closure.
         let stiffest = system.contacts().iter().map(PreloadedContact::spring).fold(0.0, f64::max);
         for row in 0..n {
@@ -90,7 +90,7 @@ impl<'a> Balance<'a> {
         Self {
             system,
             mean,
-            compliances: vec![Compliance::zero(n); harmonics],
+            compliances: vec![Compliance::zero(n, 1); harmonics],
             at: (f64::NAN, f64::NAN),
             closure_samples: vec![0.0; samples * n],
             force_samples: vec![0.0; samples * n],
@@ -128,8 +128,8 @@ impl<'a> Balance<'a> {
         let found = (at.angular_frequency, at.anti_damping);
         if self.at != found {
             for (k, compliance) in (1..).map(f64::from).zip(&mut self.compliances) {
-                let linear = self.system.linear();
-                linear.compliance_on_springs(k * found.0, found.1, &self.springs, compliance);
+                let (linear, load) = (self.system.linear(), self.system.load());
+                linear.compliance((k * found.0, found.1), load, &self.springs, compliance);
             }
             self.at = found;
         }
@@ -237,31 +237,26 @@ impl<'a> Balance<'a> {
                 })
                 .sum();
             for k in 1..=self.fourier.harmonics() {
-                let r = self.linear_part(i, k, at.force, |receptance| receptance.value);
+                let place = (&self.compliances[k - 1], i, k);
+                let r = self.linear_part(place, at.force, |receptance| receptance.value);
                 out[i * terms + 2 * k - 1] = x[i * terms + 2 * k - 1] + r.re;
                 out[i * terms + 2 * k] = x[i * terms + 2 * k] - r.im;
             }
         }
     }
 
-    /// `G_k P_k - g_k F_k` of one interface, or the same of a derivative of G and g, with
-    /// `F_1 = force`.
+    /// `G_k P_k - g_k F_k` of one pair, or of a port after the pairs, or the same of a derivative of G and
+    /// g, with `F_1 = force`.
     fn linear_part(
         &self,
-        i: usize,
-        k: usize,
+        (compliance, row, k): (&Compliance, usize, usize),
         force: f64,
-        of: impl Fn(&Receptance) -> Complex64,
+        of: impl Fn(&Dual) -> Complex64,
     ) -> Complex64 {
-        let terms = self.fourier.terms();
-        let compliance = &self.compliances[k - 1];
-        let contact: Complex64 = (0..self.system.pairs())
-            .map(|j| {
-                of(compliance.contact(i, j)) * amplitude_of(&self.forces[j * terms..][..terms], k)
-            })
-            .sum();
-        let drive = if k == 1 { force } else { 0.0 };
-        contact - of(compliance.drive(i)) * drive
+        let forces = (&self.forces[..], self.fourier.terms());
+        let load = if k == 1 { force } else { 0.0 };
+        under_forces((compliance, row, k), forces, &of)
+            - of(compliance.get(row, compliance.pairs())) * load
     }
 
     /// Writes the derivative of the residual with respect to the closures into the upper left of a
@@ -311,7 +306,7 @@ impl<'a> Balance<'a> {
             put(to, factor * p);
         }
         for k in 1..=self.fourier.harmonics() {
-            let g = self.compliances[k - 1].contact(i, j).value;
+            let g = self.compliances[k - 1].get(i, j).value;
             let (cos, sin) = product[(2 * k - 1) * terms..].split_at(terms);
             let (first, second) = out[(2 * k - 1) * stride..].split_at_mut(stride);
             let targets = first[..terms].iter_mut().zip(&mut second[..terms]);
@@ -332,12 +327,8 @@ impl<'a> Balance<'a> {
             out[0] +=
                 self.mean.force[i * n..][..n].iter().zip(means).map(|(b, p)| b * p).sum::<f64>();
             for k in 1..=self.fourier.harmonics() {
-                let compliance = &self.compliances[k - 1];
-                let of = |j: usize| {
-                    compliance.contact(i, j).value
-                        * amplitude_of(&damped.d_frequency[j * terms..], k)
-                };
-                let r: Complex64 = (0..n).map(of).sum();
+                let (place, slopes) = ((&self.compliances[k - 1], i, k), &damped.d_frequency);
+                let r = under_forces(place, (slopes, terms), |receptance| receptance.value);
                 out[2 * k - 1] += r.re;
                 out[2 * k] -= r.im;
             }
@@ -354,13 +345,14 @@ impl<'a> Balance<'a> {
         at: &Conditions,
         out: &mut [f64],
         factor: impl Fn(usize) -> f64,
-        of: impl Fn(&Receptance) -> Complex64,
+        of: impl Fn(&Dual) -> Complex64,
     ) {
         let terms = self.fourier.terms();
         for i in 0..self.system.pairs() {
             out[i * terms] = 0.0;
             for k in 1..=self.fourier.harmonics() {
-                let r = self.linear_part(i, k, at.force, &of) * factor(k);
+                let place = (&self.compliances[k - 1], i, k);
+                let r = self.linear_part(place, at.force, &of) * factor(k);
                 out[i * terms + 2 * k - 1] = r.re;
                 out[i * terms + 2 * k] = -r.im;
             }
@@ -373,7 +365,7 @@ impl<'a> Balance<'a> {
         let terms = self.fourier.terms();
         if let Some(compliance) = self.compliances.first() {
             for i in 0..self.system.pairs() {
-                let g = compliance.drive(i).value;
+                let g = compliance.get(i, compliance.pairs()).value;
                 out[i * terms + 1] = -g.re;
                 out[i * terms + 2] = g.im;
             }
@@ -385,12 +377,14 @@ impl<'a> Balance<'a> {
     pub(crate) fn modal_mass(&self, at: &Conditions, amplitude: f64) -> f64 {
         let (n, terms) = (self.system.pairs(), self.fourier.terms());
         let compliance = &self.compliances[0];
-        let force = |j: usize| amplitude_of(&self.forces[j * terms..], 1);
-        let mut sum = compliance.direct.d_anti_damping * at.force * at.force;
-        for i in 0..n {
-            sum -= compliance.drive(i).d_anti_damping * force(i) * (2.0 * at.force);
-            for j in 0..n {
-                sum += compliance.contact(i, j).d_anti_damping * force(i) * force(j);
+        // The load acts against contact forces.
+        let force = |j: usize| {
+            if j < n { amplitude_of(&self.forces[j * terms..], 1) } else { (-at.force).into() }
+        };
+        let mut sum = Complex64::ZERO;
+        for i in 0..=n {
+            for j in 0..=n {
+                sum += compliance.get(i, j).d_anti_damping * force(i) * force(j);
             }
         }
         sum.norm() / (at.angular_frequency * amplitude * amplitude)
@@ -411,7 +405,7 @@ impl<'a> Balance<'a> {
     pub(crate) fn truncation(&self, x: &[f64]) -> f64 {
         let (n, terms) = (self.system.pairs(), self.fourier.terms());
         let largest = x.iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
-        let mut compliance = Compliance::zero(n);
+        let mut compliance = Compliance::zero(n, 0);
         let springs = springs(self.system, 0.0);
         let mut series = vec![0.0; n * (2 * terms - 1)];
         for (i, series) in series.chunks_exact_mut(2 * terms - 1).enumerate() {
@@ -421,19 +415,25 @@ impl<'a> Balance<'a> {
         for k in self.fourier.harmonics() + 1..=2 * self.fourier.harmonics() {
             let w = k as f64 * self.at.0;
             let linear = self.system.linear();
-            linear.compliance_on_springs(w, self.at.1, &springs, &mut compliance);
+            linear.compliance((w, self.at.1), &[], &springs, &mut compliance);
             for i in 0..n {
-                let closure: Complex64 = (0..n)
-                    .map(|j| {
-                        let force = amplitude_of(&series[j * (2 * terms - 1)..], k);
-                        compliance.contact(i, j).value * force
-                    })
-                    .sum();
+                let forces = (&series[..], 2 * terms - 1);
+                let closure = under_forces((&compliance, i, k), forces, |found| found.value);
                 omitted = omitted.max(closure.norm_sqr());
             }
         }
         if largest > 0.0 { omitted.sqrt() / largest } else { 0.0 }
     }
+}
+
+/// `sum_j G_aj P_j` of one pair or port a at harmonic k, P being series of so many terms.
+fn under_forces(
+    (compliance, row, k): (&Compliance, usize, usize),
+    (forces, terms): (&[f64], usize),
+    of: impl Fn(&Dual) -> Complex64,
+) -> Complex64 {
+    let own = |(j, series)| of(compliance.get(row, j)) * amplitude_of(series, k);
+    forces.chunks_exact(terms).enumerate().map(own).sum()
 }
 
 /// The contacts' stiffnesses at rest \[N/m\], with a loss factor; guides have none.

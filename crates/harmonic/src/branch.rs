@@ -8,7 +8,7 @@ use crate::PeriodicResponse;
 pub enum SpecialPointKind {
     /// The parameter turns back: two responses meet, and one multiplier is +1.
     Fold,
-    /// The fundamental of the driving point is largest.
+    /// The fundamental of the load's port is largest.
     Peak,
     /// A multiplier passes -1: a motion of twice the period branches off.
     PeriodDoubling,
@@ -87,7 +87,7 @@ pub struct Branch {
 }
 
 impl Branch {
-    /// The largest fundamental of the driving point: the highest located peak, or the highest
+    /// The largest fundamental of the load's port: the highest located peak, or the highest
     /// point where the branch has no peak inside.
     pub fn highest(&self) -> Option<&PeriodicResponse> {
         let peaks = self.special.iter().filter(|special| special.kind == SpecialPointKind::Peak);

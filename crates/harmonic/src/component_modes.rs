@@ -1,20 +1,25 @@
 //! A preloaded structure in component modes as a linear system.
 
-use asperity_mesh::{ComponentModes, NormalMode, PortPair};
-use asperity_structure::{DampedMode, Guide, PreloadedStructure};
+use asperity_mesh::{ComponentModes, MeshError, NormalMode, PortPair};
+use asperity_structure::{DampedMode, Guide, PreloadedStructure, StructureError};
 use faer::Mat;
 use faer::linalg::solvers::{Solve, Svd};
 use num_complex::Complex64;
 
 use crate::modal_damping;
-use crate::{Compliance, HarmonicError, LinearSystem, MeanBalance, Receptance};
+use crate::{Compliance, Dual, HarmonicError, LinearSystem, MeanBalance, SystemPort};
 
 /// Part of the largest singular value below which a rigid motion is not held by contacts.
 const HELD: f64 = 1e-9;
 
-/// Contact pairs, guides, and the load.
-fn places(modes: &ComponentModes) -> Vec<PortPair> {
-    modes.pairs().iter().copied().chain([PortPair::on_ground(0)]).collect()
+/// The pairs, and the ports as pairs with the ground.
+fn places(modes: &ComponentModes, ports: &[SystemPort]) -> Vec<PortPair> {
+    let place = |port: &SystemPort| match *port {
+        SystemPort::Number(port) => PortPair::on_ground(port),
+        // The closure of a port with itself: it does not move.
+        SystemPort::Stack(_) => PortPair::between(0, 0),
+    };
+    modes.pairs().iter().copied().chain(ports.iter().map(place)).collect()
 }
 
 fn rigid_modes(modes: &ComponentModes) -> Vec<&NormalMode> {
@@ -35,9 +40,9 @@ fn held(closures: &Mat<f64>) -> usize {
     values.iter().filter(|&&value| value > HELD * largest).count()
 }
 
-/// Static flexibility of the elastic modes and the residual, between all places per force of a pair.
-fn elastic_flexibility(modes: &ComponentModes) -> Mat<f64> {
-    let (places, pairs) = (places(modes), modes.pairs());
+/// Static flexibility of the elastic modes and the residual at `places`, per force of a pair.
+fn elastic_flexibility(modes: &ComponentModes, places: &[PortPair]) -> Mat<f64> {
+    let pairs = modes.pairs();
     Mat::from_fn(places.len(), pairs.len(), |row, column| {
         let (a, b) = (places[row], pairs[column]);
         let elastic = modes.modes().iter().filter(|mode| mode.angular_frequency > 0.0);
@@ -47,8 +52,7 @@ fn elastic_flexibility(modes: &ComponentModes) -> Mat<f64> {
     })
 }
 
-/// Receptances of the modes and the residual flexibility; the displacement observed is that of the
-/// driving point.
+/// Receptances of the modes and the residual flexibility.
 impl LinearSystem for PreloadedStructure<ComponentModes> {
     fn interfaces(&self) -> usize {
         self.component_modes().contacts().len()
@@ -58,44 +62,53 @@ impl LinearSystem for PreloadedStructure<ComponentModes> {
         self.guides()
     }
 
-    fn compliance(&self, w: f64, anti_damping: f64, into: &mut Compliance) {
-        if !self.damped_modes().is_empty() {
-            let free = vec![Complex64::ZERO; into.interfaces()];
-            return self.compliance_on_springs(w, anti_damping, &free, into);
+    fn check_port(&self, port: SystemPort) -> Result<(), HarmonicError> {
+        let ports = self.component_modes().ports();
+        match port {
+            SystemPort::Number(port) if port >= ports => {
+                Err(StructureError::from(MeshError::NoPort { port, ports }).into())
+            }
+            SystemPort::Number(_) => Ok(()),
+            SystemPort::Stack(_) => Err(HarmonicError::ForeignPort { port }),
         }
-        plain_compliance(self, w, anti_damping, into);
     }
 
-    fn compliance_on_springs(
+    fn compliance(
         &self,
-        w: f64,
-        anti_damping: f64,
+        at: (f64, f64),
+        ports: &[SystemPort],
         springs: &[Complex64],
         into: &mut Compliance,
     ) {
+        let on_springs = |springs: &[Complex64], into: &mut Compliance| {
+            plain_compliance(self, at, ports, into);
+            into.add_springs(springs);
+        };
         if self.damped_modes().is_empty() {
-            plain_compliance(self, w, anti_damping, into);
-            return into.add_springs(springs);
+            return on_springs(springs, into);
         }
-        let at = (w, self.damping_rate(), anti_damping);
-        modal_damping::write(self.damped_modes(), self.contacts(), at, springs, into, |k, into| {
-            plain_compliance(self, w, anti_damping, into);
-            into.add_springs(k);
-        });
+        let of_port = |mode: &DampedMode, port: usize| match ports[port] {
+            SystemPort::Number(number) => mode.ports[number],
+            SystemPort::Stack(_) => 0.0,
+        };
+        let damped = (self.damped_modes(), self.contacts(), self.damping_rate());
+        modal_damping::write(damped, at, springs, into, of_port, on_springs);
     }
 
     /// Rigid motions carry no mean force, `phi_rigid . P0 = 0`; across them the closures are
     /// elastic, `N^T (X0 + G P0) = 0` with N orthogonal to the rigid closures.
-    fn mean_balance(&self) -> MeanBalance {
+    fn mean_balance(&self, ports: &[SystemPort]) -> MeanBalance {
         let modes = self.component_modes();
         let n = modes.pairs().len();
         let rigid = rigid_modes(modes);
-        let elastic = elastic_flexibility(modes);
+        let places = places(modes, ports);
+        let elastic = elastic_flexibility(modes, &places);
+        let entries = n * ports.len();
         let mut balance = MeanBalance {
             closure: vec![0.0; n * n],
             force: vec![0.0; n * n],
-            output_closure: vec![0.0; n],
-            output_force: (0..n).map(|i| -elastic[(n, i)]).collect(),
+            port_closure: vec![0.0; entries],
+            port_force: (0..entries).map(|at| -elastic[(n + at / n, at % n)]).collect(),
         };
         let closures = rigid_closures(modes);
         let Ok(svd) = Svd::new(closures.as_ref()) else {
@@ -116,12 +129,14 @@ impl LinearSystem for PreloadedStructure<ComponentModes> {
         if !rigid.is_empty() && held == rigid.len() {
             // The rigid motions from the closures, Phi q = X0 + G P0, by least squares.
             let squares = closures.transpose() * &closures;
-            let drive = Mat::from_fn(rigid.len(), 1, |r, _| rigid[r].ports[0]);
-            let weights = &closures * squares.partial_piv_lu().solve(&drive);
-            for i in 0..n {
-                balance.output_closure[i] = weights[(i, 0)];
-                balance.output_force[i] +=
-                    (0..n).map(|row| weights[(row, 0)] * elastic[(row, i)]).sum::<f64>();
+            let shapes =
+                Mat::from_fn(rigid.len(), ports.len(), |r, p| rigid[r].closure(places[n + p]));
+            let weights = &closures * squares.partial_piv_lu().solve(&shapes);
+            for at in 0..entries {
+                let (p, i) = (at / n, at % n);
+                balance.port_closure[at] = weights[(i, p)];
+                balance.port_force[at] +=
+                    (0..n).map(|row| weights[(row, p)] * elastic[(row, i)]).sum::<f64>();
             }
         }
         balance
@@ -149,46 +164,25 @@ impl LinearSystem for PreloadedStructure<ComponentModes> {
 /// The receptances without the dampers of linearised modes.
 fn plain_compliance(
     structure: &PreloadedStructure<ComponentModes>,
-    w: f64,
-    anti_damping: f64,
+    at: (f64, f64),
+    ports: &[SystemPort],
     into: &mut Compliance,
 ) {
     let modes = structure.component_modes();
-    let places = places(modes);
-    let load = places.len() - 1;
-    let constant =
-        |value| Receptance { value: Complex64::new(value, 0.0), ..Receptance::default() };
-    into.clear();
+    let places = places(modes, ports);
     for (row, &a) in places.iter().enumerate() {
-        for (column, &b) in places.iter().enumerate() {
-            let left_out = constant(modes.residual().closure(a, b));
-            if row == load && column == load {
-                into.direct = left_out;
-            } else if column == load {
-                *into.drive_mut(row) = left_out;
-            } else if row < load {
-                *into.contact_mut(row, column) = left_out;
-            }
+        for (column, &b) in places.iter().enumerate().skip(row) {
+            let left_out = modes.residual().closure(a, b);
+            into.set(row, column, Dual::constant(left_out.into()));
         }
     }
+    let mut participations = Vec::with_capacity(places.len());
     for mode in modes.modes() {
+        participations.clear();
+        participations.extend(places.iter().map(|&place| mode.closure(place)));
         let mass = if mode.massless { 0.0 } else { 1.0 };
-        let rate = mode.total_damping(structure.damping_rate()) - mass * anti_damping;
-        let square = mode.angular_frequency.powi(2);
-        let value = Complex64::new(square - mass * w * w, w * rate).inv();
-        let modal = Receptance {
-            value,
-            d_frequency: -value * value * Complex64::new(-2.0 * mass * w, rate),
-            d_anti_damping: value * value * Complex64::new(0.0, mass * w),
-        };
-        let drive = mode.ports[0];
-        for row in 0..load {
-            for column in 0..load {
-                let factor = mode.closure(places[row]) * mode.closure(places[column]);
-                into.contact_mut(row, column).add(&modal, factor);
-            }
-            into.drive_mut(row).add(&modal, mode.closure(places[row]) * drive);
-        }
-        into.direct.add(&modal, drive * drive);
+        let (square, rate) = (mode.angular_frequency.powi(2), structure.damping_rate());
+        let stiffness = Dual::oscillator((square, mass, mode.total_damping(rate)), at);
+        into.add(&participations, &stiffness.inverse());
     }
 }

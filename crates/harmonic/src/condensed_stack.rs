@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use asperity_law::{ContactDamping, LawsInSeries, SeriesContact};
-use asperity_mesh::{BodyDamping, Interface, Stack};
+use asperity_mesh::{BodyDamping, Interface, Port, Stack};
 use asperity_structure::{Damping, PreloadedContact, PreloadedStructure};
 
 use crate::{ContactSystem, HarmonicError, LawEvaluation, PeriodicResponse, PressureRange};
@@ -71,7 +71,7 @@ struct CondensedInterface {
 impl CondensedStack {
     /// The bodies that can be condensed, by their places: those between two contacts of equal damping
     /// proportional to the stiffness, or of none, and without friction at either or in a guide. The top
-    /// body is driven, and keeps its inertia. Internal damping of the body must be that of its contacts.
+    /// body has no contact above, and keeps its inertia. Internal damping of the body must be that of its contacts.
     pub fn candidates(structure: &PreloadedStructure) -> Vec<usize> {
         let contacts = structure.contacts();
         let alike = |body: &usize| {
@@ -154,6 +154,27 @@ impl CondensedStack {
         };
         let system = ContactSystem::new(Arc::new(linear), contacts, evaluation)?;
         Ok(Self { system, bodies: bodies.to_vec(), interfaces })
+    }
+
+    /// The condensed system with its load and its sensors at these ports of the whole stack. A base
+    /// acceleration acts on the bodies that keep their inertia.
+    ///
+    /// # Errors
+    /// [`HarmonicError::NotCondensable`] for a port of a condensed body; those of
+    /// [`ContactSystem::with_ports`].
+    pub fn with_ports(self, load: Port, sensors: &[Port]) -> Result<Self, HarmonicError> {
+        let place = |body: usize| match self.bodies.contains(&body) {
+            true => Err(HarmonicError::NotCondensable { body }),
+            false => Ok(body - self.bodies.iter().filter(|&&own| own < body).count()),
+        };
+        let port = |port: &Port| match *port {
+            Port::Point { body, position } => Ok(Port::Point { body: place(body)?, position }),
+            Port::Mean { body } => Ok(Port::Mean { body: place(body)? }),
+            other => Ok(other),
+        };
+        let sensors = sensors.iter().map(port).collect::<Result<Vec<_>, HarmonicError>>()?;
+        let system = self.system.clone().with_ports(port(&load)?, &sensors)?;
+        Ok(Self { system, ..self })
     }
 
     /// The condensed system: its contacts are fewer than those of the stack.

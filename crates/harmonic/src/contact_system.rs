@@ -5,7 +5,7 @@ use std::sync::Arc;
 use asperity_law::{CompiledLaw, Friction};
 use asperity_structure::{Guide, PreloadedContact, PreloadedStructure};
 
-use crate::{HarmonicError, LinearSystem};
+use crate::{HarmonicError, LinearSystem, SystemPort};
 
 /// Evaluation of the laws at the samples of a period.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -27,8 +27,14 @@ impl Default for LawEvaluation {
 /// Static pressures that the table reaches up to.
 const TABLE_TOP: f64 = 12.0;
 
-/// A linear structure and the contacts between its faces: the system whose periodic responses are
-/// sought.
+/// A linear structure and the contacts between its faces, with a load and sensors: the system whose
+/// periodic responses are sought.
+///
+/// The load and one sensor are at the top of a stack, or at port 0 of component modes, unless
+/// [`with_ports`](Self::with_ports) gives others. A load is a force \[N\]; at
+/// [`Port::Base`](asperity_mesh::Port::Base) it is a base acceleration \[m/s2\], displacements
+/// are relative to the base, and the displacement of the load's own port is the moment `-sum m u`
+/// \[kg m\].
 ///
 /// ```
 /// use std::sync::Arc;
@@ -54,6 +60,8 @@ pub struct ContactSystem {
     linear: Arc<dyn LinearSystem>,
     contacts: Vec<PreloadedContact>,
     tables: Vec<Option<CompiledLaw>>,
+    /// The load, and after it the sensors.
+    ports: Vec<SystemPort>,
 }
 
 impl ContactSystem {
@@ -78,7 +86,50 @@ impl ContactSystem {
         let tables = contacts.iter().map(|contact| table(contact, evaluation));
         let tables = tables.collect::<Result<_, _>>()?;
         linear.check()?;
-        Ok(Self { linear, contacts, tables })
+        let ports = vec![linear.default_port(); 2];
+        Ok(Self { linear, contacts, tables, ports })
+    }
+
+    /// The system with its load and its sensors at other ports.
+    ///
+    /// ```
+    /// # use std::sync::Arc;
+    /// # use asperity_harmonic::{
+    /// #     ContactSystem, Continuation, HarmonicSettings, LawEvaluation, SystemPort, trace,
+    /// # };
+    /// # use asperity_law::Power;
+    /// # use asperity_mesh::{Body, Interface, Port, Stack, Support};
+    /// # use asperity_structure::{Damping, PreloadedStructure};
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// # let guide = Body::with_mass("guide", 0.229, 1.61, 71e9, 2710.0)?;
+    /// # let law = Arc::new(Power::new(0.9e10, 0.35, 0.0)?);
+    /// # let contact = Interface::new("guide-disc", 1.15e-4, law)?;
+    /// # let stack = Stack::new(vec![guide], vec![contact], Support::Rigid, 9.81)?;
+    /// # let structure = PreloadedStructure::new(stack, Damping::Ratio(0.035))?;
+    /// let system = ContactSystem::of_structure(&structure, LawEvaluation::default())?;
+    /// let middle = Port::Point { body: 0, position: 0.1 };
+    /// let system = system.with_ports(Port::Base, &[middle])?;
+    /// // 0.3 m/s2 of the base.
+    /// let sweep = Continuation::Frequency { force: 0.3, from: 800.0, to: 900.0 };
+    /// let branch = trace(&system, &sweep, &HarmonicSettings::default())?;
+    /// let first = &branch.points[0];
+    /// let sensor = first.sensors[0].clone().absolute(first.force);
+    /// assert!(sensor.acceleration(1).norm() > 0.3);
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// # Errors
+    /// [`HarmonicError::Structure`] or [`HarmonicError::ForeignPort`] for a port that the structure does
+    /// not have.
+    pub fn with_ports<P: Into<SystemPort> + Copy>(
+        mut self,
+        load: P,
+        sensors: &[P],
+    ) -> Result<Self, HarmonicError> {
+        self.ports = [load].iter().chain(sensors).map(|&port| port.into()).collect();
+        self.ports.iter().try_for_each(|&port| self.linear.check_port(port))?;
+        Ok(self)
     }
 
     /// A preloaded structure, of elastic bars or in component modes, with its contacts.
@@ -98,6 +149,16 @@ impl ContactSystem {
     /// The linear structure.
     pub fn linear(&self) -> &dyn LinearSystem {
         &*self.linear
+    }
+
+    /// The port of the load, and after it those of the sensors.
+    pub fn ports(&self) -> &[SystemPort] {
+        &self.ports
+    }
+
+    /// The port of the load.
+    pub(crate) fn load(&self) -> &[SystemPort] {
+        &self.ports[..1]
     }
 
     /// The contacts at rest.

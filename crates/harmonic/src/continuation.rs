@@ -2,7 +2,8 @@
 
 use crate::HarmonicError;
 
-/// A one-parameter family of periodic motions. The drive is `F cos(2 pi f t)`.
+/// A one-parameter family of periodic motions. The load is `F cos(2 pi f t)`: a force \[N\], or the acceleration of
+/// the base \[m/s2\].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Continuation {
     /// Responses to one force amplitude over frequency.
@@ -23,8 +24,8 @@ pub enum Continuation {
         /// Force amplitude at the end \[N\].
         to: f64,
     },
-    /// Phase resonance over the force amplitude: the fundamental of the driving point's
-    /// displacement lags the force by a quarter period, `Re(U_1) = 0`.
+    /// Phase resonance over the force amplitude: the fundamental of the displacement of
+    /// the load's port lags the load by a quarter period, `Re(U_1) = 0`.
     PhaseResonance {
         /// Frequency near which the linearised structure resonates \[Hz\].
         near: f64,
@@ -37,7 +38,7 @@ pub enum Continuation {
     /// and the anti-damping `xi M u'` that just keeps the motion periodic. Its damping ratio is
     /// `xi / (2 w)`.
     ///
-    /// The amplitude is that of the fundamental at the driving point. Source: M. Krack,
+    /// The amplitude is that of the fundamental at the load's port. Source: M. Krack,
     /// Comput. Struct. 2015, 154, 59, doi 10.1016/j.compstruc.2015.03.008.
     Mode {
         /// Frequency near which the linearised structure resonates \[Hz\].

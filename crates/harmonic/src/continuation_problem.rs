@@ -24,8 +24,8 @@ pub(crate) struct ContinuationProblem<'a> {
     closure: f64,
     frequency: f64,
     closures: Vec<f64>,
-    /// Gradient of the output by closures, real and imaginary parts.
-    output: [Vec<f64>; 2],
+    /// Gradient of the displacement of the load's port by closures, real and imaginary parts.
+    gradient: [Vec<f64>; 2],
 }
 
 /// Points at which the linear response is scanned for its size and width.
@@ -67,8 +67,8 @@ impl<'a> ContinuationProblem<'a> {
             return Err(HarmonicError::NoLinearResponse { frequency_hz: continuation.start().0 });
         }
         let n = balance.unknowns();
-        let output = [vec![0.0; n], vec![0.0; n]];
-        Ok(Self { balance, continuation, closure, frequency, closures: vec![0.0; n], output })
+        let gradient = [vec![0.0; n], vec![0.0; n]];
+        Ok(Self { balance, continuation, closure, frequency, closures: vec![0.0; n], gradient })
     }
 
     pub(crate) fn balance(&self) -> &Balance<'a> {
@@ -169,9 +169,10 @@ impl<'a> ContinuationProblem<'a> {
         if let Continuation::Mode { .. } = self.continuation {
             // At resonance a force in phase with the velocity supplies the power of the anti-damping,
             // which is of the order of the half-power width: a start for Newton's method.
-            scale = from / linear.output.norm();
-            turn = linear.output.conj() / linear.output.norm();
-            at.anti_damping = half_power_width(system, at.angular_frequency, linear.output.norm());
+            scale = from / linear.displacement.norm();
+            turn = linear.displacement.conj() / linear.displacement.norm();
+            at.anti_damping =
+                half_power_width(system, at.angular_frequency, linear.displacement.norm());
         }
         let closures: Vec<f64> = linear
             .closures
@@ -184,14 +185,14 @@ impl<'a> ContinuationProblem<'a> {
         Some(self.unknowns(&closures, &at, from))
     }
 
-    /// Slope of `ln |U_1|` of the driving point along a tangent, at the motion last evaluated.
+    /// Slope of `ln |U_1|` of the load's port along a tangent, at the motion last evaluated.
     pub(crate) fn amplitude_slope(&mut self, v: &[f64], tangent: &[f64]) -> f64 {
         let at = self.conditions(v);
         let parameter = v.len() - 1;
         let (reference, growth) = self.reference(v[parameter]);
-        let [real, imaginary] = &mut self.output;
-        self.balance.d_output_d_closures(real, imaginary);
-        let derivatives = self.balance.d_output_d_conditions(&at);
+        let [real, imaginary] = &mut self.gradient;
+        self.balance.d_displacement_d_closures(real, imaginary);
+        let derivatives = self.balance.d_displacement_d_conditions(&at);
         let mut slope = Complex64::new(0.0, 0.0);
         for (j, x) in self.closures.iter().enumerate() {
             let change = reference * tangent[j] + x * growth * tangent[parameter];
@@ -200,7 +201,7 @@ impl<'a> ContinuationProblem<'a> {
         if let Continuation::Frequency { .. } = self.continuation {
             slope += derivatives[0] * (self.frequency * tangent[parameter]);
         }
-        (slope / self.balance.output(1, &at)).re
+        (slope / self.balance.load_displacement(1, &at)).re
     }
 }
 
@@ -209,7 +210,7 @@ fn half_power_width(system: &ContactSystem, resonance: f64, peak: f64) -> f64 {
     let mut solver = LinearSolver::new(system);
     let mut lower = |w: f64| {
         let half = std::f64::consts::FRAC_1_SQRT_2 * peak;
-        solver.at(w).is_none_or(|found| found.output.norm() < half)
+        solver.at(w).is_none_or(|found| found.displacement.norm() < half)
     };
     let (mut inside, mut outside) = (0.0, 0.5 * resonance);
     for _ in 0..50 {
@@ -253,12 +254,14 @@ impl Curve for ContinuationProblem<'_> {
         self.balance.residual(&self.closures, &at, &mut out[..n]);
         match self.continuation {
             Continuation::Frequency { .. } | Continuation::Force { .. } => {}
-            Continuation::PhaseResonance { .. } => out[n] = self.balance.output(1, &at).re,
+            Continuation::PhaseResonance { .. } => {
+                out[n] = self.balance.load_displacement(1, &at).re
+            }
             Continuation::Mode { .. } => {
                 let amplitude = v[v.len() - 1].exp();
-                let output = self.balance.output(1, &at);
-                out[n] = output.re - amplitude;
-                out[n + 1] = output.im;
+                let displacement = self.balance.load_displacement(1, &at);
+                out[n] = displacement.re - amplitude;
+                out[n + 1] = displacement.im;
             }
         }
         for r in out.iter_mut() {
@@ -304,12 +307,12 @@ impl Curve for ContinuationProblem<'_> {
             self.balance.d_residual_d_anti_damping(&at, &mut column[..n]);
             put(out, column, n + 1, scale);
         }
-        // The rows of the output.
-        let [real, imaginary] = &mut self.output;
-        self.balance.d_output_d_closures(real, imaginary);
-        let derivatives = self.balance.d_output_d_conditions(&at).map(|d| [d.re, d.im]);
-        let output = self.balance.output(1, &at);
-        let output = [output.re, output.im];
+        // The rows of the displacement.
+        let [real, imaginary] = &mut self.gradient;
+        self.balance.d_displacement_d_closures(real, imaginary);
+        let derivatives = self.balance.d_displacement_d_conditions(&at).map(|d| [d.re, d.im]);
+        let displacement = self.balance.load_displacement(1, &at);
+        let displacement = [displacement.re, displacement.im];
         let parts = [&*real, &*imaginary];
         for part in 0..last - n {
             let row = &mut out[(n + part) * stride..(n + part + 1) * stride];
@@ -320,7 +323,7 @@ impl Curve for ContinuationProblem<'_> {
             }
             let along: f64 = row[..n].iter().zip(v).map(|(j, y)| j * y).sum();
             // At a solution the residual's own constant, the amplitude, grows alike.
-            row[last] = along + (at.force * derivatives[2][part] - output[part]) / reference;
+            row[last] = along + (at.force * derivatives[2][part] - displacement[part]) / reference;
         }
     }
 }

@@ -3,6 +3,8 @@
 use asperity_law::LawError;
 use asperity_structure::StructureError;
 
+use crate::SystemPort;
+
 /// A periodic response or a branch of them cannot be computed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -70,9 +72,17 @@ pub enum HarmonicError {
         /// Number of them that the contacts hold.
         held: usize,
     },
+    /// A port is one of another kind of system.
+    #[error(
+        "{port:?} is no port of this system; accepted: ports of the stack for elastic bars, numbers of ports for component modes and a rigid mass"
+    )]
+    ForeignPort {
+        /// The port.
+        port: SystemPort,
+    },
     /// A body has inertia that cannot be left out.
     #[error(
-        "body {body}, counted from the top from zero, cannot be condensed; accepted: bodies between two contacts of equal damping proportional to the stiffness, or of none"
+        "body {body}, counted from the top from zero, cannot be condensed; accepted: bodies between two contacts of equal damping proportional to the stiffness, or of none, without a load or sensor"
     )]
     NotCondensable {
         /// Place of the body, from the top.

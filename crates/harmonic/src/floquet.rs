@@ -12,8 +12,8 @@
 //! within the unit circle. Damped contacts, of traction `t(x, x')`, have the tangents `S dt/dx`, and
 //! add `Phi^T C(t) Phi q'` with the dampers `C_c = diag(S dt/dx')`; both are zero where the faces
 //! carry nothing. Bodies with internal damping add `K D K`, D being the retardation of the flexibility
-//! R. Friction elements are springs while they stick and add the state of their slider where they
-//! slip in the period, with a multiplier of zero; one that never slips may rest anywhere, and has none.
+//! R. Friction elements are springs while they stick. An element that slips in the period adds the state
+//! of its slider, with a multiplier of zero; an element that never slips adds no state.
 //!
 //! | module | holds |
 //! |---|---|

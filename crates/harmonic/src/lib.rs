@@ -1,11 +1,11 @@
 //! Periodic responses of structures with rough contacts: harmonic balance, continuation, stability
 //! and backbones.
 //!
-//! A structure vibrates about its rest under weight, driven by `F cos(w t)` at one point. Between
+//! A structure vibrates about its rest under weight and a load `F cos(w t)` at one port. Between
 //! its contact faces it is linear and enters by its compliance there alone; the unknowns are the
 //! closure increments at the interfaces, as truncated Fourier series. With springs `K_0` of the
-//! contacts' stiffness at rest in its contacts, the compliance G at each harmonic, g that of the
-//! driving point, and the series P of the contact force increments `S (p - p0)`, harmonic balance is
+//! contacts' stiffness at rest in its contacts, the compliance G at each harmonic, g the closures per
+//! load, and the series P of the contact force increments `S (p - p0)`, harmonic balance is
 //!
 //! ```text
 //! X_k + G(k w) (P_k - K_0 X_k) = g(k w) F_k,  k = 1..H,        P_0 = 0,
@@ -13,6 +13,7 @@
 //!
 //! the last equation because a chain of bodies is statically determinate: the mean pressures are
 //! the static ones, and the mean closures follow from the laws (other structures: [`MeanBalance`]).
+//! Sensors at any ports read motions that are linear in the closures, forces and load found.
 //! P comes from the laws at samples of the period (alternating frequency-time method), its
 //! derivative from their tangents; the tangent of a lost contact is zero.
 //!
@@ -22,7 +23,8 @@
 //!
 //! | module | holds |
 //! |---|---|
-//! | `linear_system`, `compliance` | the linear structure: [`LinearSystem`], [`Compliance`], [`MeanBalance`] |
+//! | `linear_system`, `compliance`, `port` | the linear structure: [`LinearSystem`], [`Compliance`], [`MeanBalance`]; its ports |
+//! | `dual` | functions of frequency and anti-damping with their derivatives |
 //! | `rigid_mass`, `elastic_bars`, `bars_on_springs`, `component_modes` | linear systems: a rigid mass, bars in closed form, component modes |
 //! | `modal_damping` | damping ratios of linearised modes in receptances |
 //! | `contact_system` | a linear structure with its contacts |
@@ -81,6 +83,7 @@ mod condensed_stack;
 mod contact_system;
 mod continuation;
 mod continuation_problem;
+mod dual;
 mod elastic_bars;
 mod error;
 mod factorization;
@@ -90,6 +93,7 @@ mod linear_response;
 mod linear_system;
 mod modal_damping;
 mod periodic_response;
+mod port;
 mod rigid_mass;
 mod settings;
 mod stepped_sine;
@@ -97,15 +101,17 @@ mod trace;
 mod vector_instructions;
 
 pub use branch::{Branch, SpecialPoint, SpecialPointKind, Termination};
-pub use compliance::{Compliance, MeanBalance, Receptance};
+pub use compliance::{Compliance, MeanBalance};
 pub use condensed_stack::CondensedStack;
 pub use contact_system::{ContactSystem, LawEvaluation};
 pub use continuation::Continuation;
+pub use dual::Dual;
 pub use error::HarmonicError;
 pub use floquet::Floquet;
 pub use linear_response::linear_receptance;
 pub use linear_system::LinearSystem;
 pub use periodic_response::{PeriodicResponse, PressureRange};
+pub use port::{PortMotion, SystemPort};
 pub use rigid_mass::RigidMass;
 pub use settings::{FourierResolution, HarmonicSettings, StepControl};
 pub use stepped_sine::{Drive, SineResponse, SineVariation, SteppedSine};

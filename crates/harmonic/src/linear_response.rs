@@ -9,11 +9,11 @@ use crate::balance::{Balance, Conditions};
 use crate::factorization::Factorization;
 
 /// The response with every contact at its static stiffness: closures' series (mean, cosine, sine
-/// per interface) and complex displacement of the driving point, per unit force.
+/// per interface) and complex displacement of the load's port, per unit load.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct LinearResponse {
     pub(crate) closures: Vec<f64>,
-    pub(crate) output: Complex64,
+    pub(crate) displacement: Complex64,
 }
 
 /// Solves for linear responses; keeps its memory from frequency to frequency.
@@ -21,14 +21,14 @@ pub(crate) struct LinearResponse {
 pub(crate) struct LinearSolver<'a> {
     balance: Balance<'a>,
     matrix: Factorization,
-    output: [Vec<f64>; 2],
+    gradient: [Vec<f64>; 2],
 }
 
 impl<'a> LinearSolver<'a> {
     pub(crate) fn new(system: &'a ContactSystem) -> Self {
         let balance = Balance::new(system, 1, 8);
         let n = balance.unknowns();
-        Self { balance, matrix: Factorization::new(n), output: [vec![0.0; n], vec![0.0; n]] }
+        Self { balance, matrix: Factorization::new(n), gradient: [vec![0.0; n], vec![0.0; n]] }
     }
 
     /// The response at an angular frequency [rad/s]; `None` where it is not finite.
@@ -46,12 +46,12 @@ impl<'a> LinearSolver<'a> {
             return None;
         }
         self.matrix.solve(&mut closures);
-        let [real, imaginary] = &mut self.output;
-        self.balance.d_output_d_closures(real, imaginary);
+        let [real, imaginary] = &mut self.gradient;
+        self.balance.d_displacement_d_closures(real, imaginary);
         let sum = |row: &[f64]| row.iter().zip(&closures).map(|(a, x)| a * x).sum::<f64>();
-        let [_, _, direct] = self.balance.d_output_d_conditions(&at);
-        let output = direct + Complex64::new(sum(real), sum(imaginary));
-        let response = LinearResponse { closures, output };
+        let [_, _, direct] = self.balance.d_displacement_d_conditions(&at);
+        let displacement = direct + Complex64::new(sum(real), sum(imaginary));
+        let response = LinearResponse { closures, displacement };
         response.size().is_finite().then_some(response)
     }
 }
@@ -63,7 +63,7 @@ impl LinearResponse {
     }
 }
 
-/// The receptance u/f \[m/N\] of the driving point, linearised about rest, at `frequency` \[Hz\]: the
+/// The receptance u/f \[m/N\] of the load's port, linearised about rest, at `frequency` \[Hz\]: the
 /// limit of the harmonic balance for small forces. NaN where it is infinite.
 ///
 /// ```
@@ -85,15 +85,15 @@ impl LinearResponse {
 pub fn linear_receptance(system: &ContactSystem, frequency: f64) -> Complex64 {
     LinearSolver::new(system)
         .at(TAU * frequency)
-        .map_or(Complex64::new(f64::NAN, f64::NAN), |response| response.output)
+        .map_or(Complex64::new(f64::NAN, f64::NAN), |response| response.displacement)
 }
 
 /// Angular frequency \[rad/s\] of the linearised resonance nearest to `near` \[rad/s\], within a
-/// factor of two: the largest response at the driving point, by a scan and golden sections.
+/// factor of two: the largest response of the load's port, by a scan and golden sections.
 pub(crate) fn resonance_near(system: &ContactSystem, near: f64) -> f64 {
     const SCAN: i32 = 400;
     let mut solver = LinearSolver::new(system);
-    let mut size = |w: f64| solver.at(w).map_or(f64::INFINITY, |found| found.output.norm());
+    let mut size = |w: f64| solver.at(w).map_or(f64::INFINITY, |found| found.displacement.norm());
     let place = |i: i32| near * 2.0_f64.powf(f64::from(i) / f64::from(SCAN));
     let sizes: Vec<f64> = (-SCAN..=SCAN).map(|i| size(place(i))).collect();
     // The local maximum next to `near`, if there is any.

@@ -6,9 +6,9 @@ use asperity_mesh::ComponentModes;
 use asperity_structure::{DampedMode, Guide};
 use num_complex::Complex64;
 
-use crate::{Compliance, HarmonicError, MeanBalance};
+use crate::{Compliance, HarmonicError, MeanBalance, SystemPort};
 
-/// A linear structure between a driving point and contact faces.
+/// A linear structure between its ports and contact faces.
 ///
 /// Implemented by a preloaded stack of elastic bars, a preloaded structure in component modes, and
 /// [`RigidMass`](crate::RigidMass). The anti-damping rate `xi` \[1/s\] adds the force `+ xi M u'` to
@@ -24,25 +24,31 @@ pub trait LinearSystem: Debug + Send + Sync {
         &[]
     }
 
-    /// Writes the compliance at a positive `angular_frequency` \[rad/s\] and an anti-damping rate
-    /// \[1/s\].
-    fn compliance(&self, angular_frequency: f64, anti_damping: f64, into: &mut Compliance);
-
-    /// Writes the compliance with springs of these complex stiffnesses \[N/m\] in the pairs, none in guides,
-    /// by [`Compliance::add_springs`] unless a system has a form that rounding affects less.
-    fn compliance_on_springs(
-        &self,
-        angular_frequency: f64,
-        anti_damping: f64,
-        springs: &[Complex64],
-        into: &mut Compliance,
-    ) {
-        self.compliance(angular_frequency, anti_damping, into);
-        into.add_springs(springs);
+    /// The port of a load and a sensor that are not given: port 0, or the top of a stack.
+    fn default_port(&self) -> SystemPort {
+        SystemPort::Number(0)
     }
 
-    /// The balance of means.
-    fn mean_balance(&self) -> MeanBalance;
+    /// Checks that the system has a port.
+    ///
+    /// # Errors
+    /// [`HarmonicError::Structure`] for a port beyond those of the system,
+    /// [`HarmonicError::ForeignPort`] for one of another kind.
+    fn check_port(&self, port: SystemPort) -> Result<(), HarmonicError>;
+
+    /// Writes the compliance of all pairs and these `ports` at a positive angular frequency \[rad/s\] and
+    /// an anti-damping rate \[1/s\], with springs of these complex stiffnesses \[N/m\] in the pairs and
+    /// none in those beyond. A port that the system does not have does not move.
+    fn compliance(
+        &self,
+        at: (f64, f64),
+        ports: &[SystemPort],
+        springs: &[Complex64],
+        into: &mut Compliance,
+    );
+
+    /// The balance of means, with the mean displacements of these ports.
+    fn mean_balance(&self, ports: &[SystemPort]) -> MeanBalance;
 
     /// Component modes for stability: the `count` lowest, with the static flexibility of the
     /// others.

@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 use asperity_structure::PreloadedContact;
 use num_complex::Complex64;
 
+use crate::PortMotion;
 use crate::balance::{Balance, Conditions};
 use crate::fourier::value_at;
 
@@ -23,19 +24,22 @@ pub struct PressureRange {
     pub contact_lost: bool,
 }
 
-/// A periodic motion `x(t) = X_0 + Re sum_k X_k exp(i k w t)` under the force `F cos(w t)`.
+/// A periodic motion `x(t) = X_0 + Re sum_k X_k exp(i k w t)` under the load `F cos(w t)`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PeriodicResponse {
     /// Angular frequency w \[rad/s\].
     pub angular_frequency: f64,
-    /// Force amplitude F \[N\]; zero for a mode.
+    /// Amplitude F of the load, of a force \[N\] or of the acceleration of the base \[m/s2\]; zero for a
+    /// mode.
     pub force: f64,
     /// Anti-damping rate xi \[1/s\] that a mode needs; zero for a driven response.
     pub anti_damping: f64,
-    /// Mean displacement of the driving point from rest \[m\], positive down.
+    /// Mean displacement of the load's port from rest \[m\], positive down.
     pub mean_displacement: f64,
-    /// Complex amplitudes of the driving point's displacement, harmonics 1 to H \[m\].
+    /// Complex amplitudes of the displacement of the load's port, harmonics 1 to H \[m\].
     pub displacement: Vec<Complex64>,
+    /// Motions of the sensors.
+    pub sensors: Vec<PortMotion>,
     /// Closure increments from rest: per interface the mean, then cosine and sine coefficient of
     /// each harmonic \[m\].
     pub closures: Vec<f64>,
@@ -43,7 +47,7 @@ pub struct PeriodicResponse {
     pub pressures: Vec<PressureRange>,
     /// Largest closure harmonic estimated to be missing, over the largest kept.
     pub truncation: f64,
-    /// Modal mass of the fundamental, referred to the driving point \[kg\]: `|u^T M u| / |U_1|^2`
+    /// Modal mass of the fundamental, referred to the load's port \[kg\]: `|u^T M u| / |U_1|^2`
     /// over the structure.
     pub modal_mass: f64,
     /// Newton iterations it took.
@@ -63,20 +67,27 @@ impl PeriodicResponse {
         self.displacement.len()
     }
 
-    /// Amplitude of harmonic k >= 1 of the driving point's displacement \[m\]; zero beyond H.
+    /// Amplitude of harmonic k >= 1 of the displacement of the load's port \[m\]; zero beyond H.
     pub fn amplitude(&self, k: usize) -> f64 {
         k.checked_sub(1).and_then(|i| self.displacement.get(i)).map_or(0.0, |u| u.norm())
     }
 
-    /// Phase of the fundamental of the driving point's displacement relative to the force \[rad\]:
+    /// Phase of the fundamental of the displacement of the load's port relative to the load \[rad\]:
     /// zero at low frequency, -pi/2 at phase resonance.
     pub fn phase(&self) -> f64 {
         self.displacement.first().map_or(0.0, |u| u.arg())
     }
 
-    /// Ratio of displacements `u2/u1` at the driving point: second harmonic over fundamental.
+    /// Ratio `u2/u1` of the displacements of the load's port: second harmonic over fundamental.
     pub fn displacement_ratio(&self) -> f64 {
         self.amplitude(2) / self.amplitude(1)
+    }
+
+    /// Complex amplitude of harmonic k >= 1 of the displacement at a sensor \[m\]; NaN for a sensor that the
+    /// system does not have.
+    pub fn at_sensor(&self, sensor: usize, k: usize) -> Complex64 {
+        let motion = self.sensors.get(sensor);
+        motion.map_or(Complex64::new(f64::NAN, f64::NAN), |motion| motion.displacement(k))
     }
 
     /// Damping ratio of a mode, `xi / (2 w)`; zero for a driven response.
@@ -108,7 +119,7 @@ impl PeriodicResponse {
         Some(multipliers.len() - multipliers.iter().filter(within).count())
     }
 
-    /// Displacement of the driving point from rest \[m\] at a phase `w t` \[rad\].
+    /// Displacement of the load's port from rest \[m\] at a phase `w t` \[rad\].
     pub fn displacement_at(&self, phase: f64) -> f64 {
         let turning = (1..).map(f64::from).zip(&self.displacement);
         let moving: f64 =
@@ -130,8 +141,9 @@ impl PeriodicResponse {
             angular_frequency: at.angular_frequency,
             force: at.force,
             anti_damping: at.anti_damping,
-            mean_displacement: balance.mean_output(x),
-            displacement: (1..=harmonics).map(|k| balance.output(k, at)).collect(),
+            mean_displacement: balance.mean_displacement(x, 0),
+            displacement: (1..=harmonics).map(|k| balance.load_displacement(k, at)).collect(),
+            sensors: balance.sensors(x, at),
             closures: x.to_vec(),
             pressures: Vec::new(),
             truncation: balance.truncation(x),

@@ -15,10 +15,10 @@ use std::f64::consts::TAU;
 
 use num_complex::Complex64;
 
-use crate::ContactSystem;
 use crate::balance::{Balance, Conditions};
 use crate::factorization::Factorization;
 use crate::linear_response::LinearSolver;
+use crate::{ContactSystem, PortMotion};
 
 /// Largest number of Newton iterations, and relative correction at which they end.
 const MOST_ITERATIONS: usize = 40;
@@ -43,9 +43,11 @@ pub struct Drive {
 /// A response to a [`Drive`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct SineResponse {
-    /// Complex amplitude of the fundamental of the driving point's displacement \[m\]; a response
+    /// Complex amplitude of the fundamental of the displacement of the load's port \[m\]; a response
     /// that lags has a negative phase.
     pub displacement: Complex64,
+    /// Motions of the sensors.
+    pub sensors: Vec<PortMotion>,
     /// Closure increments from rest, as in [`PeriodicResponse`](crate::PeriodicResponse) \[m\].
     pub closures: Vec<f64>,
     /// Lowest and highest closure increment of each interface at the samples of the period \[m\].
@@ -122,12 +124,12 @@ impl<'a> SteppedSine<'a> {
             return None;
         }
         let (mut real, mut imaginary) = (vec![0.0; n], vec![0.0; n]);
-        self.balance.d_output_d_closures(&mut real, &mut imaginary);
+        self.balance.d_displacement_d_closures(&mut real, &mut imaginary);
         let mut residual = vec![0.0; n];
         let mut all = Vec::with_capacity(variations.len());
         for variation in variations {
             let mut d_residual = vec![0.0; n];
-            let mut d_output = Complex64::ZERO;
+            let mut d_displacement = Complex64::ZERO;
             for ((system, drive), weight) in variation.points.iter().zip(variation.weights) {
                 let mut other = SteppedSine::new(system, harmonics);
                 let at = conditions(*drive);
@@ -137,11 +139,11 @@ impl<'a> SteppedSine<'a> {
                 for (sum, r) in d_residual.iter_mut().zip(&residual) {
                     *sum += factor * r;
                 }
-                d_output += factor * other.balance.output(1, &at);
+                d_displacement += factor * other.balance.load_displacement(1, &at);
             }
             self.matrix.solve(&mut d_residual);
             let along = |row: &[f64]| row.iter().zip(&d_residual).map(|(a, x)| a * x).sum::<f64>();
-            all.push(d_output - Complex64::new(along(&real), along(&imaginary)));
+            all.push(d_displacement - Complex64::new(along(&real), along(&imaginary)));
         }
         Some(all)
     }
@@ -217,7 +219,8 @@ impl<'a> SteppedSine<'a> {
             [lowest, samples.fold(f64::NEG_INFINITY, f64::max)]
         };
         SineResponse {
-            displacement: self.balance.output(1, &conditions(drive)),
+            displacement: self.balance.load_displacement(1, &conditions(drive)),
+            sensors: self.balance.sensors(x, &conditions(drive)),
             closures: x.to_vec(),
             closure_range: (0..self.system.contacts().len()).map(range).collect(),
             truncation: self.balance.truncation(x),

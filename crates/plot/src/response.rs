@@ -1,11 +1,11 @@
 //! Histories and receptance of one run.
 
 use asperity_figure::{Axis, Color, Dash, Figure, Legend, Panel, Series};
+use asperity_scenario::SensorKind;
 use asperity_signal::{Frf, decay_length};
 use asperity_simulation::record::motions;
 use asperity_simulation::run::Run;
 use asperity_simulation::summary::{Amplitude, Fundamental, Summary};
-use asperity_scenario::SensorKind;
 
 use super::magnitude::{MagnitudeAxis, phase_axis, phase_line};
 

@@ -45,10 +45,10 @@ pub fn steady(found: &Steady) -> Option<Figure> {
         .fold((f64::INFINITY, 0.0_f64), |(low, high), hz| (low.min(hz), high.max(hz)));
     let panel = |axis: Axis, observable: Observable| {
         let frequency = Axis::linear("Frequency", "Hz").range(low, high);
-        all(Panel::new(frequency, axis), &branches, observable)
+        all(Panel::new(frequency, axis), &branches, found.unit(), observable)
     };
     let amplitude = Axis::linear("Amplitude u_{1}", "µm").scale(1e6);
-    let mut amplitude = panel(amplitude, |point| point.amplitude(1));
+    let mut amplitude = panel(amplitude, |point| point.at_sensor(0, 1).norm());
     for (name, marker, rising) in SWEEPS {
         let sweeps = found.time_sweeps.iter().filter(|sweep| sweep.rising == rising);
         let points =
@@ -61,10 +61,12 @@ pub fn steady(found: &Steady) -> Option<Figure> {
         }
     }
     for (name, branch, dash) in backbones {
-        let (x, y) = columns(&branch.points, |point| point.amplitude(1));
+        let (x, y) = columns(&branch.points, |point| point.at_sensor(0, 1).norm());
         amplitude = amplitude.series(Series::line(name, x, y).color(Color::BLACK).dash(dash));
     }
-    let ratio = panel(Axis::linear("Ratio u_{2}/u_{1}", ""), PeriodicResponse::displacement_ratio);
+    let ratio = panel(Axis::linear("Ratio u_{2}/u_{1}", ""), |point| {
+        (point.at_sensor(0, 2) / point.at_sensor(0, 1)).norm()
+    });
     let pressure = panel(Axis::linear("Lowest pressure", "MPa").scale(1e-6), |point| {
         point.pressures.iter().map(|range| range.lowest).fold(f64::INFINITY, f64::min)
     });
@@ -72,10 +74,10 @@ pub fn steady(found: &Steady) -> Option<Figure> {
     figure("Steady responses", 1, 120.0, panels)
 }
 
-fn all(mut panel: Panel, branches: &[(f64, &Branch)], observable: Observable) -> Panel {
+fn all(mut panel: Panel, branches: &[(f64, &Branch)], unit: &str, observable: Observable) -> Panel {
     for (index, (force, branch)) in branches.iter().enumerate() {
         let color = Color::ramp_step(index, branches.len());
-        let mut name = if index < MOST_NAMED { format!("{force} N") } else { String::new() };
+        let mut name = if index < MOST_NAMED { format!("{force} {unit}") } else { String::new() };
         for (stable, points) in parts(&branch.points) {
             let (x, y) = columns(points, observable);
             let dash = if stable { Dash::Solid } else { Dash::Dashed };

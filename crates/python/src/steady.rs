@@ -100,8 +100,11 @@ fn computed(
     let at_rest = StaticSummary::of(&assembly);
     Ok(Found {
         points: steady_table(&found, &names),
-        backbones: found.backbones.as_ref().map(backbone_table),
-        time_sweeps: request.time_sweep.map(|_| steady_time_table(&found.time_sweeps)),
+        backbones: found
+            .backbones
+            .as_ref()
+            .map(|backbones| backbone_table(backbones, found.is_base_motion)),
+        time_sweeps: request.time_sweep.map(|_| steady_time_table(&found)),
         figure: asperity_plot::steady(&found),
         summary: SteadySummary::new(scenario.title.clone(), at_rest, &found, provenance),
     })

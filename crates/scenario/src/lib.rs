@@ -61,7 +61,8 @@ mod wording;
 pub use asperity_law::{ContactDampingSpec, FrictionSpec, LawRef, LawSpec, Laws, Slip};
 pub use asperity_structure::{
     AccelerationSpec, Along, Damping, DampingSpec, DisplacementSpec, End, ExcitationSpec,
-    ModalDampingSpec, PlaceSpec, RatioAtFrequency, RayleighSpec, SamplesFile, SensorKind, SensorSpec, VelocitySpec,
+    ModalDampingSpec, PlaceSpec, RatioAtFrequency, RayleighSpec, SamplesFile, SensorKind,
+    SensorSpec, VelocitySpec,
 };
 pub use body::{BodySpec, SectionSpec};
 pub use diagnostic::{Diagnostic, InvalidDocument, MAX_FAULTS};

@@ -29,7 +29,7 @@ pub use check::TimeCheck;
 pub use settled::{SettledAmplitude, SteadyMotion, first_periods};
 pub use summary::{
     BackboneSummary, BackbonesSummary, BifurcationSummary, BranchSummary, LevelSummary,
-    STEADY_SCHEMA, SteadySummary, TerminationSummary, TimeSweepSummary,
+    LoadAmplitude, STEADY_SCHEMA, SteadySummary, TerminationSummary, TimeSweepSummary,
 };
 pub use table::{backbone_table, steady_table, steady_time_table};
 pub use time_sweep::{SweepDirection, TimeSweep, TimeSweepPoint, TimeSweepRequest, time_sweeps};
@@ -57,7 +57,7 @@ const LOWEST_FORCE: f64 = 1e-3;
 /// Range and force amplitudes of steady responses.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SteadyRequest {
-    /// Force amplitudes \[N\].
+    /// Amplitudes of the force \[N\], or of the acceleration of the base \[m/s2\].
     pub amplitudes: Vec<f64>,
     /// Frequency at which each branch starts \[Hz\].
     pub from_hz: f64,
@@ -78,7 +78,7 @@ pub struct SteadyRequest {
 /// The responses at one force amplitude.
 #[derive(Debug)]
 pub struct SteadyLevel {
-    /// Force amplitude \[N\].
+    /// Amplitude of the force \[N\], or of the acceleration of the base \[m/s2\].
     pub force_n: f64,
     /// The branch, or the error.
     pub outcome: Result<Branch, HarmonicError>,
@@ -132,12 +132,24 @@ pub struct Steady {
     pub backbones: Option<Backbones>,
     /// The stepped sines by time integration, if requested.
     pub time_sweeps: Vec<TimeSweep>,
+    /// True if amplitudes are those of an acceleration of the base \[m/s2\], not of a force \[N\].
+    pub is_base_motion: bool,
+    /// Names of the sensors; none for the top of a scenario without sensors.
+    pub sensors: Vec<Option<String>>,
     /// Time of the whole computation \[s\].
     pub wall_s: f64,
 }
 
-/// Computes the steady responses of an assembled scenario to a harmonic force on the top; its own
-/// excitation has no part in them.
+impl Steady {
+    /// Unit of the amplitudes.
+    pub fn unit(&self) -> &'static str {
+        if self.is_base_motion { "m/s²" } else { "N" }
+    }
+}
+
+/// Computes the steady responses of an assembled scenario to a harmonic force at the place of its
+/// excitation, or to a harmonic acceleration of the base where its excitation moves the base, read at its
+/// sensors; the time function of the excitation has no part in them.
 ///
 /// Levels go over all threads.
 ///
@@ -184,7 +196,8 @@ pub fn steady_with_progress(
     check_range(request)?;
     check_work(assembly.structure.contacts().len(), request)?;
     let evaluation = LawEvaluation::default();
-    let system = ContactSystem::of_structure(&assembly.structure, evaluation)?;
+    let system = ContactSystem::of_structure(&assembly.structure, evaluation)?
+        .with_ports(assembly.load.port(), &assembly.sensor_ports())?;
     let highest = request.from_hz.max(request.to_hz);
     let light = LightBodies::of(assembly, highest, request.bodies, evaluation)?.map(Arc::new);
     let choice = BodyChoice { elastic: &system, light: light.as_ref(), model: request.bodies };
@@ -207,7 +220,14 @@ pub fn steady_with_progress(
     let range = (request.from_hz, request.to_hz);
     let sweeps = |sweep| time_sweeps(assembly, &request.amplitudes, range, sweep);
     let time_sweeps = request.time_sweep.map(sweeps).transpose()?.unwrap_or_default();
-    Ok(Steady { levels, backbones, time_sweeps, wall_s: started.elapsed().as_secs_f64() })
+    Ok(Steady {
+        levels,
+        backbones,
+        time_sweeps,
+        is_base_motion: assembly.load.base().is_some(),
+        sensors: assembly.sensors.iter().map(|sensor| sensor.name.clone()).collect(),
+        wall_s: started.elapsed().as_secs_f64(),
+    })
 }
 
 /// Refuses requests out of range.

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use asperity_mesh::{BarStiffness, BodyDamping, Stack, Support};
+use asperity_mesh::{Body, BodyDamping, ComponentModes, Port, Stack, Support};
 
 use crate::{LinearisedMode, PreloadedStructure, StructureError};
 
@@ -17,11 +17,43 @@ pub struct DampedMode {
     pub angular_frequency: f64,
     /// Damping rate `2 zeta w` \[1/s\].
     pub damping_rate: f64,
-    /// Shape at the driving point \[kg^-1/2\].
-    pub drive: f64,
-    /// Shape of each closure, and after them of the displacement in each guide with friction
+    /// Participation of each closure, and after them of the displacement in each guide with friction
     /// \[kg^-1/2\].
     pub closure: Vec<f64>,
+    /// Participation of each port of component modes \[kg^-1/2\]; none for a stack, whose ports have
+    /// those of the [`shape`](Self::shape).
+    pub ports: Vec<f64>,
+    /// Shape of the mode.
+    pub shape: LinearisedMode,
+}
+
+impl DampedMode {
+    /// The mode with its participations of the ports of `modes`, the component modes of `stack` with the
+    /// ports `given` first.
+    pub(crate) fn at_ports(&self, stack: &Stack, modes: &ComponentModes, given: &[Port]) -> Self {
+        let mut ports = vec![0.0; modes.ports()];
+        let mut put = |number: usize, port| ports[number] = self.shape.participation(stack, port);
+        for (number, port) in given.iter().enumerate() {
+            put(number, *port);
+        }
+        for (i, pair) in modes.contacts().iter().enumerate() {
+            put(pair.upper, Port::Point { body: i, position: stack.bodies()[i].length() });
+            if let Some(lower) = pair.lower {
+                let next = i + 1 < stack.bodies().len();
+                let below = Port::Point { body: i + 1, position: 0.0 };
+                put(lower, if next { below } else { Port::Support });
+            }
+        }
+        for (guide, (body, _)) in modes.guides().iter().zip(guided(stack)) {
+            put(guide.upper, Port::Mean { body });
+        }
+        Self { ports, ..self.clone() }
+    }
+}
+
+/// The bodies in guides with friction, with their numbers.
+fn guided(stack: &Stack) -> impl Iterator<Item = (usize, &Body)> {
+    stack.bodies().iter().enumerate().filter(|(_, body)| body.friction().is_some())
 }
 
 /// Ratios of the lowest modes, and that of the next.
@@ -107,11 +139,12 @@ fn damped_mode(stack: &Stack, mode: &LinearisedMode, ratio: f64) -> DampedMode {
     let below = |i: usize| mode.faces.get(i + 1).map_or(mode.support, |(top, _)| *top);
     let faces = mode.faces.iter().enumerate();
     let mut closure: Vec<f64> = faces.map(|(i, (_, bottom))| scale * (bottom - below(i))).collect();
-    for (body, &faces) in stack.bodies().iter().zip(&mode.faces) {
-        if body.friction().is_some() {
-            closure.push(scale * BarStiffness::mean_displacement(body, w, faces));
-        }
+    closure.extend(guided(stack).map(|(body, _)| mode.participation(stack, Port::Mean { body })));
+    DampedMode {
+        angular_frequency: w,
+        damping_rate: 2.0 * ratio * w,
+        closure,
+        ports: Vec::new(),
+        shape: mode.clone(),
     }
-    let drive = scale * mode.faces[0].0;
-    DampedMode { angular_frequency: w, damping_rate: 2.0 * ratio * w, drive, closure }
 }

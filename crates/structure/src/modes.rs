@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use asperity_mesh::{BarStiffness, Body, Stack, Support};
+use asperity_mesh::{BarStiffness, Body, Port, Stack, Support};
 use faer::{Mat, Side};
 
 use crate::contact::check_springs;
@@ -33,6 +33,29 @@ impl LinearisedMode {
     pub fn displacement(&self, body: &Body, index: usize, fraction: f64) -> f64 {
         let w = TAU * self.frequency_hz;
         BarStiffness::displacement(body, w, self.faces[index], fraction)
+    }
+
+    /// Mass-normalised participation of a port of `stack`, whose mode it is \[kg^-1/2\].
+    pub fn participation(&self, stack: &Stack, port: Port) -> f64 {
+        let (bodies, w) = (stack.bodies(), TAU * self.frequency_hz);
+        let mean =
+            |body: usize| BarStiffness::mean_displacement(&bodies[body], w, self.faces[body]);
+        let displacement = match port {
+            Port::Point { body, position } => {
+                self.displacement(&bodies[body], body, position / bodies[body].length())
+            }
+            Port::Mean { body } => mean(body),
+            Port::Base => {
+                let moment = |(i, body): (usize, &Body)| body.mass() * mean(i);
+                let carried = match *stack.support() {
+                    Support::SpringMass { mass, .. } => mass * self.support,
+                    Support::Rigid => 0.0,
+                };
+                -bodies.iter().enumerate().map(moment).sum::<f64>() - carried
+            }
+            _ => self.support,
+        };
+        displacement / self.modal_mass_kg.sqrt()
     }
 }
 

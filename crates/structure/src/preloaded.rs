@@ -168,7 +168,7 @@ impl PreloadedStructure {
         modes: ModeCount,
         ports: &[Port],
     ) -> Result<PreloadedStructure<ComponentModes>, StructureError> {
-        self.with_modes(ComponentModes::of_stack(&self.mesh, modes, ports)?)
+        self.with_modes(ComponentModes::of_stack(&self.mesh, modes, ports)?, ports)
     }
 
     /// [`reduced`](Self::reduced) with a count of modes, the rigid one included, of each body.
@@ -180,18 +180,20 @@ impl PreloadedStructure {
         counts: &[usize],
         ports: &[Port],
     ) -> Result<PreloadedStructure<ComponentModes>, StructureError> {
-        self.with_modes(ComponentModes::with_counts(&self.mesh, counts, ports)?)
+        self.with_modes(ComponentModes::with_counts(&self.mesh, counts, ports)?, ports)
     }
 
     fn with_modes(
         &self,
         modes: ComponentModes,
+        ports: &[Port],
     ) -> Result<PreloadedStructure<ComponentModes>, StructureError> {
+        let at_ports = |mode: &DampedMode| mode.at_ports(&self.mesh, &modes, ports);
+        let damped_modes = self.damped_modes.iter().map(at_ports).collect();
         let damping = Damping::Rate(self.damping_rate);
         let structure = PreloadedStructure::of_components(modes, self.contacts.clone(), damping)?;
         let structure = structure.with_guides(self.guides.clone())?;
-        let (damped_modes, ratios) = (self.damped_modes.clone(), self.ratios.clone());
-        Ok(PreloadedStructure { damped_modes, ratios, ..structure })
+        Ok(PreloadedStructure { damped_modes, ratios: self.ratios.clone(), ..structure })
     }
 
     /// The ratios of modes that the structure was [given](Self::with_modal_damping), and that of the

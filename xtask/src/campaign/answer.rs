@@ -134,7 +134,8 @@ impl Answer {
             Observable::new(
                 "fundamental.receptance_m_per_n",
                 Kind::Receptance,
-                number("/fundamental/receptance_m_per_n"),
+                number("/fundamental/receptance_m_per_n")
+                    .or_else(|| number("/fundamental/receptance_s2")),
             ),
             Observable::new("harmonic_ratio", Kind::Ratio, number("/harmonic_ratio")),
         ];

@@ -306,8 +306,8 @@ impl Case<'_> {
     /// The step that the modal engine tries first.
     fn default_step(&self) -> Option<f64> {
         let assembly = Assembly::new(self.scenario, self.document.folder()).ok()?;
-        let Assembly { structure, excitation, sampling, .. } = &assembly;
-        let outline = Integrator::default().outline(structure, excitation, sampling).ok()?;
+        let Assembly { structure, load, sampling, .. } = &assembly;
+        let outline = Integrator::default().outline(structure, load, sampling).ok()?;
         Some(outline.step)
     }
 

@@ -10,8 +10,9 @@ use anyhow::{Result, bail};
 use asperity_dynamics::{FiniteDifference, Integrator};
 use asperity_law::{Draw as _, LawRef, LawSpec, Laws, rounded};
 use asperity_scenario::{
-    BodySpec, Damping, DampingSpec, ExcitationSpec, ForceSamples, InterfaceSpec, MethodSpec,
-    Scenario, SchemaId, SectionSpec, SupportSpec,
+    AccelerationSpec, Along, BodySpec, Damping, DampingSpec, End, ExcitationSpec, InterfaceSpec,
+    LoadSamples, MethodSpec, PlaceSpec, Scenario, SchemaId, SectionSpec, SensorKind, SensorSpec,
+    SupportSpec,
 };
 use asperity_simulation::assemble::Assembly;
 
@@ -50,7 +51,7 @@ pub(super) struct RandomScenario {
     /// The scenario, without a method.
     pub(super) scenario: Scenario,
     /// Measured force, for the file that the excitation names.
-    pub(super) samples: Option<ForceSamples>,
+    pub(super) samples: Option<LoadSamples>,
 }
 
 impl RandomScenario {
@@ -61,7 +62,9 @@ impl RandomScenario {
     pub(super) fn new(seed: u64, number: u64) -> Result<Self> {
         for attempt in 0..MOST_ATTEMPTS {
             let mut draw = Draw::new(seed, number, attempt);
-            if let Some(found) = attempt_one(&mut draw, seed, number) {
+            if let Some(mut found) = attempt_one(&mut draw, seed, number) {
+                // A sequence of its own: the rest of the scenario does not depend on it.
+                places(&mut Draw::new(seed, number, MOST_ATTEMPTS), &mut found.scenario);
                 return Ok(found);
             }
         }
@@ -98,13 +101,63 @@ fn attempt_one(draw: &mut Draw, seed: u64, number: u64) -> Option<RandomScenario
     (scenario.duration_s >= shortest).then_some(RandomScenario { scenario, samples })
 }
 
+/// Places of the force and of sensors, and a moving base in place of some pulses.
+fn places(draw: &mut Draw, scenario: &mut Scenario) {
+    let bodies = scenario.bodies.clone();
+    let place = |draw: &mut Draw| {
+        let body = draw.one_of(&bodies);
+        let along = match draw.weighted(&[1.0, 1.0, 3.0]) {
+            0 => Along::End(End::Upper),
+            1 => Along::End(End::Lower),
+            _ => Along::PositionM(rounded(body.length_m * draw.uniform(0.02, 0.98))),
+        };
+        PlaceSpec { body: body.name.clone(), along }
+    };
+    if draw.chance(0.4) {
+        let sensor = SensorSpec {
+            name: "sensor".to_owned(),
+            at: Some(place(draw)),
+            kind: SensorKind::Acceleration,
+        };
+        scenario.sensors.push(sensor);
+    }
+    let weight: f64 = bodies.iter().map(mass).sum();
+    let moves = draw.chance(0.15);
+    let acceleration = match &mut scenario.excitation {
+        ExcitationSpec::GammaPulse { peak_n, rise_s, .. } if moves => {
+            let (peak_m_per_s2, rise_s) = (rounded(*peak_n / weight), *rise_s);
+            AccelerationSpec::GammaPulse { peak_m_per_s2, rise_s }
+        }
+        ExcitationSpec::Haversine { peak_n, duration_s, .. } if moves => {
+            let (peak_m_per_s2, duration_s) = (rounded(*peak_n / weight), *duration_s);
+            AccelerationSpec::Haversine { peak_m_per_s2, duration_s }
+        }
+        ExcitationSpec::GammaPulse { at, .. }
+        | ExcitationSpec::HalfSine { at, .. }
+        | ExcitationSpec::Haversine { at, .. }
+        | ExcitationSpec::Harmonic { at, .. }
+        | ExcitationSpec::Samples { at, .. } => {
+            if draw.chance(0.4) {
+                *at = Some(place(draw));
+            }
+            return;
+        }
+        ExcitationSpec::None | ExcitationSpec::BaseMotion { .. } => return,
+    };
+    scenario.excitation = ExcitationSpec::BaseMotion {
+        acceleration: Some(acceleration),
+        velocity: None,
+        displacement: None,
+    };
+}
+
 /// Node updates of a run by finite differences with their defaults.
 fn node_steps(scenario: &Scenario) -> Option<f64> {
     let unloaded = Scenario { excitation: ExcitationSpec::None, ..scenario.clone() };
-    let Assembly { structure, excitation, sampling, .. } =
+    let Assembly { structure, load, sampling, .. } =
         Assembly::new(&unloaded, Path::new("")).ok()?;
     let method = Integrator::from(FiniteDifference::default());
-    let outline = method.outline(&structure, &excitation, &sampling).ok()?;
+    let outline = method.outline(&structure, &load, &sampling).ok()?;
     Some(outline.unknowns as f64 * outline.steps as f64)
 }
 
@@ -167,6 +220,7 @@ fn stack(draw: &mut Draw, seed: u64, number: u64) -> Scenario {
         laws,
         damping: DampingSpec::MassProportional(amount),
         excitation: ExcitationSpec::None,
+        sensors: Vec::new(),
         duration_s: 1.0,
         output_rate_hz: 1e4,
         method: MethodSpec::default(),
@@ -220,7 +274,7 @@ fn excitation(
     period: f64,
     seed: u64,
     number: u64,
-) -> (ExcitationSpec, Option<ForceSamples>, f64) {
+) -> (ExcitationSpec, Option<LoadSamples>, f64) {
     let weights: Vec<f64> =
         scenario.bodies.iter().map(|body| scenario.gravity_m_per_s2 * mass(body)).collect();
     let (top, all) = (weights[0], weights.iter().sum::<f64>());
@@ -232,28 +286,28 @@ fn excitation(
     match draw.weighted(&[3.0, 2.0, 1.5, 1.5, 1.5]) {
         0 => {
             let rise_s = rounded(0.3 * duration_s);
-            (ExcitationSpec::GammaPulse { peak_n, rise_s }, None, 8.0 * rise_s)
+            (ExcitationSpec::GammaPulse { peak_n, rise_s, at: None }, None, 8.0 * rise_s)
         }
-        1 => (ExcitationSpec::HalfSine { peak_n, duration_s }, None, duration_s),
-        2 => (ExcitationSpec::Haversine { peak_n, duration_s }, None, duration_s),
+        1 => (ExcitationSpec::HalfSine { peak_n, duration_s, at: None }, None, duration_s),
+        2 => (ExcitationSpec::Haversine { peak_n, duration_s, at: None }, None, duration_s),
         3 => {
             let samples = measured_pulse(draw, peak_n, duration_s);
             let end = samples.time_s.last().copied().unwrap_or(duration_s);
             let peak_n = draw.chance(0.5).then_some(peak_n);
             let file = format!("seed{seed}-{number}.csv");
-            (ExcitationSpec::Samples { file, peak_n }, Some(samples), end)
+            (ExcitationSpec::Samples { file, peak_n, at: None }, Some(samples), end)
         }
         _ => {
             let amplitude_n = rounded(weight * draw.log_uniform(1e-4, 0.5));
             let frequency_hz = rounded(draw.log_uniform(0.3, 2.2) / period);
-            (ExcitationSpec::Harmonic { amplitude_n, frequency_hz }, None, 0.0)
+            (ExcitationSpec::Harmonic { amplitude_n, frequency_hz, at: None }, None, 0.0)
         }
     }
 }
 
 /// A pulse as a hammer and a data logger give it: sampled, uneven, with noise and, at times, a
 /// second impact.
-fn measured_pulse(draw: &mut Draw, peak_n: f64, duration_s: f64) -> ForceSamples {
+fn measured_pulse(draw: &mut Draw, peak_n: f64, duration_s: f64) -> LoadSamples {
     let count = draw.whole(24..=200);
     let skew = draw.uniform(0.7, 1.4);
     let noise = draw.log_uniform(1e-5, 5e-3);
@@ -276,7 +330,7 @@ fn measured_pulse(draw: &mut Draw, peak_n: f64, duration_s: f64) -> ForceSamples
         time_s.push(x * duration_s);
         force_n.push(rounded(peak_n * (shape + scatter)));
     }
-    ForceSamples { time_s, force_n }
+    LoadSamples { time_s, values: force_n }
 }
 
 #[cfg(test)]

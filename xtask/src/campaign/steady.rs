@@ -13,7 +13,7 @@
 use std::f64::consts::TAU;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use asperity_dynamics::{LoadCase, FiniteDifference, Integrator, Modal, Sampling};
+use asperity_dynamics::{FiniteDifference, Integrator, Modal, Sampling};
 use asperity_harmonic::{Branch, PeriodicResponse};
 use asperity_law::Draw as _;
 use asperity_scenario::{Document, Scenario};
@@ -22,6 +22,7 @@ use asperity_simulation::steady::{
     BodyModel, SettledAmplitude, Steady, SteadyRequest, TimeCheck, first_periods, steady,
 };
 use asperity_structure::PreloadedStructure;
+use asperity_structure::{LoadCase, TimeFunction};
 use serde::Serialize;
 
 use super::draw::Draw;

@@ -13,9 +13,9 @@ pub(crate) fn run(input: &Input, as_json: bool) -> Result<(), Failure> {
     let document = super::read(input)?;
     let scenario = super::checked(&document)?;
     let assembly = Assembly::new(&scenario, document.folder())?;
-    let Assembly { structure, excitation, sampling, method, .. } = &assembly;
+    let Assembly { structure, load, sampling, method, .. } = &assembly;
     let outline = method
-        .outline(structure, excitation, sampling)
+        .outline(structure, load, sampling)
         .map_err(asperity_simulation::error::SimulationError::from)?;
     let natural = StaticSummary::of(&assembly).natural_frequency_hz;
     if as_json {

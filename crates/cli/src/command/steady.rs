@@ -50,10 +50,10 @@ pub(crate) fn run(
         assembly.structure.contacts().iter().map(PreloadedContact::name).collect();
     folder.write("steady.csv", steady_table(&found, &names).to_csv())?;
     if let Some(backbones) = &found.backbones {
-        folder.write("backbone.csv", backbone_table(backbones).to_csv())?;
+        folder.write("backbone.csv", backbone_table(backbones, found.is_base_motion).to_csv())?;
     }
     if request.time_sweep.is_some() {
-        folder.write("steady_time.csv", steady_time_table(&found.time_sweeps).to_csv())?;
+        folder.write("steady_time.csv", steady_time_table(&found).to_csv())?;
     }
     let figure = plot::steady(&found);
     if let Some(figure) = &figure {
@@ -78,7 +78,7 @@ pub(crate) fn run(
         Some((force_n, error)) => Err(Failure::Parts {
             failed: failed.len(),
             of: format!("{} force amplitudes", found.levels.len()),
-            first: format!("{force_n} N"),
+            first: format!("{force_n} {}", found.unit()),
             reason: error.to_string(),
         }),
     }
@@ -88,7 +88,8 @@ pub(crate) fn run(
 fn print_branches(summary: &SteadySummary) -> Result<(), Failure> {
     for level in &summary.levels {
         let LevelSummary::Solved(branch) = level else { continue };
-        answer_line!("{:>10} N   {}", branch.force_n, steady_words::peak(branch));
+        let (value, unit) = (branch.load.value(), branch.load.unit());
+        answer_line!("{value:>10} {unit}   {}", steady_words::peak(branch));
         if let Some(advice) = steady_words::advice(branch) {
             answer_line!("{:14} {advice}", "");
         }
@@ -98,7 +99,8 @@ fn print_branches(summary: &SteadySummary) -> Result<(), Failure> {
         }
     }
     for sweep in &summary.time_sweeps {
-        answer_line!("{:>10} N   {}", sweep.force_n, steady_words::time_sweep(sweep));
+        let (value, unit) = (sweep.load.value(), sweep.load.unit());
+        answer_line!("{value:>10} {unit}   {}", steady_words::time_sweep(sweep));
     }
     Ok(())
 }

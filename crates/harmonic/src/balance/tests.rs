@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use asperity_law::{ContactDamping, Friction, Power};
-use asperity_mesh::{Body, Interface, Stack, Support};
+use asperity_mesh::{Body, Interface, Port, Stack, Support};
 use asperity_structure::{Damping, PreloadedStructure};
 
 use super::*;
@@ -88,7 +88,7 @@ fn motion(system: &ContactSystem, terms: usize) -> Vec<f64> {
     (0..system.pairs() * terms).map(of).collect()
 }
 
-/// Derivatives of residual and output at a motion against central differences.
+/// Derivatives of residual and load's displacement at a motion against central differences.
 fn assert_derivatives(balance: &mut Balance<'_>, x: &[f64]) {
     let n = balance.unknowns();
     let at = |w: f64| Conditions { angular_frequency: w, anti_damping: 20.0, force: 3.0 };
@@ -97,7 +97,7 @@ fn assert_derivatives(balance: &mut Balance<'_>, x: &[f64]) {
         let mut residual = vec![0.0; n];
         balance.evaluate(x, &at(w)).unwrap();
         balance.residual(x, &at(w), &mut residual);
-        (residual, balance.output(1, &at(w)))
+        (residual, balance.load_displacement(1, &at(w)))
     };
     let slopes = |up: (Vec<f64>, Complex64), down: (Vec<f64>, Complex64), size: f64| {
         let pairs = up.0.iter().zip(&down.0);
@@ -122,7 +122,7 @@ fn assert_derivatives(balance: &mut Balance<'_>, x: &[f64]) {
     balance.d_residual_d_frequency(&at(w), &mut slope);
     let largest = |all: &[f64]| all.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
     let (mut real, mut imaginary) = (vec![0.0; n], vec![0.0; n]);
-    balance.d_output_d_closures(&mut real, &mut imaginary);
+    balance.d_displacement_d_closures(&mut real, &mut imaginary);
     let outputs = largest(&real).max(largest(&imaginary));
     for (column, (rows, output)) in columns.iter().enumerate() {
         for (row, expected) in rows.iter().enumerate() {
@@ -135,7 +135,7 @@ fn assert_derivatives(balance: &mut Balance<'_>, x: &[f64]) {
     for (own, expected) in slope.iter().zip(&by_frequency.0) {
         assert!((own - expected).abs() < 1e-5 * largest(&by_frequency.0), "{own} {expected}");
     }
-    let [own, ..] = balance.d_output_d_conditions(&at(w));
+    let [own, ..] = balance.d_displacement_d_conditions(&at(w));
     assert!((own / by_frequency.1 - 1.0).norm() < 1e-5, "{own} {}", by_frequency.1);
 }
 
@@ -188,38 +188,63 @@ fn derivatives_with_friction_match_differences() {
     assert!(lost.filter(|force| **force == least).count() > 2);
 }
 
-/// The closed form on springs against the receptances of free bars, guides and derivatives included.
+/// The closed form on springs against the receptances of free bars with springs put in, at ports of all
+/// kinds, guides and derivatives included; derivatives against differences.
 #[test]
 fn bars_on_springs_are_free_bars_with_springs() {
     let rubbing =
         |length, mass| bar(length, mass).with_friction(Friction::slip_force(1e7, 1.0).unwrap());
     let disc = Support::SpringMass { stiffness: 3e8, mass: 0.7, damping_ratio: 0.02 };
+    let point = |body, position| Port::Point { body, position };
+    let ports = [
+        Port::TOP,
+        point(0, 0.07),
+        point(0, 0.13),
+        point(1, 0.06),
+        point(2, 0.05),
+        Port::Mean { body: 0 },
+        Port::Mean { body: 1 },
+        Port::Support,
+        Port::Base,
+    ]
+    .map(crate::SystemPort::Stack);
+    let size = 5 + ports.len();
     for (support, rate) in [(Support::Rigid, 0.0), (Support::Rigid, 900.0), (disc, 300.0)] {
         let bodies = vec![rubbing(0.2, 1.6), bar(0.06, 0.3), rubbing(0.1, 0.5)];
         let stack = Stack::new(bodies, vec![contact(); 3], support, 9.81).unwrap();
         let structure = PreloadedStructure::new(stack, Damping::Rate(rate)).unwrap();
         let system = ContactSystem::of_structure(&structure, LawEvaluation::Exact).unwrap();
-        let mut springs = [0.9e8, 1.1e8, 0.7e8].map(|k| Complex64::new(k, 2e7)).to_vec();
-        springs.resize(5, Complex64::ZERO);
+        let springs = [0.9e8, 1.1e8, 0.7e8].map(|k| Complex64::new(k, 2e7));
         for w in [300.0, 6e3, 4.1e4, 2.3e5] {
-            let (mut closed, mut free) = (Compliance::zero(5), Compliance::zero(5));
-            system.linear().compliance_on_springs(w, 30.0, &springs, &mut closed);
-            system.linear().compliance(w, 30.0, &mut free);
-            free.add_springs(&springs);
-            let near = |a: &Receptance, b: &Receptance| {
-                let off = |a: Complex64, b: Complex64| (a - b).norm() / b.norm();
-                let all = [
-                    off(a.value, b.value),
-                    off(a.d_frequency, b.d_frequency),
-                    off(a.d_anti_damping, b.d_anti_damping),
-                ];
-                assert!(all.iter().all(|off| *off < 1e-9), "{w}: {all:?}");
+            let on = |w: f64, anti_damping: f64, springs: &[Complex64]| {
+                let mut found = Compliance::zero(5, ports.len());
+                system.linear().compliance((w, anti_damping), &ports, springs, &mut found);
+                found
             };
-            near(&closed.direct, &free.direct);
-            for i in 0..5 {
-                near(closed.drive(i), free.drive(i));
-                for j in 0..5 {
-                    near(closed.contact(i, j), free.contact(i, j));
+            let closed = on(w, 30.0, &springs);
+            let mut free = on(w, 30.0, &[]);
+            free.add_springs(&springs);
+            let [up, down] =
+                [on(w * (1.0 + 1e-5), 30.0, &springs), on(w * (1.0 - 1e-5), 30.0, &springs)];
+            let [more, less] = [on(w, 31.0, &springs), on(w, 29.0, &springs)];
+            for i in 0..size {
+                for j in 0..size {
+                    let (a, b) = (closed.get(i, j), free.get(i, j));
+                    let of = |all: &Compliance| all.get(i, j).value;
+                    let near = |a: Complex64, b: Complex64, most: f64, scale: f64| {
+                        let off = (a - b).norm();
+                        assert!(off <= most * scale, "{w}, {i} {j}: {a} {b}");
+                    };
+                    let scale = (closed.get(i, i).value * closed.get(j, j).value).norm().sqrt();
+                    near(a.value, b.value, 1e-9, scale);
+                    let slope = |i: usize| closed.get(i, i).d_frequency.norm();
+                    let scale = a.d_frequency.norm().max((slope(i) * slope(j)).sqrt());
+                    near(a.d_frequency, b.d_frequency, 1e-9, scale);
+                    near(a.d_frequency, (of(&up) - of(&down)) / (2e-5 * w), 1e-5, scale);
+                    let slope = |i: usize| closed.get(i, i).d_anti_damping.norm();
+                    let scale = a.d_anti_damping.norm().max((slope(i) * slope(j)).sqrt());
+                    near(a.d_anti_damping, b.d_anti_damping, 1e-9, scale);
+                    near(a.d_anti_damping, (of(&more) - of(&less)) / 2.0, 1e-5, scale);
                 }
             }
         }

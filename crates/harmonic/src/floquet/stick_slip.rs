@@ -26,16 +26,16 @@ pub(super) struct ElementPhases {
     /// Pair whose closure the element follows, and contact whose force bounds it.
     pub(super) pair: usize,
     pub(super) contact: usize,
-    /// State of the slider in the monodromy matrix; none of one that rests throughout, which may rest
-    /// anywhere.
+    /// Number of the slider's state in the monodromy matrix. The slider of an element that sticks
+    /// throughout the period has no state: any position of this slider is one of rest.
     pub(super) slider: Option<usize>,
-    /// Phase at the angle zero, and from each of these angles \[rad\] on.
+    /// Phase at the angle zero. Each change is an angle \[rad\] and the phase from there on.
     start: Phase,
     changes: Vec<(f64, Phase)>,
 }
 
 impl ElementPhases {
-    /// The phase at an angle that is none of a change.
+    /// The phase at an angle \[rad\] between two changes.
     pub(super) fn at(&self, angle: f64) -> Phase {
         let before = self.changes.iter().rev().find(|(at, _)| *at < angle);
         before.map_or(self.start, |(_, phase)| *phase)
@@ -46,14 +46,14 @@ impl ElementPhases {
         self.changes.iter().map(|(angle, _)| *angle)
     }
 
-    /// True if the element sticks from this angle of a change on \[rad\].
+    /// True if a change at this angle \[rad\] begins a phase of sticking.
     pub(super) fn sticks_from(&self, angle: f64) -> bool {
         let here = self.changes.iter().rev().find(|(at, _)| *at <= angle);
         here.is_some_and(|(at, phase)| *at == angle && *phase == Phase::Stuck)
     }
 
-    /// Follows an element through two periods, the second of which is recorded, as the
-    /// harmonic balance does: from the displacement without a force.
+    /// Follows an element through two periods and records the second. The first begins at the
+    /// displacement without a force, as in the harmonic balance.
     fn new(
         (friction, pair, contact): (Friction, usize, usize),
         closures: &[f64],

@@ -71,21 +71,18 @@ fn derivatives_of_damped_compliances_match_differences() {
         let structure = preloaded(stack, 200.0);
         for on_springs in [false, true] {
             let at = |w: f64, anti_damping: f64| {
-                let mut into = Compliance::zero(2);
-                if on_springs {
-                    structure.compliance_on_springs(w, anti_damping, &springs, &mut into);
-                } else {
-                    structure.compliance(w, anti_damping, &mut into);
-                }
+                let mut into = Compliance::zero(2, 1);
+                let springs = if on_springs { &springs[..] } else { &[] };
+                let ports = [Port::TOP.into()];
+                structure.compliance((w, anti_damping), &ports, springs, &mut into);
                 into
             };
             for w in [900.0, 6e3, 9e4] {
                 let (found, dw, dh) = (at(w, 30.0), 1e-5 * w, 0.1);
                 let [up, down] = [at(w + dw, 30.0), at(w - dw, 30.0)];
                 let [more, less] = [at(w, 30.0 + dh), at(w, 30.0 - dh)];
-                let all = |of: &Compliance| {
-                    [*of.contact(0, 0), *of.contact(0, 1), *of.drive(0), of.direct]
-                };
+                let all =
+                    |of: &Compliance| [(0, 0), (0, 1), (0, 2), (2, 2)].map(|(i, j)| *of.get(i, j));
                 for (i, exact) in all(&found).into_iter().enumerate() {
                     let slope = (all(&up)[i].value - all(&down)[i].value) / (2.0 * dw);
                     assert!((slope / exact.d_frequency - 1.0).norm() < 1e-6, "{i} {w}");
@@ -104,13 +101,13 @@ fn damped_component_modes_tend_to_the_exact_bars() {
     let stack = rig(&modified(), Support::Rigid).with_body_damping(damping);
     let structure = preloaded(stack, 100.0);
     let w = TAU * 4000.0;
-    let mut exact = Compliance::zero(2);
-    structure.compliance(w, 0.0, &mut exact);
+    let mut exact = Compliance::zero(2, 1);
+    structure.compliance((w, 0.0), &[Port::TOP.into()], &[], &mut exact);
     let error = |modes: usize| {
         let reduced = structure.reduced(ModeCount::PerBody(modes), &[Port::TOP]).unwrap();
-        let mut found = Compliance::zero(2);
-        reduced.compliance(w, 0.0, &mut found);
-        let all = |of: &Compliance| [*of.contact(0, 0), *of.contact(0, 1), *of.drive(0), of.direct];
+        let mut found = Compliance::zero(2, 1);
+        reduced.compliance((w, 0.0), &[0.into()], &[], &mut found);
+        let all = |of: &Compliance| [(0, 0), (0, 1), (0, 2), (2, 2)].map(|(i, j)| *of.get(i, j));
         let pairs = all(&found).into_iter().zip(all(&exact));
         pairs.map(|(a, b)| (a.value / b.value - 1.0).norm()).fold(0.0, f64::max)
     };

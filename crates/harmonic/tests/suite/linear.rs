@@ -111,11 +111,11 @@ fn modes_with_residual_flexibility_approach_the_bars() {
         }
         assert!(off(40, 900.0) < 1e-6, "{:.1e}", off(40, 900.0));
         // Means: the mean pressures of a chain are those of its weight.
-        let balance = reduced(6).mean_balance();
+        let balance = reduced(6).mean_balance(&[0.into()]);
         for value in &balance.closure {
             assert!(value.abs() < 1e-12);
         }
-        for value in &balance.output_closure {
+        for value in &balance.port_closure {
             if support == Support::Rigid {
                 assert!((value - 1.0).abs() < 1e-12, "{value}");
             }

@@ -14,6 +14,7 @@ mod koopman_hill;
 mod linear;
 mod modal_damping;
 mod perturbation;
+mod ports;
 mod reference;
 mod rig;
 mod rigs;

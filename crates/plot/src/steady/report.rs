@@ -3,7 +3,7 @@
 use asperity_figure::Figure;
 use asperity_figure::report::{Report, TableCell};
 use asperity_simulation::steady::{
-    BackboneSummary, BranchSummary, LevelSummary, SteadySummary, TerminationSummary,
+    BackboneSummary, BranchSummary, LevelSummary, LoadAmplitude, SteadySummary, TerminationSummary,
     TimeSweepSummary,
 };
 
@@ -36,15 +36,20 @@ pub fn steady_report(summary: &SteadySummary, figure: Option<&Figure>) -> String
     }
     if !summary.time_sweeps.is_empty() {
         let words = |sweep: &TimeSweepSummary| {
-            format!("{} N: {}", sweep.force_n, steady_words::time_sweep(sweep))
+            format!(
+                "{} {}: {}",
+                sweep.load.value(),
+                sweep.load.unit(),
+                steady_words::time_sweep(sweep)
+            )
         };
         let sweeps = summary.time_sweeps.iter().map(words);
         page = sweeps.fold(page.section("Time integration"), Report::paragraph);
     }
     let warned: Vec<String> = solved(summary)
         .flat_map(|branch| {
-            let force = branch.force_n;
-            branch.warnings.iter().map(move |warning| format!("{force} N: {warning}"))
+            let (force, unit) = (branch.load.value(), branch.load.unit());
+            branch.warnings.iter().map(move |warning| format!("{force} {unit}: {warning}"))
         })
         .collect();
     if !warned.is_empty() {
@@ -66,11 +71,23 @@ fn solved(summary: &SteadySummary) -> impl Iterator<Item = &BranchSummary> {
     })
 }
 
+/// Heading of the column of amplitudes of the load.
+fn load_header(summary: &SteadySummary) -> &'static str {
+    let first = summary.levels.first().map(|level| match level {
+        LevelSummary::Solved(branch) => branch.load,
+        LevelSummary::Failed { load, .. } => *load,
+    });
+    match first {
+        Some(LoadAmplitude::Base { .. }) => "Base acceleration (m/s²)",
+        _ => "Force (N)",
+    }
+}
+
 /// A row for each force amplitude.
 fn peaks(page: Report, summary: &SteadySummary) -> Report {
     let rows = summary.levels.iter().map(|level| match level {
-        LevelSummary::Failed { force_n, error } => {
-            let mut row = vec![TableCell::from(*force_n)];
+        LevelSummary::Failed { load, error } => {
+            let mut row = vec![TableCell::from(load.value())];
             row.extend((0..5).map(|_| TableCell::from("")));
             row.push(error.clone().into());
             row
@@ -87,7 +104,7 @@ fn peaks(page: Report, summary: &SteadySummary) -> Report {
                 remarks.push(steady_words::check(check));
             }
             vec![
-                TableCell::from(branch.force_n),
+                TableCell::from(branch.load.value()),
                 number(branch.peak_frequency_hz),
                 number(branch.peak_amplitude_1_m),
                 number(branch.displacement_ratio),
@@ -97,8 +114,15 @@ fn peaks(page: Report, summary: &SteadySummary) -> Report {
             ]
         }
     });
-    let headers =
-        ["Force (N)", "Peak (Hz)", "u_{1} (m)", "u_{2}/u_{1}", "Harmonics", "Points", "Remarks"];
+    let headers = [
+        load_header(summary),
+        "Peak (Hz)",
+        "u_{1} (m)",
+        "u_{2}/u_{1}",
+        "Harmonics",
+        "Points",
+        "Remarks",
+    ];
     page.table(headers, rows)
 }
 
@@ -108,7 +132,7 @@ fn bifurcations(page: Report, summary: &SteadySummary) -> Report {
         .flat_map(|branch| {
             branch.bifurcations.iter().map(|found| {
                 vec![
-                    TableCell::from(branch.force_n),
+                    TableCell::from(branch.load.value()),
                     found.kind.replace('_', " ").into(),
                     TableCell::from(found.frequency_hz),
                     TableCell::from(found.amplitude_1_m),
@@ -119,7 +143,7 @@ fn bifurcations(page: Report, summary: &SteadySummary) -> Report {
     if rows.is_empty() {
         return page;
     }
-    let headers = ["Force (N)", "Kind", "Frequency (Hz)", "u_{1} (m)"];
+    let headers = [load_header(summary), "Kind", "Frequency (Hz)", "u_{1} (m)"];
     page.section("Bifurcations").table(headers, rows)
 }
 

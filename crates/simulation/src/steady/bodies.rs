@@ -6,6 +6,7 @@ use asperity_harmonic::{
     Branch, CondensedStack, ContactSystem, Continuation, HarmonicError, HarmonicSettings,
     LawEvaluation, PeriodicResponse, PressureRange, Termination, trace,
 };
+use asperity_mesh::Port;
 use asperity_structure::PreloadedStructure;
 use serde::Serialize;
 
@@ -79,7 +80,14 @@ impl LightBodies {
         let structure = &assembly.structure;
         let frequency = |body: usize| CondensedStack::body_frequency(structure, body);
         let name = |body: usize| structure.stack().bodies()[body].name().to_owned();
-        let candidates = CondensedStack::candidates(structure);
+        // A body that is loaded or read keeps its inertia.
+        let ports: Vec<Port> =
+            [assembly.load.port()].into_iter().chain(assembly.sensor_ports()).collect();
+        let has_port = |body: usize| {
+            ports.iter().any(|port| matches!(port, Port::Point { body: own, .. } if *own == body))
+        };
+        let mut candidates = CondensedStack::candidates(structure);
+        candidates.retain(|&body| !has_port(body));
         let light: Vec<usize> = match model {
             BodyModel::Elastic => Vec::new(),
             BodyModel::Auto | BodyModel::Condensed => {
@@ -93,7 +101,8 @@ impl LightBodies {
                 BodyModel::Auto | BodyModel::Elastic => Ok(None),
             };
         }
-        let stack = CondensedStack::new(structure, &light, evaluation)?;
+        let stack = CondensedStack::new(structure, &light, evaluation)?
+            .with_ports(ports[0], &ports[1..])?;
         let body =
             |&body: &usize| CondensedBody { name: name(body), frequency_hz: frequency(body) };
         Ok(Some(Self { stack, bodies: light.iter().map(body).collect() }))

@@ -20,7 +20,7 @@ const HALVINGS: usize = 4;
 pub struct TimeCheck {
     /// Frequency \[Hz\].
     pub frequency_hz: f64,
-    /// Amplitude of the fundamental of the top, of the branch \[m\].
+    /// Amplitude of the fundamental of the first sensor, of the branch \[m\].
     pub amplitude_1_m: f64,
     /// The same by time integration \[m\]: extrapolated from two steps to zero where the motion is
     /// periodic, else the mean over many periods at the shorter step.
@@ -84,7 +84,7 @@ impl TimeCheck {
             finer *= 0.5;
             fine = settled(FiniteDifference { cell: finer, ..method })?;
         }
-        let amplitude_1_m = response.amplitude(1);
+        let amplitude_1_m = response.at_sensor(0, 1).norm();
         let all = [coarse.motion, fine.motion];
         let of = |motion| all.contains(&motion).then_some(motion);
         let unsettled = of(SteadyMotion::NonPeriodic).or(of(SteadyMotion::NotSettled));

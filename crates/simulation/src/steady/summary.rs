@@ -36,7 +36,50 @@ pub struct SteadySummary {
     pub provenance: Provenance,
 }
 
-/// One force amplitude.
+/// Amplitude of the load.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum LoadAmplitude {
+    /// A force.
+    Force {
+        /// Amplitude \[N\].
+        force_n: f64,
+    },
+    /// A motion of the base.
+    Base {
+        /// Amplitude of its acceleration \[m/s2\].
+        base_acceleration_m_per_s2: f64,
+    },
+}
+
+impl LoadAmplitude {
+    fn new(value: f64, base: bool) -> Self {
+        if base {
+            Self::Base { base_acceleration_m_per_s2: value }
+        } else {
+            Self::Force { force_n: value }
+        }
+    }
+
+    /// The number.
+    pub fn value(self) -> f64 {
+        match self {
+            Self::Force { force_n: value } | Self::Base { base_acceleration_m_per_s2: value } => {
+                value
+            }
+        }
+    }
+
+    /// The unit.
+    pub fn unit(self) -> &'static str {
+        match self {
+            Self::Force { .. } => "N",
+            Self::Base { .. } => "m/s²",
+        }
+    }
+}
+
+/// One amplitude of the load.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum LevelSummary {
@@ -44,8 +87,9 @@ pub enum LevelSummary {
     Solved(Box<BranchSummary>),
     /// An amplitude without a response.
     Failed {
-        /// Force amplitude \[N\].
-        force_n: f64,
+        /// Amplitude of the load.
+        #[serde(flatten)]
+        load: LoadAmplitude,
         /// The error.
         error: String,
     },
@@ -54,13 +98,14 @@ pub enum LevelSummary {
 /// The branch of one force amplitude.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct BranchSummary {
-    /// Force amplitude \[N\].
-    pub force_n: f64,
-    /// Frequency of the largest fundamental \[Hz\].
+    /// Amplitude of the load.
+    #[serde(flatten)]
+    pub load: LoadAmplitude,
+    /// Frequency of the largest fundamental of the loaded port \[Hz\].
     pub peak_frequency_hz: Option<f64>,
-    /// Largest fundamental of the top \[m\].
+    /// Fundamental of the displacement at the first sensor there \[m\], relative to the base.
     pub peak_amplitude_1_m: Option<f64>,
-    /// Ratio of displacements u2/u1 there: second harmonic over fundamental of the top.
+    /// Ratio of displacements u2/u1 of the first sensor there: second harmonic over fundamental.
     pub displacement_ratio: Option<f64>,
     /// True if that is a peak inside a branch that covers the whole range.
     pub peak_is_inside: bool,
@@ -127,7 +172,7 @@ pub struct BifurcationSummary {
     pub kind: &'static str,
     /// Frequency \[Hz\].
     pub frequency_hz: f64,
-    /// Fundamental of the top \[m\].
+    /// Fundamental of the first sensor \[m\].
     pub amplitude_1_m: f64,
 }
 
@@ -152,7 +197,7 @@ pub enum BackboneSummary {
         end: TerminationSummary,
         /// Frequency of the last point \[Hz\].
         last_frequency_hz: Option<f64>,
-        /// Fundamental of the top at the last point \[m\].
+        /// Fundamental of the first sensor at the last point \[m\].
         last_amplitude_1_m: Option<f64>,
     },
     /// A backbone that was not found.
@@ -174,13 +219,16 @@ impl SteadySummary {
             phase_resonance: BackboneSummary::of(&found.phase_resonance),
             mode: BackboneSummary::of(&found.mode),
         };
+        let base = steady.is_base_motion;
+        let levels = steady.levels.iter().map(|level| LevelSummary::of(level, base));
+        let sweeps = steady.time_sweeps.iter().map(|sweep| TimeSweepSummary::of(sweep, base));
         Self {
             schema: STEADY_SCHEMA,
             title,
             at_rest,
-            levels: steady.levels.iter().map(LevelSummary::of).collect(),
+            levels: levels.collect(),
             backbone: steady.backbones.as_ref().map(backbones),
-            time_sweeps: steady.time_sweeps.iter().map(TimeSweepSummary::of).collect(),
+            time_sweeps: sweeps.collect(),
             wall_s: steady.wall_s,
             provenance,
         }
@@ -190,15 +238,16 @@ impl SteadySummary {
 /// A stepped sine by time integration.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct TimeSweepSummary {
-    /// Force amplitude \[N\].
-    pub force_n: f64,
+    /// Amplitude of the load.
+    #[serde(flatten)]
+    pub load: LoadAmplitude,
     /// `"up"` or `"down"`.
     pub direction: &'static str,
     /// Number of frequencies.
     pub frequencies: usize,
     /// Frequency of the largest fundamental \[Hz\].
     pub peak_frequency_hz: Option<f64>,
-    /// Largest fundamental of the top \[m\].
+    /// Largest fundamental of the first sensor \[m\].
     pub peak_amplitude_1_m: Option<f64>,
     /// Number of frequencies at which the motion has not settled.
     pub unsettled: usize,
@@ -211,11 +260,11 @@ pub struct TimeSweepSummary {
 }
 
 impl TimeSweepSummary {
-    fn of(sweep: &TimeSweep) -> Self {
+    fn of(sweep: &TimeSweep, base: bool) -> Self {
         let points = sweep.outcome.as_ref().map_or(&[][..], |points| points);
         let peak = points.iter().max_by(|a, b| a.amplitude_1_m.total_cmp(&b.amplitude_1_m));
         Self {
-            force_n: sweep.force_n,
+            load: LoadAmplitude::new(sweep.force_n, base),
             direction: sweep.direction(),
             frequencies: points.len(),
             peak_frequency_hz: peak.map(|peak| peak.frequency_hz),
@@ -229,19 +278,20 @@ impl TimeSweepSummary {
 }
 
 impl LevelSummary {
-    fn of(level: &SteadyLevel) -> Self {
-        let force_n = level.force_n;
+    fn of(level: &SteadyLevel, base: bool) -> Self {
+        let load = LoadAmplitude::new(level.force_n, base);
         let branch = match &level.outcome {
             Ok(branch) => branch,
-            Err(error) => return Self::Failed { force_n, error: error.to_string() },
+            Err(error) => return Self::Failed { load, error: error.to_string() },
         };
         let peak = branch.highest();
         let bifurcations = branch.special.iter().filter(|special| special.kind.is_bifurcation());
+        let amplitude = |peak: &PeriodicResponse, k: usize| peak.at_sensor(0, k).norm();
         Self::Solved(Box::new(BranchSummary {
-            force_n,
+            load,
             peak_frequency_hz: peak.map(PeriodicResponse::frequency_hz),
-            peak_amplitude_1_m: peak.map(|peak| peak.amplitude(1)),
-            displacement_ratio: peak.map(PeriodicResponse::displacement_ratio),
+            peak_amplitude_1_m: peak.map(|peak| amplitude(peak, 1)),
+            displacement_ratio: peak.map(|peak| amplitude(peak, 2) / amplitude(peak, 1)),
             peak_is_inside: branch.peak().is_some(),
             points: branch.points.len(),
             harmonics: branch.harmonics,
@@ -269,7 +319,7 @@ impl LevelSummary {
                 .map(|special| BifurcationSummary {
                     kind: special.kind.name(),
                     frequency_hz: special.response.frequency_hz(),
-                    amplitude_1_m: special.response.amplitude(1),
+                    amplitude_1_m: amplitude(&special.response, 1),
                 })
                 .collect(),
             verify: level.check,
@@ -286,7 +336,7 @@ impl BackboneSummary {
                 points: branch.points.len(),
                 end: TerminationSummary::of(&branch.termination),
                 last_frequency_hz: branch.points.last().map(PeriodicResponse::frequency_hz),
-                last_amplitude_1_m: branch.points.last().map(|point| point.amplitude(1)),
+                last_amplitude_1_m: branch.points.last().map(|point| point.at_sensor(0, 1).norm()),
             },
             Err(error) => Self::Failed { error: error.to_string() },
         }

@@ -30,17 +30,32 @@ pub fn steady_table(steady: &Steady, interfaces: &[&str]) -> DataTable {
     let mut table = DataTable::new()
         .counts("branch", points.iter().map(|place| place.branch))
         .counts("point", points.iter().map(|place| place.number))
-        .with("force_n", column(&|point| point.force))
+        .with(load_name(steady.is_base_motion), column(&|point| point.force))
         .with("frequency_hz", column(&PeriodicResponse::frequency_hz));
     let branches: Vec<&Branch> =
         steady.levels.iter().filter_map(|level| level.outcome.as_ref().ok()).collect();
-    for k in 1..=harmonics_that_matter(&branches) {
-        let amplitude = |point: &PeriodicResponse| {
-            if k <= point.harmonics() { point.amplitude(k) } else { f64::NAN }
+    let matter = harmonics_that_matter(&branches, steady.sensors.len());
+    for (sensor, name) in steady.sensors.iter().enumerate() {
+        let prefix = match (name, sensor) {
+            (Some(name), 1..) => format!("{name}:"),
+            _ => String::new(),
         };
-        table = table.with(format!("amplitude_{k}_m"), column(&amplitude));
+        for k in 1..=matter {
+            let amplitude = |point: &PeriodicResponse| {
+                if k <= point.harmonics() { point.at_sensor(sensor, k).norm() } else { f64::NAN }
+            };
+            table = table.with(format!("{prefix}amplitude_{k}_m"), column(&amplitude));
+        }
+        let phase = |point: &PeriodicResponse| point.at_sensor(sensor, 1).arg();
+        table = table.with(format!("{prefix}phase_1_rad"), column(&phase));
+        if steady.is_base_motion {
+            let transmissibility = |point: &PeriodicResponse| {
+                let motion = point.sensors[sensor].clone().absolute(point.force);
+                motion.acceleration(1).norm() / point.force
+            };
+            table = table.with(format!("{prefix}transmissibility_1"), column(&transmissibility));
+        }
     }
-    table = table.with("phase_1_rad", column(&PeriodicResponse::phase));
     let pressures: Vec<_> =
         points.iter().map(|place| steady.levels[place.branch - 1].pressures(place.point)).collect();
     for (at, name) in interfaces.iter().enumerate() {
@@ -67,16 +82,21 @@ struct Place<'a> {
 }
 
 /// The highest harmonic that matters at any point; two at least, as far as they were computed.
-fn harmonics_that_matter(branches: &[&Branch]) -> usize {
+fn harmonics_that_matter(branches: &[&Branch], sensors: usize) -> usize {
     let computed = branches.iter().map(|branch| branch.harmonics).max().unwrap_or(1);
     let points = || branches.iter().flat_map(|branch| &branch.points);
+    let above = |point: &PeriodicResponse, sensor: usize, k: usize| {
+        let amplitude = |k: usize| point.at_sensor(sensor, k).norm();
+        amplitude(k) > MATTERS * amplitude(1)
+    };
     let matters =
-        |k: usize| points().any(|point| point.amplitude(k) > MATTERS * point.amplitude(1));
+        |k: usize| points().any(|point| (0..sensors).any(|sensor| above(point, sensor, k)));
     (1..=computed).rev().find(|&k| matters(k)).unwrap_or(1).max(computed.min(2))
 }
 
 /// `steady_time.csv`: a row per frequency of every stepped sine by time integration, in its order.
-pub fn steady_time_table(sweeps: &[TimeSweep]) -> DataTable {
+pub fn steady_time_table(steady: &Steady) -> DataTable {
+    let sweeps: &[TimeSweep] = &steady.time_sweeps;
     let rows: Vec<_> = sweeps
         .iter()
         .flat_map(|sweep| {
@@ -86,7 +106,10 @@ pub fn steady_time_table(sweeps: &[TimeSweep]) -> DataTable {
         .collect();
     let texts = rows.iter().map(|(sweep, _)| sweep.direction().to_owned());
     DataTable::new()
-        .with("force_n", rows.iter().map(|(sweep, _)| sweep.force_n).collect::<Vec<f64>>())
+        .with(
+            load_name(steady.is_base_motion),
+            rows.iter().map(|(sweep, _)| sweep.force_n).collect::<Vec<f64>>(),
+        )
         .with("direction", texts.collect::<Vec<String>>())
         .with("frequency_hz", rows.iter().map(|row| row.1.frequency_hz).collect::<Vec<f64>>())
         .with("amplitude_1_m", rows.iter().map(|row| row.1.amplitude_1_m).collect::<Vec<f64>>())
@@ -99,7 +122,7 @@ pub fn steady_time_table(sweeps: &[TimeSweep]) -> DataTable {
 
 /// `backbone.csv`: a row per point of both backbones. Modes have a damping ratio, phase resonances
 /// a force.
-pub fn backbone_table(backbones: &Backbones) -> DataTable {
+pub fn backbone_table(backbones: &Backbones, base: bool) -> DataTable {
     let named = [("phase_resonance", &backbones.phase_resonance), ("mode", &backbones.mode)];
     let rows: Vec<(&str, i64, &PeriodicResponse)> = named
         .into_iter()
@@ -115,14 +138,22 @@ pub fn backbone_table(backbones: &Backbones) -> DataTable {
     DataTable::new()
         .with("backbone", names.collect::<Vec<String>>())
         .with("point", rows.iter().map(|row| row.1).collect::<Vec<i64>>())
-        .with("force_n", column(&|mode, point| if mode { f64::NAN } else { point.force }))
+        .with(load_name(base), column(&|mode, point| if mode { f64::NAN } else { point.force }))
         .with("frequency_hz", column(&|_, point| point.frequency_hz()))
-        .with("amplitude_1_m", column(&|_, point| point.amplitude(1)))
-        .with("displacement_ratio", column(&|_, point| point.displacement_ratio()))
+        .with("amplitude_1_m", column(&|_, point| point.at_sensor(0, 1).norm()))
+        .with(
+            "displacement_ratio",
+            column(&|_, point| (point.at_sensor(0, 2) / point.at_sensor(0, 1)).norm()),
+        )
         .with(
             "damping_ratio",
             column(&|mode, point| if mode { point.damping_ratio() } else { f64::NAN }),
         )
         .with("modal_amplitude_m_sqrt_kg", column(&|_, point| point.modal_amplitude()))
         .with("contact_lost", rows.iter().map(|row| row.2.contact_lost()).collect::<Vec<bool>>())
+}
+
+/// Name of the column of the load's amplitude.
+fn load_name(base: bool) -> &'static str {
+    if base { "base_acceleration_m_per_s2" } else { "force_n" }
 }
