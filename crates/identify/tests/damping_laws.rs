@@ -114,7 +114,7 @@ fn measured_and_predicted_backbones_agree() {
         let truth = scenario.pointer(pointers[0]).and_then(Value::as_f64).unwrap();
         document.set("/method", r#"{"kind": "finite_difference", "cell_m": 0.001}"#).unwrap();
         let run = simulate(&document, &document.scenario().unwrap()).unwrap();
-        let record = measurement_record(&run.transient.history, RATE, None);
+        let record = measurement_record(&run, None);
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("hit.uff");
         let options = WriteOptions::default();

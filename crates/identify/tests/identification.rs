@@ -156,7 +156,7 @@ fn records_receptances_and_backbones_give_back_the_parameters() {
     document.set("/output_rate_hz", "100000").unwrap();
     document.set("/excitation/peak_n", "15").unwrap();
     let run = simulate(&document, &document.scenario().unwrap()).unwrap();
-    let record = measurement_record(&run.transient.history, 1e5, None);
+    let record = measurement_record(&run, None);
     let options = WriteOptions::default();
     let uff = folder.path().join("hit.uff");
     write(&uff, std::slice::from_ref(&record), Format::UniversalBinary, &options).unwrap();
@@ -169,7 +169,7 @@ fn records_receptances_and_backbones_give_back_the_parameters() {
     let analysis = analyse(std::slice::from_ref(&uff), &analysed).unwrap();
     let write_text = |name: &str, text: String| std::fs::write(folder.path().join(name), text);
     write_text("backbone.csv", analysis.responses[0].backbone_table().to_csv()).unwrap();
-    let frf = asperity_simulation::run::receptance(&run).unwrap().unwrap();
+    let frf = asperity_simulation::record::frf_columns(&run).unwrap().unwrap();
     write_text("frf.csv", asperity_simulation::record::frf_csv(&frf)).unwrap();
 
     let scenario = document.value().clone();

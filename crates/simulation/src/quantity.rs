@@ -521,7 +521,7 @@ mod tests {
     #[test]
     fn names_are_unique_and_lead_back_to_their_quantity() {
         let interfaces = ["a.b", "c"];
-        let names = observable_names(&interfaces);
+        let names = observable_names(&interfaces, &[], false);
         let mut sorted = names.clone();
         sorted.sort();
         sorted.dedup();

@@ -35,7 +35,7 @@ fn scenarios_that_were_wrong_are_right_without_a_setting() {
         assert!(run.summary.accuracy.as_ref().unwrap().reached, "{name}");
         let interfaces: Vec<&str> =
             run.summary.interfaces.iter().map(|interface| interface.name.as_str()).collect();
-        let names = asperity_simulation::quantity::observable_names(&interfaces);
+        let names = asperity_simulation::quantity::observable_names(&interfaces, &[], false);
         let mut compared = 0;
         for truth in truths[name].as_array().unwrap() {
             let (Some(value), Some(scale)) = (truth["value"].as_f64(), truth["scale"].as_f64())
@@ -89,7 +89,7 @@ fn finite_differences_state_their_error() {
             "interfaces.sample-disc.pressure_min_pa",
         ] {
             let names =
-                asperity_simulation::quantity::observable_names(&["guide-sample", "sample-disc"]);
+                asperity_simulation::quantity::observable_names(&["guide-sample", "sample-disc"], &[], false);
             let place = names.iter().position(|name| name == observable).unwrap();
             let error = (run.observables.values[place] - truth.values[place]).abs();
             let stated = estimate.errors[place];

@@ -67,7 +67,7 @@ impl Truth {
             document.set("/excitation/peak_n", &peak.to_string()).unwrap();
             let typed = document.scenario().unwrap();
             let history = simulate(&document, &typed).unwrap().transient.history;
-            (*peak, history.load, history.sensors[0].acceleration)
+            (*peak, history.load, history.sensors[0].acceleration.clone())
         });
         let hits = hits.collect();
         let rate = document.value()["output_rate_hz"].as_f64().unwrap();

@@ -7,7 +7,7 @@ use std::sync::LazyLock;
 
 use asperity_scenario::{
     ContactScheme, Damping, DampingSpec, Document, DocumentError, ExcitationSpec,
-    FiniteDifferenceSpec, ForceSamples, LawRef, LawSpec, MethodSpec, ModalDampingSpec, ModalSpec,
+    FiniteDifferenceSpec, LawRef, LawSpec, MethodSpec, ModalDampingSpec, ModalSpec,
     RayleighSpec, Scenario, SectionSpec, SupportSpec, SyntaxFault, check_schema, scenario_schema,
     validate,
 };
@@ -86,10 +86,10 @@ fn omitted_values_take_their_defaults() {
 #[test]
 fn measured_samples_are_found_in_the_folder_of_the_scenario() {
     let document = Document::read(format!("{FOLDER}/measured-hammer.json")).unwrap();
-    let ExcitationSpec::Samples { file, peak_n } = document.scenario().unwrap().excitation else {
+    let ExcitationSpec::Samples { file, peak_n, .. } = document.scenario().unwrap().excitation else {
         panic!("the fixture is excited by samples");
     };
-    let samples = ForceSamples::read(&document.folder().join(file)).unwrap();
+    let samples = asperity_scenario::LoadSamples::read(&document.folder().join(file), "force_n").unwrap();
     assert!(samples.peak_n() > 15.0 && samples.time_s.len() > 300);
     let rescaled = samples.rescaled(peak_n.unwrap()).unwrap();
     assert!((rescaled.peak_n() - 20.0).abs() < 1e-12);

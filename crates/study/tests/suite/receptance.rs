@@ -31,7 +31,7 @@ fn columns_are_the_receptance_of_each_run() {
             scenario["excitation"]["peak_n"] = row[0].clone();
             let document = Document::parse(&scenario.to_string(), damped).unwrap();
             let alone = simulate(&document, &document.scenario().unwrap()).unwrap();
-            let frf = receptance(&alone).unwrap().unwrap();
+            let frf = receptance(&alone, 0).unwrap().unwrap();
             let found = found.unwrap().frf;
             assert_eq!(found.len(), 41);
             let magnitude = frf.magnitude();
