@@ -61,7 +61,7 @@ fn compute(rig: &Rig) -> Result<Computed> {
 }
 
 /// The observables of a run from its summary, and by way of a file.
-fn both_paths(run: &Run) -> Result<(Observed, Observed)> {
+fn both_paths(_: &Case, run: &Run) -> Result<(Observed, Observed)> {
     let summary = &run.summary;
     let first = summary.fundamental.context("the run has no fundamental")?;
     let ratio = summary.harmonic_ratio.context("the run has no second harmonic")?;

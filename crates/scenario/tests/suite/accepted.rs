@@ -90,9 +90,9 @@ fn measured_samples_are_found_in_the_folder_of_the_scenario() {
         panic!("the fixture is excited by samples");
     };
     let samples = asperity_scenario::LoadSamples::read(&document.folder().join(file), "force_n").unwrap();
-    assert!(samples.peak_n() > 15.0 && samples.time_s.len() > 300);
+    assert!(samples.peak() > 15.0 && samples.time_s.len() > 300);
     let rescaled = samples.rescaled(peak_n.unwrap()).unwrap();
-    assert!((rescaled.peak_n() - 20.0).abs() < 1e-12);
+    assert!((rescaled.peak() - 20.0).abs() < 1e-12);
 }
 
 #[test]
