@@ -88,8 +88,11 @@ fn finite_differences_state_their_error() {
             "interfaces.guide-sample.pressure_min_pa",
             "interfaces.sample-disc.pressure_min_pa",
         ] {
-            let names =
-                asperity_simulation::quantity::observable_names(&["guide-sample", "sample-disc"], &[], false);
+            let names = asperity_simulation::quantity::observable_names(
+                &["guide-sample", "sample-disc"],
+                &[],
+                false,
+            );
             let place = names.iter().position(|name| name == observable).unwrap();
             let error = (run.observables.values[place] - truth.values[place]).abs();
             let stated = estimate.errors[place];

@@ -4,13 +4,14 @@
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-use asperity_dynamics::{Excitation, Modal, Sampling};
+use asperity_dynamics::{Modal, Sampling};
 use asperity_harmonic::{
     Compliance, ContactSystem, Continuation, Drive, Floquet, FourierResolution, HarmonicSettings,
     LawEvaluation, LinearSystem, SteppedSine, linear_receptance, trace,
 };
 use asperity_law::{Constant, ContactDamping};
 use asperity_mesh::{Body, BodyDamping, Interface, ModeCount, Port, Stack, Support};
+use asperity_structure::{LoadCase, TimeFunction};
 use num_complex::Complex64;
 
 use crate::integration::harmonic;
@@ -133,10 +134,10 @@ fn steady_responses_with_damped_bodies_meet_the_integration_in_time() {
     let sampling =
         Sampling::new(f64::from(periods) / frequency_hz, f64::from(samples) * frequency_hz)
             .unwrap();
-    let shaker = Excitation::Harmonic { amplitude: force, frequency: frequency_hz };
+    let shaker = LoadCase::force(TimeFunction::Harmonic { frequency: frequency_hz }, force);
     let method = Modal { step: Some(1e-6), modes_per_body: Some(6), ..Modal::default() };
-    let run = method.integrate(&structure, &shaker, &sampling).unwrap();
-    let all = &run.history.displacement;
+    let run = method.integrate(&structure, &shaker, &[Port::TOP], &sampling).unwrap();
+    let all = &run.history.sensors[0].displacement;
     let expected = harmonic(&all[all.len() - samples as usize..], 1);
     let off = found.displacement.norm() / expected - 1.0;
     assert!(off.abs() < 2e-5, "{off}");

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-use asperity_dynamics::{Excitation, FiniteDifference, Modal, Sampling};
+use asperity_dynamics::{FiniteDifference, Modal, Sampling};
 use asperity_harmonic::{
     ContactSystem, Continuation, Drive, FourierResolution, HarmonicSettings, LawEvaluation,
     LinearSystem, RigidMass, SteppedSine, trace,
@@ -13,7 +13,7 @@ use asperity_mesh::{
     Body, ComponentModes, Interface, ModeCount, NormalMode, Port, PortPair, ResidualFlexibility,
     Stack, Support,
 };
-use asperity_structure::{Damping, PreloadedContact, PreloadedStructure};
+use asperity_structure::{Damping, LoadCase, PreloadedContact, PreloadedStructure, TimeFunction};
 use num_complex::Complex64;
 
 use crate::integration::harmonic;
@@ -110,15 +110,15 @@ fn integrated(structure: &PreloadedStructure, drive: Drive, finite: bool) -> [f6
     let Drive { frequency_hz, force } = drive;
     let periods = 200.0;
     let sampling = Sampling::new(periods / frequency_hz, SAMPLES as f64 * frequency_hz).unwrap();
-    let excitation = Excitation::Harmonic { amplitude: force, frequency: frequency_hz };
+    let excitation = LoadCase::force(TimeFunction::Harmonic { frequency: frequency_hz }, force);
     let history = if finite {
         let cells = FiniteDifference { cell: 5e-4, ..FiniteDifference::default() };
-        cells.integrate(structure, &excitation, &sampling).unwrap().history
+        cells.integrate(structure, &excitation, &[Port::TOP], &sampling).unwrap().history
     } else {
         let modes = Modal { modes_per_body: Some(8), step: Some(5e-7), ..Modal::default() };
-        modes.integrate(structure, &excitation, &sampling).unwrap().history
+        modes.integrate(structure, &excitation, &[Port::TOP], &sampling).unwrap().history
     };
-    let all = history.displacement;
+    let all = &history.sensors[0].displacement;
     let last = &all[all.len() - SAMPLES..];
     [harmonic(last, 1), harmonic(last, 2)]
 }

@@ -2,13 +2,13 @@
 
 use std::f64::consts::TAU;
 
-use asperity_dynamics::{Excitation, FiniteDifference, Sampling};
+use asperity_dynamics::{FiniteDifference, Sampling};
 use asperity_harmonic::{
     ContactSystem, Continuation, FourierResolution, HarmonicSettings, LawEvaluation, Termination,
     trace,
 };
-use asperity_mesh::Support;
-use asperity_structure::{Damping, PreloadedStructure};
+use asperity_mesh::{Port, Support};
+use asperity_structure::{Damping, LoadCase, PreloadedStructure, TimeFunction};
 
 use crate::integration::harmonic;
 use crate::rigs::{Law, exponential, modified, power, preloaded, rig};
@@ -29,9 +29,9 @@ fn damped(law: &Law) -> PreloadedStructure {
 fn integrated(law: &Law, force: f64, frequency: f64, cell: f64) -> ([f64; 2], f64) {
     let method = FiniteDifference { cell, ..FiniteDifference::default() };
     let sampling = Sampling::new(PERIODS as f64 / frequency, SAMPLES as f64 * frequency).unwrap();
-    let shaker = Excitation::Harmonic { amplitude: force, frequency };
-    let done = method.integrate(&damped(law), &shaker, &sampling).unwrap();
-    let last = &done.history.displacement[(PERIODS - 1) * SAMPLES..];
+    let shaker = LoadCase::force(TimeFunction::Harmonic { frequency }, force);
+    let done = method.integrate(&damped(law), &shaker, &[Port::TOP], &sampling).unwrap();
+    let last = &done.history.sensors[0].displacement[(PERIODS - 1) * SAMPLES..];
     ([harmonic(last, 1), harmonic(last, 2)], done.step)
 }
 

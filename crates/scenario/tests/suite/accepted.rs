@@ -7,9 +7,8 @@ use std::sync::LazyLock;
 
 use asperity_scenario::{
     ContactScheme, Damping, DampingSpec, Document, DocumentError, ExcitationSpec,
-    FiniteDifferenceSpec, LawRef, LawSpec, MethodSpec, ModalDampingSpec, ModalSpec,
-    RayleighSpec, Scenario, SectionSpec, SupportSpec, SyntaxFault, check_schema, scenario_schema,
-    validate,
+    FiniteDifferenceSpec, LawRef, LawSpec, MethodSpec, ModalDampingSpec, ModalSpec, RayleighSpec,
+    Scenario, SectionSpec, SupportSpec, SyntaxFault, check_schema, scenario_schema, validate,
 };
 use proptest::prelude::*;
 use serde_json::{Value, json};
@@ -86,10 +85,12 @@ fn omitted_values_take_their_defaults() {
 #[test]
 fn measured_samples_are_found_in_the_folder_of_the_scenario() {
     let document = Document::read(format!("{FOLDER}/measured-hammer.json")).unwrap();
-    let ExcitationSpec::Samples { file, peak_n, .. } = document.scenario().unwrap().excitation else {
+    let ExcitationSpec::Samples { file, peak_n, .. } = document.scenario().unwrap().excitation
+    else {
         panic!("the fixture is excited by samples");
     };
-    let samples = asperity_scenario::LoadSamples::read(&document.folder().join(file), "force_n").unwrap();
+    let samples =
+        asperity_scenario::LoadSamples::read(&document.folder().join(file), "force_n").unwrap();
     assert!(samples.peak() > 15.0 && samples.time_s.len() > 300);
     let rescaled = samples.rescaled(peak_n.unwrap()).unwrap();
     assert!((rescaled.peak() - 20.0).abs() < 1e-12);
