@@ -2,7 +2,6 @@
 
 use asperity_law::CompiledLaw;
 use asperity_scenario::Document;
-use asperity_simulation::assemble::build_law;
 use serde_json::Value;
 
 use crate::documents::BASE;
@@ -30,7 +29,7 @@ pub fn law(bytes: &[u8]) {
     document.set("/interfaces/0/law", &text).expect("a scenario has an interface");
     // Parameters that a scenario refuses do not reach a law.
     let Ok(scenario) = document.scenario() else { return };
-    let law = match build_law(&scenario.interfaces[0].law, &scenario.laws, static_pressure) {
+    let law = match scenario.laws.build(&scenario.interfaces[0].law, static_pressure) {
         Ok(law) => law,
         Err(error) => return assert!(!error.to_string().is_empty()),
     };

@@ -1,5 +1,6 @@
 //! Numbers, laws and small scenarios from bytes.
 
+use asperity_law::{Draw, LawSpec};
 use serde_json::{Value, json};
 
 /// A stream of numbers; zeros follow its end.
@@ -19,8 +20,7 @@ impl<'a> Numbers<'a> {
 
     /// A number from `low` to `high`, evenly in its logarithm.
     pub fn between(&mut self, low: f64, high: f64) -> f64 {
-        let share = f64::from(u16::from_le_bytes([self.byte(), self.byte()])) / 65535.0;
-        low * (high / low).powf(share)
+        low * (high / low).powf(self.unit())
     }
 
     /// Any positive number, most of them within 1e-15 to 1e15.
@@ -40,53 +40,27 @@ impl<'a> Numbers<'a> {
         first
     }
 
-    /// A contact law as JSON, sensible near `pressure` \[Pa\] with `stiffness` \[Pa/m\], or of any
-    /// numbers.
+    /// A contact law of the list of all kinds as JSON, sensible near `pressure` \[Pa\] with `stiffness`
+    /// \[Pa/m\], or with some numbers replaced by any others.
     pub fn law(&mut self, pressure: f64, stiffness: f64) -> Value {
-        self.nested_law(pressure, stiffness, 3)
-    }
-
-    fn nested_law(&mut self, pressure: f64, stiffness: f64, depth: usize) -> Value {
         let wild = self.below(4) == 0;
-        let mut near = |value: f64, spread: f64| {
-            if wild { self.positive() } else { value * self.between(1.0 / spread, spread) }
-        };
-        let (stiffness, pressure) = (near(stiffness, 100.0), near(pressure, 100.0));
-        let exponent = near(0.5, 4.0);
-        let coefficient = if wild { near(1.0, 1.0) } else { stiffness / pressure.powf(exponent) };
-        match self.below(if depth == 0 { 7 } else { 8 }) {
-            0 => json!({"kind": "constant", "stiffness_pa_per_m": stiffness}),
-            1 => json!({"kind": "constant", "stiffness_pa_per_m": stiffness, "unilateral": true}),
-            2 => json!({"kind": "power", "coefficient": coefficient, "exponent": exponent}),
-            3 => {
-                let top = coefficient * pressure.powf(exponent);
-                let knots = self.points(pressure, top);
-                json!({"kind": "modified_power", "coefficient": coefficient, "exponent": exponent,
-                       "transition_pa": pressure, "knots": knots})
-            }
-            4 => json!({"kind": "exponential", "length_m": pressure / stiffness}),
-            5 => json!({"kind": "hyperbolic", "stiffness_pa_per_m": stiffness,
-                        "closure_limit_m": pressure / stiffness}),
-            6 => json!({"kind": "table", "points": self.points(10.0 * pressure, stiffness)}),
-            _ => {
-                let law = self.nested_law(pressure, stiffness, depth - 1);
-                json!({"kind": "in_series", "law": law, "stiffness_pa_per_m": stiffness})
-            }
+        let law = LawSpec::sample(self, pressure, stiffness, 3);
+        let mut law = serde_json::to_value(law).expect("a law has a JSON form");
+        if wild {
+            self.replace_some(&mut law);
         }
+        law
     }
 
-    /// One to eight pairs of increasing pressure and stiffness, below these.
-    fn points(&mut self, pressure: f64, stiffness: f64) -> Vec<[f64; 2]> {
-        let count = 1 + self.below(8);
-        let (mut p, mut k) = (0.0, stiffness * self.between(1e-6, 0.1));
-        (0..count)
-            .map(|_| {
-                let point = [p, k];
-                p += (pressure - p) * self.between(1e-6, 0.9);
-                k += (stiffness - k) * self.between(1e-6, 0.9);
-                point
-            })
-            .collect()
+    fn replace_some(&mut self, value: &mut Value) {
+        match value {
+            Value::Number(_) if self.below(2) == 0 => *value = json!(self.positive()),
+            Value::Array(values) => values.iter_mut().for_each(|value| self.replace_some(value)),
+            Value::Object(entries) => {
+                entries.values_mut().for_each(|value| self.replace_some(value));
+            }
+            _ => {}
+        }
     }
 
     /// A scenario of one to three bodies with a short run, as JSON.
@@ -134,5 +108,11 @@ impl<'a> Numbers<'a> {
             "output_rate_hz": output_rate_hz,
             "duration_s": self.between(20.0, 300.0) / output_rate_hz,
         })
+    }
+}
+
+impl Draw for Numbers<'_> {
+    fn unit(&mut self) -> f64 {
+        f64::from(u16::from_le_bytes([self.byte(), self.byte()])) / 65536.0
     }
 }

@@ -3,17 +3,9 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::constant::ConstantSpec;
 use crate::draw::{Draw, rounded};
-use crate::exponential::ExponentialSpec;
-use crate::greenwood_williamson::GreenwoodWilliamsonSpec;
-use crate::hyperbolic::HyperbolicSpec;
 use crate::in_series::InSeriesSpec;
 use crate::law_form::{LawFault, LawForm};
-use crate::modified_power::ModifiedPowerSpec;
-use crate::persson::PerssonSpec;
-use crate::power::PowerSpec;
-use crate::tabulated::TableSpec;
 
 /// A random law with about a stiffness \[Pa/m\] at a pressure \[Pa\]; see [`LawForm::sample`].
 pub type Sampler = fn(draw: &mut dyn Draw, pressure: f64, stiffness: f64) -> LawSpec;
@@ -55,14 +47,14 @@ macro_rules! kinds {
 // One line a kind. The schema, the conformance suite, the campaign of random scenarios and the fuzzers
 // draw from this list.
 kinds! {
-    Constant(ConstantSpec),
-    Power(PowerSpec),
-    ModifiedPower(ModifiedPowerSpec),
-    Exponential(ExponentialSpec),
-    Hyperbolic(HyperbolicSpec),
-    GreenwoodWilliamson(GreenwoodWilliamsonSpec),
-    Persson(PerssonSpec),
-    Table(TableSpec),
+    Constant(crate::constant::ConstantSpec),
+    Power(crate::power::PowerSpec),
+    ModifiedPower(crate::modified_power::ModifiedPowerSpec),
+    Exponential(crate::exponential::ExponentialSpec),
+    Hyperbolic(crate::hyperbolic::HyperbolicSpec),
+    GreenwoodWilliamson(crate::greenwood_williamson::GreenwoodWilliamsonSpec),
+    Persson(crate::persson::PerssonSpec),
+    Table(crate::tabulated::TableSpec),
 }
 
 impl LawSpec {

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::contact_law::quadrature::gauss;
+use crate::contact_law::quadrature::{gauss, work_between};
 use crate::contact_law::{ContactLaw, Pressure, refine_increment};
 use crate::domain::{Domain, no_less};
 use crate::draw::{Draw, rounded};
@@ -31,6 +31,9 @@ const CLOSE: f64 = 0.7;
 
 /// The same for increments that Newton steps find from the tangent.
 const SMALL: f64 = 1e-3;
+
+/// Pressure over `E* T` beyond which the length g is zero: faces in contact everywhere.
+const FULL: f64 = 27.3;
 
 /// Newton steps of the pressure at most.
 const ITERATIONS: usize = 80;
@@ -295,6 +298,16 @@ impl ContactLaw for Persson {
             return refine_increment(self, from, closure_increment, guess);
         }
         self.state(guess, from + guess)
+    }
+
+    /// Finite at full contact too, as dd = g dp / p.
+    fn energy(&self, closure: f64) -> f64 {
+        let pressure = self.pressure(closure).value;
+        if pressure.is_nan() || closure > self.reference_gap {
+            return if closure.is_nan() { closure } else { pressure };
+        }
+        let full = FULL * self.modulus * self.slope;
+        work_between(self, self.reference_pressure, pressure.min(full))
     }
 }
 

@@ -7,31 +7,11 @@
 mod scanner;
 mod syntax;
 
-use std::collections::{BTreeSet, HashMap};
-use std::ops::Range;
+use std::collections::BTreeSet;
 
+pub use scanner::MAX_NESTING;
+pub(crate) use scanner::Places;
 pub use syntax::{ExpectedToken, SyntaxError, SyntaxFault};
-
-/// Deepest accepted nesting of arrays and objects.
-pub const MAX_NESTING: usize = 100;
-
-/// Place of a value in the text.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct Place {
-    /// Bytes of the key with its quotes; `None` for array items and the whole document.
-    pub key: Option<Range<usize>>,
-    /// Bytes of the value.
-    pub value: Range<usize>,
-}
-
-/// Places found by a scan.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub(crate) struct Places {
-    /// Places of the wanted pointers that exist.
-    pub found: HashMap<String, Place>,
-    /// Pointers of keys written more than once in their object, with the bytes of the repetition.
-    pub repeated: Vec<(String, Range<usize>)>,
-}
 
 /// Scans a JSON text for the places of the `wanted` pointers (of a repeated key, the last one) and
 /// for repeated keys.
@@ -42,17 +22,9 @@ pub(crate) fn locate(text: &str, wanted: &BTreeSet<&str>) -> Result<Places, Synt
     scanner::scan(text, wanted)
 }
 
-/// Line and column of a byte of the text, both from 1; columns count characters.
-fn line_and_column(text: &str, offset: usize) -> (usize, usize) {
-    let before = text.get(..offset).unwrap_or(text);
-    let line = before.matches('\n').count() + 1;
-    let start = before.rfind('\n').map_or(0, |newline| newline + 1);
-    let column = before.get(start..).map_or(0, |line| line.chars().count()) + 1;
-    (line, column)
-}
-
 #[cfg(test)]
 mod tests {
+    use super::scanner::line_and_column;
     use super::*;
 
     #[test]

@@ -6,6 +6,7 @@
 
 mod accepted;
 mod union;
+mod walker;
 
 use serde_json::{Map, Value};
 
@@ -14,6 +15,7 @@ use crate::fault::Fault;
 use crate::pointer::JsonPointer;
 use crate::suggest::nearest;
 use crate::wording::{brief, found, number};
+use walker::{Walker, has_type};
 
 /// Checks a JSON value against a schema generated from a Rust type, and returns all faults; of more
 /// than [`MAX_FAULTS`] the first.
@@ -30,11 +32,6 @@ pub fn check_schema(schema: &Value, document: &Value) -> Vec<Diagnostic> {
     let mut walker = Walker { root: schema, found: Vec::new() };
     walker.node(schema, document, &JsonPointer::root());
     walker.found
-}
-
-struct Walker<'s> {
-    root: &'s Value,
-    found: Vec<Diagnostic>,
 }
 
 impl<'s> Walker<'s> {
@@ -171,23 +168,6 @@ impl<'s> Walker<'s> {
     fn target(&self, node: &Value) -> Option<&'s Value> {
         let reference = node.get("$ref")?.as_str()?;
         self.root.pointer(reference.strip_prefix('#')?)
-    }
-}
-
-/// True where `value` has the JSON Schema type `kind`.
-///
-/// JSON Schema accepts 1.0 as an integer and serde does not, so an integer is written without a
-/// fraction.
-fn has_type(value: &Value, kind: &str) -> bool {
-    match kind {
-        "null" => value.is_null(),
-        "boolean" => value.is_boolean(),
-        "object" => value.is_object(),
-        "array" => value.is_array(),
-        "number" => value.is_number(),
-        "integer" => value.is_i64() || value.is_u64(),
-        "string" => value.is_string(),
-        _ => false,
     }
 }
 

@@ -58,7 +58,7 @@ pub fn every_law() -> Vec<(&'static str, Law)> {
     ]
 }
 
-/// Persson's law, of stiffness 1e12 Pa/m at 1.4e5 Pa.
+/// An exponential law of stiffness 1e12 Pa/m at 1.4e5 Pa.
 pub fn exponential() -> Law {
     Arc::new(Exponential::new(1.4e-7, 1.4e5).unwrap())
 }

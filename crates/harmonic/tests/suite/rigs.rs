@@ -60,7 +60,7 @@ pub(crate) fn modified() -> Law {
     Arc::new(ModifiedPower::new(1.81e10, 0.35, 2e5, &knots).unwrap())
 }
 
-/// Persson's law, of stiffness 1e12 Pa/m at 1.4e5 Pa.
+/// An exponential law of stiffness 1e12 Pa/m at 1.4e5 Pa.
 pub(crate) fn exponential() -> Law {
     Arc::new(Exponential::new(1.4e-7, 1.4e5).unwrap())
 }

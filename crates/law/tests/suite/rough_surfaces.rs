@@ -131,3 +131,20 @@ fn persson_tends_to_an_exponential_law_at_low_pressures_and_to_contact_everywher
     let ratio = law(1.0).stiffness(1e8) / law(1.0 - 1e-9).stiffness(1e8);
     assert!((ratio - 1.0).abs() < 1e-7, "{ratio}");
 }
+
+/// The energy of full contact, where the pressure is infinite, is finite.
+#[test]
+fn persson_has_an_energy_at_full_contact() {
+    let law = Persson::new(4.179e-4, 0.9085, [153.3, 65_520.0], 3.754e11, 1e5).unwrap();
+    let limit = law.domain().closure_limit;
+    let full = law.energy(limit);
+    assert_eq!(law.closure(1e14), limit);
+    let mut last = f64::NEG_INFINITY;
+    for pressure in [1e4, 1e6, 1e9, 1e11, 1e12, 1e13] {
+        let energy = law.energy(law.closure(pressure));
+        assert!(energy >= last && energy <= full * (1.0 + 1e-12), "{pressure}: {energy}");
+        last = energy;
+    }
+    assert!(full.is_finite() && full > 0.0);
+    assert_eq!(law.energy(2.0 * limit), f64::INFINITY);
+}

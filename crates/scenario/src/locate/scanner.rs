@@ -1,12 +1,33 @@
 //! Recursive scan of a JSON text, which builds no values.
 
-use std::collections::{BTreeSet, HashSet};
+use std::collections::{BTreeSet, HashMap, HashSet};
 use std::ops::Range;
 
-use super::{ExpectedToken, MAX_NESTING, Place, Places, SyntaxError, SyntaxFault, line_and_column};
+use super::syntax::{ExpectedToken, SyntaxError, SyntaxFault};
 use crate::pointer;
 
-/// Scans the text; see [`super::locate`].
+/// Deepest accepted nesting of arrays and objects.
+pub const MAX_NESTING: usize = 100;
+
+/// Place of a value in the text.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Place {
+    /// Bytes of the key with its quotes; `None` for array items and the whole document.
+    pub key: Option<Range<usize>>,
+    /// Bytes of the value.
+    pub value: Range<usize>,
+}
+
+/// Places found by a scan.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub(crate) struct Places {
+    /// Places of the wanted pointers that exist.
+    pub found: HashMap<String, Place>,
+    /// Pointers of keys written more than once in their object, with the bytes of the repetition.
+    pub repeated: Vec<(String, Range<usize>)>,
+}
+
+/// Scans the text, as `locate` does.
 pub(super) fn scan(text: &str, wanted: &BTreeSet<&str>) -> Result<Places, SyntaxError> {
     let mut scanner =
         Scanner { text, at: 0, pointer: String::new(), wanted, places: Places::default() };
@@ -262,4 +283,13 @@ impl Scanner<'_> {
             self.at += 1;
         }
     }
+}
+
+/// Line and column of a byte of the text, both from 1; columns count characters.
+pub(super) fn line_and_column(text: &str, offset: usize) -> (usize, usize) {
+    let before = text.get(..offset).unwrap_or(text);
+    let line = before.matches('\n').count() + 1;
+    let start = before.rfind('\n').map_or(0, |newline| newline + 1);
+    let column = before.get(start..).map_or(0, |line| line.chars().count()) + 1;
+    (line, column)
 }

@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use super::Walker;
+use super::walker::Walker;
 use crate::fault::Bound;
 use crate::wording::{brief, list};
 

@@ -48,7 +48,7 @@ pub(crate) fn every_law() -> Vec<(&'static str, Law)> {
     ]
 }
 
-/// Persson's law, of stiffness 1e12 Pa/m at 1.4e5 Pa.
+/// An exponential law of stiffness 1e12 Pa/m at 1.4e5 Pa.
 pub(crate) fn exponential() -> Law {
     Arc::new(Exponential::new(1.4e-7, 1.4e5).unwrap())
 }
