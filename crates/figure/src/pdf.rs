@@ -3,14 +3,12 @@
 use crate::{
     FigureError,
     markup::PX_PER_PT,
-    pdf_font::{FontResources, Fonts},
+    pdf_font::{FontResources, Fonts, deflated},
     svg,
 };
-use flate2::{Compression, write::ZlibEncoder};
 use pdf_writer::types::{LineCapStyle, LineJoinStyle, TextRenderingMode};
 use pdf_writer::{Content, Filter, Finish, Name, Pdf, Rect, Ref, Str};
 use resvg::usvg::{self, Group, Node, Paint, tiny_skia_path};
-use std::io::Write as _;
 use tiny_skia_path::{PathSegment, Transform};
 
 /// The catalogue, the page tree, the page and its content; fonts follow.
@@ -60,13 +58,6 @@ pub fn svg_to_pdf(svg: &str) -> Result<Vec<u8>, FigureError> {
     described.finish();
     pdf.stream(CONTENT, &deflated(&page.content.finish())?).filter(Filter::FlateDecode);
     Ok(pdf.finish())
-}
-
-/// Data as a stream of zlib.
-pub(crate) fn deflated(data: &[u8]) -> Result<Vec<u8>, FigureError> {
-    let mut encoder = ZlibEncoder::new(Vec::new(), Compression::best());
-    let done = encoder.write_all(data).and_then(|()| encoder.finish());
-    done.map_err(|error| FigureError::Encoding { reason: error.to_string() })
 }
 
 /// The page being drawn.

@@ -1,11 +1,13 @@
 //! The bundled fonts in a PDF: embedded where a glyph of them is shown, with widths and characters.
 
-use crate::{FigureError, pdf::deflated, text};
+use crate::{FigureError, text};
+use flate2::{Compression, write::ZlibEncoder};
 use pdf_writer::types::{CidFontType, FontFlags, SystemInfo, UnicodeCmap};
 use pdf_writer::{Filter, Finish, Name, Pdf, Rect, Ref, Str};
 use resvg::usvg::{self, fontdb, layout::PositionedGlyph};
 use skrifa::{FontRef, GlyphId, MetadataProvider as _, instance::LocationRef, instance::Size};
 use std::collections::BTreeMap;
+use std::io::Write as _;
 
 /// Objects of one font.
 const OBJECTS: i32 = 5;
@@ -156,4 +158,11 @@ fn write(
     }
     pdf.cmap(characters, &map.finish()).system_info(SYSTEM);
     Ok(())
+}
+
+/// Data as a stream of zlib.
+pub(crate) fn deflated(data: &[u8]) -> Result<Vec<u8>, FigureError> {
+    let mut encoder = ZlibEncoder::new(Vec::new(), Compression::best());
+    let done = encoder.write_all(data).and_then(|()| encoder.finish());
+    done.map_err(|error| FigureError::Encoding { reason: error.to_string() })
 }

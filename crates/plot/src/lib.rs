@@ -19,7 +19,7 @@
 //!
 //! ```
 //! # use asperity_scenario::Document;
-//! let scenario = Document::read("../study/examples/block.json")?.scenario()?;
+//! let scenario = Document::read("../simulation/examples/block.json")?.scenario()?;
 //! let tables = asperity_simulation::tabulate(&scenario)?;
 //! let svg = asperity_plot::laws(&tables).to_svg();
 //! assert!(svg.contains("Contact stiffness"));

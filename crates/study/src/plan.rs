@@ -34,7 +34,7 @@ const RESULTS_VERSION: u32 = 2;
 ///               "distribution": {"kind": "uniform", "lower": 2, "upper": 14}}],
 ///   "design": {"kind": "sobol", "rows": 8}
 /// }"#;
-/// let plan = StudyPlan::of(Document::parse(text, "../study/examples/study.json")?)?;
+/// let plan = StudyPlan::of(Document::parse(text, "../simulation/examples/study.json")?)?;
 /// assert_eq!((plan.rows(), plan.names().len()), (8, 1));
 /// assert!((2.0..14.0).contains(&plan.values(3..4)?[0][0].as_f64().unwrap()));
 /// # Ok::<(), Box<dyn std::error::Error>>(())

@@ -34,7 +34,7 @@ fn inputs_follow_their_distributions() {
 #[test]
 fn posterior_draws_keep_their_dependence_and_weights() {
     let folder = tempfile::tempdir().unwrap();
-    let scenario = std::fs::read("../study/examples/block.json").unwrap();
+    let scenario = std::fs::read("../simulation/examples/block.json").unwrap();
     std::fs::write(folder.path().join("block.json"), scenario).unwrap();
     let draws = "weight,force,title,other\n0.25,3,7,x\n0.75,5,9,y\n0,1,1,z\n";
     std::fs::write(folder.path().join("posterior.csv"), draws).unwrap();
@@ -71,7 +71,7 @@ fn posterior_draws_keep_their_dependence_and_weights() {
 fn draws_of_laws_change_the_scenario() {
     let folder = tempfile::tempdir().unwrap();
     let scenario: Value =
-        serde_json::from_slice(&std::fs::read("../study/examples/block.json").unwrap()).unwrap();
+        serde_json::from_slice(&std::fs::read("../simulation/examples/block.json").unwrap()).unwrap();
     std::fs::write(folder.path().join("block.json"), scenario.to_string()).unwrap();
     let name = scenario["laws"].as_object().unwrap().keys().next().unwrap();
     let law = format!("/laws/{name}");

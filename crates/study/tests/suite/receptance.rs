@@ -13,7 +13,7 @@ use crate::support::{options, plan, study};
 /// Columns of a study have the magnitudes of the receptance of each run by itself, by both engines.
 #[test]
 fn columns_are_the_receptance_of_each_run() {
-    let damped = "../study/examples/block.json";
+    let damped = "../simulation/examples/block.json";
     for method in [
         json!({"kind": "modal", "step_s": 1e-5}),
         json!({"kind": "finite_difference", "cell_m": 0.005}),

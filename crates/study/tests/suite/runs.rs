@@ -97,7 +97,7 @@ fn folders_of_other_things_are_refused_and_kept() {
     let foreign = text(run(&other, &model, &again, &never, &|_, _| ()));
     assert!(foreign.contains("the study of other inputs, or of another design"), "{foreign}");
     let mut scenario = study(&design, 5);
-    let block = fs::read_to_string("../study/examples/block.json").unwrap();
+    let block = fs::read_to_string("../simulation/examples/block.json").unwrap();
     scenario["scenario"] = serde_json::from_str(&block).unwrap();
     scenario["scenario"]["duration_s"] = json!(0.0123);
     let foreign = text(run(&plan(&scenario).unwrap(), &model, &again, &never, &|_, _| ()));

@@ -10,7 +10,7 @@ use asperity_study::{
 use serde_json::{Value, json};
 
 /// Folder whose `block.json` is the scenario of the studies.
-const EXAMPLES: &str = "../study/examples/study.json";
+const EXAMPLES: &str = "../simulation/examples/study.json";
 
 /// A study of the example's scenario with two inputs.
 pub(crate) fn study(design: &Value, chunk_rows: u64) -> Value {

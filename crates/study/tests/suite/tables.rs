@@ -21,7 +21,7 @@ use crate::support::{Square, options, table};
 /// A folder with the scenario.
 fn folder() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
-    let scenario = fs::read("../study/examples/block.json").unwrap();
+    let scenario = fs::read("../simulation/examples/block.json").unwrap();
     fs::write(folder.path().join("block.json"), scenario).unwrap();
     folder
 }
