@@ -28,7 +28,8 @@ impl Balance<'_> {
     pub(crate) fn sensors(&self, x: &[f64], at: &Conditions) -> Vec<PortMotion> {
         let ports = self.system.ports();
         let elsewhere = ports.iter().any(|port| *port != ports[0]);
-        let mut wide = Compliance::zero(self.system.pairs(), ports.len());
+        let mut wide =
+            Compliance::zero(self.system.pairs(), if elsewhere { ports.len() } else { 0 });
         let mut motions: Vec<PortMotion> = (1..ports.len())
             .map(|port| PortMotion {
                 angular_frequency: at.angular_frequency,
