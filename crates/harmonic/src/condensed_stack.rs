@@ -163,9 +163,10 @@ impl CondensedStack {
     /// [`HarmonicError::NotCondensable`] for a port of a condensed body; those of
     /// [`ContactSystem::with_ports`].
     pub fn with_ports(self, load: Port, sensors: &[Port]) -> Result<Self, HarmonicError> {
-        let place = |body: usize| match self.bodies.contains(&body) {
-            true => Err(HarmonicError::NotCondensable { body }),
-            false => Ok(body - self.bodies.iter().filter(|&&own| own < body).count()),
+        let place = |body: usize| {
+            let above = self.bodies.iter().filter(|&&own| own < body).count();
+            let condensed = self.bodies.contains(&body);
+            if condensed { Err(HarmonicError::NotCondensable { body }) } else { Ok(body - above) }
         };
         let port = |port: &Port| match *port {
             Port::Point { body, position } => Ok(Port::Point { body: place(body)?, position }),

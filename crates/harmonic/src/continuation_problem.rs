@@ -255,7 +255,7 @@ impl Curve for ContinuationProblem<'_> {
         match self.continuation {
             Continuation::Frequency { .. } | Continuation::Force { .. } => {}
             Continuation::PhaseResonance { .. } => {
-                out[n] = self.balance.load_displacement(1, &at).re
+                out[n] = self.balance.load_displacement(1, &at).re;
             }
             Continuation::Mode { .. } => {
                 let amplitude = v[v.len() - 1].exp();

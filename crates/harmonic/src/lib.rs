@@ -25,7 +25,7 @@
 //! |---|---|
 //! | `linear_system`, `compliance`, `port` | the linear structure: [`LinearSystem`], [`Compliance`], [`MeanBalance`]; its ports |
 //! | `dual` | functions of frequency and anti-damping with their derivatives |
-//! | `rigid_mass`, `elastic_bars`, `bars_on_springs`, `component_modes` | linear systems: a rigid mass, bars in closed form, component modes |
+//! | `rigid_mass`, `elastic_bars`, `bars_on_springs`, `bar`, `component_modes` | linear systems: a rigid mass, bars in closed form, component modes |
 //! | `modal_damping` | damping ratios of linearised modes in receptances |
 //! | `contact_system` | a linear structure with its contacts |
 //! | `condensed_stack` | a stack without the inertia of light bodies between contacts |
@@ -73,6 +73,7 @@
 
 mod arc_length;
 mod balance;
+mod bar;
 mod bars_on_springs;
 mod branch;
 mod branch_recorder;

@@ -136,14 +136,16 @@ impl PeriodicResponse {
 
     /// The response whose balance was evaluated last.
     pub(crate) fn of(balance: &Balance<'_>, x: &[f64], at: &Conditions, iterations: usize) -> Self {
-        let harmonics = balance.fourier().harmonics();
+        let mut motions = balance.motions(x, at).into_iter();
+        let (mean_displacement, displacement) =
+            motions.next().map(|load| (load.mean, load.harmonics)).unwrap_or_default();
         let mut response = Self {
             angular_frequency: at.angular_frequency,
             force: at.force,
             anti_damping: at.anti_damping,
-            mean_displacement: balance.mean_displacement(x, 0),
-            displacement: (1..=harmonics).map(|k| balance.load_displacement(k, at)).collect(),
-            sensors: balance.sensors(x, at),
+            mean_displacement,
+            displacement,
+            sensors: motions.collect(),
             closures: x.to_vec(),
             pressures: Vec::new(),
             truncation: balance.truncation(x),

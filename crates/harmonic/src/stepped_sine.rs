@@ -220,7 +220,7 @@ impl<'a> SteppedSine<'a> {
         };
         SineResponse {
             displacement: self.balance.load_displacement(1, &conditions(drive)),
-            sensors: self.balance.sensors(x, &conditions(drive)),
+            sensors: self.balance.motions(x, &conditions(drive)).split_off(1),
             closures: x.to_vec(),
             closure_range: (0..self.system.contacts().len()).map(range).collect(),
             truncation: self.balance.truncation(x),

@@ -13,7 +13,7 @@ impl Balance<'_> {
     }
 
     /// Mean displacement of a port from rest [m]: of the load, and after it those of the sensors.
-    pub(crate) fn mean_displacement(&self, x: &[f64], port: usize) -> f64 {
+    fn mean_displacement(&self, x: &[f64], port: usize) -> f64 {
         let (terms, pairs) = (self.fourier.terms(), self.system.pairs());
         let row = port * pairs;
         (0..pairs)
@@ -24,27 +24,30 @@ impl Balance<'_> {
             .sum()
     }
 
-    /// Motions of the sensors, linear in the closures and forces of the motion last evaluated.
-    pub(crate) fn sensors(&self, x: &[f64], at: &Conditions) -> Vec<PortMotion> {
-        let ports = self.system.ports();
-        let elsewhere = ports.iter().any(|port| *port != ports[0]);
-        let mut wide = Compliance::zero(self.system.pairs(), ports.len());
-        let mut motions: Vec<PortMotion> = (1..ports.len())
-            .map(|port| PortMotion {
-                angular_frequency: at.angular_frequency,
-                mean: self.mean_displacement(x, port),
-                harmonics: Vec::with_capacity(self.compliances.len()),
-            })
-            .collect();
-        for (k, own) in (1..).zip(&self.compliances) {
-            if elsewhere {
-                let w = k as f64 * at.angular_frequency;
-                let linear = self.system.linear();
-                linear.compliance((w, at.anti_damping), ports, &self.springs, &mut wide);
-            }
-            for (port, motion) in (1..).zip(&mut motions) {
-                let (compliance, port) = if elsewhere { (&wide, port) } else { (own, 0) };
-                let place = (compliance, self.system.pairs() + port, k);
+    /// Motions of the load's port and of the sensors, linear in the closures and forces of the motion last
+    /// evaluated.
+    pub(crate) fn motions(&self, x: &[f64], at: &Conditions) -> Vec<PortMotion> {
+        let (ports, pairs) = (self.system.ports(), self.system.pairs());
+        let count = self.compliances.len();
+        let mut motions = vec![PortMotion {
+            angular_frequency: at.angular_frequency,
+            mean: self.mean_displacement(x, 0),
+            harmonics: (1..=count).map(|k| self.load_displacement(k, at)).collect(),
+        }];
+        if ports.iter().all(|port| *port == ports[0]) {
+            return vec![motions.remove(0); ports.len()];
+        }
+        let mut wide = Compliance::zero(pairs, ports.len());
+        motions.extend((1..ports.len()).map(|port| PortMotion {
+            angular_frequency: at.angular_frequency,
+            mean: self.mean_displacement(x, port),
+            harmonics: Vec::with_capacity(count),
+        }));
+        for k in 1..=count {
+            let at_harmonic = (k as f64 * at.angular_frequency, at.anti_damping);
+            self.system.linear().compliance(at_harmonic, ports, &self.springs, &mut wide);
+            for (port, motion) in motions.iter_mut().enumerate().skip(1) {
+                let place = (&wide, pairs + port, k);
                 let found = -self.linear_part(place, at.force, |receptance| receptance.value);
                 motion.harmonics.push(found);
             }
