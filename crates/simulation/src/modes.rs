@@ -81,12 +81,27 @@ pub struct ModesSummary {
 }
 
 /// A mode in `modes.json`.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ModeSummary {
     /// Natural frequency \[Hz\].
     pub frequency_hz: f64,
     /// Damping ratio.
     pub damping_ratio: f64,
+    /// Shape at the place of the load over the root of the modal mass \[kg^-1/2\]; with a motion of the base
+    /// minus the sum of mass times shape \[kg^1/2\].
+    pub load_participation: f64,
+    /// Shape at each sensor.
+    pub sensors: Vec<SensorParticipation>,
+}
+
+/// The part of a sensor in a mode.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SensorParticipation {
+    /// Name of the sensor; none for the top of a scenario without sensors.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub name: Option<String>,
+    /// Shape at its place over the root of the modal mass \[kg^-1/2\].
+    pub participation: f64,
 }
 
 impl ModesSummary {
@@ -97,9 +112,19 @@ impl ModesSummary {
         found: &LinearisedModes,
         provenance: Provenance,
     ) -> Self {
+        let stack = assembly.structure.stack();
         let summary = |mode: &LinearisedMode| ModeSummary {
             frequency_hz: mode.frequency_hz,
             damping_ratio: mode.damping_ratio,
+            load_participation: mode.participation(stack, assembly.load.port()),
+            sensors: assembly
+                .sensors
+                .iter()
+                .map(|sensor| SensorParticipation {
+                    name: sensor.name.clone(),
+                    participation: mode.participation(stack, sensor.port),
+                })
+                .collect(),
         };
         Self {
             schema: MODES_SCHEMA,

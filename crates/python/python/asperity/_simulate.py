@@ -23,10 +23,11 @@ class Simulation:
         Observables, as in ``summary.json``.
     history : Table
         Time history, as in ``history.csv``: ``time_s``, ``force_n``, ``displacement_m``,
-        ``acceleration_m_per_s2``, and for each interface ``NAME:pressure_pa``, ``NAME:closure_m``
+        ``acceleration_m_per_s2`` (or ``SENSOR:displacement_m`` and the like for each sensor of
+        the scenario), and for each interface ``NAME:pressure_pa``, ``NAME:closure_m``
         and ``NAME:stiffness_pa_per_m``.
     frf : Table or None
-        Receptance of the top, as in ``frf.csv``: ``frequency_hz``, ``real_m_per_n``,
+        Receptance of the first sensor, or with a moving base its transmissibility, as in ``frf.csv``: ``frequency_hz``, ``real_m_per_n``,
         ``imag_m_per_n``, ``magnitude_m_per_n``, ``phase_rad``; None without a force.
     history_figure : Figure
         The response over time, as in ``history.svg``.
