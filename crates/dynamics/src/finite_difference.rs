@@ -25,6 +25,10 @@
 //! | `support` | the step of a spring-mass support |
 //! | `ledger` | the energy balance of the discrete motion |
 //! | `time_loop` | the loop over time |
+#![allow(
+    clippy::inline_always,
+    reason = "loops over nodes must be compiled with the loop over time, for its vector instructions"
+)]
 mod bar;
 mod contact;
 mod damped_contact;
@@ -36,6 +40,7 @@ mod time_loop;
 
 use asperity_mesh::Grid;
 use asperity_structure::PreloadedStructure;
+use pulp::Arch;
 
 use crate::error::{balanced, check_damping};
 use crate::run_bounds::{check_finite_differences, check_history};
@@ -150,7 +155,7 @@ impl FiniteDifference {
             step,
             progress,
         };
-        let (transient, motions) = time_loop.run()?;
+        let (transient, motions) = Arch::new().dispatch(time_loop)?;
         balanced(transient.energy.residual_relative(), transient.step, "cell")?;
         Ok((transient, motions))
     }

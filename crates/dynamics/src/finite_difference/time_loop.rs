@@ -2,7 +2,7 @@
 
 use asperity_mesh::Grid;
 use asperity_structure::PreloadedStructure;
-use pulp::Arch;
+use pulp::{Simd, WithSimd};
 
 use super::bar::Bar;
 use super::contact::{ContactForm, ContactStep};
@@ -31,11 +31,14 @@ pub(super) struct TimeLoop<'a> {
     pub(super) progress: &'a (dyn Fn(f64) + Sync),
 }
 
-impl TimeLoop<'_> {
-    /// The response, with the first force and without the displacement and acceleration of the top in
-    /// its history; and the motion at each sensor.
-    pub(super) fn run(&self) -> Result<(Transient, Vec<SensorHistory>), DynamicsError> {
-        let mut state = State::new(self)?;
+/// The response, with the first force and without the displacement and acceleration of the top in its
+/// history; and the motion at each sensor.
+impl WithSimd for TimeLoop<'_> {
+    type Output = Result<(Transient, Vec<SensorHistory>), DynamicsError>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Self::Output {
+        let mut state = State::new(&self)?;
         let mut history = History::with_capacity(self.samples, state.contacts.len());
         let sensors: Vec<_> = self
             .sensors
@@ -113,21 +116,21 @@ struct State<'a> {
 }
 
 impl<'a> State<'a> {
+    #[inline(never)]
     fn new(run: &TimeLoop<'a>) -> Result<Self, DynamicsError> {
         let (structure, loads, step) = (run.structure, run.loads, run.step);
         let rate = structure.damping_rate();
-        let arch = Arch::new();
         let grids = run.grid.bars().iter();
-        let bars: Vec<_> = grids.map(|grid| Bar::new(grid, step, rate, arch)).collect();
+        let bars: Vec<_> = grids.map(|grid| Bar::new(grid, step, rate)).collect();
         let support = SupportStep::new(structure.stack().support(), step);
         let peak = loads.peak(&bars, support.mass);
-        let below = bars[1..].iter().map(Bar::end_compliance).chain([support.compliance]);
+        let below = bars[1..].iter().map(|bar| bar.end_compliance).chain([support.compliance]);
         let contacts = structure
             .contacts()
             .iter()
             .zip(bars.iter().zip(below))
             .map(|(contact, (above, below))| {
-                let compliance = above.end_compliance() + below;
+                let compliance = above.end_compliance + below;
                 ContactStep::new(contact, run.form, compliance, step, peak / contact.area())
             })
             .collect::<Result<_, _>>()?;
@@ -179,6 +182,7 @@ impl<'a> State<'a> {
     }
 
     /// Step number `n` from the latest sample.
+    #[inline(always)]
     fn step(&mut self, n: usize) {
         let inertial = self.base.as_ref().map_or(0.0, |(_, values)| -values[n]);
         self.accelerations.fill(inertial);
@@ -204,6 +208,7 @@ impl<'a> State<'a> {
     }
 
     /// Eq. (5) at each contact, between faces that have moved on without its force.
+    #[inline(always)]
     fn close_contacts(&mut self) {
         for (i, contact) in self.contacts.iter_mut().enumerate() {
             let (above, below) = self.bars.split_at_mut(i + 1);
@@ -224,6 +229,7 @@ impl<'a> State<'a> {
     }
 
     /// Counts the work of the loads in step `n`, `F (w+ - w-) / 2`.
+    #[inline(always)]
     fn count_input(&mut self, n: usize, inertial: f64) {
         for force in &self.forces {
             let [reached, _, before] = self.at(force.body, &force.nodes);
@@ -238,6 +244,7 @@ impl<'a> State<'a> {
 
     /// Displacements \[m\] between two nodes of a body at the state reached, and one and two steps
     /// earlier.
+    #[inline(always)]
     fn at(&self, body: usize, nodes: &[(usize, f64); 2]) -> [f64; 3] {
         let [(left, left_weight), (right, right_weight)] = *nodes;
         let (left, right) = (self.bars[body].states(left), self.bars[body].states(right));
@@ -245,8 +252,14 @@ impl<'a> State<'a> {
     }
 
     /// Viscous power of the bodies \[W\] half a step before the newest state.
+    #[inline(always)]
     fn viscous_power(&self) -> f64 {
-        self.bars.iter().map(|bar| bar.viscous_power(self.rate)).sum()
+        let mut power = 0.0;
+        // A closure would be compiled on its own, for the machine's plainest instructions.
+        for bar in &self.bars {
+            power += bar.viscous_power(self.rate);
+        }
+        power
     }
 
     /// Counts the contacts one step before the newest state for `steps` in the averages, and keeps
