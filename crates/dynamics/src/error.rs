@@ -23,6 +23,11 @@ pub enum DynamicsError {
     /// A load acts on another port than the model was made for.
     #[error("the load acts on another port than the model is loaded at")]
     LoadPort,
+    /// A port of the finite-difference grid that is neither a point of a body nor the base.
+    #[error(
+        "finite differences take loads and sensors at points of bodies, and a motion of the base; the modal engine takes other ports"
+    )]
+    PortOfGrid,
     /// A sensor that a model does not have.
     #[error("sensor {sensor} does not exist; the model has {sensors}, counted from 0")]
     NoSensor {

@@ -79,7 +79,7 @@ impl Integrator {
     /// Vector instructions it runs on.
     pub fn instructions(&self) -> InstructionSet {
         match self {
-            Self::FiniteDifference(method) => method.instructions,
+            Self::FiniteDifference(_) => InstructionSet::detected(),
             Self::Modal(method) => method.instructions,
         }
     }

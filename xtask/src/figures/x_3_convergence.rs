@@ -18,7 +18,7 @@ pub(crate) const FIGURE: PaperFigure = PaperFigure {
     caption: "Relative error of each reported number against the cell of the sample, modified \
               power law at 32 N, with (a) the centred contact step used everywhere here and (b) \
               the contact at the new level, the plain reading of the paper's scheme. The \
-              reference is the centred step at its two finest cells, 0.24 and 0.12 mm, \
+              reference is the centred step at its two finest cells, 0.25 and 0.125 mm, \
               extrapolated linearly to none. The table has the slopes and the reference. All \
               other figures use 1 mm.",
     compute,

@@ -1,27 +1,20 @@
-//! Node updates per second of the finite-difference kernel, beside a plain
-//! loop on the same instruction set in the same run.
+//! Time of one hit by finite differences.
 //!
-//! `cargo bench -p asperity-dynamics` prints one table. Each row is the least of
-//! several runs, taken in turn so that a machine that slows down slows them all;
-//! the ratio to the plain loop is what carries over to other machines. A run is
-//! one hit on the paper's rig at 1 mm cells, 0.12 s at 200 kHz, contact solve,
-//! output and energy ledger included.
+//! `cargo bench -p asperity-dynamics` prints one table; each row is the least of several runs. A run is
+//! one hit on the paper's rig at 1 mm cells, 0.12 s at 200 kHz, contact solve, output and energy ledger
+//! included.
 #![allow(missing_docs, reason = "a benchmark has no callers")]
 #![allow(clippy::print_stdout, reason = "a benchmark prints its table")]
 #![allow(clippy::unwrap_used, reason = "its rig is valid")]
-#![allow(clippy::inline_always, reason = "kernels must be compiled with their caller")]
-
-mod plain;
 
 use std::hint::black_box;
 use std::sync::Arc;
 use std::time::Instant;
 
-use asperity_dynamics::{FiniteDifference, InstructionSet, Sampling};
+use asperity_dynamics::{FiniteDifference, Sampling};
 use asperity_law::{Constant, ContactLaw, ModifiedPower, Power};
 use asperity_mesh::{Body, Grid, Interface, Port, Stack, Support};
 use asperity_structure::{Damping, LoadCase, PreloadedStructure, TimeFunction};
-use plain::Plain;
 
 const AREA: f64 = 1.15e-4;
 const ROUNDS: usize = 5;
@@ -33,7 +26,7 @@ fn main() {
         ("power", Arc::new(Power::new(1.81e10, 0.35, 0.0).unwrap())),
         ("constant", Arc::new(Constant::new(8.5e11).unwrap())),
     ];
-    println!("law        set     kernel       ms a hit   ns a step   updates/s   against plain");
+    println!("law          ms a hit   ns a step   updates/s");
     for (name, law) in &laws {
         measure(name, law);
     }
@@ -46,31 +39,22 @@ fn measure(name: &str, law: &Arc<dyn ContactLaw>) {
     let pulse = LoadCase::force(TimeFunction::GammaPulse { rise: 0.34e-3 }, 32.0);
     let nodes = Grid::new(structure.stack(), 1e-3).unwrap().nodes();
 
-    for set in InstructionSet::available() {
-        let (mut plain, mut kernel) = (f64::INFINITY, f64::INFINITY);
-        let mut steps = 0;
-        for _ in 0..ROUNDS {
-            let method = FiniteDifference { instructions: set, ..FiniteDifference::default() };
-            let started = Instant::now();
-            let done = method.integrate(&structure, &pulse, &[Port::TOP], &sampling).unwrap();
-            kernel = kernel.min(started.elapsed().as_secs_f64());
-            steps = black_box(done).steps;
-            let run = Plain { structure: &structure, excitation: &pulse, sampling: &sampling };
-            let started = Instant::now();
-            black_box(run.run(set));
-            plain = plain.min(started.elapsed().as_secs_f64());
-        }
-        for (label, seconds) in [("plain loop", plain), ("kernel", kernel)] {
-            let set = format!("{set:?}").to_lowercase();
-            println!(
-                "{name:<10} {set:<7} {label:<12} {:>8.2}   {:>9.1}   {:>9.2e}   {:>12.2}",
-                1e3 * seconds,
-                1e9 * seconds / steps as f64,
-                (nodes * steps) as f64 / seconds,
-                plain / seconds
-            );
-        }
+    let mut seconds = f64::INFINITY;
+    let mut steps = 0;
+    for _ in 0..ROUNDS {
+        let started = Instant::now();
+        let done = FiniteDifference::default()
+            .integrate(&structure, &pulse, &[Port::TOP], &sampling)
+            .unwrap();
+        seconds = seconds.min(started.elapsed().as_secs_f64());
+        steps = black_box(done).steps;
     }
+    println!(
+        "{name:<10} {:>10.2} {:>11.1} {:>11.2e}",
+        1e3 * seconds,
+        1e9 * seconds / steps as f64,
+        (nodes * steps) as f64 / seconds,
+    );
 }
 
 fn rig(law: &Arc<dyn ContactLaw>) -> Stack {

@@ -4,19 +4,28 @@ use std::sync::Arc;
 
 use asperity_law::{CompiledLaw, ContactLaw, CubicCell, InSeries, LawError};
 use asperity_structure::PreloadedContact;
-use pulp::Simd;
 
-use super::ContactForm;
-use super::bar::fused;
 use super::damped_contact::DampedContact;
 use crate::contact_energy::excess;
 use crate::friction_force::FrictionForce;
 use crate::{ContactExtremes, DynamicsError};
 
+/// Closure at which the implicit contact pressure is taken (Eq. 5).
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum ContactForm {
+    /// The mean of the new and the previous-but-one closure: no first-order
+    /// numerical loss, and none at all for a linear law.
+    #[default]
+    Centred,
+    /// The new closure, the plain reading of the paper; it damps the
+    /// fundamental by about `w0^2 dt`.
+    NewLevel,
+}
+
 /// Largest error of a tabulated pressure, as a share of the static pressure. A
 /// thousandth of the discretisation error at 1 mm cells; ten times finer tables
 /// cost more to build than a short run takes.
-pub(super) const TABLE_TOLERANCE: f64 = 1e-6;
+const TABLE_TOLERANCE: f64 = 1e-6;
 
 /// One interface during a run: its law, its closures, and its extremes.
 ///
@@ -93,13 +102,25 @@ impl<'a> ContactStep<'a> {
         let expected = scale.max(0.01 * contact.pressure());
         let expected = if expected > 0.0 { expected } else { 1.0 };
         let table_top = contact.pressure() + 3.0 * expected;
-        let table = match CompiledLaw::new(&series, contact.pressure(), table_top, TABLE_TOLERANCE)
-        {
-            Ok(table) => Some(table),
-            Err(LawError::Unresolved { .. }) => None,
-            Err(error) => return Err(named(error)),
+        let tabulated = |law: &dyn ContactLaw| match CompiledLaw::new(
+            law,
+            contact.pressure(),
+            table_top,
+            TABLE_TOLERANCE,
+        ) {
+            Ok(table) => Ok(Some(table)),
+            Err(LawError::Unresolved { .. }) => Ok(None),
+            Err(error) => Err(named(error)),
         };
-        let damped = DampedContact::new(contact, (b, weight_new), step, open_below, table_top)?;
+        let table = tabulated(&series)?;
+        let damped = match contact.damping() {
+            Some(damping) => {
+                let table = tabulated(contact.law())?;
+                let rate = 0.5 / (weight_new * step);
+                Some(DampedContact::new(contact, damping, table, (b, rate), open_below))
+            }
+            None => None,
+        };
         Ok(Self {
             damped,
             viscous: 0.0,
@@ -130,13 +151,12 @@ impl<'a> ContactStep<'a> {
 
     /// The traction increment \[Pa\] of a step that would bring the closure increment to
     /// `unloaded` \[m\] without it: the pressure increment `q`, but for damping and friction.
-    #[inline(always)]
-    pub(super) fn solve<S: Simd>(&mut self, unloaded: f64) -> f64 {
-        let argument = fused::<S>(self.weight_new, unloaded, self.weight_old * self.closure_before);
+    pub(super) fn solve(&mut self, unloaded: f64) -> f64 {
+        let argument = self.weight_new * unloaded + self.weight_old * self.closure_before;
         let before = self.increment;
         let traction = match self.friction {
-            None => self.normal_traction::<S>(argument),
-            Some(friction) => self.solve_with_friction::<S>(friction, argument),
+            None => self.normal_traction(argument),
+            Some(friction) => self.solve_with_friction(friction, argument),
         };
         self.increment_before = before;
         traction
@@ -144,13 +164,12 @@ impl<'a> ContactStep<'a> {
 
     /// The traction increment \[Pa\] without friction, where the law would hold at `argument` \[m\]
     /// without it.
-    #[inline(always)]
-    fn normal_traction<S: Simd>(&mut self, argument: f64) -> f64 {
+    fn normal_traction(&mut self, argument: f64) -> f64 {
         if self.damped.is_some() {
             return self.solve_damped(argument);
         }
         let outside = if self.cell.contains(argument) { None } else { self.change_cell(argument) };
-        let increment = outside.unwrap_or_else(|| self.cell.get(argument, fused::<S>));
+        let increment = outside.unwrap_or_else(|| self.cell.get(argument, |a, b, c| a * b + c));
         self.increment = increment;
         increment
     }
@@ -162,12 +181,12 @@ impl<'a> ContactStep<'a> {
     /// slips forwards if it would at its slip force, backwards likewise, and is stuck else, at the one
     /// force between.
     #[inline(never)]
-    fn solve_with_friction<S: Simd>(&mut self, friction: FrictionForce, argument: f64) -> f64 {
+    fn solve_with_friction(&mut self, friction: FrictionForce, argument: f64) -> f64 {
         let limit = friction.limit(self.area * self.normal());
         let b = self.argument_compliance;
         let mut at = |force: f64| {
             let unloaded = argument - b * force / self.area;
-            let traction = self.normal_traction::<S>(unloaded);
+            let traction = self.normal_traction(unloaded);
             let closure = unloaded - b * traction;
             (closure, traction, friction.at(closure, limit) - force)
         };
@@ -199,7 +218,6 @@ impl<'a> ContactStep<'a> {
     }
 
     /// Records the closure increment \[m\] that the step ends with.
-    #[inline(always)]
     pub(super) fn advance(&mut self, reached: f64) {
         self.work += 0.5 * self.increment * (reached - self.closure_before);
         self.loss += 0.5 * self.viscous * (reached - self.closure_before);
@@ -220,7 +238,6 @@ impl<'a> ContactStep<'a> {
     }
 
     /// Nominal contact area \[m2\].
-    #[inline(always)]
     pub(super) fn area(&self) -> f64 {
         self.area
     }

@@ -1,10 +1,7 @@
 //! The implicit contact step with viscous damping.
 
-use asperity_law::{CompiledLaw, ContactDamping, ContactLaw, InSeries, LawError, Pressure};
+use asperity_law::{CompiledLaw, ContactDamping, ContactLaw, InSeries, Pressure};
 use asperity_structure::PreloadedContact;
-
-use super::contact::TABLE_TOLERANCE;
-use crate::DynamicsError;
 
 /// Newton corrections before the law is solved in series with a layer, in a bracket.
 const NEWTON: usize = 24;
@@ -48,27 +45,16 @@ pub(super) struct DampedStep {
 }
 
 impl<'a> DampedContact<'a> {
-    /// The damped step of `contact`, none without damping; `compliance` \[m/Pa\] in the argument of
-    /// the law, which holds the new closure with `weight`; the table reaches `top` \[Pa\].
+    /// The step of `contact` with `damping`: `compliance` \[m/Pa\] in the argument of the law, `rate`
+    /// \[1/s\] of the argument in that of the closure, and the `table` of the law.
     pub(super) fn new(
         contact: &'a PreloadedContact,
-        (compliance, weight): (f64, f64),
-        step: f64,
+        damping: ContactDamping,
+        table: Option<CompiledLaw>,
+        (compliance, rate): (f64, f64),
         open_below: f64,
-        top: f64,
-    ) -> Result<Option<Self>, DynamicsError> {
-        let Some(damping) = contact.damping() else { return Ok(None) };
-        let table = match CompiledLaw::new(contact.law(), contact.pressure(), top, TABLE_TOLERANCE)
-        {
-            Ok(table) => Some(table),
-            Err(LawError::Unresolved { .. }) => None,
-            Err(source) => {
-                return Err(DynamicsError::Law { interface: contact.name().to_owned(), source });
-            }
-        };
-        let rate = 0.5 / (weight * step);
-        let argument = 0.0;
-        Ok(Some(Self { contact, damping, compliance, rate, open_below, table, argument }))
+    ) -> Self {
+        Self { contact, damping, compliance, rate, open_below, table, argument: 0.0 }
     }
 
     /// The step whose law would hold at `unloaded` \[m\] without a change of traction, from the newest

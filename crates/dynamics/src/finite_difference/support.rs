@@ -11,6 +11,8 @@ use asperity_mesh::Support;
 /// A rigid support is the same with every coefficient zero.
 #[derive(Debug, Default)]
 pub(super) struct SupportStep {
+    /// Displacement \[m\] at the state that the latest step reached, and one and two steps earlier.
+    next: f64,
     now: f64,
     before: f64,
     own: f64,
@@ -18,7 +20,8 @@ pub(super) struct SupportStep {
     /// Displacement per force and step \[m/N\].
     pub(super) compliance: f64,
     stiffness: f64,
-    mass: f64,
+    /// Mass \[kg\], zero for a rigid support.
+    pub(super) mass: f64,
     /// `c / (4 dt)`: loss per square of the travel over two steps \[J/m2\].
     loss_factor: f64,
     /// Viscous loss so far \[J\].
@@ -43,23 +46,36 @@ impl SupportStep {
         }
     }
 
-    /// The displacement \[m\] that a step would reach without the contact force.
-    #[inline(always)]
-    pub(super) fn unloaded(&self) -> f64 {
-        self.own * self.now - self.past * self.before
+    /// A step under `acceleration` \[m/s2\], without the contact force.
+    pub(super) fn advance(&mut self, acceleration: f64) {
+        (self.before, self.now) = (self.now, self.next);
+        self.next = self.own * self.now - self.past * self.before;
+        self.push(self.mass * acceleration);
     }
 
-    /// Moves on to the displacement `reached` \[m\], and counts the viscous loss.
-    #[inline(always)]
-    pub(super) fn advance(&mut self, reached: f64) {
-        let travel = reached - self.before;
-        self.loss += self.loss_factor * travel * travel;
-        (self.now, self.before) = (reached, self.now);
+    /// Adds what `force` \[N\] does in this step.
+    pub(super) fn push(&mut self, force: f64) {
+        self.next += force * self.compliance;
+    }
+
+    /// Displacement at the state that the latest step reached \[m\].
+    pub(super) fn reached(&self) -> f64 {
+        self.next
+    }
+
+    /// Travel \[m\] over the last two steps.
+    pub(super) fn travel(&self) -> f64 {
+        self.next - self.before
+    }
+
+    /// Counts the viscous loss of a step whose forces have all been taken up.
+    pub(super) fn complete(&mut self) {
+        self.loss += self.loss_factor * self.travel() * self.travel();
     }
 
     /// Kinetic and elastic energy \[J\] half a step before the newest state.
     pub(super) fn energy(&self, step: f64) -> (f64, f64) {
-        let velocity = (self.now - self.before) / step;
-        (0.5 * self.mass * velocity * velocity, 0.5 * self.stiffness * self.now * self.before)
+        let velocity = (self.next - self.now) / step;
+        (0.5 * self.mass * velocity * velocity, 0.5 * self.stiffness * self.next * self.now)
     }
 }

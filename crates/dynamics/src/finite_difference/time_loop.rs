@@ -4,13 +4,14 @@ use asperity_mesh::Grid;
 use asperity_structure::PreloadedStructure;
 use pulp::{Simd, WithSimd};
 
-use super::ContactForm;
-use super::bar::{Bar, BarStorage, fused};
-use super::contact::ContactStep;
+use super::bar::Bar;
+use super::contact::{ContactForm, ContactStep};
 use super::guide::GuideStep;
 use super::ledger::Ledger;
+use super::loads::{Loads, Place};
 use super::support::SupportStep;
 use crate::{DynamicsError, EnergyLedger, History, Transient};
+use asperity_structure::LoadCase;
 
 /// Most steps between two measurements of the viscous power.
 const LEDGER_STEPS: usize = 32;
@@ -18,12 +19,13 @@ const LEDGER_STEPS: usize = 32;
 /// Samples between two calls of the progress listener.
 const PROGRESS_SAMPLES: usize = 1024;
 
-/// A whole run, to be carried out with one set of vector instructions.
+/// A whole run.
 pub(super) struct TimeLoop<'a> {
     pub(super) structure: &'a PreloadedStructure,
     pub(super) grid: &'a Grid,
     pub(super) form: ContactForm,
-    pub(super) load: &'a asperity_structure::LoadCase,
+    pub(super) loads: &'a Loads<'a>,
+    pub(super) sensors: &'a [Place],
     pub(super) samples: usize,
     pub(super) stride: usize,
     pub(super) step: f64,
@@ -34,30 +36,37 @@ impl WithSimd for TimeLoop<'_> {
     type Output = Result<Transient, DynamicsError>;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
-        let mut storage: Vec<BarStorage> = self.grid.bars().iter().map(BarStorage::new).collect();
-        let mut state = State::new(&self, simd, &mut storage)?;
-        let mut history = History::with_capacity(self.samples, 1, state.contacts.len());
-        let mut forces = vec![0.0; self.stride];
-        let mut ledger = Ledger::default();
+    fn with_simd<S: Simd>(self, _: S) -> Self::Output {
+        let mut state = State::new(&self)?;
+        let mut history =
+            History::with_capacity(self.samples, self.sensors.len(), state.contacts.len());
+        let sensors: Vec<_> = self
+            .sensors
+            .iter()
+            .map(|place| (*place, place.nodes(&state.bars[place.body])))
+            .collect();
         for sample in 0..self.samples {
             let start = (sample * self.stride) as f64 * self.step;
-            for (n, force) in forces.iter_mut().enumerate() {
-                *force = self.load.value(start + n as f64 * self.step);
-            }
-            let force_at_sample = forces[0];
+            state.sample_loads(start);
             if sample == 0 {
                 // From rest, w+ = F dt^2 / (2 m): half of what the scheme gives with w- = 0.
-                forces[0] *= 0.5;
+                state.halve_first_loads();
             }
-            for (part, forces) in forces.chunks(LEDGER_STEPS).enumerate() {
-                let top = state.step(simd, forces[0], &mut ledger.input);
-                let sample = (part == 0).then_some((start, force_at_sample, &top));
-                state.record(&mut history, sample, forces.len());
-                let half_step_on = start + ((part * LEDGER_STEPS) as f64 + 0.5) * self.step;
-                ledger.measure(state.viscous_power(simd), half_step_on);
-                for &force in &forces[1..] {
-                    state.step(simd, force, &mut ledger.input);
+            for n in 0..self.stride {
+                state.step(n);
+                if n == 0 {
+                    history.time.push(start);
+                    let force = self.loads.forces.first().map(|(_, force)| *force);
+                    let load = force.or(self.loads.base_acceleration);
+                    history.load.push(load.map_or(0.0, |load| load.value(start)));
+                    for ((place, nodes), motion) in sensors.iter().zip(&mut history.sensors) {
+                        motion.push_states(state.at(place.body, nodes), self.step);
+                    }
+                }
+                if n % LEDGER_STEPS == 0 {
+                    state.observe(&mut history, n == 0, LEDGER_STEPS.min(self.stride - n));
+                    let power = state.viscous_power();
+                    state.ledger.measure(power, start + (n as f64 + 0.5) * self.step);
                 }
             }
             if let Some(interface) = state.overflow() {
@@ -67,207 +76,205 @@ impl WithSimd for TimeLoop<'_> {
                 (self.progress)(sample as f64 / self.samples as f64);
             }
         }
-        // The motion starts at rest: its image before t = 0 is w(-dt) = w(dt).
-        history.sensors[0].acceleration[0] *= 2.0;
+        for motion in &mut history.sensors {
+            motion.start_at_rest();
+        }
         (self.progress)(1.0);
         let steps = self.samples * self.stride;
         let end = steps as f64 * self.step;
-        ledger.measure(state.viscous_power(simd), end - 0.5 * self.step);
-        ledger.close(end);
-        Ok(Transient {
-            step: self.step,
-            steps,
-            contacts: state
-                .contacts
-                .iter()
-                .map(|contact| contact.record(self.step, steps))
-                .collect(),
-            energy: state.balance(&ledger, self.form),
-            history,
-        })
+        let power = state.viscous_power();
+        state.ledger.measure(power, end - 0.5 * self.step);
+        state.ledger.close(end);
+        let contacts = state.contacts.iter().map(|contact| contact.record(self.step, steps));
+        let contacts = contacts.collect();
+        let energy = state.balance(self.form);
+        Ok(Transient { step: self.step, steps, contacts, energy, history })
     }
 }
 
-/// The top's displacement at three successive steps \[m\].
-struct Top {
-    before: f64,
-    now: f64,
-    after: f64,
+/// A force on two nodes of a body with their weights, and its values \[N\] at the steps of a sample.
+struct NodalForce<'a> {
+    body: usize,
+    nodes: [(usize, f64); 2],
+    force: &'a LoadCase,
+    values: Vec<f64>,
 }
 
-struct State<'a, 'r, S: Simd> {
-    bars: Vec<Bar<'r, S>>,
+struct State<'a> {
+    bars: Vec<Bar>,
     contacts: Vec<ContactStep<'a>>,
     support: SupportStep,
     guides: Vec<GuideStep>,
-    /// Additions of friction in guides to the closure that each contact would reach \[m\], and the
-    /// traction found there \[Pa\]; kept with guides only.
-    shifts: Vec<f64>,
-    tractions: Vec<f64>,
+    forces: Vec<NodalForce<'a>>,
+    /// Acceleration of the base and its values \[m/s2\] at the steps of a sample.
+    base: Option<(&'a LoadCase, Vec<f64>)>,
+    /// Acceleration of the nodes of each body by the base and by friction in its guide \[m/s2\].
+    accelerations: Vec<f64>,
+    ledger: Ledger,
     rate: f64,
     step: f64,
-    steps: usize,
 }
 
-impl<'a, 'r, S: Simd> State<'a, 'r, S> {
-    fn new(
-        run: &TimeLoop<'a>,
-        simd: S,
-        storage: &'r mut [BarStorage],
-    ) -> Result<Self, DynamicsError> {
+impl<'a> State<'a> {
+    #[inline(never)]
+    fn new(run: &TimeLoop<'a>) -> Result<Self, DynamicsError> {
+        let (structure, loads, step) = (run.structure, run.loads, run.step);
+        let rate = structure.damping_rate();
         let grids = run.grid.bars().iter();
-        let rate = run.structure.damping_rate();
-        let bar = |(grid, storage)| Bar::new(simd, grid, storage, run.step, rate);
-        let bars: Vec<_> = grids.zip(storage).map(bar).collect();
-        let support = SupportStep::new(run.structure.stack().support(), run.step);
-        let below = bars[1..].iter().map(|bar| bar.compliance).chain([support.compliance]);
-        let contacts = run
-            .structure
+        let bars: Vec<_> = grids.map(|grid| Bar::new(grid, step, rate)).collect();
+        let support = SupportStep::new(structure.stack().support(), step);
+        let peak = loads.peak(&bars, support.mass);
+        let below = bars[1..].iter().map(|bar| bar.end_compliance).chain([support.compliance]);
+        let contacts = structure
             .contacts()
             .iter()
             .zip(bars.iter().zip(below))
             .map(|(contact, (above, below))| {
-                let scale = run.load.peak() / contact.area();
-                let compliance = above.compliance + below;
-                ContactStep::new(contact, run.form, compliance, run.step, scale)
+                let compliance = above.end_compliance + below;
+                ContactStep::new(contact, run.form, compliance, step, peak / contact.area())
             })
             .collect::<Result<_, _>>()?;
-        let bodies = run.structure.stack().bodies().iter().enumerate();
+        let bodies = structure.stack().bodies().iter().enumerate();
         let guided = bodies.filter(|(_, body)| body.friction().is_some()).map(|(i, _)| i);
-        let guides = run.structure.guides().iter().zip(guided);
+        let guides = structure.guides().iter().zip(guided);
         let guides = guides
-            .map(|(guide, i)| GuideStep::new(guide, i, &run.grid.bars()[i], run.step, rate))
+            .map(|(guide, i)| GuideStep::new(guide, i, &bars[i], step))
             .collect::<Result<_, _>>()?;
-        let none = vec![0.0; run.structure.contacts().len()];
-        let (shifts, tractions) = (none.clone(), none);
-        let step = run.step;
-        Ok(Self { bars, contacts, support, guides, shifts, tractions, rate, step, steps: 0 })
+        let nodal = |(place, force): &(Place, &'a LoadCase)| NodalForce {
+            body: place.body,
+            nodes: place.nodes(&bars[place.body]),
+            force,
+            values: vec![0.0; run.stride],
+        };
+        let forces = loads.forces.iter().map(nodal).collect();
+        let base = loads.base_acceleration.map(|base| (base, vec![0.0; run.stride]));
+        let accelerations = vec![0.0; bars.len()];
+        let ledger = Ledger::default();
+        Ok(Self {
+            bars,
+            contacts,
+            support,
+            guides,
+            forces,
+            base,
+            accelerations,
+            ledger,
+            rate,
+            step,
+        })
     }
 
-    /// One step under `force` \[N\] on the top; adds the force's work \[J\] to `input`.
-    #[inline(always)]
-    fn step(&mut self, simd: S, force: f64, input: &mut f64) -> Top {
-        self.steps += 1;
-        if self.steps % 2 == 1 {
-            self.step_from::<0>(simd, force, input)
-        } else {
-            self.step_from::<1>(simd, force, input)
-        }
-    }
-
-    #[inline(always)]
-    fn step_from<const PARITY: usize>(&mut self, simd: S, force: f64, input: &mut f64) -> Top {
-        let guided = !self.guides.is_empty();
-        if guided {
-            self.begin_guides();
-        }
-        let (now, before) = self.bars[0].top();
-        let lowest = self.bars.len() - 1;
-        let (unloaded, mut bottom) = self.bars[0].unloaded_ends::<PARITY>();
-        let after = fused::<S>(force, self.bars[0].compliance, unloaded);
-        let mut top = after;
-        for (i, contact) in self.contacts.iter_mut().enumerate() {
-            let (face_below, bottom_below, compliance_below) = if i == lowest {
-                (self.support.unloaded(), 0.0, self.support.compliance)
-            } else {
-                let below = &self.bars[i + 1];
-                let (top, bottom) = below.unloaded_ends::<PARITY>();
-                (top, bottom, below.compliance)
-            };
-            let bar = &mut self.bars[i];
-            let shift = if guided { self.shifts[i] } else { 0.0 };
-            let unloaded = bottom - face_below;
-            let increment = contact.solve::<S>(if guided { unloaded + shift } else { unloaded });
-            if guided {
-                self.tractions[i] = increment;
+    /// Takes up the loads at the steps from `start` \[s\] to the next sample.
+    fn sample_loads(&mut self, start: f64) {
+        let step = self.step;
+        let base = self.base.iter_mut().map(|(base, values)| (*base, values));
+        let forces = self.forces.iter_mut().map(|force| (force.force, &mut force.values));
+        for (load, values) in forces.chain(base) {
+            if start > load.ends_at() {
+                values.fill(0.0);
+                continue;
             }
-            let area = contact.area();
-            let reached_above = fused::<S>(-increment, area * bar.compliance, bottom);
-            let reached_below = fused::<S>(increment, area * compliance_below, face_below);
-            let reached = reached_above - reached_below;
-            contact.advance(if guided { reached + shift } else { reached });
-            bar.advance_ends(top, reached_above);
-            (top, bottom) = (reached_below, bottom_below);
+            for (n, value) in values.iter_mut().enumerate() {
+                *value = load.value(start + n as f64 * step);
+            }
         }
-        self.support.advance(top);
-        // After all contacts, so that their chains of dependent instructions
-        // run side by side instead of one behind the other's sweep.
-        for bar in &mut self.bars {
-            bar.sweep::<PARITY>(simd);
-        }
-        let mut reached = Top { before, now, after };
-        if guided {
-            self.complete_guides(force, &mut reached);
-        }
-        *input += 0.5 * force * (reached.after - reached.before);
-        reached
     }
 
-    /// Takes up the friction in the guides.
-    #[inline(never)]
-    fn begin_guides(&mut self) {
-        self.shifts.fill(0.0);
+    fn halve_first_loads(&mut self) {
+        let base = self.base.iter_mut().map(|(_, values)| values);
+        for values in self.forces.iter_mut().map(|force| &mut force.values).chain(base) {
+            values[0] *= 0.5;
+        }
+    }
+
+    /// Step number `n` from the latest sample.
+    #[inline(always)]
+    fn step(&mut self, n: usize) {
+        let inertial = self.base.as_ref().map_or(0.0, |(_, values)| -values[n]);
+        self.accelerations.fill(inertial);
         for guide in &mut self.guides {
             let contact = &self.contacts[guide.contact];
-            guide.begin(contact.area() * contact.normal());
-            let [next, ..] = guide.shift();
-            self.shifts[guide.body] += next;
-            if let Some(above) = guide.body.checked_sub(1) {
-                self.shifts[above] -= next;
+            self.accelerations[guide.body] += guide.acceleration(contact.area() * contact.normal());
+        }
+        for (bar, &acceleration) in self.bars.iter_mut().zip(&self.accelerations) {
+            bar.advance(acceleration);
+        }
+        self.support.advance(inertial);
+        for force in &self.forces {
+            for (node, weight) in force.nodes {
+                self.bars[force.body].push(node, weight * force.values[n]);
             }
+        }
+        self.close_contacts();
+        for guide in &mut self.guides {
+            guide.complete(self.bars[guide.body].mean());
+        }
+        self.support.complete();
+        self.count_input(n, inertial);
+    }
+
+    /// Eq. (5) at each contact, between faces that have moved on without its force.
+    #[inline(always)]
+    fn close_contacts(&mut self) {
+        for (i, contact) in self.contacts.iter_mut().enumerate() {
+            let (above, below) = self.bars.split_at_mut(i + 1);
+            let upper = &mut above[i];
+            let face = upper.last();
+            let lower = |below: &[Bar], support: &SupportStep| {
+                below.first().map_or(support.reached(), |bar| bar.states(0)[0])
+            };
+            let closure = upper.states(face)[0] - lower(below, &self.support);
+            let force = contact.area() * contact.solve(closure);
+            upper.push(face, -force);
+            match below.first_mut() {
+                Some(bar) => bar.push(0, force),
+                None => self.support.push(force),
+            }
+            contact.advance(upper.states(face)[0] - lower(below, &self.support));
         }
     }
 
-    /// Moves the guided bodies on under `force` \[N\] on the top and the tractions found, and adds
-    /// what friction causes to the displacement of the top.
-    #[inline(never)]
-    fn complete_guides(&mut self, force: f64, top: &mut Top) {
-        let pushed = |i: usize| self.contacts[i].area() * self.tractions[i];
-        for guide in &mut self.guides {
-            let above = guide.body.checked_sub(1).map_or(force, pushed);
-            guide.advance(above - pushed(guide.body));
-            if guide.body == 0 {
-                let [after, now, before] = guide.shift();
-                top.after += after;
-                top.now += now;
-                top.before += before;
-            }
+    /// Counts the work of the loads in step `n`, `F (w+ - w-) / 2`.
+    #[inline(always)]
+    fn count_input(&mut self, n: usize, inertial: f64) {
+        for force in &self.forces {
+            let [reached, _, before] = self.at(force.body, &force.nodes);
+            self.ledger.input += 0.5 * force.values[n] * (reached - before);
         }
+        if self.base.is_some() {
+            let travels = self.bars.iter().map(|bar| bar.mass() * bar.travel());
+            let momentum = self.support.mass * self.support.travel() + travels.sum::<f64>();
+            self.ledger.input += 0.5 * inertial * momentum;
+        }
+    }
+
+    /// Displacements \[m\] between two nodes of a body at the state reached, and one and two steps
+    /// earlier.
+    #[inline(always)]
+    fn at(&self, body: usize, nodes: &[(usize, f64); 2]) -> [f64; 3] {
+        let [(left, left_weight), (right, right_weight)] = *nodes;
+        let (left, right) = (self.bars[body].states(left), self.bars[body].states(right));
+        [0, 1, 2].map(|i| left_weight * left[i] + right_weight * right[i])
     }
 
     /// Viscous power of the bodies \[W\] half a step before the newest state.
     #[inline(always)]
-    fn viscous_power(&self, simd: S) -> f64 {
-        // A loop, not an iterator's sum: its closure would be compiled on its own,
-        // for the machine's plainest instructions, and each vector operation be a call.
-        let (mut twice_kinetic_energy, mut internal) = (0.0, 0.0);
+    fn viscous_power(&self) -> f64 {
+        let mut power = 0.0;
+        // A closure would be compiled on its own, for the machine's plainest instructions.
         for bar in &self.bars {
-            twice_kinetic_energy += bar.twice_kinetic_energy(simd, self.step);
-            internal += bar.internal_loss(self.step);
+            power += bar.viscous_power(self.rate);
         }
-        for guide in &self.guides {
-            twice_kinetic_energy += 2.0 * guide.kinetic(self.step);
-        }
-        self.rate * twice_kinetic_energy + internal
+        power
     }
 
-    /// Counts the state one step before the newest for `steps` in the averages, and keeps it in
-    /// the history if it is a `sample`: time, force and motion of the top.
-    fn record(&mut self, history: &mut History, sample: Option<(f64, f64, &Top)>, steps: usize) {
-        if let Some((time, force, top)) = sample {
-            let acceleration = (top.after - 2.0 * top.now + top.before) / (self.step * self.step);
-            history.time.push(time);
-            history.load.push(force);
-            history.sensors[0].push([
-                top.now,
-                0.5 * (top.after - top.before) / self.step,
-                acceleration,
-            ]);
-        }
+    /// Counts the contacts one step before the newest state for `steps` in the averages, and keeps
+    /// them in the history if they are a `sample`.
+    fn observe(&mut self, history: &mut History, sample: bool, steps: usize) {
         for (contact, columns) in self.contacts.iter_mut().zip(&mut history.interfaces) {
             let observed = contact.observe();
             contact.average(observed.2, steps);
-            if sample.is_some() {
+            if sample {
                 columns.push(observed);
             }
         }
@@ -277,26 +284,19 @@ impl<'a, 'r, S: Simd> State<'a, 'r, S> {
     fn overflow(&self) -> Option<String> {
         let lost = self.contacts.iter().find(|contact| !contact.is_finite());
         let name = lost.or(self.contacts.first()).map(|contact| contact.name().to_owned());
-        name.filter(|_| lost.is_some() || !self.bars[0].top().0.is_finite())
+        name.filter(|_| lost.is_some() || !self.bars[0].states(0)[0].is_finite())
     }
 
-    fn balance(&self, ledger: &Ledger, form: ContactForm) -> EnergyLedger {
+    fn balance(&self, form: ContactForm) -> EnergyLedger {
         let (mut kinetic, mut elastic) = self.support.energy(self.step);
         for bar in &self.bars {
-            let (bar_kinetic, bar_elastic) = bar.energy(self.step);
-            kinetic += bar_kinetic;
-            elastic += bar_elastic;
+            kinetic += bar.kinetic_energy();
+            elastic += bar.elastic_energy();
         }
-        let mut friction = (0.0, 0.0);
-        let mut count = |(stored, lost): (f64, f64)| {
-            friction = (friction.0 + stored, friction.1 + lost);
-        };
-        for guide in &self.guides {
-            kinetic += guide.kinetic(self.step);
-            count(guide.energy());
-        }
-        self.contacts.iter().for_each(|step| count(step.friction_energy()));
-        let (friction_stored, friction_dissipated) = friction;
+        let guides = self.guides.iter().map(GuideStep::energy);
+        let elements = guides.chain(self.contacts.iter().map(ContactStep::friction_energy));
+        let (friction_stored, friction_dissipated) =
+            elements.fold((0.0, 0.0), |sum, (stored, lost)| (sum.0 + stored, sum.1 + lost));
         let (mut contact, mut work, mut contact_dissipated) = (0.0, 0.0, 0.0);
         for step in &self.contacts {
             let (stored, done) = step.energy();
@@ -305,8 +305,8 @@ impl<'a, 'r, S: Simd> State<'a, 'r, S> {
             contact_dissipated += step.loss();
         }
         EnergyLedger {
-            input: ledger.input,
-            dissipated: ledger.dissipated
+            input: self.ledger.input,
+            dissipated: self.ledger.dissipated
                 + self.support.loss
                 + contact_dissipated
                 + friction_dissipated,

@@ -137,6 +137,9 @@ fn differences(found: &Transient, expected: &Transient) -> [f64; 4] {
 const SMOOTH: [[f64; 4]; 2] = [[3e-4, 2e-3, 2e-3, 2e-4], [1e-3, 5e-2, 5e-2, 5e-3]];
 const BOUNCING: [[f64; 4]; 2] = [[1e-3, 1e-2, 1e-2, 1e-3], [1e-2, 1e-1, 1e-1, 1e-2]];
 
+/// Difference below which the tables of the laws show, held to 1e-6 of the static pressure, and not the grid.
+const TABLES: f64 = 1e-6;
+
 #[test]
 fn finite_differences_tend_to_modal_steps() {
     let mut failures = Vec::new();
@@ -154,7 +157,7 @@ fn finite_differences_tend_to_modal_steps() {
         assert_eq!(lost > 0.0, scenario.opens, "{}", scenario.name);
         let [finest_bound, default_bound] = if scenario.opens { BOUNCING } else { SMOOTH };
         for k in 0..4 {
-            let shrinks = finest[k] < 0.7 * coarse[k];
+            let shrinks = finest[k] < 0.7 * coarse[k] || coarse[k].max(finest[k]) < TABLES;
             if !(shrinks && finest[k] < finest_bound[k] && off[k] < default_bound[k]) {
                 failures.push((scenario.name, k, coarse[k], finest[k], off[k]));
             }

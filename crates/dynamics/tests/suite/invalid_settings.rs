@@ -112,9 +112,12 @@ fn an_instruction_set_that_the_machine_lacks_is_refused() {
         InstructionSet::Avx2,
         InstructionSet::Avx512,
     ];
+    let structure = PreloadedStructure::new(rig(&modified()), Damping::Rate(352.0)).unwrap();
+    let sampling = Sampling::new(1e-3, 2e5).unwrap();
     let available = InstructionSet::available();
     for set in all {
-        let outcome = with(|method| method.instructions = set);
+        let modal = Modal { instructions: set, ..Modal::default() };
+        let outcome = modal.integrate(&structure, &pulse(9.0), &[Port::TOP], &sampling).map(|_| ());
         if available.contains(&set) {
             assert_eq!(outcome, Ok(()));
         } else {

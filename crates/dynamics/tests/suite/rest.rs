@@ -88,19 +88,13 @@ fn a_pulse_of_a_nanonewton_moves_the_rig_in_proportion() {
     }
 }
 
-/// A rig at rest is at rest on every instruction set, and so is one without gravity.
+/// A rig at rest is at rest on every instruction set.
 #[test]
 fn rest_holds_on_every_instruction_set() {
     let stack = rig(&modified());
     for instructions in InstructionSet::available() {
-        let method = FiniteDifference { instructions, ..coarse(ContactForm::Centred) };
         let modal = Modal { instructions, ..Modal::default() };
-        for method in [Integrator::from(method), modal.into()] {
-            let run = run(&stack, &method, &LoadCase::none(), 0.01);
-            assert!(
-                run.history.sensors[0].displacement.iter().all(|&u| u == 0.0),
-                "{instructions:?}"
-            );
-        }
+        let run = run(&stack, &modal, &LoadCase::none(), 0.01);
+        assert!(run.history.sensors[0].displacement.iter().all(|&u| u == 0.0), "{instructions:?}");
     }
 }

@@ -18,7 +18,7 @@ fn structure(support: Support) -> (Stack, LinearStructure) {
         9.81,
     )
     .unwrap();
-    let grid = Grid::new(&stack, 5e-3).unwrap();
+    let grid = Grid::new(&stack, 0.02 / 7.0).unwrap();
     let structure = LinearStructure::on_grid(&stack, &grid);
     (stack, structure)
 }
