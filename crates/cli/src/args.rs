@@ -2,7 +2,6 @@
 #![allow(clippy::doc_markdown, reason = "these comments are help texts, shown without markup")]
 
 pub(crate) mod analyse;
-pub(crate) mod decay;
 pub(crate) mod figures;
 pub(crate) mod law;
 pub(crate) mod study;
@@ -13,8 +12,7 @@ use asperity_simulation::steady::{BodyModel, SweepDirection};
 use clap::{ArgAction, Args as Group, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
 
-use analyse::{Analyse, Conversion, Inspect, RecordFormat, Watch};
-use decay::Decay;
+use analyse::{Analyse, Conversion, Decay, Inspect, RecordFormat, Watch};
 use figures::{FigureOptions, MagnitudeAxis};
 use law::DeckExport;
 use study::Study;

@@ -3,24 +3,21 @@
 //! | module | holds |
 //! |---|---|
 //! | `signals` | responses of a record, in the unit of their channel |
-//! | `curve` | backbone of one response in one decay |
-//! | `report` | `decay.json` |
+//! | `report` | `decay.json`, backbones |
 //! | `tables` | `decays.csv`, `backbone.csv` |
 //! | `outline` | signals to draw |
 //! | `conclusion` | results in words |
 
 mod conclusion;
-mod curve;
 mod outline;
 mod report;
 mod signals;
 mod tables;
 
-pub use curve::DecayCurve;
 pub use outline::DecayOutline;
 pub use report::{
-    DECAY_SCHEMA, DecayCurveReport, DecayHarmonicReport, DecayLevel, DecayReport, DecaySettings,
-    MeasuredDecay,
+    DECAY_SCHEMA, DecayCurve, DecayCurveReport, DecayHarmonicReport, DecayLevel, DecayReport,
+    DecaySettings, MeasuredDecay,
 };
 
 use std::path::PathBuf;

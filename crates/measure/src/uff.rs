@@ -8,7 +8,7 @@
 //! |---|---|
 //! | `index` | first pass |
 //! | `header`, `fields` | lines before the numbers |
-//! | `binary`, `printed`, `values` | numbers |
+//! | `binary`, `printed` | numbers |
 //! | `system` | dataset 164, and units of a channel |
 //! | `group` | functions sampled together |
 //! | `write` | writing |
@@ -20,7 +20,6 @@ mod header;
 mod index;
 mod printed;
 mod system;
-mod values;
 mod write;
 
 use std::sync::Arc;
@@ -34,10 +33,10 @@ use crate::{
     rate,
 };
 
+use binary::Values;
 use header::FunctionHeader;
 use index::{Data, FunctionEntry, Group};
 use printed::Printed;
-use values::Values;
 
 pub(crate) use write::write;
 

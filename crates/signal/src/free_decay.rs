@@ -3,13 +3,12 @@
 mod beating;
 mod harmonics;
 mod one_mode;
-mod point;
 mod resonance;
 mod search;
 
 pub use beating::Beating;
 pub use harmonics::DecayHarmonic;
-pub use point::DecayPoint;
+pub use one_mode::DecayPoint;
 pub use resonance::DecayResonance;
 pub use search::{DecayEnd, DecayOrigin, FoundDecay, find_decays, level_range};
 
@@ -21,8 +20,7 @@ use crate::ring_down::{
 };
 use beating::BeatSearch;
 use harmonics::HarmonicBand;
-use one_mode::OneModePart;
-use point::span_of;
+use one_mode::{OneModePart, span_of};
 
 /// Largest half width of the band of a mode, over its frequency.
 const HALF_WIDTH: f64 = 0.3;

@@ -12,10 +12,10 @@
 //! on no file system.
 
 mod parquet_table;
-mod whole_file;
 
+use std::ffi::OsStr;
 use std::fs::{self, File};
-use std::io::{self, BufRead, BufReader, Read, Write};
+use std::io::{self, BufRead, BufReader, BufWriter, Read, Write};
 use std::path::{Path, PathBuf};
 
 use asperity_table::CsvWriter;
@@ -26,7 +26,6 @@ use crate::plan::StudyPlan;
 use crate::study_table::StudyTable;
 use parquet_table::ParquetTable;
 pub(crate) use parquet_table::Role;
-use whole_file::{is_temporary, write_whole};
 
 /// Schema of the manifest.
 const SCHEMA: &str = "asperity/study-run/1";
@@ -36,6 +35,9 @@ const MANIFEST: &str = "study.json";
 const CHUNKS: &str = "chunks";
 const TABLE: &str = "study.csv";
 const PARQUET: &str = "study.parquet";
+
+/// First characters of the name of a file that is being written.
+const BEGUN: &str = ".new-";
 
 /// First words of a chunk.
 const CHUNK_MARK: &str = "# asperity study chunk";
@@ -391,4 +393,33 @@ impl StudyFolder {
 fn is_ours(entry: &fs::DirEntry) -> bool {
     let name = entry.file_name();
     is_temporary(&name) || name == MANIFEST || name == CHUNKS
+}
+
+/// True for the name of a file that is being written, or was when its writer was killed.
+fn is_temporary(name: &OsStr) -> bool {
+    name.to_str().is_some_and(|name| name.starts_with(BEGUN))
+}
+
+/// Writes a file under another name, brings it to the disk and renames it: it is whole or absent.
+fn write_whole(
+    path: &Path,
+    write: impl FnOnce(&mut BufWriter<&mut File>) -> io::Result<()>,
+) -> io::Result<()> {
+    let folder = path.parent().unwrap_or(Path::new("."));
+    let mut builder = tempfile::Builder::new();
+    // Shards on several machines do not meet in one name: the file must be new.
+    builder.prefix(BEGUN);
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        // Those of a new file; temporary files are private to their owner.
+        builder.permissions(std::fs::Permissions::from_mode(0o666));
+    }
+    let mut temporary = builder.tempfile_in(folder)?;
+    let mut file = BufWriter::new(temporary.as_file_mut());
+    write(&mut file)?;
+    file.into_inner().map_err(io::IntoInnerError::into_error)?.sync_all()?;
+    temporary.persist(path).map_err(|error| error.error)?;
+    // The name itself; a folder cannot be opened everywhere.
+    if cfg!(unix) { File::open(folder)?.sync_all() } else { Ok(()) }
 }

@@ -21,7 +21,7 @@ impl Stroke {
     pub(super) const THIN: Self = Self(Color::GREY, 0.5);
 }
 
-/// Where a text lies from its point; vertically it is centred on it.
+/// Horizontal alignment of a text on its point; vertically it is centred on it.
 #[derive(Clone, Copy)]
 pub(super) enum Align {
     Left,

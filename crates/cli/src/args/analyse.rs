@@ -1,4 +1,4 @@
-//! The options of `asperity analyse`, and those it shares with `asperity convert`.
+//! Options of the commands that read measurements: `analyse`, `decay`, `watch`, `inspect`, `convert`.
 #![allow(clippy::doc_markdown, reason = "these comments are help texts, shown without markup")]
 
 use std::path::PathBuf;
@@ -177,6 +177,30 @@ pub(crate) struct Conversion {
     pub(crate) json: bool,
 }
 
+/// Files with free decays, and the options of their analysis.
+#[derive(Debug, Group)]
+pub(crate) struct Decay {
+    /// The files; folders and patterns such as 'decays/*.mat' too.
+    #[arg(value_name = "FILE", required = true)]
+    pub(crate) files: Vec<PathBuf>,
+
+    #[command(flatten)]
+    pub(crate) measured: MeasuredOptions,
+
+    /// Channel of a response: its name, '#' and its number, or a quantity; repeatable, or all.
+    /// Default: all accelerations, velocities and displacements.
+    #[arg(long, value_name = "CHANNEL")]
+    pub(crate) response: Vec<ChannelSelector>,
+
+    /// Frequency band with one mode, in Hz; repeatable, one for each mode. Default: about the
+    /// strongest resonance of the first decay.
+    #[arg(long, value_name = "LO:HI")]
+    pub(crate) band: Vec<FrequencyBand>,
+
+    #[command(flatten)]
+    pub(crate) output: AnalysisOutput,
+}
+
 /// Channels of a hammer test.
 #[derive(Debug, Group)]
 pub(crate) struct HammerChannels {
@@ -196,7 +220,7 @@ pub(crate) struct HammerChannels {
     pub(crate) response: Vec<ChannelSelector>,
 }
 
-/// What files of measurements lack, and the sensors of their channels.
+/// Properties that files of measurements lack, and the sensors of their channels.
 #[derive(Debug, Group)]
 pub(crate) struct MeasuredOptions {
     #[command(flatten)]
@@ -207,7 +231,7 @@ pub(crate) struct MeasuredOptions {
     pub(crate) sensitivity: Vec<ChannelSensor>,
 }
 
-/// Where the result of an analysis of measurements goes.
+/// Destination and form of the result of an analysis of measurements.
 #[derive(Debug, Group)]
 pub(crate) struct AnalysisOutput {
     /// Folder for the results. Default: out/ and the name of the first file or folder.

@@ -13,7 +13,7 @@ use asperity_plot as plot;
 use serde_json::json;
 
 use super::ResultFolder;
-use crate::args::decay::Decay;
+use crate::args::analyse::Decay;
 use crate::failure::Failure;
 use crate::file_kind::check_measurements;
 use crate::rig;

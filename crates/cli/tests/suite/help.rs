@@ -64,8 +64,7 @@ fn a_manual_page_describes_every_command_with_its_options() {
     }
     // Parts of commands have pages of their own.
     expected.extend(
-        ["answers", "merge", "slurm", "unfinished"]
-            .map(|part| format!("asperity-study-{part}.1")),
+        ["answers", "merge", "slurm", "unfinished"].map(|part| format!("asperity-study-{part}.1")),
     );
     expected.sort();
     assert_eq!(files(&pages), expected);

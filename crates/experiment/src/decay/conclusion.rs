@@ -2,8 +2,7 @@
 
 use asperity_signal::{DecayPoint, PeakOrigin};
 
-use super::curve::DecayCurve;
-use super::report::{DecayLevel, MeasuredDecay};
+use super::report::{DecayCurve, DecayLevel, MeasuredDecay};
 use crate::second_peak::name as name_of_origin;
 
 /// Part of the points at each end of a backbone whose mean is compared.

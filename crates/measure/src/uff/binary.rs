@@ -11,8 +11,25 @@ use crate::number::{Endian, NumberType};
 use crate::source::Source;
 use crate::uff::fields::integer;
 use crate::uff::header::FunctionHeader;
-use crate::uff::values::Values;
 use crate::{FilePosition, MeasureError, Notice};
+
+/// The numbers of some points of a function.
+pub(crate) struct Values {
+    pub(crate) abscissae: Vec<f64>,
+    pub(crate) real: Vec<f64>,
+    pub(crate) complex: Vec<Complex64>,
+}
+
+impl Values {
+    /// Space for `count` points, a number the caller has checked.
+    pub(crate) fn for_points(count: usize, even: bool, complex: bool) -> Self {
+        Self {
+            abscissae: Vec::with_capacity(if even { 0 } else { count }),
+            real: Vec::with_capacity(if complex { 0 } else { count }),
+            complex: Vec::with_capacity(if complex { count } else { 0 }),
+        }
+    }
+}
 
 /// Position and type of binary numbers.
 #[derive(Debug)]

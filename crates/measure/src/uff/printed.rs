@@ -4,9 +4,9 @@ use num_complex::Complex64;
 
 use crate::MeasureError;
 use crate::source::{Position, Source};
+use crate::uff::binary::Values;
 use crate::uff::fields::real;
 use crate::uff::index::{Data, FunctionEntry};
-use crate::uff::values::Values;
 
 /// Position in the printed numbers of a function.
 #[derive(Debug)]

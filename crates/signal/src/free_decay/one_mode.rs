@@ -1,11 +1,14 @@
-//! The part of a decay in which its band holds one mode.
+//! Points of a decay, and the part in which its band holds one mode.
+
+use std::ops::RangeInclusive;
 
 use num_complex::Complex64;
 
 use crate::noise::median_of;
 
 use super::beating::{BeatSearch, Beating, FEWEST_BEATS};
-use super::point::{DecayPoint, span_of};
+use super::harmonics::DecayHarmonic;
+use crate::ring_down::{BackbonePoint, BackboneUncertainty};
 
 /// Growth of the amplitude, in standard deviations, that noise does not explain.
 const GROWTH: f64 = 6.0;
@@ -23,6 +26,18 @@ const STEP: f64 = 0.1;
 const LEAST: f64 = 0.2;
 /// Fewest points.
 const FEWEST: usize = 8;
+
+/// One point of a free decay.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DecayPoint {
+    /// Time, amplitude, frequency and damping.
+    pub point: BackbonePoint,
+    /// Their standard deviations due to noise.
+    pub uncertainty: BackboneUncertainty,
+    /// Amplitudes of the second and the third harmonic over the fundamental's; `None` where
+    /// they are noise.
+    pub harmonics: [Option<DecayHarmonic>; 2],
+}
 
 /// The first points of a backbone, in which the band holds one mode; all where it holds several.
 pub(super) struct OneModePart {
@@ -120,4 +135,14 @@ fn strongest(
     };
     let found = [of(points), of(&points[points.len() / 2..])];
     found.into_iter().flatten().max_by(|a, b| a.decay_rate_error.total_cmp(&b.decay_rate_error))
+}
+
+/// Samples of the lines of some points.
+pub(super) fn span_of(
+    points: &[DecayPoint],
+    half: usize,
+    rate: f64,
+) -> Option<RangeInclusive<usize>> {
+    let place = |one: &DecayPoint| (one.point.time_s * rate).round() as usize;
+    Some(place(points.first()?) - half..=place(points.last()?) + half)
 }

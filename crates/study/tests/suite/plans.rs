@@ -71,7 +71,8 @@ fn posterior_draws_keep_their_dependence_and_weights() {
 fn draws_of_laws_change_the_scenario() {
     let folder = tempfile::tempdir().unwrap();
     let scenario: Value =
-        serde_json::from_slice(&std::fs::read("../simulation/examples/block.json").unwrap()).unwrap();
+        serde_json::from_slice(&std::fs::read("../simulation/examples/block.json").unwrap())
+            .unwrap();
     std::fs::write(folder.path().join("block.json"), scenario.to_string()).unwrap();
     let name = scenario["laws"].as_object().unwrap().keys().next().unwrap();
     let law = format!("/laws/{name}");
