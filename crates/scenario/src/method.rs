@@ -48,7 +48,7 @@ pub struct ModalSpec {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct FiniteDifferenceSpec {
-    /// Largest length of a cell in m; each body takes a whole number of cells.
+    /// Length of a cell in m; each body takes the next whole number of cells, at least one.
     #[schemars(extend("exclusiveMinimum" = 0.0))]
     pub cell_m: f64,
     /// Courant number c dt / dx of the stability condition (Eq. 3, CFL).

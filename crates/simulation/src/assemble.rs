@@ -84,7 +84,6 @@ fn integrator(method: MethodSpec) -> Integrator {
                 ContactScheme::Centred => ContactForm::Centred,
                 ContactScheme::NewLevel => ContactForm::NewLevel,
             },
-            ..FiniteDifference::default()
         }),
         MethodSpec::Modal(settings) => Integrator::from(Modal {
             step: settings.step_s,

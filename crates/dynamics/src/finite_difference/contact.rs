@@ -151,6 +151,7 @@ impl<'a> ContactStep<'a> {
 
     /// The traction increment \[Pa\] of a step that would bring the closure increment to
     /// `unloaded` \[m\] without it: the pressure increment `q`, but for damping and friction.
+    #[inline(always)]
     pub(super) fn solve(&mut self, unloaded: f64) -> f64 {
         let argument = self.weight_new * unloaded + self.weight_old * self.closure_before;
         let before = self.increment;
@@ -164,6 +165,7 @@ impl<'a> ContactStep<'a> {
 
     /// The traction increment \[Pa\] without friction, where the law would hold at `argument` \[m\]
     /// without it.
+    #[inline(always)]
     fn normal_traction(&mut self, argument: f64) -> f64 {
         if self.damped.is_some() {
             return self.solve_damped(argument);
@@ -218,6 +220,7 @@ impl<'a> ContactStep<'a> {
     }
 
     /// Records the closure increment \[m\] that the step ends with.
+    #[inline(always)]
     pub(super) fn advance(&mut self, reached: f64) {
         self.work += 0.5 * self.increment * (reached - self.closure_before);
         self.loss += 0.5 * self.viscous * (reached - self.closure_before);
