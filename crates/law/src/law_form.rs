@@ -1,4 +1,4 @@
-//! What the document form of every kind of law offers.
+//! The trait of the document forms of laws.
 
 use std::sync::Arc;
 

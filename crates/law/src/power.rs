@@ -258,6 +258,6 @@ impl LawForm for PowerSpec {
     }
 }
 
-/// What is accepted where a stiffness `C p^m` is not [`regular`].
+/// Values accepted for a stiffness `C p^m` that is to be [`regular`].
 pub(crate) const REGULAR: &str =
     "a coefficient and an exponent that give a finite stiffness above zero";

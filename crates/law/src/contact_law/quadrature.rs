@@ -104,6 +104,9 @@ impl Weight {
 fn between<L: ContactLaw + ?Sized>(law: &L, weight: Weight, from: f64, to: f64) -> f64 {
     let minimum = law.domain().pressure_min;
     let (from, to) = (no_less(from, minimum), no_less(to, minimum));
+    if from.is_nan() || to.is_nan() {
+        return f64::NAN;
+    }
     if from > to {
         return -between(law, weight, to, from);
     }
