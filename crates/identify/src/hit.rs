@@ -4,6 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use asperity_dynamics::HitSimulation;
+use asperity_mesh::Port;
 use asperity_structure::{LoadCase, SampledFunction};
 use serde::Deserialize;
 use serde_json::{Value, json};
@@ -80,6 +81,8 @@ pub(super) enum HitForce {
     },
     /// Measured samples: times \[s\] and forces \[N\].
     Record {
+        /// Changes inside /excitation, whose place is that of the force.
+        set: Changes,
         /// Times \[s\].
         time_s: Vec<f64>,
         /// Forces as measured \[N\].
@@ -118,6 +121,29 @@ impl PreparedRig {
     }
 }
 
+fn invalid(error: serde_json::Error) -> SimulationError {
+    SimulationError::Scenario(error.to_string())
+}
+
+impl PreparedRig {
+    /// The scenario's excitation with some changes inside it.
+    fn excitation(&self, set: &Changes) -> Result<Value, SimulationError> {
+        let mut part = json!({ "excitation": self.excitation });
+        for (pointer, value) in set {
+            set_value(&mut part, pointer, &value.to_string())?;
+        }
+        Ok(part.get_mut("excitation").map(Value::take).unwrap_or_default())
+    }
+
+    /// The port of the scenario's excitation with some changes inside it.
+    pub(super) fn load_port(&self, set: &Changes) -> Result<Port, SimulationError> {
+        let excitation = self.excitation(set)?;
+        let Some(at) = excitation.get("at") else { return Ok(Port::TOP) };
+        let at = PlaceSpec::deserialize(at).map_err(invalid)?;
+        Ok(at.port(self.case.assembly.structure.stack().bodies())?)
+    }
+}
+
 impl SimulatedHit {
     /// The force of the hit on a rig, as sensors of these `gains` have measured it.
     pub(super) fn load(
@@ -126,33 +152,20 @@ impl SimulatedHit {
         gains: Gains,
         folder: &Path,
     ) -> Result<LoadCase, SimulationError> {
-        let invalid = |error: serde_json::Error| SimulationError::Scenario(error.to_string());
         let bodies = rig.case.assembly.structure.stack().bodies();
         let load = match &self.drive {
             HitForce::Scenario { set, peak_n } => {
-                let mut part = json!({ "excitation": rig.excitation });
-                for (pointer, value) in set {
-                    set_value(&mut part, pointer, &value.to_string())?;
-                }
-                let spec = part.get_mut("excitation").map(Value::take).unwrap_or_default();
-                let spec: ExcitationSpec = serde_json::from_value(spec).map_err(invalid)?;
+                let spec = ExcitationSpec::deserialize(rig.excitation(set)?).map_err(invalid)?;
                 let load = load_case(&spec, bodies, folder)?;
                 match peak_n {
                     Some(peak) => load.with_amplitude(peak / gains.force),
                     None => load,
                 }
             }
-            HitForce::Record { time_s, force_n } => {
+            HitForce::Record { set, time_s, force_n } => {
                 let samples = SampledFunction::new(time_s.clone(), force_n.clone())?;
-                let load = LoadCase::samples(&samples);
-                let load = load.with_amplitude(load.amplitude() / gains.force);
-                match rig.excitation.get("at") {
-                    Some(at) => {
-                        let at = PlaceSpec::deserialize(at).map_err(invalid)?;
-                        load.at(at.port(bodies)?)
-                    }
-                    None => load,
-                }
+                let load = LoadCase::samples(&samples).at(rig.load_port(set)?);
+                load.with_amplitude(load.amplitude() / gains.force)
             }
         };
         load.check()?;

@@ -10,6 +10,7 @@ use rayon::prelude::*;
 use crate::data_files::TableSource;
 use crate::error::IdentificationError;
 use crate::hit::PreparedRig;
+use crate::problem::Changes;
 use crate::problem_parameters::{Gains, Sensors};
 use asperity_simulation::error::SimulationError;
 
@@ -95,6 +96,8 @@ pub(super) fn read_table(source: &TableSource<'_>) -> Result<Vec<SteppedRow>, Id
 pub(super) struct SimulatedSweep {
     /// Index of its rig.
     pub(super) rig: usize,
+    /// Changes inside /excitation, whose place is that of the shaker.
+    pub(super) set: Changes,
     pub(super) sensors: Sensors,
     /// Frequencies and measured force amplitudes, in their order.
     pub(super) drives: Vec<Drive>,
@@ -102,6 +105,23 @@ pub(super) struct SimulatedSweep {
 }
 
 impl SimulatedSweep {
+    /// The structure, loaded where the shaker is.
+    fn system(
+        &self,
+        rig: &PreparedRig,
+        laws: LawEvaluation,
+    ) -> Result<ContactSystem, SimulationError> {
+        let assembly = &rig.case.assembly;
+        let (load, sensors) = (rig.load_port(&self.set)?, assembly.sensor_ports());
+        if sensors.first() != Some(&load) {
+            let text = "stepped_sine data are the response at the place of the force: excitation.at and \
+                        the first of the sensors must be one place";
+            return Err(SimulationError::Scenario(text.to_owned()));
+        }
+        let system = ContactSystem::of_structure(&assembly.structure, laws)?;
+        Ok(system.with_ports(load, &[load])?)
+    }
+
     fn drive(drive: Drive, gains: Gains) -> Drive {
         Drive { force: drive.force / gains.force, ..drive }
     }
@@ -113,7 +133,7 @@ impl SimulatedSweep {
         gains: Gains,
     ) -> Result<Vec<Option<SineResponse>>, SimulationError> {
         // Tables of the laws; the derivatives are those of the laws themselves.
-        let system = system(&rigs[self.rig], LawEvaluation::default())?;
+        let system = self.system(&rigs[self.rig], LawEvaluation::default())?;
         let drives: Vec<Drive> =
             self.drives.iter().map(|drive| Self::drive(*drive, gains)).collect();
         Ok(SteppedSine::new(&system, self.harmonics).sweep(&drives))
@@ -129,7 +149,7 @@ impl SimulatedSweep {
         stencils: &[SweepStencil<'_>],
     ) -> Result<(Vec<Option<Complex64>>, Vec<Vec<Option<Complex64>>>), SimulationError> {
         let responses = self.responses(rigs, gains)?;
-        let exact = |rigs: &[PreparedRig]| system(&rigs[self.rig], LawEvaluation::Exact);
+        let exact = |rigs: &[PreparedRig]| self.system(&rigs[self.rig], LawEvaluation::Exact);
         let middle = exact(rigs)?;
         let systems = stencils
             .iter()
@@ -198,6 +218,3 @@ pub(super) struct SweepStencil<'a> {
     pub(super) step: f64,
 }
 
-fn system(rig: &PreparedRig, laws: LawEvaluation) -> Result<ContactSystem, SimulationError> {
-    Ok(ContactSystem::of_structure(&rig.case.assembly.structure, laws)?)
-}

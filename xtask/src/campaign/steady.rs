@@ -16,8 +16,9 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use asperity_dynamics::{FiniteDifference, Integrator, Modal, Sampling};
 use asperity_harmonic::{Branch, PeriodicResponse};
 use asperity_law::Draw as _;
-use asperity_scenario::{Document, Scenario};
-use asperity_simulation::assemble::Assembly;
+use asperity_scenario::{Document, Scenario, SensorKind};
+use asperity_mesh::{Body, Port};
+use asperity_simulation::assemble::{Assembly, Sensor};
 use asperity_simulation::steady::{
     BodyModel, SettledAmplitude, Steady, SteadyRequest, TimeCheck, first_periods, steady,
 };
@@ -102,9 +103,19 @@ fn judge_all(document: &Document, scenario: &Scenario, draw: &mut Draw) -> Vec<S
     let smallest = weights.clone().fold(f64::INFINITY, f64::min);
     let largest = weights.fold(0.0, f64::max);
     // At resonance a force is amplified by 1/(2 ratio).
-    found.push(small_force(&assembly, natural, 1e-4 * 2.0 * ratio * smallest));
+    // The exact linear response is the response of the top to a force there.
+    let kind = SensorKind::Displacement;
+    let top = Assembly {
+        load: LoadCase::none(),
+        sensors: vec![Sensor { name: None, port: Port::TOP, kind }],
+        ..assembly.clone()
+    };
+    found.push(small_force(&top, natural, 1e-4 * 2.0 * ratio * smallest));
     let force = draw.log_uniform(0.01, 1.0) * 2.0 * ratio * largest;
-    found.push(large_force(&assembly, natural, force));
+    // A moving base pushes with the mass of the whole.
+    let mass: f64 = structure.stack().bodies().iter().map(Body::mass).sum();
+    let amplitude = if assembly.load.base().is_some() { force / mass } else { force };
+    found.push(large_force(&assembly, natural, amplitude));
     found
 }
 
@@ -219,7 +230,7 @@ fn by_modes(assembly: &Assembly, branch: &Branch, force: f64, state: &str) -> St
     let Some(peak) = branch.highest().filter(|peak| peak.stable() == Some(true)) else {
         return undecided("no stable peak".to_owned());
     };
-    let (frequency, amplitude) = (peak.frequency_hz(), peak.amplitude(1));
+    let (frequency, amplitude) = (peak.frequency_hz(), peak.at_sensor(0, 1).norm());
     let remark = format!("at {frequency:.3} Hz {amplitude:.4e} m");
     match modal_amplitude(assembly, force, frequency) {
         Some(integrated) if (amplitude / integrated - 1.0).abs() <= AMPLITUDE => {
@@ -240,9 +251,10 @@ fn integration_cost(assembly: &Assembly, frequency: f64) -> Option<f64> {
     Some(outline.unknowns as f64 * outline.steps as f64)
 }
 
-/// Fundamental of the top \[m\] by modal steps of a quarter of the default, if it settles.
+/// Fundamental of the first sensor \[m\] by modal steps of a quarter of the default, if it settles.
 fn modal_amplitude(assembly: &Assembly, amplitude: f64, frequency: f64) -> Option<f64> {
     let shaker = LoadCase::force(TimeFunction::Harmonic { frequency }, amplitude);
+    let shaker = shaker.at(assembly.load.port());
     let sampling = Sampling::new(20.0 / frequency, 64.0 * frequency).ok()?;
     let default = Integrator::default().outline(&assembly.structure, &shaker, &sampling).ok()?;
     let (step, modes_per_body) = (Some(default.step / 4.0), Some(20));

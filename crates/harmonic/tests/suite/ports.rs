@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
+use asperity_dynamics::{Modal, Sampling};
 use asperity_harmonic::{
     CondensedStack, ContactSystem, Continuation, Drive, HarmonicError, LawEvaluation, SineResponse,
     SteppedSine, SystemPort,
@@ -12,7 +13,9 @@ use asperity_mesh::{
     Body, BodyDamping, ComponentModes, Interface, ModeCount, NormalMode, Port, PortPair,
     ResidualFlexibility, Stack, Support,
 };
-use asperity_structure::{Damping, PreloadedContact, PreloadedStructure};
+use asperity_structure::{
+    Damping, LoadCase, PreloadedContact, PreloadedStructure, TimeFunction,
+};
 use num_complex::Complex64;
 
 use crate::rigs::{AREA, Law, MASS, branch, power, preloaded, rig};
@@ -283,6 +286,64 @@ fn nonlinear_responses_at_random_ports_are_those_of_component_modes() {
 }
 
 /// Without ports the load and the one sensor are at the top; the branch of a load there is the same.
+/// Random structures on power laws under forces and base accelerations at random places against the
+/// modal engine in time: fundamental and second harmonic of displacement at random sensors.
+#[test]
+fn steady_responses_at_random_places_meet_the_integration_in_time() {
+    let mut random = Random(41);
+    for number in 0..40 {
+        let structure = preloaded(random.stack(&power(), true), 0.0);
+        let natural = structure.natural_frequency().unwrap();
+        let rate = 2.0 * 0.06 * TAU * natural;
+        let structure = preloaded(structure.stack().clone(), rate);
+        let point = |random: &mut Random| {
+            let body = random.below(structure.stack().bodies().len());
+            let length = structure.stack().bodies()[body].length();
+            Port::Point { body, position: random.between(0.0, length) }
+        };
+        let load = if number % 3 == 0 { Port::Base } else { point(&mut random) };
+        let sensors = [point(&mut random), point(&mut random)];
+        let masses = structure.stack().bodies().iter().map(Body::mass);
+        let mass = masses.sum::<f64>();
+        let frequency_hz = random.between(0.6, 1.3) * natural;
+        let weight = 0.01 * random.between(0.3, 1.0) * mass * 9.81;
+        let amplitude = if load == Port::Base { weight / mass } else { weight };
+        let system = system(&structure, load, &sensors);
+        let found = response(&system, 7, Drive { frequency_hz, force: amplitude });
+        // 80 periods leave exp(-2 pi 0.06 80 / 1.3) of the transient; the last is evaluated.
+        let (periods, samples) = (120_usize, 64_usize);
+        let sampling =
+            Sampling::new(periods as f64 / frequency_hz, samples as f64 * frequency_hz).unwrap();
+        let function = TimeFunction::Harmonic { frequency: frequency_hz };
+        let shaker = LoadCase::force(function, amplitude).at(load);
+        let step = Some(1.0 / (256.0 * frequency_hz.max(natural)));
+        let modal = Modal { step, modes_per_body: Some(12), ..Modal::default() };
+        let run = modal.integrate(&structure, &shaker, &sensors, &sampling).unwrap();
+        for (steady, moved) in found.sensors.iter().zip(&run.history.sensors) {
+            let last = &moved.displacement[(periods - 1) * samples..];
+            for (k, tolerance) in [(1, 2e-3), (2, 2e-2)] {
+                let sum: Complex64 = last
+                    .iter()
+                    .enumerate()
+                    .map(|(n, u)| {
+                        let phase = -TAU * k as f64 * n as f64 / samples as f64;
+                        2.0 / samples as f64 * u * Complex64::from_polar(1.0, phase)
+                    })
+                    .sum();
+                let (amplitude, scale) =
+                    (steady.displacement(k).norm(), steady.displacement(1).norm());
+                let off = (sum.norm() - amplitude).abs();
+                let name = format!("{number}, {load:?}, harmonic {k}");
+                assert!(
+                    off < tolerance * amplitude + 1e-5 * scale,
+                    "{name}: {amplitude:e} {:e}",
+                    sum.norm()
+                );
+            }
+        }
+    }
+}
+
 #[test]
 fn ports_not_given_are_at_the_top() {
     let structure = preloaded(rig(&power(), Support::Rigid), 400.0);

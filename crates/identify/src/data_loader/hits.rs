@@ -35,8 +35,9 @@ impl Loader<'_> {
         set: &Changes,
         hit: &RecordedHit,
     ) -> Result<usize, IdentificationError> {
-        let (rig, _) = self.rig(place, &[set])?;
-        let drive = HitForce::Record { time_s: hit.time_s.clone(), force_n: hit.force_n.clone() };
+        let (rig, set) = self.rig(place, &[set])?;
+        let (time_s, force_n) = (hit.time_s.clone(), hit.force_n.clone());
+        let drive = HitForce::Record { set, time_s, force_n };
         Ok(self.add(rig, data, drive, Some(hit.duration_s)))
     }
 
@@ -63,13 +64,14 @@ impl Loader<'_> {
         })
     }
 
-    /// Index of the rig of steady responses, whose force is not the scenario's.
+    /// Index of the rig of steady responses, whose force is not the scenario's but at its place, and the
+    /// changes inside its excitation.
     pub(super) fn steady_rig(
         &mut self,
         place: &str,
         set: &Changes,
-    ) -> Result<usize, IdentificationError> {
-        Ok(self.rig(place, &[set])?.0)
+    ) -> Result<(usize, Changes), IdentificationError> {
+        self.rig(place, &[set])
     }
 
     /// Index of the rig with the changes in `sets`, and those of them inside the excitation.

@@ -140,7 +140,7 @@ impl Loader<'_> {
         (spread, phase_spread): (SpreadSpec, Option<f64>),
         harmonics: usize,
     ) -> Result<(), IdentificationError> {
-        let rig = self.steady_rig(place, set)?;
+        let (rig, set) = self.steady_rig(place, set)?;
         let sensors = self.built.forward.parameters.sensors(data);
         let mut first = self.built.forward.sweeps.iter().map(|sweep| sweep.drives.len()).sum();
         for level in rows.chunk_by(|a, b| a.level == b.level) {
@@ -149,6 +149,7 @@ impl Loader<'_> {
                 |row: &SteppedRow| Drive { frequency_hz: row.frequency_hz, force: row.force_n };
             self.built.forward.sweeps.push(SimulatedSweep {
                 rig,
+                set: set.clone(),
                 sensors: sensors.clone(),
                 drives: level.iter().map(drive).collect(),
                 harmonics,

@@ -109,8 +109,8 @@ pub enum DataSpec {
         #[serde(default)]
         spread: SpreadSpec,
     },
-    /// Steady responses to a shaker at stepped frequencies: amplitude and phase at the top, from a
-    /// table in the order of the measurement.
+    /// Steady responses to a shaker at stepped frequencies: amplitude and phase at the place of the
+    /// force, from a table in the order of the measurement.
     SteppedSine {
         /// A name.
         name: Option<String>,
