@@ -41,7 +41,7 @@ pub struct HitReport {
     /// Time after the trigger at which the response is noise and the features end \[s\]; `None`
     /// where they are of the whole hit.
     pub response_end_s: Option<f64>,
-    /// Peak in 1.8 to 2.2 of f1 that is well above the noise.
+    /// Peak in 1.7 to 2.3 of f1 that is well above the noise.
     pub second_peak: Option<HitSecondPeak>,
     /// Second harmonic: the second peak, where the test decided that it is the harmonic.
     pub second_harmonic: Option<HitSecondHarmonic>,

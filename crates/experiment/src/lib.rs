@@ -3,7 +3,7 @@
 //!
 //! Of each hit, with response spectrum `X(f)` (as a displacement) and force spectrum `F(f)`, the
 //! receptance is `H(f) = X(f) / F(f)`. Its largest peak in the band of the fundamental is
-//! `A1 = |H(f1)|`, its largest peak in 1.8 to 2.2 of `f1` is `A2 = |H(f2)|` if the hits show that it
+//! `A1 = |H(f1)|`, its largest peak in 1.7 to 2.3 of `f1` is `A2 = |H(f2)|` if the hits show that it
 //! is the second harmonic and no other mode, and the harmonic ratio
 //! `A2/A1` is a ratio of receptances. The spectra of good hits are averaged (H1, H2 or Hv), and the
 //! decay of each hit gives its backbone: frequency and damping over amplitude.

@@ -217,4 +217,3 @@ pub(super) struct SweepStencil<'a> {
     pub(super) gains: [Gains; STENCIL.len()],
     pub(super) step: f64,
 }
-

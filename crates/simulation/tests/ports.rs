@@ -47,8 +47,13 @@ fn each_sensor_has_its_columns_and_features() {
     let run = run(&hit(&[]));
     let columns = history_columns(&run);
     let names: Vec<&str> = columns.iter().map(|(name, _)| name.as_str()).collect();
-    let expected =
-        ["time_s", "force_n", "top:acceleration_m_per_s2", "foot:displacement_m", "side:velocity_m_per_s"];
+    let expected = [
+        "time_s",
+        "force_n",
+        "top:acceleration_m_per_s2",
+        "foot:displacement_m",
+        "side:velocity_m_per_s",
+    ];
     assert_eq!(names[..5], expected);
     let record = measurement_record(&run, None);
     let names: Vec<&str> = record.channels.iter().map(|one| one.name.as_str()).collect();

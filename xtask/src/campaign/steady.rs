@@ -16,8 +16,8 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use asperity_dynamics::{FiniteDifference, Integrator, Modal, Sampling};
 use asperity_harmonic::{Branch, PeriodicResponse};
 use asperity_law::Draw as _;
-use asperity_scenario::{Document, Scenario, SensorKind};
 use asperity_mesh::{Body, Port};
+use asperity_scenario::{Document, Scenario, SensorKind};
 use asperity_simulation::assemble::{Assembly, Sensor};
 use asperity_simulation::steady::{
     BodyModel, SettledAmplitude, Steady, SteadyRequest, TimeCheck, first_periods, steady,

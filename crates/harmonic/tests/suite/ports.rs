@@ -13,9 +13,7 @@ use asperity_mesh::{
     Body, BodyDamping, ComponentModes, Interface, ModeCount, NormalMode, Port, PortPair,
     ResidualFlexibility, Stack, Support,
 };
-use asperity_structure::{
-    Damping, LoadCase, PreloadedContact, PreloadedStructure, TimeFunction,
-};
+use asperity_structure::{Damping, LoadCase, PreloadedContact, PreloadedStructure, TimeFunction};
 use num_complex::Complex64;
 
 use crate::rigs::{AREA, Law, MASS, branch, power, preloaded, rig};

@@ -1001,7 +1001,7 @@ class FrequencyResponse:
         near_hz: float,
         *,
         fundamental_window: tuple[float, float] = (0.4, 1.4),
-        second_window: tuple[float, float] = (1.8, 2.2),
+        second_window: tuple[float, float] = (1.7, 2.3),
         force_threshold: float = 0.02,
     ) -> Harmonics:
         """The fundamental and the second harmonic, as maxima of the receptance.
