@@ -60,10 +60,10 @@ impl Integrator {
         match self {
             Self::FiniteDifference(method) => method.outline(structure, sampling),
             Self::Modal(method) => {
-                let hit = method.hit(structure, load, &[], sampling)?;
-                let (step, steps) = hit.first_step()?;
+                let case = method.case(structure, load, &[], sampling)?;
+                let (step, steps) = case.first_step()?;
                 check_history(sampling.samples(), structure.contacts().len(), step)?;
-                Ok(RunOutline { unknowns: hit.model.structure().modes().len(), step, steps })
+                Ok(RunOutline { unknowns: case.model.structure().modes().len(), step, steps })
             }
         }
     }

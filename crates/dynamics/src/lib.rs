@@ -38,7 +38,7 @@
 //! |---|---|
 //! | [`difference`] | the derivative of a closed form from four values |
 //! | [`finite_difference`] | the paper's explicit scheme, Eqs. (2) to (5) |
-//! | [`modal`] | exact modal steps with implicit contact, many hits in vector lanes |
+//! | [`modal`] | exact modal steps with implicit contact, many cases in vector lanes |
 //! | [`integrator`] | the choice of integrator |
 //! | [`run_bounds`] | the largest runs |
 //! | [`transient`] | result of a run: history, contact extremes, energy ledger |
@@ -60,8 +60,8 @@ pub use finite_difference::{ContactForm, FiniteDifference};
 pub use instruction_set::InstructionSet;
 pub use integrator::{Integrator, RunOutline};
 pub use modal::{
-    Batch, COARSE_RESIDUAL, ContactMeasures, Decimation, HitResponse, HitSimulation, Modal,
-    ModalModel, ParameterVariation, Sensitivity, StepHistory,
+    Batch, COARSE_RESIDUAL, CaseResponse, ContactMeasures, Decimation, Modal, ModalModel,
+    ParameterVariation, Sensitivity, StepHistory, TransientCase,
 };
 pub use transient::{
     ContactExtremes, EnergyLedger, History, InterfaceHistory, Sampling, SensorHistory, Transient,

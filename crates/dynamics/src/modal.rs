@@ -1,4 +1,4 @@
-//! Exact modal steps with implicit contact, many hits side by side.
+//! Exact modal steps with implicit contact, many cases side by side.
 //!
 //! Between its contacts a structure is linear: a few modes and the residual flexibility of the
 //! others ([`ComponentModes`](asperity_mesh::ComponentModes)). Over a step each mode moves exactly
@@ -16,23 +16,23 @@
 //!
 //! | module | holds |
 //! |---|---|
-//! | `assembly` | a structure in modes, tabulated and stepped once for many hits |
+//! | `assembly` | a structure in modes, tabulated and stepped once for many cases |
 //! | `damped_table` | the law of a damped contact in one step, as tables |
 //! | `oscillator` | the exact step of one mode under a polynomial force |
 //! | `row_modes` | modes in the closures of contacts and guides, the load and the sensors |
 //! | `step_model` | all numbers of a step that do not depend on the load |
 //! | `load_steps` | the load, step by step |
-//! | `simulation` | one hit and its response |
+//! | `simulation` | one case and its response |
 //! | `step_size` | the choice of the step |
 //! | `fast_modes` | the error by modes that a step does not show |
-//! | `simulate` | many hits, tried again where a step or a table was too short |
+//! | `simulate` | many cases, tried again where a step or a table was too short |
 //! | `dense_output` | the motion between steps |
 //! | `energy` | the energy balance |
 //! | `linear_tail` | the rest of a ring-down, where the laws are straight |
 //! | `linear_system` | the small linear equations of the contacts |
 //! | `increasing_root` | a bracketed root, for contacts solved one by one |
-//! | `simd` | hits in the lanes of vectors |
-//! | `sensitivity` | derivatives of a hit with respect to parameters |
+//! | `simd` | cases in the lanes of vectors |
+//! | `sensitivity` | derivatives of a case with respect to parameters |
 #![allow(
     clippy::inline_always,
     reason = "kernels must be compiled with their caller, for the vector instructions chosen"
@@ -69,7 +69,7 @@ pub use assembly::ModalModel;
 pub use sensitivity::{ContactMeasures, ParameterVariation, Sensitivity, StepHistory};
 pub use simd::decimation::Decimation;
 pub use simulate::Batch;
-pub use simulation::{HitResponse, HitSimulation};
+pub use simulation::{CaseResponse, TransientCase};
 pub use step_size::COARSE_RESIDUAL;
 
 /// Frequencies of interest over the lowest natural one: the top of the window in which the second
@@ -158,27 +158,27 @@ impl Modal {
         sensors: &[Port],
         sampling: &Sampling,
     ) -> Result<Transient, DynamicsError> {
-        let hit = self.hit(structure, load, sensors, sampling)?;
-        Batch { instructions: self.instructions }.transient(&hit, sampling)
+        let case = self.case(structure, load, sensors, sampling)?;
+        Batch { instructions: self.instructions }.transient(&case, sampling)
     }
 
-    /// The hit that [`integrate`](Self::integrate) carries out.
+    /// The case that [`integrate`](Self::integrate) carries out.
     ///
     /// # Errors
     /// Those of [`integrate`](Self::integrate) that show before the first step.
-    pub fn hit(
+    pub fn case(
         &self,
         structure: &PreloadedStructure,
         load: &LoadCase,
         sensors: &[Port],
         sampling: &Sampling,
-    ) -> Result<HitSimulation, DynamicsError> {
+    ) -> Result<TransientCase, DynamicsError> {
         load.check()?;
         check_damping(structure)?;
         let modes = self.mode_count(structure.natural_frequency(), load);
         let counts = modes.counts(structure.stack())?;
         let rig = Arc::new(ModalModel::of_stack(structure, &counts, load.port(), sensors)?);
         let duration = sampling.samples() as f64 * sampling.interval();
-        Ok(HitSimulation { model: rig, load: load.clone(), sensor: 0, duration, step: self.step })
+        Ok(TransientCase { model: rig, load: load.clone(), sensor: 0, duration, step: self.step })
     }
 }

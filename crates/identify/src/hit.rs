@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use asperity_dynamics::HitSimulation;
+use asperity_dynamics::TransientCase;
 use asperity_mesh::Port;
 use asperity_structure::{LoadCase, SampledFunction};
 use serde::Deserialize;
@@ -178,16 +178,16 @@ impl SimulatedHit {
         rig: &PreparedRig,
         gains: Gains,
         folder: &Path,
-    ) -> Result<HitSimulation, SimulationError> {
+    ) -> Result<TransientCase, SimulationError> {
         let modal = rig.case.modal().unwrap_or_default();
         let hit = rig.case.case(&modal, self.load(rig, gains, folder)?)?;
         let duration = self.duration.unwrap_or(hit.duration);
         Ok(match &self.resolution {
             Some(HitResolution { step, counts }) => {
                 let model = rig.case.modal_model(counts, hit.load.port())?;
-                HitSimulation { model, duration, step: Some(*step), ..hit }
+                TransientCase { model, duration, step: Some(*step), ..hit }
             }
-            None => HitSimulation { duration, ..hit },
+            None => TransientCase { duration, ..hit },
         })
     }
 

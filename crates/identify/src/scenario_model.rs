@@ -5,7 +5,7 @@ mod derivatives;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use asperity_dynamics::{Batch, DynamicsError, HitResponse, HitSimulation};
+use asperity_dynamics::{Batch, CaseResponse, DynamicsError, TransientCase};
 use asperity_inference::{
     Derivatives, ForwardModel, Observation, Parameter, PredictionError, Predictions,
 };
@@ -154,7 +154,7 @@ impl ScenarioModel {
             points.iter().map(|point| self.prepare_hits(point)).collect();
         let count = self.hits.len();
         let ready: Vec<&Ready> = prepared.iter().flatten().collect();
-        let all: Vec<HitSimulation> =
+        let all: Vec<TransientCase> =
             ready.iter().flat_map(|(_, simulations)| simulations).cloned().collect();
         let decimation = |index: usize, step: f64| {
             let (point, hit) = (index / count, &self.hits[index % count]);
@@ -230,7 +230,7 @@ impl ScenarioModel {
     pub(super) fn hold(&mut self, converged: &[Result<ConvergedRun, SimulationError>]) -> bool {
         let mut finer = false;
         for (hit, run) in self.hits.iter_mut().zip(converged) {
-            let Ok(ConvergedRun { case: HitSimulation { step: Some(step), .. }, counts, .. }) = run
+            let Ok(ConvergedRun { case: TransientCase { step: Some(step), .. }, counts, .. }) = run
             else {
                 continue;
             };
@@ -286,7 +286,7 @@ impl ScenarioModel {
     pub(super) fn hold_first(&mut self) {
         let Ok(requests) = self.requests(&self.start()) else { return };
         for (hit, request) in self.hits.iter_mut().zip(&requests) {
-            if let Ok((HitSimulation { step: Some(step), .. }, counts)) =
+            if let Ok((TransientCase { step: Some(step), .. }, counts)) =
                 ErrorControl::first_level(request)
             {
                 hit.resolution = Some(HitResolution { step, counts });
@@ -314,7 +314,7 @@ impl ScenarioModel {
     fn records(
         &self,
         point: &[f64],
-    ) -> Result<Vec<Result<HitResponse, DynamicsError>>, SimulationError> {
+    ) -> Result<Vec<Result<CaseResponse, DynamicsError>>, SimulationError> {
         let (rigs, simulations) = self.prepare_hits(point)?;
         let decimation = |index: usize, step: f64| {
             let natural = rigs[self.hits[index].rig].case.at_rest.natural_frequency_hz;
@@ -338,8 +338,8 @@ impl ScenarioModel {
         &self,
         rig: &PreparedRig,
         hit: &SimulatedHit,
-        simulation: &HitSimulation,
-        record: &HitResponse,
+        simulation: &TransientCase,
+        record: &CaseResponse,
     ) -> Result<HitOutcome, SimulationError> {
         let observables = self.extractor.observables(&rig.case, simulation, record)?;
         let fundamental = observables.get(Quantity::FundamentalFrequency, None);
@@ -396,7 +396,7 @@ impl ScenarioModel {
 type SharedLevel = (usize, Option<u64>, i64);
 
 /// The rigs at a point, and the hits on them.
-type Ready = (Vec<PreparedRig>, Vec<HitSimulation>);
+type Ready = (Vec<PreparedRig>, Vec<TransientCase>);
 
 /// Most points of one batch.
 const MAX_POINTS: usize = 16;

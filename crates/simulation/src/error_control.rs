@@ -18,7 +18,7 @@ mod task;
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use asperity_dynamics::{Batch, DynamicsError, HitResponse, HitSimulation};
+use asperity_dynamics::{Batch, CaseResponse, DynamicsError, TransientCase};
 use asperity_signal::Complex64;
 use asperity_structure::LoadCase;
 
@@ -120,7 +120,7 @@ impl ErrorControl {
     /// [`SimulationError`] when the case cannot be set up.
     pub fn first_level(
         request: &RunRequest,
-    ) -> Result<(HitSimulation, Vec<usize>), SimulationError> {
+    ) -> Result<(TransientCase, Vec<usize>), SimulationError> {
         let task = Task::new(request)?;
         Ok((task.case_at(task.level)?, task.counts_at(task.level)))
     }
@@ -269,7 +269,7 @@ impl ErrorControl {
         &self,
         tasks: &[Task<'_>],
         numbers: &[usize],
-        case: impl for<'a, 'b> Fn(&'a Task<'b>) -> Result<HitSimulation, SimulationError>,
+        case: impl for<'a, 'b> Fn(&'a Task<'b>) -> Result<TransientCase, SimulationError>,
     ) -> Vec<Result<Response, SimulationError>> {
         let (mut cases, mut of) = (Vec::new(), Vec::new());
         let mut failed = Vec::new();
@@ -318,7 +318,7 @@ pub(crate) fn divergence_sample(a: &[f64], b: &[f64]) -> Option<usize> {
 }
 
 /// Time \[s\] from which on the displacements of two responses differ.
-fn divergence(a: &HitResponse, b: &HitResponse) -> Option<f64> {
+fn divergence(a: &CaseResponse, b: &CaseResponse) -> Option<f64> {
     let sample = divergence_sample(&a.displacement, &b.displacement)?;
     // The filter delays by half its length.
     let steps = (sample * a.decimation.factor).saturating_sub(a.decimation.taps.len() / 2);

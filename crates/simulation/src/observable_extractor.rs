@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use asperity_dynamics::{Decimation, HitResponse, HitSimulation};
+use asperity_dynamics::{CaseResponse, Decimation, TransientCase};
 use asperity_signal::{
     Complex64, DecimationFilter, HarmonicOptions, ReceptanceFeatures, SharedForce, SignalError,
     transform_at,
@@ -76,8 +76,8 @@ impl ObservableExtractor {
     /// The decimated force of a hit's shape, and the factor on it; none without a force.
     fn force(
         &self,
-        hit: &HitSimulation,
-        record: &HitResponse,
+        hit: &TransientCase,
+        record: &CaseResponse,
     ) -> Option<(Arc<DecimatedForce>, f64)> {
         if hit.load.peak() == 0.0 {
             return None;
@@ -123,8 +123,8 @@ impl ObservableExtractor {
     /// without a force.
     pub fn receptance(
         &self,
-        hit: &HitSimulation,
-        record: &HitResponse,
+        hit: &TransientCase,
+        record: &CaseResponse,
         frequencies: &[f64],
     ) -> Option<Vec<Complex64>> {
         let (force, factor) = self.force(hit, record)?;
@@ -141,8 +141,8 @@ impl ObservableExtractor {
     /// a force.
     pub fn decay<'a>(
         &self,
-        hit: &HitSimulation,
-        record: &'a HitResponse,
+        hit: &TransientCase,
+        record: &'a CaseResponse,
     ) -> Option<(&'a [f64], f64)> {
         let (force, _) = self.force(hit, record)?;
         Some((force.decay(record), sample_rate(record)))
@@ -155,8 +155,8 @@ impl ObservableExtractor {
     pub fn observables(
         &self,
         prepared: &PreparedScenario,
-        hit: &HitSimulation,
-        record: &HitResponse,
+        hit: &TransientCase,
+        record: &CaseResponse,
     ) -> Result<Observables, SimulationError> {
         let mut features = ReceptanceFeatures::default();
         let natural = prepared.at_rest.natural_frequency_hz;
@@ -185,13 +185,13 @@ impl ObservableExtractor {
 }
 
 /// Sample rate of a decimated record \[Hz\].
-fn sample_rate(record: &HitResponse) -> f64 {
+fn sample_rate(record: &CaseResponse) -> f64 {
     1.0 / (record.step * record.decimation.factor as f64)
 }
 
 impl DecimatedForce {
     /// The part of a record after the force.
-    fn decay<'a>(&self, record: &'a HitResponse) -> &'a [f64] {
+    fn decay<'a>(&self, record: &'a CaseResponse) -> &'a [f64] {
         record.displacement.get(self.free.ceil() as usize..).unwrap_or_default()
     }
 
@@ -199,7 +199,7 @@ impl DecimatedForce {
     fn analyse_exactly(
         &self,
         factor: f64,
-        record: &HitResponse,
+        record: &CaseResponse,
         natural: f64,
         options: &HarmonicOptions,
     ) -> Result<ReceptanceFeatures, SignalError> {

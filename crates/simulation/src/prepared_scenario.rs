@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use asperity_dynamics::{DynamicsError, HitSimulation, Integrator, Modal, ModalModel};
+use asperity_dynamics::{DynamicsError, Integrator, Modal, ModalModel, TransientCase};
 use asperity_mesh::Port;
 use asperity_scenario::Scenario;
 use asperity_structure::LoadCase;
@@ -59,12 +59,12 @@ impl PreparedScenario {
     ///
     /// # Errors
     /// [`SimulationError::Dynamics`] for a load or a number of modes out of range.
-    pub fn case(&self, modal: &Modal, load: LoadCase) -> Result<HitSimulation, SimulationError> {
+    pub fn case(&self, modal: &Modal, load: LoadCase) -> Result<TransientCase, SimulationError> {
         load.check()?;
         let model = self.modal_model(&self.mode_counts(modal, &load)?, load.port())?;
         let sampling = &self.assembly.sampling;
         let duration = sampling.samples() as f64 * sampling.interval();
-        Ok(HitSimulation { model, load, sensor: 0, duration, step: modal.step })
+        Ok(TransientCase { model, load, sensor: 0, duration, step: modal.step })
     }
 
     /// Number of modes kept of each body for `load`, the rigid one included.

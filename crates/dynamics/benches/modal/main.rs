@@ -18,7 +18,7 @@ use std::thread;
 use std::time::Instant;
 
 use asperity_dynamics::{
-    Batch, Decimation, FiniteDifference, HitSimulation, InstructionSet, Modal, ModalModel, Sampling,
+    Batch, Decimation, FiniteDifference, InstructionSet, Modal, ModalModel, Sampling, TransientCase,
 };
 use asperity_law::{ContactLaw, ModifiedPower};
 use asperity_mesh::{Body, Interface, Port, Stack, Support};
@@ -37,8 +37,8 @@ fn main() {
     let reduced = structure.reduced_to(&counts, &[Port::TOP]).unwrap();
     let plain_rig = plain::Rig::new(reduced);
     let rig = Arc::new(ModalModel::of_stack(&structure, &counts, Port::TOP, &[Port::TOP]).unwrap());
-    let hits = |step: f64, count: usize| -> Vec<HitSimulation> {
-        let hit = |i: usize| HitSimulation {
+    let hits = |step: f64, count: usize| -> Vec<TransientCase> {
+        let hit = |i: usize| TransientCase {
             model: Arc::clone(&rig),
             sensor: 0,
             load: pulse(9.0 + 23.0 * i as f64 / count as f64),
@@ -100,7 +100,7 @@ fn main() {
     row("finite differences, 1 mm", 1, step, 1.0 / least, plain_seconds[1] / least);
 }
 
-fn run(set: InstructionSet, hits: &[HitSimulation]) {
+fn run(set: InstructionSet, hits: &[TransientCase]) {
     // As many taps as keep the band of the harmonics at a decimation by eight.
     let taps: Arc<[f64]> = vec![1.0 / 96.0; 96].into();
     let decimation = Arc::new(Decimation { factor: 8, taps });

@@ -1,4 +1,4 @@
-//! A preloaded structure in modes, prepared once for many hits.
+//! A preloaded structure in modes, prepared once for many cases.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -36,8 +36,8 @@ const MOST_TAILS: usize = 8;
 
 /// A preloaded structure in component modes, with what its steps need.
 ///
-/// Tables and step coefficients are prepared on demand and kept, so hits that differ only in
-/// their force share them. The response to a hit does not depend on earlier hits.
+/// Tables and step coefficients are prepared on demand and kept, so cases that differ only in
+/// their force share them. The response to a case does not depend on earlier cases.
 #[derive(Debug)]
 pub struct ModalModel {
     structure: PreloadedStructure<ComponentModes>,
@@ -372,12 +372,12 @@ fn compile(contact: &PreloadedContact, top: f64) -> Result<CompiledLaw, Dynamics
     table.map_err(|source| DynamicsError::Law { interface: contact.name().to_owned(), source })
 }
 
-/// A hit with its model tabulated for its step, and its load.
+/// A case with its model tabulated for its step, and its load.
 #[derive(Debug, Clone)]
-pub(super) struct PreparedHit {
+pub(super) struct PreparedCase {
     pub(super) model: Arc<ModalModel>,
     pub(super) tabulated: Arc<TabulatedModel>,
-    /// Load of unit amplitude step by step, shared by hits of one shape, and the amplitude.
+    /// Load of unit amplitude step by step, shared by cases of one shape, and the amplitude.
     pub(super) load: Arc<LoadSteps>,
     pub(super) amplitude: f64,
     /// Sensor of the model that is read.
@@ -388,7 +388,7 @@ pub(super) struct PreparedHit {
     pub(super) tail: Option<Arc<LinearTail>>,
 }
 
-impl PreparedHit {
+impl PreparedCase {
     /// Steps to integrate.
     pub(super) fn integrated(&self) -> usize {
         self.tail.as_ref().map_or(self.steps, |tail| tail.from)

@@ -4,7 +4,7 @@
 //! oscillator's motion is known at any instant. So the samples of a response need not fall on
 //! steps, nor lie farther apart than they.
 
-use super::assembly::PreparedHit;
+use super::assembly::PreparedCase;
 use super::oscillator::{ForceInterpolation, NODES, Propagator};
 use super::simd::integrate::Outcome;
 use super::step_model::ModeStep;
@@ -17,16 +17,16 @@ const ON_STEP: f64 = 1e-9;
 /// Places within a step whose propagators are kept.
 const MOST_PLACES: usize = 64;
 
-/// The samples of one hit, at every sensor of its model.
+/// The samples of one case, at every sensor of its model.
 pub(super) fn history(
-    hit: &PreparedHit,
+    case: &PreparedCase,
     outcome: &Outcome,
     load: &LoadCase,
     sampling: &Sampling,
 ) -> History {
-    let mut motion = DenseOutput::new(hit, outcome);
+    let mut motion = DenseOutput::new(case, outcome);
     let count = sampling.samples();
-    let (sensors, contacts) = (hit.model.sensors(), hit.model.contacts().len());
+    let (sensors, contacts) = (case.model.sensors(), case.model.contacts().len());
     let mut history = History::with_capacity(count, sensors, contacts);
     for sample in 0..count {
         let time = sample as f64 * sampling.interval();
@@ -45,7 +45,7 @@ pub(super) fn history(
 
 /// The modes once more, with their velocities, driven by the pressures found.
 struct DenseOutput<'a> {
-    hit: &'a PreparedHit,
+    case: &'a PreparedCase,
     outcome: &'a Outcome,
     /// Displacement and velocity of every mode at step `at`.
     states: Vec<[f64; 2]>,
@@ -69,14 +69,14 @@ struct Place {
 }
 
 impl<'a> DenseOutput<'a> {
-    fn new(hit: &'a PreparedHit, outcome: &'a Outcome) -> Self {
-        let states = vec![[0.0; 2]; hit.tabulated.step_model.modes.len()];
+    fn new(case: &'a PreparedCase, outcome: &'a Outcome) -> Self {
+        let states = vec![[0.0; 2]; case.tabulated.step_model.modes.len()];
         let before = vec![0.0; states.len()];
-        let open_below = (0..hit.model.contacts().len()).map(|i| hit.open_below(i)).collect();
+        let open_below = (0..case.model.contacts().len()).map(|i| case.open_below(i)).collect();
         let (tractions, places) = (Default::default(), Vec::new());
-        let moved = vec![[0.0; 3]; hit.model.sensors()];
+        let moved = vec![[0.0; 3]; case.model.sensors()];
         let mut motion =
-            Self { hit, outcome, states, before, at: 0, tractions, places, open_below, moved };
+            Self { case, outcome, states, before, at: 0, tractions, places, open_below, moved };
         motion.place(1.0);
         motion.interpolate_tractions();
         motion
@@ -88,7 +88,7 @@ impl<'a> DenseOutput<'a> {
         if let Some(found) = self.places.iter().position(close) {
             return found;
         }
-        let model = &self.hit.tabulated.step_model;
+        let model = &self.case.tabulated.step_model;
         let to = |mode: &ModeStep| {
             let mut propagator = mode.dynamics.propagator(s * model.step);
             let mut power = 1.0;
@@ -136,9 +136,9 @@ impl<'a> DenseOutput<'a> {
                 *force -= of_row * traction;
             }
         }
-        let load = &self.hit.load;
+        let load = &self.case.load;
         if let (Some(mean), Some(rise)) = (load.mean.get(self.at), load.rise.get(self.at)) {
-            let of = self.hit.amplitude * mode.load;
+            let of = self.case.amplitude * mode.load;
             force[0] += of * (mean - 0.5 * rise);
             force[1] += of * rise;
         }
@@ -152,7 +152,7 @@ impl<'a> DenseOutput<'a> {
             propagator.displacement[0] * q + propagator.displacement[1] * v,
             propagator.velocity[0] * q + propagator.velocity[1] * v,
         ];
-        let force = self.force(&self.hit.tabulated.step_model.modes[m]);
+        let force = self.force(&self.case.tabulated.step_model.modes[m]);
         for (moment, force) in propagator.moments.iter().zip(force) {
             state[0] += moment[0] * force;
             state[1] += moment[1] * force;
@@ -172,7 +172,7 @@ impl<'a> DenseOutput<'a> {
 
     /// Step before `time` and the part of it that has passed.
     fn locate(&self, time: f64) -> (usize, f64) {
-        let steps = time / self.hit.tabulated.step_model.step;
+        let steps = time / self.case.tabulated.step_model.step;
         let whole = (steps + ON_STEP).floor();
         (whole as usize, (steps - whole).max(0.0))
     }
@@ -184,7 +184,7 @@ impl<'a> DenseOutput<'a> {
             self.advance();
         }
         let place = (s > ON_STEP).then(|| self.place(s));
-        let model = &self.hit.tabulated.step_model;
+        let model = &self.case.tabulated.step_model;
         let h = model.step;
         // The modes left out follow load and tractions at once.
         let following = |value: f64, f: &dyn Fn(f64) -> f64| {
@@ -233,7 +233,7 @@ impl<'a> DenseOutput<'a> {
         if s <= ON_STEP {
             return self.traction(i, Some(step));
         }
-        let contact = self.hit.model.contacts().get(i);
+        let contact = self.case.model.contacts().get(i);
         let elastic = |contact: &&PreloadedContact| {
             contact.damping().is_none() && contact.friction().is_none()
         };
@@ -252,7 +252,7 @@ impl<'a> DenseOutput<'a> {
     /// Pressure \[Pa\], closure \[m\] and stiffness \[Pa/m\] of interface `i` at `time` \[s\].
     fn contact(&self, time: f64, i: usize) -> (f64, f64, f64) {
         let (step, s) = self.locate(time);
-        let contact = &self.hit.model.contacts()[i];
+        let contact = &self.case.model.contacts()[i];
         let increment = self.closure(i, step, s);
         let closure = contact.closure() + increment;
         if increment <= self.open_below[i] {

@@ -1,16 +1,16 @@
-//! The energy balance of one hit.
+//! The energy balance of one case.
 
-use super::assembly::PreparedHit;
+use super::assembly::PreparedCase;
 use super::simd::integrate::Outcome;
 use crate::EnergyLedger;
 use crate::contact_energy::excess;
 
-/// The ledger of a finished hit at the end of the steps that were integrated.
+/// The ledger of a finished case at the end of the steps that were integrated.
 ///
 /// Velocities at the end come from the last five states to fourth order. The elastic energy is
 /// that of the modes and, half force times displacement, of the residual flexibility.
-pub(super) fn ledger(hit: &PreparedHit, outcome: &Outcome) -> EnergyLedger {
-    let model = &hit.tabulated.step_model;
+pub(super) fn ledger(case: &PreparedCase, outcome: &Outcome) -> EnergyLedger {
+    let model = &case.tabulated.step_model;
     let mut ledger =
         EnergyLedger { input: outcome.work, dissipated: outcome.loss, ..EnergyLedger::default() };
     for (mode, &[q0, q1, q2, q3, q4]) in model.modes.iter().zip(&outcome.states) {
@@ -23,19 +23,19 @@ pub(super) fn ledger(hit: &PreparedHit, outcome: &Outcome) -> EnergyLedger {
         }
         ledger.elastic += 0.5 * (mode.dynamics.angular_frequency * q0).powi(2);
     }
-    let contacts = hit.model.contacts();
+    let contacts = case.model.contacts();
     let residual = &model.residual;
-    let load = hit.amplitude * hit.load.end.get(hit.integrated() - 1).copied().unwrap_or(0.0);
-    let force = |i: usize| hit.model.area(i) * outcome.row_tractions[i];
+    let load = case.amplitude * case.load.end.get(case.integrated() - 1).copied().unwrap_or(0.0);
+    let force = |i: usize| case.model.area(i) * outcome.row_tractions[i];
     ledger.elastic += 0.5 * residual.load_port * load * load;
     for (i, contact) in contacts.iter().enumerate() {
         let increment = outcome.contacts[i].closure;
         ledger.contact_dissipated += contact.area() * outcome.contacts[i].loss;
         ledger.contact += contact.area() * excess(contact, increment);
     }
-    for i in 0..hit.model.rows() {
+    for i in 0..case.model.rows() {
         ledger.elastic -= residual.load[i] * load * force(i);
-        for j in 0..hit.model.rows() {
+        for j in 0..case.model.rows() {
             ledger.elastic += 0.5 * force(i) * residual.closure[i][j] * force(j);
         }
     }

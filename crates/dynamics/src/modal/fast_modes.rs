@@ -14,7 +14,7 @@
 use std::f64::consts::TAU;
 
 use super::row_modes::RowMode;
-use super::simulation::{HitResponse, HitSimulation};
+use super::simulation::{CaseResponse, TransientCase};
 use super::step_model::FAST;
 use crate::ContactExtremes;
 use asperity_structure::LoadCase;
@@ -22,12 +22,12 @@ use asperity_structure::LoadCase;
 /// Samples of a force at most.
 const MOST_SAMPLES: f64 = 1e6;
 
-impl HitSimulation {
+impl TransientCase {
     /// Estimated error of the pressures by the modes that a step \[s\] does not show, over the range
     /// of the pressures at the contact that is hurt most; `response` gives these ranges.
     ///
     /// The estimate is one from above: it adds up modes and forces whatever their signs.
-    pub fn error_of_fast_modes(&self, step: f64, response: &HitResponse) -> f64 {
+    pub fn error_of_fast_modes(&self, step: f64, response: &CaseResponse) -> f64 {
         let modes = &self.model.row_modes().modes;
         let shown = |mode: &&RowMode| mode.massless || mode.angular_frequency * step <= FAST;
         let fast = || modes.iter().filter(|mode| !shown(mode));

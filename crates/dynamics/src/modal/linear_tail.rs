@@ -8,14 +8,14 @@
 //! ```
 //!
 //! Every decimated sample after step s is then a row times the state there,
-//! `sum over n of taps_(j factor - s - 1 - n) c A^n`, and these rows are the same for all hits of a
+//! `sum over n of taps_(j factor - s - 1 - n) c A^n`, and these rows are the same for all cases of a
 //! model. Step s is that at which the slowest ring-down, that of mass-proportional damping alone, has
-//! become small; whether the laws are straight enough there is checked hit by hit, and if they are not,
-//! the hit is integrated to its end.
+//! become small; whether the laws are straight enough there is checked case by case, and if they are not,
+//! the case is integrated to its end.
 
 use std::f64::consts::TAU;
 
-use super::assembly::{ModalModel, PreparedHit, TabulatedModel};
+use super::assembly::{ModalModel, PreparedCase, TabulatedModel};
 use super::linear_system::Factors;
 use super::load_steps::LoadSteps;
 use super::oscillator::{ForceInterpolation, NODES, Recurrence};
@@ -35,7 +35,7 @@ const AMPLITUDE: f64 = 0.5;
 /// Share of its peak below which a force counts as passed when the ring-down is predicted.
 const PASSED: f64 = 1e-3;
 
-/// Parts of a response that are integrated are sixteenths of it, so that hits whose ring-downs differ
+/// Parts of a response that are integrated are sixteenths of it, so that cases whose ring-downs differ
 /// a little are integrated side by side, and at most twelve: less is not worth the preparation.
 const PARTS: f64 = 16.0;
 const MOST_PARTS: f64 = 12.0;
@@ -69,16 +69,16 @@ pub(super) fn start(
     (parts <= MOST_PARTS).then(|| (parts / PARTS * steps as f64).ceil() as usize)
 }
 
-/// True if the laws of `hit` bend so little in what is left of its motion that the rest is linear.
+/// True if the laws of `case` bend so little in what is left of its motion that the rest is linear.
 ///
 /// The energy that is left bounds each closure, `Y = sqrt(2 E / (S K))`. Within it the law departs from
 /// its tangent by a share b, which changes a frequency by b/2 and in the time that the ring-down
 /// takes a phase by `b w / c`, with the damping rate c.
-pub(super) fn is_straight(hit: &PreparedHit, outcome: &Outcome, energy: &EnergyLedger) -> bool {
-    let structure = hit.model.preloaded();
+pub(super) fn is_straight(case: &PreparedCase, outcome: &Outcome, energy: &EnergyLedger) -> bool {
+    let structure = case.model.preloaded();
     let turns = TAU * structure.natural_frequency().unwrap_or(0.0) / structure.damping_rate();
     let left = energy.kinetic + energy.elastic + energy.contact;
-    let pairs = hit.model.contacts().iter().zip(&hit.tabulated.tables);
+    let pairs = case.model.contacts().iter().zip(&case.tabulated.tables);
     // A number that is not one is not straight.
     pairs.zip(&outcome.contacts).all(|((contact, table), seen)| {
         let stiffness = table.tangent(0.0);
@@ -92,10 +92,10 @@ pub(super) fn is_straight(hit: &PreparedHit, outcome: &Outcome, energy: &EnergyL
 
 /// The energy balance at the end of a response from that where its rest begins: what is left decays at
 /// the rate of the mass-proportional damping.
-pub(super) fn at_end(hit: &PreparedHit, energy: EnergyLedger) -> EnergyLedger {
-    let model = &hit.tabulated.step_model;
-    let time = (hit.steps - hit.integrated()) as f64 * model.step;
-    let share = (-hit.model.preloaded().damping_rate() * time).exp();
+pub(super) fn at_end(case: &PreparedCase, energy: EnergyLedger) -> EnergyLedger {
+    let model = &case.tabulated.step_model;
+    let time = (case.steps - case.integrated()) as f64 * model.step;
+    let share = (-case.model.preloaded().damping_rate() * time).exp();
     let left = energy.kinetic + energy.elastic + energy.contact;
     EnergyLedger {
         kinetic: share * energy.kinetic,

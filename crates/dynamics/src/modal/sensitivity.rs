@@ -1,4 +1,4 @@
-//! Derivatives of a hit with respect to what it depends on, exact through the step.
+//! Derivatives of a case with respect to what it depends on, exact through the step.
 //!
 //! A step of the modal integrator is
 //!
@@ -16,16 +16,16 @@
 //! with K the tangents and `p_theta` the derivative of the laws at fixed closure. Of contacts with
 //! damping or friction, and of guides, the tractions take the place of the pressures; impulses and
 //! sliders at earlier steps are carried along too. The steps are
-//! taken once more for it, one hit and in scalars, with the exact laws and their equations
+//! taken once more for it, one case and in scalars, with the exact laws and their equations
 //! solved to rounding, so that no table and no unfinished correction is differentiated.
 //!
 //! The derivatives of what a step is made of (coefficients, shapes, the load step by step, the
 //! closures of the laws at fixed pressures) are fourth-order central differences of closed forms,
 //! good to 1e-9 and better ([`difference`](crate::difference)). The step and its number, and
-//! which modes are kept with which force interpolation, are those of the hit throughout.
+//! which modes are kept with which force interpolation, are those of the case throughout.
 //!
 //! At loss of contact, and at a jump in the stiffness of a law, the map from one step to the next is
-//! smooth only piece by piece: the derivative is that of the piece that the hit is on, without
+//! smooth only piece by piece: the derivative is that of the piece that the case is on, without
 //! the share of steps that would change sides. So an average of the stiffness of a law with a
 //! stiffness at zero pressure lacks the change of the time open. Between stick and slip the motion is
 //! continuous, and nothing is lacking.
@@ -37,10 +37,10 @@ mod law_derivative;
 mod motion;
 mod step_inputs;
 
-use super::assembly::PreparedHit;
+use super::assembly::PreparedCase;
 use super::load_steps::LoadSteps;
 use super::step_model::StepModel;
-use super::{Batch, HitSimulation};
+use super::{Batch, TransientCase};
 use crate::DynamicsError;
 use asperity_structure::PreloadedContact;
 use contact_equations::{Contacts, RateHistory};
@@ -50,14 +50,14 @@ use law_derivative::LawDerivative;
 use motion::Motion;
 use step_inputs::Inputs;
 
-/// A hit with one parameter varied, at the places of [`STENCIL`](crate::STENCIL).
+/// A case with one parameter varied, at the places of [`STENCIL`](crate::STENCIL).
 ///
 /// Contacts whose law does not depend on the parameter should share the law's pointer with
-/// the hit that is varied: the derivative of the law is then zero, and not computed.
+/// the case that is varied: the derivative of the law is then zero, and not computed.
 #[derive(Debug, Clone)]
 pub struct ParameterVariation {
-    /// The varied hits; their durations and steps do not count.
-    pub hits: [HitSimulation; 4],
+    /// The varied cases; their durations and steps do not count.
+    pub cases: [TransientCase; 4],
     /// The step between them, in the parameter's unit.
     pub step: f64,
 }
@@ -90,7 +90,7 @@ pub struct ContactMeasures {
     pub stiffness_at_pressure_min: f64,
 }
 
-/// A hit and its derivatives.
+/// A case and its derivatives.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sensitivity {
     /// Step \[s\].
@@ -102,13 +102,13 @@ pub struct Sensitivity {
 }
 
 impl Batch {
-    /// The response to `hit`, its laws solved to rounding, and its derivative with respect to the
+    /// The response to `case`, its laws solved to rounding, and its derivative with respect to the
     /// parameter of every one of `variations`.
     ///
     /// Memory is `8 (1 + interfaces) (1 + variations)` bytes a step.
     ///
     /// ```
-    /// use asperity_dynamics::{Batch, HitSimulation, ModalModel, ParameterVariation, STENCIL};
+    /// use asperity_dynamics::{Batch, TransientCase, ModalModel, ParameterVariation, STENCIL};
     /// use asperity_mesh::Port;
     /// use asperity_structure::{LoadCase, TimeFunction};
     /// # use std::sync::Arc;
@@ -121,7 +121,7 @@ impl Batch {
     /// # let stack = Stack::new(vec![guide], vec![contact], Support::Rigid, 9.81)?;
     /// # let structure = PreloadedStructure::new(stack, Damping::Ratio(0.035))?;
     /// let model = Arc::new(ModalModel::of_stack(&structure, &[3], Port::TOP, &[Port::TOP])?);
-    /// let hit = |peak: f64| HitSimulation {
+    /// let case = |peak: f64| TransientCase {
     ///     model: Arc::clone(&model),
     ///     load: LoadCase::force(TimeFunction::GammaPulse { rise: 0.34e-3 }, peak),
     ///     sensor: 0,
@@ -129,8 +129,8 @@ impl Batch {
     ///     step: None,
     /// };
     /// let step = 0.02;
-    /// let peaks = STENCIL.map(|place| hit(20.0 + place * step));
-    /// let found = Batch::default().sensitivity(&hit(20.0), &[ParameterVariation { hits: peaks, step }])?;
+    /// let peaks = STENCIL.map(|place| case(20.0 + place * step));
+    /// let found = Batch::default().sensitivity(&case(20.0), &[ParameterVariation { cases: peaks, step }])?;
     /// // The contact is linear, so the response is its derivative times the peak force.
     /// let (u, slope) = (found.values.displacement[200], found.derivatives[0].displacement[200]);
     /// assert!((slope - u / 20.0).abs() < 1e-8 * u.abs());
@@ -139,16 +139,16 @@ impl Batch {
     /// ```
     ///
     /// # Errors
-    /// As [`Modal::integrate`](super::Modal::integrate) for the hit itself;
-    /// [`DynamicsError::Variation`] when a varied hit has not as many modes and interfaces, when
+    /// As [`Modal::integrate`](super::Modal::integrate) for the case itself;
+    /// [`DynamicsError::Variation`] when a varied case has not as many modes and interfaces, when
     /// its step is not positive and finite, or when the static pressure varies at an interface
     /// without stiffness at rest.
     pub fn sensitivity(
         &self,
-        hit: &HitSimulation,
+        case: &TransientCase,
         variations: &[ParameterVariation],
     ) -> Result<Sensitivity, DynamicsError> {
-        let (prepared, outcome) = self.whole(hit)?;
+        let (prepared, outcome) = self.whole(case)?;
         let parameters = variations
             .iter()
             .enumerate()
@@ -156,20 +156,20 @@ impl Batch {
             .collect::<Result<Vec<_>, _>>()?;
         march(
             &prepared,
-            &inputs_of(&prepared.tabulated.step_model, hit, prepared.steps),
+            &inputs_of(&prepared.tabulated.step_model, case, prepared.steps),
             &outcome.closure,
             parameters,
         )
     }
 }
 
-/// The inputs of `hit` as stepped by `model`.
-fn inputs_of(model: &StepModel, hit: &HitSimulation, steps: usize) -> Inputs {
-    let pressure = hit.model.contacts().iter().map(PreloadedContact::pressure);
-    let amplitude = hit.load.amplitude();
-    let mut history = LoadSteps::new(&hit.load, model.step, steps);
+/// The inputs of `case` as stepped by `model`.
+fn inputs_of(model: &StepModel, case: &TransientCase, steps: usize) -> Inputs {
+    let pressure = case.model.contacts().iter().map(PreloadedContact::pressure);
+    let amplitude = case.load.amplitude();
+    let mut history = LoadSteps::new(&case.load, model.step, steps);
     history.scale(amplitude);
-    Inputs::new((model, hit.sensor), pressure.collect(), hit.load.value(0.0), history)
+    Inputs::new((model, case.sensor), pressure.collect(), case.load.value(0.0), history)
 }
 
 /// The inputs' derivatives with respect to a parameter, and the state of the derivative.
@@ -193,7 +193,7 @@ struct ParameterDerivative {
 impl ParameterDerivative {
     fn new(
         number: usize,
-        prepared: &PreparedHit,
+        prepared: &PreparedCase,
         variation: &ParameterVariation,
     ) -> Result<Self, DynamicsError> {
         let refuse = |quantity, value, accepted| {
@@ -205,36 +205,36 @@ impl ParameterDerivative {
         }
         let base = prepared.model.contacts();
         let modes = prepared.model.structure().modes().len();
-        for hit in &variation.hits {
+        for case in &variation.cases {
             for (quantity, found, expected) in [
-                ("number of modes", hit.model.structure().modes().len(), modes),
-                ("number of interfaces", hit.model.contacts().len(), base.len()),
-                ("number of guides with friction", hit.model.rows(), prepared.model.rows()),
+                ("number of modes", case.model.structure().modes().len(), modes),
+                ("number of interfaces", case.model.contacts().len(), base.len()),
+                ("number of guides with friction", case.model.rows(), prepared.model.rows()),
             ] {
                 if found != expected {
-                    return refuse(quantity, found as f64, "that of the hit that is varied");
+                    return refuse(quantity, found as f64, "that of the case that is varied");
                 }
             }
-            hit.load.check()?;
+            case.load.check()?;
         }
         let model = &prepared.tabulated.step_model;
-        let inputs = variation.hits.each_ref().map(|hit| {
-            let rows = hit.model.row_modes();
-            let areas: Vec<f64> = (0..hit.model.rows()).map(|i| hit.model.area(i)).collect();
+        let inputs = variation.cases.each_ref().map(|case| {
+            let rows = case.model.row_modes();
+            let areas: Vec<f64> = (0..case.model.rows()).map(|i| case.model.area(i)).collect();
             let interpolations = model.interpolations.clone();
             let varied = StepModel::with_interpolations(
                 rows,
                 &areas,
-                hit.model.preloaded().damping_rate(),
+                case.model.preloaded().damping_rate(),
                 model.step,
                 interpolations,
             );
-            inputs_of(&varied, hit, prepared.steps)
+            inputs_of(&varied, case, prepared.steps)
         });
         let derivatives = Inputs::difference(&inputs, step);
         let mut laws = Vec::with_capacity(base.len());
         for (i, contact) in base.iter().enumerate() {
-            let places = variation.hits.each_ref().map(|hit| &hit.model.contacts()[i]);
+            let places = variation.cases.each_ref().map(|case| &case.model.contacts()[i]);
             let Some(law) = LawDerivative::new(contact, places, step, derivatives.pressure[i])
             else {
                 let stiffness = contact.law().stiffness(contact.pressure());
@@ -244,7 +244,7 @@ impl ParameterDerivative {
         }
         let history = StepHistory::new(derivatives.loads(prepared.steps), &derivatives.pressure);
         let zero = || vec![0.0; prepared.model.rows()];
-        let models = variation.hits.each_ref().map(|hit| &*hit.model);
+        let models = variation.cases.each_ref().map(|case| &*case.model);
         let friction = (0..prepared.model.rows())
             .map(|i| FrictionDerivative::of_row(models, i, step))
             .collect();
@@ -285,9 +285,9 @@ impl StepHistory {
     }
 }
 
-/// Marches the hit from its `guesses` of closures, and all derivatives with it.
+/// Marches the case from its `guesses` of closures, and all derivatives with it.
 fn march(
-    prepared: &PreparedHit,
+    prepared: &PreparedCase,
     inputs: &Inputs,
     guesses: &[Vec<f64>],
     mut parameters: Vec<ParameterDerivative>,
@@ -343,7 +343,7 @@ fn open_at(contact: &PreloadedContact, increment: f64) -> bool {
     contact.law().domain().separates() && increment <= -contact.pressure()
 }
 
-fn unstable(prepared: &PreparedHit, n: usize, found: &Contacts) -> DynamicsError {
+fn unstable(prepared: &PreparedCase, n: usize, found: &Contacts) -> DynamicsError {
     let contacts = prepared.model.contacts();
     let named = contacts.iter().zip(&found.pressure);
     let lost = named.clone().find(|(_, p)| !p.is_finite()).or_else(|| named.clone().next());
@@ -354,7 +354,7 @@ fn unstable(prepared: &PreparedHit, n: usize, found: &Contacts) -> DynamicsError
 }
 
 impl ParameterDerivative {
-    /// Takes step `n` after the hit has taken it; `closure` holds the predicted closures.
+    /// Takes step `n` after the case has taken it; `closure` holds the predicted closures.
     fn step(
         &mut self,
         n: usize,
@@ -424,7 +424,7 @@ impl ParameterDerivative {
     fn finish(
         mut self,
         base: &StepHistory,
-        prepared: &PreparedHit,
+        prepared: &PreparedCase,
         extremes: &[[Extreme; 2]],
     ) -> StepHistory {
         for (i, [lowest, highest]) in extremes.iter().enumerate() {
@@ -444,8 +444,8 @@ impl ParameterDerivative {
     }
 }
 
-/// Fills in the extremes of a hit.
-fn finish(history: &mut StepHistory, prepared: &PreparedHit) -> Vec<[Extreme; 2]> {
+/// Fills in the extremes of a case.
+fn finish(history: &mut StepHistory, prepared: &PreparedCase) -> Vec<[Extreme; 2]> {
     let mut all = Vec::with_capacity(history.pressure.len());
     for (i, contact) in prepared.model.contacts().iter().enumerate() {
         let column = &history.pressure[i];

@@ -1,8 +1,8 @@
-//! Hits side by side in the lanes of vectors.
+//! Cases side by side in the lanes of vectors.
 //!
 //! | module | holds |
 //! |---|---|
-//! | `block` | modes and contacts of up to two vectors of hits |
+//! | `block` | modes and contacts of up to two vectors of cases |
 //! | `integrate` | blocks from rest to the end, on any instruction set |
 //! | `kernel` | one step of every lane |
 //! | `table_lookup` | a row of a law's table for each lane, by instruction set |

@@ -1,4 +1,4 @@
-//! Simulation of many hits, each at the step and with the tables that it needs.
+//! Simulation of many cases, each at the step and with the tables that it needs.
 
 use asperity_law::LawError;
 use asperity_structure::{LoadCase, PreloadedContact};
@@ -6,7 +6,7 @@ use std::cmp::Ordering;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-use super::assembly::PreparedHit;
+use super::assembly::PreparedCase;
 use super::dense_output::history;
 use super::energy::ledger;
 use super::linear_tail;
@@ -14,13 +14,13 @@ use super::load_steps::LoadSteps;
 use super::simd::block::CHUNK;
 use super::simd::decimation::Decimation;
 use super::simd::integrate::{BlockRun, Outcome, Recording, RunEnd, room};
-use super::simulation::{HitResponse, HitSimulation};
+use super::simulation::{CaseResponse, TransientCase};
 use super::step_model::InterpolationChoice;
 use super::step_size::{MOST_HALVINGS, Resolution};
 use crate::error::balanced;
 use crate::{ContactExtremes, DynamicsError, InstructionSet, Sampling, Transient};
 
-/// Integrates hits in the lanes of vectors, on the calling thread.
+/// Integrates cases in the lanes of vectors, on the calling thread.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Batch {
     /// Vector instructions to run on.
@@ -33,11 +33,11 @@ impl Default for Batch {
     }
 }
 
-/// A hit that is not finished: how it is tried next.
+/// A case that is not finished: how it is tried next.
 #[derive(Debug, Clone)]
 pub(super) struct Attempt {
     index: usize,
-    pub(super) lane: PreparedHit,
+    pub(super) lane: PreparedCase,
     settings: Settings,
     decimation: Arc<Decimation>,
 }
@@ -53,7 +53,7 @@ struct Settings {
     may_end_linearly: bool,
 }
 
-/// Doublings of the tabulated pressures before a hit is given up; and before pressures with the
+/// Doublings of the tabulated pressures before a case is given up; and before pressures with the
 /// interpolation of highest order count as an instability of it, as can arise where fast and slow
 /// modes share a contact.
 const MOST_DOUBLINGS: i32 = 16;
@@ -63,18 +63,18 @@ const MOST_DOUBLINGS_OF_HIGHEST_ORDER: i32 = 4;
 const DOUBLINGS_AT_ONCE: i32 = 2;
 
 impl Batch {
-    /// Hits that are stepped side by side: batches of a multiple of this many waste no lane.
+    /// Cases that are stepped side by side: batches of a multiple of this many waste no lane.
     pub fn room(&self) -> usize {
         room(self.instructions)
     }
 
-    /// The responses to `hits`, in their order; a hit that fails has its own error, and no response
-    /// depends on the other hits.
+    /// The responses to `cases`, in their order; a case that fails has its own error, and no response
+    /// depends on the other cases.
     ///
-    /// `decimation` gives the filter for the output of hit `index` at a step \[s\].
+    /// `decimation` gives the filter for the output of case `index` at a step \[s\].
     ///
     /// ```
-    /// use asperity_dynamics::{Batch, Decimation, HitSimulation, ModalModel};
+    /// use asperity_dynamics::{Batch, Decimation, TransientCase, ModalModel};
     /// use asperity_mesh::Port;
     /// use asperity_structure::{LoadCase, TimeFunction};
     /// # use std::sync::Arc;
@@ -87,7 +87,7 @@ impl Batch {
     /// # let stack = Stack::new(vec![guide], vec![contact], Support::Rigid, 9.81)?;
     /// # let structure = PreloadedStructure::new(stack, Damping::Ratio(0.035))?;
     /// let model = Arc::new(ModalModel::of_stack(&structure, &[3], Port::TOP, &[Port::TOP])?);
-    /// let hits = [9.0, 32.0].map(|peak| HitSimulation {
+    /// let cases = [9.0, 32.0].map(|peak| TransientCase {
     ///     model: Arc::clone(&model),
     ///     load: LoadCase::force(TimeFunction::GammaPulse { rise: 0.34e-3 }, peak),
     ///     sensor: 0,
@@ -95,22 +95,22 @@ impl Batch {
     ///     step: None,
     /// });
     /// let all_steps = Arc::new(Decimation { factor: 1, taps: Arc::new([1.0]) });
-    /// let responses = Batch::default().run(&hits, &|_, _| Arc::clone(&all_steps));
-    /// let highest = |n: usize| responses[n].as_ref().map_or(0.0, |hit| hit.contacts[0].pressure_max);
+    /// let responses = Batch::default().run(&cases, &|_, _| Arc::clone(&all_steps));
+    /// let highest = |n: usize| responses[n].as_ref().map_or(0.0, |case| case.contacts[0].pressure_max);
     /// assert!(highest(1) > highest(0));
     /// # Ok(())
     /// # }
     /// ```
     pub fn run(
         &self,
-        hits: &[HitSimulation],
+        cases: &[TransientCase],
         decimation: &dyn Fn(usize, f64) -> Arc<Decimation>,
-    ) -> Vec<Result<HitResponse, DynamicsError>> {
-        let mut results: Vec<Option<Result<HitResponse, DynamicsError>>> = vec![None; hits.len()];
+    ) -> Vec<Result<CaseResponse, DynamicsError>> {
+        let mut results: Vec<Option<Result<CaseResponse, DynamicsError>>> = vec![None; cases.len()];
         let mut shapes = LoadShapes::default();
-        let mut attempts = Vec::with_capacity(hits.len());
-        for (index, hit) in hits.iter().enumerate() {
-            match Attempt::first(index, hit, &mut shapes, decimation) {
+        let mut attempts = Vec::with_capacity(cases.len());
+        for (index, case) in cases.iter().enumerate() {
+            match Attempt::first(index, case, &mut shapes, decimation) {
                 Ok(attempt) => attempts.push(attempt),
                 Err(error) => results[index] = Some(Err(error)),
             }
@@ -121,7 +121,7 @@ impl Batch {
             let mut again = Vec::new();
             for compatible in attempts.chunk_by(|a, b| a.batch_order(b) == Ordering::Equal) {
                 for group in compatible.chunks(self.room()) {
-                    let lanes: Vec<&PreparedHit> =
+                    let lanes: Vec<&PreparedCase> =
                         group.iter().map(|attempt| &attempt.lane).collect();
                     let recording = Recording::Decimated(&group[0].decimation);
                     let Some(outcomes) =
@@ -130,8 +130,8 @@ impl Batch {
                         continue;
                     };
                     for (attempt, outcome) in group.iter().zip(outcomes) {
-                        let hit = &hits[attempt.index];
-                        match attempt.next(hit, &outcome, &mut shapes, decimation) {
+                        let case = &cases[attempt.index];
+                        match attempt.next(case, &outcome, &mut shapes, decimation) {
                             Ok(None) => {
                                 results[attempt.index] = Some(Ok(attempt.record(outcome)));
                             }
@@ -148,41 +148,41 @@ impl Batch {
         results.into_iter().map(|result| result.unwrap_or_else(lost)).collect()
     }
 
-    /// The whole response to one hit.
+    /// The whole response to one case.
     ///
     /// # Errors
     /// As [`Modal::integrate`](super::Modal::integrate).
     pub fn transient(
         &self,
-        hit: &HitSimulation,
+        case: &TransientCase,
         sampling: &Sampling,
     ) -> Result<Transient, DynamicsError> {
-        let (lane, outcome) = self.whole(hit)?;
+        let (lane, outcome) = self.whole(case)?;
         Ok(Transient {
             step: lane.tabulated.step_model.step,
             steps: lane.steps,
-            history: history(&lane, &outcome, &hit.load, sampling),
+            history: history(&lane, &outcome, &case.load, sampling),
             contacts: contact_extremes(&lane, &outcome),
             energy: ledger(&lane, &outcome),
         })
     }
 
-    /// The steps of one hit, at the step and with the tables that it needs.
+    /// The steps of one case, at the step and with the tables that it needs.
     pub(super) fn whole(
         self,
-        hit: &HitSimulation,
-    ) -> Result<(PreparedHit, Outcome), DynamicsError> {
+        case: &TransientCase,
+    ) -> Result<(PreparedCase, Outcome), DynamicsError> {
         let none = Arc::new(Decimation { factor: 1, taps: Arc::new([]) });
         let decimation = |_: usize, _: f64| Arc::clone(&none);
         let mut shapes = LoadShapes::default();
-        let mut attempt = Attempt::first(0, hit, &mut shapes, &decimation)?;
+        let mut attempt = Attempt::first(0, case, &mut shapes, &decimation)?;
         loop {
             let run = BlockRun { lanes: &[&attempt.lane], recording: Recording::EveryStep };
             let outcome = run
                 .run(self.instructions)
                 .and_then(|outcomes| outcomes.into_iter().next())
                 .ok_or(DynamicsError::InstructionSet { set: self.instructions })?;
-            match attempt.next(hit, &outcome, &mut shapes, &decimation)? {
+            match attempt.next(case, &outcome, &mut shapes, &decimation)? {
                 Some(next) => attempt = next,
                 None => return Ok((attempt.lane, outcome)),
             }
@@ -193,43 +193,43 @@ impl Batch {
 /// Exponents of two of the first top pressures \[Pa\] of tables above rest: three times the peak
 /// over the area, times the amplification of a lasting force at resonance, or a quarter of the
 /// weight, whichever is more.
-fn first_table_exponents(hit: &HitSimulation) -> Vec<i32> {
-    let structure = hit.model.preloaded();
+fn first_table_exponents(case: &TransientCase) -> Vec<i32> {
+    let structure = case.model.preloaded();
     let radians = TAU * structure.natural_frequency().unwrap_or(0.0);
-    let amplification = if hit.load.ends_at() == f64::INFINITY {
-        (radians / structure.damping_rate()).min(0.5 * radians * hit.duration).max(1.0)
+    let amplification = if case.load.ends_at() == f64::INFINITY {
+        (radians / structure.damping_rate()).min(0.5 * radians * case.duration).max(1.0)
     } else {
         1.0
     };
-    let force = 3.0 * hit.load.peak() * amplification;
+    let force = 3.0 * case.load.peak() * amplification;
     let first = |contact: &PreloadedContact| {
         let scale = (force / contact.area()).max(0.25 * contact.pressure());
         if scale > 0.0 { scale.log2().ceil().clamp(-30.0, 60.0) as i32 } else { 0 }
     };
-    hit.model.contacts().iter().map(first).collect()
+    case.model.contacts().iter().map(first).collect()
 }
 
 impl Settings {
-    /// The first settings of a hit at its first step.
-    fn first(hit: &HitSimulation) -> Self {
+    /// The first settings of a case at its first step.
+    fn first(case: &TransientCase) -> Self {
         Self {
             halvings: 0,
-            table_exponents: first_table_exponents(hit),
+            table_exponents: first_table_exponents(case),
             interpolation: InterpolationChoice::default(),
             may_end_linearly: true,
         }
     }
 
     /// The first settings at half the step.
-    fn halved(&self, hit: &HitSimulation) -> Self {
+    fn halved(&self, case: &TransientCase) -> Self {
         let may_end_linearly = self.may_end_linearly;
-        Self { halvings: self.halvings + 1, may_end_linearly, ..Self::first(hit) }
+        Self { halvings: self.halvings + 1, may_end_linearly, ..Self::first(case) }
     }
 
     /// These settings with the tables of more pressures, after a pressure beyond them; none after
     /// too many.
-    fn wider(&self, hit: &HitSimulation, end: RunEnd) -> Option<Self> {
-        let first = first_table_exponents(hit);
+    fn wider(&self, case: &TransientCase, end: RunEnd) -> Option<Self> {
+        let first = first_table_exponents(case);
         let most = match self.interpolation {
             InterpolationChoice::HighestOrder => MOST_DOUBLINGS_OF_HIGHEST_ORDER,
             InterpolationChoice::Average => MOST_DOUBLINGS,
@@ -244,7 +244,7 @@ impl Settings {
             RunEnd::Beyond(i) => widen(i),
             // Below the table of a law that carries tension there are no numbers.
             RunEnd::NotFinite(..) => {
-                let contacts = hit.model.contacts().iter().enumerate();
+                let contacts = case.model.contacts().iter().enumerate();
                 let bilateral = contacts.filter(|(_, one)| one.law().domain().is_bilateral());
                 bilateral.filter(|(i, _)| widen(*i)).count() > 0
             }
@@ -257,39 +257,39 @@ impl Settings {
 impl Attempt {
     fn first(
         index: usize,
-        hit: &HitSimulation,
+        case: &TransientCase,
         shapes: &mut LoadShapes,
         decimation: &dyn Fn(usize, f64) -> Arc<Decimation>,
     ) -> Result<Self, DynamicsError> {
-        hit.model.check(&hit.load, hit.sensor)?;
-        let resolution = Resolution::first(hit)?;
-        Self::at(index, hit, resolution, Settings::first(hit), shapes, decimation)
+        case.model.check(&case.load, case.sensor)?;
+        let resolution = Resolution::first(case)?;
+        Self::at(index, case, resolution, Settings::first(case), shapes, decimation)
     }
 
     fn at(
         index: usize,
-        hit: &HitSimulation,
+        case: &TransientCase,
         resolution: Resolution,
         settings: Settings,
         shapes: &mut LoadShapes,
         decimation: &dyn Fn(usize, f64) -> Arc<Decimation>,
     ) -> Result<Self, DynamicsError> {
         let Resolution { step, steps } = resolution;
-        let load = shapes.load_steps(&hit.load, step, steps);
+        let load = shapes.load_steps(&case.load, step, steps);
         let tabulated =
-            hit.model.prepare(step, &settings.table_exponents, settings.interpolation)?;
+            case.model.prepare(step, &settings.table_exponents, settings.interpolation)?;
         let decimation = decimation(index, step);
-        let start = || linear_tail::start(&hit.model, &load, step, steps);
+        let start = || linear_tail::start(&case.model, &load, step, steps);
         let tail = settings.may_end_linearly.then(start).flatten();
         let tail =
-            tail.and_then(|from| tabulated.linear_tail(hit.sensor, (from, steps), &decimation));
-        let model = Arc::clone(&hit.model);
-        let lane = PreparedHit {
+            tail.and_then(|from| tabulated.linear_tail(case.sensor, (from, steps), &decimation));
+        let model = Arc::clone(&case.model);
+        let lane = PreparedCase {
             model,
             tabulated,
             load,
-            amplitude: hit.load.amplitude(),
-            sensor: hit.sensor,
+            amplitude: case.load.amplitude(),
+            sensor: case.sensor,
             steps,
             tail,
         };
@@ -325,7 +325,7 @@ impl Attempt {
     /// The next attempt after an outcome; none if the outcome is accepted.
     fn next(
         &self,
-        hit: &HitSimulation,
+        case: &TransientCase,
         outcome: &Outcome,
         shapes: &mut LoadShapes,
         decimation: &dyn Fn(usize, f64) -> Arc<Decimation>,
@@ -334,10 +334,10 @@ impl Attempt {
             time_s: steps as f64 * self.lane.tabulated.step_model.step,
             interface: self.lane.model.contacts()[i].name().to_owned(),
         };
-        let may_halve = hit.step.is_none() && self.settings.halvings < MOST_HALVINGS;
+        let may_halve = case.step.is_none() && self.settings.halvings < MOST_HALVINGS;
         let mut at = |settings: Settings| {
-            let finer = Resolution::halved(hit, settings.halvings)?;
-            Self::at(self.index, hit, finer, settings, shapes, decimation)
+            let finer = Resolution::halved(case, settings.halvings)?;
+            Self::at(self.index, case, finer, settings, shapes, decimation)
         };
         let (i, time) = match outcome.end {
             RunEnd::Done => {
@@ -347,7 +347,7 @@ impl Attempt {
                     let energy = ledger(&self.lane, outcome);
                     let residual = energy.residual_relative();
                     if may_halve && Resolution::too_coarse(residual) {
-                        return at(self.settings.halved(hit)).map(Some);
+                        return at(self.settings.halved(case)).map(Some);
                     }
                     let ends_linearly = self.lane.tail.is_some();
                     if ends_linearly && !linear_tail::is_straight(&self.lane, outcome, &energy) {
@@ -361,7 +361,7 @@ impl Attempt {
             RunEnd::Beyond(i) => (i, self.lane.steps),
             RunEnd::NotFinite(reached, i) => (i, reached.saturating_sub(8 * CHUNK)),
         };
-        let wider = self.settings.wider(hit, outcome.end);
+        let wider = self.settings.wider(case, outcome.end);
         match wider.map(&mut at) {
             // Pressures that no table reaches are those of numbers that grow beyond all bounds.
             None | Some(Err(DynamicsError::Law { source: LawError::Unresolved { .. }, .. })) => {}
@@ -369,17 +369,17 @@ impl Attempt {
         }
         if self.settings.interpolation == InterpolationChoice::HighestOrder {
             let interpolation = InterpolationChoice::Average;
-            let table_exponents = first_table_exponents(hit);
+            let table_exponents = first_table_exponents(case);
             at(Settings { table_exponents, interpolation, ..self.settings.clone() }).map(Some)
         } else if may_halve {
-            at(self.settings.halved(hit)).map(Some)
+            at(self.settings.halved(case)).map(Some)
         } else {
             Err(unstable(time, i))
         }
     }
 
-    fn record(&self, outcome: Outcome) -> HitResponse {
-        HitResponse {
+    fn record(&self, outcome: Outcome) -> CaseResponse {
+        CaseResponse {
             step: self.lane.tabulated.step_model.step,
             steps: self.lane.steps,
             integrated_steps: self.lane.integrated(),
@@ -396,7 +396,7 @@ impl Attempt {
 
 /// The first contact with a number that is not finite. Closures between steps may be beyond those
 /// that a law has, also where those at the steps are not.
-fn not_finite(lane: &PreparedHit, outcome: &Outcome) -> Option<usize> {
+fn not_finite(lane: &PreparedCase, outcome: &Outcome) -> Option<usize> {
     let contacts = contact_extremes(lane, outcome);
     let extremes = |one: &ContactExtremes| [one.pressure_min, one.pressure_max];
     let bad = contacts.iter().position(|one| !extremes(one).iter().all(|p| p.is_finite()));
@@ -409,7 +409,7 @@ fn not_finite(lane: &PreparedHit, outcome: &Outcome) -> Option<usize> {
 const TOUCH: f64 = 1e-9;
 
 /// Extremes as pressures, none below loss of contact, and the average stiffness.
-pub(super) fn contact_extremes(lane: &PreparedHit, outcome: &Outcome) -> Vec<ContactExtremes> {
+pub(super) fn contact_extremes(lane: &PreparedCase, outcome: &Outcome) -> Vec<ContactExtremes> {
     let named = lane.model.contacts().iter().zip(&outcome.contacts).enumerate();
     named
         .map(|(i, (contact, outcome))| {
@@ -444,7 +444,7 @@ pub(super) fn contact_extremes(lane: &PreparedHit, outcome: &Outcome) -> Vec<Con
         .collect()
 }
 
-/// Loads already computed: hits of one shape differ by their amplitude.
+/// Loads already computed: cases of one shape differ by their amplitude.
 #[derive(Debug, Default)]
 pub(super) struct LoadShapes {
     known: Vec<(LoadCase, f64, usize, Arc<LoadSteps>)>,

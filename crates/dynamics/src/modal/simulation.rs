@@ -1,4 +1,4 @@
-//! One hit and its response.
+//! One case and its response.
 
 use std::sync::Arc;
 
@@ -10,10 +10,10 @@ use super::step_model::InterpolationChoice;
 use crate::{ContactExtremes, DynamicsError, EnergyLedger};
 use asperity_structure::LoadCase;
 
-/// One hit on a structure, to be simulated.
+/// One case on a structure, to be simulated.
 #[derive(Debug, Clone)]
-pub struct HitSimulation {
-    /// Structure in modes, shared by hits.
+pub struct TransientCase {
+    /// Structure in modes, shared by cases.
     pub model: Arc<ModalModel>,
     /// Load, at the port that the model is loaded at.
     pub load: LoadCase,
@@ -25,9 +25,9 @@ pub struct HitSimulation {
     pub step: Option<f64>,
 }
 
-/// The response to a hit.
+/// The response to a case.
 #[derive(Debug, Clone, PartialEq)]
-pub struct HitResponse {
+pub struct CaseResponse {
     /// Step \[s\] and number of steps.
     pub step: f64,
     /// Number of steps.
@@ -52,9 +52,9 @@ pub struct HitResponse {
     pub(super) table_exponents: Vec<i32>,
 }
 
-impl HitResponse {
+impl CaseResponse {
     /// Largest difference \[Pa\] between the table of each contact and its law, over the pressures of
-    /// the response, from samples; `model` is that of the hit.
+    /// the response, from samples; `model` is that of the case.
     ///
     /// # Errors
     /// [`DynamicsError::Law`] when a law cannot be tabulated any more.

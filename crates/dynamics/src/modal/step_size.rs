@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use super::simulation::HitSimulation;
+use super::simulation::TransientCase;
 use crate::DynamicsError;
 use crate::error::positive;
 use crate::run_bounds::check_recorded_steps;
@@ -27,8 +27,8 @@ pub const COARSE_RESIDUAL: f64 = 5e-4;
 /// Halvings of it at most.
 pub(super) const MOST_HALVINGS: u32 = 7;
 
-impl HitSimulation {
-    /// Step \[s\] that the hit is first tried with, and the number of steps.
+impl TransientCase {
+    /// Step \[s\] that the case is first tried with, and the number of steps.
     ///
     /// # Errors
     /// [`DynamicsError::Setting`] for a step or duration that is not positive and finite,
@@ -47,39 +47,39 @@ pub(super) struct Resolution {
 }
 
 impl Resolution {
-    /// The step that a hit is first tried with: as given, or so that the lowest natural
+    /// The step that a case is first tried with: as given, or so that the lowest natural
     /// frequency and the load are resolved. A chosen step divides the duration.
-    pub(super) fn first(hit: &HitSimulation) -> Result<Self, DynamicsError> {
-        let duration = positive("duration [s]", hit.duration)?;
-        let natural = hit.model.preloaded().natural_frequency();
-        if let Some(step) = hit.step {
+    pub(super) fn first(case: &TransientCase) -> Result<Self, DynamicsError> {
+        let duration = positive("duration [s]", case.duration)?;
+        let natural = case.model.preloaded().natural_frequency();
+        if let Some(step) = case.step {
             let step = positive("step [s]", step)?;
             let value = TAU * step * natural.unwrap_or(0.0);
             if value > MOST_RADIANS {
                 let quantity = "step [s] times lowest natural frequency [rad/s]";
                 return Err(DynamicsError::Setting { quantity, value, accepted: "at most 1" });
             }
-            return Self::of(hit, step, (duration / step - 1e-9).ceil().max(1.0));
+            return Self::of(case, step, (duration / step - 1e-9).ceil().max(1.0));
         }
         let slow = natural.map_or(f64::INFINITY, |f| RADIANS / (TAU * f));
-        let step = slow.min(hit.load.time_scale() / STEPS_A_PULSE).min(duration / 64.0);
-        // Round down, ten steps a decade, so that hits of like structures share a step.
+        let step = slow.min(case.load.time_scale() / STEPS_A_PULSE).min(duration / 64.0);
+        // Round down, ten steps a decade, so that cases of like structures share a step.
         let decade = 10.0_f64.powf(step.log10().floor());
         let round = ROUND.into_iter().find(|m| m * decade <= step * (1.0 + 1e-9));
         let step = round.unwrap_or(1.0) * decade;
         let steps = (duration / step - 1e-9).ceil();
-        Self::of(hit, duration / steps, steps)
+        Self::of(case, duration / steps, steps)
     }
 
     /// The step of [`first`](Self::first), halved.
-    pub(super) fn halved(hit: &HitSimulation, halvings: u32) -> Result<Self, DynamicsError> {
-        let Self { step, steps } = Self::first(hit)?;
+    pub(super) fn halved(case: &TransientCase, halvings: u32) -> Result<Self, DynamicsError> {
+        let Self { step, steps } = Self::first(case)?;
         let parts = f64::from(halvings).exp2();
-        Self::of(hit, step / parts, steps as f64 * parts)
+        Self::of(case, step / parts, steps as f64 * parts)
     }
 
-    fn of(hit: &HitSimulation, step: f64, steps: f64) -> Result<Self, DynamicsError> {
-        check_recorded_steps(steps, hit.model.contacts().len(), step)?;
+    fn of(case: &TransientCase, step: f64, steps: f64) -> Result<Self, DynamicsError> {
+        check_recorded_steps(steps, case.model.contacts().len(), step)?;
         Ok(Self { step, steps: steps as usize })
     }
 

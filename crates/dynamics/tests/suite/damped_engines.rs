@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::support::{AREA, Law, damped, difference, every_law, pulse, rig, run_at, slope};
 use crate::support::{constant, modified, power, single_body};
 use asperity_dynamics::{
-    Batch, Decimation, FiniteDifference, HitSimulation, Integrator, Modal, ModalModel, Transient,
+    Batch, Decimation, FiniteDifference, Integrator, Modal, ModalModel, Transient, TransientCase,
 };
 use asperity_law::ContactDamping;
 use asperity_mesh::{Body, Interface, ModeCount, Port, Stack, Support};
@@ -194,8 +194,8 @@ fn damped_hits_do_not_depend_on_their_batch() {
         )
     };
     let models = [model(None), model(Some(2e-6)), model(Some(1e-5))];
-    let hits: Vec<HitSimulation> = (0..40)
-        .map(|n| HitSimulation {
+    let hits: Vec<TransientCase> = (0..40)
+        .map(|n| TransientCase {
             model: Arc::clone(&models[n % 3]),
             sensor: 0,
             load: pulse(8.0 + n as f64),

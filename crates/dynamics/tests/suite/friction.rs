@@ -6,8 +6,8 @@ use crate::support::{
     AREA, Law, constant, difference, modified, power, pulse, rig, run_at, single_body, slope,
 };
 use asperity_dynamics::{
-    Batch, Decimation, FiniteDifference, HitSimulation, InstructionSet, Modal, ModalModel,
-    Sampling, Transient,
+    Batch, Decimation, FiniteDifference, InstructionSet, Modal, ModalModel, Sampling, Transient,
+    TransientCase,
 };
 use asperity_law::{Constant, Friction};
 use asperity_mesh::{
@@ -95,7 +95,7 @@ fn a_mass_on_a_spring_moves_as_by_steps_200_times_shorter() {
                 let count = (6e-3 / step).round() as usize;
                 let structure = rigid_mass(friction, in_guide);
                 let model = Arc::new(ModalModel::new(structure, 0, &[0]).unwrap());
-                let hit = HitSimulation {
+                let hit = TransientCase {
                     model,
                     sensor: 0,
                     load: force.clone(),
@@ -124,7 +124,7 @@ fn a_mass_on_a_spring_moves_as_by_steps_200_times_shorter() {
 fn maxima_fall_by_equal_amounts() {
     let (slip, stiff) = (0.1, 5e9);
     let structure = rigid_mass(Friction::slip_force(stiff, slip).unwrap(), true);
-    let hit = HitSimulation {
+    let hit = TransientCase {
         model: Arc::new(ModalModel::new(structure, 0, &[0]).unwrap()),
         sensor: 0,
         load: LoadCase::force(TimeFunction::Haversine { duration: 0.6e-3 }, 8.0),
@@ -260,8 +260,8 @@ fn hits_with_friction_do_not_depend_on_their_neighbours() {
         model(Some(Friction::slip_force(2e7, 0.2).unwrap())),
         model(Some(Friction::coefficient(4e7, 0.03).unwrap())),
     ];
-    let hits: Vec<HitSimulation> = (0..7)
-        .map(|n| HitSimulation {
+    let hits: Vec<TransientCase> = (0..7)
+        .map(|n| TransientCase {
             model: Arc::clone(&models[n % 3]),
             sensor: 0,
             load: pulse(4.0 + 3.0 * n as f64),

@@ -4,14 +4,14 @@ use std::sync::Arc;
 
 use crate::support::{DISC, constant, every_law, modified, pulse, rig, rig_on, three_bodies};
 use asperity_dynamics::{
-    Batch, Decimation, HitResponse, HitSimulation, ModalModel, Sampling, Transient,
+    Batch, CaseResponse, Decimation, ModalModel, Sampling, Transient, TransientCase,
 };
 use asperity_mesh::{BodyDamping, ModeCount, Port, Stack, Support};
 use asperity_structure::{Damping, LoadCase, PreloadedStructure, TimeFunction};
 
 const DURATION: f64 = 0.12;
 
-fn hit(stack: &Stack, damping: Damping, excitation: LoadCase, step: Option<f64>) -> HitSimulation {
+fn hit(stack: &Stack, damping: Damping, excitation: LoadCase, step: Option<f64>) -> TransientCase {
     let structure = PreloadedStructure::new(stack.clone(), damping).unwrap();
     let rig = ModalModel::of_stack(
         &structure,
@@ -20,7 +20,7 @@ fn hit(stack: &Stack, damping: Damping, excitation: LoadCase, step: Option<f64>)
         &[Port::TOP],
     )
     .unwrap();
-    HitSimulation { model: Arc::new(rig), load: excitation, sensor: 0, duration: DURATION, step }
+    TransientCase { model: Arc::new(rig), load: excitation, sensor: 0, duration: DURATION, step }
 }
 
 fn filter(factor: usize, length: usize) -> Arc<Decimation> {
@@ -28,20 +28,20 @@ fn filter(factor: usize, length: usize) -> Arc<Decimation> {
     Arc::new(Decimation { factor, taps: (0..length).map(tap).collect() })
 }
 
-fn respond(hit: &HitSimulation, decimation: &Arc<Decimation>) -> HitResponse {
+fn respond(hit: &TransientCase, decimation: &Arc<Decimation>) -> CaseResponse {
     let mut records =
         Batch::default().run(std::slice::from_ref(hit), &|_, _| Arc::clone(decimation));
     records.swap_remove(0).unwrap()
 }
 
 /// Every step of the hit.
-fn whole(hit: &HitSimulation, record: &HitResponse) -> Transient {
+fn whole(hit: &TransientCase, record: &CaseResponse) -> Transient {
     let sampling = Sampling::new(hit.duration, 1.0 / record.step).unwrap();
     Batch::default().transient(hit, &sampling).unwrap()
 }
 
 /// Largest difference between a record and the filtered displacement of all steps, over its peak.
-fn departure(record: &HitResponse, all: &[f64]) -> f64 {
+fn departure(record: &CaseResponse, all: &[f64]) -> f64 {
     let Decimation { factor, taps } = &*record.decimation;
     let filtered = |j: usize| -> f64 {
         let past = taps.iter().enumerate().map(|(l, tap)| {
@@ -65,7 +65,7 @@ fn of_a_straight_law_it_is_exact() {
         hit(&rig_on(&constant(), DISC), Damping::Ratio(0.03), pulse(20.0), Some(2e-5)),
     ];
     let [short, disc] = rigs;
-    for hit in [HitSimulation { duration: 0.07, ..short }, disc] {
+    for hit in [TransientCase { duration: 0.07, ..short }, disc] {
         for (factor, length) in [(8, 96), (1, 1), (7, 3), (3, 200), (40, 96)] {
             let record = respond(&hit, &filter(factor, length));
             assert!(record.integrated_steps < record.steps * 4 / 5);
@@ -155,7 +155,7 @@ fn other_responses_are_integrated_to_their_end() {
     }
     // The step makes an oscillation of the sample grow at this damping: found by the energy of all steps,
     // and the step is halved.
-    let constant = HitSimulation {
+    let constant = TransientCase {
         duration: 0.4,
         ..hit(&rig(&constant()), Damping::Ratio(0.01), pulse(9.0), None)
     };

@@ -5,12 +5,12 @@ use std::sync::Arc;
 use crate::support::{DISC, difference, every_law, power, pulse, rig, rig_on};
 use crate::support::{single_body, three_bodies};
 use asperity_dynamics::{
-    Batch, Decimation, DynamicsError, HitResponse, HitSimulation, InstructionSet, ModalModel,
+    Batch, CaseResponse, Decimation, DynamicsError, InstructionSet, ModalModel, TransientCase,
 };
 use asperity_mesh::{ModeCount, Port, Stack};
 use asperity_structure::{Damping, LoadCase, PreloadedStructure, TimeFunction};
 
-type Outcome = Result<HitResponse, DynamicsError>;
+type Outcome = Result<CaseResponse, DynamicsError>;
 
 fn modal(stack: &Stack, damping: Damping, modes: usize) -> Arc<ModalModel> {
     let structure = PreloadedStructure::new(stack.clone(), damping).unwrap();
@@ -32,7 +32,7 @@ fn filter(number: usize) -> Arc<Decimation> {
 }
 
 /// Forty-two hits, hardly two of one kind; kinds mixed.
-fn hits() -> Vec<HitSimulation> {
+fn hits() -> Vec<TransientCase> {
     let mut rigs = Vec::new();
     for (n, (_, law)) in every_law().into_iter().enumerate() {
         let stack = if n % 2 == 0 { rig(&law) } else { rig_on(&law, DISC) };
@@ -51,7 +51,7 @@ fn hits() -> Vec<HitSimulation> {
             2 => LoadCase::force(TimeFunction::Haversine { duration: 0.7e-3 }, -0.2 * peak),
             _ => LoadCase::force(TimeFunction::Harmonic { frequency: 300.0 + peak }, 0.1 * peak),
         };
-        hits.push(HitSimulation {
+        hits.push(TransientCase {
             model: Arc::clone(&rigs[5 * n % rigs.len()]),
             load: excitation,
             sensor: 0,
@@ -64,11 +64,11 @@ fn hits() -> Vec<HitSimulation> {
 
 /// The outcomes of the hits of `numbers`, each with its own filter.
 fn outcomes(
-    hits: &[HitSimulation],
+    hits: &[TransientCase],
     numbers: &[usize],
     instructions: InstructionSet,
 ) -> Vec<Outcome> {
-    let chosen: Vec<HitSimulation> = numbers.iter().map(|&n| hits[n].clone()).collect();
+    let chosen: Vec<TransientCase> = numbers.iter().map(|&n| hits[n].clone()).collect();
     Batch { instructions }.run(&chosen, &|place, _| filter(numbers[place]))
 }
 
@@ -138,7 +138,7 @@ fn every_instruction_set_gives_the_same_records() {
 fn a_failing_hit_changes_no_other() {
     let hits = hits();
     let thrown = modal(&rig(&every_law()[1].1), Damping::Ratio(0.035), 2);
-    let bad = |load, duration, step| HitSimulation {
+    let bad = |load, duration, step| TransientCase {
         model: Arc::clone(&thrown),
         load,
         sensor: 0,
@@ -157,9 +157,9 @@ fn a_failing_hit_changes_no_other() {
     let none = Arc::new(Decimation { factor: 1, taps: Arc::new([1.0]) });
     for instructions in InstructionSet::available() {
         let run =
-            |hits: &[HitSimulation]| Batch { instructions }.run(hits, &|_, _| Arc::clone(&none));
+            |hits: &[TransientCase]| Batch { instructions }.run(hits, &|_, _| Arc::clone(&none));
         let alone = run(&hits);
-        let mut mixed: Vec<HitSimulation> = Vec::new();
+        let mut mixed: Vec<TransientCase> = Vec::new();
         for (n, hit) in hits.iter().enumerate() {
             mixed.push(hit.clone());
             mixed.push(fails[n % fails.len()].clone());

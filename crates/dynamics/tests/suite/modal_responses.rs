@@ -6,14 +6,14 @@ use std::sync::Arc;
 use crate::support::{
     AREA, DISC, difference, modified, power, pulse, rig, rig_on, slope, three_bodies,
 };
-use asperity_dynamics::{Batch, Decimation, HitResponse, HitSimulation, ModalModel, Sampling};
+use asperity_dynamics::{Batch, CaseResponse, Decimation, ModalModel, Sampling, TransientCase};
 use asperity_law::ContactLaw;
 use asperity_mesh::{
     ComponentModes, ModeCount, NormalMode, Port, PortPair, ResidualFlexibility, Stack,
 };
 use asperity_structure::{Damping, LoadCase, PreloadedContact, PreloadedStructure, TimeFunction};
 
-fn hit(stack: &Stack, excitation: LoadCase, duration: f64, step: Option<f64>) -> HitSimulation {
+fn hit(stack: &Stack, excitation: LoadCase, duration: f64, step: Option<f64>) -> TransientCase {
     let structure = PreloadedStructure::new(stack.clone(), Damping::Ratio(0.035)).unwrap();
     let rig = ModalModel::of_stack(
         &structure,
@@ -22,17 +22,17 @@ fn hit(stack: &Stack, excitation: LoadCase, duration: f64, step: Option<f64>) ->
         &[Port::TOP],
     )
     .unwrap();
-    HitSimulation { model: Arc::new(rig), load: excitation, sensor: 0, duration, step }
+    TransientCase { model: Arc::new(rig), load: excitation, sensor: 0, duration, step }
 }
 
-fn record(hit: &HitSimulation, factor: usize, taps: &[f64]) -> HitResponse {
+fn record(hit: &TransientCase, factor: usize, taps: &[f64]) -> CaseResponse {
     let decimation = Arc::new(Decimation { factor, taps: taps.into() });
     let mut records =
         Batch::default().run(std::slice::from_ref(hit), &|_, _| Arc::clone(&decimation));
     records.swap_remove(0).unwrap()
 }
 
-fn cases() -> Vec<HitSimulation> {
+fn cases() -> Vec<TransientCase> {
     let half = LoadCase::force(TimeFunction::HalfSine { duration: 1e-3 }, 15.0);
     let sine = LoadCase::force(TimeFunction::Harmonic { frequency: 700.0 }, 4.0);
     vec![
@@ -101,7 +101,7 @@ struct Lumped {
 impl Lumped {
     /// Its modes: each mass is one, of shape `1 / sqrt(m)`, and has a port. The first is loaded, and the
     /// sensor is mass `sensor`.
-    fn hit(&self, load: LoadCase, step: f64, sensor: usize) -> HitSimulation {
+    fn hit(&self, load: LoadCase, step: f64, sensor: usize) -> TransientCase {
         let [a, b] = self.masses.map(|mass| 1.0 / f64::sqrt(mass));
         let free = NormalMode::rigid(vec![a, 0.0]);
         let hung = NormalMode {
@@ -118,7 +118,7 @@ impl Lumped {
         let damping = Damping::Rate(200.0);
         let structure = PreloadedStructure::of_components(structure, contacts, damping).unwrap();
         let rig = Arc::new(ModalModel::new(structure, 0, &[0, 1]).unwrap());
-        HitSimulation { model: rig, load, sensor, duration: 5e-3, step: Some(step) }
+        TransientCase { model: rig, load, sensor, duration: 5e-3, step: Some(step) }
     }
 
     /// The same masses by Runge and Kutta's fourth-order method, `parts` steps a sample.

@@ -248,14 +248,14 @@ fn a_sampled_displacement_acts_as_its_function() {
 /// A load at another port than the model's, and a sensor that there is not, are errors.
 #[test]
 fn ports_that_a_model_does_not_have_are_errors() {
-    use asperity_dynamics::{Batch, DynamicsError, HitSimulation, ModalModel};
+    use asperity_dynamics::{Batch, DynamicsError, ModalModel, TransientCase};
     let mut draw = Sequence(3);
     let structure = random_structure(&mut draw, true);
     let counts = vec![2; structure.stack().bodies().len()];
     let model = ModalModel::of_stack(&structure, &counts, Port::TOP, &[Port::TOP]).unwrap();
     let model = Arc::new(model);
     let lower = Port::Point { body: 0, position: structure.stack().bodies()[0].length() };
-    let hit = |port: Port, sensor: usize| HitSimulation {
+    let hit = |port: Port, sensor: usize| TransientCase {
         model: Arc::clone(&model),
         load: LoadCase::force(TimeFunction::HalfSine { duration: 1e-3 }, 1.0).at(port),
         sensor,

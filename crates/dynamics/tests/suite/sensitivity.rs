@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use crate::support::{AREA, Law, difference};
 use asperity_dynamics::{
-    Batch, HitSimulation, ModalModel, ParameterVariation, RELATIVE_STEP, STENCIL, Sampling,
-    Sensitivity, StepHistory, central_difference,
+    Batch, ModalModel, ParameterVariation, RELATIVE_STEP, STENCIL, Sampling, Sensitivity,
+    StepHistory, TransientCase, central_difference,
 };
 use asperity_law::{ContactDamping, Friction, ModifiedPower, Power};
 use asperity_mesh::{Body, BodyDamping, Interface, Port, Stack, Support};
@@ -136,7 +136,7 @@ impl Case {
         }
     }
 
-    fn hit(&self, law: &Law) -> HitSimulation {
+    fn hit(&self, law: &Law) -> TransientCase {
         let mut contacts = [
             Interface::new("guide-sample", self.area, Arc::clone(law)).unwrap(),
             Interface::new("sample-disc", self.area, Arc::clone(law)).unwrap(),
@@ -175,7 +175,7 @@ impl Case {
         let rig =
             Arc::new(ModalModel::of_stack(&structure, &[2, 1], Port::TOP, &[Port::TOP]).unwrap());
         let excitation = LoadCase::force(TimeFunction::GammaPulse { rise: self.rise }, self.peak);
-        HitSimulation {
+        TransientCase {
             model: rig,
             load: excitation,
             sensor: 0,
@@ -193,11 +193,11 @@ impl Case {
 fn variations(case: &Case, law: &Law) -> Vec<ParameterVariation> {
     let vary = |(number, (_, place)): (usize, (&str, Place))| {
         let step = RELATIVE_STEP * *place(&mut case.clone());
-        let hits = STENCIL.map(|at| {
+        let cases = STENCIL.map(|at| {
             let varied = case.varied(place, at * step);
             varied.hit(&if number < 6 { varied.law() } else { Arc::clone(law) })
         });
-        ParameterVariation { hits, step }
+        ParameterVariation { cases, step }
     };
     parameters(case).into_iter().enumerate().map(vary).collect()
 }
@@ -336,18 +336,18 @@ fn the_response_of(case: &Case) {
 #[test]
 fn at_rest_only_forces_have_derivatives() {
     let law = CASE.law();
-    let still = |mut hit: HitSimulation| {
+    let still = |mut hit: TransientCase| {
         hit.load = LoadCase::none();
         hit
     };
     let mut all = variations(&CASE, &law);
     for (number, variation) in all.iter_mut().enumerate() {
         if number != 6 {
-            variation.hits = variation.hits.each_ref().map(|hit| still(hit.clone()));
+            variation.cases = variation.cases.each_ref().map(|hit| still(hit.clone()));
         }
     }
     // The peak, about zero: its derivative is the response to a force of one newton.
-    all[6].hits = STENCIL.map(|at| Case { peak: at * 1e-3, ..CASE }.hit(&law));
+    all[6].cases = STENCIL.map(|at| Case { peak: at * 1e-3, ..CASE }.hit(&law));
     all[6].step = 1e-3;
     let found = Batch::default().sensitivity(&still(CASE.hit(&law)), &all).unwrap();
     for (number, rates) in found.derivatives.iter().enumerate() {

@@ -8,7 +8,7 @@
 use std::sync::Arc;
 
 use asperity_dynamics::{
-    HitSimulation, ParameterVariation, RELATIVE_STEP, STENCIL, Sensitivity, StepHistory,
+    ParameterVariation, RELATIVE_STEP, STENCIL, Sensitivity, StepHistory, TransientCase,
     central_difference,
 };
 use asperity_inference::Derivatives;
@@ -127,7 +127,7 @@ impl ScenarioModel {
         let counts = hit.mode_counts(rig, &simulation.load)?;
         let mut variations = Vec::with_capacity(neighbours.len());
         for around in neighbours {
-            let at = |place: usize| -> Result<HitSimulation, SimulationError> {
+            let at = |place: usize| -> Result<TransientCase, SimulationError> {
                 let varied = &around.rigs[place][hit.rig];
                 let sensors = gains(&around.points[place]);
                 let load = hit.load(varied, sensors, &self.folder)?;
@@ -135,10 +135,10 @@ impl ScenarioModel {
                 if !around.of_law {
                     moved = Arc::new(with_laws_of(&simulation.model, &moved)?);
                 }
-                Ok(HitSimulation { model: moved, load, ..simulation.clone() })
+                Ok(TransientCase { model: moved, load, ..simulation.clone() })
             };
-            let hits = [at(0)?, at(1)?, at(2)?, at(3)?];
-            variations.push(ParameterVariation { hits, step: around.step });
+            let cases = [at(0)?, at(1)?, at(2)?, at(3)?];
+            variations.push(ParameterVariation { cases, step: around.step });
         }
         let found = self.batch.sensitivity(&simulation, &variations)?;
         let stencils: Vec<StaticStencil<'_>> = neighbours

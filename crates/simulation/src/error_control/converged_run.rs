@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use asperity_dynamics::{HitResponse, HitSimulation};
+use asperity_dynamics::{CaseResponse, TransientCase};
 use asperity_structure::LoadCase;
 
 use crate::accuracy::ErrorEstimate;
@@ -28,12 +28,12 @@ pub struct RunRequest {
 #[derive(Debug)]
 pub struct ConvergedRun {
     /// The transient case.
-    pub case: HitSimulation,
+    pub case: TransientCase,
     /// Its observables, with [estimated errors](Observables::estimate).
     pub observables: Observables,
     /// Modes of each body, the rigid one included.
     pub counts: Vec<usize>,
-    pub(super) record: HitResponse,
+    pub(super) record: CaseResponse,
 }
 
 impl ConvergedRun {

@@ -6,7 +6,7 @@
 //! step, twice the modes, or both.
 
 use asperity_dynamics::{
-    COARSE_RESIDUAL, ContactExtremes, DynamicsError, HitResponse, HitSimulation, Modal,
+    COARSE_RESIDUAL, CaseResponse, ContactExtremes, DynamicsError, Modal, TransientCase,
 };
 use asperity_law::LawError;
 
@@ -48,8 +48,8 @@ const SUSPECT_ERROR: f64 = 10.0;
 /// A response and its observables.
 #[derive(Debug)]
 pub(super) struct Response {
-    pub(super) case: HitSimulation,
-    pub(super) record: HitResponse,
+    pub(super) case: TransientCase,
+    pub(super) record: CaseResponse,
     pub(super) observables: Observables,
 }
 
@@ -142,8 +142,8 @@ impl<'a> Task<'a> {
         &self,
         level: Level,
         load: LoadCase,
-    ) -> Result<HitSimulation, SimulationError> {
-        Ok(HitSimulation {
+    ) -> Result<TransientCase, SimulationError> {
+        Ok(TransientCase {
             model: self.request.prepared.modal_model(&self.counts_at(level), load.port())?,
             load,
             sensor: self.request.sensor,
@@ -153,7 +153,7 @@ impl<'a> Task<'a> {
     }
 
     /// The transient case at a level.
-    pub(super) fn case_at(&self, level: Level) -> Result<HitSimulation, SimulationError> {
+    pub(super) fn case_at(&self, level: Level) -> Result<TransientCase, SimulationError> {
         self.case(level, self.request.load.clone())
     }
 

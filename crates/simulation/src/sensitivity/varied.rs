@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use asperity_dynamics::{
-    DynamicsError, HitSimulation, ModalModel, ParameterVariation, RELATIVE_STEP, STENCIL,
+    DynamicsError, ModalModel, ParameterVariation, RELATIVE_STEP, STENCIL, TransientCase,
 };
 use asperity_scenario::Document;
 use asperity_structure::{Damping, PreloadedContact, PreloadedStructure, StructureError};
@@ -26,7 +26,7 @@ impl Varied {
     pub(super) fn new(
         document: &Document,
         pointer: &str,
-        base: &HitSimulation,
+        base: &TransientCase,
         counts: &[usize],
     ) -> Result<Self, SensitivityError> {
         let parameter = ScenarioParameter::of_scenario(document.value(), pointer)?;
@@ -51,14 +51,14 @@ impl Varied {
             }
             let load = prepared.assembly.load;
             Ok::<_, SensitivityError>((
-                HitSimulation { model: rig, load, ..base.clone() },
+                TransientCase { model: rig, load, ..base.clone() },
                 prepared.at_rest,
             ))
         };
         let [a, b, c, d] = STENCIL;
         let ((a, a_rest), (b, b_rest), (c, c_rest), (d, d_rest)) = (at(a)?, at(b)?, at(c)?, at(d)?);
         Ok(Self {
-            variation: ParameterVariation { hits: [a, b, c, d], step },
+            variation: ParameterVariation { cases: [a, b, c, d], step },
             at_rest: [a_rest, b_rest, c_rest, d_rest],
             parameter,
         })

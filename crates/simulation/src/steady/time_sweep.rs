@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
 use asperity_dynamics::{
-    Batch, Decimation, DynamicsError, HitResponse, HitSimulation, Modal, Sampling,
+    Batch, CaseResponse, Decimation, DynamicsError, Modal, Sampling, TransientCase,
 };
 use num_complex::Complex64;
 use rayon::prelude::*;
@@ -198,7 +198,7 @@ impl Lane {
 /// Model, step and vector instructions of all sweeps.
 struct Runner<'a> {
     assembly: &'a Assembly,
-    template: HitSimulation,
+    template: TransientCase,
     batch: Batch,
 }
 
@@ -208,7 +208,7 @@ impl<'a> Runner<'a> {
         let shaker = LoadCase::force(TimeFunction::SteppedSine(sequence), 1.0);
         let shaker = shaker.at(assembly.load.port());
         let sampling = Sampling::new(100.0 / low, 64.0 * high)?;
-        let mut template = Modal::default().hit(
+        let mut template = Modal::default().case(
             &assembly.structure,
             &shaker,
             &assembly.sensor_ports()[..1],
@@ -241,13 +241,13 @@ impl<'a> Runner<'a> {
         // Lanes run together as long as the longest; the others stay at their last frequency.
         let duration = sequences.iter().map(SteppedSine::end).fold(0.0, f64::max);
         let port = self.template.load.port();
-        let hit = |(sequence, lane): (&SteppedSine, &&mut Lane)| {
+        let case = |(sequence, lane): (&SteppedSine, &&mut Lane)| {
             let function = TimeFunction::SteppedSine(sequence.clone());
             let load = LoadCase::force(function, lane.force_n).at(port);
-            HitSimulation { load, duration, ..self.template.clone() }
+            TransientCase { load, duration, ..self.template.clone() }
         };
-        let hits: Vec<HitSimulation> = sequences.iter().zip(lanes.iter()).map(hit).collect();
-        let responses = self.batch.run(&hits, &|_, _| Arc::clone(&every_step));
+        let cases: Vec<TransientCase> = sequences.iter().zip(lanes.iter()).map(case).collect();
+        let responses = self.batch.run(&cases, &|_, _| Arc::clone(&every_step));
         for ((lane, sequence), response) in lanes.iter_mut().zip(&sequences).zip(responses) {
             lane.found = Some(response.map(|response| points(&lane.parts, sequence, &response)));
         }
@@ -258,7 +258,7 @@ impl<'a> Runner<'a> {
 fn points(
     parts: &[(f64, usize)],
     sequence: &SteppedSine,
-    response: &HitResponse,
+    response: &CaseResponse,
 ) -> Vec<TimeSweepPoint> {
     let point = |(place, &(frequency_hz, periods)): (usize, &(f64, usize))| {
         let start = sequence.start(place).unwrap_or(f64::NAN);
@@ -287,7 +287,7 @@ fn points(
 /// Complex amplitude of `frequency` \[Hz\] in the displacement over a window of Hann, which begins `from`
 /// after `start` and is `length` long \[s\]; phases count from `start`.
 fn fourier(
-    response: &HitResponse,
+    response: &CaseResponse,
     (start, from, length): (f64, f64, f64),
     frequency: f64,
 ) -> Complex64 {

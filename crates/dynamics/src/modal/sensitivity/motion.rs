@@ -1,4 +1,4 @@
-//! The oscillators of a hit, and of its derivatives.
+//! The oscillators of a case, and of its derivatives.
 
 use super::step_inputs::{Inputs, ModeInputs, StepLoad};
 use crate::modal::oscillator::NODES;

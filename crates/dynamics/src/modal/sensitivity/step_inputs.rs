@@ -19,7 +19,7 @@ pub(super) struct ModeInputs {
     pub(super) force: Vec<f64>,
 }
 
-/// Everything that the steps of a hit depend on, except the laws; or the derivatives of it.
+/// Everything that the steps of a case depend on, except the laws; or the derivatives of it.
 #[derive(Debug, Clone)]
 pub(super) struct Inputs {
     pub(super) modes: Vec<ModeInputs>,

@@ -1,4 +1,4 @@
-//! Hits side by side in the lanes of two vectors.
+//! Cases side by side in the lanes of two vectors.
 
 mod build;
 mod coefficient;
@@ -8,10 +8,10 @@ mod work;
 use pulp::Simd;
 
 use super::table_lookup::TableRow;
-use crate::modal::assembly::PreparedHit;
+use crate::modal::assembly::PreparedCase;
 use crate::modal::oscillator::NODES;
-pub(super) use coefficient::{Coefficient, Dissipative, Each, Same};
-pub(super) use pair::{Numbers, Pair};
+pub(super) use coefficient::{Coefficient, Dissipative, PerLane, Uniform};
+pub(super) use pair::{LanePair, LaneVector};
 pub(super) use work::{Work, total_work};
 
 /// Steps between two checks of the lanes.
@@ -123,19 +123,19 @@ pub(super) struct Slider<V, C, const N: usize> {
 }
 
 /// Pressures, or closures, of all interfaces.
-pub(super) type Contacts<S, const N: usize> = [Numbers<S>; N];
+pub(super) type Contacts<S, const N: usize> = [LaneVector<S>; N];
 
 /// The linear equations of all interfaces, row by row.
-pub(super) type Matrix<S, const N: usize> = [[Numbers<S>; N]; N];
+pub(super) type Matrix<S, const N: usize> = [[LaneVector<S>; N]; N];
 
-/// Hits side by side, one in each lane.
+/// Cases side by side, one in each lane.
 pub(super) struct Block<'a, S: Simd, C, const N: usize> {
-    pub(super) modes: Vec<Mode<Numbers<S>, C, N>>,
-    pub(super) contacts: [Contact<Numbers<S>, C, N>; N],
+    pub(super) modes: Vec<Mode<LaneVector<S>, C, N>>,
+    pub(super) contacts: [Contact<LaneVector<S>, C, N>; N],
     /// One for each of the N rows if a contact is damped or there is friction, else none.
-    pub(super) dampers: Vec<Damper<Numbers<S>, C>>,
+    pub(super) dampers: Vec<Damper<LaneVector<S>, C>>,
     /// One for each of the N rows if there is friction, else none.
-    pub(super) sliders: Vec<Slider<Numbers<S>, C, N>>,
+    pub(super) sliders: Vec<Slider<LaneVector<S>, C, N>>,
     /// Number of rows, contacts and guides; the rest of the N are unused.
     pub(super) coupled: usize,
     /// The tables of all lanes, one behind the other.
@@ -144,16 +144,16 @@ pub(super) struct Block<'a, S: Simd, C, const N: usize> {
     pub(super) sensor_per_load: C,
     pub(super) load_port: C,
     /// Mean and rise of the load in the step before.
-    pub(super) load_before: [Numbers<S>; 2],
+    pub(super) load_before: [LaneVector<S>; 2],
     /// Newest displacement at the sensor \[m\].
-    pub(super) reading: Numbers<S>,
+    pub(super) reading: LaneVector<S>,
     /// Newest displacement of the load port \[m\], while there is a load.
-    pub(super) driven: Numbers<S>,
+    pub(super) driven: LaneVector<S>,
     /// Work of the load, and viscous loss \[J\].
-    pub(super) work: Numbers<S>,
-    pub(super) loss: Numbers<S>,
+    pub(super) work: LaneVector<S>,
+    pub(super) loss: LaneVector<S>,
     /// One for each lane of the two vectors.
-    pub(super) lanes: Vec<Option<&'a PreparedHit>>,
+    pub(super) lanes: Vec<Option<&'a PreparedCase>>,
 }
 
 /// Results of one step.
@@ -176,9 +176,9 @@ pub(in crate::modal) const PAST: usize = 4;
 #[repr(C, align(64))]
 pub(super) struct Load<V>(pub(super) [V; 3]);
 
-/// Numbers from one per lane.
+/// The lane vector of the number that `of` gives for each lane.
 #[inline(always)]
-pub(super) fn numbers<S: Simd>(simd: S, of: impl Fn(usize) -> f64) -> Numbers<S> {
+pub(super) fn lane_vector<S: Simd>(simd: S, of: impl Fn(usize) -> f64) -> LaneVector<S> {
     let mut numbers = [simd.splat_f64s(0.0); 2];
     for lane in 0..2 * S::F64_LANES {
         set_lane::<S>(&mut numbers, lane, of(lane));
@@ -188,12 +188,12 @@ pub(super) fn numbers<S: Simd>(simd: S, of: impl Fn(usize) -> f64) -> Numbers<S>
 
 /// The number of a lane.
 #[inline(always)]
-pub(super) fn lane_of<S: Simd>(numbers: &Numbers<S>, lane: usize) -> f64 {
+pub(super) fn lane_of<S: Simd>(numbers: &LaneVector<S>, lane: usize) -> f64 {
     pulp::bytemuck::cast_slice::<S::f64s, f64>(numbers)[lane]
 }
 
 /// Replaces the number of a lane.
 #[inline(always)]
-pub(super) fn set_lane<S: Simd>(numbers: &mut Numbers<S>, lane: usize, number: f64) {
+pub(super) fn set_lane<S: Simd>(numbers: &mut LaneVector<S>, lane: usize, number: f64) {
     pulp::bytemuck::cast_slice_mut::<S::f64s, f64>(numbers)[lane] = number;
 }

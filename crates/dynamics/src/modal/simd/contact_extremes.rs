@@ -1,8 +1,8 @@
-//! Extremes of closure and time without contact, over all steps of a hit.
+//! Extremes of closure and time without contact, over all steps of a case.
 
 use pulp::Simd;
 
-use super::block::{Block, CHUNK, Coefficient, Numbers, Pair, Step, lane_of, set_lane};
+use super::block::{Block, CHUNK, Coefficient, LanePair, LaneVector, Step, lane_of, set_lane};
 
 /// Extremes of the closure of one interface in one lane, over all steps, in cells of its table.
 #[derive(Debug, Clone, Copy, Default)]
@@ -25,12 +25,12 @@ pub(in crate::modal) struct LaneExtremes {
 struct InterfaceExtremes<S: Simd> {
     extremes: Vec<LaneExtremes>,
     /// The last two closures.
-    tail: [Numbers<S>; 2],
+    tail: [LaneVector<S>; 2],
     /// Closures at or beyond these are examined one by one: new extremes, or ones that may be
     /// new between steps, or faces apart.
-    check_below: Numbers<S>,
-    check_above: Numbers<S>,
-    open_below: Numbers<S>,
+    check_below: LaneVector<S>,
+    check_above: LaneVector<S>,
+    open_below: LaneVector<S>,
 }
 
 /// Extremes of every lane and interface of a block.
@@ -46,16 +46,16 @@ impl<S: Simd> BlockExtremes<S> {
         simd: S,
         block: &Block<'_, S, C, N>,
     ) -> Self {
-        let zero = Pair(simd).splat(0.0);
+        let zero = LanePair(simd).splat(0.0);
         let interface = |i: usize| {
-            // Lanes without a hit are never examined.
-            let mut open_below = Pair(simd).splat(f64::NEG_INFINITY);
+            // Lanes without a case are never examined.
+            let mut open_below = LanePair(simd).splat(f64::NEG_INFINITY);
             let mut check_below = open_below;
-            let mut check_above = Pair(simd).splat(f64::INFINITY);
-            for (lane, hit) in block.lanes.iter().enumerate() {
-                if let Some(hit) = hit {
-                    let per_metre = hit.tabulated.cells_per_metre(i);
-                    set_lane::<S>(&mut open_below, lane, hit.open_below(i) * per_metre);
+            let mut check_above = LanePair(simd).splat(f64::INFINITY);
+            for (lane, case) in block.lanes.iter().enumerate() {
+                if let Some(case) = case {
+                    let per_metre = case.tabulated.cells_per_metre(i);
+                    set_lane::<S>(&mut open_below, lane, case.open_below(i) * per_metre);
                     set_lane::<S>(&mut check_below, lane, 0.0);
                     set_lane::<S>(&mut check_above, lane, 0.0);
                 }
@@ -73,8 +73,8 @@ impl<S: Simd> BlockExtremes<S> {
 
     /// Takes in the steps of `chunk`.
     #[inline(always)]
-    pub(super) fn take<const N: usize>(&mut self, simd: S, chunk: &[Step<Numbers<S>, N>]) {
-        let pair = Pair(simd);
+    pub(super) fn take<const N: usize>(&mut self, simd: S, chunk: &[Step<LaneVector<S>, N>]) {
+        let pair = LanePair(simd);
         for (i, interface) in self.interfaces.iter_mut().enumerate() {
             // An interface that was open before may close about the first step.
             let mut lowest = pair.min(interface.tail[0], interface.tail[1]);
@@ -109,7 +109,7 @@ impl<S: Simd> BlockExtremes<S> {
 impl<S: Simd> InterfaceExtremes<S> {
     #[cold]
     #[inline(never)]
-    fn update_lanes<const N: usize>(&mut self, chunk: &[Step<Numbers<S>, N>], i: usize) {
+    fn update_lanes<const N: usize>(&mut self, chunk: &[Step<LaneVector<S>, N>], i: usize) {
         for lane in 0..2 * S::F64_LANES {
             if lane_of::<S>(&self.check_above, lane) == f64::INFINITY {
                 continue;

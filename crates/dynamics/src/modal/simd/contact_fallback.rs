@@ -1,6 +1,6 @@
 //! Contact fallback: nonlinear Gauss-Seidel, lane by lane, where Newton's method does not converge.
 
-use super::block::{Block, Coefficient, Numbers, WHOLE, lane_of, set_lane};
+use super::block::{Block, Coefficient, LaneVector, WHOLE, lane_of, set_lane};
 use super::table_lookup::{TableLookup, TableRow};
 use crate::modal::increasing_root::increasing_root;
 
@@ -17,9 +17,9 @@ impl<S: TableLookup, C: Coefficient<S>, const N: usize> Block<'_, S, C, N> {
     #[inline(never)]
     pub(super) fn solve_fallback(
         &mut self,
-        marks: &Numbers<S>,
-        closure: &mut [Numbers<S>; N],
-        pressure: &mut [Numbers<S>; N],
+        marks: &LaneVector<S>,
+        closure: &mut [LaneVector<S>; N],
+        pressure: &mut [LaneVector<S>; N],
     ) {
         for lane in 0..2 * S::F64_LANES {
             if lane_of::<S>(marks, lane) != 1.0 {

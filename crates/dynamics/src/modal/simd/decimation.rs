@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use pulp::Simd;
 
-use super::block::{Numbers, Pair, Step, lane_of};
+use super::block::{LanePair, LaneVector, Step, lane_of};
 
 /// A finite filter `y_j = sum of taps_l u_(j factor - l)`, u being zero before and after the run.
 ///
@@ -31,7 +31,7 @@ pub(super) struct DecimationState<S: Simd> {
     /// Steps taken in.
     taken: usize,
     /// The samples, as far as the steps taken in contribute to them.
-    samples: Vec<Line<Numbers<S>>>,
+    samples: Vec<Line<LaneVector<S>>>,
 }
 
 impl<S: Simd> DecimationState<S> {
@@ -41,7 +41,7 @@ impl<S: Simd> DecimationState<S> {
         let taps: Vec<f64> = decimation.taps.iter().rev().copied().collect();
         // Samples at multiples of the factor until the filter has run out.
         let count = (steps + taps.len().saturating_sub(1)).div_ceil(factor);
-        Self { samples: vec![Line(Pair(simd).splat(0.0)); count], taps, factor, taken: 1 }
+        Self { samples: vec![Line(LanePair(simd).splat(0.0)); count], taps, factor, taken: 1 }
     }
 
     /// Takes in the outputs of `chunk`.
@@ -49,8 +49,8 @@ impl<S: Simd> DecimationState<S> {
     /// Each sample that they contribute to is loaded and stored once a chunk, and no window of
     /// past outputs has to be kept.
     #[inline(always)]
-    pub(super) fn take<const N: usize>(&mut self, simd: S, chunk: &[Step<Numbers<S>, N>]) {
-        let pair = Pair(simd);
+    pub(super) fn take<const N: usize>(&mut self, simd: S, chunk: &[Step<LaneVector<S>, N>]) {
+        let pair = LanePair(simd);
         let reach = self.taps.len();
         let mut j = self.taken.div_ceil(self.factor);
         while j < self.samples.len() {

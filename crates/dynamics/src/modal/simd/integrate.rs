@@ -1,4 +1,4 @@
-//! Hits side by side from rest to the end.
+//! Cases side by side from rest to the end.
 
 mod run;
 
@@ -8,13 +8,13 @@ use pulp::NullaryFnOnce;
 
 use run::Run;
 
-use super::block::{CHUNK, Coefficient, Dissipative, Each, Same};
+use super::block::{CHUNK, Coefficient, Dissipative, PerLane, Uniform};
 use super::contact_extremes::LaneExtremes;
 use super::decimation::Decimation;
 use super::table_lookup::TableLookup;
 use crate::InstructionSet;
 use crate::modal::assembly::MOST_INTERFACES;
-use crate::modal::assembly::PreparedHit;
+use crate::modal::assembly::PreparedCase;
 
 /// States at the end of a run that the velocities there are found from.
 pub(in crate::modal) const LAST_STATES: usize = 5;
@@ -38,7 +38,7 @@ pub(in crate::modal) enum RunEnd {
     NotFinite(usize, usize),
 }
 
-/// Result of one hit.
+/// Result of one case.
 #[derive(Debug)]
 pub(in crate::modal) struct Outcome {
     pub(in crate::modal) end: RunEnd,
@@ -72,10 +72,10 @@ pub(in crate::modal) struct ContactOutcome {
     pub(in crate::modal) loss: f64,
 }
 
-/// Hits integrated side by side: all of as many steps, modes and interfaces.
+/// Cases integrated side by side: all of as many steps, modes and interfaces.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::modal) struct BlockRun<'a> {
-    pub(in crate::modal) lanes: &'a [&'a PreparedHit],
+    pub(in crate::modal) lanes: &'a [&'a PreparedCase],
     pub(in crate::modal) recording: Recording<'a>,
 }
 
@@ -85,7 +85,7 @@ pub(in crate::modal) fn room(set: InstructionSet) -> usize {
 }
 
 impl BlockRun<'_> {
-    /// The outcome of each hit; none if the machine does not have `set`.
+    /// The outcome of each case; none if the machine does not have `set`.
     pub(in crate::modal) fn run(self, set: InstructionSet) -> Option<Vec<Outcome>> {
         struct On<'a, S>(S, BlockRun<'a>);
         impl<S: TableLookup> NullaryFnOnce for On<'_, S> {
@@ -121,11 +121,11 @@ impl BlockRun<'_> {
     #[inline(always)]
     fn on<S: TableLookup>(self, simd: S) -> Vec<Outcome> {
         let Some((first, others)) = self.lanes.split_first() else { return Vec::new() };
-        let same = others.iter().all(|lane| Arc::ptr_eq(&lane.tabulated, &first.tabulated));
+        let uniform = others.iter().all(|lane| Arc::ptr_eq(&lane.tabulated, &first.tabulated));
         match (first.model.rows(), first.model.is_dissipative()) {
             (1 | 2, true) => self.with::<S, Dissipative<S::f64s>, 2>(simd),
-            (1 | 2, false) if same => self.with::<S, Same, 2>(simd),
-            (1 | 2, false) => self.with::<S, Each<S::f64s>, 2>(simd),
+            (1 | 2, false) if uniform => self.with::<S, Uniform, 2>(simd),
+            (1 | 2, false) => self.with::<S, PerLane<S::f64s>, 2>(simd),
             _ => self.on_any(simd),
         }
     }
@@ -134,12 +134,12 @@ impl BlockRun<'_> {
     #[inline(always)]
     fn on_any<S: TableLookup>(self, simd: S) -> Vec<Outcome> {
         match self.lanes.first() {
-            // Hits with and without damping or friction are not integrated together.
+            // Cases with and without damping or friction are not integrated together.
             Some(first) if first.model.is_dissipative() => {
                 self.with::<S, Dissipative<S::f64s>, MOST_INTERFACES>(simd)
             }
             Some(first) if first.model.rows() > 0 => {
-                self.with::<S, Each<S::f64s>, MOST_INTERFACES>(simd)
+                self.with::<S, PerLane<S::f64s>, MOST_INTERFACES>(simd)
             }
             _ => Vec::new(),
         }

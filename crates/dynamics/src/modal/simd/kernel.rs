@@ -19,7 +19,7 @@ mod friction;
 mod linear_solve;
 mod viscous;
 
-use super::block::{Block, Coefficient, Load, Numbers, PAST, Pair, Step};
+use super::block::{Block, Coefficient, LanePair, LaneVector, Load, PAST, Step};
 use super::table_lookup::TableLookup;
 
 impl<S: TableLookup, C: Coefficient<S>, const N: usize> Block<'_, S, C, N> {
@@ -35,11 +35,11 @@ impl<S: TableLookup, C: Coefficient<S>, const N: usize> Block<'_, S, C, N> {
     pub(super) fn step(
         &mut self,
         simd: S,
-        past: &[Step<Numbers<S>, N>; PAST],
-        step: &mut Step<Numbers<S>, N>,
+        past: &[Step<LaneVector<S>, N>; PAST],
+        step: &mut Step<LaneVector<S>, N>,
     ) {
         let interfaces = self.interfaces();
-        let pair = Pair(simd);
+        let pair = LanePair(simd);
         let (closure, pressure) = self.solve(simd, past);
         let mut predicted = [pair.splat(0.0); N];
         let mut reading = pair.splat(0.0);
@@ -91,9 +91,9 @@ impl<S: TableLookup, C: Coefficient<S>, const N: usize> Block<'_, S, C, N> {
 
     /// Adds the load of the next step to the prediction without it.
     #[inline(always)]
-    pub(super) fn push(&mut self, simd: S, load: &Load<Numbers<S>>) {
+    pub(super) fn push(&mut self, simd: S, load: &Load<LaneVector<S>>) {
         let interfaces = self.interfaces();
-        let pair = Pair(simd);
+        let pair = LanePair(simd);
         let Load([mean, rise, end]) = *load;
         let [mean_before, rise_before] = self.load_before;
         let mut predicted = [pair.splat(0.0); N];
@@ -120,8 +120,8 @@ impl<S: TableLookup, C: Coefficient<S>, const N: usize> Block<'_, S, C, N> {
 
     /// Increment of the load port by the modes in the last step.
     #[inline(always)]
-    pub(super) fn load_port_increment(&self, simd: S) -> Numbers<S> {
-        let pair = Pair(simd);
+    pub(super) fn load_port_increment(&self, simd: S) -> LaneVector<S> {
+        let pair = LanePair(simd);
         let mut change = pair.splat(0.0);
         for mode in &self.modes {
             change = pair.mul_add(mode.load_port.all(simd), mode.increment, change);
@@ -135,11 +135,11 @@ impl<S: TableLookup, C: Coefficient<S>, const N: usize> Block<'_, S, C, N> {
     pub(super) fn count_work(
         &mut self,
         simd: S,
-        load: &Load<Numbers<S>>,
-        change_before: Numbers<S>,
-        step: &mut Step<Numbers<S>, N>,
+        load: &Load<LaneVector<S>>,
+        change_before: LaneVector<S>,
+        step: &mut Step<LaneVector<S>, N>,
     ) {
-        let pair = Pair(simd);
+        let pair = LanePair(simd);
         let Load([mean, rise, end]) = *load;
         let reading = pair.mul_add(self.sensor_per_load.all(simd), end, self.reading);
         self.reading = reading;

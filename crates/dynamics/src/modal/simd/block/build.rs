@@ -1,4 +1,4 @@
-//! A block from the models of its hits, and its load step by step.
+//! A block from the models of its cases, and its load step by step.
 
 use std::sync::Arc;
 
@@ -7,10 +7,10 @@ use asperity_structure::PreloadedContact;
 use pulp::Simd;
 
 use super::{
-    Block, Coefficient, Contact, Damper, Load, Mode, Numbers, PAST, Pair, Slider, WHOLE, Work,
-    numbers, set_lane,
+    Block, Coefficient, Contact, Damper, LanePair, LaneVector, Load, Mode, PAST, Slider, WHOLE,
+    Work, lane_vector, set_lane,
 };
-use crate::modal::assembly::PreparedHit;
+use crate::modal::assembly::PreparedCase;
 use crate::modal::damped_table::RATE;
 use crate::modal::oscillator::ForceInterpolation;
 use crate::modal::oscillator::NODES;
@@ -19,11 +19,11 @@ use crate::modal::step_model::ModeStep;
 
 /// The tables of a block's lanes one behind the other, each once; and where each lane's begins,
 /// interface by interface.
-fn lay_out(lanes: &[&PreparedHit], interfaces: usize) -> (Vec<TableRow>, Vec<Vec<usize>>) {
+fn lay_out(lanes: &[&PreparedCase], interfaces: usize) -> (Vec<TableRow>, Vec<Vec<usize>>) {
     let mut rows: Vec<TableRow> = vec![[0.0; 4]];
     let mut laid: Vec<(*const TableRow, usize)> = Vec::new();
     let starts = (0..interfaces).map(|i| {
-        let of = |lane: &&PreparedHit| {
+        let of = |lane: &&PreparedCase| {
             let tabulated = &lane.tabulated;
             let cells = match tabulated.damped.get(i) {
                 Some(damped) => damped.rows(),
@@ -53,37 +53,39 @@ const DAMPED_TOLERANCE: f64 = 0.02;
 /// The damper of interface `i` of each lane, at rest; of none beyond the last interface.
 fn damper<S: Simd, C: Coefficient<S>>(
     simd: S,
-    lanes: &[&PreparedHit],
+    lanes: &[&PreparedCase],
     i: usize,
-) -> Damper<Numbers<S>, C> {
-    let zero = Pair(simd).splat(0.0);
-    let lane = |lane: usize| lanes.get(lane).filter(|hit| i < hit.tabulated.tables.len());
-    let all =
-        |of: &dyn Fn(&PreparedHit) -> f64| C::new(simd, &|at| lane(at).map_or(0.0, |hit| of(hit)));
+) -> Damper<LaneVector<S>, C> {
+    let zero = LanePair(simd).splat(0.0);
+    let lane = |lane: usize| lanes.get(lane).filter(|case| i < case.tabulated.tables.len());
+    let all = |of: &dyn Fn(&PreparedCase) -> f64| {
+        C::new(simd, &|at| lane(at).map_or(0.0, |case| of(case)))
+    };
     Damper {
         impulse: [zero; PAST],
         history: zero,
         work: Work::none(zero),
-        rate: RATE.map(|weight| all(&|hit| weight / hit.tabulated.step_model.step)),
+        rate: RATE.map(|weight| all(&|case| weight / case.tabulated.step_model.step)),
         least: C::new(simd, &|at| {
-            let contact = lane(at).and_then(|hit| hit.model.contacts().get(i));
+            let contact = lane(at).and_then(|case| case.model.contacts().get(i));
             let separates = contact.filter(|contact| contact.law().domain().separates());
             separates.map_or(f64::NEG_INFINITY, |contact| -contact.pressure())
         }),
-        rows: all(&|hit| hit.tabulated.tables[i].cells().len() as f64),
+        rows: all(&|case| case.tabulated.tables[i].cells().len() as f64),
     }
 }
 
 /// The friction element of row `i` of each lane, at rest; one without force where there is none.
 fn slider<S: Simd, C: Coefficient<S>, const N: usize>(
     simd: S,
-    lanes: &[&PreparedHit],
+    lanes: &[&PreparedCase],
     i: usize,
-) -> Slider<Numbers<S>, C, N> {
-    let zero = Pair(simd).splat(0.0);
-    let element = |lane: usize| lanes.get(lane).and_then(|hit| Some((hit, hit.model.friction(i)?)));
-    let all = |of: &dyn Fn(&PreparedHit, Friction) -> f64| {
-        let found = |lane: usize| element(lane).map_or(0.0, |(hit, (one, _))| of(hit, one));
+) -> Slider<LaneVector<S>, C, N> {
+    let zero = LanePair(simd).splat(0.0);
+    let element =
+        |lane: usize| lanes.get(lane).and_then(|case| Some((case, case.model.friction(i)?)));
+    let all = |of: &dyn Fn(&PreparedCase, Friction) -> f64| {
+        let found = |lane: usize| element(lane).map_or(0.0, |(case, (one, _))| of(case, one));
         C::new(simd, &found)
     };
     Slider {
@@ -91,41 +93,41 @@ fn slider<S: Simd, C: Coefficient<S>, const N: usize>(
         limit: zero,
         normal: [zero; 3],
         work: Work::none(zero),
-        stiffness: all(&|hit, friction| {
-            friction.stiffness() / (hit.model.area(i) * hit.tabulated.cells_per_metre(i))
+        stiffness: all(&|case, friction| {
+            friction.stiffness() / (case.model.area(i) * case.tabulated.cells_per_metre(i))
         }),
-        slip: all(&|hit, friction| friction.limit(0.0) / hit.model.area(i)),
+        slip: all(&|case, friction| friction.limit(0.0) / case.model.area(i)),
         share: std::array::from_fn(|j| {
             C::new(simd, &|lane| match element(lane) {
-                Some((hit, (friction, contact))) if contact == j => {
-                    friction.share_of_contact() * hit.model.area(j) / hit.model.area(i)
+                Some((case, (friction, contact))) if contact == j => {
+                    friction.share_of_contact() * case.model.area(j) / case.model.area(i)
                 }
                 _ => 0.0,
             })
         }),
         rest: C::new(simd, &|lane| {
-            let contact = lanes.get(lane).and_then(|hit| hit.model.contacts().get(i));
+            let contact = lanes.get(lane).and_then(|case| case.model.contacts().get(i));
             contact.map_or(0.0, PreloadedContact::pressure)
         }),
     }
 }
 
 impl<'a, S: Simd, C: Coefficient<S>, const N: usize> Block<'a, S, C, N> {
-    /// The hits of `lanes`, at most one per lane of two vectors, all of as many modes and
+    /// The cases of `lanes`, at most one per lane of two vectors, all of as many modes and
     /// interfaces.
-    pub(in crate::modal) fn new(simd: S, lanes: &[&'a PreparedHit]) -> Self {
+    pub(in crate::modal) fn new(simd: S, lanes: &[&'a PreparedCase]) -> Self {
         let count = lanes.first().map_or(0, |lane| lane.tabulated.step_model.modes.len());
         let interfaces = lanes.first().map_or(0, |lane| lane.model.rows());
-        let has_friction = lanes.iter().any(|hit| hit.model.preloaded().friction().is_some());
+        let has_friction = lanes.iter().any(|case| case.model.preloaded().friction().is_some());
         let (rows, starts) = lay_out(lanes, interfaces);
-        let zero = Pair(simd).splat(0.0);
-        let all = |of: &dyn Fn(&'a PreparedHit) -> f64| {
+        let zero = LanePair(simd).splat(0.0);
+        let all = |of: &dyn Fn(&'a PreparedCase) -> f64| {
             C::new(simd, &|lane| lanes.get(lane).map_or(0.0, |&lane| of(lane)))
         };
-        let at = |i: usize, of: &dyn Fn(&'a PreparedHit) -> f64| {
+        let at = |i: usize, of: &dyn Fn(&'a PreparedCase) -> f64| {
             if i < interfaces { all(of) } else { C::new(simd, &|_| 0.0) }
         };
-        let cells = |lane: &PreparedHit, i: usize| lane.tabulated.cells_per_metre(i);
+        let cells = |lane: &PreparedCase, i: usize| lane.tabulated.cells_per_metre(i);
         let step = |m: usize, of: &dyn Fn(&ModeStep) -> f64| {
             all(&|lane| of(&lane.tabulated.step_model.modes[m]))
         };
@@ -164,7 +166,7 @@ impl<'a, S: Simd, C: Coefficient<S>, const N: usize> Block<'a, S, C, N> {
                 predicted: zero,
                 stiffness: zero,
                 coupling: std::array::from_fn(|j| {
-                    let entry = |lane: &PreparedHit| {
+                    let entry = |lane: &PreparedCase| {
                         lane.tabulated.step_model.coupling[i][j] * cells(lane, i)
                     };
                     if j < interfaces { at(i, &entry) } else { C::new(simd, &|_| 0.0) }
@@ -181,7 +183,7 @@ impl<'a, S: Simd, C: Coefficient<S>, const N: usize> Block<'a, S, C, N> {
                 }),
                 whole: C::new(simd, &|lane| WHOLE + start(lane).unwrap_or(0) as f64),
                 whole_at_rest: C::new(simd, &|lane| {
-                    let rest = lanes.get(lane).map_or(0.0, |hit| hit.tabulated.cell_at_rest(i));
+                    let rest = lanes.get(lane).map_or(0.0, |case| case.tabulated.cell_at_rest(i));
                     WHOLE + start(lane).unwrap_or(0) as f64 + rest
                 }),
                 tolerance: at(i, &|lane| {
@@ -228,17 +230,18 @@ impl<'a, S: Simd, C: Coefficient<S>, const N: usize> Block<'a, S, C, N> {
         start: usize,
     ) -> bool {
         // One step more: the taps reach back to the step before.
-        let lasting = |lane: &&PreparedHit| start < lane.load.steps() + 1;
+        let lasting = |lane: &&PreparedCase| start < lane.load.steps() + 1;
         if !self.lanes.iter().flatten().any(lasting) {
             return false;
         }
-        let pair = Pair(simd);
-        let mut hits = self.lanes.iter().flatten();
-        let Some(first) = hits.next() else { return false };
+        let pair = LanePair(simd);
+        let mut cases = self.lanes.iter().flatten();
+        let Some(first) = cases.next() else { return false };
         let at = |column: &[f64], n: usize| column.get(start + n).copied().unwrap_or(0.0);
-        if hits.all(|hit| Arc::ptr_eq(&hit.load, &first.load)) {
+        if cases.all(|case| Arc::ptr_eq(&case.load, &first.load)) {
             // One column for all lanes, as in a sweep over the force.
-            let amplitude = numbers(simd, |lane| self.lanes[lane].map_or(0.0, |hit| hit.amplitude));
+            let amplitude =
+                lane_vector(simd, |lane| self.lanes[lane].map_or(0.0, |case| case.amplitude));
             for (n, Load(load)) in loads.iter_mut().enumerate() {
                 let column = &first.load;
                 load[0] = pair.mul(amplitude, pair.splat(at(&column.mean, n)));
@@ -248,11 +251,11 @@ impl<'a, S: Simd, C: Coefficient<S>, const N: usize> Block<'a, S, C, N> {
             return true;
         }
         for (n, Load(load)) in loads.iter_mut().enumerate() {
-            for (lane, hit) in self.lanes.iter().enumerate() {
-                let Some(hit) = hit else { continue };
-                let columns = [&hit.load.mean, &hit.load.rise, &hit.load.end];
+            for (lane, case) in self.lanes.iter().enumerate() {
+                let Some(case) = case else { continue };
+                let columns = [&case.load.mean, &case.load.rise, &case.load.end];
                 for (numbers, column) in load.iter_mut().zip(columns) {
-                    set_lane::<S>(numbers, lane, hit.amplitude * at(column, n));
+                    set_lane::<S>(numbers, lane, case.amplitude * at(column, n));
                 }
             }
         }

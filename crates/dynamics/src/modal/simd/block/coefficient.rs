@@ -1,9 +1,9 @@
-//! Constants of a block: one for all lanes, or one for each.
+//! Constants of a block: uniform, or per lane.
 
 use pulp::Simd;
 
-use super::pair::Numbers;
-use super::{lane_of, numbers};
+use super::pair::LaneVector;
+use super::{lane_of, lane_vector};
 
 /// A constant of every lane.
 ///
@@ -16,33 +16,33 @@ pub(in crate::modal) trait Coefficient<S: Simd>: Copy {
     /// The constant that `of` gives lane by lane; a shared one is that of the first lane.
     fn new(simd: S, of: &dyn Fn(usize) -> f64) -> Self;
 
-    fn all(self, simd: S) -> Numbers<S>;
+    fn all(self, simd: S) -> LaneVector<S>;
 
     fn lane(&self, lane: usize) -> f64;
 }
 
-/// The same in every lane.
+/// Uniform: the same number in every lane.
 #[derive(Debug, Clone, Copy)]
-pub(in crate::modal) struct Same(f64);
+pub(in crate::modal) struct Uniform(f64);
 
-/// Its own in each lane.
+/// Per lane: a number of its own in each lane.
 #[derive(Debug, Clone, Copy)]
-pub(in crate::modal) struct Each<V>([V; 2]);
+pub(in crate::modal) struct PerLane<V>([V; 2]);
 
-/// Its own in each lane of a block with damped contacts or friction.
+/// Per lane, in a block with damped contacts or friction.
 #[derive(Debug, Clone, Copy)]
-pub(in crate::modal) struct Dissipative<V>(Each<V>);
+pub(in crate::modal) struct Dissipative<V>(PerLane<V>);
 
 impl<S: Simd> Coefficient<S> for Dissipative<S::f64s> {
     const DISSIPATIVE: bool = true;
 
     #[inline(always)]
     fn new(simd: S, of: &dyn Fn(usize) -> f64) -> Self {
-        Self(Each::new(simd, of))
+        Self(PerLane::new(simd, of))
     }
 
     #[inline(always)]
-    fn all(self, simd: S) -> Numbers<S> {
+    fn all(self, simd: S) -> LaneVector<S> {
         self.0.all(simd)
     }
 
@@ -51,14 +51,14 @@ impl<S: Simd> Coefficient<S> for Dissipative<S::f64s> {
     }
 }
 
-impl<S: Simd> Coefficient<S> for Same {
+impl<S: Simd> Coefficient<S> for Uniform {
     #[inline(always)]
     fn new(_: S, of: &dyn Fn(usize) -> f64) -> Self {
         Self(of(0))
     }
 
     #[inline(always)]
-    fn all(self, simd: S) -> Numbers<S> {
+    fn all(self, simd: S) -> LaneVector<S> {
         [simd.splat_f64s(self.0); 2]
     }
 
@@ -67,14 +67,14 @@ impl<S: Simd> Coefficient<S> for Same {
     }
 }
 
-impl<S: Simd> Coefficient<S> for Each<S::f64s> {
+impl<S: Simd> Coefficient<S> for PerLane<S::f64s> {
     #[inline(always)]
     fn new(simd: S, of: &dyn Fn(usize) -> f64) -> Self {
-        Self(numbers(simd, of))
+        Self(lane_vector(simd, of))
     }
 
     #[inline(always)]
-    fn all(self, _: S) -> Numbers<S> {
+    fn all(self, _: S) -> LaneVector<S> {
         self.0
     }
 

@@ -2,8 +2,8 @@
 
 use pulp::Simd;
 
-/// Numbers of every lane of a block: two vectors.
-pub(in crate::modal) type Numbers<S> = [<S as Simd>::f64s; 2];
+/// One number for each lane of a block: two vectors.
+pub(in crate::modal) type LaneVector<S> = [<S as Simd>::f64s; 2];
 
 /// Arithmetic on two vectors at a time.
 ///
@@ -11,7 +11,7 @@ pub(in crate::modal) type Numbers<S> = [<S as Simd>::f64s; 2];
 /// operation by operation side by side take hardly longer than one. Written out, without loops
 /// over the two: they stay in registers.
 #[derive(Clone, Copy)]
-pub(in crate::modal) struct Pair<S>(pub(in crate::modal) S);
+pub(in crate::modal) struct LanePair<S>(pub(in crate::modal) S);
 
 /// Functions that apply one operation of `Simd` to each of the two vectors.
 macro_rules! pairwise {
@@ -24,7 +24,7 @@ macro_rules! pairwise {
     )+};
 }
 
-impl<S: Simd> Pair<S> {
+impl<S: Simd> LanePair<S> {
     pairwise! {
         add(a: S::f64s, b: S::f64s) -> S::f64s = add_f64s;
         sub(a: S::f64s, b: S::f64s) -> S::f64s = sub_f64s;
@@ -46,19 +46,19 @@ impl<S: Simd> Pair<S> {
     }
 
     #[inline(always)]
-    pub(in crate::modal) fn splat(self, number: f64) -> Numbers<S> {
+    pub(in crate::modal) fn splat(self, number: f64) -> LaneVector<S> {
         [self.0.splat_f64s(number); 2]
     }
 
     #[inline(always)]
-    pub(in crate::modal) fn abs(self, a: Numbers<S>) -> Numbers<S> {
+    pub(in crate::modal) fn abs(self, a: LaneVector<S>) -> LaneVector<S> {
         let all_but_sign = self.0.splat_f64s(f64::from_bits(u64::MAX >> 1));
         [self.0.and_f64s(all_but_sign, a[0]), self.0.and_f64s(all_but_sign, a[1])]
     }
 
     /// Mask of `|a| > limit`.
     #[inline(always)]
-    pub(in crate::modal) fn exceeds(self, a: Numbers<S>, limit: Numbers<S>) -> [S::m64s; 2] {
+    pub(in crate::modal) fn exceeds(self, a: LaneVector<S>, limit: LaneVector<S>) -> [S::m64s; 2] {
         self.less(limit, self.abs(a))
     }
 

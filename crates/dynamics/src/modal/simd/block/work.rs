@@ -2,7 +2,7 @@
 
 use pulp::Simd;
 
-use super::{Numbers, Pair, lane_of};
+use super::{LanePair, LaneVector, lane_of};
 
 /// The work of a traction along a closure known at steps, `integral of t dx`: the mean of both ends
 /// times the increment of x, plus a sixth of the increment of t times the change of the increment of
@@ -25,14 +25,14 @@ impl<V: Copy> Work<V> {
     }
 }
 
-impl<S: Simd> Pair<S> {
+impl<S: Simd> LanePair<S> {
     /// Adds a step that ends with `traction` \[Pa\] after an `increment` of the closure, in cells.
     #[inline(always)]
     pub(in crate::modal) fn add_work(
         self,
-        work: &mut Work<Numbers<S>>,
-        traction: Numbers<S>,
-        increment: Numbers<S>,
+        work: &mut Work<LaneVector<S>>,
+        traction: LaneVector<S>,
+        increment: LaneVector<S>,
     ) {
         let change = self.sub(increment, work.closure_increment);
         let traction_increment = self.sub(traction, work.traction);
@@ -47,8 +47,8 @@ impl<S: Simd> Pair<S> {
 }
 
 /// The whole work in a lane \[Pa cells\].
-pub(in crate::modal) fn total_work<S: Simd>(work: &Work<Numbers<S>>, lane: usize) -> f64 {
-    let of = |numbers: &Numbers<S>| lane_of::<S>(numbers, lane);
+pub(in crate::modal) fn total_work<S: Simd>(work: &Work<LaneVector<S>>, lane: usize) -> f64 {
+    let of = |numbers: &LaneVector<S>| lane_of::<S>(numbers, lane);
     // Summing by parts leaves the last term at the end.
     of(&work.sum) - of(&work.traction_increment) * of(&work.closure_increment) / 12.0
 }

@@ -1,13 +1,13 @@
-//! The run of one block of hits, and its recording.
+//! The run of one block of cases, and its recording.
 
 use pulp::Simd;
 
 use super::{ContactOutcome, LAST_STATES, Outcome, Recording, RunEnd};
-use crate::modal::assembly::PreparedHit;
+use crate::modal::assembly::PreparedCase;
 use crate::modal::linear_tail::carried;
 use crate::modal::oscillator::NODES;
 use crate::modal::simd::block::{
-    Block, CHUNK, Coefficient, Load, Numbers, PAST, Pair, Step, lane_of, total_work,
+    Block, CHUNK, Coefficient, LanePair, LaneVector, Load, PAST, Step, lane_of, total_work,
 };
 use crate::modal::simd::contact_extremes::BlockExtremes;
 use crate::modal::simd::decimation::DecimationState;
@@ -17,14 +17,14 @@ use crate::modal::simd::table_lookup::TableLookup;
 pub(super) struct Run<'a, S: Simd, C, const N: usize> {
     block: Block<'a, S, C, N>,
     /// The last steps before the chunk, and its own.
-    chunk: Vec<Step<Numbers<S>, N>>,
-    load: Vec<Load<Numbers<S>>>,
+    chunk: Vec<Step<LaneVector<S>, N>>,
+    load: Vec<Load<LaneVector<S>>>,
     extremes: BlockExtremes<S>,
     decimator: Option<DecimationState<S>>,
     recorded: Vec<RecordedSteps>,
     chunks: usize,
     ends: Vec<RunEnd>,
-    states: Vec<[Numbers<S>; LAST_STATES]>,
+    states: Vec<[LaneVector<S>; LAST_STATES]>,
     /// The finished samples of each lane.
     samples: Vec<Vec<f64>>,
     /// Steps to integrate, and those of the whole response.
@@ -42,11 +42,11 @@ struct RecordedSteps {
 
 impl<'a, S: TableLookup, C: Coefficient<S>, const N: usize> Run<'a, S, C, N> {
     #[inline(always)]
-    pub(super) fn new(simd: S, lanes: &[&'a PreparedHit], recording: Recording<'_>) -> Self {
+    pub(super) fn new(simd: S, lanes: &[&'a PreparedCase], recording: Recording<'_>) -> Self {
         let block = Block::new(simd, lanes);
         let steps = lanes.first().map_or(0, |lane| lane.integrated());
         let all_steps = lanes.first().map_or(0, |lane| lane.steps);
-        let zero = Pair(simd).splat(0.0);
+        let zero = LanePair(simd).splat(0.0);
         let rest = Step { pressure: [zero; N], closure: [zero; N], reading: zero };
         let mut decimator = None;
         let mut recorded = Vec::new();
@@ -60,7 +60,7 @@ impl<'a, S: TableLookup, C: Coefficient<S>, const N: usize> Run<'a, S, C, N> {
                     column.push(0.0);
                     column
                 };
-                let columns = |lane: &&PreparedHit| {
+                let columns = |lane: &&PreparedCase| {
                     let each = || (0..lane.model.rows()).map(|_| column()).collect();
                     RecordedSteps { displacement: column(), pressure: each(), closure: each() }
                 };
@@ -112,7 +112,7 @@ impl<'a, S: TableLookup, C: Coefficient<S>, const N: usize> Run<'a, S, C, N> {
     fn keep(&mut self, n: usize) {
         let step = &self.chunk[PAST + n];
         for (lane, recorded) in self.recorded.iter_mut().enumerate() {
-            let of = |numbers: &Numbers<S>| lane_of::<S>(numbers, lane);
+            let of = |numbers: &LaneVector<S>| lane_of::<S>(numbers, lane);
             recorded.displacement.push(of(&step.reading));
             for (i, column) in recorded.pressure.iter_mut().enumerate() {
                 column.push(of(&step.pressure[i]));
@@ -135,7 +135,7 @@ impl<'a, S: TableLookup, C: Coefficient<S>, const N: usize> Run<'a, S, C, N> {
         if self.steps - reached < LAST_STATES {
             for (states, mode) in self.states.iter_mut().zip(&self.block.modes) {
                 states.rotate_right(1);
-                states[0] = Pair(simd).sub(mode.predicted, mode.predicted_increment);
+                states[0] = LanePair(simd).sub(mode.predicted, mode.predicted_increment);
             }
         }
         if self.chunks.is_multiple_of(8) || reached == self.steps {
@@ -152,8 +152,8 @@ impl<'a, S: TableLookup, C: Coefficient<S>, const N: usize> Run<'a, S, C, N> {
 
     fn check_failures(&mut self, reached: usize) {
         for (lane, end) in self.ends.iter_mut().enumerate() {
-            let (RunEnd::Done, Some(hit)) = (*end, self.block.lanes[lane]) else { continue };
-            for (i, table) in hit.tabulated.tables.iter().enumerate() {
+            let (RunEnd::Done, Some(case)) = (*end, self.block.lanes[lane]) else { continue };
+            for (i, table) in case.tabulated.tables.iter().enumerate() {
                 let seen = self.extremes.extremes(i, lane);
                 if seen.lost {
                     *end = RunEnd::NotFinite(reached, i);
@@ -174,11 +174,11 @@ impl<'a, S: TableLookup, C: Coefficient<S>, const N: usize> Run<'a, S, C, N> {
     pub(super) fn finish_samples(&mut self) {
         self.samples = self.decimator.take().map(DecimationState::finish).unwrap_or_default();
         for (lane, samples) in self.samples.iter_mut().enumerate() {
-            let Some(hit) = self.block.lanes[lane] else { continue };
-            let Some(tail) = &hit.tail else { continue };
-            let of = |numbers: &Numbers<S>| lane_of::<S>(numbers, lane);
+            let Some(case) = self.block.lanes[lane] else { continue };
+            let Some(tail) = &case.tail else { continue };
+            let of = |numbers: &LaneVector<S>| lane_of::<S>(numbers, lane);
             let mut state = Vec::with_capacity(self.block.modes.len() * (NODES + 1));
-            for (mode, model) in self.block.modes.iter().zip(&hit.tabulated.step_model.modes) {
+            for (mode, model) in self.block.modes.iter().zip(&case.tabulated.step_model.modes) {
                 state.extend([of(&mode.predicted), of(&mode.predicted_increment)]);
                 state.extend(mode.carry[..carried(model)].iter().map(of));
             }
@@ -192,9 +192,9 @@ impl<'a, S: TableLookup, C: Coefficient<S>, const N: usize> Run<'a, S, C, N> {
         let newest = &self.chunk[PAST - 1];
         let lanes = self.ends.iter().enumerate();
         let outcome = |(lane, &end): (usize, &RunEnd)| {
-            let of = |numbers: &Numbers<S>| lane_of::<S>(numbers, lane);
-            let hit = self.block.lanes[lane]?;
-            let contacts = hit.tabulated.tables.iter().enumerate().map(|(i, table)| {
+            let of = |numbers: &LaneVector<S>| lane_of::<S>(numbers, lane);
+            let case = self.block.lanes[lane]?;
+            let contacts = case.tabulated.tables.iter().enumerate().map(|(i, table)| {
                 let contact = &self.block.contacts[i];
                 let per_metre = table.scales()[1].cells_per_metre;
                 // Where the law counts as straight, its stiffness is that at rest.
@@ -213,19 +213,19 @@ impl<'a, S: TableLookup, C: Coefficient<S>, const N: usize> Run<'a, S, C, N> {
             let contacts = contacts.collect();
             let mut columns = recorded.get_mut(lane).map(std::mem::take).unwrap_or_default();
             for (i, column) in columns.closure.iter_mut().enumerate() {
-                let per_metre = hit.tabulated.cells_per_metre(i);
+                let per_metre = case.tabulated.cells_per_metre(i);
                 for cells in column {
                     *cells /= per_metre;
                 }
             }
-            let rows = 0..hit.model.rows();
+            let rows = 0..case.model.rows();
             let (mut friction_stored, mut friction_loss) = (0.0, 0.0);
             for (i, slider) in rows.clone().zip(&self.block.sliders) {
-                let Some((friction, _)) = hit.model.friction(i) else { continue };
-                let force = hit.model.area(i) * of(&slider.work.traction);
+                let Some((friction, _)) = case.model.friction(i) else { continue };
+                let force = case.model.area(i) * of(&slider.work.traction);
                 let stored = 0.5 * force * force / friction.stiffness();
-                let per_metre = hit.tabulated.cells_per_metre(i);
-                let work = hit.model.area(i) * total_work::<S>(&slider.work, lane) / per_metre;
+                let per_metre = case.tabulated.cells_per_metre(i);
+                let work = case.model.area(i) * total_work::<S>(&slider.work, lane) / per_metre;
                 friction_stored += stored;
                 friction_loss += work - stored;
             }

@@ -4,7 +4,9 @@
 //! correction is enough, except when a contact opens or closes.
 
 use super::linear_solve::{factor, solve_factored};
-use crate::modal::simd::block::{Block, Coefficient, Contacts, Matrix, Numbers, PAST, Pair, Step};
+use crate::modal::simd::block::{
+    Block, Coefficient, Contacts, LanePair, LaneVector, Matrix, PAST, Step,
+};
 use crate::modal::simd::table_lookup::TableLookup;
 
 /// Newton corrections before a lane is solved by itself.
@@ -29,10 +31,10 @@ impl<S: TableLookup, C: Coefficient<S>, const N: usize> Block<'_, S, C, N> {
     pub(in crate::modal) fn solve(
         &mut self,
         simd: S,
-        past: &[Step<Numbers<S>, N>; PAST],
+        past: &[Step<LaneVector<S>, N>; PAST],
     ) -> (Contacts<S, N>, Contacts<S, N>) {
         let interfaces = self.interfaces();
-        let pair = Pair(simd);
+        let pair = LanePair(simd);
         let (four, six) = (pair.splat(4.0), pair.splat(6.0));
         let mut closure = [four; N];
         for i in 0..interfaces {
@@ -73,7 +75,7 @@ impl<S: TableLookup, C: Coefficient<S>, const N: usize> Block<'_, S, C, N> {
         let interfaces = self.interfaces();
         let mut residual = law.shortfall;
         for i in 0..interfaces {
-            residual[i] = Pair(simd).add(self.contacts[i].predicted, residual[i]);
+            residual[i] = LanePair(simd).add(self.contacts[i].predicted, residual[i]);
         }
         solve_factored(simd, interfaces, &law.factors, residual)
     }
@@ -81,7 +83,7 @@ impl<S: TableLookup, C: Coefficient<S>, const N: usize> Block<'_, S, C, N> {
     /// Lanes whose correction is not negligible.
     #[inline(always)]
     fn unsolved(&self, simd: S, correction: &Contacts<S, N>) -> [S::m64s; 2] {
-        let pair = Pair(simd);
+        let pair = LanePair(simd);
         let mut open = pair.exceeds(correction[0], self.contacts[0].tolerance.all(simd));
         for i in 1..self.interfaces() {
             let tolerance = self.contacts[i].tolerance.all(simd);
@@ -102,7 +104,7 @@ impl<S: TableLookup, C: Coefficient<S>, const N: usize> Block<'_, S, C, N> {
         tangent: &mut Contacts<S, N>,
     ) {
         let interfaces = self.interfaces();
-        let pair = Pair(simd);
+        let pair = LanePair(simd);
         for _ in 1..NEWTON {
             let law = self.linearise(simd, closure);
             let correction = self.correction(simd, &law);
@@ -132,7 +134,7 @@ impl<S: TableLookup, C: Coefficient<S>, const N: usize> Block<'_, S, C, N> {
     #[inline(always)]
     fn linearise(&self, simd: S, closure: &Contacts<S, N>) -> Linearised<S, N> {
         let interfaces = self.interfaces();
-        let pair = Pair(simd);
+        let pair = LanePair(simd);
         let (mut pressure, mut tangent) = (*closure, *closure);
         // Written out for the usual two: the compiler does not unroll so long a loop, and keeps its
         // arrays in memory.
@@ -167,7 +169,7 @@ impl<S: TableLookup, C: Coefficient<S>, const N: usize> Block<'_, S, C, N> {
     /// Pressure increment \[Pa\] at a closure, in cells from rest, and its tangent per cell; of a
     /// damped contact or one with friction those of the traction.
     #[inline(always)]
-    fn law(&self, simd: S, i: usize, closure: Numbers<S>) -> (Numbers<S>, Numbers<S>) {
+    fn law(&self, simd: S, i: usize, closure: LaneVector<S>) -> (LaneVector<S>, LaneVector<S>) {
         let found = self.table(simd, i, closure, None);
         if C::DISSIPATIVE {
             self.with_friction(simd, i, closure, self.traction(simd, i, found))
@@ -183,11 +185,11 @@ impl<S: TableLookup, C: Coefficient<S>, const N: usize> Block<'_, S, C, N> {
         &self,
         simd: S,
         i: usize,
-        closure: Numbers<S>,
-        rows: Option<Numbers<S>>,
-    ) -> (Numbers<S>, Numbers<S>) {
+        closure: LaneVector<S>,
+        rows: Option<LaneVector<S>>,
+    ) -> (LaneVector<S>, LaneVector<S>) {
         let contact = &self.contacts[i];
-        let pair = Pair(simd);
+        let pair = LanePair(simd);
         let (mut whole, mut whole_at_rest) =
             (contact.whole.all(simd), contact.whole_at_rest.all(simd));
         if let Some(rows) = rows {

@@ -8,7 +8,7 @@
 //! a contact takes it from the parabola through the last three steps: of third order, and known
 //! before the step, so that every traction still rises with its own closure alone.
 
-use crate::modal::simd::block::{Block, Coefficient, Contacts, Numbers, Pair};
+use crate::modal::simd::block::{Block, Coefficient, Contacts, LanePair, LaneVector};
 use crate::modal::simd::table_lookup::TableLookup;
 
 impl<S: TableLookup, C: Coefficient<S>, const N: usize> Block<'_, S, C, N> {
@@ -18,7 +18,7 @@ impl<S: TableLookup, C: Coefficient<S>, const N: usize> Block<'_, S, C, N> {
         if self.sliders.is_empty() {
             return;
         }
-        let (pair, rows) = (Pair(simd), self.interfaces());
+        let (pair, rows) = (LanePair(simd), self.interfaces());
         let (zero, three) = (pair.splat(0.0), pair.splat(3.0));
         let mut pressure = [zero; N];
         for (pressure, slider) in pressure.iter_mut().zip(&self.sliders).take(rows) {
@@ -41,11 +41,11 @@ impl<S: TableLookup, C: Coefficient<S>, const N: usize> Block<'_, S, C, N> {
         &self,
         simd: S,
         i: usize,
-        closure: Numbers<S>,
-        (traction, tangent): (Numbers<S>, Numbers<S>),
-    ) -> (Numbers<S>, Numbers<S>) {
+        closure: LaneVector<S>,
+        (traction, tangent): (LaneVector<S>, LaneVector<S>),
+    ) -> (LaneVector<S>, LaneVector<S>) {
         let Some(slider) = self.sliders.get(i) else { return (traction, tangent) };
-        let pair = Pair(simd);
+        let pair = LanePair(simd);
         let (force, stuck) = self.friction(simd, i, closure);
         let stiffness = pair.select(stuck, slider.stiffness.all(simd), pair.splat(0.0));
         (pair.add(traction, force), pair.add(tangent, stiffness))
@@ -53,8 +53,8 @@ impl<S: TableLookup, C: Coefficient<S>, const N: usize> Block<'_, S, C, N> {
 
     /// The traction of the element of row `i` at `closure`, and where it is stuck.
     #[inline(always)]
-    fn friction(&self, simd: S, i: usize, closure: Numbers<S>) -> (Numbers<S>, [S::m64s; 2]) {
-        let (pair, slider) = (Pair(simd), &self.sliders[i]);
+    fn friction(&self, simd: S, i: usize, closure: LaneVector<S>) -> (LaneVector<S>, [S::m64s; 2]) {
+        let (pair, slider) = (LanePair(simd), &self.sliders[i]);
         let force = pair.mul_add(slider.stiffness.all(simd), closure, slider.stuck);
         let stuck = pair.less(pair.abs(force), slider.limit);
         let backwards = pair.sub(pair.splat(0.0), slider.limit);
@@ -70,7 +70,7 @@ impl<S: TableLookup, C: Coefficient<S>, const N: usize> Block<'_, S, C, N> {
         closure: &Contacts<S, N>,
         traction: &mut Contacts<S, N>,
     ) {
-        let pair = Pair(simd);
+        let pair = LanePair(simd);
         for i in 0..if self.sliders.is_empty() { 0 } else { self.interfaces() } {
             let (force, _) = self.friction(simd, i, closure[i]);
             traction[i] = pair.sub(traction[i], force);

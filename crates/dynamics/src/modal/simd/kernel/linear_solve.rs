@@ -5,7 +5,7 @@
 
 use pulp::Simd;
 
-use crate::modal::simd::block::{Contacts, Matrix, Pair};
+use crate::modal::simd::block::{Contacts, LanePair, Matrix};
 
 /// Factors for [`solve_factored`]: the inverse of up to two equations, by Cramer's rule with one
 /// division, or else the factors of elimination with the inverse pivots on the diagonal.
@@ -15,7 +15,7 @@ pub(super) fn factor<S: Simd, const N: usize>(
     equations: usize,
     mut matrix: Matrix<S, N>,
 ) -> Matrix<S, N> {
-    let pair = Pair(simd);
+    let pair = LanePair(simd);
     let one = pair.splat(1.0);
     if N == 2 {
         let ([a, b], [c, d]) =
@@ -52,7 +52,7 @@ pub(super) fn solve_factored<S: Simd, const N: usize>(
     factors: &Matrix<S, N>,
     mut right: Contacts<S, N>,
 ) -> Contacts<S, N> {
-    let pair = Pair(simd);
+    let pair = LanePair(simd);
     if N == 2 {
         let [r, s] = [right[0], right[N - 1]];
         right[0] = pair.mul_add(factors[0][N - 1], s, pair.mul(factors[0][0], r));

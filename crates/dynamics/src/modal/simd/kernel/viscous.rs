@@ -6,14 +6,14 @@
 //!
 //! The loss is the work of `t - q`.
 
-use crate::modal::simd::block::{Block, Coefficient, Contacts, Numbers, PAST, Pair};
+use crate::modal::simd::block::{Block, Coefficient, Contacts, LanePair, LaneVector, PAST};
 use crate::modal::simd::table_lookup::TableLookup;
 
 impl<S: TableLookup, C: Coefficient<S>, const N: usize> Block<'_, S, C, N> {
     /// The share of earlier steps in the tractions at the end of the next.
     #[inline(always)]
     pub(super) fn predict_traction(&mut self, simd: S) {
-        let pair = Pair(simd);
+        let pair = LanePair(simd);
         for damper in &mut self.dampers {
             let mut history = pair.splat(0.0);
             for k in 0..PAST {
@@ -29,9 +29,9 @@ impl<S: TableLookup, C: Coefficient<S>, const N: usize> Block<'_, S, C, N> {
         &self,
         simd: S,
         i: usize,
-        (value, tangent): (Numbers<S>, Numbers<S>),
-    ) -> (Numbers<S>, Numbers<S>) {
-        let (pair, damper) = (Pair(simd), &self.dampers[i]);
+        (value, tangent): (LaneVector<S>, LaneVector<S>),
+    ) -> (LaneVector<S>, LaneVector<S>) {
+        let (pair, damper) = (LanePair(simd), &self.dampers[i]);
         let (traction, least) = (pair.add(value, damper.history), damper.least.all(simd));
         let pressed = pair.less(least, traction);
         (pair.max(traction, least), pair.select(pressed, tangent, pair.splat(0.0)))
@@ -48,7 +48,7 @@ impl<S: TableLookup, C: Coefficient<S>, const N: usize> Block<'_, S, C, N> {
         traction: &Contacts<S, N>,
         tangent: &mut Contacts<S, N>,
     ) {
-        let pair = Pair(simd);
+        let pair = LanePair(simd);
         for i in 0..self.interfaces() {
             let (value, slope) = self.table(simd, i, closure[i], None);
             let rows = self.dampers[i].rows.all(simd);
