@@ -26,7 +26,7 @@ use serde_json::{Value, json};
 
 use crate::error::IdentificationError;
 use crate::problem::{LogNormalSpec, ParameterSpec, SlopeSmoothness};
-use crate::scenario_model::stiffness_curve;
+use crate::scenario_laws::stiffness_curve;
 use rises::Rises;
 
 /// Places of the grid of a logarithm, in standard deviations.

@@ -7,9 +7,8 @@ use asperity_inference::{
 };
 
 use crate::build::CONSTANT;
-use crate::data_loader::BuiltModel;
+use crate::built_model::BuiltModel;
 use crate::error::IdentificationError;
-use crate::identification::fit_options;
 use crate::identification_problem::IdentificationProblem;
 use crate::law_band::{ComparedForm, LawBand};
 use crate::problem::CandidateSpec;
@@ -60,7 +59,7 @@ pub(super) fn compare_laws(
         "the problem's scenario".to_owned()
     };
     let options = ComparisonOptions {
-        fit: fit_options(problem, COMPARED_STARTS),
+        fit: problem.fit_options(COMPARED_STARTS),
         folds: MAX_FOLDS,
         seed: problem.spec.seed,
     };

@@ -17,15 +17,12 @@ use serde_json::{Map, Value};
 use asperity_scenario::schema_of;
 
 pub use data::{
-    AnalysisRef, Cell, DataSpec, HitConditionsSpec, HitSpec, Measured, SpreadSpec, TableRef,
-    Uncertain,
+    AnalysisRef, Cell, Changes, DataSpec, HitConditionsSpec, HitSpec, Measured, SpreadSpec,
+    TableRef, Uncertain,
 };
 pub use parameter::{
     ChannelSpec, LogNormalSpec, ParameterSpec, PriorSpec, ScaleSpec, SlopeSmoothness,
 };
-
-/// JSON Pointers into the scenario, and the values that are put there.
-pub type Changes = Map<String, Value>;
 
 /// An identification: a scenario, its unknown parameters, and data.
 #[derive(Debug, Clone, PartialEq, Deserialize, JsonSchema)]

@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use super::{Loader, check_scenario};
+use crate::built_model::Loader;
 use crate::error::IdentificationError;
 use crate::hit::{HitForce, SimulatedHit, apply};
 use crate::problem::Changes;
@@ -89,7 +89,7 @@ impl Loader<'_> {
         apply(&mut rig, &of_rig, place)?;
         let mut whole = rig.clone();
         apply(&mut whole, &of_force, place)?;
-        check_scenario(&whole, self.path)?;
+        self.problem.check_scenario(&whole)?;
         let rigs = &mut self.built.forward.rigs;
         let index = rigs.iter().position(|known| *known == rig).unwrap_or_else(|| {
             rigs.push(rig);

@@ -6,7 +6,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
-use super::Changes;
+/// JSON Pointers into the scenario, and the values that are put there.
+pub type Changes = Map<String, Value>;
 
 /// Data of one kind.
 #[derive(Debug, Clone, PartialEq, Deserialize, JsonSchema)]
@@ -203,6 +204,21 @@ impl DataSpec {
             Self::Records { files, .. } => files,
             _ => &[],
         }
+    }
+
+    /// The name, or the kind and the number if the data at `index` have none.
+    pub(crate) fn name_or_kind(&self, index: usize) -> String {
+        let (name, kind) = match self {
+            Self::Hits { name, .. } => (name.as_ref(), "hits"),
+            Self::Analysis { name, .. } => (name.as_ref(), "analysis"),
+            Self::Frf { name, .. } => (name.as_ref(), "frf"),
+            Self::Backbone { name, .. } => (name.as_ref(), "backbone"),
+            Self::Records { name, .. } => (name.as_ref(), "records"),
+            Self::SteppedSine { name, .. } => (name.as_ref(), "stepped_sine"),
+            Self::Stiffness { .. } => (None, "stiffness"),
+            Self::Ratio { .. } => (None, "ratio"),
+        };
+        name.cloned().unwrap_or_else(|| format!("{kind} {}", index + 1))
     }
 }
 

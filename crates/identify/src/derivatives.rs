@@ -15,9 +15,9 @@ use asperity_inference::Derivatives;
 use asperity_signal::{BackbonePoint, Complex64, transform_at};
 use rayon::prelude::*;
 
-use super::ScenarioModel;
 use crate::hit::{PreparedRig, SimulatedHit};
 use crate::observed_quantity::{HitOutcome, ObservedQuantity, PointOutcomes, backbone_of};
+use crate::scenario_model::ScenarioModel;
 use crate::stepped_sine::SweepStencil;
 use asperity_simulation::error::SimulationError;
 use asperity_simulation::observables::free_from;
