@@ -128,7 +128,7 @@ impl IdentificationProblem {
             }
             let Reached { range: [low, high], at_rest } =
                 Reached::of(&forward, law, &forward.start())?;
-            // Where contact is nearly lost, the data say nothing about the law.
+            // The data do not inform the law where contact is nearly lost.
             let low = low.max(LEAST_SHARE * at_rest);
             pressures_pa.get_or_insert([low / BEYOND, high * BEYOND]);
             at_pa.get_or_insert(at_rest);
@@ -193,7 +193,7 @@ impl IdentificationProblem {
     }
 }
 
-/// Factor of the pressures reached, to those of a free law.
+/// Factor from the pressures that the data reach to the pressures of a free law.
 const BEYOND: f64 = 2.0;
 
 /// Least pressure of a free law over the static one, times [`BEYOND`].

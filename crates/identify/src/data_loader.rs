@@ -25,6 +25,8 @@ impl Loader<'_> {
     ) -> Result<(), IdentificationError> {
         let name = data.name_or_kind(index);
         let place = format!("/data/{index}");
+        let folder = self.problem.document.folder();
+        let table = |file| TableSource::new(&place, folder, file);
         match data {
             DataSpec::Hits { set, floor, hits, .. } => {
                 self.check_floor(&place, floor)?;
@@ -40,7 +42,7 @@ impl Loader<'_> {
                 }
                 let (path, analysis) = match file {
                     AnalysisRef::File(file) => {
-                        let path = self.problem.document.folder().join(file);
+                        let path = folder.join(file);
                         let analysis = Cow::Owned(read_analysis(&path)?);
                         (path, analysis)
                     }
@@ -74,21 +76,18 @@ impl Loader<'_> {
             }
             DataSpec::Frf { file, hit, band_hz, spread, points, .. } => {
                 check_band(&place, *band_hz)?;
-                let table = TableSource::new(&place, self.problem.document.folder(), file);
-                let lines = data_files::frf(&table, *band_hz, *points)?;
+                let lines = data_files::frf(&table(file), *band_hz, *points)?;
                 let simulated = self.add_hit(&place, &name, &[&hit.set], hit.force_peak_n)?;
                 self.receptance(&place, &name, simulated, &lines, |_| *spread)
             }
             DataSpec::Backbone { file, index, hit, spread, damping_spread, .. } => {
-                let table = TableSource::new(&place, self.problem.document.folder(), file);
-                let points = data_files::backbone(&table, *index, damping_spread.is_some())?;
+                let points = data_files::backbone(&table(file), *index, damping_spread.is_some())?;
                 let simulated = self.add_hit(&place, &name, &[&hit.set], hit.force_peak_n)?;
                 self.backbone(&place, &name, simulated, &points, (*spread, *damping_spread))
             }
             DataSpec::Records { files, force, response, set, band_hz, spread, .. } => {
                 check_band(&place, *band_hz)?;
-                let files: Vec<PathBuf> =
-                    files.iter().map(|file| self.problem.document.folder().join(file)).collect();
+                let files: Vec<PathBuf> = files.iter().map(|file| folder.join(file)).collect();
                 let channels = [force.as_deref(), response.as_deref()];
                 for hit in records::hits(&files, channels, *band_hz)? {
                     let simulated = self.add_recorded_hit(&place, &name, set, &hit)?;
@@ -100,8 +99,7 @@ impl Loader<'_> {
                 Ok(())
             }
             DataSpec::SteppedSine { file, set, spread, phase_spread_rad, harmonics, .. } => {
-                let rows =
-                    read_table(&TableSource::new(&place, self.problem.document.folder(), file))?;
+                let rows = read_table(&table(file))?;
                 self.stepped_sine(
                     &place,
                     &name,

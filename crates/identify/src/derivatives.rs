@@ -24,7 +24,7 @@ use asperity_simulation::observables::free_from;
 use asperity_simulation::quantity::{Observable, Quantity};
 use asperity_simulation::sensitivity::{DerivativeTable, StaticStencil, with_laws_of};
 
-/// Step along the derivative of a decay, relative to that of the parameter's stencil.
+/// Step along the derivative of a decay over the step of the parameter's stencil.
 const ALONG: f64 = 1e-2;
 
 /// The rigs at the points of the stencil of one parameter.

@@ -128,7 +128,7 @@ pub fn identify_with_progress(
     notices.splice(0..0, problem.notices.iter().cloned());
     let spec = &problem.spec;
     // Errors of the request come before any computation.
-    check_pressures(problem)?;
+    check_pressures("/pressures_pa", spec.pressures_pa)?;
     let candidates = candidates(problem)?;
     let planned = DesignModel::asked(problem, &forward)?;
 
@@ -141,7 +141,7 @@ pub fn identify_with_progress(
         NoiseSpec::Given => 1.0,
         NoiseSpec::AtLeastGiven => goodness.noise_factor,
     };
-    // All results below are those of the model with scaled standard deviations.
+    // All results below belong to the model with scaled standard deviations.
     let model = ScaledNoise::new(&forward, factor);
     let best = if factor > 1.0 { refit_with_progress(&model, &own, progress) } else { Ok(given) };
     if best.is_err() && work.is_stopped() {
@@ -292,7 +292,7 @@ fn own_fit(
         }
         found => found?.into_solution(),
     };
-    // The best fit may need finer steps and more modes than those of the search.
+    // The best fit may need finer steps and more modes than the search.
     if !work.is_stopped() && forward.hold(&forward.converged(&given.point)?) {
         let before = given.clone();
         given = match refit_with_progress(forward, &given, progress) {

@@ -153,8 +153,8 @@ fn fit_candidate(
     })
 }
 
-/// Chi-square of a compared law, over that of the problem's own or the number of observations, from
-/// which on errors of the steps do not matter.
+/// Least ratio of chi-square of a compared law to the larger of chi-square of the problem's own law and
+/// the number of observations at which errors of the steps do not matter.
 const FAR: f64 = 100.0;
 
 /// Reduced chi-square of the best law above which the standard deviations are scaled.

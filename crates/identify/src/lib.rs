@@ -8,7 +8,7 @@
 //! cost(x) = 1/2 sum_i rho(((prediction_i(x) - value_i) / sd_i)^2) + priors,
 //! ```
 //!
-//! whose statistics are those of `asperity_inference`: best fit, covariance, profiles, posterior,
+//! which `asperity_inference` solves: best fit, covariance, profiles, posterior,
 //! comparison with other laws, design of further measurements. The derivatives of the predictions are exact.
 //!
 //! | module | content |

@@ -153,13 +153,13 @@ pub struct DesignSpec {
     #[serde(default = "default_repeats")]
     #[schemars(range(min = 1, max = 1_000_000))]
     pub hits: usize,
-    /// Features of the hits with their standard deviations over their values; those of
+    /// Features of the hits with their standard deviations over their values; the features of
     /// the data when left out.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub features: BTreeMap<String, f64>,
     /// Quasi-static stiffnesses of the law.
     pub stiffness: Option<DesignStiffness>,
-    /// Lowest and highest pressure in Pa between which ln K is to be narrowed; those
+    /// Lowest and highest pressure in Pa between which ln K is to be narrowed; the pressures
     /// that the runs reach when left out.
     pub pressures_pa: Option<[f64; 2]>,
 }

@@ -40,7 +40,7 @@ pub struct Estimate {
     pub posterior_mean: f64,
     /// Interval of the posterior, with equal tails.
     pub posterior_interval: [f64; 2],
-    /// Monte Carlo standard error of either end of it.
+    /// Monte Carlo standard error of both ends of the posterior interval.
     pub posterior_interval_error: [f64; 2],
     /// R-hat of its chains.
     pub r_hat: f64,

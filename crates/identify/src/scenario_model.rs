@@ -155,19 +155,19 @@ impl ScenarioModel {
                 hit.resolution = Some(asked);
             }
         }
-        self.share_levels_of_records();
+        self.share_resolution_of_records();
         finer
     }
 
     /// Gives recorded hits of one rig and duration common steps and modes, none coarser: a step of its
     /// own for each record would need tables of its own, and an integration of its own.
-    fn share_levels_of_records(&mut self) {
-        let is_recorded = |hit: &SimulatedHit| matches!(hit.drive, HitForce::Record { .. });
+    fn share_resolution_of_records(&mut self) {
+        let is_recorded = |hit: &SimulatedHit| matches!(hit.force, HitForce::Record { .. });
         let key = |hit: &SimulatedHit, step: f64| {
             // The power of two below.
             (hit.rig, hit.duration.map(f64::to_bits), step.log2().floor() as i64)
         };
-        let mut shared: Vec<(SharedLevel, Vec<usize>)> = Vec::new();
+        let mut shared: Vec<(SharedResolution, Vec<usize>)> = Vec::new();
         for hit in self.hits.iter().filter(|hit| is_recorded(hit)) {
             let Some(own) = &hit.resolution else { continue };
             let of = key(hit, own.step);
@@ -195,9 +195,9 @@ impl ScenarioModel {
         self.parameters.list.iter().map(Parameter::start).collect()
     }
 
-    /// Holds the first step and modes of a refinement, at the start of the parameters: those of a
-    /// search whose end is refined. A law far from the data may need much finer ones in vain. Where the
-    /// first step does not keep the energy, it is halved.
+    /// Holds the first step and modes of a refinement at the start of the parameters, for the search;
+    /// its end is refined. A refinement at a start far from the data may cost much in vain. A first step
+    /// that does not keep the energy is halved.
     pub(super) fn hold_first(&mut self) {
         let Ok(requests) = self.requests(&self.start()) else { return };
         for (hit, request) in self.hits.iter_mut().zip(&requests) {
@@ -207,7 +207,7 @@ impl ScenarioModel {
                 hit.resolution = Some(HitResolution { step, counts });
             }
         }
-        self.share_levels_of_records();
+        self.share_resolution_of_records();
         for _ in 0..MOST_HALVINGS {
             let Ok(records) = self.records(&self.start()) else { return };
             let coarse = records.iter().map(|record| {
@@ -221,7 +221,7 @@ impl ScenarioModel {
             for resolution in held.filter_map(|(hit, _)| hit.resolution.as_mut()) {
                 resolution.step *= 0.5;
             }
-            self.share_levels_of_records();
+            self.share_resolution_of_records();
         }
     }
 
@@ -297,6 +297,45 @@ impl ScenarioModel {
         stiffness_curve(&laws, law, pressures)
     }
 
+    /// Derivatives of ln K of `law` at some `pressures` \[Pa\] with respect to the working coordinate of
+    /// a parameter, by differences inside its bounds.
+    pub(super) fn log_stiffness_derivative(
+        &self,
+        law: &str,
+        pressures: &[f64],
+        point: &[f64],
+        parameter: usize,
+    ) -> Result<Vec<f64>, SimulationError> {
+        let varied = &self.parameters.list[parameter];
+        let [low, high] = varied.bounds().map(|bound| varied.to_working(bound));
+        let ends = [-LOG_STIFFNESS_STEP, LOG_STIFFNESS_STEP].map(|share| {
+            (varied.to_working(point[parameter]) + share * (high - low)).clamp(low, high)
+        });
+        let curve = |coordinate: f64| {
+            let mut moved = point.to_vec();
+            moved[parameter] = varied.from_working(coordinate);
+            self.curve(law, pressures, &moved)
+        };
+        let [below, above] = ends.map(curve);
+        let slope = |(a, b): (f64, f64)| (b / a).ln() / (ends[1] - ends[0]);
+        Ok(below?.into_iter().zip(above?).map(slope).collect())
+    }
+
+    /// Gradients of ln K of `law`, one for each of the `pressures` \[Pa\], with respect to the working
+    /// coordinates of all parameters.
+    pub(super) fn log_stiffness_gradients(
+        &self,
+        law: &str,
+        pressures: &[f64],
+        point: &[f64],
+    ) -> Result<Vec<Vec<f64>>, SimulationError> {
+        let columns = (0..point.len())
+            .map(|j| self.log_stiffness_derivative(law, pressures, point, j))
+            .collect::<Result<Vec<_>, _>>()?;
+        let gradient = |i: usize| columns.iter().map(|column| column[i]).collect();
+        Ok((0..pressures.len()).map(gradient).collect())
+    }
+
     /// The laws at `point`.
     pub(super) fn laws(&self, point: &[f64]) -> Result<Laws, SimulationError> {
         let fail = |reason: String| SimulationError::Scenario(reason);
@@ -307,8 +346,11 @@ impl ScenarioModel {
     }
 }
 
+/// Step of a parameter over its range for the derivative of ln K.
+const LOG_STIFFNESS_STEP: f64 = 1e-5;
+
 /// Rig, bits of the duration, and binary exponent of the step of recorded hits.
-type SharedLevel = (usize, Option<u64>, i64);
+type SharedResolution = (usize, Option<u64>, i64);
 
 /// The rigs at a point, and the hits on them.
 type Ready = (Vec<PreparedRig>, Vec<HitSimulation>);

@@ -27,7 +27,7 @@ impl Loader<'_> {
         Ok(self.add(rig, data, HitForce::Scenario { set, peak_n }, None))
     }
 
-    /// The same for a hit with a measured force.
+    /// Index of the hit with these changes and a measured force, which is added unless an equal one exists.
     pub(super) fn add_recorded_hit(
         &mut self,
         place: &str,
@@ -36,17 +36,17 @@ impl Loader<'_> {
         hit: &RecordedHit,
     ) -> Result<usize, IdentificationError> {
         let (rig, _) = self.rig(place, &[set])?;
-        let drive = HitForce::Record { time_s: hit.time_s.clone(), force_n: hit.force_n.clone() };
-        Ok(self.add(rig, data, drive, Some(hit.duration_s)))
+        let force = HitForce::Record { time_s: hit.time_s.clone(), force_n: hit.force_n.clone() };
+        Ok(self.add(rig, data, force, Some(hit.duration_s)))
     }
 
-    fn add(&mut self, rig: usize, data: &str, drive: HitForce, duration: Option<f64>) -> usize {
+    fn add(&mut self, rig: usize, data: &str, force: HitForce, duration: Option<f64>) -> usize {
         let forward = &mut self.built.forward;
         let hit = SimulatedHit {
             data: data.to_owned(),
             rig,
             sensors: forward.parameters.sensors(data),
-            drive,
+            force,
             duration,
             resolution: None,
             frequencies: Vec::new(),
@@ -54,8 +54,8 @@ impl Loader<'_> {
         };
         let same = |known: &SimulatedHit| {
             // Hits that differ in the requested results only are one.
-            (known.rig, &known.drive, known.duration, &known.sensors)
-                == (hit.rig, &hit.drive, hit.duration, &hit.sensors)
+            (known.rig, &known.force, known.duration, &known.sensors)
+                == (hit.rig, &hit.force, hit.duration, &hit.sensors)
         };
         forward.hits.iter().position(same).unwrap_or_else(|| {
             forward.hits.push(hit);
@@ -63,7 +63,7 @@ impl Loader<'_> {
         })
     }
 
-    /// Index of the rig of steady responses, whose force is not the scenario's.
+    /// Index of the rig of steady responses to a force that replaces the scenario's.
     pub(super) fn steady_rig(
         &mut self,
         place: &str,
@@ -72,7 +72,7 @@ impl Loader<'_> {
         Ok(self.rig(place, &[set])?.0)
     }
 
-    /// Index of the rig with the changes in `sets`, and those of them inside the excitation.
+    /// Index of the rig with the changes in `sets` outside the excitation, and the changes inside it.
     fn rig(
         &mut self,
         place: &str,

@@ -83,13 +83,13 @@ impl Loader<'_> {
         let block = self.next_block();
         for point in points {
             let amplitude = point.amplitude;
-            let quantity = ObservedQuantity::BackboneFrequency { hit, amplitude };
+            let quantity = ObservedQuantity::Backbone { hit, amplitude, is_damping: false };
             let about = ObservationLabel::new(data, "backbone.frequency_hz", Some(amplitude));
             let value = point.frequency_hz;
             let deviation = spread.of(value).hypot(point.frequency_deviation_hz);
             self.push(place, block, quantity, about, (value, deviation))?;
             if let Some(spread) = damping_spread {
-                let quantity = ObservedQuantity::BackboneDamping { hit, amplitude };
+                let quantity = ObservedQuantity::Backbone { hit, amplitude, is_damping: true };
                 let about = ObservationLabel::new(data, "backbone.damping_ratio", Some(amplitude));
                 let value = point.damping_ratio;
                 let deviation = spread.of(value).hypot(point.ratio_deviation);
