@@ -5,9 +5,7 @@ use std::sync::Arc;
 use asperity_dynamics::Batch;
 use serde_json::{Value, json};
 
-use crate::data_loader::{
-    BuiltModel, Loader, check_scenario, folder_of, name_of, no_law, unnamed_law,
-};
+use crate::built_model::{BuiltModel, Loader};
 use crate::error::IdentificationError;
 use crate::hit::apply;
 use crate::identification_problem::IdentificationProblem;
@@ -15,6 +13,7 @@ use crate::law_band::Reached;
 use crate::observed_quantity::SummaryColumns;
 use crate::problem::{CandidateSpec, DataSpec, ParameterSpec};
 use crate::problem_parameters::{ProblemParameters, is_within};
+use crate::scenario_laws::{no_law, unnamed_law};
 use crate::scenario_model::ScenarioModel;
 use asperity_scenario::JsonPointer;
 use asperity_simulation::observable_extractor::ObservableExtractor;
@@ -129,7 +128,7 @@ impl IdentificationProblem {
             }
             let Reached { range: [low, high], at_rest } =
                 Reached::of(&forward, law, &forward.start())?;
-            // Where contact is nearly lost, the data say nothing about the law.
+            // The data do not inform the law where contact is nearly lost.
             let low = low.max(LEAST_SHARE * at_rest);
             pressures_pa.get_or_insert([low / BEYOND, high * BEYOND]);
             at_pa.get_or_insert(at_rest);
@@ -140,7 +139,7 @@ impl IdentificationProblem {
     /// Checks the names of the data of gains.
     fn check_gains(&self, parameters: &[ParameterSpec]) -> Result<(), IdentificationError> {
         let data = self.spec.data.iter().enumerate();
-        let known: Vec<String> = data.map(|(index, data)| name_of(index, data)).collect();
+        let known: Vec<String> = data.map(|(index, data)| data.name_or_kind(index)).collect();
         let named = parameters.iter().filter_map(|parameter| match parameter {
             ParameterSpec::Gain { data, .. } => data.as_ref(),
             _ => None,
@@ -159,7 +158,7 @@ impl IdentificationProblem {
         specs: &[ParameterSpec],
         data: &[DataSpec],
     ) -> Result<BuiltModel, IdentificationError> {
-        check_scenario(scenario, &self.scenario_path)?;
+        self.check_scenario(scenario)?;
         let parameters = ProblemParameters::new(specs, scenario)?;
         check_overlap(&parameters)?;
         let items = scenario.get("interfaces").and_then(Value::as_array);
@@ -170,7 +169,7 @@ impl IdentificationProblem {
             .collect();
         let forward = ScenarioModel {
             scenario: scenario.clone(),
-            folder: folder_of(&self.scenario_path).to_owned(),
+            folder: self.scenario_folder().to_owned(),
             rigs: Vec::new(),
             hits: Vec::new(),
             quantities: Vec::new(),
@@ -184,8 +183,7 @@ impl IdentificationProblem {
             parameters,
         };
         let built = BuiltModel { forward, about: Vec::new(), notices: Vec::new() };
-        let (path, folder) = (self.scenario_path.as_path(), self.document.folder());
-        let mut loader = Loader { path, folder, built, blocks: 0 };
+        let mut loader = Loader { problem: self, built, blocks: 0 };
         for (index, data) in data.iter().enumerate() {
             loader.load(index, data)?;
         }
@@ -195,7 +193,7 @@ impl IdentificationProblem {
     }
 }
 
-/// Factor of the pressures reached, to those of a free law.
+/// Factor from the pressures that the data reach to the pressures of a free law.
 const BEYOND: f64 = 2.0;
 
 /// Least pressure of a free law over the static one, times [`BEYOND`].

@@ -18,7 +18,7 @@ pub struct PredictiveCheck {
     /// Mean over the posterior of chi-square of the group.
     pub chi_square: f64,
     /// Posterior predictive p-value: the probability that chi-square of repeated measurements exceeds
-    /// that of the measured ones, both about the same draw,
+    /// chi-square of the measurements, both about the same draw,
     ///
     /// ```text
     /// p = sum_d weight_d P(chi-square(n) > chi-square_d).

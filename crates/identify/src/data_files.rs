@@ -141,7 +141,7 @@ impl<'a> TableSource<'a> {
         }
     }
 
-    /// The error of its contents.
+    /// An error in the contents of the table.
     pub(super) fn problem(&self, problem: String, expected: &'static str) -> IdentificationError {
         self::problem(&self.path, problem, expected)
     }
@@ -156,7 +156,7 @@ impl<'a> TableSource<'a> {
         self.rows(names, &[], expected)
     }
 
-    /// The same with `others` behind, NaN where there is no such column.
+    /// Numbers of the columns `names`, then of the optional columns `others`, NaN where there is none.
     fn rows<const N: usize>(
         &self,
         names: &[&[&str]],
@@ -263,9 +263,9 @@ mod tests {
         backbone(&source, None, true).unwrap_err().to_string()
     }
 
-    /// A table in place is that of a file with the same cells, with empty and marked ones.
+    /// A table in place and a file with the same cells, some empty or marked, give the same rows.
     #[test]
-    fn a_table_in_place_is_that_of_a_file() {
+    fn a_table_in_place_equals_a_file() {
         let folder = std::env::temp_dir().join(format!("asperity-table-{}", std::process::id()));
         std::fs::create_dir_all(&folder).unwrap();
         let csv = "frequency_hz,real,imag,valid,unit\n800,1e-7,-2e-8,1,m/N\n801,,0,1,m/N\n\

@@ -4,56 +4,17 @@ mod hits;
 mod observations;
 
 use std::borrow::Cow;
-use std::path::{Path, PathBuf};
-
-use serde_json::Value;
+use std::path::PathBuf;
 
 use crate::analysed_hits::{AnalysedHits, analysed_hits, read_analysis};
+use crate::built_model::{Loader, ObservationLabel};
 use crate::data_files::{self, TableSource};
 use crate::error::IdentificationError;
 use crate::observed_quantity::ObservedQuantity;
 use crate::problem::{AnalysisRef, DataSpec, SpreadSpec};
 use crate::records;
-use crate::scenario_model::ScenarioModel;
 use crate::stepped_sine::read_table;
-use asperity_scenario::{InvalidDocument, four_digits, validate_json};
-
-/// A forward model with the labels of its observations.
-#[derive(Debug)]
-pub(super) struct BuiltModel {
-    pub(super) forward: ScenarioModel,
-    pub(super) about: Vec<ObservationLabel>,
-    /// Notices on omitted data.
-    pub(super) notices: Vec<String>,
-}
-
-/// Data, feature and abscissa of an observation.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct ObservationLabel {
-    /// Name of the data.
-    pub(super) data: String,
-    /// The feature.
-    pub(super) feature: String,
-    /// Peak force as measured \[N\], frequency \[Hz\], amplitude \[m\] or pressure \[Pa\].
-    pub(super) at: Option<f64>,
-}
-
-impl ObservationLabel {
-    fn new(data: &str, feature: impl Into<String>, at: Option<f64>) -> Self {
-        Self { data: data.to_owned(), feature: feature.into(), at }
-    }
-}
-
-/// Adds data to a model.
-pub(super) struct Loader<'a> {
-    /// The scenario's file.
-    pub(super) path: &'a Path,
-    /// Folder of the problem.
-    pub(super) folder: &'a Path,
-    pub(super) built: BuiltModel,
-    /// Number of blocks for cross-validation, one per hit.
-    pub(super) blocks: usize,
-}
+use asperity_scenario::four_digits;
 
 impl Loader<'_> {
     /// Loads the data at `index` of the problem.
@@ -62,8 +23,10 @@ impl Loader<'_> {
         index: usize,
         data: &DataSpec,
     ) -> Result<(), IdentificationError> {
-        let name = name_of(index, data);
+        let name = data.name_or_kind(index);
         let place = format!("/data/{index}");
+        let folder = self.problem.document.folder();
+        let table = |file| TableSource::new(&place, folder, file);
         match data {
             DataSpec::Hits { set, floor, hits, .. } => {
                 self.check_floor(&place, floor)?;
@@ -79,7 +42,7 @@ impl Loader<'_> {
                 }
                 let (path, analysis) = match file {
                     AnalysisRef::File(file) => {
-                        let path = self.folder.join(file);
+                        let path = folder.join(file);
                         let analysis = Cow::Owned(read_analysis(&path)?);
                         (path, analysis)
                     }
@@ -113,20 +76,18 @@ impl Loader<'_> {
             }
             DataSpec::Frf { file, hit, band_hz, spread, points, .. } => {
                 check_band(&place, *band_hz)?;
-                let table = TableSource::new(&place, self.folder, file);
-                let lines = data_files::frf(&table, *band_hz, *points)?;
+                let lines = data_files::frf(&table(file), *band_hz, *points)?;
                 let simulated = self.add_hit(&place, &name, &[&hit.set], hit.force_peak_n)?;
                 self.receptance(&place, &name, simulated, &lines, |_| *spread)
             }
             DataSpec::Backbone { file, index, hit, spread, damping_spread, .. } => {
-                let table = TableSource::new(&place, self.folder, file);
-                let points = data_files::backbone(&table, *index, damping_spread.is_some())?;
+                let points = data_files::backbone(&table(file), *index, damping_spread.is_some())?;
                 let simulated = self.add_hit(&place, &name, &[&hit.set], hit.force_peak_n)?;
                 self.backbone(&place, &name, simulated, &points, (*spread, *damping_spread))
             }
             DataSpec::Records { files, force, response, set, band_hz, spread, .. } => {
                 check_band(&place, *band_hz)?;
-                let files: Vec<PathBuf> = files.iter().map(|file| self.folder.join(file)).collect();
+                let files: Vec<PathBuf> = files.iter().map(|file| folder.join(file)).collect();
                 let channels = [force.as_deref(), response.as_deref()];
                 for hit in records::hits(&files, channels, *band_hz)? {
                     let simulated = self.add_recorded_hit(&place, &name, set, &hit)?;
@@ -138,7 +99,7 @@ impl Loader<'_> {
                 Ok(())
             }
             DataSpec::SteppedSine { file, set, spread, phase_spread_rad, harmonics, .. } => {
-                let rows = read_table(&TableSource::new(&place, self.folder, file))?;
+                let rows = read_table(&table(file))?;
                 self.stepped_sine(
                     &place,
                     &name,
@@ -163,52 +124,6 @@ impl Loader<'_> {
             }
         }
     }
-}
-
-/// The name of data, or the kind and number if they have none.
-pub(super) fn name_of(index: usize, data: &DataSpec) -> String {
-    let (name, kind) = match data {
-        DataSpec::Hits { name, .. } => (name.as_ref(), "hits"),
-        DataSpec::Analysis { name, .. } => (name.as_ref(), "analysis"),
-        DataSpec::Frf { name, .. } => (name.as_ref(), "frf"),
-        DataSpec::Backbone { name, .. } => (name.as_ref(), "backbone"),
-        DataSpec::Records { name, .. } => (name.as_ref(), "records"),
-        DataSpec::SteppedSine { name, .. } => (name.as_ref(), "stepped_sine"),
-        DataSpec::Stiffness { .. } => (None, "stiffness"),
-        DataSpec::Ratio { .. } => (None, "ratio"),
-    };
-    name.cloned().unwrap_or_else(|| format!("{kind} {}", index + 1))
-}
-
-/// Folder of a scenario's file.
-pub(super) fn folder_of(path: &Path) -> &Path {
-    path.parent().unwrap_or_else(|| Path::new("."))
-}
-
-/// Checks a scenario.
-pub(super) fn check_scenario(scenario: &Value, path: &Path) -> Result<(), IdentificationError> {
-    let diagnostics = validate_json(scenario, folder_of(path));
-    if diagnostics.is_empty() {
-        return Ok(());
-    }
-    Err(InvalidDocument { path: path.to_owned(), diagnostics }.into())
-}
-
-/// The error of a missing law.
-pub(super) fn no_law(scenario: &Value, law: &str) -> IdentificationError {
-    IdentificationError::NoLaw { law: law.to_owned(), known: law_names(scenario) }
-}
-
-/// The error of a law without a name.
-pub(super) fn unnamed_law(scenario: &Value) -> IdentificationError {
-    IdentificationError::UnnamedLaw(law_names(scenario))
-}
-
-fn law_names(scenario: &Value) -> String {
-    let laws = scenario.pointer("/laws").and_then(Value::as_object);
-    let names: Vec<&str> =
-        laws.into_iter().flat_map(|laws| laws.keys()).map(String::as_str).collect();
-    names.join(", ")
 }
 
 fn check_band(place: &str, [low, high]: [f64; 2]) -> Result<(), IdentificationError> {

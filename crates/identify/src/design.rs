@@ -3,13 +3,13 @@
 use std::collections::BTreeMap;
 
 use asperity_inference::{
-    Covariance, DesignCandidate, ExpectedInformation, ForwardModel, ParameterScale,
-    design_sequence, expected_information,
+    Covariance, DesignCandidate, ExpectedInformation, ForwardModel, design_sequence,
+    expected_information,
 };
 
 use crate::error::IdentificationError;
 use crate::identification_problem::IdentificationProblem;
-use crate::law_band::LawBand;
+use crate::law_band::{LawBand, check_pressures};
 use crate::observed_quantity::ObservedQuantity;
 use crate::problem::{Changes, DataSpec, DesignSpec, HitSpec, Measured, Uncertain};
 use crate::scenario_model::ScenarioModel;
@@ -20,16 +20,13 @@ const TARGETS: usize = 9;
 /// Measurements of the proposed sequence.
 const SEQUENCE: usize = 3;
 
-/// Step of the law's derivatives in the parameters' working coordinates.
-const STEP: f64 = 1e-4;
-
 /// A possible measurement.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CandidateMeasurement {
     /// Its kind.
     pub kind: MeasurementKind,
     /// Mean standard deviation of ln K over the pressures of the design after the measurement, over
-    /// that before.
+    /// the mean before it.
     pub remaining: f64,
     /// Information about all parameters, in nats.
     pub information: f64,
@@ -72,7 +69,7 @@ pub(super) struct DesignModel {
     kinds: Vec<MeasurementKind>,
     /// Relative standard deviation of every feature, in the order of the observations of a hit.
     relative: Vec<f64>,
-    /// The same of a quasi-static stiffness.
+    /// Relative standard deviation of a quasi-static stiffness.
     of_stiffness: f64,
     hits: usize,
     /// Pressures between which ln K is to be narrowed, if not those that are reached.
@@ -95,6 +92,7 @@ impl DesignModel {
         asked: &DesignSpec,
     ) -> Result<Self, IdentificationError> {
         check(asked)?;
+        check_pressures("/design/pressures_pa", asked.pressures_pa)?;
         let features = match &asked.features {
             none if none.is_empty() => measured_features(forward, problem)?,
             given => given.clone(),
@@ -148,7 +146,7 @@ impl DesignModel {
         let mut candidates = self.hit_candidates(best, noise_factor)?;
         for kind in &self.kinds {
             if let MeasurementKind::Stiffness { pressure_pa } = kind {
-                let gradient = log_stiffness_gradients(forward, &law.name, &[*pressure_pa], best)?;
+                let gradient = forward.log_stiffness_gradients(&law.name, &[*pressure_pa], best)?;
                 // At an infinite ln K a measurement has no meaning.
                 let usable = gradient.iter().flatten().all(|entry| entry.is_finite());
                 let rows = usize::from(usable);
@@ -164,7 +162,7 @@ impl DesignModel {
         let pressures: Vec<f64> = (0..TARGETS)
             .map(|i| low + (high - low) * (i as f64 / (TARGETS - 1) as f64).powi(2))
             .collect();
-        let mut targets = log_stiffness_gradients(forward, &law.name, &pressures, best)?;
+        let mut targets = forward.log_stiffness_gradients(&law.name, &pressures, best)?;
         // ln K is infinite where the stiffness is zero.
         targets.retain(|gradient| gradient.iter().all(|entry| entry.is_finite()));
         let named = |expected: &ExpectedInformation| CandidateMeasurement {
@@ -246,15 +244,7 @@ fn check(asked: &DesignSpec) -> Result<(), IdentificationError> {
             }
         }
     }
-    match asked.pressures_pa {
-        Some([low, high]) if !(low >= 0.0 && high > low && high.is_finite()) => refuse(
-            "/design/pressures_pa",
-            "pressure [Pa]",
-            if low >= 0.0 { high } else { low },
-            "two pressures, the lower first and not negative",
-        ),
-        _ => Ok(()),
-    }
+    Ok(())
 }
 
 /// Features of the measured hits, and their median relative standard deviation.
@@ -279,30 +269,4 @@ fn measured_features(
         list[list.len() / 2]
     };
     Ok(all.into_iter().map(|(feature, list)| (feature, median(list))).collect())
-}
-
-/// Gradients of ln K of a law at some pressures, with respect to the working coordinates.
-fn log_stiffness_gradients(
-    forward: &ScenarioModel,
-    law: &str,
-    pressures: &[f64],
-    best: &[f64],
-) -> Result<Vec<Vec<f64>>, IdentificationError> {
-    let mut gradients = vec![Vec::new(); pressures.len()];
-    for (j, parameter) in forward.parameters().iter().enumerate() {
-        let at = |place: f64| {
-            let mut point = best.to_vec();
-            let x = parameter.to_working(point[j]);
-            point[j] = match parameter.scale() {
-                ParameterScale::Linear => x + place,
-                ParameterScale::Logarithmic => (x + place).exp(),
-            };
-            forward.curve(law, pressures, &point)
-        };
-        let (above, below) = (at(STEP)?, at(-STEP)?);
-        for ((gradient, above), below) in gradients.iter_mut().zip(above).zip(below) {
-            gradient.push((above / below).ln() / (2.0 * STEP));
-        }
-    }
-    Ok(gradients)
 }

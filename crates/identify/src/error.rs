@@ -15,7 +15,7 @@ use asperity_simulation::parameter::ParameterError;
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum IdentificationError {
-    /// The problem's text, or that of its scenario, cannot be read.
+    /// The text of the problem or of its scenario cannot be read.
     #[error(transparent)]
     Document(#[from] DocumentError),
     /// The problem, or its scenario, is not valid.

@@ -9,7 +9,7 @@
 //!
 //! with the slope `s` as an increasing function of `g`, the scenario's law `K0` and its `g0`, a Gaussian
 //! process `r` in `ln p` and a normal number `level`. Where other parameters are numbers of the scenario's
-//! law, `g0` is that of the law that they give: a form with unknown numbers, a smooth deviation from it, and
+//! law, `g0` belongs to the law that they give: a form with unknown numbers, a smooth deviation from it, and
 //! a level of its own. Every law is positive and increasing; where it is to
 //! be concave, `g` is the exponent of the fall of its secants instead of the slope (`rises`). The process
 //! has a derivative (Matérn 3/2) or is only continuous (Matérn 1/2, the covariance of a slope that jumps
@@ -26,7 +26,7 @@ use serde_json::{Value, json};
 
 use crate::error::IdentificationError;
 use crate::problem::{LogNormalSpec, ParameterSpec, SlopeSmoothness};
-use crate::scenario_model::stiffness_curve;
+use crate::scenario_laws::stiffness_curve;
 use rises::Rises;
 
 /// Places of the grid of a logarithm, in standard deviations.
@@ -169,12 +169,12 @@ impl FreeLaw {
         Ok((logarithms[self.anchor], self.rises.centre(&rises)))
     }
 
-    /// From now on the law deviates from the one that other parameters have written into the scenario.
+    /// Marks the form as unknown: the law deviates from the form that other parameters have written.
     pub(super) fn with_unknown_form(&mut self) {
         self.form_is_unknown = true;
     }
 
-    /// True if the form of this law has the slopes of that of another.
+    /// True if the forms of both laws have the same slopes.
     pub(super) fn has_slopes_of(&self, other: &Self) -> bool {
         let mut pairs = self.numbers.iter().zip(&other.numbers);
         pairs.all(|(one, other)| (one - other).abs() <= SAME_SLOPE)
@@ -490,7 +490,7 @@ mod tests {
         }
     }
 
-    /// The slope's deviation in the prior: variance and correlation are those of the mixture.
+    /// Variance and correlation of the slope's deviation in the prior equal the mixture's.
     #[test]
     fn slopes_of_the_prior_have_the_covariance_of_the_mixture() {
         let law = free((false, false));

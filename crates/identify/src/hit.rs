@@ -41,8 +41,8 @@ pub(super) struct SimulatedHit {
     /// Gains of its sensors.
     pub(super) sensors: Sensors,
     /// The force.
-    pub(super) drive: HitForce,
-    /// Duration \[s\]; that of the scenario if not given.
+    pub(super) force: HitForce,
+    /// Duration \[s\]; the scenario's if not given.
     pub(super) duration: Option<f64>,
     /// Step and modes, held for all points so that results are smooth in the parameters.
     pub(super) resolution: Option<HitResolution>,
@@ -72,7 +72,7 @@ impl HitResolution {
 /// The force of a hit.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum HitForce {
-    /// The scenario's, with some changes, and this peak as measured \[N\].
+    /// The force of the scenario, with some changes, and this peak as measured \[N\].
     Scenario {
         /// Changes inside /excitation.
         set: Changes,
@@ -153,7 +153,7 @@ impl SimulatedHit {
         folder: &Path,
     ) -> Result<LoadCase, SimulationError> {
         let bodies = rig.case.assembly.structure.stack().bodies();
-        let load = match &self.drive {
+        let load = match &self.force {
             HitForce::Scenario { set, peak_n } => {
                 let spec = ExcitationSpec::deserialize(rig.excitation(set)?).map_err(invalid)?;
                 let load = load_case(&spec, bodies, folder)?;

@@ -19,7 +19,7 @@ pub struct HitNumerics {
     pub step_s: f64,
     /// Modes of each body, the rigid one included.
     pub modes_per_body: Vec<usize>,
-    /// Largest estimated error of the observables over their scales; that of the fundamental
+    /// Largest estimated error of the observables over their scales; the error of the fundamental
     /// frequency counts tenfold.
     pub estimated_error: Option<f64>,
     /// Time \[s\] from which on the response depends on rounding.

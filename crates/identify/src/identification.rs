@@ -5,11 +5,11 @@ use std::time::Instant;
 
 use asperity_inference::{
     Covariance, Fit, FitOptions, FitSolution, ForwardModel, GoodnessOfFit, Identifiability,
-    InferenceError, Linearisation, Loss, ModelComparison, NoiseScale, Observation, Parameter,
-    Posterior, Profile, ProgressCallback, ScaledNoise, fit_with_progress, refit_with_progress,
+    InferenceError, Linearisation, ModelComparison, NoiseScale, Observation, Parameter, Posterior,
+    Profile, ProgressCallback, ScaledNoise, fit_with_progress, refit_with_progress,
 };
 
-use crate::data_loader::{BuiltModel, ObservationLabel};
+use crate::built_model::{BuiltModel, ObservationLabel};
 use crate::design::{DesignModel, DesignRanking};
 use crate::error::IdentificationError;
 use crate::hit_numerics::HitNumerics;
@@ -19,21 +19,14 @@ use crate::latent_sampling::{FreeLawFindings, posterior_of, profiles};
 use crate::law_band::{ComparedForm, LawBand, StiffnessEstimate, check_pressures};
 use crate::law_comparison::{Compared, candidates, compare_laws};
 use crate::observed_quantity::ObservedQuantity;
-use crate::problem::{LossSpec, NoiseSpec, ParameterSpec};
+use crate::problem::{NoiseSpec, ParameterSpec};
 use crate::scenario_model::ScenarioModel;
 use crate::work::{WorkStage, expected_evaluations};
 use asperity_scenario::Laws;
 use asperity_simulation::provenance::InputFile;
 
-/// Relative reduction of the cost at which a fit has converged.
-const TOLERANCE: f64 = 1e-7;
-
-/// The same of a fit with latents: an error of a thousandth in chi-square is far below its spread.
+/// Relative reduction of the cost at which a fit with latents has converged: an error of a thousandth in chi-square is far below its spread.
 const LATENT_TOLERANCE: f64 = 1e-4;
-
-/// Relative step of difference derivatives: large against the tables' errors of 1e-6, with an error
-/// of 1e-4 from the curvature.
-const DIFFERENCE: f64 = 1e-2;
 
 /// A finished identification.
 #[derive(Debug)]
@@ -135,7 +128,7 @@ pub fn identify_with_progress(
     notices.splice(0..0, problem.notices.iter().cloned());
     let spec = &problem.spec;
     // Errors of the request come before any computation.
-    check_pressures(problem)?;
+    check_pressures("/pressures_pa", spec.pressures_pa)?;
     let candidates = candidates(problem)?;
     let planned = DesignModel::asked(problem, &forward)?;
 
@@ -148,7 +141,7 @@ pub fn identify_with_progress(
         NoiseSpec::Given => 1.0,
         NoiseSpec::AtLeastGiven => goodness.noise_factor,
     };
-    // All results below are those of the model with scaled standard deviations.
+    // All results below belong to the model with scaled standard deviations.
     let model = ScaledNoise::new(&forward, factor);
     let best = if factor > 1.0 { refit_with_progress(&model, &own, progress) } else { Ok(given) };
     if best.is_err() && work.is_stopped() {
@@ -290,7 +283,7 @@ fn own_fit(
     let work = &problem.work;
     // Latents have one start, the scenario's law: their prior has one mode.
     let free = forward.parameters.free.is_some();
-    let options = fit_options(problem, if free { 1 } else { problem.spec.starts });
+    let options = problem.fit_options(if free { 1 } else { problem.spec.starts });
     let options =
         if free { FitOptions { tolerance: LATENT_TOLERANCE, ..options } } else { options };
     let mut given = match fit_with_progress(forward, &options, progress) {
@@ -299,7 +292,7 @@ fn own_fit(
         }
         found => found?.into_solution(),
     };
-    // The best fit may need finer steps and more modes than those of the search.
+    // The best fit may need finer steps and more modes than the search.
     if !work.is_stopped() && forward.hold(&forward.converged(&given.point)?) {
         let before = given.clone();
         given = match refit_with_progress(forward, &given, progress) {
@@ -312,21 +305,4 @@ fn own_fit(
         return Err(unfinished.stopped(WorkStage::Fit, given, None, Vec::new(), laws));
     }
     Ok(given)
-}
-
-pub(super) fn fit_options(problem: &IdentificationProblem, starts: usize) -> FitOptions {
-    let loss = match problem.spec.loss {
-        LossSpec::Squared => Loss::Squared,
-        LossSpec::Huber { threshold } => Loss::Huber { threshold },
-        LossSpec::Cauchy { scale } => Loss::Cauchy { scale },
-    };
-    let seed = problem.spec.seed;
-    FitOptions {
-        loss,
-        starts,
-        seed,
-        tolerance: TOLERANCE,
-        difference_step: DIFFERENCE,
-        ..FitOptions::default()
-    }
 }

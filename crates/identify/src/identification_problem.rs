@@ -3,15 +3,22 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use asperity_inference::{FitOptions, Loss};
 use serde::Deserialize;
 use serde_json::{Value, json};
 
-use crate::data_loader::folder_of;
 use crate::error::IdentificationError;
-use crate::problem::{DataSpec, ProblemSpec, ScenarioRef, problem_schema};
+use crate::problem::{DataSpec, LossSpec, ProblemSpec, ScenarioRef, problem_schema};
 use crate::work::Work;
-use asperity_scenario::{Document, ExcitationSpec, validate_json};
+use asperity_scenario::{Document, ExcitationSpec, InvalidDocument, validate_json};
 use asperity_simulation::provenance::InputFile;
+
+/// Relative reduction of the cost at which a fit has converged.
+const TOLERANCE: f64 = 1e-7;
+
+/// Relative step of difference derivatives: large against the tables' errors of 1e-6, with an error
+/// of 1e-4 from the curvature.
+const DIFFERENCE: f64 = 1e-2;
 
 /// An identification problem with its scenario, checked except for the data files.
 #[derive(Debug, Clone)]
@@ -53,7 +60,7 @@ impl IdentificationProblem {
         let excitation = ExcitationSpec::deserialize(&self.scenario["excitation"]);
         let mut files = Vec::new();
         if let Some(samples) = excitation.ok().as_ref().and_then(ExcitationSpec::samples) {
-            files.push(InputFile::read(folder_of(&self.scenario_path), samples.file.as_ref())?);
+            files.push(InputFile::read(self.scenario_folder(), samples.file.as_ref())?);
         }
         for file in self.spec.data.iter().flat_map(DataSpec::files) {
             files.push(InputFile::read(self.document.folder(), file.as_ref())?);
@@ -98,5 +105,36 @@ impl IdentificationProblem {
         }
         let work = Arc::default();
         Ok(Self { document, spec, scenario, scenario_path, scenario_sha256, notices, work })
+    }
+    /// Folder of the scenario.
+    pub(super) fn scenario_folder(&self) -> &Path {
+        self.scenario_path.parent().unwrap_or_else(|| Path::new("."))
+    }
+
+    /// Checks a scenario that stands in place of the problem's own.
+    pub(super) fn check_scenario(&self, scenario: &Value) -> Result<(), IdentificationError> {
+        let diagnostics = validate_json(scenario, self.scenario_folder());
+        if diagnostics.is_empty() {
+            return Ok(());
+        }
+        Err(InvalidDocument { path: self.scenario_path.clone(), diagnostics }.into())
+    }
+
+    /// Options of the fits of the problem.
+    pub(super) fn fit_options(&self, starts: usize) -> FitOptions {
+        let loss = match self.spec.loss {
+            LossSpec::Squared => Loss::Squared,
+            LossSpec::Huber { threshold } => Loss::Huber { threshold },
+            LossSpec::Cauchy { scale } => Loss::Cauchy { scale },
+        };
+        let seed = self.spec.seed;
+        FitOptions {
+            loss,
+            starts,
+            seed,
+            tolerance: TOLERANCE,
+            difference_step: DIFFERENCE,
+            ..FitOptions::default()
+        }
     }
 }

@@ -7,7 +7,7 @@ use asperity_inference::{
 use serde::Serialize;
 
 use crate::error::IdentificationError;
-use crate::free_law::{FreeLaw, PriorComponent};
+use crate::free_law::PriorComponent;
 use crate::identification_problem::IdentificationProblem;
 use crate::problem::SlopeSmoothness;
 use crate::scenario_model::ScenarioModel;
@@ -24,17 +24,17 @@ pub struct FreeLawFindings {
     pub form_unknowns: Vec<String>,
     /// Pressures of its table \[Pa\].
     pub pressures_pa: Vec<f64>,
-    /// Standard deviation of the slope d ln K / d ln p about that of the scenario's law: lower end of
-    /// the interval, median and upper end of the posterior, on the grid of the prior.
+    /// Standard deviation of the slope d ln K / d ln p about the slope of the scenario's law: lower
+    /// end of the interval, median and upper end of the posterior, on the grid of the prior.
     pub roughness: [f64; 3],
     /// Length in ln p over which the slope changes, in the same way.
     pub length: [f64; 3],
     /// Posterior probabilities of the kinds of smoothness of the slope.
     pub smoothness: Vec<SmoothnessProbability>,
-    /// Number of combinations of the latents that the data inform: a precision above 0.03 of that of
-    /// the prior.
+    /// Number of combinations of the latents that the data inform: their precision is above 0.03 of
+    /// the prior precision.
     pub informed_combinations: usize,
-    /// Precision of the data along each combination over that of the prior, largest first.
+    /// Precision of the data over the prior precision along each combination, largest first.
     pub information: Vec<f64>,
     /// Width in ln p of the averaging kernel at every pressure: the linearised estimate of ln K at
     /// `x = ln p` is the integral of the kernel `a` times the true ln K (G. Backus, F. Gilbert, Phil.
@@ -42,12 +42,12 @@ pub struct FreeLawFindings {
     /// width of x,
     ///
     /// ```text
-    /// integral of |a| over |x' - x| < width / 4  =  half of that over all x',
+    /// integral of |a| over |x' - x| < width / 4  =  half of the integral over all x',
     /// ```
     ///
-    /// so that a kernel which is constant about x and zero elsewhere has its own width. At least the
-    /// distance of the pressures of the table; up to four times the range of the table where the
-    /// estimate is made of what the data tell of other pressures.
+    /// so that the width of a kernel that is constant about x and zero elsewhere is its support. The
+    /// width is at least the distance of the pressures of the table, and up to four times the range of
+    /// the table where the estimate depends on the data at other pressures.
     pub resolution_ln_p: Vec<f64>,
 }
 
@@ -180,36 +180,6 @@ fn kernel_width(kernel: &[f64], at: usize) -> f64 {
     4.0 * kernel.len() as f64
 }
 
-/// Step of a parameter of the form over its range, for the derivative of ln K.
-const STEP: f64 = 1e-5;
-
-/// Derivatives of ln K at the pressures of the free law with respect to the working coordinates of the
-/// parameters of its form, at a point: the index of each parameter with its derivatives.
-fn of_form(
-    forward: &ScenarioModel,
-    law: &FreeLaw,
-    point: &[f64],
-) -> Result<Vec<(usize, Vec<f64>)>, IdentificationError> {
-    let one = |j: usize| -> Result<(usize, Vec<f64>), IdentificationError> {
-        let parameter = &forward.parameters.list[j];
-        let [low, high] = parameter.bounds().map(|bound| parameter.to_working(bound));
-        let ends = [-STEP, STEP].map(|share| {
-            let at = parameter.to_working(point[j]) + share * (high - low);
-            at.clamp(low, high)
-        });
-        let curve = |coordinate: f64| {
-            let mut moved = point.to_vec();
-            moved[j] = parameter.from_working(coordinate);
-            forward.curve(&law.name, &law.pressures, &moved)
-        };
-        let [below, above] = ends.map(curve);
-        let pairs = below?.into_iter().zip(above?);
-        let slope = |(a, b): (f64, f64)| (b / a).ln() / (ends[1] - ends[0]);
-        Ok((j, pairs.map(slope).collect()))
-    };
-    forward.parameters.of_form().into_iter().map(one).collect()
-}
-
 /// Width of the averaging kernel at every pressure of the free law, whose latents are parameters from
 /// index `first` on.
 fn resolution(
@@ -224,7 +194,9 @@ fn resolution(
     let count = law.count();
     let own = first..first + count;
     let latents = &point[own.clone()];
-    let of_form = of_form(forward, &law, point)?;
+    let of_form = forward.parameters.of_form();
+    let slopes = |&j: &usize| forward.log_stiffness_derivative(&law.name, &law.pressures, point, j);
+    let slopes = of_form.iter().map(slopes).collect::<Result<Vec<_>, _>>()?;
     let step = (law.pressures[1] / law.pressures[0]).ln();
     // Column i: the change of the estimate if the true ln K is higher at pressure i.
     let columns: Vec<Vec<f64>> = (0..count)
@@ -238,7 +210,7 @@ fn resolution(
                 .map(|row| row.iter().zip(&truth).map(|(r, z)| r * z).sum())
                 .collect();
             let mut moved = law.log_stiffness_change(latents, &estimate[own.clone()]);
-            for (j, slopes) in &of_form {
+            for (j, slopes) in of_form.iter().zip(&slopes) {
                 moved.iter_mut().zip(slopes).for_each(|(sum, slope)| *sum += estimate[*j] * slope);
             }
             moved

@@ -12,7 +12,6 @@ use serde::Serialize;
 use crate::error::IdentificationError;
 use crate::identification_problem::IdentificationProblem;
 use crate::latent_sampling::FreeLawFindings;
-use crate::observed_quantity::ObservedQuantity;
 use crate::scenario_model::ScenarioModel;
 use crate::stepped_sine::SimulatedSweep;
 use asperity_simulation::error::SimulationError;
@@ -64,8 +63,8 @@ impl StiffnessOrigin {
         }
     }
 
-    /// The origin at a pressure that runs reach or not, with the prior deviation of ln K and the share
-    /// of it that is left; `resolution` is the width of the averaging kernel of a free law.
+    /// The origin at a pressure that runs reach or not, from the prior deviation of ln K and the share
+    /// that remains of it; `resolution` is the width of the averaging kernel of a free law.
     fn of(is_reached: bool, before: f64, remaining: f64, resolution: Option<f64>) -> Self {
         if before <= GIVEN {
             Self::Given
@@ -207,7 +206,7 @@ impl StiffnessEstimate {
             if let Some((_, free)) =
                 forward.parameters.free.as_ref().filter(|free| free.1.name == law)
             {
-                // Outside its table a free law is not its form's.
+                // Outside its table a free law does not have these stiffnesses.
                 let range = free.pressures[0]..=free.pressures[free.count() - 1];
                 pressures.retain(|pressure| range.contains(pressure));
             }
@@ -284,12 +283,15 @@ impl Evaluated {
     }
 }
 
-/// Checks the range of pressures.
-pub(super) fn check_pressures(problem: &IdentificationProblem) -> Result<(), IdentificationError> {
-    match problem.spec.pressures_pa {
+/// Checks a range of pressures of the problem.
+pub(super) fn check_pressures(
+    place: &str,
+    range: Option<[f64; 2]>,
+) -> Result<(), IdentificationError> {
+    match range {
         Some([low, high]) if !(low >= 0.0 && high > low && high.is_finite()) => {
             Err(IdentificationError::Value {
-                place: "/pressures_pa".to_owned(),
+                place: place.to_owned(),
                 quantity: "pressure [Pa]",
                 value: if low >= 0.0 { high } else { low },
                 expected: "two pressures, the lower first and not negative",
@@ -313,48 +315,34 @@ impl Reached {
         point: &[f64],
     ) -> Result<Self, SimulationError> {
         let outcomes = forward.outcomes(&[point.to_vec()]).remove(0)?;
-        let (mut low, mut high) = (f64::INFINITY, 0.0_f64);
-        let mut at_rest = None;
         let rigs = forward.prepare(point)?;
+        let interfaces =
+            forward.scenario["interfaces"].as_array().into_iter().flatten().enumerate();
+        let own = interfaces.filter(|(_, interface)| interface["law"].as_str() == Some(law));
+        let own: Vec<usize> = own.map(|(index, _)| index).collect();
+        let mut ranges: Vec<[f64; 2]> = Vec::new();
         for (hit, outcome) in forward.hits.iter().zip(&outcomes.hits) {
-            let rig = &rigs[hit.rig].case;
-            for (i, interface) in rig.assembly.structure.contacts().iter().enumerate() {
-                let used = forward.scenario.pointer(&format!("/interfaces/{i}/law"));
-                if used.and_then(serde_json::Value::as_str) != Some(law) {
-                    continue;
-                }
-                let number = |key: &str| {
-                    let column =
-                        forward.columns.find(&format!("interfaces.{}.{key}", interface.name()));
-                    column.map_or(f64::NAN, |column| outcome.columns[column])
-                };
-                low = low.min(number("pressure_min_pa"));
-                high = high.max(number("pressure_max_pa"));
-                at_rest.get_or_insert(rig.at_rest.interfaces[i].pressure_pa);
-            }
+            let contacts = rigs[hit.rig].case.assembly.structure.contacts();
+            ranges.extend(own.iter().map(|&i| {
+                ["min", "max"].map(|end| {
+                    let name = format!("interfaces.{}.pressure_{end}_pa", contacts[i].name());
+                    forward.columns.find(&name).map_or(f64::NAN, |column| outcome.columns[column])
+                })
+            }));
         }
         for sweep in &forward.sweeps {
-            let gains = sweep.sensors.gains(point);
-            let responses = sweep.responses(&rigs, gains)?;
+            let responses = sweep.responses(&rigs, sweep.sensors.gains(point))?;
             let found = SimulatedSweep::pressures(&rigs[sweep.rig], &responses);
-            for (i, [lowest, highest]) in found.into_iter().enumerate() {
-                let used = forward.scenario.pointer(&format!("/interfaces/{i}/law"));
-                if used.and_then(serde_json::Value::as_str) == Some(law) {
-                    low = low.min(lowest);
-                    high = high.max(highest);
-                    let at_rest_here = rigs[sweep.rig].case.at_rest.interfaces[i].pressure_pa;
-                    at_rest.get_or_insert(at_rest_here);
-                }
-            }
+            ranges.extend(own.iter().map(|&i| found[i]));
         }
-        for quantity in &forward.quantities {
-            if let ObservedQuantity::Stiffness { place } = quantity
-                && forward.stiffness[*place].0 == law
-            {
-                low = low.min(forward.stiffness[*place].1);
-                high = high.max(forward.stiffness[*place].1);
-            }
-        }
+        let measured = forward.stiffness.iter().filter(|(of_law, _)| of_law == law);
+        ranges.extend(measured.map(|&(_, pressure)| [pressure; 2]));
+        let low = ranges.iter().map(|range| range[0]).fold(f64::INFINITY, f64::min);
+        let high = ranges.iter().map(|range| range[1]).fold(0.0, f64::max);
+        let mut used = forward.hits.iter().map(|hit| hit.rig);
+        let rig = used.next().or_else(|| forward.sweeps.first().map(|sweep| sweep.rig));
+        let at_rest = rig.zip(own.first());
+        let at_rest = at_rest.map(|(rig, &i)| rigs[rig].case.at_rest.interfaces[i].pressure_pa);
         let at_rest = at_rest.unwrap_or(0.5 * (low.min(high) + high));
         Ok(Self { range: [low.min(high), high], at_rest })
     }

@@ -7,9 +7,8 @@ use asperity_inference::{
 };
 
 use crate::build::CONSTANT;
-use crate::data_loader::BuiltModel;
+use crate::built_model::BuiltModel;
 use crate::error::IdentificationError;
-use crate::identification::fit_options;
 use crate::identification_problem::IdentificationProblem;
 use crate::law_band::{ComparedForm, LawBand};
 use crate::problem::CandidateSpec;
@@ -60,7 +59,7 @@ pub(super) fn compare_laws(
         "the problem's scenario".to_owned()
     };
     let options = ComparisonOptions {
-        fit: fit_options(problem, COMPARED_STARTS),
+        fit: problem.fit_options(COMPARED_STARTS),
         folds: MAX_FOLDS,
         seed: problem.spec.seed,
     };
@@ -154,8 +153,8 @@ fn fit_candidate(
     })
 }
 
-/// Chi-square of a compared law, over that of the problem's own or the number of observations, from
-/// which on errors of the steps do not matter.
+/// Least ratio of chi-square of a compared law to the larger of chi-square of the problem's own law and
+/// the number of observations at which errors of the steps do not matter.
 const FAR: f64 = 100.0;
 
 /// Reduced chi-square of the best law above which the standard deviations are scaled.

@@ -8,7 +8,7 @@
 //! cost(x) = 1/2 sum_i rho(((prediction_i(x) - value_i) / sd_i)^2) + priors,
 //! ```
 //!
-//! whose statistics are those of `asperity_inference`: best fit, covariance, profiles, posterior,
+//! which `asperity_inference` solves: best fit, covariance, profiles, posterior,
 //! comparison with other laws, design of further measurements. The derivatives of the predictions are exact.
 //!
 //! | module | content |
@@ -18,8 +18,10 @@
 //! | `free_law`, `latent_sampling` | a law without an assumed form; its posterior, smoothness and resolution |
 //! | `data_loader`, `analysed_hits`, `data_files`, `records` | data to simulated hits and observations |
 //! | `stepped_sine` | steady responses to a shaker, measured and simulated |
-//! | `hit`, `observed_quantity`, `scenario_model` | the forward model and its exact derivatives |
-//! | `build` | the models of the problem, of compared laws, and of planned hits |
+//! | `scenario_laws` | the named laws of a scenario and their stiffnesses |
+//! | `hit`, `observed_quantity`, `scenario_model` | simulated hits and their results at a point |
+//! | `forward_model`, `derivatives` | predictions in batches, and their exact derivatives |
+//! | `built_model`, `build` | models with their observations: of the problem, of compared laws, of planned hits |
 //! | `identification`, `hit_numerics` | fit, uncertainty, comparison; estimated errors of the simulated hits |
 //! | `law_band`, `law_comparison`, `design` | the law with its credible band; other laws; ranking of further measurements |
 //! | `checks` | agreement with the data, as a whole and in groups |
@@ -41,12 +43,15 @@
 
 mod analysed_hits;
 mod build;
+mod built_model;
 mod checks;
 mod conclusions;
 mod data_files;
 mod data_loader;
+mod derivatives;
 mod design;
 mod error;
+mod forward_model;
 mod free_law;
 mod hit;
 mod hit_numerics;
@@ -62,6 +67,7 @@ pub mod problem;
 mod problem_parameters;
 mod records;
 mod report;
+mod scenario_laws;
 mod scenario_model;
 mod starts;
 mod stepped_sine;

@@ -17,7 +17,7 @@ pub(super) enum ObservedQuantity {
         /// The feature.
         column: usize,
     },
-    /// A feature of one hit over that of another.
+    /// Ratio of a feature of two hits.
     Ratio {
         /// The hits above and below.
         hits: [usize; 2],
@@ -33,19 +33,14 @@ pub(super) enum ObservedQuantity {
         /// The part.
         part: ComplexPart,
     },
-    /// Frequency of the backbone \[Hz\] at a measured amplitude \[m\].
-    BackboneFrequency {
+    /// Frequency \[Hz\] or damping ratio of the backbone at a measured amplitude \[m\].
+    Backbone {
         /// The hit.
         hit: usize,
         /// The amplitude, as measured.
         amplitude: f64,
-    },
-    /// Damping ratio of the backbone at a measured amplitude \[m\].
-    BackboneDamping {
-        /// The hit.
-        hit: usize,
-        /// The amplitude, as measured.
-        amplitude: f64,
+        /// True for the damping ratio.
+        is_damping: bool,
     },
     /// Amplitude \[m\] of a steady response to a shaker.
     SteadyAmplitude {
@@ -56,7 +51,7 @@ pub(super) enum ObservedQuantity {
     SteadyPhase {
         /// The response.
         response: usize,
-        /// The measured phase: the turn nearest to it counts.
+        /// The measured phase: the prediction is within half a turn of it.
         near: f64,
     },
     /// Stiffness of a law \[Pa/m\], by its index among those requested.
@@ -140,9 +135,8 @@ impl ObservedQuantity {
                 let value = *outcomes.hits[hit].receptance.get(place)?;
                 Some(part.of(value) * receptance_gain(gains[hit]))
             }
-            Self::BackboneFrequency { hit, amplitude }
-            | Self::BackboneDamping { hit, amplitude } => {
-                self.at(&outcomes.hits[hit].backbone, amplitude / gains[hit].response)
+            Self::Backbone { hit, amplitude, is_damping } => {
+                value_at(&outcomes.hits[hit].backbone, amplitude / gains[hit].response, is_damping)
             }
             Self::SteadyAmplitude { response } => Some((*outcomes.steady.get(response)?)?.norm()),
             Self::SteadyPhase { response, near } => {
@@ -153,8 +147,8 @@ impl ObservedQuantity {
         }
     }
 
-    /// Its derivative at fixed gains, from the derivatives of the results; that of a backbone from
-    /// two backbones, a step `backbones.0` above and below.
+    /// Its derivative at fixed gains, from the derivatives of the results. The derivative of a backbone
+    /// is the central difference of two backbones at the distance `backbones.0`.
     pub(super) fn derivative(
         &self,
         outcomes: &PointOutcomes,
@@ -173,11 +167,10 @@ impl ObservedQuantity {
                     self.value(outcomes, gains, columns)? * (part(above)? - part(below)?);
                 (!derivative.is_nan()).then_some(derivative)
             }
-            Self::BackboneFrequency { hit, amplitude }
-            | Self::BackboneDamping { hit, amplitude } => {
+            Self::Backbone { hit, amplitude, is_damping } => {
                 let (step, curves) = backbones;
                 let [beyond, before] = curves.get(hit)?;
-                let at = |curve| self.at(curve, amplitude / gains[hit].response);
+                let at = |curve| value_at(curve, amplitude / gains[hit].response, is_damping);
                 Some((at(beyond)? - at(before)?) / (2.0 * step))
             }
             Self::SteadyAmplitude { response } => {
@@ -190,18 +183,6 @@ impl ObservedQuantity {
             }
             // All others are linear in the results.
             _ => self.value(derivatives, gains, columns),
-        }
-    }
-}
-
-impl ObservedQuantity {
-    /// Frequency or damping ratio of a backbone at an amplitude \[m\].
-    fn at(&self, points: &[BackbonePoint], amplitude: f64) -> Option<f64> {
-        match self {
-            Self::BackboneDamping { .. } => {
-                value_at(points, amplitude, |point| point.damping_ratio)
-            }
-            _ => value_at(points, amplitude, |point| point.frequency_hz),
         }
     }
 }
@@ -242,13 +223,12 @@ pub(super) fn backbone_of(decay: &[f64], rate: f64, fundamental: f64) -> Vec<Bac
 /// Ratio of amplitudes over which a backbone is extrapolated at its ends.
 const BEYOND: f64 = 1.5;
 
-/// A value of a backbone at an amplitude \[m\], linear in its logarithm and extrapolated by at most
-/// [`BEYOND`]; `None` further out.
-fn value_at(
-    points: &[BackbonePoint],
-    amplitude: f64,
-    value: fn(&BackbonePoint) -> f64,
-) -> Option<f64> {
+/// Frequency \[Hz\] or damping ratio of a backbone at an amplitude \[m\], linear in the logarithm of the
+/// amplitude and extrapolated by at most [`BEYOND`]; `None` further out.
+fn value_at(points: &[BackbonePoint], amplitude: f64, is_damping: bool) -> Option<f64> {
+    let value = |point: &BackbonePoint| {
+        if is_damping { point.damping_ratio } else { point.frequency_hz }
+    };
     let falls = |pair: &&[BackbonePoint]| pair[0].amplitude > pair[1].amplitude;
     let mut pairs = points.windows(2).filter(falls);
     let first = pairs.clone().next()?;

@@ -17,15 +17,12 @@ use serde_json::{Map, Value};
 use asperity_scenario::schema_of;
 
 pub use data::{
-    AnalysisRef, Cell, DataSpec, HitConditionsSpec, HitSpec, Measured, SpreadSpec, TableRef,
-    Uncertain,
+    AnalysisRef, Cell, Changes, DataSpec, HitConditionsSpec, HitSpec, Measured, SpreadSpec,
+    TableRef, Uncertain,
 };
 pub use parameter::{
     ChannelSpec, LogNormalSpec, ParameterSpec, PriorSpec, ScaleSpec, SlopeSmoothness,
 };
-
-/// JSON Pointers into the scenario, and the values that are put there.
-pub type Changes = Map<String, Value>;
 
 /// An identification: a scenario, its unknown parameters, and data.
 #[derive(Debug, Clone, PartialEq, Deserialize, JsonSchema)]
@@ -156,13 +153,13 @@ pub struct DesignSpec {
     #[serde(default = "default_repeats")]
     #[schemars(range(min = 1, max = 1_000_000))]
     pub hits: usize,
-    /// Features of the hits with their standard deviations over their values; those of
+    /// Features of the hits with their standard deviations over their values; the features of
     /// the data when left out.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub features: BTreeMap<String, f64>,
     /// Quasi-static stiffnesses of the law.
     pub stiffness: Option<DesignStiffness>,
-    /// Lowest and highest pressure in Pa between which ln K is to be narrowed; those
+    /// Lowest and highest pressure in Pa between which ln K is to be narrowed; the pressures
     /// that the runs reach when left out.
     pub pressures_pa: Option<[f64; 2]>,
 }

@@ -185,13 +185,13 @@ impl ProblemParameters {
     ) -> Result<(), IdentificationError> {
         self.write_numbers(scenario, point)?;
         if let Some((first, law)) = &self.free {
-            // Last: it replaces the form that the others have written.
+            // The table comes last: it replaces the form that the other parameters have written.
             law.write(scenario, &point[*first..first + law.count()])?;
         }
         Ok(())
     }
 
-    /// Puts the values of all parameters but those of the free law into a scenario.
+    /// Puts the values of all parameters except the latents of the free law into a scenario.
     fn write_numbers(
         &self,
         scenario: &mut Value,
@@ -309,15 +309,14 @@ impl ProblemParameters {
             || self.list[parameter].is_latent()
     }
 
-    /// Pointers to the written numbers. Those of the form of the free law, which takes their place, are
-    /// not among them.
+    /// Pointers to the written numbers, without the numbers of the form that the free law replaces.
     pub(super) fn pointers(&self) -> impl Iterator<Item = &str> {
         let free = self.free.as_ref().map(|(_, law)| law.pointer.as_str());
         let stays = move |pointer: &&str| free.is_none_or(|free| !is_within(pointer, free));
         self.pointers_of_numbers().filter(stays).chain(free)
     }
 
-    /// Pointers to the numbers of all parameters but those of the free law.
+    /// Pointers to the numbers of all parameters except the latents of the free law.
     pub(super) fn pointers_of_numbers(&self) -> impl Iterator<Item = &str> {
         let scalars = self.scalars.iter().map(|(_, parameter)| parameter.pointer.as_str());
         scalars.chain(self.laws.iter().map(|(_, law)| law.pairs.as_str()))

@@ -1,4 +1,4 @@
-//! Records of hits: the force that drives the model, and the receptance to compare with.
+//! Records of hits: the force as load of the model, and the receptance to compare with.
 
 use std::f64::consts::TAU;
 use std::path::PathBuf;
@@ -103,7 +103,7 @@ fn recorded(mut hit: HitRecord, route: ResponseKind, band: [f64; 2]) -> Option<R
     Some(RecordedHit { time_s, force_n: hit.force, duration_s, lines })
 }
 
-/// Factor from the transform of the response to that of the displacement.
+/// Factor from the transform of the response to the transform of the displacement.
 fn to_displacement(route: ResponseKind, frequency_hz: f64) -> Complex64 {
     Complex64::new(0.0, TAU * frequency_hz).powi(-route.derivatives())
 }

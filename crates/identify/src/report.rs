@@ -1,6 +1,6 @@
 //! `identification.json`, `law.json` and the tables.
 
-use asperity_inference::{Agreement, FitTermination, ModelAssessment, ProfileEnd};
+use asperity_inference::{Agreement, Covariance, FitTermination, ModelAssessment, ProfileEnd};
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
@@ -8,8 +8,10 @@ use crate::design::{CandidateMeasurement, MeasurementKind};
 use crate::error::IdentificationError;
 use crate::identification::Identification;
 use crate::identification_problem::IdentificationProblem;
+use crate::incomplete::IncompleteIdentification;
 use crate::law_band::StiffnessOrigin;
 use crate::starts::{StartAgreement, starts_at_best};
+use crate::work::WorkStage;
 use asperity_table::DataTable;
 
 /// Identifier of the format.
@@ -38,7 +40,7 @@ pub struct Estimate {
     pub posterior_mean: f64,
     /// Interval of the posterior, with equal tails.
     pub posterior_interval: [f64; 2],
-    /// Monte Carlo standard error of either end of it.
+    /// Monte Carlo standard error of both ends of the posterior interval.
     pub posterior_interval_error: [f64; 2],
     /// R-hat of its chains.
     pub r_hat: f64,
@@ -327,6 +329,69 @@ impl Identification {
                 residual: self.fit.residuals[i],
             }
         })
+    }
+}
+
+impl IncompleteIdentification {
+    /// `identification.json`, with `"complete": false`.
+    pub fn report(&self, problem: &IdentificationProblem) -> Value {
+        let deviations = self.covariance.as_ref().map(Covariance::value_standard_deviations);
+        let estimate = |(parameter, name): (usize, &String)| {
+            let profile = self.profiles.iter().find(|profile| profile.parameter == parameter);
+            let ends = profile.map(|profile| {
+                [0, 1].map(|side| {
+                    (profile.ends[side] == ProfileEnd::Crossed).then_some(profile.interval[side])
+                })
+            });
+            json!({
+                "name": name,
+                "label": self.labels[parameter],
+                "value": self.fit.point[parameter],
+                "standard_deviation": deviations.as_ref().map(|all| all[parameter]),
+                "profile_interval": ends,
+                "at_bound": self.fit.at_bound[parameter],
+            })
+        };
+        json!({
+            "schema": IDENTIFICATION_SCHEMA,
+            "title": problem.spec.title,
+            "complete": false,
+            "stopped_in": self.stage.name(),
+            "words": self.conclusions(),
+            "estimates": self.names.iter().enumerate().map(estimate).collect::<Vec<_>>(),
+            "law": {"name": self.law},
+            "fit": {
+                "chi_square": self.fit.chi_square,
+                "observations": self.fit.residuals.len(),
+                "missing": self.fit.missing.len(),
+                "converged": self.stage != WorkStage::Fit && self.fit.converged,
+                "iterations": self.fit.iterations,
+                "starts_at_best": starts_at_best(&self.fit),
+                "start_agreement": StartAgreement::of(&self.fit),
+            },
+            "numerics": {"evaluations": self.fit.evaluations, "wall_s": self.wall_s},
+            "provenance": {
+                "version": env!("CARGO_PKG_VERSION"),
+                "problem_sha256": problem.document.sha256(),
+                "scenario_sha256": problem.scenario_sha256,
+            },
+        })
+    }
+
+    /// `law.json`: the law at the best fit so far, as a scenario writes it.
+    pub fn law_json(&self) -> Option<Value> {
+        serde_json::to_value(self.laws.get(&self.law)?).ok()
+    }
+
+    /// The scenario at the best fit so far.
+    ///
+    /// # Errors
+    /// [`IdentificationError`] as for the problem itself.
+    pub fn scenario_json(
+        &self,
+        problem: &IdentificationProblem,
+    ) -> Result<Value, IdentificationError> {
+        problem.scenario_at(&problem.with_pressures()?.spec.unknowns, &self.fit.point)
     }
 }
 

@@ -1,16 +1,11 @@
-//! The scenario as a forward model: predictions in batches.
-
-mod derivatives;
+//! The scenario of a problem with its parameters: results of all hits at a point.
 
 use std::path::PathBuf;
 use std::sync::Arc;
 
 use asperity_dynamics::{Batch, CaseResponse, DynamicsError, TransientCase};
-use asperity_inference::{
-    Derivatives, ForwardModel, Observation, Parameter, PredictionError, Predictions,
-};
+use asperity_inference::{Observation, Parameter};
 use asperity_signal::Complex64;
-use rayon::prelude::*;
 use serde_json::Value;
 
 use crate::hit::{HitForce, HitResolution, PreparedRig, SimulatedHit};
@@ -18,9 +13,10 @@ use crate::observed_quantity::{
     HitOutcome, ObservedQuantity, PointOutcomes, SummaryColumns, backbone_of,
 };
 use crate::problem_parameters::{Gains, ProblemParameters};
+use crate::scenario_laws::stiffness_curve;
 use crate::stepped_sine::SimulatedSweep;
 use crate::work::Work;
-use asperity_scenario::{LawRef, Laws};
+use asperity_scenario::Laws;
 use asperity_simulation::error::SimulationError;
 use asperity_simulation::error_control::{ConvergedRun, ErrorControl, RunRequest};
 use asperity_simulation::observable_extractor::ObservableExtractor;
@@ -49,62 +45,8 @@ pub(super) struct ScenarioModel {
     pub(super) work: Arc<Work>,
 }
 
-impl ForwardModel for ScenarioModel {
-    fn parameters(&self) -> &[Parameter] {
-        &self.parameters.list
-    }
-
-    fn observations(&self) -> &[Observation] {
-        &self.observations
-    }
-
-    fn predict(&self, points: &[Vec<f64>]) -> Vec<Result<Predictions, PredictionError>> {
-        let predict = |(point, outcomes): (&Vec<f64>, Result<PointOutcomes, SimulationError>)| {
-            let outcomes = outcomes.map_err(prediction_error)?;
-            let gains = self.gains(point);
-            let value =
-                |quantity: &ObservedQuantity| quantity.value(&outcomes, &gains, &self.columns);
-            Ok(self.quantities.iter().map(value).collect())
-        };
-        // Enough points per call to fill a batch, few enough to use all cores.
-        let points_per_batch =
-            self.points_per_batch().min(points.len().div_ceil(rayon::current_num_threads()));
-        points
-            .par_chunks(points_per_batch.max(1))
-            .flat_map_iter(|points| {
-                if self.work.is_stopped() {
-                    return points.iter().map(|_| Err(stopped())).collect::<Vec<_>>();
-                }
-                let outcomes = self.outcomes(points);
-                self.work.add(points.len());
-                points.iter().zip(outcomes).map(predict).collect::<Vec<_>>()
-            })
-            .collect()
-    }
-
-    fn differentiate(&self, point: &[f64]) -> Option<Result<Derivatives, PredictionError>> {
-        // One run with derivatives costs more than differences with respect to many latents.
-        if self.parameters.free.is_some() {
-            return None;
-        }
-        if self.work.is_stopped() {
-            return Some(Err(stopped()));
-        }
-        Some(self.derivatives(point).map_err(prediction_error))
-    }
-}
-
-fn stopped() -> PredictionError {
-    PredictionError { reason: "stopped".to_owned() }
-}
-
 /// Halvings at most of a first step that does not keep the energy.
 const MOST_HALVINGS: usize = 4;
-
-#[allow(clippy::needless_pass_by_value, reason = "the shape that map_err takes")]
-fn prediction_error(error: SimulationError) -> PredictionError {
-    PredictionError { reason: error.to_string() }
-}
 
 impl ScenarioModel {
     /// Every rig at `point`.
@@ -116,33 +58,6 @@ impl ScenarioModel {
     /// The gains of every hit's sensors at `point`.
     pub(super) fn gains(&self, point: &[f64]) -> Vec<Gains> {
         self.hits.iter().map(|hit| hit.sensors.gains(point)).collect()
-    }
-
-    /// Number of points whose hits fill a batch best.
-    fn points_per_batch(&self) -> usize {
-        // Hits of one step and as many modes are integrated together.
-        let mut groups: Vec<(&HitResolution, usize)> = Vec::new();
-        let mut others = 0;
-        for hit in &self.hits {
-            let Some(own) = &hit.resolution else {
-                others += 1;
-                continue;
-            };
-            match groups.iter_mut().find(|(known, _)| *known == own) {
-                Some((_, count)) => *count += 1,
-                None => groups.push((own, 1)),
-            }
-        }
-        let room = self.batch.room();
-        let cost = |points: usize| {
-            let blocks = |count: usize| ((points * count).div_ceil(room) * room) as f64;
-            let own = groups.iter().map(|(held, count)| {
-                blocks(*count) * held.counts.iter().sum::<usize>() as f64 / held.step
-            });
-            let shortest = groups.iter().map(|(held, _)| 1.0 / held.step).fold(1.0, f64::max);
-            (own.sum::<f64>() + blocks(others) * shortest) / points as f64
-        };
-        (1..=MAX_POINTS).min_by(|&a, &b| cost(a).total_cmp(&cost(b))).unwrap_or(1)
     }
 
     /// Results of every hit at some `points`, in one batch.
@@ -240,19 +155,19 @@ impl ScenarioModel {
                 hit.resolution = Some(asked);
             }
         }
-        self.share_levels_of_records();
+        self.share_resolution_of_records();
         finer
     }
 
     /// Gives recorded hits of one rig and duration common steps and modes, none coarser: a step of its
     /// own for each record would need tables of its own, and an integration of its own.
-    fn share_levels_of_records(&mut self) {
-        let is_recorded = |hit: &SimulatedHit| matches!(hit.drive, HitForce::Record { .. });
+    fn share_resolution_of_records(&mut self) {
+        let is_recorded = |hit: &SimulatedHit| matches!(hit.force, HitForce::Record { .. });
         let key = |hit: &SimulatedHit, step: f64| {
             // The power of two below.
             (hit.rig, hit.duration.map(f64::to_bits), step.log2().floor() as i64)
         };
-        let mut shared: Vec<(SharedLevel, Vec<usize>)> = Vec::new();
+        let mut shared: Vec<(SharedResolution, Vec<usize>)> = Vec::new();
         for hit in self.hits.iter().filter(|hit| is_recorded(hit)) {
             let Some(own) = &hit.resolution else { continue };
             let of = key(hit, own.step);
@@ -280,9 +195,9 @@ impl ScenarioModel {
         self.parameters.list.iter().map(Parameter::start).collect()
     }
 
-    /// Holds the first step and modes of a refinement, at the start of the parameters: those of a
-    /// search whose end is refined. A law far from the data may need much finer ones in vain. Where the
-    /// first step does not keep the energy, it is halved.
+    /// Holds the first step and modes of a refinement at the start of the parameters, for the search;
+    /// its end is refined. A refinement at a start far from the data may cost much in vain. A first step
+    /// that does not keep the energy is halved.
     pub(super) fn hold_first(&mut self) {
         let Ok(requests) = self.requests(&self.start()) else { return };
         for (hit, request) in self.hits.iter_mut().zip(&requests) {
@@ -292,7 +207,7 @@ impl ScenarioModel {
                 hit.resolution = Some(HitResolution { step, counts });
             }
         }
-        self.share_levels_of_records();
+        self.share_resolution_of_records();
         for _ in 0..MOST_HALVINGS {
             let Ok(records) = self.records(&self.start()) else { return };
             let coarse = records.iter().map(|record| {
@@ -306,7 +221,7 @@ impl ScenarioModel {
             for resolution in held.filter_map(|(hit, _)| hit.resolution.as_mut()) {
                 resolution.step *= 0.5;
             }
-            self.share_levels_of_records();
+            self.share_resolution_of_records();
         }
     }
 
@@ -382,6 +297,45 @@ impl ScenarioModel {
         stiffness_curve(&laws, law, pressures)
     }
 
+    /// Derivatives of ln K of `law` at some `pressures` \[Pa\] with respect to the working coordinate of
+    /// a parameter, by differences inside its bounds.
+    pub(super) fn log_stiffness_derivative(
+        &self,
+        law: &str,
+        pressures: &[f64],
+        point: &[f64],
+        parameter: usize,
+    ) -> Result<Vec<f64>, SimulationError> {
+        let varied = &self.parameters.list[parameter];
+        let [low, high] = varied.bounds().map(|bound| varied.to_working(bound));
+        let ends = [-LOG_STIFFNESS_STEP, LOG_STIFFNESS_STEP].map(|share| {
+            (varied.to_working(point[parameter]) + share * (high - low)).clamp(low, high)
+        });
+        let curve = |coordinate: f64| {
+            let mut moved = point.to_vec();
+            moved[parameter] = varied.from_working(coordinate);
+            self.curve(law, pressures, &moved)
+        };
+        let [below, above] = ends.map(curve);
+        let slope = |(a, b): (f64, f64)| (b / a).ln() / (ends[1] - ends[0]);
+        Ok(below?.into_iter().zip(above?).map(slope).collect())
+    }
+
+    /// Gradients of ln K of `law`, one for each of the `pressures` \[Pa\], with respect to the working
+    /// coordinates of all parameters.
+    pub(super) fn log_stiffness_gradients(
+        &self,
+        law: &str,
+        pressures: &[f64],
+        point: &[f64],
+    ) -> Result<Vec<Vec<f64>>, SimulationError> {
+        let columns = (0..point.len())
+            .map(|j| self.log_stiffness_derivative(law, pressures, point, j))
+            .collect::<Result<Vec<_>, _>>()?;
+        let gradient = |i: usize| columns.iter().map(|column| column[i]).collect();
+        Ok((0..pressures.len()).map(gradient).collect())
+    }
+
     /// The laws at `point`.
     pub(super) fn laws(&self, point: &[f64]) -> Result<Laws, SimulationError> {
         let fail = |reason: String| SimulationError::Scenario(reason);
@@ -392,32 +346,11 @@ impl ScenarioModel {
     }
 }
 
+/// Step of a parameter over its range for the derivative of ln K.
+const LOG_STIFFNESS_STEP: f64 = 1e-5;
+
 /// Rig, bits of the duration, and binary exponent of the step of recorded hits.
-type SharedLevel = (usize, Option<u64>, i64);
+type SharedResolution = (usize, Option<u64>, i64);
 
 /// The rigs at a point, and the hits on them.
 type Ready = (Vec<PreparedRig>, Vec<TransientCase>);
-
-/// Most points of one batch.
-const MAX_POINTS: usize = 16;
-
-/// Least pressure \[Pa\] that laws which never separate are built for.
-const LEAST_PRESSURE: f64 = 1.0;
-
-/// Stiffness \[Pa/m\] of a law at some pressures \[Pa\]. The law is built once: its static pressure is the
-/// origin of closures alone.
-pub(super) fn stiffness_curve(
-    laws: &Laws,
-    name: &str,
-    pressures: &[f64],
-) -> Result<Vec<f64>, SimulationError> {
-    let reference = LawRef::Named(name.to_owned());
-    let highest = pressures.iter().copied().fold(LEAST_PRESSURE, f64::max);
-    let law = laws.build(&reference, highest).map_err(|source| SimulationError::Law {
-        law: name.to_owned(),
-        interface: None,
-        pressure_pa: highest,
-        source,
-    })?;
-    Ok(pressures.iter().map(|&pressure| law.stiffness(pressure)).collect())
-}

@@ -3,8 +3,8 @@
 use asperity_inference::FitSolution;
 use serde::Serialize;
 
-/// Largest deviance above the best fit, in variances, of an end that reached it: a standard deviation
-/// along any direction that the data leave open.
+/// Largest deviance above the best fit at which a start counts as having reached it: one standard
+/// deviation along any direction.
 const SAME_DEVIANCE: f64 = 1.0;
 
 /// Share of the starts that reached the lowest cost.
@@ -33,13 +33,13 @@ impl StartAgreement {
     }
 }
 
-/// Number of starts whose deviance is at most one above that of the best fit.
+/// Number of starts whose deviance is at most one above the deviance of the best fit.
 pub(crate) fn starts_at_best(fit: &FitSolution) -> usize {
     let reached = |cost: f64| 2.0 * (cost - fit.cost) <= SAME_DEVIANCE;
     fit.starts.iter().filter(|start| reached(start.cost)).count()
 }
 
-/// The conclusion.
+/// The conclusion about the starts, in a sentence.
 pub(crate) fn about_starts(fit: &FitSolution) -> String {
     let (all, reached) = (fit.starts.len(), starts_at_best(fit));
     let mut others: Vec<f64> = fit.starts.iter().map(|start| 2.0 * start.cost).collect();

@@ -14,7 +14,7 @@ use crate::problem::Changes;
 use crate::problem_parameters::{Gains, Sensors};
 use asperity_simulation::error::SimulationError;
 
-/// Relative change of the force from which on a row begins another level, in a table without levels.
+/// Least relative change of the force at which a new level begins, in a table without levels.
 const NEW_LEVEL: f64 = 0.1;
 
 /// A measured response.
@@ -132,7 +132,7 @@ impl SimulatedSweep {
         rigs: &[PreparedRig],
         gains: Gains,
     ) -> Result<Vec<Option<SineResponse>>, SimulationError> {
-        // Tables of the laws; the derivatives are those of the laws themselves.
+        // Tables of the laws here; `differentiated` evaluates the laws themselves.
         let system = self.system(&rigs[self.rig], LawEvaluation::default())?;
         let drives: Vec<Drive> =
             self.drives.iter().map(|drive| Self::drive(*drive, gains)).collect();

@@ -32,7 +32,7 @@ impl WorkStage {
     }
 }
 
-/// The progress of the whole.
+/// The progress of an identification.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WorkProgress {
     /// The part under way.
@@ -43,7 +43,7 @@ pub struct WorkProgress {
     pub left: Option<Duration>,
 }
 
-/// The work of an identification, shared with whoever watches or stops it.
+/// The progress of an identification under way and a request to stop it, shared between threads.
 #[derive(Debug, Default)]
 pub struct Work {
     stopped: Arc<AtomicBool>,
@@ -61,7 +61,7 @@ struct State {
 }
 
 impl Work {
-    /// Asks the identification to end soon, with what is finished.
+    /// Requests the identification to end soon, with the results that are finished.
     pub fn stop(&self) {
         self.stopped.store(true, Ordering::Relaxed);
     }
@@ -100,7 +100,7 @@ impl Work {
             State { started: Some(Instant::now()), stage: 0, expected };
     }
 
-    /// Begins a part; the one before has needed what it has.
+    /// Begins a part; the evaluations of the part before are now known.
     pub(crate) fn begin(&self, stage: WorkStage) {
         let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
         let here = self.points.swap(0, Ordering::Relaxed) as f64;
@@ -115,7 +115,7 @@ impl Work {
     }
 }
 
-/// Evaluations that each part of an identification is expected to need: those of typical problems.
+/// Evaluations that each part of a typical identification needs.
 pub(crate) fn expected_evaluations(
     parameters: usize,
     starts: usize,

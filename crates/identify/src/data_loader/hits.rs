@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use super::{Loader, check_scenario};
+use crate::built_model::Loader;
 use crate::error::IdentificationError;
 use crate::hit::{HitForce, SimulatedHit, apply};
 use crate::problem::Changes;
@@ -27,7 +27,7 @@ impl Loader<'_> {
         Ok(self.add(rig, data, HitForce::Scenario { set, peak_n }, None))
     }
 
-    /// The same for a hit with a measured force.
+    /// Index of the hit with these changes and a measured force, which is added unless an equal one exists.
     pub(super) fn add_recorded_hit(
         &mut self,
         place: &str,
@@ -37,17 +37,17 @@ impl Loader<'_> {
     ) -> Result<usize, IdentificationError> {
         let (rig, set) = self.rig(place, &[set])?;
         let (time_s, force_n) = (hit.time_s.clone(), hit.force_n.clone());
-        let drive = HitForce::Record { set, time_s, force_n };
-        Ok(self.add(rig, data, drive, Some(hit.duration_s)))
+        let force = HitForce::Record { set, time_s, force_n };
+        Ok(self.add(rig, data, force, Some(hit.duration_s)))
     }
 
-    fn add(&mut self, rig: usize, data: &str, drive: HitForce, duration: Option<f64>) -> usize {
+    fn add(&mut self, rig: usize, data: &str, force: HitForce, duration: Option<f64>) -> usize {
         let forward = &mut self.built.forward;
         let hit = SimulatedHit {
             data: data.to_owned(),
             rig,
             sensors: forward.parameters.sensors(data),
-            drive,
+            force,
             duration,
             resolution: None,
             frequencies: Vec::new(),
@@ -55,8 +55,8 @@ impl Loader<'_> {
         };
         let same = |known: &SimulatedHit| {
             // Hits that differ in the requested results only are one.
-            (known.rig, &known.drive, known.duration, &known.sensors)
-                == (hit.rig, &hit.drive, hit.duration, &hit.sensors)
+            (known.rig, &known.force, known.duration, &known.sensors)
+                == (hit.rig, &hit.force, hit.duration, &hit.sensors)
         };
         forward.hits.iter().position(same).unwrap_or_else(|| {
             forward.hits.push(hit);
@@ -74,7 +74,7 @@ impl Loader<'_> {
         self.rig(place, &[set])
     }
 
-    /// Index of the rig with the changes in `sets`, and those of them inside the excitation.
+    /// Index of the rig with the changes in `sets` outside the excitation, and the changes inside it.
     fn rig(
         &mut self,
         place: &str,
@@ -91,7 +91,7 @@ impl Loader<'_> {
         apply(&mut rig, &of_rig, place)?;
         let mut whole = rig.clone();
         apply(&mut whole, &of_force, place)?;
-        check_scenario(&whole, self.path)?;
+        self.problem.check_scenario(&whole)?;
         let rigs = &mut self.built.forward.rigs;
         let index = rigs.iter().position(|known| *known == rig).unwrap_or_else(|| {
             rigs.push(rig);

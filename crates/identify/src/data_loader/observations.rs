@@ -2,20 +2,16 @@
 
 use std::collections::BTreeMap;
 
-use asperity_inference::Observation;
-
-use super::{Loader, ObservationLabel, no_law};
+use crate::built_model::{Loader, ObservationLabel};
 use crate::data_files::{BackboneRow, ReceptanceLine};
 use crate::error::IdentificationError;
 use crate::observed_quantity::{ComplexPart, ObservedQuantity};
 use crate::problem::{Changes, HitSpec, SpreadSpec};
+use crate::scenario_laws::no_law;
 use crate::stepped_sine::{SimulatedSweep, SteppedRow};
 use asperity_harmonic::Drive;
 use asperity_scenario::four_digits;
 use asperity_simulation::quantity::Quantity;
-
-/// Largest distance of two values of one feature of one hit, in standard deviations.
-const MAX_APART: f64 = 10.0;
 
 impl Loader<'_> {
     pub(super) fn stiffness(
@@ -87,13 +83,13 @@ impl Loader<'_> {
         let block = self.next_block();
         for point in points {
             let amplitude = point.amplitude;
-            let quantity = ObservedQuantity::BackboneFrequency { hit, amplitude };
+            let quantity = ObservedQuantity::Backbone { hit, amplitude, is_damping: false };
             let about = ObservationLabel::new(data, "backbone.frequency_hz", Some(amplitude));
             let value = point.frequency_hz;
             let deviation = spread.of(value).hypot(point.frequency_deviation_hz);
             self.push(place, block, quantity, about, (value, deviation))?;
             if let Some(spread) = damping_spread {
-                let quantity = ObservedQuantity::BackboneDamping { hit, amplitude };
+                let quantity = ObservedQuantity::Backbone { hit, amplitude, is_damping: true };
                 let about = ObservationLabel::new(data, "backbone.damping_ratio", Some(amplitude));
                 let value = point.damping_ratio;
                 let deviation = spread.of(value).hypot(point.ratio_deviation);
@@ -171,44 +167,6 @@ impl Loader<'_> {
                 }
             }
         }
-        Ok(())
-    }
-
-    pub(super) fn next_block(&mut self) -> usize {
-        self.blocks += 1;
-        self.blocks - 1
-    }
-
-    pub(super) fn push(
-        &mut self,
-        place: &str,
-        block: usize,
-        quantity: ObservedQuantity,
-        about: ObservationLabel,
-        (value, deviation): (f64, f64),
-    ) -> Result<(), IdentificationError> {
-        let forward = &mut self.built.forward;
-        for (known, earlier) in forward.quantities.iter().zip(&forward.observations) {
-            let apart = (earlier.value - value).abs() / earlier.standard_deviation.hypot(deviation);
-            if *known == quantity && apart > MAX_APART {
-                return Err(IdentificationError::Contradictory {
-                    place: place.to_owned(),
-                    feature: about.feature,
-                    first: earlier.value,
-                    second: value,
-                    apart,
-                });
-            }
-        }
-        let at = about.at.map_or_else(String::new, |at| format!(" at {}", four_digits(at)));
-        forward.quantities.push(quantity);
-        forward.observations.push(Observation {
-            label: format!("{}: {}{at}", about.data, about.feature),
-            block,
-            value,
-            standard_deviation: deviation,
-        });
-        self.built.about.push(about);
         Ok(())
     }
 

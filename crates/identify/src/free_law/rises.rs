@@ -32,7 +32,7 @@ pub(super) struct Rises {
     pub(super) step: f64,
     /// True if all slopes are below one.
     pub(super) below_one: bool,
-    /// Index of the first rise whose secant is below the one before.
+    /// Index of the first rise whose secant is below the previous secant.
     pub(super) first_falling: usize,
 }
 

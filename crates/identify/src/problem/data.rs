@@ -6,7 +6,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
-use super::Changes;
+/// JSON Pointers into the scenario, and the values that are put there.
+pub type Changes = Map<String, Value>;
 
 /// Data of one kind.
 #[derive(Debug, Clone, PartialEq, Deserialize, JsonSchema)]
@@ -77,8 +78,8 @@ pub enum DataSpec {
         file: TableRef,
         /// Number of the hit or curve in the file; the only one when left out.
         index: Option<usize>,
-        /// The hit. Where its force was not measured, any that reaches the amplitudes: the relation
-        /// is that of the free decay.
+        /// The hit. Where its force was not measured, any hit that reaches the amplitudes: the relation
+        /// belongs to the free decay.
         #[serde(default)]
         hit: HitConditionsSpec,
         /// Standard deviation of the frequency, of its value and absolute in Hz.
@@ -87,7 +88,7 @@ pub enum DataSpec {
         /// when left out.
         damping_spread: Option<SpreadSpec>,
     },
-    /// Records of hits: the measured force drives the model, and the
+    /// Records of hits: the measured force is the load of the model, and the
     /// receptances are compared in a band.
     Records {
         /// A name.
@@ -104,7 +105,7 @@ pub enum DataSpec {
         set: Changes,
         /// Frequency band in Hz.
         band_hz: [f64; 2],
-        /// Standard deviation added in squares to that of the noise at the end of
+        /// Standard deviation added in squares to the noise at the end of
         /// the record: of the largest magnitude in the band, and absolute in m/N.
         #[serde(default)]
         spread: SpreadSpec,
@@ -142,7 +143,7 @@ pub enum DataSpec {
         /// Standard deviation of the stiffness.
         spread: SpreadSpec,
     },
-    /// A feature of one hit over that of another.
+    /// The ratio of a feature of two hits.
     Ratio {
         /// The feature.
         feature: String,
@@ -184,7 +185,7 @@ pub enum TableRef {
 pub enum Cell {
     /// A number.
     Number(f64),
-    /// A truth value, such as those of a column `valid`.
+    /// A truth value, such as the cells of a column `valid`.
     Truth(bool),
     /// A text.
     Text(String),
@@ -203,6 +204,21 @@ impl DataSpec {
             Self::Records { files, .. } => files,
             _ => &[],
         }
+    }
+
+    /// The name, or the kind and the number if the data at `index` have none.
+    pub(crate) fn name_or_kind(&self, index: usize) -> String {
+        let (name, kind) = match self {
+            Self::Hits { name, .. } => (name.as_ref(), "hits"),
+            Self::Analysis { name, .. } => (name.as_ref(), "analysis"),
+            Self::Frf { name, .. } => (name.as_ref(), "frf"),
+            Self::Backbone { name, .. } => (name.as_ref(), "backbone"),
+            Self::Records { name, .. } => (name.as_ref(), "records"),
+            Self::SteppedSine { name, .. } => (name.as_ref(), "stepped_sine"),
+            Self::Stiffness { .. } => (None, "stiffness"),
+            Self::Ratio { .. } => (None, "ratio"),
+        };
+        name.cloned().unwrap_or_else(|| format!("{kind} {}", index + 1))
     }
 }
 

@@ -38,7 +38,7 @@ pub enum ParameterSpec {
         steps: [f64; 2],
     },
     /// A law without an assumed form: ln K over ln p at many points, whose
-    /// slope deviates from that of the scenario's law by a smooth random
+    /// slope deviates from the slope of the scenario's law by a smooth random
     /// function of unknown amplitude and length. The law of the scenario is
     /// replaced by a table. Other unknowns may be numbers of that law: the free
     /// law deviates from the form that they give.
@@ -67,7 +67,7 @@ pub enum ParameterSpec {
         #[serde(default = "default_length")]
         length: LogNormalSpec,
         /// Smoothness of the slope: the kinds among which the data choose, each
-        /// with the same probability before them.
+        /// with the same prior probability.
         #[serde(default = "default_smoothness")]
         #[schemars(length(min = 1, max = 2), extend("uniqueItems" = true))]
         smoothness: Vec<SlopeSmoothness>,
@@ -103,7 +103,7 @@ pub enum SlopeSmoothness {
     /// without kinks.
     Differentiable,
     /// The slope is continuous without a derivative (Matérn covariance of
-    /// smoothness 1/2, that of slopes with jumps at random pressures): laws with
+    /// smoothness 1/2, as of slopes with jumps at random pressures): laws with
     /// kinks or steep shoulders.
     Continuous,
 }

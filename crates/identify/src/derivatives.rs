@@ -15,16 +15,16 @@ use asperity_inference::Derivatives;
 use asperity_signal::{BackbonePoint, Complex64, transform_at};
 use rayon::prelude::*;
 
-use super::ScenarioModel;
 use crate::hit::{PreparedRig, SimulatedHit};
 use crate::observed_quantity::{HitOutcome, ObservedQuantity, PointOutcomes, backbone_of};
+use crate::scenario_model::ScenarioModel;
 use crate::stepped_sine::SweepStencil;
 use asperity_simulation::error::SimulationError;
 use asperity_simulation::observables::free_from;
 use asperity_simulation::quantity::{Observable, Quantity};
 use asperity_simulation::sensitivity::{DerivativeTable, StaticStencil, with_laws_of};
 
-/// Step along the derivative of a decay, relative to that of the parameter's stencil.
+/// Step along the derivative of a decay over the step of the parameter's stencil.
 const ALONG: f64 = 1e-2;
 
 /// The rigs at the points of the stencil of one parameter.
