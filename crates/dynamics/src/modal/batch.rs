@@ -75,7 +75,7 @@ impl Batch {
     /// `decimation` gives the filter for the output of case `index` at a step \[s\].
     ///
     /// ```
-    /// use asperity_dynamics::{Batch, Decimation, TransientCase, ModalModel};
+    /// use asperity_dynamics::{Batch, Decimation, ModalModel, TransientCase};
     /// use asperity_mesh::Port;
     /// use asperity_structure::{LoadCase, TimeFunction};
     /// # use std::sync::Arc;

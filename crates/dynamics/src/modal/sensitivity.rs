@@ -110,7 +110,7 @@ impl Batch {
     /// Memory is `8 (1 + interfaces) (1 + variations)` bytes a step.
     ///
     /// ```
-    /// use asperity_dynamics::{Batch, TransientCase, ModalModel, ParameterVariation, STENCIL};
+    /// use asperity_dynamics::{Batch, ModalModel, ParameterVariation, STENCIL, TransientCase};
     /// use asperity_mesh::Port;
     /// use asperity_structure::{LoadCase, TimeFunction};
     /// # use std::sync::Arc;
