@@ -80,7 +80,7 @@ pub enum DynamicsError {
         /// The setting that makes it smaller.
         smaller: &'static str,
     },
-    /// A varied hit has no derivative with respect to what was varied.
+    /// A varied case has no derivative with respect to what was varied.
     #[error("parameter {parameter}: {quantity} is {value}; accepted: {accepted}")]
     Variation {
         /// Number of the parameter, from 0.

@@ -12,7 +12,7 @@
 //! out. End nodes carry half a cell's mass; a free end is then Eq. (4) with
 //! the outer neighbour the mirror image of the inner one, plus the force on
 //! the end. At a contact the force is implicit (Eq. 5): the new closure is
-//! `d* - b p` with `d*` what it would be without the pressure, which is one
+//! `d* - b p` with `d*` the closure without the pressure, which is one
 //! monotone scalar equation per interface. See [`ContactForm`] for its two forms.
 //!
 //! | module | holds |
@@ -43,8 +43,8 @@ use asperity_structure::{LoadCase, PreloadedStructure};
 use pulp::Arch;
 
 use crate::error::{balanced, check_damping};
-use crate::run_bounds::{check_finite_differences, check_history};
-use crate::{DynamicsError, RunOutline, Sampling, Transient};
+use crate::run_bounds::{RunOutline, check_finite_differences, check_history};
+use crate::{DynamicsError, Sampling, Transient};
 pub use contact::ContactForm;
 use loads::{Loads, Place};
 use time_loop::TimeLoop;
@@ -117,7 +117,7 @@ impl FiniteDifference {
     /// [`integrate`](Self::integrate), with the fraction done reported to `progress`.
     ///
     /// # Errors
-    /// Those of [`integrate`](Self::integrate).
+    /// As [`integrate`](Self::integrate).
     pub fn integrate_with_progress(
         &self,
         structure: &PreloadedStructure,
@@ -234,8 +234,8 @@ mod tests {
             let place =
                 |(body, fraction): (usize, f64)| Port::Point { body, position: 0.2 * fraction };
             let (x, y) = (place(pair.0), place(pair.1));
-            let at = |driven, read| {
-                let run = response(&structure, 2e-3, &pulse.clone().at(driven), &[read], &sampling);
+            let at = |loaded, read| {
+                let run = response(&structure, 2e-3, &pulse.clone().at(loaded), &[read], &sampling);
                 run.history.sensors[0].clone()
             };
             let (one, other) = (at(x, y), at(y, x));
@@ -273,7 +273,7 @@ mod tests {
         let (peak, duration) = (5.0, 0.4e-3);
         let pulse = LoadCase::force(TimeFunction::Haversine { duration }, peak);
         // Thirds lie at the same part of a cell on all grids.
-        let driven: f64 = 1.0 / 3.0;
+        let loaded: f64 = 1.0 / 3.0;
         let places = [0.0, 2.0 / 3.0, 0.5, 1.0];
         let port = |fraction: f64| Port::Point { body: 0, position: fraction * length };
         let sensors = places.map(port);
@@ -281,7 +281,7 @@ mod tests {
             let mut sum = [0.0; 3];
             for n in 0..400 {
                 let k = PI * f64::from(n);
-                let shapes = (k * driven).cos() * (k * read).cos();
+                let shapes = (k * loaded).cos() * (k * read).cos();
                 let factor = if n == 0 { 1.0 } else { 2.0 } * shapes * peak / mass;
                 let (w, o) = (k * body.wave_speed() / length, TAU / duration);
                 // The haversine is a lasting one less that from its end on.
@@ -295,7 +295,7 @@ mod tests {
         // 1, 2 and 4 steps a sample, all at the Courant number 0.94.
         let sampling = Sampling::new(1e-3, 20.0 / 0.94 * body.wave_speed() / length).unwrap();
         let errors = [20.0, 40.0, 80.0].map(|cells| {
-            let load = pulse.clone().at(port(driven));
+            let load = pulse.clone().at(port(loaded));
             let run = response(&structure, length / cells, &load, &sensors, &sampling);
             assert!(run.energy.residual_relative() < 1e-9);
             let mut errors = [0.0_f64; 3];
@@ -340,7 +340,7 @@ mod tests {
             let displacement = exact(&|t| (o * t).sin() - o / w * (w * t).sin());
             let velocity = exact(&|t| o * ((o * t).cos() - (w * t).cos()));
             let off = difference(&found[0].displacement, &displacement);
-            // Elasticity of the bar over that of the spring: 3e-4 of w^2.
+            // Elasticity of the bar over the elasticity of the spring: 3e-4 of w^2.
             assert!(off < 1e-3, "{off}");
             assert!(difference(&found[0].velocity, &velocity) < 1e-3);
             assert!(run.energy.residual_relative() < 1e-6);

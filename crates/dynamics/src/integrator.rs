@@ -3,7 +3,7 @@
 use asperity_mesh::Port;
 use asperity_structure::{LoadCase, PreloadedStructure};
 
-use crate::run_bounds::check_history;
+use crate::run_bounds::{RunOutline, check_history};
 use crate::{DynamicsError, FiniteDifference, InstructionSet, Modal, Sampling, Transient};
 
 /// A time integrator with its settings.
@@ -32,17 +32,6 @@ impl From<Modal> for Integrator {
     fn from(method: Modal) -> Self {
         Self::Modal(method)
     }
-}
-
-/// The size of a run.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct RunOutline {
-    /// Nodes of the grid, or modes.
-    pub unknowns: usize,
-    /// Step \[s\]; one that was chosen may still be halved for the sake of the energy balance.
-    pub step: f64,
-    /// Number of steps.
-    pub steps: usize,
 }
 
 impl Integrator {
@@ -102,7 +91,7 @@ impl Integrator {
     /// [`integrate`](Self::integrate), with the fraction done reported to `progress`.
     ///
     /// # Errors
-    /// Those of [`integrate`](Self::integrate).
+    /// As [`integrate`](Self::integrate).
     pub fn integrate_with_progress(
         &self,
         structure: &PreloadedStructure,

@@ -58,11 +58,12 @@ pub use difference::{RELATIVE_STEP, STENCIL, central_difference};
 pub use error::DynamicsError;
 pub use finite_difference::{ContactForm, FiniteDifference};
 pub use instruction_set::InstructionSet;
-pub use integrator::{Integrator, RunOutline};
+pub use integrator::Integrator;
 pub use modal::{
     Batch, COARSE_RESIDUAL, CaseResponse, ContactMeasures, Decimation, Modal, ModalModel,
     ParameterVariation, Sensitivity, StepHistory, TransientCase,
 };
+pub use run_bounds::RunOutline;
 pub use transient::{
     ContactExtremes, EnergyLedger, History, InterfaceHistory, Sampling, SensorHistory, Transient,
 };

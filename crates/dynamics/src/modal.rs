@@ -22,13 +22,16 @@
 //! | `row_modes` | modes in the closures of contacts and guides, the load and the sensors |
 //! | `step_model` | all numbers of a step that do not depend on the load |
 //! | `load_steps` | the load, step by step |
-//! | `simulation` | one case and its response |
+//! | `transient_case` | one case and its response |
+//! | `prepared_case` | one case, prepared for one step length |
 //! | `step_size` | the choice of the step |
 //! | `fast_modes` | the error by modes that a step does not show |
-//! | `simulate` | many cases, tried again where a step or a table was too short |
+//! | `batch` | many cases, tried again where a step or a table was too short |
 //! | `dense_output` | the motion between steps |
 //! | `energy` | the energy balance |
+//! | `decimation` | the filter of the output |
 //! | `linear_tail` | the rest of a ring-down, where the laws are straight |
+//! | `ring_down` | the step from which a ring-down is linear |
 //! | `linear_system` | the small linear equations of the contacts |
 //! | `increasing_root` | a bracketed root, for contacts solved one by one |
 //! | `simd` | cases in the lanes of vectors |
@@ -39,7 +42,9 @@
 )]
 
 mod assembly;
+mod batch;
 mod damped_table;
+mod decimation;
 mod dense_output;
 mod energy;
 mod fast_modes;
@@ -48,13 +53,14 @@ mod linear_system;
 mod linear_tail;
 mod load_steps;
 mod oscillator;
+mod prepared_case;
+mod ring_down;
 mod row_modes;
 mod sensitivity;
 mod simd;
-mod simulate;
-mod simulation;
 mod step_model;
 mod step_size;
+mod transient_case;
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -66,11 +72,11 @@ use crate::error::check_damping;
 use crate::{DynamicsError, InstructionSet, Sampling, Transient};
 
 pub use assembly::ModalModel;
+pub use batch::Batch;
+pub use decimation::Decimation;
 pub use sensitivity::{ContactMeasures, ParameterVariation, Sensitivity, StepHistory};
-pub use simd::decimation::Decimation;
-pub use simulate::Batch;
-pub use simulation::{CaseResponse, TransientCase};
 pub use step_size::COARSE_RESIDUAL;
+pub use transient_case::{CaseResponse, TransientCase};
 
 /// Frequencies of interest over the lowest natural one: the top of the window in which the second
 /// harmonic is searched.
@@ -78,7 +84,7 @@ const BAND: f64 = 3.22;
 
 /// Radians of the load's time scale up to which modes follow it: a gamma pulse has a tenth of
 /// its spectrum there.
-const DRIVE_BAND: f64 = 4.0;
+const LOAD_BAND: f64 = 4.0;
 
 /// Share of a body's inertia that the modes left out may lack in the band.
 const NEGLECTED: f64 = 1e-3;
@@ -111,7 +117,7 @@ impl Modal {
             Some(modes) => ModeCount::PerBody(modes),
             None => ModeCount::Bound {
                 angular_frequency: (BAND * TAU * natural.unwrap_or(0.0))
-                    .max(DRIVE_BAND / load.time_scale()),
+                    .max(LOAD_BAND / load.time_scale()),
                 tolerance: NEGLECTED,
             },
         }
@@ -119,8 +125,8 @@ impl Modal {
 
     /// The response of `structure`, from rest, to `load`, read at `sensors`.
     ///
-    /// Samples need not fall on steps: between them the motion is that of the modes, and the
-    /// closures a cubic. A run takes some milliseconds.
+    /// Samples need not fall on steps: between steps the modes move exactly, and
+    /// the closures follow a cubic. A run takes some milliseconds.
     ///
     /// ```
     /// use asperity_dynamics::{Modal, Sampling};
@@ -165,7 +171,7 @@ impl Modal {
     /// The case that [`integrate`](Self::integrate) carries out.
     ///
     /// # Errors
-    /// Those of [`integrate`](Self::integrate) that show before the first step.
+    /// As [`integrate`](Self::integrate), where they show before the first step.
     pub fn case(
         &self,
         structure: &PreloadedStructure,

@@ -1,6 +1,18 @@
-//! Largest runs: the time and memory that a run may take, checked before it starts.
+//! The size of a run, and the largest runs: the time and memory that a run may take, checked before
+//! it starts.
 
 use crate::DynamicsError;
+
+/// The size of a run.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RunOutline {
+    /// Nodes of the grid, or modes.
+    pub unknowns: usize,
+    /// Step \[s\]; one that was chosen may still be halved for the sake of the energy balance.
+    pub step: f64,
+    /// Number of steps.
+    pub steps: usize,
+}
 
 /// Most steps of a run by finite differences.
 pub const MOST_STEPS: f64 = 2e10;

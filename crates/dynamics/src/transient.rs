@@ -57,7 +57,7 @@ impl Sampling {
     }
 }
 
-/// A response: its samples, what happened at each contact, and its energy balance.
+/// A response: its samples, the extremes at each contact, and its energy balance.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Transient {
     /// Integration step \[s\].
@@ -164,8 +164,8 @@ pub struct ContactExtremes {
 /// The energy balance of a run, about static equilibrium.
 ///
 /// `input = dissipated + stored + numerical_loss + residual`. Stored energy is
-/// counted from static equilibrium, so it holds the elastic energy of the bars,
-/// that of the contacts, and the work of the weight in one positive number:
+/// counted from static equilibrium, so it holds the elastic energies of the bars and of the
+/// contacts, and the work of the weight, in one positive number:
 /// `sum S (E(d) - E(d0) - p0 (d - d0)) + w k w / 2`, plus the kinetic energy.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct EnergyLedger {

@@ -19,7 +19,7 @@ pub(super) struct Bar {
     own: f64,
     neighbour: f64,
     past: f64,
-    /// Coefficient of the neighbours' past: that of the internal damping, zero without it.
+    /// Coefficient of the neighbours' past, from the internal damping; zero without it.
     viscous: f64,
     /// Displacement per acceleration and step, `dt^2 / (1 + a2)` \[s2\].
     response: f64,

@@ -338,7 +338,7 @@ fn decreasing_root(mut of: impl FnMut(f64) -> f64, ends: [(f64, f64); 2]) -> f64
     let [(mut low, mut above), (mut high, mut below)] = ends;
     let width = ROOT_WIDTH * (high - low);
     let mut place = low;
-    // Side of the last place: of an end kept twice the weight is halved.
+    // Side of the last place: the weight of an end that is kept twice is halved.
     let mut last = 0;
     for _ in 0..ROOT_STEPS {
         place = (low * below - high * above) / (below - above);

@@ -45,8 +45,8 @@ pub(super) struct DampedStep {
 }
 
 impl<'a> DampedContact<'a> {
-    /// The step of `contact` with `damping`: `compliance` \[m/Pa\] in the argument of the law, `rate`
-    /// \[1/s\] of the argument in that of the closure, and the `table` of the law.
+    /// The step of `contact` with `damping`: `compliance` \[m/Pa\] of the argument of the law, `rate`
+    /// \[1/s\] of the closure per argument, and the `table` of the law.
     pub(super) fn new(
         contact: &'a PreloadedContact,
         damping: ContactDamping,
@@ -58,7 +58,7 @@ impl<'a> DampedContact<'a> {
     }
 
     /// The step whose law would hold at `unloaded` \[m\] without a change of traction, from the newest
-    /// closure `closure` and the one before, `before` \[m\].
+    /// `closure` and the closure `before` it \[m\].
     pub(super) fn solve(&mut self, unloaded: f64, closure: f64, before: f64) -> DampedStep {
         let newest = self.law(closure);
         let pressure = self.contact.pressure() + newest.value;

@@ -13,8 +13,8 @@ const LARGEST_SQUARE: f64 = 1.0;
 /// The friction f(u) of a body in its guide, u being the displacement of its centre of mass.
 ///
 /// The force is spread over the nodes by their mass, so that it moves the bar as a whole: each node of
-/// Eq. (4) has the acceleration `-f(u) / m` more. A slip force that is a share of that of a contact
-/// takes its pressure from the step before.
+/// Eq. (4) has the acceleration `-f(u) / m` more. A slip force that is a share of a contact force
+/// takes the pressure from the step before.
 pub(super) struct GuideStep {
     /// Number of the guided body, and of the contact of a coefficient.
     pub(super) body: usize,

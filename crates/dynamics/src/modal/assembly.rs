@@ -8,10 +8,9 @@ use asperity_mesh::{ComponentModes, MeshError, Port};
 use asperity_structure::{Guide, LoadCase, PreloadedContact, PreloadedStructure};
 
 use super::damped_table::{DampedTable, stiffness_in_step};
+use super::decimation::Decimation;
 use super::linear_tail::LinearTail;
-use super::load_steps::LoadSteps;
 use super::row_modes::RowModes;
-use super::simd::decimation::Decimation;
 use super::simd::table_lookup::TableRow;
 use super::step_model::{InterpolationChoice, StepModel};
 use crate::DynamicsError;
@@ -111,7 +110,9 @@ impl TabulatedModel {
         if let Some(known) = tails.iter().find(same) {
             return known.tail.clone();
         }
-        let tail = LinearTail::new(self, sensor, (from, steps), decimation).map(Arc::new);
+        let tail =
+            LinearTail::new(&self.step_model, &self.tables, sensor, (from, steps), decimation)
+                .map(Arc::new);
         if tails.len() >= MOST_TAILS {
             tails.clear();
         }
@@ -126,7 +127,7 @@ impl ModalModel {
     /// ports `sensors`.
     ///
     /// # Errors
-    /// Those of [`new`](Self::new), and [`DynamicsError::Structure`] for a number of modes or a port
+    /// As [`new`](Self::new), and [`DynamicsError::Structure`] for a number of modes or a port
     /// out of range.
     pub fn of_stack(
         structure: &PreloadedStructure,
@@ -173,7 +174,7 @@ impl ModalModel {
     /// same sensors.
     ///
     /// # Errors
-    /// Those of [`new`](Self::new).
+    /// As [`new`](Self::new).
     pub fn with_structure(
         &self,
         structure: PreloadedStructure<ComponentModes>,
@@ -248,8 +249,8 @@ impl ModalModel {
 
     /// Newton correction of row `i`, in cells, below which its law is replaced by its tangent.
     ///
-    /// One that passes a kink of the friction there leaves an error of k times the correction; it may
-    /// be as large as that of the table of the contact that gives the scale.
+    /// A correction that passes a kink of the friction leaves an error of the friction's stiffness times
+    /// the correction. It may be as large as the error of the table of the contact that gives the scale.
     fn tolerance(&self, i: usize, tables: &[Arc<CompiledLaw>]) -> f64 {
         let own = tables.get(i).map(|table| tolerance(table));
         let Some((friction, contact)) = self.friction(i) else { return own.unwrap_or(1.0) };
@@ -301,14 +302,8 @@ impl ModalModel {
         for (i, stiffness) in stiffest.iter_mut().enumerate() {
             *stiffness += self.friction(i).map_or(0.0, |(one, _)| one.stiffness() / areas[i]);
         }
-        let step_model = StepModel::new(
-            &self.rows,
-            &areas,
-            &stiffest,
-            self.structure.damping_rate(),
-            step,
-            interpolation,
-        );
+        let rate = self.structure.damping_rate();
+        let step_model = StepModel::new(&self.rows, &areas, &stiffest, rate, step, interpolation);
         let tolerances = (0..self.rows()).map(|i| self.tolerance(i, &tables)).collect();
         let pairs = self.contacts().iter().zip(&tables);
         let damped = if self.is_dissipative() {
@@ -316,13 +311,8 @@ impl ModalModel {
         } else {
             Vec::new()
         };
-        let prepared = Arc::new(TabulatedModel {
-            step_model,
-            tables,
-            tolerances,
-            damped,
-            tails: Mutex::default(),
-        });
+        let tails = Mutex::default();
+        let prepared = Arc::new(TabulatedModel { step_model, tables, tolerances, damped, tails });
         if cache.len() >= MOST_TABULATED {
             cache.clear();
         }
@@ -362,47 +352,11 @@ fn compile(contact: &PreloadedContact, top: f64) -> Result<CompiledLaw, Dynamics
         let (pressures, tolerance) = ((contact.pressure(), top), times * TABLE_TOLERANCE);
         CompiledLaw::uniform_of(contact.law(), pressures, tolerance, least_cells)
     };
-    let mut table = compile(TOLERANCES[0]);
-    for times in &TOLERANCES[1..] {
-        if !matches!(table, Err(LawError::Unresolved { .. })) {
-            break;
-        }
-        table = compile(*times);
-    }
+    let table = TOLERANCES[1..].iter().fold(compile(TOLERANCES[0]), |table, times| match table {
+        Err(LawError::Unresolved { .. }) => compile(*times),
+        found => found,
+    });
     table.map_err(|source| DynamicsError::Law { interface: contact.name().to_owned(), source })
-}
-
-/// A case with its model tabulated for its step, and its load.
-#[derive(Debug, Clone)]
-pub(super) struct PreparedCase {
-    pub(super) model: Arc<ModalModel>,
-    pub(super) tabulated: Arc<TabulatedModel>,
-    /// Load of unit amplitude step by step, shared by cases of one shape, and the amplitude.
-    pub(super) load: Arc<LoadSteps>,
-    pub(super) amplitude: f64,
-    /// Sensor of the model that is read.
-    pub(super) sensor: usize,
-    /// Steps of the response.
-    pub(super) steps: usize,
-    /// The last of them in closed form; none where all are integrated.
-    pub(super) tail: Option<Arc<LinearTail>>,
-}
-
-impl PreparedCase {
-    /// Steps to integrate.
-    pub(super) fn integrated(&self) -> usize {
-        self.tail.as_ref().map_or(self.steps, |tail| tail.from)
-    }
-
-    /// Closure increment \[m\] at and below which contact `i` is lost; -inf if it never separates, and
-    /// for a guide.
-    pub(super) fn open_below(&self, i: usize) -> f64 {
-        let Some(contact) = self.model.contacts().get(i) else { return f64::NEG_INFINITY };
-        if !contact.law().domain().separates() {
-            return f64::NEG_INFINITY;
-        }
-        contact.law().closure_increment(contact.pressure(), -contact.pressure())
-    }
 }
 
 /// Newton correction, in cells, below which the law is replaced by its tangent.

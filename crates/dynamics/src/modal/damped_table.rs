@@ -2,7 +2,7 @@
 //!
 //! With the viscous impulse `R(x) = integral of c dx` from rest, the traction of a damped contact is
 //! `t = q + dR/dt` over the static pressure. Both are functions of the closure increment x alone.
-//! At the end of a step the rate is that of the quartic through five steps, so that
+//! The rate at the end of a step is the slope of the quartic through five steps, so that
 //!
 //! ```text
 //! t = Q(x) + sum_k a_k R_before_k / h,    Q(x) = q(x) + a_0 R(x) / h,
@@ -14,8 +14,10 @@
 use asperity_law::{CompiledLaw, ContactDamping};
 use asperity_structure::PreloadedContact;
 
-use super::simd::block::PAST;
 use super::simd::table_lookup::TableRow;
+
+/// Earlier steps from which the rate of an impulse, and the next closure, are extrapolated.
+pub(super) const PAST: usize = 4;
 
 /// Weights of the rate at the end of a step, of the value there and of those at the steps before.
 pub(super) const RATE: [f64; PAST + 1] = [25.0 / 12.0, -4.0, 3.0, -4.0 / 3.0, 0.25];

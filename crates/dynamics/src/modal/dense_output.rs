@@ -1,12 +1,12 @@
 //! The motion between steps.
 //!
 //! The pressures at the steps fix the force within them, and under a given force every
-//! oscillator's motion is known at any instant. So the samples of a response need not fall on
-//! steps, nor lie farther apart than they.
+//! oscillator's motion is known at any instant. So the samples of a response may fall anywhere
+//! between steps, at any distance.
 
-use super::assembly::PreparedCase;
 use super::oscillator::{ForceInterpolation, NODES, Propagator};
-use super::simd::integrate::Outcome;
+use super::prepared_case::PreparedCase;
+use super::simd::outcome::Outcome;
 use super::step_model::ModeStep;
 use crate::{History, Sampling};
 use asperity_structure::{LoadCase, PreloadedContact};
@@ -43,7 +43,7 @@ pub(super) fn history(
     history
 }
 
-/// The modes once more, with their velocities, driven by the pressures found.
+/// The modes, integrated again with their velocities under the pressures found.
 struct DenseOutput<'a> {
     case: &'a PreparedCase,
     outcome: &'a Outcome,
@@ -240,20 +240,15 @@ impl<'a> DenseOutput<'a> {
         let Some(contact) = contact.filter(elastic) else {
             return cubic(&self.outcome.traction[i], step, s);
         };
-        let closure = self.closure(i, step, s);
+        let closure = cubic(&self.outcome.closure[i], step, s);
         contact.law().pressure_increment(contact.pressure(), closure).value
-    }
-
-    /// Closure increment, by the cubic through four steps.
-    fn closure(&self, i: usize, step: usize, s: f64) -> f64 {
-        cubic(&self.outcome.closure[i], step, s)
     }
 
     /// Pressure \[Pa\], closure \[m\] and stiffness \[Pa/m\] of interface `i` at `time` \[s\].
     fn contact(&self, time: f64, i: usize) -> (f64, f64, f64) {
         let (step, s) = self.locate(time);
         let contact = &self.case.model.contacts()[i];
-        let increment = self.closure(i, step, s);
+        let increment = cubic(&self.outcome.closure[i], step, s);
         let closure = contact.closure() + increment;
         if increment <= self.open_below[i] {
             return (0.0, closure, 0.0);

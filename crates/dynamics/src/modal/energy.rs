@@ -1,14 +1,14 @@
 //! The energy balance of one case.
 
-use super::assembly::PreparedCase;
-use super::simd::integrate::Outcome;
+use super::prepared_case::PreparedCase;
+use super::simd::outcome::Outcome;
 use crate::EnergyLedger;
 use crate::contact_energy::excess;
 
 /// The ledger of a finished case at the end of the steps that were integrated.
 ///
 /// Velocities at the end come from the last five states to fourth order. The elastic energy is
-/// that of the modes and, half force times displacement, of the residual flexibility.
+/// the energy of the modes and, half force times displacement, of the residual flexibility.
 pub(super) fn ledger(case: &PreparedCase, outcome: &Outcome) -> EnergyLedger {
     let model = &case.tabulated.step_model;
     let mut ledger =

@@ -14,8 +14,8 @@
 use std::f64::consts::TAU;
 
 use super::row_modes::RowMode;
-use super::simulation::{CaseResponse, TransientCase};
 use super::step_model::FAST;
+use super::transient_case::{CaseResponse, TransientCase};
 use crate::ContactExtremes;
 use asperity_structure::LoadCase;
 
@@ -24,7 +24,7 @@ const MOST_SAMPLES: f64 = 1e6;
 
 impl TransientCase {
     /// Estimated error of the pressures by the modes that a step \[s\] does not show, over the range
-    /// of the pressures at the contact that is hurt most; `response` gives these ranges.
+    /// of the pressures at the contact with the largest error; `response` gives these ranges.
     ///
     /// The estimate is one from above: it adds up modes and forces whatever their signs.
     pub fn error_of_fast_modes(&self, step: f64, response: &CaseResponse) -> f64 {
@@ -44,8 +44,8 @@ impl TransientCase {
             let by_contacts: f64 = contacts()
                 .map(|(i, (contact, seen))| mode.closure[i].abs() * contact.area() * range(seen))
                 .sum();
-            let by_drive = mode.load.abs() * changes * slowest / w;
-            let motion = (by_drive + by_contacts * (natural / w).powi(2)) / (w * w);
+            let by_load = mode.load.abs() * changes * slowest / w;
+            let motion = (by_load + by_contacts * (natural / w).powi(2)) / (w * w);
             for (i, (contact, seen)) in contacts() {
                 let stiffness = contact.law().stiffness(seen.pressure_max).max(contact.stiffness());
                 errors[i] += stiffness * mode.closure[i].abs() * motion;

@@ -1,110 +1,28 @@
 //! The rest of a ring-down in which the laws are straight, in closed form.
 //!
-//! While each law is its tangent at rest, a step without a load is linear in what it carries over
-//! to the next, `z`, and so is the output u:
+//! Without a load, and while each law is its tangent at rest, a step is linear. The state z, which a
+//! step hands to the next one, and the output u obey
 //!
 //! ```text
-//! u_(s+1+n) = c A^n z_s.
+//! z_(s+1) = A z_s,   u_(s+1+n) = c A^n z_s.
 //! ```
 //!
-//! Every decimated sample after step s is then a row times the state there,
-//! `sum over n of taps_(j factor - s - 1 - n) c A^n`, and these rows are the same for all cases of a
-//! model. Step s is that at which the slowest ring-down, that of mass-proportional damping alone, has
-//! become small; whether the laws are straight enough there is checked case by case, and if they are not,
-//! the case is integrated to its end.
+//! Each decimated sample after step s is a row times the state at step s,
+//! `sum over n of taps_(j factor - s - 1 - n) c A^n`. All cases of a model share these rows. `ring_down`
+//! chooses the step s, and checks that the laws are straight after it.
 
-use std::f64::consts::TAU;
+use std::sync::Arc;
 
-use super::assembly::{ModalModel, PreparedCase, TabulatedModel};
+use asperity_law::CompiledLaw;
+
+use super::decimation::Decimation;
 use super::linear_system::Factors;
-use super::load_steps::LoadSteps;
 use super::oscillator::{ForceInterpolation, NODES, Recurrence};
-use super::simd::decimation::Decimation;
-use super::simd::integrate::Outcome;
 use super::step_model::{ModeStep, StepModel};
-use crate::EnergyLedger;
 
-/// Most that the bend of the laws may change in the displacement, over its peak: below the error of
-/// the laws' tables.
-const DEPARTURE: f64 = 1e-6;
-
-/// Share of the amplitude at which a law that is bent by as much as it carries would change so much.
-/// The check is stricter than the motion: it allows each contact all of the energy.
-const AMPLITUDE: f64 = 0.5;
-
-/// Share of its peak below which a force counts as passed when the ring-down is predicted.
-const PASSED: f64 = 1e-3;
-
-/// Parts of a response that are integrated are sixteenths of it, so that cases whose ring-downs differ
-/// a little are integrated side by side, and at most twelve: less is not worth the preparation.
-const PARTS: f64 = 16.0;
-const MOST_PARTS: f64 = 12.0;
-
-/// Most modes, whose matrix is multiplied once a sample, and most numbers in the rows.
+/// Most modes, since the matrix is multiplied once a sample, and most numbers in the rows.
 const MOST_MODES: usize = 12;
 const MOST_NUMBERS: usize = 1 << 20;
-
-/// Step at which a response of `steps` steps of `step` \[s\] may be linear from then on; none where
-/// too little of it would be left, or where it is not known to ring down.
-pub(super) fn start(
-    model: &ModalModel,
-    load: &LoadSteps,
-    step: f64,
-    steps: usize,
-) -> Option<usize> {
-    let structure = model.preloaded();
-    let (frequency, rate) = (TAU * structure.natural_frequency()?, structure.damping_rate());
-    // Written so that a rate that is not a number has no rest.
-    let rings_down = rate > 0.0 && rate < frequency && !model.is_dissipative();
-    if !rings_down {
-        return None;
-    }
-    let amplitude = AMPLITUDE * (DEPARTURE * rate / frequency).sqrt();
-    let peak = load.mean.iter().fold(0.0_f64, |most, force| most.max(force.abs()));
-    let acting = load.mean.iter().rposition(|force| force.abs() > PASSED * peak)? + 1;
-    let decay = -2.0 * amplitude.ln() / (rate * step);
-    // The recurrence sees the load of the step before.
-    let from = (acting as f64 + decay).max((load.steps() + 2) as f64);
-    let parts = (PARTS * from / steps as f64).ceil();
-    (parts <= MOST_PARTS).then(|| (parts / PARTS * steps as f64).ceil() as usize)
-}
-
-/// True if the laws of `case` bend so little in what is left of its motion that the rest is linear.
-///
-/// The energy that is left bounds each closure, `Y = sqrt(2 E / (S K))`. Within it the law departs from
-/// its tangent by a share b, which changes a frequency by b/2 and in the time that the ring-down
-/// takes a phase by `b w / c`, with the damping rate c.
-pub(super) fn is_straight(case: &PreparedCase, outcome: &Outcome, energy: &EnergyLedger) -> bool {
-    let structure = case.model.preloaded();
-    let turns = TAU * structure.natural_frequency().unwrap_or(0.0) / structure.damping_rate();
-    let left = energy.kinetic + energy.elastic + energy.contact;
-    let pairs = case.model.contacts().iter().zip(&case.tabulated.tables);
-    // A number that is not one is not straight.
-    pairs.zip(&outcome.contacts).all(|((contact, table), seen)| {
-        let stiffness = table.tangent(0.0);
-        let bound = (2.0 * left / (contact.area() * stiffness)).sqrt();
-        let bend = |closure: f64| (table.get(closure) / (stiffness * closure) - 1.0).abs();
-        let largest = seen.extremes.highest.max(-seen.extremes.lowest);
-        let change = |closure: f64| bound / largest * bend(closure) * turns;
-        change(bound) <= DEPARTURE && change(-bound) <= DEPARTURE
-    })
-}
-
-/// The energy balance at the end of a response from that where its rest begins: what is left decays at
-/// the rate of the mass-proportional damping.
-pub(super) fn at_end(case: &PreparedCase, energy: EnergyLedger) -> EnergyLedger {
-    let model = &case.tabulated.step_model;
-    let time = (case.steps - case.integrated()) as f64 * model.step;
-    let share = (-case.model.preloaded().damping_rate() * time).exp();
-    let left = energy.kinetic + energy.elastic + energy.contact;
-    EnergyLedger {
-        kinetic: share * energy.kinetic,
-        elastic: share * energy.elastic,
-        contact: share * energy.contact,
-        dissipated: energy.dissipated + (1.0 - share) * left,
-        ..energy
-    }
-}
 
 /// The rest of the responses of one model at one step.
 #[derive(Debug)]
@@ -117,26 +35,27 @@ pub(super) struct LinearTail {
 }
 
 impl LinearTail {
-    /// The rest of responses of `steps` steps after the first `from`; none if it would be larger than
-    /// it is worth, or if it does not decay.
+    /// The rest of responses of `steps` steps after the first `from`; none if the rows would cost
+    /// more than the steps, or if it does not decay.
     pub(super) fn new(
-        model: &TabulatedModel,
+        model: &StepModel,
+        tables: &[Arc<CompiledLaw>],
         sensor: usize,
         (from, steps): (usize, usize),
         decimation: &Decimation,
     ) -> Option<Self> {
-        let (factor, reach) = (decimation.factor.max(1), decimation.taps.len());
-        // The state at the very end is beyond the outputs, of which the last is this.
+        let (factor, reach) = (decimation.stride(), decimation.taps.len());
+        // The last step with an output; the state at the very end has none.
         let last = steps.checked_sub(1)?;
-        let count = (steps + reach).checked_sub(1)?.div_ceil(factor);
+        let count = decimation.samples(steps);
         let first_sample = (from + 1).div_ceil(factor);
-        let linear = LinearStep::new(model, sensor);
+        let linear = LinearStep::new(model, tables, sensor);
         let numbers = count.saturating_sub(first_sample).saturating_mul(linear.size);
         // Samples whose steps all lie between, the first and the last.
         let (whole, last_whole) = ((from + reach).div_ceil(factor), last / factor);
         let is_worth =
             reach > 0 && whole < last_whole && numbers <= MOST_NUMBERS && linear.size > 0;
-        if !is_worth || model.step_model.modes.len() > MOST_MODES {
+        if !is_worth || model.modes.len() > MOST_MODES {
             return None;
         }
         let (matrix, output) = linear.matrix();
@@ -150,7 +69,7 @@ impl LinearTail {
                 column.push(*entry);
             }
         };
-        // Sample j from rows of the outputs, the first of which is that of step `first`.
+        // Sample j from rows of the outputs, of which the first belongs to step `first`.
         let sample = |j: usize, rows: &[Vec<f64>], first: usize| {
             let mut sum = vec![0.0; linear.size];
             for (n, row) in rows.iter().enumerate() {
@@ -210,10 +129,8 @@ struct LinearStep<'a> {
 }
 
 impl<'a> LinearStep<'a> {
-    fn new(tabulated: &'a TabulatedModel, sensor: usize) -> Self {
-        let model = &tabulated.step_model;
-        let tables = tabulated.tables.iter();
-        let stiffness: Vec<f64> = tables.map(|table| table.tangent(0.0)).collect();
+    fn new(model: &'a StepModel, tables: &[Arc<CompiledLaw>], sensor: usize) -> Self {
+        let stiffness: Vec<f64> = tables.iter().map(|table| table.tangent(0.0)).collect();
         let mut factors = Factors::new(stiffness.len());
         factors.factor(&model.coupling, &stiffness);
         let size = model.modes.iter().map(|mode| 2 + carried(mode)).sum();

@@ -1,5 +1,7 @@
 //! The load as steps see it.
 
+use std::sync::Arc;
+
 use asperity_structure::LoadCase;
 
 /// A load by its mean and rise in every step, and its value at the step's end.
@@ -42,6 +44,38 @@ impl LoadSteps {
     /// Number of steps with a load.
     pub(super) fn steps(&self) -> usize {
         self.end.len()
+    }
+}
+
+/// Loads already computed: cases of one shape differ by their amplitude.
+#[derive(Debug, Default)]
+pub(super) struct LoadShapes {
+    known: Vec<(LoadCase, f64, usize, Arc<LoadSteps>)>,
+}
+
+/// Loads kept at a time.
+const MOST_SHAPES: usize = 32;
+
+impl LoadShapes {
+    /// A load of unit amplitude in `steps` steps of `step` \[s\].
+    pub(super) fn load_steps(
+        &mut self,
+        load: &LoadCase,
+        step: f64,
+        steps: usize,
+    ) -> Arc<LoadSteps> {
+        let same = |known: &&(LoadCase, f64, usize, Arc<LoadSteps>)| {
+            known.1 == step && known.2 == steps && known.0.is_like(load)
+        };
+        if let Some(found) = self.known.iter().find(same) {
+            return Arc::clone(&found.3);
+        }
+        let found = Arc::new(LoadSteps::new(load, step, steps));
+        if self.known.len() >= MOST_SHAPES {
+            self.known.clear();
+        }
+        self.known.push((load.clone(), step, steps, Arc::clone(&found)));
+        found
     }
 }
 

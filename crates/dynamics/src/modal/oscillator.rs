@@ -35,7 +35,7 @@ pub(super) enum ForceInterpolation {
     /// to one radian a step, its contact stiffness included, is damped by it, not excited.
     Quartic,
     /// The line through both ends, for motions without inertia: second order, and stable for any
-    /// contact stiffness, because a new force moves them only its own way.
+    /// contact stiffness, because a new force moves them in its own direction only.
     Linear,
 }
 
@@ -46,27 +46,20 @@ impl ForceInterpolation {
     /// Coefficient of `s^k` (row) per force at the new end, the old end, and the ends before
     /// (column): Lagrange's polynomials of the nodes 1, 0, -1, -2, -3.
     pub(super) fn weights(self) -> [[f64; NODES]; NODES] {
-        match self {
-            Self::Average => {
-                let mut weights = [[0.0; NODES]; NODES];
-                weights[0] = [0.5, 0.5, 0.0, 0.0, 0.0];
-                weights
-            }
-            Self::Linear => {
-                let mut weights = [[0.0; NODES]; NODES];
-                weights[0] = [0.0, 1.0, 0.0, 0.0, 0.0];
-                weights[1] = [1.0, -1.0, 0.0, 0.0, 0.0];
-                weights
-            }
+        const NONE: [f64; NODES] = [0.0; NODES];
+        let [old, rise] = [[0.0, 24.0, 0.0, 0.0, 0.0], [24.0, -24.0, 0.0, 0.0, 0.0]];
+        let weights = match self {
+            Self::Average => [[12.0, 12.0, 0.0, 0.0, 0.0], NONE, NONE, NONE, NONE],
+            Self::Linear => [old, rise, NONE, NONE, NONE],
             Self::Quartic => [
-                [0.0, 24.0, 0.0, 0.0, 0.0],
+                old,
                 [6.0, 20.0, -36.0, 12.0, -2.0],
                 [11.0, -20.0, 6.0, 4.0, -1.0],
                 [6.0, -20.0, 24.0, -12.0, 2.0],
                 [1.0, -4.0, 6.0, -4.0, 1.0],
-            ]
-            .map(|row| row.map(|weight| weight / 24.0)),
-        }
+            ],
+        };
+        weights.map(|row| row.map(|weight| weight / 24.0))
     }
 }
 
@@ -347,8 +340,8 @@ mod tests {
             );
             assert_eq!((step.decay, step.contact[2]), (0.0, 0.0));
             // The load, a mean and a rise, is the same line.
-            let driven = step.load[0] * 0.5 * h + step.load[1] * h;
-            assert!((driven / (step.contact[0] * h) - 1.0).abs() < 1e-12);
+            let loaded = step.load[0] * 0.5 * h + step.load[1] * h;
+            assert!((loaded / (step.contact[0] * h) - 1.0).abs() < 1e-12);
             let whole = motion.propagator(h);
             assert!((whole.displacement[0] - (-h / time).exp()).abs() < 1e-15);
         }

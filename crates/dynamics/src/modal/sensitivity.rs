@@ -1,4 +1,4 @@
-//! Derivatives of a case with respect to what it depends on, exact through the step.
+//! Derivatives of a transient case with respect to parameters, exact through the step.
 //!
 //! A step of the modal integrator is
 //!
@@ -7,7 +7,7 @@
 //! d = d* - t0 F(p),  q = q* - t0 F,    d* = e d - k q + carried forces + load,  q* = q + d*
 //! ```
 //!
-//! Differentiated with respect to a parameter, it is linear in what it carries along,
+//! Its derivative with respect to a parameter is a linear step,
 //!
 //! ```text
 //! (I + B K) y' = y*' - B' p - B p_theta,    p' = K y' + p_theta,
@@ -15,17 +15,17 @@
 //!
 //! with K the tangents and `p_theta` the derivative of the laws at fixed closure. Of contacts with
 //! damping or friction, and of guides, the tractions take the place of the pressures; impulses and
-//! sliders at earlier steps are carried along too. The steps are
-//! taken once more for it, one case and in scalars, with the exact laws and their equations
-//! solved to rounding, so that no table and no unfinished correction is differentiated.
+//! sliders at earlier steps are carried along too. The steps of the case are repeated in scalars, with
+//! the exact laws and their equations solved to rounding, so that no table and no unfinished
+//! correction is differentiated.
 //!
 //! The derivatives of what a step is made of (coefficients, shapes, the load step by step, the
 //! closures of the laws at fixed pressures) are fourth-order central differences of closed forms,
-//! good to 1e-9 and better ([`difference`](crate::difference)). The step and its number, and
-//! which modes are kept with which force interpolation, are those of the case throughout.
+//! good to 1e-9 and better ([`difference`](crate::difference)). The step, the
+//! number of steps, and the modes kept with their force interpolations do not vary.
 //!
 //! At loss of contact, and at a jump in the stiffness of a law, the map from one step to the next is
-//! smooth only piece by piece: the derivative is that of the piece that the case is on, without
+//! smooth only piece by piece: the derivative belongs to the piece that the case is on, without
 //! the share of steps that would change sides. So an average of the stiffness of a law with a
 //! stiffness at zero pressure lacks the change of the time open. Between stick and slip the motion is
 //! continuous, and nothing is lacking.
@@ -37,16 +37,18 @@ mod law_derivative;
 mod motion;
 mod step_inputs;
 
-use super::assembly::PreparedCase;
+use super::assembly::MOST_INTERFACES;
+use super::batch::Batch;
 use super::load_steps::LoadSteps;
+use super::prepared_case::PreparedCase;
 use super::step_model::StepModel;
-use super::{Batch, TransientCase};
+use super::transient_case::TransientCase;
 use crate::DynamicsError;
 use asperity_structure::PreloadedContact;
 use contact_equations::{Contacts, RateHistory};
 use extreme::Extreme;
 use friction_element::FrictionDerivative;
-use law_derivative::LawDerivative;
+use law_derivative::{LawDerivative, LawDerivatives};
 use motion::Motion;
 use step_inputs::Inputs;
 
@@ -108,7 +110,7 @@ impl Batch {
     /// Memory is `8 (1 + interfaces) (1 + variations)` bytes a step.
     ///
     /// ```
-    /// use asperity_dynamics::{Batch, TransientCase, ModalModel, ParameterVariation, STENCIL};
+    /// use asperity_dynamics::{Batch, ModalModel, ParameterVariation, STENCIL, TransientCase};
     /// use asperity_mesh::Port;
     /// use asperity_structure::{LoadCase, TimeFunction};
     /// # use std::sync::Arc;
@@ -212,7 +214,7 @@ impl ParameterDerivative {
                 ("number of guides with friction", case.model.rows(), prepared.model.rows()),
             ] {
                 if found != expected {
-                    return refuse(quantity, found as f64, "that of the case that is varied");
+                    return refuse(quantity, found as f64, "as in the case that is varied");
                 }
             }
             case.load.check()?;
@@ -221,14 +223,9 @@ impl ParameterDerivative {
         let inputs = variation.cases.each_ref().map(|case| {
             let rows = case.model.row_modes();
             let areas: Vec<f64> = (0..case.model.rows()).map(|i| case.model.area(i)).collect();
-            let interpolations = model.interpolations.clone();
-            let varied = StepModel::with_interpolations(
-                rows,
-                &areas,
-                case.model.preloaded().damping_rate(),
-                model.step,
-                interpolations,
-            );
+            let rate = case.model.preloaded().damping_rate();
+            let kept = model.interpolations.clone();
+            let varied = StepModel::with_interpolations(rows, &areas, rate, model.step, kept);
             inputs_of(&varied, case, prepared.steps)
         });
         let derivatives = Inputs::difference(&inputs, step);
@@ -364,14 +361,13 @@ impl ParameterDerivative {
         share: f64,
     ) {
         let (count, rows) = (self.laws.len(), self.closure.len());
-        let mut answers =
-            [law_derivative::LawDerivatives::default(); super::assembly::MOST_INTERFACES];
+        let mut answers = [LawDerivatives::default(); MOST_INTERFACES];
         for (i, (answer, law)) in answers.iter_mut().zip(&self.laws).enumerate() {
             *answer = law.at(found.pressure[i], found.tangent[i], open[i]);
         }
         let answers = &answers[..count];
         // Of the normal tractions and of friction, at fixed closure.
-        let mut normal = [0.0; super::assembly::MOST_INTERFACES];
+        let mut normal = [0.0; MOST_INTERFACES];
         for (i, answer) in answers.iter().enumerate() {
             normal[i] = if !self.laws[i].is_damped() {
                 answer.pressure
@@ -381,7 +377,7 @@ impl ParameterDerivative {
                 answer.pressure + found.rate() * answer.impulse + self.past[i].share(found.step)
             };
         }
-        let mut friction = [0.0; super::assembly::MOST_INTERFACES];
+        let mut friction = [0.0; MOST_INTERFACES];
         for (i, (own, base)) in self.friction.iter().zip(&found.friction).enumerate() {
             if let (Some(own), Some(base)) = (own, base) {
                 let rest = self.laws[base.contact].pressure_derivative;

@@ -8,12 +8,14 @@
 //! | `table_lookup` | a row of a law's table for each lane, by instruction set |
 //! | `contact_fallback` | lanes in which Newton's method does not converge |
 //! | `contact_extremes` | extremes of pressure, and steps with lost contact |
-//! | `decimation` | fewer samples than steps |
+//! | `decimator` | fewer samples than steps |
+//! | `outcome` | the outcome of one case |
 
 pub(super) mod block;
 pub(super) mod contact_extremes;
 mod contact_fallback;
-pub(super) mod decimation;
+mod decimator;
 pub(super) mod integrate;
 mod kernel;
+pub(super) mod outcome;
 pub(super) mod table_lookup;

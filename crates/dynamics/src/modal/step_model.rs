@@ -3,18 +3,16 @@
 use super::oscillator::{Dynamics, ForceInterpolation, Recurrence};
 use super::row_modes::{RowFlexibility, RowMode, RowModes};
 
-/// Square of the radians in a step up to which the quartic damps an oscillation: of a mode and the
-/// contact springs, that of 1.2. Faster oscillations would grow by it; the mean of both ends has
-/// a larger error, of second order, but keeps the energy of any linear contact exactly, at any
-/// frequency.
+/// Square of the radians in a step, 1.2, up to which the quartic damps an oscillation of a mode and the
+/// contact springs. Faster oscillations would grow; the mean of both ends has a larger error, of second
+/// order, but keeps the energy of any linear contact exactly, at any frequency.
 const DAMPED: f64 = 1.44;
 
-/// Radians in a step from which on a mode counts as following its forces at once. A step cannot
+/// Radians in a step beyond which a mode counts as following its forces at once. A step cannot
 /// show such an oscillation, and under a force that is frozen within the step it can even grow.
 pub(super) const FAST: f64 = 2.0;
 
-/// Time by which the damping of a mode without inertia lags behind its force, over the step, below
-/// which it has no lag.
+/// Lag of a mode without inertia behind its force, over the step, below which the lag is neglected.
 const LAG: f64 = 1e-3;
 
 /// Choice of the interpolation of the contact force for each mode.

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use super::simulation::TransientCase;
+use super::transient_case::TransientCase;
 use crate::DynamicsError;
 use crate::error::positive;
 use crate::run_bounds::check_recorded_steps;
@@ -49,7 +49,7 @@ pub(super) struct Resolution {
 impl Resolution {
     /// The step that a case is first tried with: as given, or so that the lowest natural
     /// frequency and the load are resolved. A chosen step divides the duration.
-    pub(super) fn first(case: &TransientCase) -> Result<Self, DynamicsError> {
+    fn first(case: &TransientCase) -> Result<Self, DynamicsError> {
         let duration = positive("duration [s]", case.duration)?;
         let natural = case.model.preloaded().natural_frequency();
         if let Some(step) = case.step {

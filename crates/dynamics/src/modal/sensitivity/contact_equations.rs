@@ -6,15 +6,14 @@
 //! t = q(x) + a_0 R(x) / h + sum of a_k R_before_k / h,    R = integral of c dx from rest,
 //! ```
 //!
-//! not below `-p0` where the law separates; that of another is the pressure q. A row with friction has
-//! the traction of its element too; that of a guide has no other.
+//! not below `-p0` where the law separates. The traction of an undamped contact is the pressure q.
+//! Friction adds the traction of its element; a guide has no other traction.
 
 use super::friction_element::FrictionElement;
 use crate::modal::assembly::ModalModel;
-use crate::modal::damped_table::RATE;
+use crate::modal::damped_table::{PAST, RATE};
 use crate::modal::increasing_root::increasing_root;
 use crate::modal::linear_system::Factors;
-use crate::modal::simd::block::PAST;
 use asperity_law::Pressure;
 use asperity_structure::PreloadedContact;
 
@@ -35,8 +34,8 @@ pub(super) struct Contacts {
     pub(super) closure: Vec<f64>,
     pub(super) pressure: Vec<f64>,
     pub(super) tangent: Vec<f64>,
-    /// Normal tractions and their tangents: those of the law without damping, zero tangents where faces
-    /// carry nothing.
+    /// Normal tractions and their tangents: without damping, pressures and tangents of the law; zero
+    /// tangents where faces carry nothing.
     pub(super) normal: Vec<f64>,
     pub(super) normal_tangent: Vec<f64>,
     /// Tractions and their tangents, with friction.

@@ -36,7 +36,7 @@ impl Extreme {
         Some(found)
     }
 
-    /// The derivative of the extreme from those of the samples.
+    /// The derivative of the extreme from the derivatives of the samples.
     pub(super) fn derivative(&self, derivatives: &[f64]) -> f64 {
         let [a, b, c] = self.weights;
         let of =

@@ -7,7 +7,7 @@
 //! per area of the row, with the normal tractions n of the contact at the last three steps (see the
 //! kernel of [friction](crate::modal::simd)). While the element is stuck `t' = s' + k' y + k y'`, while
 //! it slips `t' = R'` with the sign of t: the motion is continuous where one follows the other, and the
-//! derivative is that of the piece that the element is on.
+//! derivative belongs to the piece that the element is on.
 
 use crate::difference::central_difference;
 use crate::modal::assembly::ModalModel;
@@ -29,7 +29,7 @@ struct Coefficients {
 }
 
 impl Coefficients {
-    /// Those of row `i`, and its contact; none without an element.
+    /// The coefficients of row `i`, and its contact; none without an element.
     fn of_row(model: &ModalModel, i: usize) -> Option<(Self, usize)> {
         let (friction, contact) = model.friction(i)?;
         let area = model.area(i);

@@ -107,8 +107,8 @@ impl LawDerivative {
     }
 
     /// Derivative of the viscous impulse `integral of c / K dp` from rest at fixed closure, where the
-    /// pressure increment has the derivative `pressure`: that of the integral between fixed pressures,
-    /// and `c / K` times the derivatives of both.
+    /// pressure increment has the derivative `pressure`: the derivative of the integral between fixed
+    /// pressures, and `c / K` times the derivatives of both pressures.
     fn impulse(&self, increment: f64, tangent: f64, pressure: f64) -> f64 {
         let Some(VariedDamping { base: damping, places }) = &self.damping else { return 0.0 };
         let (from, to) = (self.pressure, self.pressure + increment);

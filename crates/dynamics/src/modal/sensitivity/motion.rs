@@ -23,7 +23,7 @@ pub(super) struct Motion {
     states: Vec<State>,
 }
 
-/// Shares in the steps to come, one step on, less those of a new force.
+/// Shares in the steps to come, one step on, less the shares of a new force.
 fn carried_on(carry: &[f64; NODES - 1], new: [f64; NODES - 1]) -> [f64; NODES - 1] {
     std::array::from_fn(|k| carry.get(k + 1).copied().unwrap_or(0.0) - new[k])
 }
@@ -128,8 +128,8 @@ impl Motion {
 }
 
 impl State {
-    /// The derivative of a corrected state under the derivative of its modal `force`; its share in
-    /// that of the reading of the sensor.
+    /// The derivative of a corrected state under the derivative of its modal `force`; its share in the
+    /// derivative of the reading of the sensor.
     fn correct(
         &mut self,
         force: f64,

@@ -8,10 +8,11 @@ mod work;
 use pulp::Simd;
 
 use super::table_lookup::TableRow;
-use crate::modal::assembly::PreparedCase;
+pub(super) use crate::modal::damped_table::PAST;
 use crate::modal::oscillator::NODES;
+use crate::modal::prepared_case::PreparedCase;
 pub(super) use coefficient::{Coefficient, Dissipative, PerLane, Uniform};
-pub(super) use pair::{LanePair, LaneVector};
+pub(super) use pair::{LanePair, LaneVector, lane_of, set_lane};
 pub(super) use work::{Work, total_work};
 
 /// Steps between two checks of the lanes.
@@ -30,9 +31,9 @@ pub(super) struct Mode<V, C, const N: usize> {
     /// Increment of the last step.
     pub(super) increment: V,
     pub(super) decay: C,
-    /// Less `k`.
+    /// `-k`
     pub(super) spring: C,
-    /// Less the taps of the contact force.
+    /// Negative taps of the contact force.
     pub(super) contact: [C; NODES + 1],
     pub(super) sensor: C,
     /// Shape of each closure, in cells of its table.
@@ -72,7 +73,8 @@ pub(super) struct Contact<V, C, const N: usize> {
     /// of the table's first row. Places stay those in the table, so that their rounding does not
     /// depend on which tables are laid out before.
     pub(super) whole: C,
-    /// The sum of `whole` and `rest`: less it, a place so marked is the closure where its row begins.
+    /// Sum of `whole` and `rest`: a place plus `whole`, less this sum, is the closure at which its row
+    /// begins.
     pub(super) whole_at_rest: C,
     /// Newton correction, in cells, below which the law is replaced by its tangent.
     pub(super) tolerance: C,
@@ -92,11 +94,11 @@ pub(super) struct Damper<V, C> {
     pub(super) history: V,
     /// Work of the viscous traction: the loss.
     pub(super) work: Work<V>,
-    /// Weights of the impulses in the rate \[1/s\], that of the next step first.
+    /// Weights of the impulses in the rate \[1/s\], the next step first.
     pub(super) rate: [C; PAST + 1],
     /// Traction increment of faces that carry nothing \[Pa\]; -inf where they carry tension.
     pub(super) least: C,
-    /// Number of rows from one of Q to that of R.
+    /// Number of rows from a row of Q to the same row of R.
     pub(super) rows: C,
 }
 
@@ -148,7 +150,7 @@ pub(super) struct Block<'a, S: Simd, C, const N: usize> {
     /// Newest displacement at the sensor \[m\].
     pub(super) reading: LaneVector<S>,
     /// Newest displacement of the load port \[m\], while there is a load.
-    pub(super) driven: LaneVector<S>,
+    pub(super) load_displacement: LaneVector<S>,
     /// Work of the load, and viscous loss \[J\].
     pub(super) work: LaneVector<S>,
     pub(super) loss: LaneVector<S>,
@@ -168,32 +170,7 @@ pub(super) struct Step<V, const N: usize> {
     pub(super) reading: V,
 }
 
-/// Earlier steps from which the next closure is extrapolated.
-pub(in crate::modal) const PAST: usize = 4;
-
 /// The load in one step: its mean, rise and end \[N\].
 #[derive(Clone, Copy)]
 #[repr(C, align(64))]
 pub(super) struct Load<V>(pub(super) [V; 3]);
-
-/// The lane vector of the number that `of` gives for each lane.
-#[inline(always)]
-pub(super) fn lane_vector<S: Simd>(simd: S, of: impl Fn(usize) -> f64) -> LaneVector<S> {
-    let mut numbers = [simd.splat_f64s(0.0); 2];
-    for lane in 0..2 * S::F64_LANES {
-        set_lane::<S>(&mut numbers, lane, of(lane));
-    }
-    numbers
-}
-
-/// The number of a lane.
-#[inline(always)]
-pub(super) fn lane_of<S: Simd>(numbers: &LaneVector<S>, lane: usize) -> f64 {
-    pulp::bytemuck::cast_slice::<S::f64s, f64>(numbers)[lane]
-}
-
-/// Replaces the number of a lane.
-#[inline(always)]
-pub(super) fn set_lane<S: Simd>(numbers: &mut LaneVector<S>, lane: usize, number: f64) {
-    pulp::bytemuck::cast_slice_mut::<S::f64s, f64>(numbers)[lane] = number;
-}

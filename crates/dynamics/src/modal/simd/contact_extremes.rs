@@ -15,7 +15,7 @@ pub(in crate::modal) struct LaneExtremes {
     lowest_step: f64,
     /// Number of steps, and parts of them, without contact.
     pub(in crate::modal) open_steps: f64,
-    /// Less those at whose end there is none.
+    /// `open_steps` less the number of steps that end without contact.
     pub(in crate::modal) open_excess: f64,
     /// True once a closure was not finite.
     pub(in crate::modal) lost: bool,

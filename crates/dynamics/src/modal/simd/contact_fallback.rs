@@ -10,7 +10,7 @@ const SWEEPS: usize = 400;
 impl<S: TableLookup, C: Coefficient<S>, const N: usize> Block<'_, S, C, N> {
     /// Solves `y + B p(y) = y*` in the lanes that `marks` has as ones, interface by interface.
     ///
-    /// With B positive definite and the pressures rising, the equations are those of the minimum
+    /// With B positive definite and the pressures rising, the equations state the minimum
     /// of a convex energy, and sweeps over the interfaces descend to it, if slowly. A lane that is
     /// not finite is left as it is.
     #[cold]

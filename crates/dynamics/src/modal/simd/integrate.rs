@@ -4,73 +4,16 @@ mod run;
 
 use std::sync::Arc;
 
-use pulp::NullaryFnOnce;
-
-use run::Run;
+use pulp::{Arch, NullaryFnOnce};
 
 use super::block::{CHUNK, Coefficient, Dissipative, PerLane, Uniform};
-use super::contact_extremes::LaneExtremes;
-use super::decimation::Decimation;
+use super::outcome::{LAST_STATES, Outcome};
 use super::table_lookup::TableLookup;
 use crate::InstructionSet;
 use crate::modal::assembly::MOST_INTERFACES;
-use crate::modal::assembly::PreparedCase;
-
-/// States at the end of a run that the velocities there are found from.
-pub(in crate::modal) const LAST_STATES: usize = 5;
-
-/// Recording of the motion.
-#[derive(Debug, Clone, Copy)]
-pub(in crate::modal) enum Recording<'a> {
-    /// Displacement, filtered and decimated.
-    Decimated(&'a Decimation),
-    /// Displacement, pressures and closures at every step.
-    EveryStep,
-}
-
-/// End of a run.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(in crate::modal) enum RunEnd {
-    Done,
-    /// The pressure left the table of this interface.
-    Beyond(usize),
-    /// The numbers were not finite any more at this step, at this interface.
-    NotFinite(usize, usize),
-}
-
-/// Result of one case.
-#[derive(Debug)]
-pub(in crate::modal) struct Outcome {
-    pub(in crate::modal) end: RunEnd,
-    /// Output displacement: decimated samples, or steps 0 to the last \[m\].
-    pub(in crate::modal) displacement: Vec<f64>,
-    /// Traction increment \[Pa\], the pressure increment without damping and friction, and closure
-    /// increment \[m\] at steps 0 to the last, per row: contacts, then guides.
-    pub(in crate::modal) traction: Vec<Vec<f64>>,
-    pub(in crate::modal) closure: Vec<Vec<f64>>,
-    pub(in crate::modal) contacts: Vec<ContactOutcome>,
-    /// Traction increments at the end of all rows, those of guides last \[Pa\].
-    pub(in crate::modal) row_tractions: Vec<f64>,
-    /// Energy of the friction elements at the end, and their loss \[J\].
-    pub(in crate::modal) friction_stored: f64,
-    pub(in crate::modal) friction_loss: f64,
-    /// Work of the load and viscous loss \[J\].
-    pub(in crate::modal) work: f64,
-    pub(in crate::modal) loss: f64,
-    /// Modal displacements at the last states, newest first.
-    pub(in crate::modal) states: Vec<[f64; LAST_STATES]>,
-}
-
-#[derive(Debug, Clone, Copy)]
-pub(in crate::modal) struct ContactOutcome {
-    pub(in crate::modal) extremes: LaneExtremes,
-    /// Mean stiffness over the steps \[Pa/m\].
-    pub(in crate::modal) stiffness: f64,
-    /// Increment of the closure at the end \[m\].
-    pub(in crate::modal) closure: f64,
-    /// Viscous loss per area \[J/m2\].
-    pub(in crate::modal) loss: f64,
-}
+use crate::modal::prepared_case::PreparedCase;
+pub(in crate::modal) use run::Recording;
+use run::Run;
 
 /// Cases integrated side by side: all of as many steps, modes and interfaces.
 #[derive(Debug, Clone, Copy)]
@@ -96,21 +39,14 @@ impl BlockRun<'_> {
                 self.1.on(self.0)
             }
         }
-        match set {
-            InstructionSet::Scalar => Some(self.on_any(pulp::Scalar::new())),
+        match set.arch()? {
+            Arch::Scalar => Some(self.on_any(pulp::Scalar::new())),
             #[cfg(target_arch = "x86_64")]
-            InstructionSet::Avx2 => {
-                pulp::x86::V3::try_new().map(|simd| simd.vectorize(On(simd, self)))
-            }
+            Arch::V3(simd) => Some(simd.vectorize(On(simd, self))),
             #[cfg(target_arch = "x86_64")]
-            InstructionSet::Avx512 => {
-                pulp::x86::V4::try_new().map(|simd| simd.vectorize(On(simd, self)))
-            }
+            Arch::V4(simd) => Some(simd.vectorize(On(simd, self))),
             #[cfg(target_arch = "aarch64")]
-            InstructionSet::Neon => {
-                pulp::aarch64::Neon::try_new().map(|simd| simd.vectorize(On(simd, self)))
-            }
-            #[allow(unreachable_patterns, reason = "which sets are left depends on the target")]
+            Arch::Neon(simd) => Some(simd.vectorize(On(simd, self))),
             _ => None,
         }
     }

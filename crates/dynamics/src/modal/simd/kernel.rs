@@ -105,12 +105,12 @@ impl<S: TableLookup, C: Coefficient<S>, const N: usize> Block<'_, S, C, N> {
             let [b0, b1, b2, b3] = mode.load;
             let past = pair.mul(b2.all(simd), mean_before);
             let past = pair.mul_add(b3.all(simd), rise_before, past);
-            let driven = pair.mul_add(b1.all(simd), rise, past);
-            let driven = pair.mul_add(b0.all(simd), mean, driven);
-            mode.predicted_increment = pair.add(mode.predicted_increment, driven);
-            mode.predicted = pair.add(mode.predicted, driven);
+            let pushed = pair.mul_add(b1.all(simd), rise, past);
+            let pushed = pair.mul_add(b0.all(simd), mean, pushed);
+            mode.predicted_increment = pair.add(mode.predicted_increment, pushed);
+            mode.predicted = pair.add(mode.predicted, pushed);
             for i in 0..interfaces {
-                predicted[i] = pair.mul_add(mode.closure[i].all(simd), driven, predicted[i]);
+                predicted[i] = pair.mul_add(mode.closure[i].all(simd), pushed, predicted[i]);
             }
         }
         for i in 0..interfaces {
@@ -144,22 +144,22 @@ impl<S: TableLookup, C: Coefficient<S>, const N: usize> Block<'_, S, C, N> {
         let reading = pair.mul_add(self.sensor_per_load.all(simd), end, self.reading);
         self.reading = reading;
         step.reading = reading;
-        let mut driven = pair.mul(self.load_port.all(simd), end);
+        let mut displacement = pair.mul(self.load_port.all(simd), end);
         for i in 0..self.interfaces() {
             let yielding = self.contacts[i].load_port.all(simd);
-            driven = pair.less_mul(yielding, step.pressure[i], driven);
+            displacement = pair.less_mul(yielding, step.pressure[i], displacement);
         }
         for mode in &self.modes {
             let reached = pair.sub(mode.predicted, mode.predicted_increment);
-            driven = pair.mul_add(mode.load_port.all(simd), reached, driven);
+            displacement = pair.mul_add(mode.load_port.all(simd), reached, displacement);
         }
         // The velocity of the load port changes over the step by about `change` divided by the step.
         let change = pair.sub(self.load_port_increment(simd), change_before);
-        let moved = pair.sub(driven, self.driven);
+        let moved = pair.sub(displacement, self.load_displacement);
         let twelfth = pair.mul(pair.splat(1.0 / 12.0), rise);
         let work = pair.mul_add(twelfth, change, self.work);
         self.work = pair.mul_add(mean, moved, work);
-        self.driven = driven;
+        self.load_displacement = displacement;
         self.load_before = [mean, rise];
     }
 }

@@ -6,14 +6,13 @@ use asperity_law::Friction;
 use asperity_structure::PreloadedContact;
 use pulp::Simd;
 
-use super::{
-    Block, Coefficient, Contact, Damper, LanePair, LaneVector, Load, Mode, PAST, Slider, WHOLE,
-    Work, lane_vector, set_lane,
-};
-use crate::modal::assembly::PreparedCase;
-use crate::modal::damped_table::RATE;
-use crate::modal::oscillator::ForceInterpolation;
-use crate::modal::oscillator::NODES;
+use super::coefficient::Coefficient;
+use super::pair::{LanePair, LaneVector, lane_vector, set_lane};
+use super::work::Work;
+use super::{Block, Contact, Damper, Load, Mode, Slider, WHOLE};
+use crate::modal::damped_table::{PAST, RATE};
+use crate::modal::oscillator::{ForceInterpolation, NODES};
+use crate::modal::prepared_case::PreparedCase;
 use crate::modal::simd::table_lookup::TableRow;
 use crate::modal::step_model::ModeStep;
 
@@ -214,7 +213,7 @@ impl<'a, S: Simd, C: Coefficient<S>, const N: usize> Block<'a, S, C, N> {
             load_port: all(&|lane| lane.tabulated.step_model.residual.load_port),
             load_before: [zero; 2],
             reading: zero,
-            driven: zero,
+            load_displacement: zero,
             work: zero,
             loss: zero,
             lanes: (0..2 * S::F64_LANES).map(|lane| lanes.get(lane).copied()).collect(),

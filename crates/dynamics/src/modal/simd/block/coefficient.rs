@@ -2,8 +2,7 @@
 
 use pulp::Simd;
 
-use super::pair::LaneVector;
-use super::{lane_of, lane_vector};
+use super::pair::{LaneVector, lane_of, lane_vector};
 
 /// A constant of every lane.
 ///
@@ -13,7 +12,7 @@ pub(in crate::modal) trait Coefficient<S: Simd>: Copy {
     /// True if the block has damped contacts or friction: the kernel of others does without them.
     const DISSIPATIVE: bool = false;
 
-    /// The constant that `of` gives lane by lane; a shared one is that of the first lane.
+    /// The constant that `of` gives lane by lane; a uniform one takes the first lane.
     fn new(simd: S, of: &dyn Fn(usize) -> f64) -> Self;
 
     fn all(self, simd: S) -> LaneVector<S>;
@@ -27,29 +26,10 @@ pub(in crate::modal) struct Uniform(f64);
 
 /// Per lane: a number of its own in each lane.
 #[derive(Debug, Clone, Copy)]
-pub(in crate::modal) struct PerLane<V>([V; 2]);
+pub(in crate::modal) struct PerLane<V, const DISSIPATIVE: bool = false>([V; 2]);
 
 /// Per lane, in a block with damped contacts or friction.
-#[derive(Debug, Clone, Copy)]
-pub(in crate::modal) struct Dissipative<V>(PerLane<V>);
-
-impl<S: Simd> Coefficient<S> for Dissipative<S::f64s> {
-    const DISSIPATIVE: bool = true;
-
-    #[inline(always)]
-    fn new(simd: S, of: &dyn Fn(usize) -> f64) -> Self {
-        Self(PerLane::new(simd, of))
-    }
-
-    #[inline(always)]
-    fn all(self, simd: S) -> LaneVector<S> {
-        self.0.all(simd)
-    }
-
-    fn lane(&self, lane: usize) -> f64 {
-        Coefficient::<S>::lane(&self.0, lane)
-    }
-}
+pub(in crate::modal) type Dissipative<V> = PerLane<V, true>;
 
 impl<S: Simd> Coefficient<S> for Uniform {
     #[inline(always)]
@@ -67,7 +47,9 @@ impl<S: Simd> Coefficient<S> for Uniform {
     }
 }
 
-impl<S: Simd> Coefficient<S> for PerLane<S::f64s> {
+impl<S: Simd, const DISSIPATIVE: bool> Coefficient<S> for PerLane<S::f64s, DISSIPATIVE> {
+    const DISSIPATIVE: bool = DISSIPATIVE;
+
     #[inline(always)]
     fn new(simd: S, of: &dyn Fn(usize) -> f64) -> Self {
         Self(lane_vector(simd, of))

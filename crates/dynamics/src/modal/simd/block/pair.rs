@@ -5,9 +5,31 @@ use pulp::Simd;
 /// One number for each lane of a block: two vectors.
 pub(in crate::modal) type LaneVector<S> = [<S as Simd>::f64s; 2];
 
+/// The lane vector of the number that `of` gives for each lane.
+#[inline(always)]
+pub(in crate::modal) fn lane_vector<S: Simd>(simd: S, of: impl Fn(usize) -> f64) -> LaneVector<S> {
+    let mut numbers = [simd.splat_f64s(0.0); 2];
+    for lane in 0..2 * S::F64_LANES {
+        set_lane::<S>(&mut numbers, lane, of(lane));
+    }
+    numbers
+}
+
+/// The number of a lane.
+#[inline(always)]
+pub(in crate::modal) fn lane_of<S: Simd>(numbers: &LaneVector<S>, lane: usize) -> f64 {
+    pulp::bytemuck::cast_slice::<S::f64s, f64>(numbers)[lane]
+}
+
+/// Replaces the number of a lane.
+#[inline(always)]
+pub(in crate::modal) fn set_lane<S: Simd>(numbers: &mut LaneVector<S>, lane: usize, number: f64) {
+    pulp::bytemuck::cast_slice_mut::<S::f64s, f64>(numbers)[lane] = number;
+}
+
 /// Arithmetic on two vectors at a time.
 ///
-/// A contact solve is one long chain of operations, each waiting for the one before. Two chains
+/// A contact solve is one long chain of operations, each waiting for its predecessor. Two chains
 /// operation by operation side by side take hardly longer than one. Written out, without loops
 /// over the two: they stay in registers.
 #[derive(Clone, Copy)]

@@ -2,7 +2,7 @@
 
 use pulp::Simd;
 
-use super::{LanePair, LaneVector, lane_of};
+use super::pair::{LanePair, LaneVector, lane_of};
 
 /// The work of a traction along a closure known at steps, `integral of t dx`: the mean of both ends
 /// times the increment of x, plus a sixth of the increment of t times the change of the increment of

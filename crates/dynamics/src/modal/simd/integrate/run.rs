@@ -2,16 +2,26 @@
 
 use pulp::Simd;
 
-use super::{ContactOutcome, LAST_STATES, Outcome, Recording, RunEnd};
-use crate::modal::assembly::PreparedCase;
+use crate::modal::decimation::Decimation;
 use crate::modal::linear_tail::carried;
 use crate::modal::oscillator::NODES;
+use crate::modal::prepared_case::PreparedCase;
 use crate::modal::simd::block::{
     Block, CHUNK, Coefficient, LanePair, LaneVector, Load, PAST, Step, lane_of, total_work,
 };
 use crate::modal::simd::contact_extremes::BlockExtremes;
-use crate::modal::simd::decimation::DecimationState;
+use crate::modal::simd::decimator::Decimator;
+use crate::modal::simd::outcome::{ContactOutcome, LAST_STATES, Outcome, RunEnd};
 use crate::modal::simd::table_lookup::TableLookup;
+
+/// Recording of the motion.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::modal) enum Recording<'a> {
+    /// Displacement, filtered and decimated.
+    Decimated(&'a Decimation),
+    /// Displacement, pressures and closures at every step.
+    EveryStep,
+}
 
 /// One block on its way.
 pub(super) struct Run<'a, S: Simd, C, const N: usize> {
@@ -20,14 +30,14 @@ pub(super) struct Run<'a, S: Simd, C, const N: usize> {
     chunk: Vec<Step<LaneVector<S>, N>>,
     load: Vec<Load<LaneVector<S>>>,
     extremes: BlockExtremes<S>,
-    decimator: Option<DecimationState<S>>,
+    decimator: Option<Decimator<S>>,
     recorded: Vec<RecordedSteps>,
     chunks: usize,
     ends: Vec<RunEnd>,
     states: Vec<[LaneVector<S>; LAST_STATES]>,
     /// The finished samples of each lane.
     samples: Vec<Vec<f64>>,
-    /// Steps to integrate, and those of the whole response.
+    /// Steps to integrate, and steps of the whole response.
     pub(super) steps: usize,
     all_steps: usize,
 }
@@ -52,7 +62,7 @@ impl<'a, S: TableLookup, C: Coefficient<S>, const N: usize> Run<'a, S, C, N> {
         let mut recorded = Vec::new();
         match recording {
             Recording::Decimated(decimation) => {
-                decimator = Some(DecimationState::new(simd, decimation, all_steps));
+                decimator = Some(Decimator::new(simd, decimation, all_steps));
             }
             Recording::EveryStep => {
                 let column = || {
@@ -90,13 +100,13 @@ impl<'a, S: TableLookup, C: Coefficient<S>, const N: usize> Run<'a, S, C, N> {
     /// Takes the `count` steps after step `reached`.
     #[inline(always)]
     pub(super) fn advance(&mut self, simd: S, reached: usize, count: usize) {
-        let driven = self.block.take_load(simd, &mut self.load[..count], reached);
+        let loaded = self.block.take_load(simd, &mut self.load[..count], reached);
         for n in 0..count {
             let (past, next) = self.chunk.split_at_mut(PAST + n);
             let (Some(past), [step, ..]) = (past.last_chunk::<PAST>(), next) else { return };
             let load = &self.load[n];
             let mut before = None;
-            if driven {
+            if loaded {
                 before = Some(self.block.load_port_increment(simd));
                 self.block.push(simd, load);
             }
@@ -172,7 +182,7 @@ impl<'a, S: TableLookup, C: Coefficient<S>, const N: usize> Run<'a, S, C, N> {
     /// Finishes the samples of each lane, with the rest of a response in closed form.
     #[inline(always)]
     pub(super) fn finish_samples(&mut self) {
-        self.samples = self.decimator.take().map(DecimationState::finish).unwrap_or_default();
+        self.samples = self.decimator.take().map(Decimator::finish).unwrap_or_default();
         for (lane, samples) in self.samples.iter_mut().enumerate() {
             let Some(case) = self.block.lanes[lane] else { continue };
             let Some(tail) = &case.tail else { continue };
@@ -195,18 +205,14 @@ impl<'a, S: TableLookup, C: Coefficient<S>, const N: usize> Run<'a, S, C, N> {
             let of = |numbers: &LaneVector<S>| lane_of::<S>(numbers, lane);
             let case = self.block.lanes[lane]?;
             let contacts = case.tabulated.tables.iter().enumerate().map(|(i, table)| {
-                let contact = &self.block.contacts[i];
+                let (contact, damper) = (&self.block.contacts[i], self.block.dampers.get(i));
                 let per_metre = table.scales()[1].cells_per_metre;
                 // Where the law counts as straight, its stiffness is that at rest.
                 let rest = (self.all_steps - self.steps) as f64 * table.tangent(0.0);
                 ContactOutcome {
                     extremes: self.extremes.extremes(i, lane).scaled(1.0 / per_metre),
                     stiffness: (of(&contact.stiffness) * per_metre + rest) / self.all_steps as f64,
-                    loss: self
-                        .block
-                        .dampers
-                        .get(i)
-                        .map_or(0.0, |damper| total_work::<S>(&damper.work, lane) / per_metre),
+                    loss: damper.map_or(0.0, |one| total_work::<S>(&one.work, lane) / per_metre),
                     closure: of(&newest.closure[i]) / per_metre,
                 }
             });

@@ -166,8 +166,8 @@ impl<S: TableLookup, C: Coefficient<S>, const N: usize> Block<'_, S, C, N> {
         Linearised { pressure, tangent, shortfall, factors }
     }
 
-    /// Pressure increment \[Pa\] at a closure, in cells from rest, and its tangent per cell; of a
-    /// damped contact or one with friction those of the traction.
+    /// Pressure increment \[Pa\] at a closure, in cells from rest, and its tangent per cell; with
+    /// damping or friction, traction increment and tangent.
     #[inline(always)]
     fn law(&self, simd: S, i: usize, closure: LaneVector<S>) -> (LaneVector<S>, LaneVector<S>) {
         let found = self.table(simd, i, closure, None);

@@ -37,8 +37,8 @@ impl<S: TableLookup, C: Coefficient<S>, const N: usize> Block<'_, S, C, N> {
         (pair.max(traction, least), pair.select(pressed, tangent, pair.splat(0.0)))
     }
 
-    /// Completes the step with the tractions found at `closure`, friction apart: impulses, losses, and the law's own
-    /// tangents in place of those of the traction.
+    /// Completes the step with the tractions found at `closure`, friction apart: impulses, losses, and
+    /// the tangents of the law in place of the tangents of the traction.
     #[inline(always)]
     pub(super) fn correct_traction(
         &mut self,

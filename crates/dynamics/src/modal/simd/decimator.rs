@@ -1,22 +1,9 @@
-//! Fewer samples than steps: a low-pass filter that keeps every so many outputs.
-
-use std::sync::Arc;
+//! The decimation filter at work on every lane of a block.
 
 use pulp::Simd;
 
 use super::block::{LanePair, LaneVector, Step, lane_of};
-
-/// A finite filter `y_j = sum of taps_l u_(j factor - l)`, u being zero before and after the run.
-///
-/// The taps are the caller's, who must apply the same filter to the force: ratios of spectra then
-/// do not see it.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Decimation {
-    /// Steps per sample kept, at least 1.
-    pub factor: usize,
-    /// The filter, newest step first.
-    pub taps: Arc<[f64]>,
-}
+use crate::modal::decimation::Decimation;
 
 /// Numbers on lines of their own: a vector that straddles two costs twice.
 #[derive(Clone, Copy)]
@@ -24,7 +11,7 @@ pub struct Decimation {
 struct Line<V>(V);
 
 /// The filter at work on every lane of a block.
-pub(super) struct DecimationState<S: Simd> {
+pub(super) struct Decimator<S: Simd> {
     /// Taps, oldest step first.
     taps: Vec<f64>,
     factor: usize,
@@ -34,13 +21,12 @@ pub(super) struct DecimationState<S: Simd> {
     samples: Vec<Line<LaneVector<S>>>,
 }
 
-impl<S: Simd> DecimationState<S> {
+impl<S: Simd> Decimator<S> {
     /// A filter of `steps` outputs, the first being that at rest.
     pub(super) fn new(simd: S, decimation: &Decimation, steps: usize) -> Self {
-        let factor = decimation.factor.max(1);
+        let factor = decimation.stride();
         let taps: Vec<f64> = decimation.taps.iter().rev().copied().collect();
-        // Samples at multiples of the factor until the filter has run out.
-        let count = (steps + taps.len().saturating_sub(1)).div_ceil(factor);
+        let count = decimation.samples(steps);
         Self { samples: vec![Line(LanePair(simd).splat(0.0)); count], taps, factor, taken: 1 }
     }
 
@@ -93,6 +79,7 @@ impl<S: Simd> DecimationState<S> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::sync::Arc;
 
     /// Against the sum that defines the filter, for taps within a chunk, across chunks, and
     /// across all of them; the second lane has twice the output.
@@ -103,7 +90,7 @@ mod tests {
         for (factor, length) in [(1, 1), (8, 64), (3, 5), (7, 2), (5, 300)] {
             let taps: Arc<[f64]> = (0..length).map(|l| 1.0 / (1.0 + f64::from(l))).collect();
             let decimation = Decimation { factor, taps: Arc::clone(&taps) };
-            let mut decimator = DecimationState::new(simd, &decimation, output.len());
+            let mut decimator = Decimator::new(simd, &decimation, output.len());
             for chunk in output[1..].chunks(32) {
                 let step = |&u: &f64| Step {
                     pressure: [[0.0; 2]],

@@ -1,22 +1,23 @@
 //! Simulation of many cases, each at the step and with the tables that it needs.
 
 use asperity_law::LawError;
-use asperity_structure::{LoadCase, PreloadedContact};
+use asperity_structure::PreloadedContact;
 use std::cmp::Ordering;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-use super::assembly::PreparedCase;
+use super::decimation::Decimation;
 use super::dense_output::history;
 use super::energy::ledger;
-use super::linear_tail;
-use super::load_steps::LoadSteps;
+use super::load_steps::LoadShapes;
+use super::prepared_case::PreparedCase;
+use super::ring_down;
 use super::simd::block::CHUNK;
-use super::simd::decimation::Decimation;
-use super::simd::integrate::{BlockRun, Outcome, Recording, RunEnd, room};
-use super::simulation::{CaseResponse, TransientCase};
+use super::simd::integrate::{BlockRun, Recording, room};
+use super::simd::outcome::{Outcome, RunEnd};
 use super::step_model::InterpolationChoice;
 use super::step_size::{MOST_HALVINGS, Resolution};
+use super::transient_case::{CaseResponse, TransientCase};
 use crate::error::balanced;
 use crate::{ContactExtremes, DynamicsError, InstructionSet, Sampling, Transient};
 
@@ -33,11 +34,11 @@ impl Default for Batch {
     }
 }
 
-/// A case that is not finished: how it is tried next.
+/// The next attempt at a case that is not finished.
 #[derive(Debug, Clone)]
-pub(super) struct Attempt {
+struct Attempt {
     index: usize,
-    pub(super) lane: PreparedCase,
+    lane: PreparedCase,
     settings: Settings,
     decimation: Arc<Decimation>,
 }
@@ -53,9 +54,9 @@ struct Settings {
     may_end_linearly: bool,
 }
 
-/// Doublings of the tabulated pressures before a case is given up; and before pressures with the
-/// interpolation of highest order count as an instability of it, as can arise where fast and slow
-/// modes share a contact.
+/// Doublings of the tabulated pressures before a case is given up. With the interpolation of highest
+/// order fewer doublings count as an instability of the interpolation, which can arise where fast and
+/// slow modes share a contact.
 const MOST_DOUBLINGS: i32 = 16;
 const MOST_DOUBLINGS_OF_HIGHEST_ORDER: i32 = 4;
 
@@ -74,7 +75,7 @@ impl Batch {
     /// `decimation` gives the filter for the output of case `index` at a step \[s\].
     ///
     /// ```
-    /// use asperity_dynamics::{Batch, Decimation, TransientCase, ModalModel};
+    /// use asperity_dynamics::{Batch, Decimation, ModalModel, TransientCase};
     /// use asperity_mesh::Port;
     /// use asperity_structure::{LoadCase, TimeFunction};
     /// # use std::sync::Arc;
@@ -107,10 +108,10 @@ impl Batch {
         decimation: &dyn Fn(usize, f64) -> Arc<Decimation>,
     ) -> Vec<Result<CaseResponse, DynamicsError>> {
         let mut results: Vec<Option<Result<CaseResponse, DynamicsError>>> = vec![None; cases.len()];
-        let mut shapes = LoadShapes::default();
+        let mut preparation = Preparation { shapes: LoadShapes::default(), decimation };
         let mut attempts = Vec::with_capacity(cases.len());
         for (index, case) in cases.iter().enumerate() {
-            match Attempt::first(index, case, &mut shapes, decimation) {
+            match preparation.first(index, case) {
                 Ok(attempt) => attempts.push(attempt),
                 Err(error) => results[index] = Some(Err(error)),
             }
@@ -131,7 +132,7 @@ impl Batch {
                     };
                     for (attempt, outcome) in group.iter().zip(outcomes) {
                         let case = &cases[attempt.index];
-                        match attempt.next(case, &outcome, &mut shapes, decimation) {
+                        match attempt.next(case, &outcome, &mut preparation) {
                             Ok(None) => {
                                 results[attempt.index] = Some(Ok(attempt.record(outcome)));
                             }
@@ -174,15 +175,16 @@ impl Batch {
     ) -> Result<(PreparedCase, Outcome), DynamicsError> {
         let none = Arc::new(Decimation { factor: 1, taps: Arc::new([]) });
         let decimation = |_: usize, _: f64| Arc::clone(&none);
-        let mut shapes = LoadShapes::default();
-        let mut attempt = Attempt::first(0, case, &mut shapes, &decimation)?;
+        let mut preparation =
+            Preparation { shapes: LoadShapes::default(), decimation: &decimation };
+        let mut attempt = preparation.first(0, case)?;
         loop {
             let run = BlockRun { lanes: &[&attempt.lane], recording: Recording::EveryStep };
             let outcome = run
                 .run(self.instructions)
                 .and_then(|outcomes| outcomes.into_iter().next())
                 .ok_or(DynamicsError::InstructionSet { set: self.instructions })?;
-            match attempt.next(case, &outcome, &mut shapes, &decimation)? {
+            match attempt.next(case, &outcome, &mut preparation)? {
                 Some(next) => attempt = next,
                 None => return Ok((attempt.lane, outcome)),
             }
@@ -254,72 +256,52 @@ impl Settings {
     }
 }
 
-impl Attempt {
-    fn first(
-        index: usize,
-        case: &TransientCase,
-        shapes: &mut LoadShapes,
-        decimation: &dyn Fn(usize, f64) -> Arc<Decimation>,
-    ) -> Result<Self, DynamicsError> {
+/// Preparation of attempts, with what they share.
+struct Preparation<'a> {
+    shapes: LoadShapes,
+    /// The filter of case `index` at a step \[s\].
+    decimation: &'a dyn Fn(usize, f64) -> Arc<Decimation>,
+}
+
+impl Preparation<'_> {
+    fn first(&mut self, index: usize, case: &TransientCase) -> Result<Attempt, DynamicsError> {
         case.model.check(&case.load, case.sensor)?;
-        let resolution = Resolution::first(case)?;
-        Self::at(index, case, resolution, Settings::first(case), shapes, decimation)
+        self.attempt(index, case, Settings::first(case))
     }
 
-    fn at(
+    fn attempt(
+        &mut self,
         index: usize,
         case: &TransientCase,
-        resolution: Resolution,
         settings: Settings,
-        shapes: &mut LoadShapes,
-        decimation: &dyn Fn(usize, f64) -> Arc<Decimation>,
-    ) -> Result<Self, DynamicsError> {
-        let Resolution { step, steps } = resolution;
-        let load = shapes.load_steps(&case.load, step, steps);
+    ) -> Result<Attempt, DynamicsError> {
+        let Resolution { step, steps } = Resolution::halved(case, settings.halvings)?;
+        let load = self.shapes.load_steps(&case.load, step, steps);
         let tabulated =
             case.model.prepare(step, &settings.table_exponents, settings.interpolation)?;
-        let decimation = decimation(index, step);
-        let start = || linear_tail::start(&case.model, &load, step, steps);
+        let decimation = (self.decimation)(index, step);
+        let start = || ring_down::start(&case.model, &load, step, steps);
         let tail = settings.may_end_linearly.then(start).flatten();
-        let tail =
-            tail.and_then(|from| tabulated.linear_tail(case.sensor, (from, steps), &decimation));
-        let model = Arc::clone(&case.model);
-        let lane = PreparedCase {
-            model,
-            tabulated,
-            load,
-            amplitude: case.load.amplitude(),
-            sensor: case.sensor,
-            steps,
-            tail,
-        };
-        Ok(Self { index, lane, settings, decimation })
+        let sensor = case.sensor;
+        let tail = tail.and_then(|from| tabulated.linear_tail(sensor, (from, steps), &decimation));
+        let (model, amplitude) = (Arc::clone(&case.model), case.load.amplitude());
+        let lane = PreparedCase { model, tabulated, load, amplitude, sensor, steps, tail };
+        Ok(Attempt { index, lane, settings, decimation })
     }
+}
 
+impl Attempt {
     /// Orders attempts so that those that can be integrated together are neighbours; among them,
     /// those whose forces end together.
     fn batch_order(&self, other: &Self) -> Ordering {
         let key = |attempt: &Self| {
-            let model = &attempt.lane.tabulated.step_model;
             let lane = &attempt.lane;
-            let size = (lane.steps, lane.integrated(), model.modes.len(), lane.model.rows());
-            (
-                size,
-                attempt.lane.model.is_dissipative(),
-                attempt.decimation.factor,
-                attempt.decimation.taps.len(),
-            )
+            let modes = lane.tabulated.step_model.modes.len();
+            let size = (lane.steps, lane.integrated(), modes, lane.model.rows());
+            (size, lane.model.is_dissipative())
         };
-        // Lanes share one filter, which must be that of each.
-        let taps = || {
-            if Arc::ptr_eq(&self.decimation.taps, &other.decimation.taps) {
-                return Ordering::Equal;
-            }
-            let mut pairs = self.decimation.taps.iter().zip(&*other.decimation.taps);
-            let unequal = pairs.find(|(a, b)| a.to_bits() != b.to_bits());
-            unequal.map_or(Ordering::Equal, |(a, b)| a.total_cmp(b))
-        };
-        key(self).cmp(&key(other)).then_with(taps)
+        // The lanes of a block share one filter.
+        key(self).cmp(&key(other)).then_with(|| self.decimation.order(&other.decimation))
     }
 
     /// The next attempt after an outcome; none if the outcome is accepted.
@@ -327,19 +309,11 @@ impl Attempt {
         &self,
         case: &TransientCase,
         outcome: &Outcome,
-        shapes: &mut LoadShapes,
-        decimation: &dyn Fn(usize, f64) -> Arc<Decimation>,
+        preparation: &mut Preparation<'_>,
     ) -> Result<Option<Self>, DynamicsError> {
-        let unstable = |steps: usize, i: usize| DynamicsError::Unstable {
-            time_s: steps as f64 * self.lane.tabulated.step_model.step,
-            interface: self.lane.model.contacts()[i].name().to_owned(),
-        };
         let may_halve = case.step.is_none() && self.settings.halvings < MOST_HALVINGS;
-        let mut at = |settings: Settings| {
-            let finer = Resolution::halved(case, settings.halvings)?;
-            Self::at(self.index, case, finer, settings, shapes, decimation)
-        };
-        let (i, time) = match outcome.end {
+        let mut at = |settings: Settings| preparation.attempt(self.index, case, settings);
+        let (i, steps) = match outcome.end {
             RunEnd::Done => {
                 if let Some(i) = not_finite(&self.lane, outcome) {
                     (i, self.lane.steps)
@@ -350,7 +324,7 @@ impl Attempt {
                         return at(self.settings.halved(case)).map(Some);
                     }
                     let ends_linearly = self.lane.tail.is_some();
-                    if ends_linearly && !linear_tail::is_straight(&self.lane, outcome, &energy) {
+                    if ends_linearly && !ring_down::is_straight(&self.lane, outcome, &energy) {
                         let whole = Settings { may_end_linearly: false, ..self.settings.clone() };
                         return at(whole).map(Some);
                     }
@@ -363,7 +337,7 @@ impl Attempt {
         };
         let wider = self.settings.wider(case, outcome.end);
         match wider.map(&mut at) {
-            // Pressures that no table reaches are those of numbers that grow beyond all bounds.
+            // Where no table reaches the pressures, the numbers grow beyond all bounds.
             None | Some(Err(DynamicsError::Law { source: LawError::Unresolved { .. }, .. })) => {}
             Some(next) => return next.map(Some),
         }
@@ -374,7 +348,10 @@ impl Attempt {
         } else if may_halve {
             at(self.settings.halved(case)).map(Some)
         } else {
-            Err(unstable(time, i))
+            Err(DynamicsError::Unstable {
+                time_s: steps as f64 * self.lane.tabulated.step_model.step,
+                interface: self.lane.model.contacts()[i].name().to_owned(),
+            })
         }
     }
 
@@ -386,7 +363,7 @@ impl Attempt {
             modes: self.lane.tabulated.step_model.modes.len(),
             decimation: Arc::clone(&self.decimation),
             contacts: contact_extremes(&self.lane, &outcome),
-            energy: linear_tail::at_end(&self.lane, ledger(&self.lane, &outcome)),
+            energy: ring_down::at_end(&self.lane, ledger(&self.lane, &outcome)),
             displacement: outcome.displacement,
             is_of_second_order: self.settings.interpolation == InterpolationChoice::Average,
             table_exponents: self.settings.table_exponents.clone(),
@@ -409,19 +386,19 @@ fn not_finite(lane: &PreparedCase, outcome: &Outcome) -> Option<usize> {
 const TOUCH: f64 = 1e-9;
 
 /// Extremes as pressures, none below loss of contact, and the average stiffness.
-pub(super) fn contact_extremes(lane: &PreparedCase, outcome: &Outcome) -> Vec<ContactExtremes> {
+fn contact_extremes(lane: &PreparedCase, outcome: &Outcome) -> Vec<ContactExtremes> {
     let named = lane.model.contacts().iter().zip(&outcome.contacts).enumerate();
     named
         .map(|(i, (contact, outcome))| {
             let (law, state, seen) = (contact.law(), contact.pressure(), &outcome.extremes);
             let open_below = lane.open_below(i);
-            // The pressure rises with the closure, so its extremes are those of the closure.
+            // The pressure rises with the closure, so both have their extremes together.
             let at = |closure: f64| {
                 if closure <= open_below {
                     return [0.0; 2];
                 }
                 let increment = law.pressure_increment(state, closure);
-                // Of what is left of a pressure the difference would be round-off.
+                // Of a pressure near zero the difference would leave round-off.
                 if increment.value > -0.5 * state {
                     [state + increment.value, increment.tangent]
                 } else {
@@ -442,31 +419,4 @@ pub(super) fn contact_extremes(lane: &PreparedCase, outcome: &Outcome) -> Vec<Co
             }
         })
         .collect()
-}
-
-/// Loads already computed: cases of one shape differ by their amplitude.
-#[derive(Debug, Default)]
-pub(super) struct LoadShapes {
-    known: Vec<(LoadCase, f64, usize, Arc<LoadSteps>)>,
-}
-
-/// Loads kept at a time.
-const MOST_SHAPES: usize = 32;
-
-impl LoadShapes {
-    /// A load of unit amplitude in `steps` steps of `step` \[s\].
-    fn load_steps(&mut self, load: &LoadCase, step: f64, steps: usize) -> Arc<LoadSteps> {
-        let same = |known: &&(LoadCase, f64, usize, Arc<LoadSteps>)| {
-            known.1 == step && known.2 == steps && known.0.is_like(load)
-        };
-        if let Some(found) = self.known.iter().find(same) {
-            return Arc::clone(&found.3);
-        }
-        let found = Arc::new(LoadSteps::new(load, step, steps));
-        if self.known.len() >= MOST_SHAPES {
-            self.known.clear();
-        }
-        self.known.push((load.clone(), step, steps, Arc::clone(&found)));
-        found
-    }
 }

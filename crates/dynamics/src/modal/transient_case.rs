@@ -1,16 +1,16 @@
-//! One case and its response.
+//! A transient case and its response.
 
 use std::sync::Arc;
 
 use asperity_law::CompiledLaw;
 
 use super::assembly::{ModalModel, table_error};
-use super::simd::decimation::Decimation;
+use super::decimation::Decimation;
 use super::step_model::InterpolationChoice;
 use crate::{ContactExtremes, DynamicsError, EnergyLedger};
 use asperity_structure::LoadCase;
 
-/// One case on a structure, to be simulated.
+/// A load on a structure, from rest, over a duration.
 #[derive(Debug, Clone)]
 pub struct TransientCase {
     /// Structure in modes, shared by cases.
@@ -25,7 +25,7 @@ pub struct TransientCase {
     pub step: Option<f64>,
 }
 
-/// The response to a case.
+/// The response to a transient case.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CaseResponse {
     /// Step \[s\] and number of steps.
@@ -46,15 +46,15 @@ pub struct CaseResponse {
     pub contacts: Vec<ContactExtremes>,
     /// The energy balance.
     pub energy: EnergyLedger,
-    /// True if all modes took the mean of the contact forces at both ends of a step, since those of
-    /// higher order did not stay bounded.
+    /// True if all modes took the mean of the contact forces at both ends of a step, since the
+    /// motion under an interpolation of higher order did not stay bounded.
     pub is_of_second_order: bool,
     pub(super) table_exponents: Vec<i32>,
 }
 
 impl CaseResponse {
     /// Largest difference \[Pa\] between the table of each contact and its law, over the pressures of
-    /// the response, from samples; `model` is that of the case.
+    /// the response, from samples; `model` is the model of the case.
     ///
     /// # Errors
     /// [`DynamicsError::Law`] when a law cannot be tabulated any more.

@@ -1,0 +1,41 @@
+//! Fewer samples than steps: a low-pass filter that keeps every so many outputs.
+
+use std::cmp::Ordering;
+use std::sync::Arc;
+
+/// A finite filter `y_j = sum of taps_l u_(j factor - l)`, u being zero before and after the run.
+///
+/// The taps are the caller's, who must apply the same filter to the force: ratios of spectra then
+/// do not see it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Decimation {
+    /// Steps per sample kept, at least 1.
+    pub factor: usize,
+    /// The filter, newest step first.
+    pub taps: Arc<[f64]>,
+}
+
+impl Decimation {
+    /// Steps per sample kept; one where the factor is zero.
+    pub(super) fn stride(&self) -> usize {
+        self.factor.max(1)
+    }
+
+    /// Number of samples of `steps` outputs: multiples of the factor until the filter has run out.
+    pub(super) fn samples(&self, steps: usize) -> usize {
+        (steps + self.taps.len().saturating_sub(1)).div_ceil(self.stride())
+    }
+
+    /// An order in which filters are equal if they have equal factors, and taps of equal bits.
+    pub(super) fn order(&self, other: &Self) -> Ordering {
+        let size = |filter: &Self| (filter.factor, filter.taps.len());
+        let taps = || {
+            if Arc::ptr_eq(&self.taps, &other.taps) {
+                return Ordering::Equal;
+            }
+            let mut orders = self.taps.iter().zip(&*other.taps).map(|(a, b)| a.total_cmp(b));
+            orders.find(|order| order.is_ne()).unwrap_or(Ordering::Equal)
+        };
+        size(self).cmp(&size(other)).then_with(taps)
+    }
+}
