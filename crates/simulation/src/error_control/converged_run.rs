@@ -1,4 +1,4 @@
-//! What is asked of the error control, and what it gives.
+//! Requests to the error control, and the runs that reach their accuracy.
 
 use std::sync::Arc;
 
