@@ -26,7 +26,7 @@ impl Place {
     }
 }
 
-/// What drives the structure: forces at places and a motion of its base.
+/// The loads of a run: forces at places, and a motion of the base.
 #[derive(Debug, Clone)]
 pub(crate) struct Loads<'a> {
     /// Forces \[N\] at places, positive ones down.
