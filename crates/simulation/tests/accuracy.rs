@@ -70,13 +70,14 @@ fn a_given_step_that_is_too_long_is_said_to_be() {
     assert!(warnings(&run).contains(&"accuracy_not_reached"), "{:?}", warnings(&run));
 }
 
-/// Against a modal response to 1e-5: no error of finite differences is more than half larger than
-/// stated, nor all of them far smaller, and the statement falls with the step.
+/// Against a modal response to 1e-6: no error of finite differences is more than half larger than
+/// stated, nor all of them far smaller, and the statement falls with the step. In longer cells the error of
+/// the lowest pressure on the disc, -1.6 Pa (h / 1 mm) + 0.15 Pa (h / 1 mm)^2, is not of one order.
 #[test]
 fn finite_differences_state_their_error() {
-    let truth = run(&rig(&[("/method", r#"{"kind": "modal", "accuracy": 1e-5}"#)])).observables;
+    let truth = run(&rig(&[("/method", r#"{"kind": "modal", "accuracy": 1e-6}"#)])).observables;
     let mut stated = Vec::new();
-    for cell in ["0.004", "0.002"] {
+    for cell in ["0.001", "0.0005"] {
         let method = format!(r#"{{"kind": "finite_difference", "cell_m": {cell}}}"#);
         let run = run(&rig(&[("/method", &method)]));
         assert_eq!(run.summary.numerics.modes_per_body, None);
@@ -96,14 +97,18 @@ fn finite_differences_state_their_error() {
             let place = names.iter().position(|name| name == observable).unwrap();
             let error = (run.observables.values[place] - truth.values[place]).abs();
             let stated = estimate.errors[place];
-            assert!(error < 1.5 * stated, "{observable} {cell}: {error}, stated {stated}");
+            let of_modal = 1e-5 * truth.values[place].abs();
+            assert!(
+                error < 1.5 * stated + of_modal,
+                "{observable} {cell}: {error}, stated {stated}"
+            );
             largest = largest.max(error / estimate.errors[place]);
         }
         assert!(largest > 0.3, "{cell}: {largest}");
         stated.push(estimate.relative);
     }
     let order = (stated[0] / stated[1]).log2();
-    // The steps have the ratio 2.08.
+    // The steps have the ratio 2.
     assert!((0.95..1.15).contains(&order), "{order} {stated:?}");
 }
 

@@ -8,8 +8,8 @@ const PARTS: usize = 8;
 
 /// Displacements of the nodes of a body from rest at three successive states, the first node at its top.
 ///
-/// What the loop over time calls in every step is written into it, and so compiled for each set of vector
-/// instructions. No operation is contracted or reordered: the numbers are the same on all of them.
+/// The functions that each step calls are written into the loop over time, and so compiled for each set of
+/// vector instructions. No operation is contracted or reordered: the numbers are the same on all of them.
 pub(super) struct Bar {
     /// Displacements \[m\] at the state that the latest step reached, and one and two steps earlier.
     next: Vec<f64>,
