@@ -1,7 +1,7 @@
 //! Properties of the readers of documents for any text.
 
 use asperity_identify::IdentificationProblem;
-use asperity_scenario::{Document, ForceSamples, Scenario};
+use asperity_scenario::{Document, LoadSamples, Scenario};
 use asperity_simulation::sweep::Variation;
 
 /// Scenario that values are set in.
@@ -112,19 +112,19 @@ pub fn problem(text: &str) {
     }
 }
 
-/// Bytes are force samples of increasing finite times, or are refused with words.
+/// Bytes are samples of a force of increasing finite times, or are refused with words.
 ///
 /// # Panics
 /// If they are others.
-pub fn force_samples(bytes: &[u8]) {
-    match ForceSamples::from_csv(bytes) {
+pub fn load_samples(bytes: &[u8]) {
+    match LoadSamples::from_csv(bytes, "force_n") {
         Ok(samples) => {
-            assert_eq!(samples.time_s.len(), samples.force_n.len());
+            assert_eq!(samples.time_s.len(), samples.values.len());
             assert!(samples.time_s.is_sorted_by(|one, next| one < next));
-            let all = samples.time_s.iter().chain(&samples.force_n);
+            let all = samples.time_s.iter().chain(&samples.values);
             assert!(all.copied().all(f64::is_finite));
             if let Ok(rescaled) = samples.rescaled(3.0) {
-                assert_eq!(rescaled.peak_n().abs(), 3.0);
+                assert_eq!(rescaled.peak().abs(), 3.0);
             }
         }
         Err(error) => assert!(!error.to_string().is_empty()),

@@ -90,13 +90,26 @@ impl<'a> Numbers<'a> {
         let sign = if self.below(3) == 0 { -1.0 } else { 1.0 };
         let peak_n = sign * 9.81 * above * self.between(1e-6, 1e4);
         let time = self.between(1e-6, 1e-1);
-        let excitation = match self.below(5) {
+        let excitation = match self.below(6) {
             0 => json!({"kind": "none"}),
-            1 => json!({"kind": "gamma_pulse", "peak_n": peak_n, "rise_s": time}),
-            2 => json!({"kind": "half_sine", "peak_n": peak_n, "duration_s": time}),
-            3 => json!({"kind": "haversine", "peak_n": peak_n, "duration_s": time}),
-            _ => json!({"kind": "harmonic", "amplitude_n": peak_n, "frequency_hz": 1.0 / time}),
+            1 => {
+                let acceleration = json!({"kind": "haversine", "peak_m_per_s2": peak_n / above, "duration_s": time});
+                json!({"kind": "base_motion", "acceleration": acceleration})
+            }
+            kind => {
+                let mut force = match kind {
+                    2 => json!({"kind": "gamma_pulse", "peak_n": peak_n, "rise_s": time}),
+                    3 => json!({"kind": "half_sine", "peak_n": peak_n, "duration_s": time}),
+                    4 => json!({"kind": "haversine", "peak_n": peak_n, "duration_s": time}),
+                    _ => {
+                        json!({"kind": "harmonic", "amplitude_n": peak_n, "frequency_hz": 1.0 / time})
+                    }
+                };
+                force["at"] = self.place(&bodies);
+                force
+            }
         };
+        let sensor = json!({"name": "sensor", "at": self.place(&bodies), "kind": "acceleration"});
         let output_rate_hz = self.between(1e2, 1e6);
         json!({
             "schema": "asperity/scenario/1",
@@ -105,9 +118,25 @@ impl<'a> Numbers<'a> {
             "support": support,
             "damping": {"kind": "mass_proportional", "ratio": self.between(1e-4, 1.0)},
             "excitation": excitation,
+            "sensors": [sensor],
             "output_rate_hz": output_rate_hz,
             "duration_s": self.between(20.0, 300.0) / output_rate_hz,
         })
+    }
+}
+
+impl Numbers<'_> {
+    /// A place on one of `bodies` as JSON.
+    fn place(&mut self, bodies: &[Value]) -> Value {
+        let body = &bodies[self.below(bodies.len())];
+        match self.below(3) {
+            0 => json!({"body": body["name"], "end": "upper"}),
+            1 => json!({"body": body["name"], "end": "lower"}),
+            _ => {
+                let length = body["length_m"].as_f64().expect("a body has a length");
+                json!({"body": body["name"], "position_m": self.unit() * length})
+            }
+        }
     }
 }
 

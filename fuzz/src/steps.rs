@@ -35,19 +35,21 @@ pub fn step(bytes: &[u8]) {
 }
 
 fn run(text: &str, assembly: &Assembly, method: &Integrator) {
-    let Assembly { structure, excitation, sampling, .. } = assembly;
-    let Ok(outline) = method.outline(structure, excitation, sampling) else { return };
+    let Assembly { structure, load, sampling, .. } = assembly;
+    let sensors = assembly.sensor_ports();
+    let Ok(outline) = method.outline(structure, load, sampling) else { return };
     if outline.unknowns as f64 * outline.steps as f64 > MOST_UPDATES {
         return;
     }
-    let transient = match method.integrate(structure, excitation, sampling) {
+    let transient = match method.integrate(structure, load, &sensors, sampling) {
         Ok(transient) => transient,
         Err(error) => return assert!(!error.to_string().is_empty()),
     };
     let name = method.name();
     let history = &transient.history;
     assert_eq!(history.sensors[0].displacement.len(), sampling.samples(), "{text}: {name}");
-    for values in [&history.load, &history.sensors[0].displacement, &history.sensors[0].acceleration] {
+    let sensor = &history.sensors[0];
+    for values in [&history.load, &sensor.displacement, &sensor.velocity, &sensor.acceleration] {
         assert!(values.iter().all(|value| value.is_finite()), "{text}: {name}: not finite");
     }
     for contact in &transient.contacts {

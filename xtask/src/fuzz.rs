@@ -31,7 +31,7 @@ const TARGETS: [Target; 15] = [
     ("set", 256, None),
     ("vary", 256, None),
     ("problem", 8192, Some(("fixtures/problems", "json", 0))),
-    ("force_samples", 4096, Some(("fixtures/scenarios", "csv", 0))),
+    ("load_samples", 4096, Some(("fixtures/scenarios", "csv", 0))),
     ("law", 128, None),
     ("step", 256, None),
     ("universal", 1 << 16, Some((MEASURED, "uff", 15))),

@@ -115,13 +115,13 @@ impl PreparedRig {
             Some(excitation) => std::mem::replace(excitation, silent),
             None => silent,
         };
-        let scenario: Scenario = serde_json::from_value(scenario)
-            .map_err(|error| SimulationError::Scenario(error.to_string()))?;
+        let scenario: Scenario =
+            serde_json::from_value(scenario).map_err(|error| invalid(&error))?;
         Ok(Self { case: Arc::new(PreparedScenario::new(&scenario, folder)?), excitation })
     }
 }
 
-fn invalid(error: serde_json::Error) -> SimulationError {
+fn invalid(error: &serde_json::Error) -> SimulationError {
     SimulationError::Scenario(error.to_string())
 }
 
@@ -139,7 +139,7 @@ impl PreparedRig {
     pub(super) fn load_port(&self, set: &Changes) -> Result<Port, SimulationError> {
         let excitation = self.excitation(set)?;
         let Some(at) = excitation.get("at") else { return Ok(Port::TOP) };
-        let at = PlaceSpec::deserialize(at).map_err(invalid)?;
+        let at = PlaceSpec::deserialize(at).map_err(|error| invalid(&error))?;
         Ok(at.port(self.case.assembly.structure.stack().bodies())?)
     }
 }
@@ -155,7 +155,8 @@ impl SimulatedHit {
         let bodies = rig.case.assembly.structure.stack().bodies();
         let load = match &self.force {
             HitForce::Scenario { set, peak_n } => {
-                let spec = ExcitationSpec::deserialize(rig.excitation(set)?).map_err(invalid)?;
+                let spec = ExcitationSpec::deserialize(rig.excitation(set)?)
+                    .map_err(|error| invalid(&error))?;
                 let load = load_case(&spec, bodies, folder)?;
                 match peak_n {
                     Some(peak) => load.with_amplitude(peak / gains.force),

@@ -106,13 +106,16 @@ pub fn frf_csv(columns: &[(String, Vec<f64>)]) -> String {
     columns_to_csv(columns.iter().map(|(name, column)| (name.as_str(), column.as_slice())))
 }
 
+/// Columns of `frf.csv`, with their names.
+pub type FrfColumns = Vec<(String, Vec<f64>)>;
+
 /// Columns of `frf.csv`, with their names: the receptance at the first sensor, and at each further one
 /// under its name. With a motion of the base the columns are those of the transmissibility, absolute over
 /// base motion, and after them those of the relative displacement per base acceleration \[s2\].
 ///
 /// # Errors
 /// [`SimulationError::Signal`] when a response cannot be analysed.
-pub fn frf_columns(run: &Run) -> Result<Option<Vec<(String, Vec<f64>)>>, SimulationError> {
+pub fn frf_columns(run: &Run) -> Result<Option<FrfColumns>, SimulationError> {
     let mut columns = Vec::new();
     for (number, sensor) in run.assembly.sensors.iter().enumerate() {
         let Some(frf) = receptance(run, number)? else { return Ok(None) };

@@ -63,6 +63,7 @@ pub enum Order {
 
 impl Order {
     /// The integral of what this order is.
+    #[must_use]
     pub fn integral(self) -> Self {
         match self {
             Self::SecondIntegral | Self::Integral => Self::SecondIntegral,

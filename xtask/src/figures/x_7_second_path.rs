@@ -70,7 +70,7 @@ fn both_paths(_: &Case, run: &Run) -> Result<(Observed, Observed)> {
     let natural = summary.at_rest.natural_frequency_hz.context("the rig has no frequency")?;
     let folder = tempfile::tempdir().context("no temporary folder")?;
     let file = folder.path().join("hit.uff");
-    let record = measurement_record(&run, None);
+    let record = measurement_record(run, None);
     write(&file, slice::from_ref(&record), Format::UniversalBinary, &WriteOptions::default())?;
     let options = AnalysisOptions {
         responses: ResponseChoice::of(&["acceleration".into()]),

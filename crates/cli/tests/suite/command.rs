@@ -9,7 +9,7 @@ fn rig() -> String {
 }
 
 /// A quick run of the rig: coarse cells, 20 ms.
-const QUICK: [&str; 4] = ["--set", "/method/cell_m=0.005", "--set", "/duration_s=0.04"];
+const QUICK: [&str; 4] = ["--set", "/method/cell_m=0.004", "--set", "/duration_s=0.04"];
 
 fn header(path: &Path) -> String {
     std::fs::read_to_string(path).unwrap().lines().next().unwrap().to_owned()

@@ -4,4 +4,4 @@
 use asperity_fuzz::documents;
 use libfuzzer_sys::fuzz_target;
 
-fuzz_target!(|data: &[u8]| documents::force_samples(data));
+fuzz_target!(|data: &[u8]| documents::load_samples(data));
