@@ -115,5 +115,5 @@ pub use periodic_response::{PeriodicResponse, PressureRange};
 pub use port::{PortMotion, SystemPort};
 pub use rigid_mass::RigidMass;
 pub use settings::{FourierResolution, HarmonicSettings, StepControl};
-pub use stepped_sine::{Drive, SineResponse, SineVariation, SteppedSine};
+pub use stepped_sine::{Drive, SineResponse, SineVariation, SteppedSineSolver};
 pub use trace::trace;

@@ -61,7 +61,7 @@ pub struct SineResponse {
 /// ```
 /// use std::sync::Arc;
 ///
-/// use asperity_harmonic::{ContactSystem, Drive, LawEvaluation, RigidMass, SteppedSine};
+/// use asperity_harmonic::{ContactSystem, Drive, LawEvaluation, RigidMass, SteppedSineSolver};
 /// use asperity_law::Power;
 /// use asperity_structure::PreloadedContact;
 ///
@@ -71,19 +71,19 @@ pub struct SineResponse {
 /// let mass = Arc::new(RigidMass::new(1.61, 420.0)?);
 /// let system = ContactSystem::new(mass, vec![contact], LawEvaluation::Exact)?;
 /// let drives = [800.0, 820.0, 840.0].map(|frequency_hz| Drive { frequency_hz, force: 0.5 });
-/// let found = SteppedSine::new(&system, 7).sweep(&drives);
+/// let found = SteppedSineSolver::new(&system, 7).sweep(&drives);
 /// assert!(found.iter().all(Option::is_some));
 /// # Ok(())
 /// # }
 /// ```
 #[derive(Debug)]
-pub struct SteppedSine<'a> {
+pub struct SteppedSineSolver<'a> {
     system: &'a ContactSystem,
     balance: Balance<'a>,
     matrix: Factorization,
 }
 
-impl<'a> SteppedSine<'a> {
+impl<'a> SteppedSineSolver<'a> {
     /// A solver with so many harmonics, at least 1 and at most
     /// [`MOST_HARMONICS`](crate::FourierResolution::MOST_HARMONICS).
     pub fn new(system: &'a ContactSystem, harmonics: usize) -> Self {
@@ -131,7 +131,7 @@ impl<'a> SteppedSine<'a> {
             let mut d_residual = vec![0.0; n];
             let mut d_displacement = Complex64::ZERO;
             for ((system, drive), weight) in variation.points.iter().zip(variation.weights) {
-                let mut other = SteppedSine::new(system, harmonics);
+                let mut other = SteppedSineSolver::new(system, harmonics);
                 let at = conditions(*drive);
                 other.balance.evaluate(&response.closures, &at).ok()?;
                 other.balance.residual(&response.closures, &at, &mut residual);

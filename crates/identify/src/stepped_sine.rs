@@ -2,7 +2,7 @@
 
 use asperity_dynamics::{STENCIL, central_difference};
 use asperity_harmonic::{
-    ContactSystem, Drive, LawEvaluation, SineResponse, SineVariation, SteppedSine,
+    ContactSystem, Drive, LawEvaluation, SineResponse, SineVariation, SteppedSineSolver,
 };
 use asperity_signal::Complex64;
 use rayon::prelude::*;
@@ -136,7 +136,7 @@ impl SimulatedSweep {
         let system = self.system(&rigs[self.rig], LawEvaluation::default())?;
         let drives: Vec<Drive> =
             self.drives.iter().map(|drive| Self::drive(*drive, gains)).collect();
-        Ok(SteppedSine::new(&system, self.harmonics).sweep(&drives))
+        Ok(SteppedSineSolver::new(&system, self.harmonics).sweep(&drives))
     }
 
     /// The responses as the sensors show them, and their derivatives with respect to every parameter,
@@ -174,7 +174,7 @@ impl SimulatedSweep {
                     step: stencil.step,
                 })
                 .collect();
-            let mut solver = SteppedSine::new(&middle, self.harmonics);
+            let mut solver = SteppedSineSolver::new(&middle, self.harmonics);
             let here = Self::drive(*drive, gains);
             let found = solver.derivatives(here, response, &variations)?;
             // The product rule with the gain of the response.

@@ -40,7 +40,7 @@ pub struct Sensor {
     pub name: Option<String>,
     /// Place.
     pub port: Port,
-    /// What it reads.
+    /// Quantity that it reads.
     pub kind: SensorKind,
 }
 

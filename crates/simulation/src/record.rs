@@ -54,7 +54,7 @@ pub fn history_columns(run: &Run) -> Vec<(String, Cow<'_, [f64]>)> {
     columns
 }
 
-/// What a sensor reads.
+/// Quantity that a sensor reads.
 #[derive(Debug, Clone)]
 pub struct Motion<'a> {
     /// Name of the sensor; none for the top of a scenario without sensors.
@@ -67,7 +67,7 @@ pub struct Motion<'a> {
     pub relative: &'a [f64],
 }
 
-/// What each sensor reads; without sensors displacement and acceleration of the top.
+/// Quantity of each sensor; without sensors displacement and acceleration of the top.
 pub fn motions(run: &Run) -> Vec<Motion<'_>> {
     let both = [SensorKind::Displacement, SensorKind::Acceleration];
     let mut motions = Vec::new();

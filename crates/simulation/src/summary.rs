@@ -114,7 +114,7 @@ impl Amplitude {
 pub struct SensorSummary {
     /// Name of the sensor.
     pub name: String,
-    /// What it reads.
+    /// Quantity that it reads.
     pub kind: SensorKind,
     /// Fundamental of its receptance; none without a peak.
     pub fundamental: Option<Fundamental>,

@@ -48,7 +48,7 @@ pub struct LoadCase {
     port: Port,
 }
 
-/// What is given of the motion of the base, and the uniform motion that its acceleration does not
+/// Given quantity of the motion of the base, and the uniform motion that its acceleration does not
 /// contain, per amplitude: displacement and velocity at a time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct BaseMotion {

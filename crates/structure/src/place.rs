@@ -114,11 +114,11 @@ pub struct SensorSpec {
     /// Place of the sensor; the top of the stack when left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub at: Option<PlaceSpec>,
-    /// What it reads.
+    /// Quantity that it reads.
     pub kind: SensorKind,
 }
 
-/// What a sensor reads.
+/// Quantity that a sensor reads.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum SensorKind {

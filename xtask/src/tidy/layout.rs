@@ -12,7 +12,7 @@ const MOST_LINES: usize = 600;
 const FEWEST_LINES: usize = 40;
 
 /// Shorter files, each with its reason.
-const SHORT: [(&str, &str); 13] = [
+const SHORT: [(&str, &str); 12] = [
     ("crates/asperity/src/prelude.rs", "a list of names"),
     ("crates/cli/src/command/completions.rs", "one command a file"),
     ("crates/cli/src/command/man.rs", "one command a file"),
@@ -20,7 +20,6 @@ const SHORT: [(&str, &str); 13] = [
     ("crates/cli/src/command/schema.rs", "one command a file"),
     ("crates/plot/src/structure.rs", "one figure a file"),
     ("crates/dynamics/src/finite_difference/ledger.rs", "energy of the grid"),
-    ("crates/dynamics/src/modal/row_modes.rs", "rows of the step, apart from its tables"),
     ("crates/harmonic/src/vector_instructions.rs", "used by sums and factorisation"),
     ("crates/law/src/domain.rs", "used by all laws"),
     ("crates/law/src/draw.rs", "used by the samples of all laws"),

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use asperity_dynamics::{Modal, Sampling};
 use asperity_harmonic::{
     Compliance, ContactSystem, Continuation, Drive, Floquet, FourierResolution, HarmonicSettings,
-    LawEvaluation, LinearSystem, SteppedSine, linear_receptance, trace,
+    LawEvaluation, LinearSystem, SteppedSineSolver, linear_receptance, trace,
 };
 use asperity_law::{Constant, ContactDamping};
 use asperity_mesh::{Body, BodyDamping, Interface, ModeCount, Port, Stack, Support};
@@ -129,7 +129,7 @@ fn steady_responses_with_damped_bodies_meet_the_integration_in_time() {
     let structure = preloaded(stack, rate);
     let system = ContactSystem::of_structure(&structure, LawEvaluation::Exact).unwrap();
     let drive = Drive { frequency_hz, force };
-    let found = SteppedSine::new(&system, 12).sweep(&[drive]).remove(0).unwrap();
+    let found = SteppedSineSolver::new(&system, 12).sweep(&[drive]).remove(0).unwrap();
     let (samples, periods) = (64, 100);
     let sampling =
         Sampling::new(f64::from(periods) / frequency_hz, f64::from(samples) * frequency_hz)
@@ -144,7 +144,7 @@ fn steady_responses_with_damped_bodies_meet_the_integration_in_time() {
     // The internal damping matters.
     let bare = preloaded(rig(&modified(), Support::Rigid), rate);
     let system = ContactSystem::of_structure(&bare, LawEvaluation::Exact).unwrap();
-    let bare = SteppedSine::new(&system, 12).sweep(&[drive]).remove(0).unwrap();
+    let bare = SteppedSineSolver::new(&system, 12).sweep(&[drive]).remove(0).unwrap();
     assert!((bare.displacement.norm() / expected - 1.0).abs() > 2e-3);
 }
 

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use asperity_harmonic::{
     ContactSystem, Drive, Floquet, FourierResolution, HarmonicSettings, LawEvaluation, RigidMass,
-    SteppedSine, trace,
+    SteppedSineSolver, trace,
 };
 use asperity_harmonic::{Continuation, PeriodicResponse, linear_receptance};
 use asperity_law::{Constant, ContactDamping, Hyperbolic, Power};
@@ -41,7 +41,7 @@ fn a_linear_contact_has_a_complex_stiffness() {
         let linear = linear_receptance(&system, frequency_hz);
         assert!((linear / exact - 1.0).norm() < 1e-10, "{linear} {exact}");
         let drive = Drive { frequency_hz, force: 40.0 };
-        let found = SteppedSine::new(&system, 3).sweep(&[drive]).remove(0).unwrap();
+        let found = SteppedSineSolver::new(&system, 3).sweep(&[drive]).remove(0).unwrap();
         assert!((found.displacement / 40.0 / exact - 1.0).norm() < 1e-9);
     }
 }
@@ -96,7 +96,7 @@ fn nonlinear_damped_contacts_meet_the_integration_in_time() {
     for (name, law, damping, force, frequency_hz, bound) in cases {
         let system = mass_on(law, damping);
         let drive = Drive { frequency_hz, force };
-        let found = SteppedSine::new(&system, 40).sweep(&[drive]).remove(0).unwrap();
+        let found = SteppedSineSolver::new(&system, 40).sweep(&[drive]).remove(0).unwrap();
         let exact = integrated(law, damping, force, frequency_hz);
         let amplitude = |k: usize| found.closures[2 * k - 1].hypot(found.closures[2 * k]);
         for k in 1..=3 {

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use asperity_dynamics::{FiniteDifference, Modal, Sampling};
 use asperity_harmonic::{
     ContactSystem, Continuation, Drive, FourierResolution, HarmonicSettings, LawEvaluation,
-    LinearSystem, RigidMass, SteppedSine, trace,
+    LinearSystem, RigidMass, SteppedSineSolver, trace,
 };
 use asperity_law::{Constant, ContactDamping, Friction};
 use asperity_mesh::{
@@ -80,7 +80,8 @@ fn the_work_of_a_period_is_lost_to_damping_and_friction() {
     let friction = Friction::slip_force(3e7, 0.5).unwrap();
     let system = mass_on_spring(friction);
     let (force, frequency_hz) = (4.0, 1150.0);
-    let found = SteppedSine::new(&system, 25).sweep(&[Drive { frequency_hz, force }]).remove(0);
+    let found =
+        SteppedSineSolver::new(&system, 25).sweep(&[Drive { frequency_hz, force }]).remove(0);
     let found = found.unwrap();
     let w = TAU * frequency_hz;
     let work = -std::f64::consts::PI * force * found.displacement.im;
@@ -269,7 +270,7 @@ fn contacts_side_by_side_are_one_contact() {
         let system = ContactSystem::of_structure(&structure(&areas), LawEvaluation::Exact);
         let system = system.unwrap();
         let drive = Drive { frequency_hz: 1000.0, force: 3.0 };
-        SteppedSine::new(&system, 8).sweep(&[drive]).remove(0).unwrap()
+        SteppedSineSolver::new(&system, 8).sweep(&[drive]).remove(0).unwrap()
     });
     let mean = found[1].closures[0];
     assert!(mean.abs() > 0.05 * found[1].displacement.norm(), "{mean}");

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use asperity_dynamics::{Modal, Sampling};
 use asperity_harmonic::{
     CondensedStack, ContactSystem, Continuation, Drive, HarmonicError, LawEvaluation, SineResponse,
-    SteppedSine, SystemPort,
+    SteppedSineSolver, SystemPort,
 };
 use asperity_law::{Constant, ContactDamping, Friction};
 use asperity_mesh::{
@@ -83,7 +83,7 @@ fn reduced(structure: &PreloadedStructure, count: usize, ports: &[Port]) -> Cont
 }
 
 fn response(system: &ContactSystem, harmonics: usize, drive: Drive) -> SineResponse {
-    SteppedSine::new(system, harmonics).sweep(&[drive]).remove(0).unwrap()
+    SteppedSineSolver::new(system, harmonics).sweep(&[drive]).remove(0).unwrap()
 }
 
 /// Displacement of each sensor per unit load, the contacts being linear.

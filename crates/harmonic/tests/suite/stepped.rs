@@ -1,7 +1,7 @@
 //! Responses at given frequencies and forces against a traced branch; their derivatives against
 //! differences of responses.
 
-use asperity_harmonic::{ContactSystem, Drive, SineVariation, SteppedSine};
+use asperity_harmonic::{ContactSystem, Drive, SineVariation, SteppedSineSolver};
 use asperity_law::Power;
 use std::sync::Arc;
 
@@ -31,7 +31,7 @@ fn a_sweep_gives_the_points_of_a_branch() {
         points.iter().map(|point| Drive { frequency_hz: point.frequency_hz(), force }).collect();
     let mut expected: Vec<_> = points.iter().map(|point| point.displacement[0]).collect();
     for _ in 0..2 {
-        let found = SteppedSine::new(&system, HARMONICS).sweep(&drives);
+        let found = SteppedSineSolver::new(&system, HARMONICS).sweep(&drives);
         for (found, expected) in found.iter().zip(&expected) {
             let off = (found.as_ref().unwrap().displacement - expected).norm() / expected.norm();
             assert!(off < 1e-7, "{off}");
@@ -66,7 +66,7 @@ fn derivatives_are_those_of_the_responses() {
     let natural = super::rigs::natural_frequency(&law(coefficient));
     for share in [0.9, 0.98, 1.0, 1.05] {
         let drive = Drive { frequency_hz: share * natural, force: 1.5 };
-        let mut solver = SteppedSine::new(&middle, HARMONICS);
+        let mut solver = SteppedSineSolver::new(&middle, HARMONICS);
         let response = solver.sweep(&[drive]).remove(0).unwrap();
         let (by_law, by_force) = (1e-4 * coefficient, 1e-4 * drive.force);
         let systems = places.map(|place| with(coefficient + place * by_law));
@@ -85,7 +85,11 @@ fn derivatives_are_those_of_the_responses() {
         ];
         let found = solver.derivatives(drive, &response, &variations).unwrap();
         let solve = |system: &ContactSystem, drive: Drive| {
-            SteppedSine::new(system, HARMONICS).sweep(&[drive]).remove(0).unwrap().displacement
+            SteppedSineSolver::new(system, HARMONICS)
+                .sweep(&[drive])
+                .remove(0)
+                .unwrap()
+                .displacement
         };
         for (variation, found) in variations.iter().zip(&found) {
             let expected: num_complex::Complex64 = variation
