@@ -102,11 +102,11 @@ pub(crate) enum Command {
     /// whole or not at all; --resume continues after any interruption, with the same bytes. The design
     /// is a grid, random, a Latin hypercube, a Sobol sequence or Saltelli's.
     Study(Study),
-    /// Follow the steady responses to a shaker on the top by harmonic balance: a branch over
-    /// frequency for each force amplitude, with its folds and unstable parts.
+    /// Follow the steady responses to a shaker by harmonic balance: a branch over frequency for each
+    /// amplitude, with its folds and unstable parts.
     ///
-    /// The scenario's own excitation is not used. Writes summary.json, steady.csv, steady.svg and
-    /// report.html, and with --backbone backbone.csv.
+    /// Of the scenario's excitation its place counts, or that it is a motion of the base. Writes
+    /// summary.json, steady.csv, steady.svg and report.html, and with --backbone backbone.csv.
     Steady {
         #[command(flatten)]
         input: Input,
@@ -236,7 +236,7 @@ pub(crate) enum Command {
 /// Force amplitudes and frequency range of steady responses.
 #[derive(Debug, Group)]
 pub(crate) struct SteadyRange {
-    /// Force amplitudes in N.
+    /// Force amplitudes in N; with a motion of the base amplitudes of its acceleration in m/s2.
     #[arg(
         long,
         value_name = "N[,N...]",

@@ -18,15 +18,15 @@ from ._table import Table
 
 @dataclass(frozen=True)
 class SteadyResponses:
-    """Branches of periodic responses to a harmonic force on the top.
+    """Branches of periodic responses to a harmonic force or motion of the base.
 
     Attributes
     ----------
     summary : dict
         Peaks, special points and ends of the branches, as in ``summary.json``.
     points : Table
-        A row per point of every branch, as in ``steady.csv``: ``branch``, ``point``, ``force_n``,
-        ``frequency_hz``, ``amplitude_K_m``, ``phase_1_rad``, the extremes of the pressure at each
+        A row per point of every branch, as in ``steady.csv``: ``branch``, ``point``, ``force_n`` or
+        ``base_acceleration_m_per_s2``, ``frequency_hz``, ``amplitude_K_m``, ``phase_1_rad``, the extremes of the pressure at each
         interface, ``stable`` (1, 0, NaN where it is not known) and ``contact_lost``.
     backbones : Table or None
         Phase resonance and damped mode, as in ``backbone.csv``; None unless asked for.
@@ -106,9 +106,10 @@ def steady(
     threads: int | None = None,
     progress: Callable[[float], object] | None = None,
 ) -> SteadyResponses:
-    """Follow branches of steady responses to a harmonic force on the top.
+    """Follow branches of steady responses to a harmonic force or motion of the base.
 
-    The excitation of the scenario has no part in them. An amplitude whose branch is not found does
+    Of the excitation of the scenario its place counts (the top by default), or that it is a motion of
+    the base; its time function has no part in them. An amplitude whose branch is not found does
     not end the others: its error is in the summary, and a RuntimeWarning tells of it.
 
     Parameters
@@ -116,7 +117,7 @@ def steady(
     scenario : Scenario, str, os.PathLike or dict
         Anything that `Scenario` accepts.
     amplitudes_n : float or array of shape (branches,)
-        Force amplitudes in N.
+        Force amplitudes in N; with a motion of the base amplitudes of its acceleration in m/s^2.
     from_hz, to_hz : float
         Frequencies in Hz at which each branch starts and ends; either may be the lower.
     harmonics : int, optional
@@ -167,8 +168,10 @@ def steady(
     )
     failed = [level for level in summary["levels"] if "error" in level]
     if failed:
-        text = f"{len(failed)} of {len(summary['levels'])} force amplitudes have no branch; "
-        text += f"{failed[0]['force_n']} N: {failed[0]['error']}"
+        text = f"{len(failed)} of {len(summary['levels'])} amplitudes have no branch; "
+        force, base = failed[0].get("force_n"), failed[0].get("base_acceleration_m_per_s2")
+        text += f"{base} m/s^2" if force is None else f"{force} N"
+        text += f": {failed[0]['error']}"
         warnings.warn(text, RuntimeWarning, stacklevel=2)
     return SteadyResponses(
         summary,
