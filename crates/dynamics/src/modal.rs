@@ -58,9 +58,11 @@ mod ring_down;
 mod row_modes;
 mod sensitivity;
 mod simd;
+mod step_coefficients;
 mod step_model;
 mod step_size;
 mod transient_case;
+mod variable_steps;
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -185,6 +187,6 @@ impl Modal {
         let counts = modes.counts(structure.stack())?;
         let rig = Arc::new(ModalModel::of_stack(structure, &counts, load.port(), sensors)?);
         let duration = sampling.samples() as f64 * sampling.interval();
-        Ok(TransientCase { model: rig, load: load.clone(), sensor: 0, duration, step: self.step })
+        Ok(TransientCase { model: rig, load: load.clone(), sensor: 0, duration, step: self.step, tolerance: None })
     }
 }

@@ -192,6 +192,11 @@ impl ErrorControl {
         let all = numbers.clone();
         while !numbers.is_empty() {
             self.integrate_fine(tasks, &numbers);
+            for &n in &numbers {
+                tasks[n].vary_steps_if_open();
+            }
+            numbers.retain(|&n| tasks[n].done.is_none());
+            self.integrate_fine(tasks, &numbers);
             let compared =
                 |n: &&usize| matches!(tasks[**n].fine, Some(Ok(_))) && tasks[**n].other.is_none();
             let open: Vec<usize> = numbers.iter().filter(compared).copied().collect();

@@ -64,7 +64,7 @@ impl PreparedScenario {
         let model = self.modal_model(&self.mode_counts(modal, &load)?, load.port())?;
         let sampling = &self.assembly.sampling;
         let duration = sampling.samples() as f64 * sampling.interval();
-        Ok(TransientCase { model, load, sensor: 0, duration, step: modal.step })
+        Ok(TransientCase { model, load, sensor: 0, duration, step: modal.step, tolerance: None })
     }
 
     /// Number of modes kept of each body for `load`, the rigid one included.

@@ -44,6 +44,7 @@ fn main() {
             load: pulse(9.0 + 23.0 * i as f64 / count as f64),
             duration: DURATION,
             step: Some(step),
+            tolerance: None,
         };
         (0..count).map(hit).collect()
     };

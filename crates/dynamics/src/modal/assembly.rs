@@ -12,6 +12,7 @@ use super::decimation::Decimation;
 use super::linear_tail::LinearTail;
 use super::row_modes::RowModes;
 use super::simd::table_lookup::TableRow;
+use super::step_coefficients::StepCoefficients;
 use super::step_model::{InterpolationChoice, StepModel};
 use crate::DynamicsError;
 use crate::error::check_modal_damping;
@@ -47,10 +48,14 @@ pub struct ModalModel {
     /// Port of the stack that the load acts on; none for component modes.
     port: Option<Port>,
     prepared: Mutex<Prepared>,
+    step_coefficients: Mutex<KnownCoefficients>,
 }
 
 /// Tabulated models by the bits of their step, the exponents of their tables, and interpolation.
 type Prepared = HashMap<(u64, Vec<i32>, InterpolationChoice), Arc<TabulatedModel>>;
+
+/// Coefficients of steps of their own by the bits of the step and the exponents of the tables.
+type KnownCoefficients = HashMap<(u64, Vec<i32>), Arc<StepCoefficients>>;
 
 /// A model for one step length, with its laws tabulated up to some pressure.
 #[derive(Debug)]
@@ -167,7 +172,7 @@ impl ModalModel {
             });
         }
         let at = (load, sensors.to_vec());
-        Ok(Self { structure, rows, at, port: None, prepared: Mutex::default() })
+        Ok(Self { structure, rows, at, port: None, prepared: Mutex::default(), step_coefficients: Mutex::default() })
     }
 
     /// The model of `structure`, which has the same ports, under a load at the same port and read at the
@@ -263,6 +268,67 @@ impl ModalModel {
         own.map_or(kink, |own| own.min(kink))
     }
 
+    /// The tables of the laws up to `2^exponent` \[Pa\] above rest.
+    ///
+    /// # Errors
+    /// [`DynamicsError::Law`] when a law cannot be tabulated that far.
+    pub(super) fn tables(
+        &self,
+        exponents: &[i32],
+    ) -> Result<Vec<Arc<CompiledLaw>>, DynamicsError> {
+        let cache = self.prepared.lock().unwrap_or_else(PoisonError::into_inner);
+        self.tables_in(&cache, exponents)
+    }
+
+    fn tables_in(
+        &self,
+        cache: &Prepared,
+        exponents: &[i32],
+    ) -> Result<Vec<Arc<CompiledLaw>>, DynamicsError> {
+        let contacts = self.contacts().iter().zip(exponents).enumerate();
+        let table = |(i, (contact, &exponent)): (usize, (&PreloadedContact, &i32))| {
+            let known = cache.iter().find(|((_, others, _), _)| others.get(i) == Some(&exponent));
+            match known {
+                Some((_, found)) => Ok(Arc::clone(&found.tables[i])),
+                None => Ok(Arc::new(compile(contact, top(contact, exponent))?)),
+            }
+        };
+        contacts.map(table).collect()
+    }
+
+    /// The coefficients of steps of their own of `step` \[s\], for tables up to `2^exponent` \[Pa\] above
+    /// rest.
+    pub(super) fn step_coefficients(&self, step: f64, exponents: &[i32]) -> Arc<StepCoefficients> {
+        let mut known =
+            self.step_coefficients.lock().unwrap_or_else(PoisonError::into_inner);
+        if known.len() >= MOST_TABULATED {
+            known.clear();
+        }
+        let found = known.entry((step.to_bits(), exponents.to_vec())).or_insert_with(|| {
+            let (areas, stiffest) = self.stiffest(step, exponents);
+            let rate = self.structure.damping_rate();
+            Arc::new(StepCoefficients::new(&self.rows, &areas, &stiffest, rate, step))
+        });
+        Arc::clone(found)
+    }
+
+    /// Areas of the rows \[m2\], and the highest stiffness expected at each in a step of `step` \[s\].
+    fn stiffest(&self, step: f64, exponents: &[i32]) -> (Vec<f64>, Vec<f64>) {
+        let areas: Vec<f64> = (0..self.rows()).map(|i| self.area(i)).collect();
+        let named = self.contacts().iter().zip(exponents);
+        let mut stiffest: Vec<f64> = named
+            .map(|(contact, &exponent)| {
+                let at = |pressure: f64| stiffness_in_step(contact, pressure, step);
+                at(top(contact, exponent)).max(at(contact.pressure()))
+            })
+            .collect();
+        stiffest.resize(areas.len(), 0.0);
+        for (i, stiffness) in stiffest.iter_mut().enumerate() {
+            *stiffness += self.friction(i).map_or(0.0, |(one, _)| one.stiffness() / areas[i]);
+        }
+        (areas, stiffest)
+    }
+
     /// The model for steps of `step` \[s\], with the table of each contact up to `2^exponent` \[Pa\]
     /// above rest, and a choice of interpolations.
     ///
@@ -280,28 +346,8 @@ impl ModalModel {
         if let Some(found) = cache.get(&key) {
             return Ok(Arc::clone(found));
         }
-        let mut tables = Vec::with_capacity(exponents.len());
-        let mut tops = Vec::with_capacity(exponents.len());
-        for (i, (contact, &exponent)) in self.contacts().iter().zip(exponents).enumerate() {
-            let known = cache.iter().find(|((_, others, _), _)| others.get(i) == Some(&exponent));
-            tables.push(match known {
-                Some((_, found)) => Arc::clone(&found.tables[i]),
-                None => Arc::new(compile(contact, top(contact, exponent))?),
-            });
-            tops.push(top(contact, exponent));
-        }
-        let areas: Vec<f64> = (0..self.rows()).map(|i| self.area(i)).collect();
-        let named = self.contacts().iter().zip(&tops);
-        let mut stiffest: Vec<f64> = named
-            .map(|(contact, &top)| {
-                let at = |pressure: f64| stiffness_in_step(contact, pressure, step);
-                at(top).max(at(contact.pressure()))
-            })
-            .collect();
-        stiffest.resize(areas.len(), 0.0);
-        for (i, stiffness) in stiffest.iter_mut().enumerate() {
-            *stiffness += self.friction(i).map_or(0.0, |(one, _)| one.stiffness() / areas[i]);
-        }
+        let tables = self.tables_in(&cache, exponents)?;
+        let (areas, stiffest) = self.stiffest(step, exponents);
         let rate = self.structure.damping_rate();
         let step_model = StepModel::new(&self.rows, &areas, &stiffest, rate, step, interpolation);
         let tolerances = (0..self.rows()).map(|i| self.tolerance(i, &tables)).collect();

@@ -1,9 +1,7 @@
 //! Simulation of many cases, each at the step and with the tables that it needs.
 
 use asperity_law::LawError;
-use asperity_structure::PreloadedContact;
 use std::cmp::Ordering;
-use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use super::decimation::Decimation;
@@ -17,7 +15,8 @@ use super::simd::integrate::{BlockRun, Recording, room};
 use super::simd::outcome::{Outcome, RunEnd};
 use super::step_model::InterpolationChoice;
 use super::step_size::{MOST_HALVINGS, Resolution};
-use super::transient_case::{CaseResponse, TransientCase};
+use super::transient_case::{CaseResponse, TransientCase, first_table_exponents, pressure_at};
+use super::variable_steps;
 use crate::error::balanced;
 use crate::{ContactExtremes, DynamicsError, InstructionSet, Sampling, Transient};
 
@@ -94,6 +93,7 @@ impl Batch {
     ///     sensor: 0,
     ///     duration: 0.02,
     ///     step: None,
+    ///     tolerance: None,
     /// });
     /// let all_steps = Arc::new(Decimation { factor: 1, taps: Arc::new([1.0]) });
     /// let responses = Batch::default().run(&cases, &|_, _| Arc::clone(&all_steps));
@@ -111,6 +111,11 @@ impl Batch {
         let mut preparation = Preparation { shapes: LoadShapes::default(), decimation };
         let mut attempts = Vec::with_capacity(cases.len());
         for (index, case) in cases.iter().enumerate() {
+            if case.tolerance.is_some() {
+                let respond = |(step, _)| variable_steps::respond(case, &decimation(index, step), self.instructions);
+                results[index] = Some(case.first_step().and_then(respond));
+                continue;
+            }
             match preparation.first(index, case) {
                 Ok(attempt) => attempts.push(attempt),
                 Err(error) => results[index] = Some(Err(error)),
@@ -158,6 +163,9 @@ impl Batch {
         case: &TransientCase,
         sampling: &Sampling,
     ) -> Result<Transient, DynamicsError> {
+        if case.tolerance.is_some() {
+            return variable_steps::transient(case, sampling, self.instructions);
+        }
         let (lane, outcome) = self.whole(case)?;
         Ok(Transient {
             step: lane.tabulated.step_model.step,
@@ -190,25 +198,6 @@ impl Batch {
             }
         }
     }
-}
-
-/// Exponents of two of the first top pressures \[Pa\] of tables above rest: three times the peak
-/// over the area, times the amplification of a lasting force at resonance, or a quarter of the
-/// weight, whichever is more.
-fn first_table_exponents(case: &TransientCase) -> Vec<i32> {
-    let structure = case.model.preloaded();
-    let radians = TAU * structure.natural_frequency().unwrap_or(0.0);
-    let amplification = if case.load.ends_at() == f64::INFINITY {
-        (radians / structure.damping_rate()).min(0.5 * radians * case.duration).max(1.0)
-    } else {
-        1.0
-    };
-    let force = 3.0 * case.load.peak() * amplification;
-    let first = |contact: &PreloadedContact| {
-        let scale = (force / contact.area()).max(0.25 * contact.pressure());
-        if scale > 0.0 { scale.log2().ceil().clamp(-30.0, 60.0) as i32 } else { 0 }
-    };
-    case.model.contacts().iter().map(first).collect()
 }
 
 impl Settings {
@@ -393,19 +382,7 @@ fn contact_extremes(lane: &PreparedCase, outcome: &Outcome) -> Vec<ContactExtrem
             let (law, state, seen) = (contact.law(), contact.pressure(), &outcome.extremes);
             let open_below = lane.open_below(i);
             // The pressure rises with the closure, so both have their extremes together.
-            let at = |closure: f64| {
-                if closure <= open_below {
-                    return [0.0; 2];
-                }
-                let increment = law.pressure_increment(state, closure);
-                // Of a pressure near zero the difference would leave round-off.
-                if increment.value > -0.5 * state {
-                    [state + increment.value, increment.tangent]
-                } else {
-                    let left = law.pressure(contact.closure() + closure);
-                    [left.value, left.tangent]
-                }
-            };
+            let at = |closure: f64| pressure_at(contact, open_below, closure);
             let ([pressure_min, _], [pressure_max, _]) = (at(seen.lowest), at(seen.highest));
             // From steps 1 to N to steps 0 to N - 1, and to the parts of steps without contact.
             let [[_, first], [_, last]] = [at(0.0), at(outcome.closure)];

@@ -26,6 +26,17 @@ impl Decimation {
         (steps + self.taps.len().saturating_sub(1)).div_ceil(self.stride())
     }
 
+    /// The samples of outputs that are all known.
+    pub(super) fn filtered(&self, outputs: &[f64]) -> Vec<f64> {
+        let sample = |j: usize| {
+            let newest = j * self.stride();
+            let first = (newest + 1).saturating_sub(outputs.len());
+            let taps = self.taps.iter().enumerate().skip(first);
+            taps.map_while(|(l, tap)| Some(tap * outputs[newest.checked_sub(l)?])).sum()
+        };
+        (0..self.samples(outputs.len())).map(sample).collect()
+    }
+
     /// An order in which filters are equal if they have equal factors, and taps of equal bits.
     pub(super) fn order(&self, other: &Self) -> Ordering {
         let size = |filter: &Self| (filter.factor, filter.taps.len());

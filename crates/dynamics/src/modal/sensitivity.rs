@@ -129,6 +129,7 @@ impl Batch {
     ///     sensor: 0,
     ///     duration: 5e-3,
     ///     step: None,
+    ///     tolerance: None,
     /// };
     /// let step = 0.02;
     /// let peaks = STENCIL.map(|place| case(20.0 + place * step));

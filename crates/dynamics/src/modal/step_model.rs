@@ -13,7 +13,7 @@ const DAMPED: f64 = 1.44;
 pub(super) const FAST: f64 = 2.0;
 
 /// Lag of a mode without inertia behind its force, over the step, below which the lag is neglected.
-const LAG: f64 = 1e-3;
+pub(super) const LAG: f64 = 1e-3;
 
 /// Choice of the interpolation of the contact force for each mode.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -38,7 +38,7 @@ impl InterpolationChoice {
     ) -> Vec<Option<ForceInterpolation>> {
         let mut interpolations = vec![ForceInterpolation::Average; modes.len()];
         if self == Self::HighestOrder {
-            for k in slow_modes(modes, areas, stiffness, step) {
+            for k in slow_modes(modes, areas, stiffness, step, DAMPED) {
                 interpolations[k] = ForceInterpolation::Quartic;
             }
         }
@@ -148,13 +148,19 @@ impl StepModel {
     }
 }
 
-/// The modes with the quartic at `step` \[s\]: the slowest first, as long as all that have it turn
-/// slowly enough together.
+/// The modes that turn by no more than the root of `squared_radians` in a step \[s\], contact springs
+/// included: the slowest first, as long as all of them turn slowly enough together.
 ///
 /// With `A_km = sum_i g_ki g_mi S_i K_i h^2` the contact springs between modes k and m, no
-/// oscillation of those with the quartic turns faster than the largest
+/// oscillation of them turns faster than the largest
 /// `(w_k h)^2 + sum_m |A_km|` (Gershgorin).
-fn slow_modes(modes: &[RowMode], areas: &[f64], stiffness: &[f64], step: f64) -> Vec<usize> {
+pub(super) fn slow_modes(
+    modes: &[RowMode],
+    areas: &[f64],
+    stiffness: &[f64],
+    step: f64,
+    squared_radians: f64,
+) -> Vec<usize> {
     let spring = |a: &RowMode, b: &RowMode| -> f64 {
         let shapes = a.closure.iter().zip(&b.closure).zip(areas.iter().zip(stiffness));
         shapes.map(|((g, other), (area, k))| g * other * area * k * step * step).sum()
@@ -163,20 +169,20 @@ fn slow_modes(modes: &[RowMode], areas: &[f64], stiffness: &[f64], step: f64) ->
     let alone = |mode: &RowMode| squared(mode) + spring(mode, mode);
     let mut order: Vec<usize> = (0..modes.len()).filter(|&k| !modes[k].massless).collect();
     order.sort_by(|&a, &b| alone(&modes[a]).total_cmp(&alone(&modes[b])));
-    // Those with the quartic so far, and their sums.
-    let mut quartic: Vec<(usize, f64)> = Vec::new();
+    // Those found so far, and their sums.
+    let mut slow: Vec<(usize, f64)> = Vec::new();
     for k in order {
         let springs: Vec<f64> =
-            quartic.iter().map(|&(m, _)| spring(&modes[k], &modes[m]).abs()).collect();
+            slow.iter().map(|&(m, _)| spring(&modes[k], &modes[m]).abs()).collect();
         let own = alone(&modes[k]) + springs.iter().sum::<f64>();
-        let sums = quartic.iter().zip(&springs).map(|((_, sum), spring)| sum + spring);
+        let sums = slow.iter().zip(&springs).map(|((_, sum), spring)| sum + spring);
         // Written so that what is not a number is not slow.
-        if sums.fold(own, f64::max) <= DAMPED && own <= DAMPED {
-            for ((_, sum), spring) in quartic.iter_mut().zip(&springs) {
+        if sums.fold(own, f64::max) <= squared_radians && own <= squared_radians {
+            for ((_, sum), spring) in slow.iter_mut().zip(&springs) {
                 *sum += spring;
             }
-            quartic.push((k, own));
+            slow.push((k, own));
         }
     }
-    quartic.into_iter().map(|(k, _)| k).collect()
+    slow.into_iter().map(|(k, _)| k).collect()
 }

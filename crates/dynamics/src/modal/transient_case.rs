@@ -1,5 +1,6 @@
 //! A transient case and its response.
 
+use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use asperity_law::CompiledLaw;
@@ -8,7 +9,7 @@ use super::assembly::{ModalModel, table_error};
 use super::decimation::Decimation;
 use super::step_model::InterpolationChoice;
 use crate::{ContactExtremes, DynamicsError, EnergyLedger};
-use asperity_structure::LoadCase;
+use asperity_structure::{LoadCase, PreloadedContact};
 
 /// A load on a structure, from rest, over a duration.
 #[derive(Debug, Clone)]
@@ -23,6 +24,49 @@ pub struct TransientCase {
     pub duration: f64,
     /// Step \[s\]; none for an automatic choice.
     pub step: Option<f64>,
+    /// Error of a traction within a step, over the largest so far, of a case at
+    /// [steps of its own](crate::Batch#steps-of-their-own); none for equal steps.
+    pub tolerance: Option<f64>,
+}
+
+/// Exponents of two of the first top pressures \[Pa\] of tables above rest: three times the peak
+/// over the area, times the amplification of a lasting force at resonance, or a quarter of the
+/// weight, whichever is more.
+pub(super) fn first_table_exponents(case: &TransientCase) -> Vec<i32> {
+    let structure = case.model.preloaded();
+    let radians = TAU * structure.natural_frequency().unwrap_or(0.0);
+    let amplification = if case.load.ends_at() == f64::INFINITY {
+        (radians / structure.damping_rate()).min(0.5 * radians * case.duration).max(1.0)
+    } else {
+        1.0
+    };
+    let force = 3.0 * case.load.peak() * amplification;
+    let first = |contact: &PreloadedContact| {
+        let scale = (force / contact.area()).max(0.25 * contact.pressure());
+        if scale > 0.0 { scale.log2().ceil().clamp(-30.0, 60.0) as i32 } else { 0 }
+    };
+    case.model.contacts().iter().map(first).collect()
+}
+
+/// Pressure \[Pa\] and stiffness \[Pa/m\] at a closure increment \[m\] from rest, zero at and below
+/// `open_below` \[m\].
+pub(super) fn pressure_at(
+    contact: &PreloadedContact,
+    open_below: f64,
+    increment: f64,
+) -> [f64; 2] {
+    if increment <= open_below {
+        return [0.0; 2];
+    }
+    let (law, state) = (contact.law(), contact.pressure());
+    let found = law.pressure_increment(state, increment);
+    // Of a pressure near zero the difference would leave round-off.
+    if found.value > -0.5 * state {
+        [state + found.value, found.tangent]
+    } else {
+        let left = law.pressure(contact.closure() + increment);
+        [left.value, left.tangent]
+    }
 }
 
 /// The response to a transient case.

@@ -201,6 +201,7 @@ fn damped_hits_do_not_depend_on_their_batch() {
             load: pulse(8.0 + n as f64),
             duration: 5e-3,
             step: None,
+            tolerance: None,
         })
         .collect();
     let all = Arc::new(Decimation { factor: 1, taps: Arc::new([1.0]) });

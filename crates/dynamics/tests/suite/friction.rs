@@ -101,6 +101,7 @@ fn a_mass_on_a_spring_moves_as_by_steps_200_times_shorter() {
                     load: force.clone(),
                     duration: count as f64 * step,
                     step: Some(step),
+                    tolerance: None,
                 };
                 let sampling = Sampling::new(count as f64 * step, 1.0 / step).unwrap();
                 let found = Batch::default().transient(&hit, &sampling).unwrap();
@@ -130,6 +131,7 @@ fn maxima_fall_by_equal_amounts() {
         load: LoadCase::force(TimeFunction::Haversine { duration: 0.6e-3 }, 8.0),
         duration: 0.012,
         step: Some(2e-6),
+        tolerance: None,
     };
     let found = Batch::default().transient(&hit, &Sampling::new(0.012, 5e5).unwrap()).unwrap();
     let x = &found.history.sensors[0].displacement;
@@ -267,6 +269,7 @@ fn hits_with_friction_do_not_depend_on_their_neighbours() {
             load: pulse(4.0 + 3.0 * n as f64),
             duration: 0.01,
             step: None,
+            tolerance: None,
         })
         .collect();
     let all = Arc::new(Decimation { factor: 1, taps: Arc::new([1.0]) });

@@ -57,6 +57,7 @@ fn hits() -> Vec<TransientCase> {
             sensor: 0,
             duration: [3e-3, 2e-3, 4.5e-3][n / 2 % 3],
             step: [None, Some(2.5e-6), Some(2e-6), None][n / 3 % 4],
+            tolerance: None,
         });
     }
     hits
@@ -144,6 +145,7 @@ fn a_failing_hit_changes_no_other() {
         sensor: 0,
         duration,
         step,
+        tolerance: None,
     };
     let fails = [
         bad(pulse(32.0), 3e-3, Some(5e-5)),

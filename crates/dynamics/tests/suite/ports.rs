@@ -261,6 +261,7 @@ fn ports_that_a_model_does_not_have_are_errors() {
         sensor,
         duration: 1e-3,
         step: None,
+        tolerance: None,
     };
     let sampling = Sampling::new(1e-3, 1e5).unwrap();
     let of = |port, sensor| Batch::default().transient(&hit(port, sensor), &sampling).map(|_| ());

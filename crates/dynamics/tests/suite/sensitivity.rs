@@ -182,6 +182,9 @@ impl Case {
             duration: DURATION,
             step: Some(self.step),
         }
+        tolerance: None,
+            tolerance: None,
+        }
     }
 
     fn varied(mut self, place: Place, shift: f64) -> Self {

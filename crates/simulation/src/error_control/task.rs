@@ -20,6 +20,16 @@ use crate::observables::Observables;
 /// Halvings of the first step before an accuracy counts as not reached.
 const MOST_REFINEMENTS: i32 = 7;
 
+/// Error of the contact pressures within a step, over the largest, of the first level at steps of its
+/// own; of each further level a sixteenth.
+const FIRST_TOLERANCE: f64 = 1e-5;
+
+/// First level at steps of its own: what opens and closes excites more modes.
+const FIRST_VARIED: Level = Level { step: 1, modes: 3 };
+
+/// The same of tolerances at steps of its own: beyond, rounding counts.
+const MOST_TOLERANCES: i32 = 3;
+
 /// Steps of a response beyond which it is not refined any more.
 const MOST_STEPS: f64 = 2e6;
 
@@ -82,6 +92,8 @@ pub(super) struct Task<'a> {
     /// True for a reference run, whose level is the level of many runs.
     is_reference: bool,
     pub(super) level: Level,
+    /// True once contact was lost: the steps are then short where it opens and closes.
+    varies_steps: bool,
     /// Successive levels without a response.
     failures: usize,
     pub(super) fine: Option<Result<Response, SimulationError>>,
@@ -120,6 +132,7 @@ impl<'a> Task<'a> {
             modes_are_given: modal.modes_per_body.is_some(),
             is_reference: false,
             level: Level::default(),
+            varies_steps: false,
             failures: 0,
             fine: None,
             other: None,
@@ -143,12 +156,20 @@ impl<'a> Task<'a> {
         level: Level,
         load: LoadCase,
     ) -> Result<TransientCase, SimulationError> {
+        let (parts, tolerance) = if self.varies_steps {
+            // Long steps serve the output alone.
+            let halvings = level.step.max(0) / 2;
+            (f64::from(halvings).exp2(), Some(FIRST_TOLERANCE / 16.0_f64.powi(level.step)))
+        } else {
+            (f64::from(level.step).exp2(), None)
+        };
         Ok(TransientCase {
             model: self.request.prepared.modal_model(&self.counts_at(level), load.port())?,
             load,
             sensor: self.request.sensor,
             duration: self.duration,
-            step: Some(self.first_step / f64::from(level.step).exp2()),
+            step: Some(self.first_step / parts),
+            tolerance,
         })
     }
 
@@ -159,6 +180,24 @@ impl<'a> Task<'a> {
 
     pub(super) fn reference(request: &'a RunRequest) -> Result<Self, SimulationError> {
         Ok(Self { is_reference: true, ..Self::new(request)? })
+    }
+
+    /// True for a response that loses contact at equal steps and may have steps of its own.
+    fn may_vary_steps(&self) -> bool {
+        let Some(Ok(fine)) = &self.fine else { return false };
+        fine.loses_contact() && !self.varies_steps && !self.step_is_given && !fine.has_friction()
+    }
+
+    /// Begins anew at steps of its own if contact is lost; a reference run, of no use then, is done.
+    pub(super) fn vary_steps_if_open(&mut self) {
+        if !self.may_vary_steps() {
+            return;
+        }
+        if self.is_reference {
+            self.accept_or_refine();
+        } else {
+            (self.varies_steps, self.level, self.fine) = (true, FIRST_VARIED, None);
+        }
     }
 
     /// True if the fine response is compared with one of half the step, false for one of twice the step.
@@ -196,26 +235,31 @@ impl<'a> Task<'a> {
             && self.step_errors(fine).relative > SUSPECT_ERROR * self.accuracy()
     }
 
-    /// True if half the step, after a response of so many `modes`, is within the limits of work.
-    fn may_halve(&self, modes: usize) -> bool {
-        let steps = 2.0 * self.steps();
+    /// True if half the step, after a response of so many `taken` steps and `modes`, is within the limits of
+    /// work.
+    fn may_halve(&self, taken: usize, modes: usize) -> bool {
+        let steps = 2.0 * self.steps(taken);
+        let most = if self.varies_steps { MOST_TOLERANCES } else { MOST_REFINEMENTS };
         !self.step_is_given
-            && self.level.step < MOST_REFINEMENTS
+            && self.level.step < most
             && steps <= MOST_STEPS
             && steps * modes as f64 <= self.most_work()
     }
 
-    /// True if twice the modes, after a response of so many, are within the limits of work.
-    fn may_add_modes(&self, modes: usize) -> bool {
+    /// True if twice the modes, after a response of so many `taken` steps and `modes`, are within the limits
+    /// of work.
+    fn may_add_modes(&self, taken: usize, modes: usize) -> bool {
         let more = Level { modes: self.level.modes + 1, ..self.level };
         !self.modes_are_given
             && self.level.modes < MOST_REFINEMENTS
-            && self.steps() * 2.0 * modes as f64 <= self.most_work()
+            && self.steps(taken) * 2.0 * modes as f64 <= self.most_work()
             && self.counts_at(more) != self.counts_at(self.level)
     }
 
-    fn steps(&self) -> f64 {
-        self.duration / self.first_step * f64::from(self.level.step).exp2()
+    /// Steps of the level, or those that a response has `taken` if they are more.
+    fn steps(&self, taken: usize) -> f64 {
+        let parts = if self.varies_steps { 1.0 } else { f64::from(self.level.step).exp2() };
+        (self.duration / self.first_step * parts).max(taken as f64)
     }
 
     fn most_work(&self) -> f64 {
@@ -238,9 +282,10 @@ impl<'a> Task<'a> {
             return ErrorEstimate::unknown(fine.observables.all(), self.accuracy());
         }
         // Of second order while contact holds; of first where it is lost, or where friction begins to
-        // slip.
+        // slip. At steps of its own, of about the root of the tolerance.
         let kinks = fine.loses_contact() || other.loses_contact() || fine.has_friction();
         let divisor = match (self.compares_with_half(), kinks) {
+            _ if self.varies_steps => 2.0,
             (false, false) => 3.0,
             (false, true) => 1.0,
             (true, false) => 0.75,
@@ -276,6 +321,10 @@ impl<'a> Task<'a> {
     /// Upper bound of the errors by modes that are too fast for the fine response and for the response of
     /// another step.
     fn fast_mode_errors(&self, fine: &Response) -> ErrorEstimate {
+        if self.varies_steps {
+            // Steps are short until modes too fast for longer ones are at rest.
+            return ErrorEstimate::of_share(fine.observables.all(), 0.0, self.accuracy());
+        }
         let step = match &self.other {
             Some(Ok(other)) => other.record.step.min(fine.record.step),
             _ => fine.record.step,
@@ -319,7 +368,7 @@ impl<'a> Task<'a> {
             None => {}
             Some(Err(error))
                 if self.failures < MOST_FAILURES
-                    && self.may_halve(1)
+                    && self.may_halve(0, 1)
                     && is_mended_by_refinement(&error) =>
             {
                 self.failures += 1;
@@ -368,9 +417,10 @@ impl<'a> Task<'a> {
                     || exceeds(&by_fast_modes, FAST_SHARE)
                     || residual.is_nan()
                     || residual > COARSE_RESIDUAL;
-                let halve = is_coarse && self.may_halve(fine.record.modes);
+                let taken = fine.record.integrated_steps;
+                let halve = is_coarse && self.may_halve(taken, fine.record.modes);
                 let add_modes =
-                    exceeds(&by_modes, COUNT_SHARE) && self.may_add_modes(fine.record.modes);
+                    exceeds(&by_modes, COUNT_SHARE) && self.may_add_modes(taken, fine.record.modes);
                 let diverged = self.diverged.take();
                 if diverged.is_none() && add_modes {
                     self.level.modes += 1;
