@@ -100,6 +100,10 @@ pub struct Modal {
     /// Modes of each body, the rigid one included; none to have them chosen from the error bound
     /// of [`ModeCount::Bound`].
     pub modes_per_body: Option<usize>,
+    /// Error of a contact traction within a step, over its largest so far, of runs at
+    /// [steps of their own](Batch#steps-of-their-own), short where contact opens and closes; none for
+    /// equal steps. `step` is then the longest.
+    pub tolerance: Option<f64>,
     /// Vector instructions to run on.
     pub instructions: InstructionSet,
 }
@@ -107,7 +111,8 @@ pub struct Modal {
 impl Default for Modal {
     /// Step and modes chosen, the machine's widest vectors.
     fn default() -> Self {
-        Self { step: None, modes_per_body: None, instructions: InstructionSet::detected() }
+        let instructions = InstructionSet::detected();
+        Self { step: None, modes_per_body: None, tolerance: None, instructions }
     }
 }
 
@@ -187,6 +192,13 @@ impl Modal {
         let counts = modes.counts(structure.stack())?;
         let rig = Arc::new(ModalModel::of_stack(structure, &counts, load.port(), sensors)?);
         let duration = sampling.samples() as f64 * sampling.interval();
-        Ok(TransientCase { model: rig, load: load.clone(), sensor: 0, duration, step: self.step, tolerance: None })
+        Ok(TransientCase {
+            model: rig,
+            load: load.clone(),
+            sensor: 0,
+            duration,
+            step: self.step,
+            tolerance: self.tolerance,
+        })
     }
 }

@@ -172,7 +172,14 @@ impl ModalModel {
             });
         }
         let at = (load, sensors.to_vec());
-        Ok(Self { structure, rows, at, port: None, prepared: Mutex::default(), step_coefficients: Mutex::default() })
+        Ok(Self {
+            structure,
+            rows,
+            at,
+            port: None,
+            prepared: Mutex::default(),
+            step_coefficients: Mutex::default(),
+        })
     }
 
     /// The model of `structure`, which has the same ports, under a load at the same port and read at the
@@ -272,10 +279,7 @@ impl ModalModel {
     ///
     /// # Errors
     /// [`DynamicsError::Law`] when a law cannot be tabulated that far.
-    pub(super) fn tables(
-        &self,
-        exponents: &[i32],
-    ) -> Result<Vec<Arc<CompiledLaw>>, DynamicsError> {
+    pub(super) fn tables(&self, exponents: &[i32]) -> Result<Vec<Arc<CompiledLaw>>, DynamicsError> {
         let cache = self.prepared.lock().unwrap_or_else(PoisonError::into_inner);
         self.tables_in(&cache, exponents)
     }
@@ -299,8 +303,7 @@ impl ModalModel {
     /// The coefficients of steps of their own of `step` \[s\], for tables up to `2^exponent` \[Pa\] above
     /// rest.
     pub(super) fn step_coefficients(&self, step: f64, exponents: &[i32]) -> Arc<StepCoefficients> {
-        let mut known =
-            self.step_coefficients.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut known = self.step_coefficients.lock().unwrap_or_else(PoisonError::into_inner);
         if known.len() >= MOST_TABULATED {
             known.clear();
         }

@@ -102,6 +102,16 @@ impl Batch {
     /// # Ok(())
     /// # }
     /// ```
+    ///
+    /// # Steps of their own
+    ///
+    /// A case with a [tolerance](TransientCase::tolerance) is integrated by itself, in steps that are its
+    /// first step halved as often as the tractions ask for. Within a step a traction is the cubic through
+    /// its values and rates at both ends, and modes move exactly under it. The cubic of the step before,
+    /// continued, misses the traction at the end of the step; the error of the cubic within the step, as this
+    /// difference bounds it, is held below the tolerance times the largest traction so far. Where contact
+    /// opens or closes, and the law has a corner or a jump, steps become short by themselves, and times
+    /// without contact are found within them. Cases with friction are refused.
     pub fn run(
         &self,
         cases: &[TransientCase],
@@ -112,7 +122,9 @@ impl Batch {
         let mut attempts = Vec::with_capacity(cases.len());
         for (index, case) in cases.iter().enumerate() {
             if case.tolerance.is_some() {
-                let respond = |(step, _)| variable_steps::respond(case, &decimation(index, step), self.instructions);
+                let respond = |(step, _)| {
+                    variable_steps::respond(case, &decimation(index, step), self.instructions)
+                };
                 results[index] = Some(case.first_step().and_then(respond));
                 continue;
             }

@@ -61,6 +61,8 @@ pub(super) struct StepCoefficients {
     /// Loss of its rate, and of the acceleration.
     pub(super) rate: [RowMatrix; 2],
     pub(super) acceleration: [RowMatrix; 2],
+    /// Loss of the closure per traction by the modes that follow their forces at once.
+    pub(super) follows: RowMatrix,
 }
 
 impl StepCoefficients {
@@ -88,7 +90,8 @@ impl StepCoefficients {
         let zero = || vec![vec![0.0; rows]; rows];
         let [closure, rate, acceleration] = std::array::from_fn(|_| [zero(), zero()]);
         let blocks = blocks(&structure.modes, &modes);
-        let mut coefficients = Self { step, modes, blocks, closure, rate, acceleration };
+        let mut coefficients =
+            Self { step, modes, blocks, closure, rate, acceleration, follows: zero() };
         coefficients.couple(structure, areas);
         coefficients
     }
@@ -98,12 +101,16 @@ impl StepCoefficients {
             for (j, area) in areas.iter().enumerate() {
                 self.closure[0][i][j] += flexibility[j] * area;
                 self.rate[1][i][j] += flexibility[j] * area;
+                self.follows[i][j] += flexibility[j] * area;
             }
         }
         for (mode, shares) in structure.modes.iter().zip(&self.modes) {
             for (i, own) in mode.closure.iter().enumerate() {
                 for (j, area) in areas.iter().enumerate() {
                     let both = own * mode.closure[j] * area;
+                    if shares.follows() {
+                        self.follows[i][j] += both * shares.force[2][0];
+                    }
                     for order in 0..2 {
                         let [displacement, velocity] = shares.force[2 + order];
                         self.closure[order][i][j] += both * displacement;
@@ -126,8 +133,9 @@ fn blocks(modes: &[RowMode], steps: &[ModeStep]) -> Vec<ModeBlock> {
         let mut block = ModeBlock::default();
         for (lane, (mode, step)) in modes.iter().zip(steps).enumerate() {
             for k in 0..2 {
-                let free =
-                    [step.displacement, step.velocity][k].into_iter().chain([0, 1].map(|j| step.force[j][k]));
+                let free = [step.displacement, step.velocity][k]
+                    .into_iter()
+                    .chain([0, 1].map(|j| step.force[j][k]));
                 for (lanes, share) in block.free[k].iter_mut().zip(free) {
                     lanes[lane] = share;
                 }

@@ -50,11 +50,7 @@ pub(super) fn first_table_exponents(case: &TransientCase) -> Vec<i32> {
 
 /// Pressure \[Pa\] and stiffness \[Pa/m\] at a closure increment \[m\] from rest, zero at and below
 /// `open_below` \[m\].
-pub(super) fn pressure_at(
-    contact: &PreloadedContact,
-    open_below: f64,
-    increment: f64,
-) -> [f64; 2] {
+pub(super) fn pressure_at(contact: &PreloadedContact, open_below: f64, increment: f64) -> [f64; 2] {
     if increment <= open_below {
         return [0.0; 2];
     }

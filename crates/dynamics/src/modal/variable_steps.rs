@@ -51,7 +51,12 @@ struct StepControl {
 impl StepControl {
     fn of(case: &TransientCase) -> Result<Self, DynamicsError> {
         let (base, steps) = case.first_step()?;
-        let tolerance = positive("tolerance of steps", case.tolerance.unwrap_or(TOLERANCE))?;
+        let (quantity, value) = ("tolerance of steps", case.tolerance.unwrap_or(TOLERANCE));
+        if case.model.preloaded().friction().is_some() {
+            let accepted = "none for a structure with friction";
+            return Err(DynamicsError::Setting { quantity, value, accepted });
+        }
+        let tolerance = positive(quantity, value)?;
         Ok(Self { base, steps, tolerance })
     }
 }
@@ -62,7 +67,9 @@ pub(super) fn respond(
     decimation: &Arc<Decimation>,
     set: InstructionSet,
 ) -> Result<CaseResponse, DynamicsError> {
-    Recording::Filtered(decimation).run(case, StepControl::of(case)?, set).map(|(response, _)| response)
+    Recording::Filtered(decimation)
+        .run(case, StepControl::of(case)?, set)
+        .map(|(response, _)| response)
 }
 
 /// The whole response to a case at steps of its own, whose samples are at ends of base steps.

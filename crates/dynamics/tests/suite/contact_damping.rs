@@ -31,7 +31,7 @@ fn kinds(time: f64) -> [(&'static str, ContactDamping); 3] {
 
 /// Closures at `times` \[s\] of the interface's own equation, `d' = (2/Z) (q_in - t)` with the traction
 /// `t = max(-p0, q(d) + c(p) d')`, by the classical method of fourth order in steps of 2 ns.
-fn closures(law: &Law, damping: ContactDamping, peak: f64, times: &[f64]) -> Vec<f64> {
+pub(crate) fn closures(law: &Law, damping: ContactDamping, peak: f64, times: &[f64]) -> Vec<f64> {
     const STEP: f64 = 2e-9;
     let admittance = 2.0 / impedance();
     let separates = law.domain().separates();

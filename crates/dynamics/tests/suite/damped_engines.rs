@@ -30,15 +30,15 @@ impl Draw {
     }
 }
 
-struct Case {
-    name: String,
+pub(crate) struct Case {
+    pub(crate) name: String,
     stack: Stack,
-    force: LoadCase,
+    pub(crate) force: LoadCase,
     rate: f64,
 }
 
 /// A rig of one or two bodies whose contacts have laws and dampings of their own.
-fn case(seed: u64) -> Case {
+pub(crate) fn case(seed: u64) -> Case {
     let mut draw = Draw(seed);
     let mut names = Vec::new();
     let count = 1 + usize::from(draw.number() < 0.7);
@@ -79,7 +79,7 @@ fn case(seed: u64) -> Case {
 }
 
 impl Case {
-    fn run(&self, method: impl Into<Integrator>) -> Transient {
+    pub(crate) fn run(&self, method: impl Into<Integrator>) -> Transient {
         run_at(&self.stack, &method.into(), self.rate, &self.force, (4e-3, 2e5))
     }
 }

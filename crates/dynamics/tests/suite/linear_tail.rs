@@ -20,7 +20,14 @@ fn hit(stack: &Stack, damping: Damping, excitation: LoadCase, step: Option<f64>)
         &[Port::TOP],
     )
     .unwrap();
-    TransientCase { model: Arc::new(rig), load: excitation, sensor: 0, duration: DURATION, step, tolerance: None }
+    TransientCase {
+        model: Arc::new(rig),
+        load: excitation,
+        sensor: 0,
+        duration: DURATION,
+        step,
+        tolerance: None,
+    }
 }
 
 fn filter(factor: usize, length: usize) -> Arc<Decimation> {

@@ -28,3 +28,4 @@ mod rest;
 mod scaling;
 mod second_method;
 mod sensitivity;
+mod variable_steps;

@@ -22,7 +22,14 @@ fn hit(stack: &Stack, excitation: LoadCase, duration: f64, step: Option<f64>) ->
         &[Port::TOP],
     )
     .unwrap();
-    TransientCase { model: Arc::new(rig), load: excitation, sensor: 0, duration, step, tolerance: None }
+    TransientCase {
+        model: Arc::new(rig),
+        load: excitation,
+        sensor: 0,
+        duration,
+        step,
+        tolerance: None,
+    }
 }
 
 fn record(hit: &TransientCase, factor: usize, taps: &[f64]) -> CaseResponse {
@@ -118,7 +125,14 @@ impl Lumped {
         let damping = Damping::Rate(200.0);
         let structure = PreloadedStructure::of_components(structure, contacts, damping).unwrap();
         let rig = Arc::new(ModalModel::new(structure, 0, &[0, 1]).unwrap());
-        TransientCase { model: rig, load, sensor, duration: 5e-3, step: Some(step), tolerance: None }
+        TransientCase {
+            model: rig,
+            load,
+            sensor,
+            duration: 5e-3,
+            step: Some(step),
+            tolerance: None,
+        }
     }
 
     /// The same masses by Runge and Kutta's fourth-order method, `parts` steps a sample.

@@ -181,8 +181,6 @@ impl Case {
             sensor: 0,
             duration: DURATION,
             step: Some(self.step),
-        }
-        tolerance: None,
             tolerance: None,
         }
     }

@@ -94,6 +94,8 @@ pub(super) struct Task<'a> {
     pub(super) level: Level,
     /// True once contact was lost: the steps are then short where it opens and closes.
     varies_steps: bool,
+    /// False where the step is given, with friction, and where steps of its own failed.
+    may_vary_steps: bool,
     /// Successive levels without a response.
     failures: usize,
     pub(super) fine: Option<Result<Response, SimulationError>>,
@@ -133,6 +135,7 @@ impl<'a> Task<'a> {
             is_reference: false,
             level: Level::default(),
             varies_steps: false,
+            may_vary_steps: modal.step.is_none() && case.model.preloaded().friction().is_none(),
             failures: 0,
             fine: None,
             other: None,
@@ -183,14 +186,14 @@ impl<'a> Task<'a> {
     }
 
     /// True for a response that loses contact at equal steps and may have steps of its own.
-    fn may_vary_steps(&self) -> bool {
+    fn is_open_at_equal_steps(&self) -> bool {
         let Some(Ok(fine)) = &self.fine else { return false };
-        fine.loses_contact() && !self.varies_steps && !self.step_is_given && !fine.has_friction()
+        fine.loses_contact() && !self.varies_steps && self.may_vary_steps
     }
 
     /// Begins anew at steps of its own if contact is lost; a reference run, of no use then, is done.
     pub(super) fn vary_steps_if_open(&mut self) {
-        if !self.may_vary_steps() {
+        if !self.is_open_at_equal_steps() {
             return;
         }
         if self.is_reference {
@@ -366,6 +369,11 @@ impl<'a> Task<'a> {
     pub(super) fn accept_or_refine(&mut self) {
         match self.fine.take() {
             None => {}
+            // Equal steps, however short, take what steps of its own do not.
+            Some(Err(_)) if self.varies_steps => {
+                (self.varies_steps, self.may_vary_steps) = (false, false);
+                (self.level, self.other, self.fewer) = (Level::default(), None, None);
+            }
             Some(Err(error))
                 if self.failures < MOST_FAILURES
                     && self.may_halve(0, 1)

@@ -6,8 +6,7 @@
 //! ```
 //!
 //! with closures x, their rates w and accelerations a, tractions T and their rates T'. Newton's method in
-//! x; the rates follow from the second line, which is linear in w; accelerations, which act through D and
-//! E alone, are those of the correction before.
+//! x; the other three lines are linear in w and T' at given closures.
 
 use std::array;
 use std::sync::Arc;
@@ -65,6 +64,8 @@ pub(super) struct RowStep<const N: usize> {
     closure: [Matrix<N>; 2],
     rate: [Matrix<N>; 2],
     acceleration: [Matrix<N>; 2],
+    /// Loss of the closure per traction by modes that follow at once.
+    follows: Matrix<N>,
     is_damped: bool,
 }
 
@@ -81,6 +82,7 @@ impl<const N: usize> RowStep<N> {
             closure: both(&step.closure),
             rate: both(&step.rate),
             acceleration: both(&step.acceleration),
+            follows: array::from_fn(|i| array::from_fn(|j| entry(&step.follows, i, j))),
             is_damped: contacts.iter().any(|contact| contact.preloaded.damping().is_some()),
         }
     }
@@ -137,12 +139,20 @@ impl<'a> Contact<'a> {
         let Some(damping) = self.preloaded.damping() else { return [0.0; 2] };
         let pressure = self.pressure() + pressure;
         let slope = self.preloaded.law().stiffness_slope(pressure);
-        let by_pressure = damping.coefficient_slope(pressure, stiffness, slope);
-        [damping.coefficient(pressure, stiffness), by_pressure * stiffness]
+        let by_closure = stiffness * damping.coefficient_slope(pressure, stiffness, slope);
+        // Without contact the slope of some laws is beyond bounds.
+        let by_closure = if by_closure.is_finite() { by_closure } else { 0.0 };
+        [damping.coefficient(pressure, stiffness), by_closure]
     }
 }
 
 impl<const N: usize> RowState<N> {
+    /// True if all closures, tractions and their rates are numbers.
+    pub(super) fn is_finite(&self) -> bool {
+        let all = [&self.closure, &self.rate, &self.traction, &self.traction_rate];
+        all.into_iter().flatten().all(|number| number.is_finite())
+    }
+
     /// All increments zero.
     pub(super) fn at_rest(contacts: &[Contact<'_>]) -> Self {
         let zero = [0.0; N];
@@ -150,23 +160,25 @@ impl<const N: usize> RowState<N> {
             closure: zero,
             rate: zero,
             pressure: zero,
-            stiffness: array::from_fn(|i| contacts.get(i).map_or(0.0, |contact| contact.law(0.0)[1])),
+            stiffness: array::from_fn(|i| {
+                contacts.get(i).map_or(0.0, |contact| contact.law(0.0)[1])
+            }),
             traction: zero,
             traction_rate: zero,
         }
     }
 }
 
-/// The rows at the end of a step, from the tractions of `guess` on; none if they are not found. `scale` is
-/// the largest traction of each so far.
+/// The rows at the end of a step from `begin`, with the tractions of `guess` to begin with, or the last try if they are not found.
+/// `scale` is the largest traction of each so far.
 #[inline(always)]
 pub(super) fn solve<const N: usize>(
     contacts: &[Contact<'_>],
     step: &RowStep<N>,
     free: &FreeEnd<N>,
-    guess: &RowState<N>,
+    [begin, guess]: [&RowState<N>; 2],
     scale: &[f64; N],
-) -> Option<RowState<N>> {
+) -> Result<RowState<N>, RowState<N>> {
     let mut now = *guess;
     for i in 0..N {
         now.closure[i] = free.closure[i]
@@ -185,7 +197,7 @@ pub(super) fn solve<const N: usize>(
                 damping[i] = contact.damping(found);
             }
         }
-        rates(contacts, step, free, &damping, &mut now);
+        let part = rates(contacts, step, free, &damping, begin, &mut now);
         if correction > 0 {
             let mut largest = 0.0_f64;
             for i in 0..N {
@@ -194,7 +206,7 @@ pub(super) fn solve<const N: usize>(
                 largest = largest.max((bent + turned) / scale[i].max(now.traction[i].abs()));
             }
             if largest <= CONVERGED {
-                return now.closure.iter().all(|x| x.is_finite()).then_some(now);
+                return if now.is_finite() { Ok(now) } else { Err(now) };
             }
         }
         let mut excess = [0.0; N];
@@ -205,7 +217,8 @@ pub(super) fn solve<const N: usize>(
                 + product(&step.closure[1][i], &now.traction_rate);
             for j in 0..N {
                 let slope = now.stiffness[j] + damping[j][1] * now.rate[j];
-                matrix[i][j] = step.closure[0][i][j] * slope.max(0.0);
+                let slope = if part[j] { 0.0 } else { slope.max(0.0) };
+                matrix[i][j] = step.closure[0][i][j] * slope;
             }
             matrix[i][i] += 1.0;
         }
@@ -215,20 +228,23 @@ pub(super) fn solve<const N: usize>(
             expected[i] = now.pressure[i] - now.stiffness[i] * change[i];
         }
     }
-    None
+    Err(now)
 }
 
 /// Rates of closures and tractions, and the viscous parts of the tractions, at closures whose pressures are
-/// known.
+/// known; true for rows that part, whose faces would pull on each other: their traction is the least.
 #[inline(always)]
 fn rates<const N: usize>(
     contacts: &[Contact<'_>],
     step: &RowStep<N>,
     free: &FreeEnd<N>,
     damping: &[[f64; 2]; N],
+    begin: &RowState<N>,
     now: &mut RowState<N>,
-) {
-    let mut accelerations = [0.0; N];
+) -> [bool; N] {
+    if step.is_damped {
+        return damped_rates(contacts, step, free, damping, begin, now);
+    }
     let mut right = [0.0; N];
     let mut matrix = [[0.0; N]; N];
     for i in 0..N {
@@ -238,36 +254,89 @@ fn rates<const N: usize>(
         }
         matrix[i][i] += 1.0;
     }
-    if step.is_damped {
-        for i in 0..N {
-            accelerations[i] = free.acceleration[i]
-                - product(&step.acceleration[0][i], &now.traction)
-                - product(&step.acceleration[1][i], &now.traction_rate);
-        }
-        for i in 0..N {
-            for j in 0..N {
-                let [coefficient, slope] = damping[j];
-                matrix[i][j] += step.rate[0][i][j] * coefficient
-                    + step.rate[1][i][j] * slope * now.rate[j];
-                right[i] -= step.rate[1][i][j] * coefficient * accelerations[j];
-            }
-        }
-    }
     now.rate = linear_solve(matrix, right);
     now.traction = now.pressure;
     for i in 0..N {
         now.traction_rate[i] = now.stiffness[i] * now.rate[i];
     }
-    if step.is_damped {
-        for (i, contact) in contacts.iter().enumerate().take(N) {
-            let ([coefficient, slope], rate) = (damping[i], now.rate[i]);
-            now.traction[i] += coefficient * rate;
-            now.traction_rate[i] += slope * rate * rate + coefficient * accelerations[i];
-            if coefficient > 0.0 && now.traction[i] < contact.least {
-                (now.traction[i], now.traction_rate[i]) = (contact.least, 0.0);
+    [false; N]
+}
+
+/// The same with dampers: linear in the rates w and the rates T' of the tractions,
+///
+/// ```text
+/// w + C (q + c w) + E T' = w*,      T' = (K + c' w) w + c a,
+/// a = a* - A T - A' T' - F T'',     T'' = (6 (T0 - T) / h + 2 T0' + 4 T') / h
+/// ```
+///
+/// with the accelerations a of modes in motion, less the flexibility F of modes that follow at once under the
+/// second derivative of the cubic from T0 and T0' on.
+fn damped_rates<const N: usize>(
+    contacts: &[Contact<'_>],
+    step: &RowStep<N>,
+    free: &FreeEnd<N>,
+    damping: &[[f64; 2]; N],
+    begin: &RowState<N>,
+    now: &mut RowState<N>,
+) -> [bool; N] {
+    let h = step.step;
+    let by_traction =
+        |i: usize, j: usize| step.acceleration[0][i][j] - 6.0 * step.follows[i][j] / (h * h);
+    let by_rate = |i: usize, j: usize| step.acceleration[1][i][j] + 4.0 * step.follows[i][j] / h;
+    let before: [f64; N] =
+        array::from_fn(|j| (6.0 * begin.traction[j] / h + 2.0 * begin.traction_rate[j]) / h);
+    let mut part = [false; N];
+    for _ in 0..=N {
+        let held = |j: usize, number: f64| if part[j] { 0.0 } else { number };
+        let c: [f64; N] = array::from_fn(|j| held(j, damping[j][0]));
+        let slope: [f64; N] =
+            array::from_fn(|j| held(j, now.stiffness[j] + damping[j][1] * now.rate[j]));
+        let at_rest: [f64; N] = array::from_fn(|j| {
+            let least = contacts.get(j).map_or(0.0, |contact| contact.least);
+            if part[j] { least } else { now.pressure[j] }
+        });
+        // T' = constant + sum of shares of w.
+        let implicit: Matrix<N> = array::from_fn(|i| {
+            array::from_fn(|j| f64::from(u8::from(i == j)) + c[i] * held(j, by_rate(i, j)))
+        });
+        let constant = array::from_fn(|i| {
+            let by_state = (0..N).map(|j| by_traction(i, j) * at_rest[j]).sum::<f64>();
+            c[i] * (free.acceleration[i] - product(&step.follows[i], &before) - by_state)
+        });
+        let constant = linear_solve(implicit, constant);
+        let shares: Matrix<N> = array::from_fn(|j| {
+            let column = array::from_fn(|i| {
+                held(i, if i == j { slope[j] } else { 0.0 }) - c[i] * by_traction(i, j) * c[j]
+            });
+            linear_solve(implicit, column)
+        });
+        let mut right = [0.0; N];
+        let mut matrix = [[0.0; N]; N];
+        for i in 0..N {
+            right[i] = free.rate[i]
+                - product(&step.rate[0][i], &at_rest)
+                - product(&step.rate[1][i], &constant);
+            for j in 0..N {
+                matrix[i][j] = step.rate[0][i][j] * c[j] + product(&step.rate[1][i], &shares[j]);
+            }
+            matrix[i][i] += 1.0;
+        }
+        now.rate = linear_solve(matrix, right);
+        let mut parts_more = false;
+        for (j, contact) in contacts.iter().enumerate().take(N) {
+            now.traction[j] = at_rest[j] + c[j] * now.rate[j];
+            now.traction_rate[j] =
+                constant[j] + (0..N).map(|k| shares[k][j] * now.rate[k]).sum::<f64>();
+            if c[j] > 0.0 && now.traction[j] < contact.least {
+                part[j] = true;
+                parts_more = true;
             }
         }
+        if !parts_more {
+            break;
+        }
     }
+    part
 }
 
 #[inline(always)]

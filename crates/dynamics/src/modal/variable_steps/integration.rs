@@ -113,11 +113,11 @@ impl<'a, const N: usize> Integration<'a, N> {
             rate: lanes(modes, |mode| mode.total_damping(rate)),
         };
         let blocks = || modes.chunks(LANES);
-        let sensor = |s: usize| blocks().map(|modes| lanes(modes, |mode| mode.sensors[s])).collect();
+        let sensor =
+            |s: usize| blocks().map(|modes| lanes(modes, |mode| mode.sensors[s])).collect();
         let shapes: Vec<ShapeBlock<N>> = blocks().map(shape).collect();
-        let of_contact = |i: usize| {
-            contacts.get(i).map_or(0.0, |contact| LEAST_TRACTION * contact.pressure())
-        };
+        let of_contact =
+            |i: usize| contacts.get(i).map_or(0.0, |contact| LEAST_TRACTION * contact.pressure());
         Ok(Self {
             model,
             load,
@@ -158,13 +158,14 @@ impl<'a, const N: usize> Integration<'a, N> {
                 let error = loop {
                     let coefficients = self.level(level);
                     let load = self.load_within(&coefficients, start);
-                    if let Some((end, error)) = self.attempt(&coefficients, load)
-                        && (error <= 1.0 || level == MOST_HALVINGS)
+                    let is_shortest = level == MOST_HALVINGS;
+                    if let Some((end, error)) = self.attempt(&coefficients, load, is_shortest)
+                        && (error <= 1.0 || is_shortest)
                     {
                         self.complete(&coefficients, load, end);
                         break error;
                     }
-                    if level == MOST_HALVINGS || self.taken > MOST_STEPS {
+                    if is_shortest || self.taken > MOST_STEPS {
                         return Err(self.unstable(start));
                     }
                     level += 1;
@@ -233,9 +234,14 @@ impl<'a, const N: usize> Integration<'a, N> {
     }
 
     /// The rows at the end of a step, and the error of its tractions over the tolerance; none where the
-    /// contacts are not solved.
+    /// contacts are not solved. In the shortest step a traction may jump, as damped faces meet.
     #[inline(always)]
-    fn attempt(&mut self, level: &Level<N>, load: Option<[f64; 3]>) -> Option<(RowState<N>, f64)> {
+    fn attempt(
+        &mut self,
+        level: &Level<N>,
+        load: Option<[f64; 3]>,
+        may_jump: bool,
+    ) -> Option<(RowState<N>, f64)> {
         let step = level.coefficients.step;
         let mut sums = [[[0.0; LANES]; N]; 3];
         let blocks = self.modes.iter().zip(&level.coefficients.blocks).zip(&self.shapes);
@@ -260,7 +266,8 @@ impl<'a, const N: usize> Integration<'a, N> {
                 add_product(&mut sums[1][i], &shape.closure[i], &free[1]);
             }
             if is_damped {
-                let moved = acceleration(&shares.acceleration, free, None, shape, end_of(load, step));
+                let moved =
+                    acceleration(&shares.acceleration, free, None, shape, end_of(load, step));
                 for i in 0..N {
                     add_product(&mut sums[2][i], &shape.closure[i], &moved);
                 }
@@ -274,7 +281,10 @@ impl<'a, const N: usize> Integration<'a, N> {
             free.rate[i] += self.closure_per_load[i] * slope;
         }
         let guess = self.continued(step);
-        let end = solve(&self.contacts, &level.rows, &free, &guess, &self.largest)?;
+        let end = solve(&self.contacts, &level.rows, &free, [&self.rows, &guess], &self.largest);
+        let end = end
+            .or_else(|last| if may_jump && last.is_finite() { Ok(last) } else { Err(()) })
+            .ok()?;
         let share = match &self.before {
             Some((before, _)) => (step / (step + before)).powi(2) / 16.0,
             None => 1.0,

@@ -45,8 +45,7 @@ impl Measures {
         let (da, db) = (step * da, step * db);
         let mean = 0.5 * (a + b) + (da - db) / 12.0;
         let first_moment = (3.0 * a + 7.0 * b) / 20.0 + da / 30.0 - db / 20.0;
-        self.work +=
-            load[0] * (b - a) + load[1] * (b - mean) + load[2] * (b - 2.0 * first_moment);
+        self.work += load[0] * (b - a) + load[1] * (b - mean) + load[2] * (b - 2.0 * first_moment);
     }
 
     /// Takes in a step between two states of the rows.
@@ -59,12 +58,8 @@ impl Measures {
     ) {
         let [begin, end] = ends;
         for (i, (measure, contact)) in self.contacts.iter_mut().zip(contacts).enumerate() {
-            let cubic = [
-                begin.closure[i],
-                begin.rate[i] * step,
-                end.closure[i],
-                end.rate[i] * step,
-            ];
+            let cubic =
+                [begin.closure[i], begin.rate[i] * step, end.closure[i], end.rate[i] * step];
             measure.take(contact, cubic, [begin.stiffness[i], end.stiffness[i]], step);
             let viscous = |rows: &RowState<N>| (rows.traction[i] - rows.pressure[i]) * rows.rate[i];
             measure.loss += 0.5 * step * (viscous(begin) + viscous(end));
@@ -81,7 +76,9 @@ impl ContactMeasure {
         let (mut low, mut high) = (begin.min(end), begin.max(end));
         // A cubic whose slopes at both ends are at most three times its rise, of one sign, is monotone.
         let rise = 3.0 * (end - begin);
-        let is_monotone = [begins, ends_with].iter().all(|slope| slope * rise >= 0.0 && slope.abs() <= rise.abs());
+        let is_monotone = [begins, ends_with]
+            .iter()
+            .all(|slope| slope * rise >= 0.0 && slope.abs() <= rise.abs());
         if !is_monotone {
             for place in turning_points(cubic).into_iter().flatten() {
                 let closure = hermite(cubic, place);
@@ -129,7 +126,11 @@ impl ContactMeasure {
                     if above(middle) == begins { low = middle } else { high = middle }
                 }
                 let root = 0.5 * (low + high);
-                if begins { pressed_to = root } else { pressed_from = root }
+                if begins {
+                    pressed_to = root
+                } else {
+                    pressed_from = root
+                }
                 self.open += step * (to - from - (pressed_to - pressed_from));
             }
         }
@@ -160,4 +161,3 @@ fn turning_points(cubic: [f64; 4]) -> [Option<f64>; 2] {
         found => [found.0, found.1],
     }
 }
-
