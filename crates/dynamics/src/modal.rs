@@ -49,6 +49,7 @@ mod dense_output;
 mod energy;
 mod fast_modes;
 mod increasing_root;
+mod law_tables;
 mod linear_system;
 mod linear_tail;
 mod load_steps;

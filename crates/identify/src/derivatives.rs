@@ -150,7 +150,13 @@ impl ScenarioModel {
             .collect();
         let steps: Vec<f64> = neighbours.iter().map(|around| around.step).collect();
         let table = DerivativeTable::new(&rig.case, &found, &stencils)?;
-        Ok(self.collected(hit, &table, &found, &steps))
+        let mut found = self.collected(hit, &table, &found, &steps);
+        if simulation.tolerance.is_some() {
+            // The derivatives are of equal steps; the values are to be the search's own.
+            let backbone = std::mem::take(&mut found.outcome.backbone);
+            found.outcome = HitOutcome { backbone, ..self.outcome_alone(rig, hit, &simulation)? };
+        }
+        Ok(found)
     }
 
     fn collected(

@@ -65,7 +65,7 @@ fn stopped() -> PredictionError {
 impl ScenarioModel {
     /// Number of points whose hits fill a batch best.
     fn points_per_batch(&self) -> usize {
-        // Hits of one step and as many modes are integrated together.
+        // Hits of one step and as many modes are integrated together, at steps of their own each by itself.
         let mut groups: Vec<(&HitResolution, usize)> = Vec::new();
         let mut others = 0;
         for hit in &self.hits {
@@ -73,6 +73,9 @@ impl ScenarioModel {
                 others += 1;
                 continue;
             };
+            if own.tolerance.is_some() {
+                continue;
+            }
             match groups.iter_mut().find(|(known, _)| *known == own) {
                 Some((_, count)) => *count += 1,
                 None => groups.push((own, 1)),

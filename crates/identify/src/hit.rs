@@ -55,8 +55,10 @@ pub(super) struct SimulatedHit {
 /// Step and modes of a hit.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct HitResolution {
-    /// Step \[s\].
+    /// Step \[s\], the longest where contact is lost.
     pub(super) step: f64,
+    /// Tolerance of steps of the hit's own, where contact is lost.
+    pub(super) tolerance: Option<f64>,
     /// Modes of each body.
     pub(super) counts: Vec<usize>,
 }
@@ -65,7 +67,11 @@ impl HitResolution {
     /// True if this has steps as short and modes as many as `other`.
     pub(super) fn covers(&self, other: &Self) -> bool {
         let mut modes = self.counts.iter().zip(&other.counts);
-        self.step <= 1.001 * other.step && modes.all(|(own, asked)| own >= asked)
+        let tolerances = match (self.tolerance, other.tolerance) {
+            (Some(own), Some(asked)) => own <= asked,
+            (own, asked) => own.is_some() || asked.is_none(),
+        };
+        tolerances && self.step <= 1.001 * other.step && modes.all(|(own, asked)| own >= asked)
     }
 }
 
@@ -184,9 +190,10 @@ impl SimulatedHit {
         let hit = rig.case.case(&modal, self.load(rig, gains, folder)?)?;
         let duration = self.duration.unwrap_or(hit.duration);
         Ok(match &self.resolution {
-            Some(HitResolution { step, counts }) => {
+            Some(HitResolution { step, tolerance, counts }) => {
                 let model = rig.case.modal_model(counts, hit.load.port())?;
-                TransientCase { model, duration, step: Some(*step), ..hit }
+                let tolerance = *tolerance;
+                TransientCase { model, duration, step: Some(*step), tolerance, ..hit }
             }
             None => TransientCase { duration, ..hit },
         })

@@ -145,11 +145,9 @@ impl ScenarioModel {
     pub(super) fn hold(&mut self, converged: &[Result<ConvergedRun, SimulationError>]) -> bool {
         let mut finer = false;
         for (hit, run) in self.hits.iter_mut().zip(converged) {
-            let Ok(ConvergedRun { case: TransientCase { step: Some(step), .. }, counts, .. }) = run
-            else {
-                continue;
-            };
-            let asked = HitResolution { step: *step, counts: counts.clone() };
+            let Ok(ConvergedRun { case, counts, .. }) = run else { continue };
+            let Some(step) = case.step else { continue };
+            let asked = HitResolution { step, tolerance: case.tolerance, counts: counts.clone() };
             if !hit.resolution.as_ref().is_some_and(|held| held.covers(&asked)) {
                 finer = true;
                 hit.resolution = Some(asked);
@@ -162,7 +160,10 @@ impl ScenarioModel {
     /// Gives recorded hits of one rig and duration common steps and modes, none coarser: a step of its
     /// own for each record would need tables of its own, and an integration of its own.
     fn share_resolution_of_records(&mut self) {
-        let is_recorded = |hit: &SimulatedHit| matches!(hit.force, HitForce::Record { .. });
+        let is_recorded = |hit: &SimulatedHit| {
+            let at_equal_steps = hit.resolution.as_ref().is_none_or(|own| own.tolerance.is_none());
+            at_equal_steps && matches!(hit.force, HitForce::Record { .. })
+        };
         let key = |hit: &SimulatedHit, step: f64| {
             // The power of two below.
             (hit.rig, hit.duration.map(f64::to_bits), step.log2().floor() as i64)
@@ -185,7 +186,8 @@ impl ScenarioModel {
             let of = key(hit, step);
             if let Some((_, counts)) = shared.iter().find(|(known, _)| *known == of) {
                 let step = (of.2 as f64).exp2();
-                hit.resolution = Some(HitResolution { step, counts: counts.clone() });
+                let counts = counts.clone();
+                hit.resolution = Some(HitResolution { step, tolerance: None, counts });
             }
         }
     }
@@ -204,7 +206,7 @@ impl ScenarioModel {
             if let Ok((TransientCase { step: Some(step), .. }, counts)) =
                 ErrorControl::first_level(request)
             {
-                hit.resolution = Some(HitResolution { step, counts });
+                hit.resolution = Some(HitResolution { step, tolerance: None, counts });
             }
         }
         self.share_resolution_of_records();
@@ -246,6 +248,22 @@ impl ScenarioModel {
         for (hit, other) in self.hits.iter_mut().zip(&other.hits) {
             hit.resolution.clone_from(&other.resolution);
         }
+    }
+
+    /// Results of a hit by itself.
+    pub(super) fn outcome_alone(
+        &self,
+        rig: &PreparedRig,
+        hit: &SimulatedHit,
+        simulation: &TransientCase,
+    ) -> Result<HitOutcome, SimulationError> {
+        let natural = rig.case.at_rest.natural_frequency_hz;
+        let highest = hit.frequencies.iter().copied().fold(0.0, f64::max);
+        let decimation = |_, step: f64| self.extractor.decimation(natural, highest, step);
+        let records = self.batch.run(std::slice::from_ref(simulation), &decimation);
+        let lost = || DynamicsError::InstructionSet { set: self.batch.instructions };
+        let record = records.into_iter().next().ok_or_else(lost)??;
+        self.outcome(rig, hit, simulation, &record)
     }
 
     /// Results of a hit, from its record.

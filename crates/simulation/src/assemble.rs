@@ -11,6 +11,7 @@ use asperity_structure::{
 
 use crate::accuracy::DEFAULT_ACCURACY;
 use crate::error::SimulationError;
+use crate::shared_laws::shared_law;
 use asperity_scenario::{
     BodySpec, ContactScheme, DampingSpec, ExcitationSpec, FrictionSpec, LoadSamples, MethodSpec,
     ModalSpec, Scenario, SectionSpec, SensorSpec, SupportSpec,
@@ -99,7 +100,7 @@ fn stack(scenario: &Scenario) -> Result<Stack, SimulationError> {
     let pressures = asperity_mesh::static_pressures(&bodies, areas, scenario.gravity_m_per_s2);
     let mut interfaces = Vec::with_capacity(scenario.interfaces.len());
     for (spec, &pressure) in scenario.interfaces.iter().zip(&pressures) {
-        let law = scenario.laws.build(&spec.law, pressure).map_err(|source| {
+        let law = shared_law(&scenario.laws, &spec.law, pressure).map_err(|source| {
             let (law, interface) = (spec.law.name().to_owned(), Some(spec.name.clone()));
             SimulationError::Law { law, interface, pressure_pa: pressure, source }
         })?;

@@ -41,6 +41,7 @@ mod row_runner;
 pub mod row_simulator;
 pub mod run;
 pub mod sensitivity;
+mod shared_laws;
 pub mod static_state;
 pub mod steady;
 pub mod summary;

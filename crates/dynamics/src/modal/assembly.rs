@@ -3,12 +3,13 @@
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use asperity_law::{CompiledLaw, Friction, LawError};
+use asperity_law::{CompiledLaw, Friction};
 use asperity_mesh::{ComponentModes, MeshError, Port};
 use asperity_structure::{Guide, LoadCase, PreloadedContact, PreloadedStructure};
 
 use super::damped_table::{DampedTable, stiffness_in_step};
 use super::decimation::Decimation;
+use super::law_tables::{TABLE_TOLERANCE, table, top};
 use super::linear_tail::LinearTail;
 use super::row_modes::RowModes;
 use super::simd::table_lookup::TableRow;
@@ -16,16 +17,6 @@ use super::step_coefficients::StepCoefficients;
 use super::step_model::{InterpolationChoice, StepModel};
 use crate::DynamicsError;
 use crate::error::check_modal_damping;
-
-/// Largest error of a tabulated pressure, as a share of the static pressure: a hundredth of
-/// the error of the step at its default length.
-const TABLE_TOLERANCE: f64 = 1e-5;
-
-/// Fewest cells of the table of a damped contact: its coefficient may bend where the law is straight.
-const DAMPED_CELLS: usize = 1024;
-
-/// Factors on that error, tried in turn for laws that stiffen without bound.
-const TOLERANCES: [f64; 3] = [1.0, 10.0, 100.0];
 
 /// Most interfaces that the vector kernel couples.
 pub(super) const MOST_INTERFACES: usize = 16;
@@ -280,24 +271,8 @@ impl ModalModel {
     /// # Errors
     /// [`DynamicsError::Law`] when a law cannot be tabulated that far.
     pub(super) fn tables(&self, exponents: &[i32]) -> Result<Vec<Arc<CompiledLaw>>, DynamicsError> {
-        let cache = self.prepared.lock().unwrap_or_else(PoisonError::into_inner);
-        self.tables_in(&cache, exponents)
-    }
-
-    fn tables_in(
-        &self,
-        cache: &Prepared,
-        exponents: &[i32],
-    ) -> Result<Vec<Arc<CompiledLaw>>, DynamicsError> {
-        let contacts = self.contacts().iter().zip(exponents).enumerate();
-        let table = |(i, (contact, &exponent)): (usize, (&PreloadedContact, &i32))| {
-            let known = cache.iter().find(|((_, others, _), _)| others.get(i) == Some(&exponent));
-            match known {
-                Some((_, found)) => Ok(Arc::clone(&found.tables[i])),
-                None => Ok(Arc::new(compile(contact, top(contact, exponent))?)),
-            }
-        };
-        contacts.map(table).collect()
+        let contacts = self.contacts().iter().zip(exponents);
+        contacts.map(|(contact, &exponent)| table(contact, exponent)).collect()
     }
 
     /// The coefficients of steps of their own of `step` \[s\], for tables up to `2^exponent` \[Pa\] above
@@ -349,7 +324,7 @@ impl ModalModel {
         if let Some(found) = cache.get(&key) {
             return Ok(Arc::clone(found));
         }
-        let tables = self.tables_in(&cache, exponents)?;
+        let tables = self.tables(exponents)?;
         let (areas, stiffest) = self.stiffest(step, exponents);
         let rate = self.structure.damping_rate();
         let step_model = StepModel::new(&self.rows, &areas, &stiffest, rate, step, interpolation);
@@ -387,25 +362,6 @@ pub(super) fn table_error(
         (table.get(closure) - law.pressure_increment(state, closure).value).abs()
     };
     (0..=TABLE_SAMPLES).map(error).fold(0.0, f64::max)
-}
-
-/// Pressure \[Pa\] at which the table of a contact ends.
-fn top(contact: &PreloadedContact, exponent: i32) -> f64 {
-    contact.pressure() + f64::from(exponent).exp2()
-}
-
-/// The table of a contact's law up to `top` \[Pa\]; coarser than usual for a law that is too steep.
-fn compile(contact: &PreloadedContact, top: f64) -> Result<CompiledLaw, DynamicsError> {
-    let least_cells = if contact.damping().is_some() { DAMPED_CELLS } else { 0 };
-    let compile = |times| {
-        let (pressures, tolerance) = ((contact.pressure(), top), times * TABLE_TOLERANCE);
-        CompiledLaw::uniform_of(contact.law(), pressures, tolerance, least_cells)
-    };
-    let table = TOLERANCES[1..].iter().fold(compile(TOLERANCES[0]), |table, times| match table {
-        Err(LawError::Unresolved { .. }) => compile(*times),
-        found => found,
-    });
-    table.map_err(|source| DynamicsError::Law { interface: contact.name().to_owned(), source })
 }
 
 /// Newton correction, in cells, below which the law is replaced by its tangent.

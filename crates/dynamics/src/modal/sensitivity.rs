@@ -141,6 +141,9 @@ impl Batch {
     /// # }
     /// ```
     ///
+    /// A case at [steps of its own](Self#steps-of-their-own) is differentiated at equal steps, a sixteenth of
+    /// its longest.
+    ///
     /// # Errors
     /// As [`Modal::integrate`](super::Modal::integrate) for the case itself;
     /// [`DynamicsError::Variation`] when a varied case has not as many modes and interfaces, when
@@ -151,6 +154,7 @@ impl Batch {
         case: &TransientCase,
         variations: &[ParameterVariation],
     ) -> Result<Sensitivity, DynamicsError> {
+        let case = &case.at_equal_steps()?;
         let (prepared, outcome) = self.whole(case)?;
         let parameters = variations
             .iter()

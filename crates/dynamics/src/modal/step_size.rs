@@ -27,7 +27,19 @@ pub const COARSE_RESIDUAL: f64 = 5e-4;
 /// Halvings of it at most.
 pub(super) const MOST_HALVINGS: u32 = 7;
 
+/// Parts of the longest of a case's own steps in which it is differentiated.
+const EQUAL_PARTS: f64 = 16.0;
+
 impl TransientCase {
+    /// The case at equal steps, short ones for a case at steps of its own.
+    pub(super) fn at_equal_steps(&self) -> Result<Self, DynamicsError> {
+        let mut case = self.clone();
+        if case.tolerance.take().is_some() {
+            case.step = Some(self.first_step()?.0 / EQUAL_PARTS);
+        }
+        Ok(case)
+    }
+
     /// Step \[s\] that the case is first tried with, and the number of steps.
     ///
     /// # Errors

@@ -7,7 +7,6 @@ use asperity_law::CompiledLaw;
 
 use super::assembly::{ModalModel, table_error};
 use super::decimation::Decimation;
-use super::step_model::InterpolationChoice;
 use crate::{ContactExtremes, DynamicsError, EnergyLedger};
 use asperity_structure::{LoadCase, PreloadedContact};
 
@@ -99,9 +98,8 @@ impl CaseResponse {
     /// # Errors
     /// [`DynamicsError::Law`] when a law cannot be tabulated any more.
     pub fn table_errors(&self, model: &ModalModel) -> Result<Vec<f64>, DynamicsError> {
-        let tabulated =
-            model.prepare(self.step, &self.table_exponents, InterpolationChoice::default())?;
-        let contacts = model.contacts().iter().zip(&tabulated.tables).zip(&self.contacts);
+        let tables = model.tables(&self.table_exponents)?;
+        let contacts = model.contacts().iter().zip(&tables).zip(&self.contacts);
         let error = |((contact, table), seen): ((_, &Arc<CompiledLaw>), &ContactExtremes)| {
             table_error(contact, table, [seen.pressure_min, seen.pressure_max])
         };
