@@ -17,6 +17,7 @@
 //! | module | holds |
 //! |---|---|
 //! | `assembly` | a structure in modes, tabulated and stepped once for many cases |
+//! | `law_tables` | tables of laws, shared by all models with the same law |
 //! | `damped_table` | the law of a damped contact in one step, as tables |
 //! | `oscillator` | the exact step of one mode under a polynomial force |
 //! | `row_modes` | modes in the closures of contacts and guides, the load and the sensors |
@@ -27,6 +28,8 @@
 //! | `step_size` | the choice of the step |
 //! | `fast_modes` | the error by modes that a step does not show |
 //! | `batch` | many cases, tried again where a step or a table was too short |
+//! | `variable_steps` | one case at steps of its own, short where contact opens and closes |
+//! | `step_coefficients` | all numbers of such a step that do not depend on the load |
 //! | `dense_output` | the motion between steps |
 //! | `energy` | the energy balance |
 //! | `decimation` | the filter of the output |
