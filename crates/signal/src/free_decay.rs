@@ -14,7 +14,7 @@ pub use search::{DecayEnd, DecayOrigin, FoundDecay, find_decays, level_range};
 
 use crate::error::{Result, check_positive, check_rate, check_samples};
 use crate::hammer::HarmonicTest;
-use crate::noise::quiet_density;
+use crate::noise::{MeasuredPart, quiet_density};
 use crate::ring_down::{
     Backbone, BackboneOptions, BackbonePoint, BandPass, Polar, backbone_and_signal, half_line,
 };
@@ -135,10 +135,15 @@ impl FreeDecay {
         let room = (0.5 * rate - centre).max(f64::MIN_POSITIVE);
         let half_width = (HALF_WIDTH * centre).min(options.half_width_hz).min(room);
         let band = BandPass::around(centre, half_width / centre)?;
-        let quiet = &samples[((1.0 - QUIET) * samples.len() as f64) as usize..];
+        let part = MeasuredPart::of(samples);
+        let quiet = &samples[((1.0 - QUIET) * part.measured as f64) as usize..part.measured];
         let within = (NOISE_BAND.0 * centre, (NOISE_BAND.1 * centre).min(0.5 * rate));
-        let noise_density =
-            options.noise_density.or_else(|| quiet_density(quiet, rate, within)).unwrap_or(0.0);
+        let noise_density = options.noise_density.unwrap_or_else(|| {
+            let quiet = quiet_density(quiet, rate, within).unwrap_or(0.0);
+            quiet.max(part.rounding_density(rate))
+        });
+        let is_rounded = part.resolved < part.measured;
+        let samples = &samples[..part.resolved];
         let derivatives = options.derivatives;
         let mut settings =
             BackboneOptions { noise_density, derivatives, ..BackboneOptions::new(band) };
@@ -175,7 +180,7 @@ impl FreeDecay {
         let mut decay = Self {
             mean: None,
             length_s: 0.0,
-            reaches_noise: found.masked_noise > 0 || is_cut,
+            reaches_noise: found.masked_noise > 0 || is_cut || is_rounded,
             band,
             cycles: settings.cycles,
             noise_density,
