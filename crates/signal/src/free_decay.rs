@@ -156,11 +156,14 @@ impl FreeDecay {
             let quiet = quiet_density(quiet, rate, within).unwrap_or(0.0);
             quiet.max(part.rounding_density(rate))
         });
-        let is_rounded = part.resolved < part.measured;
-        let samples = &samples[..part.resolved];
+        let samples = &samples[..part.measured];
         let derivatives = options.derivatives;
-        let mut settings =
-            BackboneOptions { noise_density, derivatives, ..BackboneOptions::new(band) };
+        let mut settings = BackboneOptions {
+            noise_density,
+            derivatives,
+            floor: part.resolved,
+            ..BackboneOptions::new(band)
+        };
         let (first, _) = backbone_and_signal(samples, rate, &settings)?;
         settings.cycles = cycles_of_line(&first, centre);
         let (found, signal) = backbone_and_signal(samples, rate, &settings)?;
@@ -196,7 +199,7 @@ impl FreeDecay {
         let mut decay = Self {
             mean: None,
             length_s: 0.0,
-            reaches_noise: found.masked_noise > 0 || is_cut || is_rounded,
+            reaches_noise: found.masked_noise > 0 || is_cut,
             band,
             cycles: settings.cycles,
             noise_density,

@@ -163,7 +163,7 @@ const RESOLVED_STEPS: f64 = 2.5;
 const CONSTANT: f64 = 0.9;
 const TAIL: f64 = 0.75;
 
-/// Parts of some samples that hold a measurement.
+/// The part of some samples that holds a measurement, and what its converter resolves.
 ///
 /// Equal samples at the end are padding where the samples before differ from them by more than 2.5
 /// converter steps, and else an oscillation below half a step.
@@ -171,9 +171,9 @@ const TAIL: f64 = 0.75;
 pub(crate) struct MeasuredPart {
     /// Number of samples before the padding.
     pub(crate) measured: usize,
-    /// Number of samples up to the last that is 2.5 steps from rest, where noise below the step leaves a tail
-    /// that is constant; else all that are measured.
-    pub(crate) resolved: usize,
+    /// Smallest amplitude that is resolved: 2.5 steps, where noise below the step leaves a tail that is constant;
+    /// else zero.
+    pub(crate) resolved: f64,
     /// Step of the converter: the smallest change between neighbours.
     step: f64,
 }
@@ -181,7 +181,7 @@ pub(crate) struct MeasuredPart {
 impl MeasuredPart {
     pub(crate) fn of(samples: &[f64]) -> Self {
         let step = converter_step(samples);
-        let Some(&last) = samples.last() else { return Self { measured: 0, resolved: 0, step } };
+        let Some(&last) = samples.last() else { return Self { measured: 0, resolved: 0.0, step } };
         let run = samples.iter().rev().take_while(|x| **x == last).count();
         let before = &samples[..samples.len() - run];
         let nearest = &before[before.len().saturating_sub(BEFORE_PADDING)..];
@@ -191,11 +191,7 @@ impl MeasuredPart {
         let tail = &samples[(TAIL * measured as f64) as usize..measured];
         let equal = tail.windows(2).filter(|pair| pair[0] == pair[1]).count();
         let is_coarse = equal as f64 > CONSTANT * tail.len() as f64;
-        let rest = tail.last().copied().unwrap_or(last);
-        let is_resolved = |x: &f64| (x - rest).abs() >= RESOLVED_STEPS * step;
-        let resolved =
-            samples[..measured].iter().rposition(is_resolved).map_or(measured, |at| at + 1);
-        Self { measured, resolved: if is_coarse { resolved } else { measured }, step }
+        Self { measured, resolved: if is_coarse { RESOLVED_STEPS * step } else { 0.0 }, step }
     }
 
     /// One-sided spectral density of the rounding to converter steps, `step^2 / 12` up to half the sample
@@ -223,17 +219,16 @@ mod tests {
         let noise = |n: usize| 1e-3 * ((n as u32).wrapping_mul(2_654_435_761) % 1000) as f64;
         let noisy: Vec<f64> = (0..1000).map(|n| decay(n) + noise(n)).collect();
         let whole = MeasuredPart::of(&noisy);
-        assert_eq!((whole.measured, whole.resolved), (1000, 1000));
+        assert_eq!((whole.measured, whole.resolved), (1000, 0.0));
         let padded = [noisy, vec![0.0; 500]].concat();
         let part = MeasuredPart::of(&padded);
-        assert_eq!((part.measured, part.resolved), (1000, 1000));
+        assert_eq!((part.measured, part.resolved), (1000, 0.0));
         let coarse: Vec<f64> = (0..2000).map(|n| (100.0 * decay(n)).round()).collect();
         let part = MeasuredPart::of(&coarse);
-        // exp(-0.01 n) is 0.025 at n = 369.
-        assert!(part.measured == 2000 && (350..=369).contains(&part.resolved), "{part:?}");
+        assert_eq!((part.measured, part.resolved), (2000, 2.5));
         assert!((part.rounding_density(3.0) - 1.0 / 18.0).abs() < 1e-15);
         assert_eq!(MeasuredPart::of(&[1.0; 50]).measured, 50);
-        assert_eq!(MeasuredPart::of(&[]).resolved, 0);
+        assert_eq!(MeasuredPart::of(&[]).measured, 0);
     }
 
     /// Verified against values that can be counted, with outliers and NaN.

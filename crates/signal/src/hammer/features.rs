@@ -127,7 +127,7 @@ pub(super) fn of_hit(
     let rate = response.sample_rate_hz();
     let begin = ((pulse.base_s.1 * rate).ceil() as usize).min(measured.len());
     let part = MeasuredPart::of(measured);
-    let free = &measured[begin..part.resolved.max(begin)];
+    let free = &measured[begin..part.measured.max(begin)];
     if found.harmonics.second.is_some() {
         found.harmonic_test = HarmonicTest::of(free, rate, peak.frequency_hz, noise.response);
     }
@@ -139,6 +139,7 @@ pub(super) fn of_hit(
         cycles: options.cycles,
         // Other modes that still ring at the end count as noise.
         noise_density: noise.response.max(remaining),
+        floor: part.resolved,
         derivatives: options.response_kind.derivatives(),
         ..BackboneOptions::new(band)
     });

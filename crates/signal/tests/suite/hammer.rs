@@ -204,7 +204,7 @@ fn features_are_those_of_the_direct_sums() {
 }
 
 /// A hit without noise whose response has 9 or 12 bits, and one with noise that zeros follow: no issue, the
-/// decrement of the mode within 1 % and five of its deviations.
+/// decrement of the mode within 1 % (2 % at 9 bits, with eleven cycles) and five of its deviations.
 #[test]
 fn coarse_steps_and_padding_leave_the_decrement() {
     let mode = Mode { damping: 0.035, ..MODE };
@@ -228,11 +228,11 @@ fn coarse_steps_and_padding_leave_the_decrement() {
     };
     let force = Noise::new(4).added_to(&quiet, 0.005);
     let cases = [
-        ("9 bits", force.clone(), coarse(9)),
-        ("12 bits", force, coarse(12)),
-        ("padded", padded(&quiet, 0.005), padded(&clean, 0.01)),
+        ("9 bits", 0.02, force.clone(), coarse(9)),
+        ("12 bits", 0.01, force, coarse(12)),
+        ("padded", 0.01, padded(&quiet, 0.005), padded(&clean, 0.01)),
     ];
-    for (name, force, response) in cases {
+    for (name, bound, force, response) in cases {
         let test = hammer_test(&force, &response, RATE, &options(5_500)).unwrap();
         let hit = &test.hits[0];
         assert!(test.hits.len() == 1 && hit.issues.is_empty(), "{name}: {:?}", hit.issues);
@@ -240,7 +240,7 @@ fn coarse_steps_and_padding_leave_the_decrement() {
         let ratio = features.mode.damping.decrement.unwrap();
         let sigma = features.mode_uncertainty.decrement.unwrap();
         let off = (ratio - mode.damping).abs();
-        assert!(off < 0.01 * mode.damping && off < 5.0 * sigma, "{name}: {ratio} ± {sigma}");
-        assert!(sigma < 0.02 * mode.damping, "{name}: {sigma}");
+        assert!(off < bound * mode.damping && off < 5.0 * sigma, "{name}: {ratio} ± {sigma}");
+        assert!(sigma < 3.0 * bound * mode.damping, "{name}: {sigma}");
     }
 }
