@@ -91,6 +91,7 @@ mod inspection;
 mod modes;
 mod next_level;
 mod options;
+mod plausibility;
 mod report;
 mod response_analysis;
 mod rig;
