@@ -264,7 +264,8 @@ pub(crate) struct SteadyRange {
 
     /// Light bodies between contacts: elastic, or condensed into one contact in series.
     ///
-    /// A body is light if its frequency on its contacts is at least ten times the highest of the range.
+    /// A body is light if its frequency on its contacts is at least ten times the highest of the range, and if it
+    /// has at most 1 % of the kinetic energy of the modes up to three times the range, together with lighter ones.
     #[arg(long, value_name = "MODEL", value_enum, default_value_t = Bodies::Auto)]
     pub(crate) bodies: Bodies,
 
@@ -279,7 +280,7 @@ pub(crate) struct SteadyRange {
     #[arg(long, value_name = "N", requires = "sweep", default_value_t = 201)]
     pub(crate) sweep_points: usize,
 
-    /// Also integrate one response of each branch in time, and report the difference.
+    /// Also integrate one response of each branch in time, and report the difference: above 1 % as a warning.
     ///
     /// The response is the peak; if another response has its frequency, the highest response that is
     /// the only one at its frequency.

@@ -23,8 +23,10 @@ use std::sync::atomic::AtomicBool;
 
 use asperity_figure::Figure;
 use asperity_scenario::{Document, Scenario};
+use asperity_simulation::assemble::Assembly;
 use asperity_simulation::output::file_name::file_name;
 use asperity_simulation::output::{OutputFolder, OutputRequest};
+use asperity_simulation::plausibility::plausibility_notes;
 use serde_json::Value;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
@@ -66,6 +68,13 @@ fn checked(document: &Document) -> Result<Scenario, Failure> {
         path: document.path().to_owned(),
         source,
     })
+}
+
+/// Shows the values of an assembled scenario that are possible and unusual.
+fn show_unusual_values(assembly: &Assembly, quiet: bool) {
+    if !quiet {
+        crate::progress::show_notices(plausibility_notes(assembly));
+    }
 }
 
 /// Results of `work` in a pool of `threads` threads, or of all cores.

@@ -74,7 +74,7 @@ impl Analysis {
     /// Table `modes.csv`: a row for each mode and response.
     pub fn modes_table(&self) -> DataTable {
         type Column = (&'static str, fn(&ModeAtResponse) -> Option<f64>);
-        let columns: [Column; 9] = [
+        let columns: [Column; 10] = [
             ("peak_frequency_hz", |at| Some(at.peak_frequency_hz)),
             ("natural_frequency_hz", |at| Some(at.natural_frequency_hz)),
             ("natural_frequency_uncertainty_hz", |at| at.natural_frequency_uncertainty_hz),
@@ -84,6 +84,7 @@ impl Analysis {
             ("modal_constant_imag_per_kg", |at| Some(at.modal_constant_per_kg[1])),
             ("modal_constant_uncertainty_per_kg", |at| at.modal_constant_uncertainty_per_kg),
             ("phase_deg", |at| Some(at.phase_deg)),
+            ("frequency_change_hz", |at| at.frequency_change_hz),
         ];
         let rows =
             || self.modes.iter().flat_map(|mode| mode.responses.iter().map(move |at| (mode, at)));

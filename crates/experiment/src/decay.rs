@@ -16,8 +16,8 @@ mod tables;
 
 pub use outline::DecayOutline;
 pub use report::{
-    DECAY_SCHEMA, DecayCurve, DecayCurveReport, DecayHarmonicReport, DecayLevel, DecayReport,
-    DecaySettings, MeasuredDecay,
+    DECAY_SCHEMA, DecayCurve, DecayCurveReport, DecayHarmonicReport, DecayLevel, DecayMode,
+    DecayReport, DecaySettings, DecayTrend, MeasuredDecay,
 };
 
 use std::path::PathBuf;
@@ -40,6 +40,8 @@ use signals::{DecayChannel, DecaySignals, MAX_FREQUENCY, MIN_CYCLES, ResponseSig
 
 /// Band of a search without a band, over the resonance of the first decay.
 const DEFAULT_BAND: (f64, f64) = (0.85, 1.15);
+/// Half width of the band in which a second mode is searched, over half of the distance to the next resonance.
+const NEIGHBOUR: f64 = 6.0;
 /// Cycles of the mode after a blow that may be the blow itself.
 const PULSE_CYCLES: f64 = 1.5;
 
@@ -289,6 +291,7 @@ impl<'a> DecayAccumulator<'a> {
                 let options = FreeDecayOptions {
                     resonance_hz: resonance.frequency_hz,
                     half_width_hz: resonance.half_width_hz.min(given),
+                    search_half_width_hz: (NEIGHBOUR * resonance.half_width_hz).min(given),
                     derivatives: signal.derivatives.unwrap_or(0),
                     noise_density: None,
                 };

@@ -33,6 +33,8 @@ pub struct HitReport {
     pub dropout: bool,
     /// True for a hit in the average.
     pub averaged: bool,
+    /// True where troughs of the acceleration are flat at gravity, as while a contact is open.
+    pub contact_lost: bool,
     /// Quality issues, in words.
     #[serde(rename = "verdicts")]
     pub issues: Vec<String>,
@@ -161,6 +163,7 @@ impl HitReport {
                 matches!(issue, QualityIssue::Dropout { .. } | QualityIssue::NotFinite { .. })
             }),
             averaged: hit.is_averaged(),
+            contact_lost: false,
             issues: rings
                 .iter()
                 .cloned()

@@ -91,6 +91,7 @@ mod inspection;
 mod modes;
 mod next_level;
 mod options;
+mod plausibility;
 mod report;
 mod response_analysis;
 mod rig;
@@ -109,8 +110,8 @@ pub use curve::HitCurve;
 pub use cutting::for_each_hit;
 pub use decay::{
     DECAY_SCHEMA, DecayAnalysis, DecayCurve, DecayCurveReport, DecayHarmonicReport, DecayLevel,
-    DecayOptions, DecayOutline, DecayReport, DecaySettings, MeasuredDecay, analyse_decay_sources,
-    analyse_decays,
+    DecayMode, DecayOptions, DecayOutline, DecayReport, DecaySettings, DecayTrend, MeasuredDecay,
+    analyse_decay_sources, analyse_decays,
 };
 pub use error::AnalysisError;
 pub use force_level::ForceLevel;

@@ -1,6 +1,6 @@
 //! Modes of the band over all hits and responses: the modal table.
 
-use asperity_signal::{BandMode, Complex64, HitFeatures};
+use asperity_signal::{AmplitudeTrend, BandMode, Complex64, DecayPoint, HitFeatures};
 use serde::Serialize;
 
 use crate::hit_report::HitReport;
@@ -58,16 +58,58 @@ pub struct ModeAtResponse {
     pub modal_constant_uncertainty_per_kg: Option<f64>,
     /// Phase of the modal constant \[degree\]; 0 or 180 for a real mode.
     pub phase_deg: f64,
+    /// Largest change of the frequency from the smallest to the largest amplitude within a hit \[Hz\], where it is
+    /// beyond five deviations of the natural frequency: the mode is nonlinear, and its backbone describes it. Half
+    /// of it is then the least deviation of the natural frequency, and the distance of the damping ratio from that of
+    /// the decrement its least deviation.
+    pub frequency_change_hz: Option<f64>,
 }
 
 /// Modes of one response in one hit.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct HitModes(Vec<BandMode>);
+pub(crate) struct HitModes(Vec<HitMode>);
+
+/// A mode of one hit.
+#[derive(Debug, Clone, Copy)]
+struct HitMode {
+    mode: BandMode,
+    /// Change of the frequency within the hit, of a nonlinear mode \[Hz\].
+    change_hz: Option<f64>,
+}
 
 impl HitModes {
+    /// The modes in the band. A nonlinear mode sweeps a range of frequencies, in which further peaks are its own.
     pub(crate) fn of(features: Option<&HitFeatures>) -> Self {
-        Self(features.map(|features| features.modes.clone()).unwrap_or_default())
+        let Some(features) = features else { return Self::default() };
+        let linear = |mode: &BandMode| HitMode { mode: *mode, change_hz: None };
+        let mut modes: Vec<HitMode> = features.modes.iter().map(linear).collect();
+        let peak = features.harmonics.fundamental.map_or(f64::NAN, |peak| peak.frequency_hz);
+        let is_own = |one: &HitMode| (one.mode.peak.frequency_hz / peak - 1.0).abs() < SAME;
+        if let (Some(trend), Some(own)) =
+            (frequency_trend(features), modes.iter_mut().find(|one| is_own(one)))
+        {
+            let sigma = own.mode.uncertainty.natural_hz.unwrap_or(0.0);
+            if trend.change().abs() > NONLINEAR * sigma {
+                own.change_hz = Some(trend.change());
+                let width = own.mode.features.damping.circle.unwrap_or(0.0) * peak;
+                let (a, b) = (trend.at_smallest, trend.at_largest);
+                let swept = a.min(b) - width..=a.max(b) + width;
+                modes.retain(|one| is_own(one) || !swept.contains(&one.mode.peak.frequency_hz));
+            }
+        }
+        Self(modes)
     }
+}
+
+/// Significant change of the frequency with amplitude along the backbone of a hit.
+fn frequency_trend(features: &HitFeatures) -> Option<AmplitudeTrend> {
+    let points = &features.backbone.as_ref()?.points;
+    let both = points.iter().zip(&features.backbone_uncertainty);
+    let points: Vec<DecayPoint> = both
+        .map(|(&point, &uncertainty)| DecayPoint { point, uncertainty, harmonics: [None; 2] })
+        .collect();
+    let value = |one: &DecayPoint| (one.point.frequency_hz, one.uncertainty.frequency_hz);
+    AmplitudeTrend::of(&points, value).filter(AmplitudeTrend::is_significant)
 }
 
 /// Modes of one response in all hits.
@@ -91,7 +133,7 @@ impl ResponseModes {
                 let is_harmonic = |mode: &BandMode| {
                     (mode.peak.frequency_hz / harmonic.frequency_hz - 1.0).abs() < SAME
                 };
-                modes.0.retain(|mode| !is_harmonic(mode));
+                modes.0.retain(|one| !is_harmonic(&one.mode));
             }
         }
         Self { name, averaged, hits }
@@ -100,12 +142,15 @@ impl ResponseModes {
 
 /// Relative difference of the frequencies of one peak under two windows.
 const SAME: f64 = 5e-3;
+/// Least change of the frequency of a nonlinear mode within a hit, in standard deviations.
+const NONLINEAR: f64 = 5.0;
 
 /// A mode of one hit at one response, with the number of both.
 struct Found<'a> {
     response: usize,
     hit: usize,
     mode: &'a BandMode,
+    change_hz: Option<f64>,
 }
 
 impl Found<'_> {
@@ -128,7 +173,12 @@ impl Mode {
         let mut all: Vec<Found<'_>> = Vec::new();
         for (response, modes) in responses.iter().enumerate() {
             for (hit, modes) in modes.hits.iter().enumerate() {
-                all.extend(modes.0.iter().map(|mode| Found { response, hit, mode }));
+                all.extend(modes.0.iter().map(|HitMode { mode, change_hz }| Found {
+                    response,
+                    hit,
+                    mode,
+                    change_hz: *change_hz,
+                }));
             }
         }
         all.sort_by(|a, b| a.natural_hz().total_cmp(&b.natural_hz()));
@@ -147,11 +197,13 @@ impl Mode {
 
     fn of_group(group: &[Found<'_>], responses: &[ResponseModes]) -> Option<Self> {
         let at = |response: usize| {
-            let of: Vec<&BandMode> =
-                group.iter().filter(|one| one.response == response).map(|one| one.mode).collect();
+            let own = || group.iter().filter(|one| one.response == response);
+            let of: Vec<&BandMode> = own().map(|one| one.mode).collect();
             let ResponseModes { name, averaged, .. } = &responses[response];
             let is_common = !of.is_empty() && of.len() as f64 >= MAJORITY * *averaged as f64;
-            is_common.then(|| ModeAtResponse::of(name, &of)).flatten()
+            let changes = own().filter_map(|one| one.change_hz);
+            let change_hz = changes.max_by(|a, b| a.abs().total_cmp(&b.abs()));
+            is_common.then(|| ModeAtResponse::of(name, &of, change_hz)).flatten()
         };
         let responses: Vec<ModeAtResponse> = (0..responses.len()).filter_map(at).collect();
         let frequencies = responses
@@ -171,7 +223,7 @@ impl Mode {
 }
 
 impl ModeAtResponse {
-    fn of(name: &str, hits: &[&BandMode]) -> Option<Self> {
+    fn of(name: &str, hits: &[&BandMode], change_hz: Option<f64>) -> Option<Self> {
         let frequency = WeightedMean::of(
             hits.iter()
                 .filter_map(|hit| Some((hit.features.natural_hz?, hit.uncertainty.natural_hz))),
@@ -191,17 +243,26 @@ impl ModeAtResponse {
         let constant = Complex64::new(part(|value| value.re)?.value, part(|value| value.im)?.value);
         let size = part(Complex64::norm)?;
         let peaks: f64 = hits.iter().map(|hit| hit.peak.frequency_hz).sum();
+        let apart = hits.iter().filter_map(|hit| {
+            let damping = hit.features.damping;
+            Some((damping.circle? - damping.decrement?).abs())
+        });
         Some(Self {
             response: name.to_owned(),
             hits: hits.len(),
             peak_frequency_hz: peaks / hits.len() as f64,
             natural_frequency_hz: frequency.value,
-            natural_frequency_uncertainty_hz: frequency.deviation,
+            natural_frequency_uncertainty_hz: change_hz.map_or(frequency.deviation, |change| {
+                Some(frequency.deviation.unwrap_or(0.0).max(0.5 * change.abs()))
+            }),
             damping_ratio: ratio.value,
-            damping_ratio_uncertainty: ratio.deviation,
+            damping_ratio_uncertainty: change_hz.map_or(ratio.deviation, |_| {
+                Some(apart.fold(ratio.deviation.unwrap_or(0.0), f64::max))
+            }),
             modal_constant_per_kg: [constant.re, constant.im],
             modal_constant_uncertainty_per_kg: size.deviation,
             phase_deg: constant.arg().to_degrees(),
+            frequency_change_hz: change_hz,
         })
     }
 }

@@ -2,8 +2,8 @@
 
 use asperity_signal::{
     AnalysedHit, ExponentialWindow, FrequencyResponse, FrfAverage, FrfForm, FundamentalSearch,
-    HammerOptions, HarmonicOptions, HitRecord, HitWindows, Offset, QualityIssue, ResponseKind,
-    analyse_hit, dominant_frequency, quality_issues,
+    HammerOptions, HarmonicOptions, HitRecord, HitWindows, Offset, Pulse, QualityIssue,
+    ResponseKind, analyse_hit, dominant_frequency, quality_issues,
 };
 
 use crate::analysis::{HitBackbone, HitFrf, ResponseAnalysis};
@@ -15,6 +15,7 @@ use crate::force_level::{BandSums, change_with_force, force_levels};
 use crate::hit_report::{HitReport, HitStatistics};
 use crate::modes::HitModes;
 use crate::options::{AnalysisOptions, FrequencyBand, TimeConstant, estimator_name};
+use crate::plausibility::{self, is_contact_lost};
 use crate::report::{
     ANALYSIS_SCHEMA, AnalysisProvenance, AnalysisReport, AnalysisSettings, AverageFundamental,
     AverageReport,
@@ -145,9 +146,12 @@ impl<'a> ResponseAccumulator<'a> {
     pub(crate) fn analyse(&self, file: String, hit: CutHit) -> SingleHit {
         let mut average = self.empty.clone();
         let curve = HitCurve::of_signals(&hit.samples);
+        let pulse = Pulse::of(&hit.samples.force, self.sample_rate_hz);
+        let contact_lost = is_contact_lost(&hit.samples, pulse.as_ref(), self.response);
         let analysed = analyse_hit(hit.samples, &self.hammer, &mut average);
         let rate = self.sample_rate_hz;
         let report = HitReport::new(file, hit.record, hit.record_start_s, rate, &analysed);
+        let report = HitReport { contact_lost, ..report };
         SingleHit { report, curve, analysed, average }
     }
 
@@ -275,6 +279,7 @@ impl<'a> ResponseAccumulator<'a> {
         conclusions.extend(second_peak.iter().map(|second| second.sentence.clone()));
         notices.extend(mixed_levels(&hits, fundamental.as_ref()));
         notices.extend(ringing_force(&hits, &channels));
+        notices.extend(plausibility::notices(&hits, self.sample_rate_hz, self.band));
         let firsts = || hits.iter().filter_map(|hit| hit.fundamental);
         let rate = self.sample_rate_hz;
         let report = AnalysisReport {

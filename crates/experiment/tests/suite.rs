@@ -6,8 +6,8 @@ use std::f64::consts::{PI, TAU};
 use std::path::PathBuf;
 
 use asperity_experiment::{
-    Analysis, AnalysisError, AnalysisOptions, FrequencyBand, ResponseAnalysis, ResponseChoice,
-    analyse, analyse_sources,
+    Analysis, AnalysisError, AnalysisOptions, DecayOptions, FrequencyBand, ResponseAnalysis,
+    ResponseChoice, analyse, analyse_decays, analyse_sources,
 };
 use asperity_measure::{
     Abscissa, Channel, ChannelQuantity, ChannelUnit, Format, MeasurementSource, Origin,
@@ -344,4 +344,93 @@ fn the_modal_table_of_several_responses_is_exact() {
     assert_eq!(alone.report.hits, found.responses[2].report.hits);
     // At zero frequency the receptance of an acceleration is not a number.
     assert!(alone.average.frf.values[1..] == found.responses[2].average.frf.values[1..]);
+}
+
+/// Hits of a mode at 420 Hz whose frequency falls with the square of its displacement, by `softening` times the
+/// frequency at 1 um; forces of `peak` N on 1 kg.
+fn softening_hits(softening: f64, peak: f64) -> (Vec<f64>, Vec<f64>) {
+    const STEPS: usize = 20;
+    let (omega, damping, rate) = (TAU * 420.0, 0.004, RATE);
+    let step = 1.0 / (rate * STEPS as f64);
+    let cubic = 8.0 / 3.0 * softening * omega * omega / 1e-12;
+    let (mut u, mut v) = (0.0, 0.0);
+    let sample = |n: usize| {
+        let (mut f, mut a) = (0.0, 0.0);
+        for k in 0..STEPS {
+            let since = (n as f64 / rate + k as f64 * step) % 1.0 - 0.02;
+            f = if (0.0..5e-4).contains(&since) { peak * (PI * since / 5e-4).sin() } else { 0.0 };
+            a = f - 2.0 * damping * omega * v - omega * omega * u + cubic * u * u * u;
+            v += a * step;
+            u += v * step;
+        }
+        // Noise of a linear congruence.
+        let random = |shift: usize| ((n * 1_103_515_245 + shift) % 65_536) as f64 / 65_536.0 - 0.5;
+        (f + 1e-3 * random(7), a + 1e-2 * random(99))
+    };
+    (0..(3.0 * rate) as usize).map(sample).unzip()
+}
+
+/// The frequency of the mode falls by 8 Hz within each hit: one row that says so, with a deviation of half of the
+/// change that the backbone shows. A linear mode has none.
+#[test]
+fn a_nonlinear_mode_is_named_in_the_modal_table() {
+    let folder = TempDir::new().unwrap();
+    for (name, softening, changes) in [("linear", 0.0, false), ("softening", 0.02, true)] {
+        let (force, response) = softening_hits(softening, 8.5);
+        let path = store(&folder, name, &force, &response);
+        let band_hz = Some(FrequencyBand { low_hz: 360.0, high_hz: 480.0 });
+        let options = AnalysisOptions { band_hz, ..AnalysisOptions::default() };
+        let found = analyse(&[path], &options).unwrap();
+        assert_eq!(found.modes.len(), 1, "{name}: {:?}", found.modes);
+        let at = &found.modes[0].responses[0];
+        let sigma = at.natural_frequency_uncertainty_hz.unwrap();
+        assert_eq!(at.frequency_change_hz.is_some(), changes, "{name}: {at:?}");
+        if let Some(change) = at.frequency_change_hz {
+            // The filter rings while the amplitude falls by half.
+            assert!((-8.0..-2.0).contains(&change) && sigma >= 0.5 * change.abs(), "{at:?}");
+            let off = (at.damping_ratio - 0.004).abs();
+            assert!(at.damping_ratio_uncertainty.unwrap() > 0.2 * off, "{at:?}");
+        }
+    }
+}
+
+/// A reversed response, a force beyond a hand hammer, and a sample rate near the band are notices with value and
+/// usual range; an ordinary test has none of them.
+#[test]
+fn unusual_hits_are_noticed() {
+    let (force, response) = hit_mode(4);
+    let options = AnalysisOptions { band_hz: Some(BAND), ..AnalysisOptions::default() };
+    let folder = TempDir::new().unwrap();
+    let notices = |name: &str, force: &[f64], response: &[f64], options: &AnalysisOptions| {
+        let path = store(&folder, name, force, response);
+        only(analyse(&[path], options).unwrap()).report.notices.join("\n")
+    };
+    let words = ["opposite signs", "hand hammer", "ten times the upper limit"];
+    let usual = notices("usual", &force, &response, &options);
+    assert!(words.iter().all(|word| !usual.contains(word)), "{usual}");
+    let reversed: Vec<f64> = response.iter().map(|x| -x).collect();
+    let hard: Vec<f64> = force.iter().map(|x| 1e3 * x).collect();
+    let wide = FrequencyBand { low_hz: 250.0, high_hz: 1200.0 };
+    let found =
+        notices("unusual", &hard, &reversed, &AnalysisOptions { band_hz: Some(wide), ..options });
+    assert!(words.iter().all(|word| found.contains(word)), "{found}");
+}
+
+/// Two modes 3 Hz apart in a record: no backbone, and both with their damping in the report.
+#[test]
+fn two_modes_of_a_decay_are_reported() {
+    let decay = |n: usize| {
+        let t = n as f64 / RATE;
+        let ring = |hz: f64, ratio: f64| (-ratio * TAU * hz * t).exp() * (TAU * hz * t).cos();
+        ring(420.0, 0.004) + 0.7 * ring(423.0, 0.0035)
+    };
+    let response: Vec<f64> = (0..20_000).map(decay).collect();
+    let folder = TempDir::new().unwrap();
+    let path = store(&folder, "decay", &vec![0.0; response.len()], &response);
+    let found = analyse_decays(&[path], &DecayOptions::default()).unwrap();
+    let report = &found.report.decays[0].responses[0];
+    assert!(report.mean.is_none() && report.modes.len() == 2, "{report:?}");
+    assert!((report.modes[0].frequency_hz - 420.0).abs() < 0.01, "{:?}", report.modes);
+    assert!((report.modes[1].damping_ratio / 0.0035 - 1.0).abs() < 0.01, "{:?}", report.modes);
+    assert!(report.warnings[0].contains("two linear modes explain the decay"), "{report:?}");
 }

@@ -4,13 +4,16 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use asperity_law::{ContactDamping, LawsInSeries, SeriesContact};
-use asperity_mesh::{BodyDamping, Interface, Port, Stack};
-use asperity_structure::{Damping, PreloadedContact, PreloadedStructure};
+use asperity_mesh::{Body, BodyDamping, Interface, Port, Stack};
+use asperity_structure::{Damping, LinearisedMode, PreloadedContact, PreloadedStructure};
 
 use crate::{ContactSystem, HarmonicError, LawEvaluation, PeriodicResponse, PressureRange};
 
 /// Offsets of pressure below this part of the pressure are rounding.
 const ROUNDING: f64 = 1e-12;
+
+/// Most modes whose kinetic energy is compared with that of the bodies.
+const MOST_MODES: usize = 40;
 
 /// A stack without the inertia of some bodies between contacts.
 ///
@@ -23,9 +26,10 @@ const ROUNDING: f64 = 1e-12;
 /// d(p) = sum_i d_i(p_i) + p sum L / E,    p_i = p S / S_i + weights between / S_i,
 /// ```
 ///
-/// with the pressure p and the area S of the contact that is lost first. Natural frequencies then
-/// change by about half the squared ratio of the frequency to that of the bodies,
-/// [`body_frequency`](Self::body_frequency): 3e-4 on the paper's rig.
+/// with the pressure p and the area S of the contact that is lost first. That holds below the frequency of
+/// the bodies on their contacts, [`body_frequency`](Self::body_frequency), and for bodies with little of
+/// the kinetic energy, [`inertia_shares`](Self::inertia_shares): a heavy body on one stiff contact has a high
+/// frequency and moves with what it is in contact with. On the paper's rig frequencies change by 3e-4.
 ///
 /// ```
 /// use std::sync::Arc;
@@ -46,6 +50,7 @@ const ROUNDING: f64 = 1e-12;
 ///
 /// assert_eq!(CondensedStack::candidates(&structure), [1]);
 /// assert!(CondensedStack::body_frequency(&structure, 1) > 30e3);
+/// assert!(CondensedStack::inertia_shares(&structure, 2e3)?[1] < 0.003);
 /// let condensed = CondensedStack::new(&structure, &[1], LawEvaluation::default())?;
 /// assert_eq!(condensed.system().contacts().len(), 1);
 /// # Ok(())
@@ -107,6 +112,48 @@ impl CondensedStack {
             return f64::NAN;
         };
         ((above.spring() + below.spring()) / own.mass()).sqrt() / TAU
+    }
+
+    /// Largest share of each body, from the top, in the kinetic energy of a mode up to `highest` \[Hz\], at
+    /// least of the lowest mode,
+    ///
+    /// ```text
+    /// m u^2 / phi^T M phi,
+    /// ```
+    ///
+    /// with u the largest displacement of its own faces and of those opposite. Without inertia a body moves
+    /// between the faces opposite, whichever contact is open, so the share bounds its inertia at every amplitude.
+    /// By Rayleigh's quotient a natural frequency changes by half the share of the bodies left out, and the
+    /// response at resonance as much.
+    ///
+    /// # Errors
+    /// [`HarmonicError::Structure`] where the modes cannot be computed.
+    pub fn inertia_shares(
+        structure: &PreloadedStructure,
+        highest: f64,
+    ) -> Result<Vec<f64>, HarmonicError> {
+        let bodies = structure.stack().bodies();
+        let mut modes = structure.modes(1)?;
+        while modes.len() < MOST_MODES
+            && modes.last().is_some_and(|mode| mode.frequency_hz <= highest)
+        {
+            modes = structure.modes(2 * modes.len())?;
+        }
+        let share = |(number, body): (usize, &Body)| {
+            let of = |mode: &LinearisedMode| {
+                let own = mode.faces[number];
+                let above = number.checked_sub(1).map_or(0.0, |above| mode.faces[above].1);
+                let below = mode.faces.get(number + 1).map_or(mode.support, |below| below.0);
+                let faces = [own.0, own.1, above, below];
+                let largest = faces.into_iter().fold(0.0, |most: f64, u| most.max(u.abs()));
+                body.mass() * largest * largest / mode.modal_mass_kg
+            };
+            let counts =
+                |(i, mode): &(usize, &LinearisedMode)| *i == 0 || mode.frequency_hz <= highest;
+            let within = modes.iter().enumerate().filter(counts);
+            within.map(|(_, mode)| of(mode)).fold(0.0, f64::max)
+        };
+        Ok(bodies.iter().enumerate().map(share).collect())
     }
 
     /// The stack of `structure` with these `bodies` condensed, by their places from the top.

@@ -48,6 +48,31 @@ pub(crate) fn fitted_line(values: &[f64]) -> (f64, f64) {
     (slope, (sum / count).sqrt())
 }
 
+/// Columns made orthogonal under weights, in order, each with its weighted sum of squares. Columns that depend on
+/// those before are left out.
+pub(crate) fn orthogonal(
+    columns: impl Iterator<Item = Vec<f64>>,
+    weights: &[f64],
+) -> Vec<(Vec<f64>, f64)> {
+    let sum = |a: &[f64], b: &[f64]| -> f64 {
+        a.iter().zip(b).zip(weights).map(|((a, b), weight)| a * b * weight).sum()
+    };
+    let mut basis: Vec<(Vec<f64>, f64)> = Vec::new();
+    for mut own in columns {
+        let whole = sum(&own, &own);
+        // Twice, as rounding leaves a part of nearly dependent columns.
+        for (other, square) in basis.iter().chain(&basis) {
+            let share = sum(&own, other) / square;
+            own.iter_mut().zip(other).for_each(|(a, b)| *a -= share * b);
+        }
+        let square = sum(&own, &own);
+        if square > 1e-20 * whole {
+            basis.push((own, square));
+        }
+    }
+    basis
+}
+
 /// Linear least squares in three parameters; `None` if degenerate.
 pub(crate) fn least_squares(
     observations: impl Iterator<Item = ([f64; 3], f64)>,

@@ -5,22 +5,27 @@ mod harmonics;
 mod one_mode;
 mod resonance;
 mod search;
+mod trend;
+mod two_modes;
 
 pub use beating::Beating;
 pub use harmonics::DecayHarmonic;
 pub use one_mode::DecayPoint;
 pub use resonance::DecayResonance;
 pub use search::{DecayEnd, DecayOrigin, FoundDecay, find_decays, level_range};
+pub use trend::AmplitudeTrend;
+pub use two_modes::{LinearMode, TwoModes};
 
 use crate::error::{Result, check_positive, check_rate, check_samples};
 use crate::hammer::HarmonicTest;
-use crate::noise::quiet_density;
+use crate::noise::{MeasuredPart, quiet_density};
 use crate::ring_down::{
     Backbone, BackboneOptions, BackbonePoint, BandPass, Polar, backbone_and_signal, half_line,
 };
-use beating::BeatSearch;
+use beating::{BeatSearch, LARGEST_ERROR};
 use harmonics::HarmonicBand;
 use one_mode::{OneModePart, span_of};
+use two_modes::ModeSearch;
 
 /// Largest half width of the band of a mode, over its frequency.
 const HALF_WIDTH: f64 = 0.3;
@@ -46,6 +51,9 @@ pub struct FreeDecayOptions {
     /// Largest half width of the band of the mode, in hertz; at most 0.3 of the frequency is used, and
     /// no more than up to half the sample rate.
     pub half_width_hz: f64,
+    /// Half width of the band in which a second mode is searched, in hertz; at least the band of the mode,
+    /// at most 0.3 of the frequency.
+    pub search_half_width_hz: f64,
     /// Derivatives of the displacement that the samples are: 0 to 2.
     pub derivatives: i32,
     /// One-sided spectral density of the noise, in the samples' unit squared per hertz; `None` for
@@ -75,6 +83,11 @@ pub struct FreeDecay {
     pub floor: f64,
     /// A second mode in the band, if there is one above the noise.
     pub beating: Option<Beating>,
+    /// Two linear modes that explain the decay, where one mode that depends on its amplitude does not.
+    pub two_modes: Option<TwoModes>,
+    /// Root mean square that one mode, with a frequency and a decay rate that follow its amplitude, leaves of the
+    /// decay, over the decay; zero where that is noise.
+    pub misfit: f64,
     /// True if the amplitude grows or hardly falls somewhere in the decay, as the amplitude of one
     /// mode does not.
     pub stalls: bool,
@@ -117,6 +130,7 @@ impl FreeDecay {
     /// let options = FreeDecayOptions {
     ///     resonance_hz: 200.0,
     ///     half_width_hz: f64::INFINITY,
+    ///     search_half_width_hz: f64::INFINITY,
     ///     derivatives: 2,
     ///     noise_density: None,
     /// };
@@ -135,13 +149,21 @@ impl FreeDecay {
         let room = (0.5 * rate - centre).max(f64::MIN_POSITIVE);
         let half_width = (HALF_WIDTH * centre).min(options.half_width_hz).min(room);
         let band = BandPass::around(centre, half_width / centre)?;
-        let quiet = &samples[((1.0 - QUIET) * samples.len() as f64) as usize..];
+        let part = MeasuredPart::of(samples);
+        let quiet = &samples[((1.0 - QUIET) * part.measured as f64) as usize..part.measured];
         let within = (NOISE_BAND.0 * centre, (NOISE_BAND.1 * centre).min(0.5 * rate));
-        let noise_density =
-            options.noise_density.or_else(|| quiet_density(quiet, rate, within)).unwrap_or(0.0);
+        let noise_density = options.noise_density.unwrap_or_else(|| {
+            let quiet = quiet_density(quiet, rate, within).unwrap_or(0.0);
+            quiet.max(part.rounding_density(rate))
+        });
+        let samples = &samples[..part.measured];
         let derivatives = options.derivatives;
-        let mut settings =
-            BackboneOptions { noise_density, derivatives, ..BackboneOptions::new(band) };
+        let mut settings = BackboneOptions {
+            noise_density,
+            derivatives,
+            floor: part.resolved,
+            ..BackboneOptions::new(band)
+        };
         let (first, _) = backbone_and_signal(samples, rate, &settings)?;
         settings.cycles = cycles_of_line(&first, centre);
         let (found, signal) = backbone_and_signal(samples, rate, &settings)?;
@@ -170,6 +192,8 @@ impl FreeDecay {
             noise_density,
         };
         let part = OneModePart::of(&points, &signal, half, &search);
+        let (two_modes, misfit) =
+            first_two_modes(samples, rate, options, &settings).unwrap_or((None, 0.0));
         let is_cut = part.points < points.len();
         points.truncate(part.points);
         let mut decay = Self {
@@ -181,6 +205,8 @@ impl FreeDecay {
             noise_density,
             floor: found.floor,
             beating: part.beating,
+            two_modes,
+            misfit,
             stalls: part.stalls,
             harmonic_test: None,
             points,
@@ -204,11 +230,47 @@ impl FreeDecay {
         Ok(decay)
     }
 
-    /// True if the band holds one mode: its amplitude falls everywhere, and beating changes the local
-    /// decay rates by less than a quarter of their mean.
+    /// True if the band holds one mode: its amplitude falls everywhere, and no second mode changes the local
+    /// decay rates by a quarter of their mean or more.
     pub fn is_one_mode(&self) -> bool {
-        !self.stalls && self.beating.is_none_or(|beating| beating.is_small())
+        let is_two = self.two_modes.is_some_and(|two| two.decay_rate_error >= LARGEST_ERROR);
+        !self.stalls && !is_two && self.beating.is_none_or(|beating| beating.is_small())
     }
+}
+
+/// Two linear modes in the whole band that may hold a mode: next to a second one the band of the first is
+/// so narrow that the filter settles after the decay.
+fn first_two_modes(
+    samples: &[f64],
+    rate: f64,
+    options: &FreeDecayOptions,
+    settings: &BackboneOptions,
+) -> Option<(Option<TwoModes>, f64)> {
+    let centre = options.resonance_hz;
+    let widest = options.search_half_width_hz.max(options.half_width_hz);
+    let half_width = (HALF_WIDTH * centre).min(widest).min(0.5 * rate - centre);
+    let band = BandPass::around(centre, half_width / centre).ok()?;
+    let cycles = BackboneOptions::new(band).cycles;
+    let narrow = settings.filter();
+    let settings = BackboneOptions { band, cycles, ..*settings };
+    let (found, signal) = backbone_and_signal(samples, rate, &settings).ok()?;
+    let (first, last) = (found.points.first()?, found.points.last()?);
+    let place = |point: &BackbonePoint| (point.time_s * rate).round() as usize;
+    let search = ModeSearch {
+        signal: signal.get(place(first)..=place(last))?,
+        sample_rate_hz: rate,
+        carrier_hz: centre,
+        width_hz: band.width_hz(),
+        noise_density: settings.noise_density,
+    };
+    let (two, misfit) = search.two_modes();
+    // The band of the mode holds less of the other.
+    let gain = |mode: &LinearMode| narrow.gain(mode.frequency_hz).abs();
+    let within = |two: TwoModes| {
+        let passed = gain(&two.modes[1]) / gain(&two.modes[0]);
+        TwoModes { decay_rate_error: two.decay_rate_error * passed, ..two }
+    };
+    Some((two.map(within), misfit))
 }
 
 /// Cycles of lines over which the amplitude falls by a tenth, at least twenty in the decay.

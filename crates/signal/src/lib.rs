@@ -66,6 +66,7 @@
 
 mod average;
 mod bessel;
+mod complex_system;
 mod damping;
 mod decay_length;
 mod decimation;
@@ -109,8 +110,8 @@ pub use dominant::dominant_frequency;
 pub use error::SignalError;
 pub use form::{FrfForm, ResponseKind};
 pub use free_decay::{
-    Beating, DecayEnd, DecayHarmonic, DecayOrigin, DecayPoint, DecayResonance, FoundDecay,
-    FreeDecay, FreeDecayOptions, find_decays, level_range,
+    AmplitudeTrend, Beating, DecayEnd, DecayHarmonic, DecayOrigin, DecayPoint, DecayResonance,
+    FoundDecay, FreeDecay, FreeDecayOptions, LinearMode, TwoModes, find_decays, level_range,
 };
 pub use frf::{ForceMask, Frf};
 pub use hammer::{

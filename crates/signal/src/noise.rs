@@ -154,9 +154,82 @@ pub fn quiet_density(
     Some(mean * 16.0 * sample_rate_hz / (3.0 * count * part))
 }
 
+/// Fewest equal samples at the end of a record that are padding, and samples before that are compared.
+const PADDING: usize = 16;
+const BEFORE_PADDING: usize = 64;
+/// Converter steps from rest below which an oscillation is not resolved.
+const RESOLVED_STEPS: f64 = 2.5;
+/// Share of equal neighbours in a tail whose noise is below the converter step, and the tail.
+const CONSTANT: f64 = 0.9;
+const TAIL: f64 = 0.75;
+
+/// The part of some samples that holds a measurement, and what its converter resolves.
+///
+/// Equal samples at the end are padding where the samples before differ from them by more than 2.5
+/// converter steps, and else an oscillation below half a step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct MeasuredPart {
+    /// Number of samples before the padding.
+    pub(crate) measured: usize,
+    /// Smallest amplitude that is resolved: 2.5 steps, where noise below the step leaves a tail that is constant;
+    /// else zero.
+    pub(crate) resolved: f64,
+    /// Step of the converter: the smallest change between neighbours.
+    step: f64,
+}
+
+impl MeasuredPart {
+    pub(crate) fn of(samples: &[f64]) -> Self {
+        let step = converter_step(samples);
+        let Some(&last) = samples.last() else { return Self { measured: 0, resolved: 0.0, step } };
+        let run = samples.iter().rev().take_while(|x| **x == last).count();
+        let before = &samples[..samples.len() - run];
+        let nearest = &before[before.len().saturating_sub(BEFORE_PADDING)..];
+        let is_far = |x: &f64| (x - last).abs() > RESOLVED_STEPS * step;
+        let is_padded = run >= PADDING && nearest.iter().any(is_far);
+        let measured = if is_padded { before.len() } else { samples.len() };
+        let tail = &samples[(TAIL * measured as f64) as usize..measured];
+        let equal = tail.windows(2).filter(|pair| pair[0] == pair[1]).count();
+        let is_coarse = equal as f64 > CONSTANT * tail.len() as f64;
+        Self { measured, resolved: if is_coarse { RESOLVED_STEPS * step } else { 0.0 }, step }
+    }
+
+    /// One-sided spectral density of the rounding to converter steps, `step^2 / 12` up to half the sample
+    /// rate: the least noise of the samples.
+    pub(crate) fn rounding_density(&self, sample_rate_hz: f64) -> f64 {
+        self.step * self.step / (6.0 * sample_rate_hz)
+    }
+}
+
+/// Smallest change between neighbours; zero for a constant.
+pub(crate) fn converter_step(samples: &[f64]) -> f64 {
+    let changes = samples.windows(2).map(|pair| (pair[1] - pair[0]).abs());
+    let least = changes.filter(|change| *change > 0.0).fold(f64::INFINITY, f64::min);
+    if least.is_finite() { least } else { 0.0 }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Padding behind noise, a decay below half a step, and samples without either.
+    #[test]
+    fn padding_and_unresolved_tails_are_told_apart() {
+        let decay = |n: usize| (-0.01 * n as f64).exp() * (0.3 * n as f64).cos();
+        let noise = |n: usize| 1e-3 * ((n as u32).wrapping_mul(2_654_435_761) % 1000) as f64;
+        let noisy: Vec<f64> = (0..1000).map(|n| decay(n) + noise(n)).collect();
+        let whole = MeasuredPart::of(&noisy);
+        assert_eq!((whole.measured, whole.resolved), (1000, 0.0));
+        let padded = [noisy, vec![0.0; 500]].concat();
+        let part = MeasuredPart::of(&padded);
+        assert_eq!((part.measured, part.resolved), (1000, 0.0));
+        let coarse: Vec<f64> = (0..2000).map(|n| (100.0 * decay(n)).round()).collect();
+        let part = MeasuredPart::of(&coarse);
+        assert_eq!((part.measured, part.resolved), (2000, 2.5));
+        assert!((part.rounding_density(3.0) - 1.0 / 18.0).abs() < 1e-15);
+        assert_eq!(MeasuredPart::of(&[1.0; 50]).measured, 50);
+        assert_eq!(MeasuredPart::of(&[]).measured, 0);
+    }
 
     /// Verified against values that can be counted, with outliers and NaN.
     #[test]

@@ -32,6 +32,8 @@ pub struct BackboneOptions {
     pub noise_density: f64,
     /// Smallest envelope, over the root mean square of the envelope of the filtered noise.
     pub noise_factor: f64,
+    /// Smallest envelope beside that, in the samples' unit.
+    pub floor: f64,
     /// Derivatives of the displacement that the samples are: 0 to 2.
     pub derivatives: i32,
 }
@@ -45,6 +47,7 @@ impl BackboneOptions {
             edge_level: 3e-4,
             noise_density: 0.0,
             noise_factor: 5.0,
+            floor: 0.0,
             derivatives: 0,
         }
     }
@@ -65,8 +68,11 @@ impl BackboneOptions {
                 ("the derivatives of the displacement", self.derivatives.into());
             return Err(SignalError::Option { quantity, value, expected: "0, 1 or 2" });
         }
-        let named =
-            [("the noise density", self.noise_density), ("the noise factor", self.noise_factor)];
+        let named = [
+            ("the noise density", self.noise_density),
+            ("the noise factor", self.noise_factor),
+            ("the floor", self.floor),
+        ];
         for (quantity, value) in named {
             if !(value >= 0.0 && value.is_finite()) {
                 let expected = "not negative, and finite";
@@ -200,7 +206,8 @@ pub(crate) fn backbone_and_signal(
     let centre_hz = band.centre_hz();
     let half = half_line(sample_rate_hz, options);
     let noise = (2.0 * options.noise_density * filter.noise_width_hz()).sqrt();
-    let floor = (options.noise_factor * noise).max(ROUNDING * largest_magnitude(decay));
+    let floor = (options.noise_factor * noise).max(options.floor);
+    let floor = floor.max(ROUNDING * largest_magnitude(decay));
     let mut found = Backbone {
         points: Vec::new(),
         masked_edges: 0,

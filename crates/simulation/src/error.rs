@@ -41,13 +41,16 @@ pub enum SimulationError {
     Harmonic(#[from] HarmonicError),
     /// No body can be condensed in steady responses.
     #[error(
-        "no body can be condensed; accepted: bodies between two contacts of equal damping proportional to the stiffness, or of none, whose frequency on them is at least {least_hz:.1} Hz, ten times the highest of the range; found: {found}"
+        "no body can be condensed; accepted: bodies between two contacts of equal damping proportional to the stiffness, or of none, whose frequency on them is at least {least_hz:.1} Hz, ten times the highest of the range, and which have at most {} % of the kinetic energy of a mode up to three times the range, together with lighter ones; found: {found}",
+        100.0 * most_share
     )]
     NothingToCondense {
-        /// The bodies between contacts with their frequencies, in words.
+        /// The bodies between contacts with their frequencies and shares of the kinetic energy, in words.
         found: String,
         /// Least frequency of a body that can be condensed \[Hz\].
         least_hz: f64,
+        /// Largest share in the kinetic energy of a body that can be condensed.
+        most_share: f64,
     },
     /// A contact law cannot be built for the pressure it has to carry.
     #[error("law \"{law}\"{} (pressure {pressure_pa} Pa): {source}", at(interface.as_deref()))]

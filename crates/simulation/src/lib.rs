@@ -14,7 +14,7 @@
 //!
 //! | step | modules |
 //! |---|---|
-//! | prepare | [`gap_table`], [`assemble`], [`static_state`], [`prepared_scenario`], [`parameter`] |
+//! | prepare | [`gap_table`], [`assemble`], [`static_state`], [`prepared_scenario`], [`parameter`], [`plausibility`] |
 //! | compute | [`run`], [`mod@sweep`], [`row_simulator`], [`mod@steady`], [`modes`], [`sensitivity`], [`laws`], [`accuracy`], [`error_control`] |
 //! | observe | [`quantity`], [`observables`], [`observable_extractor`], [`warning`] |
 //! | write | [`contact_deck`], [`summary`], [`provenance`], [`record`], [`output`], [`error`] |
@@ -32,6 +32,7 @@ pub mod observable_extractor;
 pub mod observables;
 pub mod output;
 pub mod parameter;
+pub mod plausibility;
 pub mod prepared_scenario;
 pub mod provenance;
 pub mod quantity;

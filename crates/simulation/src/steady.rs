@@ -320,7 +320,8 @@ fn level(
     Ok(level)
 }
 
-/// Warnings about the contacts whose pressures leave the measured range on a branch.
+/// Warnings about the contacts whose pressures leave the measured range on a branch, and about a response
+/// that time integration does not confirm.
 fn warnings(level: &SteadyLevel, contacts: &[PreloadedContact]) -> Vec<Warning> {
     let points = level.outcome.as_ref().map_or(&[][..], |branch| &branch.points);
     let all: Vec<Vec<PressureRange>> = points.iter().map(|point| level.pressures(point)).collect();
@@ -330,7 +331,8 @@ fn warnings(level: &SteadyLevel, contacts: &[PreloadedContact]) -> Vec<Warning> 
         let highest = ranges().map(|range| range.highest).fold(f64::NEG_INFINITY, f64::max);
         Warning::outside_measured_range(contact, lowest, highest)
     };
-    contacts.iter().enumerate().filter_map(outside).collect()
+    let differs = level.check.as_ref().and_then(TimeCheck::warning);
+    contacts.iter().enumerate().filter_map(outside).chain(differs).collect()
 }
 
 /// Phase resonance up to the largest force, and the damped mode up to the amplitude reached there.

@@ -36,6 +36,13 @@ pub enum Warning {
         /// Time at which they diverge \[s\].
         from_s: f64,
     },
+    /// A steady response differs from its time integration.
+    IntegrationDiffers {
+        /// Frequency \[Hz\].
+        frequency_hz: f64,
+        /// Difference of the fundamentals over the integrated one.
+        relative_difference: f64,
+    },
     /// The energy balance does not close to [`MOST_RESIDUAL`].
     EnergyBalance {
         /// Remainder of the balance over the input.
@@ -71,6 +78,7 @@ impl Warning {
             Self::EnergyBalance { .. } => "energy_balance",
             Self::AccuracyNotReached { .. } => "accuracy_not_reached",
             Self::Sensitive { .. } => "sensitive",
+            Self::IntegrationDiffers { .. } => "integration_differs",
         }
     }
 }
@@ -101,6 +109,13 @@ impl fmt::Display for Warning {
                 "from {from_s:.4e} s on the response depends on rounding: forces that differ by \
                  1e-12 give responses that part; what depends on later times is one of many \
                  possible outcomes"
+            ),
+            Self::IntegrationDiffers { frequency_hz, relative_difference } => write!(
+                f,
+                "at {frequency_hz:.3} Hz the fundamental differs from time integration by {:.1} %: the \
+                 branch is wrong there, or time integration settles on another motion; more \
+                 harmonics, `bodies` elastic, or a stepped sine decide",
+                100.0 * relative_difference
             ),
             Self::EnergyBalance { residual_relative } => write!(
                 f,

@@ -10,6 +10,7 @@ use asperity_simulation::steady::{
     BodyModel, Condensation, CondensationReason, SteadyMotion, SteadyRequest, SweepDirection,
     TimeSweepRequest, steady, time_sweeps,
 };
+use asperity_simulation::warning::Warning;
 
 const RIG: &str =
     concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/scenarios/nouira2020-modified.json");
@@ -194,4 +195,70 @@ fn stepped_sines_agree_with_harmonic_balance_on_random_rigs() {
         assert!((second - 1.0).abs() < 1e-2, "{second}");
         assert!((point.phase_1_rad - peak.phase()).abs() < 5e-3, "{point:?} {}", peak.phase());
     }
+}
+
+/// A cap of 0.2 kg on a block on a soft contact. The block's frequency on its contacts is far above the range
+/// by the stiff one alone, on which it moves with the cap.
+fn cap_on_block(block_kg: f64) -> Assembly {
+    let body = |name: &str, length_m: f64, mass_kg: f64| {
+        serde_json::json!({"name": name, "length_m": length_m, "mass_kg": mass_kg,
+            "youngs_modulus_pa": 2e11, "density_kg_per_m3": 7850})
+    };
+    let scenario = serde_json::json!({
+        "schema": "asperity/scenario/1",
+        "bodies": [body("cap", 0.02, 0.2), body("block", 0.05, block_kg)],
+        "interfaces": [
+            {"name": "stiff", "area_m2": 1e-3,
+                "law": {"kind": "constant", "stiffness_pa_per_m": 2e13}},
+            {"name": "soft", "area_m2": 1e-4,
+                "law": {"kind": "power", "coefficient": 2e9, "exponent": 0.4}}],
+        "damping": {"kind": "mass_proportional", "ratio": 0.02},
+        "duration_s": 0.1
+    });
+    let document = Document::parse(&scenario.to_string(), "cap.json").unwrap();
+    Assembly::new(&document.scenario().unwrap(), document.folder()).unwrap()
+}
+
+/// A heavy body keeps its inertia where contact is lost, and the branch is that of time integration; a body
+/// with little of the kinetic energy is condensed.
+#[test]
+fn a_heavy_body_on_a_stiff_contact_keeps_its_inertia() {
+    let request = SteadyRequest {
+        from_hz: 216.0,
+        to_hz: 648.0,
+        verify: true,
+        ..request(6.0, BodyModel::Auto)
+    };
+    let found = steady(&cap_on_block(5.0), &request).unwrap();
+    let level = &found.levels[0];
+    let branch = level.outcome.as_ref().unwrap();
+    assert!(level.condensed.is_none() && branch.is_complete());
+    assert!(branch.points.iter().any(PeriodicResponse::contact_lost));
+    let peak = branch.peak().unwrap();
+    assert!((peak.frequency_hz() - 297.9).abs() < 0.2, "{}", peak.frequency_hz());
+    assert!((peak.amplitude(1) / 4.99e-6 - 1.0).abs() < 5e-3, "{}", peak.amplitude(1));
+    let check = level.check.unwrap();
+    assert!(check.relative_difference < 1e-2 && level.warnings.is_empty(), "{check:?}");
+
+    let light = cap_on_block(1e-3);
+    let condensed =
+        SteadyRequest { bodies: BodyModel::Condensed, from_hz: 800.0, to_hz: 2200.0, ..request };
+    let found = steady(&light, &condensed).unwrap();
+    let light = found.levels[0].condensed.as_ref().unwrap().light.bodies()[0].clone();
+    assert!(light.name == "block" && (4e-3..8e-3).contains(&light.inertia_share), "{light:?}");
+}
+
+/// A branch of one harmonic differs from time integration by 4.5 %, and a warning names it.
+#[test]
+fn a_branch_that_time_integration_does_not_confirm_has_a_warning() {
+    let (from_hz, to_hz) = (216.0, 648.0);
+    let request = request(3.0, BodyModel::Auto);
+    let request = SteadyRequest { harmonics: Some(1), verify: true, from_hz, to_hz, ..request };
+    let found = steady(&cap_on_block(5.0), &request).unwrap();
+    let warnings = &found.levels[0].warnings;
+    let [Warning::IntegrationDiffers { frequency_hz, relative_difference }] = warnings[..] else {
+        panic!("{warnings:?}")
+    };
+    assert!((frequency_hz - 418.7).abs() < 0.5, "{frequency_hz}");
+    assert!((relative_difference - 0.045).abs() < 3e-3, "{relative_difference}");
 }

@@ -15,7 +15,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use asperity_dynamics::{FiniteDifference, Integrator, Modal, Sampling};
 use asperity_harmonic::{Branch, PeriodicResponse};
-use asperity_law::Draw as _;
+use asperity_law::{Draw as _, rounded};
 use asperity_mesh::{Body, Port};
 use asperity_scenario::{Document, Scenario, SensorKind};
 use asperity_simulation::assemble::{Assembly, Sensor};
@@ -25,6 +25,7 @@ use asperity_simulation::steady::{
 use asperity_structure::PreloadedStructure;
 use asperity_structure::{LoadCase, TimeFunction};
 use serde::Serialize;
+use serde_json::{Value, json};
 
 use super::draw::Draw;
 use super::judgement::Class;
@@ -41,6 +42,10 @@ const MOST_NODE_STEPS: f64 = 4e8;
 
 /// Truncation of harmonics above which a branch says that it may be wrong.
 const TRUNCATION: f64 = 1e-3;
+
+/// Quantities compared.
+const LARGE: &str = "steady response to a large force";
+const LOST: &str = "steady response of a stack that loses contact";
 
 /// Stream of random numbers of the force.
 const STREAM: u64 = 1 << 32;
@@ -115,8 +120,65 @@ fn judge_all(document: &Document, scenario: &Scenario, draw: &mut Draw) -> Vec<S
     // A moving base pushes with the mass of the whole.
     let mass: f64 = structure.stack().bodies().iter().map(Body::mass).sum();
     let amplitude = if assembly.load.base().is_some() { force / mass } else { force };
-    found.push(large_force(&assembly, natural, amplitude));
+    found.push(large_force(LARGE, &assembly, natural, amplitude));
+    found.extend(lost_contact(draw));
     found
+}
+
+/// A stack of two or three bodies of 5 g to 6 kg, on contacts that open under a force of a twentieth to
+/// half of the weight of the uppermost. `None` for a stack without a natural frequency.
+fn lost_contact(draw: &mut Draw) -> Option<SteadyJudgement> {
+    let count = draw.whole(2..=3);
+    let body = |draw: &mut Draw, number: usize| {
+        let [modulus, density] = *draw.one_of(&[[71e9, 2700.0], [2e11, 7850.0]]);
+        json!({
+            "name": format!("body {number}"),
+            "length_m": rounded(draw.uniform(0.01, 0.1)),
+            "mass_kg": rounded(draw.log_uniform(5e-3, 6.0)),
+            "youngs_modulus_pa": modulus,
+            "density_kg_per_m3": density
+        })
+    };
+    let interface = |draw: &mut Draw, number: usize| {
+        let law = if draw.chance(0.5) {
+            let coefficient = rounded(draw.log_uniform(1e9, 2e10));
+            json!({"kind": "power", "coefficient": coefficient, "exponent": rounded(draw.uniform(0.3, 0.6))})
+        } else {
+            let stiffness = rounded(draw.log_uniform(1e12, 3e13));
+            json!({"kind": "constant", "stiffness_pa_per_m": stiffness, "unilateral": draw.chance(0.7)})
+        };
+        let area = rounded(draw.log_uniform(1e-4, 1e-3));
+        json!({"name": format!("contact {number}"), "area_m2": area, "law": law})
+    };
+    let bodies: Vec<Value> = (0..count).map(|number| body(draw, number)).collect();
+    let interfaces: Vec<Value> = (0..count).map(|number| interface(draw, number)).collect();
+    let ratio = rounded(draw.uniform(0.01, 0.05));
+    let weight = 9.81 * bodies[0]["mass_kg"].as_f64()?;
+    let force = rounded(draw.log_uniform(0.05, 0.5) * weight);
+    let scenario = json!({
+        "schema": "asperity/scenario/1",
+        "bodies": bodies,
+        "interfaces": interfaces,
+        "damping": {"kind": "mass_proportional", "ratio": ratio},
+        "duration_s": 0.1
+    });
+    let refused = |remark| Some(SteadyJudgement::without(LOST, Class::Refused, remark));
+    let document = match Document::parse(&scenario.to_string(), "stack.json") {
+        Ok(document) => document,
+        Err(error) => return refused(error.to_string()),
+    };
+    let assembly = match document.scenario().map(|found| Assembly::new(&found, document.folder())) {
+        Ok(Ok(assembly)) => assembly,
+        Ok(Err(error)) => return refused(error.to_string()),
+        Err(error) => return refused(error.to_string()),
+    };
+    let natural = assembly.structure.natural_frequency()?;
+    let mut found = large_force(LOST, &assembly, natural, force);
+    // The stack itself, of what is not right: it has no file.
+    if found.class != Class::Right {
+        found.remark = format!("{}; {force} N on {scenario}", found.remark);
+    }
+    Some(found)
 }
 
 fn static_pressures(structure: &PreloadedStructure) -> SteadyJudgement {
@@ -170,9 +232,8 @@ fn small_force(assembly: &Assembly, natural: f64, force: f64) -> SteadyJudgement
 }
 
 /// A response to a force that makes pressures vary much, where integration is affordable.
-fn large_force(assembly: &Assembly, natural: f64, force: f64) -> SteadyJudgement {
-    const OF: &str = "steady response to a large force";
-    let without = |class, remark| SteadyJudgement::without(OF, class, remark);
+fn large_force(of: &'static str, assembly: &Assembly, natural: f64, force: f64) -> SteadyJudgement {
+    let without = |class, remark| SteadyJudgement::without(of, class, remark);
     let verify = integration_cost(assembly, natural).is_some_and(|cost| cost <= MOST_NODE_STEPS);
     let found = match steady(assembly, &request(natural, force, verify)) {
         Ok(found) => found,
@@ -194,7 +255,7 @@ fn large_force(assembly: &Assembly, natural: f64, force: f64) -> SteadyJudgement
         }
     );
     let Some(check) = check else {
-        return by_modes(assembly, branch, force, &state);
+        return by_modes(of, assembly, branch, force, &state);
     };
     let TimeCheck {
         frequency_hz, amplitude_1_m, integrated_1_m, relative_difference, settled, ..
@@ -204,7 +265,7 @@ fn large_force(assembly: &Assembly, natural: f64, force: f64) -> SteadyJudgement
         return without(Class::NamedUndecided, format!("{remark}; integration has not settled"));
     }
     if relative_difference <= AMPLITUDE {
-        return SteadyJudgement::new(OF, relative_difference, AMPLITUDE, remark);
+        return SteadyJudgement::new(of, relative_difference, AMPLITUDE, remark);
     }
     let named = truncation > TRUNCATION;
     let integrated = modal_amplitude(assembly, force, frequency_hz);
@@ -217,15 +278,20 @@ fn large_force(assembly: &Assembly, natural: f64, force: f64) -> SteadyJudgement
     };
     let by_modes = integrated.map_or("refused".to_owned(), |modal| format!("{modal:.4e} m"));
     let remark = format!("{remark}; by cells {integrated_1_m:.4e} m, by modes {by_modes}");
-    SteadyJudgement { of: OF, class, error: Some(relative_difference), remark }
+    SteadyJudgement { of, class, error: Some(relative_difference), remark }
 }
 
 /// The highest response of a branch against a modal integration from rest, which may settle on
 /// another response where several exist.
-fn by_modes(assembly: &Assembly, branch: &Branch, force: f64, state: &str) -> SteadyJudgement {
-    const OF: &str = "steady response to a large force";
+fn by_modes(
+    of: &'static str,
+    assembly: &Assembly,
+    branch: &Branch,
+    force: f64,
+    state: &str,
+) -> SteadyJudgement {
     let undecided = |remark| {
-        SteadyJudgement::without(OF, Class::SilentlyUndecided, format!("{remark}; {state}"))
+        SteadyJudgement::without(of, Class::SilentlyUndecided, format!("{remark}; {state}"))
     };
     let Some(peak) = branch.highest().filter(|peak| peak.stable() == Some(true)) else {
         return undecided("no stable peak".to_owned());
@@ -235,7 +301,7 @@ fn by_modes(assembly: &Assembly, branch: &Branch, force: f64, state: &str) -> St
     match modal_amplitude(assembly, force, frequency) {
         Some(integrated) if (amplitude / integrated - 1.0).abs() <= AMPLITUDE => {
             let error = (amplitude / integrated - 1.0).abs();
-            SteadyJudgement::new(OF, error, AMPLITUDE, format!("{remark}; {state}"))
+            SteadyJudgement::new(of, error, AMPLITUDE, format!("{remark}; {state}"))
         }
         Some(integrated) => undecided(format!("{remark}, by modes {integrated:.4e} m")),
         None => undecided(format!("{remark}, not integrated")),

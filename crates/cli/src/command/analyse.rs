@@ -124,7 +124,9 @@ fn in_words(analysis: &Analysis) -> String {
             let _ = writeln!(text, "{sentence}");
         }
     }
-    if analysis.modes.len() > 1 || !others.is_empty() {
+    let is_nonlinear =
+        |mode: &Mode| mode.responses.iter().any(|at| at.frequency_change_hz.is_some());
+    if analysis.modes.len() > 1 || !others.is_empty() || analysis.modes.iter().any(is_nonlinear) {
         text.push_str(&modes(&analysis.modes));
     }
     text
@@ -153,7 +155,7 @@ fn modes(modes: &[Mode]) -> String {
             let percent = |value: Option<f64>| value.map(|value| 100.0 * value);
             let _ = writeln!(
                 text,
-                "{first:>5}  {:<14} {} {} {} {} {:>15.4e} {:>10.1}",
+                "{first:>5}  {:<14} {} {} {} {} {:>15.4e} {:>10.1}{}",
                 at.response,
                 number(Some(at.natural_frequency_hz), 10, 3),
                 deviation(at.natural_frequency_uncertainty_hz),
@@ -161,6 +163,7 @@ fn modes(modes: &[Mode]) -> String {
                 deviation(percent(at.damping_ratio_uncertainty)),
                 re.hypot(im),
                 at.phase_deg,
+                if at.frequency_change_hz.is_some() { "  nonlinear: see backbone.csv" } else { "" },
             );
         }
     }

@@ -2,13 +2,14 @@
 
 use asperity_dynamics::Integrator;
 use asperity_simulation::assemble::Assembly;
+use asperity_simulation::plausibility::plausibility_notes;
 use asperity_simulation::static_state::StaticSummary;
 use serde_json::json;
 
 use crate::args::Input;
 use crate::failure::Failure;
 
-/// Validates and assembles a scenario, and prints the size of its run.
+/// Validates and assembles a scenario, and prints the size of its run and unusual values.
 pub(crate) fn run(input: &Input, as_json: bool) -> Result<(), Failure> {
     let document = super::read(input)?;
     let scenario = super::checked(&document)?;
@@ -18,6 +19,7 @@ pub(crate) fn run(input: &Input, as_json: bool) -> Result<(), Failure> {
         .outline(structure, load, sampling)
         .map_err(asperity_simulation::error::SimulationError::from)?;
     let natural = StaticSummary::of(&assembly).natural_frequency_hz;
+    let notes = plausibility_notes(&assembly);
     if as_json {
         let answer = json!({
             "schema": "asperity/check/1",
@@ -29,6 +31,7 @@ pub(crate) fn run(input: &Input, as_json: bool) -> Result<(), Failure> {
             "step_s": outline.step,
             "steps": outline.steps,
             "samples": sampling.samples(),
+            "notes": notes,
         });
         answer!("{}", super::pretty(&answer));
         return Ok(());
@@ -45,5 +48,8 @@ pub(crate) fn run(input: &Input, as_json: bool) -> Result<(), Failure> {
     let (steps, step_us) = (outline.steps, outline.step * 1e6);
     answer_line!("  run                        {steps} steps of {step_us:.4} us");
     answer_line!("  record                     {} samples", sampling.samples());
+    for note in notes {
+        answer_line!("  unusual                    {note}");
+    }
     Ok(())
 }

@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use asperity_experiment::AnalysisError;
 use asperity_measure::{MeasureError, WriteOptions, write};
 use asperity_plot as plot;
+use asperity_simulation::assemble::Assembly;
 use asperity_simulation::error::OutputError;
 use asperity_simulation::record::{frf_columns, frf_csv, history_csv, measurement_record};
 use asperity_simulation::run::{receptance, simulate_with_progress};
@@ -29,6 +30,10 @@ pub(crate) fn run(
     let document = super::read(input)?;
     let scenario = super::checked(&document)?;
     let folder = ResultFolder::claim("simulate", document.path(), output)?;
+    // A scenario that cannot be assembled is an error of the run.
+    if let Ok(assembly) = Assembly::new(&scenario, document.folder()) {
+        super::show_unusual_values(&assembly, quiet);
+    }
 
     let bar = crate::progress::bar(100, "integrating", quiet);
     let shown = AtomicU64::new(0);

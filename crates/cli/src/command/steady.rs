@@ -26,6 +26,7 @@ pub(crate) fn run(
     let document = super::read(input)?;
     let scenario = super::checked(&document)?;
     let assembly = Assembly::new(&scenario, document.folder())?;
+    super::show_unusual_values(&assembly, quiet);
     let request = SteadyRequest {
         amplitudes: range.amplitude.clone(),
         from_hz: range.from,

@@ -1,15 +1,10 @@
 //! Results of decays in words.
 
-use asperity_signal::{DecayPoint, PeakOrigin};
+use asperity_signal::PeakOrigin;
 
-use super::report::{DecayCurve, DecayLevel, MeasuredDecay};
+use super::report::{DecayCurve, DecayCurveReport, DecayLevel, DecayTrend, MeasuredDecay};
 use crate::second_peak::name as name_of_origin;
 
-/// Part of the points at each end of a backbone whose mean is compared.
-const END: usize = 6;
-/// Least change in standard deviations, and over the value.
-const SIGNIFICANT: f64 = 3.0;
-const LEAST_CHANGE: f64 = 1e-4;
 /// Least relative difference of the frequencies of two responses, and in standard deviations.
 const APART: (f64, f64) = (1e-3, 5.0);
 /// Least ratio of the amplitudes of a backbone over which a change is told.
@@ -79,7 +74,7 @@ pub(super) fn conclusions(decays: &[MeasuredDecay], curves: &[DecayCurve]) -> Ve
         let report =
             decays.iter().flat_map(|decay| &decay.responses).find(|of| of.index == curve.index);
         let Some(report) = report else { continue };
-        sentences.extend(change(curve, report.mean.as_ref()));
+        sentences.extend(change(curve, report));
         let harmonic = name_of_origin(PeakOrigin::Harmonic);
         let second = report.second_harmonic.filter(|second| second.origin == Some(harmonic));
         if let Some(second) = second {
@@ -93,74 +88,30 @@ pub(super) fn conclusions(decays: &[MeasuredDecay], curves: &[DecayCurve]) -> Ve
     sentences
 }
 
-/// The change of frequency and damping along a backbone, between the weighted means of both ends.
-fn change(curve: &DecayCurve, mean: Option<&DecayLevel>) -> Option<String> {
-    let mean = mean?;
-    let count = (curve.points.len() / END).max(1);
-    let large = BackboneEnd::of(curve, &curve.points[..count]);
-    let small = BackboneEnd::of(curve, &curve.points[curve.points.len() - count..]);
-    let (low, high) = (small.frequency_hz, large.frequency_hz);
-    let frequency = if differs(low, high) {
-        let (low, high, verb) = (low.0, high.0, verb(low.0, high.0));
-        let change = 100.0 * (high / low - 1.0).abs();
-        format!("the frequency {verb} {change:.2} %, from {low:.3} to {high:.3} Hz")
+/// The change of frequency and damping with amplitude along a backbone.
+fn change(curve: &DecayCurve, report: &DecayCurveReport) -> Option<String> {
+    let (mean, trends) = (report.mean?, (report.frequency_trend?, report.damping_trend?));
+    let frequency = if trends.0.is_significant {
+        let DecayTrend { at_smallest: low, at_largest: high, change_uncertainty, .. } = trends.0;
+        let (change, sigma) = (100.0 * (high / low - 1.0).abs(), 100.0 * change_uncertainty / low);
+        let verb = verb(low, high);
+        format!(
+            "the frequency {verb} by {change:.2} % (± {sigma:.2} %), from {low:.3} to {high:.3} Hz"
+        )
     } else {
         format!("the frequency is {:.3} Hz within its scatter", mean.frequency_hz)
     };
-    let (low, high) = (small.damping_ratio, large.damping_ratio);
-    let damping = if differs(low, high) {
-        let (low, high, verb) = (100.0 * low.0, 100.0 * high.0, verb(low.0, high.0));
-        format!("the damping ratio {verb} from {low:.3} to {high:.3} %")
+    let damping = if trends.1.is_significant {
+        let (low, high) = (100.0 * trends.1.at_smallest, 100.0 * trends.1.at_largest);
+        let (sigma, verb) = (100.0 * trends.1.change_uncertainty, verb(low, high));
+        format!("the damping ratio {verb} from {low:.3} to {high:.3} % (± {sigma:.3} %)")
     } else {
         format!("the damping ratio is {:.3} % within its scatter", 100.0 * mean.damping_ratio)
     };
-    let show = |end: &BackboneEnd| amplitude(end.amplitude, end.amplitude_m, &curve.unit);
-    let (name, from, to) = (&curve.response, show(&small), show(&large));
+    let show = |end: &DecayLevel| amplitude(end.amplitude, end.amplitude_m, &curve.unit);
+    let name = &curve.response;
+    let (from, to) = (show(report.smallest.as_ref()?), show(report.largest.as_ref()?));
     Some(format!("`{name}`: from {from} to {to} {frequency}, and {damping}"))
-}
-
-/// Means over the points at an end of a backbone, weighted by their noise; frequency and damping with
-/// the larger of the standard deviations due to noise and to scatter.
-struct BackboneEnd {
-    amplitude: f64,
-    amplitude_m: Option<f64>,
-    frequency_hz: (f64, f64),
-    damping_ratio: (f64, f64),
-}
-
-impl BackboneEnd {
-    fn of(curve: &DecayCurve, points: &[DecayPoint]) -> Self {
-        let square = |one: &DecayPoint| one.uncertainty.frequency_hz.powi(2);
-        let is_noisy = points.iter().all(|one| square(one) > 0.0);
-        let weight = |one: &DecayPoint| if is_noisy { square(one).recip() } else { 1.0 };
-        let sum = points.iter().map(weight).sum::<f64>();
-        let squares = points.iter().map(|one| weight(one).powi(2)).sum::<f64>();
-        let over = |value: &dyn Fn(&DecayPoint) -> f64| {
-            points.iter().map(|one| weight(one) * value(one)).sum::<f64>() / sum
-        };
-        // Points a quarter of a line apart share noise: four count as one.
-        let count = (0.25 * sum * sum / squares).max(1.0);
-        let mean = |value: fn(&DecayPoint) -> (f64, f64)| {
-            let mean = over(&|one| value(one).0);
-            let noise = over(&|one| value(one).1.powi(2));
-            let scatter = over(&|one| (value(one).0 - mean).powi(2));
-            (mean, (noise.max(scatter) / count).sqrt())
-        };
-        let metres = points.iter().all(|one| curve.amplitude_m(one).is_some());
-        Self {
-            amplitude: over(&|one| one.point.amplitude.ln()).exp(),
-            amplitude_m: metres
-                .then(|| over(&|one| curve.amplitude_m(one).map_or(0.0, f64::ln)).exp()),
-            frequency_hz: mean(|one| (one.point.frequency_hz, one.uncertainty.frequency_hz)),
-            damping_ratio: mean(|one| (one.point.damping_ratio, one.uncertainty.damping_ratio)),
-        }
-    }
-}
-
-/// True for two values, with their standard deviations, whose difference is worth telling.
-fn differs(low: (f64, f64), high: (f64, f64)) -> bool {
-    let change = high.0 - low.0;
-    change.abs() > SIGNIFICANT * low.1.hypot(high.1) && (change / low.0).abs() > LEAST_CHANGE
 }
 
 fn verb(low: f64, high: f64) -> &'static str {

@@ -1,7 +1,8 @@
 //! Content of `decay.json`, and the backbones that it reports.
 
 use asperity_signal::{
-    Beating, DecayEnd, DecayOrigin, DecayPoint, DecayResonance, FoundDecay, FreeDecay,
+    AmplitudeTrend, Beating, DecayEnd, DecayOrigin, DecayPoint, DecayResonance, FoundDecay,
+    FreeDecay, LinearMode, TwoModes,
 };
 use serde::Serialize;
 
@@ -124,6 +125,15 @@ pub struct DecayCurveReport {
     pub largest: Option<DecayLevel>,
     /// Point of the smallest amplitude.
     pub smallest: Option<DecayLevel>,
+    /// Change of the frequency with amplitude \[Hz\]; `None` for few points.
+    pub frequency_trend: Option<DecayTrend>,
+    /// Change of the damping ratio with amplitude.
+    pub damping_trend: Option<DecayTrend>,
+    /// Two linear modes in the band and beside it, the stronger first; none where one mode explains the decay.
+    pub modes: Vec<DecayMode>,
+    /// Part of the decay that one mode with a frequency and damping that follow its amplitude leaves; zero where
+    /// that is noise.
+    pub misfit: f64,
     /// Second harmonic.
     pub second_harmonic: Option<DecayHarmonicReport>,
     /// Third harmonic.
@@ -153,6 +163,53 @@ pub struct DecayLevel {
     pub damping_ratio: f64,
     /// Its standard deviation.
     pub damping_ratio_uncertainty: f64,
+}
+
+/// Change of a quantity with amplitude, by regression over the whole backbone.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct DecayTrend {
+    /// Value of the curve at the smallest amplitude.
+    pub at_smallest: f64,
+    /// Value at the largest amplitude.
+    pub at_largest: f64,
+    /// Standard deviation of the difference.
+    pub change_uncertainty: f64,
+    /// True for a change beyond three standard deviations and 1e-4 of the value.
+    pub is_significant: bool,
+}
+
+/// One of two linear modes in a band.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct DecayMode {
+    /// Frequency of the damped oscillation \[Hz\].
+    pub frequency_hz: f64,
+    /// Its standard deviation \[Hz\].
+    pub frequency_uncertainty_hz: f64,
+    /// Damping ratio.
+    pub damping_ratio: f64,
+    /// Its standard deviation.
+    pub damping_ratio_uncertainty: f64,
+    /// First amplitude over the amplitude of the stronger mode.
+    pub amplitude_ratio: f64,
+}
+
+impl DecayMode {
+    fn of(mode: &LinearMode) -> Self {
+        let LinearMode {
+            frequency_hz,
+            frequency_uncertainty_hz,
+            damping_ratio,
+            damping_ratio_uncertainty,
+            amplitude_ratio,
+        } = *mode;
+        Self {
+            frequency_hz,
+            frequency_uncertainty_hz,
+            damping_ratio,
+            damping_ratio_uncertainty,
+            amplitude_ratio,
+        }
+    }
 }
 
 /// Harmonic of a response, at the largest amplitude where it is above the noise.
@@ -229,6 +286,15 @@ impl DecayCurveReport {
                 })
             })
         };
+        let trend = |value: fn(&DecayPoint) -> (f64, f64)| {
+            let found = AmplitudeTrend::of(points, value)?;
+            Some(DecayTrend {
+                at_smallest: found.at_smallest,
+                at_largest: found.at_largest,
+                change_uncertainty: found.change_uncertainty,
+                is_significant: found.is_significant(),
+            })
+        };
         let test = found.harmonic_test;
         let second_harmonic = harmonic(0).map(|of| DecayHarmonicReport {
             phase_drift_rad: test.map(|test| test.phase_drift),
@@ -250,6 +316,10 @@ impl DecayCurveReport {
             mean: found.mean.filter(|_| !points.is_empty()).map(|one| level(&one)),
             largest: points.first().map(level),
             smallest: points.last().map(level),
+            frequency_trend: trend(|one| (one.point.frequency_hz, one.uncertainty.frequency_hz)),
+            damping_trend: trend(|one| (one.point.damping_ratio, one.uncertainty.damping_ratio)),
+            modes: found.two_modes.iter().flat_map(|two| &two.modes).map(DecayMode::of).collect(),
+            misfit: found.misfit,
             second_harmonic,
             third_harmonic: harmonic(1),
             noise_density: found.noise_density,
@@ -274,6 +344,31 @@ impl DecayLevel {
     }
 }
 
+/// Part of a decay that one mode leaves which is told.
+const MISFIT: f64 = 0.03;
+
+/// Two linear modes in words.
+fn two_modes(two: &TwoModes, has_backbone: bool) -> String {
+    let show = |mode: &LinearMode| {
+        let sigma = 100.0 * mode.damping_ratio_uncertainty;
+        let frequency =
+            format!("{:.3} ± {:.1e} Hz", mode.frequency_hz, mode.frequency_uncertainty_hz);
+        format!("{frequency} with {:.4} ± {sigma:.0e} % of damping", 100.0 * mode.damping_ratio)
+    };
+    let [first, second] = &two.modes;
+    let (weaker, error) = (100.0 * second.amplitude_ratio, 100.0 * two.decay_rate_error);
+    let effect = if has_backbone {
+        format!("the weaker changes the local damping ratios by up to {error:.0} %")
+    } else {
+        "no backbone, which is that of one mode".to_owned()
+    };
+    format!(
+        "two linear modes explain the decay: {}, and {}, with {weaker:.0} % of the amplitude; {effect}",
+        show(first),
+        show(second)
+    )
+}
+
 /// Least change of the local damping ratios by a beat that is told.
 const RIPPLE: f64 = 0.05;
 
@@ -281,7 +376,11 @@ const RIPPLE: f64 = 0.05;
 fn warnings(found: &FreeDecay, resonance: &DecayResonance, signal: &ResponseSignal) -> Vec<String> {
     let filter = format!("{:.2} to {:.2} Hz", found.band.low_hz(), found.band.high_hz());
     let mut warnings = Vec::new();
-    if !found.is_one_mode() {
+    let has_backbone = found.is_one_mode() && !found.points.is_empty();
+    let told = |two: &TwoModes| !has_backbone || two.decay_rate_error > RIPPLE;
+    if let Some(two) = found.two_modes.filter(told) {
+        warnings.push(two_modes(&two, has_backbone));
+    } else if !found.is_one_mode() {
         warnings.push(match found.beating {
             Some(Beating { ratio, offset_hz, .. }) => format!(
                 "no backbone: in {filter} two modes beat, {:.2} Hz apart, the weaker with {:.0} % of \
@@ -301,6 +400,16 @@ fn warnings(found: &FreeDecay, resonance: &DecayResonance, signal: &ResponseSign
             "a weaker mode {:.2} Hz away changes the local damping ratios by up to {:.0} %",
             beating.offset_hz.abs(),
             100.0 * beating.decay_rate_error
+        ));
+    }
+    if found.two_modes.is_some() {
+        return warnings;
+    }
+    if has_backbone && found.misfit > MISFIT {
+        warnings.push(format!(
+            "one mode leaves {:.0} % of the decay unexplained, and two linear modes too: whether the band \
+             holds one mode is not told",
+            100.0 * found.misfit
         ));
     }
     if found.is_one_mode() && found.mean.is_none() && found.points.is_empty() && found.reaches_noise

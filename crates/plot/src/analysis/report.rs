@@ -153,6 +153,7 @@ fn modes(page: Report, found: &AnalysisReport) -> Report {
                 re.hypot(im).into(),
                 optional(at.modal_constant_uncertainty_per_kg),
                 TableCell::Number(format!("{:.1}", at.phase_deg)),
+                optional(at.frequency_change_hz),
             ]
         })
     });
@@ -167,9 +168,11 @@ fn modes(page: Report, found: &AnalysisReport) -> Report {
         "Constant (1/kg)",
         "± (1/kg)",
         "Phase (°)",
+        "Change (Hz)",
     ];
     let text = "Modes in the band by circle fits to the mobility of each hit: natural frequency, \
-                damping ratio and modal constant, means over the hits with their standard deviations.";
+                damping ratio and modal constant, means over the hits with their standard deviations. \
+                A mode whose frequency changes within a hit is nonlinear: see the backbone.";
     page.section("Modes").paragraph(text).table(headers, rows)
 }
 

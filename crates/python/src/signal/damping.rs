@@ -78,8 +78,15 @@ pub(crate) fn backbone<'py>(
     let (low_hz, high_hz, edge_hz) = band;
     let band =
         BandPass::new(low_hz, high_hz, edge_hz).map_err(|error| exception::of_signal(&error))?;
-    let options =
-        BackboneOptions { band, cycles, edge_level, noise_density, noise_factor, derivatives };
+    let options = BackboneOptions {
+        band,
+        cycles,
+        edge_level,
+        noise_density,
+        noise_factor,
+        floor: 0.0,
+        derivatives,
+    };
     let decay = copied(&decay)?;
     let found = py.detach(|| backbone_of(&decay, sample_rate_hz, &options));
     let points = found.map_err(|error| exception::of_signal(&error))?.points;

@@ -1,5 +1,6 @@
 //! Beating of a second mode in the band of a decay.
 
+use crate::fit::orthogonal;
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
@@ -13,7 +14,7 @@ pub(super) const FEWEST_BEATS: f64 = 3.0;
 const ABOVE_NOISE: f64 = 5.0;
 
 /// Largest error of the local decay rates, over their mean.
-const LARGEST_ERROR: f64 = 0.25;
+pub(super) const LARGEST_ERROR: f64 = 0.25;
 
 /// Modulation of a decay by a second mode.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -112,32 +113,15 @@ impl BeatSearch {
     }
 }
 
-/// Values at equal distances less their least-squares polynomial, by orthogonal polynomials.
+/// Values at equal distances less their least-squares polynomial.
 fn residual(values: &[f64]) -> Vec<f64> {
     let count = values.len();
     let x = |n: usize| 2.0 * (n as f64 + 0.5) / count as f64 - 1.0;
+    let column = |degree: i32| (0..count).map(|n| x(n).powi(degree)).collect();
     let mut rest = values.to_vec();
-    let mut basis: Vec<Vec<f64>> = Vec::new();
-    for degree in 0..=DEGREE {
-        let mut own: Vec<f64> = match basis.last() {
-            Some(before) => before.iter().enumerate().map(|(n, y)| x(n) * y).collect(),
-            None => vec![1.0; count],
-        };
-        let skipped = degree.saturating_sub(2);
-        for other in &basis[skipped.min(basis.len())..] {
-            subtract(&mut own, other);
-        }
-        subtract(&mut rest, &own);
-        basis.push(own);
+    for (own, square) in orthogonal((0..=DEGREE as i32).map(column), &vec![1.0; count]) {
+        let share = rest.iter().zip(&own).map(|(a, b)| a * b).sum::<f64>() / square;
+        rest.iter_mut().zip(&own).for_each(|(a, b)| *a -= share * b);
     }
     rest
-}
-
-/// Subtracts the projection on `other`.
-fn subtract(values: &mut [f64], other: &[f64]) {
-    let (cross, square) = values
-        .iter()
-        .zip(other)
-        .fold((0.0, 0.0), |(cross, square), (a, b)| (cross + a * b, square + b * b));
-    values.iter_mut().zip(other).for_each(|(a, b)| *a -= cross / square * b);
 }

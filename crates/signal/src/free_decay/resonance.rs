@@ -3,6 +3,8 @@
 use crate::error::Result;
 use crate::noise::median_of;
 use crate::spectrum::Spectrum;
+use crate::transform::transform_at;
+use std::f64::consts::TAU;
 
 /// Zero padding of the spectra.
 const PADDING: usize = 4;
@@ -25,12 +27,41 @@ pub struct DecayResonance {
     pub half_width_hz: f64,
 }
 
+/// Parts in which hum is compared, its smallest level over the largest, most lines that may be hum, and fewest
+/// cycles in a part.
+const PARTS: usize = 8;
+const LASTING: f64 = 0.7;
+const MOST_HUM: usize = 100;
+const FEWEST_CYCLES: f64 = 4.0;
+
+/// True for a line that is equally strong in all parts of all responses.
+fn is_hum(responses: &[(&[f64], i32)], sample_rate_hz: f64, frequency_hz: f64) -> bool {
+    responses.iter().all(|(samples, _)| {
+        let count = samples.len() / PARTS;
+        if (count as f64) < FEWEST_CYCLES * sample_rate_hz / frequency_hz {
+            return false;
+        }
+        // A Hann window keeps other lines out.
+        let hann = |n: usize| 1.0 - (TAU * (n as f64 + 0.5) / count as f64).cos();
+        let level = |part: &[f64]| {
+            let windowed: Vec<f64> = part.iter().enumerate().map(|(n, x)| hann(n) * x).collect();
+            transform_at(&windowed, sample_rate_hz, frequency_hz).norm()
+        };
+        let levels = samples.chunks_exact(count).map(level);
+        let (least, most) = levels.fold((f64::INFINITY, 0.0_f64), |(least, most), level| {
+            (least.min(level), most.max(level))
+        });
+        least > LASTING * most
+    })
+}
+
 impl DecayResonance {
     /// The strongest resonance of some responses in a band, by their summed spectra as velocities.
     ///
     /// In a velocity modes of equal decay rate and energy are equally high. Each response is divided
     /// by its largest line in the band. Other maxima count as resonances from 2 % of the strongest
-    /// and well above the noise, if the spectrum between both falls below 0.3 of theirs.
+    /// and well above the noise, if the spectrum between both falls below 0.3 of theirs. A line that is as strong
+    /// in each eighth of all responses is hum, which does not decay, and no resonance unless there is no other.
     ///
     /// - `responses`: the free decay, and the derivatives of the displacement that it is (0 to 2).
     /// - `band_hz`: lower and upper limit, in hertz.
@@ -71,11 +102,19 @@ impl DecayResonance {
             .filter(|&k| sum[k] > sum[k - 1] && sum[k] >= sum[k + 1])
             .collect();
         let inside = |k: &usize| (band_hz.0..=band_hz.1).contains(&(*k as f64 * step));
-        let strongest =
-            maxima.iter().copied().filter(inside).max_by(|&a, &b| sum[a].total_cmp(&sum[b]));
-        let Some(top) = strongest else { return Ok(None) };
-        let about = &sum[top / 2..(top + top / 2).min(sum.len())];
-        let noise = median_of(&mut about.to_vec()).unwrap_or(0.0);
+        let mut inside: Vec<usize> = maxima.iter().copied().filter(inside).collect();
+        inside.sort_by(|&a, &b| sum[b].total_cmp(&sum[a]));
+        let Some(&highest) = inside.first() else { return Ok(None) };
+        let noise_about = |top: usize| {
+            let about = &sum[top / 2..(top + top / 2).min(sum.len())];
+            median_of(&mut about.to_vec()).unwrap_or(0.0)
+        };
+        let is_mode = |&&k: &&usize| {
+            !is_hum(responses, sample_rate_hz, k as f64 * step)
+                && (k == highest || sum[k] > ABOVE_NOISE * noise_about(k))
+        };
+        let top = inside.iter().take(MOST_HUM).find(is_mode).copied().unwrap_or(highest);
+        let noise = noise_about(top);
         let least = (NEIGHBOUR * NEIGHBOUR * sum[top]).max(ABOVE_NOISE * noise);
         // The nearest on each side: outwards, with the smallest value so far.
         let nearest = |mut outwards: &mut dyn Iterator<Item = usize>| {

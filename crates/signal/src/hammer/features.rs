@@ -9,7 +9,7 @@ use crate::dominant::dominant_frequency;
 use crate::form::FrfForm;
 use crate::harmonics::{Harmonics, find_harmonics, second_harmonic};
 use crate::hit::Pulse;
-use crate::noise::{band_density, quiet_density, white_density};
+use crate::noise::{MeasuredPart, band_density, quiet_density, white_density};
 use crate::peak::Peak;
 use crate::response::FrequencyResponse;
 use crate::ring_down::{
@@ -126,17 +126,20 @@ pub(super) fn of_hit(
     };
     let rate = response.sample_rate_hz();
     let begin = ((pulse.base_s.1 * rate).ceil() as usize).min(measured.len());
-    let free = &measured[begin..];
+    let part = MeasuredPart::of(measured);
+    let free = &measured[begin..part.measured.max(begin)];
     if found.harmonics.second.is_some() {
         found.harmonic_test = HarmonicTest::of(free, rate, peak.frequency_hz, noise.response);
     }
     let band = BandPass::around(peak.frequency_hz, options.band_part).ok();
-    let remaining = white_density(&measured[measured.len() - measured.len() / 10..], rate);
+    let remaining =
+        white_density(&measured[part.measured - part.measured / 10..part.measured], rate);
     let remaining = remaining.filter(|_| options.noise_band_hz.is_none()).unwrap_or(0.0);
     let settings = band.map(|band| BackboneOptions {
         cycles: options.cycles,
         // Other modes that still ring at the end count as noise.
         noise_density: noise.response.max(remaining),
+        floor: part.resolved,
         derivatives: options.response_kind.derivatives(),
         ..BackboneOptions::new(band)
     });
@@ -274,13 +277,18 @@ pub(super) fn noise_density(
     options: &HammerOptions,
 ) -> NoiseDensity {
     let band = (NOISE_BAND.0 * resonance_hz, NOISE_BAND.1 * resonance_hz);
+    // Padding is no noise, and rounding is the least. A force may rest at zero.
+    let part = MeasuredPart::of(response);
     let from = |samples: &[f64], begin: f64| {
-        let quiet = &samples[((begin * samples.len() as f64) as usize).min(samples.len())..];
+        let samples = &samples[..part.measured.min(samples.len())];
+        let quiet = &samples[(begin as usize).min(samples.len())..];
         quiet_density(quiet, rate, band).unwrap_or(0.0)
     };
+    let of_response = |begin: f64| from(response, begin).max(part.rounding_density(rate));
+    let measured = part.measured as f64;
     let mut found = NoiseDensity {
-        force: from(force, QUIET_FORCE),
-        response: from(response, QUIET_RESPONSE),
+        force: from(force, QUIET_FORCE * measured),
+        response: of_response(QUIET_RESPONSE * measured),
         windows: NoiseWindows::default(),
     };
     if let Some(band) = options.noise_band_hz {
@@ -291,8 +299,8 @@ pub(super) fn noise_density(
     let decayed = window(found.response);
     if let (Some(decayed), None) = (decayed, options.noise_band_hz) {
         // All of the response after the decay is noise.
-        let begin = (decayed.end_s + decayed.taper_s) * rate / response.len() as f64;
-        found.response = from(response, begin.min(QUIET_RESPONSE));
+        let begin = (decayed.end_s + decayed.taper_s) * rate;
+        found.response = of_response(begin.min(QUIET_RESPONSE * measured));
     }
     if options.windows.until_noise {
         found.windows.response = window(found.response);

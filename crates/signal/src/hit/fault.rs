@@ -1,5 +1,6 @@
 //! Overloads, dropouts and invalid samples of a signal.
 
+use crate::noise::converter_step;
 use std::cell::LazyCell;
 
 /// A run of equal samples.
@@ -8,6 +9,29 @@ pub(super) struct SampleRun {
     pub(super) first: usize,
     pub(super) samples: usize,
     pub(super) value: f64,
+}
+
+/// The steps in which runs of a signal begin and end.
+struct Edges<'a, F> {
+    samples: &'a [f64],
+    /// Needed for records with long runs only.
+    converter_step: LazyCell<f64, F>,
+}
+
+impl<'a> Edges<'a, ()> {
+    fn of(samples: &'a [f64]) -> Edges<'a, impl FnOnce() -> f64 + 'a> {
+        Edges { samples, converter_step: LazyCell::new(|| converter_step(samples)) }
+    }
+}
+
+impl<F: FnOnce() -> f64> Edges<'_, F> {
+    /// True if a run begins or ends in a step of more than two converter steps, unlike the maxima of a
+    /// coarsely digitised oscillation.
+    fn are_abrupt(&self, run: &SampleRun) -> bool {
+        let neighbours = [run.first.checked_sub(1), Some(run.first + run.samples)];
+        let mut neighbours = neighbours.into_iter().flatten().filter_map(|n| self.samples.get(n));
+        neighbours.any(|x| (x - run.value).abs() > 2.0 * *self.converter_step)
+    }
 }
 
 /// Runs of exactly equal samples.
@@ -37,17 +61,11 @@ pub(super) fn overloads(samples: &[f64], fewest: usize, full_scale: Option<f64>)
     if most <= least {
         return Vec::new();
     }
-    // Needed for records with a flat top only.
-    let step = LazyCell::new(|| converter_step(samples));
-    let abrupt = |run: &SampleRun| {
-        let neighbours = [run.first.checked_sub(1), Some(run.first + run.samples)];
-        let mut neighbours = neighbours.into_iter().flatten().filter_map(|n| samples.get(n));
-        neighbours.any(|x| (x - run.value).abs() > 2.0 * *step)
-    };
+    let edges = Edges::of(samples);
     let flat = |run: &SampleRun| {
         let far = run.value.abs() >= 0.5 * most.max(-least);
         let extreme = run.value == most || run.value == least;
-        run.samples >= fewest.max(2) && extreme && far && abrupt(run)
+        run.samples >= fewest.max(2) && extreme && far && edges.are_abrupt(run)
     };
     let beyond = |run: &SampleRun| full_scale.is_some_and(|limit| run.value.abs() >= limit);
     runs(samples).filter(|run| flat(run) || beyond(run)).collect()
@@ -96,13 +114,6 @@ fn extremes(samples: &[f64]) -> (f64, f64) {
     (low.fold(f64::INFINITY, f64::min), high.fold(f64::NEG_INFINITY, f64::max))
 }
 
-/// Smallest change between neighbours; zero for a constant.
-fn converter_step(samples: &[f64]) -> f64 {
-    let changes = samples.windows(2).map(|pair| (pair[1] - pair[0]).abs());
-    let least = changes.filter(|change| *change > 0.0).fold(f64::INFINITY, f64::min);
-    if least.is_finite() { least } else { 0.0 }
-}
-
 /// Runs of samples that are not finite.
 pub(super) fn not_finite(samples: &[f64]) -> Vec<SampleRun> {
     let mut found: Vec<SampleRun> = Vec::new();
@@ -118,8 +129,8 @@ pub(super) fn not_finite(samples: &[f64]) -> Vec<SampleRun> {
 /// Smallest magnitude of an active response over its largest value.
 const ACTIVE: f64 = 0.02;
 
-/// Runs of at least `fewest` equal samples while a response is active, or a response that is constant
-/// throughout.
+/// Runs of at least `fewest` equal samples while a response is active that begin or end abruptly, or a
+/// response that is constant throughout.
 ///
 /// Other runs at the largest and smallest value are overloads, not dropouts.
 pub(super) fn response_dropouts(samples: &[f64], fewest: usize) -> Vec<SampleRun> {
@@ -133,8 +144,10 @@ pub(super) fn response_dropouts(samples: &[f64], fewest: usize) -> Vec<SampleRun
     else {
         return Vec::new();
     };
+    let edges = Edges::of(samples);
     let inside = |run: &SampleRun| {
-        run.first > begin && run.first + run.samples <= end && run.value.abs() < largest
+        let is_active = run.first > begin && run.first + run.samples <= end;
+        is_active && run.value.abs() < largest && edges.are_abrupt(run)
     };
     runs(samples).filter(|run| run.samples >= fewest.max(2)).filter(inside).collect()
 }
@@ -144,14 +157,16 @@ const IN_PULSE: f64 = 0.25;
 /// Fewest equal samples of a force dropout.
 const FORCE_RUN: usize = 3;
 
-/// Runs of at least three equal samples inside a force pulse.
+/// Runs of at least three equal samples inside a force pulse that begin or end abruptly.
 pub(super) fn force_dropouts(force: &[f64]) -> Vec<SampleRun> {
     let largest = extremes(force).1.max(0.0);
     let high = |index: Option<usize>| {
         index.and_then(|n| force.get(n)).is_some_and(|x| *x > IN_PULSE * largest)
     };
+    let edges = Edges::of(force);
     let inside = |run: &SampleRun| {
-        high(run.first.checked_sub(1)) && high(Some(run.first + run.samples)) && run.value < largest
+        let is_high = high(run.first.checked_sub(1)) && high(Some(run.first + run.samples));
+        is_high && run.value < largest && edges.are_abrupt(run)
     };
     runs(force).filter(|run| run.samples >= FORCE_RUN).filter(inside).collect()
 }

@@ -180,7 +180,8 @@ impl Default for QualityOptions {
 /// - Clipped responses: five and more separate times at exactly the largest or the smallest value.
 /// - Dropouts: [`QualityOptions::constant_samples`] equal samples in a response
 ///   above 2 % of its largest value before and after, or a response that is constant throughout;
-///   three in a force that is above a quarter of its largest value before and after.
+///   three in a force that is above a quarter of its largest value before and after. They begin or end
+///   in more than two converter steps, as the maxima of a coarsely digitised oscillation do not.
 ///
 /// ```
 /// use asperity_signal::{HitRecord, QualityIssue, QualityOptions, quality_issues};

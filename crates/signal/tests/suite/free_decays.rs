@@ -3,8 +3,8 @@
 use crate::noise::Noise;
 use crate::oscillator::integrated;
 use asperity_signal::{
-    DecayEnd, DecayOrigin, DecayResonance, FoundDecay, FreeDecay, FreeDecayOptions, PeakOrigin,
-    find_decays, level_range,
+    AmplitudeTrend, DecayEnd, DecayOrigin, DecayResonance, FoundDecay, FreeDecay, FreeDecayOptions,
+    PeakOrigin, find_decays, level_range,
 };
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -17,6 +17,7 @@ fn options(resonance_hz: f64) -> FreeDecayOptions {
     FreeDecayOptions {
         resonance_hz,
         half_width_hz: f64::INFINITY,
+        search_half_width_hz: f64::INFINITY,
         derivatives: 0,
         noise_density: None,
     }
@@ -376,4 +377,104 @@ fn resonances_stand_apart_from_their_neighbours() {
     let (two, one) = (of(&two), of(&one));
     assert!((two.frequency_hz - 200.0).abs() < 0.5 && (two.half_width_hz - 15.0).abs() < 0.5);
     assert!((one.frequency_hz - 200.0).abs() < 0.5 && one.half_width_hz > 60.0, "{one:?}");
+}
+
+/// Two linear modes 1 to 12 Hz apart, of equal or of different amplitude, are found with their frequencies and
+/// damping ratios within five deviations (1e-6 of a frequency, 1e-3 of a ratio), where local lines show one mode
+/// that is damped otherwise; a linear mode, one that softens and one whose damping rises with amplitude remain one.
+#[test]
+fn two_modes_are_told_from_one_that_depends_on_its_amplitude() {
+    let (first, ratios) = (420.0, (0.004, 0.0035));
+    let cases = [(1.0, 0.6), (3.0, 1.0), (3.0, 0.3), (8.0, 0.9), (12.0, 0.5)];
+    for (number, (apart, ratio)) in cases.into_iter().enumerate() {
+        let second = first + apart;
+        let motion =
+            |t: f64| ring(first, ratios.0, t + 1e-4) + ratio * ring(second, ratios.1, t + 2e-4);
+        let samples = Noise::new(number as u64).added_to(&sampled(15_000, motion), 4e-4);
+        let found = FreeDecay::of(&samples, RATE, &options(first)).unwrap();
+        let two = found.two_modes.unwrap_or_else(|| panic!("{apart} {ratio}: {}", found.misfit));
+        assert!(!found.is_one_mode(), "{apart} {ratio}: {two:?}");
+        let mut modes = two.modes;
+        modes.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz));
+        for (mode, (natural, damping)) in modes.iter().zip([(first, ratios.0), (second, ratios.1)])
+        {
+            let exact = natural * (1.0_f64 - damping * damping).sqrt();
+            let off = (mode.frequency_hz - exact).abs();
+            assert!(off < 5.0 * mode.frequency_uncertainty_hz + 1e-6 * exact, "{apart} {mode:?}");
+            let off = (mode.damping_ratio - damping).abs();
+            assert!(
+                off < 5.0 * mode.damping_ratio_uncertainty + 1e-3 * damping,
+                "{apart} {mode:?}"
+            );
+            assert!(mode.damping_ratio_uncertainty < 0.02 * damping, "{apart} {mode:?}");
+        }
+    }
+    // Phase and decay in closed form: f = f0 (1 - c a), sigma = sigma0 (1 + d a).
+    let (sigma, turn) = (TAU * first * ratios.0, TAU * first);
+    for (number, (softer, lossier)) in
+        [(0.0, 0.0), (0.0065, 0.0), (0.02, 0.0), (0.01, 0.3)].into_iter().enumerate()
+    {
+        let motion = |t: f64| {
+            let fall = (-sigma * t).exp();
+            let a = fall / (1.0 + lossier * (1.0 - fall));
+            let swept = if lossier > 0.0 {
+                (lossier * (1.0 - fall)).ln_1p() / (lossier * sigma)
+            } else {
+                (1.0 - fall) / sigma
+            };
+            a * (turn * (t - softer * swept)).cos()
+        };
+        let samples = Noise::new(90 + number as u64).added_to(&sampled(15_000, motion), 4e-4);
+        let found = FreeDecay::of(&samples, RATE, &options(first)).unwrap();
+        assert!(found.two_modes.is_none() && found.is_one_mode(), "{softer} {:?}", found.two_modes);
+        assert!(found.misfit < 0.01, "{softer} {lossier}: {}", found.misfit);
+        let frequency = |one: &asperity_signal::DecayPoint| {
+            (one.point.frequency_hz, one.uncertainty.frequency_hz)
+        };
+        let trend = AmplitudeTrend::of(&found.points, frequency).unwrap();
+        let ends = [0, found.points.len() - 1].map(|n| found.points[n].point.amplitude);
+        let exact = -first * softer * (ends[0] - ends[1]);
+        assert!(
+            (trend.change() - exact).abs() < 4.0 * trend.change_uncertainty + 0.01 * exact.abs(),
+            "{softer}: {trend:?} {exact}"
+        );
+        assert_eq!(trend.is_significant(), softer > 0.0, "{trend:?}");
+    }
+}
+
+/// The amplitudes of a mode without noise, digitised to 9 or 12 bits, and of one with noise that is padded: one
+/// mode, its damping ratio within 1 % and five deviations, and no beat.
+#[test]
+fn coarse_steps_and_padding_are_no_beat() {
+    let (frequency, damping) = (420.0, 0.004);
+    let clean = sampled(30_000, |t| ring(frequency, damping, t + 1e-3));
+    let coarse = |bits: i32| -> Vec<f64> {
+        let step = 2.0_f64.powi(1 - bits);
+        clean.iter().map(|x| (x / step).round() * step).collect()
+    };
+    let mut padded = Noise::new(3).added_to(&clean[..12_000], 4e-4);
+    padded.resize(30_000, 0.0);
+    for (name, samples) in [("9 bits", coarse(9)), ("12 bits", coarse(12)), ("padded", padded)] {
+        let found = FreeDecay::of(&samples, RATE, &options(frequency)).unwrap();
+        assert!(found.is_one_mode() && found.two_modes.is_none(), "{name}: {:?}", found.beating);
+        assert!(found.beating.is_none_or(|beat| beat.decay_rate_error < 0.05), "{name}");
+        let mean = found.mean.unwrap();
+        let off = (mean.point.damping_ratio - damping).abs();
+        assert!(
+            off < 0.01 * damping && off < 5.0 * mean.uncertainty.damping_ratio,
+            "{name} {mean:?}"
+        );
+        assert!(found.reaches_noise, "{name}");
+    }
+}
+
+/// Hum of a tenth of the first amplitude at 50 Hz, whose velocity is the strongest line, is no resonance.
+#[test]
+fn hum_is_no_resonance() {
+    let samples = sampled(20_000, |t| ring(420.0, 0.004, t - 0.1) + 0.1 * (TAU * 50.0 * t).sin());
+    let found = DecayResonance::strongest(&[(&samples, 2)], RATE, (10.0, 4000.0)).unwrap();
+    assert!((found.unwrap().frequency_hz - 420.0).abs() < 1.0, "{found:?}");
+    let hum = sampled(20_000, |t| (TAU * 50.0 * t).sin());
+    let found = DecayResonance::strongest(&[(&hum, 2)], RATE, (10.0, 4000.0)).unwrap();
+    assert!((found.unwrap().frequency_hz - 50.0).abs() < 1.0, "{found:?}");
 }

@@ -202,3 +202,45 @@ fn features_are_those_of_the_direct_sums() {
     }
     assert_eq!(compared, 3);
 }
+
+/// A hit without noise whose response has 9 or 12 bits, and one with noise that zeros follow: no issue, the
+/// decrement of the mode within 1 % (2 % at 9 bits, with eleven cycles) and five of its deviations.
+#[test]
+fn coarse_steps_and_padding_leave_the_decrement() {
+    let mode = Mode { damping: 0.035, ..MODE };
+    let stiffness = mode.mass * mode.omega().powi(2);
+    let viscosity = 2.0 * mode.damping * mode.omega() * mode.mass;
+    let restoring = move |u: f64, v: f64| stiffness * u + viscosity * v;
+    let pulse = hammer_pulse(20.0, 3.4e-4);
+    let pulse = move |t: f64| if t > 0.01 { pulse(t - 0.01) } else { 0.0 };
+    let count = 6_000;
+    let (_, clean) = integrated(mode.mass, restoring, &pulse, RATE, count, 4);
+    let quiet: Vec<f64> = (0..count).map(|n| pulse(n as f64 / RATE)).collect();
+    let largest = clean.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+    let coarse = |bits: i32| -> Vec<f64> {
+        let step = largest * 2.0_f64.powi(1 - bits);
+        clean.iter().map(|x| (x / step).round() * step).collect()
+    };
+    let padded = |samples: &[f64], level: f64| {
+        let mut noisy = Noise::new(5).added_to(&samples[..4_000], level);
+        noisy.resize(count, 0.0);
+        noisy
+    };
+    let force = Noise::new(4).added_to(&quiet, 0.005);
+    let cases = [
+        ("9 bits", 0.02, force.clone(), coarse(9)),
+        ("12 bits", 0.01, force, coarse(12)),
+        ("padded", 0.01, padded(&quiet, 0.005), padded(&clean, 0.01)),
+    ];
+    for (name, bound, force, response) in cases {
+        let test = hammer_test(&force, &response, RATE, &options(5_500)).unwrap();
+        let hit = &test.hits[0];
+        assert!(test.hits.len() == 1 && hit.issues.is_empty(), "{name}: {:?}", hit.issues);
+        let features = hit.features.as_ref().unwrap();
+        let ratio = features.mode.damping.decrement.unwrap();
+        let sigma = features.mode_uncertainty.decrement.unwrap();
+        let off = (ratio - mode.damping).abs();
+        assert!(off < bound * mode.damping && off < 5.0 * sigma, "{name}: {ratio} ± {sigma}");
+        assert!(sigma < 3.0 * bound * mode.damping, "{name}: {sigma}");
+    }
+}

@@ -6,19 +6,25 @@ use asperity_harmonic::{
     Branch, CondensedStack, ContactSystem, Continuation, HarmonicError, HarmonicSettings,
     LawEvaluation, PeriodicResponse, PressureRange, Termination, trace,
 };
-use asperity_mesh::Port;
-use asperity_structure::PreloadedStructure;
+use asperity_mesh::{Body, Port};
 use serde::Serialize;
 
 use crate::assemble::Assembly;
 use crate::error::SimulationError;
 
-/// Frequency of a body on its contacts, over the highest of the band, from which it may be condensed:
-/// its inertia then changes frequencies by about half a per cent at most.
+/// Frequency of a body on its contacts, over the highest of the band, from which it may be condensed.
 const FAR_ABOVE: f64 = 10.0;
 
-/// Treatment of light bodies between contacts, whose frequency on their contacts is ten times the
-/// highest of the band or more.
+/// Largest share of all condensed bodies in the kinetic energy of a mode: their inertia then changes
+/// frequencies and peaks by half a per cent at most.
+const SMALL_SHARE: f64 = 0.01;
+
+/// Modes up to this multiple of the highest frequency of the band count, for the harmonics.
+const HARMONICS: f64 = 3.0;
+
+/// Treatment of light bodies between contacts. A body is light if its frequency on its contacts is ten times
+/// the highest of the band or more, and if its share, together with lighter ones, in the kinetic energy of
+/// the modes up to three times the band is at most 1 %.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum BodyModel {
     /// Elastic, and condensed where contact is lost on a branch.
@@ -37,6 +43,9 @@ pub struct CondensedBody {
     pub name: String,
     /// Frequency of the rigid body on its contacts at rest \[Hz\].
     pub frequency_hz: f64,
+    /// Largest share of the body in the kinetic energy of a mode up to three times the band
+    /// ([`CondensedStack::inertia_shares`]).
+    pub inertia_share: f64,
 }
 
 /// Reason for which bodies are condensed.
@@ -78,8 +87,6 @@ impl LightBodies {
         evaluation: LawEvaluation,
     ) -> Result<Option<Self>, SimulationError> {
         let structure = &assembly.structure;
-        let frequency = |body: usize| CondensedStack::body_frequency(structure, body);
-        let name = |body: usize| structure.stack().bodies()[body].name().to_owned();
         // A body that is loaded or read keeps its inertia.
         let ports: Vec<Port> =
             [assembly.load.port()].into_iter().chain(assembly.sensor_ports()).collect();
@@ -88,23 +95,35 @@ impl LightBodies {
         };
         let mut candidates = CondensedStack::candidates(structure);
         candidates.retain(|&body| !has_port(body));
-        let light: Vec<usize> = match model {
-            BodyModel::Elastic => Vec::new(),
-            BodyModel::Auto | BodyModel::Condensed => {
-                let far = |body: &usize| frequency(*body) >= FAR_ABOVE * highest;
-                candidates.iter().copied().filter(far).collect()
-            }
+        if model == BodyModel::Elastic || (model == BodyModel::Auto && candidates.is_empty()) {
+            return Ok(None);
+        }
+        let shares = inertia_shares(assembly, HARMONICS * highest)?;
+        let body = |&body: &usize| CondensedBody {
+            name: structure.stack().bodies()[body].name().to_owned(),
+            frequency_hz: CondensedStack::body_frequency(structure, body),
+            inertia_share: shares[body],
         };
+        candidates.sort_by(|&a, &b| shares[a].total_cmp(&shares[b]));
+        let mut sum = 0.0;
+        let mut light = candidates.clone();
+        light.retain(|own| {
+            let found = body(own);
+            let is_light = found.frequency_hz >= FAR_ABOVE * highest
+                && sum + found.inertia_share <= SMALL_SHARE;
+            sum += if is_light { found.inertia_share } else { 0.0 };
+            is_light
+        });
+        light.sort_unstable();
         if light.is_empty() {
+            let all: Vec<CondensedBody> = candidates.iter().map(body).collect();
             return match model {
-                BodyModel::Condensed => Err(nothing_to_condense(structure, &candidates, highest)),
+                BodyModel::Condensed => Err(nothing_to_condense(&all, highest)),
                 BodyModel::Auto | BodyModel::Elastic => Ok(None),
             };
         }
         let stack = CondensedStack::new(structure, &light, evaluation)?
             .with_ports(ports[0], &ports[1..])?;
-        let body =
-            |&body: &usize| CondensedBody { name: name(body), frequency_hz: frequency(body) };
         Ok(Some(Self { stack, bodies: light.iter().map(body).collect() }))
     }
 
@@ -119,21 +138,28 @@ impl LightBodies {
     }
 }
 
-fn nothing_to_condense(
-    structure: &PreloadedStructure,
-    candidates: &[usize],
-    highest: f64,
-) -> SimulationError {
-    let bodies = structure.stack().bodies();
-    let all: Vec<String> = candidates
-        .iter()
-        .map(|&body| {
-            let hz = CondensedStack::body_frequency(structure, body);
-            format!("{} at {hz:.1} Hz", bodies[body].name())
-        })
-        .collect();
+/// Shares of the bodies in the kinetic energy; under a moving base at least in the mass, which drives it.
+fn inertia_shares(assembly: &Assembly, highest: f64) -> Result<Vec<f64>, SimulationError> {
+    let mut shares = CondensedStack::inertia_shares(&assembly.structure, highest)?;
+    if assembly.load.base().is_some() {
+        let bodies = assembly.structure.stack().bodies();
+        let mass: f64 = bodies.iter().map(Body::mass).sum();
+        for (share, body) in shares.iter_mut().zip(bodies) {
+            *share = share.max(body.mass() / mass);
+        }
+    }
+    Ok(shares)
+}
+
+fn nothing_to_condense(found: &[CondensedBody], highest: f64) -> SimulationError {
+    let words = |body: &CondensedBody| {
+        let CondensedBody { name, frequency_hz, inertia_share } = body;
+        format!("{name} at {frequency_hz:.1} Hz with {:.2} %", 100.0 * inertia_share)
+    };
+    let all: Vec<String> = found.iter().map(words).collect();
     let found = if all.is_empty() { "none".to_owned() } else { all.join(", ") };
-    SimulationError::NothingToCondense { found, least_hz: FAR_ABOVE * highest }
+    let (least_hz, most_share) = (FAR_ABOVE * highest, SMALL_SHARE);
+    SimulationError::NothingToCondense { found, least_hz, most_share }
 }
 
 /// The system of a branch: with all bodies, or with the light ones condensed.

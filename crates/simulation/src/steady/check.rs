@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use super::settled::{SettledAmplitude, SteadyMotion};
 use crate::assemble::Assembly;
+use crate::warning::Warning;
 
 /// Relative distance in frequency of a checked response from a fold: next to one transients
 /// hardly decay.
@@ -35,7 +36,24 @@ pub struct TimeCheck {
     pub scatter: f64,
 }
 
+/// Difference of a fundamental above which there is a warning, beside twice the scatter of a motion that
+/// is not periodic.
+const AGREES: f64 = 0.01;
+
 impl TimeCheck {
+    /// The warning about a branch that differs from the integration; none while the motion still changes.
+    pub(super) fn warning(&self) -> Option<Warning> {
+        let Self { frequency_hz, relative_difference, .. } = *self;
+        let allowed = match self.motion {
+            SteadyMotion::Periodic => AGREES,
+            SteadyMotion::NonPeriodic => AGREES + 2.0 * self.scatter,
+            SteadyMotion::NotSettled => return None,
+        };
+        // A difference that is no number is no agreement.
+        let agrees = relative_difference <= allowed;
+        (!agrees).then_some(Warning::IntegrationDiffers { frequency_hz, relative_difference })
+    }
+
     /// The highest stable response at a frequency that the branch meets only once, its peak unless
     /// it leans over. Elsewhere integration from rest may settle on
     /// another response.
