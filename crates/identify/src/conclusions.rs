@@ -44,15 +44,20 @@ impl Identification {
     /// fifth of the draws effective (with a Pareto shape of at most 0.7 where their weights were cut), and
     /// the profile intervals covered.
     pub fn has_converged(&self) -> bool {
+        self.fit.converged && self.sampler_has_converged()
+    }
+
+    /// True if the posterior has converged.
+    pub(crate) fn sampler_has_converged(&self) -> bool {
         let found = &self.posterior.diagnostics;
         let share = found.effective_draws / self.posterior.draws.len().max(1) as f64;
         let mixed = found.r_hat.iter().all(|r| *r < MOST_R_HAT);
         let is_whole = found.truncated.is_empty() && !self.has_heavy_weights();
-        self.fit.converged && share >= MIN_DRAWS && mixed && is_whole
+        share >= MIN_DRAWS && mixed && is_whole
     }
 
     /// True if weights were cut whose tail is too heavy for it.
-    fn has_heavy_weights(&self) -> bool {
+    pub(crate) fn has_heavy_weights(&self) -> bool {
         let found = &self.posterior.diagnostics;
         let is_cut = found.evaluated_draws > self.posterior.draws.len();
         is_cut && found.pareto_shape.is_some_and(|shape| shape > MOST_SHAPE)
@@ -77,7 +82,7 @@ impl Identification {
 
     /// The conclusions in sentences, the most important first.
     pub fn conclusions(&self) -> Vec<String> {
-        let mut words = Vec::new();
+        let mut words = self.judgement().words(&self.subject());
         if self.stopped {
             words.push(
                 "Incomplete: stopped before the comparison with other laws had ended, which is missing."
@@ -89,34 +94,35 @@ impl Identification {
         words.extend(self.about_law());
         words.extend(self.about_comparison());
         words.push(self.about_fit());
-        words.extend(self.about_checks());
         words.push(about_starts(&self.fit));
         words.extend(self.about_parameters());
-        if !self.has_converged() {
-            let found = &self.posterior.diagnostics;
-            let lost: Vec<&str> =
-                found.truncated.iter().map(|parameter| self.labels[*parameter].as_str()).collect();
-            let lost = match lost.join(", ") {
-                none if none.is_empty() => none,
-                lost => format!(
-                    ", and the draws leave out more than a quarter of the profile interval of {lost}"
-                ),
-            };
-            let heavy = match found.pareto_shape {
-                Some(shape) if self.has_heavy_weights() => {
-                    format!(", their weights have a heavy tail (Pareto shape {shape:.2})")
-                }
-                _ => String::new(),
-            };
-            words.push(format!(
-                "The posterior has not converged: {:.0} of {} draws are effective{heavy}, the largest R-hat is {:.3}{lost}; its bands {}.",
-                found.effective_draws,
-                self.posterior.draws.len(),
-                found.r_hat.iter().copied().fold(1.0, f64::max),
-                if found.effective_draws < FEW_DRAWS { "say nothing" } else { "are estimates" },
-            ));
-        }
         words
+    }
+
+    /// The failure of the sampler to converge.
+    pub(crate) fn about_sampler(&self) -> String {
+        let found = &self.posterior.diagnostics;
+        let lost: Vec<&str> =
+            found.truncated.iter().map(|parameter| self.labels[*parameter].as_str()).collect();
+        let lost = match lost.join(", ") {
+            none if none.is_empty() => none,
+            lost => format!(
+                ", and the draws leave out more than a quarter of the profile interval of {lost}"
+            ),
+        };
+        let heavy = match found.pareto_shape {
+            Some(shape) if self.has_heavy_weights() => {
+                format!(", their weights have a heavy tail (Pareto shape {shape:.2})")
+            }
+            _ => String::new(),
+        };
+        format!(
+            "the posterior has not converged: {:.0} of {} draws are effective{heavy}, the largest R-hat is {:.3}{lost}; its bands {}.",
+            found.effective_draws,
+            self.posterior.draws.len(),
+            found.r_hat.iter().copied().fold(1.0, f64::max),
+            if found.effective_draws < FEW_DRAWS { "say nothing" } else { "are estimates" },
+        )
     }
 
     fn about_dependence(&self) -> String {
@@ -177,14 +183,22 @@ impl Identification {
                 self.law.name
             ),
             Some([low, high]) => {
-                let LawBand { name, median, lower, upper, informed, .. } = &self.law;
+                let name = &self.law.name;
+                let range = match [low, high].map(|p| four_digits(1e-6 * p)) {
+                    [low, high] if low == high => format!("at {low} MPa"),
+                    [low, high] => format!("from {low} to {high} MPa"),
+                };
+                let LawBand { median, lower, upper, informed, .. } = &self.law;
                 let informed = (0..informed.len()).filter(|&i| informed[i]);
+                if self.judgement().is_void() {
+                    return format!(
+                        "The data bear on the stiffness of law \"{name}\" {range}; its band is void."
+                    );
+                }
                 let half_widths = informed.map(|i| 0.5 * (upper[i] - lower[i]) / median[i]);
                 let widest = half_widths.fold(0.0, f64::max);
                 format!(
-                    "The data inform the stiffness of law \"{name}\" from {} to {} MPa; the half width of its {} % band there is at most {:.1} % of the median.",
-                    four_digits(1e-6 * low),
-                    four_digits(1e-6 * high),
+                    "The data inform the stiffness of law \"{name}\" {range}; the half width of its {} % band there is at most {:.1} % of the median.",
                     four_digits(100.0 * self.level),
                     100.0 * widest,
                 )
@@ -257,20 +271,6 @@ impl Identification {
         hits > 0 && 2 * count("harmonic_ratio") < hits
     }
 
-    /// Groups of data that disagree, at a probability of one in twenty for all groups together.
-    fn about_checks(&self) -> Vec<String> {
-        let checks = self.checks();
-        let limit = Agreement::GOOD / checks.len().max(1) as f64;
-        let off = checks.iter().filter(|check| check.p_value < limit);
-        let words = off.map(|check| {
-            format!(
-                "The law does not predict the group \"{}\": the posterior predictive p-value of its {} observations is {:.1e}.",
-                check.group, check.observations, check.p_value
-            )
-        });
-        words.collect()
-    }
-
     fn about_comparison(&self) -> Vec<String> {
         let Some(comparison) = &self.comparison else { return Vec::new() };
         let best = &comparison.candidates[comparison.best].name;
@@ -285,6 +285,9 @@ impl Identification {
                         "Of those compared, {best} has the lowest AICc, {difference:.1} below that of {}.",
                         next.name
                     ),
+                    Some((_, difference)) if !difference.is_finite() => format!(
+                        "There are too few observations for an information criterion; {best} stands first by residuals alone."
+                    ),
                     _ => format!(
                         "Of those whose cross-validation score is within one standard error of the highest, {best} has the lowest AICc."
                     ),
@@ -293,9 +296,9 @@ impl Identification {
                     "Rejected: {}; its cross-validation score is {:.1} standard errors lower, and its AICc is {:.0} larger than that of {best}.",
                     candidate.name, standard_errors, aicc_difference
                 ),
-                ModelAssessment::Misfit { p_value, aicc_difference } => format!(
-                    "Rejected: {}; the p-value of its residuals is {p_value:.0e}, and its AICc is {aicc_difference:.0} larger than that of {best}.",
-                    candidate.name
+                ModelAssessment::Misfit { p_value, .. } => format!(
+                    "Rejected: {}; its chi-square is {:.1}, and the p-value of its residuals {p_value:.0e}.",
+                    candidate.name, candidate.goodness.chi_square
                 ),
                 ModelAssessment::Undecided => format!(
                     "Undecided: the data do not distinguish {} from {best}{}.",
@@ -334,7 +337,7 @@ impl Identification {
     }
 
     /// The name of a parameter in words.
-    fn label<'a>(&'a self, name: &'a str) -> &'a str {
+    pub(crate) fn label<'a>(&'a self, name: &'a str) -> &'a str {
         let place = self.names.iter().position(|known| known == name);
         place.map_or(name, |place| self.labels[place].as_str())
     }

@@ -6,7 +6,7 @@ use std::time::Instant;
 use asperity_inference::{
     Covariance, Fit, FitOptions, FitSolution, ForwardModel, GoodnessOfFit, Identifiability,
     InferenceError, Linearisation, ModelComparison, NoiseScale, Observation, Parameter, Posterior,
-    Profile, ProgressCallback, ScaledNoise, fit_with_progress, refit_with_progress,
+    Profile, ProgressCallback, ScaledNoise, Strain, fit_with_progress, refit_with_progress,
 };
 
 use crate::built_model::{BuiltModel, ObservationLabel};
@@ -82,6 +82,12 @@ pub struct Identification {
     pub free_law: Option<FreeLawFindings>,
     /// True for the latents among the parameters.
     pub latent: Vec<bool>,
+    /// Strains of priors and bounds.
+    pub strains: Vec<Strain>,
+    /// True for the parameters that belong to the law.
+    pub(super) of_law: Vec<bool>,
+    /// True if any does.
+    pub(super) acts_on_law: bool,
     /// True for observations of hits, whose abscissa is the peak force.
     pub(super) of_force: Vec<bool>,
     /// The parameters of the problem, with the pressures of a free law.
@@ -154,6 +160,7 @@ pub fn identify_with_progress(
     work.begin(WorkStage::Profiles);
     let linearisation = best.linearise()?;
     let covariance = linearisation.covariance(NoiseScale::Given)?;
+    let strains = linearisation.strains(&best)?;
     let laws = forward.laws(&best.point)?;
     let profiles = profiles(problem, &forward, &best, &covariance)?;
     if work.is_stopped() {
@@ -184,6 +191,9 @@ pub fn identify_with_progress(
         names: unfinished.names,
         labels: unfinished.labels,
         free_law,
+        acts_on_law: (0..best.point.len()).any(|j| forward.parameters.is_of_law(j)),
+        of_law: (0..best.point.len()).map(|j| forward.parameters.is_of_law(j)).collect(),
+        strains,
         latent: forward.parameters().iter().map(Parameter::is_latent).collect(),
         unknowns: spec.unknowns.clone(),
         of_force: of_force(&forward),
@@ -225,6 +235,7 @@ fn of_force(forward: &ScenarioModel) -> Vec<bool> {
 
 /// The part of an incomplete identification that is known from the beginning.
 struct Unfinished {
+    parameters: Vec<Parameter>,
     names: Vec<String>,
     labels: Vec<String>,
     law: String,
@@ -244,6 +255,7 @@ impl Unfinished {
         let expected = expected_evaluations(parameters.len(), spec.starts, spec.draws, compared);
         problem.work.plan(expected);
         Self {
+            parameters: parameters.to_vec(),
             names: parameters.iter().map(|parameter| parameter.name().to_owned()).collect(),
             labels: forward.parameters.labels(&forward.scenario),
             law: law.to_owned(),
@@ -259,6 +271,7 @@ impl Unfinished {
         profiles: Vec<Profile>,
         laws: Laws,
     ) -> IdentificationError {
+        let strains = Strain::of_priors(&self.parameters, &fit.point);
         IdentificationError::Stopped(Box::new(IncompleteIdentification {
             stage,
             names: self.names.clone(),
@@ -266,6 +279,7 @@ impl Unfinished {
             fit,
             covariance,
             profiles,
+            strains,
             laws,
             law: self.law.clone(),
             wall_s: self.started.elapsed().as_secs_f64(),

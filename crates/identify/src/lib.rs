@@ -25,6 +25,7 @@
 //! | `identification`, `hit_numerics` | fit, uncertainty, comparison; estimated errors of the simulated hits |
 //! | `law_band`, `law_comparison`, `design` | the law with its credible band; other laws; ranking of further measurements |
 //! | `checks` | agreement with the data, as a whole and in groups |
+//! | `judgement` | whether the law may be used, and the reasons |
 //! | `starts` | agreement of the starts of the fit |
 //! | `work`, `incomplete` | progress of the whole, requests to stop, the result until then |
 //! | `conclusions`, `report` | conclusions in sentences; JSON and tables |
@@ -58,6 +59,7 @@ mod hit_numerics;
 mod identification;
 mod identification_problem;
 mod incomplete;
+mod judgement;
 mod latent_sampling;
 mod law_band;
 mod law_comparison;
@@ -83,6 +85,7 @@ pub use hit_numerics::HitNumerics;
 pub use identification::{Identification, identify, identify_with_progress};
 pub use identification_problem::IdentificationProblem;
 pub use incomplete::IncompleteIdentification;
+pub use judgement::{Judgement, Reason, ReasonKind, Usability};
 pub use latent_sampling::{FreeLawFindings, SmoothnessProbability};
 pub use law_band::{
     ComparedForm, INFORMED_SHARE, LawBand, RESOLVED, StiffnessEstimate, StiffnessOrigin,

@@ -93,6 +93,7 @@ impl Identification {
             "schema": IDENTIFICATION_SCHEMA,
             "title": problem.spec.title,
             "complete": !self.stopped,
+            "judgement": self.judgement(),
             "pressure_dependence": self.pressure_dependence(),
             "explains_data": self.explains(),
             "agreement": match self.agreement() {
@@ -252,6 +253,7 @@ impl Identification {
         let (pointers, draws) = problem.changes_at(&self.unknowns, &self.posterior.draws)?;
         Ok(json!({
             "schema": DRAWS_SCHEMA,
+            "judgement": self.judgement(),
             "pointers": pointers,
             "weights": self.posterior.weights,
             "draws": draws,
@@ -356,6 +358,7 @@ impl IncompleteIdentification {
             "schema": IDENTIFICATION_SCHEMA,
             "title": problem.spec.title,
             "complete": false,
+            "judgement": self.judgement(),
             "stopped_in": self.stage.name(),
             "words": self.conclusions(),
             "estimates": self.names.iter().enumerate().map(estimate).collect::<Vec<_>>(),

@@ -470,7 +470,9 @@ fn a_stopped_identification_keeps_what_is_finished() {
         let report = found.report(&problem);
         assert_eq!(report["complete"], false);
         assert!(report["estimates"][0]["standard_deviation"].as_f64().unwrap() > 0.0);
-        assert!(found.conclusions()[0].starts_with("Incomplete"));
+        assert!(found.conclusions()[0].starts_with("Not to be used"));
+        assert_eq!(report["judgement"]["use"], "no");
+        assert_eq!(report["judgement"]["reasons"][0]["kind"], "incomplete");
         let scenario = found.scenario_json(&problem).unwrap();
         let coefficient = scenario.pointer("/laws/modified/coefficient").unwrap();
         assert_eq!(coefficient.as_f64().unwrap(), found.fit.point[0]);
@@ -479,5 +481,6 @@ fn a_stopped_identification_keeps_what_is_finished() {
     let found = found.unwrap();
     assert!(found.stopped && found.comparison.is_none());
     assert_eq!(found.report(&problem)["complete"], false);
-    assert!(found.conclusions()[0].starts_with("Incomplete"));
+    assert!(found.conclusions().iter().any(|word| word.starts_with("Incomplete")));
+    assert_ne!(found.report(&problem)["judgement"]["use"], "yes");
 }

@@ -3,7 +3,8 @@
 use asperity_figure::Figure;
 use asperity_figure::report::{ClaimOutcome, Report, TableCell, four_digits};
 use asperity_identify::{
-    CandidateMeasurement, Identification, IdentificationProblem, StartAgreement, StiffnessOrigin,
+    CandidateMeasurement, Identification, IdentificationProblem, ReasonKind, StartAgreement,
+    StiffnessOrigin,
 };
 use asperity_inference::ModelAssessment;
 use serde_json::Value;
@@ -25,8 +26,13 @@ pub fn identification_report(
     let mut report = found.conclusions().into_iter().fold(Report::new(title), Report::intro);
     let percent = percent(found.level);
 
+    let void = if found.judgement().is_void() {
+        "The result is not to be used, and the values and intervals below are void. "
+    } else {
+        ""
+    };
     report = report.section("Parameters").paragraph(format!(
-        "Best fit with its standard deviation, and intervals that hold the value with a probability \
+        "{void}Best fit with its standard deviation, and intervals that hold the value with a probability \
          of {percent}. R-hat and the effective sample size (ESS) measure how far the chains agree."
     ));
     report = estimates(report, found);
@@ -291,9 +297,13 @@ fn diagnostics(report: Report, found: &Identification) -> Report {
     let shape = chains.pareto_shape;
     let r_hat = chains.r_hat.iter().copied().fold(0.0, f64::max);
     let derivatives = match found.linearisation.derivative_difference {
-        Some(difference) => format!("exact; differences agree to {}", four_digits(difference)),
+        Some(difference) => {
+            format!("exact; off differences by {} of the largest", four_digits(difference))
+        }
         None => "by differences".to_owned(),
     };
+    let reasons = found.judgement().reasons;
+    let derivatives_agree = reasons.iter().all(|reason| reason.kind != ReasonKind::Derivatives);
     let rows = vec![
         row(
             "Chi-square of the fit",
@@ -329,7 +339,11 @@ fn diagnostics(report: Report, found: &Identification) -> Report {
                 _ => Some(false),
             },
         ),
-        row("Derivatives", derivatives, None),
+        row(
+            "Derivatives",
+            derivatives,
+            found.linearisation.derivative_difference.map(|_| derivatives_agree),
+        ),
         row("Condition of the scaled Jacobian", four_digits(found.identifiability.condition), None),
         row(
             "Effective draws",
