@@ -92,6 +92,7 @@ impl Identification {
             words.push(self.about_dependence());
         }
         words.extend(self.about_law());
+        words.extend(self.about_given());
         words.extend(self.about_comparison());
         words.push(self.about_fit());
         words.push(about_starts(&self.fit));
@@ -101,6 +102,11 @@ impl Identification {
 
     /// The failure of the sampler to converge.
     pub(crate) fn about_sampler(&self) -> String {
+        if let Some(reason) = &self.unsampled {
+            return format!(
+                "the posterior could not be sampled, so that there are no intervals: {reason}."
+            );
+        }
         let found = &self.posterior.diagnostics;
         let lost: Vec<&str> =
             found.truncated.iter().map(|parameter| self.labels[*parameter].as_str()).collect();
@@ -174,6 +180,24 @@ impl Identification {
             ));
         }
         words
+    }
+
+    /// The given numbers on which the law depends.
+    fn about_given(&self) -> Option<String> {
+        let first = self.given.first()?;
+        let each = self.given.iter().take(MOST_GIVEN).map(|one| {
+            format!(
+                "{:+.2} % for {}, known to {} %",
+                one.sensitivity,
+                one.label,
+                four_digits(100.0 * one.relative)
+            )
+        });
+        Some(format!(
+            "The law rests on given numbers. One per cent of a number changes K({} MPa) by: {}. Their tolerances are in the band of the law.",
+            four_digits(1e-6 * first.pressure_pa),
+            each.collect::<Vec<_>>().join("; ")
+        ))
     }
 
     fn about_informed(&self) -> String {
@@ -380,6 +404,9 @@ impl Identification {
         words
     }
 }
+
+/// Most given numbers in words.
+const MOST_GIVEN: usize = 6;
 
 /// Noise factor of a comparison above which no law explains the data.
 const MAX_FACTOR: f64 = 5.0;

@@ -37,6 +37,16 @@ pub enum IdentificationError {
         "law \"{0}\" has no stiffnesses at knots or points; expected the name of a modified_power or table law in \"laws\""
     )]
     NotMonotone(String),
+    /// A tolerance of a number that is not given.
+    #[error(
+        "/given: {pointer} is no number of the scenario that is taken as given; there are: {known}"
+    )]
+    NotGiven {
+        /// The pointer.
+        pointer: String,
+        /// Pointers to the given numbers.
+        known: String,
+    },
     /// A free law that cannot be set up.
     #[error("free_law \"{law}\": {reason}")]
     FreeLaw {
@@ -55,7 +65,7 @@ pub enum IdentificationError {
     },
     /// The law to report has no name.
     #[error(
-        "the law of the first interface has no name; expected \"law\" with one of the names in \"laws\": {0}"
+        "the law of the first interface is written in place, and an identification reports a law by its name: put it into \"laws\" of the scenario under a name, refer to it there (\"law\": \"name\") and in the pointers of the problem (/laws/name/...); names in \"laws\" now: {0}"
     )]
     UnnamedLaw(String),
     /// A prior that is not a distribution.

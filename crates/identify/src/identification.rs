@@ -6,12 +6,14 @@ use std::time::Instant;
 use asperity_inference::{
     Covariance, Fit, FitOptions, FitSolution, ForwardModel, GoodnessOfFit, Identifiability,
     InferenceError, Linearisation, ModelComparison, NoiseScale, Observation, Parameter, Posterior,
-    Profile, ProgressCallback, ScaledNoise, Strain, fit_with_progress, refit_with_progress,
+    PosteriorDiagnostics, Profile, ProgressCallback, ScaledNoise, Strain, StrainKind,
+    fit_with_progress, refit_with_progress,
 };
 
 use crate::built_model::{BuiltModel, ObservationLabel};
 use crate::design::{DesignModel, DesignRanking};
 use crate::error::IdentificationError;
+use crate::given_numbers::{GivenNumber, GivenNumbers};
 use crate::hit_numerics::HitNumerics;
 use crate::identification_problem::IdentificationProblem;
 use crate::incomplete::IncompleteIdentification;
@@ -82,6 +84,10 @@ pub struct Identification {
     pub free_law: Option<FreeLawFindings>,
     /// True for the latents among the parameters.
     pub latent: Vec<bool>,
+    /// Numbers of the scenario that the law depends on and that no parameter changes.
+    pub given: Vec<GivenNumber>,
+    /// The reason why there are no draws from the posterior but the best fit.
+    pub unsampled: Option<String>,
     /// Strains of priors and bounds.
     pub strains: Vec<Strain>,
     /// True for the parameters that belong to the law.
@@ -160,7 +166,12 @@ pub fn identify_with_progress(
     work.begin(WorkStage::Profiles);
     let linearisation = best.linearise()?;
     let covariance = linearisation.covariance(NoiseScale::Given)?;
-    let strains = linearisation.strains(&best)?;
+    // Bounds carry what they carry with the standard deviations as given.
+    let mut strains = linearisation.strains(&best)?;
+    let of_bounds = |strain: &&mut Strain| matches!(strain.kind, StrainKind::Bound(_));
+    for strain in strains.iter_mut().filter(of_bounds) {
+        strain.deviations *= factor;
+    }
     let laws = forward.laws(&best.point)?;
     let profiles = profiles(problem, &forward, &best, &covariance)?;
     if work.is_stopped() {
@@ -174,10 +185,29 @@ pub fn identify_with_progress(
         let (fit, covariance) = (best.into_solution(), Some(covariance));
         return Err(unfinished.stopped(WorkStage::Posterior, fit, covariance, profiles, laws));
     }
-    let (posterior, free_law) = sampled?;
+    let (posterior, free_law, unsampled) = match sampled {
+        Ok((posterior, free_law)) => (posterior, free_law, None),
+        Err(IdentificationError::Inference(error)) if error.is_of_sampler() => {
+            (best_alone(&best), None, Some(error.to_string()))
+        }
+        Err(error) => return Err(error),
+    };
     let sampled = (&posterior, free_law.as_ref());
-    let law = LawBand::new(problem, &forward, &law_name, &best.point, sampled)?;
-    let stiffnesses = StiffnessEstimate::all(problem, &forward, &best.point, &posterior)?;
+    let mut law = LawBand::new(problem, &forward, &law_name, &best.point, sampled)?;
+    let acts_on_law = (0..best.point.len()).any(|j| forward.parameters.is_of_law(j));
+    let given = if acts_on_law {
+        let linear = (&linearisation, &covariance);
+        let (band, point) = ((&law, model.observations()), &best.point);
+        GivenNumbers::of(problem, &forward, linear, band, point)?
+    } else {
+        GivenNumbers::default()
+    };
+    law.widen(&given.deviation, spec.level);
+    if unsampled.is_some() {
+        law.leave_open();
+    }
+    let mut stiffnesses = StiffnessEstimate::all(problem, &forward, &best.point, &posterior)?;
+    given.widen(&mut stiffnesses, &law, spec.level);
 
     work.begin(WorkStage::Comparison);
     let compared = compare_laws(problem, (&forward, own), &law, candidates, progress);
@@ -191,7 +221,9 @@ pub fn identify_with_progress(
         names: unfinished.names,
         labels: unfinished.labels,
         free_law,
-        acts_on_law: (0..best.point.len()).any(|j| forward.parameters.is_of_law(j)),
+        acts_on_law,
+        given: given.list,
+        unsampled,
         of_law: (0..best.point.len()).map(|j| forward.parameters.is_of_law(j)).collect(),
         strains,
         latent: forward.parameters().iter().map(Parameter::is_latent).collect(),
@@ -231,6 +263,22 @@ fn of_force(forward: &ScenarioModel) -> Vec<bool> {
     let is_of_hit =
         |quantity: &ObservedQuantity| matches!(quantity, ObservedQuantity::Feature { .. });
     forward.quantities.iter().map(is_of_hit).collect()
+}
+
+/// The best fit in place of draws: no draw is effective, and no chain has converged.
+fn best_alone(best: &FitSolution) -> Posterior {
+    let count = best.point.len();
+    Posterior {
+        draws: vec![best.point.clone()],
+        weights: vec![1.0],
+        predictions: vec![best.predictions.clone()],
+        diagnostics: PosteriorDiagnostics {
+            r_hat: vec![f64::INFINITY; count],
+            effective_sample_size: vec![0.0; count],
+            autocorrelation_time: vec![f64::INFINITY; count],
+            ..PosteriorDiagnostics::default()
+        },
+    }
 }
 
 /// The part of an incomplete identification that is known from the beginning.

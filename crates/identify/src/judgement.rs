@@ -32,6 +32,8 @@ pub enum ReasonKind {
     Incomplete,
     /// Chi-square, or observations that the model does not have.
     Misfit,
+    /// There are no degrees of freedom, so that the agreement was not tested.
+    Untested,
     /// A group of observations disagrees.
     GroupMisfit,
     /// A parameter is far from the mean of its prior.
@@ -221,6 +223,7 @@ impl Identification {
     /// | reason | care | void |
     /// |---|---|---|
     /// | p-value of chi-square | below 0.05 | below 0.001; a peak is missing |
+    /// | degrees of freedom | none | |
     /// | p-value of one of `n` groups | below `0.05 / n` | below `0.001 / n` |
     /// | distance from the mean of a prior, in its standard deviations | 3 | 5 |
     /// | distance beyond a bound of the optimum without it | 1 | 3 |
@@ -259,6 +262,14 @@ impl Identification {
 
     fn of_misfit(&self) -> Option<Reason> {
         let usability = match self.agreement() {
+            Agreement::Good if self.goodness.degrees_of_freedom == 0 => {
+                let words =
+                    "there are as many parameters as observations, so that nothing tests the model."
+                        .to_owned();
+                let numbers = [("degrees_of_freedom", 0.0)];
+                let care = Usability::WithCare;
+                return Some(Reason::new(ReasonKind::Untested, care, words, numbers));
+            }
             Agreement::Good => return None,
             Agreement::Doubtful => Usability::WithCare,
             Agreement::None => Usability::No,
@@ -267,8 +278,10 @@ impl Identification {
         let p_value = goodness.p_value.unwrap_or(1.0);
         let missing = self.fit.missing.len();
         let mut words = format!(
-            "chi-square is {:.1} for {} degrees of freedom (p = {p_value:.1e}): ",
-            goodness.chi_square, goodness.degrees_of_freedom
+            "chi-square is {:.1} for {} degrees of freedom (p {}): ",
+            goodness.chi_square,
+            goodness.degrees_of_freedom,
+            if p_value > 1e-300 { format!("= {p_value:.1e}") } else { "< 1e-300".to_owned() }
         );
         words.push_str(match usability {
             Usability::No if p_value < Agreement::DOUBTFUL => {

@@ -184,6 +184,18 @@ impl LawBand {
         })
     }
 
+    /// Takes the band away: without draws nothing is known of it.
+    pub(super) fn leave_open(&mut self) {
+        for ends in [&mut self.lower, &mut self.upper].into_iter().chain(&mut self.quartiles) {
+            ends.fill(f64::NAN);
+        }
+        for origin in self.origin.iter_mut().filter(|origin| **origin != StiffnessOrigin::Given) {
+            *origin = StiffnessOrigin::Open;
+        }
+        self.informed.fill(false);
+        self.remaining.fill(f64::NAN);
+    }
+
     /// The lowest and highest pressure that the data inform \[Pa\].
     pub fn informed_range(&self) -> Option<[f64; 2]> {
         let ranges = self.ranges(StiffnessOrigin::Data);

@@ -24,6 +24,7 @@
 //! | `built_model`, `build` | models with their observations: of the problem, of compared laws, of planned hits |
 //! | `identification`, `hit_numerics` | fit, uncertainty, comparison; estimated errors of the simulated hits |
 //! | `law_band`, `law_comparison`, `design` | the law with its credible band; other laws; ranking of further measurements |
+//! | `given_numbers` | numbers of the scenario that no parameter changes, and their effect on the law |
 //! | `checks` | agreement with the data, as a whole and in groups |
 //! | `judgement` | whether the law may be used, and the reasons |
 //! | `starts` | agreement of the starts of the fit |
@@ -54,6 +55,7 @@ mod design;
 mod error;
 mod forward_model;
 mod free_law;
+mod given_numbers;
 mod hit;
 mod hit_numerics;
 mod identification;
@@ -81,6 +83,7 @@ pub use checks::PredictiveCheck;
 pub use conclusions::PressureDependence;
 pub use design::{CandidateMeasurement, DesignRanking, MeasurementKind};
 pub use error::IdentificationError;
+pub use given_numbers::GivenNumber;
 pub use hit_numerics::HitNumerics;
 pub use identification::{Identification, identify, identify_with_progress};
 pub use identification_problem::IdentificationProblem;

@@ -190,6 +190,34 @@ impl ScenarioModel {
         }
     }
 
+    /// The model with a number of the scenario times a factor, in every rig as it is there.
+    pub(super) fn with_scaled(&self, pointer: &str, factor: f64) -> Self {
+        let scaled = |scenario: &Value| {
+            let mut scenario = scenario.clone();
+            if let Some(number) = scenario.pointer_mut(pointer)
+                && let Some(value) = number.as_f64()
+            {
+                *number = (factor * value).into();
+            }
+            scenario
+        };
+        Self {
+            parameters: self.parameters.clone(),
+            scenario: scaled(&self.scenario),
+            folder: self.folder.clone(),
+            rigs: self.rigs.iter().map(scaled).collect(),
+            hits: self.hits.clone(),
+            quantities: self.quantities.clone(),
+            observations: self.observations.clone(),
+            sweeps: self.sweeps.clone(),
+            stiffness: self.stiffness.clone(),
+            columns: self.columns.clone(),
+            batch: self.batch,
+            extractor: ObservableExtractor::default(),
+            work: Arc::clone(&self.work),
+        }
+    }
+
     /// The start of the parameters.
     pub(super) fn start(&self) -> Vec<f64> {
         self.parameters.list.iter().map(Parameter::start).collect()

@@ -193,3 +193,77 @@ fn failed_numerics_void_the_law() {
     wrong.stopped = true;
     assert_eq!(allowed(&wrong, ReasonKind::Incomplete), Usability::WithCare);
 }
+
+/// A frequency of the rig determines the stiffness over the mass: one per cent of the mass of the bar is
+/// about one per cent of K, and its tolerance enters the band.
+#[test]
+fn given_numbers_are_listed_and_their_tolerance_is_in_the_band() {
+    let mut rig = rig();
+    rig["method"] = json!({"kind": "modal", "step_s": 2e-5, "modes_per_body": 2});
+    rig["excitation"]["peak_n"] = json!(0.1);
+    let of = |given: Value| {
+        let hit = json!({"force_peak_n": 0.1, "features": {"fundamental.frequency_hz":
+            {"value": 900.0, "standard_deviation": 0.1}}});
+        let problem = json!({
+            "schema": "asperity/identify/1",
+            "scenario": rig,
+            "unknowns": [unknowns()[0]],
+            "data": [{"kind": "hits", "hits": [hit]}],
+            "given": given,
+            "draws": 200,
+        });
+        IdentificationProblem::of(Document::parse(&problem.to_string(), "problem.json").unwrap())
+            .unwrap()
+    };
+    let mass = "/bodies/0/mass_kg";
+    let width = |relative: f64| {
+        let mut exact: Vec<Value> = Vec::new();
+        let by_default = identify(&of(json!([]))).unwrap();
+        for one in &by_default.given {
+            let tolerance = if one.pointer == mass { relative } else { 0.0 };
+            exact.push(json!({"pointer": one.pointer, "relative": tolerance}));
+        }
+        let problem = of(json!(exact));
+        let found = identify(&problem).unwrap();
+        let number = found.given.iter().find(|one| one.pointer == mass).unwrap();
+        assert!(number.is_stated && number.relative == relative);
+        assert!((0.5..1.6).contains(&number.sensitivity), "{number:?}");
+        assert!(found.report(&problem)["given"][0]["sensitivity"].is_number());
+        let law = &found.law;
+        let place = law.pressure.iter().position(|p| *p == law.at_rest).unwrap();
+        ((law.upper[place] / law.median[place]).ln(), number.sensitivity)
+    };
+    let (without, _) = width(0.0);
+    let (with, sensitivity) = width(0.05);
+    let expected = without.hypot(1.96 * 0.05 * sensitivity);
+    assert!((with / expected - 1.0).abs() < 0.02, "{with} {expected} {without}");
+    let refused = identify(&of(json!([{"pointer": "/bodies/0/name", "relative": 0.1}])));
+    assert!(refused.unwrap_err().to_string().contains(mass));
+}
+
+/// A model without predictions about its best fit has no posterior, which voids the law: the fit is told.
+#[test]
+fn a_fit_far_from_the_data_has_a_judgement() {
+    let mut rig = rig();
+    rig["method"] = json!({"kind": "modal", "step_s": 2e-5, "modes_per_body": 2});
+    let mut unknowns = unknowns();
+    unknowns[1]["bounds"] = json!([0.6, 0.9]);
+    unknowns[1]["start"] = json!(0.7);
+    let hit = |mass: f64, f: f64| {
+        json!({"set": {"/bodies/0/mass_kg": mass}, "force_peak_n": 0.1,
+        "features": {"fundamental.frequency_hz": {"value": f, "standard_deviation": 0.01}}})
+    };
+    let problem = json!({
+        "schema": "asperity/identify/1",
+        "scenario": rig,
+        "unknowns": unknowns,
+        "data": [{"kind": "hits", "hits": [hit(0.8, 1200.0), hit(1.6, 1000.0), hit(3.2, 800.0)]}],
+        "draws": 100,
+    });
+    let document = Document::parse(&problem.to_string(), "problem.json").unwrap();
+    let problem = IdentificationProblem::of(document).unwrap();
+    let found = identify(&problem).unwrap();
+    assert_eq!(found.judgement().usability, Usability::No);
+    assert_eq!(allowed(&found, ReasonKind::Misfit), Usability::No);
+    assert!(found.report(&problem)["judgement"]["reasons"].as_array().unwrap().len() > 1);
+}

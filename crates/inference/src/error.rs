@@ -133,6 +133,19 @@ pub enum InferenceError {
     Singular(&'static str),
 }
 
+impl InferenceError {
+    /// True if the model has too few predictions about the best fit for a posterior.
+    pub fn is_of_sampler(&self) -> bool {
+        matches!(
+            self,
+            Self::NoPredictions { .. }
+                | Self::MissingPredictions { .. }
+                | Self::TooFewTraining { .. }
+                | Self::Singular(_)
+        )
+    }
+}
+
 /// Checks that an option (named in words) is positive and finite.
 pub(crate) fn check_positive(quantity: &'static str, value: f64) -> Result<(), InferenceError> {
     if value.is_finite() && value > 0.0 {

@@ -44,6 +44,7 @@ pub fn identification_report(
         report = draw(report, found, figures, Some(section), names);
     }
     report = undetermined(report, found);
+    report = given(report, found);
     if found.comparison.is_some() {
         report = report.section("Laws compared");
         report = comparison(report, found);
@@ -211,6 +212,28 @@ fn undetermined(report: Report, found: &Identification) -> Report {
     });
     let text = "Weights are per standard deviation before the data.";
     report.paragraph(text).table(["Combination", "Uncertainty left"], rows)
+}
+
+/// Numbers that the law depends on and that no parameter changes.
+fn given(report: Report, found: &Identification) -> Report {
+    let Some(first) = found.given.first() else { return report };
+    let rows = found.given.iter().map(|one| {
+        vec![
+            TableCell::from(one.label.as_str()),
+            TableCell::from(one.value),
+            TableCell::Number(format!("{:+.3}", one.sensitivity)),
+            TableCell::Number(format!("{} %", four_digits(100.0 * one.relative))),
+            if one.is_stated { "stated" } else { "by its digits" }.into(),
+        ]
+    });
+    let text = format!(
+        "Numbers of the scenario that no parameter changes. Sensitivity: the change of K({} MPa) in \
+         per cent for one per cent of the number, the parameters fitted again. Tolerance: standard \
+         deviation over the value, which the band of the law contains.",
+        four_digits(1e-6 * first.pressure_pa)
+    );
+    let headers = ["Number", "Value", "Sensitivity", "Tolerance", ""];
+    report.section("What was taken as given").paragraph(text).table(headers, rows)
 }
 
 /// Comparison of the laws.
