@@ -83,6 +83,7 @@ impl Identification {
     /// The conclusions in sentences, the most important first.
     pub fn conclusions(&self) -> Vec<String> {
         let mut words = self.judgement().words(&self.subject());
+        words.extend(self.about_explanations());
         if self.stopped {
             words.push(
                 "Incomplete: stopped before the comparison with other laws had ended, which is missing."
@@ -180,6 +181,20 @@ impl Identification {
             ));
         }
         words
+    }
+
+    /// The change of the model that would explain the data best.
+    fn about_explanations(&self) -> Option<String> {
+        let best = self.explanations.first()?;
+        let chi_square = match (best.chi_square, best.expected_chi_square) {
+            (Some(found), _) => format!("{found:.1} in a short fit"),
+            (None, Some(expected)) => format!("about {expected:.1} by the linearised model"),
+            (None, None) => return None,
+        };
+        Some(format!(
+            "What would explain the data better: {}, with a chi-square of {chi_square} instead of {:.1}. It is a suggestion, to be checked on the rig.",
+            best.cause, self.goodness.chi_square
+        ))
     }
 
     /// The given numbers on which the law depends.

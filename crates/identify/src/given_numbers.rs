@@ -60,6 +60,8 @@ pub struct GivenNumber {
 pub(super) struct GivenNumbers {
     /// Those that the law depends on, the most important first.
     pub(super) list: Vec<GivenNumber>,
+    /// All that were varied, with the changes of the standardised residuals for each over its logarithm.
+    pub(super) columns: Vec<(GivenNumber, Vec<f64>)>,
     /// Standard deviation of ln K at each pressure of the band.
     pub(super) deviation: Vec<f64>,
 }
@@ -84,7 +86,8 @@ impl GivenNumbers {
         }
         let gradients = forward.log_stiffness_gradients(&law.name, &law.pressure, best)?;
         let place = reference(law);
-        let mut found = Self { list: Vec::new(), deviation: vec![0.0; law.pressure.len()] };
+        let deviation = vec![0.0; law.pressure.len()];
+        let mut found = Self { deviation, ..Self::default() };
         for (pointer, value) in numbers.into_iter().take(MOST_NUMBERS) {
             let [below, above] = [-STEP, STEP].map(|step| {
                 let moved = forward.with_scaled(&pointer, 1.0 + step);
@@ -110,17 +113,19 @@ impl GivenNumbers {
             for (sum, slope) in found.deviation.iter_mut().zip(&slopes) {
                 *sum = sum.hypot(slope * relative);
             }
-            if slopes[place].abs() >= LEAST_SENSITIVITY {
-                found.list.push(GivenNumber {
-                    label: label(&forward.scenario, &pointer),
-                    pointer,
-                    value,
-                    relative,
-                    is_stated: stated.is_some(),
-                    pressure_pa: law.pressure[place],
-                    sensitivity: slopes[place],
-                });
+            let number = GivenNumber {
+                label: label(&forward.scenario, &pointer),
+                pointer,
+                value,
+                relative,
+                is_stated: stated.is_some(),
+                pressure_pa: law.pressure[place],
+                sensitivity: slopes[place],
+            };
+            if number.sensitivity.abs() >= LEAST_SENSITIVITY {
+                found.list.push(number.clone());
             }
+            found.columns.push((number, change));
         }
         found.list.sort_by(|a, b| b.sensitivity.abs().total_cmp(&a.sensitivity.abs()));
         Ok(found)

@@ -4,19 +4,21 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use asperity_inference::{
-    Covariance, Fit, FitOptions, FitSolution, ForwardModel, GoodnessOfFit, Identifiability,
-    InferenceError, Linearisation, ModelComparison, NoiseScale, Observation, Parameter, Posterior,
-    PosteriorDiagnostics, Profile, ProgressCallback, ScaledNoise, Strain, StrainKind,
-    fit_with_progress, refit_with_progress,
+    Agreement, Covariance, Fit, FitOptions, FitSolution, ForwardModel, GoodnessOfFit,
+    Identifiability, InferenceError, Linearisation, ModelComparison, NoiseScale, Observation,
+    Parameter, Posterior, PosteriorDiagnostics, Profile, ProgressCallback, ScaledNoise, Strain,
+    StrainKind, fit_with_progress, refit_with_progress,
 };
 
 use crate::built_model::{BuiltModel, ObservationLabel};
 use crate::design::{DesignModel, DesignRanking};
 use crate::error::IdentificationError;
+use crate::explanations::{Explanation, Unexplained};
 use crate::given_numbers::{GivenNumber, GivenNumbers};
 use crate::hit_numerics::HitNumerics;
 use crate::identification_problem::IdentificationProblem;
 use crate::incomplete::IncompleteIdentification;
+use crate::judgement::CONTRADICTED;
 use crate::latent_sampling::{FreeLawFindings, posterior_of, profiles};
 use crate::law_band::{ComparedForm, LawBand, StiffnessEstimate, check_pressures};
 use crate::law_comparison::{Compared, candidates, compare_laws};
@@ -88,6 +90,8 @@ pub struct Identification {
     pub given: Vec<GivenNumber>,
     /// The reason why there are no draws from the posterior but the best fit.
     pub unsampled: Option<String>,
+    /// Changes of the model that would explain the data better, where it does not explain them.
+    pub explanations: Vec<Explanation>,
     /// Strains of priors and bounds.
     pub strains: Vec<Strain>,
     /// True for the parameters that belong to the law.
@@ -214,6 +218,27 @@ pub fn identify_with_progress(
     // A request to stop leaves out the comparison and the design.
     let Compared { comparison, noise_factor: comparison_noise_factor, forms } =
         if work.is_stopped() { Compared::default() } else { compared? };
+    let unexplained = Unexplained {
+        problem,
+        forward: &forward,
+        linearisation: &linearisation,
+        covariance: &covariance,
+        given: &given,
+        law: &law_name,
+        observations: model.observations(),
+        residuals: &best.residuals,
+        best: &best.point,
+        factor,
+        chi_square: goodness.chi_square,
+        degrees_of_freedom: goodness.degrees_of_freedom as f64,
+    };
+    let contradicted = strains.iter().any(|strain| strain.deviations.abs() >= CONTRADICTED);
+    let is_odd = goodness.agreement() == Agreement::None || contradicted;
+    let explanations = if is_odd && acts_on_law && !work.is_stopped() {
+        unexplained.explained(progress)?
+    } else {
+        Vec::new()
+    };
     let planned = planned.filter(|_| !work.is_stopped());
     let rank = |mut plan: DesignModel| plan.rank(&law, &best.point, &covariance, factor);
     let design = planned.map(rank).transpose()?;
@@ -222,6 +247,7 @@ pub fn identify_with_progress(
         labels: unfinished.labels,
         free_law,
         acts_on_law,
+        explanations,
         given: given.list,
         unsampled,
         of_law: (0..best.point.len()).map(|j| forward.parameters.is_of_law(j)).collect(),

@@ -89,7 +89,7 @@ pub struct Judgement {
 /// Distance of a parameter from the mean of its prior, in its standard deviations, from which care is
 /// needed, and from which prior and data contradict each other.
 const STRAINED: f64 = 3.0;
-const CONTRADICTED: f64 = 5.0;
+pub(crate) const CONTRADICTED: f64 = 5.0;
 
 /// Distance beyond a bound of the optimum without it, in standard deviations, from which the bound
 /// matters, and from which it carries the result.

@@ -25,6 +25,7 @@
 //! | `identification`, `hit_numerics` | fit, uncertainty, comparison; estimated errors of the simulated hits |
 //! | `law_band`, `law_comparison`, `design` | the law with its credible band; other laws; ranking of further measurements |
 //! | `given_numbers` | numbers of the scenario that no parameter changes, and their effect on the law |
+//! | `explanations` | changes of the model that would explain the data better |
 //! | `checks` | agreement with the data, as a whole and in groups |
 //! | `judgement` | whether the law may be used, and the reasons |
 //! | `starts` | agreement of the starts of the fit |
@@ -53,6 +54,7 @@ mod data_loader;
 mod derivatives;
 mod design;
 mod error;
+mod explanations;
 mod forward_model;
 mod free_law;
 mod given_numbers;
@@ -83,6 +85,7 @@ pub use checks::PredictiveCheck;
 pub use conclusions::PressureDependence;
 pub use design::{CandidateMeasurement, DesignRanking, MeasurementKind};
 pub use error::IdentificationError;
+pub use explanations::Explanation;
 pub use given_numbers::GivenNumber;
 pub use hit_numerics::HitNumerics;
 pub use identification::{Identification, identify, identify_with_progress};

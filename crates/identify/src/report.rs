@@ -117,6 +117,7 @@ impl Identification {
                 "reached_pa": self.law.reached,
                 "static_pressure_pa": self.law.at_rest,
             },
+            "explanations": self.explanations,
             "given": self.given,
             "fit": {
                 "chi_square": goodness.chi_square,

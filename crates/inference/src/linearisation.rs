@@ -139,6 +139,11 @@ impl Linearisation {
         Ok(covariance.matrix.iter().map(moved).collect())
     }
 
+    /// Rows of the Jacobian, with the robust weights of the residuals.
+    pub fn weighted(&self) -> impl Iterator<Item = (&[f64], f64)> {
+        self.jacobian.iter().map(Vec::as_slice).zip(self.weights.iter().copied())
+    }
+
     /// Rows of the Jacobian times the roots of the robust weights.
     pub(crate) fn weighted_rows(&self) -> Vec<Vec<f64>> {
         let rows = self.jacobian.iter().zip(&self.weights);

@@ -45,6 +45,7 @@ pub fn identification_report(
     }
     report = undetermined(report, found);
     report = given(report, found);
+    report = explanations(report, found);
     if found.comparison.is_some() {
         report = report.section("Laws compared");
         report = comparison(report, found);
@@ -212,6 +213,27 @@ fn undetermined(report: Report, found: &Identification) -> Report {
     });
     let text = "Weights are per standard deviation before the data.";
     report.paragraph(text).table(["Combination", "Uncertainty left"], rows)
+}
+
+/// Changes of the model that would explain the data better.
+fn explanations(report: Report, found: &Identification) -> Report {
+    if found.explanations.is_empty() {
+        return report;
+    }
+    let number = |value: Option<f64>| {
+        TableCell::Number(value.map_or_else(String::new, |value| format!("{value:.1}")))
+    };
+    let rows = found.explanations.iter().map(|one| {
+        vec![one.cause.as_str().into(), number(one.expected_chi_square), number(one.chi_square)]
+    });
+    let text = format!(
+        "Chi-square of the fit is {:.1} for {} degrees of freedom. Expected: with the change, by the \
+         linearised model. Fitted: a short fit with it, of those that promise most. A suggestion is no \
+         finding: several changes may do the same.",
+        found.goodness.chi_square, found.goodness.degrees_of_freedom
+    );
+    let headers = ["Change of the model", "Expected chi-square", "Fitted"];
+    report.section("What would explain the data better").paragraph(text).table(headers, rows)
 }
 
 /// Numbers that the law depends on and that no parameter changes.
