@@ -7,6 +7,7 @@ use asperity_inference::{FitOptions, Loss};
 use serde::Deserialize;
 use serde_json::{Value, json};
 
+use crate::data_loader::record_files;
 use crate::error::IdentificationError;
 use crate::problem::{DataSpec, LossSpec, ProblemSpec, ScenarioRef, problem_schema};
 use crate::work::Work;
@@ -62,8 +63,18 @@ impl IdentificationProblem {
         if let Some(samples) = excitation.ok().as_ref().and_then(ExcitationSpec::samples) {
             files.push(InputFile::read(self.scenario_folder(), samples.file.as_ref())?);
         }
-        for file in self.spec.data.iter().flat_map(DataSpec::files) {
-            files.push(InputFile::read(self.document.folder(), file.as_ref())?);
+        let folder = self.document.folder();
+        for data in &self.spec.data {
+            if let DataSpec::Records { files: records, .. } = data {
+                for file in record_files(folder, records)? {
+                    let file = file.strip_prefix(folder).unwrap_or(&file);
+                    files.push(InputFile::read(folder, file)?);
+                }
+            } else {
+                for file in data.files() {
+                    files.push(InputFile::read(folder, file.as_ref())?);
+                }
+            }
         }
         Ok(files)
     }

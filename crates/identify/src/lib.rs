@@ -16,6 +16,7 @@
 //! | [`problem`], `identification_problem` | the problem file; the problem with its scenario |
 //! | `problem_parameters`, `monotone` | parameters as numbers of a scenario, gains and steps of a law |
 //! | `free_law`, `latent_sampling` | a law without an assumed form; its posterior, smoothness and resolution |
+//! | `measured_forces` | the force of each hit of an analysis, from its record |
 //! | `data_loader`, `analysed_hits`, `data_files`, `records` | data to simulated hits and observations |
 //! | `stepped_sine` | steady responses to a shaker, measured and simulated |
 //! | `scenario_laws` | the named laws of a scenario and their stiffnesses |
@@ -67,6 +68,7 @@ mod judgement;
 mod latent_sampling;
 mod law_band;
 mod law_comparison;
+mod measured_forces;
 mod monotone;
 mod observed_quantity;
 pub mod problem;
