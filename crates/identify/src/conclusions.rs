@@ -89,7 +89,7 @@ impl Identification {
                 "Incomplete: stopped before the comparison with other laws had ended, which is missing."
                     .to_owned(),
             );
-        } else {
+        } else if !self.is_fast {
             words.push(self.about_dependence());
         }
         words.extend(self.about_law());
@@ -149,7 +149,8 @@ impl Identification {
     }
 
     fn about_law(&self) -> Vec<String> {
-        if !self.stopped && self.pressure_dependence() == PressureDependence::NotAsked {
+        let is_unasked = self.pressure_dependence() == PressureDependence::NotAsked;
+        if !self.stopped && !self.acts_on_law && is_unasked {
             return Vec::new();
         }
         let mut words = vec![self.about_informed()];

@@ -82,6 +82,8 @@ pub struct Identification {
     pub wall_s: f64,
     /// True if it was stopped in the comparison with other laws, which is then missing.
     pub stopped: bool,
+    /// True if profiles, comparison and explanations were left out on request.
+    pub is_fast: bool,
     /// The findings about the law without an assumed form, if the problem has one.
     pub free_law: Option<FreeLawFindings>,
     /// True for the latents among the parameters.
@@ -214,7 +216,11 @@ pub fn identify_with_progress(
     given.widen(&mut stiffnesses, &law, spec.level);
 
     work.begin(WorkStage::Comparison);
-    let compared = compare_laws(problem, (&forward, own), &law, candidates, progress);
+    let compared = if problem.is_fast {
+        Ok(Compared::default())
+    } else {
+        compare_laws(problem, (&forward, own), &law, candidates, progress)
+    };
     // A request to stop leaves out the comparison and the design.
     let Compared { comparison, noise_factor: comparison_noise_factor, forms } =
         if work.is_stopped() { Compared::default() } else { compared? };
@@ -234,6 +240,7 @@ pub fn identify_with_progress(
     };
     let contradicted = strains.iter().any(|strain| strain.deviations.abs() >= CONTRADICTED);
     let is_odd = goodness.agreement() == Agreement::None || contradicted;
+    let is_odd = is_odd && !problem.is_fast;
     let explanations = if is_odd && acts_on_law && !work.is_stopped() {
         unexplained.explained(progress)?
     } else {
@@ -256,6 +263,7 @@ pub fn identify_with_progress(
         unknowns: spec.unknowns.clone(),
         of_force: of_force(&forward),
         stopped: work.is_stopped(),
+        is_fast: problem.is_fast,
         in_steps: (0..forward.parameters().len())
             .map(|parameter| forward.parameters.is_of_monotone_law(parameter))
             .collect(),
@@ -326,7 +334,13 @@ impl Unfinished {
     ) -> Self {
         let spec = &problem.spec;
         let (parameters, compared) = (forward.parameters(), spec.compare.len() + 1);
-        let expected = expected_evaluations(parameters.len(), spec.starts, spec.draws, compared);
+        let latents = parameters.iter().filter(|parameter| parameter.is_latent()).count();
+        let counts = [parameters.len(), latents];
+        let mut expected = expected_evaluations(counts, spec.starts, spec.draws, compared);
+        if problem.is_fast {
+            expected[WorkStage::Profiles as usize] = 0.0;
+            expected[WorkStage::Comparison as usize] = 0.0;
+        }
         problem.work.plan(expected);
         Self {
             parameters: parameters.to_vec(),

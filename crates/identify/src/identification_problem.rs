@@ -37,6 +37,8 @@ pub struct IdentificationProblem {
     /// Notices on replaced settings.
     pub(super) notices: Vec<String>,
     pub(super) work: Arc<Work>,
+    /// True without profiles, comparison and explanations.
+    pub(super) is_fast: bool,
 }
 
 impl IdentificationProblem {
@@ -115,8 +117,26 @@ impl IdentificationProblem {
             scenario["method"] = json!("modal");
         }
         let work = Arc::default();
-        Ok(Self { document, spec, scenario, scenario_path, scenario_sha256, notices, work })
+        let is_fast = false;
+        Ok(Self {
+            document,
+            spec,
+            scenario,
+            scenario_path,
+            scenario_sha256,
+            notices,
+            work,
+            is_fast,
+        })
     }
+
+    /// The problem without profiles, comparison with other laws and explanations of a misfit, which its
+    /// judgement names.
+    #[must_use]
+    pub fn fast(self) -> Self {
+        Self { is_fast: true, ..self }
+    }
+
     /// Folder of the scenario.
     pub(super) fn scenario_folder(&self) -> &Path {
         self.scenario_path.parent().unwrap_or_else(|| Path::new("."))

@@ -238,6 +238,10 @@ impl Identification {
             let words = "the comparison with other laws is missing: it was stopped.".to_owned();
             Reason::new(ReasonKind::Incomplete, Usability::WithCare, words, [])
         }));
+        reasons.extend(self.is_fast.then(|| {
+            let words = "profiles and the comparison with other laws were left out on request.";
+            Reason::new(ReasonKind::Incomplete, Usability::WithCare, words.to_owned(), [])
+        }));
         reasons.extend(self.of_misfit());
         reasons.extend(self.of_groups());
         reasons.extend(of_strains(&self.strains, &self.labels));

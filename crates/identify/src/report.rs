@@ -93,6 +93,7 @@ impl Identification {
             "schema": IDENTIFICATION_SCHEMA,
             "title": problem.spec.title,
             "complete": !self.stopped,
+            "fast": self.is_fast,
             "judgement": self.judgement(),
             "pressure_dependence": self.pressure_dependence(),
             "explains_data": self.explains(),

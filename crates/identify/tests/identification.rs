@@ -257,7 +257,8 @@ fn an_analysis_has_the_measured_force_of_each_hit() {
     scenario["excitation"]["rise_s"] = json!(2.0 * rise);
     let floor = json!({"fundamental.frequency_hz": {"relative": 1e-3},
         "fundamental.receptance_m_per_n": {"relative": 1e-2}, "harmonic_ratio": {"relative": 2e-2}});
-    let mut data = json!({"kind": "analysis", "file": report, "records": "records", "floor": floor});
+    let mut data =
+        json!({"kind": "analysis", "file": report, "records": "records", "floor": floor});
     let error = |found: &Identification| (found.fit.point[0] / 0.97e12 - 1.0).abs();
     let measured = found(&scenario, &knot, &data).unwrap();
     let about_pulses = |found: &Identification| {

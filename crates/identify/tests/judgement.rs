@@ -267,3 +267,19 @@ fn a_fit_far_from_the_data_has_a_judgement() {
     assert_eq!(allowed(&found, ReasonKind::Misfit), Usability::No);
     assert!(found.report(&problem)["judgement"]["reasons"].as_array().unwrap().len() > 1);
 }
+
+/// Without profiles and comparison the law has its band, and the judgement names what is missing.
+#[test]
+fn a_fast_identification_leaves_out_profiles_and_comparison() {
+    let problem = problem(&unknowns(), &points(|_| 1.0), 0.02).fast();
+    let found = identify(&problem).unwrap();
+    assert!(found.profiles.is_empty() && found.comparison.is_none());
+    assert_eq!(allowed(&found, ReasonKind::Incomplete), Usability::WithCare);
+    assert!(found.law.informed_range().is_some());
+    let words = found.conclusions().join(" ");
+    assert!(
+        words.contains("The data inform the stiffness") && words.contains("left out"),
+        "{words}"
+    );
+    assert_eq!(found.report(&problem)["fast"], true);
+}
