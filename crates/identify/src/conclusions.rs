@@ -363,13 +363,17 @@ impl Identification {
             (Agreement::Good, _) => return format!("{base}: the law explains the data."),
             (Agreement::Doubtful, Some(p)) => {
                 return format!(
-                    "{base} (p = {p:.2}): it is doubtful that the law explains the data, and that its band holds."
+                    "{base} (p = {p:.2}): it is doubtful that the law explains the data; all uncertainties are multiplied by {:.2}, for the size of the residuals and their correlation.",
+                    self.noise_factor
                 );
             }
             _ => {}
         }
         let scaled = if self.noise_factor > 1.0 {
-            format!("; all uncertainties are multiplied by {:.2}", self.noise_factor)
+            format!(
+                "; all uncertainties are multiplied by {:.2}, for their size and the correlation of residuals",
+                self.noise_factor
+            )
         } else {
             String::new()
         };

@@ -11,6 +11,7 @@ use asperity_inference::{
 };
 
 use crate::built_model::{BuiltModel, ObservationLabel};
+use crate::correlation::correlation_factor;
 use crate::design::{DesignModel, DesignRanking};
 use crate::error::IdentificationError;
 use crate::explanations::{Explanation, Unexplained};
@@ -157,7 +158,12 @@ pub fn identify_with_progress(
     let goodness = given.goodness();
     let factor = match spec.noise {
         NoiseSpec::Given => 1.0,
-        NoiseSpec::AtLeastGiven => goodness.noise_factor,
+        // The errors of a law that agrees are independent, those of a misfit are not.
+        NoiseSpec::AtLeastGiven if goodness.agreement() == Agreement::Good => goodness.noise_factor,
+        NoiseSpec::AtLeastGiven => {
+            let correlated = correlation_factor(&forward.quantities, &about, &own.residuals);
+            goodness.noise_factor * correlated.sqrt()
+        }
     };
     // All results below belong to the model with scaled standard deviations.
     let model = ScaledNoise::new(&forward, factor);

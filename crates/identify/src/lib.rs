@@ -26,6 +26,7 @@
 //! | `identification`, `hit_numerics` | fit, uncertainty, comparison; estimated errors of the simulated hits |
 //! | `law_band`, `law_comparison`, `design` | the law with its credible band; other laws; ranking of further measurements |
 //! | `given_numbers` | numbers of the scenario that no parameter changes, and their effect on the law |
+//! | `correlation` | correlation of residuals, which widens what rests on a misfit |
 //! | `explanations` | changes of the model that would explain the data better |
 //! | `checks` | agreement with the data, as a whole and in groups |
 //! | `judgement` | whether the law may be used, and the reasons |
@@ -50,6 +51,7 @@ mod build;
 mod built_model;
 mod checks;
 mod conclusions;
+mod correlation;
 mod data_files;
 mod data_loader;
 mod derivatives;
