@@ -43,65 +43,7 @@ impl Loader<'_> {
                 }
                 Ok(())
             }
-            DataSpec::Analysis {
-                file,
-                records,
-                pulse,
-                set,
-                features,
-                repeatability,
-                floor,
-                ..
-            } => {
-                self.check_floor(&place, floor)?;
-                for feature in features {
-                    self.column(&place, feature)?;
-                }
-                let (path, analysis) = match file {
-                    AnalysisRef::File(file) => {
-                        let path = folder.join(file);
-                        let analysis = Cow::Owned(read_analysis(&path)?);
-                        (path, analysis)
-                    }
-                    AnalysisRef::InPlace(analysis) => {
-                        (PathBuf::from(format!("{place}/file")), Cow::Borrowed(analysis))
-                    }
-                };
-                let AnalysedHits { hits, sources, left_out, scatter } =
-                    analysed_hits(&path, &analysis, features, *repeatability)?;
-                if !scatter.is_empty() {
-                    let part = |(feature, relative): (&String, &f64)| {
-                        format!("{} % of {feature}", four_digits(100.0 * relative))
-                    };
-                    let parts: Vec<String> = scatter.iter().map(part).collect();
-                    self.built.notices.push(format!(
-                        "{}: repeated hits scatter by {}; standard deviations are at least that",
-                        path.display(),
-                        parts.join(", ")
-                    ));
-                }
-                if left_out > 0 {
-                    self.built.notices.push(format!(
-                        "{}: {left_out} hits that were not averaged left out",
-                        path.display()
-                    ));
-                }
-                let forces = match pulse {
-                    PulseSpec::Measured => {
-                        let own = records.as_ref().map(|records| folder.join(records));
-                        let beside = path.parent().map(Path::to_owned);
-                        let folders = [own, beside, Some(folder.to_owned())];
-                        let folders: Vec<PathBuf> = folders.into_iter().flatten().collect();
-                        self.measured_forces(&path, &sources, &analysis, &folders)
-                    }
-                    PulseSpec::Scenario => vec![None; hits.len()],
-                };
-                for (hit, force) in hits.iter().zip(forces) {
-                    let place = path.display().to_string();
-                    self.analysed_features(&place, &name, set, floor, (hit, force))?;
-                }
-                Ok(())
-            }
+            DataSpec::Analysis { .. } => self.analysis(&place, &name, data),
             DataSpec::Frf { file, hit, band_hz, spread, points, .. } => {
                 check_band(&place, *band_hz)?;
                 let lines = data_files::frf(&table(file), *band_hz, *points)?;
@@ -165,6 +107,71 @@ impl Loader<'_> {
 }
 
 impl Loader<'_> {
+    /// Loads the hits of an analysis.
+    fn analysis(
+        &mut self,
+        place: &str,
+        name: &str,
+        data: &DataSpec,
+    ) -> Result<(), IdentificationError> {
+        let DataSpec::Analysis {
+            file, records, pulse, set, features, repeatability, floor, ..
+        } = data
+        else {
+            return Ok(());
+        };
+        let folder = self.problem.document.folder();
+
+        self.check_floor(place, floor)?;
+        for feature in features {
+            self.column(place, feature)?;
+        }
+        let (path, analysis) = match file {
+            AnalysisRef::File(file) => {
+                let path = folder.join(file);
+                let analysis = Cow::Owned(read_analysis(&path)?);
+                (path, analysis)
+            }
+            AnalysisRef::InPlace(analysis) => {
+                (PathBuf::from(format!("{place}/file")), Cow::Borrowed(analysis))
+            }
+        };
+        let AnalysedHits { hits, sources, left_out, scatter } =
+            analysed_hits(&path, &analysis, features, *repeatability)?;
+        if !scatter.is_empty() {
+            let part = |(feature, relative): (&String, &f64)| {
+                format!("{} % of {feature}", four_digits(100.0 * relative))
+            };
+            let parts: Vec<String> = scatter.iter().map(part).collect();
+            self.built.notices.push(format!(
+                "{}: repeated hits scatter by {}; standard deviations are at least that",
+                path.display(),
+                parts.join(", ")
+            ));
+        }
+        if left_out > 0 {
+            self.built.notices.push(format!(
+                "{}: {left_out} hits that were not averaged left out",
+                path.display()
+            ));
+        }
+        let forces = match pulse {
+            PulseSpec::Measured => {
+                let own = records.as_ref().map(|records| folder.join(records));
+                let beside = path.parent().map(Path::to_owned);
+                let folders = [own, beside, Some(folder.to_owned())];
+                let folders: Vec<PathBuf> = folders.into_iter().flatten().collect();
+                self.measured_forces(&path, &sources, &analysis, &folders)
+            }
+            PulseSpec::Scenario => vec![None; hits.len()],
+        };
+        for (hit, force) in hits.iter().zip(forces) {
+            let place = path.display().to_string();
+            self.analysed_features(&place, name, set, floor, (hit, force))?;
+        }
+        Ok(())
+    }
+
     /// The measured forces of hits of an analysis, with notices about those that have none.
     fn measured_forces(
         &mut self,

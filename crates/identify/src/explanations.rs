@@ -10,8 +10,8 @@
 //! 44, 50, 1948). One or two evaluations of the model give d; the best are fitted.
 
 use asperity_inference::{
-    Covariance, FitOptions, ForwardModel, Linearisation, Observation, Predictions,
-    ProgressCallback, fit_with_progress,
+    Agreement, Covariance, FitOptions, FitSolution, ForwardModel, GoodnessOfFit, Linearisation,
+    Observation, Predictions, ProgressCallback, Strain, fit_with_progress,
 };
 use asperity_scenario::{JsonPointer, four_digits};
 use serde::Serialize;
@@ -21,6 +21,7 @@ use std::f64::consts::PI;
 use crate::error::IdentificationError;
 use crate::given_numbers::GivenNumbers;
 use crate::identification_problem::IdentificationProblem;
+use crate::judgement::CONTRADICTED;
 use crate::observed_quantity::ObservedQuantity;
 use crate::problem::{CandidateSpec, Changes, ParameterSpec};
 use crate::problem_parameters::is_within;
@@ -89,32 +90,34 @@ struct Scored {
 pub(super) struct Unexplained<'a> {
     pub(super) problem: &'a IdentificationProblem,
     pub(super) forward: &'a ScenarioModel,
-    pub(super) linearisation: &'a Linearisation,
-    pub(super) covariance: &'a Covariance,
+    pub(super) linear: (&'a Linearisation, &'a Covariance),
     pub(super) given: &'a GivenNumbers,
-    /// Name of the law to report.
-    pub(super) law: &'a str,
     pub(super) observations: &'a [Observation],
-    /// Standardised residuals of these observations at `best`.
-    pub(super) residuals: &'a [f64],
-    pub(super) best: &'a [f64],
+    /// The best fit of these observations.
+    pub(super) best: &'a FitSolution,
     /// Factor of the standard deviations of the observations over those given.
     pub(super) factor: f64,
     /// With the standard deviations as given.
-    pub(super) chi_square: f64,
-    pub(super) degrees_of_freedom: f64,
+    pub(super) goodness: &'a GoodnessOfFit,
 }
 
 impl Unexplained<'_> {
-    /// Explanations, the best first; none that takes away less than a tenth of the excess of chi-square.
+    /// Explanations, the best first; none that takes away less than a tenth of the excess of chi-square,
+    /// and none where chi-square and these strains are fair.
     pub(super) fn explained(
         &self,
+        strains: &[Strain],
         progress: &ProgressCallback<'_>,
     ) -> Result<Vec<Explanation>, IdentificationError> {
+        let contradicted = strains.iter().any(|strain| strain.deviations.abs() >= CONTRADICTED);
+        let is_odd = contradicted || self.goodness.agreement() == Agreement::None;
+        if !is_odd || self.problem.is_fast || self.problem.work.is_stopped() {
+            return Ok(Vec::new());
+        }
         let mut scored = self.of_given_numbers()?;
         scored.extend(self.of_losses()?);
-        let excess = self.chi_square - self.degrees_of_freedom;
-        let part = |one: &Scored| (self.chi_square - one.expected) / excess.max(1.0);
+        let excess = self.goodness.chi_square - self.goodness.degrees_of_freedom as f64;
+        let part = |one: &Scored| (self.goodness.chi_square - one.expected) / excess.max(1.0);
         scored.retain(|one| part(one) >= LEAST_PART);
         scored.sort_by(|a, b| a.expected.total_cmp(&b.expected));
         scored.truncate(MOST_LISTED);
@@ -146,28 +149,28 @@ impl Unexplained<'_> {
         change: &[f64],
         [least, greatest]: [f64; 2],
     ) -> Result<(f64, f64), IdentificationError> {
-        let shift = self.linearisation.shift(self.covariance, change)?;
+        let shift = self.linear.0.shift(self.linear.1, change)?;
         let (mut force, mut information) = (0.0, 0.0);
         for ((row, weight), (d, r)) in
-            self.linearisation.weighted().zip(change.iter().zip(self.residuals))
+            self.linear.0.weighted().zip(change.iter().zip(&self.best.residuals))
         {
             let moved: f64 = row.iter().zip(&shift).map(|(entry, x)| entry * x).sum();
             force += weight * d * r;
             information += weight * d * (d + moved);
         }
         if information <= 0.0 {
-            return Ok((0.0, self.chi_square));
+            return Ok((0.0, self.goodness.chi_square));
         }
         let step = (-force / information).clamp(least, greatest);
         let fall = -(2.0 * force * step + information * step * step) * self.factor.powi(2);
-        Ok((step, (self.chi_square - fall).max(0.0)))
+        Ok((step, (self.goodness.chi_square - fall).max(0.0)))
     }
 
     /// Given numbers with other values.
     fn of_given_numbers(&self) -> Result<Vec<Scored>, IdentificationError> {
         let mut scored = Vec::new();
         // The form of the law itself is the business of a free law.
-        let law = JsonPointer::root().child("laws").child(self.law).to_string();
+        let law = JsonPointer::root().child("laws").child(self.problem.law()?).to_string();
         for (number, change) in &self.given.columns {
             if is_within(&number.pointer, &law) {
                 continue;
@@ -198,7 +201,7 @@ impl Unexplained<'_> {
     fn of_losses(&self) -> Result<Vec<Scored>, IdentificationError> {
         let scenario = &self.forward.scenario;
         let list = |section: &str| scenario[section].as_array().cloned().unwrap_or_default();
-        let natural = self.forward.natural_frequency(self.best).unwrap_or(1e3);
+        let natural = self.forward.natural_frequency(&self.best.point).unwrap_or(1e3);
         let time = TRIED_RATIO / (PI * natural);
         let name = |one: &Value, place: usize| {
             one["name"].as_str().map_or_else(|| place.to_string(), str::to_owned)
@@ -206,7 +209,7 @@ impl Unexplained<'_> {
         let mut tried = Vec::new();
         for (place, interface) in list("interfaces").iter().enumerate() {
             if interface.get("damping").is_none_or(Value::is_null) {
-                let at = JsonPointer::root().child("interfaces").child(&place.to_string());
+                let at = JsonPointer::root().child("interfaces").child(place.to_string());
                 let damping = json!({"kind": "kelvin_voigt", "time_s": time});
                 let cause = format!("contact damping of \"{}\"", name(interface, place));
                 tried.push((cause, at.child("damping"), "time_s", damping, time));
@@ -214,18 +217,18 @@ impl Unexplained<'_> {
         }
         for (place, body) in list("bodies").iter().enumerate().take(1) {
             if body.get("friction").is_none_or(Value::is_null) {
-                let at = JsonPointer::root().child("bodies").child(&place.to_string());
+                let at = JsonPointer::root().child("bodies").child(place.to_string());
                 let friction = json!({"stiffness_n_per_m": STUCK, "coefficient": COEFFICIENT});
                 let cause = format!("friction of the guide of \"{}\"", name(body, place));
                 tried.push((cause, at.child("friction"), "coefficient", friction, COEFFICIENT));
             }
         }
-        let Some(base) = predicted(self.forward, self.best) else { return Ok(Vec::new()) };
+        let Some(base) = predicted(self.forward, &self.best.point) else { return Ok(Vec::new()) };
         let mut scored = Vec::new();
         for (cause, at, key, value, size) in tried {
             let pointer = at.to_string();
             let with = self.forward.with_set(&pointer, &value);
-            let Some(with) = predicted(&with, self.best) else { continue };
+            let Some(with) = predicted(&with, &self.best.point) else { continue };
             let change = change(&base, &with, self.observations);
             let (step, expected) = self.score(&change, [0.0, LARGEST_LOSS])?;
             let found = (size * step).max(1e-2 * size);
@@ -244,7 +247,8 @@ impl Unexplained<'_> {
     /// Chi-square of a short fit of a candidate from the best fit; `None` if it cannot be set up or run.
     fn fitted(&self, candidate: &CandidateSpec, progress: &ProgressCallback<'_>) -> Option<f64> {
         let mut trial = self.problem.clone();
-        trial.scenario = self.problem.scenario_at(&self.problem.spec.unknowns, self.best).ok()?;
+        trial.scenario =
+            self.problem.scenario_at(&self.problem.spec.unknowns, &self.best.point).ok()?;
         for unknown in &mut trial.spec.unknowns {
             if let ParameterSpec::Scalar { start, .. } = unknown {
                 *start = None;
@@ -289,7 +293,7 @@ impl Unexplained<'_> {
         }
         let chi_square = self.short_fit(&trial, progress)?;
         let cause = nearest.1.to_owned();
-        (chi_square < self.chi_square).then_some(Explanation {
+        (chi_square < self.goodness.chi_square).then_some(Explanation {
             cause,
             expected_chi_square: None,
             chi_square: Some(chi_square),

@@ -41,7 +41,7 @@ const SECTIONS: [&str; 7] =
 pub struct GivenNumber {
     /// Its JSON Pointer.
     pub pointer: String,
-    /// Its name in words, such as "mass_kg of \"block\"".
+    /// Its name in words, such as `mass_kg of "block"`.
     pub label: String,
     /// Its value in the scenario.
     pub value: f64,
@@ -210,7 +210,7 @@ fn leaves(value: &Value, pointer: &JsonPointer, all: &mut Vec<(String, f64)>) {
         }
         Value::Array(items) => {
             let items = items.iter().enumerate();
-            items.for_each(|(i, value)| leaves(value, &pointer.child(&i.to_string()), all));
+            items.for_each(|(i, value)| leaves(value, &pointer.child(i.to_string()), all));
         }
         _ => {}
     }

@@ -19,7 +19,6 @@ use crate::given_numbers::{GivenNumber, GivenNumbers};
 use crate::hit_numerics::HitNumerics;
 use crate::identification_problem::IdentificationProblem;
 use crate::incomplete::IncompleteIdentification;
-use crate::judgement::CONTRADICTED;
 use crate::latent_sampling::{FreeLawFindings, posterior_of, profiles};
 use crate::law_band::{ComparedForm, LawBand, StiffnessEstimate, check_pressures};
 use crate::law_comparison::{Compared, candidates, compare_laws};
@@ -144,7 +143,6 @@ pub fn identify_with_progress(
     let BuiltModel { mut forward, about, mut notices } = problem.model()?;
     let law_name = problem.law()?;
     let files = problem.input_files()?;
-    notices.splice(0..0, problem.notices.iter().cloned());
     let spec = &problem.spec;
     // Errors of the request come before any computation.
     check_pressures("/pressures_pa", spec.pressures_pa)?;
@@ -156,15 +154,7 @@ pub fn identify_with_progress(
     let own = own_fit(problem, &mut forward, &unfinished, progress)?;
     let given = Fit::resumed(&forward, own.clone(), progress)?;
     let goodness = given.goodness();
-    let factor = match spec.noise {
-        NoiseSpec::Given => 1.0,
-        // The errors of a law that agrees are independent, those of a misfit are not.
-        NoiseSpec::AtLeastGiven if goodness.agreement() == Agreement::Good => goodness.noise_factor,
-        NoiseSpec::AtLeastGiven => {
-            let correlated = correlation_factor(&forward.quantities, &about, &own.residuals);
-            goodness.noise_factor * correlated.sqrt()
-        }
-    };
+    let factor = noise_factor(spec.noise, &goodness, (&forward, &about), &own.residuals);
     // All results below belong to the model with scaled standard deviations.
     let model = ScaledNoise::new(&forward, factor);
     let best = if factor > 1.0 { refit_with_progress(&model, &own, progress) } else { Ok(given) };
@@ -178,12 +168,7 @@ pub fn identify_with_progress(
     work.begin(WorkStage::Profiles);
     let linearisation = best.linearise()?;
     let covariance = linearisation.covariance(NoiseScale::Given)?;
-    // Bounds carry what they carry with the standard deviations as given.
-    let mut strains = linearisation.strains(&best)?;
-    let of_bounds = |strain: &&mut Strain| matches!(strain.kind, StrainKind::Bound(_));
-    for strain in strains.iter_mut().filter(of_bounds) {
-        strain.deviations *= factor;
-    }
+    let strains = strains_as_given(&linearisation, &best, factor)?;
     let laws = forward.laws(&best.point)?;
     let profiles = profiles(problem, &forward, &best, &covariance)?;
     if work.is_stopped() {
@@ -197,83 +182,45 @@ pub fn identify_with_progress(
         let (fit, covariance) = (best.into_solution(), Some(covariance));
         return Err(unfinished.stopped(WorkStage::Posterior, fit, covariance, profiles, laws));
     }
-    let (posterior, free_law, unsampled) = match sampled {
-        Ok((posterior, free_law)) => (posterior, free_law, None),
-        Err(IdentificationError::Inference(error)) if error.is_of_sampler() => {
-            (best_alone(&best), None, Some(error.to_string()))
-        }
-        Err(error) => return Err(error),
-    };
-    let sampled = (&posterior, free_law.as_ref());
-    let mut law = LawBand::new(problem, &forward, &law_name, &best.point, sampled)?;
-    let acts_on_law = (0..best.point.len()).any(|j| forward.parameters.is_of_law(j));
-    let given = if acts_on_law {
-        let linear = (&linearisation, &covariance);
-        let (band, point) = ((&law, model.observations()), &best.point);
-        GivenNumbers::of(problem, &forward, linear, band, point)?
-    } else {
-        GivenNumbers::default()
-    };
-    law.widen(&given.deviation, spec.level);
-    if unsampled.is_some() {
-        law.leave_open();
-    }
-    let mut stiffnesses = StiffnessEstimate::all(problem, &forward, &best.point, &posterior)?;
-    given.widen(&mut stiffnesses, &law, spec.level);
+    let linear = (&linearisation, &covariance);
+    let drawn = Drawn::new(problem, &forward, linear, (&best, model.observations()), sampled)?;
 
     work.begin(WorkStage::Comparison);
-    let compared = if problem.is_fast {
-        Ok(Compared::default())
-    } else {
-        compare_laws(problem, (&forward, own), &law, candidates, progress)
-    };
+    let compared = compare_laws(problem, (&forward, own), &drawn.law, candidates, progress);
     // A request to stop leaves out the comparison and the design.
     let Compared { comparison, noise_factor: comparison_noise_factor, forms } =
         if work.is_stopped() { Compared::default() } else { compared? };
     let unexplained = Unexplained {
         problem,
         forward: &forward,
-        linearisation: &linearisation,
-        covariance: &covariance,
-        given: &given,
-        law: &law_name,
+        linear,
+        given: &drawn.given,
         observations: model.observations(),
-        residuals: &best.residuals,
-        best: &best.point,
+        best: &best,
         factor,
-        chi_square: goodness.chi_square,
-        degrees_of_freedom: goodness.degrees_of_freedom as f64,
+        goodness: &goodness,
     };
-    let contradicted = strains.iter().any(|strain| strain.deviations.abs() >= CONTRADICTED);
-    let is_odd = goodness.agreement() == Agreement::None || contradicted;
-    let is_odd = is_odd && !problem.is_fast;
-    let explanations = if is_odd && acts_on_law && !work.is_stopped() {
-        unexplained.explained(progress)?
-    } else {
-        Vec::new()
-    };
-    let planned = planned.filter(|_| !work.is_stopped());
-    let rank = |mut plan: DesignModel| plan.rank(&law, &best.point, &covariance, factor);
-    let design = planned.map(rank).transpose()?;
+    let explanations = unexplained.explained(&strains, progress)?;
+    let rank = |mut plan: DesignModel| plan.rank(&drawn.law, &best.point, &covariance, factor);
+    let design = planned.filter(|_| !work.is_stopped()).map(rank).transpose()?;
+    let each = |is: &dyn Fn(usize) -> bool| (0..best.point.len()).map(is).collect();
     Ok(Identification {
         names: unfinished.names,
         labels: unfinished.labels,
-        free_law,
-        acts_on_law,
+        free_law: drawn.free_law,
+        acts_on_law: acts_on_law(&forward),
         explanations,
-        given: given.list,
-        unsampled,
-        of_law: (0..best.point.len()).map(|j| forward.parameters.is_of_law(j)).collect(),
+        given: drawn.given.list,
+        unsampled: drawn.unsampled,
+        of_law: each(&|parameter| forward.parameters.is_of_law(parameter)),
         strains,
         latent: forward.parameters().iter().map(Parameter::is_latent).collect(),
         unknowns: spec.unknowns.clone(),
         of_force: of_force(&forward),
         stopped: work.is_stopped(),
         is_fast: problem.is_fast,
-        in_steps: (0..forward.parameters().len())
-            .map(|parameter| forward.parameters.is_of_monotone_law(parameter))
-            .collect(),
-        stiffnesses,
+        in_steps: each(&|parameter| forward.parameters.is_of_monotone_law(parameter)),
+        stiffnesses: drawn.stiffnesses,
         laws,
         observations: model.observations().to_vec(),
         identifiability: linearisation.identifiability()?,
@@ -283,8 +230,8 @@ pub fn identify_with_progress(
         goodness,
         noise_factor: factor,
         profiles,
-        posterior,
-        law,
+        posterior: drawn.posterior,
+        law: drawn.law,
         comparison,
         forms,
         comparison_noise_factor,
@@ -296,6 +243,87 @@ pub fn identify_with_progress(
         wall_s: started.elapsed().as_secs_f64(),
         about,
     })
+}
+
+/// Factor of the standard deviations: of the size of the residuals, and, where the law does not agree, of their
+/// correlation: the errors of a law that agrees are independent.
+fn noise_factor(
+    noise: NoiseSpec,
+    goodness: &GoodnessOfFit,
+    (forward, about): (&ScenarioModel, &[ObservationLabel]),
+    residuals: &[f64],
+) -> f64 {
+    match noise {
+        NoiseSpec::Given => 1.0,
+        NoiseSpec::AtLeastGiven if goodness.agreement() == Agreement::Good => goodness.noise_factor,
+        NoiseSpec::AtLeastGiven => {
+            let correlated = correlation_factor(&forward.quantities, about, residuals);
+            goodness.noise_factor * correlated.sqrt()
+        }
+    }
+}
+
+/// The strains with the standard deviations as given, which are scaled by a factor.
+fn strains_as_given(
+    linearisation: &Linearisation,
+    best: &FitSolution,
+    factor: f64,
+) -> Result<Vec<Strain>, InferenceError> {
+    let mut strains = linearisation.strains(best)?;
+    let of_bounds = |strain: &&mut Strain| matches!(strain.kind, StrainKind::Bound(_));
+    for strain in strains.iter_mut().filter(of_bounds) {
+        strain.deviations *= factor;
+    }
+    Ok(strains)
+}
+
+/// True if any parameter belongs to a law.
+fn acts_on_law(forward: &ScenarioModel) -> bool {
+    (0..forward.parameters().len()).any(|parameter| forward.parameters.is_of_law(parameter))
+}
+
+/// The posterior, and the law with its band.
+struct Drawn {
+    posterior: Posterior,
+    free_law: Option<FreeLawFindings>,
+    unsampled: Option<String>,
+    law: LawBand,
+    given: GivenNumbers,
+    stiffnesses: Vec<StiffnessEstimate>,
+}
+
+impl Drawn {
+    /// The law of the draws; without draws, the best fit without a band.
+    fn new(
+        problem: &IdentificationProblem,
+        forward: &ScenarioModel,
+        linear: (&Linearisation, &Covariance),
+        (best, observations): (&FitSolution, &[Observation]),
+        sampled: Result<(Posterior, Option<FreeLawFindings>), IdentificationError>,
+    ) -> Result<Self, IdentificationError> {
+        let (posterior, free_law, unsampled) = match sampled {
+            Ok((posterior, free_law)) => (posterior, free_law, None),
+            Err(IdentificationError::Inference(error)) if error.is_of_sampler() => {
+                (best_alone(best), None, Some(error.to_string()))
+            }
+            Err(error) => return Err(error),
+        };
+        let (name, point, level) = (problem.law()?, &best.point, problem.spec.level);
+        let mut law =
+            LawBand::new(problem, forward, &name, point, (&posterior, free_law.as_ref()))?;
+        let given = if acts_on_law(forward) {
+            GivenNumbers::of(problem, forward, linear, (&law, observations), point)?
+        } else {
+            GivenNumbers::default()
+        };
+        law.widen(&given.deviation, level);
+        if unsampled.is_some() {
+            law.leave_open();
+        }
+        let mut stiffnesses = StiffnessEstimate::all(problem, forward, point, &posterior)?;
+        given.widen(&mut stiffnesses, &law, level);
+        Ok(Self { posterior, free_law, unsampled, law, given, stiffnesses })
+    }
 }
 
 /// True for observations of hits, whose abscissa is the peak force.

@@ -295,7 +295,8 @@ impl Identification {
             _ => "it is doubtful that model and data agree.",
         });
         if missing > 0 {
-            words.push_str(&format!(" {missing} measured peaks are not in the model's responses."));
+            let peaks = format!(" {missing} measured peaks are not in the model's responses.");
+            words.push_str(&peaks);
         }
         let numbers = [
             ("chi_square", goodness.chi_square),

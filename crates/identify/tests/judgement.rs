@@ -173,7 +173,9 @@ fn failed_numerics_void_the_law() {
     assert_eq!(allowed(&wrong, ReasonKind::Interval), Usability::No);
     let mut wrong = right();
     for ends in [&mut wrong.law.lower, &mut wrong.law.upper] {
-        ends.iter_mut().for_each(|end| *end *= 1.5);
+        for end in ends {
+            *end *= 1.5;
+        }
     }
     assert_eq!(allowed(&wrong, ReasonKind::Interval), Usability::No);
     let mut wrong = right();
