@@ -187,6 +187,33 @@ pub enum IdentificationError {
 }
 
 impl IdentificationError {
+    /// The place in the problem of a fault of its content; `None` for other errors.
+    pub fn place(&self) -> Option<&str> {
+        Some(match self {
+            Self::Parameter(_)
+            | Self::Contradiction { .. }
+            | Self::NotMonotone(_)
+            | Self::FreeLaw { .. }
+            | Self::Prior { .. }
+            | Self::NoData { .. }
+            | Self::Inference(
+                InferenceError::Start { .. }
+                | InferenceError::Bounds { .. }
+                | InferenceError::Prior { .. }
+                | InferenceError::DuplicateName(_),
+            ) => "/unknowns",
+            Self::NotGiven { .. } => "/given",
+            Self::NoLaw { .. } | Self::UnnamedLaw(_) => "/law",
+            Self::Feature { place, .. }
+            | Self::NoDeviation { place, .. }
+            | Self::Contradictory { place, .. }
+            | Self::Value { place, .. }
+            | Self::Set { place, .. }
+            | Self::NoPeak(place) => place,
+            _ => return None,
+        })
+    }
+
     /// True for errors of the request; false for a scenario that cannot be run at any start.
     pub fn is_wrong_request(&self) -> bool {
         !matches!(

@@ -554,6 +554,13 @@ impl IncompleteIdentification {
         let words = format!("the identification was stopped in the {}.", self.stage.name());
         let mut reasons = vec![Reason::new(ReasonKind::Incomplete, Usability::No, words, [])];
         reasons.extend(of_strains(&self.strains, &self.labels));
+        let bound = (0..self.labels.len()).filter(|&parameter| self.fit.at_bound[parameter]);
+        reasons.extend(bound.map(|parameter| {
+            let value = self.fit.point[parameter];
+            let label = &self.labels[parameter];
+            let words = format!("{label} is on its bound {}.", four_digits(value));
+            Reason::new(ReasonKind::Bound, Usability::WithCare, words, [("bound", value)])
+        }));
         Judgement::of(reasons)
     }
 }

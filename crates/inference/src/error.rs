@@ -30,7 +30,9 @@ pub enum InferenceError {
         expected: &'static str,
     },
     /// A start outside the bounds.
-    #[error("the start of '{name}' is {start}, outside its bounds {lower} to {upper}")]
+    #[error(
+        "the start of '{name}' is {start}, outside its bounds {lower} to {upper}; expected a start inside, or wider bounds"
+    )]
     Start {
         /// The parameter.
         name: String,
