@@ -176,11 +176,15 @@ pub(crate) enum Command {
     /// uncertainty.
     ///
     /// Writes law.json and scenario.json (inputs of other commands), identification.json, law.csv,
-    /// data.csv, posterior.csv, figures and report.html.
+    /// data.csv, posterior.csv, figures and report.html. The answer begins with whether the law may be
+    /// used, and why not.
     Identify {
         /// The problem, a JSON file; `asperity schema --identify` prints what it may hold.
         #[arg(value_name = "PROBLEM")]
         problem: PathBuf,
+        /// Leave out profiles, the comparison with other laws and the explanations of a misfit.
+        #[arg(long)]
+        fast: bool,
         #[command(flatten)]
         output: Output,
         /// Number of threads. Default: all cores.

@@ -80,8 +80,8 @@ fn run(args: &Args) -> Result<(), Failure> {
         Command::Check { input, json } => command::check::run(input, *json),
         Command::Schema { identify, rig, study } => command::schema::run(*identify, *rig, *study),
         Command::Study(asked) => command::study::run(asked, args.quiet),
-        Command::Identify { problem, output, threads } => {
-            command::identify::run(problem, output, *threads, args.quiet)
+        Command::Identify { problem, fast, output, threads } => {
+            command::identify::run(problem, *fast, output, *threads, args.quiet)
         }
         Command::Analyse(asked) => command::analyse::run(asked, args.quiet),
         Command::Watch(asked) => command::watch::run(asked, args.quiet),

@@ -19,6 +19,7 @@ use serde_json::{Map, Value};
 
 use crate::data_files::{problem, read};
 use crate::error::IdentificationError;
+use crate::measured_forces::HitSource;
 use crate::problem::{Changes, HitSpec, Measured, Uncertain};
 
 /// Least degrees of freedom of a scatter.
@@ -29,6 +30,8 @@ const LEAST_DEGREES: usize = 3;
 pub(super) struct AnalysedHits {
     /// The averaged hits with their available features.
     pub(super) hits: Vec<HitSpec>,
+    /// The record of each.
+    pub(super) sources: Vec<Option<HitSource>>,
     /// Number of the other hits.
     pub(super) left_out: usize,
     /// Relative scatter of the features over repeated hits, where it is known.
@@ -88,6 +91,7 @@ pub(super) fn analysed_hits(
         }
     }
     let mut hits = Vec::with_capacity(all.len());
+    let mut sources = Vec::with_capacity(all.len());
     let good = |hit: &&Value| hit.get("averaged").and_then(Value::as_bool) == Some(true);
     for hit in all.iter().filter(good) {
         let number = |pointer: &str| hit.pointer(pointer).and_then(Value::as_f64);
@@ -106,12 +110,13 @@ pub(super) fn analysed_hits(
             };
             measured.insert(feature.clone(), known);
         }
+        sources.push(HitSource::of(hit));
         hits.push(HitSpec { force_peak_n: Some(peak), set: Changes::new(), features: measured });
     }
     if hits.is_empty() {
         return Err(problem(path, "the file has no averaged hit".to_owned(), EXPECTED));
     }
-    Ok(AnalysedHits { left_out: all.len() - hits.len(), hits, scatter })
+    Ok(AnalysedHits { left_out: all.len() - hits.len(), hits, sources, scatter })
 }
 
 /// The relative scatter of the number at `pointer` over the hits of each level.

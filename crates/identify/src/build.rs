@@ -22,7 +22,9 @@ impl IdentificationProblem {
     /// The model of the problem.
     pub(super) fn model(&self) -> Result<BuiltModel, IdentificationError> {
         self.check_gains(&self.spec.unknowns)?;
-        self.build(&self.scenario, &self.spec.unknowns, &self.spec.data)
+        let mut built = self.build(&self.scenario, &self.spec.unknowns, &self.spec.data)?;
+        built.notices.splice(0..0, self.notices.iter().cloned());
+        Ok(built)
     }
 
     /// The model of a candidate: with its changes, and without the parameters inside them.

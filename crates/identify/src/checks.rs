@@ -8,10 +8,14 @@ use crate::identification::Identification;
 /// Number of groups of force.
 const FORCE_GROUPS: usize = 3;
 
+/// Groups in the order of the measurement, and the fewest hits for them.
+const TIMES: [&str; 3] = ["first", "middle", "last"];
+const LEAST_HITS: usize = 6;
+
 /// Comparison of a group of observations with repetitions that the posterior predicts.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PredictiveCheck {
-    /// The group in words: a feature, or a range of forces.
+    /// The group in words: a feature, a range of forces, or the place in the order of the measurement.
     pub group: String,
     /// Number of its observations.
     pub observations: usize,
@@ -36,7 +40,8 @@ impl Identification {
         if self.fit.missing.is_empty() { self.goodness.agreement() } else { Agreement::None }
     }
 
-    /// Checks of every feature, and of hits of small, middle and large force.
+    /// Checks of every feature, of hits of small, middle and large force, and of the first, middle and
+    /// last hits of each data.
     pub fn checks(&self) -> Vec<PredictiveCheck> {
         let mut features: Vec<&str> = Vec::new();
         for about in &self.about {
@@ -50,6 +55,7 @@ impl Identification {
         };
         let mut groups: Vec<(String, Vec<usize>)> = features.iter().map(of_feature).collect();
         groups.extend(self.force_groups());
+        groups.extend(self.time_groups());
         groups.into_iter().filter_map(|(group, own)| self.check(group, &own)).collect()
     }
 
@@ -70,6 +76,31 @@ impl Identification {
             (format!("forces of {low:.1} to {high:.1} N"), own)
         };
         parts.map(group).collect()
+    }
+
+    /// Hits of each data in the order of their measurement, in parts of equal numbers: contacts wear, and
+    /// sensors drift.
+    fn time_groups(&self) -> Vec<(String, Vec<usize>)> {
+        let mut groups = Vec::new();
+        let mut names: Vec<&str> = self.about.iter().map(|about| about.data.as_str()).collect();
+        names.dedup();
+        for name in names {
+            let own = |i: &usize| self.about[*i].data == name;
+            let own: Vec<usize> = (0..self.about.len()).filter(own).collect();
+            let mut blocks: Vec<usize> = own.iter().map(|&i| self.observations[i].block).collect();
+            blocks.sort_unstable();
+            blocks.dedup();
+            if blocks.len() < LEAST_HITS {
+                continue;
+            }
+            let parts = blocks.chunks(blocks.len().div_ceil(TIMES.len()));
+            for (part, word) in parts.zip(TIMES) {
+                let inside = |i: &usize| part.contains(&self.observations[*i].block);
+                let group = own.iter().copied().filter(inside).collect();
+                groups.push((format!("{word} {} hits of {name}", part.len()), group));
+            }
+        }
+        groups
     }
 
     fn check(&self, group: String, own: &[usize]) -> Option<PredictiveCheck> {

@@ -44,15 +44,20 @@ impl Identification {
     /// fifth of the draws effective (with a Pareto shape of at most 0.7 where their weights were cut), and
     /// the profile intervals covered.
     pub fn has_converged(&self) -> bool {
+        self.fit.converged && self.sampler_has_converged()
+    }
+
+    /// True if the posterior has converged.
+    pub(crate) fn sampler_has_converged(&self) -> bool {
         let found = &self.posterior.diagnostics;
         let share = found.effective_draws / self.posterior.draws.len().max(1) as f64;
         let mixed = found.r_hat.iter().all(|r| *r < MOST_R_HAT);
         let is_whole = found.truncated.is_empty() && !self.has_heavy_weights();
-        self.fit.converged && share >= MIN_DRAWS && mixed && is_whole
+        share >= MIN_DRAWS && mixed && is_whole
     }
 
     /// True if weights were cut whose tail is too heavy for it.
-    fn has_heavy_weights(&self) -> bool {
+    pub(crate) fn has_heavy_weights(&self) -> bool {
         let found = &self.posterior.diagnostics;
         let is_cut = found.evaluated_draws > self.posterior.draws.len();
         is_cut && found.pareto_shape.is_some_and(|shape| shape > MOST_SHAPE)
@@ -77,46 +82,54 @@ impl Identification {
 
     /// The conclusions in sentences, the most important first.
     pub fn conclusions(&self) -> Vec<String> {
-        let mut words = Vec::new();
+        let mut words = self.judgement().words(&self.subject());
+        words.extend(self.about_explanations());
         if self.stopped {
             words.push(
                 "Incomplete: stopped before the comparison with other laws had ended, which is missing."
                     .to_owned(),
             );
-        } else {
+        } else if !self.is_fast {
             words.push(self.about_dependence());
         }
         words.extend(self.about_law());
+        words.extend(self.about_given());
         words.extend(self.about_comparison());
         words.push(self.about_fit());
-        words.extend(self.about_checks());
         words.push(about_starts(&self.fit));
         words.extend(self.about_parameters());
-        if !self.has_converged() {
-            let found = &self.posterior.diagnostics;
-            let lost: Vec<&str> =
-                found.truncated.iter().map(|parameter| self.labels[*parameter].as_str()).collect();
-            let lost = match lost.join(", ") {
-                none if none.is_empty() => none,
-                lost => format!(
-                    ", and the draws leave out more than a quarter of the profile interval of {lost}"
-                ),
-            };
-            let heavy = match found.pareto_shape {
-                Some(shape) if self.has_heavy_weights() => {
-                    format!(", their weights have a heavy tail (Pareto shape {shape:.2})")
-                }
-                _ => String::new(),
-            };
-            words.push(format!(
-                "The posterior has not converged: {:.0} of {} draws are effective{heavy}, the largest R-hat is {:.3}{lost}; its bands {}.",
-                found.effective_draws,
-                self.posterior.draws.len(),
-                found.r_hat.iter().copied().fold(1.0, f64::max),
-                if found.effective_draws < FEW_DRAWS { "say nothing" } else { "are estimates" },
-            ));
-        }
         words
+    }
+
+    /// The failure of the sampler to converge.
+    pub(crate) fn about_sampler(&self) -> String {
+        if let Some(reason) = &self.unsampled {
+            return format!(
+                "the posterior could not be sampled, so that there are no intervals: {reason}."
+            );
+        }
+        let found = &self.posterior.diagnostics;
+        let lost: Vec<&str> =
+            found.truncated.iter().map(|parameter| self.labels[*parameter].as_str()).collect();
+        let lost = match lost.join(", ") {
+            none if none.is_empty() => none,
+            lost => format!(
+                ", and the draws leave out more than a quarter of the profile interval of {lost}"
+            ),
+        };
+        let heavy = match found.pareto_shape {
+            Some(shape) if self.has_heavy_weights() => {
+                format!(", their weights have a heavy tail (Pareto shape {shape:.2})")
+            }
+            _ => String::new(),
+        };
+        format!(
+            "the posterior has not converged: {:.0} of {} draws are effective{heavy}, the largest R-hat is {:.3}{lost}; its bands {}.",
+            found.effective_draws,
+            self.posterior.draws.len(),
+            found.r_hat.iter().copied().fold(1.0, f64::max),
+            if found.effective_draws < FEW_DRAWS { "say nothing" } else { "are estimates" },
+        )
     }
 
     fn about_dependence(&self) -> String {
@@ -136,7 +149,8 @@ impl Identification {
     }
 
     fn about_law(&self) -> Vec<String> {
-        if !self.stopped && self.pressure_dependence() == PressureDependence::NotAsked {
+        let is_unasked = self.pressure_dependence() == PressureDependence::NotAsked;
+        if !self.stopped && !self.acts_on_law && is_unasked {
             return Vec::new();
         }
         let mut words = vec![self.about_informed()];
@@ -170,6 +184,38 @@ impl Identification {
         words
     }
 
+    /// The change of the model that would explain the data best.
+    fn about_explanations(&self) -> Option<String> {
+        let best = self.explanations.first()?;
+        let chi_square = match (best.chi_square, best.expected_chi_square) {
+            (Some(found), _) => format!("{found:.1} in a short fit"),
+            (None, Some(expected)) => format!("about {expected:.1} by the linearised model"),
+            (None, None) => return None,
+        };
+        Some(format!(
+            "What would explain the data better: {}, with a chi-square of {chi_square} instead of {:.1}. It is a suggestion, to be checked on the rig.",
+            best.cause, self.goodness.chi_square
+        ))
+    }
+
+    /// The given numbers on which the law depends.
+    fn about_given(&self) -> Option<String> {
+        let first = self.given.first()?;
+        let each = self.given.iter().take(MOST_GIVEN).map(|one| {
+            format!(
+                "{:+.2} % for {}, known to {} %",
+                one.sensitivity,
+                one.label,
+                four_digits(100.0 * one.relative)
+            )
+        });
+        Some(format!(
+            "The law rests on given numbers. One per cent of a number changes K({} MPa) by: {}. Their tolerances are in the band of the law.",
+            four_digits(1e-6 * first.pressure_pa),
+            each.collect::<Vec<_>>().join("; ")
+        ))
+    }
+
     fn about_informed(&self) -> String {
         match self.law.informed_range() {
             None => format!(
@@ -177,14 +223,22 @@ impl Identification {
                 self.law.name
             ),
             Some([low, high]) => {
-                let LawBand { name, median, lower, upper, informed, .. } = &self.law;
+                let name = &self.law.name;
+                let range = match [low, high].map(|p| four_digits(1e-6 * p)) {
+                    [low, high] if low == high => format!("at {low} MPa"),
+                    [low, high] => format!("from {low} to {high} MPa"),
+                };
+                let LawBand { median, lower, upper, informed, .. } = &self.law;
                 let informed = (0..informed.len()).filter(|&i| informed[i]);
+                if self.judgement().is_void() {
+                    return format!(
+                        "The data bear on the stiffness of law \"{name}\" {range}; its band is void."
+                    );
+                }
                 let half_widths = informed.map(|i| 0.5 * (upper[i] - lower[i]) / median[i]);
                 let widest = half_widths.fold(0.0, f64::max);
                 format!(
-                    "The data inform the stiffness of law \"{name}\" from {} to {} MPa; the half width of its {} % band there is at most {:.1} % of the median.",
-                    four_digits(1e-6 * low),
-                    four_digits(1e-6 * high),
+                    "The data inform the stiffness of law \"{name}\" {range}; the half width of its {} % band there is at most {:.1} % of the median.",
                     four_digits(100.0 * self.level),
                     100.0 * widest,
                 )
@@ -257,20 +311,6 @@ impl Identification {
         hits > 0 && 2 * count("harmonic_ratio") < hits
     }
 
-    /// Groups of data that disagree, at a probability of one in twenty for all groups together.
-    fn about_checks(&self) -> Vec<String> {
-        let checks = self.checks();
-        let limit = Agreement::GOOD / checks.len().max(1) as f64;
-        let off = checks.iter().filter(|check| check.p_value < limit);
-        let words = off.map(|check| {
-            format!(
-                "The law does not predict the group \"{}\": the posterior predictive p-value of its {} observations is {:.1e}.",
-                check.group, check.observations, check.p_value
-            )
-        });
-        words.collect()
-    }
-
     fn about_comparison(&self) -> Vec<String> {
         let Some(comparison) = &self.comparison else { return Vec::new() };
         let best = &comparison.candidates[comparison.best].name;
@@ -285,6 +325,9 @@ impl Identification {
                         "Of those compared, {best} has the lowest AICc, {difference:.1} below that of {}.",
                         next.name
                     ),
+                    Some((_, difference)) if !difference.is_finite() => format!(
+                        "There are too few observations for an information criterion; {best} stands first by residuals alone."
+                    ),
                     _ => format!(
                         "Of those whose cross-validation score is within one standard error of the highest, {best} has the lowest AICc."
                     ),
@@ -293,9 +336,9 @@ impl Identification {
                     "Rejected: {}; its cross-validation score is {:.1} standard errors lower, and its AICc is {:.0} larger than that of {best}.",
                     candidate.name, standard_errors, aicc_difference
                 ),
-                ModelAssessment::Misfit { p_value, aicc_difference } => format!(
-                    "Rejected: {}; the p-value of its residuals is {p_value:.0e}, and its AICc is {aicc_difference:.0} larger than that of {best}.",
-                    candidate.name
+                ModelAssessment::Misfit { p_value, .. } => format!(
+                    "Rejected: {}; its chi-square is {:.1}, and the p-value of its residuals {p_value:.0e}.",
+                    candidate.name, candidate.goodness.chi_square
                 ),
                 ModelAssessment::Undecided => format!(
                     "Undecided: the data do not distinguish {} from {best}{}.",
@@ -320,13 +363,17 @@ impl Identification {
             (Agreement::Good, _) => return format!("{base}: the law explains the data."),
             (Agreement::Doubtful, Some(p)) => {
                 return format!(
-                    "{base} (p = {p:.2}): it is doubtful that the law explains the data, and that its band holds."
+                    "{base} (p = {p:.2}): it is doubtful that the law explains the data; all uncertainties are multiplied by {:.2}, for the size of the residuals and their correlation.",
+                    self.noise_factor
                 );
             }
             _ => {}
         }
         let scaled = if self.noise_factor > 1.0 {
-            format!("; all uncertainties are multiplied by {:.2}", self.noise_factor)
+            format!(
+                "; all uncertainties are multiplied by {:.2}, for their size and the correlation of residuals",
+                self.noise_factor
+            )
         } else {
             String::new()
         };
@@ -334,7 +381,7 @@ impl Identification {
     }
 
     /// The name of a parameter in words.
-    fn label<'a>(&'a self, name: &'a str) -> &'a str {
+    pub(crate) fn label<'a>(&'a self, name: &'a str) -> &'a str {
         let place = self.names.iter().position(|known| known == name);
         place.map_or(name, |place| self.labels[place].as_str())
     }
@@ -377,6 +424,9 @@ impl Identification {
         words
     }
 }
+
+/// Most given numbers in words.
+const MOST_GIVEN: usize = 6;
 
 /// Noise factor of a comparison above which no law explains the data.
 const MAX_FACTOR: f64 = 5.0;

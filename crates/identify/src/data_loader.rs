@@ -4,17 +4,25 @@ mod hits;
 mod observations;
 
 use std::borrow::Cow;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::sync::LazyLock;
+
+use asperity_experiment::{
+    AnalysisOptions, ChannelSelector, ResponseChoice, RigFault, RigSettings, input_files,
+};
+use serde_json::{Map, Value, json};
 
 use crate::analysed_hits::{AnalysedHits, analysed_hits, read_analysis};
 use crate::built_model::{Loader, ObservationLabel};
 use crate::data_files::{self, TableSource};
 use crate::error::IdentificationError;
+use crate::measured_forces::{Force, HitSource, forces_of};
 use crate::observed_quantity::ObservedQuantity;
-use crate::problem::{AnalysisRef, DataSpec, SpreadSpec};
+use crate::problem::{AnalysisRef, DataSpec, PulseSpec, RigRef, SpreadSpec};
+use crate::problem_parameters::is_within;
 use crate::records;
 use crate::stepped_sine::read_table;
-use asperity_scenario::four_digits;
+use asperity_scenario::{Document, four_digits, schema_of};
 
 impl Loader<'_> {
     /// Loads the data at `index` of the problem.
@@ -35,45 +43,7 @@ impl Loader<'_> {
                 }
                 Ok(())
             }
-            DataSpec::Analysis { file, set, features, repeatability, floor, .. } => {
-                self.check_floor(&place, floor)?;
-                for feature in features {
-                    self.column(&place, feature)?;
-                }
-                let (path, analysis) = match file {
-                    AnalysisRef::File(file) => {
-                        let path = folder.join(file);
-                        let analysis = Cow::Owned(read_analysis(&path)?);
-                        (path, analysis)
-                    }
-                    AnalysisRef::InPlace(analysis) => {
-                        (PathBuf::from(format!("{place}/file")), Cow::Borrowed(analysis))
-                    }
-                };
-                let AnalysedHits { hits, left_out, scatter } =
-                    analysed_hits(&path, &analysis, features, *repeatability)?;
-                if !scatter.is_empty() {
-                    let part = |(feature, relative): (&String, &f64)| {
-                        format!("{} % of {feature}", four_digits(100.0 * relative))
-                    };
-                    let parts: Vec<String> = scatter.iter().map(part).collect();
-                    self.built.notices.push(format!(
-                        "{}: repeated hits scatter by {}; standard deviations are at least that",
-                        path.display(),
-                        parts.join(", ")
-                    ));
-                }
-                if left_out > 0 {
-                    self.built.notices.push(format!(
-                        "{}: {left_out} hits that were not averaged left out",
-                        path.display()
-                    ));
-                }
-                for hit in &hits {
-                    self.hit_features(&path.display().to_string(), &name, set, floor, hit)?;
-                }
-                Ok(())
-            }
+            DataSpec::Analysis { .. } => self.analysis(&place, &name, data),
             DataSpec::Frf { file, hit, band_hz, spread, points, .. } => {
                 check_band(&place, *band_hz)?;
                 let lines = data_files::frf(&table(file), *band_hz, *points)?;
@@ -85,11 +55,21 @@ impl Loader<'_> {
                 let simulated = self.add_hit(&place, &name, &[&hit.set], hit.force_peak_n)?;
                 self.backbone(&place, &name, simulated, &points, (*spread, *damping_spread))
             }
-            DataSpec::Records { files, force, response, set, band_hz, spread, .. } => {
+            DataSpec::Records { files, rig, force, response, set, band_hz, spread, .. } => {
                 check_band(&place, *band_hz)?;
-                let files: Vec<PathBuf> = files.iter().map(|file| folder.join(file)).collect();
-                let channels = [force.as_deref(), response.as_deref()];
-                for hit in records::hits(&files, channels, *band_hz)? {
+                let files = record_files(folder, files)?;
+                let mut options = match rig {
+                    Some(rig) => rig_options(&place, folder, rig)?,
+                    None => AnalysisOptions::default(),
+                };
+                if let Some(force) = force {
+                    options.force = Some(ChannelSelector::from(force.as_str()));
+                }
+                if let Some(response) = response {
+                    let response = ChannelSelector::from(response.as_str());
+                    options.responses = ResponseChoice::of(&[response]);
+                }
+                for hit in records::hits(&files, &options, *band_hz)? {
                     let simulated = self.add_recorded_hit(&place, &name, set, &hit)?;
                     self.receptance(&place, &name, simulated, &hit.lines, |noise| SpreadSpec {
                         absolute: spread.absolute.hypot(noise),
@@ -124,6 +104,146 @@ impl Loader<'_> {
             }
         }
     }
+}
+
+impl Loader<'_> {
+    /// Loads the hits of an analysis.
+    fn analysis(
+        &mut self,
+        place: &str,
+        name: &str,
+        data: &DataSpec,
+    ) -> Result<(), IdentificationError> {
+        let DataSpec::Analysis {
+            file, records, pulse, set, features, repeatability, floor, ..
+        } = data
+        else {
+            return Ok(());
+        };
+        let folder = self.problem.document.folder();
+
+        self.check_floor(place, floor)?;
+        for feature in features {
+            self.column(place, feature)?;
+        }
+        let (path, analysis) = match file {
+            AnalysisRef::File(file) => {
+                let path = folder.join(file);
+                let analysis = Cow::Owned(read_analysis(&path)?);
+                (path, analysis)
+            }
+            AnalysisRef::InPlace(analysis) => {
+                (PathBuf::from(format!("{place}/file")), Cow::Borrowed(analysis))
+            }
+        };
+        let AnalysedHits { hits, sources, left_out, scatter } =
+            analysed_hits(&path, &analysis, features, *repeatability)?;
+        if !scatter.is_empty() {
+            let part = |(feature, relative): (&String, &f64)| {
+                format!("{} % of {feature}", four_digits(100.0 * relative))
+            };
+            let parts: Vec<String> = scatter.iter().map(part).collect();
+            self.built.notices.push(format!(
+                "{}: repeated hits scatter by {}; standard deviations are at least that",
+                path.display(),
+                parts.join(", ")
+            ));
+        }
+        if left_out > 0 {
+            self.built.notices.push(format!(
+                "{}: {left_out} hits that were not averaged left out",
+                path.display()
+            ));
+        }
+        let forces = match pulse {
+            PulseSpec::Measured => {
+                let own = records.as_ref().map(|records| folder.join(records));
+                let beside = path.parent().map(Path::to_owned);
+                let folders = [own, beside, Some(folder.to_owned())];
+                let folders: Vec<PathBuf> = folders.into_iter().flatten().collect();
+                self.measured_forces(&path, &sources, &analysis, &folders)
+            }
+            PulseSpec::Scenario => vec![None; hits.len()],
+        };
+        for (hit, force) in hits.iter().zip(forces) {
+            let place = path.display().to_string();
+            self.analysed_features(&place, name, set, floor, (hit, force))?;
+        }
+        Ok(())
+    }
+
+    /// The measured forces of hits of an analysis, with notices about those that have none.
+    fn measured_forces(
+        &mut self,
+        path: &Path,
+        sources: &[Option<HitSource>],
+        analysis: &Map<String, Value>,
+        folders: &[PathBuf],
+    ) -> Vec<Option<Force>> {
+        let shape = self.built.forward.scenario.pointer("/excitation/kind");
+        let shape = shape.and_then(Value::as_str).unwrap_or("none").to_owned();
+        let mut pointers = self.built.forward.parameters.pointers();
+        let none = vec![None; sources.len()];
+        if let Some(unknown) = pointers.find(|pointer| is_within(pointer, "/excitation")) {
+            let notice = format!(
+                "{}: {unknown} is an unknown, so that the pulse of each hit is the scenario's ({shape}) with the measured peak; without it each hit has its measured force",
+                path.display()
+            );
+            self.built.notices.push(notice);
+            return none;
+        }
+        drop(pointers);
+        let (forces, reasons) = forces_of(sources, analysis, folders);
+        let without = forces.iter().filter(|force| force.is_none()).count();
+        if without > 0 {
+            let reason = match reasons.as_slice() {
+                [] => "the analysis names no record".to_owned(),
+                [only] => only.clone(),
+                [first, rest @ ..] => format!("{first}, and {} others", rest.len()),
+            };
+            self.built.notices.push(format!(
+                "{}: {without} of {} hits have no measured force ({reason}), and the scenario's pulse ({shape}) with the measured peak in its place; \"records\" names the folder of the records",
+                path.display(),
+                sources.len()
+            ));
+        }
+        forces
+    }
+}
+
+/// The files that paths, folders and patterns name, relative to `folder`.
+pub(super) fn record_files(
+    folder: &Path,
+    files: &[String],
+) -> Result<Vec<PathBuf>, IdentificationError> {
+    let files: Vec<PathBuf> = files.iter().map(|file| folder.join(file)).collect();
+    Ok(input_files(&files)?)
+}
+
+/// The options that the settings of a rig give.
+fn rig_options(
+    place: &str,
+    folder: &Path,
+    rig: &RigRef,
+) -> Result<AnalysisOptions, IdentificationError> {
+    static SCHEMA: LazyLock<Value> = LazyLock::new(schema_of::<RigSettings>);
+    let document = match rig {
+        RigRef::File(file) => Document::read(folder.join(file))?,
+        RigRef::InPlace(settings) => {
+            Document::parse(&json!(settings).to_string(), format!("{place}/rig"))?
+        }
+    };
+    let settings: RigSettings = document.checked(&SCHEMA, Vec::new())?;
+    settings.options().map_err(|faults| {
+        let words = |fault: &RigFault| {
+            format!("{}: {}, accepted: {}", fault.pointer, fault.found, fault.accepted)
+        };
+        IdentificationError::File {
+            path: document.path().to_owned(),
+            problem: faults.iter().map(words).collect::<Vec<_>>().join("; "),
+            expected: "the settings of a rig, as asperity inspect writes them",
+        }
+    })
 }
 
 fn check_band(place: &str, [low, high]: [f64; 2]) -> Result<(), IdentificationError> {

@@ -37,6 +37,16 @@ pub enum IdentificationError {
         "law \"{0}\" has no stiffnesses at knots or points; expected the name of a modified_power or table law in \"laws\""
     )]
     NotMonotone(String),
+    /// A tolerance of a number that is not given.
+    #[error(
+        "/given: {pointer} is no number of the scenario that is taken as given; there are: {known}"
+    )]
+    NotGiven {
+        /// The pointer.
+        pointer: String,
+        /// Pointers to the given numbers.
+        known: String,
+    },
     /// A free law that cannot be set up.
     #[error("free_law \"{law}\": {reason}")]
     FreeLaw {
@@ -55,7 +65,7 @@ pub enum IdentificationError {
     },
     /// The law to report has no name.
     #[error(
-        "the law of the first interface has no name; expected \"law\" with one of the names in \"laws\": {0}"
+        "the law of the first interface is written in place, and an identification reports a law by its name: put it into \"laws\" of the scenario under a name, refer to it there (\"law\": \"name\") and in the pointers of the problem (/laws/name/...); names in \"laws\" now: {0}"
     )]
     UnnamedLaw(String),
     /// A prior that is not a distribution.
@@ -177,6 +187,33 @@ pub enum IdentificationError {
 }
 
 impl IdentificationError {
+    /// The place in the problem of a fault of its content; `None` for other errors.
+    pub fn place(&self) -> Option<&str> {
+        Some(match self {
+            Self::Parameter(_)
+            | Self::Contradiction { .. }
+            | Self::NotMonotone(_)
+            | Self::FreeLaw { .. }
+            | Self::Prior { .. }
+            | Self::NoData { .. }
+            | Self::Inference(
+                InferenceError::Start { .. }
+                | InferenceError::Bounds { .. }
+                | InferenceError::Prior { .. }
+                | InferenceError::DuplicateName(_),
+            ) => "/unknowns",
+            Self::NotGiven { .. } => "/given",
+            Self::NoLaw { .. } | Self::UnnamedLaw(_) => "/law",
+            Self::Feature { place, .. }
+            | Self::NoDeviation { place, .. }
+            | Self::Contradictory { place, .. }
+            | Self::Value { place, .. }
+            | Self::Set { place, .. }
+            | Self::NoPeak(place) => place,
+            _ => return None,
+        })
+    }
+
     /// True for errors of the request; false for a scenario that cannot be run at any start.
     pub fn is_wrong_request(&self) -> bool {
         !matches!(

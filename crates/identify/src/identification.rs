@@ -4,14 +4,18 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use asperity_inference::{
-    Covariance, Fit, FitOptions, FitSolution, ForwardModel, GoodnessOfFit, Identifiability,
-    InferenceError, Linearisation, ModelComparison, NoiseScale, Observation, Parameter, Posterior,
-    Profile, ProgressCallback, ScaledNoise, fit_with_progress, refit_with_progress,
+    Agreement, Covariance, Fit, FitOptions, FitSolution, ForwardModel, GoodnessOfFit,
+    Identifiability, InferenceError, Linearisation, ModelComparison, NoiseScale, Observation,
+    Parameter, Posterior, PosteriorDiagnostics, Profile, ProgressCallback, ScaledNoise, Strain,
+    StrainKind, fit_with_progress, refit_with_progress,
 };
 
 use crate::built_model::{BuiltModel, ObservationLabel};
+use crate::correlation::correlation_factor;
 use crate::design::{DesignModel, DesignRanking};
 use crate::error::IdentificationError;
+use crate::explanations::{Explanation, Unexplained};
+use crate::given_numbers::{GivenNumber, GivenNumbers};
 use crate::hit_numerics::HitNumerics;
 use crate::identification_problem::IdentificationProblem;
 use crate::incomplete::IncompleteIdentification;
@@ -78,10 +82,24 @@ pub struct Identification {
     pub wall_s: f64,
     /// True if it was stopped in the comparison with other laws, which is then missing.
     pub stopped: bool,
+    /// True if profiles, comparison and explanations were left out on request.
+    pub is_fast: bool,
     /// The findings about the law without an assumed form, if the problem has one.
     pub free_law: Option<FreeLawFindings>,
     /// True for the latents among the parameters.
     pub latent: Vec<bool>,
+    /// Numbers of the scenario that the law depends on and that no parameter changes.
+    pub given: Vec<GivenNumber>,
+    /// The reason why there are no draws from the posterior but the best fit.
+    pub unsampled: Option<String>,
+    /// Changes of the model that would explain the data better, where it does not explain them.
+    pub explanations: Vec<Explanation>,
+    /// Strains of priors and bounds.
+    pub strains: Vec<Strain>,
+    /// True for the parameters that belong to the law.
+    pub(super) of_law: Vec<bool>,
+    /// True if any does.
+    pub(super) acts_on_law: bool,
     /// True for observations of hits, whose abscissa is the peak force.
     pub(super) of_force: Vec<bool>,
     /// The parameters of the problem, with the pressures of a free law.
@@ -125,7 +143,6 @@ pub fn identify_with_progress(
     let BuiltModel { mut forward, about, mut notices } = problem.model()?;
     let law_name = problem.law()?;
     let files = problem.input_files()?;
-    notices.splice(0..0, problem.notices.iter().cloned());
     let spec = &problem.spec;
     // Errors of the request come before any computation.
     check_pressures("/pressures_pa", spec.pressures_pa)?;
@@ -137,10 +154,7 @@ pub fn identify_with_progress(
     let own = own_fit(problem, &mut forward, &unfinished, progress)?;
     let given = Fit::resumed(&forward, own.clone(), progress)?;
     let goodness = given.goodness();
-    let factor = match spec.noise {
-        NoiseSpec::Given => 1.0,
-        NoiseSpec::AtLeastGiven => goodness.noise_factor,
-    };
+    let factor = noise_factor(spec.noise, &goodness, (&forward, &about), &own.residuals);
     // All results below belong to the model with scaled standard deviations.
     let model = ScaledNoise::new(&forward, factor);
     let best = if factor > 1.0 { refit_with_progress(&model, &own, progress) } else { Ok(given) };
@@ -154,6 +168,7 @@ pub fn identify_with_progress(
     work.begin(WorkStage::Profiles);
     let linearisation = best.linearise()?;
     let covariance = linearisation.covariance(NoiseScale::Given)?;
+    let strains = strains_as_given(&linearisation, &best, factor)?;
     let laws = forward.laws(&best.point)?;
     let profiles = profiles(problem, &forward, &best, &covariance)?;
     if work.is_stopped() {
@@ -167,31 +182,45 @@ pub fn identify_with_progress(
         let (fit, covariance) = (best.into_solution(), Some(covariance));
         return Err(unfinished.stopped(WorkStage::Posterior, fit, covariance, profiles, laws));
     }
-    let (posterior, free_law) = sampled?;
-    let sampled = (&posterior, free_law.as_ref());
-    let law = LawBand::new(problem, &forward, &law_name, &best.point, sampled)?;
-    let stiffnesses = StiffnessEstimate::all(problem, &forward, &best.point, &posterior)?;
+    let linear = (&linearisation, &covariance);
+    let drawn = Drawn::new(problem, &forward, linear, (&best, model.observations()), sampled)?;
 
     work.begin(WorkStage::Comparison);
-    let compared = compare_laws(problem, (&forward, own), &law, candidates, progress);
+    let compared = compare_laws(problem, (&forward, own), &drawn.law, candidates, progress);
     // A request to stop leaves out the comparison and the design.
     let Compared { comparison, noise_factor: comparison_noise_factor, forms } =
         if work.is_stopped() { Compared::default() } else { compared? };
-    let planned = planned.filter(|_| !work.is_stopped());
-    let rank = |mut plan: DesignModel| plan.rank(&law, &best.point, &covariance, factor);
-    let design = planned.map(rank).transpose()?;
+    let unexplained = Unexplained {
+        problem,
+        forward: &forward,
+        linear,
+        given: &drawn.given,
+        observations: model.observations(),
+        best: &best,
+        factor,
+        goodness: &goodness,
+    };
+    let explanations = unexplained.explained(&strains, progress)?;
+    let rank = |mut plan: DesignModel| plan.rank(&drawn.law, &best.point, &covariance, factor);
+    let design = planned.filter(|_| !work.is_stopped()).map(rank).transpose()?;
+    let each = |is: &dyn Fn(usize) -> bool| (0..best.point.len()).map(is).collect();
     Ok(Identification {
         names: unfinished.names,
         labels: unfinished.labels,
-        free_law,
+        free_law: drawn.free_law,
+        acts_on_law: acts_on_law(&forward),
+        explanations,
+        given: drawn.given.list,
+        unsampled: drawn.unsampled,
+        of_law: each(&|parameter| forward.parameters.is_of_law(parameter)),
+        strains,
         latent: forward.parameters().iter().map(Parameter::is_latent).collect(),
         unknowns: spec.unknowns.clone(),
         of_force: of_force(&forward),
         stopped: work.is_stopped(),
-        in_steps: (0..forward.parameters().len())
-            .map(|parameter| forward.parameters.is_of_monotone_law(parameter))
-            .collect(),
-        stiffnesses,
+        is_fast: problem.is_fast,
+        in_steps: each(&|parameter| forward.parameters.is_of_monotone_law(parameter)),
+        stiffnesses: drawn.stiffnesses,
         laws,
         observations: model.observations().to_vec(),
         identifiability: linearisation.identifiability()?,
@@ -201,8 +230,8 @@ pub fn identify_with_progress(
         goodness,
         noise_factor: factor,
         profiles,
-        posterior,
-        law,
+        posterior: drawn.posterior,
+        law: drawn.law,
         comparison,
         forms,
         comparison_noise_factor,
@@ -216,6 +245,87 @@ pub fn identify_with_progress(
     })
 }
 
+/// Factor of the standard deviations: of the size of the residuals, and, where the law does not agree, of their
+/// correlation: the errors of a law that agrees are independent.
+fn noise_factor(
+    noise: NoiseSpec,
+    goodness: &GoodnessOfFit,
+    (forward, about): (&ScenarioModel, &[ObservationLabel]),
+    residuals: &[f64],
+) -> f64 {
+    match noise {
+        NoiseSpec::Given => 1.0,
+        NoiseSpec::AtLeastGiven if goodness.agreement() == Agreement::Good => goodness.noise_factor,
+        NoiseSpec::AtLeastGiven => {
+            let correlated = correlation_factor(&forward.quantities, about, residuals);
+            goodness.noise_factor * correlated.sqrt()
+        }
+    }
+}
+
+/// The strains with the standard deviations as given, which are scaled by a factor.
+fn strains_as_given(
+    linearisation: &Linearisation,
+    best: &FitSolution,
+    factor: f64,
+) -> Result<Vec<Strain>, InferenceError> {
+    let mut strains = linearisation.strains(best)?;
+    let of_bounds = |strain: &&mut Strain| matches!(strain.kind, StrainKind::Bound(_));
+    for strain in strains.iter_mut().filter(of_bounds) {
+        strain.deviations *= factor;
+    }
+    Ok(strains)
+}
+
+/// True if any parameter belongs to a law.
+fn acts_on_law(forward: &ScenarioModel) -> bool {
+    (0..forward.parameters().len()).any(|parameter| forward.parameters.is_of_law(parameter))
+}
+
+/// The posterior, and the law with its band.
+struct Drawn {
+    posterior: Posterior,
+    free_law: Option<FreeLawFindings>,
+    unsampled: Option<String>,
+    law: LawBand,
+    given: GivenNumbers,
+    stiffnesses: Vec<StiffnessEstimate>,
+}
+
+impl Drawn {
+    /// The law of the draws; without draws, the best fit without a band.
+    fn new(
+        problem: &IdentificationProblem,
+        forward: &ScenarioModel,
+        linear: (&Linearisation, &Covariance),
+        (best, observations): (&FitSolution, &[Observation]),
+        sampled: Result<(Posterior, Option<FreeLawFindings>), IdentificationError>,
+    ) -> Result<Self, IdentificationError> {
+        let (posterior, free_law, unsampled) = match sampled {
+            Ok((posterior, free_law)) => (posterior, free_law, None),
+            Err(IdentificationError::Inference(error)) if error.is_of_sampler() => {
+                (best_alone(best), None, Some(error.to_string()))
+            }
+            Err(error) => return Err(error),
+        };
+        let (name, point, level) = (problem.law()?, &best.point, problem.spec.level);
+        let mut law =
+            LawBand::new(problem, forward, &name, point, (&posterior, free_law.as_ref()))?;
+        let given = if acts_on_law(forward) {
+            GivenNumbers::of(problem, forward, linear, (&law, observations), point)?
+        } else {
+            GivenNumbers::default()
+        };
+        law.widen(&given.deviation, level);
+        if unsampled.is_some() {
+            law.leave_open();
+        }
+        let mut stiffnesses = StiffnessEstimate::all(problem, forward, point, &posterior)?;
+        given.widen(&mut stiffnesses, &law, level);
+        Ok(Self { posterior, free_law, unsampled, law, given, stiffnesses })
+    }
+}
+
 /// True for observations of hits, whose abscissa is the peak force.
 fn of_force(forward: &ScenarioModel) -> Vec<bool> {
     let is_of_hit =
@@ -223,8 +333,25 @@ fn of_force(forward: &ScenarioModel) -> Vec<bool> {
     forward.quantities.iter().map(is_of_hit).collect()
 }
 
+/// The best fit in place of draws: no draw is effective, and no chain has converged.
+fn best_alone(best: &FitSolution) -> Posterior {
+    let count = best.point.len();
+    Posterior {
+        draws: vec![best.point.clone()],
+        weights: vec![1.0],
+        predictions: vec![best.predictions.clone()],
+        diagnostics: PosteriorDiagnostics {
+            r_hat: vec![f64::INFINITY; count],
+            effective_sample_size: vec![0.0; count],
+            autocorrelation_time: vec![f64::INFINITY; count],
+            ..PosteriorDiagnostics::default()
+        },
+    }
+}
+
 /// The part of an incomplete identification that is known from the beginning.
 struct Unfinished {
+    parameters: Vec<Parameter>,
     names: Vec<String>,
     labels: Vec<String>,
     law: String,
@@ -241,9 +368,16 @@ impl Unfinished {
     ) -> Self {
         let spec = &problem.spec;
         let (parameters, compared) = (forward.parameters(), spec.compare.len() + 1);
-        let expected = expected_evaluations(parameters.len(), spec.starts, spec.draws, compared);
+        let latents = parameters.iter().filter(|parameter| parameter.is_latent()).count();
+        let counts = [parameters.len(), latents];
+        let mut expected = expected_evaluations(counts, spec.starts, spec.draws, compared);
+        if problem.is_fast {
+            expected[WorkStage::Profiles as usize] = 0.0;
+            expected[WorkStage::Comparison as usize] = 0.0;
+        }
         problem.work.plan(expected);
         Self {
+            parameters: parameters.to_vec(),
             names: parameters.iter().map(|parameter| parameter.name().to_owned()).collect(),
             labels: forward.parameters.labels(&forward.scenario),
             law: law.to_owned(),
@@ -259,6 +393,7 @@ impl Unfinished {
         profiles: Vec<Profile>,
         laws: Laws,
     ) -> IdentificationError {
+        let strains = Strain::of_priors(&self.parameters, &fit.point);
         IdentificationError::Stopped(Box::new(IncompleteIdentification {
             stage,
             names: self.names.clone(),
@@ -266,6 +401,7 @@ impl Unfinished {
             fit,
             covariance,
             profiles,
+            strains,
             laws,
             law: self.law.clone(),
             wall_s: self.started.elapsed().as_secs_f64(),

@@ -7,6 +7,7 @@ use asperity_inference::{FitOptions, Loss};
 use serde::Deserialize;
 use serde_json::{Value, json};
 
+use crate::data_loader::record_files;
 use crate::error::IdentificationError;
 use crate::problem::{DataSpec, LossSpec, ProblemSpec, ScenarioRef, problem_schema};
 use crate::work::Work;
@@ -36,6 +37,8 @@ pub struct IdentificationProblem {
     /// Notices on replaced settings.
     pub(super) notices: Vec<String>,
     pub(super) work: Arc<Work>,
+    /// True without profiles, comparison and explanations.
+    pub(super) is_fast: bool,
 }
 
 impl IdentificationProblem {
@@ -62,8 +65,18 @@ impl IdentificationProblem {
         if let Some(samples) = excitation.ok().as_ref().and_then(ExcitationSpec::samples) {
             files.push(InputFile::read(self.scenario_folder(), samples.file.as_ref())?);
         }
-        for file in self.spec.data.iter().flat_map(DataSpec::files) {
-            files.push(InputFile::read(self.document.folder(), file.as_ref())?);
+        let folder = self.document.folder();
+        for data in &self.spec.data {
+            if let DataSpec::Records { files: records, .. } = data {
+                for file in record_files(folder, records)? {
+                    let file = file.strip_prefix(folder).unwrap_or(&file);
+                    files.push(InputFile::read(folder, file)?);
+                }
+            } else {
+                for file in data.files() {
+                    files.push(InputFile::read(folder, file.as_ref())?);
+                }
+            }
         }
         Ok(files)
     }
@@ -104,8 +117,26 @@ impl IdentificationProblem {
             scenario["method"] = json!("modal");
         }
         let work = Arc::default();
-        Ok(Self { document, spec, scenario, scenario_path, scenario_sha256, notices, work })
+        let is_fast = false;
+        Ok(Self {
+            document,
+            spec,
+            scenario,
+            scenario_path,
+            scenario_sha256,
+            notices,
+            work,
+            is_fast,
+        })
     }
+
+    /// The problem without profiles, comparison with other laws and explanations of a misfit, which its
+    /// judgement names.
+    #[must_use]
+    pub fn fast(self) -> Self {
+        Self { is_fast: true, ..self }
+    }
+
     /// Folder of the scenario.
     pub(super) fn scenario_folder(&self) -> &Path {
         self.scenario_path.parent().unwrap_or_else(|| Path::new("."))

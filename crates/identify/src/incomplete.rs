@@ -1,6 +1,6 @@
 //! The result of an identification that was stopped.
 
-use asperity_inference::{Covariance, FitSolution, Profile};
+use asperity_inference::{Covariance, FitSolution, Profile, Strain};
 
 use crate::starts::about_starts;
 use crate::work::WorkStage;
@@ -19,6 +19,8 @@ pub struct IncompleteIdentification {
     pub fit: FitSolution,
     /// Uncertainty near the optimum, if the fit was finished.
     pub covariance: Option<Covariance>,
+    /// Strains of the priors.
+    pub strains: Vec<Strain>,
     /// Profiles, if they were finished.
     pub profiles: Vec<Profile>,
     /// The laws at the best fit so far.
@@ -42,8 +44,8 @@ impl IncompleteIdentification {
             }
             WorkStage::Comparison => "the comparison with other laws is missing",
         };
-        let mut words =
-            vec![format!("Incomplete: stopped in the {}; {missing}.", self.stage.name())];
+        let mut words = self.judgement().words("the result");
+        words.push(format!("Incomplete: stopped in the {}; {missing}.", self.stage.name()));
         words.push(format!(
             "Chi-square is {:.1} for {} observations.",
             self.fit.chi_square,

@@ -79,7 +79,7 @@ pub(super) fn profiles(
     best: &Fit<'_>,
     covariance: &Covariance,
 ) -> Result<Vec<Profile>, InferenceError> {
-    if forward.parameters.free.is_some() {
+    if forward.parameters.free.is_some() || problem.is_fast {
         return Ok(Vec::new());
     }
     let all: Vec<usize> = (0..best.point.len()).collect();

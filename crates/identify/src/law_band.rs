@@ -16,7 +16,7 @@ use crate::scenario_model::ScenarioModel;
 use crate::stepped_sine::SimulatedSweep;
 use asperity_simulation::error::SimulationError;
 
-/// Pressures at which a law is drawn.
+/// Pressures at which a law is drawn, besides the static one.
 const PRESSURES: usize = 81;
 
 /// Draws from the prior.
@@ -148,10 +148,16 @@ impl LawBand {
         let Reached { range: reached, at_rest } = Reached::of(forward, name, best)?;
         let range = problem.spec.pressures_pa.unwrap_or([0.0, 1.25 * reached[1]]);
         // Denser at low pressure, where laws differ most.
-        let pressure: Vec<f64> = (0..PRESSURES)
+        let mut pressure: Vec<f64> = (0..PRESSURES)
             .map(|i| i as f64 / (PRESSURES - 1) as f64)
             .map(|part| range[0] + (range[1] - range[0]) * part * part)
             .collect();
+        // Small hits inform the stiffness at rest alone.
+        if (range[0]..=range[1]).contains(&at_rest) {
+            let place = pressure.partition_point(|p| *p < at_rest);
+            pressure.insert(place, at_rest);
+            pressure.dedup();
+        }
         let found = Evaluated::new(problem, forward, name, &pressure, posterior);
         let origin = found.origins(&pressure, reached, free.filter(|free| free.law == name));
         let Evaluated { quantiles: [lower, first, median, third, upper], remaining, .. } = found;
@@ -176,6 +182,18 @@ impl LawBand {
             reached,
             at_rest,
         })
+    }
+
+    /// Takes the band away: without draws nothing is known of it.
+    pub(super) fn leave_open(&mut self) {
+        for ends in [&mut self.lower, &mut self.upper].into_iter().chain(&mut self.quartiles) {
+            ends.fill(f64::NAN);
+        }
+        for origin in self.origin.iter_mut().filter(|origin| **origin != StiffnessOrigin::Given) {
+            *origin = StiffnessOrigin::Open;
+        }
+        self.informed.fill(false);
+        self.remaining.fill(f64::NAN);
     }
 
     /// The lowest and highest pressure that the data inform \[Pa\].

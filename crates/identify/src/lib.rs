@@ -16,6 +16,7 @@
 //! | [`problem`], `identification_problem` | the problem file; the problem with its scenario |
 //! | `problem_parameters`, `monotone` | parameters as numbers of a scenario, gains and steps of a law |
 //! | `free_law`, `latent_sampling` | a law without an assumed form; its posterior, smoothness and resolution |
+//! | `measured_forces` | the force of each hit of an analysis, from its record |
 //! | `data_loader`, `analysed_hits`, `data_files`, `records` | data to simulated hits and observations |
 //! | `stepped_sine` | steady responses to a shaker, measured and simulated |
 //! | `scenario_laws` | the named laws of a scenario and their stiffnesses |
@@ -24,7 +25,11 @@
 //! | `built_model`, `build` | models with their observations: of the problem, of compared laws, of planned hits |
 //! | `identification`, `hit_numerics` | fit, uncertainty, comparison; estimated errors of the simulated hits |
 //! | `law_band`, `law_comparison`, `design` | the law with its credible band; other laws; ranking of further measurements |
+//! | `given_numbers` | numbers of the scenario that no parameter changes, and their effect on the law |
+//! | `correlation` | correlation of residuals, which widens what rests on a misfit |
+//! | `explanations` | changes of the model that would explain the data better |
 //! | `checks` | agreement with the data, as a whole and in groups |
+//! | `judgement` | whether the law may be used, and the reasons |
 //! | `starts` | agreement of the starts of the fit |
 //! | `work`, `incomplete` | progress of the whole, requests to stop, the result until then |
 //! | `conclusions`, `report` | conclusions in sentences; JSON and tables |
@@ -46,21 +51,26 @@ mod build;
 mod built_model;
 mod checks;
 mod conclusions;
+mod correlation;
 mod data_files;
 mod data_loader;
 mod derivatives;
 mod design;
 mod error;
+mod explanations;
 mod forward_model;
 mod free_law;
+mod given_numbers;
 mod hit;
 mod hit_numerics;
 mod identification;
 mod identification_problem;
 mod incomplete;
+mod judgement;
 mod latent_sampling;
 mod law_band;
 mod law_comparison;
+mod measured_forces;
 mod monotone;
 mod observed_quantity;
 pub mod problem;
@@ -79,10 +89,13 @@ pub use checks::PredictiveCheck;
 pub use conclusions::PressureDependence;
 pub use design::{CandidateMeasurement, DesignRanking, MeasurementKind};
 pub use error::IdentificationError;
+pub use explanations::Explanation;
+pub use given_numbers::GivenNumber;
 pub use hit_numerics::HitNumerics;
 pub use identification::{Identification, identify, identify_with_progress};
 pub use identification_problem::IdentificationProblem;
 pub use incomplete::IncompleteIdentification;
+pub use judgement::{Judgement, Reason, ReasonKind, Usability};
 pub use latent_sampling::{FreeLawFindings, SmoothnessProbability};
 pub use law_band::{
     ComparedForm, INFORMED_SHARE, LawBand, RESOLVED, StiffnessEstimate, StiffnessOrigin,

@@ -147,6 +147,15 @@ impl ObservedQuantity {
         }
     }
 
+    /// True if a gain of the response scales it.
+    pub(super) fn is_receptance(&self, columns: &SummaryColumns) -> bool {
+        match *self {
+            Self::Receptance { .. } | Self::SteadyAmplitude { .. } => true,
+            Self::Feature { column, .. } => columns.receptance.get(column) == Some(&true),
+            _ => false,
+        }
+    }
+
     /// Its derivative at fixed gains, from the derivatives of the results. The derivative of a backbone
     /// is the central difference of two backbones at the distance `backbones.0`.
     pub(super) fn derivative(

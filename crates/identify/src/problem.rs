@@ -17,8 +17,8 @@ use serde_json::{Map, Value};
 use asperity_scenario::schema_of;
 
 pub use data::{
-    AnalysisRef, Cell, Changes, DataSpec, HitConditionsSpec, HitSpec, Measured, SpreadSpec,
-    TableRef, Uncertain,
+    AnalysisRef, Cell, Changes, DataSpec, HitConditionsSpec, HitSpec, Measured, PulseSpec, RigRef,
+    SpreadSpec, TableRef, Uncertain,
 };
 pub use parameter::{
     ChannelSpec, LogNormalSpec, ParameterSpec, PriorSpec, ScaleSpec, SlopeSmoothness,
@@ -41,6 +41,11 @@ pub struct ProblemSpec {
     /// The data.
     #[schemars(length(min = 1, max = 1000))]
     pub data: Vec<DataSpec>,
+    /// Tolerances of numbers of the scenario that are no unknowns. By default a number is rounded to
+    /// its last digit, with a relative standard deviation of at most 0.005.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(length(max = 100))]
+    pub given: Vec<GivenSpec>,
     /// Name in "laws" of the law to report. The law of the first interface
     /// when left out.
     pub law: Option<String>,
@@ -76,6 +81,18 @@ pub struct ProblemSpec {
     /// Seed of all random numbers.
     #[serde(default = "default_seed")]
     pub seed: u64,
+}
+
+/// The tolerance of a number of the scenario that is taken as given.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct GivenSpec {
+    /// JSON Pointer to the number, such as `/bodies/0/mass_kg`.
+    #[schemars(length(min = 1))]
+    pub pointer: String,
+    /// Standard deviation over the value; zero for an exact number.
+    #[schemars(range(min = 0.0, max = 1.0))]
+    pub relative: f64,
 }
 
 /// A scenario by its file, or in place.

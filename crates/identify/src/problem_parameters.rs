@@ -92,7 +92,8 @@ impl ProblemParameters {
                     let number = ScenarioParameter::of_scenario(scenario, other)?;
                     self.scalars.push((self.list.len(), number));
                 }
-                let scale = scale.map_or_else(|| usual_scale(*bounds), ParameterScale::from);
+                let scale =
+                    scale.map_or_else(|| usual_scale(pointer, *bounds), ParameterScale::from);
                 let name = name.clone().unwrap_or_else(|| pointer.clone());
                 let prior = prior.map(|prior| prior_of(&name, prior, scale)).transpose()?;
                 self.scalars.push((self.list.len(), number));
@@ -338,8 +339,14 @@ pub(super) fn is_within(pointer: &str, container: &str) -> bool {
     rest.is_some_and(|rest| rest.is_empty() || rest.starts_with('/'))
 }
 
-fn usual_scale(bounds: [f64; 2]) -> ParameterScale {
-    if bounds[0] > 0.0 { ParameterScale::Logarithmic } else { ParameterScale::Linear }
+/// The scale of a number: an exponent `m` is linear, since `ln K = ln C + m ln p` is, in which data at one
+/// pressure determine a straight combination of `ln C` and `m`.
+fn usual_scale(pointer: &str, bounds: [f64; 2]) -> ParameterScale {
+    if bounds[0] > 0.0 && !pointer.ends_with("/exponent") {
+        ParameterScale::Logarithmic
+    } else {
+        ParameterScale::Linear
+    }
 }
 
 fn prior_of(

@@ -10,7 +10,7 @@ use asperity_signal::{
 
 use crate::data_files::ReceptanceLine;
 use crate::error::IdentificationError;
-use asperity_experiment::{AnalysisOptions, ChannelSelector, ResponseChoice, for_each_hit};
+use asperity_experiment::{AnalysisOptions, for_each_hit};
 
 /// Largest number of lines of a receptance.
 const MAX_LINES: f64 = 60.0;
@@ -36,16 +36,11 @@ pub(super) struct RecordedHit {
 /// The valid hits of some files, with their receptances in a band \[Hz\].
 pub(super) fn hits(
     files: &[PathBuf],
-    [force, response]: [Option<&str>; 2],
+    options: &AnalysisOptions,
     band: [f64; 2],
 ) -> Result<Vec<RecordedHit>, IdentificationError> {
-    let options = AnalysisOptions {
-        force: force.map(ChannelSelector::from),
-        responses: ResponseChoice::of(response.map(ChannelSelector::from).as_slice()),
-        ..AnalysisOptions::default()
-    };
     let mut found = Vec::new();
-    for_each_hit(files, &options, &mut |hit, kinds| {
+    for_each_hit(files, options, &mut |hit, kinds| {
         let first = kinds.first();
         found.extend(first.and_then(|kind| recorded(hit, *kind, band)));
     })?;
@@ -68,17 +63,7 @@ fn recorded(mut hit: HitRecord, route: ResponseKind, band: [f64; 2]) -> Option<R
     {
         return None;
     }
-    if let Some(offset) = Offset::at_rest(&hit.force) {
-        offset.remove(&mut hit.force);
-    }
-    let pulse = Pulse::of(&hit.force, rate)?;
-    let (begin, end) = (pulse.base_s.0 - MARGIN_S, pulse.base_s.1 + MARGIN_S);
-    for (n, force) in hit.force.iter_mut().enumerate() {
-        let time = n as f64 / rate;
-        if time < begin || time > end {
-            *force = 0.0;
-        }
-    }
+    let force = force_of(&mut hit)?;
     let response = hit.responses.first()?;
     let duration_s = hit.force.len() as f64 / rate;
     let spacing = (1.0 / duration_s).max((band[1] - band[0]) / MAX_LINES);
@@ -97,10 +82,28 @@ fn recorded(mut hit: HitRecord, route: ResponseKind, band: [f64; 2]) -> Option<R
         }
     });
     let lines = lines.filter(|line| line.value.is_finite()).collect();
-    let last = ((end * rate).ceil() as usize + 1).min(hit.force.len());
-    hit.force.truncate(last.max(2));
-    let time_s = (0..hit.force.len()).map(|n| n as f64 / rate).collect();
-    Some(RecordedHit { time_s, force_n: hit.force, duration_s, lines })
+    let (time_s, force_n) = force;
+    Some(RecordedHit { time_s, force_n, duration_s, lines })
+}
+
+/// Times \[s\] from the first sample of a hit to the end of its pulse, and the force there \[N\]; in the hit the
+/// force loses its offset and is set to zero outside the pulse.
+pub(super) fn force_of(hit: &mut HitRecord) -> Option<(Vec<f64>, Vec<f64>)> {
+    let rate = hit.sample_rate_hz;
+    if let Some(offset) = Offset::at_rest(&hit.force) {
+        offset.remove(&mut hit.force);
+    }
+    let pulse = Pulse::of(&hit.force, rate)?;
+    let (begin, end) = (pulse.base_s.0 - MARGIN_S, pulse.base_s.1 + MARGIN_S);
+    for (n, force) in hit.force.iter_mut().enumerate() {
+        let time = n as f64 / rate;
+        if time < begin || time > end {
+            *force = 0.0;
+        }
+    }
+    let last = ((end * rate).ceil() as usize + 1).min(hit.force.len()).max(2);
+    let time_s = (0..last).map(|n| n as f64 / rate).collect();
+    Some((time_s, hit.force[..last].to_vec()))
 }
 
 /// Factor from the transform of the response to the transform of the displacement.

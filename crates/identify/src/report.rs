@@ -93,6 +93,8 @@ impl Identification {
             "schema": IDENTIFICATION_SCHEMA,
             "title": problem.spec.title,
             "complete": !self.stopped,
+            "fast": self.is_fast,
+            "judgement": self.judgement(),
             "pressure_dependence": self.pressure_dependence(),
             "explains_data": self.explains(),
             "agreement": match self.agreement() {
@@ -116,6 +118,8 @@ impl Identification {
                 "reached_pa": self.law.reached,
                 "static_pressure_pa": self.law.at_rest,
             },
+            "explanations": self.explanations,
+            "given": self.given,
             "fit": {
                 "chi_square": goodness.chi_square,
                 "degrees_of_freedom": goodness.degrees_of_freedom,
@@ -252,6 +256,7 @@ impl Identification {
         let (pointers, draws) = problem.changes_at(&self.unknowns, &self.posterior.draws)?;
         Ok(json!({
             "schema": DRAWS_SCHEMA,
+            "judgement": self.judgement(),
             "pointers": pointers,
             "weights": self.posterior.weights,
             "draws": draws,
@@ -356,6 +361,7 @@ impl IncompleteIdentification {
             "schema": IDENTIFICATION_SCHEMA,
             "title": problem.spec.title,
             "complete": false,
+            "judgement": self.judgement(),
             "stopped_in": self.stage.name(),
             "words": self.conclusions(),
             "estimates": self.names.iter().enumerate().map(estimate).collect::<Vec<_>>(),

@@ -41,5 +41,5 @@ fn law_names(scenario: &Value) -> String {
     let laws = scenario.pointer("/laws").and_then(Value::as_object);
     let names: Vec<&str> =
         laws.into_iter().flat_map(|laws| laws.keys()).map(String::as_str).collect();
-    names.join(", ")
+    if names.is_empty() { "none".to_owned() } else { names.join(", ") }
 }

@@ -192,6 +192,57 @@ impl ScenarioModel {
         }
     }
 
+    /// The model with a number of the scenario times a factor, in every rig as it is there.
+    pub(super) fn with_scaled(&self, pointer: &str, factor: f64) -> Self {
+        self.changed(&|scenario| {
+            if let Some(number) = scenario.pointer_mut(pointer)
+                && let Some(value) = number.as_f64()
+            {
+                *number = (factor * value).into();
+            }
+        })
+    }
+
+    /// The model with a member of an object of the scenario, in every rig.
+    pub(super) fn with_set(&self, pointer: &str, value: &Value) -> Self {
+        self.changed(&|scenario| {
+            if let Some((object, key)) = pointer.rsplit_once('/')
+                && let Some(object) = scenario.pointer_mut(object).and_then(Value::as_object_mut)
+            {
+                object.insert(key.to_owned(), value.clone());
+            }
+        })
+    }
+
+    /// The natural frequency of the first rig at `point` \[Hz\].
+    pub(super) fn natural_frequency(&self, point: &[f64]) -> Option<f64> {
+        self.prepare(point).ok()?.first()?.case.at_rest.natural_frequency_hz
+    }
+
+    /// The model with a change of the scenario and of every rig.
+    fn changed(&self, change: &dyn Fn(&mut Value)) -> Self {
+        let changed = |scenario: &Value| {
+            let mut scenario = scenario.clone();
+            change(&mut scenario);
+            scenario
+        };
+        Self {
+            parameters: self.parameters.clone(),
+            scenario: changed(&self.scenario),
+            folder: self.folder.clone(),
+            rigs: self.rigs.iter().map(changed).collect(),
+            hits: self.hits.clone(),
+            quantities: self.quantities.clone(),
+            observations: self.observations.clone(),
+            sweeps: self.sweeps.clone(),
+            stiffness: self.stiffness.clone(),
+            columns: self.columns.clone(),
+            batch: self.batch,
+            extractor: ObservableExtractor::default(),
+            work: Arc::clone(&self.work),
+        }
+    }
+
     /// The start of the parameters.
     pub(super) fn start(&self) -> Vec<f64> {
         self.parameters.list.iter().map(Parameter::start).collect()

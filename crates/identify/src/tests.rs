@@ -470,7 +470,9 @@ fn a_stopped_identification_keeps_what_is_finished() {
         let report = found.report(&problem);
         assert_eq!(report["complete"], false);
         assert!(report["estimates"][0]["standard_deviation"].as_f64().unwrap() > 0.0);
-        assert!(found.conclusions()[0].starts_with("Incomplete"));
+        assert!(found.conclusions()[0].starts_with("Not to be used"));
+        assert_eq!(report["judgement"]["use"], "no");
+        assert_eq!(report["judgement"]["reasons"][0]["kind"], "incomplete");
         let scenario = found.scenario_json(&problem).unwrap();
         let coefficient = scenario.pointer("/laws/modified/coefficient").unwrap();
         assert_eq!(coefficient.as_f64().unwrap(), found.fit.point[0]);
@@ -479,5 +481,58 @@ fn a_stopped_identification_keeps_what_is_finished() {
     let found = found.unwrap();
     assert!(found.stopped && found.comparison.is_none());
     assert_eq!(found.report(&problem)["complete"], false);
-    assert!(found.conclusions()[0].starts_with("Incomplete"));
+    assert!(found.conclusions().iter().any(|word| word.starts_with("Incomplete")));
+    assert_ne!(found.report(&problem)["judgement"]["use"], "yes");
+}
+
+/// Receptances of one hit that a changed model predicts: what explains them is named, and fitted.
+#[test]
+fn misfits_are_explained_by_polarity_units_and_losses() {
+    let parameters = json!([
+        {"kind": "scalar", "pointer": "/laws/modified/coefficient", "bounds": [1e10, 4e10]},
+        {"kind": "scalar", "pointer": "/damping/ratio", "bounds": [0.01, 0.1]},
+    ]);
+    let frequencies: Vec<f64> = (0..30).map(|i| 760.0 + 8.0 * f64::from(i)).collect();
+    let with = |values: &[f64]| {
+        let part = |offset: usize| values.iter().skip(offset).step_by(2).collect::<Vec<_>>();
+        let table = json!({"frequency_hz": frequencies, "real": part(0), "imag": part(1)});
+        let data = json!([{"kind": "frf", "file": table, "hit": {"force_peak_n": 1},
+            "band_hz": [700, 1100], "points": 100, "spread": {"relative": 0.01}}]);
+        problem(&parameters, &data)
+    };
+    let model = with(&vec![1e-7; 60]).model().unwrap().forward;
+    let predicted = |model: &ScenarioModel| -> Vec<f64> {
+        let found = model.predict(&[starts(model)]).remove(0).unwrap();
+        found.into_iter().flatten().collect()
+    };
+    let right = predicted(&model);
+    let explained = |factor: f64, values: &[f64]| {
+        let values: Vec<f64> = values.iter().map(|value| factor * value).collect();
+        let problem = with(&values);
+        let found = identify(&problem).unwrap();
+        let report = found.report(&problem);
+        (found, report)
+    };
+    let (found, _) = explained(1.0, &right);
+    assert!(found.explanations.is_empty(), "{:?}", found.explanations);
+    for (factor, cause) in
+        [(-1.0, "the other polarity"), (1e3, "1000"), (9.81, "m/s^2 taken for g")]
+    {
+        let (found, report) = explained(factor, &right);
+        let first = &found.explanations[0];
+        assert!(first.cause.contains(cause), "{factor}: {:?}", found.explanations);
+        assert!(first.chi_square.unwrap() < 1.0, "{factor}: {first:?}");
+        assert_eq!(report["judgement"]["use"], "no");
+        assert_eq!(report["explanations"][0]["cause"], first.cause);
+        let words = found.conclusions().join(" ");
+        assert!(words.contains("What would explain the data better"), "{words}");
+    }
+    // A loss that the model does not have: the damping ratio is given here.
+    let damping = json!({"kind": "kelvin_voigt", "time_s": 5e-6});
+    let lossy = predicted(&model.with_set("/interfaces/0/damping", &damping));
+    let given = with(&lossy).document.value()["data"].clone();
+    let found = identify(&problem(&json!([parameters[0]]), &given)).unwrap();
+    let first = &found.explanations[0];
+    assert!(first.cause.contains("damping"), "{:?}", found.explanations);
+    assert!(first.chi_square.unwrap() < 0.1 * found.goodness.chi_square, "{first:?}");
 }

@@ -117,25 +117,47 @@ impl Work {
 
 /// Evaluations that each part of a typical identification needs.
 pub(crate) fn expected_evaluations(
-    parameters: usize,
+    [parameters, latents]: [usize; 2],
     starts: usize,
     draws: usize,
     compared: usize,
 ) -> [f64; STAGES] {
-    let stencil = (2 * parameters + 1) as f64;
-    let fit = 12.0 * stencil;
-    let cubic = ((parameters + 1) * (parameters + 2) * (parameters + 3)) as f64 / 6.0;
-    [
-        fit * (starts + 1) as f64,
-        70.0 * parameters as f64,
-        1.7 * (5.0 * cubic + draws as f64),
-        compared as f64 * (1.5 * fit + 40.0),
-    ]
+    // A free law has one start, no profiles, and surfaces over the combinations that the data inform.
+    let (others, free) = (parameters - latents, latents > 0);
+    let stencil = |count: usize| (2 * count + 1) as f64;
+    let dimensions = others + latents.min(INFORMED);
+    let product = |last: usize| (1..=last).map(|k| (dimensions + k) as f64).product::<f64>();
+    let surface = if dimensions <= MOST_CUBIC { product(3) / 6.0 } else { product(2) / 2.0 };
+    let compared_fit = 12.0 * stencil(others);
+    let fit = if free { 8.0 * parameters as f64 } else { compared_fit * (starts + 1) as f64 };
+    let profiles = if free { 0.0 } else { 70.0 * others as f64 };
+    let posterior = if free {
+        7.5 * surface + 3.0 * draws as f64
+    } else {
+        1.7 * (5.0 * surface + draws as f64)
+    };
+    [fit, profiles, posterior, compared as f64 * (1.5 * compared_fit + 40.0)]
 }
+
+/// Combinations of latents that data usually inform.
+const INFORMED: usize = 16;
+
+/// Most dimensions of a cubic surface.
+const MOST_CUBIC: usize = 10;
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Evaluations of two identifications of records with a free law of 40 latents and 4 other parameters,
+    /// 4826 and 11577 for fit and posterior; and of a power law.
+    #[test]
+    fn expected_evaluations_are_of_the_size_of_those_counted() {
+        let free: f64 = expected_evaluations([44, 40], 4, 1000, 1)[..3].iter().sum();
+        assert!((4826.0 / 2.0..2.0 * 4826.0).contains(&free), "{free}");
+        let power: f64 = expected_evaluations([2, 0], 4, 1000, 1).iter().sum();
+        assert!((1500.0..4500.0).contains(&power), "{power}");
+    }
 
     #[test]
     fn shares_grow_to_one_over_the_parts() {

@@ -312,12 +312,9 @@ fn a_constant_law_shows_no_dependence_on_pressure() {
         if is_long() { (16, &[9.0, 18.0, 32.0][..]) } else { (10, &[9.0, 32.0][..]) };
     let found =
         identified(&json!({"kind": "constant", "stiffness_pa_per_m": 1e12}), 5, points, peaks);
-    let first = &found.conclusions()[0];
-    assert!(
-        first.starts_with("The data do not show a contact stiffness that depends on pressure"),
-        "{:?}",
-        found.conclusions()
-    );
+    let words = found.conclusions();
+    let shown = "The data do not show a contact stiffness that depends on pressure";
+    assert!(words.iter().any(|word| word.starts_with(shown)), "{words:?}");
 }
 
 #[test]

@@ -9,7 +9,7 @@ use crate::fit_problem::FitProblem;
 use crate::goodness::GoodnessOfFit;
 use crate::model::ForwardModel;
 use crate::progress::{NO_PROGRESS, ProgressCallback, Stage, report};
-use crate::random::{generator, shuffle};
+use crate::random::{chi_square_tail, generator, shuffle};
 use crate::search::{Search, run_all};
 
 /// Number of standard errors of the difference by which the cross-validation score of a rejected
@@ -20,7 +20,7 @@ pub const REJECTION_AICC: f64 = 10.0;
 
 /// p-value below which a candidate is a misfit by its residuals alone.
 pub const MISFIT_P_VALUE: f64 = 1e-6;
-/// p-value of the best candidate from which on others can be misfits.
+/// p-value of a candidate from which on others can be misfits.
 pub const GOOD_P_VALUE: f64 = 1e-3;
 
 /// Options of a comparison.
@@ -43,8 +43,9 @@ impl Default for ComparisonOptions {
 /// Assessment of a candidate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ModelAssessment {
-    /// The lowest corrected Akaike criterion among those whose cross-validation score is within
-    /// one standard error of the highest; among all where any has no score.
+    /// Of those that their residuals do not reject, the lowest corrected Akaike criterion among those
+    /// whose cross-validation score is within one standard error of the highest; among all where any
+    /// has no score.
     Best,
     /// Cross-validation and the Akaike criterion both reject it.
     Rejected {
@@ -53,13 +54,13 @@ pub enum ModelAssessment {
         /// Difference of the corrected Akaike criteria.
         aicc_difference: f64,
     },
-    /// Its residuals reject it: their p-value is below [`MISFIT_P_VALUE`], that of the best
-    /// candidate at least [`GOOD_P_VALUE`], and the Akaike criterion agrees. This decides where
-    /// cross-validation does not, with few blocks of very different score.
+    /// Its residuals reject it: their p-value is below [`MISFIT_P_VALUE`], that of another candidate at
+    /// least [`GOOD_P_VALUE`]. This comes first: with few observations the Akaike criterion is infinite,
+    /// and cross-validation has few blocks of very different score.
     Misfit {
         /// p-value of its residuals.
         p_value: f64,
-        /// Difference of the corrected Akaike criteria.
+        /// Difference of the corrected Akaike criteria; not finite with too few observations.
         aicc_difference: f64,
     },
     /// The data do not distinguish it from the best.
@@ -272,18 +273,24 @@ fn cross_validate(full: &Fit<'_>, options: &ComparisonOptions) -> Option<CrossVa
 
 /// Assesses every candidate; returns the index of the best.
 fn assess(outcomes: &mut [ComparedModel]) -> usize {
+    let residuals: Vec<f64> = outcomes.iter().map(residual_p_value).collect();
+    // Residuals reject before any criterion, which too few observations do not have.
+    let explains = residuals.iter().any(|p_value| *p_value >= GOOD_P_VALUE);
+    let is_misfit = |k: usize| explains && residuals[k] < MISFIT_P_VALUE;
+    let left: Vec<usize> = (0..outcomes.len()).filter(|&k| !is_misfit(k)).collect();
     let score =
         |o: &ComparedModel| o.cross_validation.as_ref().map_or(f64::NEG_INFINITY, |c| c.score);
-    let highest = (0..outcomes.len())
-        .max_by(|&a, &b| score(&outcomes[a]).total_cmp(&score(&outcomes[b])))
-        .unwrap_or(0);
+    let by_score = |a: &&usize, b: &&usize| score(&outcomes[**a]).total_cmp(&score(&outcomes[**b]));
+    let highest = left.iter().max_by(by_score).copied().unwrap_or(0);
     // Scores are used only if all candidates have one.
-    let scored = outcomes.iter().all(|outcome| outcome.cross_validation.is_some());
+    let scored = left.iter().all(|&k| outcomes[k].cross_validation.is_some());
     let near = |candidate: &ComparedModel| match difference(candidate, &outcomes[highest]) {
         Some((difference, error)) => -difference <= error,
         None => false,
     };
-    let best = (0..outcomes.len())
+    let best = left
+        .iter()
+        .copied()
         .filter(|&k| !scored || k == highest || near(&outcomes[k]))
         .min_by(|&a, &b| outcomes[a].aicc.total_cmp(&outcomes[b].aicc))
         .unwrap_or(highest);
@@ -297,22 +304,20 @@ fn assess(outcomes: &mut [ComparedModel]) -> usize {
             {
                 ModelAssessment::Rejected { standard_errors: -lead / error, aicc_difference }
             }
-            _ => match (outcomes[k].goodness.p_value, outcomes[best].goodness.p_value) {
-                (Some(p_value), Some(p_best))
-                    if p_value < MISFIT_P_VALUE
-                        && p_best >= GOOD_P_VALUE
-                        && aicc_difference > REJECTION_AICC =>
-                {
-                    ModelAssessment::Misfit { p_value, aicc_difference }
-                }
-                _ => ModelAssessment::Undecided,
-            },
+            _ if is_misfit(k) => ModelAssessment::Misfit { p_value: residuals[k], aicc_difference },
+            _ => ModelAssessment::Undecided,
         };
         outcomes[k].score_difference = difference.map(|d| d.0);
         outcomes[k].difference_error = difference.map(|d| d.1);
         outcomes[k].assessment = assessment;
     }
     best
+}
+
+/// p-value of the residuals; as of one degree of freedom where there is none.
+fn residual_p_value(outcome: &ComparedModel) -> f64 {
+    let ComparedModel { goodness, .. } = outcome;
+    chi_square_tail(goodness.chi_square, goodness.degrees_of_freedom.max(1)).unwrap_or(0.0)
 }
 
 /// Difference of two scores, with the standard error `sqrt(n var)` over `n` blocks.

@@ -30,7 +30,9 @@ pub enum InferenceError {
         expected: &'static str,
     },
     /// A start outside the bounds.
-    #[error("the start of '{name}' is {start}, outside its bounds {lower} to {upper}")]
+    #[error(
+        "the start of '{name}' is {start}, outside its bounds {lower} to {upper}; expected a start inside, or wider bounds"
+    )]
     Start {
         /// The parameter.
         name: String,
@@ -131,6 +133,19 @@ pub enum InferenceError {
     /// A singular matrix.
     #[error("the {0} is singular or holds numbers that are not finite")]
     Singular(&'static str),
+}
+
+impl InferenceError {
+    /// True if the model has too few predictions about the best fit for a posterior.
+    pub fn is_of_sampler(&self) -> bool {
+        matches!(
+            self,
+            Self::NoPredictions { .. }
+                | Self::MissingPredictions { .. }
+                | Self::TooFewTraining { .. }
+                | Self::Singular(_)
+        )
+    }
 }
 
 /// Checks that an option (named in words) is positive and finite.

@@ -16,6 +16,7 @@
 //! | best values, from many starts | [`fit()`] |
 //! | derivatives at the optimum | [`Fit::linearise`] |
 //! | combinations determined by the data | [`Linearisation::identifiability`] |
+//! | strain of priors and bounds | [`Linearisation::strains`] |
 //! | uncertainty, normal approximation | [`Fit::covariance`], [`Linearisation::covariance`] |
 //! | intervals of a nonlinear model | [`Fit::profile`] |
 //! | posterior distribution | [`Fit::posterior`], on a response surface with exact weights |
@@ -78,6 +79,7 @@ mod random;
 mod sampler;
 mod search;
 mod stencil;
+mod strain;
 mod surrogate;
 
 pub use comparison::{
@@ -113,3 +115,4 @@ pub use profile::{Profile, ProfileEnd, ProfileOptions, ProfilePoint};
 pub use progress::{Progress, ProgressCallback, Stage};
 pub use random::{chi_square_tail, normal_quantile};
 pub use search::FitTermination;
+pub use strain::{Strain, StrainKind};

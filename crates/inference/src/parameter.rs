@@ -168,11 +168,15 @@ impl Parameter {
 
     /// The value at a working coordinate, clamped to the bounds.
     pub fn from_working(&self, coordinate: f64) -> f64 {
-        let value = match self.scale {
+        self.value_at(coordinate).clamp(self.lower, self.upper)
+    }
+
+    /// The value at a working coordinate, inside the bounds or not.
+    pub(crate) fn value_at(&self, coordinate: f64) -> f64 {
+        match self.scale {
             ParameterScale::Linear => coordinate,
             ParameterScale::Logarithmic => coordinate.exp(),
-        };
-        value.clamp(self.lower, self.upper)
+        }
     }
 
     /// The bounds in the working coordinate.

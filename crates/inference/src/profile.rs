@@ -15,6 +15,9 @@ const ROOT_TOLERANCE: f64 = 2e-3;
 /// Tolerance of the cost of a constrained minimum, over the deviance sought.
 const COST_TOLERANCE: f64 = 1e-4;
 
+/// Root of the deviance over the root sought from which a bracket is halved.
+const WALL: f64 = 4.0;
+
 /// Options of profiles.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ProfileOptions {
@@ -222,8 +225,10 @@ impl ProfileSide {
         };
         let (a, b) = (&self.found[above - 1], &self.found[above]);
         self.width = a.0 + (target - a.1) * (b.0 - a.0) / (b.1 - a.1);
-        // Away from the ends, so that the bracket shrinks for any shape.
-        let margin = 0.02 * (b.0 - a.0);
+        // Away from the ends, so that the bracket shrinks for any shape; halved in front of a wall, as of
+        // a direction that the data leave open up to the bound of another parameter.
+        let share = if b.1 > WALL * target { 0.5 } else { 0.02 };
+        let margin = share * (b.0 - a.0);
         self.next = self.width.clamp(a.0 + margin, b.0 - margin);
         if b.0 - a.0 <= 1e-9 * b.0 {
             self.end = Some(ProfileEnd::Crossed);

@@ -177,6 +177,17 @@ pub(crate) fn of_identification(py: Python<'_>, error: &IdentificationError) -> 
         IdentificationError::Study(source) => of_study(py, source),
         IdentificationError::Analysis(source) => of_analysis(source),
         IdentificationError::Input { path, source } => of_input(path, *source),
+        error if error.place().is_some() => {
+            let pointer = error.place().unwrap_or_default().to_owned();
+            let message = error.to_string();
+            let fault = DocumentFault {
+                pointer,
+                message: message.clone(),
+                accepted: None,
+                suggestion: None,
+            };
+            scenario_error(py, message, &[fault])
+        }
         _ if error.is_wrong_request() => PyValueError::new_err(error.to_string()),
         _ => ComputationError::new_err(error.to_string()),
     }

@@ -69,18 +69,20 @@ impl Found {
 
 /// Documents and tables of an identification, as a dict.
 #[pyfunction]
-#[pyo3(signature = (problem, folder, progress))]
+#[pyo3(signature = (problem, folder, progress, fast))]
 pub(crate) fn identify<'py>(
     py: Python<'py>,
     problem: &Bound<'py, PyAny>,
     folder: Option<PathBuf>,
     progress: Option<&Bound<'py, PyAny>>,
+    fast: bool,
 ) -> PyResult<Bound<'py, PyDict>> {
     let accepted = "a path, JSON text or a dict";
     let document = json::document_of(problem, folder, "problem", accepted)?;
     let problem = py
         .detach(|| IdentificationProblem::of(document))
         .map_err(|error| exception::of_identification(py, &error))?;
+    let problem = if fast { problem.fast() } else { problem };
     let watched = Arc::new(Identification {
         work: Arc::clone(problem.work()),
         share: AtomicU64::new(0),

@@ -182,8 +182,9 @@ def test_faults_of_a_problem_are_exceptions_in_words(problem: dict[str, Any]) ->
         with pytest.raises(asperity.ScenarioError, match=words):
             asperity.identify({**problem, **change})
     unknown = {"kind": "scalar", "pointer": "/laws/none/coefficient", "bounds": [1, 2]}
-    with pytest.raises(ValueError, match="/laws/none"):
+    with pytest.raises(asperity.ScenarioError, match="/laws/none") as caught:
         asperity.identify({**problem, "unknowns": [unknown]})
+    assert caught.value.pointer == "/unknowns"
     missing = {"kind": "analysis", "file": "none.json"}
     with pytest.raises(FileNotFoundError, match="none.json"):
         asperity.identify({**problem, "data": [missing]})

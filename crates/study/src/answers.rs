@@ -57,6 +57,8 @@ pub struct StudyAnswers {
     pub observables: Vec<ObservableAnswers>,
     /// The receptance over frequency, of a study that has asked for it.
     pub frf: Option<FrfBand>,
+    /// The [warning](StudyPlan::warning) about the inputs.
+    pub warning: Option<String>,
 }
 
 /// Bands of the magnitude of the receptance over frequency, each frequency by itself.
@@ -187,6 +189,7 @@ impl StudyAnswers {
             "runs": self.runs,
             "failed": self.failed,
             "reasons": self.reasons,
+            "warning": self.warning,
             "observables": self.observables.iter().map(observable).collect::<Vec<_>>(),
             "frf": self.frf.as_ref().map(FrfBand::to_json),
         })
@@ -284,7 +287,8 @@ pub fn answers(
                 .push(ObservableAnswers { indices, ..of_observable(plan, &table, name, options)? });
         }
     }
-    Ok(StudyAnswers { runs: table.rows(), failed, reasons, observables, frf })
+    let warning = plan.warning().map(str::to_owned);
+    Ok(StudyAnswers { runs: table.rows(), failed, reasons, observables, frf, warning })
 }
 
 /// Numbers of one observable, of the runs that are independent of each other.

@@ -108,6 +108,12 @@ impl StudyPlan {
         &self.scenario
     }
 
+    /// The warning that the draws belong to an identification whose result is not to be used, with its
+    /// reasons.
+    pub fn warning(&self) -> Option<&str> {
+        self.draws.as_ref()?.warning.as_deref()
+    }
+
     /// Number of runs.
     pub fn rows(&self) -> u64 {
         self.rows.count()

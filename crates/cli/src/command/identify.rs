@@ -22,6 +22,7 @@ use crate::file_kind::FileKind;
 /// Identifies the parameters of a problem; writes laws, tables, figures and the report.
 pub(crate) fn run(
     path: &Path,
+    is_fast: bool,
     output: &Output,
     threads: Option<usize>,
     quiet: bool,
@@ -30,6 +31,7 @@ pub(crate) fn run(
         let document = super::read_document(path, FileKind::Problem)?;
         Ok::<_, Failure>(IdentificationProblem::of(document)?)
     })?;
+    let problem = if is_fast { problem.fast() } else { problem };
     let folder = ResultFolder::claim("identify", path, output)?;
     // The first ends the identification with what is finished.
     super::stop_on_signals(&problem.work().stop_flag());

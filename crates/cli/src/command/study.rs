@@ -30,6 +30,7 @@ pub(crate) fn run(asked: &Study, quiet: bool) -> Result<(), Failure> {
         }
         (Some(StudyPart::Answers { file, out, exceed, level, json, figures }), _) => {
             let plan = read(file)?;
+            crate::progress::show_notices(plan.warning());
             let thresholds =
                 exceed.iter().map(|text| read_threshold(text)).collect::<Result<_, _>>()?;
             let options = AnswerOptions { level: *level, thresholds, ..AnswerOptions::default() };
@@ -79,6 +80,7 @@ pub(crate) fn run(asked: &Study, quiet: bool) -> Result<(), Failure> {
 
 fn run_study(file: &Path, asked: &Study, quiet: bool) -> Result<(), Failure> {
     let plan = info_span!("read").in_scope(|| read(file))?;
+    crate::progress::show_notices(plan.warning());
     let shard = asked.shard.as_deref().map_or(Ok(Shard::WHOLE), read_shard)?;
     let folder = folder_of(file, asked.out.as_deref());
     let stop = Arc::new(AtomicBool::new(false));

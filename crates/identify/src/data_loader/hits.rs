@@ -5,6 +5,7 @@ use serde_json::Value;
 use crate::built_model::Loader;
 use crate::error::IdentificationError;
 use crate::hit::{HitForce, SimulatedHit, apply};
+use crate::measured_forces::Force;
 use crate::problem::Changes;
 use crate::problem_parameters::is_within;
 use crate::records::RecordedHit;
@@ -35,10 +36,21 @@ impl Loader<'_> {
         set: &Changes,
         hit: &RecordedHit,
     ) -> Result<usize, IdentificationError> {
+        let force = (hit.time_s.clone(), hit.force_n.clone());
+        self.add_measured_hit(place, data, set, force, Some(hit.duration_s))
+    }
+
+    /// Index of the hit with these changes, a measured force and a duration \[s\], by default the scenario's.
+    pub(super) fn add_measured_hit(
+        &mut self,
+        place: &str,
+        data: &str,
+        set: &Changes,
+        (time_s, force_n): Force,
+        duration: Option<f64>,
+    ) -> Result<usize, IdentificationError> {
         let (rig, set) = self.rig(place, &[set])?;
-        let (time_s, force_n) = (hit.time_s.clone(), hit.force_n.clone());
-        let force = HitForce::Record { set, time_s, force_n };
-        Ok(self.add(rig, data, force, Some(hit.duration_s)))
+        Ok(self.add(rig, data, HitForce::Record { set, time_s, force_n }, duration))
     }
 
     fn add(&mut self, rig: usize, data: &str, force: HitForce, duration: Option<f64>) -> usize {

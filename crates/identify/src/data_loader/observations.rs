@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use crate::built_model::{Loader, ObservationLabel};
 use crate::data_files::{BackboneRow, ReceptanceLine};
 use crate::error::IdentificationError;
+use crate::measured_forces::Force;
 use crate::observed_quantity::{ComplexPart, ObservedQuantity};
 use crate::problem::{Changes, HitSpec, SpreadSpec};
 use crate::scenario_laws::no_law;
@@ -52,7 +53,22 @@ impl Loader<'_> {
         floor: &BTreeMap<String, SpreadSpec>,
         hit: &HitSpec,
     ) -> Result<(), IdentificationError> {
-        let simulated = self.add_hit(place, data, &[set, &hit.set], hit.force_peak_n)?;
+        self.analysed_features(place, data, set, floor, (hit, None))
+    }
+
+    /// Adds the features of a hit with its measured force, or the scenario's.
+    pub(super) fn analysed_features(
+        &mut self,
+        place: &str,
+        data: &str,
+        set: &Changes,
+        floor: &BTreeMap<String, SpreadSpec>,
+        (hit, force): (&HitSpec, Option<Force>),
+    ) -> Result<(), IdentificationError> {
+        let simulated = match force {
+            Some(force) => self.add_measured_hit(place, data, set, force, None)?,
+            None => self.add_hit(place, data, &[set, &hit.set], hit.force_peak_n)?,
+        };
         let block = self.next_block();
         for (feature, measured) in &hit.features {
             let column = self.column(place, feature)?;

@@ -34,6 +34,12 @@ pub enum DataSpec {
         name: Option<String>,
         /// The file, relative to the folder of the problem, or its content in place.
         file: AnalysisRef,
+        /// Folder of the records that the analysis names, relative to the folder of the problem, where
+        /// they are neither at their paths nor beside the analysis or the problem.
+        records: Option<String>,
+        /// The force of each hit.
+        #[serde(default)]
+        pulse: PulseSpec,
         /// Changes of the scenario for these hits.
         #[serde(default, skip_serializing_if = "Changes::is_empty")]
         set: Changes,
@@ -93,9 +99,13 @@ pub enum DataSpec {
     Records {
         /// A name.
         name: Option<String>,
-        /// The files, relative to the folder of the problem.
+        /// The files, relative to the folder of the problem: paths, folders of records, and patterns
+        /// with `*`, `?` or `[...]`; a file may hold several hits.
         #[schemars(length(min = 1))]
         files: Vec<String>,
+        /// Settings of the rig, as for `asperity analyse --rig`: sample rate, names, units, sensitivities,
+        /// channels, trigger.
+        rig: Option<RigRef>,
         /// The channel of the force, as for `asperity analyse`.
         force: Option<String>,
         /// The channel of the response.
@@ -157,6 +167,28 @@ pub enum DataSpec {
         #[schemars(extend("exclusiveMinimum" = 0.0))]
         standard_deviation: f64,
     },
+}
+
+/// The force of the hits of an analysis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum PulseSpec {
+    /// The measured one, from the record that the analysis names; the scenario's where there is none,
+    /// and where numbers of the excitation are unknowns.
+    #[default]
+    Measured,
+    /// The pulse of the scenario, with the measured peak.
+    Scenario,
+}
+
+/// The settings of a rig, by their file or in place.
+#[derive(Debug, Clone, PartialEq, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum RigRef {
+    /// The file, relative to the folder of the problem.
+    File(#[schemars(length(min = 1))] String),
+    /// The settings themselves, as a file of `asperity analyse --rig` holds them.
+    InPlace(Map<String, Value>),
 }
 
 /// An analysis by its file, or in place.

@@ -22,7 +22,7 @@ pub enum ParameterSpec {
         bounds: [f64; 2],
         /// Start of the fit; the scenario's value when left out.
         start: Option<f64>,
-        /// Its scale; logarithmic by default when both bounds are positive.
+        /// Its scale; logarithmic by default when both bounds are positive, but for exponents.
         scale: Option<ScaleSpec>,
         /// Its prior.
         prior: Option<PriorSpec>,

@@ -27,6 +27,12 @@ const LEAST_PARTED: usize = 250;
 /// Effective share of those draws, over the target, below which a surface is replaced at once.
 const POOR: f64 = 0.5;
 
+/// Logarithm of the density by which the best draw of a round may be below the best of all, beside the
+/// number of parameters.
+const MOST_BELOW: f64 = 10.0;
+/// Effective draws for each coordinate, at least, of which the next surface is made.
+const LEAST_LOCALISED: f64 = 8.0;
+
 /// Most draws evaluated more where weights leave too few, over those asked for.
 const MOST_TIMES: usize = 10;
 /// Stream of the random numbers of resampling.
@@ -76,6 +82,8 @@ struct Draw {
     answer: Result<Predictions, String>,
     /// Logarithm of exact over surface density.
     log_ratio: f64,
+    /// Logarithm of the exact density.
+    log_density: f64,
     /// Number by which the target evaluated it.
     number: usize,
 }
@@ -109,7 +117,7 @@ pub(crate) fn by_surrogate(
 ) -> Result<NumberedDraws, InferenceError> {
     let mut training = Training::default();
     let mut best: Option<Round> = None;
-    let mut evaluations = 0;
+    let (mut evaluations, mut highest) = (0, f64::NEG_INFINITY);
     for round in 1..=options.max_rounds {
         let along = if round == 1 { profiles } else { &[] };
         let seed = options.seed.wrapping_add(round as u64);
@@ -156,10 +164,17 @@ pub(crate) fn by_surrogate(
         let enough = effective >= options.target_share * draws.len() as f64 && !narrow;
         // Local training: predictions at the draws, and the earlier points among them.
         let x: Vec<Vec<f64>> = draws.iter().map(|draw| whitening.to_working(&draw.z)).collect();
-        let next = localised(&x, &weights);
+        let next = localised(&x, &tempered(&draws));
         training.extend(&x, draws.iter().map(|draw| &draw.answer));
         // Draws outside the range are missing; small weights only cost precision.
         let score = if narrow { 0.25 * effective } else { effective };
+        // A surface of a small part of a wrong one's range is exact there, far from the optimum.
+        let top = draws.iter().map(|draw| draw.log_density).fold(f64::NEG_INFINITY, f64::max);
+        highest = highest.max(top);
+        let has_collapsed = top < highest - MOST_BELOW - whitening.centre.len() as f64;
+        if has_collapsed {
+            continue;
+        }
         if effective > 0.0 && best.as_ref().is_none_or(|before| score > before.score) {
             best = Some(Round { score, surface, draws, weights, diagnostics, chains });
         }
@@ -236,6 +251,26 @@ fn weights_of(draws: &[Draw]) -> Vec<f64> {
     normalised(&draws.iter().map(|draw| draw.log_ratio).collect::<Vec<_>>())
 }
 
+/// Weights with the power of one, a half, a quarter ... at which enough draws are effective for a
+/// covariance.
+fn tempered(draws: &[Draw]) -> Vec<f64> {
+    let dimensions = draws.first().map_or(0, |draw| draw.z.len()) as f64;
+    let least = (LEAST_LOCALISED * (dimensions + 1.0)).min(0.2 * draws.len() as f64);
+    let mut power = 1.0;
+    loop {
+        let ratios: Vec<f64> = draws.iter().map(|draw| power * draw.log_ratio).collect();
+        let weights = normalised(&ratios);
+        let effective = effective_draws(&weights);
+        if effective >= least || effective == 0.0 || power < LEAST_POWER {
+            return weights;
+        }
+        power *= 0.5;
+    }
+}
+
+/// Least power of weights.
+const LEAST_POWER: f64 = 1e-3;
+
 /// The draws of a round with their weights. A part of them shows a poor surface, which a better one replaces.
 fn first_draws(
     model: (&FitProblem<'_>, &dyn SurfaceTarget),
@@ -270,15 +305,14 @@ fn evaluated(
     let (values, answers) = target.evaluate(problem, &x, first);
     let rows = places.iter().zip(&x).zip(values.into_iter().zip(answers)).enumerate();
     rows.map(|(place, ((z, x), (values, answer)))| {
-        let log_ratio = match &answer {
+        let log_density = match &answer {
             Ok(predictions) => {
-                target.log_factor(x)
-                    - problem.cost(&problem.residuals(predictions), x)
-                    - surface_density(problem, target, surface, z)
+                target.log_factor(x) - problem.cost(&problem.residuals(predictions), x)
             }
             Err(_) => f64::NEG_INFINITY,
         };
-        Draw { z: z.clone(), values, answer, log_ratio, number: first + place }
+        let log_ratio = log_density - surface_density(problem, target, surface, z);
+        Draw { z: z.clone(), values, answer, log_ratio, log_density, number: first + place }
     })
     .collect()
 }

@@ -77,3 +77,29 @@ fn cross_validation_of_a_mean_is_the_closed_form() {
     assert_close(outcome.aicc, chi_square + 2.0 + 4.0 / 3.0, 1e-9, "AICc");
     assert_close(outcome.bic, chi_square + 5.0_f64.ln(), 1e-9, "BIC");
 }
+
+/// Two observations, two parameters: no criterion and no cross-validation, but a constant whose residuals
+/// are a hundred standard deviations is rejected by them.
+#[test]
+fn residuals_reject_where_there_are_no_criteria() {
+    let observations = Observation::list(&[1.0, 3.0], 0.01);
+    let parameter = |name| linear(name, 0.5, [-5.0, 5.0]);
+    let constant = FunctionModel {
+        parameters: vec![parameter("mean")],
+        observations: observations.clone(),
+        function: |x: &[f64]| vec![x[0]; 2],
+    };
+    let line = FunctionModel {
+        parameters: vec![parameter("intercept"), parameter("slope")],
+        observations,
+        function: |x: &[f64]| vec![x[0], x[0] + x[1]],
+    };
+    let models: [(&str, &dyn ForwardModel); 2] = [("constant", &constant), ("line", &line)];
+    for order in [[0, 1], [1, 0]] {
+        let models = order.map(|k: usize| models[k]);
+        let found = compare(&models, &ComparisonOptions::default()).unwrap();
+        assert_eq!(found.candidates[found.best].name, "line");
+        let constant = found.candidates.iter().find(|one| one.name == "constant").unwrap();
+        assert!(matches!(constant.assessment, ModelAssessment::Misfit { .. }), "{constant:?}");
+    }
+}

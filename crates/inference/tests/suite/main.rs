@@ -15,4 +15,5 @@ mod latents;
 mod minpack;
 mod models;
 mod posteriors;
+mod ridge;
 mod robust;

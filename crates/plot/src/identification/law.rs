@@ -29,7 +29,12 @@ pub(super) fn law(found: &Identification, rows: &[ObservationRow<'_>]) -> Figure
     let band = format!("{:.0} % band", 100.0 * found.level);
     let [low, high] = range(found, &points);
     let stiffness = Axis::log("Contact stiffness", "Pa/m").range(low, high);
-    let band = Series::band(band, &law.pressure, &law.lower, &law.upper);
+    let is_void = found.judgement().is_void();
+    let band = if is_void {
+        hatched(format!("{band}, void: not to be used"), law)
+    } else {
+        Series::band(band, &law.pressure, &law.lower, &law.upper)
+    };
     let best = Series::line("best fit", &law.pressure, &law.stiffness).width(1.2);
     let given: Vec<f64> = law
         .stiffness
@@ -40,9 +45,10 @@ pub(super) fn law(found: &Identification, rows: &[ObservationRow<'_>]) -> Figure
     let given = Series::line("given, not measured", &law.pressure, given).width(2.4);
     let [first, third] = &law.quartiles;
     let half = Series::band("50 % band", &law.pressure, first, third);
-    let mut shown = Panel::new(pressure(), stiffness)
-        .series_if_visible(band.color(Color::BLUE))
-        .series_if_visible(half.color(Color::BLUE).lightness(0.5));
+    let mut shown = Panel::new(pressure(), stiffness).series_if_visible(band.color(Color::BLUE));
+    if !is_void {
+        shown = shown.series_if_visible(half.color(Color::BLUE).lightness(0.5));
+    }
     for (place, draw) in law.draws.iter().enumerate() {
         let name = if place == 0 { "draws" } else { "" };
         let draw = Series::line(name, &law.pressure, draw).width(0.4);
@@ -98,6 +104,15 @@ pub(super) fn law(found: &Identification, rows: &[ObservationRow<'_>]) -> Figure
         None => figure,
     };
     figure.columns(1).width_mm(130.0).row_height_mm(66.0)
+}
+
+/// Strokes from the lower to the upper end of the band, one at each pressure of the law, in place of a
+/// filled band.
+fn hatched(name: String, law: &LawBand) -> Series {
+    let ends = law.pressure.iter().zip(law.lower.iter().zip(&law.upper));
+    let strokes = ends.flat_map(|(&p, (&low, &high))| [(p, low), (p, high), (p, f64::NAN)]);
+    let (x, y): (Vec<f64>, Vec<f64>) = strokes.unzip();
+    Series::line(name, x, y).width(0.5)
 }
 
 /// The panel with all pressures shaded but those that the data inform.

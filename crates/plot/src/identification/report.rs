@@ -3,7 +3,8 @@
 use asperity_figure::Figure;
 use asperity_figure::report::{ClaimOutcome, Report, TableCell, four_digits};
 use asperity_identify::{
-    CandidateMeasurement, Identification, IdentificationProblem, StartAgreement, StiffnessOrigin,
+    CandidateMeasurement, Identification, IdentificationProblem, ReasonKind, StartAgreement,
+    StiffnessOrigin,
 };
 use asperity_inference::ModelAssessment;
 use serde_json::Value;
@@ -25,8 +26,13 @@ pub fn identification_report(
     let mut report = found.conclusions().into_iter().fold(Report::new(title), Report::intro);
     let percent = percent(found.level);
 
+    let void = if found.judgement().is_void() {
+        "The result is not to be used, and the values and intervals below are void. "
+    } else {
+        ""
+    };
     report = report.section("Parameters").paragraph(format!(
-        "Best fit with its standard deviation, and intervals that hold the value with a probability \
+        "{void}Best fit with its standard deviation, and intervals that hold the value with a probability \
          of {percent}. R-hat and the effective sample size (ESS) measure how far the chains agree."
     ));
     report = estimates(report, found);
@@ -38,6 +44,8 @@ pub fn identification_report(
         report = draw(report, found, figures, Some(section), names);
     }
     report = undetermined(report, found);
+    report = given(report, found);
+    report = explanations(report, found);
     if found.comparison.is_some() {
         report = report.section("Laws compared");
         report = comparison(report, found);
@@ -207,6 +215,49 @@ fn undetermined(report: Report, found: &Identification) -> Report {
     report.paragraph(text).table(["Combination", "Uncertainty left"], rows)
 }
 
+/// Changes of the model that would explain the data better.
+fn explanations(report: Report, found: &Identification) -> Report {
+    if found.explanations.is_empty() {
+        return report;
+    }
+    let number = |value: Option<f64>| {
+        TableCell::Number(value.map_or_else(String::new, |value| format!("{value:.1}")))
+    };
+    let rows = found.explanations.iter().map(|one| {
+        vec![one.cause.as_str().into(), number(one.expected_chi_square), number(one.chi_square)]
+    });
+    let text = format!(
+        "Chi-square of the fit is {:.1} for {} degrees of freedom. Expected: with the change, by the \
+         linearised model. Fitted: a short fit with it, of those that promise most. A suggestion is no \
+         finding: several changes may do the same.",
+        found.goodness.chi_square, found.goodness.degrees_of_freedom
+    );
+    let headers = ["Change of the model", "Expected chi-square", "Fitted"];
+    report.section("What would explain the data better").paragraph(text).table(headers, rows)
+}
+
+/// Numbers that the law depends on and that no parameter changes.
+fn given(report: Report, found: &Identification) -> Report {
+    let Some(first) = found.given.first() else { return report };
+    let rows = found.given.iter().map(|one| {
+        vec![
+            TableCell::from(one.label.as_str()),
+            TableCell::from(one.value),
+            TableCell::Number(format!("{:+.3}", one.sensitivity)),
+            TableCell::Number(format!("{} %", four_digits(100.0 * one.relative))),
+            if one.is_stated { "stated" } else { "by its digits" }.into(),
+        ]
+    });
+    let text = format!(
+        "Numbers of the scenario that no parameter changes. Sensitivity: the change of K({} MPa) in \
+         per cent for one per cent of the number, the parameters fitted again. Tolerance: standard \
+         deviation over the value, which the band of the law contains.",
+        four_digits(1e-6 * first.pressure_pa)
+    );
+    let headers = ["Number", "Value", "Sensitivity", "Tolerance", ""];
+    report.section("What was taken as given").paragraph(text).table(headers, rows)
+}
+
 /// Comparison of the laws.
 fn comparison(mut report: Report, found: &Identification) -> Report {
     let Some(choice) = &found.comparison else { return report };
@@ -291,9 +342,13 @@ fn diagnostics(report: Report, found: &Identification) -> Report {
     let shape = chains.pareto_shape;
     let r_hat = chains.r_hat.iter().copied().fold(0.0, f64::max);
     let derivatives = match found.linearisation.derivative_difference {
-        Some(difference) => format!("exact; differences agree to {}", four_digits(difference)),
+        Some(difference) => {
+            format!("exact; off differences by {} of the largest", four_digits(difference))
+        }
         None => "by differences".to_owned(),
     };
+    let reasons = found.judgement().reasons;
+    let derivatives_agree = reasons.iter().all(|reason| reason.kind != ReasonKind::Derivatives);
     let rows = vec![
         row(
             "Chi-square of the fit",
@@ -329,7 +384,11 @@ fn diagnostics(report: Report, found: &Identification) -> Report {
                 _ => Some(false),
             },
         ),
-        row("Derivatives", derivatives, None),
+        row(
+            "Derivatives",
+            derivatives,
+            found.linearisation.derivative_difference.map(|_| derivatives_agree),
+        ),
         row("Condition of the scaled Jacobian", four_digits(found.identifiability.condition), None),
         row(
             "Effective draws",

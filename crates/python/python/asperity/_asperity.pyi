@@ -161,6 +161,7 @@ def identify(
     problem: str | os.PathLike[str] | dict[str, Any],
     folder: str | os.PathLike[str] | None,
     progress: _Progress,
+    fast: bool,
 ) -> dict[str, Any]: ...
 def find_hits(
     force: _Floats,

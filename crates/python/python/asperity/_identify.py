@@ -76,6 +76,7 @@ def identify(
     *,
     folder: str | os.PathLike[str] | None = None,
     progress: Callable[[float], object] | None = None,
+    fast: bool = False,
 ) -> Identification:
     """Identify a contact law, or any numbers of a scenario, from measurements.
 
@@ -94,11 +95,14 @@ def identify(
     progress : callable, optional
         Called with the estimated fraction done, 0 to 1. An exception that it raises stops the
         identification and is passed on.
+    fast : bool, optional
+        Leave out profiles, the comparison with other laws and the explanations of a misfit.
 
     Returns
     -------
     Identification
-        The law with its band, the fit of the data, and draws from the posterior.
+        The law with its band, the fit of the data, and draws from the posterior; ``report["judgement"]``
+        states whether the law may be used (``yes``, ``with_care`` or ``no``), with the reasons.
 
     Raises
     ------
@@ -116,7 +120,7 @@ def identify(
     >>> found = asperity.identify("problem.json")                              # doctest: +SKIP
     >>> scenario.with_({"/laws/contact": found.law})                           # doctest: +SKIP
     """
-    found = _asperity.identify(problem, folder, progress)
+    found = _asperity.identify(problem, folder, progress, bool(fast))
     return Identification(
         report=found["report"],
         law=found["law"],

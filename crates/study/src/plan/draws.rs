@@ -38,6 +38,8 @@ pub(super) struct Draws {
     pub(super) pointers: Vec<String>,
     /// Values that each draw sets them to, unless its numbers are the values.
     pub(super) changes: Option<Arc<[Vec<Value>]>>,
+    /// The warning of an identification whose result is not to be used.
+    pub(super) warning: Option<String>,
     /// SHA-256 of the file.
     pub(super) sha256: String,
 }
@@ -50,7 +52,42 @@ struct Changes {
     pointers: Vec<String>,
     weights: Option<Vec<f64>>,
     draws: Vec<Vec<Value>>,
+    judgement: Option<Judgement>,
 }
+
+/// The judgement of the identification that has written the draws.
+#[derive(Debug, Deserialize)]
+struct Judgement {
+    r#use: String,
+    #[serde(default)]
+    reasons: Vec<Reason>,
+}
+
+/// A reason of a judgement.
+#[derive(Debug, Deserialize)]
+struct Reason {
+    r#use: String,
+    words: String,
+}
+
+impl Judgement {
+    /// The warning about the draws of the file at `path`, if their law is not to be used.
+    fn warning(&self, path: &Path) -> Option<String> {
+        if self.r#use != VOID {
+            return None;
+        }
+        let reasons = self.reasons.iter().filter(|reason| reason.r#use == VOID);
+        let reasons: Vec<&str> = reasons.map(|reason| reason.words.as_str()).collect();
+        let path = path.display();
+        Some(format!(
+            "{path}: the identification judges its own law as not to be used, and the answers of this study are void with it: {}",
+            reasons.join(" ")
+        ))
+    }
+}
+
+/// Use of draws that are void.
+const VOID: &str = "no";
 
 impl Draws {
     /// The draws that `spec` asks for.
@@ -105,6 +142,7 @@ impl Draws {
             names: vec![DRAW.to_owned()],
             pointers: found.pointers,
             changes: Some(found.draws.into()),
+            warning: found.judgement.and_then(|judgement| judgement.warning(path)),
             sha256,
         })
     }
@@ -146,7 +184,14 @@ impl Draws {
         }
         let pointers: Vec<String> = columns.keys().cloned().collect();
         let numbers = weighted(&draws, &weights)?;
-        Ok(Self { numbers, names: pointers.clone(), pointers, changes: None, sha256 })
+        Ok(Self {
+            numbers,
+            names: pointers.clone(),
+            pointers,
+            changes: None,
+            warning: None,
+            sha256,
+        })
     }
 
     /// Replaces the number of a draw at the end of a row by what the draw sets.

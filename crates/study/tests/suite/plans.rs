@@ -120,6 +120,17 @@ fn draws_of_laws_change_the_scenario() {
     }
     assert_eq!(counts, [2, 6]);
 
+    assert_eq!(plan.warning(), None);
+    for (usability, warned) in [("no", true), ("with_care", false), ("yes", false)] {
+        let mut judged = draws.clone();
+        let reasons = json!([{"kind": "misfit", "use": usability, "words": "chi-square is 9.",
+                              "numbers": {}}]);
+        judged["judgement"] = json!({"use": usability, "reasons": reasons});
+        write(&judged);
+        let plan = of(&text).unwrap();
+        assert_eq!(plan.warning().is_some(), warned, "{usability}");
+        assert!(plan.warning().is_none_or(|warning| warning.ends_with("chi-square is 9.")));
+    }
     let mut other = text.clone();
     other["draws"]["columns"] = json!({"/title": "title"});
     let fault = of(&other).unwrap_err().to_string();
