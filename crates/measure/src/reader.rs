@@ -119,7 +119,8 @@ impl<'a> Reader<'a> {
         Self { records, notices, names: options.names.clone(), units, ended: false }
     }
 
-    fn of(mut source: Source<'a>, options: &ReadOptions) -> Result<Self, MeasureError> {
+    fn of(source: Source<'a>, options: &ReadOptions) -> Result<Self, MeasureError> {
+        let mut source = source.decoded()?;
         let units = units(source.name(), options)?;
         let options = &ReadOptions { block: options.block.max(1), ..options.clone() };
         let mut notices = Notices::default();
