@@ -184,12 +184,23 @@ fn analysis_hint(error: &AnalysisError) -> Option<String> {
             "trigger_level_n" => "trigger_level_n is the option --level NEWTONS".into(),
             "hit_length_s" => "hit_length_s is the option --length SECONDS".into(),
             "pre_trigger_s" => "pre_trigger_s is the option --pre-trigger SECONDS".into(),
+            "high_pass_hz" => "high_pass_hz is the option --high-pass HZ".into(),
             "hold_off_s" => "hold_off_s is the option --hold-off SECONDS".into(),
             "the output file" => "--to FORMAT gives the format".into(),
             _ => return None,
         },
         AnalysisError::Measure(MeasureError::Exists { .. }) => {
             "choose another name, or replace the file with --overwrite".into()
+        }
+        AnalysisError::Measure(MeasureError::InvalidCell { .. }) => {
+            "--invalid-cells dropout takes such cells as missing samples, --invalid-cells overload as \
+             samples beyond the sensor's range; their hits are then left out of averages"
+                .into()
+        }
+        AnalysisError::NoChannel { channels, .. } if channels.contains("(voltage") => {
+            "volts are converted with --sensitivity CHANNEL=SENSITIVITY, such as --sensitivity \
+             hammer=2.25mV/N"
+                .into()
         }
         AnalysisError::SameFile { .. } => "choose another name".into(),
         AnalysisError::NoChannel { role: "force", .. } => {

@@ -11,6 +11,9 @@ pub struct ReadOptions {
     pub names: Vec<String>,
     /// Units of the channels, in order; an empty unit keeps the file's.
     pub units: Vec<String>,
+    /// True if `names` and `units` have an entry for every channel of the first record, each where they
+    /// are given; another number is then an error.
+    pub complete: bool,
     /// Cells of a text that are no number.
     pub invalid_cells: InvalidCells,
     /// Most samples of a channel in one record, at least 1; longer measurements are divided into
@@ -27,6 +30,7 @@ impl Default for ReadOptions {
             sample_axis: None,
             names: Vec::new(),
             units: Vec::new(),
+            complete: false,
             invalid_cells: InvalidCells::Refuse,
             block: 1 << 20,
             expansion: 10,
