@@ -48,6 +48,8 @@ pub(crate) enum Failure {
     Sweep(#[from] SweepError),
     #[error("{failed} of {of} failed; the first, {first}: {reason}")]
     Parts { failed: usize, of: String, first: String, reason: String },
+    #[error("{reason}; nothing was written: {} keeps its earlier result", folder.display())]
+    Kept { folder: PathBuf, reason: String },
     #[error("cannot start {threads} threads; accepted: 1 to 1024")]
     Threads { threads: usize },
     #[error("{rows} rows; {code} takes {} to {}", accepted.start(), accepted.end())]
@@ -104,7 +106,11 @@ impl Failure {
                 return ExitCode::from(INTERRUPTED);
             }
             Self::Study(error) => error.is_wrong_request(),
-            Self::Parts { .. } | Self::Figure(_) | Self::Pages { .. } | Self::Answer(_) => false,
+            Self::Parts { .. }
+            | Self::Kept { .. }
+            | Self::Figure(_)
+            | Self::Pages { .. }
+            | Self::Answer(_) => false,
             Self::Analysis(error) => error.is_wrong_request(),
             Self::Ensemble(error) => error.is_wrong_request(),
             Self::Problem(error) => error.is_wrong_request(),
@@ -158,6 +164,9 @@ impl Failure {
                 Some("choose another folder with --out".into())
             }
             Self::Analysis(error) => analysis_hint(error),
+            Self::Problem(error) if matches!(**error, IdentificationError::StoppedAtOnce) => {
+                Some("nothing was written; an earlier result is kept".into())
+            }
             Self::Ensemble(error) => match **error {
                 StudyError::Begun { .. } => {
                     Some("go on with --resume, or choose another folder with --out".into())

@@ -25,6 +25,9 @@ pub(crate) struct Analyse {
 }
 
 /// A folder to watch, and the options of the analysis of its files.
+///
+/// Lines on standard input reject hits by the numbers that are printed, and take them back: `reject 3,7`
+/// and `keep 3`.
 #[derive(Debug, Group)]
 pub(crate) struct Watch {
     /// The folder to which the files of a test are added.

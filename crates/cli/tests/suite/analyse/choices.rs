@@ -9,7 +9,7 @@ use asperity_signal::Complex64;
 use super::exact::{blows, noisy, record};
 use super::hammer::{DAMPING, MASS, NATURAL_HZ};
 use super::store;
-use crate::{answer, number};
+use crate::{answer, asperity, number, text};
 
 /// A row of `frf.csv`: frequency, value, coherence, and whether the force has content.
 struct Line {
