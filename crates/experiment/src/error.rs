@@ -64,7 +64,7 @@ pub enum AnalysisError {
     /// No channel for the force or the response.
     #[error(
         "{}: no channel for the {role}{}{}; available: {channels}",
-        file.display(), quoted(wanted), did_you_mean(near)
+        file.display(), quoted(wanted), did_you_mean(near.as_deref())
     )]
     NoChannel {
         /// File.
@@ -180,7 +180,7 @@ pub enum AnalysisError {
     /// An option for a channel that no file has.
     #[error(
         "{}: option `{option}` names `{wanted}`, and there is no such channel{}; available: {channels}",
-        file.display(), did_you_mean(near)
+        file.display(), did_you_mean(near.as_deref())
     )]
     UnknownChannel {
         /// The file.
@@ -306,8 +306,8 @@ fn others(files: usize) -> String {
     if files > 1 { format!(" and {} more", files - 1) } else { String::new() }
 }
 
-fn did_you_mean(near: &Option<String>) -> String {
-    near.as_ref().map_or_else(String::new, |near| format!(" (did you mean `{near}`?)"))
+fn did_you_mean(near: Option<&str>) -> String {
+    near.map_or_else(String::new, |near| format!(" (did you mean `{near}`?)"))
 }
 
 fn quoted(wanted: &str) -> String {

@@ -79,9 +79,8 @@ fn rates_and_starts_that_do_not_fit_are_named() {
     let folder = tempfile::tempdir().unwrap();
     let (force, _) = hit_mode(1);
     let mut rates = String::from("time 1 (s),hammer (N),time 2 (s),top (m/s^2)\n");
-    for n in 0..400 {
-        let _ =
-            writeln!(rates, "{:.4},{},{:.4},{}", n as f64 / RATE, force[n], n as f64 / 5e3, n % 7);
+    for (n, f) in force.iter().enumerate().take(400) {
+        let _ = writeln!(rates, "{:.4},{},{:.4},{}", n as f64 / RATE, f, n as f64 / 5e3, n % 7);
     }
     let message = |text: &str| {
         only(&store(&folder, "c.csv", text), &AnalysisOptions::default()).unwrap_err().to_string()
@@ -91,9 +90,9 @@ fn rates_and_starts_that_do_not_fit_are_named() {
     assert!(rates.contains("at 10000.000000 Hz") && rates.contains("at 5000.000000 Hz"), "{rates}");
     // No common time.
     let mut later = String::from("time 1 (s),hammer (N),time 2 (s),top (m/s^2)\n");
-    for n in 0..400 {
+    for (n, f) in force.iter().enumerate().take(400) {
         let t = n as f64 / RATE;
-        let _ = writeln!(later, "{t:.4},{},{:.4},{}", force[n], t + 10.0, n % 7);
+        let _ = writeln!(later, "{t:.4},{},{:.4},{}", f, t + 10.0, n % 7);
     }
     let later = message(&later);
     assert!(

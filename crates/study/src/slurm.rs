@@ -107,7 +107,7 @@ send)
     send "1-$shards" 0
     ;;
 shard)
-    exec asperity study "$file" --out "$folder" --shard "$((SLURM_ARRAY_TASK_ID + $2))/$shards" \
+    exec asperity study "$file" --out "$folder" --shard "$((SLURM_ARRAY_TASK_ID + ${{2:-0}}))/$shards" \
         --threads "$SLURM_CPUS_PER_TASK"
     ;;
 merge)

@@ -103,14 +103,12 @@ impl Text<'_> {
             set.places.iter().map(|place| std::mem::take(&mut values[*place])).collect();
         let columns: Vec<NumberColumn> =
             set.places.iter().map(|place| self.reader.columns[*place].clone()).collect();
-        let axis = match set.axis.take() {
-            Some(axis) => axis,
-            None => {
-                let header =
-                    self.segment.axis(if self.has_pairs() { set.places[0] + 1 } else { 0 });
-                let rounding = roundings[set.places[candidate(&columns).unwrap_or(0)]];
-                self.finder(&columns, &header).find(&own, rounding, notices)?
-            }
+        let axis = if let Some(axis) = set.axis.take() {
+            axis
+        } else {
+            let header = self.segment.axis(if self.has_pairs() { set.places[0] + 1 } else { 0 });
+            let rounding = roundings[set.places[candidate(&columns).unwrap_or(0)]];
+            self.finder(&columns, &header).find(&own, rounding, notices)?
         };
         let abscissa = axis.take_abscissa(&mut own, self.rows, notices);
         if self.has_pairs() && matches!(abscissa, Abscissa::Uneven { .. }) {

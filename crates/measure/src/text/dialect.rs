@@ -110,10 +110,10 @@ impl Dialect {
             };
             widths.push((fields, index));
             let widest = widths.iter().map(|(fields, _)| *fields).max().unwrap_or(run.fields);
-            let of_widest = widths.iter().filter(|(fields, _)| *fields == widest);
+            let mut of_widest = widths.iter().rev().filter(|(fields, _)| *fields == widest);
             if of_widest.clone().count() >= FEWEST {
                 joined.fields = widest;
-                joined.start = of_widest.last().map_or(joined.start, |(_, index)| *index);
+                joined.start = of_widest.next().map_or(joined.start, |(_, index)| *index);
             }
         }
         let rows = |from: usize| lines[from..].iter().filter(|line| !is_passed_over(line));

@@ -209,8 +209,10 @@ fn a_later_block_with_uneven_times_gives_a_notice() {
 /// A cell that is no number, or a row with too few, does not make headings of the rows above it.
 #[test]
 fn an_early_cell_that_is_no_number_is_named() {
-    let good =
-        |from: u32, to: u32| (from..to).map(|n| format!("0.{n:03},{n},1\n")).collect::<String>();
+    let good = |from: u32, to: u32| -> String {
+        let row = |n: u32| format!("0.{n:03},{n},1\n");
+        (from..to).flat_map(|n| row(n).into_bytes()).map(char::from).collect()
+    };
     let head = "time_s,hammer (N),top (g)\n";
     for cell in ["---", "\u{221e}", "OVL", "-OVL", "1.#INF", "#N/A", "broken", "?"] {
         for at in [0, 1, 3, 8] {
@@ -242,7 +244,7 @@ fn an_early_cell_that_is_no_number_is_named() {
     let message = read_bytes(axis.as_bytes(), &options).unwrap_err().to_string();
     assert!(message.contains("line 5: `---` for `time`"), "{message}");
     // A channel that is never a number.
-    let off = format!("{head}{}", (0..9).map(|n| format!("0.{n:03},1,OVL\n")).collect::<String>());
+    let off = format!("{head}{}", rows(9, |n| format!("0.{n:03},1,OVL")));
     assert!(error_of(off).contains("line 2: `OVL` for `top`"));
 }
 
