@@ -105,7 +105,8 @@ const PIXELS_PER_MM: f64 = 300.0 / 25.4;
 struct ResultFolder(OutputFolder, Vec<FigureFormat>);
 
 impl ResultFolder {
-    /// Claims the folder of `output` for `command`, by default out/ and the name of the file `input`.
+    /// Claims the folder of `output` for `command`, by default out/ and the name of the file `input`,
+    /// for `steady` with `-steady`.
     fn claim(command: &str, input: &Path, output: &Output) -> Result<Self, Failure> {
         Self::claim_at(
             command,
@@ -135,14 +136,18 @@ impl ResultFolder {
         figures: &[FigureFormat],
     ) -> Result<Self, Failure> {
         let stem = input.file_stem().unwrap_or(input.as_os_str()).to_string_lossy();
-        let name = || PathBuf::from("out").join(file_name(&stem));
+        // Its summary would replace that of `simulate`.
+        let ending = if command == "steady" { "-steady" } else { "" };
+        let name = || PathBuf::from("out").join(file_name(&format!("{stem}{ending}")));
+        let is_measured = matches!(command, "analyse" | "decay" | "identify");
         let folder = out.map_or_else(name, Path::to_owned);
         let claimed = OutputFolder::claim(&OutputRequest {
             folder: &folder,
             command,
             document: input,
-            // Two files of one name, from two folders, have the same folder by default.
-            replace_other_document: overwrite || out.is_some(),
+            // Two files of one name, from two folders, have the same folder by default; measured results
+            // are not computed again as easily.
+            replace_other_document: overwrite || out.is_some() && !is_measured,
             overwrite,
         })?;
         Ok(Self(claimed, figures.to_vec()))
@@ -153,6 +158,11 @@ impl ResultFolder {
         let _span = info_span!("write", file = name).entered();
         self.0.write(name, contents)?;
         Ok(())
+    }
+
+    /// The file `name` of the command's earlier result; `None` without one.
+    fn earlier(&self, name: &str) -> Option<PathBuf> {
+        self.0.earlier(name)
     }
 
     /// Place of a file until the result is finished.

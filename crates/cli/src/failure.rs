@@ -48,6 +48,8 @@ pub(crate) enum Failure {
     Sweep(#[from] SweepError),
     #[error("{failed} of {of} failed; the first, {first}: {reason}")]
     Parts { failed: usize, of: String, first: String, reason: String },
+    #[error("{reason}; nothing was written: {} keeps its earlier result", folder.display())]
+    Kept { folder: PathBuf, reason: String },
     #[error("cannot start {threads} threads; accepted: 1 to 1024")]
     Threads { threads: usize },
     #[error("{rows} rows; {code} takes {} to {}", accepted.start(), accepted.end())]
@@ -104,7 +106,11 @@ impl Failure {
                 return ExitCode::from(INTERRUPTED);
             }
             Self::Study(error) => error.is_wrong_request(),
-            Self::Parts { .. } | Self::Figure(_) | Self::Pages { .. } | Self::Answer(_) => false,
+            Self::Parts { .. }
+            | Self::Kept { .. }
+            | Self::Figure(_)
+            | Self::Pages { .. }
+            | Self::Answer(_) => false,
             Self::Analysis(error) => error.is_wrong_request(),
             Self::Ensemble(error) => error.is_wrong_request(),
             Self::Problem(error) => error.is_wrong_request(),
@@ -158,6 +164,9 @@ impl Failure {
                 Some("choose another folder with --out".into())
             }
             Self::Analysis(error) => analysis_hint(error),
+            Self::Problem(error) if matches!(**error, IdentificationError::StoppedAtOnce) => {
+                Some("nothing was written; an earlier result is kept".into())
+            }
             Self::Ensemble(error) => match **error {
                 StudyError::Begun { .. } => {
                     Some("go on with --resume, or choose another folder with --out".into())
@@ -184,12 +193,23 @@ fn analysis_hint(error: &AnalysisError) -> Option<String> {
             "trigger_level_n" => "trigger_level_n is the option --level NEWTONS".into(),
             "hit_length_s" => "hit_length_s is the option --length SECONDS".into(),
             "pre_trigger_s" => "pre_trigger_s is the option --pre-trigger SECONDS".into(),
+            "high_pass_hz" => "high_pass_hz is the option --high-pass HZ".into(),
             "hold_off_s" => "hold_off_s is the option --hold-off SECONDS".into(),
             "the output file" => "--to FORMAT gives the format".into(),
             _ => return None,
         },
         AnalysisError::Measure(MeasureError::Exists { .. }) => {
             "choose another name, or replace the file with --overwrite".into()
+        }
+        AnalysisError::Measure(MeasureError::InvalidCell { .. }) => {
+            "--invalid-cells dropout takes such cells as missing samples, --invalid-cells overload as \
+             samples beyond the sensor's range; their hits are then left out of averages"
+                .into()
+        }
+        AnalysisError::NoChannel { channels, .. } if channels.contains("(voltage") => {
+            "volts are converted with --sensitivity CHANNEL=SENSITIVITY, such as --sensitivity \
+             hammer=2.25mV/N"
+                .into()
         }
         AnalysisError::SameFile { .. } => "choose another name".into(),
         AnalysisError::NoChannel { role: "force", .. } => {

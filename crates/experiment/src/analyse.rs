@@ -73,7 +73,8 @@ fn two_passes<'a>(
 ) -> Result<Passes<'a>, AnalysisError> {
     let mut stream = SampleStream::new(options);
     let (envelope, signals, read) = ForceEnvelope::of_sources(&mut stream, sources, progress)?;
-    let trigger = envelope.trigger_settings(options, signals.sample_rate_hz)?;
+    let trigger = envelope.trigger_settings(options, signals.sample_rate_hz);
+    let trigger = trigger.map_err(|error| stream.with_remarks(error))?;
     drop(envelope);
     if trigger.is_inverted {
         let text = "the force is far larger below zero than above; `flip_force` reverses its sign";

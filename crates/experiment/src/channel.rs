@@ -5,6 +5,7 @@ use std::path::Path;
 use asperity_measure::{Channel, ChannelQuantity, Record};
 
 use crate::error::AnalysisError;
+use crate::near_name::nearest;
 
 /// Selection of a channel by its number, its name or its quantity.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -158,8 +159,15 @@ pub(crate) fn choose_any_responses(
 ) -> Result<Vec<usize>, AnalysisError> {
     let role = ChannelRole::Response;
     let none = |wanted: String| {
-        let channels = listed(record, &(0..record.channels.len()).collect::<Vec<_>>());
-        AnalysisError::NoChannel { file: file.to_owned(), role: role.name(), wanted, channels }
+        let channels = listed_all(record);
+        let near = near_channel(record, &wanted);
+        AnalysisError::NoChannel {
+            file: file.to_owned(),
+            role: role.name(),
+            wanted,
+            near,
+            channels,
+        }
     };
     if ResponseChoice::of(wanted) == ResponseChoice::All || wanted.is_empty() {
         let fits = |at: &usize| role.fits(record.channels[*at].quantity);
@@ -200,9 +208,9 @@ pub(crate) fn choose(
     let place = match fitting[..] {
         [place] => place,
         [] => {
-            let every: Vec<usize> = (0..record.channels.len()).collect();
-            let (file, role, channels) = (file_name, role_name, listed(record, &every));
-            return Err(AnalysisError::NoChannel { file, role, wanted, channels });
+            let (file, role, channels) = (file_name, role_name, listed_all(record));
+            let near = near_channel(record, &wanted);
+            return Err(AnalysisError::NoChannel { file, role, wanted, near, channels });
         }
         _ => {
             let (file, role, channels) = (file_name, role_name, listed(record, &fitting));
@@ -223,6 +231,17 @@ pub(crate) fn choose(
         });
     }
     Ok(place)
+}
+
+/// Name of a channel that is nearest to one that names none.
+pub(crate) fn near_channel(record: &Record, wanted: &str) -> Option<String> {
+    let names = record.channels.iter().map(|channel| channel.name.as_str());
+    nearest(wanted, names).map(str::to_owned)
+}
+
+/// List of all channels for a message.
+pub(crate) fn listed_all(record: &Record) -> String {
+    listed(record, &(0..record.channels.len()).collect::<Vec<_>>())
 }
 
 /// Most channels listed in a message.

@@ -62,7 +62,10 @@ pub enum AnalysisError {
         expected: &'static str,
     },
     /// No channel for the force or the response.
-    #[error("{}: no channel for the {role}{}; available: {channels}", file.display(), quoted(wanted))]
+    #[error(
+        "{}: no channel for the {role}{}{}; available: {channels}",
+        file.display(), quoted(wanted), did_you_mean(near.as_deref())
+    )]
     NoChannel {
         /// File.
         file: PathBuf,
@@ -70,6 +73,8 @@ pub enum AnalysisError {
         role: &'static str,
         /// Requested channel; empty for any.
         wanted: String,
+        /// The nearest name of a channel.
+        near: Option<String>,
         /// Available channels.
         channels: String,
     },
@@ -139,6 +144,64 @@ pub enum AnalysisError {
         /// Most values.
         limit: usize,
     },
+    /// Force and response that were not sampled together.
+    #[error(
+        "{}, record {record}: force and response are not sampled together: {channels}; resample them \
+         to one rate and one start, or give a record in which they are",
+        file.display()
+    )]
+    NotTogether {
+        /// The file.
+        file: PathBuf,
+        /// The record, from 1.
+        record: usize,
+        /// The channels with rates and starts.
+        channels: String,
+    },
+    /// A channel that is in another record of the file.
+    #[error(
+        "{}: the {role} `{channel}` is in record {record}, and the others are in record {other}: {reason}",
+        file.display()
+    )]
+    OtherRecord {
+        /// The file.
+        file: PathBuf,
+        /// `force` or `response`.
+        role: &'static str,
+        /// Name of the channel.
+        channel: String,
+        /// Its record, from 1.
+        record: usize,
+        /// Record of the other channels.
+        other: usize,
+        /// Why they are not in one record.
+        reason: String,
+    },
+    /// An option for a channel that no file has.
+    #[error(
+        "{}: option `{option}` names `{wanted}`, and there is no such channel{}; available: {channels}",
+        file.display(), did_you_mean(near.as_deref())
+    )]
+    UnknownChannel {
+        /// The file.
+        file: PathBuf,
+        /// The option.
+        option: &'static str,
+        /// The name.
+        wanted: String,
+        /// The nearest name of a channel.
+        near: Option<String>,
+        /// The channels.
+        channels: String,
+    },
+    /// A rejected hit that does not exist.
+    #[error("hit {number} cannot be rejected: there are {hits} hits")]
+    NoSuchHit {
+        /// The number.
+        number: usize,
+        /// Number of hits.
+        hits: usize,
+    },
     /// Record that is not sampled evenly in time, or whose channels differ.
     #[error("{}, record {record}: {problem}", file.display())]
     Record {
@@ -165,12 +228,17 @@ pub enum AnalysisError {
         expected: String,
     },
     /// Test without a hit.
-    #[error("no hit found: the largest force is {largest_n} N, the noise {noise_n} N")]
+    #[error(
+        "no hit found: the largest force is {largest_n} N, the noise {noise_n} N{}",
+        remarks.iter().flat_map(|remark| ["; ", remark.as_str()]).collect::<String>()
+    )]
     NoHit {
         /// Largest force \[N\].
         largest_n: f64,
         /// Robust standard deviation of the force \[N\].
         noise_n: f64,
+        /// What was left out of the records, in words.
+        remarks: Vec<String>,
     },
     /// Records without a free decay.
     #[error(
@@ -236,6 +304,10 @@ impl AnalysisError {
 
 fn others(files: usize) -> String {
     if files > 1 { format!(" and {} more", files - 1) } else { String::new() }
+}
+
+fn did_you_mean(near: Option<&str>) -> String {
+    near.map_or_else(String::new, |near| format!(" (did you mean `{near}`?)"))
 }
 
 fn quoted(wanted: &str) -> String {

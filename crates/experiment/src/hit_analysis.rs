@@ -6,7 +6,7 @@ use crate::analysis::Analysis;
 use crate::cutting::{CutHit, HitCutter};
 use crate::error::AnalysisError;
 use crate::modes::{Mode, ResponseModes};
-use crate::options::{AnalysisOptions, FrequencyBand};
+use crate::options::{AnalysisOptions, FrequencyBand, RejectedHit};
 use crate::report::AnalysisProvenance;
 use crate::response_analysis::{CommonReport, ResponseAccumulator};
 use crate::stream::{SampleBlock, SampleStream, SignalParameters};
@@ -84,7 +84,14 @@ impl<'a> HitAccumulator<'a> {
         let pending = std::mem::take(&mut self.pending);
         if self.band.is_none()
             && let Some(first) = self.responses.first()
-            && let Some(band) = pending.iter().find_map(|(_, hit)| first.default_band(&hit.samples))
+            && let Some(band) = pending.iter().enumerate().find_map(|(place, (file, hit))| {
+                let number = first.hits() + place + 1;
+                let rate = hit.samples.sample_rate_hz;
+                let trigger = hit.samples.start + hit.samples.trigger as u64;
+                let time_s = hit.record_start_s + trigger as f64 / rate;
+                let rejected = self.options.rejects(number, file, time_s);
+                if rejected { None } else { first.default_band(&hit.samples) }
+            })
         {
             self.search_in(band);
         }
@@ -123,6 +130,14 @@ impl<'a> HitAccumulator<'a> {
                 band.low_hz, band.high_hz
             ));
         }
+        let hits = self.hits();
+        for rejected in &self.options.rejected {
+            if let RejectedHit::Number(number) = *rejected
+                && !(1..=hits).contains(&number)
+            {
+                return Err(AnalysisError::NoSuchHit { number, hits });
+            }
+        }
         let (force, channels) = stream.channels.split_first().ok_or(AnalysisError::NoFile)?;
         let mut failure = None;
         let mut good = Vec::new();
@@ -144,7 +159,7 @@ impl<'a> HitAccumulator<'a> {
             let (found, hits) = response.finish(CommonReport {
                 trigger,
                 channels: vec![force.clone(), channel],
-                notices: stream.notices.iter().cloned().collect(),
+                notices: stream.all_notices(),
                 provenance: provenance.clone(),
             })?;
             modes.push(ResponseModes::new(

@@ -157,10 +157,18 @@ impl HitReport {
             pulse_width_s: hit.pulse.map(|pulse| pulse.width_s),
             double_hit: any(|issue| matches!(issue, QualityIssue::DoubleHit(_))),
             overload: any(|issue| {
-                matches!(issue, QualityIssue::Overload { .. } | QualityIssue::Clipped { .. })
+                matches!(
+                    issue,
+                    QualityIssue::Overload { .. }
+                        | QualityIssue::Clipped { .. }
+                        | QualityIssue::NotFinite { infinite: true, .. }
+                )
             }),
             dropout: any(|issue| {
-                matches!(issue, QualityIssue::Dropout { .. } | QualityIssue::NotFinite { .. })
+                matches!(
+                    issue,
+                    QualityIssue::Dropout { .. } | QualityIssue::NotFinite { infinite: false, .. }
+                )
             }),
             averaged: hit.is_averaged(),
             contact_lost: false,
@@ -180,6 +188,13 @@ impl HitReport {
             harmonic_ratio: None,
             harmonic_ratio_uncertainty: None,
         }
+    }
+
+    /// Leaves a hit out of averages and statistics that someone has rejected.
+    pub(crate) fn reject(&mut self) {
+        self.averaged = false;
+        self.issues.insert(0, "rejected".to_owned());
+        (self.fundamental, self.second_peak, self.second_harmonic) = (None, None, None);
     }
 
     /// Takes the second peak as the second harmonic.

@@ -8,6 +8,7 @@ use serde::Serialize;
 use crate::channel::{ChannelRole, choose, choose_responses};
 use crate::error::AnalysisError;
 use crate::options::AnalysisOptions;
+use crate::other_record::RecordAxis;
 use crate::stream::{calibrate, measure_error};
 
 /// Identifier of the format of an inspection.
@@ -102,6 +103,7 @@ pub fn inspect(file: &Path, options: &AnalysisOptions) -> Result<Inspection, Ana
         notices: Vec::new(),
     };
     let mut open_channels: Vec<Outline> = Vec::new();
+    let mut first: Option<RecordAxis> = None;
     while let Some(mut record) = reader.next_record().map_err(|error| measure_error(error, file))? {
         if !record.continues {
             found.records += 1;
@@ -125,11 +127,45 @@ pub fn inspect(file: &Path, options: &AnalysisOptions) -> Result<Inspection, Ana
             found.force = choice(file, &record, force.map(|place| vec![place]));
             let responses = choose_responses(file, &record, &options.responses);
             found.response = choice(file, &record, responses);
+            first = RecordAxis::of(1, &record);
+        } else if let Some(first) = &first
+            && !record.continues
+        {
+            found.point_to(file, first, &record, options);
         }
     }
     found.channels.extend(open_channels.into_iter().map(Outline::finish));
     found.notices = reader.notices().iter().map(ToString::to_string).collect();
     Ok(found)
+}
+
+impl Inspection {
+    /// Tells of a force or a response that the first record lacks and a later one has.
+    fn point_to(
+        &mut self,
+        file: &Path,
+        first: &RecordAxis,
+        record: &Record,
+        options: &AnalysisOptions,
+    ) {
+        let number = self.records;
+        let roles = [
+            (ChannelRole::Force, options.force.as_ref(), &mut self.force),
+            (ChannelRole::Response, None, &mut self.response),
+        ];
+        for (role, wanted, known) in roles {
+            if known.channel.is_none()
+                && !known.text.contains(" is in record ")
+                && let Ok(place) = choose(file, record, role, wanted)
+            {
+                let channel = &record.channels[place];
+                let reason = first.reason(&RecordAxis::of_channel(number, channel));
+                let name = &channel.name;
+                known.text =
+                    format!("`{name}` is in record {number}, and the first is not: {reason}");
+            }
+        }
+    }
 }
 
 fn choice(file: &Path, record: &Record, found: Result<Vec<usize>, AnalysisError>) -> Choice {

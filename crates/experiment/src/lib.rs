@@ -56,6 +56,8 @@
 //! | `options`, `channel` | [`AnalysisOptions`] and their text forms, selection of the channels |
 //! | `rig` | [`RigSettings`]: a file in place of options |
 //! | `stream` | files, or records in memory, as blocks of force and response in SI |
+//! | `line_up` | channels of one rate with starts apart |
+//! | `other_record`, `near_name` | what else the file holds, for messages |
 //! | `source_hash` | checksums of files and records |
 //! | `trigger`, `cutting` | trigger level and hit length; blocks to hits |
 //! | `analyse`, `hit_analysis` | [`analyse`]: the two passes, hits for every response |
@@ -88,9 +90,12 @@ mod hit_report;
 mod input_files;
 mod input_size;
 mod inspection;
+mod line_up;
 mod modes;
+mod near_name;
 mod next_level;
 mod options;
+mod other_record;
 mod plausibility;
 mod report;
 mod response_analysis;
@@ -122,14 +127,16 @@ pub use inspection::{Choice, INSPECTION_SCHEMA, InspectedChannel, Inspection, in
 pub use modes::{Mode, ModeAtResponse};
 pub use next_level::{LevelCoverage, NextLevel};
 pub use options::{
-    AnalysisOptions, ChannelSensor, FrequencyBand, HitCount, RigFile, TimeConstant, WindowOptions,
-    parse_estimator, parse_frf_form,
+    AnalysisOptions, ChannelSensor, FrequencyBand, HitCount, RejectedHit, RigFile, TimeConstant,
+    WindowOptions, parse_estimator, parse_frf_form,
 };
 pub use report::{
     ANALYSIS_SCHEMA, AnalysisProvenance, AnalysisReport, AnalysisSettings, AverageFundamental,
     AverageReport,
 };
-pub use rig::{RigChannel, RigEstimator, RigFault, RigSampleAxis, RigSchemaId, RigSettings};
+pub use rig::{
+    RigChannel, RigEstimator, RigFault, RigInvalidCells, RigSampleAxis, RigSchemaId, RigSettings,
+};
 pub use second_peak::{HitSecondPeak, SecondPeakReport};
 pub use stream::{AnalysedFile, UsedChannel};
 pub use watched_folder::{CompleteFile, WatchedFolder};

@@ -40,6 +40,12 @@ pub struct AnalysisOptions {
     pub form: FrfForm,
     /// Windows before the transform.
     pub windows: WindowOptions,
+    /// Corner `f_c` \[Hz\] of a high-pass of second order for the responses, which takes out drifts; `None`
+    /// for none. At a frequency `f` it changes the magnitude by `(f_c/f)^4 / 2` of itself, and the phase
+    /// by `sqrt(2) f_c/f` rad.
+    pub high_pass_hz: Option<f64>,
+    /// Hits to be left out of averages and statistics.
+    pub rejected: Vec<RejectedHit>,
     /// Band of the fundamental \[Hz\]; `None` for a band about the strongest resonance of the first
     /// good hit.
     pub band_hz: Option<FrequencyBand>,
@@ -66,6 +72,8 @@ impl Default for AnalysisOptions {
             estimator: FrfEstimator::H1,
             form: FrfForm::Receptance,
             windows: WindowOptions::automatic(),
+            high_pass_hz: None,
+            rejected: Vec::new(),
             band_hz: None,
             keep_all: false,
             keep_frfs: false,
@@ -74,6 +82,17 @@ impl Default for AnalysisOptions {
 }
 
 impl AnalysisOptions {
+    /// True for a hit that is rejected by its number, or by its file and its time to within the
+    /// pre-trigger.
+    pub(crate) fn rejects(&self, number: usize, file: &str, time_s: f64) -> bool {
+        self.rejected.iter().any(|rejected| match rejected {
+            RejectedHit::Number(own) => *own == number,
+            RejectedHit::At { file: own, time_s: at } => {
+                own == file && (at - time_s).abs() < self.pre_trigger_s
+            }
+        })
+    }
+
     /// Checks that levels and times are positive.
     pub(crate) fn check(&self) -> Result<(), AnalysisError> {
         let times = [
@@ -81,6 +100,7 @@ impl AnalysisOptions {
             ("hit_length_s", self.hit_length_s),
             ("pre_trigger_s", Some(self.pre_trigger_s)),
             ("hold_off_s", Some(self.hold_off_s)),
+            ("high_pass_hz", self.high_pass_hz),
         ];
         for (name, value) in times {
             if let Some(value) = value
@@ -95,6 +115,20 @@ impl AnalysisOptions {
         }
         Ok(())
     }
+}
+
+/// A hit that someone has rejected.
+#[derive(Debug, Clone, PartialEq)]
+pub enum RejectedHit {
+    /// Its number in the analysis, from 1.
+    Number(usize),
+    /// Its file and time \[s\] of the trigger, for an analysis of other files too.
+    At {
+        /// Name of the file, as given.
+        file: String,
+        /// Time in its record \[s\].
+        time_s: f64,
+    },
 }
 
 /// File of a rig's settings.

@@ -158,10 +158,17 @@ impl<'a> ResponseAccumulator<'a> {
     /// Adds the next hit.
     pub(crate) fn add(&mut self, hit: SingleHit) -> Result<(), AnalysisError> {
         let SingleHit { mut report, mut curve, analysed: hit, average } = hit;
-        self.average.merge(&average)?;
         let limits = self.band.map_or((0.0, 0.0), |band| (band.low_hz, band.high_hz));
-        self.sums.push(BandSums::of(average.sums_within(limits)));
         report.index = self.hits.len() + 1;
+        if self.options.rejects(report.index, &report.file, report.time_s) {
+            report.reject();
+            self.sums.push(BandSums::of(self.empty.sums_within(limits)));
+            self.modes.push(HitModes::of(None));
+            self.hits.push(report);
+            return Ok(());
+        }
+        self.average.merge(&average)?;
+        self.sums.push(BandSums::of(average.sums_within(limits)));
         let force_peak_n = report.force_peak_n.unwrap_or(f64::NAN);
         if let (Some(frf), true) = (&hit.frf, self.options.keep_frfs) {
             let exponential = self.hammer.windows.exponential;
@@ -210,13 +217,19 @@ impl<'a> ResponseAccumulator<'a> {
         if let Some(offset) = Offset::at_rest(&hit.force) {
             offset.remove(&mut hit.force);
         }
+        let measured = hit.responses.first_mut()?;
+        if let Some(offset) = Offset::of_response(measured, hit.trigger) {
+            offset.remove(measured);
+        }
         let response: FrequencyResponse = hit.response(0, self.response).ok()?;
         let rate = self.sample_rate_hz;
-        let low = MIN_CYCLES * rate / hit.force.len() as f64;
+        let resolved = MIN_CYCLES * rate / hit.force.len() as f64;
+        let low = resolved.max(self.options.high_pass_hz.unwrap_or(0.0));
         let threshold = self.hammer.harmonics.force_threshold;
         let range = (low, MAX_FREQUENCY * rate);
         let peak = dominant_frequency(&response, range, FrfForm::Mobility, threshold)?;
-        Some(FrequencyBand { low_hz: DEFAULT_BAND.0 * peak, high_hz: DEFAULT_BAND.1 * peak })
+        let low_hz = (DEFAULT_BAND.0 * peak).max(low);
+        Some(FrequencyBand { low_hz, high_hz: DEFAULT_BAND.1 * peak })
     }
 
     /// Searches the fundamental in a band.
@@ -249,7 +262,7 @@ impl<'a> ResponseAccumulator<'a> {
             Some(hit) => hit.issues.join("; "),
             None => {
                 let (largest_n, noise_n) = (trigger.largest_n, trigger.noise_n);
-                return Some(AnalysisError::NoHit { largest_n, noise_n });
+                return Some(AnalysisError::NoHit { largest_n, noise_n, remarks: Vec::new() });
             }
         };
         Some(AnalysisError::NoGoodHit { hits: self.hits.len(), reason })

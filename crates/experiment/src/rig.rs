@@ -1,6 +1,6 @@
 //! Settings of a rig: a file in place of the options that each of its tests needs.
 
-use asperity_measure::{ChannelUnit, SampleAxis};
+use asperity_measure::{ChannelUnit, InvalidCells, SampleAxis};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -40,6 +40,13 @@ pub struct RigSettings {
     /// True for a force that is negative when the hammer pushes.
     #[serde(default)]
     pub flip_force: bool,
+    /// Cells of texts that are no number: refused, the default, or taken as dropouts or overloads.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub invalid_cells: Option<RigInvalidCells>,
+    /// Corner in Hz of a high-pass of second order for the responses, which takes out drifts.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    pub high_pass_hz: Option<f64>,
     /// Trigger level in N.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0.0))]
@@ -105,6 +112,28 @@ pub enum RigSampleAxis {
     Last,
 }
 
+/// Treatment of a cell of a text that is no number.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum RigInvalidCells {
+    /// An error that names the row.
+    Refuse,
+    /// A missing sample.
+    Dropout,
+    /// A sample beyond the range of the sensor.
+    Overload,
+}
+
+impl From<RigInvalidCells> for InvalidCells {
+    fn from(cells: RigInvalidCells) -> Self {
+        match cells {
+            RigInvalidCells::Refuse => Self::Refuse,
+            RigInvalidCells::Dropout => Self::Dropout,
+            RigInvalidCells::Overload => Self::Overload,
+        }
+    }
+}
+
 /// An estimator of the averaged function.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
@@ -162,6 +191,7 @@ impl RigSettings {
             RigSampleAxis::First => SampleAxis::First,
             RigSampleAxis::Last => SampleAxis::Last,
         });
+        reading.invalid_cells = self.invalid_cells.map_or(InvalidCells::Refuse, Into::into);
         for (number, channel) in self.channels.iter().enumerate() {
             if let Some(unit) = channel.unit.as_ref().filter(|unit| !is_known(unit)) {
                 faults.push(RigFault {
@@ -196,6 +226,7 @@ impl RigSettings {
             self.responses.iter().map(|text| text.as_str().into()).collect();
         options.responses = ResponseChoice::of(&responses);
         options.flip_force = self.flip_force;
+        options.high_pass_hz = self.high_pass_hz;
         options.trigger_level_n = self.level_n;
         options.hit_length_s = self.length_s;
         options.pre_trigger_s = self.pre_trigger_s.unwrap_or(options.pre_trigger_s);

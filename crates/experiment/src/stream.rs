@@ -1,18 +1,22 @@
 //! Sources as blocks of force and response in SI units.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use asperity_measure::{
     Channel, ChannelQuantity, DegreeOfFreedom, MeasureError, MeasurementSource, Reader, Record,
     Samples,
 };
-use asperity_signal::ResponseKind;
+use asperity_signal::{HighPass, ResponseKind};
 use serde::Serialize;
 
-use crate::channel::{ChannelRole, choose, choose_responses};
+use crate::channel::{
+    ChannelRole, ResponseChoice, choose, choose_responses, listed_all, near_channel,
+};
 use crate::error::AnalysisError;
+use crate::line_up::LineUp;
 use crate::options::{AnalysisOptions, ChannelSensor};
+use crate::other_record::{RecordAxis, Rest, axes_in_words, in_other_record};
 
 /// Consecutive samples of a record.
 pub(crate) struct SampleBlock {
@@ -76,11 +80,30 @@ pub(crate) struct SampleStream<'a> {
     pub(crate) channels: Vec<UsedChannel>,
     /// Assumptions and omissions.
     pub(crate) notices: BTreeSet<String>,
+    /// Notices of readers, with the files that each is about.
+    of_files: BTreeMap<String, Vec<String>>,
+    /// Channels of the current record.
+    current: Option<CurrentRecord>,
+}
+
+/// Channels of a record on their way to the analysis.
+struct CurrentRecord {
+    line_up: LineUp,
+    filters: Vec<HighPass>,
+    /// Rates and starts of the channels.
+    axes: String,
 }
 
 impl<'a> SampleStream<'a> {
     pub(crate) fn new(options: &'a AnalysisOptions) -> Self {
-        Self { options, signals: None, channels: Vec::new(), notices: BTreeSet::new() }
+        Self {
+            options,
+            signals: None,
+            channels: Vec::new(),
+            notices: BTreeSet::new(),
+            of_files: BTreeMap::new(),
+            current: None,
+        }
     }
 
     /// Calls `take` with the blocks of one source; returns its properties without the hash.
@@ -103,6 +126,7 @@ impl<'a> SampleStream<'a> {
         let mut in_time = false;
         while let Some(record) = reader.next_record().map_err(|error| measure_error(error, file))? {
             if !record.continues {
+                self.end_record(file, read.records)?;
                 in_time = is_in_time(&record);
                 if in_time {
                     read.records += 1;
@@ -111,11 +135,25 @@ impl<'a> SampleStream<'a> {
                 }
             }
             if in_time {
-                let (block, signals) = self.block(file, read.records, record)?;
-                read.samples += block.force.len() as u64;
-                take(block, &signals)?;
+                let axis = RecordAxis::of(read.records, &record);
+                let block = self.block(file, read.records, record).map_err(|error| match axis {
+                    Some(axis) => {
+                        let response = match &self.options.responses {
+                            ResponseChoice::Channels(wanted) => wanted.first(),
+                            _ => None,
+                        };
+                        let wanted = (self.options.force.as_ref(), response);
+                        in_other_record(error, file, &axis, Rest(&mut reader), wanted)
+                    }
+                    None => error,
+                });
+                if let Some((block, signals)) = block? {
+                    read.samples += block.force.len() as u64;
+                    take(block, &signals)?;
+                }
             }
         }
+        self.end_record(file, read.records)?;
         self.note(file, &reader, other_records);
         if read.records == 0 {
             let (file, expected) = (read.file, "records in time");
@@ -129,7 +167,7 @@ impl<'a> SampleStream<'a> {
         file: &Path,
         number: usize,
         mut record: Record,
-    ) -> Result<(SampleBlock, SignalParameters), AnalysisError> {
+    ) -> Result<Option<(SampleBlock, SignalParameters)>, AnalysisError> {
         calibrate(&self.options.sensitivities, file, &mut record)?;
         let force_at = choose(file, &record, ChannelRole::Force, self.options.force.as_ref())?;
         let responses_at = choose_responses(file, &record, &self.options.responses)?;
@@ -141,35 +179,48 @@ impl<'a> SampleStream<'a> {
         }
         let problem =
             |problem| AnalysisError::Record { file: file.to_owned(), record: number, problem };
-        let begins_record = !record.continues;
-        let mut take = |place: usize| -> Result<_, AnalysisError> {
+        let places: Vec<usize> = std::iter::once(force_at).chain(responses_at).collect();
+        let axes = axes_in_words(places.iter().map(|place| &record.channels[*place]));
+        let (mut blocks, mut rates, mut starts) = (Vec::new(), Vec::new(), Vec::new());
+        let mut quantities = Vec::new();
+        for place in places {
             let channel = &mut record.channels[place];
             let rate = channel.sample_rate_hz();
-            let rate = rate.ok_or_else(|| problem("it is not sampled evenly in time"))?;
-            let start = channel.abscissa.at(0).unwrap_or(0.0);
+            rates.push(rate.ok_or_else(|| problem("it is not sampled evenly in time"))?);
+            starts.push(channel.abscissa.at(0).unwrap_or(0.0));
             channel.to_si()?;
-            let quantity = channel.quantity;
+            quantities.push(channel.quantity);
             let empty = Samples::Real(Vec::new());
             let Samples::Real(samples) = std::mem::replace(&mut channel.samples, empty) else {
                 return Err(problem("its samples are complex"));
             };
-            Ok((samples, rate, start, quantity))
-        };
-        let (mut force, rate, start_s, _) = take(force_at)?;
-        let (mut responses, mut kinds) = (Vec::new(), Vec::new());
-        for place in responses_at {
-            let (response, response_rate, response_start_s, quantity) = take(place)?;
-            let apart = (start_s - response_start_s).abs() > 0.5 / rate;
-            if rate != response_rate || apart || force.len() != response.len() {
-                return Err(problem("force and response are not sampled together"));
-            }
-            responses.push(response);
-            kinds.push(match quantity {
-                ChannelQuantity::Displacement => ResponseKind::Displacement,
-                ChannelQuantity::Velocity => ResponseKind::Velocity,
-                _ => ResponseKind::Acceleration,
-            });
+            blocks.push(samples);
         }
+        let rate = rates[0];
+        if rates.iter().any(|other| (other / rate - 1.0).abs() > SAME_RATE) {
+            return Err(not_together(file, number, axes));
+        }
+        if !record.continues {
+            self.begin_record(file, rate, &starts, axes)?;
+        }
+        let Some(current) = &mut self.current else { return Ok(None) };
+        let mut blocks = current.line_up.push(blocks);
+        if blocks[0].is_empty() {
+            return Ok(None);
+        }
+        // The first is the force.
+        for (filter, samples) in current.filters.iter_mut().zip(&mut blocks[1..]) {
+            filter.filter(samples);
+        }
+        let begins_record = std::mem::take(&mut current.line_up.is_new);
+        let start_s = current.line_up.start_s;
+        let mut force = blocks.remove(0);
+        let kind = |quantity: &ChannelQuantity| match quantity {
+            ChannelQuantity::Displacement => ResponseKind::Displacement,
+            ChannelQuantity::Velocity => ResponseKind::Velocity,
+            _ => ResponseKind::Acceleration,
+        };
+        let kinds = quantities[1..].iter().map(kind).collect();
         if self.options.flip_force {
             for x in &mut force {
                 *x = -*x;
@@ -177,20 +228,99 @@ impl<'a> SampleStream<'a> {
         }
         let signals = SignalParameters { sample_rate_hz: rate, responses: kinds };
         self.signals.get_or_insert_with(|| signals.clone()).check(file, &signals)?;
-        Ok((SampleBlock { begins_record, start_s, force, responses }, signals))
+        Ok(Some((SampleBlock { begins_record, start_s, force, responses: blocks }, signals)))
+    }
+
+    /// Lines up the channels of a record by their starts.
+    fn begin_record(
+        &mut self,
+        file: &Path,
+        rate: f64,
+        starts: &[f64],
+        axes: String,
+    ) -> Result<(), AnalysisError> {
+        let problem = "a start time is not finite";
+        let line_up = LineUp::new(rate, starts).ok_or_else(|| AnalysisError::Record {
+            file: file.to_owned(),
+            record: 1,
+            problem,
+        })?;
+        if line_up.is_apart() {
+            self.note_file(file, format!("{LINED_UP}{axes}"));
+        }
+        if line_up.fraction > EXACT_FRACTION {
+            let degrees = 360.0 * line_up.fraction / line_up.rate_hz;
+            let fraction = line_up.fraction;
+            self.note_file(
+                file,
+                format!(
+                    "the starts of the channels are {fraction:.2} samples off whole ones: phases are \
+                     wrong by {degrees:.2e} degrees for each Hz"
+                ),
+            );
+        }
+        let filter = |corner| (1..starts.len()).map(|_| HighPass::new(corner, rate)).collect();
+        let filters: Result<Vec<HighPass>, _> =
+            self.options.high_pass_hz.map_or_else(|| Ok(Vec::new()), filter);
+        self.current = Some(CurrentRecord { line_up, filters: filters?, axes });
+        Ok(())
+    }
+
+    /// Ends a record, whose channels must have samples in common.
+    fn end_record(&mut self, file: &Path, number: usize) -> Result<(), AnalysisError> {
+        match self.current.take() {
+            Some(CurrentRecord { line_up, axes, .. }) if line_up.is_new => {
+                Err(not_together(file, number, axes))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn note_file(&mut self, file: &Path, notice: String) {
+        let files = self.of_files.entry(notice).or_default();
+        let name = file.display().to_string();
+        if !files.contains(&name) {
+            files.push(name);
+        }
+    }
+
+    /// An error of a test without a hit, with what was left out of the records.
+    pub(crate) fn with_remarks(&self, error: AnalysisError) -> AnalysisError {
+        let AnalysisError::NoHit { largest_n, noise_n, .. } = error else { return error };
+        let left_out = self.of_files.keys().filter(|notice| notice.starts_with(LINED_UP));
+        AnalysisError::NoHit { largest_n, noise_n, remarks: left_out.cloned().collect() }
+    }
+
+    /// All notices; each notice of several files once.
+    pub(crate) fn all_notices(&self) -> Vec<String> {
+        let of_files = self.of_files.iter().map(|(notice, files)| match files.as_slice() {
+            [] => notice.clone(),
+            [one] => format!("{one}: {notice}"),
+            [first, others @ ..] => format!("{first} and {} more: {notice}", others.len()),
+        });
+        of_files.chain(self.notices.iter().cloned()).collect()
     }
 
     fn note(&mut self, file: &Path, reader: &Reader<'_>, other_records: usize) {
-        let name = file.display();
         for notice in reader.notices() {
-            self.notices.insert(format!("{name}: {notice}"));
+            self.note_file(file, notice.to_string());
         }
         if other_records > 0 {
-            self.notices.insert(format!(
-                "{name}: {other_records} records omitted, which are not time records"
-            ));
+            let text = format!("{other_records} records omitted, which are not time records");
+            self.note_file(file, text);
         }
     }
+}
+
+/// Relative difference of rates that are the same, as printed rates are rounded.
+const SAME_RATE: f64 = 1e-9;
+/// Beginning of the notice of channels whose starts are apart.
+const LINED_UP: &str = "channels lined up by their starts: ";
+/// Distance of starts from whole samples that is not told.
+const EXACT_FRACTION: f64 = 0.01;
+
+fn not_together(file: &Path, record: usize, channels: String) -> AnalysisError {
+    AnalysisError::NotTogether { file: file.to_owned(), record, channels }
 }
 
 impl SignalParameters {
@@ -262,7 +392,18 @@ pub(crate) fn calibrate(
 ) -> Result<(), AnalysisError> {
     let mut converted = Vec::new();
     for sensor in sensors {
-        for place in sensor.channel.fitting(record) {
+        let places = sensor.channel.fitting(record);
+        if places.is_empty() {
+            let wanted = sensor.channel.to_string();
+            return Err(AnalysisError::UnknownChannel {
+                file: file.to_owned(),
+                option: "sensitivity",
+                near: near_channel(record, &wanted),
+                wanted,
+                channels: listed_all(record),
+            });
+        }
+        for place in places {
             if converted.contains(&place) {
                 continue;
             }

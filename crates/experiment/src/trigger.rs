@@ -151,7 +151,7 @@ impl ForceEnvelope {
         let (median, noise_n) = rest.map_or((0.0, 0.0), |level| (level.median, level.deviation));
         let maxima = self.records.iter().flat_map(|record| &record.maxima);
         let largest_n = maxima.copied().fold(f64::NEG_INFINITY, f64::max);
-        let no_hit = AnalysisError::NoHit { largest_n, noise_n };
+        let no_hit = AnalysisError::NoHit { largest_n, noise_n, remarks: Vec::new() };
         let hold_off = (options.hold_off_s * rate_hz / self.interval as f64).ceil() as usize;
         let level_n = if let Some(level) = options.trigger_level_n {
             level

@@ -1,6 +1,6 @@
 //! Measurement files of a folder that are complete.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
@@ -19,6 +19,8 @@ const LEFT: u32 = 9;
 pub struct WatchedFolder {
     path: PathBuf,
     files: HashMap<PathBuf, SeenFile>,
+    /// Files that the last look did not find any more.
+    gone: Vec<PathBuf>,
 }
 
 #[derive(Debug)]
@@ -41,7 +43,7 @@ pub struct CompleteFile {
 impl WatchedFolder {
     /// A folder, none of whose files is known yet.
     pub fn new(path: impl Into<PathBuf>) -> Self {
-        Self { path: path.into(), files: HashMap::new() }
+        Self { path: path.into(), files: HashMap::new(), gone: Vec::new() }
     }
 
     /// The folder.
@@ -56,9 +58,11 @@ impl WatchedFolder {
     /// [`AnalysisError::Measure`] for a folder that cannot be read.
     pub fn look(&mut self) -> Result<Vec<CompleteFile>, AnalysisError> {
         let mut found = Vec::new();
+        let mut there = HashSet::new();
         for path in measurements_in(&self.path)? {
             // One that has just been removed or renamed.
             let Ok(metadata) = std::fs::metadata(&path) else { continue };
+            there.insert(path.clone());
             let state = (metadata.len(), metadata.modified().ok());
             let fresh = || SeenFile { state, looks: 0, accepted: false };
             let seen = self.files.entry(path.clone()).or_insert_with(fresh);
@@ -73,7 +77,14 @@ impl WatchedFolder {
                 found.push(CompleteFile { path, is_left: seen.looks == LEFT });
             }
         }
+        let gone = self.files.extract_if(|path, _| !there.contains(path));
+        self.gone.extend(gone.map(|(path, _)| path));
         Ok(found)
+    }
+
+    /// Files that looks have found before and that are there no more: deleted or renamed.
+    pub fn take_gone(&mut self) -> Vec<PathBuf> {
+        std::mem::take(&mut self.gone)
     }
 
     /// Takes a file as read: it is not returned again unless it changes.
@@ -118,5 +129,10 @@ mod tests {
         watched.accept(&path);
         assert!(watched.is_settled());
         assert!((0..20).all(|_| watched.look().unwrap().is_empty()));
+        let renamed = folder.path().join("b.uff");
+        std::fs::rename(&path, &renamed).unwrap();
+        let found: Vec<CompleteFile> = (0..2).flat_map(|_| watched.look().unwrap()).collect();
+        assert_eq!(found, [CompleteFile { path: renamed, is_left: false }]);
+        assert_eq!((watched.take_gone(), watched.take_gone()), (vec![path], vec![]));
     }
 }

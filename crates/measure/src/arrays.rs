@@ -1,7 +1,8 @@
 //! Named arrays to records of channels.
 //!
 //! Arrays of the same length in a group (`record 2: force`, `hit.force`) are sampled together; a
-//! scalar `fs` or `dt` gives the rate, a vector `time` the axis.
+//! scalar `fs` or `dt` gives the rate, a vector `time` the axis. Of several times each belongs to its
+//! own channels.
 
 mod layout;
 
@@ -9,7 +10,10 @@ use crate::channel::scale;
 use crate::heading::Heading;
 use crate::notice::Notices;
 use crate::source::Source;
-use crate::{Abscissa, ChannelQuantity, MeasureError, Notice, ReadOptions, Record, Samples, rate};
+use crate::time_match::{TimeVectors, Vector, time_vectors};
+use crate::{
+    Abscissa, Channel, ChannelQuantity, MeasureError, Notice, ReadOptions, Record, Samples, rate,
+};
 
 pub(crate) use layout::{Layout, deinterleave};
 
@@ -88,6 +92,9 @@ pub(crate) fn records(
     Ok(records)
 }
 
+/// Fewest arrays of which two may be times without a name.
+const FEWEST_UNNAMED: usize = 4;
+
 /// The arrays of one group.
 #[derive(Default)]
 struct ArrayGroup {
@@ -96,6 +103,8 @@ struct ArrayGroup {
     start: Option<f64>,
     /// Abscissa, quantity and relative rounding.
     axis: Option<(Vec<f64>, ChannelQuantity, f64)>,
+    /// Places of the time vectors among the channels.
+    times: Vec<usize>,
     channels: Vec<(Heading, Samples, f64)>,
 }
 
@@ -121,13 +130,20 @@ impl ArrayGroup {
             return;
         }
         let quantity = heading.quantity();
-        let is_axis = matches!(quantity, ChannelQuantity::Time | ChannelQuantity::Frequency);
-        if is_axis && self.axis.is_none() && columns.len() == 1 {
+        let is_time = quantity == ChannelQuantity::Time;
+        let is_axis = is_time || quantity == ChannelQuantity::Frequency && self.axis.is_none();
+        if is_axis && columns.len() == 1 {
             match columns.remove(0) {
                 Samples::Real(mut values) => {
                     let factor = heading.unit.known().map_or(1.0, |unit| unit.factor());
                     scale(&mut values, factor);
-                    self.axis = Some((values, quantity, array.epsilon));
+                    if is_time {
+                        self.times.push(self.channels.len());
+                        let samples = Samples::Real(values);
+                        self.channels.push((heading.clone(), samples, array.epsilon));
+                    } else {
+                        self.axis = Some((values, quantity, array.epsilon));
+                    }
                     return;
                 }
                 complex @ Samples::Complex(_) => columns.push(complex),
@@ -144,12 +160,32 @@ impl ArrayGroup {
     }
 
     fn into_records(
-        self,
+        mut self,
         file: &str,
         options: &ReadOptions,
         records: &mut Vec<Record>,
         notices: &mut Notices,
     ) -> Result<(), MeasureError> {
+        self.take_unnamed_times(notices);
+        if self.times.len() > 1 && self.times.len() < self.channels.len() {
+            match self.time_vectors(file)? {
+                TimeVectors::OfEach(time_of) => {
+                    self.into_records_of_times(&time_of, records, notices);
+                    return Ok(());
+                }
+                TimeVectors::First(others) => {
+                    for other in others.into_iter().rev() {
+                        let name = self.channels.remove(other).0.name;
+                        notices.left_out(name, "a second time of the same samples");
+                    }
+                }
+            }
+        }
+        if let Some(place) = self.times.first()
+            && let (heading, Samples::Real(values), epsilon) = self.channels.remove(*place)
+        {
+            self.axis = Some((values, heading.quantity(), epsilon));
+        }
         let mut lengths: Vec<usize> = Vec::new();
         for (_, samples, _) in &self.channels {
             if !lengths.contains(&samples.len()) && !samples.is_empty() {
@@ -206,6 +242,66 @@ impl ArrayGroup {
             records.push(Record { channels, title: self.group.clone(), ..Record::default() });
         }
         Ok(())
+    }
+
+    /// Takes arrays without a name of time that rise evenly as times, if there are two or more.
+    fn take_unnamed_times(&mut self, notices: &mut Notices) {
+        if self.axis.is_some() || !self.times.is_empty() || self.channels.len() < FEWEST_UNNAMED {
+            return;
+        }
+        let rises = |(_, samples, epsilon): &(Heading, Samples, f64)| {
+            let values = samples.real().unwrap_or_default();
+            let found = leading(values, *epsilon, &mut Notices::default());
+            matches!(found, Some(Leading::Time(..)))
+        };
+        let places = (0..self.channels.len()).filter(|place| rises(&self.channels[*place]));
+        let places: Vec<usize> = places.collect();
+        if places.len() > 1 {
+            for place in &places {
+                notices.add(Notice::TimeByValues { column: self.channels[*place].0.name.clone() });
+            }
+            self.times = places;
+        }
+    }
+
+    fn time_vectors(&self, file: &str) -> Result<TimeVectors, MeasureError> {
+        let mut vectors = Vec::with_capacity(self.channels.len());
+        for (place, (heading, samples, _)) in self.channels.iter().enumerate() {
+            let times = samples.real().filter(|_| self.times.contains(&place));
+            vectors.push(Vector { name: &heading.name, length: samples.len(), times });
+        }
+        time_vectors(file, &vectors)
+    }
+
+    /// A record for the channels of each time; one for all if a time has one channel only.
+    fn into_records_of_times(
+        self,
+        time_of: &[usize],
+        records: &mut Vec<Record>,
+        notices: &mut Notices,
+    ) {
+        let time = ChannelQuantity::Time;
+        let axis = |place: &usize| {
+            let (_, samples, epsilon) = &self.channels[*place];
+            axis_of(samples.real().unwrap_or_default(), time, *epsilon, notices)
+        };
+        let axes: Vec<Abscissa> = self.times.iter().map(axis).collect();
+        let mut sets: Vec<Vec<Channel>> = vec![Vec::new(); axes.len()];
+        for (place, (heading, samples, _)) in self.channels.into_iter().enumerate() {
+            let set = self.times.iter().position(|time| *time == time_of[place]);
+            if let Some(set) = set.filter(|_| time_of[place] != place) {
+                sets[set].push(heading.channel(axes[set].clone(), samples));
+            }
+        }
+        sets.retain(|channels| !channels.is_empty());
+        if sets.iter().any(|channels| channels.len() == 1) {
+            sets = vec![sets.into_iter().flatten().collect()];
+        }
+        records.extend(sets.into_iter().map(|channels| Record {
+            channels,
+            title: self.group.clone(),
+            ..Record::default()
+        }));
     }
 }
 

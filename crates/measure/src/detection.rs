@@ -44,9 +44,6 @@ impl Format {
         if is_mat_4(start) {
             return unsupported("MATLAB version 4", "save it with `save -v7`");
         }
-        if start.starts_with(b"\xff\xfe") || start.starts_with(b"\xfe\xff") {
-            return unsupported("text in UTF-16", "save it as UTF-8");
-        }
         if is_universal(start) {
             return Ok(Self::UniversalText);
         }

@@ -55,6 +55,34 @@ pub enum MeasureError {
         /// The content expected.
         expected: String,
     },
+    /// A cell of a text that is no number.
+    #[error(
+        "{file}, {place}: `{found}` for `{channel}` is no number; option `invalid_cells` takes such \
+         cells as dropouts or as overloads"
+    )]
+    InvalidCell {
+        /// The file.
+        file: String,
+        /// The row.
+        place: FilePosition,
+        /// The content found, shortened.
+        found: String,
+        /// Name of the column.
+        channel: String,
+    },
+    /// Time vectors of which none says to which channels they belong.
+    #[error(
+        "{file}: the times {times} differ, and neither names nor places say to which of the channels \
+         {channels} each belongs; name each time after its channel, such as time_acc, or put it before it"
+    )]
+    AmbiguousTimes {
+        /// The file.
+        file: String,
+        /// The time vectors, with starts and rates.
+        times: String,
+        /// Names of the channels.
+        channels: String,
+    },
     /// The file ends early, or announces more than it holds.
     #[error("{file}, {place}: {quantity} needs {needed} bytes; the file has {available}")]
     Truncated {

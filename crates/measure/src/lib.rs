@@ -24,6 +24,7 @@
 //! | `uff` | universal files: datasets 58, 58b, 151, 164 |
 //! | `text` | columns of numbers: CSV, TXT, LVM |
 //! | `npy`, `npz`, `mat`, `arrays`, `number` | arrays of NumPy and MATLAB |
+//! | `time_match` | time vectors and their channels |
 //! | `wav` | RIFF WAVE |
 //! | `hdf5` | HDF5 and MATLAB 7.3, with the feature `hdf5` |
 //! | `tdms` | TDMS of LabVIEW to channels with axis and unit |
@@ -73,6 +74,7 @@ mod source;
 mod tdms;
 pub mod tdms_file;
 mod text;
+mod time_match;
 mod uff;
 mod unit;
 mod wav;
@@ -85,7 +87,7 @@ pub use format::Format;
 pub use measurement_source::MeasurementSource;
 pub use notice::Notice;
 pub use num_complex::Complex64;
-pub use options::{ReadOptions, SampleAxis, WriteOptions};
+pub use options::{InvalidCells, ReadOptions, SampleAxis, WriteOptions};
 pub use quantity::ChannelQuantity;
 pub use reader::{Reader, open, read, read_bytes};
 pub use record::{Measurement, Record};

@@ -134,6 +134,30 @@ pub enum Notice {
         /// Its start.
         place: FilePosition,
     },
+    /// Cells of a text that are no numbers were taken as missing or as infinite.
+    #[error(
+        "{count} cells are no numbers and were taken as {taken}; the first: {place}, `{channel}`"
+    )]
+    InvalidCells {
+        /// Number of them.
+        count: u64,
+        /// `dropouts` or `overloads`.
+        taken: &'static str,
+        /// Position of the first.
+        place: FilePosition,
+        /// Column of the first.
+        channel: String,
+    },
+    /// Rows of numbers above the headings of a text were passed over.
+    #[error(
+        "{rows} rows of numbers from line {line} on were passed over; they are above the headings"
+    )]
+    RowsAboveHeadings {
+        /// Number of them.
+        rows: usize,
+        /// Line of the first, from one.
+        line: usize,
+    },
     /// A text file ends inside a row, which was left out.
     #[error("{place}: the file ends within this row")]
     RowCutOff {

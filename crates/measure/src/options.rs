@@ -11,6 +11,11 @@ pub struct ReadOptions {
     pub names: Vec<String>,
     /// Units of the channels, in order; an empty unit keeps the file's.
     pub units: Vec<String>,
+    /// True if `names` and `units` have an entry for every channel of the first record, each where they
+    /// are given; another number is then an error.
+    pub complete: bool,
+    /// Cells of a text that are no number.
+    pub invalid_cells: InvalidCells,
     /// Most samples of a channel in one record, at least 1; longer measurements are divided into
     /// records that continue each other.
     pub block: usize,
@@ -25,6 +30,8 @@ impl Default for ReadOptions {
             sample_axis: None,
             names: Vec::new(),
             units: Vec::new(),
+            complete: false,
+            invalid_cells: InvalidCells::Refuse,
             block: 1 << 20,
             expansion: 10,
         }
@@ -38,6 +45,19 @@ pub enum SampleAxis {
     First,
     /// Columns: shape (channels, samples).
     Last,
+}
+
+/// Treatment of a cell of a text that is no number, such as `---` or `OVL`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum InvalidCells {
+    /// An error that names the row.
+    #[default]
+    Refuse,
+    /// A missing sample: not a number.
+    Dropout,
+    /// A sample beyond the range of the sensor: infinite, negative for a cell that begins with a minus
+    /// and an overload, such as `-OVL`.
+    Overload,
 }
 
 /// Options of writing.

@@ -18,6 +18,8 @@ pub struct Reader<'a> {
     notices: Notices,
     names: Vec<String>,
     units: Vec<Option<Unit>>,
+    /// Name of the source, until its first record is complete; see [`ReadOptions::complete`].
+    incomplete: Option<String>,
     ended: bool,
 }
 
@@ -107,20 +109,22 @@ impl<'a> Reader<'a> {
     ) -> Result<Self, MeasureError> {
         let units = units(name, options)?;
         let records = Box::new(MemoryRecords::new(records, options.block.max(1)));
-        Ok(Self::with(records, Notices::default(), options, units))
+        Ok(Self::with(records, Notices::default(), options, (name.to_owned(), units)))
     }
 
     fn with(
         records: Box<dyn Records + 'a>,
         notices: Notices,
         options: &ReadOptions,
-        units: Vec<Option<Unit>>,
+        (name, units): (String, Vec<Option<Unit>>),
     ) -> Self {
-        Self { records, notices, names: options.names.clone(), units, ended: false }
+        let incomplete = options.complete.then_some(name);
+        Self { records, notices, names: options.names.clone(), units, incomplete, ended: false }
     }
 
-    fn of(mut source: Source<'a>, options: &ReadOptions) -> Result<Self, MeasureError> {
-        let units = units(source.name(), options)?;
+    fn of(source: Source<'a>, options: &ReadOptions) -> Result<Self, MeasureError> {
+        let mut source = source.decoded()?;
+        let (name, units) = (source.name().to_owned(), units(source.name(), options)?);
         let options = &ReadOptions { block: options.block.max(1), ..options.clone() };
         let mut notices = Notices::default();
         let records: Box<dyn Records + 'a> = match Format::of_content(&mut source)? {
@@ -149,7 +153,7 @@ impl<'a> Reader<'a> {
                 return Err(MeasureError::UnknownFormat { file, expected: Format::READABLE });
             }
         };
-        Ok(Self::with(records, notices, options, units))
+        Ok(Self::with(records, notices, options, (name, units)))
     }
 
     /// The format.
@@ -173,6 +177,7 @@ impl<'a> Reader<'a> {
         let next = self.records.next_record(&mut self.notices);
         self.ended = !matches!(next, Ok(Some(_)));
         let Some(mut record) = next? else { return Ok(None) };
+        self.check_complete(&record)?;
         self.name_and_unit(&mut record);
         Ok(Some(record))
     }
@@ -183,6 +188,28 @@ impl<'a> Reader<'a> {
             records.push(record);
         }
         Ok(Measurement { format: self.format(), records, notices: self.notices.into_all() })
+    }
+
+    /// Rejects names or units that are fewer or more than the channels of the first record.
+    fn check_complete(&mut self, record: &Record) -> Result<(), MeasureError> {
+        let Some(file) = self.incomplete.take() else { return Ok(()) };
+        let channels = record.channels.len();
+        for (option, given) in [("names", self.names.len()), ("units", self.units.len())] {
+            if given > 0 && given != channels {
+                let names: Vec<String> =
+                    record.channels.iter().map(|channel| format!("`{}`", channel.name)).collect();
+                let names = names.join(", ");
+                return Err(MeasureError::Option {
+                    file,
+                    option,
+                    found: format!("a list of {given}"),
+                    expected: format!(
+                        "{channels}, one for each channel ({names}); an empty one keeps the file's"
+                    ),
+                });
+            }
+        }
+        Ok(())
     }
 
     /// Sets the names and units of the options, then the quantities.

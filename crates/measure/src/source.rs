@@ -1,7 +1,7 @@
 //! The source of measurements: a file, or bytes.
 
 use std::borrow::Cow;
-use std::io::{BufRead, BufReader, Read, Seek, SeekFrom};
+use std::io::{BufRead, BufReader, Cursor, Read, Seek, SeekFrom};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -52,6 +52,32 @@ impl<'a> Source<'a> {
         stream.rewind().map_err(io)?;
         let inner = BufReader::with_capacity(1 << 16, stream);
         Ok(Self { name: name.into(), inner, length, position: Position::default() })
+    }
+
+    /// The source, or, if it is text in UTF-16, its text in UTF-8.
+    ///
+    /// UTF-16 has a byte order mark, or nothing but ASCII at the start.
+    pub(crate) fn decoded(mut self) -> Result<Self, MeasureError> {
+        let mut start = [0; 256];
+        let length = self.peek(&mut start)?;
+        let start = &start[..length & !1];
+        let ascii = |high: usize| {
+            let (pairs, _) = start.as_chunks::<2>();
+            !pairs.is_empty() && pairs.iter().all(|pair| pair[high] == 0 && is_text(pair[1 - high]))
+        };
+        let little = start.starts_with(b"\xff\xfe") || ascii(1);
+        if !little && !start.starts_with(b"\xfe\xff") && !ascii(0) {
+            return Ok(self);
+        }
+        let mut bytes = Vec::new();
+        self.inner.read_to_end(&mut bytes).map_err(|source| self.io(source))?;
+        let (pairs, _) = bytes.as_chunks::<2>();
+        let unit = |pair: &[u8; 2]| {
+            if little { u16::from_le_bytes(*pair) } else { u16::from_be_bytes(*pair) }
+        };
+        let characters = char::decode_utf16(pairs.iter().map(unit));
+        let text: String = characters.map(|c| c.unwrap_or(char::REPLACEMENT_CHARACTER)).collect();
+        Self::new(&self.name, Box::new(Cursor::new(text.into_bytes())))
     }
 
     /// The stream, at any position.
@@ -213,6 +239,11 @@ impl Seek for Source<'_> {
         })?;
         Ok(position)
     }
+}
+
+/// True for a byte of printed ASCII, or of a blank or a line break.
+fn is_text(byte: u8) -> bool {
+    matches!(byte, b'\t' | b'\n' | b'\r' | 0x20..0x7f)
 }
 
 /// The text of bytes as UTF-8, else as Latin-1; true for the latter.

@@ -6,17 +6,18 @@
 //! | module | contents |
 //! |---|---|
 //! | `dialect` | delimiter, decimal mark, first row of numbers |
-//! | `heading` | names and units |
+//! | `header_rows` | names and units above the numbers |
 //! | `labview` | headers of `.lvm` files |
+//! | `column_sets` | channels with a time column of their own |
 //! | `axis` | time column and sample rate |
-//! | `pairs` | channels with an abscissa each |
 //! | `rows` | numbers |
 //! | `write` | writing |
 
 mod axis;
+mod column_sets;
 mod dialect;
+mod header_rows;
 mod labview;
-mod pairs;
 mod rows;
 mod write;
 
@@ -25,12 +26,15 @@ use crate::decoding::Records;
 use crate::heading::Heading;
 use crate::notice::Notices;
 use crate::source::Source;
-use crate::{Channel, Format, MeasureError, Notice, ReadOptions, Record};
+use crate::{
+    Channel, ChannelQuantity, FilePosition, Format, MeasureError, Notice, ReadOptions, Record,
+};
 
-use axis::{AxisFinder, TextAxis};
-use dialect::{Dialect, NumberRun, is_passed_over, words};
+use axis::AxisFinder;
+use column_sets::ColumnSet;
+use dialect::{Dialect, is_passed_over};
 use labview::{FileHeader, HeaderAxis, LvmSegment};
-use rows::{NumberColumn, RowBlock, RowReader, Tracked};
+use rows::{NumberColumn, RowBlock, RowReader};
 pub(crate) use write::{even_throughout, heading, write};
 
 /// A text of numbers being read.
@@ -38,9 +42,8 @@ pub(crate) struct Text<'a> {
     reader: RowReader<'a>,
     labview: Option<FileHeader>,
     segment: LvmSegment,
-    /// Axis of the current segment, common or one for each channel;
-    /// none before its first block.
-    axes: Vec<TextAxis>,
+    /// Columns of the current segment with a common axis; none before its first block.
+    sets: Vec<ColumnSet>,
     /// Rows of the current segment read so far.
     rows: u64,
     rate_of_options: Option<f64>,
@@ -63,10 +66,13 @@ impl<'a> Text<'a> {
                 columns: Vec::new(),
                 line: Vec::new(),
                 block: options.block,
+                invalid_cells: options.invalid_cells,
+                invalid: None,
+                ended: None,
             },
             labview: None,
             segment: LvmSegment::default(),
-            axes: Vec::new(),
+            sets: Vec::new(),
             rows: 0,
             rate_of_options: options.sample_rate_hz,
         };
@@ -99,11 +105,16 @@ impl<'a> Text<'a> {
             return Err(MeasureError::NoSamples { file, expected: "rows of numbers" });
         };
         self.reader.dialect = dialect;
-        let headings = headings(lines, dialect, run);
+        let headings = header_rows::headings(lines, dialect, run);
+        let (file, place) = (self.reader.source.name(), FilePosition::Line(run.start as u64 + 1));
+        header_rows::check_decimal_comma(file, place, lines, dialect, run)?;
+        if let Some((line, rows)) = dialect.rows_above(&lines[..run.start], run) {
+            notices.add(Notice::RowsAboveHeadings { line: line + 1, rows });
+        }
         if let Some(line) =
             lines[..run.start].iter().position(|line| std::str::from_utf8(line).is_err())
         {
-            notices.add(Notice::Latin1 { place: crate::FilePosition::Line(line as u64 + 1) });
+            notices.add(Notice::Latin1 { place: FilePosition::Line(line as u64 + 1) });
         }
         check_channels(&self.reader.source, run.fields as u64)?;
         let rows = lines[run.start..].iter().filter(|line| !is_passed_over(line)).take(run.lines);
@@ -117,6 +128,13 @@ impl<'a> Text<'a> {
             .filter(|&index| filled[index])
             .map(|index| NumberColumn { index, heading: headings.get(index).cloned().flatten() })
             .collect();
+        let is_time = |column: &&NumberColumn| {
+            let heading = column.heading.as_ref();
+            heading.is_some_and(|heading| heading.quantity() == ChannelQuantity::Time)
+        };
+        if self.reader.columns.iter().filter(is_time).count() > 1 {
+            self.reader.ended = Some(vec![false; self.reader.columns.len()]);
+        }
         let before: usize = lines[..run.start].iter().map(|line| line.len() + 1).sum();
         let offset = start.len() - body.len() + before;
         self.reader.source.skip_to_line(run.start as u64, offset as u64)
@@ -148,7 +166,7 @@ impl<'a> Text<'a> {
         let skipped = usize::from(!has_abscissa);
         self.reader.columns = names.iter().enumerate().skip(skipped).map(heading).collect();
         self.segment = segment;
-        self.axes.clear();
+        self.sets.clear();
         self.rows = 0;
         Ok(true)
     }
@@ -158,30 +176,21 @@ impl<'a> Text<'a> {
         rows: RowBlock,
         notices: &mut Notices,
     ) -> Result<Vec<Channel>, MeasureError> {
-        if self.in_pairs() {
-            return self.paired_channels(rows, notices);
+        let RowBlock { mut values, roundings, .. } = rows;
+        if self.sets.is_empty() {
+            self.sets = self.column_sets(&values, &roundings, notices)?;
         }
-        let mut values = rows.values;
-        if self.axes.is_empty() {
-            let header = self.segment.axis(0);
-            let finder = self.finder(&self.reader.columns, &header);
-            let axis = finder.find(&values, rows.roundings[0], notices)?;
-            self.axes.push(axis);
-        }
-        let Some(axis) = self.axes.first() else { return Ok(Vec::new()) };
-        let abscissa = axis.take_abscissa(&mut values, self.rows, notices);
-        let left_out = axis.column();
+        let mut sets = std::mem::take(&mut self.sets);
         let mut channels = Vec::with_capacity(values.len());
-        for (place, samples) in values.into_iter().enumerate() {
-            if left_out == Some(place) {
-                continue;
-            }
-            channels.push(self.reader.columns[place].channel(samples, abscissa.clone()));
+        for set in &mut sets {
+            channels.extend(self.channels_of(set, &mut values, &roundings, notices)?);
         }
-        Ok(channels)
+        self.sets = sets;
+        channels.sort_by_key(|(index, _)| *index);
+        Ok(channels.into_iter().map(|(_, channel)| channel).collect())
     }
 
-    fn in_pairs(&self) -> bool {
+    fn has_pairs(&self) -> bool {
         self.labview.as_ref().is_some_and(|header| header.many_abscissae)
     }
 
@@ -203,12 +212,10 @@ impl Records for Text<'_> {
 
     fn next_record(&mut self, notices: &mut Notices) -> Result<Option<Record>, MeasureError> {
         loop {
-            let tracked = match axis::candidate(&self.reader.columns) {
-                _ if !self.axes.is_empty() => Tracked::None,
-                _ if self.in_pairs() => Tracked::Pairs,
-                candidate => candidate.map_or(Tracked::None, Tracked::One),
-            };
-            let rows = self.reader.read(tracked, notices)?;
+            // Which columns are times shows in the first block.
+            let columns = if self.sets.is_empty() { self.reader.columns.len() } else { 0 };
+            let tracked: Vec<usize> = (0..columns).collect();
+            let rows = self.reader.read(&tracked, notices)?;
             if rows.count > 0 {
                 let count = rows.count as u64;
                 let channels = self.channels(rows, notices)?;
@@ -226,31 +233,4 @@ impl Records for Text<'_> {
             }
         }
     }
-}
-
-/// Names and units from the lines above the run: one row, or a row of names
-/// and one of units, or a comment with as many words as columns.
-fn headings(lines: &[&[u8]], dialect: Dialect, run: NumberRun) -> Vec<Option<Heading>> {
-    let row = |line: &&[u8]| {
-        let line = line.trim_ascii_end();
-        let bare = line.strip_prefix(b"#").or_else(|| line.strip_prefix(b"%")).unwrap_or(line);
-        let words = words(bare.trim_ascii_start(), dialect.delimiter);
-        (words.len() >= run.fields && !words.iter().all(String::is_empty)).then_some(words)
-    };
-    let above = lines[..run.start].iter().rev().filter(|line| !line.trim_ascii().is_empty());
-    let mut above = above.map(row);
-    let Some(Some(last)) = above.next() else { return Vec::new() };
-    let named = |name: &str| (!name.is_empty()).then(|| Heading::parse(name));
-    if !crate::heading::are_units(&last) {
-        return last.iter().map(|name| named(name)).collect();
-    }
-    let names = above.next().flatten().unwrap_or_default();
-    let name = |index: usize| names.get(index).map_or("", String::as_str);
-    let with_unit = |(index, unit): (usize, &String)| {
-        Some(Heading {
-            name: asperity_table::unquoted(name(index)).to_owned(),
-            unit: crate::ChannelUnit::of_text(unit),
-        })
-    };
-    last.iter().enumerate().map(with_unit).collect()
 }

@@ -49,6 +49,9 @@ pub(crate) struct Universal<'a> {
     current: Option<(Group, u64)>,
     /// Positions in the printed numbers of the functions of the current group.
     printed: Vec<Option<Printed>>,
+    /// Start and step of the functions of the current group whose times are even though the file gives
+    /// each of them.
+    even_times: Vec<Option<(f64, f64)>>,
     block: u64,
     rate_of_options: Option<f64>,
 }
@@ -73,6 +76,7 @@ impl<'a> Universal<'a> {
             groups,
             current: None,
             printed: Vec::new(),
+            even_times: Vec::new(),
             block: options.block as u64,
             rate_of_options: options.sample_rate_hz,
         })
@@ -100,7 +104,11 @@ impl<'a> Universal<'a> {
             }
             (Data::Printed(_), None) => {}
         }
-        let abscissa = self.abscissa(header, from, values.abscissae, notices)?;
+        let abscissa = if header.even {
+            self.even_abscissa(header, from, notices)?
+        } else {
+            self.given_abscissa(entry, slot, from, values.abscissae, notices)
+        };
         let name = header.channel_name(slot);
         let (unit, quantity) =
             system::unit_of(header, entry.context.system.as_ref(), &name, notices);
@@ -124,18 +132,13 @@ impl<'a> Universal<'a> {
         })
     }
 
-    fn abscissa(
+    fn even_abscissa(
         &self,
         header: &FunctionHeader,
         from: u64,
-        mut abscissae: Vec<f64>,
         notices: &mut Notices,
     ) -> Result<Abscissa, MeasureError> {
         let (quantity, factor) = header.abscissa_unit();
-        if !header.even {
-            scale(&mut abscissae, factor);
-            return Ok(Abscissa::Uneven { values: abscissae, quantity });
-        }
         let mut step = header.step * factor;
         if quantity == ChannelQuantity::Time {
             if step == 0.0 {
@@ -145,6 +148,42 @@ impl<'a> Universal<'a> {
         }
         let start = header.start * factor + from as f64 * step;
         Ok(Abscissa::Even { start, step, quantity })
+    }
+
+    /// The axis of abscissae that the file gives; even if they are so within their rounding.
+    fn given_abscissa(
+        &mut self,
+        entry: &FunctionEntry,
+        slot: usize,
+        from: u64,
+        mut values: Vec<f64>,
+        notices: &mut Notices,
+    ) -> Abscissa {
+        let header = &entry.header;
+        let (quantity, factor) = header.abscissa_unit();
+        scale(&mut values, factor);
+        if quantity != ChannelQuantity::Time {
+            return Abscissa::Uneven { values, quantity };
+        }
+        let rounding = |value: f64| match &entry.data {
+            // Half a unit of the sixth digit.
+            Data::Printed(_) => 0.5 * 10f64.powf(value.abs().log10().floor() - 5.0),
+            Data::Binary(payload) => payload.abscissa_epsilon() * value.abs(),
+        };
+        if from == 0 {
+            // A step in the header says more than times of six digits.
+            let start = values.first().copied().unwrap_or(0.0);
+            let stated = (start, header.step * factor);
+            let fits = |value: f64, expected: f64| 2.0 * rounding(value.abs().max(expected.abs()));
+            self.even_times[slot] = rate::even_axis(&values, rounding, notices).or_else(|| {
+                (stated.1 > 0.0 && rate::is_even(&values, stated, fits)).then_some(stated)
+            });
+        }
+        let Some(even) = self.even_times[slot] else {
+            return Abscissa::Uneven { values, quantity };
+        };
+        let tolerance = |expected: f64| 4.0 * rounding(expected) + 1e-9 * expected.abs();
+        Abscissa::continued(even, from, values, tolerance, notices)
     }
 }
 
@@ -160,6 +199,7 @@ impl Records for Universal<'_> {
                 None => return Ok(None),
                 Some(group) => {
                     self.printed = group.iter().map(|entry| Printed::of(entry)).collect();
+                    self.even_times = vec![None; group.len()];
                     (group, 0)
                 }
             },

@@ -5,7 +5,8 @@ use std::sync::LazyLock;
 
 use asperity_experiment::{
     Analysis, AnalysisError, AnalysisOptions, ChannelSensor, DecayOptions, FrequencyBand,
-    ResponseChoice, RigFile, RigSettings, analyse_decay_sources, analyse_sources, parse_frf_form,
+    RejectedHit, ResponseChoice, RigFile, RigSettings, analyse_decay_sources, analyse_sources,
+    parse_frf_form,
 };
 use asperity_measure::{Abscissa, Record, Samples};
 use asperity_plot::{MagnitudeAxis, decay_figures, figures};
@@ -89,12 +90,14 @@ impl Settings<'_> {
 
 /// Results of each response, modes, and functions as complex columns.
 #[pyfunction]
-#[pyo3(signature = (sources, settings, hits, form, frfs, progress))]
+#[pyo3(signature = (sources, settings, hits, rejected, form, frfs, progress))]
+#[expect(clippy::too_many_arguments, reason = "keywords of the Python function")]
 pub(crate) fn analyse<'py>(
     py: Python<'py>,
     sources: Sources<'py>,
     settings: Settings<'py>,
     hits: &str,
+    rejected: Vec<usize>,
     form: &str,
     frfs: bool,
     progress: Option<&Bound<'py, PyAny>>,
@@ -102,6 +105,7 @@ pub(crate) fn analyse<'py>(
     let sources = sources.into_sources()?;
     let mut options = settings.options(py)?;
     options.hits = hits.parse().map_err(|error| exception::of_analysis(&error))?;
+    options.rejected = rejected.into_iter().map(RejectedHit::Number).collect();
     options.form = parse_frf_form(form).map_err(|error| exception::of_analysis(&error))?;
     options.keep_frfs = frfs;
     let analysis = background::run(py, progress, move |progress| {

@@ -99,6 +99,8 @@ pub struct AnalysedHit {
     pub issues: Vec<QualityIssue>,
     /// Offset of the force, which was subtracted.
     pub force_offset: Option<Offset>,
+    /// Offset of the first response before the blow, which was subtracted; `None` within its error.
+    pub response_offset: Option<Offset>,
     /// The force pulse, without offset and before any window.
     pub pulse: Option<Pulse>,
     /// Window of the response with [`HitWindows::until_noise`], if it ends in noise.
@@ -129,7 +131,7 @@ pub struct HammerTest {
 
 /// Divides a record into hits, analyses each, and averages those without disqualifying issues.
 ///
-/// For each hit the offset of the force is subtracted, quality issues are detected,
+/// For each hit the offsets of force and response are subtracted, quality issues are detected,
 /// windows are applied and features extracted. A hit with a
 /// disqualifying issue ([`QualityIssue::is_disqualifying`]) has
 /// issues and a pulse only, and is not averaged.
@@ -213,6 +215,14 @@ pub fn analyse_hit(
     }
     let issues = issues_with_force(&hit, &force, &options.quality);
     hit.force = force;
+    let trigger = hit.trigger;
+    let mut response_offset = None;
+    if let Some(response) = hit.responses.first_mut() {
+        response_offset = Offset::of_response(response, trigger);
+        if let Some(offset) = &response_offset {
+            offset.remove(response);
+        }
+    }
     let pulse = Pulse::of(&hit.force, rate);
     let mut found = AnalysedHit {
         start: hit.start,
@@ -220,6 +230,7 @@ pub fn analyse_hit(
         samples: hit.force.len(),
         issues,
         force_offset,
+        response_offset,
         pulse,
         response_window: None,
         frf: None,

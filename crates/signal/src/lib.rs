@@ -21,7 +21,7 @@
 //! |---|---|
 //! | detect hits in a record or a stream | [`find_hits`], [`HitFinder`] |
 //! | check their quality | [`quality_issues`], [`QualityIssue`] |
-//! | force pulse and sensor offset | [`Pulse`], [`Offset`] |
+//! | force pulse, sensor offset and drift | [`Pulse`], [`Offset`], [`HighPass`] |
 //! | windows and their correction | [`ForceWindow`], [`ResponseWindow`], [`ExponentialWindow`] |
 //! | fundamental and second harmonic | [`dominant_frequency`], [`find_harmonics`] |
 //! | harmonic or mode near twice the fundamental | [`HarmonicTest`] |
@@ -79,6 +79,7 @@ mod free_decay;
 mod frf;
 mod hammer;
 mod harmonics;
+mod high_pass;
 mod hit;
 mod interpolation;
 mod noise;
@@ -119,6 +120,7 @@ pub use hammer::{
     HitWindows, ModeFeatures, ModeUncertainty, PeakOrigin, analyse_hit, hammer_test,
 };
 pub use harmonics::{HarmonicOptions, Harmonics, SECOND_HARMONIC_WINDOW, find_harmonics};
+pub use high_pass::HighPass;
 pub use hit::{
     DoubleHit, HitChannel, HitFinder, HitLength, HitOptions, HitRecord, Offset, OffsetSource,
     Pulse, QualityIssue, QualityOptions, Trigger, TriggerLevel, double_hits, find_hits,

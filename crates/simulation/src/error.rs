@@ -247,8 +247,11 @@ pub enum OutputError {
         /// The other document.
         document: PathBuf,
     },
-    /// The folder has the results of another kind of command.
-    #[error("the output folder {} holds the results of `{command}`", folder.display())]
+    /// The folder has the results of a command that new ones would replace.
+    #[error(
+        "the output folder {} holds the results of `{command}`, which would be replaced",
+        folder.display()
+    )]
     OtherKind {
         /// The folder.
         folder: PathBuf,

@@ -45,8 +45,9 @@ pub struct OutputRequest<'a> {
     /// True if results of another document are replaced, too.
     pub replace_other_document: bool,
     /// True if the folder may hold what the command would not write: files that are no results,
-    /// which are kept except those that have the name of a new file, and results of another kind
-    /// (of scenarios, of measurements, of an identification), which are replaced.
+    /// which are kept except those that have the name of a new file, and results that cannot be beside
+    /// new ones, which are replaced: of another kind (of scenarios, of hits, of decays, of an
+    /// identification), and of `simulate` by those of `steady` or the reverse.
     pub overwrite: bool,
 }
 
@@ -117,7 +118,7 @@ impl OutputFolder {
             }
         }
         if !request.overwrite
-            && let Some(other) = marker.command_of_other_kind(request.command)
+            && let Some(other) = marker.excluded_command(request.command)
         {
             let command = other.to_owned();
             return Err(OutputError::OtherKind { folder: path, command });
@@ -133,6 +134,14 @@ impl OutputFolder {
     /// The folder, as requested.
     pub fn path(&self) -> &Path {
         &self.path
+    }
+
+    /// The file `name` of the earlier result of this command and document; `None` without one.
+    pub fn earlier(&self, name: &str) -> Option<PathBuf> {
+        let marker = FolderMarker::read(&self.place);
+        let is_own = !marker.is_of_other_document(&self.document);
+        let files = &marker.results.get(&self.command).filter(|_| is_own)?.files;
+        files.iter().any(|file| file == name).then(|| self.place.join(name))
     }
 
     /// Place of the file `name` until the result is finished.

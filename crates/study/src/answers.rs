@@ -19,6 +19,8 @@ use crate::study_table::StudyTable;
 /// Most different reasons of failure that are told apart.
 const MOST_REASONS: usize = 100;
 
+/// Deviation over the mean from which an output of a simulation varies by more than its numerical errors.
+const RESOLVED: f64 = 1e-9;
 /// Bootstrap replicates of Sobol indices.
 const REPLICATES: usize = 500;
 
@@ -415,5 +417,6 @@ fn sobol_indices(
             }
         }
     })?;
-    Ok(sums.indices(level).ok())
+    let found = sums.indices(level).ok();
+    Ok(found.filter(|found| found.variance > (RESOLVED * found.mean).powi(2)))
 }

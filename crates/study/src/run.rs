@@ -73,6 +73,11 @@ impl Shard {
         Err(StudyError::Shard { number, count, most: MOST_SHARDS })
     }
 
+    /// Number of shards.
+    pub fn count(self) -> u64 {
+        self.count
+    }
+
     fn holds(self, chunk: u64) -> bool {
         chunk % self.count == self.number - 1
     }

@@ -19,11 +19,15 @@ pub struct SlurmJob {
     pub retries: u32,
 }
 
+/// Slurm's own limit of the numbers of an array, where the system does not tell its own.
+const MAX_ARRAY_SIZE: u64 = 1001;
+
 /// A script that sends the study in `file` to Slurm and calls itself there.
 ///
 /// It sends a job array with a task for each shard, and a job that waits for the end of all tasks,
 /// whatever it is, and joins the shards. Where some are not finished it sends those again, and
-/// another job to join them, up to [`SlurmJob::retries`] times. Chunks on disk are kept.
+/// another job to join them, up to [`SlurmJob::retries`] times. Chunks on disk are kept. Shards beyond the
+/// `MaxArraySize` of the system (1001 where it does not tell) are sent as several arrays.
 ///
 /// # Errors
 /// [`StudyError::Part`] for names that are not text or hold line breaks, and for a time or a memory
@@ -62,14 +66,40 @@ folder={folder}
 shards={shards}
 retries={retries}
 
-# Sends the shards of a list, and a job that joins all of them at their end.
+# Sends the shards of a list, and a job that joins all of them at their end. The numbers of an array end
+# below MaxArraySize: more shards are sent as several arrays, each with the shards after the first
+# `shift`.
 send() {{
-    array=$(sbatch --parsable --array="$1" --cpus-per-task={cores} --mem={memory} --time={time} \
-        --output=asperity-study-%A-%a.log "$0" shard)
-    array=${{array%%;*}}
-    merge=$(sbatch --parsable --dependency="afterany:$array" --cpus-per-task=1 --mem={memory} \
+    limit=$(scontrol show config 2>/dev/null | sed -n 's/^MaxArraySize *= *\([0-9]*\).*/\1/p' || true)
+    most=$((${{limit:-{MAX_ARRAY_SIZE}}} - 1))
+    if [ "$most" -lt 1 ]; then
+        echo "MaxArraySize of this Slurm is $limit: it takes no arrays; run the shards one by one" >&2
+        exit 1
+    fi
+    lists=()
+    for range in ${{1//,/ }}; do
+        first=${{range%-*}}
+        last=${{range#*-}}
+        while [ "$first" -le "$last" ]; do
+            number=$(((first - 1) / most))
+            shift=$((number * most))
+            end=$((shift + most))
+            if [ "$end" -gt "$last" ]; then end=$last; fi
+            part=$((first - shift))
+            if [ "$end" -gt "$first" ]; then part=$part-$((end - shift)); fi
+            lists[number]=${{lists[number]:+${{lists[number]}},}}$part
+            first=$((end + 1))
+        done
+    done
+    jobs=
+    for number in "${{!lists[@]}}"; do
+        array=$(sbatch --parsable --array="${{lists[number]}}" --cpus-per-task={cores} --mem={memory} \
+            --time={time} --output=asperity-study-%A-%a.log "$0" shard $((number * most)))
+        jobs=$jobs:${{array%%;*}}
+    done
+    merge=$(sbatch --parsable --dependency="afterany$jobs" --cpus-per-task=1 --mem={memory} \
         --time={time} --output=asperity-study-%j-merge.log "$0" merge "$2")
-    echo "shards $1: job $array; then job ${{merge%%;*}} joins them"
+    echo "shards $1: job${{jobs//:/ }}; then job ${{merge%%;*}} joins them"
 }}
 
 case "${{1:-send}}" in
@@ -77,7 +107,7 @@ send)
     send "1-$shards" 0
     ;;
 shard)
-    exec asperity study "$file" --out "$folder" --shard "$SLURM_ARRAY_TASK_ID/$shards" \
+    exec asperity study "$file" --out "$folder" --shard "$((SLURM_ARRAY_TASK_ID + ${{2:-0}}))/$shards" \
         --threads "$SLURM_CPUS_PER_TASK"
     ;;
 merge)

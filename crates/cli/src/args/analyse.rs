@@ -7,7 +7,7 @@ use asperity_experiment::{
     ChannelSelector, ChannelSensor, FrequencyBand, HitCount, WindowOptions, parse_estimator,
     parse_frf_form,
 };
-use asperity_measure::{Format, ReadOptions, SampleAxis};
+use asperity_measure::{Format, InvalidCells, ReadOptions, SampleAxis};
 use asperity_signal::{FrfEstimator, FrfForm};
 use clap::{Args as Group, ValueEnum};
 
@@ -25,6 +25,9 @@ pub(crate) struct Analyse {
 }
 
 /// A folder to watch, and the options of the analysis of its files.
+///
+/// Lines on standard input reject hits by the numbers that are printed, and take them back: `reject 3,7`
+/// and `keep 3`.
 #[derive(Debug, Group)]
 pub(crate) struct Watch {
     /// The folder to which the files of a test are added.
@@ -105,6 +108,15 @@ pub(crate) struct AnalysisArguments {
     /// hit.
     #[arg(long, value_name = "LO:HI")]
     pub(crate) band: Option<FrequencyBand>,
+
+    /// High-pass of second order with its corner at this frequency in Hz, for the responses: takes out
+    /// drifts. The mean before each blow is always taken out.
+    #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
+    pub(crate) high_pass: Option<f64>,
+
+    /// Numbers of hits to leave out of averages, such as 3,7.
+    #[arg(long, value_name = "HIT,...", value_delimiter = ',')]
+    pub(crate) reject: Vec<usize>,
 
     /// Form of the FRF in frf.csv: receptance, mobility or accelerance.
     #[arg(long, default_value = "receptance", value_parser = parse_frf_form)]
@@ -259,11 +271,11 @@ pub(crate) struct SourceOptions {
     #[arg(long, value_name = "FILE")]
     pub(crate) rig: Option<PathBuf>,
 
-    /// Names of the channels in their order, such as force,acc; an empty one keeps the file's.
+    /// Names of all channels in their order, such as force,acc; an empty one keeps the file's.
     #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
     names: Vec<String>,
 
-    /// Units of the channels in their order, such as N,m/s^2; an empty one keeps the file's.
+    /// Units of all channels in their order, such as N,m/s^2; an empty one keeps the file's.
     #[arg(long, value_name = "UNIT,...", value_delimiter = ',')]
     units: Vec<String>,
 
@@ -274,6 +286,22 @@ pub(crate) struct SourceOptions {
     /// Axis of an array along which the samples run. Default: the longer one.
     #[arg(long, value_name = "AXIS")]
     sample_axis: Option<ArrayAxis>,
+
+    /// Cells of a text that are no number, such as --- or OVL: refuse them with their row, the default,
+    /// or take them as dropout or overload, which disqualifies their hit.
+    #[arg(long, value_name = "AS", hide_possible_values = true)]
+    invalid_cells: Option<CellsTaken>,
+}
+
+/// Treatment of cells that are no number.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub(crate) enum CellsTaken {
+    /// An error that names the row.
+    Refuse,
+    /// Missing samples.
+    Dropout,
+    /// Samples beyond the range of the sensor.
+    Overload,
 }
 
 /// An axis of an array.
@@ -313,6 +341,12 @@ impl SourceOptions {
             sample_axis: axis.or(options.sample_axis),
             names: or(&self.names, &options.names),
             units: or(&self.units, &options.units),
+            complete: !self.names.is_empty() || !self.units.is_empty(),
+            invalid_cells: self.invalid_cells.map_or(options.invalid_cells, |taken| match taken {
+                CellsTaken::Refuse => InvalidCells::Refuse,
+                CellsTaken::Dropout => InvalidCells::Dropout,
+                CellsTaken::Overload => InvalidCells::Overload,
+            }),
             ..options.clone()
         }
     }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use asperity_experiment::{
     Analysis, AnalysisError, AnalysisOptions, AnalysisReport, ForceLevel, HitReport, HitStatistics,
-    Mode, ResponseAnalysis, analyse_sources, input_files,
+    Mode, RejectedHit, ResponseAnalysis, analyse_sources, input_files,
 };
 use asperity_measure::{MeasurementSource, WriteOptions};
 use asperity_plot as plot;
@@ -107,6 +107,8 @@ pub(super) fn options(asked: &AnalysisArguments) -> Result<AnalysisOptions, Fail
         form: asked.form,
         windows: asked.window.unwrap_or(rig.windows),
         band_hz: asked.band.or(rig.band_hz),
+        high_pass_hz: asked.high_pass.or(rig.high_pass_hz),
+        rejected: asked.reject.iter().copied().map(RejectedHit::Number).collect(),
         keep_all: asked.keep_all || rig.keep_all,
         keep_frfs: asked.frfs.is_some(),
         ..rig

@@ -12,6 +12,7 @@ use asperity_identify::{
 };
 use asperity_plot as plot;
 use asperity_scenario::four_digits;
+use serde_json::Value;
 use tracing::info_span;
 
 use super::ResultFolder;
@@ -39,10 +40,12 @@ pub(crate) fn run(
         while_watched(problem.work(), quiet, || super::on_threads(threads, || identify(&problem)))?;
     let found = match found {
         Err(IdentificationError::Stopped(found)) => {
+            let folder = beside_finished(folder, path, output)?;
             return write_incomplete(&problem, &found, folder, output, quiet);
         }
         found => found?,
     };
+    let folder = if found.stopped { beside_finished(folder, path, output)? } else { folder };
 
     if let Some(law) = found.law_json() {
         folder.write("law.json", super::pretty(&law))?;
@@ -111,6 +114,30 @@ fn words(progress: &WorkProgress) -> String {
         Some(seconds) if seconds < 90 => format!("{stage}, about {seconds} s left of the whole"),
         Some(seconds) => format!("{stage}, about {} min left of the whole", (seconds + 30) / 60),
     }
+}
+
+/// The folder for the result of a run that was stopped: `folder`, or, if that has a finished result, one
+/// beside it whose name ends in `-stopped`.
+fn beside_finished(
+    folder: ResultFolder,
+    path: &Path,
+    output: &Output,
+) -> Result<ResultFolder, Failure> {
+    let earlier = folder.earlier("identification.json").and_then(|file| std::fs::read(file).ok());
+    let earlier: Value = serde_json::from_slice(&earlier.unwrap_or_default()).unwrap_or_default();
+    if earlier["complete"] != Value::Bool(true) {
+        return Ok(folder);
+    }
+    let mut name = folder.0.path().file_name().unwrap_or_default().to_os_string();
+    name.push("-stopped");
+    let beside = folder.0.path().with_file_name(name);
+    crate::progress::show_line(&format!(
+        "{} keeps its finished result; that of the stopped run is written to {}",
+        folder.0.path().display(),
+        beside.display()
+    ));
+    let figures = &output.figures.figures;
+    ResultFolder::claim_at("identify", path, Some(&beside), output.overwrite, figures)
 }
 
 /// Writes the document, the law and the scenario of an identification that was stopped.

@@ -1,5 +1,6 @@
 //! `asperity inspect`.
 
+use std::collections::HashSet;
 use std::fmt::Write as _;
 
 use asperity_experiment::{
@@ -23,6 +24,7 @@ const COLUMNS: usize = 32;
 pub(crate) fn run(asked: &Inspect, quiet: bool) -> Result<(), Failure> {
     let options = rig::channel_options(&asked.channels)?;
     let (mut answers, mut failed, mut written) = (Vec::new(), None, false);
+    let mut told = HashSet::new();
     let files = input_files(&asked.files)?;
     for file in &files {
         let found = match inspect(file, &options) {
@@ -43,7 +45,9 @@ pub(crate) fn run(asked: &Inspect, quiet: bool) -> Result<(), Failure> {
             answers.push(found);
         } else {
             if !quiet {
-                crate::progress::show_notices(&found.notices);
+                // A notice of many files is said once.
+                let new = found.notices.iter().filter(|notice| told.insert((*notice).clone()));
+                crate::progress::show_notices(new);
             }
             answer!("{}", in_words(&found));
         }

@@ -47,6 +47,27 @@ pub(crate) fn run(
     bar.finish_and_clear();
     let found = found??;
 
+    let failed: Vec<_> = found
+        .levels
+        .iter()
+        .filter_map(|level| Some((level.force_n, level.outcome.as_ref().err()?)))
+        .collect();
+    let failure = failed.first().map(|(force_n, error)| Failure::Parts {
+        failed: failed.len(),
+        of: format!("{} force amplitudes", found.levels.len()),
+        first: format!("{force_n} {}", found.unit()),
+        reason: error.to_string(),
+    });
+    // A run without a result keeps the earlier one.
+    if let (Some(failure), true) = (failure.as_ref(), failed.len() == found.levels.len())
+        && folder.earlier("summary.json").is_some()
+    {
+        return Err(Failure::Kept {
+            folder: folder.0.path().to_owned(),
+            reason: failure.to_string(),
+        });
+    }
+
     let names: Vec<&str> =
         assembly.structure.contacts().iter().map(PreloadedContact::name).collect();
     folder.write("steady.csv", steady_table(&found, &names).to_csv())?;
@@ -69,20 +90,7 @@ pub(crate) fn run(
         print_branches(&summary)?;
         answer_line!("written to {}", folder.display());
     }
-    let failed: Vec<_> = found
-        .levels
-        .iter()
-        .filter_map(|level| Some((level.force_n, level.outcome.as_ref().err()?)))
-        .collect();
-    match failed.first() {
-        None => Ok(()),
-        Some((force_n, error)) => Err(Failure::Parts {
-            failed: failed.len(),
-            of: format!("{} force amplitudes", found.levels.len()),
-            first: format!("{force_n} {}", found.unit()),
-            reason: error.to_string(),
-        }),
-    }
+    failure.map_or(Ok(()), Err)
 }
 
 /// Prints the peak of each force amplitude, or the reason why there is none, and the special points.

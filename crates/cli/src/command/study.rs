@@ -64,7 +64,7 @@ pub(crate) fn run(asked: &Study, quiet: bool) -> Result<(), Failure> {
             Ok(())
         }
         (Some(StudyPart::Slurm { file, shards, out, cores, memory, time, retries }), _) => {
-            read(file)?;
+            note_idle_shards(&read(file)?, *shards);
             Shard::new(1, *shards)?;
             let out = folder_of(file, out.as_deref());
             let (memory, time) = (memory.clone(), time.clone());
@@ -82,6 +82,9 @@ fn run_study(file: &Path, asked: &Study, quiet: bool) -> Result<(), Failure> {
     let plan = info_span!("read").in_scope(|| read(file))?;
     crate::progress::show_notices(plan.warning());
     let shard = asked.shard.as_deref().map_or(Ok(Shard::WHOLE), read_shard)?;
+    if !quiet {
+        note_idle_shards(&plan, shard.count());
+    }
     let folder = folder_of(file, asked.out.as_deref());
     let stop = Arc::new(AtomicBool::new(false));
     super::stop_on_signals(&stop);
@@ -116,6 +119,20 @@ fn run_study(file: &Path, asked: &Study, quiet: bool) -> Result<(), Failure> {
         _ => {}
     }
     Ok(())
+}
+
+/// Tells that there are more shards than chunks, of which some compute nothing.
+fn note_idle_shards(plan: &StudyPlan, shards: u64) {
+    let (rows, chunk_rows) = (plan.rows(), plan.spec().chunk_rows);
+    let chunks = rows.div_ceil(chunk_rows);
+    if shards > chunks {
+        let fewer = (rows / shards).max(1);
+        crate::progress::show_notices([format!(
+            "{shards} shards for {chunks} chunks of {chunk_rows} rows: {} shards compute nothing; give \
+             at most {chunks} shards, or `chunk_rows` of at most {fewer}",
+            shards - chunks
+        )]);
+    }
 }
 
 /// The checked plan of a study file.

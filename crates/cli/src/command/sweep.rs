@@ -34,11 +34,24 @@ pub(crate) fn run(
     let results = results??;
     let wall_s = started.elapsed().as_secs_f64();
 
+    let failed = results.failed().count();
+    let failure = results.failed().next().map(|(index, error)| {
+        let (of, first) = (format!("{runs} runs"), format!("run {}", index + 1));
+        Failure::Parts { failed, of, first, reason: error.to_string() }
+    });
+    // A sweep without a result keeps the earlier one.
+    if let (Some(failure), true) = (failure.as_ref(), failed == runs)
+        && folder.earlier("sweep.json").is_some()
+    {
+        return Err(Failure::Kept {
+            folder: folder.0.path().to_owned(),
+            reason: failure.to_string(),
+        });
+    }
     folder.write("sweep.csv", results.csv())?;
     if let Some(figure) = plot::sweep(&results) {
         folder.draw("sweep", &figure)?;
     }
-    let failed = results.failed().count();
     let report = json!({
         "schema": "asperity/sweep/1",
         "vary": variations.iter().map(|v| json!({"pointer": v.pointer, "values": v.values}))
@@ -53,9 +66,5 @@ pub(crate) fn run(
     if !output.json && !quiet {
         answer_line!("{runs} runs in {wall_s:.2} s, written to {}", folder.display());
     }
-    if let Some((index, error)) = results.failed().next() {
-        let (of, first) = (format!("{runs} runs"), format!("run {}", index + 1));
-        return Err(Failure::Parts { failed, of, first, reason: error.to_string() });
-    }
-    Ok(())
+    failure.map_or(Ok(()), Err)
 }

@@ -1,5 +1,7 @@
 //! `asperity watch`.
 
+mod commands;
+
 use std::io::{IsTerminal, stdout};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -8,11 +10,13 @@ use std::thread::JoinHandle;
 use std::time::Duration;
 
 use asperity_experiment::{
-    AnalysisError, AnalysisOptions, CompleteFile, FrequencyBand, HitReport, NextLevel,
+    AnalysisError, AnalysisOptions, CompleteFile, FrequencyBand, HitReport, NextLevel, RejectedHit,
     WatchedFolder, analyse,
 };
 use asperity_identify::{IdentificationError, IdentificationProblem, Work, identify};
 use serde_json::{Value, json};
+
+use commands::Command;
 
 use super::{ResultFolder, analyse as analysis, stop_on_signals};
 use crate::args::analyse::Watch;
@@ -29,7 +33,8 @@ pub(crate) fn run(asked: &Watch, quiet: bool) -> Result<(), Failure> {
         let (found, expected) = (level.to_string(), "forces above zero in N, such as 5,10,20");
         return Err(AnalysisError::Setting { name: "the list of levels", found, expected }.into());
     }
-    let options = analysis::options(&asked.analysis)?;
+    // Hits are rejected by the numbers of this watch.
+    let options = AnalysisOptions { rejected: Vec::new(), ..analysis::options(&asked.analysis)? };
     let mut planner = asked.problem.as_deref().map(Planner::new).transpose()?;
     // Fails now rather than after the first hit.
     let output = &asked.analysis.output;
@@ -42,16 +47,31 @@ pub(crate) fn run(asked: &Watch, quiet: bool) -> Result<(), Failure> {
         judged: AnalysisOptions { keep_all: true, keep_frfs: false, ..options.clone() },
         options,
         good: Vec::new(),
+        hits: Vec::new(),
         written: None,
     };
+    let words = commands::of_standard_input();
     let mut watched = WatchedFolder::new(&asked.folder);
     while !stop.load(Ordering::Relaxed) {
         let mut is_new = false;
         for CompleteFile { path, is_left } in watched.look()? {
+            // One that has been replaced.
+            is_new |= session.forget(&path);
             if session.judge(&path, is_left)? {
                 watched.accept(&path);
                 is_new = true;
             }
+        }
+        for path in watched.take_gone() {
+            if session.forget(&path) {
+                is_new = true;
+                let name = file_name(&path);
+                let text = format!("{name} is gone: its hits are left out");
+                session.say(&text, || json!({ "file": name, "gone": true }))?;
+            }
+        }
+        for word in words.try_iter() {
+            is_new |= session.obey(&word)?;
         }
         if is_new
             && session.update()?
@@ -89,14 +109,65 @@ struct Session<'a> {
     judged: AnalysisOptions,
     /// Files with hits.
     good: Vec<PathBuf>,
+    /// Hits by their numbers, from 1, which stay when a file goes.
+    hits: Vec<JudgedHit>,
     /// Folder of the results.
     written: Option<PathBuf>,
 }
 
+/// A hit with its place.
+struct JudgedHit {
+    file: PathBuf,
+    time_s: f64,
+    rejected: bool,
+    /// True if its file is gone or has been replaced.
+    is_gone: bool,
+}
+
+fn file_name(path: &Path) -> String {
+    path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
+}
+
 impl Session<'_> {
+    /// Leaves out a file that is gone or has been replaced. True if it had hits.
+    fn forget(&mut self, path: &Path) -> bool {
+        let files = self.good.len();
+        self.good.retain(|known| known != path);
+        self.hits.iter_mut().filter(|hit| hit.file == path).for_each(|hit| hit.is_gone = true);
+        self.good.len() < files
+    }
+
+    /// Rejects hits, or takes them back. True if one has changed.
+    fn obey(&mut self, word: &Command) -> Result<bool, Failure> {
+        let (numbers, rejected) = match word {
+            Command::Reject(numbers) => (numbers, true),
+            Command::Keep(numbers) => (numbers, false),
+            Command::Unknown(text) => {
+                let text = format!("`{text}` is not understood; accepted: reject 3,7 and keep 3,7");
+                self.say(&text, || json!({ "error": text }))?;
+                return Ok(false);
+            }
+        };
+        let mut is_changed = false;
+        for number in numbers {
+            let hit = number.checked_sub(1).and_then(|at| self.hits.get_mut(at));
+            let done = match hit.filter(|hit| !hit.is_gone) {
+                Some(hit) => {
+                    is_changed |= hit.rejected != rejected;
+                    hit.rejected = rejected;
+                    if rejected { "rejected" } else { "kept" }
+                }
+                None => "not there",
+            };
+            let text = format!("#{number} {done}");
+            self.say(&text, || json!({ "number": number, "verdict": done }))?;
+        }
+        Ok(is_changed)
+    }
+
     /// Says what the hits of a file are. False for a file that cannot be read yet.
     fn judge(&mut self, path: &Path, is_left: bool) -> Result<bool, Failure> {
-        let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
+        let name = file_name(path);
         let found = match analyse(&[path.to_owned()], &self.judged) {
             Ok(found) => found,
             Err(AnalysisError::NoHit { .. }) => {
@@ -126,18 +197,29 @@ impl Session<'_> {
             self.judged.band_hz = Some(FrequencyBand { low_hz, high_hz });
         }
         for hit in &report.hits {
+            let number = self.hits.len() + 1;
+            let rejected = self.asked.analysis.reject.contains(&number);
+            let (file, time_s) = (path.to_owned(), hit.time_s);
+            self.hits.push(JudgedHit { file, time_s, rejected, is_gone: false });
+            let ending = if rejected { ", rejected" } else { "" };
+            let verdict = if rejected { "rejected" } else { verdict(hit) };
             self.say(
-                &format!("{name}: {}", in_words(hit)),
-                || json!({ "file": name, "verdict": verdict(hit), "hit": hit }),
+                &format!("#{number} {name}: {}{ending}", in_words(hit)),
+                || json!({ "file": name, "number": number, "verdict": verdict, "hit": hit }),
             )?;
         }
-        self.good.retain(|known| known != path);
         self.good.push(path.to_owned());
         Ok(true)
     }
 
     /// Analyses all files, writes the results, and says what to hit next. False without a good hit.
     fn update(&mut self) -> Result<bool, Failure> {
+        // One that has just gone is noticed at the next look.
+        self.good.retain(|path| path.is_file());
+        let rejected = self.hits.iter().filter(|hit| hit.rejected && !hit.is_gone);
+        self.options.rejected = rejected
+            .map(|hit| RejectedHit::At { file: hit.file.display().to_string(), time_s: hit.time_s })
+            .collect();
         let all = match analyse(&self.good, &self.options) {
             Ok(all) => all,
             Err(

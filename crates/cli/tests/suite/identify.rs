@@ -11,7 +11,7 @@ const COEFFICIENT: f64 = 1.81e10;
 const EXPONENT: f64 = 0.35;
 
 /// The rig of the fixtures with a power law, watched for 20 ms.
-fn rig() -> Value {
+pub(crate) fn rig() -> Value {
     let path = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("../../fixtures/scenarios/nouira2020-modified.json");
     let mut rig: Value = serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap();
@@ -95,25 +95,30 @@ fn estimate(found: &Value, name: &str) -> f64 {
     all.iter().find(|one| one["name"] == name).unwrap()["value"].as_f64().unwrap()
 }
 
-/// Stiffnesses of a power law give its numbers again: noise-free, so to the search's tolerance.
-#[test]
-fn a_law_is_found_from_its_points() {
+/// A problem that is solved at once: points of the law of `rig`.
+pub(crate) fn quick_problem(rig: &Value) -> Value {
     let pressures: [f64; 5] = [3e4, 6e4, 1e5, 2e5, 4e5];
     let points: Vec<[f64; 2]> =
         pressures.iter().map(|p| [*p, COEFFICIENT * p.powf(EXPONENT)]).collect();
+    json!({
+        "schema": "asperity/identify/1",
+        "title": "A power law & its \"points\"",
+        "scenario": rig,
+        "unknowns": [
+            {"kind": "scalar", "pointer": "/laws/pl/coefficient", "bounds": [1e9, 1e11], "start": 1e10},
+            {"kind": "scalar", "pointer": "/laws/pl/exponent", "bounds": [0.1, 0.8], "start": 0.5},
+        ],
+        "data": [{"kind": "stiffness", "law": "pl", "points": points, "spread": {"relative": 0.05}}],
+        "starts": 1,
+        "draws": 100,
+    })
+}
+
+/// Stiffnesses of a power law give its numbers again: noise-free, so to the search's tolerance.
+#[test]
+fn a_law_is_found_from_its_points() {
     let found = identified(
-        &json!({
-            "schema": "asperity/identify/1",
-            "title": "A power law & its \"points\"",
-            "scenario": rig(),
-            "unknowns": [
-                {"kind": "scalar", "pointer": "/laws/pl/coefficient", "bounds": [1e9, 1e11], "start": 1e10},
-                {"kind": "scalar", "pointer": "/laws/pl/exponent", "bounds": [0.1, 0.8], "start": 0.5},
-            ],
-            "data": [{"kind": "stiffness", "law": "pl", "points": points, "spread": {"relative": 0.05}}],
-            "starts": 1,
-            "draws": 100,
-        }),
+        &quick_problem(&rig()),
         &["comparison", "law", "pairs", "profiles", "residuals"],
     );
     assert!((estimate(&found, "/laws/pl/exponent") - EXPONENT).abs() < 1e-4);
@@ -201,4 +206,45 @@ fn bad_problems_are_refused_with_their_place() {
         assert!(said.contains(expected), "{expected} is not in: {said}");
         assert!(!folder.path().join("found").exists(), "{pointer}");
     }
+}
+
+/// A run that is stopped leaves the finished result of the folder as it is.
+#[cfg(unix)]
+#[test]
+fn a_stopped_run_keeps_the_finished_result() {
+    use std::process::{Command, Stdio};
+    let folder = tempfile::tempdir().unwrap();
+    let store = |problem: &Value| {
+        std::fs::write(folder.path().join("problem.json"), problem.to_string()).unwrap();
+    };
+    let mut problem = quick_problem(&rig());
+    store(&problem);
+    answer(folder.path(), &["identify", "problem.json", "--json", "--out", "found"]);
+    let finished = crate::files(&folder.path().join("found"));
+    assert!(finished.len() > 10);
+    // Long enough to be stopped.
+    problem["draws"] = json!(20_000);
+    problem["starts"] = json!(64);
+    problem["data"][0] = json!({"kind": "hits", "hits": [{"force_peak_n": 10.0, "features": {
+        "fundamental.frequency_hz": {"value": 850.0, "standard_deviation": 0.1}}}]});
+    store(&problem);
+    let mut child = Command::new(env!("CARGO_BIN_EXE_asperity"))
+        .args(["identify", "problem.json", "--out", "found", "--threads", "1"])
+        .current_dir(folder.path())
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let lock = folder.path().join(".found.asperity");
+    while !lock.exists() && child.try_wait().unwrap().is_none() {
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    let id = rustix::process::Pid::from_child(&child);
+    let _ = rustix::process::kill_process(id, rustix::process::Signal::INT);
+    let out = child.wait_with_output().unwrap();
+    let message = crate::text(&out.stderr);
+    assert!(!out.status.success(), "{message}");
+    assert_eq!(crate::files(&folder.path().join("found")), finished, "{message}");
+    let beside = folder.path().join("found-stopped");
+    assert_eq!(beside.exists(), message.contains("found-stopped"), "{message}");
 }

@@ -12,6 +12,7 @@ mod gap_import;
 mod help;
 mod identify;
 mod pages;
+mod readme;
 mod result_folders;
 mod rough_surfaces;
 mod steady;

@@ -86,6 +86,54 @@ fn commands_on_one_scenario_share_its_folder() {
     assert_eq!(entries(&folder.path().join("out")), ["rig"]);
 }
 
+/// Neither by default nor in one folder does `steady` replace what `simulate` has written, and a run
+/// without a result keeps the earlier one.
+#[test]
+fn steady_after_simulate_keeps_its_files() {
+    let folder = tempfile::tempdir().unwrap();
+    store(&folder.path().join("rig.json"), &rig());
+    succeed(folder.path(), &[&["simulate", "rig.json"], &QUICK[..]].concat());
+    let simulated = files(&folder.path().join("out/rig"));
+    let steady = ["steady", "rig.json", "--amplitude", "1", "--from", "700", "--to", "1000"];
+    succeed(folder.path(), &steady);
+    assert_eq!(files(&folder.path().join("out/rig")), simulated);
+    let found = files(&folder.path().join("out/rig-steady"));
+    assert!(found.contains(&"steady.csv".to_owned()) && found.contains(&"summary.json".to_owned()));
+    let message = refused(folder.path(), &[&steady[..], &["--out", "out/rig"]].concat());
+    assert!(message.contains("`simulate`, which would be replaced"), "{message}");
+    assert!(message.contains("--overwrite"), "{message}");
+    assert_eq!(files(&folder.path().join("out/rig")), simulated);
+    let table = || fs::read(folder.path().join("out/sweep/sweep.csv")).unwrap();
+    let sweep = |values: &str| {
+        let vary = format!("/excitation/peak_n={values}");
+        let asked = ["sweep", "rig.json", "--vary", &vary, "--out", "out/sweep"];
+        asperity(folder.path(), &[&asked[..], &QUICK].concat())
+    };
+    assert!(sweep("1,2").status.success());
+    let before = table();
+    let failed = sweep("1e300");
+    if !failed.status.success() {
+        let message = text(&failed.stderr);
+        assert!(message.contains("keeps its earlier result"), "{message}");
+        assert_eq!(table(), before);
+    }
+}
+
+/// Results of measurements are not replaced by those of another file.
+#[test]
+fn the_analysis_of_another_file_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["a.uff", "b.uff"] {
+        crate::watch::hit(folder.path(), name, &[(0.02, 10.0)]);
+    }
+    let analyse = |name: &'static str| ["analyse", name, "--band", "400:600", "--out", "result"];
+    succeed(folder.path(), &analyse("a.uff"));
+    let message = refused(folder.path(), &analyse("b.uff"));
+    assert!(message.contains("a.uff") && message.contains("--overwrite"), "{message}");
+    succeed(folder.path(), &analyse("a.uff"));
+    succeed(folder.path(), &[&analyse("b.uff")[..], &["--overwrite"]].concat());
+}
+
 /// By default both write to `out/rig`.
 #[test]
 fn two_scenarios_of_one_name_do_not_share_a_folder() {

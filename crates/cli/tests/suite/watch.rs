@@ -14,7 +14,7 @@ const RATE: f64 = 20_000.0;
 const BAND: [&str; 2] = ["--band", "400:600"];
 
 /// A mode at 500 Hz hit by half sines of 1 ms at these times \[s\] with these peaks \[N\].
-fn hit(folder: &Path, name: &str, blows: &[(f64, f64)]) {
+pub(crate) fn hit(folder: &Path, name: &str, blows: &[(f64, f64)]) {
     let omega = std::f64::consts::TAU * 500.0;
     let (mut u, mut v) = (0.0, 0.0);
     let (mut force, mut acceleration) = (Vec::new(), Vec::new());
@@ -160,4 +160,61 @@ fn files_are_judged_as_they_come() {
     assert!(text.contains("hit_2.uff: good, 12.0"), "{text}");
     assert!(!text.contains("cannot be analysed"), "{text}");
     assert!(text.contains("next: about 10"), "{text}");
+}
+
+/// Deleted, renamed and replaced files leave the watch running, and hits can be rejected by number.
+#[cfg(unix)]
+#[test]
+fn files_may_go_and_hits_may_be_rejected() {
+    use std::io::Write;
+    let folder = tempfile::tempdir().unwrap();
+    let test = folder.path().join("test");
+    std::fs::create_dir(&test).unwrap();
+    let mut child = Command::new(env!("CARGO_BIN_EXE_asperity"))
+        .current_dir(folder.path())
+        .args([&["watch", "test", "--out", "w"][..], &BAND].concat())
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let begun = Instant::now();
+    let wait_for = |done: &dyn Fn(&str) -> bool| {
+        let table = || std::fs::read_to_string(folder.path().join("w/hits.csv"));
+        while !done(&table().unwrap_or_default()) {
+            assert!(begun.elapsed() < Duration::from_secs(120), "nothing came: {:?}", table());
+            std::thread::sleep(Duration::from_millis(50));
+        }
+    };
+    let rows = |table: &str| table.lines().count();
+    for (name, force) in [("a.uff", 10.0), ("b.uff", 12.0), ("c.uff", 14.0)] {
+        hit(&test, name, &[(0.02, force)]);
+    }
+    wait_for(&|table| rows(table) == 4);
+    std::fs::remove_file(test.join("a.uff")).unwrap();
+    wait_for(&|table| rows(table) == 3 && !table.contains("a.uff"));
+    std::fs::rename(test.join("b.uff"), test.join("d.uff")).unwrap();
+    wait_for(&|table| table.contains("d.uff") && !table.contains("b.uff"));
+    hit(&test, "c.uff", &[(0.02, 20.0)]);
+    let force_of_c = |table: &str| -> Option<f64> {
+        table.lines().find(|row| row.contains("c.uff,"))?.split(',').nth(4)?.parse().ok()
+    };
+    wait_for(&|table| force_of_c(table).is_some_and(|force| force > 15.0));
+    // Hits 1 to 3 are of a, b and c, 4 of d, 5 of the new c.
+    let input = child.stdin.as_mut().unwrap();
+    input.write_all(b"reject 4\nreject 1\nnonsense\n").unwrap();
+    wait_for(&|table| table.lines().any(|row| row.contains("d.uff") && row.contains("rejected")));
+    rustix::process::kill_process(
+        rustix::process::Pid::from_child(&child),
+        rustix::process::Signal::INT,
+    )
+    .unwrap();
+    let out = child.wait_with_output().unwrap();
+    let text = String::from_utf8_lossy(&out.stdout);
+    assert!(out.status.success(), "{text}");
+    for line in ["a.uff is gone", "#4 d.uff: good", "#5 c.uff: good", "#4 rejected", "#1 not there"]
+    {
+        assert!(text.contains(line), "{line} in {text}");
+    }
+    assert!(text.contains("`nonsense` is not understood"), "{text}");
 }

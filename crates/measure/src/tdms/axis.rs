@@ -47,6 +47,14 @@ impl TdmsAxis {
         Ok(Self::Even(0.0, 1.0 / rate_hz, ChannelQuantity::Time))
     }
 
+    /// The axis, with its start later by some seconds.
+    pub(crate) fn later(self, seconds: f64) -> Self {
+        match self {
+            Self::Even(start, step, quantity) => Self::Even(start + seconds, step, quantity),
+            times @ Self::Times(_) => times,
+        }
+    }
+
     /// The abscissa of a block from sample `from`.
     pub(crate) fn abscissa(
         &mut self,

@@ -47,12 +47,7 @@ pub(crate) fn candidate(columns: &[NumberColumn]) -> Option<usize> {
 }
 
 fn named(columns: &[NumberColumn]) -> Option<usize> {
-    columns.iter().position(|column| {
-        column.heading.as_ref().is_some_and(|heading| {
-            matches!(heading.quantity(), ChannelQuantity::Time | ChannelQuantity::Frequency)
-                || heading.name == "X_Value"
-        })
-    })
+    columns.iter().position(NumberColumn::is_axis)
 }
 
 fn counts_samples(column: &NumberColumn) -> bool {
@@ -180,6 +175,13 @@ impl TextAxis {
         scale(&mut values, self.factor);
         Abscissa::Uneven { values, quantity }
     }
+}
+
+/// True for three or more values that rise evenly and do not count the samples.
+pub(crate) fn rises_evenly(values: &[f64], rounding: Rounding) -> bool {
+    let (time, mut ignored) = (ChannelQuantity::Time, Notices::default());
+    let even = (values.len() > 2).then(|| even_axis(values, 1.0, time, rounding, &mut ignored));
+    even.flatten().is_some_and(|even| !(even.step == 1.0 && even.start.fract() == 0.0))
 }
 
 /// Start and step of an evenly increasing column, exactly or within the rounding of its digits.

@@ -47,7 +47,7 @@ impl Dialect {
                 best = Some((dialect, run));
             }
         }
-        best
+        best.map(|(dialect, run)| (dialect, dialect.with_rows_above(lines, run)))
     }
 
     fn longest_run(self, lines: &[&[u8]]) -> NumberRun {
@@ -70,15 +70,83 @@ impl Dialect {
 
     /// Number of fields of a row of numbers; none if a field is not a number, or all are empty.
     fn numbers_in(self, line: &[u8]) -> Option<usize> {
-        let (mut count, mut last) = (0, 0);
+        let (mut count, mut last, mut numbers) = (0, 0, 0);
         for field in self.fields(line) {
             count += 1;
             if !field.is_empty() {
                 last = count;
-                self.number(field)?;
+                if self.number(field).is_some() {
+                    numbers += 1;
+                } else if !is_placeholder(field) {
+                    return None;
+                }
             }
         }
-        (last > 0).then_some(last)
+        (numbers > 0).then_some(last)
+    }
+
+    /// The run with the rows above it that belong to it: rows of numbers that only lines beginning with
+    /// a number separate from it, and broken rows whose first number continues the first column.
+    ///
+    /// A broken row has a field that is neither a number nor a placeholder, or too few fields. It is an
+    /// error where it is read; above the data it would turn the rows before it into headings.
+    fn with_rows_above(self, lines: &[&[u8]], run: NumberRun) -> NumberRun {
+        const FEWEST: usize = 2;
+        let first = |line: &[u8]| self.fields(line).next().and_then(|field| self.number(field));
+        let starts_as_row = |line: &[u8]| {
+            let field = self.fields(line).next().unwrap_or_default();
+            self.number(field).is_some() || is_placeholder(field)
+        };
+        let (mut joined, mut widths) = (run, Vec::new());
+        for (index, line) in lines[..run.start].iter().enumerate().rev() {
+            if is_passed_over(line) {
+                continue;
+            }
+            if !starts_as_row(line) {
+                break;
+            }
+            let Some(fields) = self.numbers_in(line).filter(|fields| *fields >= run.fields) else {
+                continue;
+            };
+            widths.push((fields, index));
+            let widest = widths.iter().map(|(fields, _)| *fields).max().unwrap_or(run.fields);
+            let mut of_widest = widths.iter().rev().filter(|(fields, _)| *fields == widest);
+            if of_widest.clone().count() >= FEWEST {
+                joined.fields = widest;
+                joined.start = of_widest.next().map_or(joined.start, |(_, index)| *index);
+            }
+        }
+        let rows = |from: usize| lines[from..].iter().filter(|line| !is_passed_over(line));
+        let column: Vec<f64> =
+            rows(joined.start).take(FEWEST).filter_map(|row| first(row)).collect();
+        if let [begin, next] = column[..]
+            && begin != next
+        {
+            let broken = lines[..joined.start].iter().enumerate().rev();
+            let broken = broken.filter(|(_, line)| !is_passed_over(line));
+            for (before, (index, line)) in broken.enumerate() {
+                let expected = begin - (before as f64 + 1.0) * (next - begin);
+                let continues = |x: f64| (x - expected).abs() < 0.5 * (next - begin).abs();
+                let fields = self.fields(line).count();
+                if fields < 2 || fields > joined.fields || !first(line).is_some_and(continues) {
+                    break;
+                }
+                joined.start = index;
+            }
+        }
+        joined.lines += rows(joined.start).count() - rows(run.start).count();
+        joined
+    }
+
+    /// Index of the first and number of the rows above the headings that have the width of the run, if
+    /// there are two or more.
+    pub(crate) fn rows_above(self, lines: &[&[u8]], run: NumberRun) -> Option<(usize, usize)> {
+        let is_row = |line: &[u8]| {
+            !is_passed_over(line) && self.numbers_in(line) == Some(run.fields) && run.fields > 1
+        };
+        let rows = lines.iter().enumerate().filter(|(_, line)| is_row(line));
+        let (first, count) = (rows.clone().next()?.0, rows.count());
+        (count > 1).then_some((first, count))
     }
 
     /// The fields of a line, without blanks around them.
@@ -117,6 +185,39 @@ impl Dialect {
 }
 
 /// Numbers that do not end with a digit: `1.`, `nan`, `inf`.
+/// True for a text that stands in place of a number: an overload, or a missing value.
+fn is_placeholder(field: &[u8]) -> bool {
+    const WORDS: [&str; 18] = [
+        "ovl",
+        "ovld",
+        "ovr",
+        "ol",
+        "over",
+        "overload",
+        "overflow",
+        "under",
+        "underflow",
+        "clip",
+        "na",
+        "n/a",
+        "#n/a",
+        "null",
+        "none",
+        "nan",
+        "inf",
+        "infinity",
+    ];
+    let text = decode_text(field).0;
+    let bare = text.trim_matches('"').trim().trim_start_matches(['+', '-']).to_lowercase();
+    if text.is_empty() {
+        return false;
+    }
+    // `---`, `***`, `?`, an infinity as UTF-8, and numbers of Visual C such as `-1.#IND`.
+    bare.chars().all(|c| "-*?_.\u{221e}\u{2014}\u{2013}".contains(c))
+        || WORDS.contains(&bare.as_str())
+        || ["1.#", "#num", "#div", "#value", "err"].iter().any(|start| bare.starts_with(start))
+}
+
 fn ends_otherwise(field: &[u8]) -> bool {
     let bare = field.strip_prefix(b"-").unwrap_or(field);
     matches!(field.last(), Some(b'.' | b','))

@@ -1,12 +1,16 @@
 //! Rows of numbers, in blocks.
 
+use crate::error::excerpt;
 use crate::heading::Heading;
 use crate::notice::Notices;
 use crate::rate::rounding_of;
-use crate::source::Source;
+use crate::source::{Source, decode_text};
 use crate::text::dialect::{Dialect, is_passed_over};
 use crate::text::labview::LvmSegment;
-use crate::{Abscissa, Channel, ChannelUnit, MeasureError, Notice, Samples};
+use crate::{
+    Abscissa, Channel, ChannelQuantity, ChannelUnit, FilePosition, InvalidCells, MeasureError,
+    Notice, Samples,
+};
 
 /// A column of numbers.
 #[derive(Debug, Clone)]
@@ -23,6 +27,14 @@ impl NumberColumn {
         Heading { name: self.name(), unit }.channel(abscissa, Samples::Real(samples))
     }
 
+    /// True if the heading says that the column is time, frequency or another abscissa.
+    pub(crate) fn is_axis(&self) -> bool {
+        self.heading.as_ref().is_some_and(|heading| {
+            matches!(heading.quantity(), ChannelQuantity::Time | ChannelQuantity::Frequency)
+                || heading.name == "X_Value"
+        })
+    }
+
     /// Name of the heading, or one made from the index.
     pub(crate) fn name(&self) -> String {
         match &self.heading {
@@ -36,28 +48,8 @@ impl NumberColumn {
 pub(crate) struct RowBlock {
     pub(crate) values: Vec<Vec<f64>>,
     pub(crate) count: usize,
-    /// Roundings of the tracked columns.
+    /// Rounding of each column, of use for those tracked.
     pub(crate) roundings: Vec<Rounding>,
-}
-
-/// Columns that may be an axis, whose rounding is determined.
-#[derive(Debug, Clone, Copy)]
-pub(crate) enum Tracked {
-    None,
-    One(usize),
-    /// The first of each pair.
-    Pairs,
-}
-
-impl Tracked {
-    /// Index of a column among those tracked.
-    fn slot(self, place: usize) -> Option<usize> {
-        match self {
-            Self::None => None,
-            Self::One(one) => (one == place).then_some(0),
-            Self::Pairs => place.is_multiple_of(2).then_some(place / 2),
-        }
-    }
 }
 
 /// Rounding of the printed numbers of a column.
@@ -90,20 +82,24 @@ pub(crate) struct RowReader<'a> {
     pub(crate) line: Vec<u8>,
     /// Most rows of a block.
     pub(crate) block: usize,
+    pub(crate) invalid_cells: InvalidCells,
+    /// Number of cells that were no numbers, with the place and the column of the first.
+    pub(crate) invalid: Option<(u64, FilePosition, String)>,
+    /// Columns that have ended, where columns may be of different lengths.
+    pub(crate) ended: Option<Vec<bool>>,
 }
 
 impl RowReader<'_> {
-    /// Reads up to a block of rows; fewer at the end of the segment or file.
+    /// Reads up to a block of rows, and the rounding of the columns `tracked`; fewer rows at the end of
+    /// the segment or file.
     pub(crate) fn read(
         &mut self,
-        tracked: Tracked,
+        tracked: &[usize],
         notices: &mut Notices,
     ) -> Result<RowBlock, MeasureError> {
         let mut values: Vec<Vec<f64>> = vec![Vec::new(); self.columns.len()];
         let unknown = Rounding { significant: 1, half_unit: f64::INFINITY };
-        let count_tracked =
-            if let Tracked::Pairs = tracked { self.columns.len().div_ceil(2) } else { 1 };
-        let mut roundings = vec![unknown; count_tracked];
+        let mut roundings = vec![unknown; self.columns.len()];
         let mut count = 0;
         // The line that begins the next segment is kept.
         let ended = self.is_labview && LvmSegment::opens(&self.line);
@@ -126,7 +122,7 @@ impl RowReader<'_> {
                 for column in &mut values {
                     column.reserve_exact(room);
                 }
-            } else if values.first().is_some_and(|column| column.len() == column.capacity()) {
+            } else if values.iter().any(|column| column.len() == column.capacity()) {
                 // In steps of an eighth, which limits unused memory.
                 for column in &mut values {
                     column.reserve_exact(column.len() / 8 + 8);
@@ -146,23 +142,31 @@ impl RowReader<'_> {
             self.line.clear();
             count += 1;
         }
-        if self.source.remaining() == 0 && !self.is_labview {
-            self.line.clear();
+        if self.source.remaining() == 0 {
+            if !self.is_labview {
+                self.line.clear();
+            }
+            if let Some((count, place, channel)) = self.invalid.take() {
+                let overload = self.invalid_cells == InvalidCells::Overload;
+                let taken = if overload { "overloads" } else { "dropouts" };
+                notices.add(Notice::InvalidCells { count, taken, place, channel });
+            }
         }
         Ok(RowBlock { values, count, roundings })
     }
 
     /// Appends the numbers of the line and returns the number of columns filled.
     fn read_row(
-        &self,
+        &mut self,
         values: &mut [Vec<f64>],
-        tracked: Tracked,
+        tracked: &[usize],
         roundings: &mut [Rounding],
     ) -> Result<usize, MeasureError> {
         let mut place = 0;
+        let source = &self.source;
         let wrong = |field: &[u8], expected: String| {
             let found = String::from_utf8_lossy(field).into_owned();
-            self.source.malformed(self.source.line_place(), "a field", &found, expected)
+            source.malformed(source.line_place(), "a field", &found, expected)
         };
         for (index, field) in self.dialect.fields(&self.line).enumerate() {
             let Some(column) = self.columns.get(place) else {
@@ -175,13 +179,41 @@ impl RowReader<'_> {
             if index < column.index {
                 continue;
             }
-            let Some(value) = self.dialect.number(field) else {
-                if field.is_empty() && self.source.remaining() == 0 {
+            if let Some(ended) = &mut self.ended {
+                if field.is_empty() {
+                    ended[place] = true;
+                    place += 1;
+                    continue;
+                }
+                if ended[place] {
+                    return Err(wrong(field, format!("nothing more for `{}`", column.name())));
+                }
+            }
+            let value = if let Some(value) = self.dialect.number(field) {
+                value
+            } else if field.is_empty() {
+                if self.source.remaining() == 0 {
                     return Ok(place);
                 }
                 return Err(wrong(field, format!("a number for `{}`", column.name())));
+            } else {
+                let at = self.source.line_place();
+                if self.invalid_cells == InvalidCells::Refuse || column.is_axis() {
+                    return Err(MeasureError::InvalidCell {
+                        file: self.source.name().to_owned(),
+                        place: at,
+                        found: excerpt(&decode_text(field).0).trim_matches('`').to_owned(),
+                        channel: column.name(),
+                    });
+                }
+                let first = self.invalid.get_or_insert_with(|| (0, at, column.name()));
+                first.0 += 1;
+                let beyond = if field.starts_with(b"-") && !is_dashes(field) { -1.0 } else { 1.0 };
+                let overload = self.invalid_cells == InvalidCells::Overload;
+                if overload { beyond * f64::INFINITY } else { f64::NAN }
             };
-            if let Some(rounding) = tracked.slot(place).and_then(|slot| roundings.get_mut(slot))
+            if tracked.contains(&place)
+                && let Some(rounding) = roundings.get_mut(place)
                 && let Ok(printed) = std::str::from_utf8(field)
             {
                 let (half_unit, significant) = rounding_of(printed);
@@ -191,6 +223,12 @@ impl RowReader<'_> {
             values[place].push(value);
             place += 1;
         }
+        if let Some(ended) = &mut self.ended
+            && place > 0
+        {
+            ended[place..].fill(true);
+            return Ok(values.len());
+        }
         Ok(place)
     }
 
@@ -199,4 +237,9 @@ impl RowReader<'_> {
         let expected = format!("{} columns of numbers", self.columns.len());
         self.source.malformed(self.source.line_place(), "a row", &found, expected)
     }
+}
+
+/// True for a text of dashes only.
+fn is_dashes(field: &[u8]) -> bool {
+    field.iter().all(|byte| *byte == b'-')
 }

@@ -42,6 +42,11 @@ pub(crate) struct Payload {
 }
 
 impl Payload {
+    /// Relative rounding of the abscissae of an uneven function.
+    pub(crate) fn abscissa_epsilon(&self) -> f64 {
+        self.abscissa.map_or(0.0, NumberType::epsilon)
+    }
+
     /// The payload of the fields after `58b` in the line at `place`; reads up to the closing tag.
     pub(crate) fn locate(
         source: &mut Source<'_>,

@@ -1,7 +1,7 @@
 //! Functions sampled together.
 //!
 //! The format does not contain this information. Consecutive functions with the same
-//! axis belong to one record, up to one that the record already has: with
+//! axis, or with times of one rate that overlap, belong to one record, up to one that the record already has: with
 //! the same nodes, the same quantity, and the same name but for the number of
 //! the hit.
 
@@ -33,10 +33,17 @@ pub(crate) fn groups(entries: Group) -> Vec<Group> {
 fn same_axis(one: &FunctionHeader, other: &FunctionHeader) -> bool {
     one.points == other.points
         && one.even == other.even
-        && one.start == other.start
+        && starts_together(one, other)
         && one.step == other.step
         && one.abscissa.kind == other.abscissa.kind
         && (one.function == 1) == (other.function == 1)
+}
+
+/// True for the same start, or for times of one rate that overlap.
+fn starts_together(one: &FunctionHeader, other: &FunctionHeader) -> bool {
+    let in_time = one.function == 1 && other.function == 1 && one.even && one.step > 0.0;
+    let apart = (one.start - other.start).abs();
+    apart == 0.0 || in_time && apart < one.points as f64 * one.step
 }
 
 /// Identity of a channel in different hits.

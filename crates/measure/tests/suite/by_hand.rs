@@ -229,3 +229,34 @@ fn other_datasets_are_skipped() {
     assert!(error_of(nodes).contains("no samples; expected dataset 58"));
     assert!(error_of(&nodes[..40]).contains("expected a closing `    -1`"));
 }
+
+/// Times that a file with an uneven flag gives may be even; their rounding does not change that.
+#[test]
+fn even_times_with_an_uneven_flag() {
+    let file = |times: &dyn Fn(f64) -> f64| {
+        let points = (0..30).map(|n| format!("{:13.5E}{:13.5E}\n", times(f64::from(n)), 1.0));
+        let points = points.map(|line| line.replace("E-", "E-0").replace("E0", "E+00"));
+        format!(
+            "    -1\n    58\n{}{}    -1\n",
+            header(2, 30, false, FORCE),
+            points.collect::<String>()
+        )
+    };
+    let rate = |file: String| parsed(file).records[0].sample_rate_hz();
+    assert_eq!(rate(file(&|n| 0.25 + n / 1024.0)), Some(1024.0));
+    assert_eq!(rate(file(&|n| n * n / 1024.0)), None);
+    let payload: Vec<u8> = (0..30)
+        .flat_map(|n| [n as f32 / 51_200.0, 1.0].into_iter().flat_map(f32::to_le_bytes))
+        .collect();
+    let binary = binary(1, payload.len(), &header(2, 30, false, FORCE), &payload, "    -1\n");
+    for block in [7, usize::MAX] {
+        let options = ReadOptions { block, ..ReadOptions::default() };
+        let stream = std::io::Cursor::new(binary.clone());
+        let mut reader = asperity_measure::Reader::from_stream("b", stream, &options).unwrap();
+        while let Some(record) = reader.next_record().unwrap() {
+            assert_eq!(record.sample_rate_hz(), Some(51_200.0));
+        }
+        let snapped = |notice: &Notice| matches!(notice, Notice::RateSnapped { .. });
+        assert!(reader.notices().iter().all(snapped), "{:?}", reader.notices());
+    }
+}

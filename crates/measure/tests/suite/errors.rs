@@ -29,7 +29,6 @@ fn unknown_and_unsupported_formats() {
         (&b""[..], "unknown format"),
         (b"\x7fELF\0\0\0\0", "unknown format; expected one of UFF 58, text"),
         (b"TDSh\0\0\0\0", "the index of a TDMS file cannot be read; give the `.tdms` file"),
-        (b"\xff\xfe1\0\n\0", "text in UTF-16 cannot be read; save it as UTF-8"),
         (b"RF64\0\0\0\0WAVE", "cannot be read; save it as RIFF"),
         (b"RIFF\0\0\0\0WAVE", "the WAVE file"),
         (b"\x93NUMPY\x07\0\0\0", "the NPY version is `7`; expected 1, 2 or 3"),

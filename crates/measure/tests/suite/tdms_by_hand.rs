@@ -81,9 +81,10 @@ fn channels_of_one_group_are_divided_by_rate_length_and_start() {
         .iter()
         .map(|record| record.channels.iter().map(|channel| channel.name.as_str()).collect())
         .collect();
-    assert_eq!(names, [vec!["a", "c"], vec!["b"], vec!["d"], vec!["e"]]);
+    // `e` ends one sample earlier.
+    assert_eq!(names, [vec!["a", "c", "e"], vec!["b"], vec!["d"]]);
     assert_eq!(samples(&measured.records[0], "c"), [8.0, 9.0, 10.0, 11.0]);
-    assert_eq!(samples(&measured.records[3], "e"), [16.0, 17.0, 18.0]);
+    assert_eq!(samples(&measured.records[0], "e"), [16.0, 17.0, 18.0]);
     let single =
         Notice::ArrayLeftOut { array: "single".into(), reason: "a single number without a time" };
     assert!(measured.notices.contains(&single));
@@ -248,4 +249,57 @@ fn errors_have_the_position() {
     assert!(message.contains("expected empty: no channel has samples here"), "{message}");
     let nothing = read_bytes(&segment(METADATA, &[], &[]), &ReadOptions::default()).unwrap_err();
     assert!(matches!(nothing, MeasureError::NoSamples { .. }), "{nothing}");
+}
+
+/// Start times join the channels of different starts in one record, in blocks too; hits with the same
+/// names remain apart.
+#[test]
+fn start_times_line_up_channels() {
+    let channel = |path: &str, values: u64, properties: &[Vec<u8>]| {
+        object(path, &index(5, values), properties)
+    };
+    // In units of 2^-64 s: 20 ms.
+    let later = (0.02 * 2f64.powi(64)) as u64;
+    let at = |fraction| [rate(100.0), time("wf_start_time", 1000, fraction)];
+    let objects = [channel("/'Hammer'/'force'", 6, &at(0)), channel("/'Tip'/'acc'", 5, &at(later))];
+    let file = segment(ALL, &objects, &(0..11).collect::<Vec<u8>>());
+    let measured = parsed(&file);
+    assert_eq!(measured.records.len(), 1);
+    let record = &measured.records[0];
+    let start = |name: &str| record.named(name).unwrap().abscissa.at(0).unwrap();
+    assert!(start("force") == 0.0 && (start("acc") - 0.02).abs() < 1e-12);
+    assert_eq!(samples(record, "acc"), [6.0, 7.0, 8.0, 9.0, 10.0]);
+    let options = ReadOptions { block: 4, ..ReadOptions::default() };
+    let stream = std::io::Cursor::new(file);
+    let mut reader = asperity_measure::Reader::from_stream("t", stream, &options).unwrap();
+    let mut read = Vec::new();
+    while let Some(block) = reader.next_record().unwrap() {
+        read.push((samples(&block, "force").len(), samples(&block, "acc").len()));
+    }
+    assert_eq!(read, [(4, 4), (2, 1)]);
+
+    let hits = [
+        channel("/'1'/'force'", 4, &at(0)),
+        channel("/'1'/'acc'", 4, &at(0)),
+        channel("/'2'/'force'", 4, &at(0)),
+        channel("/'2'/'acc'", 4, &at(0)),
+    ];
+    assert_eq!(parsed(segment(ALL, &hits, &[0; 16])).records.len(), 2);
+}
+
+/// A time channel for each channel.
+#[test]
+fn each_time_channel_is_that_of_its_own_channels() {
+    let column = |from: f64, step: f64| {
+        (0..8_u32).flat_map(|n| (from + step * f64::from(n)).to_le_bytes()).collect::<Vec<u8>>()
+    };
+    let named = |name: &str| object(&format!("/'g'/'{name}'"), &index(10, 8), &[]);
+    let names = ["Time force", "Force (N)", "Time acc", "Acc (g)"];
+    let objects = names.map(named);
+    let columns = [column(0.0, 0.5), column(0.0, 1.0), column(1.0, 0.25), column(2.0, 1.0)];
+    let measured = parsed(segment(ALL, &objects, &columns.concat()));
+    assert_eq!(measured.records.len(), 1);
+    let axis = |name: &str| measured.records[0].named(name).unwrap().abscissa.clone();
+    assert_eq!(axis("Force"), Abscissa::even_time(0.0, 2.0));
+    assert_eq!(axis("Acc"), Abscissa::even_time(1.0, 4.0));
 }

@@ -1,6 +1,8 @@
 //! Texts of loggers, spreadsheets and LabVIEW.
 
-use asperity_measure::{ChannelQuantity, ChannelUnit, Notice, ReadOptions, Reader, read_bytes};
+use asperity_measure::{
+    Abscissa, ChannelQuantity, ChannelUnit, InvalidCells, Notice, ReadOptions, Reader, read_bytes,
+};
 
 use crate::build::{error_of, parsed, samples};
 
@@ -175,10 +177,7 @@ fn labview_with_times_for_each_channel() {
 fn errors_of_rows_have_the_line() {
     let head = "time_s,force_N\n0,1\n1,2\n2,3\n3,4\n";
     let message = error_of(format!("{head}4,five\n5,6\n"));
-    assert!(
-        message.contains("line 6: a field is `five`; expected a number for `force`"),
-        "{message}"
-    );
+    assert!(message.contains("line 6: `five` for `force` is no number"), "{message}");
     let message = error_of(format!("{head}4\n5,6\n"));
     assert!(message.contains("line 6: a row is `1 columns`; expected 2 columns"), "{message}");
     let message = error_of(format!("{head}4,5,6\n5,6\n"));
@@ -205,4 +204,126 @@ fn a_later_block_with_uneven_times_gives_a_notice() {
     }
     assert_eq!(rates, [(50, false, Some(1.0)), (50, true, Some(1.0)), (2, true, None)]);
     assert!(reader.notices().contains(&Notice::UnevenBlock { sample: 100 }));
+}
+
+/// A cell that is no number, or a row with too few, does not make headings of the rows above it.
+#[test]
+fn an_early_cell_that_is_no_number_is_named() {
+    let good = |from: u32, to: u32| -> String {
+        let row = |n: u32| format!("0.{n:03},{n},1\n");
+        (from..to).flat_map(|n| row(n).into_bytes()).map(char::from).collect()
+    };
+    let head = "time_s,hammer (N),top (g)\n";
+    for cell in ["---", "\u{221e}", "OVL", "-OVL", "1.#INF", "#N/A", "broken", "?"] {
+        for at in [0, 1, 3, 8] {
+            let file = format!("{head}{}0.{at:03},0,{cell}\n{}", good(0, at), good(at + 1, 12));
+            let message = error_of(&file);
+            let expected = format!("line {}: `{cell}` for `top` is no number", at + 2);
+            assert!(message.contains(&expected), "{message}");
+            let options = |invalid_cells| ReadOptions { invalid_cells, ..ReadOptions::default() };
+            let read =
+                |invalid_cells| read_bytes(file.as_bytes(), &options(invalid_cells)).unwrap();
+            let measured = read(InvalidCells::Dropout);
+            let top = samples(&measured.records[0], "top");
+            assert!(top.len() == 12 && top[at as usize].is_nan(), "{top:?}");
+            let text = measured.notices[0].to_string();
+            assert!(
+                text.starts_with("1 cells are no numbers") && text.contains("dropouts"),
+                "{text}"
+            );
+            let measured = read(InvalidCells::Overload);
+            let top = samples(&measured.records[0], "top")[at as usize];
+            assert_eq!((top.is_infinite(), top < 0.0), (true, cell == "-OVL"));
+        }
+    }
+    let short = error_of(format!("{head}{}0.003,3\n{}", good(0, 3), good(4, 12)));
+    assert!(short.contains("line 5: a row is `2 columns`; expected 3 columns"), "{short}");
+    // The axis must be known.
+    let axis = format!("{head}{}---,3,1\n{}", good(0, 3), good(4, 12));
+    let options = ReadOptions { invalid_cells: InvalidCells::Dropout, ..ReadOptions::default() };
+    let message = read_bytes(axis.as_bytes(), &options).unwrap_err().to_string();
+    assert!(message.contains("line 5: `---` for `time`"), "{message}");
+    // A channel that is never a number.
+    let off = format!("{head}{}", rows(9, |n| format!("0.{n:03},1,OVL")));
+    assert!(error_of(off).contains("line 2: `OVL` for `top`"));
+}
+
+/// Rows of numbers above a second row of headings are told.
+#[test]
+fn rows_above_headings_are_told() {
+    let file = "t (s),F (N)\n0,1\n1,2\nt (s),F (N)\n0,5\n1,6\n2,7\n";
+    let measured = parsed(file);
+    assert_eq!(samples(&measured.records[0], "F"), [5.0, 6.0, 7.0]);
+    assert!(measured.notices.contains(&Notice::RowsAboveHeadings { rows: 2, line: 2 }));
+}
+
+/// Each time belongs to its own channel: by places, by names, without names; columns may end early.
+#[test]
+fn a_time_for_each_channel() {
+    let of = |file: &str, name: &str| {
+        let measured = parsed(file);
+        let channel = measured.records[0].named(name).unwrap();
+        (channel.abscissa.clone(), channel.samples.real().unwrap().to_vec())
+    };
+    let file =
+        "Time 1 (s),Hammer (N),Time 2 (s),Acc (g)\n0,1,5,6\n1,2,5.5,7\n2,3,6,8\n3,4,,\n4,5\n";
+    assert_eq!(of(file, "Hammer"), (Abscissa::even_time(0.0, 1.0), vec![1.0, 2.0, 3.0, 4.0, 5.0]));
+    assert_eq!(of(file, "Acc"), (Abscissa::even_time(5.0, 2.0), vec![6.0, 7.0, 8.0]));
+    let file = "t_acc (s),t_hammer (s),hammer (N),acc (g)\n0,5,1,2\n1,6,3,4\n2,7,5,6\n";
+    assert_eq!(of(file, "hammer"), (Abscissa::even_time(5.0, 1.0), vec![1.0, 3.0, 5.0]));
+    assert_eq!(of(file, "acc"), (Abscissa::even_time(0.0, 1.0), vec![2.0, 4.0, 6.0]));
+    let file = "0.0 7 0.5 1\n0.5 8 1.0 2\n1.0 9 1.5 1\n1.5 9 2.0 1\n";
+    assert_eq!(of(file, "column 2").0, Abscissa::even_time(0.0, 2.0));
+    assert_eq!(of(file, "column 4").0, Abscissa::even_time(0.5, 2.0));
+    let message = error_of(
+        "t1,t2,F (N),a (g)\n0,5,1,1\n1,5.5,2,2\n2,6,3,3\n3,6.5,1,1\n4,7,1,2\n5,7.5,1,1\n6,8,1,1\n",
+    );
+    assert!(
+        message.contains("`t1` (1.000000 Hz from 0 s) and `t2` (2.000000 Hz from 5 s)"),
+        "{message}"
+    );
+    // A second time of all channels is no channel.
+    let measured = parsed("time (s),clock (s),F (N),a (g)\n0,50,1,1\n1,51,2,2\n2,52,1,3\n");
+    assert_eq!(measured.records[0].channels.len(), 2);
+    assert_eq!(measured.records[0].sample_rate_hz(), Some(1.0));
+}
+
+#[test]
+fn rows_of_a_header_that_say_what_they_hold() {
+    let file = "Point Id,,1:+Z,2:-X\nX Unit,s,,\nY Unit,,N,m/s^2\n0,1,2\n"
+        .replace("Point Id,,", "Point Id,")
+        .replace("Y Unit,,", "Y Unit,")
+        .replace("X Unit,s,,", "X Unit,s,s");
+    let measured = parsed(format!("{file}0.001,2,3\n0.002,1,2\n"));
+    let record = &measured.records[0];
+    assert_eq!(record.sample_rate_hz(), Some(1000.0));
+    let named: Vec<(&str, &str)> =
+        record.channels.iter().map(|one| (one.name.as_str(), one.unit.text())).collect();
+    assert_eq!(named, [("1:+Z", "N"), ("2:-X", "m/s^2")]);
+    // With a row of names below, and tabs.
+    let file = "Serial\t12\nPoint Id\thammer\ttop\nX Unit\tms\tms\nY Unit\tN\tg\n\
+                Time\tCh 1\tCh 2\n0\t1\t2\n1\t2\t3\n2\t1\t2\n";
+    let record = &parsed(file).records[0];
+    assert_eq!(record.sample_rate_hz(), Some(1000.0));
+    assert_eq!(record.of_quantity(ChannelQuantity::Force).unwrap().name, "hammer");
+}
+
+#[test]
+fn decimal_commas_between_commas_are_said() {
+    let message = error_of("time_s,force_N\n0,000,1,5\n0,001,2,5\n0,002,3,5\n");
+    assert!(message.contains("decimal commas between commas"), "{message}");
+}
+
+#[test]
+fn text_in_utf_16() {
+    let text = "time_s;force_N\r\n0,000;1,5\r\n0,001;2,5\r\n0,002;3,5\r\n";
+    let units: Vec<u16> = text.encode_utf16().collect();
+    let little: Vec<u8> = units.iter().flat_map(|unit| unit.to_le_bytes()).collect();
+    let big: Vec<u8> = units.iter().flat_map(|unit| unit.to_be_bytes()).collect();
+    for file in [[b"\xff\xfe", &little[..]].concat(), [b"\xfe\xff", &big[..]].concat(), little, big]
+    {
+        let measured = parsed(file);
+        assert_eq!(samples(&measured.records[0], "force"), [1.5, 2.5, 3.5]);
+        assert_eq!(measured.records[0].sample_rate_hz(), Some(1000.0));
+    }
 }

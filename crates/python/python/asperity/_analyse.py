@@ -191,6 +191,9 @@ def analyse(
     estimator: str | None = None,
     window: str | None = None,
     band_hz: tuple[float, float] | None = None,
+    high_pass_hz: float | None = None,
+    invalid_cells: str | None = None,
+    reject: Sequence[int] = (),
     form: str = "receptance",
     keep_all: bool | None = None,
     frfs: bool = False,
@@ -242,6 +245,14 @@ def analyse(
         damping that the exponential window adds.
     band_hz : (float, float), optional
         Band of the fundamental in Hz. By default about the strongest resonance of the first hit.
+    high_pass_hz : float, optional
+        Corner in Hz of a high-pass of second order for the responses, which takes out drifts. The mean
+        before each blow is always taken out.
+    invalid_cells : {"refuse", "dropout", "overload"}, optional
+        Cells of texts that are no number: an error that names the row, the default, or missing or
+        infinite samples, whose hits are left out of averages.
+    reject : sequence of int
+        Numbers of hits, from 1, to leave out of averages.
     form : {"receptance", "mobility", "accelerance"}
         Form of the functions.
     keep_all : bool, optional
@@ -288,13 +299,16 @@ def analyse(
         "estimator": estimator,
         "window": window,
         "band_hz": None if band_hz is None else list(band_hz),
+        "high_pass_hz": high_pass_hz,
+        "invalid_cells": invalid_cells,
         "keep_all": keep_all,
     }
     settings = _settings(rig, changes, sample_rate_hz, names, units, sample_axis, sensitivity)
     rate = _rate_of(rig) if sample_rate_hz is None else sample_rate_hz
     read = sources(source, rate, sample_axis)
     number = hits if isinstance(hits, str) else str(_arrays.count("hits", hits))
-    found = _asperity.analyse(read, settings, number, form, bool(frfs), progress)
+    rejected = [_arrays.count("reject", hit) for hit in reject]
+    found = _asperity.analyse(read, settings, number, rejected, form, bool(frfs), progress)
     responses = tuple(
         ResponseAnalysis(
             name=one["name"],

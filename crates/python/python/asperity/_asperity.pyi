@@ -150,6 +150,7 @@ def analyse(
     sources: _Sources,
     settings: dict[str, Any],
     hits: str,
+    rejected: list[int],
     form: str,
     frfs: bool,
     progress: _Progress,

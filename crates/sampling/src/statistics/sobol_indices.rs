@@ -27,6 +27,9 @@ const MOST_REPLICATES: u64 = 100_000;
 /// Fewest base rows of indices.
 const FEWEST_ROWS: u64 = 2;
 
+/// Deviation over the mean of an output that varies by rounding alone.
+const ROUNDING: f64 = 1e-13;
+
 /// The word that keeps the random numbers of the bootstrap apart from others.
 const BOOTSTRAP: u64 = 5;
 
@@ -149,14 +152,15 @@ impl SensitivitySums {
     ///
     /// # Errors
     /// [`DesignError::Count`] for fewer than two base rows with values, [`DesignError::Value`] for a
-    /// constant output, which has no indices, and for a level that is not between 0 and 1.
+    /// constant output, to within rounding, which has no indices, and for a level that is not between 0 and 1.
     pub fn indices(&self, level: f64) -> Result<SobolIndices, DesignError> {
         check_probability("the level of an interval", level)?;
         let used = self.sums[0].rows as u64;
         check_count("the number of base rows with values", used, FEWEST_ROWS, u64::MAX)?;
         let variance = self.sums[0].variance();
-        // Rounding alone leaves this much of the squares.
-        if variance <= 1e-24 * self.sums[0].squares || variance == 0.0 {
+        // Rounding alone leaves this much.
+        let mean = self.shift.unwrap_or(0.0) + self.sums[0].mean();
+        if variance <= (ROUNDING * mean).powi(2) || variance == 0.0 {
             let quantity = "the variance of the output";
             return Err(DesignError::Value { quantity, value: variance, expected: "positive" });
         }
@@ -223,5 +227,21 @@ mod tests {
         for (moment, expected) in moments.iter().zip([1.0, 2.0, 5.0]) {
             assert!((moment / CELLS as f64 - expected).abs() < 1e-3 * expected, "{moment}");
         }
+    }
+
+    /// An output that differs from its mean by rounding has no indices, however far it is from zero.
+    #[test]
+    fn rounding_has_no_indices() {
+        let indices = |scale: f64| {
+            let design = crate::Design::saltelli(2, 64, 1).unwrap();
+            let mut sums = SensitivitySums::new(2, 20, 1).unwrap();
+            for base in 0..64 {
+                let model = |block| 8.5e11 * (1.0 + scale * design.point(4 * base + block)[0]);
+                sums.add(base, &[0, 1, 2, 3].map(model));
+            }
+            sums.indices(0.95)
+        };
+        assert!(indices(2e-16).is_err());
+        assert!((indices(1e-6).unwrap().first[0].value - 1.0).abs() < 0.05);
     }
 }

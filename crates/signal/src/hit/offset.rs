@@ -51,6 +51,38 @@ impl Offset {
         Self::mean(samples.iter().copied().filter(quiet), OffsetSource::Quiet)
     }
 
+    /// The offset of a response: its mean before the trigger without the last quarter, else, with too few
+    /// samples there, [`Offset::at_rest`].
+    ///
+    /// The mean exceeds five times its error, which is taken from the means of four parts, so that a
+    /// vibration before the blow is no offset. `None` for a smaller one.
+    ///
+    /// ```
+    /// use asperity_signal::Offset;
+    /// let noise = |n: usize| if n % 3 == 0 { 0.01 } else { -0.005 };
+    /// let response = |offset: f64| (0..400).map(|n| offset + noise(n)).collect::<Vec<f64>>();
+    /// let found = Offset::of_response(&response(0.5), 200).map(|offset| offset.value);
+    /// assert!(found.is_some_and(|value| (value - 0.5).abs() < 1e-3));
+    /// assert_eq!(Offset::of_response(&response(0.0), 200), None);
+    /// ```
+    pub fn of_response(samples: &[f64], trigger: usize) -> Option<Self> {
+        const PARTS: usize = 4;
+        const SIGNIFICANT: f64 = 5.0;
+        let quiet = samples.get(..trigger - trigger / 4).unwrap_or_default();
+        let (found, samples) = match Self::before(samples, trigger, trigger / 4) {
+            Some(found) => (found, quiet),
+            None => (Self::at_rest(samples)?, samples),
+        };
+        let length = (samples.len() / PARTS).max(1);
+        let means = samples
+            .chunks_exact(length)
+            .take(PARTS)
+            .map(|part| part.iter().sum::<f64>() / part.len() as f64);
+        let parts = Self { samples: PARTS, ..Self::spread(means, OffsetSource::Quiet) };
+        let error = parts.standard_error().max(found.standard_error());
+        (found.value.abs() > SIGNIFICANT * error).then_some(found)
+    }
+
     /// Standard error of the offset for uncorrelated noise, in the unit of the samples.
     pub fn standard_error(&self) -> f64 {
         self.deviation / (self.samples as f64).sqrt()
@@ -64,6 +96,12 @@ impl Offset {
     }
 
     fn mean(quiet: impl Iterator<Item = f64>, source: OffsetSource) -> Option<Self> {
+        let found = Self::spread(quiet, source);
+        let usable = found.value.is_finite() && found.deviation.is_finite();
+        (found.samples >= FEWEST && usable).then_some(found)
+    }
+
+    fn spread(quiet: impl Iterator<Item = f64>, source: OffsetSource) -> Self {
         // Welford: one pass, without cancellation if the offset is far above the noise.
         let (mut samples, mut value, mut square) = (0_usize, 0.0, 0.0);
         for x in quiet {
@@ -73,11 +111,6 @@ impl Offset {
             square += difference * (x - value);
         }
         let deviation = (square / (samples.max(2) - 1) as f64).sqrt();
-        (samples >= FEWEST && value.is_finite() && deviation.is_finite()).then_some(Self {
-            value,
-            deviation,
-            samples,
-            source,
-        })
+        Self { value, deviation, samples, source }
     }
 }

@@ -66,6 +66,8 @@ pub enum QualityIssue {
         time_s: f64,
         /// Number of such samples in a row.
         samples: usize,
+        /// True if the first is infinite, which stands for an overload; else it is missing.
+        infinite: bool,
     },
     /// The record ended inside the hit.
     Truncated {
@@ -110,6 +112,9 @@ impl fmt::Display for QualityIssue {
             }
             Self::Dropout { channel, samples, value, .. } => {
                 write!(f, "dropout: the {channel} stays at {value} for {samples} samples")
+            }
+            Self::NotFinite { channel, samples, infinite: true, .. } => {
+                write!(f, "overload: {samples} samples of the {channel} are infinite")
             }
             Self::NotFinite { channel, samples, .. } => {
                 write!(f, "dropout: {samples} samples of the {channel} are not finite")
@@ -244,6 +249,7 @@ pub(crate) fn issues_with_force(
             channel,
             time_s: hit.time(run.first),
             samples: run.samples,
+            infinite: run.value.is_infinite(),
         };
         let flat = overloads(samples, options.flat_samples, full_scale);
         let is_clipped = |found: SampleRun| QualityIssue::Clipped {
@@ -259,7 +265,11 @@ pub(crate) fn issues_with_force(
         issues.extend(dropouts.into_iter().map(dropout));
         issues.extend(not_finite(samples).into_iter().map(not_finite_run));
         if let HitChannel::Response(_) = channel {
-            issues.extend(undecayed(channel, samples, options.undecayed_ratio));
+            let mut about_rest = samples.clone();
+            if let Some(offset) = Offset::of_response(samples, hit.trigger) {
+                offset.remove(&mut about_rest);
+            }
+            issues.extend(undecayed(channel, &about_rest, options.undecayed_ratio));
         }
     }
     if hit.missing > 0 {

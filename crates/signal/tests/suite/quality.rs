@@ -148,8 +148,13 @@ fn each_fault_is_reported() {
     lost[77..79].fill(f64::NAN);
     let issues = issues_of(&force, &lost);
     let time_s = 77.0 / RATE;
-    let expected = QualityIssue::NotFinite { channel: HitChannel::Response(0), time_s, samples: 2 };
-    assert_eq!(issues, [expected]);
+    let channel = HitChannel::Response(0);
+    let not_finite = |infinite| QualityIssue::NotFinite { channel, time_s, samples: 2, infinite };
+    assert_eq!(issues, [not_finite(false)]);
+    lost[77..79].fill(f64::NEG_INFINITY);
+    let issues = issues_of(&force, &lost);
+    assert!(issues.contains(&not_finite(true)), "{issues:?}");
+    assert!(issues[0].to_string().starts_with("overload"), "{issues:?}");
 
     let short = &response[..800];
     let issues = issues_of(&force[..800], short);

@@ -34,15 +34,22 @@ pub(super) struct ResultFiles {
     /// Version of asperity.
     version: String,
     /// Names of the files, the summary last.
-    files: Vec<String>,
+    pub(super) files: Vec<String>,
 }
 
 /// Kind of the results of a command, by one that has them: those of a scenario share a folder.
 fn kind(command: &str) -> &str {
     match command {
-        "analyse" | "identify" => command,
+        "analyse" | "decay" | "identify" => command,
         _ => "simulate",
     }
+}
+
+/// True for two commands of which one would replace files of the other: those of another kind, and
+/// two with a `summary.json`.
+fn excludes(command: &str, other: &str) -> bool {
+    let has_summary = |command: &str| matches!(command, "simulate" | "steady");
+    kind(command) != kind(other) || command != other && has_summary(command) && has_summary(other)
 }
 
 impl FolderMarker {
@@ -73,9 +80,9 @@ impl FolderMarker {
         self.results.values().flat_map(|result| &result.files)
     }
 
-    /// A command in the folder with results of another kind than those of `command`.
-    pub(super) fn command_of_other_kind(&self, command: &str) -> Option<&str> {
-        self.results.keys().map(String::as_str).find(|other| kind(other) != kind(command))
+    /// A command whose results in the folder cannot be beside those of `command`.
+    pub(super) fn excluded_command(&self, command: &str) -> Option<&str> {
+        self.results.keys().map(String::as_str).find(|other| excludes(command, other))
     }
 
     /// True if the folder has results, and of another document.

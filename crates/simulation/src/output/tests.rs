@@ -72,11 +72,15 @@ fn a_result_replaces_the_earlier_one_of_its_command_and_no_other() {
 
 /// Of two results that share a file name, one would be incomplete.
 #[test]
-fn a_result_with_a_file_of_the_same_name_is_replaced_as_a_whole() {
+fn a_result_with_a_file_of_the_same_name_is_replaced_as_a_whole_on_request() {
     let parent = tempfile::tempdir().unwrap();
     let folder = parent.path().join("out");
     write_result(&request(&folder, "simulate"), SIMULATE, "1");
-    write_result(&request(&folder, "steady"), ["steady.csv", "summary.json"], "2");
+    let steady = request(&folder, "steady");
+    let refused = OutputFolder::claim(&steady).unwrap_err();
+    assert!(matches!(&refused, OutputError::OtherKind { command, .. } if command == "simulate"));
+    let steady = OutputRequest { overwrite: true, ..steady };
+    write_result(&steady, ["steady.csv", "summary.json"], "2");
     assert_eq!(contents(&folder), named(&[("steady.csv", "2"), ("summary.json", "2")]));
 }
 

@@ -9,7 +9,7 @@ use asperity_signal::Complex64;
 use super::exact::{blows, noisy, record};
 use super::hammer::{DAMPING, MASS, NATURAL_HZ};
 use super::store;
-use crate::{answer, number};
+use crate::{answer, asperity, number, text};
 
 /// A row of `frf.csv`: frequency, value, coherence, and whether the force has content.
 struct Line {
@@ -194,8 +194,12 @@ fn doubtful_data_are_named() {
     assert_eq!(notices(&["a.uff", "--band", "700:1000"]), Vec::<String>::new());
     let found = notices(&["a.uff", "b.uff", "--band", "700:1000"]);
     assert!(says(&found, "a.uff and b.uff hold the same bytes"), "{found:?}");
-    let found = notices(&["a.uff", "--band", "700:1000", "--names", "hammer,top,side,base"]);
-    assert!(says(&found, "4 names given for 2 channels; the last 2 are not used"), "{found:?}");
+    for names in ["hammer,top,side,base", "hammer"] {
+        let output = asperity(folder.path(), &["analyse", "a.uff", "--names", names]);
+        let error = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(2));
+        assert!(error.contains("expected 2, one for each channel (`hammer`, `top`)"), "{error}");
+    }
 
     // A weak blow and a strong one whose response is half of the linear.
     let levels = blows(DAMPING, &[10.0, 30.0]);
