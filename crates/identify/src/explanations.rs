@@ -265,6 +265,9 @@ impl Unexplained<'_> {
     fn short_fit(&self, forward: &ScenarioModel, progress: &ProgressCallback<'_>) -> Option<f64> {
         let options = FitOptions { max_iterations: ITERATIONS, ..self.problem.fit_options(1) };
         let found = fit_with_progress(forward, &options, progress).ok()?;
+        if self.problem.work.is_stopped() {
+            return None;
+        }
         Some(found.chi_square + found.prior_chi_square)
     }
 
