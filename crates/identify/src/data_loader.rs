@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 
 use asperity_experiment::{
-    AnalysisOptions, ChannelSelector, ResponseChoice, RigFault, RigSettings, input_files,
+    AnalysisOptions, ChannelSelector, ResponseChoice, RigFault, RigSettings,
 };
 use serde_json::{Map, Value, json};
 
@@ -57,7 +57,7 @@ impl Loader<'_> {
             }
             DataSpec::Records { files, rig, force, response, set, band_hz, spread, .. } => {
                 check_band(&place, *band_hz)?;
-                let files = record_files(folder, files)?;
+                let files = records::record_files(folder, files)?;
                 let mut options = match rig {
                     Some(rig) => rig_options(&place, folder, rig)?,
                     None => AnalysisOptions::default(),
@@ -209,15 +209,6 @@ impl Loader<'_> {
         }
         forces
     }
-}
-
-/// The files that paths, folders and patterns name, relative to `folder`.
-pub(super) fn record_files(
-    folder: &Path,
-    files: &[String],
-) -> Result<Vec<PathBuf>, IdentificationError> {
-    let files: Vec<PathBuf> = files.iter().map(|file| folder.join(file)).collect();
-    Ok(input_files(&files)?)
 }
 
 /// The options that the settings of a rig give.

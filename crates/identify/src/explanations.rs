@@ -21,11 +21,14 @@ use std::f64::consts::PI;
 use crate::error::IdentificationError;
 use crate::given_numbers::GivenNumbers;
 use crate::identification_problem::IdentificationProblem;
-use crate::judgement::CONTRADICTED;
 use crate::observed_quantity::ObservedQuantity;
 use crate::problem::{CandidateSpec, Changes, ParameterSpec};
 use crate::problem_parameters::is_within;
 use crate::scenario_model::ScenarioModel;
+
+/// Distance of a parameter from the mean of its prior, in its standard deviations, from which prior and data
+/// contradict each other.
+pub(super) const CONTRADICTED: f64 = 5.0;
 
 /// Steps of a short fit.
 const ITERATIONS: usize = 8;
@@ -149,7 +152,7 @@ impl Unexplained<'_> {
         change: &[f64],
         [least, greatest]: [f64; 2],
     ) -> Result<(f64, f64), IdentificationError> {
-        let shift = self.linear.0.shift(self.linear.1, change)?;
+        let shift = self.linear.1.shift(self.linear.0, change)?;
         let (mut force, mut information) = (0.0, 0.0);
         for ((row, weight), (d, r)) in
             self.linear.0.weighted().zip(change.iter().zip(&self.best.residuals))
@@ -262,6 +265,9 @@ impl Unexplained<'_> {
     fn short_fit(&self, forward: &ScenarioModel, progress: &ProgressCallback<'_>) -> Option<f64> {
         let options = FitOptions { max_iterations: ITERATIONS, ..self.problem.fit_options(1) };
         let found = fit_with_progress(forward, &options, progress).ok()?;
+        if self.problem.work.is_stopped() {
+            return None;
+        }
         Some(found.chi_square + found.prior_chi_square)
     }
 

@@ -102,7 +102,7 @@ impl GivenNumbers {
             let change: Vec<f64> = (0..observations.len())
                 .map(|i| change(i, [&below, &above]).unwrap_or(0.0))
                 .collect();
-            let moved = linearisation.shift(covariance, &change)?;
+            let moved = covariance.shift(linearisation, &change)?;
             let slope = |gradient: &Vec<f64>| -> f64 {
                 let terms = gradient.iter().zip(&moved);
                 terms.filter(|(g, _)| g.is_finite()).map(|(g, x)| g * x).sum()

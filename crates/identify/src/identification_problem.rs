@@ -7,9 +7,9 @@ use asperity_inference::{FitOptions, Loss};
 use serde::Deserialize;
 use serde_json::{Value, json};
 
-use crate::data_loader::record_files;
 use crate::error::IdentificationError;
 use crate::problem::{DataSpec, LossSpec, ProblemSpec, ScenarioRef, problem_schema};
+use crate::records::record_files;
 use crate::work::Work;
 use asperity_scenario::{Document, ExcitationSpec, InvalidDocument, validate_json};
 use asperity_simulation::provenance::InputFile;

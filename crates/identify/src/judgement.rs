@@ -6,6 +6,7 @@ use asperity_inference::{Agreement, ModelAssessment, ProfileEnd, Strain, StrainK
 use serde::Serialize;
 
 use crate::build::CONSTANT;
+use crate::explanations::CONTRADICTED;
 use crate::identification::Identification;
 use crate::incomplete::IncompleteIdentification;
 use crate::starts::{StartAgreement, starts_at_best};
@@ -87,9 +88,8 @@ pub struct Judgement {
 }
 
 /// Distance of a parameter from the mean of its prior, in its standard deviations, from which care is
-/// needed, and from which prior and data contradict each other.
+/// needed.
 const STRAINED: f64 = 3.0;
-pub(crate) const CONTRADICTED: f64 = 5.0;
 
 /// Distance beyond a bound of the optimum without it, in standard deviations, from which the bound
 /// matters, and from which it carries the result.

@@ -1,7 +1,7 @@
 //! Records of hits: the force as load of the model, and the receptance to compare with.
 
 use std::f64::consts::TAU;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use asperity_signal::{
     Complex64, HitRecord, Offset, Pulse, QualityOptions, ResponseKind, quality_issues,
@@ -10,7 +10,7 @@ use asperity_signal::{
 
 use crate::data_files::ReceptanceLine;
 use crate::error::IdentificationError;
-use asperity_experiment::{AnalysisOptions, for_each_hit};
+use asperity_experiment::{AnalysisOptions, for_each_hit, input_files};
 
 /// Largest number of lines of a receptance.
 const MAX_LINES: f64 = 60.0;
@@ -31,6 +31,15 @@ pub(super) struct RecordedHit {
     pub(super) duration_s: f64,
     /// Its receptance.
     pub(super) lines: Vec<ReceptanceLine>,
+}
+
+/// The files that paths, folders and patterns name, relative to `folder`.
+pub(super) fn record_files(
+    folder: &Path,
+    files: &[String],
+) -> Result<Vec<PathBuf>, IdentificationError> {
+    let files: Vec<PathBuf> = files.iter().map(|file| folder.join(file)).collect();
+    Ok(input_files(&files)?)
 }
 
 /// The valid hits of some files, with their receptances in a band \[Hz\].

@@ -1,6 +1,6 @@
 //! The covariance of the parameters from the curvature at the optimum.
 
-use crate::error::{InferenceError, check_level};
+use crate::error::{InferenceError, check_level, check_size};
 use crate::fit::Fit;
 use crate::goodness::GoodnessOfFit;
 use crate::linear_algebra::{InverseNormal, correlation, inverse_normal};
@@ -105,6 +105,52 @@ impl Covariance {
         let half_width = normal_half_width(level) * self.standard_deviations[parameter];
         let centre = self.centre[parameter];
         Ok([which.from_working(centre - half_width), which.from_working(centre + half_width)])
+    }
+
+    /// Change of the optimum, in working coordinates, where the predictions change by these parts of the
+    /// standard deviations of the observations: `-C J^T W dr` with the Jacobian `J` and this covariance `C`.
+    ///
+    /// # Errors
+    ///
+    /// [`InferenceError::Size`] for another number of observations or parameters.
+    ///
+    /// # Example
+    ///
+    /// A sum of one known and one unknown number that was measured: they compensate.
+    /// ```
+    /// # use asperity_inference::*;
+    /// let model = FunctionModel {
+    ///     parameters: vec![Parameter::linear("x", 0.5, [-100.0, 100.0])?],
+    ///     observations: Observation::list(&[2.0], 0.1),
+    ///     function: |x: &[f64]| vec![x[0] + 1.0],
+    /// };
+    /// let best = fit(&model, &FitOptions::default())?;
+    /// let linearisation = best.linearise()?;
+    /// let covariance = linearisation.covariance(NoiseScale::Given)?;
+    /// // The known number is larger by 0.3, three standard deviations of the sum.
+    /// let moved = covariance.shift(&linearisation, &[3.0])?;
+    /// assert!((moved[0] + 0.3).abs() < 1e-4);
+    /// # Ok::<(), InferenceError>(())
+    /// ```
+    pub fn shift(
+        &self,
+        linearisation: &Linearisation,
+        change: &[f64],
+    ) -> Result<Vec<f64>, InferenceError> {
+        let count = self.matrix.len();
+        check_size("changes of predictions", change.len(), linearisation.jacobian.len())?;
+        check_size("parameters", linearisation.parameters.len(), count)?;
+        let scale = self.noise_factor.powi(2).recip();
+        let mut force = vec![0.0; count];
+        for ((row, weight), change) in
+            linearisation.jacobian.iter().zip(&linearisation.weights).zip(change)
+        {
+            for (sum, entry) in force.iter_mut().zip(row) {
+                *sum += scale * weight * entry * change;
+            }
+        }
+        let moved = |row: &Vec<f64>| -row.iter().zip(&force).map(|(c, f)| c * f).sum::<f64>();
+        Ok(self.matrix.iter().map(moved).collect())
     }
 
     /// Standard deviations of the values, to first order.

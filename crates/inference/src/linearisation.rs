@@ -2,8 +2,7 @@
 
 use rayon::prelude::*;
 
-use crate::covariance::Covariance;
-use crate::error::{InferenceError, check_size};
+use crate::error::InferenceError;
 use crate::fit::Fit;
 use crate::fit_problem::FitProblem;
 use crate::goodness::GoodnessOfFit;
@@ -95,50 +94,6 @@ impl Fit<'_> {
 }
 
 impl Linearisation {
-    /// Change of the optimum, in working coordinates, where the predictions change by these parts of the
-    /// standard deviations of the observations: `-C J^T W dr` with the covariance `C`.
-    ///
-    /// # Errors
-    ///
-    /// [`InferenceError::Size`] for another number of observations or parameters.
-    ///
-    /// # Example
-    ///
-    /// A sum of one known and one unknown number that was measured: they compensate.
-    /// ```
-    /// # use asperity_inference::*;
-    /// let model = FunctionModel {
-    ///     parameters: vec![Parameter::linear("x", 0.5, [-100.0, 100.0])?],
-    ///     observations: Observation::list(&[2.0], 0.1),
-    ///     function: |x: &[f64]| vec![x[0] + 1.0],
-    /// };
-    /// let best = fit(&model, &FitOptions::default())?;
-    /// let linearisation = best.linearise()?;
-    /// let covariance = linearisation.covariance(NoiseScale::Given)?;
-    /// // The known number is larger by 0.3, three standard deviations of the sum.
-    /// let moved = linearisation.shift(&covariance, &[3.0])?;
-    /// assert!((moved[0] + 0.3).abs() < 1e-4);
-    /// # Ok::<(), InferenceError>(())
-    /// ```
-    pub fn shift(
-        &self,
-        covariance: &Covariance,
-        change: &[f64],
-    ) -> Result<Vec<f64>, InferenceError> {
-        let count = self.parameters.len();
-        check_size("changes of predictions", change.len(), self.jacobian.len())?;
-        check_size("parameters of the covariance", covariance.matrix.len(), count)?;
-        let scale = covariance.noise_factor.powi(2).recip();
-        let mut force = vec![0.0; count];
-        for ((row, weight), change) in self.jacobian.iter().zip(&self.weights).zip(change) {
-            for (sum, entry) in force.iter_mut().zip(row) {
-                *sum += scale * weight * entry * change;
-            }
-        }
-        let moved = |row: &Vec<f64>| -row.iter().zip(&force).map(|(c, f)| c * f).sum::<f64>();
-        Ok(covariance.matrix.iter().map(moved).collect())
-    }
-
     /// Rows of the Jacobian, with the robust weights of the residuals.
     pub fn weighted(&self) -> impl Iterator<Item = (&[f64], f64)> {
         self.jacobian.iter().map(Vec::as_slice).zip(self.weights.iter().copied())
