@@ -9,6 +9,7 @@ use asperity_measure::{
 };
 
 use crate::error::AnalysisError;
+use crate::frf_record::parts;
 use crate::input_size::{MAX_CONVERTED_BYTES, check_size};
 use crate::stream::measure_error;
 
@@ -88,6 +89,12 @@ pub fn convert(
                 return Err(AnalysisError::unit(from, channel));
             }
             channel.to_si()?;
+        }
+    }
+    if to_format == Format::Text {
+        for record in &mut records {
+            record.channels =
+                std::mem::take(&mut record.channels).into_iter().flat_map(parts).collect();
         }
     }
     let writing = WriteOptions { replace: options.replace, ..WriteOptions::default() };

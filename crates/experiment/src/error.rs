@@ -174,7 +174,7 @@ pub enum AnalysisError {
         record: usize,
         /// Record of the other channels.
         other: usize,
-        /// Why they are not in one record.
+        /// Reason that they are not in one record.
         reason: String,
     },
     /// An option for a channel that no file has.
@@ -237,7 +237,7 @@ pub enum AnalysisError {
         largest_n: f64,
         /// Robust standard deviation of the force \[N\].
         noise_n: f64,
-        /// What was left out of the records, in words.
+        /// Parts left out of the records, in words.
         remarks: Vec<String>,
     },
     /// Records without a free decay.

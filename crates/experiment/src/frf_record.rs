@@ -69,8 +69,8 @@ impl Analysis {
     }
 }
 
-/// Real and imaginary part of a complex channel.
-fn parts(whole: Channel) -> Vec<Channel> {
+/// Real and imaginary part of a complex channel; a real channel itself.
+pub(crate) fn parts(whole: Channel) -> Vec<Channel> {
     let Samples::Complex(values) = &whole.samples else {
         return vec![whole];
     };

@@ -57,7 +57,7 @@
 //! | `rig` | [`RigSettings`]: a file in place of options |
 //! | `stream` | files, or records in memory, as blocks of force and response in SI |
 //! | `line_up` | channels of one rate with starts apart |
-//! | `other_record`, `near_name` | what else the file holds, for messages |
+//! | `other_record`, `near_name` | for messages: channels in other records, and the nearest name |
 //! | `source_hash` | checksums of files and records |
 //! | `trigger`, `cutting` | trigger level and hit length; blocks to hits |
 //! | `analyse`, `hit_analysis` | [`analyse`]: the two passes, hits for every response |

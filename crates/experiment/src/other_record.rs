@@ -33,7 +33,7 @@ impl RecordAxis {
         }
     }
 
-    /// Why the channels of two records are not in one.
+    /// Reason that the channels of two records are not in one.
     pub(crate) fn reason(&self, other: &Self) -> String {
         let rate = |axis: &Self| match axis.rate_hz {
             Some(rate) => format!("{rate} Hz"),

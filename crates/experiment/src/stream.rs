@@ -156,7 +156,12 @@ impl<'a> SampleStream<'a> {
         self.end_record(file, read.records)?;
         self.note(file, &reader, other_records);
         if read.records == 0 {
-            let (file, expected) = (read.file, "records in time");
+            let expected = if other_records > 0 {
+                "records in time: functions of frequency are no hits, `asperity convert` reads them"
+            } else {
+                "records in time"
+            };
+            let file = read.file;
             return Err(MeasureError::NoSamples { file, expected }.into());
         }
         Ok(read)

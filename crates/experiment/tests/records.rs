@@ -1,4 +1,4 @@
-//! What the analysis makes of records with offsets, starts apart, several records and bad samples.
+//! Records with offsets, starts apart, several parts and bad samples.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
@@ -237,4 +237,29 @@ fn notices_of_many_files_are_said_once() {
     let no_unit: Vec<&String> = notices.iter().filter(|one| one.contains("has no unit")).collect();
     assert_eq!(no_unit.len(), 1, "{notices:?}");
     assert!(no_unit[0].contains("k0.csv and 3 more: channel `note` has no unit"), "{no_unit:?}");
+}
+
+/// Functions of a universal file become real and imaginary parts in a text.
+#[test]
+fn functions_of_frequency_are_converted() {
+    let folder = tempfile::tempdir().unwrap();
+    let (force, response) = hit_mode(1);
+    let hits = store(&folder, "l.csv", &text(&force, &response, 0));
+    let options = AnalysisOptions { keep_frfs: true, ..AnalysisOptions::default() };
+    let analysis = analyse(&[hits], &options).unwrap();
+    let record = analysis.frf_record(false);
+    let (uff, csv) = (folder.path().join("l.uff"), folder.path().join("l2.csv"));
+    let writing = asperity_measure::WriteOptions::default();
+    let format = asperity_measure::Format::UniversalBinary;
+    asperity_measure::write(&uff, std::slice::from_ref(&record), format, &writing).unwrap();
+    let done = convert(&uff, &csv, &asperity_experiment::ConvertOptions::default()).unwrap();
+    assert_eq!(done.records, 1);
+    let read = asperity_measure::read(&csv, &ReadOptions::default()).unwrap();
+    let asperity_measure::Samples::Complex(values) = &record.channels[0].samples else {
+        panic!("a function")
+    };
+    let real: Vec<f64> = values.iter().map(|value| value.re).collect();
+    assert_eq!(read.records[0].channels[0].samples.real(), Some(&real[..]));
+    let error = only(&uff, &AnalysisOptions::default()).unwrap_err().to_string();
+    assert!(error.contains("functions of frequency are no hits"), "{error}");
 }

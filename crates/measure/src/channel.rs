@@ -234,6 +234,12 @@ impl FrfUnits {
         Some(Self { response: Unit::si(response)?, excitation: Unit::si(excitation)? })
     }
 
+    /// The units of a quotient such as `m/s^2/N`; `None` for other texts.
+    pub fn parse(text: &str) -> Option<Self> {
+        let (response, excitation) = text.trim().rsplit_once('/')?;
+        Some(Self { response: Unit::parse(response)?, excitation: Unit::parse(excitation)? })
+    }
+
     /// Text of the quotient, such as `m/s^2/N`.
     pub fn text(&self) -> String {
         format!("{}/{}", self.response.symbol(), self.excitation.symbol())

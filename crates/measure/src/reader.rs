@@ -8,7 +8,7 @@ use crate::memory::MemoryRecords;
 use crate::notice::Notices;
 use crate::source::Source;
 use crate::{
-    ByteStream, ChannelQuantity, ChannelUnit, Format, MeasureError, Measurement, Notice,
+    ByteStream, ChannelQuantity, ChannelUnit, Format, FrfUnits, MeasureError, Measurement, Notice,
     ReadOptions, Record, Unit,
 };
 
@@ -244,6 +244,13 @@ impl<'a> Reader<'a> {
                 }
                 ChannelUnit::Missing => {
                     self.notices.add(Notice::UnitMissing { channel: name() });
+                }
+                ChannelUnit::Unrecognised(text)
+                    if channel.abscissa.quantity() == ChannelQuantity::Frequency
+                        && FrfUnits::parse(text).is_some() =>
+                {
+                    let units = FrfUnits::parse(text);
+                    channel.origin.frf = channel.origin.frf.or(units);
                 }
                 ChannelUnit::Unrecognised(text) => {
                     let text = text.clone();

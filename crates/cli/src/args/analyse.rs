@@ -333,15 +333,22 @@ impl SourceOptions {
             ArrayAxis::First => SampleAxis::First,
             ArrayAxis::Last => SampleAxis::Last,
         });
-        let or = |given: &[String], known: &[String]| {
-            if given.is_empty() { known.to_vec() } else { given.to_vec() }
+        // Those of a rig may be of the first channels only.
+        let given = self.names.len().max(self.units.len());
+        let or = |own: &[String], known: &[String]| {
+            if !own.is_empty() {
+                return own.to_vec();
+            }
+            let mut known = known.to_vec();
+            known.resize(if known.is_empty() { 0 } else { given.max(known.len()) }, String::new());
+            known
         };
         ReadOptions {
             sample_rate_hz: self.rate.or(options.sample_rate_hz),
             sample_axis: axis.or(options.sample_axis),
             names: or(&self.names, &options.names),
             units: or(&self.units, &options.units),
-            complete: !self.names.is_empty() || !self.units.is_empty(),
+            complete: given > 0,
             invalid_cells: self.invalid_cells.map_or(options.invalid_cells, |taken| match taken {
                 CellsTaken::Refuse => InvalidCells::Refuse,
                 CellsTaken::Dropout => InvalidCells::Dropout,

@@ -184,7 +184,8 @@ fn formats_and_units_of_one_record_agree() {
     convert(&["a.uff", "d.unv", "--to", "uff-ascii"]);
     convert(&["c.csv", "e.uff", "--si"]);
     let hits = |file: &str| {
-        let found = answer(folder.path(), &["analyse", file, "--json", "--out", "a"]);
+        let found =
+            answer(folder.path(), &["analyse", file, "--json", "--out", "a", "--overwrite"]);
         found["hits"].as_array().unwrap().clone()
     };
     let exact = hits("a.uff");
@@ -228,7 +229,7 @@ fn what_a_file_does_not_say_is_given() {
     store(folder.path(), "bare.uff", unnamed, Format::UniversalBinary);
     store(folder.path(), "named.uff", named, Format::UniversalBinary);
     let first = |arguments: &[&str]| {
-        let end = ["--json", "--out", "a"];
+        let end = ["--json", "--overwrite", "--out", "a"];
         let found = answer(folder.path(), &[&["analyse"], arguments, &end].concat());
         let hit = &found["hits"][0];
         (number(hit, "/force_peak_n"), number(hit, "/fundamental/magnitude"))
@@ -277,7 +278,8 @@ fn copies_of_measured_hits_agree() {
     let path = |name: &str| data.join(name).display().to_string();
     let analysed = |files: &[String], more: &[&str]| {
         let files: Vec<&str> = files.iter().map(String::as_str).collect();
-        let options = ["--band", "880:920", "--window", "force", "--json", "--out", "a"];
+        let options =
+            ["--band", "880:920", "--window", "force", "--json", "--overwrite", "--out", "a"];
         answer(folder.path(), &[&["analyse"], &files[..], &options, more].concat())
     };
     let arrays: Vec<String> = (1..=3).map(|n| path(&format!("hit_{n}.npy"))).collect();

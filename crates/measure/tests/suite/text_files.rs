@@ -327,3 +327,13 @@ fn text_in_utf_16() {
         assert_eq!(measured.records[0].sample_rate_hz(), Some(1000.0));
     }
 }
+
+/// The unit of a frequency response function is a quotient.
+#[test]
+fn units_of_frequency_response_functions() {
+    let measured = parsed("frequency_hz,H real [m/s^2/N],H imag [m/s^2/N]\n1,1,0\n2,1,1\n3,0,1\n");
+    let channel = &measured.records[0].channels[0];
+    let units = channel.origin.frf.unwrap();
+    assert_eq!((units.response.symbol(), units.excitation.symbol()), ("m/s^2", "N"));
+    assert_eq!(measured.notices, []);
+}

@@ -35,7 +35,8 @@ fn three_motions_have_one_receptance() {
     let height = 1.0 / (2.0 * MASS * DAMPING * (TAU * NATURAL_HZ).powi(2) * root);
     for (name, unit, _, _, measured) in MOTIONS {
         let file = format!("{name}.uff");
-        let found = answer(folder.path(), &["analyse", &file, "--json", "--out", "a"]);
+        let found =
+            answer(folder.path(), &["analyse", &file, "--json", "--out", "a", "--overwrite"]);
         assert_eq!(found["channels"][1]["unit"], unit);
         assert_eq!(found["channels"][1]["quantity"], name);
         assert_eq!(found["settings"]["measured_form"], measured);

@@ -105,7 +105,16 @@ fn the_second_harmonic_of_the_rig_is_one() {
     }
     let analysed = |files: &[String]| {
         let files: Vec<&str> = files.iter().map(String::as_str).collect();
-        let options = ["--response", "acceleration", "--band", "600:1000", "--out", "a", "--json"];
+        let options = [
+            "--response",
+            "acceleration",
+            "--band",
+            "600:1000",
+            "--out",
+            "a",
+            "--json",
+            "--overwrite",
+        ];
         answer(folder.path(), &[&["analyse"], &files[..], &options[..]].concat())
     };
     let found = analysed(&records);

@@ -17,7 +17,8 @@ fn a_simulated_run_takes_the_same_way() {
         let summary = answer(folder.path(), &[&run[..], &coarse[..]].concat());
         let record = format!("{format}/{file}");
         for (response, tolerance) in [("displacement", tight), ("acceleration", 1e-3)] {
-            let asked = ["analyse", &record, "--response", response, "--json", "--out", "a"];
+            let asked =
+                ["analyse", &record, "--response", response, "--json", "--out", "a", "--overwrite"];
             let found = answer(folder.path(), &asked);
             for (direct, measured) in [
                 ("/fundamental/frequency_hz", "/hits/0/fundamental/frequency_hz"),
