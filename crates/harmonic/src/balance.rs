@@ -2,6 +2,7 @@
 
 mod damped_forces;
 mod friction_loop;
+mod opening;
 mod port_motion;
 #[cfg(test)]
 mod tests;
@@ -13,6 +14,7 @@ use crate::fourier::{Fourier, amplitude_of};
 use crate::{Compliance, ContactSystem, Dual, MeanBalance};
 use damped_forces::DampedForces;
 use friction_loop::{ContactForce, FEWEST_SAMPLES, FrictionLoop};
+use opening::{Crossing, Opening};
 
 /// Frequency, anti-damping and force of a periodic motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -69,6 +71,9 @@ pub(crate) struct Balance<'a> {
     damped: Option<DampedForces>,
     /// Of each friction element.
     loops: Vec<FrictionLoop>,
+    /// Of each contact.
+    openings: Vec<Option<Opening>>,
+    crossings: Vec<Crossing>,
 }
 
 impl<'a> Balance<'a> {
@@ -106,6 +111,8 @@ impl<'a> Balance<'a> {
                     FrictionLoop::new(friction, pair, contact, &fourier)
                 })
                 .collect(),
+            openings: system.contacts().iter().map(Opening::of).collect(),
+            crossings: Vec::new(),
             fourier,
         }
     }
@@ -148,6 +155,10 @@ impl<'a> Balance<'a> {
                 self.system.damped_forces(i, (closures, rates), found);
             } else {
                 self.system.forces(i, closures, force_samples, tangents);
+                self.crossings.clear();
+                if let Some(opening) = &self.openings[i] {
+                    opening.correct(closures, force_samples, &mut self.crossings);
+                }
             }
             let force = &mut self.forces[i * terms..(i + 1) * terms];
             self.fourier.analyse(force_samples, force);
@@ -162,6 +173,7 @@ impl<'a> Balance<'a> {
             let square = terms * terms;
             let product = &mut self.products[i * square..(i + 1) * square];
             self.fourier.product(&self.tangent_series, product);
+            self.crossings.iter().for_each(|crossing| crossing.add_to(&self.fourier, product));
             if let Some(damped) = &mut self.damped
                 && !damped.differentiate(&self.fourier, i, found.0, product)
             {

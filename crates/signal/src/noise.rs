@@ -216,7 +216,7 @@ mod tests {
     #[test]
     fn padding_and_unresolved_tails_are_told_apart() {
         let decay = |n: usize| (-0.01 * n as f64).exp() * (0.3 * n as f64).cos();
-        let noise = |n: usize| 1e-3 * ((n as u32).wrapping_mul(2_654_435_761) % 1000) as f64;
+        let noise = |n: usize| 1e-3 * f64::from((n as u32).wrapping_mul(2_654_435_761) % 1000);
         let noisy: Vec<f64> = (0..1000).map(|n| decay(n) + noise(n)).collect();
         let whole = MeasuredPart::of(&noisy);
         assert_eq!((whole.measured, whole.resolved), (1000, 0.0));

@@ -1,10 +1,15 @@
 //! A second method: the single mass integrated in time until it is steady.
 
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
-use asperity_harmonic::PeriodicResponse;
+use asperity_harmonic::{
+    Continuation, Floquet, FourierResolution, HarmonicSettings, LawEvaluation, PeriodicResponse,
+    SpecialPointKind, trace,
+};
+use asperity_law::Constant;
 
-use crate::rigs::{AREA, Law, MASS, PRESSURE};
+use crate::rigs::{AREA, Law, MASS, PRESSURE, mass_on, natural_frequency, rate_on};
 
 /// `m u'' + m h u' + S (p - p0) = F cos(w t)`, by the classical Runge-Kutta method, 400 steps a
 /// period: its error is below 1e-9 there.
@@ -69,4 +74,52 @@ pub(crate) fn state_of(response: &PeriodicResponse) -> [f64; 2] {
         .map(|(k, u)| -u.im * k * response.angular_frequency)
         .sum();
     [response.displacement_at(0.0), velocity]
+}
+
+/// A mass on a spring that only pushes, the plainest contact that opens: branches over its resonance complete from
+/// a twentieth to a third of the weight, with two folds, and 2 % above the lower one the response of the upper part is that of integration in time within 0.1 %.
+#[test]
+fn a_mass_on_a_spring_that_only_pushes_has_whole_branches() {
+    let law: Law = Arc::new(Constant::unilateral(1e12).unwrap());
+    let system = mass_on(&law, LawEvaluation::default());
+    let rate = rate_on(&law);
+    let natural = natural_frequency(&law);
+    let weight = MASS * 9.81;
+    for share in [0.05, 0.1, 0.3] {
+        let force = share * weight;
+        let range = Continuation::Frequency { force, from: 0.4 * natural, to: 1.5 * natural };
+        let settings = HarmonicSettings {
+            resolution: FourierResolution::Automatic { tolerance: 1e-5, most: 30 },
+            stability: Some(Floquet::default()),
+            ..HarmonicSettings::default()
+        };
+        let branch = trace(&system, &range, &settings).unwrap();
+        assert!(branch.is_complete(), "{share}: {:?}", branch.termination);
+        let opens = branch.points.iter().any(PeriodicResponse::contact_lost);
+        // 7 % of the weight opens the contact at resonance.
+        assert_eq!(opens, share > 0.07, "{share}");
+        let folds = branch.of_kind(SpecialPointKind::Fold).map(PeriodicResponse::frequency_hz);
+        let folds: Vec<f64> = folds.collect();
+        assert_eq!(folds.len(), if opens { 2 } else { 0 }, "{share}");
+        // Next to the fold transients hardly decay.
+        let lowest = 1.02 * folds.iter().copied().fold(f64::INFINITY, f64::min);
+        let away = |point: &&PeriodicResponse| {
+            point.stable() == Some(true) && (!opens || point.frequency_hz() > lowest)
+        };
+        let highest = branch.points.iter().filter(away);
+        let point = highest.max_by(|a, b| a.amplitude(1).total_cmp(&b.amplitude(1))).unwrap();
+        let motion = Motion { law: &law, rate, force, frequency: point.frequency_hz() };
+        let series = &point.closures;
+        let w = point.angular_frequency;
+        let (mut u, mut v) = (series[0], 0.0);
+        for (k, pair) in (1..).map(f64::from).zip(series[1..].chunks_exact(2)) {
+            u += pair[0];
+            v += k * w * pair[1];
+        }
+        let found = motion.settled([u, v], 40, 2);
+        assert!((found[0] / point.amplitude(1) - 1.0).abs() < 1e-3, "{share}: {found:?}");
+        if opens {
+            assert!((found[1] / point.amplitude(2) - 1.0).abs() < 1e-2, "{share}: {found:?}");
+        }
+    }
 }

@@ -5,7 +5,9 @@ use num_complex::Complex64;
 use std::f64::consts::TAU;
 
 /// Degree of the polynomials in time of one mode's phase and logarithm of its amplitude.
-const DEGREE: usize = 4;
+const DEGREE: i32 = 4;
+/// Fewest samples.
+const FEWEST: usize = 16;
 /// Samples over the width of the band.
 const PER_WIDTH: f64 = 4.0;
 /// Fewest beats in the decay.
@@ -59,7 +61,7 @@ impl BeatSearch {
         let step = stride as f64 / self.sample_rate_hz;
         let kept: Vec<Complex64> = signal.iter().step_by(stride).copied().collect();
         let count = kept.len();
-        if count < 4 * DEGREE || kept.iter().any(|value| value.norm() == 0.0) {
+        if count < FEWEST || kept.iter().any(|value| value.norm() == 0.0) {
             return None;
         }
         let heights: Vec<f64> = kept.iter().map(|value| value.norm().ln()).collect();
@@ -119,7 +121,7 @@ fn residual(values: &[f64]) -> Vec<f64> {
     let x = |n: usize| 2.0 * (n as f64 + 0.5) / count as f64 - 1.0;
     let column = |degree: i32| (0..count).map(|n| x(n).powi(degree)).collect();
     let mut rest = values.to_vec();
-    for (own, square) in orthogonal((0..=DEGREE as i32).map(column), &vec![1.0; count]) {
+    for (own, square) in orthogonal((0..=DEGREE).map(column), &vec![1.0; count]) {
         let share = rest.iter().zip(&own).map(|(a, b)| a * b).sum::<f64>() / square;
         rest.iter_mut().zip(&own).for_each(|(a, b)| *a -= share * b);
     }

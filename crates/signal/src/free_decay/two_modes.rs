@@ -145,7 +145,7 @@ fn power(values: &[Complex64]) -> f64 {
 fn one_mode_misfit(values: &[Complex64]) -> f64 {
     let count = values.len();
     let quarter = count / 4;
-    let [early, late] = [&values[..quarter], &values[count - quarter..]].map(|part| power(part));
+    let [early, late] = [&values[..quarter], &values[count - quarter..]].map(power);
     // Between the middles of the first and the last quarter.
     let fall = 0.5 * (early / late).ln() / (count - quarter) as f64;
     let mut turned = 0.0;
