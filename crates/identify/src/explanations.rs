@@ -1,4 +1,4 @@
-//! What would explain the data better: changes of the model, ranked by their score and tried in short fits.
+//! Changes of the model that would explain the data better, ranked by their score and tried in short fits.
 //!
 //! A number t that the model does not have, or has as given, lowers chi-square by about
 //!

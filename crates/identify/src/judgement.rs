@@ -24,7 +24,7 @@ pub enum Usability {
     No,
 }
 
-/// What a reason is about.
+/// Subject of a reason.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
@@ -66,7 +66,7 @@ pub enum ReasonKind {
 /// A reason of a judgement.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Reason {
-    /// What it is about.
+    /// Subject.
     pub kind: ReasonKind,
     /// The use that it allows; a remark allows all.
     #[serde(rename = "use")]

@@ -29,7 +29,7 @@
 //! | `correlation` | correlation of residuals, which widens what rests on a misfit |
 //! | `explanations` | changes of the model that would explain the data better |
 //! | `checks` | agreement with the data, as a whole and in groups |
-//! | `judgement` | whether the law may be used, and the reasons |
+//! | `judgement` | the use that the law allows, and the reasons |
 //! | `starts` | agreement of the starts of the fit |
 //! | `work`, `incomplete` | progress of the whole, requests to stop, the result until then |
 //! | `conclusions`, `report` | conclusions in sentences; JSON and tables |
