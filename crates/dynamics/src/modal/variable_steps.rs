@@ -18,6 +18,10 @@
 //! | [`integration`] | a case on its way: its steps and their lengths |
 //! | [`contact_solve`] | closures and tractions at the end of a step |
 //! | [`measures`] | extremes, times without contact, mean stiffness and energies |
+#![allow(
+    clippy::needless_range_loop,
+    reason = "rows and columns of small square matrices by index"
+)]
 
 mod contact_solve;
 mod integration;

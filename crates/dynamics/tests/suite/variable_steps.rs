@@ -217,7 +217,7 @@ fn responses_at_steps_of_their_own_do_not_depend_on_other_cases() {
     };
     let together = run(&cases);
     for (case, found) in cases.iter().zip(&together) {
-        assert_eq!(run(std::slice::from_ref(case)), [found.clone()]);
+        assert_eq!(&run(std::slice::from_ref(case))[0], found);
     }
     assert_ne!(together[1], together[3]);
 }

@@ -78,6 +78,17 @@ pub(crate) fn contact_is_lost(contacts: &[ContactExtremes]) -> bool {
     contacts.iter().any(|contact| contact.lost > 0.0)
 }
 
+/// Lengths of the steps of a response.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum StepLengths {
+    /// Equal, until contact is seen to be lost.
+    Equal,
+    /// Equal in any case: the step is given, there is friction, or steps of its own have failed.
+    AlwaysEqual,
+    /// Of its own, short where contact opens and closes.
+    Own,
+}
+
 /// A request, its level, and the responses at it.
 #[derive(Debug)]
 pub(super) struct Task<'a> {
@@ -92,10 +103,7 @@ pub(super) struct Task<'a> {
     /// True for a reference run, whose level is the level of many runs.
     is_reference: bool,
     pub(super) level: Level,
-    /// True once contact was lost: the steps are then short where it opens and closes.
-    varies_steps: bool,
-    /// False where the step is given, with friction, and where steps of its own failed.
-    may_vary_steps: bool,
+    steps: StepLengths,
     /// Successive levels without a response.
     failures: usize,
     pub(super) fine: Option<Result<Response, SimulationError>>,
@@ -134,8 +142,11 @@ impl<'a> Task<'a> {
             modes_are_given: modal.modes_per_body.is_some(),
             is_reference: false,
             level: Level::default(),
-            varies_steps: false,
-            may_vary_steps: modal.step.is_none() && case.model.preloaded().friction().is_none(),
+            steps: if modal.step.is_some() || case.model.preloaded().friction().is_some() {
+                StepLengths::AlwaysEqual
+            } else {
+                StepLengths::Equal
+            },
             failures: 0,
             fine: None,
             other: None,
@@ -159,7 +170,7 @@ impl<'a> Task<'a> {
         level: Level,
         load: LoadCase,
     ) -> Result<TransientCase, SimulationError> {
-        let (parts, tolerance) = if self.varies_steps {
+        let (parts, tolerance) = if self.varies_steps() {
             // Long steps serve the output alone.
             let halvings = level.step.max(0) / 2;
             (f64::from(halvings).exp2(), Some(FIRST_TOLERANCE / 16.0_f64.powi(level.step)))
@@ -188,7 +199,7 @@ impl<'a> Task<'a> {
     /// True for a response that loses contact at equal steps and may have steps of its own.
     fn is_open_at_equal_steps(&self) -> bool {
         let Some(Ok(fine)) = &self.fine else { return false };
-        fine.loses_contact() && !self.varies_steps && self.may_vary_steps
+        fine.loses_contact() && self.steps == StepLengths::Equal
     }
 
     /// Begins anew at steps of its own if contact is lost; a reference run, of no use then, is done.
@@ -199,7 +210,7 @@ impl<'a> Task<'a> {
         if self.is_reference {
             self.accept_or_refine();
         } else {
-            (self.varies_steps, self.level, self.fine) = (true, FIRST_VARIED, None);
+            (self.steps, self.level, self.fine) = (StepLengths::Own, FIRST_VARIED, None);
         }
     }
 
@@ -238,11 +249,15 @@ impl<'a> Task<'a> {
             && self.step_errors(fine).relative > SUSPECT_ERROR * self.accuracy()
     }
 
+    fn varies_steps(&self) -> bool {
+        self.steps == StepLengths::Own
+    }
+
     /// True if half the step, after a response of so many `taken` steps and `modes`, is within the limits of
     /// work.
     fn may_halve(&self, taken: usize, modes: usize) -> bool {
-        let steps = 2.0 * self.steps(taken);
-        let most = if self.varies_steps { MOST_TOLERANCES } else { MOST_REFINEMENTS };
+        let steps = 2.0 * self.step_count(taken);
+        let most = if self.varies_steps() { MOST_TOLERANCES } else { MOST_REFINEMENTS };
         !self.step_is_given
             && self.level.step < most
             && steps <= MOST_STEPS
@@ -255,13 +270,13 @@ impl<'a> Task<'a> {
         let more = Level { modes: self.level.modes + 1, ..self.level };
         !self.modes_are_given
             && self.level.modes < MOST_REFINEMENTS
-            && self.steps(taken) * 2.0 * modes as f64 <= self.most_work()
+            && self.step_count(taken) * 2.0 * modes as f64 <= self.most_work()
             && self.counts_at(more) != self.counts_at(self.level)
     }
 
     /// Steps of the level, or those that a response has `taken` if they are more.
-    fn steps(&self, taken: usize) -> f64 {
-        let parts = if self.varies_steps { 1.0 } else { f64::from(self.level.step).exp2() };
+    fn step_count(&self, taken: usize) -> f64 {
+        let parts = if self.varies_steps() { 1.0 } else { f64::from(self.level.step).exp2() };
         (self.duration / self.first_step * parts).max(taken as f64)
     }
 
@@ -288,7 +303,7 @@ impl<'a> Task<'a> {
         // slip. At steps of its own, of about the root of the tolerance.
         let kinks = fine.loses_contact() || other.loses_contact() || fine.has_friction();
         let divisor = match (self.compares_with_half(), kinks) {
-            _ if self.varies_steps => 2.0,
+            _ if self.varies_steps() => 2.0,
             (false, false) => 3.0,
             (false, true) => 1.0,
             (true, false) => 0.75,
@@ -324,7 +339,7 @@ impl<'a> Task<'a> {
     /// Upper bound of the errors by modes that are too fast for the fine response and for the response of
     /// another step.
     fn fast_mode_errors(&self, fine: &Response) -> ErrorEstimate {
-        if self.varies_steps {
+        if self.varies_steps() {
             // Steps are short until modes too fast for longer ones are at rest.
             return ErrorEstimate::of_share(fine.observables.all(), 0.0, self.accuracy());
         }
@@ -370,9 +385,9 @@ impl<'a> Task<'a> {
         match self.fine.take() {
             None => {}
             // Equal steps, however short, take what steps of its own do not.
-            Some(Err(_)) if self.varies_steps => {
-                (self.varies_steps, self.may_vary_steps) = (false, false);
-                (self.level, self.other, self.fewer) = (Level::default(), None, None);
+            Some(Err(_)) if self.varies_steps() => {
+                (self.steps, self.level) = (StepLengths::AlwaysEqual, Level::default());
+                (self.other, self.fewer) = (None, None);
             }
             Some(Err(error))
                 if self.failures < MOST_FAILURES

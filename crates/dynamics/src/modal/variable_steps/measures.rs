@@ -127,9 +127,9 @@ impl ContactMeasure {
                 }
                 let root = 0.5 * (low + high);
                 if begins {
-                    pressed_to = root
+                    pressed_to = root;
                 } else {
-                    pressed_from = root
+                    pressed_from = root;
                 }
                 self.open += step * (to - from - (pressed_to - pressed_from));
             }
