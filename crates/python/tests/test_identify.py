@@ -116,6 +116,7 @@ def test_the_law_is_found_and_used(
     assert found.posterior.rows == len(found.draws["draws"])
 
 
+@pytest.mark.filterwarnings("ignore::asperity.JudgementWarning")
 def test_an_analysis_enters_without_a_file(tmp_path: Path) -> None:
     hits = []
     for peak in (6.0, 24.0):

@@ -59,6 +59,7 @@ def slow_scenario() -> asperity.Scenario:
     )
 
 
+@pytest.mark.filterwarnings("ignore::asperity.AccuracyWarning")
 def test_progress_rises_to_one() -> None:
     told: list[float] = []
     asperity.simulate(SCENARIOS / "nouira2020-power.json", progress=told.append)
@@ -79,6 +80,7 @@ def test_a_progress_function_that_is_none_is_an_error() -> None:
         asperity.simulate(SCENARIOS / "nouira2020-power.json", progress=3)  # type: ignore[arg-type]
 
 
+@pytest.mark.filterwarnings("ignore::asperity.AccuracyWarning")
 def test_threads_that_call_at_once_get_the_same_result() -> None:
     path = SCENARIOS / "nouira2020-power.json"
     alone = asperity.simulate(path)

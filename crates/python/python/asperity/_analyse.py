@@ -14,13 +14,14 @@ from numpy.typing import NDArray
 
 from . import _arrays, _asperity
 from ._measurement import sources, texts
+from ._result import Result
 from ._table import Table
 
 Rig = str | os.PathLike[str] | dict[str, Any]
 
 
-@dataclass(frozen=True)
-class ResponseAnalysis:
+@dataclass(frozen=True, eq=False)
+class ResponseAnalysis(Result):
     """Results of an analysis for one response.
 
     Attributes
@@ -58,8 +59,8 @@ class ResponseAnalysis:
         return "".join(figure.svg() for figure in self.figures.values())
 
 
-@dataclass(frozen=True)
-class Analysis:
+@dataclass(frozen=True, eq=False)
+class Analysis(Result):
     """Results of an analysis of hits; those without a response's name are of the first response.
 
     Attributes
@@ -323,8 +324,8 @@ def analyse(
     return Analysis(responses, _arrays.table(found["modes"]), found["frfs"])
 
 
-@dataclass(frozen=True)
-class DecayAnalysis:
+@dataclass(frozen=True, eq=False)
+class DecayAnalysis(Result):
     """Results of an analysis of free decays.
 
     Attributes

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import warnings
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
@@ -14,6 +15,7 @@ from . import _arrays, _asperity
 from ._json import text_of
 from ._simulate import ScenarioLike
 from ._table import Table
+from ._warning import AsperityWarning, tell
 
 Values = str | Sequence[Any] | NDArray[Any]
 
@@ -39,6 +41,9 @@ class Sweep(Table):
         super().__init__(columns)
         self.figure = figure
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.to_dict(), self.figure)
+
     @property
     def failed(self) -> int:
         """Number of runs that failed."""
@@ -61,7 +66,8 @@ def sweep(
 
     Runs go over all cores; modal ones many at a time in the lanes of vectors. Results do not depend
     on the number of threads. A run that fails does not end the others: its error is in its row, and
-    a RuntimeWarning tells the number of such runs.
+    an `AsperityWarning` tells the number of such runs. For each kind of warning in the
+    column ``warnings`` one warning of Python tells the number of its runs.
 
     Parameters
     ----------
@@ -120,7 +126,12 @@ def sweep(
     if found.failed:
         first = int(np.flatnonzero(found["error"])[0])
         text = f"{found.failed} of {found.rows} runs failed; row {first}: {found['error'][first]}"
-        warnings.warn(text, RuntimeWarning, stacklevel=2)
+        warnings.warn(text, AsperityWarning, stacklevel=2)
+    kinds = Counter(kind for text in found["warnings"].tolist() for kind in text.split())
+    tell(
+        (kind, f"{runs} of {found.rows} runs; the column 'warnings' names them")
+        for kind, runs in kinds.items()
+    )
     return found
 
 
