@@ -5,9 +5,11 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::PathBuf;
 
 use asperity_figure::{FigureError, svg_to_pdf, svg_to_png};
-use pyo3::exceptions::{PyOSError, PyRuntimeError, PyValueError};
+use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
+
+use crate::exception;
 
 /// Resolution of PNG, 300 dots per inch.
 const PIXELS_PER_MM: f64 = 300.0 / 25.4;
@@ -96,7 +98,7 @@ impl PyFigure {
         };
         let bytes = bytes.map_err(|error| failed(&error))?;
         std::fs::write(&path, bytes)
-            .map_err(|error| PyOSError::new_err(format!("{}: {error}", path.display())))
+            .map_err(|error| exception::of_io(&error, format!("{}: {error}", path.display())))
     }
 
     fn _repr_svg_(&self, py: Python<'_>) -> String {

@@ -149,7 +149,7 @@ def steady(
     ScenarioError
         If the scenario is not valid.
     TypeError
-        If the amplitudes are not real numbers.
+        If the amplitudes or frequencies are not real numbers.
     ValueError
         If the request is out of range.
     ComputationError
@@ -157,8 +157,8 @@ def steady(
     """
     asked = {
         "amplitudes_n": column(np.atleast_1d(numbers(amplitudes_n, "amplitudes_n")), "amplitudes_n"),
-        "from_hz": from_hz,
-        "to_hz": to_hz,
+        "from_hz": _arrays.number("from_hz", from_hz),
+        "to_hz": _arrays.number("to_hz", to_hz),
         "harmonics": None if harmonics is None else _arrays.count("harmonics", harmonics, 1, 400),
         "backbone": bool(backbone),
         "verify": bool(verify),

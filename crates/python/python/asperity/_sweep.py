@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _arrays, _asperity
 from ._json import text_of
+from ._numbers import columns_of, is_frame, is_series, unmasked
 from ._simulate import ScenarioLike
 from ._table import Table
 from ._warning import AsperityWarning, tell
@@ -78,7 +79,8 @@ def sweep(
         are an array, a list of anything that a scenario may hold there, or text as the command
         takes it, such as ``"9:32:24"``.
     rows : mapping
-        Instead of `vary`: arrays or lists of equal lengths by JSON Pointer; run ``i`` takes the
+        Instead of `vary`: arrays or lists of equal lengths by JSON Pointer, or a data frame whose
+        columns have pointers as names; run ``i`` takes the
         value ``i`` of each. An invalid value is an error of its row.
     threads : int, optional
         Number of threads; all cores by default.
@@ -96,9 +98,10 @@ def sweep(
     ScenarioError
         If the scenario, or with `vary` a combination of values, is not valid.
     TypeError
-        If both or none of `vary` and `rows` are given, or values are no array, list or text.
+        If both or none of `vary` and `rows` are given, they are no mapping, or values are no array,
+        list or text.
     ValueError
-        If there is nothing to vary, the lengths of `rows` differ, or the sweep is too large.
+        If a value is masked or not finite, there is nothing to vary, the lengths of `rows` differ, or the sweep is too large.
 
     Examples
     --------
@@ -107,6 +110,12 @@ def sweep(
     """
     if (vary is None) == (rows is None):
         raise TypeError("sweep takes either `vary` or `rows`")
+    if is_frame(rows):
+        rows = columns_of(rows)
+    for name, values in (("vary", vary), ("rows", rows)):
+        if values is not None and not isinstance(values, Mapping):
+            kind = type(values).__name__
+            raise TypeError(f"{name} cannot be of the type {kind}; accepted: a mapping by JSON Pointer")
     cores = _arrays.threads(threads)
     if rows is not None:
         columns = [(_pointer(key), _texts(key, values)) for key, values in rows.items()]
@@ -143,6 +152,10 @@ def _pointer(key: object) -> str:
 
 def _texts(key: str, values: Values) -> list[str]:
     """JSON text of each value; a text that is not JSON stands for itself, as in the command."""
+    if np.ma.is_masked(values):
+        raise ValueError(f"{key}: a masked value cannot be in a scenario")
+    if is_series(values):
+        values = unmasked(values)
     if isinstance(values, np.ndarray) and values.ndim > 0:
         if values.dtype.kind == "f" and values.ndim == 1:
             if not np.all(np.isfinite(values)):

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _asperity
+from ._numbers import columns_of, is_frame, unmasked
 from ._result import same
 
 # Rows that a notebook shows: so many from the start and from the end of a longer table.
@@ -27,8 +28,9 @@ class Table(Mapping[str, NDArray[Any]]):
 
     Parameters
     ----------
-    columns : Mapping
-        One-dimensional arrays, or lists, by name: numbers, integers, truth values or texts.
+    columns : mapping or data frame
+        One-dimensional arrays, or lists, by name: numbers, integers, truth values or texts; or a
+        ``DataFrame`` of pandas or polars.
         Numbers of other widths and byte orders become float64 and int64.
 
     Raises
@@ -44,6 +46,11 @@ class Table(Mapping[str, NDArray[Any]]):
     __slots__ = ("_columns",)
 
     def __init__(self, columns: Mapping[str, ArrayLike]) -> None:
+        if is_frame(columns):
+            columns = {name: unmasked(values) for name, values in columns_of(columns).items()}
+        if not isinstance(columns, Mapping):
+            kind = type(columns).__name__
+            raise TypeError(f"columns cannot be of the type {kind}; accepted: a mapping from names to columns")
         arrays = {name: _column(name, values) for name, values in columns.items()}
         lengths = {len(values) for values in arrays.values()}
         if len(lengths) > 1:
