@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import pickle
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -90,6 +91,23 @@ def test_an_identification_equals_that_of_the_command(
     ):
         written = json.loads((out / f"{name}.json").read_text(encoding="utf-8"))
         assert document == written, name
+
+
+def test_an_identification_is_pickled(
+    solved: tuple[Path, asperity.Identification, list[float]],
+) -> None:
+    _, found, _ = solved
+    other = pickle.loads(pickle.dumps(found))
+    assert other == found
+    assert list(other.figures) == list(found.figures)
+    assert other.draws == found.draws
+
+
+def test_a_scenario_identifies_its_own_numbers(problem: dict[str, Any]) -> None:
+    scenario = asperity.Scenario(problem["scenario"])
+    rest = {key: value for key, value in problem.items() if key not in ("schema", "scenario")}
+    found = scenario.identify(rest, fast=True)
+    assert found.estimates == asperity.identify(problem, fast=True).estimates
 
 
 def test_the_law_is_found_and_used(

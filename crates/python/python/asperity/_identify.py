@@ -106,7 +106,7 @@ def identify(
     Identification
         The law with its band, the fit of the data, and draws from the posterior; ``report["judgement"]``
         states whether the law may be used (``yes``, ``with_care`` or ``no``), with the reasons; a law
-        that may not be used without care is a `JudgementWarning` too.
+        that may not be used without care is a `JudgementWarning` too, but for what `fast` left out.
 
     Raises
     ------
@@ -125,7 +125,7 @@ def identify(
     >>> scenario.with_({"/laws/contact": found.law})                           # doctest: +SKIP
     """
     found = _asperity.identify(problem, folder, progress, bool(fast))
-    _tell(found["report"]["judgement"])
+    _tell(found["report"]["judgement"], fast)
     return _result(found)
 
 
@@ -146,17 +146,21 @@ def identify_in(
     whole = {"schema": "asperity/identify/1", **problem, "scenario": scenario.to_dict()}
     start = scenario.folder if folder is None else folder
     found = _asperity.identify(whole, start, progress, fast)
-    _tell(found["report"]["judgement"])
+    _tell(found["report"]["judgement"], fast)
     return _result(found)
 
 
-def _tell(judgement: dict[str, Any]) -> None:
-    """Warns the caller of the function that calls this one of a law that is not free to use."""
-    words = {"with_care": "may be used with care", "no": "is not to be used"}.get(judgement["use"])
-    if words is not None:
-        reasons = [reason["words"] for reason in judgement["reasons"] if reason["use"] != "yes"]
-        text = f"the result {words}: {' '.join(reasons)}"
-        warnings.warn(text, JudgementWarning, stacklevel=3)
+def _tell(judgement: dict[str, Any], fast: bool) -> None:
+    """Warns the caller of the function that calls this one of a law that is not free to use; what
+    was left out on request is no reason."""
+    reasons = [
+        reason["words"]
+        for reason in judgement["reasons"]
+        if reason["use"] != "yes" and not (fast and reason["kind"] == "incomplete")
+    ]
+    if reasons:
+        words = "is not to be used" if judgement["use"] == "no" else "may be used with care"
+        warnings.warn(f"the result {words}: {' '.join(reasons)}", JudgementWarning, stacklevel=3)
 
 
 def _result(found: dict[str, Any]) -> Identification:
