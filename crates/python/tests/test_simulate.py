@@ -14,6 +14,7 @@ import asperity
 from conftest import SCENARIOS, assert_same_columns, without_times
 
 
+@pytest.mark.filterwarnings("ignore::asperity.AccuracyWarning")
 @pytest.mark.parametrize(
     "name", ["nouira2020-modified", "nouira2020-compliant-disc", "measured-hammer", "three-body"]
 )
@@ -29,6 +30,7 @@ def test_results_equal_those_of_the_command(
     assert_same_columns(run.frf, tmp_path / "out" / "frf.csv")
 
 
+@pytest.mark.filterwarnings("ignore::asperity.AccuracyWarning")
 def test_finite_differences_equal_those_of_the_command(
     command: Callable[..., dict[str, Any]], tmp_path: Path
 ) -> None:
