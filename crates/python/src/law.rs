@@ -87,7 +87,7 @@ impl PyLaw {
         Ok(Self { spec, reference_pa, law })
     }
 
-    /// What equal laws have in common.
+    /// Text and bits that equal laws have in common.
     fn key(&self) -> (String, Option<u64>) {
         (json!(self.spec).to_string(), self.reference_pa.map(f64::to_bits))
     }

@@ -44,7 +44,7 @@ pub(crate) fn in_words<'a>(
     warnings.into_iter().map(|warning| (warning.kind(), warning.to_string())).collect()
 }
 
-/// What one run gives to Python: summary, history, FRF, and warnings.
+/// Results of one run for Python: summary, history, FRF, and warnings.
 type Simulated<'py> =
     (Bound<'py, PyAny>, Shown<'py>, Option<Shown<'py>>, Vec<(&'static str, String)>);
 

@@ -10,6 +10,8 @@ import pytest
 
 import asperity
 from conftest import SCENARIOS
+from test_identify import COEFFICIENT, rig
+from test_warnings import problem as problem_of
 
 RIG = SCENARIOS / "nouira2020-modified.json"
 VARY = {"/excitation/peak_n": [9, 20, 32]}
@@ -25,7 +27,12 @@ def calls(scenario: asperity.Scenario) -> list[Any]:
         scenario.steady([0.2, 0.4], 850, 900, harmonics=3),
         scenario.modes(),
         scenario.simulate(),
+        asperity.analyse(asperity.to_sep005(scenario.simulate().history), response="displacement"),
     ]
+
+
+def law_found(problem: dict[str, Any]) -> asperity.Identification:
+    return asperity.Scenario(rig()).identify(problem, fast=True)
 
 
 def child(scenario: asperity.Scenario, answers: Any) -> None:
@@ -69,5 +76,9 @@ def test_a_pool_of_forked_processes_computes() -> None:
     scenario = asperity.Scenario(RIG).with_({"/method": "modal"})
     scenarios = [scenario.with_({"/excitation/peak_n": peak}) for peak in (9, 20, 32)]
     expected = [asperity.simulate(one) for one in scenarios]
+    problem = problem_of(COEFFICIENT)
+    found = law_found(problem)
     with multiprocessing.get_context("fork").Pool(2) as pool:
         assert pool.map_async(asperity.simulate, scenarios).get(timeout=60) == expected
+        (other,) = pool.map_async(law_found, [problem]).get(timeout=60)
+    assert other.estimates == found.estimates

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-import tempfile
+import secrets
 from pathlib import Path
 from typing import Any
 
@@ -47,22 +47,15 @@ def save(scenario: _asperity.Scenario, path: str | os.PathLike[str], *, overwrit
         raise FileExistsError(f"{target}: the file exists; overwrite=True replaces it")
     document = _moved(scenario.to_dict(), Path(scenario.folder).absolute(), target.absolute().parent)
     # Renamed when it is complete: readers see the old file or the new one.
-    with tempfile.NamedTemporaryFile(
-        "w", encoding="utf-8", newline="\n", dir=target.parent, prefix=".", delete=False
-    ) as file:
-        try:
+    partial = target.with_name(f".{target.name}.{secrets.token_hex(4)}")
+    try:
+        with partial.open("x", encoding="utf-8", newline="\n") as file:
             json.dump(document, file, indent=2, ensure_ascii=False)
             file.write("\n")
-            file.close()
-            # The file of a temporary name is private; that of the user is not.
-            mask = os.umask(0)
-            os.umask(mask)
-            os.chmod(file.name, 0o666 & ~mask)
-            os.replace(file.name, target)
-        except BaseException:
-            file.close()
-            os.unlink(file.name)
-            raise
+        os.replace(partial, target)
+    except BaseException:
+        partial.unlink(missing_ok=True)
+        raise
 
 
 def _moved(value: Any, old: Path, new: Path) -> Any:
